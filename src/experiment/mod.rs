@@ -1,0 +1,8 @@
+//! Whole jobs, still pure: from a checked request and loaded datasets to a result, its artefacts and its warnings.
+//!
+//! `plan` checks a request and says which inputs it needs; the caller loads them; `run` does the work.
+//! No clock, file, thread or network: time is measured and bytes are stored by whoever calls.
+
+pub mod observer;
+pub mod plan;
+pub mod run;

@@ -1,0 +1,42 @@
+//! How a running experiment tells the world where it is, and is asked to stop.
+
+use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
+
+/// The steps of a job, in the order in which they may occur.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Step {
+    Load,
+    Simulate,
+    Associate,
+    Evaluate,
+    Write,
+}
+
+impl Step {
+    pub fn name(self) -> &'static str {
+        match self {
+            Step::Load => "load",
+            Step::Simulate => "simulate",
+            Step::Associate => "associate",
+            Step::Evaluate => "evaluate",
+            Step::Write => "write",
+        }
+    }
+}
+
+/// Told of progress between small pieces of work; its answer decides whether the work goes on.
+pub trait Observer {
+    /// `done` of `total` pieces (scans, targets) of `step` are finished. `Break` stops the job.
+    fn progress(&mut self, step: Step, done: u64, total: u64) -> ControlFlow<()>;
+}
+
+/// Listens to nothing and never stops.
+pub struct Silent;
+
+impl Observer for Silent {
+    fn progress(&mut self, _: Step, _: u64, _: u64) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+}

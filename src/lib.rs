@@ -1,0 +1,23 @@
+//! trackloom: data association, track correlation and track evaluation.
+//!
+//! Layers, each using only those above it in this list:
+//!
+//! - [`model`], [`math`], [`registry`]: words and tools.
+//! - [`simulation`], [`filtering`], [`gating`], [`association`], [`evaluation`], [`formats`]: the steps; siblings do
+//!   not know each other.
+//! - [`tracking`]: a tracker composed of steps. [`experiment`]: whole jobs, pure.
+//! - `service`: HTTP, SQL, the queue, the command line; the only place with a clock, files and threads.
+
+pub mod association;
+pub mod evaluation;
+pub mod experiment;
+pub mod filtering;
+pub mod formats;
+pub mod gating;
+pub mod math;
+pub mod model;
+pub mod registry;
+#[cfg(feature = "service")]
+pub mod service;
+pub mod simulation;
+pub mod tracking;

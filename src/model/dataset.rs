@@ -1,0 +1,91 @@
+//! A dataset: detections, truth or tracks, as read from a file or made by a job.
+
+use super::scan::Recording;
+use super::track::TrackSet;
+use super::truth::TruthSet;
+use serde::{Deserialize, Serialize};
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DatasetKind {
+    Detections,
+    Truth,
+    Tracks,
+}
+
+impl DatasetKind {
+    pub const ALL: [DatasetKind; 3] = [DatasetKind::Detections, DatasetKind::Truth, DatasetKind::Tracks];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            DatasetKind::Detections => "detections",
+            DatasetKind::Truth => "truth",
+            DatasetKind::Tracks => "tracks",
+        }
+    }
+}
+
+/// The content of a dataset.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Dataset {
+    Detections(Recording),
+    Truth(TruthSet),
+    Tracks(TrackSet),
+}
+
+/// What a list of datasets shows of one: its kind, how much is in it, and when.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DatasetSummary {
+    pub kind: DatasetKind,
+    /// Names of the sensors that made the detections; empty where the file does not say.
+    pub sensor_ids: Vec<String>,
+    /// Scans of a recording; 0 for truth and tracks.
+    pub scans: u64,
+    /// Detections, truth points or track points.
+    pub rows: u64,
+    /// Targets named by truth or origins, or tracks.
+    pub objects: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub start_s: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub end_s: Option<f64>,
+}
+
+impl Dataset {
+    pub fn kind(&self) -> DatasetKind {
+        match self {
+            Dataset::Detections(_) => DatasetKind::Detections,
+            Dataset::Truth(_) => DatasetKind::Truth,
+            Dataset::Tracks(_) => DatasetKind::Tracks,
+        }
+    }
+
+    pub fn summary(&self) -> DatasetSummary {
+        let (sensor_ids, scans, rows, objects, times): (Vec<String>, usize, usize, usize, Vec<f64>) = match self {
+            Dataset::Detections(recording) => (
+                recording.sensors.iter().map(|sensor| sensor.sensor_id.clone()).collect(),
+                recording.scans.len(),
+                recording.detections.len(),
+                recording.targets.len(),
+                recording.scans.iter().map(|scan| scan.time_s).collect(),
+            ),
+            Dataset::Truth(truth) => {
+                let times: Vec<f64> = truth.targets().iter().flat_map(|target| target.points.iter().map(|point| point.time_s)).collect();
+                (Vec::new(), 0, times.len(), truth.targets().len(), times)
+            }
+            Dataset::Tracks(set) => {
+                let times: Vec<f64> = set.tracks.iter().flat_map(|track| track.points.iter().map(|point| point.time_s)).collect();
+                (set.sensor_ids.clone(), 0, times.len(), set.tracks.len(), times)
+            }
+        };
+        DatasetSummary {
+            kind: self.kind(),
+            sensor_ids,
+            scans: scans as u64,
+            rows: rows as u64,
+            objects: objects as u64,
+            start_s: times.iter().copied().reduce(f64::min),
+            end_s: times.iter().copied().reduce(f64::max),
+        }
+    }
+}

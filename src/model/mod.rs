@@ -1,0 +1,12 @@
+//! The nouns every other layer speaks: sensors, scans, detections, truth, tracks, scenarios.
+//! Plain values whose constructors check; no algorithm, file, clock or random number lives here.
+
+pub mod dataset;
+pub mod fault;
+pub mod motion;
+pub mod scan;
+pub mod scenario;
+pub mod sensor;
+pub mod state;
+pub mod track;
+pub mod truth;

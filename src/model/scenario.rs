@@ -1,0 +1,62 @@
+//! A scenario: which targets move how, and which sensors watch them. Pure description; `simulation` plays it.
+
+use serde::{Deserialize, Serialize};
+
+/// A scene to simulate. Every sensor makes `scans` scans, one each `scan_period_s`, the first at time 0.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Scenario {
+    pub scans: u32,
+    pub scan_period_s: f64,
+    pub sensors: Vec<ScenarioSensor>,
+    pub targets: TargetPlan,
+}
+
+/// A sensor that reports positions with independent noise on x and y, and uniform clutter in its field of view.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ScenarioSensor {
+    pub sensor_id: String,
+    pub x_m: f64,
+    pub y_m: f64,
+    pub max_range_m: f64,
+    pub p_d: f64,
+    pub sigma_x_m: f64,
+    pub sigma_y_m: f64,
+    /// Mean of the Poisson number of false detections in a scan.
+    pub clutter_per_scan: f64,
+}
+
+impl ScenarioSensor {
+    /// False detections per square metre and scan.
+    pub fn clutter_per_m2(&self) -> f64 {
+        self.clutter_per_scan / (std::f64::consts::PI * self.max_range_m * self.max_range_m)
+    }
+}
+
+/// How the targets are chosen.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum TargetPlan {
+    /// `count` targets, start uniform in a square, heading uniform, speed uniform between two values.
+    Random(RandomTargets),
+    /// Targets written out one by one.
+    Listed { targets: Vec<ListedTarget> },
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RandomTargets {
+    pub count: u32,
+    /// Side of the square around (0, 0) in which targets start.
+    pub area_side_m: f64,
+    pub speed_min_mps: f64,
+    pub speed_max_mps: f64,
+}
+
+/// A target with constant velocity from time 0.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ListedTarget {
+    pub truth_id: String,
+    pub x_m: f64,
+    pub y_m: f64,
+    pub vx_mps: f64,
+    pub vy_mps: f64,
+}

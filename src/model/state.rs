@@ -1,0 +1,28 @@
+//! The kinematic state of a target: position and velocity in the plane, with its covariance.
+
+use nalgebra::{SMatrix, SVector};
+
+/// `[x_m, y_m, vx_mps, vy_mps]`; x points east, y north.
+pub type State = SVector<f64, 4>;
+/// Covariance of [`State`], in the same order and the products of its units.
+pub type Covariance = SMatrix<f64, 4, 4>;
+/// A position `[x_m, y_m]`.
+pub type Position = SVector<f64, 2>;
+/// Covariance of a [`Position`] (m²).
+pub type PositionCovariance = SMatrix<f64, 2, 2>;
+
+/// A Gaussian belief about a target's state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GaussianState {
+    pub mean: State,
+    pub covariance: Covariance,
+}
+
+/// Row and column of each element of the upper triangle, in the order of the CSV columns
+/// `p_xx, p_xy, p_xvx, p_xvy, p_yy, p_yvx, p_yvy, p_vxvx, p_vxvy, p_vyvy`.
+pub const UPPER_TRIANGLE: [(usize, usize); 10] = [(0, 0), (0, 1), (0, 2), (0, 3), (1, 1), (1, 2), (1, 3), (2, 2), (2, 3), (3, 3)];
+
+/// The ten elements of the upper triangle of a symmetric covariance.
+pub fn upper_triangle(covariance: &Covariance) -> [f64; 10] {
+    UPPER_TRIANGLE.map(|(row, column)| covariance[(row, column)])
+}

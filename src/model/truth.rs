@@ -1,0 +1,71 @@
+//! Ground truth: where each target really was.
+
+use super::fault::Fault;
+use super::state::Position;
+
+/// A target's position, and velocity where known, at one time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TruthPoint {
+    pub time_s: f64,
+    pub position_m: Position,
+    pub velocity_mps: Option<Position>,
+}
+
+/// One target: its name and its path, times strictly rising.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Target {
+    pub truth_id: String,
+    pub points: Vec<TruthPoint>,
+}
+
+impl Target {
+    /// Where the target was at `time_s`: the point at that time, else the line between its neighbours if they are
+    /// at most `max_gap_s` apart. `None` outside the path and inside longer gaps.
+    pub fn position_at(&self, time_s: f64, max_gap_s: f64) -> Option<Position> {
+        let after = self.points.partition_point(|point| point.time_s < time_s);
+        let next = self.points.get(after)?;
+        if next.time_s == time_s {
+            return Some(next.position_m);
+        }
+        let last = self.points.get(after.checked_sub(1)?)?;
+        let gap_s = next.time_s - last.time_s;
+        let share = (time_s - last.time_s) / gap_s;
+        (gap_s <= max_gap_s).then(|| last.position_m + (next.position_m - last.position_m) * share)
+    }
+}
+
+/// Every target of a scene.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct TruthSet {
+    targets: Vec<Target>,
+}
+
+impl TruthSet {
+    /// # Errors
+    /// All faults: a name twice, times that do not rise, values that are not finite.
+    pub fn new(targets: Vec<Target>) -> Result<Self, Vec<Fault>> {
+        let mut faults = Vec::new();
+        let mut names = std::collections::BTreeSet::new();
+        for target in &targets {
+            let pointer = format!("/targets/{}", target.truth_id);
+            if !names.insert(target.truth_id.as_str()) {
+                faults.push(Fault::new(pointer.clone(), "duplicate", format!("target '{}' occurs twice", target.truth_id)));
+            }
+            if target.points.windows(2).any(|pair| pair[0].time_s >= pair[1].time_s) {
+                faults.push(Fault::new(pointer.clone(), "unsorted", format!("the times of target '{}' do not rise", target.truth_id)));
+            }
+            if target.points.iter().any(|point| !point.time_s.is_finite() || point.position_m.iter().any(|value| !value.is_finite())) {
+                faults.push(Fault::new(
+                    pointer,
+                    "not_finite",
+                    format!("target '{}' has a value that is not a finite number", target.truth_id),
+                ));
+            }
+        }
+        if faults.is_empty() { Ok(TruthSet { targets }) } else { Err(faults) }
+    }
+
+    pub fn targets(&self) -> &[Target] {
+        &self.targets
+    }
+}

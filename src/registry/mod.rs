@@ -1,0 +1,99 @@
+//! The language in which everything configurable describes itself: one table of fields an object, from which come
+//! the check of a request (every fault at once), its defaults, the catalogue, the OpenAPI document and the forms.
+//!
+//! Reads: nothing but `model::fault`. The tables themselves stand beside what they describe.
+
+mod check;
+mod export;
+
+pub use check::{check, check_field};
+pub use export::{Components, json_schema};
+
+/// A JSON object with known fields; any other field is a fault.
+pub struct Object {
+    /// Name of its schema in the OpenAPI document, in PascalCase.
+    pub name: &'static str,
+    pub summary: &'static str,
+    pub fields: &'static [Field],
+}
+
+pub struct Field {
+    pub name: &'static str,
+    pub summary: &'static str,
+    pub kind: Kind,
+    pub presence: Presence,
+}
+
+pub enum Presence {
+    Required,
+    Optional,
+    /// The value taken when the field is absent, as JSON text.
+    Default(&'static str),
+}
+
+pub enum Kind {
+    Number {
+        min: Bound,
+        max: Bound,
+        unit: &'static str,
+    },
+    Integer {
+        min: i64,
+        max: i64,
+        unit: &'static str,
+    },
+    Text {
+        max_length: usize,
+    },
+    Choice(&'static [&'static str]),
+    Flag,
+    Object(&'static Object),
+    Union(&'static Union),
+    List {
+        item: &'static Kind,
+        min: usize,
+        max: usize,
+    },
+    /// A free map from short names to short texts (labels).
+    TextMap {
+        max_entries: usize,
+        max_length: usize,
+    },
+}
+
+/// The end of a range of numbers.
+#[derive(Clone, Copy)]
+pub enum Bound {
+    None,
+    Including(f64),
+    Excluding(f64),
+}
+
+/// One of several objects, told apart by the text in the field `tag`.
+pub struct Union {
+    pub name: &'static str,
+    pub summary: &'static str,
+    pub tag: &'static str,
+    /// A function, so that a union can read a table of methods.
+    pub variants: fn() -> Vec<Variant>,
+}
+
+#[derive(Clone, Copy)]
+pub struct Variant {
+    pub tag: &'static str,
+    /// The variant's other fields; the tag itself is not among them.
+    pub object: &'static Object,
+}
+
+/// One entry of a family of methods: its name, its parameters, and how it is built from checked parameters.
+pub struct Method<Build> {
+    pub name: &'static str,
+    pub parameters: &'static Object,
+    pub build: Build,
+}
+
+impl<Build> Method<Build> {
+    pub fn variant(&self) -> Variant {
+        Variant { tag: self.name, object: self.parameters }
+    }
+}
