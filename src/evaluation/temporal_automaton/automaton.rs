@@ -76,6 +76,7 @@ fn keep_best_of_each_state(states: &mut Vec<(u32, f64)>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     fn transition(time: usize, symbol: u32, weight: f64, to: u32) -> Transition {
         Transition { time, symbol: Some(symbol), weight, to }
@@ -102,5 +103,45 @@ mod tests {
         assert_eq!(diamond().run(3, &steps), Run::NeverLeft);
         assert_eq!(diamond().run(4, &steps[..1]), Run::Rejected, "state 1 is not final");
         assert_eq!(diamond().run(4, &[Step::certain(7), Step::NOTHING]), Run::Rejected);
+    }
+
+    const STATES: u32 = 4;
+
+    /// An automaton with any transitions whatever, several on one symbol included.
+    fn any_automaton() -> impl Strategy<Value = Automaton> {
+        let symbol = prop::option::of(0..2u32);
+        let one = (0..STATES, 0..3usize, symbol, 1..9u32, 0..STATES);
+        (prop::collection::vec(one, 0..40), prop::collection::vec(any::<bool>(), STATES as usize)).prop_map(|(mut all, is_final)| {
+            all.sort_by_key(|&(from, time, symbol, ..)| (from, time, symbol));
+            let first = (0..=STATES).map(|state| all.partition_point(|&(from, ..)| from < state)).collect();
+            let transition = |(_, time, symbol, tenths, to)| Transition { time, symbol, weight: f64::from(tenths) / 10.0, to };
+            Automaton { first, transitions: all.into_iter().map(transition).collect(), is_final }
+        })
+    }
+
+    /// The best logarithm of all paths to a final state, each tried to its end, depth first.
+    fn naive(automaton: &Automaton, state: u32, time: usize, steps: &[Step]) -> Option<f64> {
+        let Some((step, rest)) = steps.split_first() else { return automaton.is_final[state as usize].then_some(0.0) };
+        let out = &automaton.transitions[automaton.first[state as usize]..automaton.first[state as usize + 1]];
+        let going = out.iter().filter(|transition| transition.time == time && transition.symbol == step.symbol);
+        let ways = going.filter_map(|transition| Some(transition.weight.ln() + naive(automaton, transition.to, time + 1, rest)?));
+        ways.reduce(f64::max)
+    }
+
+    proptest! {
+        #[test]
+        fn a_run_finds_what_trying_every_path_finds(
+            automaton in any_automaton(), start in 0..2usize, symbols in prop::collection::vec(prop::option::of(0..2u32), 1..4),
+        ) {
+            let steps: Vec<Step> = symbols.iter().map(|&symbol| Step { symbol, weight: 1.0 }).collect();
+            let out = &automaton.transitions[..automaton.first[1]];
+            let leaves = out.iter().any(|transition| transition.time == start && transition.symbol == symbols[0]);
+            match (automaton.run(start, &steps), naive(&automaton, Automaton::START, start, &steps)) {
+                (Run::NeverLeft, None) => prop_assert!(!leaves),
+                (Run::Rejected, None) => prop_assert!(leaves),
+                (Run::Accepted { ln_weight }, Some(best)) => prop_assert!((ln_weight - best).abs() < 1e-12),
+                (run, best) => prop_assert!(false, "{run:?} against {best:?}"),
+            }
+        }
     }
 }

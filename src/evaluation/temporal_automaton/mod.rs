@@ -23,6 +23,7 @@
 
 pub mod automaton;
 pub mod build;
+mod findings;
 pub mod model_check;
 pub mod output_tracks;
 pub mod report;
@@ -33,6 +34,7 @@ pub use report::TfaReport;
 use super::strings::{self, SymbolRule};
 use super::{EvaluationInput, id_order};
 use crate::model::fault::Fault;
+use findings::Findings;
 
 /// What can be chosen. Decisions are the most probable candidates.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,7 +50,9 @@ pub struct TfaSettings {
 /// What is missing or unfit in the inputs for the chosen symbols.
 pub fn evaluate_temporal_automaton(input: &EvaluationInput, settings: &TfaSettings) -> Result<TfaReport, Vec<Fault>> {
     if settings.max_missed == 0 {
-        return Err(vec![Fault::new("/tfa/max_missed", "out_of_range", "no string is left when none missed ends it").allowing("1 or more")]);
+        return Err(vec![
+            Fault::new("/tfa/max_missed", "out_of_range", "no string is left when none missed ends it").allowing("1 or more"),
+        ]);
     }
     let strings = strings::write_strings(input, settings.symbols, settings.max_missed)?;
     let target_ranks = id_order::ranks(strings.target_ids.iter().copied());
@@ -56,15 +60,10 @@ pub fn evaluate_temporal_automaton(input: &EvaluationInput, settings: &TfaSettin
     let outputs = &strings.outputs.strings;
     let beginnings = build::Beginnings::new(outputs);
     let automaton = build::build(outputs, &beginnings);
-    let judge = verdict::Judge {
-        truth: &strings.truth,
-        outputs,
-        automaton: &automaton,
-        beginnings: &beginnings,
-        track_ranks: &track_ranks,
-    };
+    let judge =
+        verdict::Judge { truth: &strings.truth, outputs, automaton: &automaton, beginnings: &beginnings, track_ranks: &track_ranks };
     let verdicts: Vec<verdict::TargetVerdict> = (0..strings.target_ids.len()).map(|target| judge.target(target)).collect();
     let classes = output_tracks::classify(&strings, &target_ranks, &track_ranks);
     let broken = model_check::check(&strings.outputs);
-    Ok(report::Findings { input, settings, strings: &strings, verdicts: &verdicts, classes: &classes, broken: &broken }.report())
+    Ok(Findings { input, settings, strings: &strings, verdicts: &verdicts, classes: &classes, broken: &broken }.report())
 }

@@ -47,8 +47,9 @@ impl Classes {
 
 pub fn classify(strings: &Strings, target_ranks: &[u32], track_ranks: &[u32]) -> Classes {
     let outputs = &strings.outputs.strings;
-    let real_of_target: Vec<usize> =
-        (0..strings.truth.owners()).map(|owner| strings.truth.strings()[strings.truth.of_owner(owner)].iter().map(|s| s.real).sum()).collect();
+    let real_of_target: Vec<usize> = (0..strings.truth.owners())
+        .map(|owner| strings.truth.strings()[strings.truth.of_owner(owner)].iter().map(|s| s.real).sum())
+        .collect();
     let follow = |string| {
         let (target, hits) = most_hit(strings, target_ranks, string)?;
         let errors = real_of_target[target as usize] + string.real - agreement(strings, string, target);

@@ -67,9 +67,7 @@ impl Judge<'_> {
     fn string(&self, index: usize) -> TargetVerdict {
         let string = &self.truth.strings()[index];
         match self.automaton.run(string.start, self.truth.steps_of(string)) {
-            Run::Accepted { ln_weight } => {
-                TargetVerdict { verdict: Verdict::Correct, first: None, errors: 0, ln_weight: Some(ln_weight) }
-            }
+            Run::Accepted { ln_weight } => TargetVerdict { verdict: Verdict::Correct, first: None, errors: 0, ln_weight: Some(ln_weight) },
             Run::NeverLeft => {
                 let first = Difference { position: string.start, string: index, speaker: None };
                 TargetVerdict { verdict: Verdict::Missed, first: Some(first), errors: string.real, ln_weight: None }
