@@ -212,7 +212,7 @@ fn a_track_of_two_targets_follows_the_one_with_most_detections_then_the_smaller_
 }
 
 #[test]
-fn the_matched_follower_has_most_detections_then_replaced_then_the_earliest_start() {
+fn the_matched_follower_has_most_detections_then_fewest_errors_then_the_earliest_start() {
     let truth = ["A: a1 a2 a3 a4 a5 a6"];
     let report = evaluate(&truth, &["c1 . . . . ."], &["1: a1 a2", "2: _ _ _ a4 a5 a6", "3: c1 _ _ a4 a5"]);
     assert_eq!(
