@@ -4,6 +4,7 @@ mod error;
 mod request;
 
 pub use error::JobsError;
+pub use crate::service::storage::{DatasetFilter, JobFilter, Sort};
 pub use request::*;
 
 use super::config::Config;
