@@ -2,7 +2,7 @@
 
 use super::change::parse_id;
 use super::filter::DatasetFilter;
-use super::life::ClaimedJob;
+use super::life::{ClaimedJob, NewArtifact};
 use super::page::{Cursor, cut, push_page, push_search, row_limit};
 use super::{Storage, from_micros, now, to_micros};
 use crate::model::dataset::DatasetSummary;
@@ -31,28 +31,23 @@ pub struct NewDataset {
 }
 
 impl NewDataset {
-    /// An artefact of a job, which is canonical CSV.
-    pub(super) fn from_job(
-        job: &ClaimedJob,
-        artifact: &str,
-        bytes: u64,
-        sha256: &str,
-        summary: DatasetSummary,
-        sensors: Vec<SensorSettings>,
-    ) -> Self {
-        NewDataset {
-            name: format!("{} of {}", summary.kind.name(), job.name.clone().unwrap_or_else(|| format!("job {}", job.id))),
+    /// An artefact of a job that other jobs can use; it is canonical CSV.
+    pub(super) fn from_job(job: &ClaimedJob, artifact: &NewArtifact) -> Option<Self> {
+        let summary = artifact.dataset.clone()?;
+        let maker = job.name.clone().unwrap_or_else(|| format!("job {}", job.id));
+        Some(NewDataset {
+            name: format!("{} of {maker}", summary.kind.name()),
             format: "csv".to_owned(),
-            bytes,
-            sha256: sha256.to_owned(),
+            bytes: artifact.bytes,
+            sha256: artifact.sha256.clone(),
             meta_sha256: String::new(),
             columns: BTreeMap::new(),
             summary,
-            sensors,
+            sensors: artifact.sensors.clone(),
             warnings: Vec::new(),
             origin_job_id: Some(job.id),
-            file_name: Some(artifact.to_owned()),
-        }
+            file_name: Some(artifact.name.clone()),
+        })
     }
 }
 

@@ -112,7 +112,7 @@ impl Storage {
     }
 
     /// Ends the claimed attempt, with its results. `None`: that attempt is no longer running, and nothing was written.
-    pub async fn finish(&self, job: &ClaimedJob, ending: Ending) -> anyhow::Result<Option<Changed>> {
+    pub async fn finish(&self, job: &ClaimedJob, ending: &Ending) -> anyhow::Result<Option<Changed>> {
         let mut transaction = self.write.begin().await?;
         if !is_running(&mut transaction, job).await? {
             return Ok(None);
@@ -120,17 +120,17 @@ impl Storage {
         let at = now();
         let changed = match ending {
             Ending::Succeeded { artifacts, warnings } => {
-                for (position, artifact) in artifacts.into_iter().enumerate() {
+                for (position, artifact) in artifacts.iter().enumerate() {
                     insert_artifact(&mut transaction, job, position, artifact).await?;
                 }
                 sqlx::query("UPDATE jobs SET warnings = ? WHERE id = ?")
-                    .bind(serde_json::to_string(&warnings)?)
+                    .bind(serde_json::to_string(warnings)?)
                     .bind(job.id.to_string())
                     .execute(&mut *transaction)
                     .await?;
                 end_job(&mut transaction, job.id, at, JobState::Succeeded, None).await?
             }
-            Ending::Failed(problem) => end_job(&mut transaction, job.id, at, JobState::Failed, Some(problem)).await?,
+            Ending::Failed(problem) => end_job(&mut transaction, job.id, at, JobState::Failed, Some(problem.clone())).await?,
             Ending::Canceled => end_job(&mut transaction, job.id, at, JobState::Canceled, None).await?,
         };
         transaction.commit().await?;
@@ -181,12 +181,12 @@ impl Storage {
 }
 
 async fn is_running(connection: &mut SqliteConnection, job: &ClaimedJob) -> anyhow::Result<bool> {
-    let running = sqlx::query_scalar("SELECT count(*) FROM jobs WHERE id = ? AND attempt = ? AND state = 'running'")
+    let running: i64 = sqlx::query_scalar("SELECT count(*) FROM jobs WHERE id = ? AND attempt = ? AND state = 'running'")
         .bind(job.id.to_string())
         .bind(job.attempt)
         .fetch_one(connection)
         .await?;
-    Ok(running == 1_i64)
+    Ok(running == 1)
 }
 
 async fn requeue(connection: &mut SqliteConnection, id: Uuid, crashed: bool) -> anyhow::Result<()> {
@@ -206,20 +206,19 @@ async fn insert_artifact(
     connection: &mut SqliteConnection,
     job: &ClaimedJob,
     position: usize,
-    artifact: NewArtifact,
+    artifact: &NewArtifact,
 ) -> anyhow::Result<()> {
-    let NewArtifact { name, media_type, bytes, sha256, dataset, sensors } = artifact;
-    let dataset_id = match dataset {
-        Some(summary) => Some(insert_dataset(connection, &NewDataset::from_job(job, &name, bytes, &sha256, summary, sensors)).await?),
+    let dataset_id = match NewDataset::from_job(job, artifact) {
+        Some(dataset) => Some(insert_dataset(connection, &dataset).await?),
         None => None,
     };
     sqlx::query("INSERT INTO artifacts (job_id, name, position, media_type, bytes, sha256, dataset_id) VALUES (?, ?, ?, ?, ?, ?, ?)")
         .bind(job.id.to_string())
-        .bind(name)
+        .bind(&artifact.name)
         .bind(i64::try_from(position)?)
-        .bind(media_type)
-        .bind(i64::try_from(bytes)?)
-        .bind(sha256)
+        .bind(&artifact.media_type)
+        .bind(i64::try_from(artifact.bytes)?)
+        .bind(&artifact.sha256)
         .bind(dataset_id.map(|id| id.to_string()))
         .execute(connection)
         .await?;

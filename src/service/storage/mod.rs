@@ -17,7 +17,7 @@ pub use admission::{Admission, IdempotencyKey, NewJob, SourceId, SourceRef};
 pub use change::Changed;
 pub use datasets::{NewDataset, StoredDataset};
 pub use filter::{DatasetFilter, JobFilter, Sort};
-pub use jobs::{Cancellation, Deletion, StoredArtifact, StoredJob};
+pub use jobs::{Cancellation, Deletion, StoredArtifact};
 pub use life::{Claim, ClaimedJob, Ending, NewArtifact};
 pub use page::Cursor;
 
