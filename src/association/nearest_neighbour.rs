@@ -20,8 +20,11 @@ use crate::registry::{Method, Object};
 pub const METHOD: Method<BuildAssociator> =
     Method { name: "nearest_neighbour", parameters: &PARAMETERS, build: |_| Ok(Box::new(NearestNeighbour::default())) };
 
-static PARAMETERS: Object =
-    Object { name: "NearestNeighbour", summary: "Each track takes its nearest detection; the closest pair of all goes first.", fields: &[] };
+static PARAMETERS: Object = Object {
+    name: "NearestNeighbour",
+    summary: "Each track takes its nearest detection; the closest pair of all goes first.",
+    fields: &[],
+};
 
 #[derive(Debug, Default)]
 pub struct NearestNeighbour {
@@ -97,7 +100,9 @@ mod tests {
         weights.reset(&problem);
         let mut associator = NearestNeighbour::default();
         problem.for_each_cluster(10, |cluster| associator.associate(cluster, &mut weights));
-        let pick = |row: &super::super::problem::Row| row.edges().find(|&edge| weights.edges[edge] == 1.0).map(|edge| problem.edges()[edge].detection);
+        let pick = |row: &super::super::problem::Row| {
+            row.edges().find(|&edge| weights.edges[edge] == 1.0).map(|edge| problem.edges()[edge].detection)
+        };
         problem.rows().iter().map(pick).collect()
     }
 

@@ -103,7 +103,8 @@ pub(super) fn report(tracked: &Tracked, recording: &Recording, sensors: &[Sensor
 }
 
 fn line(set: &TrackSet, track: &crate::model::track::Track) -> TrackLine {
-    let is_detected = |point: &&crate::model::track::TrackPoint| set.candidates_of(point).iter().any(|candidate| candidate.detection.is_some());
+    let is_detected =
+        |point: &&crate::model::track::TrackPoint| set.candidates_of(point).iter().any(|candidate| candidate.detection.is_some());
     TrackLine {
         track_id: track.track_id.clone(),
         start_time_s: track.points.first().map(|point| point.time_s),

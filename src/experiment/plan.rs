@@ -101,7 +101,9 @@ pub fn plan(kind: JobKind, body: &Value) -> Result<Plan, Vec<Fault>> {
 fn check_evaluate(spec: &mut Value, faults: &mut Vec<Fault>) {
     match (spec.get("input").is_some(), spec.get("tracks").is_some()) {
         (true, true) => faults.push(Fault::new("/tracks", "conflict", "give either 'input' or 'tracks', not both")),
-        (false, false) => faults.push(Fault::new("", "missing", "give 'input' to track first, or 'tracks' to judge").allowing("input, tracks")),
+        (false, false) => {
+            faults.push(Fault::new("", "missing", "give 'input' to track first, or 'tracks' to judge").allowing("input, tracks"))
+        }
         (true, false) => fill_tracking_defaults(spec),
         (false, true) => {
             for name in ["associator", "filter", "tracker", "sensors"].iter().filter(|name| spec.get(**name).is_some()) {

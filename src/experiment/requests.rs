@@ -167,7 +167,8 @@ pub static SENSOR_SETTINGS: Object = Object {
     ],
 };
 
-static NOTHING: Object = Object { name: "DetectionIdSymbols", summary: "A symbol is the identity of a detection, as in the paper.", fields: &[] };
+static NOTHING: Object =
+    Object { name: "DetectionIdSymbols", summary: "A symbol is the identity of a detection, as in the paper.", fields: &[] };
 
 static NEAREST_TRUTH: Object = Object {
     name: "NearestTruthSymbols",
@@ -206,19 +207,22 @@ static TFA: Object = Object {
     fields: &[
         default("symbols", "What the automaton reads.", Kind::Union(&SYMBOLS), r#"{"kind":"detection_id"}"#),
         default("decision", "How weights become symbols.", Kind::Union(&DECISION), r#"{"policy":"most_probable"}"#),
-        default("max_missed", "Scans in a row without a symbol that end a string.", Kind::Integer { min: 1, max: 1000, unit: "scans" }, "5"),
+        default(
+            "max_missed",
+            "Scans in a row without a symbol that end a string.",
+            Kind::Integer { min: 1, max: 1000, unit: "scans" },
+            "5",
+        ),
     ],
 };
 
 const JOB_NAME: Field = optional("name", "A name for people.", NAME);
-const LABELS: Field =
-    optional("labels", "Labels to find the job by, name to text.", Kind::TextMap { max_entries: 32, max_length: 100 });
-const SEED: Field = default("seed", "Seed of every random number of the job.", Kind::Integer { min: 0, max: u32::MAX as i64, unit: "" }, "1");
-const SENSORS: Field = optional(
-    "sensors",
-    "Settings of the recording's sensors, by name.",
-    Kind::List { item: &Kind::Object(&SENSOR_SETTINGS), min: 1, max: 64 },
-);
+const LABELS: Field = optional("labels", "Labels to find the job by, name to text.", Kind::TextMap { max_entries: 32, max_length: 100 });
+const SEED: Field =
+    default("seed", "Seed of every random number of the job.", Kind::Integer { min: 0, max: u32::MAX as i64, unit: "" }, "1");
+static ONE_SENSOR: Kind = Kind::Object(&SENSOR_SETTINGS);
+const SENSORS: Field =
+    optional("sensors", "Settings of the recording's sensors, by name.", Kind::List { item: &ONE_SENSOR, min: 1, max: 64 });
 
 pub static SIMULATE: Object = Object {
     name: "SimulateRequest",
@@ -258,7 +262,11 @@ pub static EVALUATE: Object = Object {
         optional("tracker", "With `input`: gate and life cycle.", Kind::Object(&LIFECYCLE)),
         optional("tracks", "Tracks to judge; instead of `input`.", Kind::Union(&DATA)),
         optional("truth", "The truth; found by itself when the input or the tracks come from a job that knows it.", Kind::Union(&DATA)),
-        optional("detections", "With `tracks`: the detections they were made of; found by itself when `tracks` is a job.", Kind::Union(&DATA)),
+        optional(
+            "detections",
+            "With `tracks`: the detections they were made of; found by itself when `tracks` is a job.",
+            Kind::Union(&DATA),
+        ),
         default("tfa", "Settings of the temporal automaton.", Kind::Object(&TFA), "{}"),
     ],
 };

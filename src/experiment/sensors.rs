@@ -14,7 +14,11 @@ const LEAST_CLUTTER_PER_M2: f64 = 1e-15;
 ///
 /// # Errors
 /// A fault for each setting of a sensor that the recording does not have.
-pub(super) fn known(recording: &Recording, uploaded: &[SensorSettings], requested: &[SensorSettings]) -> Result<Vec<SensorSettings>, Vec<Fault>> {
+pub(super) fn known(
+    recording: &Recording,
+    uploaded: &[SensorSettings],
+    requested: &[SensorSettings],
+) -> Result<Vec<SensorSettings>, Vec<Fault>> {
     let names: Vec<&str> = recording.sensors.iter().map(|sensor| sensor.sensor_id.as_str()).collect();
     let is_unknown = |(_, settings): &(usize, &SensorSettings)| !names.contains(&settings.sensor_id.as_str());
     let fault = |(index, settings): (usize, &SensorSettings)| {

@@ -6,7 +6,7 @@ mod targets;
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
 use crate::model::scan::{Detection, Recording, RecordingParts, Scan};
-use crate::model::scenario::{Scenario, ScenarioSensor};
+use crate::model::scenario::{Scenario, ScenarioSensor, TargetPlan};
 use crate::model::sensor::SensorSettings;
 use crate::model::truth::{Target, TruthPoint, TruthSet};
 use std::collections::BTreeSet;
@@ -20,18 +20,38 @@ pub struct Simulated {
     pub truth: TruthSet,
 }
 
+/// What no table of fields can see: two sensors or two targets of one name, speeds in the wrong order.
+///
+/// # Errors
+/// All faults, with pointers into the scenario.
+pub fn check(scenario: &Scenario) -> Result<(), Vec<Fault>> {
+    let sensor_ids = scenario.sensors.iter().map(|sensor| sensor.sensor_id.as_str());
+    let mut faults = duplicate_faults("sensors", sensor_ids, |index| format!("/sensors/{index}/sensor_id"));
+    match &scenario.targets {
+        TargetPlan::Random(plan) if plan.speed_min_mps > plan.speed_max_mps => {
+            let detail = format!("{} m/s is above speed_max_mps", plan.speed_min_mps);
+            faults.push(Fault::new("/targets/speed_min_mps", "out_of_range", detail).allowing(format!("<= {} m/s", plan.speed_max_mps)));
+        }
+        TargetPlan::Random(_) => {}
+        TargetPlan::Listed { targets } => {
+            let names = targets.iter().map(|target| target.truth_id.as_str());
+            faults.extend(duplicate_faults("targets", names, |index| format!("/targets/targets/{index}/truth_id")));
+        }
+    }
+    if faults.is_empty() { Ok(()) } else { Err(faults) }
+}
+
 /// Simulates `scenario`; `progress(done)` is told after each scan and may stop the work (then the result is `None`).
 ///
 /// # Errors
-/// Faults of the scenario that no table of fields can see, such as two sensors with one name.
+/// Those of [`check`].
 pub fn simulate(
     scenario: &Scenario,
     seed: Seed,
     progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
 ) -> Result<Option<Simulated>, Vec<Fault>> {
-    let paths = targets::paths(scenario, seed)?;
-    let sensor_ids = scenario.sensors.iter().map(|sensor| sensor.sensor_id.as_str());
-    duplicate_faults("sensors", sensor_ids, |index| format!("/scenario/sensors/{index}/sensor_id"))?;
+    check(scenario)?;
+    let paths = targets::paths(scenario, seed);
     let times: Vec<f64> = (0..scenario.scans).map(|scan| f64::from(scan) * scenario.scan_period_s).collect();
     let (truth, seen) = observed_truth(scenario, &paths, &times)?;
     let mut parts = RecordingParts {
@@ -53,12 +73,10 @@ pub fn simulate(
 }
 
 /// A fault for each name that stood in the list before.
-fn duplicate_faults<'a>(what: &str, names: impl Iterator<Item = &'a str>, pointer: impl Fn(usize) -> String) -> Result<(), Vec<Fault>> {
+fn duplicate_faults<'a>(what: &str, names: impl Iterator<Item = &'a str>, pointer: impl Fn(usize) -> String) -> Vec<Fault> {
     let mut seen = BTreeSet::new();
     let repeated = names.enumerate().filter(|(_, name)| !seen.insert(name.to_owned()));
-    let faults: Vec<Fault> =
-        repeated.map(|(index, name)| Fault::new(pointer(index), "duplicate", format!("two {what} are called '{name}'"))).collect();
-    if faults.is_empty() { Ok(()) } else { Err(faults) }
+    repeated.map(|(index, name)| Fault::new(pointer(index), "duplicate", format!("two {what} are called '{name}'"))).collect()
 }
 
 /// The truth of every target that some sensor could see, and for each path its index among those.

@@ -1,8 +1,7 @@
 //! The paths of a scenario's targets: constant velocity from time 0, listed or drawn at random.
 
 use crate::math::rng::{Purpose, Seed};
-use crate::model::fault::Fault;
-use crate::model::scenario::{RandomTargets, Scenario, TargetPlan};
+use crate::model::scenario::{ListedTarget, RandomTargets, Scenario, TargetPlan};
 use crate::model::state::Position;
 use rand::RngExt;
 
@@ -21,19 +20,18 @@ impl Path {
 }
 
 /// The paths of all targets, in the order of the scenario.
-pub(super) fn paths(scenario: &Scenario, seed: Seed) -> Result<Vec<Path>, Vec<Fault>> {
+pub(super) fn paths(scenario: &Scenario, seed: Seed) -> Vec<Path> {
     match &scenario.targets {
-        TargetPlan::Random(plan) => Ok((0..plan.count).map(|index| random_path(plan, index, seed)).collect()),
-        TargetPlan::Listed { targets } => {
-            let names = targets.iter().map(|target| target.truth_id.as_str());
-            super::duplicate_faults("targets", names, |index| format!("/scenario/targets/targets/{index}/truth_id"))?;
-            let path = |target: &crate::model::scenario::ListedTarget| Path {
-                truth_id: target.truth_id.clone(),
-                start_m: Position::new(target.x_m, target.y_m),
-                velocity_mps: Position::new(target.vx_mps, target.vy_mps),
-            };
-            Ok(targets.iter().map(path).collect())
-        }
+        TargetPlan::Random(plan) => (0..plan.count).map(|index| random_path(plan, index, seed)).collect(),
+        TargetPlan::Listed { targets } => targets.iter().map(listed_path).collect(),
+    }
+}
+
+fn listed_path(target: &ListedTarget) -> Path {
+    Path {
+        truth_id: target.truth_id.clone(),
+        start_m: Position::new(target.x_m, target.y_m),
+        velocity_mps: Position::new(target.vx_mps, target.vy_mps),
     }
 }
 

@@ -247,11 +247,18 @@ impl ScanView {
             }
             return;
         }
-        gate.candidates(&self.grid, &self.positions, &expected.position_m, &expected.covariance, &expected.gaussian, |detection, squared| {
-            if !self.used[detection as usize] {
-                found(detection, squared);
-            }
-        });
+        gate.candidates(
+            &self.grid,
+            &self.positions,
+            &expected.position_m,
+            &expected.covariance,
+            &expected.gaussian,
+            |detection, squared| {
+                if !self.used[detection as usize] {
+                    found(detection, squared);
+                }
+            },
+        );
     }
 }
 

@@ -14,7 +14,9 @@ pub(super) fn presets() -> Vec<Preset> {
 fn preset(count: u32) -> Preset {
     let name = format!("liang2009-{count}");
     Preset {
-        summary: format!("Liang & Liu 2009: {count} targets, one radar, 30 scans; tracked by nearest neighbour and judged by the automaton."),
+        summary: format!(
+            "Liang & Liu 2009: {count} targets, one radar, 30 scans; tracked by nearest neighbour and judged by the automaton."
+        ),
         kind: JobKind::Evaluate,
         body: json!({
             "name": name,
@@ -23,7 +25,7 @@ fn preset(count: u32) -> Preset {
             "associator": {"method": "nearest_neighbour"},
             "filter": {"method": "kalman", "process_noise_m2ps3": 1.0},
             "tracker": {
-                "gate_probability": 0.99, "confirm_hits": 3, "confirm_window": 5, "max_missed": 5, "initial_speed_sigma_mps": 430.0
+                "gate_probability": 0.999, "confirm_hits": 3, "confirm_window": 5, "max_missed": 5, "initial_speed_sigma_mps": 430.0
             },
             "tfa": {"symbols": {"kind": "detection_id"}, "decision": {"policy": "most_probable"}, "max_missed": 5}
         }),
