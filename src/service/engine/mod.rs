@@ -27,6 +27,10 @@ impl Handler {
     pub fn new(look: impl Fn(Uuid) -> BoxFuture<'static, anyhow::Result<()>> + Send + Sync + 'static) -> Self {
         Handler(Arc::new(look))
     }
+
+    fn look(&self, job_id: Uuid) -> BoxFuture<'static, anyhow::Result<()>> {
+        (self.0)(job_id)
+    }
 }
 
 const QUEUE: &str = "jobs";
@@ -114,14 +118,9 @@ impl Engine {
 /// A worker that lost its heartbeat is dead for good; another takes its place under a new name.
 async fn keep_working(pool: SqlitePool, slots: usize, handler: Handler, stop: CancellationToken) {
     while !stop.is_cancelled() {
-        let config =
-            Config::default().queue(QUEUE).batch_size(slots).heartbeat_interval(HEARTBEAT).missed_heartbeats(MISSED_HEARTBEATS);
+        let config = Config::default().queue(QUEUE).batch_size(slots).heartbeat_interval(HEARTBEAT).missed_heartbeats(MISSED_HEARTBEATS);
         let backend = SqliteStorage::<Entry>::new(&pool).with_config(config).poll_with_interval(POLL);
-        let worker = WorkerBuilder::new(Uuid::now_v7().to_string())
-            .backend(backend)
-            .data(handler.clone())
-            .concurrency(slots)
-            .build(look);
+        let worker = WorkerBuilder::new(Uuid::now_v7().to_string()).backend(backend).data(handler.clone()).concurrency(slots).build(look);
         let stopped = stop.clone();
         let signal = async move {
             stopped.cancelled().await;
@@ -136,6 +135,6 @@ async fn keep_working(pool: SqlitePool, slots: usize, handler: Handler, stop: Ca
 
 /// The handler runs in a task of its own, so that it lives on when its worker dies.
 async fn look(entry: Entry, handler: Data<Handler>) -> Result<(), BoxDynError> {
-    tokio::spawn((handler.0)(entry.job_id)).await??;
+    tokio::spawn(handler.look(entry.job_id)).await??;
     Ok(())
 }

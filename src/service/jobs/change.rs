@@ -63,9 +63,7 @@ impl Inner {
                 self.publish(Changed { touched: vec![id], ready: Vec::new() }).await;
                 self.sweep(contents).await
             }
-            Deletion::StillActive(state) => {
-                Err(JobsError::conflict("job_active", format!("the job is {}; cancel it first", state.name())))
-            }
+            Deletion::StillActive(state) => Err(JobsError::conflict("job_active", format!("the job is {}; cancel it first", state.name()))),
             Deletion::NeededBy(users) => Err(JobsError::conflict("in_use", format!("the job's results are needed by {}", listed(&users)))),
         }
     }

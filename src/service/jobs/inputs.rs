@@ -136,9 +136,9 @@ impl Located {
         let (Source::Dataset { sensor_ids, .. } | Source::Job { sensor_ids, .. }) = &request.source;
         let (mut dataset, mut sensors) = (dataset, self.sensors);
         if let (Dataset::Detections(recording), Some(wanted)) = (&dataset, sensor_ids) {
-            let part = recording.only_sensors(wanted).map_err(|faults| {
-                repoint(JobsError::Invalid(faults), &format!("{}/sensor_ids", request.pointer))
-            })?;
+            let part = recording
+                .only_sensors(wanted)
+                .map_err(|faults| repoint(JobsError::Invalid(faults), &format!("{}/sensor_ids", request.pointer)))?;
             dataset = Dataset::Detections(part);
             sensors.retain(|sensor| wanted.contains(&sensor.sensor_id));
         }
@@ -149,9 +149,9 @@ impl Located {
 /// Puts the place in the request before the pointers of faults.
 fn repoint(error: JobsError, pointer: &str) -> JobsError {
     match error {
-        JobsError::Invalid(faults) => JobsError::Invalid(
-            faults.into_iter().map(|fault| Fault { pointer: format!("{pointer}{}", fault.pointer), ..fault }).collect(),
-        ),
+        JobsError::Invalid(faults) => {
+            JobsError::Invalid(faults.into_iter().map(|fault| Fault { pointer: format!("{pointer}{}", fault.pointer), ..fault }).collect())
+        }
         other => other,
     }
 }

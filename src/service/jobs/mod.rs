@@ -258,7 +258,8 @@ impl Inner {
 
 fn lock(directory: &Path) -> anyhow::Result<File> {
     let path = directory.join("lock");
-    let file = File::options().create(true).truncate(false).write(true).open(&path).with_context(|| format!("cannot open {}", path.display()))?;
+    let file =
+        File::options().create(true).truncate(false).write(true).open(&path).with_context(|| format!("cannot open {}", path.display()))?;
     match file.try_lock() {
         Ok(()) => Ok(file),
         Err(TryLockError::WouldBlock) => bail!("{} is in use by another trackloom", directory.display()),

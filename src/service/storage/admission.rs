@@ -99,19 +99,14 @@ impl Storage {
 
     pub async fn forget_keys(&self, older_than: Duration) -> anyhow::Result<()> {
         let age_micros = i64::try_from(older_than.as_micros())?;
-        sqlx::query("DELETE FROM idempotency_keys WHERE created_at < ?")
-            .bind(to_micros(now()) - age_micros)
-            .execute(&self.write)
-            .await?;
+        sqlx::query("DELETE FROM idempotency_keys WHERE created_at < ?").bind(to_micros(now()) - age_micros).execute(&self.write).await?;
         Ok(())
     }
 }
 
 async fn remembered(connection: &mut SqliteConnection, key: &IdempotencyKey) -> anyhow::Result<Option<Admission>> {
-    let row = sqlx::query("SELECT request_sha256, job_id FROM idempotency_keys WHERE key = ?")
-        .bind(&key.key)
-        .fetch_optional(connection)
-        .await?;
+    let row =
+        sqlx::query("SELECT request_sha256, job_id FROM idempotency_keys WHERE key = ?").bind(&key.key).fetch_optional(connection).await?;
     let Some(row) = row else { return Ok(None) };
     if row.try_get::<&str, _>("request_sha256")? != key.request_sha256 {
         return Ok(Some(Admission::Mismatch));

@@ -45,8 +45,7 @@ pub(super) async fn append_event(connection: &mut SqliteConnection, id: Uuid, at
 
 /// Tells the job's present state as an event.
 pub(super) async fn append_state(connection: &mut SqliteConnection, id: Uuid, at: Timestamp, state: JobState) -> anyhow::Result<()> {
-    let attempt: u32 =
-        sqlx::query_scalar("SELECT attempt FROM jobs WHERE id = ?").bind(id.to_string()).fetch_one(&mut *connection).await?;
+    let attempt: u32 = sqlx::query_scalar("SELECT attempt FROM jobs WHERE id = ?").bind(id.to_string()).fetch_one(&mut *connection).await?;
     append_event(connection, id, at, &EventData::State(StateChange { state, attempt })).await
 }
 

@@ -87,8 +87,7 @@ impl Storage {
     }
 
     pub async fn job_counts(&self) -> anyhow::Result<BTreeMap<JobState, u64>> {
-        let rows =
-            sqlx::query("SELECT state, count(*) FROM jobs WHERE deleted_at IS NULL GROUP BY state").fetch_all(&self.read).await?;
+        let rows = sqlx::query("SELECT state, count(*) FROM jobs WHERE deleted_at IS NULL GROUP BY state").fetch_all(&self.read).await?;
         let mut counts: BTreeMap<JobState, u64> = JobState::ALL.into_iter().map(|state| (state, 0)).collect();
         for row in rows {
             let state = JobState::from_name(row.try_get(0)?).context("a stored job has an unknown state")?;
@@ -155,14 +154,11 @@ impl Storage {
         if !users.is_empty() {
             return Ok(Deletion::NeededBy(users));
         }
-        let contents =
-            sqlx::query_scalar("SELECT sha256 FROM artifacts WHERE job_id = ?").bind(&key).fetch_all(&mut *transaction).await?;
+        let contents = sqlx::query_scalar("SELECT sha256 FROM artifacts WHERE job_id = ?").bind(&key).fetch_all(&mut *transaction).await?;
         sqlx::query("UPDATE jobs SET deleted_at = ? WHERE id = ?").bind(to_micros(now())).bind(&key).execute(&mut *transaction).await?;
-        for statement in [
-            "DELETE FROM artifacts WHERE job_id = ?",
-            "DELETE FROM job_events WHERE job_id = ?",
-            "DELETE FROM job_labels WHERE job_id = ?",
-        ] {
+        for statement in
+            ["DELETE FROM artifacts WHERE job_id = ?", "DELETE FROM job_events WHERE job_id = ?", "DELETE FROM job_labels WHERE job_id = ?"]
+        {
             sqlx::query(statement).bind(&key).execute(&mut *transaction).await?;
         }
         transaction.commit().await?;
@@ -190,11 +186,7 @@ fn artifact(row: &SqliteRow) -> anyhow::Result<StoredArtifact> {
 }
 
 /// Writes the labels twice: on the row to be read, and by value to be searched.
-pub(super) async fn write_labels(
-    connection: &mut SqliteConnection,
-    id: Uuid,
-    labels: &BTreeMap<String, String>,
-) -> anyhow::Result<()> {
+pub(super) async fn write_labels(connection: &mut SqliteConnection, id: Uuid, labels: &BTreeMap<String, String>) -> anyhow::Result<()> {
     let key = id.to_string();
     sqlx::query("UPDATE jobs SET labels = ? WHERE id = ?")
         .bind(serde_json::to_string(labels)?)

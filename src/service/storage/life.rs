@@ -151,9 +151,10 @@ impl Storage {
     /// Puts every job that an earlier process left running back into the queue, or ends it if it was to be canceled.
     pub async fn recover(&self) -> anyhow::Result<()> {
         let mut transaction = self.write.begin().await?;
-        let rows = sqlx::query("SELECT id, cancel_requested_at IS NOT NULL AS cancel FROM jobs WHERE state = 'running' ORDER BY created_at")
-            .fetch_all(&mut *transaction)
-            .await?;
+        let rows =
+            sqlx::query("SELECT id, cancel_requested_at IS NOT NULL AS cancel FROM jobs WHERE state = 'running' ORDER BY created_at")
+                .fetch_all(&mut *transaction)
+                .await?;
         for row in rows {
             let id = parse_id(row.try_get("id")?)?;
             if row.try_get("cancel")? {
