@@ -7,5 +7,7 @@
 //! - [`jobs`]: submitting, running, waiting, cancelling; the facade that HTTP and the command line call.
 
 pub mod config;
+mod engine;
 pub mod jobs;
+mod storage;
 pub mod types;
