@@ -94,12 +94,15 @@ fn assemble(sensors: Vec<String>, targets: Vec<String>, times: Vec<f64>, raw: Ve
     Recording::new(parts).expect("it is made to be sound")
 }
 
+/// A position and a velocity.
+type RawTruthPoint = ((f64, f64), Option<(f64, f64)>);
+
 fn truth_set() -> impl Strategy<Value = TruthSet> {
     let velocity = prop::option::of((number(), number()));
     let path = (times(1..5), prop::collection::vec(((number(), number()), velocity), 5));
     (names(0..4), prop::collection::vec(path, 4)).prop_map(|(names, paths)| {
         let target = |(truth_id, (times, points)): (String, (Vec<f64>, Vec<_>))| {
-            let point = |(time_s, ((x, y), velocity)): (f64, ((f64, f64), Option<(f64, f64)>))| TruthPoint {
+            let point = |(time_s, ((x, y), velocity)): (f64, RawTruthPoint)| TruthPoint {
                 time_s,
                 position_m: Position::new(x, y),
                 velocity_mps: velocity.map(|(vx, vy)| Position::new(vx, vy)),
