@@ -127,7 +127,8 @@ fn list_entries(list: &str) -> Vec<String> {
             ',' if depth == 0 => entries.push(String::new()),
             _ => {
                 depth += i32::from(letter == '{') - i32::from(letter == '}');
-                entries.extend(entries.pop().map(|entry| entry + &letter.to_string()));
+                let last = entries.len() - 1;
+                entries[last].push(letter);
             }
         }
     }
