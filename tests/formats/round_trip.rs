@@ -94,12 +94,15 @@ fn assemble(sensors: Vec<String>, targets: Vec<String>, times: Vec<f64>, raw: Ve
     Recording::new(parts).expect("it is made to be sound")
 }
 
+/// A position and a velocity.
+type RawTruthPoint = ((f64, f64), Option<(f64, f64)>);
+
 fn truth_set() -> impl Strategy<Value = TruthSet> {
     let velocity = prop::option::of((number(), number()));
     let path = (times(1..5), prop::collection::vec(((number(), number()), velocity), 5));
     (names(0..4), prop::collection::vec(path, 4)).prop_map(|(names, paths)| {
         let target = |(truth_id, (times, points)): (String, (Vec<f64>, Vec<_>))| {
-            let point = |(time_s, ((x, y), velocity)): (f64, ((f64, f64), Option<(f64, f64)>))| TruthPoint {
+            let point = |(time_s, ((x, y), velocity)): (f64, RawTruthPoint)| TruthPoint {
                 time_s,
                 position_m: Position::new(x, y),
                 velocity_mps: velocity.map(|(vx, vy)| Position::new(vx, vy)),
@@ -215,4 +218,21 @@ proptest! {
             let _ = read("autoferry", &text);
         }
     }
+}
+
+/// Rows in order of time, not of tracks: what is read does not depend on the order of the rows that wrote it.
+#[test]
+fn interleaved_rows_survive() {
+    let tracks =
+        "time_s,track_id,x_m,y_m,detection_id,probability\n0,10,1,2,d1,1\n0,9,3,4,d2,0.5\n0,9,3,4,,0.5\n1,10,1,2,d3,1\n1,9,3,4,d1,1\n";
+    let dataset = read("csv", tracks).expect("sound").dataset;
+    let Dataset::Tracks(set) = &dataset else { panic!("tracks") };
+    assert_eq!(set.detection_ids, ["d2", "d1", "d3"]);
+    let named: Vec<Option<u32>> = set.candidates.iter().map(|candidate| candidate.detection).collect();
+    assert_eq!(named, [Some(0), None, Some(1), Some(1), Some(2)]);
+    check(&dataset);
+    let truth = "time_s,truth_id,x_m,y_m\n0,10,1,2\n0,9,3,4\n1,10,1,2\n1,9,3,4\n";
+    check(&read("csv", truth).expect("sound").dataset);
+    let detections = "time_s,scan,sensor_id,detection_id,bearing_deg\n0,1,r,a,10.1\n0,1,q,a,20.2\n0,1,r,b,359.9\n1,2,q,,\n";
+    check(&read("csv", detections).expect("sound").dataset);
 }

@@ -1,14 +1,14 @@
 //! Submitting, running, waiting for and cancelling jobs, and keeping datasets: the facade of everything behind HTTP.
 
 mod change;
-mod control;
+pub(in crate::service) mod control;
 mod datasets;
 mod error;
 mod hub;
 mod inputs;
-mod meter;
+pub(in crate::service) mod meter;
 mod read;
-mod report;
+pub(in crate::service) mod report;
 mod request;
 mod runner;
 mod submit;
