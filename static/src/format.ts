@@ -12,6 +12,11 @@ export function number(value: number | null | undefined): string {
   return String(Number(value.toPrecision(size >= 1000 ? 7 : 4)));
 }
 
+/** A length to the decimetre, as positions are read. */
+export function metres(value: number): string {
+  return value.toFixed(1);
+}
+
 export function probability(value: number | null | undefined): string {
   return value === null || value === undefined ? "–" : value.toFixed(3);
 }
@@ -48,9 +53,10 @@ export function seconds(from: string | null | undefined, to: string | null | und
   return Math.max(0, ((to ? Date.parse(to) : Date.now()) - Date.parse(from)) / 1000);
 }
 
-/** The unit that ends a field's name, and the name without it: `max_range_m` → ["max range", "m"]. */
+/** A field's name without its unit: `max_range_m` → "max range"; symbols such as `p_d` stay as they are. */
 export function words(name: string): string {
-  return name.replace(/_(m|s|mps|m2ps3|deg|hz)$/, "").replaceAll("_", " ");
+  const bare = name.replace(/_(m|s|mps|m2ps3|deg|hz)$/, "");
+  return /_[a-z]$/.test(bare) ? bare : bare.replaceAll("_", " ");
 }
 
 export function capital(text: string): string {

@@ -6,7 +6,7 @@ import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Plan } from "../api/types";
 import { Icon } from "../components/basics";
 import type { TableData } from "../components/table";
-import { number } from "../format";
+import { metres } from "../format";
 import type { Clock } from "../state/clock";
 import { readPalette, theme, type Palette } from "../state/theme";
 import { param, setParams } from "../state/url";
@@ -78,7 +78,7 @@ function tip(scene: Scene, item: TipItem): HTMLElement | string {
     const cloud = scene.clouds.find((entry) => `detections:${entry.sensor}` === layer);
     const row = Number(item.data[2]);
     if (!cloud) return "";
-    const position = `${number(cloud.x[row])}, ${number(cloud.y[row])} m`;
+    const position = `${metres(cloud.x[row] ?? 0)}, ${metres(cloud.y[row] ?? 0)} m`;
     return tipContent(`Detection ${cloud.id[row] ?? ""}`, [
       ["time", timeText(cloud.time[row] ?? 0, scene.times)],
       ["position", position],

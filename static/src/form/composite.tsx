@@ -15,11 +15,10 @@ interface GroupProps {
   schema: Schema;
   pointer: string;
   remove?: (() => void) | undefined;
-  head?: ComponentChildren;
   children: ComponentChildren;
 }
 
-function Group({ name, schema, pointer, remove, head, children }: GroupProps): JSX.Element {
+function Group({ name, schema, pointer, remove, children }: GroupProps): JSX.Element {
   return (
     <fieldset class="group" id={fieldId(pointer)} tabIndex={-1}>
       <legend>{capital(schema.title ?? words(name))}</legend>
@@ -30,10 +29,14 @@ function Group({ name, schema, pointer, remove, head, children }: GroupProps): J
       ) : null}
       {schema.description ? <p class="help">{schema.description}</p> : null}
       <FieldFaults pointer={pointer} />
-      {head}
       {children}
     </fieldset>
   );
+}
+
+/** A part that has a default would come back by itself; only a truly optional one can be taken out. */
+function removal({ required, schema, change }: FieldProps): (() => void) | undefined {
+  return required || schema.default !== undefined ? undefined : () => change(undefined);
 }
 
 /** An optional part that is not in the request: one button that puts it there. */
@@ -50,17 +53,28 @@ function Absent({ name, schema, pointer, change }: FieldProps): JSX.Element {
   );
 }
 
-/** The fields of an object, in the order of the schema; `hidden` ones are shown by someone else. */
-export function Fields({ schema, value, pointer, change, hidden = [] }: { schema: Schema; value: JsonObject; pointer: string; change: (value: JsonObject) => void; hidden?: string[] }): JSX.Element {
+interface FieldsProps {
+  schema: Schema;
+  value: JsonObject;
+  pointer: string;
+  change: (value: JsonObject) => void;
+  /** The tag of a union is not a field of its own: `head` shows it. */
+  tag?: string;
+  head?: ComponentChildren;
+}
+
+/** The fields of an object, in the order of the schema. */
+export function Fields({ schema, value, pointer, change, tag, head }: FieldsProps): JSX.Element {
   const set = (name: string) => (to: unknown) => {
     const next = { ...value };
     if (to === undefined) delete next[name];
     else next[name] = to;
     change(next);
   };
-  const names = Object.keys(schema.properties ?? {}).filter((name) => !hidden.includes(name));
+  const names = Object.keys(schema.properties ?? {}).filter((name) => name !== tag);
   return (
     <div class="fields">
+      {head}
       {names.map((name) => (
         <Field
           key={name}
@@ -78,9 +92,8 @@ export function Fields({ schema, value, pointer, change, hidden = [] }: { schema
 
 export function ObjectField(props: FieldProps): JSX.Element {
   if (!isObject(props.value)) return <Absent {...props} />;
-  const remove = props.required ? undefined : () => props.change(undefined);
   return (
-    <Group {...props} remove={remove}>
+    <Group {...props} remove={removal(props)}>
       <Fields schema={props.schema} value={props.value} pointer={props.pointer} change={props.change} />
     </Group>
   );
@@ -114,8 +127,8 @@ export function UnionField(props: FieldProps): JSX.Element {
     </div>
   );
   return (
-    <Group {...props} head={head} remove={props.required ? undefined : () => props.change(undefined)}>
-      {chosen ? <Fields schema={chosen.schema} value={value} pointer={props.pointer} change={props.change} hidden={[tag]} /> : null}
+    <Group {...props} remove={removal(props)}>
+      <Fields schema={chosen?.schema ?? {}} value={value} pointer={props.pointer} change={props.change} tag={tag} head={head} />
     </Group>
   );
 }
@@ -128,7 +141,7 @@ export function ListField(props: FieldProps): JSX.Element {
   const set = (at: number) => (to: unknown) => props.change(to === undefined ? items.filter((_, index) => index !== at) : items.with(at, to));
   const full = items.length >= (props.schema.maxItems ?? Infinity);
   return (
-    <Group {...props} remove={props.required ? undefined : () => props.change(undefined)}>
+    <Group {...props} remove={removal(props)}>
       {items.slice(0, LIST_SHOWN).map((value, index) => (
         <Field key={index} name={`${words(props.name).replace(/s$/, "")} ${index + 1}`} schema={item} value={value} pointer={childPointer(props.pointer, index)} required={false} change={set(index)} />
       ))}

@@ -46,9 +46,9 @@ function Labelled({ name, schema, pointer, required, children }: FieldProps & { 
   const faulty = useFaults(pointer).length > 0;
   return (
     <div class={faulty ? "field faulty" : "field"}>
-      <label for={id}>
+      <label for={id} title={name}>
         {schema.title ?? words(name)}
-        {required ? null : <span class="muted"> optional</span>}
+        {required || schema.default !== undefined ? null : <span class="muted"> optional</span>}
       </label>
       <div class="field-input">
         {children}

@@ -61,7 +61,7 @@ function JobRow({ job, cancel }: { job: Job; cancel: (job: Job) => void }): JSX.
     <tr class={`row-${job.state}`}>
       <td class="cell-name">
         <Link href={pageHref({ view: "job", job: job.id })}>{job.name || <span class="mono">{job.id}</span>}</Link>
-        {job.name ? <span class="sub mono">{job.id.slice(-12)}</span> : null}
+        {job.name ? <span class="mono muted id">{job.id.slice(-12)}</span> : null}
       </td>
       <td>{job.kind}</td>
       <td class="cell-state">

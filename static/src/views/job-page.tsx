@@ -34,13 +34,23 @@ export function JobPage({ id }: { id: string }): JSX.Element {
       }),
     [id],
   );
-  if (!job.value) return error.value ? <ProblemBox error={error.value} /> : <Loading what="the job" />;
+  if (!job.value) return error.value ? <Lost error={error.value} /> : <Loading what="the job" />;
   return (
     <article>
       <Head job={job.value} failed={(failure) => (error.value = failure)} changed={(fresh) => (job.value = fresh)} />
       {error.value ? <ProblemBox error={error.value} /> : null}
       <Outcome job={job.value} />
     </article>
+  );
+}
+
+function Lost({ error }: { error: unknown }): JSX.Element {
+  return (
+    <>
+      <h1>Job</h1>
+      <ProblemBox error={error} />
+      <Link href={pageHref({})}>All jobs</Link>
+    </>
   );
 }
 
@@ -130,10 +140,15 @@ function FailedJob({ problem }: { problem: NonNullable<Job["error"]> }): JSX.Ele
   );
 }
 
+function waitingFor(job: Job): string {
+  if (job.state === "running") return "Starting…";
+  return job.depends_on.length ? "Waiting for the job it reads from." : "Waiting for a free worker.";
+}
+
 function Waiting({ job }: { job: Job }): JSX.Element {
   return (
     <section class="waiting" aria-live="polite">
-      {job.progress ? <ProgressBar progress={job.progress} /> : <p class="muted">{job.depends_on.length ? "Waiting for the job it reads from." : "Waiting for a free worker."}</p>}
+      {job.progress ? <ProgressBar progress={job.progress} /> : <p class="muted">{waitingFor(job)}</p>}
       {job.progress ? (
         <p class="muted">
           Step {job.progress.step}: {job.progress.done} of {job.progress.total}

@@ -11,7 +11,7 @@ import { ProbabilityChart } from "../charts/probability";
 import { at, sceneOf, type Scene } from "../charts/scene";
 import { Empty, Icon, Loading, ProblemBox, type IconName } from "../components/basics";
 import { useResource } from "../components/resource";
-import { number } from "../format";
+import { metres } from "../format";
 import { createClock, type Clock } from "../state/clock";
 import { param, setParams } from "../state/url";
 import { placeOf, sentence } from "./verdicts";
@@ -95,9 +95,9 @@ function TrackFacts({ scene, track, clock }: { scene: Scene; track: string; cloc
       <dt>Status</dt>
       <dd>{born ? line.status[index] : "not born yet"}</dd>
       <dt>Position</dt>
-      <dd>{born && here ? `${number(here.x)}, ${number(here.y)} m` : "–"}</dd>
+      <dd>{born && here ? `${metres(here.x)}, ${metres(here.y)} m` : "–"}</dd>
       <dt>1σ east, north</dt>
-      <dd>{born && covariance ? `${number(Math.sqrt(covariance[0]))}, ${number(Math.sqrt(covariance[2]))} m` : "–"}</dd>
+      <dd>{born && covariance ? `${metres(Math.sqrt(covariance[0]))}, ${metres(Math.sqrt(covariance[2]))} m` : "–"}</dd>
       <dt>Detection</dt>
       <dd class="mono">{born ? (line.detection[index] ?? "none (ε)") : "–"}</dd>
     </dl>
