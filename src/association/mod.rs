@@ -1,1 +1,41 @@
-//! (in progress)
+//! Data association: which detection belongs to which track. One file an associator, one line of [`ASSOCIATORS`].
+
+use crate::registry::{Method, Union};
+
+pub mod nearest_neighbour;
+pub mod oracle;
+pub mod problem;
+
+use problem::{Problem, Weights};
+
+/// Which detections a track may be given before an associator is asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Candidates {
+    /// Those inside the track's gate.
+    Gated,
+    /// The one that came from the same target as the detection that started the track: the truth, for a yardstick.
+    Origin,
+}
+
+/// Weighs the candidates of the tracks of one cluster.
+pub trait Associator: Send {
+    fn candidates(&self) -> Candidates {
+        Candidates::Gated
+    }
+
+    /// Writes for every track of the problem weights over its candidates and "none" that sum to 1.
+    fn associate(&mut self, problem: &Problem, weights: &mut Weights);
+}
+
+/// Builds an associator from its checked parameters.
+pub type BuildAssociator = fn(&serde_json::Value) -> Result<Box<dyn Associator>, serde_json::Error>;
+
+/// Every associator.
+pub const ASSOCIATORS: &[Method<BuildAssociator>] = &[nearest_neighbour::METHOD, oracle::METHOD];
+
+pub static ASSOCIATOR: Union = Union {
+    name: "Associator",
+    summary: "How detections are given to tracks.",
+    tag: "method",
+    variants: || ASSOCIATORS.iter().map(Method::variant).collect(),
+};

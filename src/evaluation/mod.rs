@@ -1,1 +1,28 @@
-//! (in progress)
+//! How good tracks are, measured against what is known of the targets.
+//!
+//! Every method here reads tracks as *strings*: one symbol a scan, a detection or a target, or ε for nothing.
+//! [`strings`] makes them (scan by scan on the [`axis`], by [`identities`] of detections or by [`nearest_truth`]),
+//! and [`temporal_automaton`] judges them.
+//!
+//! Absent here: files, job requests, and any knowledge of how the tracks were made.
+
+pub mod axis;
+mod id_order;
+pub mod identities;
+mod nearest_point;
+pub mod nearest_truth;
+pub mod strings;
+pub mod temporal_automaton;
+
+pub use strings::SymbolRule;
+pub use temporal_automaton::{TfaReport, TfaSettings, evaluate_temporal_automaton};
+
+use crate::model::{scan::Recording, track::TrackSet, truth::TruthSet};
+
+/// What an evaluation is given.
+#[derive(Debug, Clone, Copy)]
+pub struct EvaluationInput<'a> {
+    pub recording: Option<&'a Recording>,
+    pub truth: Option<&'a TruthSet>,
+    pub tracks: &'a TrackSet,
+}

@@ -3,6 +3,12 @@
 //! `plan` checks a request and says which inputs it needs; the caller loads them; `run` does the work.
 //! No clock, file, thread or network: time is measured and bytes are stored by whoever calls.
 
+mod artifacts;
+mod associate;
+pub mod catalogue;
 pub mod observer;
 pub mod plan;
+pub mod presets;
+mod requests;
 pub mod run;
+mod sensors;

@@ -1,11 +1,19 @@
 //! Runs a plan on its loaded inputs.
 
-use super::observer::Observer;
-use super::plan::Plan;
-use crate::model::dataset::{Dataset, DatasetSummary};
+use super::associate::{self, Tracked};
+use super::observer::{Observer, Step};
+use super::plan::{JobKind, Plan, scenario_of};
+use super::{artifacts, sensors};
+use crate::evaluation::{EvaluationInput, SymbolRule, TfaSettings, evaluate_temporal_automaton};
+use crate::math::rng::Seed;
+use crate::model::dataset::{Dataset, DatasetKind, DatasetSummary};
 use crate::model::fault::Fault;
+use crate::model::scan::Recording;
 use crate::model::sensor::SensorSettings;
-use serde_json::Value;
+use crate::model::track::TrackSet;
+use crate::model::truth::TruthSet;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 /// One loaded input.
 #[derive(Debug, Clone)]
@@ -52,11 +60,163 @@ pub enum RunError {
     Faults(Vec<Fault>),
 }
 
+impl From<Vec<Fault>> for RunError {
+    fn from(faults: Vec<Fault>) -> Self {
+        RunError::Faults(faults)
+    }
+}
+
 /// Does the work of `plan`.
 ///
 /// # Errors
 /// [`RunError::Stopped`] as soon as the observer says so; [`RunError::Faults`] when the inputs do not fit.
 pub fn run(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<Outcome, RunError> {
-    let _ = (plan, inputs, observer);
-    unimplemented!("being written")
+    let mut scene = Scene::gather(plan, inputs, observer)?;
+    let mut parts = Vec::new();
+    if plan.kind == JobKind::Simulate {
+        parts.push(("counts", simulation_counts(&scene)));
+        parts.push(("sensors", to_value(&scene.sensors)?));
+    }
+    let tracked = if plan.spec.get("associator").is_some() { Some(scene.track(plan, observer)?) } else { None };
+    if let (Some(tracked), Some(recording)) = (&tracked, &scene.recording) {
+        parts.push(("association", to_value(&associate::report(tracked, recording, &scene.sensors))?));
+    }
+    if plan.kind == JobKind::Evaluate {
+        parts.push(("tfa", scene.judge(plan, tracked.as_ref(), observer)?));
+    }
+    let artifacts = scene.artifacts(plan, tracked, observer)?;
+    let result = parts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
+    Ok(Outcome { result: Value::Object(result), warnings: scene.warnings, artifacts })
+}
+
+/// Everything a job works on.
+#[derive(Default)]
+struct Scene {
+    recording: Option<Recording>,
+    truth: Option<TruthSet>,
+    tracks: Option<TrackSet>,
+    sensors: Vec<SensorSettings>,
+    warnings: Vec<String>,
+}
+
+impl Scene {
+    /// Simulates the scenario of the plan, or takes what was loaded.
+    fn gather(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<Scene, RunError> {
+        let mut scene = Scene::default();
+        let mut uploaded = Vec::new();
+        for (request, input) in plan.inputs.iter().zip(inputs) {
+            let Some(input) = input else { continue };
+            match (request.role, input.dataset) {
+                (DatasetKind::Detections, Dataset::Detections(recording)) => {
+                    scene.recording = Some(recording);
+                    uploaded = input.sensors;
+                }
+                (DatasetKind::Truth, Dataset::Truth(truth)) => scene.truth = Some(truth),
+                (DatasetKind::Tracks, Dataset::Tracks(tracks)) => scene.tracks = Some(tracks),
+                (wanted, found) => return Err(RunError::Faults(vec![wrong_kind(request.pointer, wanted, found.kind())])),
+            }
+        }
+        if let Some((scenario, _)) = scenario_of(&plan.spec) {
+            let total = u64::from(scenario.scans);
+            let mut progress = |done| observer.progress(Step::Simulate, done, total);
+            let seed = Seed { seed: plan.seed, run: 0 };
+            let simulated = crate::simulation::simulate(&scenario, seed, &mut progress)?.ok_or(RunError::Stopped)?;
+            scene.recording = Some(simulated.recording);
+            scene.truth.get_or_insert(simulated.truth);
+        }
+        if let Some(recording) = &scene.recording {
+            let requested = plan.spec.get("sensors").and_then(|value| Vec::deserialize(value).ok()).unwrap_or_default();
+            scene.sensors = sensors::known(recording, &uploaded, &requested)?;
+        }
+        Ok(scene)
+    }
+
+    fn track(&mut self, plan: &Plan, observer: &mut dyn Observer) -> Result<Tracked, RunError> {
+        let recording = self.recording.as_ref().ok_or_else(|| missing("/input", "detections"))?;
+        let sensors = sensors::resolve(recording, &self.sensors, &mut self.warnings)?;
+        associate::track(&plan.spec, recording, sensors, observer)
+    }
+
+    /// The part `tfa` of the report.
+    fn judge(&mut self, plan: &Plan, tracked: Option<&Tracked>, observer: &mut dyn Observer) -> Result<Value, RunError> {
+        step(observer, Step::Evaluate, 0)?;
+        let tracks = tracked.map(|tracked| &tracked.tracks).or(self.tracks.as_ref()).ok_or_else(|| missing("/tracks", "tracks"))?;
+        let settings = tfa_settings(&plan.spec["tfa"])?;
+        let input = EvaluationInput { recording: self.recording.as_ref(), truth: self.truth.as_ref(), tracks };
+        let report = evaluate_temporal_automaton(&input, &settings)?;
+        step(observer, Step::Evaluate, 1)?;
+        to_value(&report)
+    }
+
+    /// The datasets of the job, and its scan by scan record.
+    fn artifacts(&mut self, plan: &Plan, tracked: Option<Tracked>, observer: &mut dyn Observer) -> Result<Vec<Artifact>, RunError> {
+        step(observer, Step::Write, 0)?;
+        let mut files = Vec::new();
+        if let (Some(tracked), Some(recording)) = (&tracked, &self.recording) {
+            files.push(artifacts::scans(recording, &tracked.scans).map_err(unwritten)?);
+        }
+        let tracks = tracked.map(|tracked| tracked.tracks).or(self.tracks.take());
+        let datasets = [
+            self.recording.take().map(Dataset::Detections),
+            self.truth.take().map(Dataset::Truth),
+            tracks.filter(|_| plan.kind != JobKind::Simulate).map(Dataset::Tracks),
+        ];
+        for dataset in datasets.into_iter().flatten() {
+            files.push(artifacts::dataset(&dataset, &self.sensors).map_err(unwritten)?);
+        }
+        step(observer, Step::Write, 1)?;
+        Ok(files)
+    }
+}
+
+/// The settings of the automaton, from their checked description.
+fn tfa_settings(spec: &Value) -> Result<TfaSettings, RunError> {
+    #[derive(Deserialize)]
+    struct Wire {
+        symbols: Symbols,
+        max_missed: u32,
+    }
+    #[derive(Deserialize)]
+    #[serde(tag = "kind", rename_all = "snake_case")]
+    enum Symbols {
+        DetectionId,
+        NearestTruth { gate_m: f64, max_gap_s: f64 },
+    }
+    let wire = Wire::deserialize(spec).map_err(|error| RunError::Faults(vec![Fault::new("/tfa", "malformed", error.to_string())]))?;
+    let symbols = match wire.symbols {
+        Symbols::DetectionId => SymbolRule::DetectionId,
+        Symbols::NearestTruth { gate_m, max_gap_s } => SymbolRule::NearestTruth { gate_m, max_gap_s },
+    };
+    Ok(TfaSettings { symbols, max_missed: wire.max_missed })
+}
+
+/// Asks whether to go on, before (0) and after (1) a step without parts.
+fn step(observer: &mut dyn Observer, step: Step, done: u64) -> Result<(), RunError> {
+    if observer.progress(step, done, 1).is_break() { Err(RunError::Stopped) } else { Ok(()) }
+}
+
+fn simulation_counts(scene: &Scene) -> Value {
+    let Some(recording) = &scene.recording else { return Value::Null };
+    let clutter = recording.detections.iter().filter(|detection| detection.origin.is_none()).count();
+    json!({
+        "sensors": recording.sensors.len(), "scans": recording.scans.len(), "targets": recording.targets.len(),
+        "detections": recording.detections.len(), "clutter": clutter
+    })
+}
+
+fn missing(pointer: &str, what: &str) -> RunError {
+    RunError::Faults(vec![Fault::new(pointer, "missing", format!("no {what} were found for this job"))])
+}
+
+fn wrong_kind(pointer: &str, wanted: DatasetKind, found: DatasetKind) -> Fault {
+    let detail = format!("expected a dataset of {}, found one of {}", wanted.name(), found.name());
+    Fault::new(pointer, "wrong_type", detail).allowing(wanted.name())
+}
+
+fn to_value<T: Serialize>(part: &T) -> Result<Value, RunError> {
+    serde_json::to_value(part).map_err(|error| RunError::Faults(vec![Fault::new("", "malformed", error.to_string())]))
+}
+
+fn unwritten(error: std::io::Error) -> RunError {
+    RunError::Faults(vec![Fault::new("", "too_large", format!("an artefact could not be written: {error}"))])
 }

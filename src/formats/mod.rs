@@ -1,5 +1,13 @@
 //! Bytes to datasets and back, one file a format. A new format is one file and one line of [`FORMATS`].
 
+pub mod autoferry;
+pub mod csv;
+pub mod json;
+mod table;
+
+pub use self::csv::write_csv;
+pub use json::write_json;
+
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use std::collections::BTreeMap;
@@ -21,7 +29,8 @@ pub struct ReadOutcome {
     pub warnings: Vec<String>,
 }
 
-/// A way to read datasets. Faults carry line and column; at most [`MAX_FAULTS`] are kept.
+/// A way to read datasets. Faults carry line and column; of more than [`MAX_FAULTS`] the first are kept, and one more
+/// says so.
 pub struct Format {
     pub name: &'static str,
     pub summary: &'static str,
@@ -34,4 +43,47 @@ pub struct Format {
 pub const MAX_FAULTS: usize = 100;
 
 /// Every format that trackloom reads.
-pub const FORMATS: &[Format] = &[];
+pub const FORMATS: &[Format] = &[csv::FORMAT, json::FORMAT, autoferry::FORMAT];
+
+/// The format of that name.
+pub fn format_named(name: &str) -> Option<&'static Format> {
+    FORMATS.iter().find(|format| format.name == name)
+}
+
+/// The format of a file by its first bytes, or by its name where they say nothing: JSON starts with `{` (canonical) or
+/// `[` (autoferry); any other text is CSV. `None` for bytes that are no text.
+pub fn detect_format(file_name: &str, first_bytes: &[u8]) -> Option<&'static Format> {
+    let text = first_bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(first_bytes).trim_ascii_start();
+    match text.first() {
+        Some(b'{') => format_named("json"),
+        Some(b'[') => format_named("autoferry"),
+        Some(_) if text.contains(&0) => None,
+        None if file_name.to_ascii_lowercase().ends_with(".json") => format_named("json"),
+        _ => format_named("csv"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unique_and_found() {
+        for format in FORMATS {
+            assert_eq!(format_named(format.name).map(|found| found.summary), Some(format.summary));
+            assert_eq!(FORMATS.iter().filter(|other| other.name == format.name).count(), 1);
+        }
+        assert!(format_named("xml").is_none());
+    }
+
+    #[test]
+    fn formats_are_told_from_the_first_bytes() {
+        let detect = |name: &str, bytes: &[u8]| detect_format(name, bytes).map(|format| format.name);
+        assert_eq!(detect("a.csv", b"time_s,truth_id"), Some("csv"));
+        assert_eq!(detect("a.txt", b"\xef\xbb\xbf\n{\"columns\""), Some("json"));
+        assert_eq!(detect("a.csv", b" [{\"sensorID\""), Some("autoferry"));
+        assert_eq!(detect("A.JSON", b""), Some("json"));
+        assert_eq!(detect("a", b""), Some("csv"));
+        assert_eq!(detect("a.csv", b"PK\x03\x04\x00\x00"), None);
+    }
+}

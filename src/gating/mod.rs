@@ -1,1 +1,4 @@
-//! (in progress)
+//! Gates: which detections a track may be given at all.
+
+pub mod ellipsoidal;
+pub mod grid;

@@ -1,1 +1,4 @@
-//! (in progress)
+//! Tools: Gaussian distances and likelihoods, and named streams of random numbers.
+
+pub mod gaussian;
+pub mod rng;

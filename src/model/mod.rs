@@ -4,6 +4,7 @@
 pub mod dataset;
 pub mod fault;
 pub mod motion;
+pub mod names;
 pub mod scan;
 pub mod scenario;
 pub mod sensor;

@@ -1,1 +1,13 @@
-//! (in progress)
+//! The only layer with a clock, files, threads, SQL and a network.
+//!
+//! - [`types`]: what goes over the wire, with its schema.
+//! - [`config`]: what can be set.
+//! - `storage`: one SQLite file and a directory of blobs; the truth about datasets and jobs.
+//! - `engine`: the queue, which only says "look at this job now"; nothing else knows apalis.
+//! - [`jobs`]: submitting, running, waiting, cancelling; the facade that HTTP and the command line call.
+
+pub mod config;
+mod engine;
+pub mod jobs;
+mod storage;
+pub mod types;

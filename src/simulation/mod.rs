@@ -1,1 +1,120 @@
-//! (in progress)
+//! Plays a scenario: targets move, sensors detect them with noise, misses and clutter; true origins are known.
+
+mod radar;
+mod targets;
+
+use crate::math::rng::Seed;
+use crate::model::fault::Fault;
+use crate::model::scan::{Detection, Recording, RecordingParts, Scan};
+use crate::model::scenario::{Scenario, ScenarioSensor, TargetPlan};
+use crate::model::sensor::SensorSettings;
+use crate::model::truth::{Target, TruthPoint, TruthSet};
+use std::collections::BTreeSet;
+use std::ops::ControlFlow;
+
+/// What a scenario produced: what the sensors saw, and what was really there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Simulated {
+    pub recording: Recording,
+    /// Targets that were inside a sensor's field of view at one scan at least, from their first such scan to their last.
+    pub truth: TruthSet,
+}
+
+/// What no table of fields can see: two sensors or two targets of one name, speeds in the wrong order.
+///
+/// # Errors
+/// All faults, with pointers into the scenario.
+pub fn check(scenario: &Scenario) -> Result<(), Vec<Fault>> {
+    let sensor_ids = scenario.sensors.iter().map(|sensor| sensor.sensor_id.as_str());
+    let mut faults = duplicate_faults("sensors", sensor_ids, |index| format!("/sensors/{index}/sensor_id"));
+    match &scenario.targets {
+        TargetPlan::Random(plan) if plan.speed_min_mps > plan.speed_max_mps => {
+            let detail = format!("{} m/s is above speed_max_mps", plan.speed_min_mps);
+            faults.push(Fault::new("/targets/speed_min_mps", "out_of_range", detail).allowing(format!("<= {} m/s", plan.speed_max_mps)));
+        }
+        TargetPlan::Random(_) => {}
+        TargetPlan::Listed { targets } => {
+            let names = targets.iter().map(|target| target.truth_id.as_str());
+            faults.extend(duplicate_faults("targets", names, |index| format!("/targets/targets/{index}/truth_id")));
+        }
+    }
+    if faults.is_empty() { Ok(()) } else { Err(faults) }
+}
+
+/// Simulates `scenario`; `progress(done)` is told after each scan and may stop the work (then the result is `None`).
+///
+/// # Errors
+/// Those of [`check`].
+pub fn simulate(
+    scenario: &Scenario,
+    seed: Seed,
+    progress: &mut dyn FnMut(u64) -> ControlFlow<()>,
+) -> Result<Option<Simulated>, Vec<Fault>> {
+    check(scenario)?;
+    let paths = targets::paths(scenario, seed);
+    let times: Vec<f64> = (0..scenario.scans).map(|scan| f64::from(scan) * scenario.scan_period_s).collect();
+    let (truth, seen) = observed_truth(scenario, &paths, &times)?;
+    let mut parts = RecordingParts {
+        sensors: scenario.sensors.iter().map(settings).collect(),
+        targets: truth.targets().iter().map(|target| target.truth_id.clone()).collect(),
+        origins_known: true,
+        ..Default::default()
+    };
+    for (index, &time_s) in times.iter().enumerate() {
+        for (sensor_index, sensor) in scenario.sensors.iter().enumerate() {
+            let found = radar::scan(sensor, sensor_index as u64, index as u64, time_s, &paths, &seen, seed);
+            append_scan(&mut parts, sensor_index, time_s, found);
+        }
+        if progress(index as u64 + 1).is_break() {
+            return Ok(None);
+        }
+    }
+    Ok(Some(Simulated { recording: Recording::new(parts)?, truth }))
+}
+
+/// A fault for each name that stood in the list before.
+fn duplicate_faults<'a>(what: &str, names: impl Iterator<Item = &'a str>, pointer: impl Fn(usize) -> String) -> Vec<Fault> {
+    let mut seen = BTreeSet::new();
+    let repeated = names.enumerate().filter(|(_, name)| !seen.insert(name.to_owned()));
+    repeated.map(|(index, name)| Fault::new(pointer(index), "duplicate", format!("two {what} are called '{name}'"))).collect()
+}
+
+/// The truth of every target that some sensor could see, and for each path its index among those.
+fn observed_truth(scenario: &Scenario, paths: &[targets::Path], times: &[f64]) -> Result<(TruthSet, Vec<Option<u32>>), Vec<Fault>> {
+    let mut observed = Vec::new();
+    let mut seen = Vec::with_capacity(paths.len());
+    for path in paths {
+        let is_visible = |time_s: &f64| scenario.sensors.iter().any(|sensor| radar::is_in_view(sensor, &path.position_at(*time_s)));
+        let first = times.iter().position(is_visible);
+        let last = times.iter().rposition(is_visible);
+        seen.push(first.map(|_| observed.len() as u32));
+        if let (Some(first), Some(last)) = (first, last) {
+            let point = |&time_s: &f64| TruthPoint { time_s, position_m: path.position_at(time_s), velocity_mps: Some(path.velocity_mps) };
+            observed.push(Target { truth_id: path.truth_id.clone(), points: times[first..=last].iter().map(point).collect() });
+        }
+    }
+    Ok((TruthSet::new(observed)?, seen))
+}
+
+/// Appends one scan. Detections are sorted by place, so that their order tells nothing of their origin.
+fn append_scan(parts: &mut RecordingParts, sensor: usize, time_s: f64, mut found: Vec<Detection>) {
+    let place = |detection: &Detection| detection.measurement.position().map_or((0.0, 0.0), |at| (at[0], at[1]));
+    found.sort_by(|left, right| place(left).0.total_cmp(&place(right).0).then(place(left).1.total_cmp(&place(right).1)));
+    let number = parts.scans.len() as u32 + 1;
+    parts.scans.push(Scan { number, time_s, sensor, first: parts.detections.len(), count: found.len() });
+    parts.detection_ids.extend((1..=found.len()).map(|index| format!("{number}-{index}")));
+    parts.detections.append(&mut found);
+}
+
+fn settings(sensor: &ScenarioSensor) -> SensorSettings {
+    SensorSettings {
+        sensor_id: sensor.sensor_id.clone(),
+        x_m: Some(sensor.x_m),
+        y_m: Some(sensor.y_m),
+        max_range_m: Some(sensor.max_range_m),
+        p_d: Some(sensor.p_d),
+        clutter_per_m2: Some(sensor.clutter_per_m2()),
+        sigma_x_m: Some(sensor.sigma_x_m),
+        sigma_y_m: Some(sensor.sigma_y_m),
+    }
+}

@@ -1,1 +1,9 @@
-//! (in progress)
+//! The tracker: predict → gate → associate → update → manage, once a scan.
+
+mod history;
+mod lifecycle;
+mod tracker;
+
+pub use history::History;
+pub use lifecycle::{LIFECYCLE, Lifecycle};
+pub use tracker::{ScanOutcome, Tracker, TrackerParts};

@@ -1,0 +1,138 @@
+//! `cargo bench`: what association costs, as ratios in one run.
+//!
+//! Prints the yardstick u (one predict and update of a 4-state Kalman filter with nalgebra's fixed sizes), then for
+//! scenes of 100, 1 000 and 10 000 targets of equal density the cost of the whole tracker for each track and scan under
+//! `oracle` (the filter alone) and under every other associator, in u and as a ratio to the oracle.
+
+use nalgebra::{Matrix2, Matrix2x4, Matrix4, Vector2, Vector4};
+use serde_json::json;
+use std::hint::black_box;
+use std::time::Instant;
+use trackloom::association::ASSOCIATORS;
+use trackloom::filtering::kalman::Kalman;
+use trackloom::math::rng::Seed;
+use trackloom::model::scan::Recording;
+use trackloom::model::scenario::{RandomTargets, Scenario, ScenarioSensor, TargetPlan};
+use trackloom::model::sensor::Sensor;
+use trackloom::tracking::{Lifecycle, Tracker, TrackerParts};
+
+/// Every figure is the median of this many runs, the contenders taking turns.
+const RUNS: usize = 15;
+
+fn main() {
+    // `cargo test --benches` only wants to know that it starts.
+    if std::env::args().any(|argument| argument == "--test") {
+        return;
+    }
+    let u_ns = yardstick_ns();
+    println!("yardstick u = {u_ns:.1} ns (4-state Kalman predict + update, nalgebra, fixed sizes)\n");
+    println!("{:>8}  {:<20} {:>12} {:>10} {:>10} {:>9}", "targets", "associator", "track-scans", "ns each", "u each", "/ oracle");
+    for targets in [100, 1_000, 10_000] {
+        compare(targets, u_ns);
+    }
+}
+
+/// One line for each associator at one size.
+fn compare(targets: u32, u_ns: f64) {
+    let (scenario, recording) = scene(targets);
+    let mut times: Vec<Vec<f64>> = vec![Vec::new(); ASSOCIATORS.len()];
+    let mut points = vec![0; ASSOCIATORS.len()];
+    for _ in 0..RUNS {
+        for (index, method) in ASSOCIATORS.iter().enumerate() {
+            let (seconds, track_scans) = tracked(method.name, &scenario, &recording);
+            times[index].push(seconds * 1e9 / track_scans as f64);
+            points[index] = track_scans;
+        }
+    }
+    let medians: Vec<f64> = times.into_iter().map(median).collect();
+    let oracle = ASSOCIATORS.iter().position(|method| method.name == "oracle").map_or(f64::NAN, |index| medians[index]);
+    for (index, method) in ASSOCIATORS.iter().enumerate() {
+        let ns = medians[index];
+        println!("{targets:>8}  {:<20} {:>12} {ns:>10.1} {:>10.2} {:>9.2}", method.name, points[index], ns / u_ns, ns / oracle);
+    }
+}
+
+/// Liang's scene at 100 targets; larger ones have a larger radar of the same target and clutter density.
+fn scene(targets: u32) -> (Scenario, Recording) {
+    let scale = (f64::from(targets) / 100.0).sqrt();
+    let scenario = Scenario {
+        scans: 30,
+        scan_period_s: 8.0,
+        sensors: vec![ScenarioSensor {
+            sensor_id: "radar".into(),
+            x_m: 0.0,
+            y_m: 0.0,
+            max_range_m: 50_000.0 * scale,
+            p_d: 0.9,
+            sigma_x_m: 15.0,
+            sigma_y_m: 5.2,
+            clutter_per_scan: 5.0 * scale * scale,
+        }],
+        targets: TargetPlan::Random(RandomTargets {
+            count: targets,
+            area_side_m: 100_000.0 * scale,
+            speed_min_mps: 100.0,
+            speed_max_mps: 1000.0,
+        }),
+    };
+    let simulated = trackloom::simulation::simulate(&scenario, Seed { seed: 1, run: 0 }, &mut |_| std::ops::ControlFlow::Continue(()));
+    let recording = simulated.expect("the scene is valid").expect("nobody stops it").recording;
+    (scenario, recording)
+}
+
+/// Seconds for the whole tracker, and how many living tracks it carried through a scan, summed over the scans.
+fn tracked(method: &str, scenario: &Scenario, recording: &Recording) -> (f64, u64) {
+    let associator = ASSOCIATORS.iter().find(|entry| entry.name == method).expect("a name of the table");
+    let sensor = &scenario.sensors[0];
+    let parts = TrackerParts {
+        filter: Kalman { process_noise_m2ps3: 1.0 },
+        associator: (associator.build)(&json!({})).expect("defaults build"),
+        lifecycle: Lifecycle { gate_probability: 0.999, confirm_hits: 3, confirm_window: 5, max_missed: 5, initial_speed_sigma_mps: 430.0 },
+        sensors: vec![Sensor {
+            sensor_id: "radar".into(),
+            p_d: sensor.p_d,
+            clutter_per_m2: sensor.clutter_per_m2(),
+            sigma_x_m: sensor.sigma_x_m,
+            sigma_y_m: sensor.sigma_y_m,
+        }],
+    };
+    let start = Instant::now();
+    let mut tracker = Tracker::new(parts);
+    let mut track_scans = 0;
+    for scan in &recording.scans {
+        track_scans += u64::from(tracker.step(scan, recording.detections_of(scan)).tracks);
+    }
+    let seconds = start.elapsed().as_secs_f64();
+    black_box(tracker.into_history());
+    (seconds, track_scans)
+}
+
+/// The textbook filter, written the plain way.
+fn yardstick_ns() -> f64 {
+    let dt = 8.0;
+    let f = Matrix4::new(1.0, 0.0, dt, 0.0, 0.0, 1.0, 0.0, dt, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
+    let h = Matrix2x4::new(1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0);
+    let (q, r) = (Matrix4::identity() * 0.5, Matrix2::identity() * 100.0);
+    let rounds = 200_000;
+    let once = || {
+        let (mut x, mut p) = (Vector4::zeros(), Matrix4::identity() * 1e4);
+        let start = Instant::now();
+        for round in 0..rounds {
+            let z = Vector2::new(f64::from(round % 7), f64::from(round % 5));
+            x = f * x;
+            p = f * p * f.transpose() + q;
+            let s = h * p * h.transpose() + r;
+            let gain = p * h.transpose() * s.try_inverse().expect("S is positive definite");
+            x += gain * (z - h * x);
+            p = (Matrix4::identity() - gain * h) * p;
+            black_box((&x, &p));
+        }
+        start.elapsed().as_secs_f64() * 1e9 / f64::from(rounds)
+    };
+    median((0..RUNS).map(|_| once()).collect())
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}

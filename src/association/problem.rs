@@ -1,0 +1,274 @@
+//! The association problem of one scan, sparse: for each track its candidate detections with squared distance and
+//! log-likelihood, and what "no detection" costs. It is split into clusters (tracks connected by shared candidates);
+//! an associator sees one cluster at a time. All memory is reused from scan to scan.
+
+/// A track's candidate. `log_likelihood` is ln(P_D · N(ν; 0, S) / λ), to be compared with the row's `log_none`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Edge {
+    /// Index of the detection in its scan.
+    pub detection: u32,
+    pub squared_distance: f64,
+    pub log_likelihood: f64,
+}
+
+/// A track of the problem: its candidates are `first .. first + count` of the edges.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Row {
+    pub first: u32,
+    pub count: u32,
+    /// ln(1 − P_D · P_G).
+    pub log_none: f64,
+}
+
+impl Row {
+    /// Indices of this row's edges, in the problem and in [`Weights::edges`].
+    #[inline]
+    pub fn edges(&self) -> std::ops::Range<usize> {
+        self.first as usize..(self.first + self.count) as usize
+    }
+}
+
+/// Every track of a scan with its candidates.
+#[derive(Debug, Default)]
+pub struct ScanProblem {
+    rows: Vec<Row>,
+    edges: Vec<Edge>,
+    clusters: Clusters,
+}
+
+/// One cluster: some rows of a [`ScanProblem`].
+#[derive(Debug, Clone, Copy)]
+pub struct Problem<'a> {
+    rows: &'a [Row],
+    edges: &'a [Edge],
+    members: &'a [u32],
+}
+
+/// What an associator answers, for all rows and edges of the scan.
+#[derive(Debug, Default)]
+pub struct Weights {
+    /// β of each edge, parallel to the problem's edges.
+    pub edges: Vec<f64>,
+    /// β₀ of each row: the weight of "no detection".
+    pub none: Vec<f64>,
+}
+
+impl Weights {
+    /// As many weights as the problem has rows and edges, all "none".
+    pub fn reset(&mut self, problem: &ScanProblem) {
+        self.edges.clear();
+        self.edges.resize(problem.edges.len(), 0.0);
+        self.none.clear();
+        self.none.resize(problem.rows.len(), 1.0);
+    }
+
+    /// Gives all of a row's weight to one of its edges.
+    #[inline]
+    pub fn choose(&mut self, row: usize, edge: usize) {
+        self.none[row] = 0.0;
+        self.edges[edge] = 1.0;
+    }
+}
+
+impl ScanProblem {
+    pub fn clear(&mut self) {
+        self.rows.clear();
+        self.edges.clear();
+    }
+
+    /// Adds an edge to the row that the next [`ScanProblem::end_row`] closes.
+    #[inline]
+    pub fn push_edge(&mut self, edge: Edge) {
+        self.edges.push(edge);
+    }
+
+    /// Closes a row: every edge pushed since the last one is its.
+    #[inline]
+    pub fn end_row(&mut self, log_none: f64) {
+        let first = self.rows.last().map_or(0, |row| row.first + row.count);
+        self.rows.push(Row { first, count: self.edges.len() as u32 - first, log_none });
+    }
+
+    pub fn rows(&self) -> &[Row] {
+        &self.rows
+    }
+
+    pub fn edges(&self) -> &[Edge] {
+        &self.edges
+    }
+
+    /// Calls `visit` for each cluster, in the order of its first row; rows without a candidate are in none.
+    /// `detections` is the number of detections of the scan.
+    pub fn for_each_cluster(&mut self, detections: usize, mut visit: impl FnMut(&Problem)) {
+        self.clusters.find(&self.rows, &self.edges, detections);
+        for members in self.clusters.iter() {
+            visit(&Problem { rows: &self.rows, edges: &self.edges, members });
+        }
+    }
+}
+
+impl<'a> Problem<'a> {
+    /// The cluster's rows, each with its index in the scan (and in [`Weights::none`]).
+    pub fn rows(&self) -> impl Iterator<Item = (usize, &'a Row)> + use<'a> {
+        let rows = self.rows;
+        self.members.iter().map(move |&row| (row as usize, &rows[row as usize]))
+    }
+
+    pub fn row_count(&self) -> usize {
+        self.members.len()
+    }
+
+    /// The edge with an index taken from [`Row::edges`].
+    #[inline]
+    pub fn edge(&self, index: usize) -> &'a Edge {
+        &self.edges[index]
+    }
+}
+
+/// Connected components of rows that share detections, by union–find.
+#[derive(Debug, Default)]
+struct Clusters {
+    /// Parent of each row.
+    parent: Vec<u32>,
+    /// The first row that wanted each detection.
+    wanted_by: Vec<u32>,
+    /// Rows, grouped by cluster.
+    members: Vec<u32>,
+    /// End of each cluster in `members`.
+    ends: Vec<u32>,
+    /// Index of each root's cluster.
+    cluster_of: Vec<u32>,
+}
+
+const NOBODY: u32 = u32::MAX;
+
+impl Clusters {
+    fn find(&mut self, rows: &[Row], edges: &[Edge], detections: usize) {
+        self.parent.clear();
+        self.parent.extend(0..rows.len() as u32);
+        self.wanted_by.clear();
+        self.wanted_by.resize(detections, NOBODY);
+        for (index, row) in rows.iter().enumerate() {
+            for edge in &edges[row.edges()] {
+                let other = &mut self.wanted_by[edge.detection as usize];
+                if *other == NOBODY {
+                    *other = index as u32;
+                } else {
+                    let other = *other;
+                    self.join(other, index as u32);
+                }
+            }
+        }
+        self.group(rows);
+    }
+
+    /// Joins two sets under the smaller root, so that a cluster's root is its first row.
+    fn join(&mut self, left: u32, right: u32) {
+        let (left, right) = (self.root(left), self.root(right));
+        let (low, high) = (left.min(right), left.max(right));
+        self.parent[high as usize] = low;
+    }
+
+    fn root(&mut self, mut row: u32) -> u32 {
+        while self.parent[row as usize] != row {
+            let above = self.parent[self.parent[row as usize] as usize];
+            self.parent[row as usize] = above;
+            row = above;
+        }
+        row
+    }
+
+    /// Counting sort of the rows that have candidates by cluster.
+    fn group(&mut self, rows: &[Row]) {
+        self.cluster_of.clear();
+        self.cluster_of.resize(rows.len(), NOBODY);
+        self.ends.clear();
+        for row in 0..rows.len() as u32 {
+            let root = self.root(row) as usize;
+            if rows[row as usize].count > 0 {
+                if self.cluster_of[root] == NOBODY {
+                    self.cluster_of[root] = self.ends.len() as u32;
+                    self.ends.push(0);
+                }
+                self.ends[self.cluster_of[root] as usize] += 1;
+            }
+        }
+        let mut total = 0;
+        for end in &mut self.ends {
+            let size = *end;
+            *end = total;
+            total += size;
+        }
+        self.members.clear();
+        self.members.resize(total as usize, 0);
+        for row in 0..rows.len() as u32 {
+            if rows[row as usize].count > 0 {
+                let root = self.root(row) as usize;
+                let end = &mut self.ends[self.cluster_of[root] as usize];
+                self.members[*end as usize] = row;
+                *end += 1;
+            }
+        }
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &[u32]> {
+        let starts = std::iter::once(0).chain(self.ends.iter().copied());
+        starts.zip(&self.ends).map(|(start, &end)| &self.members[start as usize..end as usize])
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// A problem from (detection, d²) lists, one list a track.
+    pub(crate) fn problem_of(tracks: &[&[(u32, f64)]]) -> ScanProblem {
+        let mut problem = ScanProblem::default();
+        for candidates in tracks {
+            for &(detection, squared_distance) in *candidates {
+                problem.push_edge(Edge { detection, squared_distance, log_likelihood: -0.5 * squared_distance });
+            }
+            problem.end_row(0.1f64.ln());
+        }
+        problem
+    }
+
+    fn clusters_of(problem: &mut ScanProblem, detections: usize) -> Vec<Vec<usize>> {
+        let mut clusters = Vec::new();
+        problem.for_each_cluster(detections, |cluster| clusters.push(cluster.rows().map(|(row, _)| row).collect()));
+        clusters
+    }
+
+    #[test]
+    fn tracks_that_share_a_detection_are_one_cluster() {
+        let mut problem = problem_of(&[&[(0, 1.0)], &[(3, 1.0)], &[], &[(0, 1.0), (1, 1.0)], &[(2, 1.0)], &[(1, 1.0), (2, 1.0)]]);
+        assert_eq!(clusters_of(&mut problem, 4), vec![vec![0, 3, 4, 5], vec![1]]);
+    }
+
+    proptest! {
+        #[test]
+        fn clusters_equal_the_transitive_closure(wants in prop::collection::vec(prop::collection::btree_set(0u32..12, 0..4), 0..12)) {
+            let lists: Vec<Vec<(u32, f64)>> = wants.iter().map(|set| set.iter().map(|&detection| (detection, 1.0)).collect()).collect();
+            let slices: Vec<&[(u32, f64)]> = lists.iter().map(Vec::as_slice).collect();
+            let mut found = vec![usize::MAX; wants.len()];
+            for (cluster, rows) in clusters_of(&mut problem_of(&slices), 12).into_iter().enumerate() {
+                for row in rows {
+                    found[row] = cluster;
+                }
+            }
+            let mut reach = vec![vec![false; wants.len()]; wants.len()];
+            for (a, b) in (0..wants.len()).flat_map(|a| (0..wants.len()).map(move |b| (a, b))) {
+                reach[a][b] = !wants[a].is_disjoint(&wants[b]);
+            }
+            for middle in 0..wants.len() {
+                for (a, b) in (0..wants.len()).flat_map(|a| (0..wants.len()).map(move |b| (a, b))) {
+                    reach[a][b] |= reach[a][middle] && reach[middle][b];
+                }
+            }
+            for (a, b) in (0..wants.len()).flat_map(|a| (0..wants.len()).map(move |b| (a, b))) {
+                prop_assert_eq!(reach[a][b], found[a] == found[b] && found[a] != usize::MAX, "rows {} and {}", a, b);
+            }
+        }
+    }
+}

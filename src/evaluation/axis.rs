@@ -1,0 +1,124 @@
+//! The scan axis: the scans on which strings are written, in order, and the place of each.
+//!
+//! With a recording the axis is its scans; each (time, sensor) is one scan. Scan numbers of a single sensor may have
+//! holes: the scans in a hole exist and are empty, so they only take up places. A hole never takes more places than
+//! end a string, so a wild scan number costs nothing. Without a recording the axis is the times of the track points.
+
+use crate::model::scan::Recording;
+use crate::model::track::{TrackPoint, TrackSet};
+use std::collections::HashMap;
+
+/// One scan of the axis. `position` is its place, counting the empty scans of holes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxisScan {
+    pub number: u32,
+    pub time_s: f64,
+    pub position: usize,
+    /// `None` where scans are told apart by time alone.
+    sensor: Option<usize>,
+}
+
+#[derive(Debug)]
+pub struct Axis {
+    scans: Vec<AxisScan>,
+    /// For each sensor that track points name: its index in the recording, if the recording has it.
+    sensor_of_point: Vec<Option<usize>>,
+    by_time_alone: bool,
+}
+
+impl Axis {
+    pub fn of_recording(recording: &Recording, tracks: &TrackSet, max_missed: u32) -> Self {
+        let indices: HashMap<&str, usize> =
+            recording.sensors.iter().enumerate().map(|(index, sensor)| (sensor.sensor_id.as_str(), index)).collect();
+        let longest_step = if recording.sensors.len() > 1 { 1 } else { max_missed as usize + 1 };
+        let mut scans: Vec<AxisScan> = Vec::with_capacity(recording.scans.len());
+        for scan in &recording.scans {
+            let position = scans.last().map_or(0, |last| {
+                let step = scan.number.saturating_sub(last.number) as usize;
+                last.position + step.clamp(1, longest_step)
+            });
+            scans.push(AxisScan { number: scan.number, time_s: scan.time_s, position, sensor: Some(scan.sensor) });
+        }
+        let sensor_of_point = tracks.sensor_ids.iter().map(|name| indices.get(name.as_str()).copied()).collect();
+        Axis { scans, sensor_of_point, by_time_alone: false }
+    }
+
+    pub fn of_tracks(tracks: &TrackSet) -> Self {
+        let points = tracks.tracks.iter().flat_map(|track| &track.points);
+        let mut times_s: Vec<f64> = points.map(|point| point.time_s).filter(|time_s| time_s.is_finite()).collect();
+        times_s.sort_by(f64::total_cmp);
+        times_s.dedup();
+        let scan = |(position, time_s)| AxisScan { number: position as u32 + 1, time_s, position, sensor: None };
+        let scans = times_s.into_iter().enumerate().map(scan).collect();
+        Axis { scans, sensor_of_point: Vec::new(), by_time_alone: true }
+    }
+
+    pub fn scans(&self) -> &[AxisScan] {
+        &self.scans
+    }
+
+    /// The scan at a place of the axis that is not in a hole.
+    pub fn at_position(&self, position: usize) -> &AxisScan {
+        &self.scans[self.scans.partition_point(|scan| scan.position < position)]
+    }
+
+    /// Index of the scan that a track point belongs to: the same time and sensor. A point without a sensor belongs
+    /// to the only scan at its time, and to none when there are several.
+    pub fn scan_of(&self, point: &TrackPoint) -> Option<usize> {
+        let first = self.scans.partition_point(|scan| scan.time_s < point.time_s);
+        let mut at_time = self.scans[first..].iter().take_while(|scan| scan.time_s == point.time_s);
+        match point.sensor {
+            Some(sensor) if !self.by_time_alone => {
+                let wanted = self.sensor_of_point[sensor as usize]?;
+                at_time.position(|scan| scan.sensor == Some(wanted)).map(|offset| first + offset)
+            }
+            _ => (at_time.count() == 1).then_some(first),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::scan::{RecordingParts, Scan};
+    use crate::model::sensor::SensorSettings;
+    use crate::model::state::State;
+
+    fn recording(sensors: &[&str], scans: &[(u32, f64, usize)]) -> Recording {
+        let scan = |&(number, time_s, sensor): &(u32, f64, usize)| Scan { number, time_s, sensor, first: 0, count: 0 };
+        Recording::new(RecordingParts {
+            sensors: sensors.iter().map(|name| SensorSettings::named(*name)).collect(),
+            scans: scans.iter().map(scan).collect(),
+            ..Default::default()
+        })
+        .unwrap()
+    }
+
+    fn point(time_s: f64, sensor: Option<u32>) -> TrackPoint {
+        let state = State::zeros();
+        let rest = (false, None, None);
+        TrackPoint { time_s, sensor, state, has_velocity: rest.0, covariance: rest.1, status: rest.2, first_candidate: 0, candidates: 0 }
+    }
+
+    #[test]
+    fn holes_in_the_numbers_take_up_places_but_never_more_than_end_a_string() {
+        let recording = recording(&["radar"], &[(1, 0.0, 0), (2, 1.0, 0), (5, 4.0, 0), (4_000_000_000, 5.0, 0), (3, 6.0, 0)]);
+        let axis = Axis::of_recording(&recording, &TrackSet::default(), 5);
+        let positions: Vec<usize> = axis.scans().iter().map(|scan| scan.position).collect();
+        assert_eq!(positions, [0, 1, 4, 10, 11]);
+        assert_eq!(axis.at_position(10).number, 4_000_000_000);
+    }
+
+    #[test]
+    fn points_find_their_scan_by_time_and_sensor() {
+        let recording = recording(&["radar", "lidar"], &[(1, 0.0, 0), (2, 0.0, 1), (3, 1.0, 1)]);
+        let tracks = TrackSet { sensor_ids: vec!["lidar".into(), "sonar".into()], ..Default::default() };
+        let axis = Axis::of_recording(&recording, &tracks, 5);
+        assert_eq!(axis.scan_of(&point(0.0, Some(0))), Some(1));
+        assert_eq!(axis.scan_of(&point(1.0, None)), Some(2), "only one scan at that time");
+        assert_eq!(axis.scan_of(&point(0.0, None)), None, "two scans at that time");
+        assert_eq!(axis.scan_of(&point(0.0, Some(1))), None, "no such sensor");
+        assert_eq!(axis.scan_of(&point(0.5, None)), None, "no such time");
+        assert_eq!(axis.scan_of(&point(f64::NAN, None)), None);
+    }
+}

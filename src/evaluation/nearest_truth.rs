@@ -1,0 +1,62 @@
+//! Symbols for recordings whose detections have no origin: the target nearest to the track.
+//!
+//! A target is where the truth says at the time of a scan, or on the line between its two neighbouring points if they
+//! are at most `max_gap_s` apart; else it does not exist at that scan. The symbol of a track point is the nearest
+//! target with a distance of at most `gate_m`, ties to the smaller id, ε when there is none. It is not one to one: two
+//! tracks may take the same target at the same scan. The truth string of a target is the target itself at each scan at
+//! which it exists.
+//!
+//! With a recording, targets that exist at none of its scans were never watched and are left out.
+
+use super::axis::Axis;
+use super::id_order;
+use super::nearest_point::{Place, PlaneTree};
+use crate::model::state::Position;
+use crate::model::truth::{Target, TruthSet};
+
+pub struct NearestTruth<'a> {
+    /// The targets that count; symbols are indices into them.
+    pub target_ids: Vec<&'a str>,
+    /// For each of them, the scans at which it exists.
+    pub scans_of_target: Vec<Vec<usize>>,
+    /// How many targets were left out.
+    pub never_watched: usize,
+    gate_m: f64,
+    trees: Vec<PlaneTree>,
+}
+
+impl<'a> NearestTruth<'a> {
+    pub fn new(truth: &'a TruthSet, axis: &Axis, gate_m: f64, max_gap_s: f64, keep_all: bool) -> Self {
+        let ranks = id_order::ranks(truth.targets().iter().map(|target| target.truth_id.as_str()));
+        let mut places: Vec<Vec<Place>> = vec![Vec::new(); axis.scans().len()];
+        let (mut target_ids, mut scans_of_target, mut never_watched) = (Vec::new(), Vec::new(), 0);
+        for (target, rank) in truth.targets().iter().zip(ranks) {
+            let index = target_ids.len() as u32;
+            let path = positions_on(axis, target, max_gap_s);
+            if path.is_empty() && !keep_all {
+                never_watched += 1;
+                continue;
+            }
+            for &(scan, position_m) in &path {
+                places[scan].push(Place { position_m, index, rank });
+            }
+            target_ids.push(target.truth_id.as_str());
+            scans_of_target.push(path.into_iter().map(|(scan, _)| scan).collect());
+        }
+        let trees = places.into_iter().map(PlaneTree::new).collect();
+        NearestTruth { target_ids, scans_of_target, never_watched, gate_m, trees }
+    }
+
+    /// The symbol of a track that is at `position_m` at a scan.
+    pub fn symbol(&self, scan: usize, position_m: &Position) -> Option<u32> {
+        self.trees[scan].nearest(position_m, self.gate_m)
+    }
+}
+
+/// The scans at which a target exists, and where it is then.
+fn positions_on(axis: &Axis, target: &Target, max_gap_s: f64) -> Vec<(usize, Position)> {
+    let (Some(first), Some(last)) = (target.points.first(), target.points.last()) else { return Vec::new() };
+    let from = axis.scans().partition_point(|scan| scan.time_s < first.time_s);
+    let scans = axis.scans().iter().enumerate().skip(from).take_while(|(_, scan)| scan.time_s <= last.time_s);
+    scans.filter_map(|(index, scan)| Some((index, target.position_at(scan.time_s, max_gap_s)?))).collect()
+}

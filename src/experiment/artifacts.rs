@@ -1,0 +1,37 @@
+//! The files that a job leaves behind.
+
+use super::run::Artifact;
+use crate::formats;
+use crate::model::dataset::Dataset;
+use crate::model::scan::Recording;
+use crate::model::sensor::SensorSettings;
+use crate::tracking::ScanOutcome;
+use std::io::{Error, Write};
+
+/// A dataset as canonical CSV: `detections.csv`, `truth.csv` or `tracks.csv`.
+pub(super) fn dataset(dataset: &Dataset, sensors: &[SensorSettings]) -> Result<Artifact, Error> {
+    let mut bytes = Vec::new();
+    formats::write_csv(dataset, &mut bytes)?;
+    let name = match dataset {
+        Dataset::Detections(_) => "detections.csv",
+        Dataset::Truth(_) => "truth.csv",
+        Dataset::Tracks(_) => "tracks.csv",
+    };
+    Ok(Artifact { name, media_type: "text/csv", bytes, dataset: Some(dataset.summary()), sensors: sensors.to_vec() })
+}
+
+/// What happened scan by scan, as `scans.csv`.
+pub(super) fn scans(recording: &Recording, outcomes: &[ScanOutcome]) -> Result<Artifact, Error> {
+    let mut bytes = b"time_s,scan,sensor_id,detections,tracks,confirmed,unused_detections\n".to_vec();
+    for (scan, outcome) in recording.scans.iter().zip(outcomes) {
+        let sensor_id = &recording.sensors[scan.sensor].sensor_id;
+        let ScanOutcome { tracks, confirmed, unused } = outcome;
+        writeln!(bytes, "{},{},{},{},{tracks},{confirmed},{unused}", scan.time_s, scan.number, quoted(sensor_id), scan.count)?;
+    }
+    Ok(Artifact { name: "scans.csv", media_type: "text/csv", bytes, dataset: None, sensors: Vec::new() })
+}
+
+/// A CSV field, quoted where it must be.
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+}

@@ -1,0 +1,26 @@
+//! Presets: complete job bodies, ready to run or to change. One file an origin, one line of [`all`].
+
+mod liang2009;
+
+use super::plan::JobKind;
+use serde_json::Value;
+
+/// A named job body.
+#[derive(Debug, Clone)]
+pub struct Preset {
+    pub name: String,
+    pub summary: String,
+    pub kind: JobKind,
+    pub body: Value,
+}
+
+/// Every preset.
+pub fn all() -> Vec<Preset> {
+    liang2009::presets()
+}
+
+/// The preset with this name. `liang2009` alone is its largest scene.
+pub fn find(name: &str) -> Option<Preset> {
+    let name = if name == "liang2009" { "liang2009-100" } else { name };
+    all().into_iter().find(|preset| preset.name == name)
+}

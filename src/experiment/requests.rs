@@ -1,0 +1,272 @@
+//! The bodies of the requests, described field by field.
+
+use crate::association::ASSOCIATOR;
+use crate::filtering::FILTER;
+use crate::registry::{Bound, Field, Kind, Object, Presence, Union, Variant};
+use crate::tracking::LIFECYCLE;
+
+/// Limits that keep a job within one machine.
+pub const MAX_SCANS: i64 = 100_000;
+pub const MAX_TARGETS: i64 = 100_000;
+/// Detections of one simulation.
+pub const MAX_DETECTIONS: f64 = 20e6;
+
+const PLACE: Kind = Kind::Number { min: Bound::Including(-1e9), max: Bound::Including(1e9), unit: "m" };
+const SIGMA: Kind = Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "m" };
+const RANGE: Kind = Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e9), unit: "m" };
+const PROBABILITY: Kind = Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1.0), unit: "" };
+const SPEED: Kind = Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e5), unit: "m/s" };
+const VELOCITY: Kind = Kind::Number { min: Bound::Including(-1e5), max: Bound::Including(1e5), unit: "m/s" };
+const NAME: Kind = Kind::Text { max_length: 100 };
+
+const fn required(name: &'static str, summary: &'static str, kind: Kind) -> Field {
+    Field { name, summary, kind, presence: Presence::Required }
+}
+
+const fn optional(name: &'static str, summary: &'static str, kind: Kind) -> Field {
+    Field { name, summary, kind, presence: Presence::Optional }
+}
+
+const fn default(name: &'static str, summary: &'static str, kind: Kind, value: &'static str) -> Field {
+    Field { name, summary, kind, presence: Presence::Default(value) }
+}
+
+static SCENARIO_SENSOR: Object = Object {
+    name: "ScenarioSensor",
+    summary: "A sensor that reports positions with independent Gaussian noise on x and y, and uniform clutter in its field of view.",
+    fields: &[
+        default("sensor_id", "Name of the sensor.", NAME, "\"radar\""),
+        default("x_m", "Position, east.", PLACE, "0.0"),
+        default("y_m", "Position, north.", PLACE, "0.0"),
+        required("max_range_m", "Radius of the field of view.", RANGE),
+        default("p_d", "Probability that a target in view is detected in a scan.", PROBABILITY, "0.9"),
+        required("sigma_x_m", "Standard deviation of x.", SIGMA),
+        required("sigma_y_m", "Standard deviation of y.", SIGMA),
+        default(
+            "clutter_per_scan",
+            "Mean of the Poisson number of false detections in a scan.",
+            Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e6), unit: "" },
+            "0.0",
+        ),
+    ],
+};
+
+static RANDOM_TARGETS: Object = Object {
+    name: "RandomTargets",
+    summary: "Targets with uniform start in a square around (0, 0), uniform heading and uniform speed, all constant.",
+    fields: &[
+        required("count", "Number of targets.", Kind::Integer { min: 1, max: MAX_TARGETS, unit: "" }),
+        required("area_side_m", "Side of the square.", RANGE),
+        required("speed_min_mps", "Lowest speed.", SPEED),
+        required("speed_max_mps", "Highest speed.", SPEED),
+    ],
+};
+
+static LISTED_TARGET: Object = Object {
+    name: "ListedTarget",
+    summary: "A target with constant velocity from time 0.",
+    fields: &[
+        required("truth_id", "Name of the target.", NAME),
+        required("x_m", "Start, east.", PLACE),
+        required("y_m", "Start, north.", PLACE),
+        default("vx_mps", "Velocity, east.", VELOCITY, "0.0"),
+        default("vy_mps", "Velocity, north.", VELOCITY, "0.0"),
+    ],
+};
+
+static LISTED_TARGETS: Object = Object {
+    name: "ListedTargets",
+    summary: "Targets written out one by one.",
+    fields: &[required("targets", "The targets.", Kind::List { item: &Kind::Object(&LISTED_TARGET), min: 1, max: MAX_TARGETS as usize })],
+};
+
+static TARGET_PLAN: Union = Union {
+    name: "TargetPlan",
+    summary: "How the targets of a scenario are chosen.",
+    tag: "kind",
+    variants: || vec![Variant { tag: "random", object: &RANDOM_TARGETS }, Variant { tag: "listed", object: &LISTED_TARGETS }],
+};
+
+pub static SCENARIO: Object = Object {
+    name: "Scenario",
+    summary: "A scene to simulate: every sensor makes one scan each period, the first at time 0.",
+    fields: &[
+        required("scans", "Scans of each sensor.", Kind::Integer { min: 1, max: MAX_SCANS, unit: "scans" }),
+        required(
+            "scan_period_s",
+            "Time from scan to scan.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "s" },
+        ),
+        required("sensors", "The sensors.", Kind::List { item: &Kind::Object(&SCENARIO_SENSOR), min: 1, max: 64 }),
+        required("targets", "The targets.", Kind::Union(&TARGET_PLAN)),
+    ],
+};
+
+const SENSOR_IDS: Field =
+    optional("sensor_ids", "Only the scans of these sensors; all of them when absent.", Kind::List { item: &NAME, min: 1, max: 64 });
+
+static SOURCE_DATASET: Object = Object {
+    name: "DatasetSource",
+    summary: "An uploaded dataset, or one that a job made.",
+    fields: &[required("dataset_id", "Identity of the dataset.", NAME), SENSOR_IDS],
+};
+
+static SOURCE_JOB: Object = Object {
+    name: "JobSource",
+    summary: "The output of another job; a job that is not finished is waited for.",
+    fields: &[required("job_id", "Identity of the job.", NAME), SENSOR_IDS],
+};
+
+static SOURCE_SCENARIO: Object = Object {
+    name: "ScenarioSource",
+    summary: "A scenario, simulated with the job's seed.",
+    fields: &[required("scenario", "The scene.", Kind::Object(&SCENARIO))],
+};
+
+static SOURCE_PRESET: Object = Object {
+    name: "PresetSource",
+    summary: "The scenario of a preset, simulated with the job's seed.",
+    fields: &[required("preset", "Name of the preset.", NAME)],
+};
+
+static INPUT: Union = Union {
+    name: "InputSource",
+    summary: "Where detections come from.",
+    tag: "source",
+    variants: || {
+        let mut variants = data_sources();
+        variants.push(Variant { tag: "scenario", object: &SOURCE_SCENARIO });
+        variants.push(Variant { tag: "preset", object: &SOURCE_PRESET });
+        variants
+    },
+};
+
+static DATA: Union =
+    Union { name: "DataSource", summary: "Where recorded or computed data come from.", tag: "source", variants: data_sources };
+
+fn data_sources() -> Vec<Variant> {
+    vec![Variant { tag: "dataset", object: &SOURCE_DATASET }, Variant { tag: "job", object: &SOURCE_JOB }]
+}
+
+pub static SENSOR_SETTINGS: Object = Object {
+    name: "SensorSettings",
+    summary: "What is known of a sensor of a recording; given values replace those that came with the data.",
+    fields: &[
+        required("sensor_id", "Name of the sensor in the recording.", NAME),
+        optional("x_m", "Position, east.", PLACE),
+        optional("y_m", "Position, north.", PLACE),
+        optional("max_range_m", "Radius of the field of view.", RANGE),
+        optional("p_d", "Probability that a target in view is detected in a scan.", PROBABILITY),
+        optional(
+            "clutter_per_m2",
+            "Expected false detections per square metre and scan.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "1/m²" },
+        ),
+        optional("sigma_x_m", "Standard deviation of x.", SIGMA),
+        optional("sigma_y_m", "Standard deviation of y.", SIGMA),
+    ],
+};
+
+static NOTHING: Object =
+    Object { name: "DetectionIdSymbols", summary: "A symbol is the identity of a detection, as in the paper.", fields: &[] };
+
+static NEAREST_TRUTH: Object = Object {
+    name: "NearestTruthSymbols",
+    summary: "A symbol is the nearest true target: for recordings whose detections have no known origin.",
+    fields: &[
+        required("gate_m", "Largest distance between a track and its truth.", RANGE),
+        default(
+            "max_gap_s",
+            "Truth is interpolated between points at most this far apart.",
+            Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e6), unit: "s" },
+            "5.0",
+        ),
+    ],
+};
+
+static SYMBOLS: Union = Union {
+    name: "TfaSymbols",
+    summary: "What the automaton reads at each scan.",
+    tag: "kind",
+    variants: || vec![Variant { tag: "detection_id", object: &NOTHING }, Variant { tag: "nearest_truth", object: &NEAREST_TRUTH }],
+};
+
+static MOST_PROBABLE: Object =
+    Object { name: "MostProbableDecision", summary: "A track's symbol is its most probable candidate, ε included.", fields: &[] };
+
+static DECISION: Union = Union {
+    name: "TfaDecision",
+    summary: "How a track's weights become symbols.",
+    tag: "policy",
+    variants: || vec![Variant { tag: "most_probable", object: &MOST_PROBABLE }],
+};
+
+static TFA: Object = Object {
+    name: "TfaSettings",
+    summary: "The temporal finite automaton that judges tracks.",
+    fields: &[
+        default("symbols", "What the automaton reads.", Kind::Union(&SYMBOLS), r#"{"kind":"detection_id"}"#),
+        default("decision", "How weights become symbols.", Kind::Union(&DECISION), r#"{"policy":"most_probable"}"#),
+        default(
+            "max_missed",
+            "Scans in a row without a symbol that end a string.",
+            Kind::Integer { min: 1, max: 1000, unit: "scans" },
+            "5",
+        ),
+    ],
+};
+
+const JOB_NAME: Field = optional("name", "A name for people.", NAME);
+const LABELS: Field = optional("labels", "Labels to find the job by, name to text.", Kind::TextMap { max_entries: 32, max_length: 100 });
+const SEED: Field =
+    default("seed", "Seed of every random number of the job.", Kind::Integer { min: 0, max: u32::MAX as i64, unit: "" }, "1");
+static ONE_SENSOR: Kind = Kind::Object(&SENSOR_SETTINGS);
+const SENSORS: Field =
+    optional("sensors", "Settings of the recording's sensors, by name.", Kind::List { item: &ONE_SENSOR, min: 1, max: 64 });
+
+pub static SIMULATE: Object = Object {
+    name: "SimulateRequest",
+    summary: "Simulate a scenario: detections with known origins, and the truth.",
+    fields: &[JOB_NAME, LABELS, SEED, required("scenario", "The scene.", Kind::Object(&SCENARIO))],
+};
+
+pub static ASSOCIATE: Object = Object {
+    name: "AssociateRequest",
+    summary: "Track the targets of a recording or a scenario.",
+    fields: &[
+        JOB_NAME,
+        LABELS,
+        SEED,
+        required("input", "The detections.", Kind::Union(&INPUT)),
+        SENSORS,
+        default("associator", "How detections are given to tracks.", Kind::Union(&ASSOCIATOR), DEFAULT_ASSOCIATOR),
+        default("filter", "How tracks are predicted and updated.", Kind::Union(&FILTER), DEFAULT_FILTER),
+        default("tracker", "Gate and life cycle.", Kind::Object(&LIFECYCLE), "{}"),
+    ],
+};
+
+pub const DEFAULT_ASSOCIATOR: &str = r#"{"method":"nearest_neighbour"}"#;
+pub const DEFAULT_FILTER: &str = r#"{"method":"kalman"}"#;
+
+pub static EVALUATE: Object = Object {
+    name: "EvaluateRequest",
+    summary: "Judge tracks: those of `tracks`, or those that an associator makes of `input` first.",
+    fields: &[
+        JOB_NAME,
+        LABELS,
+        SEED,
+        optional("input", "Detections to track before the evaluation; instead of `tracks`.", Kind::Union(&INPUT)),
+        SENSORS,
+        optional("associator", "With `input`: how detections are given to tracks (default nearest_neighbour).", Kind::Union(&ASSOCIATOR)),
+        optional("filter", "With `input`: how tracks are predicted and updated (default kalman).", Kind::Union(&FILTER)),
+        optional("tracker", "With `input`: gate and life cycle.", Kind::Object(&LIFECYCLE)),
+        optional("tracks", "Tracks to judge; instead of `input`.", Kind::Union(&DATA)),
+        optional("truth", "The truth; found by itself when the input or the tracks come from a job that knows it.", Kind::Union(&DATA)),
+        optional(
+            "detections",
+            "With `tracks`: the detections they were made of; found by itself when `tracks` is a job.",
+            Kind::Union(&DATA),
+        ),
+        default("tfa", "Settings of the temporal automaton.", Kind::Object(&TFA), "{}"),
+    ],
+};

@@ -1,0 +1,173 @@
+//! Canonical CSV: a header line with the column names, then one row a line. UTF-8, commas, quotes where needed; a byte
+//! order mark and Windows line ends are accepted. Reads and writes row by row.
+
+use super::table::{self, FaultLog, Rows, Sink};
+use super::{Format, ReadOptions, ReadOutcome};
+use crate::model::dataset::{Dataset, DatasetKind};
+use crate::model::fault::Fault;
+use csv::{ErrorKind, ReaderBuilder, StringRecord, Terminator};
+use std::io::{self, BufRead, Write};
+
+pub const FORMAT: Format = Format {
+    name: "csv",
+    summary: "Canonical CSV: detections, truth or tracks, one row a line under a header",
+    media_type: "text/csv",
+    kinds: &DatasetKind::ALL,
+    read,
+};
+
+/// Reads one dataset.
+///
+/// # Errors
+/// Every fault, with line and column name.
+pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcome, Vec<Fault>> {
+    let mut rows = CsvRows::open(input)?;
+    table::read(&mut rows, options, Vec::new())
+}
+
+/// Writes one dataset; [`read`] of it gives the same dataset.
+///
+/// # Errors
+/// What the output says.
+pub fn write_csv(dataset: &Dataset, out: &mut dyn Write) -> io::Result<()> {
+    let mut sink = CsvSink { writer: csv::Writer::from_writer(out), number: String::new() };
+    table::write(dataset, &mut sink)?;
+    sink.writer.flush()
+}
+
+struct CsvRows<'a> {
+    reader: csv::Reader<&'a mut dyn BufRead>,
+    names: Vec<String>,
+    record: StringRecord,
+    line: u64,
+}
+
+impl<'a> CsvRows<'a> {
+    /// Reads the header.
+    fn open(input: &'a mut dyn BufRead) -> Result<Self, Vec<Fault>> {
+        // Records end at '\n' so that lines can be counted; the '\r' of a Windows line end is cut off by us.
+        let reader = ReaderBuilder::new().has_headers(false).flexible(true).terminator(Terminator::Any(b'\n')).from_reader(input);
+        let mut rows = CsvRows { reader, names: Vec::new(), record: StringRecord::new(), line: 1 };
+        let mut faults = FaultLog::default();
+        let found = rows.next_record(&mut faults);
+        faults.finish()?;
+        if !found {
+            let fault = Fault::new("/file", "empty", "the file is empty; its first line must name the columns");
+            return Err(vec![Fault { line: Some(1), ..fault }]);
+        }
+        rows.names = (0..rows.record.len()).map(|column| rows.cell(column).trim().to_owned()).collect();
+        Ok(rows)
+    }
+
+    /// Reads the next record that is text; reports those that are not.
+    fn next_record(&mut self, faults: &mut FaultLog) -> bool {
+        while !faults.is_full() {
+            let before = self.reader.position().line();
+            let read = self.reader.read_record(&mut self.record);
+            let after = self.reader.position().line();
+            match read {
+                Ok(false) => return false,
+                Ok(true) => {
+                    // Blank lines were skipped without being counted in `before`; lines inside quotes are in the record.
+                    let inside = self.record.as_slice().bytes().filter(|&byte| byte == b'\n').count() as u64;
+                    self.line = before.max(after.saturating_sub(1 + inside));
+                    if self.record.as_slice() != "\r" || self.record.len() != 1 {
+                        return true;
+                    }
+                }
+                Err(error) => {
+                    let (fault, goes_on) = self.unreadable(&error, before);
+                    faults.push(fault);
+                    if !goes_on {
+                        return false;
+                    }
+                }
+            }
+        }
+        false
+    }
+
+    /// The fault of a record that cannot be read, and whether the next one may be.
+    fn unreadable(&self, error: &csv::Error, line: u64) -> (Fault, bool) {
+        let fault = |detail: String| Fault { line: Some(line), ..Fault::new("/file", "malformed", detail) };
+        match error.kind() {
+            ErrorKind::Utf8 { err, .. } => {
+                let column = self.names.get(err.field()).cloned();
+                (Fault { column, ..fault("the text is not UTF-8".to_owned()) }, true)
+            }
+            _ => (fault(format!("the file cannot be read further: {error}")), false),
+        }
+    }
+
+    fn count_fault(&self) -> Option<Fault> {
+        let (cells, columns) = (self.record.len(), self.names.len());
+        let detail = || format!("the row has {cells} values, the header names {columns} columns");
+        let fault = (cells != columns).then(|| Fault::new("/file", "malformed", detail()))?;
+        Some(Fault { line: Some(self.line), column: self.names.get(cells).cloned(), ..fault })
+    }
+}
+
+impl Rows for CsvRows<'_> {
+    fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    fn advance(&mut self, faults: &mut FaultLog) -> bool {
+        while self.next_record(faults) {
+            match self.count_fault() {
+                None => return true,
+                Some(fault) => faults.push(fault),
+            }
+        }
+        false
+    }
+
+    fn cell(&self, column: usize) -> &str {
+        let cell = self.record.get(column).unwrap_or_default();
+        if column + 1 == self.record.len() { cell.strip_suffix('\r').unwrap_or(cell) } else { cell }
+    }
+
+    fn row(&self) -> u64 {
+        self.line
+    }
+
+    fn row_word(&self) -> &'static str {
+        "line"
+    }
+
+    fn cell_fault(&self, row: u64, column: usize, code: &str, detail: String) -> Fault {
+        Fault::new("/file", code, detail).at(row, self.names[column].clone())
+    }
+
+    fn header_fault(&self, name: Option<&str>, code: &str, detail: String) -> Fault {
+        Fault { line: Some(1), column: name.map(str::to_owned), ..Fault::new("/file", code, detail) }
+    }
+}
+
+struct CsvSink<'a> {
+    writer: csv::Writer<&'a mut dyn Write>,
+    /// Reused for each number.
+    number: String,
+}
+
+impl Sink for CsvSink<'_> {
+    fn begin(&mut self, columns: &[&'static str]) -> io::Result<()> {
+        Ok(self.writer.write_record(columns)?)
+    }
+
+    fn number(&mut self, value: Option<f64>) -> io::Result<()> {
+        self.number.clear();
+        if let Some(value) = value {
+            table::push_number(&mut self.number, value);
+        }
+        Ok(self.writer.write_field(&self.number)?)
+    }
+
+    fn text(&mut self, value: Option<&str>) -> io::Result<()> {
+        Ok(self.writer.write_field(value.unwrap_or_default())?)
+    }
+
+    fn end_row(&mut self) -> io::Result<()> {
+        Ok(self.writer.write_record(None::<&[u8]>)?)
+    }
+}

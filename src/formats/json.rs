@@ -1,0 +1,313 @@
+//! Canonical JSON: the columns of canonical CSV as arrays, `null` where a cell is empty:
+//! `{"kind": "truth", "columns": {"time_s": [0, 1], "truth_id": ["1", "1"], …}, "sensors": […]}`.
+//! `kind` may be left out; `sensors` says what is known of the sensors of detections.
+
+use super::table::{self, FaultLog, Rows, Sink, pointer_token};
+use super::{Format, ReadOptions, ReadOutcome};
+use crate::model::dataset::{Dataset, DatasetKind};
+use crate::model::fault::Fault;
+use crate::model::sensor::SensorSettings;
+use serde::Deserialize;
+use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Visitor};
+use std::collections::BTreeSet;
+use std::fmt::{self, Write as _};
+use std::io::{self, BufRead, Write};
+
+pub const FORMAT: Format = Format {
+    name: "json",
+    summary: "Canonical JSON: the columns of canonical CSV as arrays",
+    media_type: "application/json",
+    kinds: &DatasetKind::ALL,
+    read,
+};
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Document {
+    kind: Option<DatasetKind>,
+    columns: Columns,
+    #[serde(default)]
+    sensors: Vec<SensorSettings>,
+}
+
+/// Reads one dataset.
+///
+/// # Errors
+/// Every fault: of the JSON text with its line, of a value with its pointer, such as `/file/columns/x_m/17`.
+pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcome, Vec<Fault>> {
+    let document: Document = parse(input)?;
+    let mut faults = FaultLog::default();
+    let kind = options.kind.or(document.kind);
+    if let (Some(asked), Some(said)) = (options.kind, document.kind)
+        && asked != said
+    {
+        let detail = format!("the file says it holds {}, the upload says {}", said.name(), asked.name());
+        faults.push(Fault::new("/file/kind", "conflict", detail));
+    }
+    check_lengths(&document.columns, &mut faults);
+    check_sensors(&document.sensors, &mut faults);
+    faults.finish()?;
+    let mut rows = JsonRows { names: document.columns.names, columns: document.columns.columns, next: 0 };
+    let described = document.sensors.len();
+    let mut outcome = table::read(&mut rows, &ReadOptions { kind, columns: options.columns.clone() }, document.sensors)?;
+    if described > 0 && outcome.dataset.kind() != DatasetKind::Detections {
+        outcome.warnings.push("'sensors' is used for detections only".to_owned());
+    }
+    Ok(outcome)
+}
+
+/// Reads a whole JSON text.
+///
+/// # Errors
+/// One fault, with the line and, as its column, the character where the text goes wrong.
+pub fn parse<T: serde::de::DeserializeOwned>(input: &mut dyn BufRead) -> Result<T, Vec<Fault>> {
+    let mut bytes = Vec::new();
+    if let Err(error) = input.read_to_end(&mut bytes) {
+        return Err(vec![Fault::new("/file", "malformed", format!("the file cannot be read: {error}"))]);
+    }
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
+    if text.trim_ascii().is_empty() {
+        return Err(vec![Fault::new("/file", "empty", "the file is empty")]);
+    }
+    serde_json::from_slice(text).map_err(|error| {
+        let code = if error.is_data() { "wrong_type" } else { "malformed" };
+        vec![Fault::new("/file", code, error.to_string()).at(error.line() as u64, error.column().to_string())]
+    })
+}
+
+fn check_lengths(columns: &Columns, faults: &mut FaultLog) {
+    let Some((first, rest)) = columns.columns.split_first() else { return };
+    for (name, column) in columns.names[1..].iter().zip(rest).filter(|(_, column)| column.ends.len() != first.ends.len()) {
+        let detail = format!("the column has {} values, '{}' has {}", column.ends.len(), columns.names[0], first.ends.len());
+        faults.push(Fault::new(format!("/file/columns/{}", pointer_token(name)), "malformed", detail));
+    }
+}
+
+fn check_sensors(sensors: &[SensorSettings], faults: &mut FaultLog) {
+    let mut seen = BTreeSet::new();
+    for (index, sensor) in sensors.iter().enumerate() {
+        let mut report = |code, detail| faults.push(Fault::new(format!("/file/sensors/{index}/sensor_id"), code, detail));
+        if sensor.sensor_id.is_empty() {
+            report("missing", "'sensor_id' is empty".to_owned());
+        } else if !seen.insert(sensor.sensor_id.as_str()) {
+            report("duplicate", format!("sensor '{}' is described twice", sensor.sensor_id));
+        }
+    }
+}
+
+/// Columns in the order of the file.
+#[derive(Default)]
+struct Columns {
+    names: Vec<String>,
+    columns: Vec<Column>,
+}
+
+/// The cells of one column as one text.
+#[derive(Default)]
+struct Column {
+    text: String,
+    /// Where each cell ends in `text`.
+    ends: Vec<usize>,
+}
+
+impl Column {
+    fn cell(&self, row: usize) -> &str {
+        let start = row.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.text[start..self.ends[row]]
+    }
+}
+
+impl<'de> Deserialize<'de> for Columns {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(ColumnsVisitor)
+    }
+}
+
+struct ColumnsVisitor;
+
+impl<'de> Visitor<'de> for ColumnsVisitor {
+    type Value = Columns;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        formatter.write_str("an object of columns, each an array")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Columns, A::Error> {
+        let mut columns = Columns::default();
+        while let Some(name) = map.next_key::<String>()? {
+            columns.names.push(name);
+            columns.columns.push(map.next_value()?);
+        }
+        Ok(columns)
+    }
+}
+
+impl<'de> Deserialize<'de> for Column {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_seq(ColumnVisitor)
+    }
+}
+
+struct ColumnVisitor;
+
+impl<'de> Visitor<'de> for ColumnVisitor {
+    type Value = Column;
+
+    fn expecting(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        formatter.write_str("a column: an array of numbers, texts and nulls")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut cells: A) -> Result<Column, A::Error> {
+        let mut column = Column::default();
+        while cells.next_element_seed(CellSeed(&mut column.text))?.is_some() {
+            column.ends.push(column.text.len());
+        }
+        Ok(column)
+    }
+}
+
+/// Appends one cell to the text of its column.
+struct CellSeed<'a>(&'a mut String);
+
+impl<'de> DeserializeSeed<'de> for CellSeed<'_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
+        deserializer.deserialize_any(self)
+    }
+}
+
+impl Visitor<'_> for CellSeed<'_> {
+    type Value = ();
+
+    fn expecting(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        formatter.write_str("a number, a text or null")
+    }
+
+    fn visit_unit<E: Error>(self) -> Result<(), E> {
+        Ok(())
+    }
+
+    fn visit_str<E: Error>(self, text: &str) -> Result<(), E> {
+        self.0.push_str(text);
+        Ok(())
+    }
+
+    fn visit_f64<E: Error>(self, value: f64) -> Result<(), E> {
+        table::push_number(self.0, value);
+        Ok(())
+    }
+
+    fn visit_u64<E: Error>(self, value: u64) -> Result<(), E> {
+        write!(self.0, "{value}").map_err(E::custom)
+    }
+
+    fn visit_i64<E: Error>(self, value: i64) -> Result<(), E> {
+        write!(self.0, "{value}").map_err(E::custom)
+    }
+}
+
+struct JsonRows {
+    names: Vec<String>,
+    columns: Vec<Column>,
+    /// The row after the current one.
+    next: usize,
+}
+
+impl Rows for JsonRows {
+    fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    fn advance(&mut self, _faults: &mut FaultLog) -> bool {
+        self.next += 1;
+        self.columns.first().is_some_and(|column| self.next <= column.ends.len())
+    }
+
+    fn cell(&self, column: usize) -> &str {
+        self.columns[column].cell(self.next - 1)
+    }
+
+    fn row(&self) -> u64 {
+        self.next as u64 - 1
+    }
+
+    fn row_word(&self) -> &'static str {
+        "row"
+    }
+
+    fn cell_fault(&self, row: u64, column: usize, code: &str, detail: String) -> Fault {
+        Fault::new(format!("/file/columns/{}/{row}", pointer_token(&self.names[column])), code, detail)
+    }
+
+    fn header_fault(&self, name: Option<&str>, code: &str, detail: String) -> Fault {
+        let token = name.map(|name| format!("/{}", pointer_token(name))).unwrap_or_default();
+        Fault::new(format!("/file/columns{token}"), code, detail)
+    }
+}
+
+/// Writes one dataset; [`read`] of it gives the same dataset.
+///
+/// # Errors
+/// What the output says.
+pub fn write_json(dataset: &Dataset, out: &mut dyn Write) -> io::Result<()> {
+    let mut sink = JsonSink::default();
+    table::write(dataset, &mut sink)?;
+    write!(out, "{{\"kind\":\"{}\",\"columns\":{{", dataset.kind().name())?;
+    for (index, (name, cells)) in sink.names.iter().zip(&sink.columns).enumerate() {
+        write!(out, "{}\"{name}\":[{cells}]", if index > 0 { "," } else { "" })?;
+    }
+    out.write_all(b"}")?;
+    if let Dataset::Detections(recording) = dataset {
+        write!(out, ",\"sensors\":{}", serde_json::to_string(&recording.sensors)?)?;
+    }
+    out.write_all(b"}\n")
+}
+
+/// Collects the text of each column.
+#[derive(Default)]
+struct JsonSink {
+    names: Vec<&'static str>,
+    columns: Vec<String>,
+    column: usize,
+}
+
+impl JsonSink {
+    /// The text of the next cell's column, ready for the cell.
+    fn next_cell(&mut self) -> &mut String {
+        let column = &mut self.columns[self.column];
+        self.column += 1;
+        if !column.is_empty() {
+            column.push(',');
+        }
+        column
+    }
+}
+
+impl Sink for JsonSink {
+    fn begin(&mut self, columns: &[&'static str]) -> io::Result<()> {
+        self.names = columns.to_vec();
+        self.columns = vec![String::new(); columns.len()];
+        Ok(())
+    }
+
+    fn number(&mut self, value: Option<f64>) -> io::Result<()> {
+        let cell = self.next_cell();
+        match value.filter(|value| value.is_finite()) {
+            Some(value) => table::push_number(cell, value),
+            None => cell.push_str("null"),
+        }
+        Ok(())
+    }
+
+    fn text(&mut self, value: Option<&str>) -> io::Result<()> {
+        let text = serde_json::to_string(&value)?;
+        self.next_cell().push_str(&text);
+        Ok(())
+    }
+
+    fn end_row(&mut self) -> io::Result<()> {
+        self.column = 0;
+        Ok(())
+    }
+}

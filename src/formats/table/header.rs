@@ -1,0 +1,203 @@
+//! Column names: which the kinds of dataset know, what the uploader renamed, what is missing or twice there.
+
+use super::{FaultLog, Rows};
+use crate::formats::ReadOptions;
+use crate::model::dataset::DatasetKind;
+use crate::model::fault::Fault;
+use std::collections::BTreeMap;
+
+/// The ten columns of a covariance, upper triangle.
+pub const COVARIANCE: [&str; 10] = ["p_xx", "p_xy", "p_xvx", "p_xvy", "p_yy", "p_yvx", "p_yvy", "p_vxvx", "p_vxvy", "p_vyvy"];
+
+/// The columns of one kind of dataset.
+struct Schema {
+    required: &'static [&'static str],
+    optional: &'static [&'static str],
+    /// Known, kept in the file, but not read into the dataset.
+    unused: &'static [&'static str],
+    /// Columns that come together or not at all.
+    together: &'static [&'static [&'static str]],
+}
+
+const DETECTIONS: Schema = Schema {
+    required: &["time_s", "scan", "sensor_id", "detection_id"],
+    optional: &["x_m", "y_m", "range_m", "bearing_deg", "truth_id"],
+    unused: &["z_m", "elevation_deg", "range_rate_mps", "amplitude"],
+    together: &[&["x_m", "y_m"]],
+};
+
+const TRUTH: Schema = Schema {
+    required: &["time_s", "truth_id", "x_m", "y_m"],
+    optional: &["vx_mps", "vy_mps"],
+    unused: &["z_m"],
+    together: &[&["vx_mps", "vy_mps"]],
+};
+
+const TRACKS: Schema = Schema {
+    required: &["time_s", "track_id", "x_m", "y_m"],
+    optional: &[
+        "sensor_id",
+        "vx_mps",
+        "vy_mps",
+        "p_xx",
+        "p_xy",
+        "p_xvx",
+        "p_xvy",
+        "p_yy",
+        "p_yvx",
+        "p_yvy",
+        "p_vxvx",
+        "p_vxvy",
+        "p_vyvy",
+        "detection_id",
+        "probability",
+        "status",
+    ],
+    unused: &["z_m", "existence"],
+    together: &[&["vx_mps", "vy_mps"], &COVARIANCE],
+};
+
+impl Schema {
+    fn of(kind: DatasetKind) -> &'static Schema {
+        match kind {
+            DatasetKind::Detections => &DETECTIONS,
+            DatasetKind::Truth => &TRUTH,
+            DatasetKind::Tracks => &TRACKS,
+        }
+    }
+
+    fn is_used(&self, name: &str) -> bool {
+        self.required.contains(&name) || self.optional.contains(&name)
+    }
+
+    fn is_unused(&self, name: &str) -> bool {
+        self.unused.contains(&name) || (std::ptr::eq(self, &DETECTIONS) && name.starts_with("sigma_"))
+    }
+
+    fn known(&self) -> String {
+        [self.required, self.optional, self.unused].concat().join(", ")
+    }
+}
+
+/// The canonical names of a table's columns.
+pub struct Header {
+    names: Vec<String>,
+}
+
+impl Header {
+    pub fn find(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|known| known == name)
+    }
+
+    /// A column that [`resolve`] made sure of.
+    pub fn required(&self, name: &str) -> usize {
+        self.find(name).expect("resolve refuses a header without its required columns")
+    }
+}
+
+/// Applies the uploader's renaming, tells the kind where it was not given, and checks the names.
+///
+/// # Errors
+/// Every fault of the header and of the renaming.
+pub fn resolve(rows: &dyn Rows, options: &ReadOptions) -> Result<(DatasetKind, Header, Vec<String>), Vec<Fault>> {
+    let mut faults = FaultLog::default();
+    let names: Vec<String> = rows.names().iter().map(|name| options.columns.get(name).unwrap_or(name).clone()).collect();
+    check_renaming_source(rows, options, &mut faults);
+    let Some(kind) = options.kind.or_else(|| kind_of(&names)) else {
+        let detail =
+            "the columns do not say what the file holds: tracks need 'track_id', detections 'detection_id' and 'scan', truth 'truth_id'";
+        faults.push(rows.header_fault(None, "missing", detail.to_owned()).allowing("tracks, detections, truth"));
+        return Err(faults.finish().err().unwrap_or_default());
+    };
+    let schema = Schema::of(kind);
+    check_renaming_target(schema, kind, options, &mut faults);
+    check_duplicates(rows, &names, &mut faults);
+    check_missing(rows, schema, kind, &names, &mut faults);
+    faults.finish()?;
+    let warnings = warnings(schema, rows.names(), &names);
+    Ok((kind, Header { names }, warnings))
+}
+
+fn kind_of(names: &[String]) -> Option<DatasetKind> {
+    let has = |name: &str| names.iter().any(|known| known == name);
+    if has("track_id") {
+        Some(DatasetKind::Tracks)
+    } else if has("detection_id") && has("scan") {
+        Some(DatasetKind::Detections)
+    } else {
+        has("truth_id").then_some(DatasetKind::Truth)
+    }
+}
+
+fn check_renaming_source(rows: &dyn Rows, options: &ReadOptions, faults: &mut FaultLog) {
+    for name in options.columns.keys().filter(|name| !rows.names().contains(name)) {
+        let detail = format!("the file has no column '{name}'");
+        faults.push(renaming_fault(name, &detail).allowing(rows.names().join(", ")));
+    }
+}
+
+fn check_renaming_target(schema: &Schema, kind: DatasetKind, options: &ReadOptions, faults: &mut FaultLog) {
+    for (name, target) in &options.columns {
+        if !schema.is_used(target) && !schema.is_unused(target) {
+            let detail = format!("'{target}' is not a column of {}", kind.name());
+            faults.push(renaming_fault(name, &detail).allowing(schema.known()));
+        }
+    }
+}
+
+fn renaming_fault(name: &str, detail: &str) -> Fault {
+    Fault::new(format!("/meta/columns/{}", pointer_token(name)), "unknown_value", detail)
+}
+
+/// A name as a token of a JSON pointer.
+pub fn pointer_token(name: &str) -> String {
+    name.replace('~', "~0").replace('/', "~1")
+}
+
+fn check_duplicates(rows: &dyn Rows, names: &[String], faults: &mut FaultLog) {
+    let mut places = BTreeMap::new();
+    for (index, name) in names.iter().enumerate() {
+        let first = *places.entry(name).or_insert(index);
+        if first == index {
+            continue;
+        }
+        let detail = format!("column '{name}' occurs twice: columns {} and {}", first + 1, index + 1);
+        faults.push(rows.header_fault(Some(&rows.names()[index]), "duplicate", detail));
+    }
+}
+
+fn check_missing(rows: &dyn Rows, schema: &Schema, kind: DatasetKind, names: &[String], faults: &mut FaultLog) {
+    let has = |name: &str| names.iter().any(|known| known == name);
+    let mut missing = |name: &str, detail: String| {
+        faults.push(rows.header_fault(Some(name), "missing", detail).allowing(schema.known()));
+    };
+    for &name in schema.required.iter().filter(|name| !has(name)) {
+        missing(name, format!("a file of {} needs a column '{name}'", kind.name()));
+    }
+    for group in schema.together.iter().filter(|group| group.iter().any(|name| has(name))) {
+        for &name in group.iter().filter(|name| !has(name)) {
+            missing(name, format!("column '{name}' is missing: {} come together", group.join(", ")));
+        }
+    }
+    if kind == DatasetKind::Detections && has("range_m") && !has("bearing_deg") {
+        missing("bearing_deg", "column 'bearing_deg' is missing: range_m, bearing_deg come together".to_owned());
+    } else if kind == DatasetKind::Detections && !["x_m", "y_m", "bearing_deg"].iter().any(|name| has(name)) {
+        missing("x_m", "detections need measurements: x_m, y_m or range_m, bearing_deg or bearing_deg".to_owned());
+    }
+}
+
+fn warnings(schema: &Schema, file_names: &[String], names: &[String]) -> Vec<String> {
+    let list = |wanted: &dyn Fn(&str) -> bool| -> Vec<&str> {
+        file_names.iter().zip(names).filter(|(_, name)| wanted(name)).map(|(file_name, _)| file_name.as_str()).collect()
+    };
+    let unused = list(&|name| schema.is_unused(name));
+    let unknown = list(&|name| !schema.is_unused(name) && !schema.is_used(name));
+    let mut warnings = Vec::new();
+    if !unused.is_empty() {
+        warnings.push(format!("columns kept in the file but not used: {}", unused.join(", ")));
+    }
+    if !unknown.is_empty() {
+        warnings.push(format!("unknown columns, kept in the file but not used: {}", unknown.join(", ")));
+    }
+    warnings
+}

@@ -1,0 +1,82 @@
+//! Datasets as tables of named columns, and the checks on them. CSV and JSON are two spellings of the same table:
+//! each only knows how to read rows ([`Rows`]) and write them ([`Sink`]); what the columns mean stands here, once.
+
+mod detections;
+mod fault_log;
+mod header;
+mod interner;
+mod row;
+mod tracks;
+mod truth;
+
+pub use fault_log::FaultLog;
+pub use header::pointer_token;
+
+use super::{ReadOptions, ReadOutcome};
+use crate::model::dataset::{Dataset, DatasetKind};
+use crate::model::fault::Fault;
+use crate::model::sensor::SensorSettings;
+use std::io;
+
+/// A table being read, row by row. Cells are text; an empty text is an empty cell.
+pub trait Rows {
+    /// The file's column names.
+    fn names(&self) -> &[String];
+    /// Goes to the next row that has a cell for every column; reports those that do not. `false` at the end.
+    fn advance(&mut self, faults: &mut FaultLog) -> bool;
+    fn cell(&self, column: usize) -> &str;
+    /// Number of the current row, as [`Rows::row_word`] counts.
+    fn row(&self) -> u64;
+    /// What a row is called: "line" or "row".
+    fn row_word(&self) -> &'static str;
+    /// A fault in one cell.
+    fn cell_fault(&self, row: u64, column: usize, code: &str, detail: String) -> Fault;
+    /// A fault in the header, about one name or about all.
+    fn header_fault(&self, name: Option<&str>, code: &str, detail: String) -> Fault;
+}
+
+/// A table being written, cell by cell in the order of its columns.
+pub trait Sink {
+    fn begin(&mut self, columns: &[&'static str]) -> io::Result<()>;
+    fn number(&mut self, value: Option<f64>) -> io::Result<()>;
+    fn text(&mut self, value: Option<&str>) -> io::Result<()>;
+    fn end_row(&mut self) -> io::Result<()>;
+}
+
+/// Reads a whole table. `sensors` is what the file says about its sensors besides the rows.
+///
+/// # Errors
+/// Every fault found, up to the limit of [`FaultLog`].
+pub fn read(rows: &mut dyn Rows, options: &ReadOptions, sensors: Vec<SensorSettings>) -> Result<ReadOutcome, Vec<Fault>> {
+    let (kind, header, mut warnings) = header::resolve(rows, options)?;
+    let (dataset, empty) = match kind {
+        DatasetKind::Detections => detections::read(rows, &header, sensors, &mut warnings)?,
+        DatasetKind::Truth => truth::read(rows, &header)?,
+        DatasetKind::Tracks => tracks::read(rows, &header)?,
+    };
+    if empty {
+        warnings.push(format!("there are columns of {} but no rows: the dataset is empty", kind.name()));
+    }
+    Ok(ReadOutcome { dataset, warnings })
+}
+
+/// Writes a whole table.
+///
+/// # Errors
+/// What the sink's output says.
+pub fn write(dataset: &Dataset, sink: &mut dyn Sink) -> io::Result<()> {
+    match dataset {
+        Dataset::Detections(recording) => detections::write(recording, sink),
+        Dataset::Truth(truth) => truth::write(truth, sink),
+        Dataset::Tracks(set) => tracks::write(set, sink),
+    }
+}
+
+/// A number as the shortest text that reads back as the same number.
+pub fn push_number(text: &mut String, value: f64) {
+    use std::fmt::Write;
+    let size = value.abs();
+    let plain = value == 0.0 || (1e-5..1e16).contains(&size);
+    let written = if plain { write!(text, "{value}") } else { write!(text, "{value:e}") };
+    debug_assert!(written.is_ok(), "a String takes any text");
+}

@@ -1,0 +1,339 @@
+//! Tracks: rows of any interleaving of tracks; each track's times rise. Rows of one track, time and sensor are the
+//! candidates of one point: a detection, or none (empty), with its probability.
+
+use super::header::{COVARIANCE, Header};
+use super::interner::Interner;
+use super::row::RowReader;
+use super::{Rows, Sink};
+use crate::model::dataset::Dataset;
+use crate::model::fault::Fault;
+use crate::model::state::{Covariance, State, UPPER_TRIANGLE, upper_triangle};
+use crate::model::track::{Candidate, Track, TrackPoint, TrackSet, TrackStatus};
+use std::collections::HashMap;
+use std::io;
+
+/// Where the columns of tracks are.
+struct Columns {
+    time: usize,
+    track: usize,
+    position: [usize; 2],
+    sensor: Option<usize>,
+    velocity: Option<[usize; 2]>,
+    covariance: Option<[usize; 10]>,
+    detection: Option<usize>,
+    probability: Option<usize>,
+    status: Option<usize>,
+}
+
+impl Columns {
+    fn of(header: &Header) -> Self {
+        let has_covariance = COVARIANCE.iter().all(|name| header.find(name).is_some());
+        Columns {
+            time: header.required("time_s"),
+            track: header.required("track_id"),
+            position: [header.required("x_m"), header.required("y_m")],
+            sensor: header.find("sensor_id"),
+            velocity: header.find("vx_mps").zip(header.find("vy_mps")).map(|(vx, vy)| [vx, vy]),
+            covariance: has_covariance.then(|| COVARIANCE.map(|name| header.required(name))),
+            detection: header.find("detection_id"),
+            probability: header.find("probability"),
+            status: header.find("status"),
+        }
+    }
+}
+
+/// One row that names a candidate, and the point it belongs to.
+struct CandidateRow {
+    track: u32,
+    point: u32,
+    row: u64,
+    candidate: Candidate,
+}
+
+#[derive(Default)]
+struct Builder {
+    tracks: Interner,
+    sensors: Interner,
+    detections: Interner,
+    /// Each track's points, and the row that each comes from.
+    points: Vec<Vec<(TrackPoint, u64)>>,
+    /// The latest point of each track and sensor; only looked up, never walked.
+    latest: HashMap<(u32, Option<u32>), usize>,
+    candidates: Vec<CandidateRow>,
+}
+
+/// Reads tracks; also whether there was no row at all.
+///
+/// # Errors
+/// Every fault of the rows.
+pub fn read(rows: &mut dyn Rows, header: &Header) -> Result<(Dataset, bool), Vec<Fault>> {
+    let columns = Columns::of(header);
+    let mut reader = RowReader::new(rows);
+    let mut builder = Builder::default();
+    while reader.advance() {
+        builder.read_row(&mut reader, &columns);
+    }
+    builder.check_candidates(&mut reader, &columns);
+    reader.faults.finish()?;
+    let empty = builder.points.is_empty();
+    Ok((Dataset::Tracks(builder.finish()), empty))
+}
+
+impl Builder {
+    fn read_row(&mut self, reader: &mut RowReader, columns: &Columns) {
+        reader.require_text(columns.track);
+        let point = read_point(reader, columns);
+        let probability = read_probability(reader, columns);
+        if reader.text(columns.track).is_empty() {
+            return;
+        }
+        let track = self.tracks.number(reader.text(columns.track));
+        let sensor = reader.optional_text(columns.sensor);
+        let sensor = (!sensor.is_empty()).then(|| self.sensors.number(sensor));
+        let Some(point) = point else { return };
+        let point = self.place(reader, columns, track, TrackPoint { sensor, ..point });
+        let detection = reader.optional_text(columns.detection);
+        if let Some(probability) = probability
+            && columns.detection.is_some()
+        {
+            let detection = (!detection.is_empty()).then(|| self.detections.number(detection));
+            let candidate = Candidate { detection, probability };
+            self.candidates.push(CandidateRow { track, point, row: reader.row(), candidate });
+        }
+    }
+
+    /// The point of a row within its track: one that is there already, or a new one at the end.
+    fn place(&mut self, reader: &mut RowReader, columns: &Columns, track: u32, point: TrackPoint) -> u32 {
+        if self.points.len() <= track as usize {
+            self.points.resize_with(track as usize + 1, Vec::new);
+        }
+        let points = &mut self.points[track as usize];
+        let latest = self.latest.entry((track, point.sensor)).or_insert(points.len());
+        if let Some((known, row)) = points.get(*latest).filter(|(known, _)| known.time_s == point.time_s) {
+            check_same_point(reader, columns, known, &point, *row);
+            return *latest as u32;
+        }
+        if let Some((last, row)) = points.last().filter(|(last, _)| point.time_s < last.time_s) {
+            let (name, before) = (reader.text(columns.track), reader.called(*row));
+            let detail = format!("track '{name}': time {} s comes after {} s on {before}", point.time_s, last.time_s);
+            reader.fault(columns.time, "unsorted", detail);
+        }
+        *latest = points.len();
+        points.push((point, reader.row()));
+        *latest as u32
+    }
+
+    /// Brings candidates into the order of tracks and points, and finds detections named twice for one point.
+    fn check_candidates(&mut self, reader: &mut RowReader, columns: &Columns) {
+        let Some(column) = columns.detection else { return };
+        let places = self.tracks.places();
+        self.candidates.iter_mut().for_each(|candidate| candidate.track = places[candidate.track as usize]);
+        self.candidates.sort_by_key(|candidate| (candidate.track, candidate.point));
+        let mut named: Vec<(Option<u32>, u64)> = Vec::new();
+        for group in self.candidates.chunk_by(|a, b| (a.track, a.point) == (b.track, b.point)) {
+            named.clear();
+            named.extend(group.iter().map(|candidate| (candidate.candidate.detection, candidate.row)));
+            named.sort_unstable();
+            for pair in named.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+                let what = pair[1].0.map_or("'no detection'".to_owned(), |number| format!("detection '{}'", self.detections.name(number)));
+                let detail = format!("{what} occurs twice for one track and time: also on {}", reader.called(pair[0].1));
+                reader.fault_in(pair[1].1, column, "duplicate", detail);
+            }
+        }
+    }
+
+    /// Tracks and sensors in natural order; detections in the order that candidates name them.
+    fn finish(self) -> TrackSet {
+        let (names, track_place) = self.tracks.sorted();
+        let (sensor_ids, sensor_place) = self.sensors.sorted();
+        let mut tracks: Vec<Track> = names.into_iter().map(|track_id| Track { track_id, points: Vec::new() }).collect();
+        for (points, &place) in self.points.into_iter().zip(&track_place) {
+            tracks[place as usize].points = points.into_iter().map(|(point, _)| point).collect();
+        }
+        let mut candidates = Vec::with_capacity(self.candidates.len());
+        let mut rest = self.candidates.as_slice();
+        for (track, points) in tracks.iter_mut().enumerate().map(|(index, track)| (index as u32, &mut track.points)) {
+            for (index, point) in points.iter_mut().enumerate() {
+                let count = rest.iter().take_while(|row| (row.track, row.point) == (track, index as u32)).count();
+                (point.first_candidate, point.candidates) = (candidates.len(), count);
+                point.sensor = point.sensor.map(|sensor| sensor_place[sensor as usize]);
+                candidates.extend(rest[..count].iter().map(|row| row.candidate));
+                rest = &rest[count..];
+            }
+        }
+        let detection_ids = renumber(&mut candidates, self.detections.into_names());
+        TrackSet { tracks, candidates, detection_ids, sensor_ids }
+    }
+}
+
+/// Numbers detections in the order that candidates name them, whatever the order of the rows was; returns their names.
+fn renumber(candidates: &mut [Candidate], mut names: Vec<String>) -> Vec<String> {
+    let mut numbers: Vec<Option<u32>> = vec![None; names.len()];
+    let mut ordered = Vec::with_capacity(names.len());
+    for detection in candidates.iter_mut().filter_map(|candidate| candidate.detection.as_mut()) {
+        let old = *detection as usize;
+        *detection = *numbers[old].get_or_insert_with(|| {
+            ordered.push(std::mem::take(&mut names[old]));
+            ordered.len() as u32 - 1
+        });
+    }
+    ordered
+}
+
+/// The row's point, without its sensor and candidates.
+fn read_point(reader: &mut RowReader, columns: &Columns) -> Option<TrackPoint> {
+    let time_s = reader.number(columns.time);
+    let [x_m, y_m] = columns.position.map(|column| reader.number(column));
+    let velocity = reader.all_or_none(columns.velocity);
+    let covariance = reader.all_or_none(columns.covariance).map(covariance_of);
+    let status = read_status(reader, columns);
+    let [vx_mps, vy_mps] = velocity.unwrap_or_default();
+    Some(TrackPoint {
+        time_s: time_s?,
+        sensor: None,
+        state: State::new(x_m?, y_m?, vx_mps, vy_mps),
+        has_velocity: velocity.is_some(),
+        covariance,
+        status,
+        first_candidate: 0,
+        candidates: 0,
+    })
+}
+
+fn covariance_of(upper: [f64; 10]) -> Covariance {
+    let mut covariance = Covariance::zeros();
+    for ((row, column), value) in UPPER_TRIANGLE.into_iter().zip(upper) {
+        covariance[(row, column)] = value;
+        covariance[(column, row)] = value;
+    }
+    covariance
+}
+
+fn read_status(reader: &mut RowReader, columns: &Columns) -> Option<TrackStatus> {
+    let column = columns.status?;
+    let text = reader.text(column);
+    let status = TrackStatus::ALL.into_iter().find(|(_, name)| *name == text).map(|(status, _)| status);
+    if status.is_none() && !text.is_empty() {
+        let detail = format!("'{text}' is not a status");
+        reader.fault_allowing(column, "unknown_value", detail, &TrackStatus::ALL.map(|(_, name)| name).join(", "));
+    }
+    status
+}
+
+/// The probability of the row's candidate: 1 where the file does not say; `None` where there is no candidate, which a
+/// row says by leaving both the detection and the probability empty.
+fn read_probability(reader: &mut RowReader, columns: &Columns) -> Option<f64> {
+    let Some(column) = columns.probability else { return Some(1.0) };
+    if reader.text(column).trim_ascii().is_empty() {
+        return (!reader.optional_text(columns.detection).is_empty()).then_some(1.0);
+    }
+    let probability = reader.number(column)?;
+    if !(0.0..=1.0).contains(&probability) {
+        reader.fault_allowing(column, "out_of_range", format!("{probability} is not a probability"), "0 to 1");
+        return None;
+    }
+    Some(probability)
+}
+
+/// A second row of one track, time and sensor must be another candidate of the same point.
+fn check_same_point(reader: &mut RowReader, columns: &Columns, known: &TrackPoint, point: &TrackPoint, row: u64) {
+    let (name, time_s, before) = (reader.text(columns.track), point.time_s, reader.called(row));
+    if columns.detection.is_none() {
+        let detail = format!("track '{name}' is at {time_s} s twice: also on {before}");
+        reader.fault(columns.time, "duplicate", detail);
+    } else if (known.state.x, known.state.y) != (point.state.x, point.state.y) {
+        let detail = format!("track '{name}' at {time_s} s is at another position on {before}");
+        reader.fault(columns.position[0], "conflict", detail);
+    }
+}
+
+/// Writes track after track; a point with several candidates is several rows.
+///
+/// # Errors
+/// What the output says.
+pub fn write(set: &TrackSet, sink: &mut dyn Sink) -> io::Result<()> {
+    let layout = Layout::of(set);
+    sink.begin(&layout.columns())?;
+    for track in &set.tracks {
+        for point in &track.points {
+            let candidates = set.candidates_of(point);
+            if candidates.is_empty() {
+                write_row(set, track, point, None, layout, sink)?;
+            }
+            for candidate in candidates {
+                write_row(set, track, point, Some(candidate), layout, sink)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Which optional columns a set of tracks needs.
+#[derive(Clone, Copy)]
+struct Layout {
+    sensor: bool,
+    velocity: bool,
+    covariance: bool,
+    candidates: bool,
+    status: bool,
+}
+
+impl Layout {
+    fn of(set: &TrackSet) -> Self {
+        let has = |wanted: fn(&TrackPoint) -> bool| set.tracks.iter().any(|track| track.points.iter().any(wanted));
+        Layout {
+            sensor: has(|point| point.sensor.is_some()),
+            velocity: has(|point| point.has_velocity),
+            covariance: has(|point| point.covariance.is_some()),
+            candidates: has(|point| point.candidates > 0),
+            status: has(|point| point.status.is_some()),
+        }
+    }
+
+    fn columns(self) -> Vec<&'static str> {
+        let mut columns = vec!["time_s", "track_id"];
+        columns.extend(self.sensor.then_some("sensor_id"));
+        columns.extend(["x_m", "y_m"]);
+        columns.extend(self.velocity.then_some(["vx_mps", "vy_mps"]).into_iter().flatten());
+        columns.extend(self.covariance.then_some(COVARIANCE).into_iter().flatten());
+        columns.extend(self.candidates.then_some(["detection_id", "probability"]).into_iter().flatten());
+        columns.extend(self.status.then_some("status"));
+        columns
+    }
+}
+
+fn write_row(
+    set: &TrackSet,
+    track: &Track,
+    point: &TrackPoint,
+    candidate: Option<&Candidate>,
+    layout: Layout,
+    sink: &mut dyn Sink,
+) -> io::Result<()> {
+    sink.number(Some(point.time_s))?;
+    sink.text(Some(&track.track_id))?;
+    if layout.sensor {
+        sink.text(point.sensor.map(|sensor| set.sensor_ids[sensor as usize].as_str()))?;
+    }
+    sink.number(Some(point.state.x))?;
+    sink.number(Some(point.state.y))?;
+    if layout.velocity {
+        sink.number(point.has_velocity.then_some(point.state[2]))?;
+        sink.number(point.has_velocity.then_some(point.state[3]))?;
+    }
+    if layout.covariance {
+        let upper = point.covariance.as_ref().map(upper_triangle);
+        for index in 0..10 {
+            sink.number(upper.map(|upper| upper[index]))?;
+        }
+    }
+    if layout.candidates {
+        let detection = candidate.and_then(|candidate| candidate.detection);
+        sink.text(detection.map(|detection| set.detection_ids[detection as usize].as_str()))?;
+        sink.number(candidate.map(|candidate| candidate.probability))?;
+    }
+    if layout.status {
+        sink.text(point.status.map(TrackStatus::name))?;
+    }
+    sink.end_row()
+}

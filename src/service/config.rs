@@ -1,0 +1,32 @@
+//! What can be set, with its defaults.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// How the service keeps and runs jobs.
+#[derive(Debug, Clone)]
+pub struct Config {
+    /// Everything the service keeps is below this directory; one process at a time may use it.
+    pub data_dir: PathBuf,
+    /// Jobs that run at the same time.
+    pub slots: usize,
+    /// Jobs that may be queued before a new one is refused.
+    pub queue_limit: u64,
+    /// A job that runs longer than this fails with `time_limit`.
+    pub job_time_limit: Duration,
+    /// A job that was running this often when the process died fails with `crashed`.
+    pub crash_limit: u32,
+}
+
+impl Config {
+    /// The defaults, with everything kept below `data_dir`.
+    pub fn new(data_dir: impl Into<PathBuf>) -> Self {
+        Config {
+            data_dir: data_dir.into(),
+            slots: std::thread::available_parallelism().map_or(1, usize::from),
+            queue_limit: 10_000,
+            job_time_limit: Duration::from_secs(3600),
+            crash_limit: 3,
+        }
+    }
+}

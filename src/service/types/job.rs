@@ -1,0 +1,216 @@
+//! Jobs on the wire.
+
+use super::problem::Problem;
+use crate::experiment::plan;
+use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use utoipa::ToSchema;
+use uuid::Uuid;
+
+/// What a job does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum JobKind {
+    Simulate,
+    Associate,
+    Evaluate,
+}
+
+impl JobKind {
+    pub const ALL: [JobKind; 3] = [JobKind::Simulate, JobKind::Associate, JobKind::Evaluate];
+
+    pub fn name(self) -> &'static str {
+        plan::JobKind::from(self).name()
+    }
+
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+}
+
+impl From<JobKind> for plan::JobKind {
+    fn from(kind: JobKind) -> Self {
+        match kind {
+            JobKind::Simulate => plan::JobKind::Simulate,
+            JobKind::Associate => plan::JobKind::Associate,
+            JobKind::Evaluate => plan::JobKind::Evaluate,
+        }
+    }
+}
+
+/// Where a job is in its life.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum JobState {
+    Queued,
+    Running,
+    Succeeded,
+    Failed,
+    Canceled,
+}
+
+impl JobState {
+    pub const ALL: [JobState; 5] = [JobState::Queued, JobState::Running, JobState::Succeeded, JobState::Failed, JobState::Canceled];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            JobState::Queued => "queued",
+            JobState::Running => "running",
+            JobState::Succeeded => "succeeded",
+            JobState::Failed => "failed",
+            JobState::Canceled => "canceled",
+        }
+    }
+
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|state| state.name() == name)
+    }
+
+    /// Nothing will change it any more.
+    pub fn is_terminal(self) -> bool {
+        matches!(self, JobState::Succeeded | JobState::Failed | JobState::Canceled)
+    }
+}
+
+/// The step that a running job is in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ProgressStep {
+    Load,
+    Simulate,
+    Associate,
+    Evaluate,
+    Write,
+}
+
+/// How far a running job is.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Progress {
+    pub step: ProgressStep,
+    /// Pieces of the step that are done.
+    pub done: u64,
+    /// Pieces that the step has.
+    pub total: u64,
+    /// Share of the whole job that is done, from 0 to 1.
+    #[schema(minimum = 0, maximum = 1)]
+    pub fraction: f64,
+    /// Estimated seconds to the end; absent while unknown.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub eta_s: Option<f64>,
+}
+
+/// A job.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Job {
+    pub id: Uuid,
+    pub kind: JobKind,
+    pub state: JobState,
+    /// How often the job has been started.
+    pub attempt: u32,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub name: Option<String>,
+    pub labels: BTreeMap<String, String>,
+    #[schema(value_type = String, format = DateTime)]
+    pub created_at: Timestamp,
+    #[schema(value_type = String, format = DateTime)]
+    pub queued_at: Timestamp,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<String>, format = DateTime, nullable = false)]
+    pub started_at: Option<Timestamp>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<String>, format = DateTime, nullable = false)]
+    pub finished_at: Option<Timestamp>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<String>, format = DateTime, nullable = false)]
+    pub cancel_requested_at: Option<Timestamp>,
+    pub can_cancel: bool,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub progress: Option<Progress>,
+    /// Why the job failed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub error: Option<Problem>,
+    pub warnings: Vec<String>,
+    /// Jobs whose results this job needs.
+    pub depends_on: Vec<Uuid>,
+    pub seed: u32,
+    /// Version of the program that ran, or will run, the job.
+    pub engine_version: String,
+    pub spec_sha256: String,
+    /// An earlier job that did exactly the same and succeeded.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub duplicate_of: Option<Uuid>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub rerun_of: Option<Uuid>,
+    pub links: JobLinks,
+}
+
+/// Paths of what belongs to a job.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct JobLinks {
+    #[serde(rename = "self")]
+    pub self_path: String,
+    pub cancel: String,
+    pub rerun: String,
+    pub events: String,
+    pub history: String,
+    pub report: String,
+    pub artifacts: String,
+    pub ui: String,
+}
+
+impl JobLinks {
+    pub fn of(id: Uuid) -> Self {
+        let base = format!("/v1/jobs/{id}");
+        JobLinks {
+            cancel: format!("{base}/cancel"),
+            rerun: format!("{base}/rerun"),
+            events: format!("{base}/events"),
+            history: format!("{base}/history"),
+            report: format!("{base}/report"),
+            artifacts: format!("{base}/artifacts"),
+            ui: format!("/jobs/{id}"),
+            self_path: base,
+        }
+    }
+}
+
+/// One page of jobs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct JobPage {
+    pub items: Vec<Job>,
+    /// Give it back as `cursor` to get the next page; absent on the last one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub next_cursor: Option<String>,
+    /// How many jobs match; only when asked for with `count=true`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub total: Option<u64>,
+}
+
+/// A file that a job left behind.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ArtifactInfo {
+    pub name: String,
+    pub media_type: String,
+    pub bytes: u64,
+    pub sha256: String,
+    /// Set where the file is a dataset that other jobs can use.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub dataset_id: Option<Uuid>,
+    pub href: String,
+}
+
+/// Every file that a job left behind.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ArtifactList {
+    pub items: Vec<ArtifactInfo>,
+}

@@ -1,0 +1,14 @@
+//! The wire types: what requests and answers look like in JSON and in the API document.
+//!
+//! Optional members are absent, never null. Unions are plain `oneOf` of named structs, each with a required member
+//! whose type has one value, so that every client generator understands them.
+
+mod dataset;
+mod event;
+mod job;
+mod problem;
+
+pub use dataset::*;
+pub use event::*;
+pub use job::*;
+pub use problem::*;

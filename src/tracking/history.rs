@@ -1,0 +1,68 @@
+//! What a tracker did: one entry a track and scan, in scan order, turned into tracks at the end.
+
+use crate::model::scan::Recording;
+use crate::model::state::{Covariance, State};
+use crate::model::track::{Candidate, Track, TrackPoint, TrackSet, TrackStatus};
+
+/// A track at one scan.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Entry {
+    /// Number of the track in order of initiation, tentative ones counted too.
+    pub serial: u32,
+    /// Index of the scan in the recording.
+    pub scan: u32,
+    pub status: TrackStatus,
+    pub first_candidate: usize,
+    pub candidates: usize,
+    pub mean: State,
+    pub covariance: Covariance,
+}
+
+/// Everything a tracker remembers.
+#[derive(Debug, Default)]
+pub struct History {
+    pub(super) entries: Vec<Entry>,
+    pub(super) candidates: Vec<Candidate>,
+    /// Tracks ever started; serials are below it.
+    pub(super) started: u32,
+    /// Serials of the tracks that were ever confirmed.
+    pub(super) confirmed: Vec<u32>,
+}
+
+impl History {
+    /// The tracks that were ever confirmed, from their first detection on, named 1, 2, … in order of initiation.
+    pub fn into_tracks(mut self, recording: &Recording) -> TrackSet {
+        self.confirmed.sort_unstable();
+        let mut number_of = vec![u32::MAX; self.started as usize];
+        let mut tracks: Vec<Track> = Vec::with_capacity(self.confirmed.len());
+        for (index, &serial) in self.confirmed.iter().enumerate() {
+            number_of[serial as usize] = index as u32;
+            tracks.push(Track { track_id: (index + 1).to_string(), points: Vec::new() });
+        }
+        for entry in &self.entries {
+            if let Some(track) = tracks.get_mut(number_of[entry.serial as usize] as usize) {
+                track.points.push(point(entry, recording));
+            }
+        }
+        TrackSet {
+            tracks,
+            candidates: self.candidates,
+            detection_ids: recording.detection_ids.clone(),
+            sensor_ids: recording.sensors.iter().map(|sensor| sensor.sensor_id.clone()).collect(),
+        }
+    }
+}
+
+fn point(entry: &Entry, recording: &Recording) -> TrackPoint {
+    let scan = &recording.scans[entry.scan as usize];
+    TrackPoint {
+        time_s: scan.time_s,
+        sensor: Some(scan.sensor as u32),
+        state: entry.mean,
+        has_velocity: true,
+        covariance: Some(entry.covariance),
+        status: Some(entry.status),
+        first_candidate: entry.first_candidate,
+        candidates: entry.candidates,
+    }
+}

@@ -1,0 +1,267 @@
+//! The composition of filter, gate, associator and life cycle that turns scans into tracks.
+
+use super::history::{Entry, History};
+use super::lifecycle::{Life, Lifecycle};
+use crate::association::problem::{Edge, ScanProblem, Weights};
+use crate::association::{Associator, Candidates};
+use crate::filtering::kalman::{Expected, Kalman, WeightedInnovation};
+use crate::gating::ellipsoidal::EllipsoidalGate;
+use crate::gating::grid::Grid;
+use crate::model::scan::{Detection, Scan};
+use crate::model::sensor::Sensor;
+use crate::model::state::{GaussianState, Position, PositionCovariance};
+use crate::model::track::Candidate;
+
+/// What a tracker is made of.
+pub struct TrackerParts {
+    pub filter: Kalman,
+    pub associator: Box<dyn Associator>,
+    pub lifecycle: Lifecycle,
+    /// In the order of the recording's sensors.
+    pub sensors: Vec<Sensor>,
+}
+
+/// What happened in one scan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ScanOutcome {
+    /// Tracks alive after the scan.
+    pub tracks: u32,
+    pub confirmed: u32,
+    /// Detections that no track was given; each started a track.
+    pub unused: u32,
+}
+
+/// A living track.
+#[derive(Debug, Clone)]
+struct ActiveTrack {
+    serial: u32,
+    life: Life,
+    state: GaussianState,
+    /// The target that the first detection came from; only the oracle looks at it.
+    origin: Option<u32>,
+}
+
+/// The detections of a scan, prepared for gating; memory is reused.
+#[derive(Debug, Default)]
+struct ScanView {
+    positions: Vec<Position>,
+    used: Vec<bool>,
+    grid: Grid,
+    candidates: Option<Candidates>,
+    /// For the oracle: the detection of each target in this scan.
+    by_origin: Vec<Option<u32>>,
+}
+
+/// A multi-target tracker. Feed it scans in order of time.
+pub struct Tracker {
+    parts: TrackerParts,
+    gate: EllipsoidalGate,
+    tracks: Vec<ActiveTrack>,
+    last_time_s: Option<f64>,
+    scans: u32,
+    history: History,
+    view: ScanView,
+    problem: ScanProblem,
+    weights: Weights,
+    expected: Vec<(usize, Expected)>,
+    innovations: Vec<WeightedInnovation>,
+}
+
+impl Tracker {
+    pub fn new(parts: TrackerParts) -> Self {
+        let gate = EllipsoidalGate::new(parts.lifecycle.gate_probability);
+        Tracker {
+            parts,
+            gate,
+            tracks: Vec::new(),
+            last_time_s: None,
+            scans: 0,
+            history: History::default(),
+            view: ScanView::default(),
+            problem: ScanProblem::default(),
+            weights: Weights::default(),
+            expected: Vec::new(),
+            innovations: Vec::new(),
+        }
+    }
+
+    /// Predict, gate, associate, update and manage, for one scan and its position reports.
+    pub fn step(&mut self, scan: &Scan, detections: &[Detection]) -> ScanOutcome {
+        self.predict(scan.time_s);
+        self.view.rebuild(detections, self.parts.associator.candidates());
+        self.serve(scan, true);
+        self.serve(scan, false);
+        let unused = self.initiate(scan, detections);
+        let lifecycle = self.parts.lifecycle;
+        self.tracks.retain(|track| !lifecycle.is_over(&track.life));
+        self.scans += 1;
+        let confirmed = self.tracks.iter().filter(|track| track.life.is_confirmed()).count() as u32;
+        ScanOutcome { tracks: self.tracks.len() as u32, confirmed, unused }
+    }
+
+    /// Everything that happened so far.
+    pub fn into_history(self) -> History {
+        self.history
+    }
+
+    fn predict(&mut self, time_s: f64) {
+        let dt_s = self.last_time_s.map_or(0.0, |last| time_s - last);
+        self.last_time_s = Some(time_s);
+        let transition = self.parts.filter.transition(dt_s);
+        for track in &mut self.tracks {
+            self.parts.filter.predict(&mut track.state, &transition);
+        }
+    }
+
+    /// Gates, associates and updates the confirmed tracks, or the tentative ones, with the detections still unused.
+    fn serve(&mut self, scan: &Scan, confirmed: bool) {
+        self.pose(scan, confirmed);
+        self.weights.reset(&self.problem);
+        let (associator, weights) = (&mut self.parts.associator, &mut self.weights);
+        self.problem.for_each_cluster(self.view.positions.len(), |cluster| associator.associate(cluster, weights));
+        for row in 0..self.expected.len() {
+            self.conclude(row, scan);
+        }
+    }
+
+    /// Writes the association problem of one group of tracks.
+    fn pose(&mut self, scan: &Scan, confirmed: bool) {
+        self.problem.clear();
+        self.expected.clear();
+        let sensor = &self.parts.sensors[scan.sensor];
+        let (noise, log_density) = (noise_of(sensor), (sensor.p_d / sensor.clutter_per_m2).ln());
+        let log_none = (1.0 - sensor.p_d * self.parts.lifecycle.gate_probability).ln();
+        for (index, track) in self.tracks.iter_mut().enumerate().filter(|(_, track)| track.life.is_confirmed() == confirmed) {
+            let Some(expected) = self.parts.filter.expect(&track.state, &noise) else {
+                // Its covariance has left the range of numbers: nothing can be expected of it any more.
+                self.parts.lifecycle.end(&mut track.life);
+                continue;
+            };
+            let problem = &mut self.problem;
+            self.view.candidates(&self.gate, track.origin, &expected, |detection, squared_distance| {
+                let log_likelihood = log_density + expected.gaussian.log_density(squared_distance);
+                problem.push_edge(Edge { detection, squared_distance, log_likelihood });
+            });
+            self.problem.end_row(log_none);
+            self.expected.push((index, expected));
+        }
+    }
+
+    /// Updates the track of one row by its weights, and remembers what was decided.
+    fn conclude(&mut self, row: usize, scan: &Scan) {
+        let (index, expected) = &self.expected[row];
+        let track = &mut self.tracks[*index];
+        let first_candidate = self.history.candidates.len();
+        self.innovations.clear();
+        for edge_index in self.problem.rows()[row].edges() {
+            let weight = self.weights.edges[edge_index];
+            if weight > 0.0 {
+                let detection = self.problem.edges()[edge_index].detection;
+                let innovation_m = self.view.positions[detection as usize] - expected.position_m;
+                self.innovations.push(WeightedInnovation { innovation_m, weight });
+                self.view.used[detection as usize] = true;
+                let detection = Some(scan.first as u32 + detection);
+                self.history.candidates.push(Candidate { detection, probability: weight });
+            }
+        }
+        if self.weights.none[row] > 0.0 {
+            self.history.candidates.push(Candidate { detection: None, probability: self.weights.none[row] });
+        }
+        self.parts.filter.update(&mut track.state, expected, &self.innovations);
+        let was_confirmed = track.life.is_confirmed();
+        let detected: f64 = self.innovations.iter().map(|innovation| innovation.weight).sum();
+        self.parts.lifecycle.advance(&mut track.life, detected > self.weights.none[row]);
+        self.history.remember(track, self.scans, first_candidate, was_confirmed);
+    }
+
+    /// Starts a track at every detection that no track was given.
+    fn initiate(&mut self, scan: &Scan, detections: &[Detection]) -> u32 {
+        let noise = noise_of(&self.parts.sensors[scan.sensor]);
+        let lifecycle = self.parts.lifecycle;
+        let mut unused = 0;
+        for (index, detection) in detections.iter().enumerate().filter(|(index, _)| !self.view.used[*index]) {
+            let state = self.parts.filter.initiate(&self.view.positions[index], &noise, lifecycle.initial_speed_sigma_mps);
+            let serial = self.history.started;
+            self.history.started += 1;
+            unused += 1;
+            let track = ActiveTrack { serial, life: lifecycle.start(), state, origin: detection.origin };
+            let first_candidate = self.history.candidates.len();
+            self.history.candidates.push(Candidate { detection: Some((scan.first + index) as u32), probability: 1.0 });
+            self.history.remember(&track, self.scans, first_candidate, false);
+            self.tracks.push(track);
+        }
+        unused
+    }
+}
+
+impl History {
+    fn remember(&mut self, track: &ActiveTrack, scan: u32, first_candidate: usize, was_confirmed: bool) {
+        if track.life.is_confirmed() && !was_confirmed {
+            self.confirmed.push(track.serial);
+        }
+        self.entries.push(Entry {
+            serial: track.serial,
+            scan,
+            status: track.life.status(),
+            first_candidate,
+            candidates: self.candidates.len() - first_candidate,
+            mean: track.state.mean,
+            covariance: track.state.covariance,
+        });
+    }
+}
+
+impl ScanView {
+    fn rebuild(&mut self, detections: &[Detection], candidates: Candidates) {
+        self.positions.clear();
+        self.positions.extend(detections.iter().filter_map(|detection| detection.measurement.position()));
+        debug_assert_eq!(self.positions.len(), detections.len(), "the plan lets only position reports through");
+        self.used.clear();
+        self.used.resize(detections.len(), false);
+        self.by_origin.clear();
+        self.candidates = Some(candidates);
+        match candidates {
+            Candidates::Gated => self.grid.rebuild(&self.positions),
+            Candidates::Origin => self.index_origins(detections),
+        }
+    }
+
+    fn index_origins(&mut self, detections: &[Detection]) {
+        let highest = detections.iter().filter_map(|detection| detection.origin).max();
+        self.by_origin.resize(highest.map_or(0, |origin| origin as usize + 1), None);
+        for (index, detection) in detections.iter().enumerate() {
+            if let Some(origin) = detection.origin {
+                self.by_origin[origin as usize].get_or_insert(index as u32);
+            }
+        }
+    }
+
+    /// A track's candidates among the unused detections: by the gate, or by origin when origins are indexed.
+    #[inline]
+    fn candidates(&self, gate: &EllipsoidalGate, origin: Option<u32>, expected: &Expected, mut found: impl FnMut(u32, f64)) {
+        if self.candidates == Some(Candidates::Origin) {
+            let detection = origin.and_then(|origin| self.by_origin.get(origin as usize).copied().flatten());
+            if let Some(detection) = detection.filter(|&detection| !self.used[detection as usize]) {
+                let difference = self.positions[detection as usize] - expected.position_m;
+                found(detection, expected.gaussian.squared_distance(&difference));
+            }
+            return;
+        }
+        gate.candidates(
+            &self.grid,
+            &self.positions,
+            &expected.position_m,
+            &expected.covariance,
+            &expected.gaussian,
+            |detection, squared| {
+                if !self.used[detection as usize] {
+                    found(detection, squared);
+                }
+            },
+        );
+    }
+}
+
+fn noise_of(sensor: &Sensor) -> PositionCovariance {
+    PositionCovariance::new(sensor.sigma_x_m * sensor.sigma_x_m, 0.0, 0.0, sensor.sigma_y_m * sensor.sigma_y_m)
+}
