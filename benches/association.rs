@@ -87,13 +87,7 @@ fn tracked(method: &str, scenario: &Scenario, recording: &Recording) -> (f64, u6
     let parts = TrackerParts {
         filter: Kalman { process_noise_m2ps3: 1.0 },
         associator: (associator.build)(&json!({})).expect("defaults build"),
-        lifecycle: Lifecycle {
-            gate_probability: 0.999,
-            confirm_hits: 3,
-            confirm_window: 5,
-            max_missed: 5,
-            initial_speed_sigma_mps: 430.0,
-        },
+        lifecycle: Lifecycle { gate_probability: 0.999, confirm_hits: 3, confirm_window: 5, max_missed: 5, initial_speed_sigma_mps: 430.0 },
         sensors: vec![Sensor {
             sensor_id: "radar".into(),
             p_d: sensor.p_d,

@@ -44,7 +44,8 @@ fn detections_of_targets(count: u32, last: u32) -> Vec<String> {
     let csv = outcome.artifacts.iter().find(|artifact| artifact.name == "detections.csv").unwrap();
     let mut reader = csv_rows(std::str::from_utf8(&csv.bytes).unwrap());
     reader.retain(|row| row["truth_id"].parse::<u32>().is_ok_and(|id| id <= last));
-    let mut lines: Vec<String> = reader.iter().map(|row| format!("{} {} {} {}", row["time_s"], row["truth_id"], row["x_m"], row["y_m"])).collect();
+    let mut lines: Vec<String> =
+        reader.iter().map(|row| format!("{} {} {} {}", row["time_s"], row["truth_id"], row["x_m"], row["y_m"])).collect();
     lines.sort();
     lines
 }

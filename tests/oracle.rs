@@ -76,8 +76,9 @@ fn with_m_of_n_exactly_the_targets_whose_detections_satisfy_it_are_correct() {
         let outcome = judged(targets, seed, 3, 4);
         let detected = detected_scans(&outcome);
         for (truth_id, verdict) in verdicts(&outcome) {
-            let confirmed: Vec<bool> =
-                detected.get(&truth_id).map_or(Vec::new(), |scans| strings(scans).iter().map(|string| is_confirmed(string, 3, 4)).collect());
+            let confirmed: Vec<bool> = detected
+                .get(&truth_id)
+                .map_or(Vec::new(), |scans| strings(scans).iter().map(|string| is_confirmed(string, 3, 4)).collect());
             let expected = match (confirmed.is_empty(), confirmed.contains(&true), confirmed.contains(&false)) {
                 (false, true, false) => "correct",
                 (_, false, _) => "missed",

@@ -212,7 +212,7 @@ fn a_track_of_two_targets_follows_the_one_with_most_detections_then_the_smaller_
 }
 
 #[test]
-fn the_matched_follower_has_most_detections_then_replaced_then_the_earliest_start() {
+fn the_matched_follower_has_most_detections_then_fewest_errors_then_the_earliest_start() {
     let truth = ["A: a1 a2 a3 a4 a5 a6"];
     let report = evaluate(&truth, &["c1 . . . . ."], &["1: a1 a2", "2: _ _ _ a4 a5 a6", "3: c1 _ _ a4 a5"]);
     assert_eq!(
@@ -223,12 +223,20 @@ fn the_matched_follower_has_most_detections_then_replaced_then_the_earliest_star
             "3 redundant A, scans 1..5, symbols 3, errors 4"
         ]
     );
-    let replaced = evaluate(&truth, &[". . c3 . . ."], &["1: a1 a2 c3", "2: _ _ _ a4 a5"]);
-    assert_eq!(replaced.targets[0].matched_track_id.as_deref(), Some("1"), "c3 in place of a3 is no further error");
-    let extra = evaluate(&truth, &["c1 . . . . . c7"], &["1: _ _ _ _ a5 a6 c7", "2: _ _ a3 a4"]);
-    assert_eq!(extra.targets[0].matched_track_id.as_deref(), Some("2"), "c7 is an error more");
-    let earliest = evaluate(&truth, &[], &["1: _ _ _ a4 a5", "2: a1 a2"]);
-    assert_eq!(earliest.targets[0].matched_track_id.as_deref(), Some("2"));
+    let fewest_errors = evaluate(&["A: a1 a2 a3 a4 . a6"], &[". . . . c5 ."], &["1: a1 a2 . . c5", "2: _ _ a3 a4"]);
+    assert_eq!(
+        tracks(&fewest_errors),
+        ["1 redundant A, scans 1..5, symbols 3, errors 4", "2 matched A, scans 3..4, symbols 2, errors 3"],
+        "c5 is an error more"
+    );
+    let tie = evaluate(&truth, &[". . c3 . . ."], &["1: _ _ _ a4 a5", "2: a1 a2 c3"]);
+    assert_eq!(
+        tracks(&tie),
+        ["1 redundant A, scans 4..5, symbols 2, errors 4", "2 matched A, scans 1..3, symbols 3, errors 4"],
+        "c3 in place of a3 is no further error, so the start decides"
+    );
+    let smaller_id = evaluate(&truth, &[], &["10: a1 a2", "9: a1 a2"]);
+    assert_eq!(smaller_id.targets[0].matched_track_id.as_deref(), Some("9"));
 }
 
 #[test]

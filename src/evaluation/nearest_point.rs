@@ -10,51 +10,68 @@ pub struct Place {
     pub rank: u32,
 }
 
-#[derive(Debug, Default)]
-pub struct PlaneTree(Vec<Place>);
+/// A place and the axis (0 is x, 1 is y) that parts its list: smaller before it, larger behind it.
+#[derive(Debug, Clone, Copy)]
+struct Node {
+    place: Place,
+    axis: usize,
+}
 
-/// Squared distance, rank and index of the best place so far; places must be within the first two to replace it.
+#[derive(Debug, Default)]
+pub struct PlaneTree(Vec<Node>);
+
+/// Squared distance, rank and index of the best place so far; a place replaces it by smaller distance, then rank.
 type Best = (f64, u32, Option<u32>);
 
 impl PlaneTree {
-    pub fn new(mut places: Vec<Place>) -> Self {
-        arrange(&mut places, 0);
-        PlaneTree(places)
+    pub fn new(places: Vec<Place>) -> Self {
+        let mut nodes: Vec<Node> = places.into_iter().map(|place| Node { place, axis: 0 }).collect();
+        arrange(&mut nodes);
+        PlaneTree(nodes)
     }
 
     /// Index of the nearest place at most `limit_m` away.
     pub fn nearest(&self, position_m: &Position, limit_m: f64) -> Option<u32> {
         let mut best: Best = (limit_m * limit_m, u32::MAX, None);
-        search(&self.0, 0, position_m, &mut best);
+        search(&self.0, position_m, &mut best);
         best.2
     }
 }
 
-fn arrange(places: &mut [Place], axis: usize) {
-    if places.len() < 2 {
+/// Parts along the longer side, so that places on a line are as quickly found as places in a square.
+fn arrange(nodes: &mut [Node]) {
+    if nodes.len() < 2 {
         return;
     }
-    let middle = places.len() / 2;
-    places.select_nth_unstable_by(middle, |a, b| a.position_m[axis].total_cmp(&b.position_m[axis]));
-    arrange(&mut places[..middle], 1 - axis);
-    arrange(&mut places[middle + 1..], 1 - axis);
+    let middle = nodes.len() / 2;
+    let axis = if extent_m(nodes, 1) > extent_m(nodes, 0) { 1 } else { 0 };
+    nodes.select_nth_unstable_by(middle, |a, b| a.place.position_m[axis].total_cmp(&b.place.position_m[axis]));
+    nodes[middle].axis = axis;
+    arrange(&mut nodes[..middle]);
+    arrange(&mut nodes[middle + 1..]);
 }
 
-fn search(places: &[Place], axis: usize, wanted: &Position, best: &mut Best) {
-    if places.is_empty() {
+fn extent_m(nodes: &[Node], axis: usize) -> f64 {
+    let values_m = || nodes.iter().map(|node| node.place.position_m[axis]);
+    values_m().fold(f64::NEG_INFINITY, f64::max) - values_m().fold(f64::INFINITY, f64::min)
+}
+
+fn search(nodes: &[Node], wanted: &Position, best: &mut Best) {
+    if nodes.is_empty() {
         return;
     }
-    let middle = places.len() / 2;
-    let place = &places[middle];
+    let middle = nodes.len() / 2;
+    let Node { place, axis } = nodes[middle];
     let squared_m2 = (place.position_m - wanted).norm_squared();
     if squared_m2 < best.0 || (squared_m2 == best.0 && place.rank <= best.1) {
         *best = (squared_m2, place.rank, Some(place.index));
     }
     let offset_m = wanted[axis] - place.position_m[axis];
-    let (near, far) = if offset_m < 0.0 { (&places[..middle], &places[middle + 1..]) } else { (&places[middle + 1..], &places[..middle]) };
-    search(near, 1 - axis, wanted, best);
+    let (before, behind) = (&nodes[..middle], &nodes[middle + 1..]);
+    let (near, far) = if offset_m < 0.0 { (before, behind) } else { (behind, before) };
+    search(near, wanted, best);
     if offset_m * offset_m <= best.0 {
-        search(far, 1 - axis, wanted, best);
+        search(far, wanted, best);
     }
 }
 

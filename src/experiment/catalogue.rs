@@ -4,7 +4,8 @@ use super::plan::JobKind;
 use super::requests;
 use crate::association::ASSOCIATOR;
 use crate::filtering::FILTER;
-use crate::registry::{Object, Union, Variant};
+use crate::registry::{Object, Union, Variant, standalone_schema};
+use serde_json::{Value, json};
 
 /// A family of exchangeable methods.
 pub struct Family {
@@ -24,6 +25,12 @@ impl Family {
     pub fn methods(&self) -> Vec<Variant> {
         (self.union.variants)()
     }
+}
+
+/// A family as JSON: each method with its summary and the JSON Schema of its parameters.
+pub fn describe(family: &Family) -> Value {
+    let method = |variant: &Variant| json!({"name": variant.tag, "summary": variant.object.summary, "parameters": standalone_schema(variant.object)});
+    json!({"family": family.name, "summary": family.summary(), "methods": family.methods().iter().map(method).collect::<Vec<_>>()})
 }
 
 /// The body of a request of this kind.

@@ -221,11 +221,8 @@ const LABELS: Field = optional("labels", "Labels to find the job by, name to tex
 const SEED: Field =
     default("seed", "Seed of every random number of the job.", Kind::Integer { min: 0, max: u32::MAX as i64, unit: "" }, "1");
 static ONE_SENSOR: Kind = Kind::Object(&SENSOR_SETTINGS);
-const SENSORS: Field = optional(
-    "sensors",
-    "Settings of the recording's sensors, by name.",
-    Kind::List { item: &ONE_SENSOR, min: 1, max: 64 },
-);
+const SENSORS: Field =
+    optional("sensors", "Settings of the recording's sensors, by name.", Kind::List { item: &ONE_SENSOR, min: 1, max: 64 });
 
 pub static SIMULATE: Object = Object {
     name: "SimulateRequest",

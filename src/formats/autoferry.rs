@@ -171,8 +171,8 @@ impl LeftOut {
 
 fn recording(ferry_scans: &[FerryScan]) -> Result<Recording, Vec<Fault>> {
     let present: Vec<usize> = (0..POSITION_SENSORS.len()).filter(|&sensor| ferry_scans.iter().any(|scan| scan.sensor == sensor)).collect();
-    let mut parts = RecordingParts::default();
-    parts.sensors = present.iter().map(|&sensor| SensorSettings::named(POSITION_SENSORS[sensor].1)).collect();
+    let sensors = present.iter().map(|&sensor| SensorSettings::named(POSITION_SENSORS[sensor].1)).collect();
+    let mut parts = RecordingParts { sensors, ..Default::default() };
     let mut counts = [0; POSITION_SENSORS.len()];
     for (index, scan) in ferry_scans.iter().enumerate() {
         counts[scan.sensor] += 1;

@@ -172,7 +172,7 @@ fn check_missing(rows: &dyn Rows, schema: &Schema, kind: DatasetKind, names: &[S
         faults.push(rows.header_fault(Some(name), "missing", detail).allowing(schema.known()));
     };
     for &name in schema.required.iter().filter(|name| !has(name)) {
-        missing(name, format!("{} need a column '{name}'", kind.name()));
+        missing(name, format!("a file of {} needs a column '{name}'", kind.name()));
     }
     for group in schema.together.iter().filter(|group| group.iter().any(|name| has(name))) {
         for &name in group.iter().filter(|name| !has(name)) {

@@ -150,22 +150,34 @@ impl Builder {
         for (points, &place) in self.points.into_iter().zip(&track_place) {
             tracks[place as usize].points = points.into_iter().map(|(point, _)| point).collect();
         }
-        let (mut detections, mut candidates) = (Interner::default(), Vec::with_capacity(self.candidates.len()));
+        let mut candidates = Vec::with_capacity(self.candidates.len());
         let mut rest = self.candidates.as_slice();
         for (track, points) in tracks.iter_mut().enumerate().map(|(index, track)| (index as u32, &mut track.points)) {
             for (index, point) in points.iter_mut().enumerate() {
                 let count = rest.iter().take_while(|row| (row.track, row.point) == (track, index as u32)).count();
                 (point.first_candidate, point.candidates) = (candidates.len(), count);
                 point.sensor = point.sensor.map(|sensor| sensor_place[sensor as usize]);
-                candidates.extend(rest[..count].iter().map(|row| {
-                    let name = row.candidate.detection.map(|number| self.detections.name(number));
-                    Candidate { detection: name.map(|name| detections.number(name)), ..row.candidate }
-                }));
+                candidates.extend(rest[..count].iter().map(|row| row.candidate));
                 rest = &rest[count..];
             }
         }
-        TrackSet { tracks, candidates, detection_ids: detections.into_names(), sensor_ids }
+        let detection_ids = renumber(&mut candidates, self.detections.into_names());
+        TrackSet { tracks, candidates, detection_ids, sensor_ids }
     }
+}
+
+/// Numbers detections in the order that candidates name them, whatever the order of the rows was; returns their names.
+fn renumber(candidates: &mut [Candidate], mut names: Vec<String>) -> Vec<String> {
+    let mut numbers: Vec<Option<u32>> = vec![None; names.len()];
+    let mut ordered = Vec::with_capacity(names.len());
+    for detection in candidates.iter_mut().filter_map(|candidate| candidate.detection.as_mut()) {
+        let old = *detection as usize;
+        *detection = *numbers[old].get_or_insert_with(|| {
+            ordered.push(std::mem::take(&mut names[old]));
+            ordered.len() as u32 - 1
+        });
+    }
+    ordered
 }
 
 /// The row's point, without its sensor and candidates.

@@ -1,25 +1,71 @@
 //! Submitting, running, waiting for and cancelling jobs, and keeping datasets: the facade of everything behind HTTP.
 
+mod change;
+pub(in crate::service) mod control;
+mod datasets;
 mod error;
+mod hub;
+mod inputs;
+pub(in crate::service) mod meter;
+mod read;
+pub(in crate::service) mod report;
 mod request;
+mod runner;
+mod submit;
 
+pub use crate::service::storage::{DatasetFilter, JobFilter, Sort};
+pub use change::JOB_PATCH;
 pub use error::JobsError;
 pub use request::*;
 
 use super::config::Config;
+use super::engine::{Engine, Handler};
+use super::storage::blobs::Blobs;
+use super::storage::{Changed, Storage};
 use super::types::{ArtifactList, DatasetInfo, DatasetPage, Event, EventPage, Job, JobKind, JobPage, JobState};
 use crate::model::dataset::Dataset;
-use futures::Stream;
+use anyhow::{Context, bail};
+use control::{Running, Stop};
+use futures::{FutureExt, Stream};
+use hub::Hub;
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::fs::{File, TryLockError};
 use std::path::Path;
-use std::sync::Arc;
-use std::time::Duration;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Weak};
+use std::time::{Duration, Instant};
+use tokio::sync::{RwLock, Semaphore};
+use tokio_util::sync::CancellationToken;
 use uuid::Uuid;
+
+/// How often the service looks after itself, and how often it sweeps.
+const UPKEEP: Duration = Duration::from_secs(5);
+const SWEEP: Duration = Duration::from_secs(3600);
+/// An idempotency key is remembered for a day.
+const KEY_AGE: Duration = Duration::from_secs(24 * 3600);
 
 /// The jobs and datasets of one data directory, with the workers that run the jobs. Clones share everything.
 #[derive(Clone)]
-pub struct Jobs(Arc<Config>);
+pub struct Jobs(Arc<Inner>);
+
+struct Inner {
+    config: Config,
+    storage: Storage,
+    blobs: Blobs,
+    engine: Engine,
+    hub: Hub,
+    running: Running,
+    /// Jobs that may compute at the same time.
+    slots: Arc<Semaphore>,
+    /// Held for reading while files wait for their row, for writing while unused files are removed.
+    sweeping: RwLock<()>,
+    closing: CancellationToken,
+    /// Some ready job may be missing in the queue.
+    must_requeue: AtomicBool,
+    /// Tells other processes that the directory is in use; the system lifts it when the process ends.
+    _lock: File,
+}
 
 impl Jobs {
     /// Opens the data directory, takes up what an earlier process left, and starts the workers.
@@ -27,147 +73,231 @@ impl Jobs {
     /// # Errors
     /// When another process uses the directory, or it cannot be read or written.
     pub async fn open(config: Config) -> anyhow::Result<Jobs> {
-        Ok(Jobs(Arc::new(config)))
+        let directory = &config.data_dir;
+        std::fs::create_dir_all(directory).with_context(|| format!("cannot make {}", directory.display()))?;
+        let lock = lock(directory)?;
+        let slots = config.slots.max(1);
+        let inner = Arc::new(Inner {
+            storage: Storage::open(&directory.join("app.db")).await?,
+            blobs: Blobs::open(directory)?,
+            engine: Engine::open(&directory.join("queue.db"), slots).await?,
+            hub: Hub::default(),
+            running: Running::default(),
+            slots: Arc::new(Semaphore::new(slots)),
+            sweeping: RwLock::new(()),
+            closing: CancellationToken::new(),
+            must_requeue: AtomicBool::new(false),
+            config: Config { slots, ..config },
+            _lock: lock,
+        });
+        inner.storage.recover().await?;
+        inner.engine.enqueue(&inner.storage.ready_jobs().await?).await?;
+        inner.engine.run(handler(Arc::downgrade(&inner)));
+        tokio::spawn(keep_up(Arc::downgrade(&inner), inner.closing.clone()));
+        Ok(Jobs(inner))
     }
 
     /// Where uploads are received: on the same file system as the blobs.
     pub fn temp_dir(&self) -> &Path {
-        &self.0.data_dir
+        self.0.blobs.temporary()
     }
 
     /// Checks a request and queues its job. A key that was used for the same request gives the job of that time.
     pub async fn submit(&self, kind: JobKind, body: Value, idempotency_key: Option<String>) -> Result<Submitted, JobsError> {
-        let _ = (kind, body, idempotency_key);
-        unimplemented!()
+        self.0.submit(kind, body, idempotency_key, None).await
     }
 
     /// The same checks as [`Self::submit`], without a job.
     pub async fn validate(&self, kind: JobKind, body: Value) -> Result<Validation, JobsError> {
-        let _ = (kind, body);
-        unimplemented!()
+        self.0.validate(kind, body).await
     }
 
     pub async fn get(&self, id: Uuid) -> Result<Job, JobsError> {
-        let _ = id;
-        unimplemented!()
+        self.0.job(id).await
     }
 
     pub async fn list(&self, filter: JobFilter) -> Result<JobPage, JobsError> {
-        let _ = filter;
-        unimplemented!()
+        self.0.list(filter).await
     }
 
     /// How many jobs are in each state.
     pub async fn counts(&self) -> Result<BTreeMap<JobState, u64>, JobsError> {
-        unimplemented!()
+        Ok(self.0.storage.job_counts().await?)
     }
 
     pub async fn patch(&self, id: Uuid, patch: JobPatch) -> Result<Job, JobsError> {
-        let _ = (id, patch);
-        unimplemented!()
+        self.0.patch(id, patch).await
     }
 
     /// Deletes a job that has ended, with its files; datasets that it made stay.
     pub async fn delete(&self, id: Uuid) -> Result<(), JobsError> {
-        let _ = id;
-        unimplemented!()
+        self.0.delete(id).await
     }
 
     /// Asks a job to stop: a queued one is canceled at once, a running one as soon as it notices.
     pub async fn cancel(&self, id: Uuid) -> Result<Job, JobsError> {
-        let _ = id;
-        unimplemented!()
+        self.0.cancel(id).await
     }
 
     /// Queues a new job with the spec of this one.
     pub async fn rerun(&self, id: Uuid) -> Result<Job, JobsError> {
-        let _ = id;
-        unimplemented!()
+        self.0.rerun(id).await
     }
 
     /// The job as soon as it has ended, or as it is after `patience`.
     pub async fn wait(&self, id: Uuid, patience: Duration) -> Result<Job, JobsError> {
-        let _ = (id, patience);
-        unimplemented!()
+        self.0.wait(id, patience).await
     }
 
     /// Events after number `after`; if there are none yet, waits up to `patience` for one.
     pub async fn history(&self, id: Uuid, after: u64, patience: Duration) -> Result<EventPage, JobsError> {
-        let _ = (id, after, patience);
-        unimplemented!()
+        self.0.history(id, after, patience).await
     }
 
     /// Events after number `after` as they happen; ends after the last one, and when the service stops.
     pub async fn events(&self, id: Uuid, after: u64) -> Result<impl Stream<Item = Event> + Send + use<>, JobsError> {
-        let _ = (id, after);
-        Ok(futures::stream::empty())
+        self.0.job(id).await?;
+        Ok(read::live_events(self.0.clone(), id, after))
     }
 
     pub async fn report(&self, id: Uuid) -> Result<StoredFile, JobsError> {
-        let _ = id;
-        unimplemented!()
+        self.0.artifact(id, "report.json").await
     }
 
     pub async fn artifacts(&self, id: Uuid) -> Result<ArtifactList, JobsError> {
-        let _ = id;
-        unimplemented!()
+        self.0.artifact_list(id).await
     }
 
     pub async fn artifact(&self, id: Uuid, name: &str) -> Result<StoredFile, JobsError> {
-        let _ = (id, name);
-        unimplemented!()
+        self.0.artifact(id, name).await
     }
 
     /// The job's request as normalised.
     pub async fn spec(&self, id: Uuid) -> Result<Value, JobsError> {
-        let _ = id;
-        unimplemented!()
+        self.0.job(id).await?;
+        Ok(self.0.storage.spec(id).await?)
     }
 
     /// The data behind the pictures of a job.
     pub async fn load_job_layers(&self, id: Uuid) -> Result<JobLayers, JobsError> {
-        let _ = id;
-        unimplemented!()
+        self.0.layers(id).await
     }
 
     /// Checks a received file and keeps it. The same content with the same meta gives the dataset that exists, and `false`.
     pub async fn add_dataset(&self, file: ReceivedFile, meta: DatasetMeta) -> Result<(DatasetInfo, bool), JobsError> {
-        let _ = (file, meta);
-        unimplemented!()
+        self.0.add_dataset(file, meta).await
     }
 
     pub async fn dataset(&self, id: Uuid) -> Result<DatasetInfo, JobsError> {
-        let _ = id;
-        unimplemented!()
+        Ok(self.0.stored_dataset(id).await?.info)
     }
 
     pub async fn list_datasets(&self, filter: DatasetFilter) -> Result<DatasetPage, JobsError> {
-        let _ = filter;
-        unimplemented!()
+        self.0.list_datasets(filter).await
     }
 
     /// Deletes a dataset, unless a queued or running job needs it.
     pub async fn delete_dataset(&self, id: Uuid) -> Result<(), JobsError> {
-        let _ = id;
-        unimplemented!()
+        self.0.delete_dataset(id).await
     }
 
     pub async fn dataset_content(&self, id: Uuid) -> Result<StoredFile, JobsError> {
-        let _ = id;
-        unimplemented!()
+        self.0.dataset_content(id).await
     }
 
     /// The dataset as read from its file.
     pub async fn load_dataset(&self, id: Uuid) -> Result<Dataset, JobsError> {
-        let _ = id;
-        unimplemented!()
+        self.0.load_dataset(id).await
     }
 
     /// Whether [`Self::shutdown`] has begun.
     pub fn is_shutting_down(&self) -> bool {
-        false
+        self.0.closing.is_cancelled()
     }
 
     /// Takes no more work, hands running jobs back to the queue, and returns when all is written.
-    pub async fn shutdown(&self) {}
+    pub async fn shutdown(&self) {
+        self.0.closing.cancel();
+        self.0.running.stop_all(Stop::ShuttingDown);
+        self.0.engine.stop().await;
+        self.0.storage.close().await;
+    }
+}
+
+impl Inner {
+    /// Lets everybody know of a committed change, and queues what can run now.
+    async fn publish(&self, changed: Changed) {
+        self.hub.wake(&changed.touched);
+        if changed.ready.is_empty() {
+            return;
+        }
+        if let Err(error) = self.engine.enqueue(&changed.ready).await {
+            tracing::error!(error = format!("{error:#}"), "jobs were not queued; trying again soon");
+            self.must_requeue.store(true, Ordering::Release);
+        }
+    }
+
+    /// Queues every job that could run, in case one is missing. A job that is queued twice runs once.
+    async fn requeue_if_needed(&self) -> anyhow::Result<()> {
+        if self.must_requeue.swap(false, Ordering::AcqRel) {
+            let queued = match self.storage.ready_jobs().await {
+                Ok(ready) => self.engine.enqueue(&ready).await,
+                Err(error) => Err(error),
+            };
+            self.must_requeue.fetch_or(queued.is_err(), Ordering::AcqRel);
+            queued?;
+        }
+        Ok(())
+    }
+
+    async fn sweep_tables(&self) -> anyhow::Result<()> {
+        self.engine.sweep().await?;
+        self.storage.forget_keys(KEY_AGE).await
+    }
+}
+
+fn lock(directory: &Path) -> anyhow::Result<File> {
+    let path = directory.join("lock");
+    let file =
+        File::options().create(true).truncate(false).write(true).open(&path).with_context(|| format!("cannot open {}", path.display()))?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::WouldBlock) => bail!("{} is in use by another trackloom", directory.display()),
+        Err(TryLockError::Error(error)) => Err(error).with_context(|| format!("cannot lock {}", path.display())),
+    }
+}
+
+/// What the queue calls; it does not keep the service alive.
+fn handler(inner: Weak<Inner>) -> Handler {
+    Handler::new(move |id| {
+        let inner = inner.upgrade();
+        async move {
+            let Some(inner) = inner else { return Ok(()) };
+            let looked = inner.clone().look(id).await;
+            if looked.is_err() {
+                inner.must_requeue.store(true, Ordering::Release);
+            }
+            looked
+        }
+        .boxed()
+    })
+}
+
+async fn keep_up(inner: Weak<Inner>, closing: CancellationToken) {
+    let mut swept = Instant::now();
+    loop {
+        tokio::select! {
+            () = tokio::time::sleep(UPKEEP) => {}
+            () = closing.cancelled() => return,
+        }
+        let Some(inner) = inner.upgrade() else { return };
+        let mut done = inner.requeue_if_needed().await;
+        if done.is_ok() && swept.elapsed() > SWEEP {
+            swept = Instant::now();
+            done = inner.sweep_tables().await;
+        }
+        if let Err(error) = done {
+            tracing::error!(error = format!("{error:#}"), "upkeep failed");
+        }
+    }
 }

@@ -7,8 +7,7 @@ use crate::model::scan::Recording;
 use crate::model::sensor::SensorSettings;
 use crate::model::track::TrackSet;
 use crate::model::truth::TruthSet;
-use crate::service::types::{Job, JobKind, JobState};
-use jiff::Timestamp;
+use crate::service::types::Job;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -27,47 +26,6 @@ pub struct Validation {
     pub warnings: Vec<String>,
     /// Absent when there are faults.
     pub estimate: Option<Estimate>,
-}
-
-/// The order of a list by `created_at`.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Sort {
-    #[default]
-    NewestFirst,
-    OldestFirst,
-}
-
-/// Which jobs to list. Empty lists and absent values do not restrict.
-#[derive(Debug, Clone, Default)]
-pub struct JobFilter {
-    pub states: Vec<JobState>,
-    pub kinds: Vec<JobKind>,
-    /// All must match.
-    pub labels: Vec<(String, String)>,
-    pub created_after: Option<Timestamp>,
-    pub created_before: Option<Timestamp>,
-    /// Part of the name or the start of the id.
-    pub q: Option<String>,
-    pub sort: Sort,
-    /// 1 to 200; 0 stands for 50.
-    pub limit: u32,
-    pub cursor: Option<String>,
-    /// Count every match.
-    pub count: bool,
-}
-
-/// Which datasets to list.
-#[derive(Debug, Clone, Default)]
-pub struct DatasetFilter {
-    pub kinds: Vec<DatasetKind>,
-    /// Part of the name or the start of the id.
-    pub q: Option<String>,
-    pub sort: Sort,
-    /// 1 to 200; 0 stands for 50.
-    pub limit: u32,
-    pub cursor: Option<String>,
-    /// Count every match.
-    pub count: bool,
 }
 
 /// What to change of a job; absent members stay.

@@ -1,0 +1,160 @@
+//! Job files for `trackloom run`: a request with its `kind`, whose sources may be files.
+//!
+//! The plan knows no files: a file source is planned as a dataset whose identity is its place in the job file, and put
+//! back into the spec of the report, so that the report can be run again.
+
+use crate::experiment::plan::{JobKind, Plan, Source};
+use crate::experiment::run::{Input, Inputs};
+use crate::formats::{self, ReadOptions};
+use crate::model::dataset::{Dataset, DatasetKind};
+use crate::model::fault::Fault;
+use crate::registry::{self, Field, Kind, Object, Presence};
+use serde::Deserialize;
+use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// A job file, its file sources taken out.
+pub(super) struct JobFile {
+    pub kind: JobKind,
+    /// The request as the plan checks it.
+    pub body: Value,
+    files: BTreeMap<&'static str, FileSource>,
+    /// Paths in the job file are relative to where it stands.
+    folder: PathBuf,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+struct FileSource {
+    path: String,
+    format: Option<String>,
+    #[serde(default)]
+    columns: BTreeMap<String, String>,
+    sensor_ids: Option<Vec<String>>,
+}
+
+const TEXT: Kind = Kind::Text { max_length: 4096 };
+
+static FILE_SOURCE: Object = Object {
+    name: "FileSource",
+    summary: "A file, relative to the job file.",
+    fields: &[
+        Field { name: "source", summary: "file", kind: Kind::Choice(&["file"]), presence: Presence::Required },
+        Field { name: "path", summary: "Where the file is.", kind: TEXT, presence: Presence::Required },
+        Field { name: "format", summary: "Its format; told from the file when absent.", kind: TEXT, presence: Presence::Optional },
+        Field {
+            name: "columns",
+            summary: "The file's column name to the canonical one.",
+            kind: Kind::TextMap { max_entries: 64, max_length: 100 },
+            presence: Presence::Optional,
+        },
+        Field {
+            name: "sensor_ids",
+            summary: "Only these sensors.",
+            kind: Kind::List { item: &TEXT, min: 1, max: 64 },
+            presence: Presence::Optional,
+        },
+    ],
+};
+
+/// Where a request may name a source.
+const SOURCES: [(&str, &str); 4] = [("input", "/input"), ("truth", "/truth"), ("tracks", "/tracks"), ("detections", "/detections")];
+
+impl JobFile {
+    /// Takes apart a job file that stands in `folder`.
+    pub(super) fn new(mut body: Value, folder: &Path) -> Result<Self, Vec<Fault>> {
+        let kinds = || JobKind::ALL.map(JobKind::name).join(", ");
+        let kind = body.as_object_mut().and_then(|fields| fields.shift_remove("kind"));
+        let Some(kind) = kind else {
+            return Err(vec![Fault::new("/kind", "missing", "'kind' is required in a job file").allowing(kinds())]);
+        };
+        let Ok(kind) = JobKind::deserialize(&kind) else {
+            return Err(vec![Fault::new("/kind", "unknown_value", format!("unknown kind {kind}")).allowing(kinds())]);
+        };
+        let mut files = BTreeMap::new();
+        let mut faults = Vec::new();
+        for (name, pointer) in SOURCES {
+            let Some(source) = body.get(name).filter(|source| source["source"] == "file") else { continue };
+            match registry::check(source, &FILE_SOURCE).map(FileSource::deserialize) {
+                Ok(Ok(file)) => {
+                    files.insert(pointer, file);
+                }
+                Ok(Err(error)) => faults.push(Fault::new(pointer, "malformed", error.to_string())),
+                Err(found) => {
+                    faults.extend(found.into_iter().map(|fault| Fault { pointer: format!("{pointer}{}", fault.pointer), ..fault }))
+                }
+            }
+            body[name] = json!({"source": "dataset", "dataset_id": pointer});
+        }
+        if faults.is_empty() { Ok(JobFile { kind, body, files, folder: folder.to_owned() }) } else { Err(faults) }
+    }
+
+    /// Puts the file sources back into a normalised spec.
+    pub(super) fn restore(&self, spec: &mut Value) {
+        for (pointer, file) in &self.files {
+            let mut source = json!({"source": "file", "path": file.path});
+            if let Some(format) = &file.format {
+                source["format"] = json!(format);
+            }
+            if !file.columns.is_empty() {
+                source["columns"] = json!(file.columns);
+            }
+            if let Some(sensor_ids) = &file.sensor_ids {
+                source["sensor_ids"] = json!(sensor_ids);
+            }
+            spec[pointer.trim_start_matches('/')] = source;
+        }
+    }
+
+    /// Loads what the plan asks for. A source that is no file has no server to come from: a fault.
+    pub(super) fn load(&self, plan: &Plan, warnings: &mut Vec<String>) -> Result<Inputs, Vec<Fault>> {
+        let mut faults = Vec::new();
+        let mut inputs = Vec::new();
+        for request in &plan.inputs {
+            let (Source::Dataset { dataset_id: pointer, .. } | Source::Job { job_id: pointer, .. }) = &request.source;
+            match self.files.get(pointer.as_str()) {
+                Some(file) => match self.read(file, request.role, warnings) {
+                    Ok(input) => inputs.push(Some(input)),
+                    Err(found) => {
+                        faults.extend(
+                            found.into_iter().map(|fault| Fault { pointer: format!("{}{}", request.pointer, fault.pointer), ..fault }),
+                        );
+                    }
+                },
+                None => {
+                    let detail = "without a server a source is a file, a scenario or a preset";
+                    faults.push(
+                        Fault::new(format!("{}/source", request.pointer), "unknown_value", detail).allowing("file, scenario, preset"),
+                    );
+                }
+            }
+        }
+        if faults.is_empty() { Ok(inputs) } else { Err(faults) }
+    }
+
+    fn read(&self, file: &FileSource, role: DatasetKind, warnings: &mut Vec<String>) -> Result<Input, Vec<Fault>> {
+        let path = self.folder.join(&file.path);
+        let bytes = std::fs::read(&path).map_err(|error| vec![Fault::new("/path", "not_found", format!("{}: {error}", path.display()))])?;
+        let format = match &file.format {
+            Some(name) => formats::format_named(name),
+            None => formats::detect_format(&file.path, &bytes),
+        };
+        let known = || formats::FORMATS.iter().map(|format| format.name).collect::<Vec<_>>().join(", ");
+        let format = format.ok_or_else(|| vec![Fault::new("/format", "unknown_value", "the format is not known").allowing(known())])?;
+        let options = ReadOptions { kind: Some(role), columns: file.columns.clone() };
+        let read = (format.read)(&mut bytes.as_slice(), &options)?;
+        warnings.extend(read.warnings.into_iter().map(|warning| format!("{}: {warning}", file.path)));
+        let dataset = match (read.dataset, &file.sensor_ids) {
+            (Dataset::Detections(recording), Some(wanted)) => Dataset::Detections(only(&recording, wanted)?),
+            (dataset, _) => dataset,
+        };
+        let sha256 = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+        Ok(Input { dataset, sensors: Vec::new(), sha256 })
+    }
+}
+
+fn only(recording: &crate::model::scan::Recording, wanted: &[String]) -> Result<crate::model::scan::Recording, Vec<Fault>> {
+    let repoint = |fault: Fault| Fault { pointer: format!("/sensor_ids{}", fault.pointer), ..fault };
+    recording.only_sensors(wanted).map_err(|faults| faults.into_iter().map(repoint).collect())
+}

@@ -1,0 +1,113 @@
+//! The command line: reads arguments, calls the rest, and turns what happened into an exit code.
+
+mod catalogue;
+mod demo;
+mod files;
+mod run;
+mod table;
+
+use crate::service::config::Config;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Data association, track correlation and track evaluation: service, dashboard and command line.
+#[derive(Parser)]
+#[command(name = "trackloom", version)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run the service with its dashboard and its workers
+    Serve(ServeArguments),
+    /// Run one job without a server
+    Run(run::RunArguments),
+    /// Run the tour: a simulated scene and a radar recording, judged; then serve the dashboard with both
+    Demo {
+        #[command(flatten)]
+        serve: ServeArguments,
+        /// End after the tour instead of serving
+        #[arg(long)]
+        once: bool,
+    },
+    /// Print the catalogue of methods with their parameters, as JSON
+    Methods,
+    /// Print the presets as JSON, or one of them as a job file
+    Presets {
+        /// Only this one, as a job file for `trackloom run`
+        name: Option<String>,
+    },
+    /// Print the OpenAPI document
+    Openapi {
+        /// Version of the OpenAPI specification
+        #[arg(long, value_enum, default_value = "3.1")]
+        version: OpenapiVersion,
+    },
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum OpenapiVersion {
+    #[value(name = "3.1")]
+    V31,
+    #[value(name = "3.0")]
+    V30,
+}
+
+#[derive(Args)]
+struct ServeArguments {
+    /// Address to listen on; port 0 takes any free port
+    #[arg(long, env = "TRACKLOOM_LISTEN", default_value = "127.0.0.1:8080")]
+    listen: SocketAddr,
+    /// Directory of everything that is kept
+    #[arg(long, env = "TRACKLOOM_DATA_DIR", default_value = "trackloom-data")]
+    data: PathBuf,
+    /// Jobs that run at the same time; as many as there are processors when absent
+    #[arg(long, env = "TRACKLOOM_WORKERS", value_parser = clap::value_parser!(u16).range(1..=256))]
+    workers: Option<u16>,
+    /// Largest accepted upload in bytes
+    #[arg(long, env = "TRACKLOOM_MAX_UPLOAD_BYTES", default_value_t = 1 << 30)]
+    max_upload_bytes: u64,
+}
+
+impl ServeArguments {
+    fn config(&self) -> Config {
+        let mut config = Config::new(&self.data);
+        config.listen = self.listen;
+        config.max_upload_bytes = self.max_upload_bytes;
+        if let Some(workers) = self.workers {
+            config.slots = usize::from(workers);
+        }
+        config
+    }
+}
+
+/// Bad input: of the arguments, of a job file, or of a data file.
+const BAD_INPUT: u8 = 2;
+
+/// Runs the command of the process's arguments. Exit codes: 0 done, 1 failed, 2 bad input.
+pub fn main() -> ExitCode {
+    let result = match Arguments::parse().command {
+        Command::Serve(arguments) => blocking(crate::service::server::serve(arguments.config())),
+        Command::Run(arguments) => return run::run(&arguments),
+        Command::Demo { serve, once } => blocking(demo::demo(serve.config(), once)),
+        Command::Methods => catalogue::print_methods(),
+        Command::Presets { name } => return catalogue::print_presets(name.as_deref()),
+        Command::Openapi { version } => catalogue::print_openapi(matches!(version, OpenapiVersion::V30)),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("trackloom: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Runs a future on a runtime of its own.
+fn blocking(future: impl Future<Output = anyhow::Result<()>>) -> anyhow::Result<()> {
+    tokio::runtime::Builder::new_multi_thread().enable_all().build()?.block_on(future)
+}

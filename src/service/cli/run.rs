@@ -1,0 +1,219 @@
+//! `trackloom run`: one job, no server.
+
+use super::files::JobFile;
+use super::{BAD_INPUT, catalogue, table};
+use crate::experiment::observer::{Observer, Step};
+use crate::experiment::plan::{self, Plan};
+use crate::experiment::presets;
+use crate::experiment::run::{self, Artifact, Outcome, RunError};
+use crate::model::fault::Fault;
+use crate::service::jobs::meter::Meter;
+use crate::service::jobs::report::{self, ReportInput};
+use crate::service::types::Progress;
+use anyhow::Context;
+use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde_json::{Value, json};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Duration;
+use tokio::sync::watch;
+use uuid::Uuid;
+
+#[derive(Args)]
+pub(super) struct RunArguments {
+    /// A job file: the body of a request with its `kind`; `trackloom presets NAME` prints one
+    #[arg(required_unless_present = "preset", conflicts_with = "preset")]
+    job: Option<PathBuf>,
+    /// Run this preset
+    #[arg(long)]
+    preset: Option<String>,
+    /// Seed instead of the job's own
+    #[arg(long)]
+    seed: Option<u32>,
+    /// Write report.json and the artefacts into this directory
+    #[arg(long)]
+    out: Option<PathBuf>,
+    /// What to print
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Format {
+    /// The report as JSON
+    Json,
+    /// A summary
+    Text,
+}
+
+/// Why there is no report.
+enum Trouble {
+    Faults(Vec<Fault>),
+    Failed(anyhow::Error),
+}
+
+impl From<Vec<Fault>> for Trouble {
+    fn from(faults: Vec<Fault>) -> Self {
+        Trouble::Faults(faults)
+    }
+}
+
+impl From<anyhow::Error> for Trouble {
+    fn from(error: anyhow::Error) -> Self {
+        Trouble::Failed(error)
+    }
+}
+
+pub(super) fn run(arguments: &RunArguments) -> ExitCode {
+    match finish(arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Trouble::Faults(faults)) => {
+            eprintln!("trackloom: the job is not valid");
+            for fault in &faults {
+                eprintln!("  {}", fault_line(fault));
+            }
+            ExitCode::from(BAD_INPUT)
+        }
+        Err(Trouble::Failed(error)) => {
+            eprintln!("trackloom: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// `/tracker/max_missed: 0 is outside the allowed range (allowed: [1, 1000])`
+fn fault_line(fault: &Fault) -> String {
+    let mut line = if fault.pointer.is_empty() { "job".to_owned() } else { fault.pointer.clone() };
+    if let Some(number) = fault.line {
+        line.push_str(&format!(" line {number}"));
+    }
+    if let Some(column) = &fault.column {
+        line.push_str(&format!(" column {column}"));
+    }
+    line.push_str(&format!(": {}", fault.detail));
+    if let Some(allowed) = &fault.allowed {
+        line.push_str(&format!(" (allowed: {allowed})"));
+    }
+    line
+}
+
+fn finish(arguments: &RunArguments) -> Result<(), Trouble> {
+    let mut job = read_job(arguments)?;
+    if let Some(seed) = arguments.seed {
+        job.body["seed"] = json!(seed);
+    }
+    let plan = plan::plan(job.kind, &job.body)?;
+    let (report, outcome) = compute(&job, plan)?;
+    if let Some(folder) = &arguments.out {
+        write_out(folder, &report, &outcome.artifacts)?;
+    }
+    print(&report, arguments.format)?;
+    Ok(())
+}
+
+fn read_job(arguments: &RunArguments) -> Result<JobFile, Trouble> {
+    let (body, folder) = match (&arguments.job, &arguments.preset) {
+        (Some(path), _) => (read_json(path)?, path.parent().unwrap_or(Path::new(".")).to_owned()),
+        (None, name) => {
+            let name = name.as_deref().unwrap_or_default();
+            let known = || presets::all().into_iter().map(|preset| preset.name).collect::<Vec<_>>().join(", ");
+            let unknown = || vec![Fault::new("--preset", "unknown_value", format!("there is no preset '{name}'")).allowing(known())];
+            (catalogue::job_file(&presets::find(name).ok_or_else(unknown)?), PathBuf::from("."))
+        }
+    };
+    Ok(JobFile::new(body, &folder)?)
+}
+
+fn read_json(path: &Path) -> Result<Value, Vec<Fault>> {
+    let fault = |code: &str, detail: String| vec![Fault::new(path.display().to_string(), code, detail)];
+    let bytes = std::fs::read(path).map_err(|error| fault("not_found", error.to_string()))?;
+    serde_json::from_slice(&bytes).map_err(|error| fault("malformed", error.to_string()))
+}
+
+/// Loads, runs with a progress bar, and builds the report.
+fn compute(job: &JobFile, mut plan: Plan) -> Result<(Vec<u8>, Outcome), Trouble> {
+    let (news, told) = watch::channel(None);
+    let (_stop, sign) = watch::channel(None);
+    let mut meter = Meter::new(job.kind, sign, news);
+    let bar = Bar::start(told);
+    // Nobody stops it: the channel of stop signs stays silent.
+    let _ = meter.progress(Step::Load, 0, 1);
+    let mut warnings = Vec::new();
+    let inputs = job.load(&plan, &mut warnings)?;
+    let _ = meter.progress(Step::Load, 1, 1);
+    let read: Vec<ReportInput> = plan
+        .inputs
+        .iter()
+        .zip(&inputs)
+        .filter_map(|(request, input)| input.as_ref().map(|input| ReportInput::new(request, input)))
+        .collect();
+    let outcome = run::run(&plan, inputs, &mut meter);
+    let timing = meter.timing();
+    drop(meter);
+    bar.end();
+    let mut outcome = match outcome {
+        Ok(outcome) => outcome,
+        Err(RunError::Faults(faults)) => return Err(faults.into()),
+        Err(RunError::Stopped) => return Err(anyhow::anyhow!("the job was stopped").into()),
+    };
+    warnings.append(&mut outcome.warnings);
+    outcome.warnings = warnings;
+    job.restore(&mut plan.spec);
+    let report = report::build(Uuid::now_v7(), &plan, &read, &outcome, timing).context("the report cannot be written")?;
+    Ok((report, outcome))
+}
+
+/// A progress bar on stderr, shown only when that is a terminal.
+struct Bar {
+    thread: std::thread::JoinHandle<()>,
+}
+
+impl Bar {
+    /// Shows what is told until the sender is gone.
+    fn start(told: watch::Receiver<Option<Progress>>) -> Self {
+        let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr());
+        let style = ProgressStyle::with_template("{msg:10} {bar:40} {percent:>3} % {eta}").unwrap_or_else(|_| ProgressStyle::default_bar());
+        bar.set_style(style);
+        let thread = std::thread::spawn(move || {
+            while told.has_changed().is_ok() {
+                if let Some(progress) = told.borrow().as_ref() {
+                    bar.set_message(format!("{:?}", progress.step).to_lowercase());
+                    bar.set_position((progress.fraction * 1000.0) as u64);
+                }
+                std::thread::sleep(Duration::from_millis(50));
+            }
+            bar.finish_and_clear();
+        });
+        Bar { thread }
+    }
+
+    fn end(self) {
+        // A bar that failed to draw is no reason to lose the job.
+        let _ = self.thread.join();
+    }
+}
+
+/// Writes each file under another name first, so that none is ever half written.
+fn write_out(folder: &Path, report: &[u8], artifacts: &[Artifact]) -> anyhow::Result<()> {
+    std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
+    let files = artifacts.iter().map(|artifact| (artifact.name, artifact.bytes.as_slice())).chain([("report.json", report)]);
+    for (name, bytes) in files {
+        let (part, path) = (folder.join(format!(".{name}.part")), folder.join(name));
+        let written = std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, &path));
+        written.with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    Ok(())
+}
+
+fn print(report: &[u8], format: Format) -> anyhow::Result<()> {
+    let text = match format {
+        Format::Json => String::from_utf8(report.to_vec())?,
+        Format::Text => table::summary(&serde_json::from_slice(report)?),
+    };
+    match writeln!(std::io::stdout(), "{text}") {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
+    }
+}

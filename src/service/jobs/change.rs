@@ -1,0 +1,74 @@
+//! Changing jobs that exist: names, cancelling, deleting.
+
+use super::control::Stop;
+use super::datasets::listed;
+use super::{Inner, JobPatch, JobsError};
+use crate::registry::{self, Field, Kind, Object, Presence};
+use crate::service::storage::{Cancellation, Changed, Deletion};
+use crate::service::types::Job;
+use serde_json::{Map, json};
+use uuid::Uuid;
+
+/// What a patch of a job may hold, with the limits of a request's own `name` and `labels`.
+pub static JOB_PATCH: Object = Object {
+    name: "JobPatch",
+    summary: "What to change of a job; absent members stay as they are.",
+    fields: &[
+        Field {
+            name: "name",
+            summary: "A name for people; an empty one removes it.",
+            kind: Kind::Text { max_length: 100 },
+            presence: Presence::Optional,
+        },
+        Field {
+            name: "labels",
+            summary: "All labels from now on.",
+            kind: Kind::TextMap { max_entries: 32, max_length: 100 },
+            presence: Presence::Optional,
+        },
+    ],
+};
+
+impl Inner {
+    pub(super) async fn patch(&self, id: Uuid, patch: JobPatch) -> Result<Job, JobsError> {
+        self.job(id).await?;
+        let JobPatch { name, labels } = patch;
+        let mut body = Map::new();
+        body.extend(name.as_ref().map(|name| ("name".to_owned(), json!(name))));
+        body.extend(labels.as_ref().map(|labels| ("labels".to_owned(), json!(labels))));
+        registry::check(&body.into(), &JOB_PATCH).map_err(JobsError::Invalid)?;
+        self.storage.patch_job(id, name.as_deref(), labels.as_ref()).await?;
+        self.job(id).await
+    }
+
+    pub(super) async fn cancel(&self, id: Uuid) -> Result<Job, JobsError> {
+        self.job(id).await?;
+        match self.storage.cancel(id).await? {
+            Cancellation::Canceled(changed) => self.publish(changed).await,
+            Cancellation::Requested(changed) => {
+                self.running.stop(id, Stop::Canceled);
+                self.publish(changed).await;
+            }
+            Cancellation::AlreadyEnded(state) => {
+                return Err(JobsError::conflict("job_terminal", format!("the job has already {}", ended(state.name()))));
+            }
+        }
+        self.job(id).await
+    }
+
+    pub(super) async fn delete(&self, id: Uuid) -> Result<(), JobsError> {
+        self.job(id).await?;
+        match self.storage.delete_job(id).await? {
+            Deletion::Deleted(contents) => {
+                self.publish(Changed { touched: vec![id], ready: Vec::new() }).await;
+                self.sweep(contents).await
+            }
+            Deletion::StillActive(state) => Err(JobsError::conflict("job_active", format!("the job is {}; cancel it first", state.name()))),
+            Deletion::NeededBy(users) => Err(JobsError::conflict("in_use", format!("the job's results are needed by {}", listed(&users)))),
+        }
+    }
+}
+
+fn ended(state: &str) -> String {
+    if state == "canceled" { "been canceled".to_owned() } else { state.to_owned() }
+}

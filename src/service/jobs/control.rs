@@ -1,0 +1,74 @@
+//! Asking a running job to stop, and giving up on one that does not listen.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+use tokio::sync::watch;
+use uuid::Uuid;
+
+/// A job that was asked to stop has this long to notice; then it is left to itself.
+const GRACE: Duration = Duration::from_secs(5);
+
+/// Why a job is to stop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::service) enum Stop {
+    Canceled,
+    ShuttingDown,
+    TimeLimit,
+}
+
+/// One running job's stop sign. The first reason stays.
+pub(super) struct Control(watch::Sender<Option<Stop>>);
+
+impl Control {
+    pub(super) fn stop(&self, reason: Stop) {
+        self.0.send_if_modified(|current| current.is_none() && current.replace(reason).is_none());
+    }
+
+    pub(super) fn reason(&self) -> Option<Stop> {
+        *self.0.borrow()
+    }
+
+    /// What the job itself looks at.
+    pub(super) fn sign(&self) -> watch::Receiver<Option<Stop>> {
+        self.0.subscribe()
+    }
+
+    /// Ends when the job was asked to stop and has let its time pass.
+    pub(super) async fn grace_over(&self) {
+        let mut sign = self.0.subscribe();
+        // The sender is part of `self` and outlives this wait.
+        let _ = sign.wait_for(Option::is_some).await;
+        tokio::time::sleep(GRACE).await;
+    }
+}
+
+/// Every job that runs in this process.
+#[derive(Default)]
+pub(super) struct Running(Mutex<HashMap<Uuid, Arc<Control>>>);
+
+impl Running {
+    pub(super) fn register(&self, id: Uuid) -> Arc<Control> {
+        let control = Arc::new(Control(watch::Sender::new(None)));
+        self.lock().insert(id, control.clone());
+        control
+    }
+
+    pub(super) fn unregister(&self, id: Uuid) {
+        self.lock().remove(&id);
+    }
+
+    pub(super) fn stop(&self, id: Uuid, reason: Stop) {
+        if let Some(control) = self.lock().get(&id) {
+            control.stop(reason);
+        }
+    }
+
+    pub(super) fn stop_all(&self, reason: Stop) {
+        self.lock().values().for_each(|control| control.stop(reason));
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, HashMap<Uuid, Arc<Control>>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

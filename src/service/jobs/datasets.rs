@@ -1,0 +1,148 @@
+//! Keeping datasets: checked before they are kept, kept once, and swept up when nothing needs them.
+
+use super::inputs::read_file;
+use super::submit::sorted;
+use super::{DatasetFilter, DatasetMeta, Inner, JobsError, ReceivedFile, StoredFile};
+use crate::formats::{FORMATS, Format, ReadOutcome, detect_format, format_named};
+use crate::model::dataset::Dataset;
+use crate::model::fault::Fault;
+use crate::service::storage::blobs::sha256_hex;
+use crate::service::storage::{Cursor, NewDataset, StoredDataset};
+use crate::service::types::{DatasetInfo, DatasetPage};
+use anyhow::Context;
+use serde_json::json;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+use tokio::task::spawn_blocking;
+use uuid::Uuid;
+
+/// Bytes that are looked at to tell a format.
+const FIRST_BYTES: u64 = 4096;
+
+impl Inner {
+    pub(super) async fn add_dataset(&self, file: ReceivedFile, meta: DatasetMeta) -> Result<(DatasetInfo, bool), JobsError> {
+        if self.closing.is_cancelled() {
+            return Err(JobsError::ShuttingDown);
+        }
+        let check = {
+            let (path, meta) = (file.path.clone(), meta.clone());
+            move || check(&path, &meta)
+        };
+        let (format, read) = spawn_blocking(check).await.context("reading an upload panicked")??;
+        let new = new_dataset(&file, meta, format, read);
+        let _no_sweeping = self.sweeping.read().await;
+        let adopt = {
+            let (blobs, ReceivedFile { path, sha256, .. }) = (self.blobs.clone(), file);
+            move || blobs.adopt(&path, &sha256)
+        };
+        spawn_blocking(adopt).await.context("keeping an upload panicked")??;
+        let (id, is_new) = self.storage.add_dataset(&new).await?;
+        Ok((self.stored_dataset(id).await?.info, is_new))
+    }
+
+    /// The dataset, unless there is none or it has been deleted.
+    pub(super) async fn stored_dataset(&self, id: Uuid) -> Result<StoredDataset, JobsError> {
+        let stored = self.storage.dataset(id).await?.ok_or(JobsError::NotFound("dataset"))?;
+        if stored.deleted { Err(JobsError::Gone("dataset")) } else { Ok(stored) }
+    }
+
+    pub(super) async fn list_datasets(&self, filter: DatasetFilter) -> Result<DatasetPage, JobsError> {
+        let cursor = match &filter.cursor {
+            Some(text) => Some(Cursor::decode(text, filter.sort).ok_or(JobsError::InvalidCursor)?),
+            None => None,
+        };
+        let (items, next_cursor, total) = self.storage.datasets(&filter, cursor).await?;
+        Ok(DatasetPage { items, next_cursor, total })
+    }
+
+    pub(super) async fn delete_dataset(&self, id: Uuid) -> Result<(), JobsError> {
+        let stored = self.stored_dataset(id).await?;
+        let users = self.storage.delete_dataset(id).await?;
+        if !users.is_empty() {
+            return Err(JobsError::conflict("in_use", format!("the dataset is needed by {}", listed(&users))));
+        }
+        self.sweep(vec![stored.info.sha256]).await
+    }
+
+    pub(super) async fn dataset_content(&self, id: Uuid) -> Result<StoredFile, JobsError> {
+        let StoredDataset { info, file_name, .. } = self.stored_dataset(id).await?;
+        let media_type = format_named(&info.format).map_or("application/octet-stream", |format| format.media_type);
+        Ok(StoredFile {
+            path: self.blobs.path(&info.sha256),
+            media_type: media_type.to_owned(),
+            bytes: info.bytes,
+            sha256: info.sha256,
+            file_name: file_name.unwrap_or(info.name),
+        })
+    }
+
+    pub(super) async fn load_dataset(&self, id: Uuid) -> Result<Dataset, JobsError> {
+        let stored = self.stored_dataset(id).await?;
+        let located = self.located(stored)?;
+        spawn_blocking(move || located.read()).await.context("reading a dataset panicked")?
+    }
+
+    /// Removes contents that nothing has any more.
+    pub(super) async fn sweep(&self, contents: Vec<String>) -> Result<(), JobsError> {
+        let _alone = self.sweeping.write().await;
+        for sha256 in contents {
+            if !self.storage.blob_is_used(&sha256).await? {
+                self.blobs.remove(&sha256)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Ids for a sentence, not too many.
+pub(super) fn listed(jobs: &[Uuid]) -> String {
+    const MOST: usize = 5;
+    let named = jobs.iter().take(MOST).map(|id| format!("job {id}")).collect::<Vec<_>>().join(", ");
+    if jobs.len() > MOST { format!("{named} and {} more", jobs.len() - MOST) } else { named }
+}
+
+/// Tells the format and reads the file with it. Blocks.
+fn check(path: &Path, meta: &DatasetMeta) -> Result<(&'static Format, ReadOutcome), JobsError> {
+    let format = match &meta.format {
+        Some(name) => format_named(name).ok_or_else(|| unknown_format(format!("there is no format '{name}'"))),
+        None => {
+            let mut first_bytes = Vec::new();
+            File::open(path).and_then(|file| file.take(FIRST_BYTES).read_to_end(&mut first_bytes)).context("cannot read an upload")?;
+            detect_format(meta.file_name.as_deref().unwrap_or_default(), &first_bytes)
+                .ok_or_else(|| unknown_format("the format could not be told from the file; say which it is".to_owned()))
+        }
+    }?;
+    if let Some(kind) = meta.kind.filter(|kind| !format.kinds.contains(kind)) {
+        let detail = format!("files in the format '{}' cannot hold {}", format.name, kind.name());
+        let allowed = format.kinds.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ");
+        return Err(JobsError::Invalid(vec![Fault::new("/kind", "unsupported", detail).allowing(allowed)]));
+    }
+    Ok((format, read_file(path, format, meta.kind, &meta.columns)?))
+}
+
+fn unknown_format(detail: String) -> JobsError {
+    let known = FORMATS.iter().map(|format| format.name).collect::<Vec<_>>().join(", ");
+    JobsError::Invalid(vec![Fault::new("/format", "unknown_value", detail).allowing(known)])
+}
+
+fn new_dataset(file: &ReceivedFile, meta: DatasetMeta, format: &Format, read: ReadOutcome) -> NewDataset {
+    let summary = read.dataset.summary();
+    let said = json!({
+        "name": meta.name, "kind": summary.kind, "format": format.name, "columns": meta.columns, "sensors": meta.sensors
+    });
+    let name = meta.name.or_else(|| meta.file_name.clone()).unwrap_or_else(|| summary.kind.name().to_owned());
+    NewDataset {
+        name,
+        format: format.name.to_owned(),
+        bytes: file.bytes,
+        sha256: file.sha256.clone(),
+        meta_sha256: sha256_hex(sorted(&said).to_string().as_bytes()),
+        columns: meta.columns,
+        summary,
+        sensors: meta.sensors,
+        warnings: read.warnings,
+        origin_job_id: None,
+        file_name: meta.file_name,
+    }
+}

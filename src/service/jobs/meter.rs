@@ -1,0 +1,145 @@
+//! Watches a job from inside: how far it is, how long each step took, and whether it is to stop.
+
+use super::control::Stop;
+use super::report::Timing;
+use crate::experiment::observer::{Observer, Step};
+use crate::experiment::plan::JobKind;
+use crate::service::types::{Progress, ProgressStep};
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+use tokio::sync::watch;
+
+/// Progress is told at most this often, and ever less often in long jobs, so that its events stay few.
+const PAUSE: Duration = Duration::from_millis(250);
+const LONGEST_PAUSE: Duration = Duration::from_secs(5);
+const SHARE_OF_ELAPSED: u32 = 100;
+/// No estimate of the rest before this much is known.
+const ETA_AFTER: (Duration, f64) = (Duration::from_millis(500), 0.02);
+
+pub(in crate::service) struct Meter {
+    kind: JobKind,
+    sign: watch::Receiver<Option<Stop>>,
+    news: watch::Sender<Option<Progress>>,
+    started: Instant,
+    /// When the observer was last called, and in which step.
+    last: (Instant, Step),
+    told: Option<Instant>,
+    timing: Timing,
+}
+
+impl Meter {
+    pub(in crate::service) fn new(kind: JobKind, sign: watch::Receiver<Option<Stop>>, news: watch::Sender<Option<Progress>>) -> Self {
+        let now = Instant::now();
+        Meter { kind, sign, news, started: now, last: (now, Step::Load), told: None, timing: Timing::default() }
+    }
+
+    /// What was measured until now.
+    pub(in crate::service) fn timing(&self) -> Timing {
+        Timing { total_s: self.started.elapsed().as_secs_f64(), ..self.timing }
+    }
+
+    /// The time since the last call belongs to the step that this call is about, or, when it only begins, to the one before.
+    fn book(&mut self, now: Instant, step: Step, done: u64) {
+        let spent_s = now.duration_since(self.last.0).as_secs_f64();
+        let place = match if done == 0 { self.last.1 } else { step } {
+            Step::Load => &mut self.timing.load_s,
+            Step::Simulate => &mut self.timing.simulate_s,
+            Step::Associate => &mut self.timing.associate_s,
+            Step::Evaluate => &mut self.timing.evaluate_s,
+            // Writing is not computing; it is in the total.
+            Step::Write => return self.last = (now, step),
+        };
+        *place += spent_s;
+        self.last = (now, step);
+    }
+
+    fn tell(&mut self, now: Instant, step: Step, done: u64, total: u64) {
+        let elapsed = now.duration_since(self.started);
+        let pause = (elapsed / SHARE_OF_ELAPSED).clamp(PAUSE, LONGEST_PAUSE);
+        if self.told.is_some_and(|told| now.duration_since(told) < pause) {
+            return;
+        }
+        self.told = Some(now);
+        let fraction = fraction(self.kind, step, done, total);
+        let is_known = elapsed > ETA_AFTER.0 && fraction > ETA_AFTER.1;
+        let eta_s = is_known.then(|| elapsed.as_secs_f64() * (1.0 - fraction) / fraction);
+        self.news.send_replace(Some(Progress { step: wire_step(step), done, total, fraction, eta_s }));
+    }
+}
+
+impl Observer for Meter {
+    fn progress(&mut self, step: Step, done: u64, total: u64) -> ControlFlow<()> {
+        let now = Instant::now();
+        self.book(now, step, done);
+        self.tell(now, step, done, total);
+        if self.sign.borrow().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+/// The share of the whole job that is done. Steps count by what they usually cost; one that does not occur is skipped.
+fn fraction(kind: JobKind, step: Step, done: u64, total: u64) -> f64 {
+    let shares = match kind {
+        JobKind::Simulate => [0.0, 0.8, 0.0, 0.0, 0.2],
+        JobKind::Associate => [0.1, 0.1, 0.7, 0.0, 0.1],
+        JobKind::Evaluate => [0.1, 0.1, 0.5, 0.2, 0.1],
+    };
+    let index = step as usize;
+    let before: f64 = shares[..index].iter().sum();
+    let part = if total == 0 { 0.0 } else { done as f64 / total as f64 };
+    (before + shares[index] * part).min(1.0)
+}
+
+fn wire_step(step: Step) -> ProgressStep {
+    match step {
+        Step::Load => ProgressStep::Load,
+        Step::Simulate => ProgressStep::Simulate,
+        Step::Associate => ProgressStep::Associate,
+        Step::Evaluate => ProgressStep::Evaluate,
+        Step::Write => ProgressStep::Write,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_fraction_rises_through_the_steps_to_one() {
+        let steps = [Step::Load, Step::Simulate, Step::Associate, Step::Evaluate, Step::Write];
+        for kind in JobKind::ALL {
+            let fractions: Vec<f64> = steps.iter().flat_map(|&step| [0, 5, 10].map(|done| fraction(kind, step, done, 10))).collect();
+            assert!(fractions.is_sorted(), "{kind:?}: {fractions:?}");
+            assert!((fractions[14] - 1.0).abs() < 1e-12, "{kind:?} ends at {}", fractions[14]);
+        }
+    }
+
+    #[test]
+    fn a_stop_sign_breaks_and_the_first_news_are_told_at_once() {
+        let (stop, sign) = watch::channel(None);
+        let (news, told) = watch::channel(None);
+        let mut meter = Meter::new(JobKind::Associate, sign, news);
+        assert!(meter.progress(Step::Associate, 5, 10).is_continue());
+        let first = told.borrow().clone().unwrap();
+        assert_eq!((first.step, first.done, first.total, first.eta_s), (ProgressStep::Associate, 5, 10, None));
+        assert!((first.fraction - 0.55).abs() < 1e-12);
+        assert!(meter.progress(Step::Associate, 6, 10).is_continue());
+        assert_eq!(told.borrow().clone().unwrap().done, 5, "the second comes too soon to be told");
+        stop.send_replace(Some(Stop::Canceled));
+        assert!(meter.progress(Step::Associate, 7, 10).is_break());
+    }
+
+    #[test]
+    fn time_is_booked_on_the_step_that_spent_it() {
+        let mut meter = Meter::new(JobKind::Evaluate, watch::channel(None).1, watch::Sender::new(None));
+        let start = meter.started;
+        let at = |seconds| start + Duration::from_secs(seconds);
+        meter.book(at(1), Step::Load, 1);
+        meter.book(at(3), Step::Associate, 1);
+        meter.book(at(6), Step::Associate, 2);
+        meter.book(at(10), Step::Evaluate, 0);
+        meter.book(at(15), Step::Evaluate, 1);
+        meter.book(at(16), Step::Write, 1);
+        let Timing { load_s, associate_s, evaluate_s, simulate_s, .. } = meter.timing;
+        assert_eq!((load_s, simulate_s, associate_s, evaluate_s), (1.0, 0.0, 9.0, 5.0));
+    }
+}

@@ -1,0 +1,172 @@
+//! Looking at jobs: one, many, their files, and what happens to them while someone waits.
+
+use super::{Inner, JobFilter, JobLayers, JobsError, StoredFile};
+use crate::model::dataset::{Dataset, DatasetKind};
+use crate::service::storage::{Cursor, StoredArtifact};
+use crate::service::types::{ArtifactInfo, ArtifactList, Event, EventPage, Job, JobPage, JobState};
+use anyhow::Context;
+use futures::Stream;
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::sync::watch;
+use tokio::time::{Instant, timeout_at};
+use uuid::Uuid;
+
+impl Inner {
+    /// The job, unless there is none or it has been deleted.
+    pub(super) async fn job(&self, id: Uuid) -> Result<Job, JobsError> {
+        let stored = self.storage.job(id).await?.ok_or(JobsError::NotFound("job"))?;
+        if stored.deleted { Err(JobsError::Gone("job")) } else { Ok(stored.job) }
+    }
+
+    pub(super) async fn list(&self, filter: JobFilter) -> Result<JobPage, JobsError> {
+        let cursor = match &filter.cursor {
+            Some(text) => Some(Cursor::decode(text, filter.sort).ok_or(JobsError::InvalidCursor)?),
+            None => None,
+        };
+        let (items, next_cursor, total) = self.storage.jobs(&filter, cursor).await?;
+        Ok(JobPage { items, next_cursor, total })
+    }
+
+    pub(super) async fn wait(&self, id: Uuid, patience: Duration) -> Result<Job, JobsError> {
+        let deadline = Instant::now() + patience;
+        let mut news = self.hub.subscribe(id);
+        loop {
+            let job = self.job(id).await?;
+            if job.state.is_terminal() || !self.news_before(deadline, &mut news).await {
+                return Ok(job);
+            }
+        }
+    }
+
+    pub(super) async fn history(&self, id: Uuid, after: u64, patience: Duration) -> Result<EventPage, JobsError> {
+        let deadline = Instant::now() + patience;
+        let mut news = self.hub.subscribe(id);
+        loop {
+            let job = self.job(id).await?;
+            let events = self.storage.events(id, after).await?;
+            if !events.is_empty() || job.state.is_terminal() || !self.news_before(deadline, &mut news).await {
+                return Ok(EventPage { next_after: events.last().map_or(after, Event::seq), events });
+            }
+        }
+    }
+
+    /// Waits for news; `false` when the time is up or the service stops.
+    async fn news_before(&self, deadline: Instant, news: &mut watch::Receiver<()>) -> bool {
+        tokio::select! {
+            heard = timeout_at(deadline, news.changed()) => matches!(heard, Ok(Ok(()))),
+            () = self.closing.cancelled() => false,
+        }
+    }
+
+    pub(super) async fn artifact_list(&self, id: Uuid) -> Result<ArtifactList, JobsError> {
+        self.job(id).await?;
+        let info = |artifact: StoredArtifact| ArtifactInfo {
+            href: format!("/v1/jobs/{id}/artifacts/{}", artifact.name),
+            name: artifact.name,
+            media_type: artifact.media_type,
+            bytes: artifact.bytes,
+            sha256: artifact.sha256,
+            dataset_id: artifact.dataset_id,
+        };
+        Ok(ArtifactList { items: self.storage.artifacts(id).await?.into_iter().map(info).collect() })
+    }
+
+    pub(super) async fn artifact(&self, id: Uuid, name: &str) -> Result<StoredFile, JobsError> {
+        self.ended_well(id).await?;
+        let artifact = self.storage.artifacts(id).await?.into_iter().find(|artifact| artifact.name == name);
+        let StoredArtifact { name, media_type, bytes, sha256, .. } = artifact.ok_or(JobsError::NotFound("artifact"))?;
+        Ok(StoredFile { path: self.blobs.path(&sha256), media_type, bytes, sha256, file_name: name })
+    }
+
+    /// Refuses a job that has no results.
+    async fn ended_well(&self, id: Uuid) -> Result<(), JobsError> {
+        match self.job(id).await?.state {
+            JobState::Succeeded => Ok(()),
+            state @ (JobState::Queued | JobState::Running) => {
+                Err(JobsError::conflict("result_not_ready", format!("the job is {}", state.name())))
+            }
+            JobState::Failed => Err(JobsError::conflict("job_failed", "the job failed; its error says why")),
+            JobState::Canceled => Err(JobsError::conflict("job_failed", "the job was canceled")),
+        }
+    }
+
+    pub(super) async fn layers(&self, id: Uuid) -> Result<JobLayers, JobsError> {
+        self.ended_well(id).await?;
+        let mut files = Vec::new();
+        for kind in DatasetKind::ALL {
+            files.extend(self.locate_artifact(&id.to_string(), kind).await?);
+        }
+        let read = move || -> Result<JobLayers, JobsError> {
+            let mut layers = JobLayers::default();
+            for file in files {
+                match file.read()? {
+                    Dataset::Detections(recording) => {
+                        layers.detections = Some(recording);
+                        layers.sensors = file.sensors().to_vec();
+                    }
+                    Dataset::Truth(truth) => layers.truth = Some(truth),
+                    Dataset::Tracks(tracks) => layers.tracks = Some(tracks),
+                }
+            }
+            Ok(layers)
+        };
+        tokio::task::spawn_blocking(read).await.context("reading a job's files panicked")?
+    }
+}
+
+/// Where a reader of live events is.
+struct Reading {
+    inner: Arc<Inner>,
+    id: Uuid,
+    after: u64,
+    read: VecDeque<Event>,
+    news: watch::Receiver<()>,
+    is_over: bool,
+}
+
+/// Events after number `after`, until the last one or until the service stops.
+pub(super) fn live_events(inner: Arc<Inner>, id: Uuid, after: u64) -> impl Stream<Item = Event> + Send + use<> {
+    let news = inner.hub.subscribe(id);
+    let reading = Reading { inner, id, after, read: VecDeque::new(), news, is_over: false };
+    futures::stream::unfold(reading, |mut reading| async move {
+        let event = reading.next().await?;
+        reading.after = event.seq();
+        reading.is_over = event.is_last();
+        Some((event, reading))
+    })
+}
+
+impl Reading {
+    async fn next(&mut self) -> Option<Event> {
+        while !self.is_over {
+            if let Some(event) = self.read.pop_front() {
+                return Some(event);
+            }
+            // Asked before the events are read, so that none can slip in between.
+            let has_ended = self.has_ended().await;
+            match self.inner.storage.events(self.id, self.after).await {
+                Ok(events) if events.is_empty() => self.is_over = has_ended || !self.hears_more().await,
+                Ok(events) => self.read.extend(events),
+                Err(error) => {
+                    tracing::warn!(job_id = %self.id, %error, "events could not be read");
+                    self.is_over = true;
+                }
+            }
+        }
+        None
+    }
+
+    /// Nothing will ever come: the reader already knew the last event, or the job has been deleted.
+    async fn has_ended(&self) -> bool {
+        self.inner.job(self.id).await.map_or(true, |job| job.state.is_terminal())
+    }
+
+    async fn hears_more(&mut self) -> bool {
+        tokio::select! {
+            heard = self.news.changed() => heard.is_ok(),
+            () = self.inner.closing.cancelled() => false,
+        }
+    }
+}

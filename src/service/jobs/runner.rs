@@ -1,0 +1,226 @@
+//! What happens when the queue says "look at this job": claim it, run it on a thread of its own, write how it ended.
+
+use super::control::{Control, Stop};
+use super::inputs::Located;
+use super::meter::Meter;
+use super::report::{self, ReportInput};
+use super::{Inner, JobsError};
+use crate::experiment::observer::{Observer, Step};
+use crate::experiment::plan::{self, Plan};
+use crate::experiment::run::{self, Artifact, Inputs, RunError};
+use crate::model::fault::Fault;
+use crate::service::storage::{Claim, ClaimedJob, Ending, NewArtifact};
+use crate::service::types::{Problem, Progress};
+use anyhow::{Context, anyhow};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
+use uuid::Uuid;
+
+/// Writing the end of a job is tried this often, one second apart.
+const WRITE_TRIES: u32 = 5;
+
+/// What a job made, before it is kept.
+struct Product {
+    artifacts: Vec<Artifact>,
+    report: Vec<u8>,
+    warnings: Vec<String>,
+}
+
+/// Why a job made nothing.
+enum Failure {
+    Stopped,
+    Faults(Vec<Fault>),
+    Internal(anyhow::Error),
+}
+
+impl From<JobsError> for Failure {
+    fn from(error: JobsError) -> Self {
+        match error {
+            JobsError::Invalid(faults) => Failure::Faults(faults),
+            JobsError::Internal(error) => Failure::Internal(error),
+            other => Failure::Internal(anyhow!(other)),
+        }
+    }
+}
+
+impl Inner {
+    /// Runs the job if it is still to be run. Extra calls for the same job do nothing.
+    pub(super) async fn look(self: Arc<Self>, id: Uuid) -> anyhow::Result<()> {
+        // A job that was running when a process died runs alone, so that it cannot take others with it.
+        let is_suspect = self.storage.crashes(id).await? > 0;
+        let slots = if is_suspect { self.config.slots } else { 1 };
+        let permit = tokio::select! {
+            permit = self.slots.clone().acquire_many_owned(u32::try_from(slots)?) => permit?,
+            () = self.closing.cancelled() => return Ok(()),
+        };
+        match self.storage.claim(id, self.config.crash_limit).await? {
+            Claim::NotNow => {}
+            Claim::Refused(changed) => self.publish(changed).await,
+            Claim::Run(job) => {
+                self.hub.wake(&[id]);
+                let control = self.running.register(id);
+                let made = self.attend(&job, &control, permit).await;
+                self.conclude(&job, &control, made).await;
+                self.running.unregister(id);
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes what the job makes, with an ear for wishes that came before the stop sign was up.
+    async fn attend(&self, job: &ClaimedJob, control: &Arc<Control>, permit: OwnedSemaphorePermit) -> Result<Product, Failure> {
+        if self.closing.is_cancelled() {
+            control.stop(Stop::ShuttingDown);
+        }
+        let stored = self.storage.job(job.id).await.map_err(Failure::Internal)?;
+        if stored.is_some_and(|stored| stored.job.cancel_requested_at.is_some()) {
+            control.stop(Stop::Canceled);
+        }
+        self.make(job, control, permit).await
+    }
+
+    /// Keeps what was made, and writes how the job ended.
+    async fn conclude(&self, job: &ClaimedJob, control: &Control, made: Result<Product, Failure>) {
+        // Until the end is written, the files belong to nobody; nobody may sweep them up meanwhile.
+        let _no_sweeping = self.sweeping.read().await;
+        let kept = match made {
+            Ok(product) => self.keep(product).await.map_err(Failure::Internal),
+            Err(failure) => Err(failure),
+        };
+        let ending = kept.map_or_else(|failure| self.ending_of(job, control, failure), Some);
+        self.write_end(job, ending).await;
+    }
+
+    /// `None` hands the job back to the queue.
+    fn ending_of(&self, job: &ClaimedJob, control: &Control, failure: Failure) -> Option<Ending> {
+        match (failure, control.reason()) {
+            (Failure::Stopped, Some(Stop::ShuttingDown)) => None,
+            (Failure::Stopped, Some(Stop::TimeLimit)) => {
+                let detail = format!("the job ran longer than {} s", self.config.job_time_limit.as_secs_f64());
+                Some(Ending::Failed(Problem::new("time_limit", detail)))
+            }
+            (Failure::Stopped, _) => Some(Ending::Canceled),
+            (Failure::Faults(faults), _) => Some(Ending::Failed(Problem::validation(faults))),
+            (Failure::Internal(error), _) => {
+                tracing::error!(job_id = %job.id, error = format!("{error:#}"), "a job failed inside the service");
+                Some(Ending::Failed(Problem::new("internal", "the job failed inside the service; its log says why")))
+            }
+        }
+    }
+
+    async fn make(&self, job: &ClaimedJob, control: &Arc<Control>, permit: OwnedSemaphorePermit) -> Result<Product, Failure> {
+        let plan = plan::plan(job.kind, &job.spec).map_err(Failure::Faults)?;
+        let located = self.locate(&plan).await?;
+        let (news, told) = watch::channel(None);
+        let meter = Meter::new(job.kind, control.sign(), news);
+        let (sender, receiver) = oneshot::channel();
+        let id = job.id;
+        let work = move || {
+            // The slot is free again when the thread has really ended, also when nobody waits for it any more.
+            let _permit = permit;
+            let made = catch_unwind(AssertUnwindSafe(|| work(id, &plan, located, meter)));
+            let _ = sender.send(made.unwrap_or_else(|_| Err(Failure::Internal(anyhow!("the job panicked")))));
+        };
+        // A thread of its own, not one of the runtime's: the process can end without waiting for it.
+        std::thread::Builder::new().name("job".to_owned()).spawn(work).context("cannot start a thread").map_err(Failure::Internal)?;
+        self.watch_over(job, control, receiver, told).await
+    }
+
+    async fn watch_over(
+        &self,
+        job: &ClaimedJob,
+        control: &Control,
+        mut made: oneshot::Receiver<Result<Product, Failure>>,
+        mut told: watch::Receiver<Option<Progress>>,
+    ) -> Result<Product, Failure> {
+        let limit = tokio::time::sleep(self.config.job_time_limit);
+        let grace_over = control.grace_over();
+        tokio::pin!(limit, grace_over);
+        loop {
+            tokio::select! {
+                made = &mut made => return made.unwrap_or_else(|_| Err(Failure::Internal(anyhow!("the job's thread vanished")))),
+                () = &mut grace_over => {
+                    tracing::warn!(job_id = %job.id, "a job did not stop when asked; leaving it to itself");
+                    return Err(Failure::Stopped);
+                }
+                () = &mut limit, if control.reason().is_none() => control.stop(Stop::TimeLimit),
+                Ok(()) = told.changed() => {
+                    let progress = told.borrow_and_update().clone();
+                    self.tell(job, progress).await;
+                }
+            }
+        }
+    }
+
+    /// Progress that cannot be written is lost, not the job.
+    async fn tell(&self, job: &ClaimedJob, progress: Option<Progress>) {
+        let Some(progress) = progress else { return };
+        match self.storage.progress(job.id, job.attempt, &progress).await {
+            Ok(changed) => self.hub.wake(&changed.unwrap_or_default().touched),
+            Err(error) => tracing::warn!(job_id = %job.id, %error, "progress was not written"),
+        }
+    }
+
+    /// Puts the files in place.
+    async fn keep(&self, product: Product) -> anyhow::Result<Ending> {
+        let blobs = self.blobs.clone();
+        let artifacts = tokio::task::spawn_blocking(move || {
+            let report =
+                Artifact { name: "report.json", media_type: "application/json", bytes: product.report, dataset: None, sensors: Vec::new() };
+            let keep = |artifact: Artifact| {
+                let sha256 = blobs.put(&artifact.bytes)?;
+                let Artifact { name, media_type, bytes, dataset, sensors } = artifact;
+                let (name, media_type) = (name.to_owned(), media_type.to_owned());
+                Ok(NewArtifact { name, media_type, bytes: bytes.len() as u64, sha256, dataset, sensors })
+            };
+            product.artifacts.into_iter().chain([report]).map(keep).collect::<anyhow::Result<Vec<_>>>()
+        });
+        Ok(Ending::Succeeded { artifacts: artifacts.await??, warnings: product.warnings })
+    }
+
+    /// Writes the end of the job, however often that takes; a job must not stay `running` when nobody runs it.
+    async fn write_end(&self, job: &ClaimedJob, ending: Option<Ending>) {
+        for _ in 0..WRITE_TRIES {
+            let written = match &ending {
+                Some(ending) => self.storage.finish(job, ending).await,
+                None => self.storage.release(job).await,
+            };
+            match written {
+                Ok(Some(changed)) => return self.publish(changed).await,
+                Ok(None) => return tracing::warn!(job_id = %job.id, "another copy of the job has already ended it; this one is dropped"),
+                Err(error) => tracing::error!(job_id = %job.id, error = format!("{error:#}"), "the end of a job was not written"),
+            }
+            tokio::time::sleep(Duration::from_secs(1)).await;
+        }
+    }
+}
+
+/// Loads, runs and reports. Blocks, and stops soon after the stop sign is up.
+fn work(id: Uuid, plan: &Plan, located: Vec<Option<Located>>, mut meter: Meter) -> Result<Product, Failure> {
+    let (inputs, read) = load(plan, located, &mut meter)?;
+    let outcome = run::run(plan, inputs, &mut meter).map_err(|error| match error {
+        RunError::Stopped => Failure::Stopped,
+        RunError::Faults(faults) => Failure::Faults(faults),
+    })?;
+    let report = report::build(id, plan, &read, &outcome, meter.timing()).map_err(|error| Failure::Internal(error.into()))?;
+    Ok(Product { artifacts: outcome.artifacts, report, warnings: outcome.warnings })
+}
+
+fn load(plan: &Plan, located: Vec<Option<Located>>, meter: &mut Meter) -> Result<(Inputs, Vec<ReportInput>), Failure> {
+    let total = located.len() as u64;
+    let (mut inputs, mut read) = (Vec::new(), Vec::new());
+    for (done, (request, located)) in plan.inputs.iter().zip(located).enumerate() {
+        if meter.progress(Step::Load, done as u64, total).is_break() {
+            return Err(Failure::Stopped);
+        }
+        let input = located.map(|located| located.load(request)).transpose()?;
+        read.extend(input.as_ref().map(|input| ReportInput::new(request, input)));
+        inputs.push(input);
+    }
+    if meter.progress(Step::Load, total, total).is_break() {
+        return Err(Failure::Stopped);
+    }
+    Ok((inputs, read))
+}

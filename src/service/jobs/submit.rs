@@ -1,0 +1,143 @@
+//! From a request to a queued job.
+
+use super::inputs::source_refs;
+use super::report::ENGINE_VERSION;
+use super::{Inner, JobsError, Submitted, Validation};
+use crate::experiment::plan::{self, Plan};
+use crate::model::fault::Fault;
+use crate::service::storage::blobs::sha256_hex;
+use crate::service::storage::{Admission, IdempotencyKey, NewJob};
+use crate::service::types::{Job, JobKind};
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
+use uuid::Uuid;
+
+impl Inner {
+    pub(super) async fn submit(
+        &self,
+        kind: JobKind,
+        body: Value,
+        key: Option<String>,
+        rerun_of: Option<Uuid>,
+    ) -> Result<Submitted, JobsError> {
+        if self.closing.is_cancelled() {
+            return Err(JobsError::ShuttingDown);
+        }
+        let idempotency = key.map(|key| IdempotencyKey { key, request_sha256: request_sha256(kind, &body) });
+        // A repeated request is answered as before, even if it would be refused by now.
+        if let Some(key) = &idempotency
+            && let Some(admission) = self.storage.remembered(key).await?
+        {
+            return self.answer(admission).await;
+        }
+        let plan = plan::plan(kind.into(), &body).map_err(JobsError::Invalid)?;
+        let new = new_job(kind, plan, rerun_of, idempotency)?;
+        let admission = self.storage.admit(&new, self.config.queue_limit).await?;
+        self.answer(admission).await
+    }
+
+    async fn answer(&self, admission: Admission) -> Result<Submitted, JobsError> {
+        match admission {
+            Admission::Admitted(id, changed) => {
+                self.publish(changed).await;
+                Ok(Submitted { job: self.job(id).await?, replayed: false })
+            }
+            Admission::Replayed(id) => Ok(Submitted { job: self.job(id).await?, replayed: true }),
+            Admission::Mismatch => Err(JobsError::IdempotencyMismatch),
+            Admission::QueueFull => Err(JobsError::QueueFull),
+            Admission::Missing(faults) => Err(JobsError::Invalid(faults)),
+        }
+    }
+
+    pub(super) async fn validate(&self, kind: JobKind, body: Value) -> Result<Validation, JobsError> {
+        let refused = |faults| Validation { faults, warnings: Vec::new(), estimate: None };
+        let plan = match plan::plan(kind.into(), &body) {
+            Ok(plan) => plan,
+            Err(faults) => return Ok(refused(faults)),
+        };
+        let missing: Vec<Fault> = self.storage.missing_sources(&source_refs(&plan)).await?;
+        if !missing.is_empty() {
+            return Ok(refused(missing));
+        }
+        Ok(Validation { faults: Vec::new(), warnings: Vec::new(), estimate: Some(plan.estimate) })
+    }
+
+    pub(super) async fn rerun(&self, id: Uuid) -> Result<Job, JobsError> {
+        let Job { kind, name, labels, .. } = self.job(id).await?;
+        let mut body = self.storage.spec(id).await?;
+        if let (Value::Object(members), Some(name)) = (&mut body, name) {
+            members.insert("name".to_owned(), name.into());
+        }
+        if let (Value::Object(members), false) = (&mut body, labels.is_empty()) {
+            members.insert("labels".to_owned(), labels.into_iter().map(|(key, value)| (key, Value::from(value))).collect());
+        }
+        Ok(self.submit(kind, body, None, Some(id)).await?.job)
+    }
+}
+
+fn new_job(kind: JobKind, plan: Plan, rerun_of: Option<Uuid>, idempotency: Option<IdempotencyKey>) -> Result<NewJob, JobsError> {
+    let sources = source_refs(&plan);
+    let mut spec = plan.spec;
+    let (name, labels) = take_names(&mut spec);
+    let spec = serde_json::to_string(&spec).map_err(anyhow::Error::from)?;
+    Ok(NewJob {
+        kind,
+        name,
+        labels,
+        spec_sha256: sha256_hex(spec.as_bytes()),
+        spec,
+        seed: plan.seed,
+        engine_version: ENGINE_VERSION,
+        sources,
+        rerun_of,
+        idempotency,
+    })
+}
+
+/// Takes what people call the job out of what it does: two jobs that differ in nothing else are duplicates.
+fn take_names(spec: &mut Value) -> (Option<String>, BTreeMap<String, String>) {
+    let Value::Object(members) = spec else { return (None, BTreeMap::new()) };
+    let name = members.shift_remove("name").and_then(|name| name.as_str().map(str::to_owned)).filter(|name| !name.is_empty());
+    let labels = members.shift_remove("labels").and_then(|labels| serde_json::from_value(labels).ok()).unwrap_or_default();
+    (name, labels)
+}
+
+/// Of the kind and the body, whatever the order of its members.
+fn request_sha256(kind: JobKind, body: &Value) -> String {
+    sha256_hex(format!("{} {}", kind.name(), sorted(body)).as_bytes())
+}
+
+pub(super) fn sorted(value: &Value) -> Value {
+    match value {
+        Value::Array(items) => items.iter().map(sorted).collect(),
+        Value::Object(members) => {
+            let in_order: BTreeMap<&String, Value> = members.iter().map(|(name, value)| (name, sorted(value))).collect();
+            Value::Object(in_order.into_iter().map(|(name, value)| (name.clone(), value)).collect::<Map<_, _>>())
+        }
+        other => other.clone(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn the_order_of_members_does_not_make_another_request() {
+        let one = json!({"a": 1, "b": {"c": [1, 2], "d": null}});
+        let same = json!({"b": {"d": null, "c": [1, 2]}, "a": 1});
+        let other = json!({"b": {"d": null, "c": [2, 1]}, "a": 1});
+        assert_eq!(request_sha256(JobKind::Simulate, &one), request_sha256(JobKind::Simulate, &same));
+        assert_ne!(request_sha256(JobKind::Simulate, &one), request_sha256(JobKind::Simulate, &other));
+        assert_ne!(request_sha256(JobKind::Simulate, &one), request_sha256(JobKind::Associate, &one));
+    }
+
+    #[test]
+    fn names_are_not_part_of_what_a_job_does() {
+        let mut spec = json!({"name": "a", "labels": {"k": "v"}, "seed": 1});
+        let (name, labels) = take_names(&mut spec);
+        assert_eq!((name.as_deref(), labels["k"].as_str()), (Some("a"), "v"));
+        assert_eq!(spec, json!({"seed": 1}));
+    }
+}

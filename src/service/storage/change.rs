@@ -1,0 +1,135 @@
+//! The parts that every change of a job is made of: an event, an end, and what an end means for the jobs that wait.
+
+use super::to_micros;
+use crate::service::types::{EventData, JobEnd, JobState, Problem, StateChange};
+use jiff::Timestamp;
+use sqlx::{Row, SqliteConnection};
+use uuid::Uuid;
+
+/// What the rest of the service has to know of a committed change.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Changed {
+    /// Jobs that have new events.
+    pub touched: Vec<Uuid>,
+    /// Jobs that can run now.
+    pub ready: Vec<Uuid>,
+}
+
+impl Changed {
+    pub(super) fn touch(id: Uuid) -> Self {
+        Changed { touched: vec![id], ready: Vec::new() }
+    }
+}
+
+pub(super) async fn append_event(connection: &mut SqliteConnection, id: Uuid, at: Timestamp, data: &EventData) -> anyhow::Result<()> {
+    let json = match data {
+        EventData::State(data) => serde_json::to_string(data),
+        EventData::Progress(data) => serde_json::to_string(data),
+        EventData::Log(data) => serde_json::to_string(data),
+        EventData::Done(data) => serde_json::to_string(data),
+    }?;
+    let seq: i64 = sqlx::query_scalar("UPDATE jobs SET last_seq = last_seq + 1 WHERE id = ? RETURNING last_seq")
+        .bind(id.to_string())
+        .fetch_one(&mut *connection)
+        .await?;
+    sqlx::query("INSERT INTO job_events (job_id, seq, type, at, data) VALUES (?, ?, ?, ?, ?)")
+        .bind(id.to_string())
+        .bind(seq)
+        .bind(data.type_name())
+        .bind(to_micros(at))
+        .bind(json)
+        .execute(connection)
+        .await?;
+    Ok(())
+}
+
+/// Tells the job's present state as an event.
+pub(super) async fn append_state(connection: &mut SqliteConnection, id: Uuid, at: Timestamp, state: JobState) -> anyhow::Result<()> {
+    let attempt: u32 = sqlx::query_scalar("SELECT attempt FROM jobs WHERE id = ?").bind(id.to_string()).fetch_one(&mut *connection).await?;
+    append_event(connection, id, at, &EventData::State(StateChange { state, attempt })).await
+}
+
+/// Ends a job, and with it every job that needed its result and now cannot have it.
+pub(super) async fn end_job(
+    connection: &mut SqliteConnection,
+    id: Uuid,
+    at: Timestamp,
+    state: JobState,
+    error: Option<Problem>,
+) -> anyhow::Result<Changed> {
+    let mut changed = Changed::default();
+    let mut ended = vec![(id, state, error)];
+    while let Some((id, state, error)) = ended.pop() {
+        write_end(connection, id, at, state, error).await?;
+        changed.touched.push(id);
+        if state == JobState::Succeeded {
+            changed.ready.extend(ready_dependents(connection, id).await?);
+            continue;
+        }
+        for waiting in queued_dependents(connection, id).await? {
+            ended.push((waiting, JobState::Failed, Some(dependency_failed(id, state))));
+        }
+    }
+    Ok(changed)
+}
+
+pub(super) fn dependency_failed(id: Uuid, state: JobState) -> Problem {
+    let how = if state == JobState::Canceled { "was canceled" } else { "failed" };
+    Problem::new("dependency_failed", format!("job {id}, whose result this job needs, {how}"))
+}
+
+async fn write_end(
+    connection: &mut SqliteConnection,
+    id: Uuid,
+    at: Timestamp,
+    state: JobState,
+    error: Option<Problem>,
+) -> anyhow::Result<()> {
+    let json = error.as_ref().map(serde_json::to_string).transpose()?;
+    sqlx::query("UPDATE jobs SET state = ?, finished_at = ?, error = ? WHERE id = ?")
+        .bind(state.name())
+        .bind(to_micros(at))
+        .bind(json)
+        .bind(id.to_string())
+        .execute(&mut *connection)
+        .await?;
+    append_state(connection, id, at, state).await?;
+    append_event(connection, id, at, &EventData::Done(JobEnd { state, error })).await
+}
+
+async fn queued_dependents(connection: &mut SqliteConnection, id: Uuid) -> anyhow::Result<Vec<Uuid>> {
+    let rows = sqlx::query(
+        "SELECT jobs.id FROM job_dependencies JOIN jobs ON jobs.id = job_id
+         WHERE source_kind = 'job' AND source_id = ? AND state = 'queued' ORDER BY created_at, jobs.id",
+    )
+    .bind(id.to_string())
+    .fetch_all(connection)
+    .await?;
+    rows.iter().map(|row| parse_id(row.try_get(0)?)).collect()
+}
+
+/// The queued jobs that needed this one and now miss nothing.
+async fn ready_dependents(connection: &mut SqliteConnection, id: Uuid) -> anyhow::Result<Vec<Uuid>> {
+    let mut ready = Vec::new();
+    for waiting in queued_dependents(connection, id).await? {
+        if unfinished_dependencies(connection, waiting).await? == 0 {
+            ready.push(waiting);
+        }
+    }
+    Ok(ready)
+}
+
+pub(super) async fn unfinished_dependencies(connection: &mut SqliteConnection, id: Uuid) -> anyhow::Result<i64> {
+    let count = sqlx::query_scalar(
+        "SELECT count(*) FROM job_dependencies JOIN jobs ON jobs.id = source_id
+         WHERE source_kind = 'job' AND job_id = ? AND state <> 'succeeded'",
+    )
+    .bind(id.to_string())
+    .fetch_one(connection)
+    .await?;
+    Ok(count)
+}
+
+pub(super) fn parse_id(text: &str) -> anyhow::Result<Uuid> {
+    Ok(Uuid::try_parse(text)?)
+}

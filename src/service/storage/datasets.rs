@@ -1,0 +1,224 @@
+//! Datasets: rows about blobs.
+
+use super::change::parse_id;
+use super::filter::DatasetFilter;
+use super::life::{ClaimedJob, NewArtifact};
+use super::page::{Cursor, cut, push_page, push_search, row_limit};
+use super::{Storage, from_micros, now, to_micros};
+use crate::model::dataset::DatasetSummary;
+use crate::model::sensor::SensorSettings;
+use crate::service::types::{DatasetInfo, DatasetLinks, DatasetOrigin, JobOrigin, JobOriginKind, UploadOrigin, UploadOriginKind};
+use sqlx::sqlite::SqliteRow;
+use sqlx::{QueryBuilder, Row, Sqlite, SqliteConnection};
+use std::collections::BTreeMap;
+use uuid::Uuid;
+
+/// A dataset about to be kept; its blob is already in place.
+#[derive(Debug, Clone)]
+pub struct NewDataset {
+    pub name: String,
+    pub format: String,
+    pub bytes: u64,
+    pub sha256: String,
+    pub meta_sha256: String,
+    /// The file's column name → the canonical one.
+    pub columns: BTreeMap<String, String>,
+    pub summary: DatasetSummary,
+    pub sensors: Vec<SensorSettings>,
+    pub warnings: Vec<String>,
+    pub origin_job_id: Option<Uuid>,
+    pub file_name: Option<String>,
+}
+
+impl NewDataset {
+    /// An artefact of a job that other jobs can use; it is canonical CSV.
+    pub(super) fn from_job(job: &ClaimedJob, artifact: &NewArtifact) -> Option<Self> {
+        let summary = artifact.dataset.clone()?;
+        let maker = job.name.clone().unwrap_or_else(|| format!("job {}", job.id));
+        Some(NewDataset {
+            name: format!("{} of {maker}", summary.kind.name()),
+            format: "csv".to_owned(),
+            bytes: artifact.bytes,
+            sha256: artifact.sha256.clone(),
+            meta_sha256: String::new(),
+            columns: BTreeMap::new(),
+            summary,
+            sensors: artifact.sensors.clone(),
+            warnings: Vec::new(),
+            origin_job_id: Some(job.id),
+            file_name: Some(artifact.name.clone()),
+        })
+    }
+}
+
+/// A dataset with what is needed to read its file again.
+#[derive(Debug, Clone)]
+pub struct StoredDataset {
+    pub info: DatasetInfo,
+    pub columns: BTreeMap<String, String>,
+    pub file_name: Option<String>,
+    pub deleted: bool,
+}
+
+const COLUMNS: &str = "SELECT id, name, format, bytes, sha256, columns, summary, sensors, warnings, origin_job_id, file_name, created_at,
+    deleted_at IS NOT NULL AS deleted FROM datasets WHERE ";
+
+impl Storage {
+    /// Keeps a dataset, or finds the upload that is the same; `true` when it is new.
+    pub async fn add_dataset(&self, new: &NewDataset) -> anyhow::Result<(Uuid, bool)> {
+        let mut transaction = self.write.begin().await?;
+        let known: Option<String> = sqlx::query_scalar(
+            "SELECT id FROM datasets WHERE sha256 = ? AND meta_sha256 = ? AND deleted_at IS NULL AND origin_job_id IS NULL",
+        )
+        .bind(&new.sha256)
+        .bind(&new.meta_sha256)
+        .fetch_optional(&mut *transaction)
+        .await?;
+        if let Some(id) = known {
+            return Ok((parse_id(&id)?, false));
+        }
+        let id = insert_dataset(&mut transaction, new).await?;
+        transaction.commit().await?;
+        Ok((id, true))
+    }
+
+    pub async fn dataset(&self, id: Uuid) -> anyhow::Result<Option<StoredDataset>> {
+        let mut query = QueryBuilder::<Sqlite>::new(COLUMNS);
+        query.push("id = ").push_bind(id.to_string());
+        query.build().fetch_optional(&self.read).await?.as_ref().map(stored).transpose()
+    }
+
+    /// One page, the cursor of the next, and the count if it was asked for.
+    pub async fn datasets(
+        &self,
+        filter: &DatasetFilter,
+        cursor: Option<Cursor>,
+    ) -> anyhow::Result<(Vec<DatasetInfo>, Option<String>, Option<u64>)> {
+        let total = if filter.count {
+            let mut query = QueryBuilder::<Sqlite>::new("SELECT count(*) FROM datasets WHERE ");
+            push_filter(&mut query, filter);
+            Some(query.build_query_scalar::<i64>().fetch_one(&self.read).await?.cast_unsigned())
+        } else {
+            None
+        };
+        let limit = row_limit(filter.limit);
+        let mut query = QueryBuilder::<Sqlite>::new(COLUMNS);
+        push_filter(&mut query, filter);
+        push_page(&mut query, filter.sort, cursor, limit);
+        let rows = query.build().fetch_all(&self.read).await?;
+        let items = rows.iter().map(|row| Ok(stored(row)?.info)).collect::<anyhow::Result<Vec<_>>>()?;
+        let (items, next) = cut(items, limit, |info| Cursor::new(filter.sort, info.created_at, info.id));
+        Ok((items, next, total))
+    }
+
+    /// Deletes a dataset; gives the jobs that still need it instead if there are any.
+    pub async fn delete_dataset(&self, id: Uuid) -> anyhow::Result<Vec<Uuid>> {
+        let mut transaction = self.write.begin().await?;
+        let users = active_users(&mut transaction, "dataset", id).await?;
+        if users.is_empty() {
+            sqlx::query("UPDATE datasets SET deleted_at = ? WHERE id = ?")
+                .bind(to_micros(now()))
+                .bind(id.to_string())
+                .execute(&mut *transaction)
+                .await?;
+            transaction.commit().await?;
+        }
+        Ok(users)
+    }
+
+    /// Whether a dataset or an artefact still has this content.
+    pub async fn blob_is_used(&self, sha256: &str) -> anyhow::Result<bool> {
+        let uses: i64 = sqlx::query_scalar(
+            "SELECT (SELECT count(*) FROM datasets WHERE sha256 = ?1 AND deleted_at IS NULL)
+                  + (SELECT count(*) FROM artifacts WHERE sha256 = ?1)",
+        )
+        .bind(sha256)
+        .fetch_one(&self.write)
+        .await?;
+        Ok(uses > 0)
+    }
+}
+
+/// Queued and running jobs that read this source.
+pub(super) async fn active_users(connection: &mut SqliteConnection, source_kind: &str, id: Uuid) -> anyhow::Result<Vec<Uuid>> {
+    let rows = sqlx::query(
+        "SELECT jobs.id FROM job_dependencies JOIN jobs ON jobs.id = job_id
+         WHERE source_kind = ? AND source_id = ? AND state IN ('queued', 'running') ORDER BY created_at, jobs.id",
+    )
+    .bind(source_kind)
+    .bind(id.to_string())
+    .fetch_all(connection)
+    .await?;
+    rows.iter().map(|row| parse_id(row.try_get(0)?)).collect()
+}
+
+pub(super) async fn insert_dataset(connection: &mut SqliteConnection, new: &NewDataset) -> anyhow::Result<Uuid> {
+    let id = Uuid::now_v7();
+    sqlx::query(
+        "INSERT INTO datasets (id, name, kind, format, bytes, sha256, meta_sha256, columns, summary, sensors, warnings,
+             origin_job_id, file_name, created_at) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+    )
+    .bind(id.to_string())
+    .bind(&new.name)
+    .bind(new.summary.kind.name())
+    .bind(&new.format)
+    .bind(i64::try_from(new.bytes)?)
+    .bind(&new.sha256)
+    .bind(&new.meta_sha256)
+    .bind(serde_json::to_string(&new.columns)?)
+    .bind(serde_json::to_string(&new.summary)?)
+    .bind(serde_json::to_string(&new.sensors)?)
+    .bind(serde_json::to_string(&new.warnings)?)
+    .bind(new.origin_job_id.map(|id| id.to_string()))
+    .bind(&new.file_name)
+    .bind(to_micros(now()))
+    .execute(connection)
+    .await?;
+    Ok(id)
+}
+
+fn push_filter(query: &mut QueryBuilder<Sqlite>, filter: &DatasetFilter) {
+    query.push("deleted_at IS NULL");
+    if !filter.kinds.is_empty() {
+        query.push(" AND kind IN (");
+        let mut kinds = query.separated(", ");
+        filter.kinds.iter().for_each(|kind| {
+            kinds.push_bind(kind.name());
+        });
+        query.push(")");
+    }
+    if let Some(q) = &filter.q {
+        push_search(query, q);
+    }
+}
+
+fn stored(row: &SqliteRow) -> anyhow::Result<StoredDataset> {
+    let id = parse_id(row.try_get("id")?)?;
+    let summary: DatasetSummary = serde_json::from_str(row.try_get("summary")?)?;
+    let sensors: Vec<SensorSettings> = serde_json::from_str(row.try_get("sensors")?)?;
+    let file_name: Option<String> = row.try_get("file_name")?;
+    let origin = match row.try_get::<Option<&str>, _>("origin_job_id")? {
+        Some(job_id) => DatasetOrigin::Job(JobOrigin { kind: JobOriginKind::Job, job_id: parse_id(job_id)? }),
+        None => DatasetOrigin::Upload(UploadOrigin { kind: UploadOriginKind::Upload, file_name: file_name.clone() }),
+    };
+    let info = DatasetInfo {
+        id,
+        name: row.try_get("name")?,
+        kind: summary.kind.into(),
+        format: row.try_get("format")?,
+        bytes: row.try_get::<i64, _>("bytes")?.cast_unsigned(),
+        sha256: row.try_get("sha256")?,
+        sensor_ids: summary.sensor_ids,
+        scans: summary.scans,
+        rows: summary.rows,
+        objects: summary.objects,
+        start_s: summary.start_s,
+        end_s: summary.end_s,
+        origin,
+        warnings: serde_json::from_str(row.try_get("warnings")?)?,
+        created_at: from_micros(row.try_get("created_at")?)?,
+        sensors: sensors.into_iter().map(Into::into).collect(),
+        links: DatasetLinks::of(id),
+    };
+    Ok(StoredDataset { info, columns: serde_json::from_str(row.try_get("columns")?)?, file_name, deleted: row.try_get("deleted")? })
+}

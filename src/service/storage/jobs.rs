@@ -1,0 +1,270 @@
+//! Rows of jobs: read, listed, renamed, canceled, deleted.
+
+use super::change::{Changed, append_event, end_job, parse_id};
+use super::datasets::active_users;
+use super::filter::JobFilter;
+use super::page::{Cursor, cut, push_page, push_search, row_limit};
+use super::{Storage, from_micros, now, to_micros};
+use crate::service::types::{EventData, Job, JobKind, JobLinks, JobState, LogLine};
+use anyhow::Context;
+use sqlx::sqlite::SqliteRow;
+use sqlx::{QueryBuilder, Row, Sqlite, SqliteConnection};
+use std::collections::BTreeMap;
+use uuid::Uuid;
+
+const COLUMNS: &str = "SELECT id, kind, state, attempt, name, labels, created_at, queued_at, started_at, finished_at, cancel_requested_at,
+    deleted_at IS NOT NULL AS deleted, progress, error, warnings, seed, engine_version, spec_sha256, duplicate_of, rerun_of,
+    (SELECT json_group_array(source_id) FROM job_dependencies WHERE job_id = jobs.id AND source_kind = 'job') AS depends_on
+    FROM jobs WHERE ";
+
+/// A job, and whether it has been deleted.
+#[derive(Debug, Clone)]
+pub struct StoredJob {
+    pub job: Job,
+    pub deleted: bool,
+}
+
+/// What came of asking a job to stop.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Cancellation {
+    /// It was queued and is now canceled.
+    Canceled(Changed),
+    /// It runs; whoever runs it has to be told.
+    Requested(Changed),
+    AlreadyEnded(JobState),
+}
+
+/// What came of deleting a job.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Deletion {
+    /// Deleted; these contents may now be unused.
+    Deleted(Vec<String>),
+    StillActive(JobState),
+    /// These jobs read its results.
+    NeededBy(Vec<Uuid>),
+}
+
+/// A file of a job.
+#[derive(Debug, Clone)]
+pub struct StoredArtifact {
+    pub name: String,
+    pub media_type: String,
+    pub bytes: u64,
+    pub sha256: String,
+    pub dataset_id: Option<Uuid>,
+}
+
+impl Storage {
+    pub async fn job(&self, id: Uuid) -> anyhow::Result<Option<StoredJob>> {
+        let mut query = QueryBuilder::<Sqlite>::new(COLUMNS);
+        query.push("id = ").push_bind(id.to_string());
+        query.build().fetch_optional(&self.read).await?.as_ref().map(stored).transpose()
+    }
+
+    /// The job's request as normalised.
+    pub async fn spec(&self, id: Uuid) -> anyhow::Result<serde_json::Value> {
+        let json: String = sqlx::query_scalar("SELECT spec FROM jobs WHERE id = ?").bind(id.to_string()).fetch_one(&self.read).await?;
+        serde_json::from_str(&json).context("a stored spec is not JSON")
+    }
+
+    /// One page, the cursor of the next, and the count if it was asked for.
+    pub async fn jobs(&self, filter: &JobFilter, cursor: Option<Cursor>) -> anyhow::Result<(Vec<Job>, Option<String>, Option<u64>)> {
+        let total = if filter.count {
+            let mut query = QueryBuilder::<Sqlite>::new("SELECT count(*) FROM jobs WHERE ");
+            push_filter(&mut query, filter);
+            Some(query.build_query_scalar::<i64>().fetch_one(&self.read).await?.cast_unsigned())
+        } else {
+            None
+        };
+        let limit = row_limit(filter.limit);
+        let mut query = QueryBuilder::<Sqlite>::new(COLUMNS);
+        push_filter(&mut query, filter);
+        push_page(&mut query, filter.sort, cursor, limit);
+        let rows = query.build().fetch_all(&self.read).await?;
+        let items = rows.iter().map(|row| Ok(stored(row)?.job)).collect::<anyhow::Result<Vec<_>>>()?;
+        let (items, next) = cut(items, limit, |job| Cursor::new(filter.sort, job.created_at, job.id));
+        Ok((items, next, total))
+    }
+
+    pub async fn job_counts(&self) -> anyhow::Result<BTreeMap<JobState, u64>> {
+        let rows = sqlx::query("SELECT state, count(*) FROM jobs WHERE deleted_at IS NULL GROUP BY state").fetch_all(&self.read).await?;
+        let mut counts: BTreeMap<JobState, u64> = JobState::ALL.into_iter().map(|state| (state, 0)).collect();
+        for row in rows {
+            let state = JobState::from_name(row.try_get(0)?).context("a stored job has an unknown state")?;
+            counts.insert(state, row.try_get::<i64, _>(1)?.cast_unsigned());
+        }
+        Ok(counts)
+    }
+
+    /// Renames; an empty name removes the name, and labels replace all labels.
+    pub async fn patch_job(&self, id: Uuid, name: Option<&str>, labels: Option<&BTreeMap<String, String>>) -> anyhow::Result<()> {
+        let mut transaction = self.write.begin().await?;
+        if let Some(name) = name {
+            sqlx::query("UPDATE jobs SET name = nullif(?, '') WHERE id = ?")
+                .bind(name)
+                .bind(id.to_string())
+                .execute(&mut *transaction)
+                .await?;
+        }
+        if let Some(labels) = labels {
+            write_labels(&mut transaction, id, labels).await?;
+        }
+        transaction.commit().await?;
+        Ok(())
+    }
+
+    /// Cancels a queued job at once; notes the wish on a running one.
+    pub async fn cancel(&self, id: Uuid) -> anyhow::Result<Cancellation> {
+        let mut transaction = self.write.begin().await?;
+        let at = now();
+        let state: String =
+            sqlx::query_scalar("SELECT state FROM jobs WHERE id = ?").bind(id.to_string()).fetch_one(&mut *transaction).await?;
+        let state = JobState::from_name(&state).context("a stored job has an unknown state")?;
+        if state.is_terminal() {
+            return Ok(Cancellation::AlreadyEnded(state));
+        }
+        let asked = sqlx::query("UPDATE jobs SET cancel_requested_at = ? WHERE id = ? AND cancel_requested_at IS NULL")
+            .bind(to_micros(at))
+            .bind(id.to_string())
+            .execute(&mut *transaction)
+            .await?;
+        let outcome = if state == JobState::Queued {
+            Cancellation::Canceled(end_job(&mut transaction, id, at, JobState::Canceled, None).await?)
+        } else {
+            if asked.rows_affected() == 1 {
+                let data = EventData::Log(LogLine { message: "cancel requested".to_owned() });
+                append_event(&mut transaction, id, at, &data).await?;
+            }
+            Cancellation::Requested(Changed::touch(id))
+        };
+        transaction.commit().await?;
+        Ok(outcome)
+    }
+
+    /// Deletes a job that has ended; its row stays as a sign that it was here.
+    pub async fn delete_job(&self, id: Uuid) -> anyhow::Result<Deletion> {
+        let mut transaction = self.write.begin().await?;
+        let key = id.to_string();
+        let state: String = sqlx::query_scalar("SELECT state FROM jobs WHERE id = ?").bind(&key).fetch_one(&mut *transaction).await?;
+        let state = JobState::from_name(&state).context("a stored job has an unknown state")?;
+        if !state.is_terminal() {
+            return Ok(Deletion::StillActive(state));
+        }
+        let users = active_users(&mut transaction, "job", id).await?;
+        if !users.is_empty() {
+            return Ok(Deletion::NeededBy(users));
+        }
+        let contents = sqlx::query_scalar("SELECT sha256 FROM artifacts WHERE job_id = ?").bind(&key).fetch_all(&mut *transaction).await?;
+        sqlx::query("UPDATE jobs SET deleted_at = ? WHERE id = ?").bind(to_micros(now())).bind(&key).execute(&mut *transaction).await?;
+        for statement in
+            ["DELETE FROM artifacts WHERE job_id = ?", "DELETE FROM job_events WHERE job_id = ?", "DELETE FROM job_labels WHERE job_id = ?"]
+        {
+            sqlx::query(statement).bind(&key).execute(&mut *transaction).await?;
+        }
+        transaction.commit().await?;
+        Ok(Deletion::Deleted(contents))
+    }
+
+    /// The files of a job, in the order in which it made them.
+    pub async fn artifacts(&self, id: Uuid) -> anyhow::Result<Vec<StoredArtifact>> {
+        let rows = sqlx::query("SELECT name, media_type, bytes, sha256, dataset_id FROM artifacts WHERE job_id = ? ORDER BY position")
+            .bind(id.to_string())
+            .fetch_all(&self.read)
+            .await?;
+        rows.iter().map(artifact).collect()
+    }
+}
+
+fn artifact(row: &SqliteRow) -> anyhow::Result<StoredArtifact> {
+    Ok(StoredArtifact {
+        name: row.try_get("name")?,
+        media_type: row.try_get("media_type")?,
+        bytes: row.try_get::<i64, _>("bytes")?.cast_unsigned(),
+        sha256: row.try_get("sha256")?,
+        dataset_id: row.try_get::<Option<&str>, _>("dataset_id")?.map(parse_id).transpose()?,
+    })
+}
+
+/// Writes the labels twice: on the row to be read, and by value to be searched.
+pub(super) async fn write_labels(connection: &mut SqliteConnection, id: Uuid, labels: &BTreeMap<String, String>) -> anyhow::Result<()> {
+    let key = id.to_string();
+    sqlx::query("UPDATE jobs SET labels = ? WHERE id = ?")
+        .bind(serde_json::to_string(labels)?)
+        .bind(&key)
+        .execute(&mut *connection)
+        .await?;
+    sqlx::query("DELETE FROM job_labels WHERE job_id = ?").bind(&key).execute(&mut *connection).await?;
+    for (label, value) in labels {
+        sqlx::query("INSERT INTO job_labels (job_id, key, value) VALUES (?, ?, ?)")
+            .bind(&key)
+            .bind(label)
+            .bind(value)
+            .execute(&mut *connection)
+            .await?;
+    }
+    Ok(())
+}
+
+fn push_filter(query: &mut QueryBuilder<Sqlite>, filter: &JobFilter) {
+    query.push("deleted_at IS NULL");
+    push_names(query, "state", filter.states.iter().map(|state| state.name()));
+    push_names(query, "kind", filter.kinds.iter().map(|kind| kind.name()));
+    for (key, value) in &filter.labels {
+        query.push(" AND id IN (SELECT job_id FROM job_labels WHERE key = ").push_bind(key.clone());
+        query.push(" AND value = ").push_bind(value.clone()).push(")");
+    }
+    if let Some(after) = filter.created_after {
+        query.push(" AND created_at > ").push_bind(to_micros(after));
+    }
+    if let Some(before) = filter.created_before {
+        query.push(" AND created_at < ").push_bind(to_micros(before));
+    }
+    if let Some(q) = &filter.q {
+        push_search(query, q);
+    }
+}
+
+fn push_names(query: &mut QueryBuilder<Sqlite>, column: &str, names: impl ExactSizeIterator<Item = &'static str>) {
+    if names.len() == 0 {
+        return;
+    }
+    query.push(" AND ").push(column).push(" IN (");
+    let mut list = query.separated(", ");
+    names.for_each(|name| {
+        list.push_bind(name);
+    });
+    query.push(")");
+}
+
+fn stored(row: &SqliteRow) -> anyhow::Result<StoredJob> {
+    let id = parse_id(row.try_get("id")?)?;
+    let state = JobState::from_name(row.try_get("state")?).context("a stored job has an unknown state")?;
+    let time = |column: &str| row.try_get::<Option<i64>, _>(column).map_err(anyhow::Error::from)?.map(from_micros).transpose();
+    let optional_id = |column: &str| row.try_get::<Option<&str>, _>(column).map_err(anyhow::Error::from)?.map(parse_id).transpose();
+    let cancel_requested_at = time("cancel_requested_at")?;
+    let job = Job {
+        id,
+        kind: JobKind::from_name(row.try_get("kind")?).context("a stored job has an unknown kind")?,
+        state,
+        attempt: row.try_get("attempt")?,
+        name: row.try_get("name")?,
+        labels: serde_json::from_str(row.try_get("labels")?)?,
+        created_at: from_micros(row.try_get("created_at")?)?,
+        queued_at: from_micros(row.try_get("queued_at")?)?,
+        started_at: time("started_at")?,
+        finished_at: time("finished_at")?,
+        cancel_requested_at,
+        can_cancel: !state.is_terminal() && cancel_requested_at.is_none(),
+        progress: row.try_get::<Option<&str>, _>("progress")?.map(serde_json::from_str).transpose()?,
+        error: row.try_get::<Option<&str>, _>("error")?.map(serde_json::from_str).transpose()?,
+        warnings: serde_json::from_str(row.try_get("warnings")?)?,
+        depends_on: serde_json::from_str(row.try_get("depends_on")?)?,
+        seed: row.try_get("seed")?,
+        engine_version: row.try_get("engine_version")?,
+        spec_sha256: row.try_get("spec_sha256")?,
+        duplicate_of: optional_id("duplicate_of")?,
+        rerun_of: optional_id("rerun_of")?,
+        links: JobLinks::of(id),
+    };
+    Ok(StoredJob { job, deleted: row.try_get("deleted")? })
+}

@@ -1,0 +1,227 @@
+//! The life of a job: claimed, told about, ended; and taken up again after a crash.
+//!
+//! Claiming, running and ending are three steps; only the first and the last touch the tables. A claim takes effect for
+//! one caller, and an end only for the attempt that was claimed, so a second copy of the same work changes nothing.
+
+use super::change::{Changed, append_event, append_state, end_job, parse_id, unfinished_dependencies};
+use super::datasets::{NewDataset, insert_dataset};
+use super::{Storage, now, to_micros};
+use crate::experiment::plan::JobKind as PlanKind;
+use crate::model::dataset::DatasetSummary;
+use crate::model::sensor::SensorSettings;
+use crate::service::types::{EventData, JobKind, JobState, LogLine, Problem, Progress};
+use anyhow::Context;
+use serde_json::Value;
+use sqlx::{Row, SqliteConnection};
+use uuid::Uuid;
+
+/// A job that this caller, and nobody else, now runs.
+#[derive(Debug, Clone)]
+pub struct ClaimedJob {
+    pub id: Uuid,
+    pub kind: PlanKind,
+    pub name: Option<String>,
+    pub spec: Value,
+    pub attempt: u32,
+}
+
+/// What came of asking for a job.
+#[derive(Debug)]
+pub enum Claim {
+    Run(ClaimedJob),
+    /// It had been running too often when the process died; it has failed.
+    Refused(Changed),
+    /// It is not queued, or waits for other jobs.
+    NotNow,
+}
+
+/// A file that a job leaves behind; its blob is already in place.
+#[derive(Debug, Clone)]
+pub struct NewArtifact {
+    pub name: String,
+    pub media_type: String,
+    pub bytes: u64,
+    pub sha256: String,
+    /// Set when other jobs can use it.
+    pub dataset: Option<DatasetSummary>,
+    pub sensors: Vec<SensorSettings>,
+}
+
+/// How a running job ended.
+#[derive(Debug)]
+pub enum Ending {
+    Succeeded { artifacts: Vec<NewArtifact>, warnings: Vec<String> },
+    Failed(Problem),
+    Canceled,
+}
+
+impl Storage {
+    /// Takes a queued job to run it, unless `crash_limit` processes have already died of it.
+    pub async fn claim(&self, id: Uuid, crash_limit: u32) -> anyhow::Result<Claim> {
+        let mut transaction = self.write.begin().await?;
+        let at = now();
+        if unfinished_dependencies(&mut transaction, id).await? > 0 {
+            return Ok(Claim::NotNow);
+        }
+        let row = sqlx::query("SELECT kind, name, spec, attempt, crashes FROM jobs WHERE id = ? AND state = 'queued'")
+            .bind(id.to_string())
+            .fetch_optional(&mut *transaction)
+            .await?;
+        let Some(row) = row else { return Ok(Claim::NotNow) };
+        if row.try_get::<u32, _>("crashes")? >= crash_limit {
+            let detail = format!("the process ended {crash_limit} times while it ran this job");
+            let changed = end_job(&mut transaction, id, at, JobState::Failed, Some(Problem::new("crashed", detail))).await?;
+            transaction.commit().await?;
+            return Ok(Claim::Refused(changed));
+        }
+        let kind = JobKind::from_name(row.try_get("kind")?).context("a stored job has an unknown kind")?;
+        let attempt = row.try_get::<u32, _>("attempt")? + 1;
+        sqlx::query("UPDATE jobs SET state = 'running', attempt = ?, started_at = ? WHERE id = ?")
+            .bind(attempt)
+            .bind(to_micros(at))
+            .bind(id.to_string())
+            .execute(&mut *transaction)
+            .await?;
+        append_state(&mut transaction, id, at, JobState::Running).await?;
+        transaction.commit().await?;
+        let spec = serde_json::from_str(row.try_get("spec")?).context("a stored spec is not JSON")?;
+        Ok(Claim::Run(ClaimedJob { id, kind: kind.into(), name: row.try_get("name")?, spec, attempt }))
+    }
+
+    /// How often the process died while it ran the job.
+    pub async fn crashes(&self, id: Uuid) -> anyhow::Result<u32> {
+        let crashes = sqlx::query_scalar("SELECT crashes FROM jobs WHERE id = ?").bind(id.to_string()).fetch_optional(&self.read).await?;
+        Ok(crashes.unwrap_or(0))
+    }
+
+    /// Writes how far the claimed attempt is; `None` when it is no longer running.
+    pub async fn progress(&self, id: Uuid, attempt: u32, progress: &Progress) -> anyhow::Result<Option<Changed>> {
+        let mut transaction = self.write.begin().await?;
+        let done = sqlx::query("UPDATE jobs SET progress = ? WHERE id = ? AND attempt = ? AND state = 'running'")
+            .bind(serde_json::to_string(progress)?)
+            .bind(id.to_string())
+            .bind(attempt)
+            .execute(&mut *transaction)
+            .await?;
+        if done.rows_affected() == 0 {
+            return Ok(None);
+        }
+        append_event(&mut transaction, id, now(), &EventData::Progress(progress.clone())).await?;
+        transaction.commit().await?;
+        Ok(Some(Changed::touch(id)))
+    }
+
+    /// Ends the claimed attempt, with its results. `None`: that attempt is no longer running, and nothing was written.
+    pub async fn finish(&self, job: &ClaimedJob, ending: &Ending) -> anyhow::Result<Option<Changed>> {
+        let mut transaction = self.write.begin().await?;
+        if !is_running(&mut transaction, job).await? {
+            return Ok(None);
+        }
+        let at = now();
+        let changed = match ending {
+            Ending::Succeeded { artifacts, warnings } => {
+                for (position, artifact) in artifacts.iter().enumerate() {
+                    insert_artifact(&mut transaction, job, position, artifact).await?;
+                }
+                sqlx::query("UPDATE jobs SET warnings = ? WHERE id = ?")
+                    .bind(serde_json::to_string(warnings)?)
+                    .bind(job.id.to_string())
+                    .execute(&mut *transaction)
+                    .await?;
+                end_job(&mut transaction, job.id, at, JobState::Succeeded, None).await?
+            }
+            Ending::Failed(problem) => end_job(&mut transaction, job.id, at, JobState::Failed, Some(problem.clone())).await?,
+            Ending::Canceled => end_job(&mut transaction, job.id, at, JobState::Canceled, None).await?,
+        };
+        transaction.commit().await?;
+        Ok(Some(changed))
+    }
+
+    /// Hands the claimed attempt back to the queue, because the service stops.
+    pub async fn release(&self, job: &ClaimedJob) -> anyhow::Result<Option<Changed>> {
+        let mut transaction = self.write.begin().await?;
+        if !is_running(&mut transaction, job).await? {
+            return Ok(None);
+        }
+        requeue(&mut transaction, job.id, false).await?;
+        transaction.commit().await?;
+        Ok(Some(Changed::touch(job.id)))
+    }
+
+    /// Puts every job that an earlier process left running back into the queue, or ends it if it was to be canceled.
+    pub async fn recover(&self) -> anyhow::Result<()> {
+        let mut transaction = self.write.begin().await?;
+        let rows =
+            sqlx::query("SELECT id, cancel_requested_at IS NOT NULL AS cancel FROM jobs WHERE state = 'running' ORDER BY created_at")
+                .fetch_all(&mut *transaction)
+                .await?;
+        for row in rows {
+            let id = parse_id(row.try_get("id")?)?;
+            if row.try_get("cancel")? {
+                end_job(&mut transaction, id, now(), JobState::Canceled, None).await?;
+            } else {
+                requeue(&mut transaction, id, true).await?;
+            }
+        }
+        transaction.commit().await?;
+        Ok(())
+    }
+
+    /// Every queued job that waits for nothing but a free slot, oldest first.
+    pub async fn ready_jobs(&self) -> anyhow::Result<Vec<Uuid>> {
+        let rows = sqlx::query(
+            "SELECT id FROM jobs WHERE state = 'queued' AND deleted_at IS NULL AND NOT EXISTS (
+                 SELECT 1 FROM job_dependencies JOIN jobs AS needed ON needed.id = source_id
+                 WHERE source_kind = 'job' AND job_id = jobs.id AND needed.state <> 'succeeded')
+             ORDER BY created_at, id",
+        )
+        .fetch_all(&self.read)
+        .await?;
+        rows.iter().map(|row| parse_id(row.try_get(0)?)).collect()
+    }
+}
+
+async fn is_running(connection: &mut SqliteConnection, job: &ClaimedJob) -> anyhow::Result<bool> {
+    let running: i64 = sqlx::query_scalar("SELECT count(*) FROM jobs WHERE id = ? AND attempt = ? AND state = 'running'")
+        .bind(job.id.to_string())
+        .bind(job.attempt)
+        .fetch_one(connection)
+        .await?;
+    Ok(running == 1)
+}
+
+async fn requeue(connection: &mut SqliteConnection, id: Uuid, crashed: bool) -> anyhow::Result<()> {
+    let at = now();
+    sqlx::query("UPDATE jobs SET state = 'queued', queued_at = ?, started_at = NULL, progress = NULL, crashes = crashes + ? WHERE id = ?")
+        .bind(to_micros(at))
+        .bind(i64::from(crashed))
+        .bind(id.to_string())
+        .execute(&mut *connection)
+        .await?;
+    append_state(connection, id, at, JobState::Queued).await?;
+    let message = if crashed { "the process ended while it ran the job; queued again" } else { "the service stopped; queued again" };
+    append_event(connection, id, at, &EventData::Log(LogLine { message: message.to_owned() })).await
+}
+
+async fn insert_artifact(
+    connection: &mut SqliteConnection,
+    job: &ClaimedJob,
+    position: usize,
+    artifact: &NewArtifact,
+) -> anyhow::Result<()> {
+    let dataset_id = match NewDataset::from_job(job, artifact) {
+        Some(dataset) => Some(insert_dataset(connection, &dataset).await?),
+        None => None,
+    };
+    sqlx::query("INSERT INTO artifacts (job_id, name, position, media_type, bytes, sha256, dataset_id) VALUES (?, ?, ?, ?, ?, ?, ?)")
+        .bind(job.id.to_string())
+        .bind(&artifact.name)
+        .bind(i64::try_from(position)?)
+        .bind(&artifact.media_type)
+        .bind(i64::try_from(artifact.bytes)?)
+        .bind(&artifact.sha256)
+        .bind(dataset_id.map(|id| id.to_string()))
+        .execute(connection)
+        .await?;
+    Ok(())
+}
