@@ -4,7 +4,7 @@ use super::query::encoded;
 use crate::service::error::{ApiError, ApiResult};
 use crate::service::jobs::StoredFile;
 use axum::Json;
-use axum::body::Body;
+use axum::body::{Body, Bytes};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
@@ -28,7 +28,7 @@ pub fn weakly_tagged(request: &HeaderMap, value: &impl Serialize) -> ApiResult {
 }
 
 /// Bytes that are part of the program, with a strong tag.
-pub fn fixed(request: &HeaderMap, media_type: &str, bytes: &'static [u8], sha256: &str) -> Response {
+pub fn fixed(request: &HeaderMap, media_type: &str, bytes: Bytes, sha256: &str) -> Response {
     let tag = format!("\"{sha256}\"");
     let mut response = if matches(request, &tag) { StatusCode::NOT_MODIFIED.into_response() } else { bytes.into_response() };
     set(&mut response, header::CONTENT_TYPE, media_type);

@@ -37,7 +37,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 #[utoipa::path(post, path = "/v1/datasets", operation_id = "uploadDataset", tag = "datasets",
     responses((status = 201, description = "The dataset, checked and kept.", body = DatasetInfo)))]
 async fn upload_dataset(State(app): State<AppState>, _: NoParams, request: Request) -> ApiResult {
-    let upload = upload::receive(request, app.jobs.temp_dir(), app.upload_limit_bytes).await?;
+    let upload = upload::receive(request, app.jobs.temp_dir(), app.max_upload_bytes).await?;
     let (dataset, is_new) = app.jobs.add_dataset(upload.file.clone(), upload.meta.clone()).await?;
     let status = if is_new { StatusCode::CREATED } else { StatusCode::OK };
     let location = dataset.links.self_path.clone();

@@ -10,7 +10,7 @@ use utoipa::ToSchema;
 pub struct AppState {
     pub jobs: Jobs,
     /// Largest file of an upload.
-    pub upload_limit_bytes: u64,
+    pub max_upload_bytes: u64,
     pub metrics: PrometheusHandle,
     pub documents: Arc<Documents>,
 }

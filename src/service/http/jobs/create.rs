@@ -80,17 +80,6 @@ pub(super) async fn answer(app: &AppState, job: Job, wait_s: Option<u64>) -> Api
     Ok(response)
 }
 
-/// A request to check.
-#[derive(ToSchema)]
-#[schema(additional_properties = false)]
-#[expect(dead_code, reason = "its schema documents a body that is checked by hand, so that the faults of both members are told")]
-pub struct ValidateRequest {
-    kind: JobKind,
-    /// The body that a job of this kind would get.
-    #[schema(value_type = Object)]
-    spec: Value,
-}
-
 /// What a check of a request found.
 #[derive(Serialize, ToSchema)]
 struct ValidationResult {
@@ -115,7 +104,7 @@ struct CostEstimate {
 /// Check a request without queueing it
 ///
 /// The same checks as for a job, and what the job would roughly cost. Faults are an answer here, not a refusal.
-#[utoipa::path(post, path = "/v1/validate", operation_id = "validateJob", tag = "jobs", request_body = ValidateRequest,
+#[utoipa::path(post, path = "/v1/validate", operation_id = "validateJob", tag = "jobs",
     responses((status = 200, description = "What was found.", body = ValidationResult)))]
 async fn validate_job(State(app): State<AppState>, _: NoParams, JsonBody(body): JsonBody) -> ApiResult {
     let (kind, spec) = read_validate(&body)?;

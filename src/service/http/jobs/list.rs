@@ -7,7 +7,7 @@ use super::super::query::{NoParams, Params, names};
 use super::super::state::AppState;
 use crate::service::error::ApiResult;
 use crate::service::jobs::JobFilter;
-use crate::service::types::{Job, JobKind, JobPage, JobState};
+use crate::service::types::{Job, JobKind, JobPage, JobSpec, JobState};
 use axum::Json;
 use axum::extract::State;
 use axum::http::HeaderMap;
@@ -70,7 +70,7 @@ async fn get_job(State(app): State<AppState>, Id(id): Id, _: NoParams, headers: 
 /// As normalised: defaults filled in, presets written out. Posted again it is the same job.
 #[utoipa::path(get, path = "/v1/jobs/{id}/spec", operation_id = "getJobSpec", tag = "jobs",
     params(("id" = uuid::Uuid, Path, description = "Identity of the job.")),
-    responses((status = 200, description = "The request.", body = super::super::results_schema::JobSpec)))]
+    responses((status = 200, description = "The request.", body = JobSpec)))]
 async fn get_job_spec(State(app): State<AppState>, Id(id): Id, _: NoParams, headers: HeaderMap) -> ApiResult {
     conditional::weakly_tagged(&headers, &app.jobs.spec(id).await?)
 }

@@ -7,7 +7,7 @@ mod list;
 mod pictures;
 mod results;
 
-pub use create::ValidateRequest;
+pub use life::PATCH;
 
 use super::state::AppState;
 use utoipa_axum::router::OpenApiRouter;

@@ -3,10 +3,9 @@
 use super::super::conditional;
 use super::super::extract::{Id, IdAndName};
 use super::super::query::NoParams;
-use super::super::results_schema::Report;
 use super::super::state::{AppState, FileContent};
 use crate::service::error::ApiResult;
-use crate::service::types::ArtifactList;
+use crate::service::types::{ArtifactList, Report};
 use axum::Json;
 use axum::extract::State;
 use axum::http::HeaderMap;
