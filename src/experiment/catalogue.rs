@@ -43,7 +43,7 @@ pub fn request_object(kind: JobKind) -> &'static Object {
 }
 
 /// The settings of a sensor, as uploads and requests give them.
-pub fn sensor_settings() -> &'static Object {
+pub const fn sensor_settings() -> &'static Object {
     &requests::SENSOR_SETTINGS
 }
 

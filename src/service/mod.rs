@@ -8,9 +8,13 @@
 
 pub mod cli;
 pub mod config;
+pub mod dashboard;
 mod engine;
+pub mod error;
+pub mod http;
 pub mod jobs;
 pub mod openapi;
 pub mod server;
 mod storage;
 pub mod types;
+pub mod views;
