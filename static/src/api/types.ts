@@ -103,6 +103,8 @@ export interface TargetVerdict {
   track_id?: string | null;
   errors: number;
   log_probability?: number | null;
+  start_scan?: number | null;
+  matched_track_id?: string | null;
 }
 
 export interface Tfa {

@@ -34,17 +34,19 @@ export function isObject(value: unknown): value is JsonObject {
   return typeof value === "object" && value !== null && !Array.isArray(value);
 }
 
-/** A value to begin with: defaults where the schema has them, the least that is required elsewhere. */
+/** A value to begin with: defaults where the schema has them, at every depth. A number that has no default stays
+ * absent, so that the service asks for it instead of taking a guess. */
 export function initial(schema: Schema, root: Schema): unknown {
   const real = resolve(schema, root);
-  if (real.default !== undefined) return structuredClone(real.default);
-  const first = variants(real, root)[0];
-  if (first) return variantValue(first, root);
-  if (real.type === "object") return real.properties ? objectValue(real, root) : {};
+  const given = real.default;
+  const all = variants(real, root);
+  const chosen = all.find((variant) => isObject(given) && given[variant.tag] === variant.value) ?? all[0];
+  if (chosen) return { ...variantValue(chosen, root), ...(isObject(given) ? given : {}) };
+  if (real.type === "object") return { ...objectValue(real, root), ...(isObject(given) ? given : {}) };
+  if (given !== undefined) return structuredClone(given);
   if (real.type === "array") return Array.from({ length: real.minItems ?? 0 }, () => initial(real.items ?? {}, root));
   if (real.type === "boolean") return false;
-  if (real.type === "string") return real.enum?.[0] ?? "";
-  return real.type === "number" || real.type === "integer" ? (real.minimum ?? 0) : null;
+  return real.type === "string" ? (real.enum?.[0] ?? "") : undefined;
 }
 
 export function variantValue(variant: Variant, root: Schema): JsonObject {
@@ -56,7 +58,8 @@ function objectValue(schema: Schema, root: Schema, except?: string): JsonObject 
   for (const [name, field] of Object.entries(schema.properties ?? {})) {
     if (name === except) continue;
     const needed = schema.required?.includes(name) || resolve(field, root).default !== undefined;
-    if (needed) value[name] = initial(field, root);
+    const begin = needed ? initial(field, root) : undefined;
+    if (begin !== undefined) value[name] = begin;
   }
   return value;
 }

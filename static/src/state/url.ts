@@ -5,7 +5,18 @@ import { signal } from "@preact/signals";
 
 type Patch = Record<string, string | number | null | undefined>;
 
-export const params = signal(new URLSearchParams(location.search));
+/** Job objects link to `/jobs/{id}`; here that is the job page. */
+function atStart(): URLSearchParams {
+  const start = new URLSearchParams(location.search);
+  const job = /^\/jobs\/([^/]+)\/?$/.exec(location.pathname)?.[1];
+  if (!job) return start;
+  start.set("view", "job");
+  start.set("job", decodeURIComponent(job));
+  history.replaceState(null, "", `/?${start.toString()}`);
+  return start;
+}
+
+export const params = signal(atStart());
 
 window.addEventListener("popstate", () => {
   params.value = new URLSearchParams(location.search);

@@ -58,7 +58,7 @@ function Pick({ name, label, ids }: { name: "track" | "truth"; label: string; id
 
 function verdictOf(tfa: Tfa | undefined, truth: string | null, track: string | null): TargetVerdict | undefined {
   if (truth) return tfa?.targets.find((target) => target.truth_id === truth);
-  return track ? tfa?.targets.find((target) => target.track_id === track) : undefined;
+  return track ? tfa?.targets.find((target) => (target.track_id ?? target.matched_track_id) === track) : undefined;
 }
 
 function Selection({ scene, clock, tfa }: { scene: Scene; clock: Clock; tfa: Tfa | undefined }): JSX.Element {
@@ -124,7 +124,7 @@ function VerdictNote({ verdict }: { verdict: TargetVerdict }): JSX.Element {
 
 /** Steps through the targets that were not followed correctly, without going back to the table. */
 function Failures({ tfa, current }: { tfa: Tfa; current: TargetVerdict | undefined }): JSX.Element | null {
-  const failures = tfa.targets.filter((target) => target.verdict !== "correct" && target.at_scan);
+  const failures = tfa.targets.filter((target) => target.verdict !== "correct");
   if (!failures.length) return null;
   const index = current ? failures.indexOf(current) : -1;
   const show = (to: number) => () => {

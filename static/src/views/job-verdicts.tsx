@@ -90,7 +90,7 @@ function VerdictRow({ verdict }: { verdict: TargetVerdict }): JSX.Element {
       <td>{tookKind(verdict)}</td>
       <td class="num">{count(verdict.errors)}</td>
       <td class="num">{number(verdict.log_probability)}</td>
-      <td>{verdict.track_id ?? "–"}</td>
+      <td>{verdict.track_id ?? verdict.matched_track_id ?? "–"}</td>
     </tr>
   );
 }

@@ -3,21 +3,22 @@
 
 import { useSignal, type Signal } from "@preact/signals";
 import type { JSX, TargetedEvent } from "preact";
-import { useEffect } from "preact/hooks";
+import { useEffect, useMemo } from "preact/hooks";
 import { ApiError, createJob, getMethods, listPresets, validate } from "../api/client";
 import type { Fault, JobKind, Methods, Preset, Schema, Validation } from "../api/types";
 import { asProblem, FaultText, Icon, Link, Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import { Fields } from "../form/composite";
 import { FormContext } from "../form/context";
-import { fieldId, initial, isObject, type JsonObject } from "../form/schema";
+import { fieldId, initial, isObject, resolve, type JsonObject } from "../form/schema";
 import { bytes, capital, count, duration } from "../format";
 import { go, hereHref, pageHref, param, setParams } from "../state/url";
 
-const BLANK: { kind: JobKind; summary: string }[] = [
-  { kind: "simulate", summary: "Play a scene: make detections and truth." },
-  { kind: "associate", summary: "Turn detections into tracks." },
-  { kind: "evaluate", summary: "Associate and judge against the truth, or judge tracks you already have." },
+/** Where to begin without a preset; `parts` are optional fields that most such requests need. */
+const BLANK: { kind: JobKind; summary: string; parts: string[] }[] = [
+  { kind: "simulate", summary: "Play a scene: make detections and truth.", parts: [] },
+  { kind: "associate", summary: "Turn detections into tracks.", parts: [] },
+  { kind: "evaluate", summary: "Associate and judge against the truth, or judge tracks you already have.", parts: ["input", "truth", "associator", "filter", "tracker"] },
 ];
 const VALIDATE_AFTER_MS = 300;
 
@@ -67,6 +68,15 @@ function Choices({ presets }: { presets: Preset[] }): JSX.Element {
   );
 }
 
+function blank(kind: JobKind, root: Schema): JsonObject {
+  const value = initial(root, root) as JsonObject;
+  for (const part of BLANK.find((entry) => entry.kind === kind)?.parts ?? []) {
+    const field = root.properties?.[part];
+    if (field && value[part] === undefined) value[part] = initial(field, root);
+  }
+  return value;
+}
+
 function useValidation(kind: JobKind, spec: Signal<JsonObject>): Signal<Validation | undefined> {
   const result = useSignal<Validation | undefined>(undefined);
   useEffect(() => {
@@ -91,6 +101,11 @@ function asFaults(error: unknown): Validation {
   return { valid: false, errors: problem.errors?.length ? problem.errors : [whole], warnings: [] };
 }
 
+/** The request itself may be a reference into its definitions. */
+function requestSchema(schema: Schema): Schema {
+  return { ...resolve(schema, schema), ...(schema.$defs ? { $defs: schema.$defs } : {}) };
+}
+
 function byPointer(faults: Fault[]): Map<string, Fault[]> {
   const map = new Map<string, Fault[]>();
   for (const fault of faults) map.set(fault.pointer, [...(map.get(fault.pointer) ?? []), fault]);
@@ -98,8 +113,8 @@ function byPointer(faults: Fault[]): Map<string, Fault[]> {
 }
 
 function Editor({ kind, preset, methods }: { kind: JobKind; preset: Preset | undefined; methods: Methods }): JSX.Element {
-  const root: Schema = methods.requests[kind];
-  const spec = useSignal<JsonObject>(preset ? { ...preset.body } : (initial(root, root) as JsonObject));
+  const root = useMemo(() => requestSchema(methods.requests[kind]), [methods, kind]);
+  const spec = useSignal<JsonObject>(preset ? { ...preset.body } : blank(kind, root));
   const validation = useValidation(kind, spec);
   const failure = useSignal<unknown>(undefined);
   const busy = useSignal(false);
