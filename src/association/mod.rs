@@ -2,6 +2,7 @@
 
 use crate::registry::{Method, Union};
 
+pub mod jpda;
 pub mod nearest_neighbour;
 pub mod oracle;
 pub mod problem;
@@ -25,13 +26,18 @@ pub trait Associator: Send {
 
     /// Writes for every track of the problem weights over its candidates and "none" that sum to 1.
     fn associate(&mut self, problem: &Problem, weights: &mut Weights);
+
+    /// What it wants to say of all it did so far, as JSON for the report.
+    fn diagnostics(&self) -> Option<serde_json::Value> {
+        None
+    }
 }
 
 /// Builds an associator from its checked parameters.
 pub type BuildAssociator = fn(&serde_json::Value) -> Result<Box<dyn Associator>, serde_json::Error>;
 
 /// Every associator.
-pub const ASSOCIATORS: &[Method<BuildAssociator>] = &[nearest_neighbour::METHOD, oracle::METHOD];
+pub const ASSOCIATORS: &[Method<BuildAssociator>] = &[nearest_neighbour::METHOD, jpda::METHOD, oracle::METHOD];
 
 pub static ASSOCIATOR: Union = Union {
     name: "Associator",

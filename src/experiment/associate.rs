@@ -17,6 +17,8 @@ pub(super) struct Tracked {
     pub tracks: TrackSet,
     pub scans: Vec<ScanOutcome>,
     pub method: String,
+    /// What the associator says of its work.
+    pub diagnostics: Option<Value>,
 }
 
 /// The part `association` of a report.
@@ -26,6 +28,8 @@ pub(super) struct AssociationReport {
     counts: Counts,
     sensors: Vec<SensorSettings>,
     tracks: Vec<TrackLine>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    diagnostics: Option<Value>,
 }
 
 #[derive(Debug, Serialize)]
@@ -64,7 +68,8 @@ pub(super) fn track(spec: &Value, recording: &Recording, sensors: Vec<Sensor>, o
             return Err(RunError::Stopped);
         }
     }
-    Ok(Tracked { tracks: tracker.into_history().into_tracks(recording), scans, method })
+    let diagnostics = tracker.diagnostics();
+    Ok(Tracked { tracks: tracker.into_history().into_tracks(recording), scans, method, diagnostics })
 }
 
 /// The checked spec names only methods of the tables, with parameters that fit them; anything else is a fault of ours,
@@ -99,6 +104,7 @@ pub(super) fn report(tracked: &Tracked, recording: &Recording, sensors: &[Sensor
         },
         sensors: sensors.to_vec(),
         tracks: lines,
+        diagnostics: tracked.diagnostics.clone(),
     }
 }
 

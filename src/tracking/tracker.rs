@@ -99,6 +99,11 @@ impl Tracker {
         ScanOutcome { tracks: self.tracks.len() as u32, confirmed, unused }
     }
 
+    /// What the associator says of all it did so far.
+    pub fn diagnostics(&self) -> Option<serde_json::Value> {
+        self.parts.associator.diagnostics()
+    }
+
     /// Everything that happened so far.
     pub fn into_history(self) -> History {
         self.history
