@@ -187,6 +187,21 @@ async fn faults_that_only_the_data_shows_fail_the_job_with_all_of_them() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn an_error_inside_the_service_fails_the_job_and_says_nothing_of_the_inside() {
+    let service = start().await;
+    let simulate = service.submit_ok(JobKind::Simulate, small(1)).await;
+    service.succeeded(simulate.id).await;
+    std::fs::remove_file(service.artifact(simulate.id, "detections.csv").await.unwrap().path).unwrap();
+    let job = service.submit_ok(JobKind::Associate, json!({"input": of_job(simulate.id)})).await;
+    let job = service.ended(job.id).await;
+    let error = job.error.unwrap();
+    assert_eq!((job.state, error.code.as_str(), error.status), (JobState::Failed, "internal", 500));
+    assert_eq!(error.detail, "the job failed inside the service; its log says why");
+    let next = service.submit_ok(JobKind::Simulate, small(2)).await;
+    service.succeeded(next.id).await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn unknown_sources_are_refused_where_the_request_names_them() {
     let service = start().await;
     let missing = Uuid::now_v7();

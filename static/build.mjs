@@ -1,0 +1,93 @@
+// Builds the dashboard: src/ → dist/ with hashed names, index.html, and the licences of what was bundled.
+
+import { build } from "esbuild";
+import { createHash } from "node:crypto";
+import { mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { dirname, join, relative } from "node:path";
+import { fileURLToPath } from "node:url";
+
+const here = dirname(fileURLToPath(import.meta.url));
+const dist = join(here, "dist");
+
+/** Folders of the packages that ended up in the bundle. */
+function bundledPackages(metafile) {
+  const folders = new Set();
+  for (const input of Object.keys(metafile.inputs)) {
+    const match = /^(.*node_modules\/(?:@[^/]+\/)?[^/]+)\//.exec(input);
+    if (match) folders.add(match[1]);
+  }
+  return [...folders].sort();
+}
+
+function licenceText(folder) {
+  const files = readdirSync(folder, { withFileTypes: true })
+    .filter((entry) => /^(licen[cs]e|notice|copying)/i.test(entry.name))
+    .sort((a, b) => (a.name < b.name ? -1 : 1))
+    .flatMap((entry) => (entry.isDirectory() ? readdirSync(join(folder, entry.name)).map((name) => join(entry.name, name)) : [entry.name]));
+  return files.map((name) => readFileSync(join(folder, name), "utf8").trim()).join("\n\n");
+}
+
+function licences(metafile) {
+  return bundledPackages(metafile)
+    .map((path) => {
+      const folder = join(here, path);
+      const about = JSON.parse(readFileSync(join(folder, "package.json"), "utf8"));
+      const text = licenceText(folder) || "(the package carries no licence file)";
+      return `${about.name} ${about.version} · ${about.license}\n${"-".repeat(72)}\n${text}\n`;
+    })
+    .join("\n\n");
+}
+
+function page(script, style) {
+  return `<!doctype html>
+<html lang="en">
+  <head>
+    <meta charset="utf-8">
+    <meta name="viewport" content="width=device-width, initial-scale=1">
+    <meta name="color-scheme" content="light dark">
+    <title>trackloom</title>
+    <link rel="icon" href="/assets/${icon()}" type="image/svg+xml">
+    <link rel="stylesheet" href="/${style}">
+    <script type="module" src="/${script}"></script>
+  </head>
+  <body>
+    <div id="app"></div>
+    <noscript><p>The dashboard needs JavaScript. The same data is at <a href="/v1/jobs">/v1/jobs</a>; the API is described at <a href="/docs">/docs</a>.</p></noscript>
+  </body>
+</html>
+`;
+}
+
+function icon() {
+  const bytes = readFileSync(join(here, "src/icon.svg"));
+  const name = `icon-${createHash("sha256").update(bytes).digest("hex").slice(0, 8).toUpperCase()}.svg`;
+  writeFileSync(join(dist, "assets", name), bytes);
+  return name;
+}
+
+function output(metafile, entry, ending) {
+  const found = Object.entries(metafile.outputs).find(([path, about]) => about.entryPoint === entry && path.endsWith(ending));
+  if (!found) throw new Error(`no ${ending} came out of ${entry}`);
+  return relative("dist", found[0]);
+}
+
+rmSync(dist, { recursive: true, force: true });
+mkdirSync(join(dist, "assets"), { recursive: true });
+const { metafile } = await build({
+  absWorkingDir: here,
+  entryPoints: ["src/main.tsx", "src/styles/main.css"],
+  bundle: true,
+  splitting: true,
+  format: "esm",
+  target: ["es2022"],
+  minify: true,
+  outdir: "dist/assets",
+  entryNames: "[name]-[hash]",
+  chunkNames: "[name]-[hash]",
+  metafile: true,
+  legalComments: "none",
+  define: { "process.env.NODE_ENV": '"production"' },
+  logLevel: "warning",
+});
+writeFileSync(join(dist, "index.html"), page(output(metafile, "src/main.tsx", ".js"), output(metafile, "src/styles/main.css", ".css")));
+writeFileSync(join(dist, "licenses.txt"), licences(metafile));

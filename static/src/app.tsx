@@ -1,0 +1,83 @@
+// The frame of every page, and which view the address asks for.
+
+import type { JSX, TargetedEvent } from "preact";
+import { useEffect } from "preact/hooks";
+import { Empty, Link } from "./components/basics";
+import { chooseTheme, themeChoice, type ThemeChoice } from "./state/theme";
+import { pageHref, param } from "./state/url";
+import { JobList } from "./views/job-list";
+import { JobPage } from "./views/job-page";
+import { NewJob } from "./views/new-job";
+
+const TITLES: Record<string, string> = { jobs: "Jobs", new: "New job", job: "Job" };
+
+function view(name: string): JSX.Element {
+  if (name === "jobs") return <JobList />;
+  if (name === "new") return <NewJob />;
+  if (name === "job") return <JobPage key={param("job") ?? ""} id={param("job") ?? ""} />;
+  return (
+    <Empty title="There is no such page.">
+      <Link href={pageHref({})}>Go to the jobs</Link>
+    </Empty>
+  );
+}
+
+function ThemeSwitch(): JSX.Element {
+  const change = (event: TargetedEvent<HTMLSelectElement>) => chooseTheme(event.currentTarget.value as ThemeChoice);
+  return (
+    <label class="theme-switch">
+      <span class="visually-hidden">Theme</span>
+      <select value={themeChoice.value} onChange={change}>
+        <option value="system">System theme</option>
+        <option value="light">Light</option>
+        <option value="dark">Dark</option>
+      </select>
+    </label>
+  );
+}
+
+/** `/` goes to the filter of the page, as in many tools. */
+function focusFilter(event: KeyboardEvent): void {
+  const target = event.target as HTMLElement;
+  if (event.key !== "/" || target.closest("input, textarea, select")) return;
+  const filter = document.querySelector<HTMLInputElement>("[data-filter]");
+  if (!filter) return;
+  event.preventDefault();
+  filter.focus();
+}
+
+export function App(): JSX.Element {
+  const name = param("view") ?? "jobs";
+  useEffect(() => {
+    document.addEventListener("keydown", focusFilter);
+    return () => document.removeEventListener("keydown", focusFilter);
+  }, []);
+  useEffect(() => {
+    document.title = `${TITLES[name] ?? "Not found"} · trackloom`;
+  }, [name]);
+  return (
+    <>
+      <a class="skip" href="#main">
+        Skip to content
+      </a>
+      <header class="top">
+        <Link class="brand" href={pageHref({})}>
+          trackloom
+        </Link>
+        <nav aria-label="Main">
+          <Link href={pageHref({})} current={name === "jobs"}>
+            Jobs
+          </Link>
+          <Link href={pageHref({ view: "new" })} current={name === "new"}>
+            New job
+          </Link>
+          <a href="/docs">API</a>
+        </nav>
+        <ThemeSwitch />
+      </header>
+      <main id="main" tabIndex={-1}>
+        {view(name)}
+      </main>
+    </>
+  );
+}

@@ -1,0 +1,82 @@
+// The clock of the pictures: play, step, drag, how fast, and how much of the past stays drawn.
+
+import type { JSX, TargetedEvent } from "preact";
+import { useEffect } from "preact/hooks";
+import { Icon, type IconName } from "../components/basics";
+import { SPEEDS, type Clock } from "../state/clock";
+import { param, setParams } from "../state/url";
+import { timeText } from "./axes";
+
+const TRAILS = [1, 2, 5, 10, 20, 50, 100];
+
+function Button({ icon, label, press, disabled }: { icon: IconName; label: string; press: () => void; disabled?: boolean }): JSX.Element {
+  return (
+    <button type="button" class="clock-button" aria-label={label} title={label} disabled={disabled} onClick={press}>
+      <Icon name={icon} />
+    </button>
+  );
+}
+
+function keys(clock: Clock): (event: KeyboardEvent) => void {
+  return (event) => {
+    const target = event.target as HTMLElement;
+    if (event.ctrlKey || event.metaKey || event.altKey || event.shiftKey) return;
+    if (target.closest("input:not([type=range]), textarea, select")) return;
+    const onRange = target.closest("input[type=range]") !== null;
+    if (event.key === " " && !target.closest("button, a, summary")) clock.toggle();
+    else if (event.key === "ArrowRight" && !onRange) clock.step(1);
+    else if (event.key === "ArrowLeft" && !onRange) clock.step(-1);
+    else return;
+    event.preventDefault();
+  };
+}
+
+export function ClockBar({ clock }: { clock: Clock }): JSX.Element {
+  useEffect(() => {
+    const listener = keys(clock);
+    document.addEventListener("keydown", listener);
+    return () => document.removeEventListener("keydown", listener);
+  }, [clock]);
+  const last = Math.max(clock.times.length - 1, 0);
+  const index = clock.index.value;
+  const playing = clock.playing.value;
+  const text = `scan ${index + 1} of ${clock.times.length}, ${timeText(clock.time.value, clock.times)}`;
+  const drag = (event: TargetedEvent<HTMLInputElement>) => {
+    clock.playing.value = false;
+    clock.seek(Number(event.currentTarget.value));
+  };
+  return (
+    <div class="clock" role="group" aria-label="Clock">
+      <div class="clock-buttons">
+        <Button icon="first" label="To the first scan" press={() => clock.step(-last)} disabled={index === 0} />
+        <Button icon="back" label="One scan back" press={() => clock.step(-1)} disabled={index === 0} />
+        <Button icon={playing ? "pause" : "play"} label={playing ? "Pause" : "Play"} press={clock.toggle} disabled={last === 0} />
+        <Button icon="forward" label="One scan forward" press={() => clock.step(1)} disabled={index === last} />
+        <Button icon="last" label="To the last scan" press={() => clock.step(last)} disabled={index === last} />
+      </div>
+      <input class="clock-slider" type="range" min={0} max={last} step={1} value={index} aria-label="Scan" aria-valuetext={text} onInput={drag} />
+      <output class="clock-text">
+        <b>{timeText(clock.time.value, clock.times)}</b> scan {index + 1}/{clock.times.length}
+      </output>
+      <label class="inline">
+        Speed
+        <select value={String(clock.speed.value)} onChange={(event) => setParams({ speed: event.currentTarget.value })}>
+          {SPEEDS.map((speed) => (
+            <option value={String(speed)}>×{speed}</option>
+          ))}
+        </select>
+      </label>
+      <label class="inline">
+        Trail
+        <select value={param("trail") ?? ""} onChange={(event) => setParams({ trail: event.currentTarget.value })}>
+          <option value="">all</option>
+          {TRAILS.map((scans) => (
+            <option value={String(scans)}>
+              {scans} {scans === 1 ? "scan" : "scans"}
+            </option>
+          ))}
+        </select>
+      </label>
+    </div>
+  );
+}

@@ -1,0 +1,64 @@
+// What stands around every chart: its title, how much of the data it shows, its table twin, and its exports.
+
+import type { ComponentChildren, JSX } from "preact";
+import { useState } from "preact/hooks";
+import { Icon } from "../components/basics";
+import { saveBlob, saveText } from "../components/save";
+import { DataTable, toCsv, type TableData } from "../components/table";
+import { count } from "../format";
+import { readPalette } from "../state/theme";
+import type { Chart } from "./echarts";
+
+interface FrameProps {
+  title: string;
+  /** Begins the names of saved files. */
+  file: string;
+  badge?: string | undefined;
+  /** The data as drawn now. */
+  table: () => TableData;
+  chart: () => Chart | undefined;
+  tools?: ComponentChildren;
+  children: ComponentChildren;
+  class?: string;
+}
+
+export function reducedBadge(parts: { name: string; source_points: number; returned_points: number; method: string }[]): string | undefined {
+  const reduced = parts.filter((part) => part.returned_points < part.source_points);
+  if (!reduced.length) return undefined;
+  const words = reduced.map((part) => `${part.name} ${count(part.returned_points)} of ${count(part.source_points)} (${part.method.replaceAll("_", " ")})`);
+  return `Shown: ${words.join("; ")}`;
+}
+
+function savePng(chart: Chart | undefined, name: string): void {
+  const canvas = chart?.renderToCanvas({ pixelRatio: 2, backgroundColor: readPalette().surface });
+  canvas?.toBlob((blob) => {
+    if (blob) saveBlob(blob, name);
+  }, "image/png");
+}
+
+export function ChartFrame({ title, file, badge, table, chart, tools, children, ...rest }: FrameProps): JSX.Element {
+  const [asTable, setAsTable] = useState(false);
+  return (
+    <section class={`chart-frame ${rest.class ?? ""}`} aria-label={title}>
+      <div class="chart-head">
+        <h2>{title}</h2>
+        {badge ? <span class="reduced">{badge}</span> : null}
+        <div class="chart-tools">
+          <button type="button" class="quiet" aria-pressed={asTable} onClick={() => setAsTable(!asTable)}>
+            <Icon name={asTable ? "chart" : "table"} /> {asTable ? "Chart" : "Table"}
+          </button>
+          <button type="button" class="quiet" onClick={() => saveText(toCsv(table()), `${file}.csv`, "text/csv")}>
+            <Icon name="download" /> CSV
+          </button>
+          {asTable ? null : (
+            <button type="button" class="quiet" onClick={() => savePng(chart(), `${file}.png`)}>
+              <Icon name="download" /> PNG
+            </button>
+          )}
+        </div>
+      </div>
+      {tools}
+      {asTable ? <DataTable table={table()} caption={title} /> : children}
+    </section>
+  );
+}

@@ -1,0 +1,63 @@
+// The legend of the plan view; each entry is a switch for its layer.
+
+import type { JSX } from "preact";
+import { param, setParams } from "../state/url";
+import { SHAPES } from "./plan-series";
+import type { Scene } from "./scene";
+
+interface Entry {
+  layer: string;
+  name: string;
+  mark: JSX.Element;
+}
+
+const MARKS: Record<string, string> = {
+  circle: "M12 5a3 3 0 1 0 0 6 3 3 0 0 0 0-6Z",
+  rect: "M9 5h6v6H9Z",
+  triangle: "m12 4.5 3.6 6.5H8.4Z",
+  diamond: "m12 4 4 4-4 4-4-4Z",
+  pin: "M12 12.5C10 10 9 8.5 9 7a3 3 0 0 1 6 0c0 1.5-1 3-3 5.5Z",
+};
+
+function stroke(kind: string, path: string): JSX.Element {
+  return (
+    <svg class={`mark ${kind}`} viewBox="0 0 24 16" aria-hidden="true">
+      <path d={path} />
+    </svg>
+  );
+}
+
+function entries(scene: Scene): Entry[] {
+  const sensors = scene.clouds.map((cloud, order) => ({
+    layer: `d:${cloud.sensor}`,
+    name: `detections, ${cloud.sensor}`,
+    mark: stroke(`mark-sensor-${(order % 5) + 1}`, MARKS[SHAPES[order % SHAPES.length] ?? "circle"] ?? ""),
+  }));
+  const list: Entry[] = [{ layer: "rings", name: "sensor range", mark: stroke("mark-ring", "M1 8h22") }];
+  if (scene.truths.size) list.unshift({ layer: "truth", name: "truth", mark: stroke("mark-truth", "M1 8h22") });
+  if (scene.tracks.size) list.push({ layer: "tracks", name: "tracks", mark: stroke("mark-track", "M1 8h22") });
+  return [...list, ...sensors];
+}
+
+export function Legend({ scene }: { scene: Scene }): JSX.Element {
+  const hidden = (param("hide") ?? "").split(",").filter(Boolean);
+  const toggle = (layer: string) => {
+    const next = hidden.includes(layer) ? hidden.filter((name) => name !== layer) : [...hidden, layer];
+    setParams({ hide: next.join(",") });
+  };
+  return (
+    <div class="legend" role="group" aria-label="Layers">
+      {entries(scene).map((entry) => (
+        <button type="button" class="legend-entry" aria-pressed={!hidden.includes(entry.layer)} onClick={() => toggle(entry.layer)}>
+          {entry.mark}
+          {entry.name}
+        </button>
+      ))}
+      {scene.tracks.size ? (
+        <span class="legend-note">
+          {stroke("mark-track mark-dashed", "M1 8h22")} coasted {stroke("mark-tentative", "M1 8h22")} tentative
+        </span>
+      ) : null}
+    </div>
+  );
+}

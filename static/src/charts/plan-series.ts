@@ -1,0 +1,212 @@
+// What the plan view draws at one moment: rings, truth, detections, tracks, the selected one with its ellipses.
+
+import type { SensorSettings } from "../api/types";
+import type { Palette } from "../state/theme";
+import type { SeriesOption } from "./echarts";
+import { at, within, type Cloud, type Line, type Scene, type TrackLine } from "./scene";
+
+export const SHAPES = ["circle", "rect", "triangle", "diamond", "pin"];
+const CIRCLE_POINTS = 96;
+const LABELS_UP_TO = 12;
+
+export interface Moment {
+  /** Data from `from` to `now` is drawn. */
+  from: number;
+  now: number;
+  hidden: Set<string>;
+  truth: string | null;
+  track: string | null;
+}
+
+type Point = [number, number];
+const BREAK = [NaN, NaN] as Point;
+
+function points(line: Line, from: number, to: number): Point[] {
+  const [first, end] = within(line.time, from, to);
+  return line.x.slice(first, end).map((x, offset) => [x, line.y[first + offset] ?? 0]);
+}
+
+/** Many lines as one series: a gap stands between them. */
+function joined(lines: Point[][]): Point[] {
+  return lines.filter((line) => line.length).flatMap((line) => [...line, BREAK]);
+}
+
+function lineSeries(id: string, data: Point[], color: string, style: { width: number; type?: "solid" | "dashed" | "dotted"; opacity?: number; z?: number }): SeriesOption {
+  const { width, type = "solid", opacity = 1, z = 2 } = style;
+  return { type: "line", id, data, showSymbol: false, silent: true, animation: false, z, lineStyle: { color, width, type, opacity } };
+}
+
+/** The runs of a track that have one status; each begins where the one before ended. */
+function runs(track: TrackLine, from: number, to: number): { status: string; points: Point[] }[] {
+  const [first, end] = within(track.time, from, to);
+  const result: { status: string; points: Point[] }[] = [];
+  for (let row = first; row < end; row++) {
+    const point: Point = [track.x[row] ?? 0, track.y[row] ?? 0];
+    const status = track.status[row] ?? "confirmed";
+    const last = result.at(-1);
+    if (last?.status === status) last.points.push(point);
+    else result.push({ status, points: row > first ? [[track.x[row - 1] ?? 0, track.y[row - 1] ?? 0], point] : [point] });
+  }
+  return result;
+}
+
+function circle(x: number, y: number, radius: number): Point[] {
+  return Array.from({ length: CIRCLE_POINTS + 1 }, (_, step) => {
+    const angle = (step / CIRCLE_POINTS) * 2 * Math.PI;
+    return [x + radius * Math.cos(angle), y + radius * Math.sin(angle)];
+  });
+}
+
+/** The curve at `sigma` standard deviations of a position's covariance `[p_xx, p_xy, p_yy]`. */
+export function ellipse(x: number, y: number, [xx, xy, yy]: [number, number, number], sigma: number): Point[] {
+  const middle = (xx + yy) / 2;
+  const spread = Math.hypot((xx - yy) / 2, xy);
+  const major = Math.sqrt(Math.max(middle + spread, 0)) * sigma;
+  const minor = Math.sqrt(Math.max(middle - spread, 0)) * sigma;
+  const turn = Math.atan2(2 * xy, xx - yy) / 2;
+  return Array.from({ length: CIRCLE_POINTS + 1 }, (_, step) => {
+    const angle = (step / CIRCLE_POINTS) * 2 * Math.PI;
+    const along = major * Math.cos(angle);
+    const across = minor * Math.sin(angle);
+    return [x + along * Math.cos(turn) - across * Math.sin(turn), y + along * Math.sin(turn) + across * Math.cos(turn)];
+  });
+}
+
+function rings(sensors: SensorSettings[], palette: Palette): SeriesOption[] {
+  const placed = sensors.filter((sensor) => typeof sensor.x_m === "number" && typeof sensor.y_m === "number");
+  const ranges = placed.filter((sensor) => sensor.max_range_m);
+  const curves = ranges.flatMap((sensor) => [1, 0.5].map((part) => circle(sensor.x_m ?? 0, sensor.y_m ?? 0, (sensor.max_range_m ?? 0) * part)));
+  return [
+    lineSeries("rings", joined(curves), palette.muted, { width: 1, type: "dotted", opacity: 0.6, z: 1 }),
+    {
+      type: "scatter",
+      id: "sensors",
+      data: placed.map((sensor) => ({ name: sensor.sensor_id, value: [sensor.x_m ?? 0, sensor.y_m ?? 0] })),
+      symbol: "path://M0 -6V6M-6 0H6",
+      symbolSize: 11,
+      itemStyle: { color: "transparent", borderColor: palette.text, borderWidth: 1.5 },
+      animation: false,
+      z: 3,
+    },
+  ];
+}
+
+function detections(cloud: Cloud, order: number, moment: Moment, palette: Palette): SeriesOption {
+  const [first, end] = within(cloud.time, moment.from, moment.now);
+  const data: [number, number, number][] = [];
+  for (let row = first; row < end; row++) data.push([cloud.x[row] ?? 0, cloud.y[row] ?? 0, row]);
+  return {
+    type: "scatter",
+    id: `detections:${cloud.sensor}`,
+    data,
+    symbol: SHAPES[order % SHAPES.length] ?? "circle",
+    symbolSize: data.length > 4000 ? 3 : 4.5,
+    itemStyle: { color: palette.sensors[order % palette.sensors.length] ?? palette.text, opacity: 0.75 },
+    progressive: 0,
+    animation: false,
+    z: 2,
+  };
+}
+
+function tracks(scene: Scene, moment: Moment, palette: Palette): SeriesOption[] {
+  const byStatus: Record<string, Point[][]> = { confirmed: [], coasted: [], tentative: [] };
+  for (const track of scene.tracks.values()) {
+    for (const run of runs(track, moment.from, moment.now)) (byStatus[run.status] ?? byStatus["confirmed"])?.push(run.points);
+  }
+  return [
+    lineSeries("tracks:tentative", joined(byStatus["tentative"] ?? []), palette.tentative, { width: 1, z: 3 }),
+    lineSeries("tracks:confirmed", joined(byStatus["confirmed"] ?? []), palette.track, { width: 1.6, z: 4 }),
+    lineSeries("tracks:coasted", joined(byStatus["coasted"] ?? []), palette.track, { width: 1.6, type: "dashed", z: 4 }),
+    heads(scene, moment, palette),
+  ];
+}
+
+/** A marker on each track that lives now; a hollow one while it coasts. */
+function heads(scene: Scene, moment: Moment, palette: Palette): SeriesOption {
+  const period = ((scene.times.at(-1) ?? 0) - (scene.times[0] ?? 0)) / Math.max(scene.times.length - 1, 1);
+  const alive = [...scene.tracks.values()].filter((track) => (track.time[0] ?? Infinity) <= moment.now && (track.time.at(-1) ?? -Infinity) >= moment.now - 1.5 * period);
+  const data = alive.map((track) => {
+    const here = at(track, moment.now);
+    const status = track.status[here?.index ?? 0];
+    return {
+      name: track.id,
+      value: [here?.x ?? 0, here?.y ?? 0],
+      symbolSize: status === "tentative" ? 5 : 8,
+      itemStyle: { color: status === "confirmed" ? palette.track : palette.surface },
+    };
+  });
+  return {
+    type: "scatter",
+    id: "heads",
+    data,
+    symbol: "circle",
+    itemStyle: { borderColor: palette.track, borderWidth: 1.5 },
+    label: { show: data.length <= LABELS_UP_TO, formatter: "{b}", position: "right", color: palette.track, fontSize: 11 },
+    progressive: 0,
+    animation: false,
+    z: 5,
+  };
+}
+
+function selection(scene: Scene, moment: Moment, palette: Palette): SeriesOption[] {
+  const truth = moment.hidden.has("truth") ? undefined : scene.truths.get(moment.truth ?? "");
+  const track = scene.tracks.get(moment.track ?? "");
+  const here = track && (track.time[0] ?? Infinity) <= moment.now ? at(track, moment.now) : undefined;
+  const covariance = here && track?.covariance[here.index];
+  const curves = here && covariance ? [1, 2, 3].map((sigma) => ellipse(here.x, here.y, covariance, sigma)) : [];
+  const ends = [truth, track].flatMap((line) => (line && (line.time[0] ?? Infinity) <= moment.now ? [at(line, moment.now)] : []));
+  return [
+    lineSeries("selected:truth", truth ? points(truth, moment.from, moment.now) : [], palette.truth, { width: 3, z: 6 }),
+    lineSeries("selected:track", track ? points(track, moment.from, moment.now) : [], palette.selected, { width: 2.6, z: 7 }),
+    lineSeries("selected:ellipses", joined(curves), palette.selected, { width: 1.2, z: 7 }),
+    {
+      type: "scatter",
+      id: "selected:now",
+      data: ends.map((end) => [end?.x ?? 0, end?.y ?? 0]),
+      symbol: "circle",
+      symbolSize: 16,
+      silent: true,
+      itemStyle: { color: "transparent", borderColor: palette.selected, borderWidth: 2 },
+      animation: false,
+      z: 8,
+    },
+  ];
+}
+
+export function planSeries(scene: Scene, sensors: SensorSettings[], moment: Moment, palette: Palette): SeriesOption[] {
+  const shown = (layer: string) => !moment.hidden.has(layer);
+  const truth = joined([...scene.truths.values()].map((line) => points(line, moment.from, moment.now)));
+  return [
+    ...(shown("rings") ? rings(sensors, palette) : []),
+    ...(shown("truth") ? [lineSeries("truth", truth, palette.truth, { width: 1.4, opacity: 0.65 })] : []),
+    ...scene.clouds.flatMap((cloud, order) => (shown(`d:${cloud.sensor}`) ? [detections(cloud, order, moment, palette)] : [])),
+    ...(shown("tracks") ? tracks(scene, moment, palette) : []),
+    ...selection(scene, moment, palette),
+  ];
+}
+
+/** The truth or track drawn nearest to a point, if one is within `reach` metres. Tracks win over truth. */
+export function nearest(scene: Scene, moment: Moment, x: number, y: number, reach: number): { track: string } | { truth: string } | undefined {
+  const closest = (lines: Iterable<Line>): { id: string; distance: number } | undefined => {
+    let best: { id: string; distance: number } | undefined;
+    for (const line of lines) {
+      const [first, end] = within(line.time, moment.from, moment.now);
+      for (let row = first; row < end; row++) {
+        const distance = toSegment(line, Math.max(row - 1, first), row, x, y);
+        if (distance <= reach && (!best || distance < best.distance)) best = { id: line.id, distance };
+      }
+    }
+    return best;
+  };
+  const track = moment.hidden.has("tracks") ? undefined : closest(scene.tracks.values());
+  const truth = moment.hidden.has("truth") ? undefined : closest(scene.truths.values());
+  if (track && (!truth || track.distance <= truth.distance + reach / 2)) return { track: track.id };
+  return truth ? { truth: truth.id } : undefined;
+}
+
+function toSegment(line: Line, from: number, to: number, x: number, y: number): number {
+  const [x0, y0, x1, y1] = [line.x[from] ?? 0, line.y[from] ?? 0, line.x[to] ?? 0, line.y[to] ?? 0];
+  const length = (x1 - x0) ** 2 + (y1 - y0) ** 2;
+  const along = length === 0 ? 0 : Math.min(1, Math.max(0, ((x - x0) * (x1 - x0) + (y - y0) * (y1 - y0)) / length));
+  return Math.hypot(x - (x0 + along * (x1 - x0)), y - (y0 + along * (y1 - y0)));
+}

@@ -1,0 +1,238 @@
+// The plan view: truth, detections and tracks from above, at the clock's moment, with one scale on both axes.
+
+import { useComputed, useSignal, type Signal } from "@preact/signals";
+import type { JSX } from "preact";
+import { useEffect, useMemo, useRef } from "preact/hooks";
+import type { Plan } from "../api/types";
+import { Icon } from "../components/basics";
+import type { TableData } from "../components/table";
+import { metres } from "../format";
+import type { Clock } from "../state/clock";
+import { readPalette, theme, type Palette } from "../state/theme";
+import { param, setParams } from "../state/url";
+import { GRID, MARGIN, textStyle, timeText, tipContent, tooltip, valueAxis } from "./axes";
+import { bounds, fit, fromText, lookAt, metresPerPixel, toText, zoomed, type Camera, type Size } from "./camera";
+import { ChartCanvas } from "./chart";
+import type { Chart } from "./echarts";
+import { ChartFrame, reducedBadge } from "./frame";
+import { listen } from "./gestures";
+import { Legend } from "./legend";
+import { nearest, planSeries, type Moment } from "./plan-series";
+import { within, type Scene } from "./scene";
+
+const REACH_PX = 14;
+const KILOMETRES_FROM_M = 10_000;
+const ADDRESS_AFTER_MS = 250;
+
+export interface PlanViewProps {
+  jobId: string;
+  plan: Plan;
+  scene: Scene;
+  clock: Clock;
+}
+
+function hiddenLayers(): Set<string> {
+  return new Set((param("hide") ?? "").split(",").filter(Boolean));
+}
+
+export function momentOf(clock: Clock): Moment {
+  const trail = Number(param("trail"));
+  const now = clock.time.value;
+  const from = trail > 0 ? (clock.times[Math.max(0, clock.index.value - trail)] ?? -Infinity) : -Infinity;
+  return { from, now, hidden: hiddenLayers(), truth: param("truth"), track: param("track") };
+}
+
+function sizeOf(chart: Chart): Size {
+  return { width: Math.max(chart.getWidth() - MARGIN.left - MARGIN.right, 1), height: Math.max(chart.getHeight() - MARGIN.top - MARGIN.bottom, 1) };
+}
+
+/** The camera of the address: numbers, or "selection" for what is selected; otherwise everything. */
+function addressed(scene: Scene, size: Size): Camera {
+  const time = param("time");
+  const selected = { truth: param("truth"), track: param("track") };
+  const onSelection = param("centre") === "selection" ? lookAt(scene, selected, time === null ? null : Number(time), size) : undefined;
+  return onSelection ?? fromText(param("centre"), param("span")) ?? fit(scene.extent, size);
+}
+
+function axes(camera: Camera, size: Size, palette: Palette): object {
+  const view = bounds(camera, size);
+  const kilometres = camera.span >= KILOMETRES_FROM_M;
+  const unit = kilometres ? "km" : "m";
+  const digits = Math.max(0, Math.ceil(1 - Math.log10(camera.span / (kilometres ? 1000 : 1) / 10)));
+  const label = { color: palette.muted, fontSize: 11, showMinLabel: false, showMaxLabel: false, hideOverlap: true };
+  const formatter = (value: number) => String(Number((kilometres ? value / 1000 : value).toFixed(Math.min(digits, 6))));
+  const axis = (name: string, min: number, max: number, nameGap: number, pixels: number) =>
+    valueAxis(`${name} (${unit})`, palette, { min, max, nameGap, splitNumber: Math.max(2, Math.round(pixels / 90)), axisLabel: { ...label, formatter } });
+  return { xAxis: axis("x, east", view.xMin, view.xMax, 26, size.width), yAxis: axis("y, north", view.yMin, view.yMax, 42, size.height) };
+}
+
+interface TipItem {
+  seriesId?: string;
+  name?: string;
+  data?: unknown;
+}
+
+function tip(scene: Scene, item: TipItem): HTMLElement | string {
+  const layer = item.seriesId ?? "";
+  if (layer.startsWith("detections:") && Array.isArray(item.data)) {
+    const cloud = scene.clouds.find((entry) => `detections:${entry.sensor}` === layer);
+    const row = Number(item.data[2]);
+    if (!cloud) return "";
+    const position = `${metres(cloud.x[row] ?? 0)}, ${metres(cloud.y[row] ?? 0)} m`;
+    return tipContent(`Detection ${cloud.id[row] ?? ""}`, [
+      ["time", timeText(cloud.time[row] ?? 0, scene.times)],
+      ["position", position],
+      ["origin", cloud.truth[row] ?? "clutter or unknown"],
+    ]);
+  }
+  if (layer === "heads") return tipContent(`Track ${item.name ?? ""}`, [["", "click to select"]]);
+  return layer === "sensors" ? tipContent(`Sensor ${item.name ?? ""}`, []) : "";
+}
+
+/** The data as drawn: one row a point, whatever its layer. */
+function drawn(scene: Scene, moment: Moment): TableData {
+  const rows: TableData["rows"] = [];
+  const add = (layer: string, line: { time: number[]; x: number[]; y: number[] }, id: (row: number) => string | null, detail: (row: number) => string | null) => {
+    const [first, end] = within(line.time, moment.from, moment.now);
+    for (let row = first; row < end; row++) rows.push([layer, id(row), line.time[row] ?? null, line.x[row] ?? null, line.y[row] ?? null, detail(row)]);
+  };
+  if (!moment.hidden.has("truth")) for (const line of scene.truths.values()) add("truth", line, () => line.id, () => null);
+  for (const cloud of scene.clouds) {
+    if (!moment.hidden.has(`d:${cloud.sensor}`)) add("detection", cloud, (row) => cloud.id[row] ?? null, () => cloud.sensor);
+  }
+  if (!moment.hidden.has("tracks")) for (const line of scene.tracks.values()) add("track", line, () => line.id, (row) => line.status[row] ?? null);
+  return { columns: ["layer", "id", "time_s", "x_m", "y_m", "detail"], rows };
+}
+
+class PlanDrawing {
+  chart: Chart | undefined;
+  private pending = 0;
+  constructor(
+    readonly props: PlanViewProps,
+    readonly camera: Signal<Camera | undefined>,
+  ) {}
+
+  size(): Size {
+    return this.chart ? sizeOf(this.chart) : { width: 600, height: 400 };
+  }
+
+  look(): Camera {
+    return this.camera.peek() ?? addressed(this.props.scene, this.size());
+  }
+
+  /** Moves the camera at once, and the address when the hand rests. */
+  move(to: Camera): void {
+    this.camera.value = to;
+    window.clearTimeout(this.pending);
+    this.pending = window.setTimeout(() => setParams(toText(to)), ADDRESS_AFTER_MS);
+  }
+
+  fitAll(): void {
+    window.clearTimeout(this.pending);
+    this.camera.value = undefined;
+    setParams({ centre: null, span: null });
+  }
+
+  spot(x: number, y: number): { x: number; y: number } {
+    const view = bounds(this.look(), this.size());
+    const scale = metresPerPixel(this.look(), this.size());
+    return { x: view.xMin + (x - MARGIN.left) * scale, y: view.yMax - (y - MARGIN.top) * scale };
+  }
+
+  listen(box: HTMLElement): () => void {
+    return listen(box, {
+      pan: (dx, dy) => {
+        const camera = this.look();
+        const scale = metresPerPixel(camera, this.size());
+        this.move({ ...camera, x: camera.x - dx * scale, y: camera.y + dy * scale });
+      },
+      zoom: (factor, x, y) => {
+        const at = this.spot(x, y);
+        this.move(zoomed(this.look(), factor, at.x, at.y));
+      },
+      click: (x, y) => this.select(x, y),
+    });
+  }
+
+  private select(x: number, y: number): void {
+    const at = this.spot(x, y);
+    const reach = REACH_PX * metresPerPixel(this.look(), this.size());
+    const found = nearest(this.props.scene, momentOf(this.props.clock), at.x, at.y, reach);
+    const frozen = param("centre") === "selection" ? toText(this.look()) : {};
+    setParams({ ...frozen, track: null, truth: null, ...found }, "push");
+  }
+
+  draw(chart: Chart, moment: Moment): void {
+    this.chart = chart;
+    const { scene, plan } = this.props;
+    const palette = readPalette();
+    chart.setOption(
+      {
+        animation: false,
+        grid: GRID,
+        textStyle: textStyle(palette),
+        tooltip: { trigger: "item", ...tooltip(palette), formatter: (item: TipItem) => tip(scene, item) },
+        ...axes(this.look(), this.size(), palette),
+        series: planSeries(scene, plan.sensors, moment, palette),
+      },
+      { replaceMerge: ["series"] },
+    );
+  }
+}
+
+export function PlanView(props: PlanViewProps): JSX.Element {
+  const { plan, scene, clock } = props;
+  const camera = useSignal<Camera | undefined>(undefined);
+  const drawing = useMemo(() => new PlanDrawing(props, camera), [scene]);
+  const box = useRef<HTMLDivElement>(null);
+  const address = useComputed(() => `${param("centre") ?? ""} ${param("span") ?? ""}`);
+  useEffect(() => {
+    // Back, forward and jumps move the camera; the address that our own moves wrote does not.
+    const own = camera.peek() && toText(camera.peek()!);
+    if (!own || address.value !== `${own.centre} ${own.span}`) camera.value = undefined;
+  }, [address.value]);
+  useEffect(() => (box.current ? drawing.listen(box.current) : undefined), [drawing]);
+  const moment = momentOf(clock);
+  const label = `Plan view at ${timeText(moment.now, scene.times)}: ${scene.truths.size} truth lines, ${scene.tracks.size} tracks, ${scene.clouds.length} sensors. The table shows the same points.`;
+  const badge = reducedBadge([
+    { name: "truth", ...plan.truth },
+    { name: "detections", ...plan.detections },
+    { name: "tracks", ...plan.tracks },
+  ]);
+  const zoom = (factor: number) => () => drawing.move(zoomed(drawing.look(), factor));
+  const keys = [camera.value, moment.from, moment.now, param("hide"), moment.truth, moment.track, theme.value, address.value];
+  return (
+    <ChartFrame title="Plan view" file={`plan-${props.jobId.slice(-12)}`} badge={badge} table={() => drawn(scene, momentOf(clock))} chart={() => drawing.chart} tools={<Legend scene={scene} />} class="plan">
+      <div class="plan-box">
+        <div ref={box} class="plan-touch" tabIndex={0} role="group" aria-label="Plan view; plus and minus zoom, 0 shows everything, shift and arrows pan" onKeyDown={(event) => planKeys(event, drawing)}>
+          <ChartCanvas label={label} keys={keys} draw={(chart) => drawing.draw(chart, moment)} class="plan-canvas" />
+        </div>
+        <div class="plan-zoom">
+          <button type="button" aria-label="Zoom in" onClick={zoom(1 / 1.5)}>
+            <Icon name="plus" />
+          </button>
+          <button type="button" aria-label="Zoom out" onClick={zoom(1.5)}>
+            <Icon name="minus" />
+          </button>
+          <button type="button" aria-label="Show everything" onClick={() => drawing.fitAll()}>
+            <Icon name="fit" />
+          </button>
+        </div>
+      </div>
+    </ChartFrame>
+  );
+}
+
+const PAN_BY: Record<string, [number, number]> = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] };
+
+function planKeys(event: KeyboardEvent, drawing: PlanDrawing): void {
+  const camera = drawing.look();
+  const by = event.shiftKey ? PAN_BY[event.key] : undefined;
+  if (by) drawing.move({ ...camera, x: camera.x + by[0] * camera.span, y: camera.y + by[1] * camera.span });
+  else if (event.key === "+" || event.key === "=") drawing.move(zoomed(camera, 1 / 1.5));
+  else if (event.key === "-") drawing.move(zoomed(camera, 1.5));
+  else if (event.key === "0") drawing.fitAll();
+  else return;
+  event.preventDefault();
+  event.stopPropagation();
+}

@@ -1,0 +1,150 @@
+// How probable each candidate was for one track, scan by scan: the detection it took, "none" (ε), and the others.
+
+import type { JSX } from "preact";
+import { useMemo, useRef } from "preact/hooks";
+import { getSeries } from "../api/client";
+import type { Series } from "../api/types";
+import { Empty, Loading, ProblemBox } from "../components/basics";
+import { useResource } from "../components/resource";
+import { fromColumns } from "../components/table";
+import { probability } from "../format";
+import { indexAt, type Clock } from "../state/clock";
+import { readPalette, theme, type Palette } from "../state/theme";
+import { GRID, textStyle, timeText, tipContent, tooltip, valueAxis } from "./axes";
+import { ChartCanvas } from "./chart";
+import type { Chart } from "./echarts";
+import { ChartFrame, reducedBadge } from "./frame";
+
+interface Candidate {
+  detection: string | null;
+  probability: number;
+}
+
+interface Row {
+  time: number;
+  status: string;
+  candidates: Candidate[];
+}
+
+function rowsOf(series: Series): Row[] {
+  const rows: Row[] = [];
+  const { time_s, detection_id, probability: values, status } = series.columns;
+  (time_s ?? []).forEach((cell, at) => {
+    const time = Number(cell);
+    if (rows.at(-1)?.time !== time) rows.push({ time, status: String(status?.[at] ?? ""), candidates: [] });
+    const detection = detection_id?.[at];
+    rows.at(-1)?.candidates.push({ detection: detection === null || detection === undefined || detection === "" ? null : String(detection), probability: Number(values?.[at] ?? 0) });
+  });
+  for (const row of rows) row.candidates.sort((a, b) => b.probability - a.probability);
+  return rows;
+}
+
+type Point = [number, number];
+
+/** For each scan the best detection, "none", and the rest. */
+function split(rows: Row[]): { best: Point[]; none: Point[]; others: Point[] } {
+  const none: Point[] = rows.map((row) => [row.time, row.candidates.find((entry) => entry.detection === null)?.probability ?? 0]);
+  const best: Point[] = [];
+  const others: Point[] = [];
+  for (const row of rows) {
+    const [first, ...rest] = row.candidates.filter((entry) => entry.detection !== null);
+    best.push([row.time, first?.probability ?? 0]);
+    for (const entry of rest) others.push([row.time, entry.probability]);
+  }
+  return { best, none, others };
+}
+
+function curves(rows: Row[], now: number, palette: Palette): object[] {
+  const { best, none, others } = split(rows);
+  const common = { animation: false, symbolSize: 6 };
+  const cursor = { silent: true, symbol: "none", label: { show: false }, animation: false, lineStyle: { color: palette.selected, width: 1.5, type: "solid" }, data: [{ xAxis: now }] };
+  return [
+    { ...common, type: "line", name: "best detection", step: "middle", symbol: "circle", data: best, lineStyle: { color: palette.track, width: 1.8 }, itemStyle: { color: palette.track }, markLine: cursor },
+    { ...common, type: "line", name: "none (ε)", step: "middle", symbol: "emptyDiamond", data: none, lineStyle: { color: palette.muted, width: 1.3, type: "dashed" }, itemStyle: { color: palette.muted } },
+    { ...common, type: "scatter", name: "other candidates", symbol: "emptyTriangle", symbolSize: 8, data: others, itemStyle: { color: palette.sensors[0] } },
+  ];
+}
+
+function rowTip(rows: Row[], times: number[]): (items: { value?: unknown }[]) => HTMLElement | string {
+  return (items) => {
+    const time = Array.isArray(items[0]?.value) ? Number(items[0].value[0]) : NaN;
+    const row = rows.find((entry) => entry.time === time);
+    if (!row) return "";
+    const sum = row.candidates.reduce((total, entry) => total + entry.probability, 0);
+    const lines = row.candidates.map((entry): [string, string] => [entry.detection ?? "none (ε)", probability(entry.probability)]);
+    return tipContent(`${timeText(time, times)} · ${row.status}`, [...lines, ["sum", probability(sum)]]);
+  };
+}
+
+function draw(chart: Chart, rows: Row[], clock: Clock): void {
+  const palette = readPalette();
+  const first = rows[0]?.time ?? 0;
+  const start = clock.times[0] ?? 0;
+  const offset = Math.abs(start) > 1e6 ? start : 0;
+  chart.setOption(
+    {
+      animation: false,
+      textStyle: textStyle(palette),
+      grid: { ...GRID, bottom: 66 },
+      tooltip: { trigger: "axis", axisPointer: { type: "line", lineStyle: { color: palette.muted } }, ...tooltip(palette), formatter: rowTip(rows, clock.times) },
+      xAxis: valueAxis(offset ? "time from the first scan (s)" : "time (s)", palette, { min: first, max: rows.at(-1)?.time ?? 1, nameGap: 24, axisLabel: { color: palette.muted, fontSize: 11, hideOverlap: true, formatter: (value: number) => String(Number((value - offset).toFixed(3))) } }),
+      yAxis: valueAxis("probability", palette, { min: 0, max: 1, nameGap: 34 }),
+      dataZoom: [
+        { type: "inside", xAxisIndex: 0, filterMode: "none", zoomOnMouseWheel: "ctrl" },
+        { type: "slider", xAxisIndex: 0, filterMode: "none", height: 14, bottom: 6, showDetail: false, brushSelect: false, borderColor: palette.line, fillerColor: `${palette.track}22`, handleStyle: { color: palette.surface, borderColor: palette.muted }, dataBackground: { lineStyle: { opacity: 0 }, areaStyle: { opacity: 0 } }, selectedDataBackground: { lineStyle: { opacity: 0 }, areaStyle: { opacity: 0 } } },
+      ],
+      series: curves(rows, clock.time.value, palette),
+    },
+    { replaceMerge: ["series"] },
+  );
+}
+
+/** A click moves the clock to the scan under it. */
+function seekOnClick(chart: Chart, clock: Clock): () => void {
+  const pressed = (event: { offsetX: number; offsetY: number }) => {
+    if (!chart.containPixel("grid", [event.offsetX, event.offsetY])) return;
+    const [time] = chart.convertFromPixel("grid", [event.offsetX, event.offsetY]) as unknown as number[];
+    if (time === undefined) return;
+    const before = indexAt(clock.times, time);
+    const next = Math.min(before + 1, clock.times.length - 1);
+    clock.seek(time - (clock.times[before] ?? 0) <= (clock.times[next] ?? 0) - time ? before : next);
+  };
+  chart.getZr().on("click", pressed);
+  return () => chart.getZr().off("click", pressed);
+}
+
+export function ProbabilityChart({ jobId, track, clock }: { jobId: string; track: string | null; clock: Clock }): JSX.Element {
+  const series = useResource(() => (track ? getSeries(jobId, "track_probability", { track }) : Promise.resolve(undefined)), [jobId, track]);
+  const rows = useMemo(() => (series.data ? rowsOf(series.data) : []), [series.data]);
+  const chart = useRef<Chart | undefined>(undefined);
+  if (!track) return <Empty title="Select a track to see how probable each of its candidates was." />;
+  if (series.error) return <ProblemBox error={series.error} retry={series.reload} />;
+  if (!series.data) return <Loading what="probabilities" />;
+  const badge = reducedBadge([{ ...series.data, name: "points" }]);
+  const label = `Association probability of track ${track} over time, ${rows.length} scans. The table shows the same numbers.`;
+  const data = series.data;
+  return (
+    <ChartFrame title={`Association probability, ${track}`} file={`probability-${track}-${jobId.slice(-12)}`} badge={badge} table={() => fromColumns(data.columns)} chart={() => chart.current} tools={<Key />}>
+      <ChartCanvas
+        class="probability-canvas"
+        label={label}
+        keys={[rows, clock.time.value, theme.value]}
+        draw={(made) => {
+          chart.current = made;
+          draw(made, rows, clock);
+        }}
+        created={(made) => seekOnClick(made, clock)}
+      />
+    </ChartFrame>
+  );
+}
+
+function Key(): JSX.Element {
+  return (
+    <p class="legend legend-note">
+      <span class="key key-best">best detection</span>
+      <span class="key key-none">none (ε)</span>
+      <span class="key key-other">other candidates</span>
+    </p>
+  );
+}

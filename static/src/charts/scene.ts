@@ -1,0 +1,138 @@
+// The plan of a job, sorted out for drawing: one line a truth and a track, one cloud a sensor, in order of time.
+
+import type { Cell, Columns, Plan } from "../api/types";
+
+export interface Line {
+  id: string;
+  time: number[];
+  x: number[];
+  y: number[];
+}
+
+export interface TrackLine extends Line {
+  status: string[];
+  detection: (string | null)[];
+  covariance: ([number, number, number] | null)[];
+}
+
+export interface Cloud {
+  sensor: string;
+  time: number[];
+  x: number[];
+  y: number[];
+  id: string[];
+  truth: (string | null)[];
+}
+
+export interface Extent {
+  xMin: number;
+  xMax: number;
+  yMin: number;
+  yMax: number;
+}
+
+export interface Scene {
+  truths: Map<string, Line>;
+  tracks: Map<string, TrackLine>;
+  clouds: Cloud[];
+  extent: Extent;
+  /** Times of the scans, each once, in order. */
+  times: number[];
+}
+
+const column = (columns: Columns, name: string): Cell[] => columns[name] ?? [];
+const text = (cell: Cell | undefined): string | null => (cell === null || cell === undefined || cell === "" ? null : String(cell));
+
+function rowsInTime(columns: Columns): number[] {
+  const times = column(columns, "time_s") as number[];
+  return times.map((_, row) => row).sort((a, b) => (times[a] ?? 0) - (times[b] ?? 0) || a - b);
+}
+
+function entry<V>(map: Map<string, V>, key: string, create: () => V): V {
+  const known = map.get(key);
+  if (known) return known;
+  const fresh = create();
+  map.set(key, fresh);
+  return fresh;
+}
+
+function addPoint(line: Line, columns: Columns, row: number): void {
+  line.time.push(Number(columns["time_s"]?.[row]));
+  line.x.push(Number(columns["x_m"]?.[row]));
+  line.y.push(Number(columns["y_m"]?.[row]));
+}
+
+function truthLines(columns: Columns): Map<string, Line> {
+  const lines = new Map<string, Line>();
+  for (const row of rowsInTime(columns)) {
+    const id = String(column(columns, "truth_id")[row]);
+    addPoint(entry(lines, id, () => ({ id, time: [], x: [], y: [] })), columns, row);
+  }
+  return lines;
+}
+
+function trackLines(columns: Columns): Map<string, TrackLine> {
+  const lines = new Map<string, TrackLine>();
+  const part = (name: string, row: number) => column(columns, name)[row];
+  for (const row of rowsInTime(columns)) {
+    const id = String(part("track_id", row));
+    const line = entry(lines, id, (): TrackLine => ({ id, time: [], x: [], y: [], status: [], detection: [], covariance: [] }));
+    addPoint(line, columns, row);
+    line.status.push(text(part("status", row)) ?? "confirmed");
+    line.detection.push(text(part("detection_id", row)));
+    const known = typeof part("p_xx", row) === "number" && typeof part("p_yy", row) === "number";
+    line.covariance.push(known ? [Number(part("p_xx", row)), Number(part("p_xy", row) ?? 0), Number(part("p_yy", row))] : null);
+  }
+  return lines;
+}
+
+function clouds(columns: Columns): Cloud[] {
+  const bySensor = new Map<string, Cloud>();
+  for (const row of rowsInTime(columns)) {
+    const sensor = String(column(columns, "sensor_id")[row]);
+    const cloud = entry(bySensor, sensor, (): Cloud => ({ sensor, time: [], x: [], y: [], id: [], truth: [] }));
+    cloud.time.push(Number(column(columns, "time_s")[row]));
+    cloud.x.push(Number(column(columns, "x_m")[row]));
+    cloud.y.push(Number(column(columns, "y_m")[row]));
+    cloud.id.push(String(column(columns, "detection_id")[row] ?? ""));
+    cloud.truth.push(text(column(columns, "truth_id")[row]));
+  }
+  return [...bySensor.values()].sort((a, b) => (a.sensor < b.sensor ? -1 : 1));
+}
+
+function extentOf(plan: Plan): Extent {
+  const given = plan.extent;
+  if (!given) return { xMin: -1, xMax: 1, yMin: -1, yMax: 1 };
+  return { xMin: given.x_min_m, xMax: given.x_max_m, yMin: given.y_min_m, yMax: given.y_max_m };
+}
+
+export function sceneOf(plan: Plan): Scene {
+  const truths = truthLines(plan.truth.columns);
+  const tracks = trackLines(plan.tracks.columns);
+  const scanTimes = plan.scans.map((scan) => scan.time_s);
+  const times = scanTimes.length ? scanTimes : [...truths.values(), ...tracks.values()].flatMap((line) => line.time);
+  return { truths, tracks, clouds: clouds(plan.detections.columns), extent: extentOf(plan), times: [...new Set(times)].sort((a, b) => a - b) };
+}
+
+/** The half-open range of a line's points from `from` to `to`, both included. */
+export function within(time: number[], from: number, to: number): [number, number] {
+  return [firstAfter(time, from - 1e-9), firstAfter(time, to + 1e-9)];
+}
+
+function firstAfter(time: number[], limit: number): number {
+  let low = 0;
+  let high = time.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if ((time[middle] ?? 0) <= limit) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}
+
+/** Where a line is at a time: its last point not after it, or its first. */
+export function at(line: Line, time: number): { x: number; y: number; index: number } | undefined {
+  if (!line.time.length) return undefined;
+  const index = Math.max(0, firstAfter(line.time, time + 1e-9) - 1);
+  return { x: line.x[index] ?? 0, y: line.y[index] ?? 0, index };
+}

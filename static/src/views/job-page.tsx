@@ -1,0 +1,197 @@
+// One job: its head and live progress, and the tabs of its result. It opens on the summary; pictures load when asked.
+
+import { useSignal } from "@preact/signals";
+import type { JSX } from "preact";
+import { useEffect, useMemo } from "preact/hooks";
+import { cancelJob, getReport, rerunJob } from "../api/client";
+import type { Job, Report } from "../api/types";
+import { Empty, Icon, Link, Loading, ProblemBox, ProgressBar, StateBadge } from "../components/basics";
+import { useResource } from "../components/resource";
+import { duration, moment, seconds } from "../format";
+import { followJob, isActive } from "../state/live";
+import { go, hereHref, pageHref, param } from "../state/url";
+import { JobPictures } from "./job-pictures";
+import { JobSpec } from "./job-spec";
+import { JobSummary } from "./job-summary";
+import { JobVerdicts } from "./job-verdicts";
+
+type TabName = "summary" | "plan" | "verdicts" | "spec";
+
+/** What leaves the address when a tab changes: the rest (clock, selection) is the same in every tab. */
+const TAB_RESET = { page: null };
+
+export function JobPage({ id }: { id: string }): JSX.Element {
+  const job = useSignal<Job | undefined>(undefined);
+  const error = useSignal<unknown>(undefined);
+  useEffect(
+    () =>
+      followJob(id, {
+        job: (fresh) => {
+          job.value = fresh;
+          error.value = undefined;
+        },
+        failed: (failure) => (error.value = failure),
+      }),
+    [id],
+  );
+  if (!job.value) return error.value ? <Lost error={error.value} /> : <Loading what="the job" />;
+  return (
+    <article>
+      <Head job={job.value} failed={(failure) => (error.value = failure)} changed={(fresh) => (job.value = fresh)} />
+      {error.value ? <ProblemBox error={error.value} /> : null}
+      <Outcome job={job.value} />
+    </article>
+  );
+}
+
+function Lost({ error }: { error: unknown }): JSX.Element {
+  return (
+    <>
+      <h1>Job</h1>
+      <ProblemBox error={error} />
+      <Link href={pageHref({})}>All jobs</Link>
+    </>
+  );
+}
+
+interface HeadProps {
+  job: Job;
+  failed: (error: unknown) => void;
+  changed: (job: Job) => void;
+}
+
+function Head({ job, failed, changed }: HeadProps): JSX.Element {
+  const rerun = () => void rerunJob(job.id).then((fresh) => go(pageHref({ view: "job", job: fresh.id })), failed);
+  const cancel = () => void cancelJob(job.id).then(changed, failed);
+  const canceling = isActive(job) && Boolean(job.cancel_requested_at);
+  return (
+    <header class="job-head">
+      <p class="crumbs">
+        <Link href={pageHref({})}>Jobs</Link> <span class="muted">/</span> <span class="mono">{job.id}</span>
+      </p>
+      <div class="title-row">
+        <h1>{job.name || `${job.kind} job`}</h1>
+        <StateBadge state={job.state} canceling={canceling} />
+        <div class="actions">
+          {job.can_cancel && !canceling ? (
+            <button type="button" onClick={cancel}>
+              Cancel
+            </button>
+          ) : null}
+          {isActive(job) ? null : (
+            <button type="button" onClick={rerun}>
+              Rerun
+            </button>
+          )}
+        </div>
+      </div>
+      <p class="job-meta">
+        <span>{job.kind}</span>
+        <span>seed {job.seed}</span>
+        <span>created {moment(job.created_at)}</span>
+        {job.started_at ? <span>took {duration(seconds(job.started_at, job.finished_at))}</span> : null}
+        {job.rerun_of ? (
+          <span>
+            rerun of <Link href={pageHref({ view: "job", job: job.rerun_of })}>{job.rerun_of.slice(-12)}</Link>
+          </span>
+        ) : null}
+        {job.duplicate_of ? (
+          <span>
+            same request as <Link href={pageHref({ view: "job", job: job.duplicate_of })}>{job.duplicate_of.slice(-12)}</Link>
+          </span>
+        ) : null}
+        {Object.entries(job.labels).map(([key, value]) => (
+          <span class="label">
+            {key}={value}
+          </span>
+        ))}
+      </p>
+    </header>
+  );
+}
+
+function Outcome({ job }: { job: Job }): JSX.Element {
+  if (isActive(job)) return <Waiting job={job} />;
+  if (job.state === "succeeded") return <Result job={job} />;
+  if (job.state === "canceled") return <Empty title="This job was canceled. It left no result." />;
+  const error = job.error ?? { type: "about:blank", title: "The job failed", status: 0, code: "failed" };
+  return <FailedJob problem={error} />;
+}
+
+function FailedJob({ problem }: { problem: NonNullable<Job["error"]> }): JSX.Element {
+  return (
+    <section class="problem" role="alert">
+      <h3>
+        <Icon name="failed" /> {problem.title}
+      </h3>
+      {problem.detail ? <p>{problem.detail}</p> : null}
+      <ul class="faults">
+        {(problem.errors ?? []).map((fault) => (
+          <li>
+            <code>{fault.pointer || "/"}</code> {fault.detail}
+            {fault.line ? <span class="muted"> · line {fault.line}</span> : null}
+            {fault.column ? <span class="muted"> · column {fault.column}</span> : null}
+            {fault.allowed ? <span class="muted"> · allowed: {fault.allowed}</span> : null}
+          </li>
+        ))}
+      </ul>
+      <p class="muted small">{problem.code}</p>
+    </section>
+  );
+}
+
+function waitingFor(job: Job): string {
+  if (job.state === "running") return "Starting…";
+  return job.depends_on.length ? "Waiting for the job it reads from." : "Waiting for a free worker.";
+}
+
+function Waiting({ job }: { job: Job }): JSX.Element {
+  return (
+    <section class="waiting" aria-live="polite">
+      {job.progress ? <ProgressBar progress={job.progress} /> : <p class="muted">{waitingFor(job)}</p>}
+      {job.progress ? (
+        <p class="muted">
+          Step {job.progress.step}: {job.progress.done} of {job.progress.total}
+        </p>
+      ) : null}
+      {job.depends_on.map((id) => (
+        <p>
+          <Link href={pageHref({ view: "job", job: id })}>{id}</Link>
+        </p>
+      ))}
+    </section>
+  );
+}
+
+function tabsOf(report: Report): [TabName, string][] {
+  const tabs: [TabName, string][] = [
+    ["summary", "Summary"],
+    ["plan", "Plan view"],
+  ];
+  if (report.result.tfa) tabs.push(["verdicts", "Verdicts"]);
+  return [...tabs, ["spec", "Request and files"]];
+}
+
+function Result({ job }: { job: Job }): JSX.Element {
+  const report = useResource(() => getReport(job.id), [job.id]);
+  const tabs = useMemo(() => (report.data ? tabsOf(report.data) : []), [report.data]);
+  if (report.error) return <ProblemBox error={report.error} retry={report.reload} />;
+  if (!report.data) return <Loading what="the report" />;
+  const asked = param("tab") ?? "summary";
+  const tab = tabs.find(([name]) => name === asked)?.[0] ?? "summary";
+  return (
+    <>
+      <nav class="tabs" aria-label="Result">
+        {tabs.map(([name, title]) => (
+          <Link href={hereHref({ ...TAB_RESET, tab: name === "summary" ? null : name })} current={name === tab}>
+            {title}
+          </Link>
+        ))}
+      </nav>
+      {tab === "summary" ? <JobSummary job={job} report={report.data} /> : null}
+      {tab === "plan" ? <JobPictures job={job} tfa={report.data.result.tfa} /> : null}
+      {tab === "verdicts" && report.data.result.tfa ? <JobVerdicts tfa={report.data.result.tfa} /> : null}
+      {tab === "spec" ? <JobSpec job={job} report={report.data} /> : null}
+    </>
+  );
+}

@@ -1,0 +1,169 @@
+// The verdicts of the temporal automaton, one row a target; a row leads to the scan where its track went wrong.
+
+import type { JSX } from "preact";
+import type { TargetVerdict, Tfa } from "../api/types";
+import { Empty, Icon, type IconName } from "../components/basics";
+import { saveText } from "../components/save";
+import { toCsv } from "../components/table";
+import { count, number } from "../format";
+import { hereHref, go, param, setParams } from "../state/url";
+import { TfaNumbers } from "./job-summary";
+import { placeOf, took, tookKind } from "./verdicts";
+
+const PAGE = 200;
+
+type Key = "truth_id" | "verdict" | "at_scan" | "expected" | "took" | "took_kind" | "errors" | "log_probability" | "track_id";
+
+const COLUMNS: { key: Key; name: string; numeric?: boolean }[] = [
+  { key: "truth_id", name: "Truth" },
+  { key: "verdict", name: "Verdict" },
+  { key: "at_scan", name: "At scan", numeric: true },
+  { key: "expected", name: "Expected" },
+  { key: "took", name: "Took" },
+  { key: "took_kind", name: "Which is" },
+  { key: "errors", name: "Errors", numeric: true },
+  { key: "log_probability", name: "log P", numeric: true },
+  { key: "track_id", name: "Followed by" },
+];
+
+const collator = new Intl.Collator("en", { numeric: true });
+
+function compare(key: Key, a: TargetVerdict, b: TargetVerdict): number {
+  const [left, right] = [a[key], b[key]];
+  if (left === right) return 0;
+  if (left === null || left === undefined) return 1;
+  if (right === null || right === undefined) return -1;
+  return typeof left === "number" && typeof right === "number" ? left - right : collator.compare(String(left), String(right));
+}
+
+function sorting(): { key: Key; down: boolean } {
+  const text = param("sort") ?? "truth_id";
+  const key = COLUMNS.find((column) => column.key === text.replace(/^-/, ""))?.key ?? "truth_id";
+  return { key, down: text.startsWith("-") };
+}
+
+export function filtered(targets: TargetVerdict[]): TargetVerdict[] {
+  const verdict = param("verdict");
+  const text = (param("find") ?? "").toLowerCase();
+  const { key, down } = sorting();
+  return targets
+    .filter((target) => !verdict || target.verdict === verdict)
+    .filter((target) => !text || [target.truth_id, target.track_id, target.took_truth_id].some((id) => id?.toLowerCase().includes(text)))
+    .sort((a, b) => (down ? -1 : 1) * compare(key, a, b) || collator.compare(a.truth_id, b.truth_id));
+}
+
+function SortHead({ column }: { column: (typeof COLUMNS)[number] }): JSX.Element {
+  const { key, down } = sorting();
+  const active = key === column.key;
+  const next = active && !down ? `-${column.key}` : column.key;
+  return (
+    <th scope="col" class={column.numeric ? "num" : undefined} aria-sort={active ? (down ? "descending" : "ascending") : undefined}>
+      <button type="button" class="sort" onClick={() => setParams({ sort: next === "truth_id" ? null : next, page: null })}>
+        {column.name}
+        <span aria-hidden="true">{active ? (down ? " ↓" : " ↑") : ""}</span>
+      </button>
+    </th>
+  );
+}
+
+function VerdictRow({ verdict }: { verdict: TargetVerdict }): JSX.Element {
+  const show = () => go(hereHref(placeOf(verdict)));
+  const pressed = (event: MouseEvent) => {
+    if (!(event.target as HTMLElement).closest("a, button")) show();
+  };
+  return (
+    <tr class={`verdict-row selectable${param("truth") === verdict.truth_id ? " selected" : ""}`} onClick={pressed}>
+      <td>
+        <button type="button" class="link" onClick={show} aria-label={`Show ${verdict.truth_id} in the plan view`}>
+          {verdict.truth_id}
+        </button>
+      </td>
+      <td>
+        <span class={`badge verdict-${verdict.verdict}`}>
+          <Icon name={verdict.verdict as IconName} />
+          {verdict.verdict}
+        </span>
+      </td>
+      <td class="num">{count(verdict.at_scan)}</td>
+      <td class="mono">{verdict.expected ?? "–"}</td>
+      <td class="mono">{verdict.took_kind ? took(verdict) : "–"}</td>
+      <td>{tookKind(verdict)}</td>
+      <td class="num">{count(verdict.errors)}</td>
+      <td class="num">{number(verdict.log_probability)}</td>
+      <td>{verdict.track_id ?? verdict.matched_track_id ?? "–"}</td>
+    </tr>
+  );
+}
+
+function Filter({ tfa, rows }: { tfa: Tfa; rows: TargetVerdict[] }): JSX.Element {
+  const csv = () => saveText(toCsv({ columns: COLUMNS.map((column) => column.key), rows: rows.map((row) => COLUMNS.map(({ key }) => row[key] ?? null)) }), "verdicts.csv", "text/csv");
+  return (
+    <form class="filters" role="search" onSubmit={(event) => event.preventDefault()}>
+      <label>
+        <span>Verdict</span>
+        <select value={param("verdict") ?? ""} onChange={(event) => setParams({ verdict: event.currentTarget.value, page: null })}>
+          <option value="">all {count(tfa.targets.length)}</option>
+          {(["correct", "missed", "false"] as const).map((name) => (
+            <option value={name}>
+              {name} {count(tfa.counts[name])}
+            </option>
+          ))}
+        </select>
+      </label>
+      <label class="grow">
+        <span>Truth or track</span>
+        <input type="search" data-filter value={param("find") ?? ""} placeholder="Press / to filter" onInput={(event) => setParams({ find: event.currentTarget.value, page: null })} />
+      </label>
+      <button type="button" onClick={csv}>
+        <Icon name="download" /> CSV
+      </button>
+    </form>
+  );
+}
+
+export function JobVerdicts({ tfa }: { tfa: Tfa }): JSX.Element {
+  const rows = filtered(tfa.targets);
+  const pages = Math.max(1, Math.ceil(rows.length / PAGE));
+  const page = Math.min(Math.max(Number(param("page")) || 1, 1), pages);
+  const turn = (to: number) => () => setParams({ page: to === 1 ? null : to });
+  return (
+    <section class="verdicts">
+      <TfaNumbers tfa={tfa} />
+      <Filter tfa={tfa} rows={rows} />
+      {rows.length ? (
+        <div class="table-scroll">
+          <table class="data">
+            <caption class="visually-hidden">Verdicts; a row leads to the scan that decided it</caption>
+            <thead>
+              <tr>
+                {COLUMNS.map((column) => (
+                  <SortHead key={column.key} column={column} />
+                ))}
+              </tr>
+            </thead>
+            <tbody>
+              {rows.slice((page - 1) * PAGE, page * PAGE).map((verdict) => (
+                <VerdictRow key={verdict.truth_id} verdict={verdict} />
+              ))}
+            </tbody>
+          </table>
+        </div>
+      ) : (
+        <Empty title={tfa.targets.length ? "No verdict matches this filter." : "There was no target to judge."} />
+      )}
+      {pages > 1 ? (
+        <p class="more">
+          <button type="button" disabled={page === 1} onClick={turn(page - 1)}>
+            Previous
+          </button>
+          <span class="muted">
+            {(page - 1) * PAGE + 1} to {Math.min(page * PAGE, rows.length)} of {count(rows.length)}
+          </span>
+          <button type="button" disabled={page === pages} onClick={turn(page + 1)}>
+            Next
+          </button>
+        </p>
+      ) : null}
+    </section>
+  );
+}

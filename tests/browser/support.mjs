@@ -1,0 +1,96 @@
+// A browser at the service, and pages that note everything they should not do.
+
+import assert from "node:assert/strict";
+import { chromium } from "playwright-core";
+
+export const BASE = process.env.TRACKLOOM_URL;
+assert.ok(BASE, "TRACKLOOM_URL must name the running service; run.sh sets it");
+
+export const WIDE = { width: 1440, height: 900 };
+export const NARROW = { width: 360, height: 740 };
+
+const CHROMIUM_ARGUMENTS = [
+  "--no-sandbox",
+  "--disable-gpu",
+  "--disable-quic",
+  "--no-first-run",
+  "--disable-background-networking",
+  "--disable-component-update",
+  "--disable-sync",
+];
+
+export function startBrowser() {
+  return chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: CHROMIUM_ARGUMENTS });
+}
+
+/** A page in a fresh context. `page.faults` gathers console errors, exceptions and requests that leave the origin. */
+export async function openPage(browser, query, viewport = WIDE) {
+  const context = await browser.newContext({ viewport });
+  const page = await context.newPage();
+  page.faults = [];
+  page.on("console", (message) => {
+    if (message.type() === "error" || message.type() === "warning") page.faults.push(`console: ${message.text()}`);
+  });
+  page.on("pageerror", (error) => page.faults.push(`exception: ${error.message}`));
+  page.on("request", (request) => {
+    const inside = request.url().startsWith(BASE) || /^(data|blob):/.test(request.url());
+    if (!inside) page.faults.push(`outside the origin: ${request.url()}`);
+  });
+  page.setDefaultTimeout(20_000);
+  await page.goto(`${BASE}/${query}`);
+  return page;
+}
+
+/** Asserts what must hold on every page, then closes it. */
+export async function closePage(page) {
+  await assertCanvasesNamed(page);
+  assert.deepEqual(page.faults, []);
+  await page.context().close();
+}
+
+export async function assertCanvasesNamed(page) {
+  const nameless = await page.$$eval("canvas", (all) => all.filter((canvas) => canvas.getAttribute("role") !== "img" || !canvas.getAttribute("aria-label")).length);
+  assert.equal(nameless, 0, "every canvas has role=img and an aria-label");
+}
+
+export async function assertNothingSticksOut(page, name) {
+  const beyond = await page.evaluate(() => document.documentElement.scrollWidth - window.innerWidth);
+  assert.ok(beyond <= 0, `${name} is ${beyond} px wider than the window`);
+}
+
+export async function api(path, body) {
+  const options = body === undefined ? {} : { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(body) };
+  const answer = await fetch(`${BASE}${path}`, options);
+  assert.ok(answer.ok, `${path} answered ${answer.status}: ${await answer.clone().text()}`);
+  return answer.json();
+}
+
+/** Waits until the job of this id has ended; answers the job. */
+export async function ended(id) {
+  for (let tries = 0; tries < 600; tries++) {
+    const job = await api(`/v1/jobs/${id}`);
+    if (!["queued", "running"].includes(job.state)) return job;
+    await new Promise((wake) => setTimeout(wake, 100));
+  }
+  throw new Error(`job ${id} did not end within a minute`);
+}
+
+export async function preset(name) {
+  return structuredClone((await api(`/v1/presets/${name}`)).body);
+}
+
+/** A finished evaluation of a scene dense enough that some verdicts are false. */
+export async function evaluated(count = 100) {
+  const body = await preset("liang2009-100");
+  body.name = `browser scene ${count}`;
+  body.input.scenario.targets.count = count;
+  const job = await ended((await api("/v1/jobs/evaluate", body)).id);
+  assert.equal(job.state, "succeeded");
+  return { job, report: await api(`/v1/jobs/${job.id}/report`) };
+}
+
+export function parameters(page) {
+  return new URL(page.url()).searchParams;
+}
+
+export const byPointer = (page, pointer) => page.locator(`[data-pointer="${pointer}"]`);
