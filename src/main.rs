@@ -1,1 +1,5 @@
-fn main() {}
+//! The `trackloom` program: everything is in the library.
+
+fn main() -> std::process::ExitCode {
+    trackloom::service::cli::main()
+}

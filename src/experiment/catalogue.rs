@@ -4,7 +4,8 @@ use super::plan::JobKind;
 use super::requests;
 use crate::association::ASSOCIATOR;
 use crate::filtering::FILTER;
-use crate::registry::{Object, Union, Variant};
+use crate::registry::{Object, Union, Variant, standalone_schema};
+use serde_json::{Value, json};
 
 /// A family of exchangeable methods.
 pub struct Family {
@@ -26,6 +27,12 @@ impl Family {
     }
 }
 
+/// A family as JSON: each method with its summary and the JSON Schema of its parameters.
+pub fn describe(family: &Family) -> Value {
+    let method = |variant: &Variant| json!({"name": variant.tag, "summary": variant.object.summary, "parameters": standalone_schema(variant.object)});
+    json!({"family": family.name, "summary": family.summary(), "methods": family.methods().iter().map(method).collect::<Vec<_>>()})
+}
+
 /// The body of a request of this kind.
 pub fn request_object(kind: JobKind) -> &'static Object {
     match kind {
@@ -36,7 +43,7 @@ pub fn request_object(kind: JobKind) -> &'static Object {
 }
 
 /// The settings of a sensor, as uploads and requests give them.
-pub fn sensor_settings() -> &'static Object {
+pub const fn sensor_settings() -> &'static Object {
     &requests::SENSOR_SETTINGS
 }
 

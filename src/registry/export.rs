@@ -14,6 +14,34 @@ pub fn json_schema(object: &'static Object, components: &mut Components) -> Valu
     add_object(object, object.name.to_owned(), None, components)
 }
 
+/// The schema of `object` by itself: what it names stands under `$defs`.
+pub fn standalone_schema(object: &'static Object) -> Value {
+    let mut components = Components::new();
+    json_schema(object, &mut components);
+    let mut schema = components.remove(object.name).unwrap_or_default();
+    schema["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
+    schema["title"] = json!(object.name);
+    if !components.is_empty() {
+        schema["$defs"] = json!(components);
+    }
+    point_to_definitions(&mut schema);
+    schema
+}
+
+/// Turns references into a document's components into references into `$defs`.
+fn point_to_definitions(schema: &mut Value) {
+    match schema {
+        Value::Object(members) => {
+            if let Some(Value::String(target)) = members.get_mut("$ref") {
+                *target = target.replace("#/components/schemas/", "#/$defs/");
+            }
+            members.values_mut().for_each(point_to_definitions);
+        }
+        Value::Array(items) => items.iter_mut().for_each(point_to_definitions),
+        _ => {}
+    }
+}
+
 fn add_object(object: &'static Object, name: String, tag: Option<(&str, &str)>, components: &mut Components) -> Value {
     if !components.contains_key(&name) {
         components.insert(name.clone(), Value::Null);
@@ -98,4 +126,47 @@ fn with_unit(mut schema: Value, unit: &str) -> Value {
         schema["x-unit"] = json!(unit);
     }
     schema
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Variant;
+    use super::*;
+
+    static LIMIT: Object = Object {
+        name: "Limit",
+        summary: "A limit.",
+        fields: &[Field {
+            name: "range_m",
+            summary: "Range.",
+            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(9.0), unit: "m" },
+            presence: Presence::Required,
+        }],
+    };
+    static CHOICE: Union = Union { name: "Choice", summary: "", tag: "by", variants: || vec![Variant { tag: "limit", object: &LIMIT }] };
+    static JOB: Object = Object {
+        name: "Job",
+        summary: "A job.",
+        fields: &[Field { name: "choice", summary: "How.", kind: Kind::Union(&CHOICE), presence: Presence::Optional }],
+    };
+
+    #[test]
+    fn a_union_is_one_of_named_objects_with_their_tag_as_a_one_value_enum() {
+        let mut components = Components::new();
+        assert_eq!(json_schema(&JOB, &mut components), json!({"$ref": "#/components/schemas/Job"}));
+        assert_eq!(components["Choice"]["oneOf"], json!([{"$ref": "#/components/schemas/Limit"}]));
+        let limit = &components["Limit"];
+        assert_eq!(limit["required"], json!(["by", "range_m"]));
+        assert_eq!(limit["properties"]["by"], json!({"type": "string", "enum": ["limit"]}));
+        assert_eq!(limit["properties"]["range_m"]["exclusiveMinimum"], json!(0.0));
+        assert_eq!(limit["properties"]["range_m"]["maximum"], json!(9.0));
+        assert_eq!(limit["additionalProperties"], json!(false));
+    }
+
+    #[test]
+    fn a_standalone_schema_refers_to_its_own_definitions() {
+        let schema = standalone_schema(&JOB);
+        assert_eq!(schema["properties"]["choice"]["$ref"], "#/$defs/Choice");
+        assert_eq!(schema["$defs"]["Choice"]["oneOf"][0]["$ref"], "#/$defs/Limit");
+    }
 }

@@ -1,11 +1,16 @@
 //! What can be set, with its defaults.
 
+use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// How the service keeps and runs jobs.
+/// Where the service listens, and how it keeps and runs jobs.
 #[derive(Debug, Clone)]
 pub struct Config {
+    /// Port 0 takes any free port.
+    pub listen: SocketAddr,
+    /// The largest upload that is accepted.
+    pub max_upload_bytes: u64,
     /// Everything the service keeps is below this directory; one process at a time may use it.
     pub data_dir: PathBuf,
     /// Jobs that run at the same time.
@@ -22,6 +27,8 @@ impl Config {
     /// The defaults, with everything kept below `data_dir`.
     pub fn new(data_dir: impl Into<PathBuf>) -> Self {
         Config {
+            listen: SocketAddr::from(([127, 0, 0, 1], 8080)),
+            max_upload_bytes: 1 << 30,
             data_dir: data_dir.into(),
             slots: std::thread::available_parallelism().map_or(1, usize::from),
             queue_limit: 10_000,

@@ -6,8 +6,15 @@
 //! - `engine`: the queue, which only says "look at this job now"; nothing else knows apalis.
 //! - [`jobs`]: submitting, running, waiting, cancelling; the facade that HTTP and the command line call.
 
+pub mod cli;
 pub mod config;
+pub mod dashboard;
 mod engine;
+pub mod error;
+pub mod http;
 pub mod jobs;
+pub mod openapi;
+pub mod server;
 mod storage;
 pub mod types;
+pub mod views;

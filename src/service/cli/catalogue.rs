@@ -9,7 +9,7 @@ use std::io::Write;
 use std::process::ExitCode;
 
 pub(super) fn print_methods() -> anyhow::Result<()> {
-    let families: Vec<Value> = catalogue::FAMILIES.iter().map(openapi::family).collect();
+    let families: Vec<Value> = catalogue::FAMILIES.iter().map(catalogue::describe).collect();
     print(&json!({"families": families}))
 }
 

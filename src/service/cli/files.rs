@@ -81,7 +81,9 @@ impl JobFile {
                     files.insert(pointer, file);
                 }
                 Ok(Err(error)) => faults.push(Fault::new(pointer, "malformed", error.to_string())),
-                Err(found) => faults.extend(found.into_iter().map(|fault| Fault { pointer: format!("{pointer}{}", fault.pointer), ..fault })),
+                Err(found) => {
+                    faults.extend(found.into_iter().map(|fault| Fault { pointer: format!("{pointer}{}", fault.pointer), ..fault }))
+                }
             }
             body[name] = json!({"source": "dataset", "dataset_id": pointer});
         }
@@ -115,12 +117,16 @@ impl JobFile {
                 Some(file) => match self.read(file, request.role, warnings) {
                     Ok(input) => inputs.push(Some(input)),
                     Err(found) => {
-                        faults.extend(found.into_iter().map(|fault| Fault { pointer: format!("{}{}", request.pointer, fault.pointer), ..fault }));
+                        faults.extend(
+                            found.into_iter().map(|fault| Fault { pointer: format!("{}{}", request.pointer, fault.pointer), ..fault }),
+                        );
                     }
                 },
                 None => {
                     let detail = "without a server a source is a file, a scenario or a preset";
-                    faults.push(Fault::new(format!("{}/source", request.pointer), "unknown_value", detail).allowing("file, scenario, preset"));
+                    faults.push(
+                        Fault::new(format!("{}/source", request.pointer), "unknown_value", detail).allowing("file, scenario, preset"),
+                    );
                 }
             }
         }

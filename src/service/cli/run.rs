@@ -143,8 +143,12 @@ fn compute(job: &JobFile, mut plan: Plan) -> Result<(Vec<u8>, Outcome), Trouble>
     let mut warnings = Vec::new();
     let inputs = job.load(&plan, &mut warnings)?;
     let _ = meter.progress(Step::Load, 1, 1);
-    let read: Vec<ReportInput> =
-        plan.inputs.iter().zip(&inputs).filter_map(|(request, input)| input.as_ref().map(|input| ReportInput::new(request, input))).collect();
+    let read: Vec<ReportInput> = plan
+        .inputs
+        .iter()
+        .zip(&inputs)
+        .filter_map(|(request, input)| input.as_ref().map(|input| ReportInput::new(request, input)))
+        .collect();
     let outcome = run::run(&plan, inputs, &mut meter);
     let timing = meter.timing();
     drop(meter);
@@ -175,7 +179,7 @@ impl Bar {
         let thread = std::thread::spawn(move || {
             while told.has_changed().is_ok() {
                 if let Some(progress) = told.borrow().as_ref() {
-                    bar.set_message(progress.step.name());
+                    bar.set_message(format!("{:?}", progress.step).to_lowercase());
                     bar.set_position((progress.fraction * 1000.0) as u64);
                 }
                 std::thread::sleep(Duration::from_millis(50));
@@ -191,15 +195,14 @@ impl Bar {
     }
 }
 
-/// Writes each file beside its place first, so that none is ever half written.
+/// Writes each file under another name first, so that none is ever half written.
 fn write_out(folder: &Path, report: &[u8], artifacts: &[Artifact]) -> anyhow::Result<()> {
     std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
     let files = artifacts.iter().map(|artifact| (artifact.name, artifact.bytes.as_slice())).chain([("report.json", report)]);
     for (name, bytes) in files {
-        let path = folder.join(name);
-        let mut file = tempfile::NamedTempFile::new_in(folder).with_context(|| format!("cannot write into {}", folder.display()))?;
-        file.write_all(bytes).and_then(|()| file.flush()).with_context(|| format!("cannot write {}", path.display()))?;
-        file.persist(&path).with_context(|| format!("cannot write {}", path.display()))?;
+        let (part, path) = (folder.join(format!(".{name}.part")), folder.join(name));
+        let written = std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, &path));
+        written.with_context(|| format!("cannot write {}", path.display()))?;
     }
     Ok(())
 }

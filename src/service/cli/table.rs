@@ -41,7 +41,9 @@ pub(super) fn summary(report: &Value) -> String {
             rows.push(vec![name, cell(value)]);
         }
     };
-    for (part, name) in [("/counts", "simulation"), ("/association/counts", "association"), ("/tfa/counts", "tfa"), ("/tfa/probability", "tfa probability")] {
+    for (part, name) in
+        [("/counts", "simulation"), ("/association/counts", "association"), ("/tfa/counts", "tfa"), ("/tfa/probability", "tfa probability")]
+    {
         for (key, value) in result.pointer(part).and_then(Value::as_object).into_iter().flatten() {
             add(format!("{name} {}", key.replace('_', " ")), value);
         }

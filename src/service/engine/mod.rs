@@ -138,3 +138,88 @@ async fn look(entry: Entry, handler: Data<Handler>) -> Result<(), BoxDynError> {
     tokio::spawn(handler.look(entry.job_id)).await??;
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use futures::FutureExt;
+    use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+    use std::time::Instant;
+    use tokio::sync::mpsc;
+
+    fn telling(sender: mpsc::UnboundedSender<Uuid>) -> Handler {
+        Handler::new(move |id| {
+            let told = sender.send(id).map_err(anyhow::Error::from);
+            async move { told }.boxed()
+        })
+    }
+
+    #[tokio::test(flavor = "multi_thread")]
+    async fn an_idle_queue_notices_a_new_entry_at_once_and_stops_quickly() {
+        let directory = tempfile::tempdir().unwrap();
+        let engine = Engine::open(&directory.path().join("queue.db"), 2).await.unwrap();
+        let (sender, mut told) = mpsc::unbounded_channel();
+        engine.run(telling(sender));
+        let mut quickest = Duration::MAX;
+        for _ in 0..5 {
+            tokio::time::sleep(Duration::from_millis(120)).await;
+            let (id, since) = (Uuid::now_v7(), Instant::now());
+            engine.enqueue(&[id]).await.unwrap();
+            assert_eq!(told.recv().await, Some(id));
+            quickest = quickest.min(since.elapsed());
+        }
+        assert!(quickest < 2 * POLL, "{quickest:?}");
+        engine.sweep().await.unwrap();
+        let since = Instant::now();
+        engine.stop().await;
+        assert!(since.elapsed() < Duration::from_secs(1), "{:?}", since.elapsed());
+    }
+
+    #[tokio::test(flavor = "multi_thread")]
+    async fn a_worker_that_lost_its_heartbeat_is_replaced() {
+        let directory = tempfile::tempdir().unwrap();
+        let engine = Engine::open(&directory.path().join("queue.db"), 1).await.unwrap();
+        let (sender, mut told) = mpsc::unbounded_channel();
+        engine.run(telling(sender));
+        tokio::time::sleep(Duration::from_millis(500)).await;
+        assert_eq!(sqlx::query("DELETE FROM Workers").execute(&engine.pool).await.unwrap().rows_affected(), 1);
+        tokio::time::sleep(HEARTBEAT + Duration::from_secs(2)).await;
+        let names: Vec<String> = sqlx::query_scalar("SELECT id FROM Workers").fetch_all(&engine.pool).await.unwrap();
+        assert_eq!(names.len(), 1, "another worker has taken over");
+        let id = Uuid::now_v7();
+        engine.enqueue(&[id]).await.unwrap();
+        assert_eq!(tokio::time::timeout(Duration::from_secs(5), told.recv()).await.unwrap(), Some(id));
+        engine.stop().await;
+    }
+
+    #[tokio::test(flavor = "multi_thread")]
+    async fn no_more_handlers_run_than_there_are_slots_and_a_failed_one_is_called_again() {
+        let directory = tempfile::tempdir().unwrap();
+        let engine = Engine::open(&directory.path().join("queue.db"), 2).await.unwrap();
+        let (sender, mut told) = mpsc::unbounded_channel();
+        let running = Arc::new(AtomicUsize::new(0));
+        let failed = Arc::new(AtomicBool::new(false));
+        engine.run(Handler::new(move |id| {
+            let (sender, running, failed) = (sender.clone(), running.clone(), failed.clone());
+            async move {
+                let at_once = running.fetch_add(1, Ordering::SeqCst) + 1;
+                tokio::time::sleep(Duration::from_millis(30)).await;
+                running.fetch_sub(1, Ordering::SeqCst);
+                anyhow::ensure!(failed.swap(true, Ordering::SeqCst), "the first call fails");
+                Ok(sender.send((id, at_once))?)
+            }
+            .boxed()
+        }));
+        let ids: Vec<Uuid> = (0..10).map(|_| Uuid::now_v7()).collect();
+        engine.enqueue(&ids).await.unwrap();
+        let (mut seen, mut most) = (Vec::new(), 0);
+        while seen.len() < ids.len() {
+            let (id, at_once) = told.recv().await.unwrap();
+            seen.push(id);
+            most = most.max(at_once);
+        }
+        seen.sort();
+        assert_eq!((seen, most), (ids, 2));
+        engine.stop().await;
+    }
+}

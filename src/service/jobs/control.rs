@@ -11,7 +11,7 @@ const GRACE: Duration = Duration::from_secs(5);
 
 /// Why a job is to stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Stop {
+pub(in crate::service) enum Stop {
     Canceled,
     ShuttingDown,
     TimeLimit,

@@ -16,7 +16,7 @@ const SHARE_OF_ELAPSED: u32 = 100;
 /// No estimate of the rest before this much is known.
 const ETA_AFTER: (Duration, f64) = (Duration::from_millis(500), 0.02);
 
-pub(super) struct Meter {
+pub(in crate::service) struct Meter {
     kind: JobKind,
     sign: watch::Receiver<Option<Stop>>,
     news: watch::Sender<Option<Progress>>,
@@ -28,13 +28,13 @@ pub(super) struct Meter {
 }
 
 impl Meter {
-    pub(super) fn new(kind: JobKind, sign: watch::Receiver<Option<Stop>>, news: watch::Sender<Option<Progress>>) -> Self {
+    pub(in crate::service) fn new(kind: JobKind, sign: watch::Receiver<Option<Stop>>, news: watch::Sender<Option<Progress>>) -> Self {
         let now = Instant::now();
         Meter { kind, sign, news, started: now, last: (now, Step::Load), told: None, timing: Timing::default() }
     }
 
     /// What was measured until now.
-    pub(super) fn timing(&self) -> Timing {
+    pub(in crate::service) fn timing(&self) -> Timing {
         Timing { total_s: self.started.elapsed().as_secs_f64(), ..self.timing }
     }
 

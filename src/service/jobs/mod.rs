@@ -1,14 +1,14 @@
 //! Submitting, running, waiting for and cancelling jobs, and keeping datasets: the facade of everything behind HTTP.
 
 mod change;
-mod control;
+pub(in crate::service) mod control;
 mod datasets;
 mod error;
 mod hub;
 mod inputs;
-mod meter;
+pub(in crate::service) mod meter;
 mod read;
-mod report;
+pub(in crate::service) mod report;
 mod request;
 mod runner;
 mod submit;
@@ -63,8 +63,8 @@ struct Inner {
     closing: CancellationToken,
     /// Some ready job may be missing in the queue.
     must_requeue: AtomicBool,
-    /// Tells other processes that the directory is in use; the system lifts it when the process ends.
-    _lock: File,
+    /// Locked while the directory is in use; the system unlocks it when the process ends.
+    lock: File,
 }
 
 impl Jobs {
@@ -88,7 +88,7 @@ impl Jobs {
             closing: CancellationToken::new(),
             must_requeue: AtomicBool::new(false),
             config: Config { slots, ..config },
-            _lock: lock,
+            lock,
         });
         inner.storage.recover().await?;
         inner.engine.enqueue(&inner.storage.ready_jobs().await?).await?;
@@ -221,6 +221,9 @@ impl Jobs {
         self.0.running.stop_all(Stop::ShuttingDown);
         self.0.engine.stop().await;
         self.0.storage.close().await;
+        if let Err(error) = self.0.lock.unlock() {
+            tracing::warn!(%error, "the data directory was not unlocked");
+        }
     }
 }
 

@@ -39,6 +39,16 @@ impl From<JobKind> for plan::JobKind {
     }
 }
 
+impl From<plan::JobKind> for JobKind {
+    fn from(kind: plan::JobKind) -> Self {
+        match kind {
+            plan::JobKind::Simulate => JobKind::Simulate,
+            plan::JobKind::Associate => JobKind::Associate,
+            plan::JobKind::Evaluate => JobKind::Evaluate,
+        }
+    }
+}
+
 /// Where a job is in its life.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]

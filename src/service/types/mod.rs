@@ -7,8 +7,10 @@ mod dataset;
 mod event;
 mod job;
 mod problem;
+mod report;
 
 pub use dataset::*;
 pub use event::*;
 pub use job::*;
 pub use problem::*;
+pub use report::*;

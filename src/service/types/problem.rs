@@ -21,6 +21,7 @@ pub const PROBLEMS: &[(&str, u16, &str)] = &[
     ("gone", 410, "It has been deleted"),
     ("payload_too_large", 413, "The body is too large"),
     ("unsupported_media_type", 415, "The media type is not supported"),
+    ("range_not_satisfiable", 416, "The range is outside the file"),
     ("validation", 422, "The request is not valid"),
     ("idempotency_mismatch", 422, "The idempotency key belongs to another request"),
     ("internal", 500, "An error inside the service"),

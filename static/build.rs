@@ -10,7 +10,7 @@ const SOURCES: [&str; 6] =
     ["static/src", "static/build.mjs", "static/package.json", "static/package-lock.json", "static/.npmrc", "static/tsconfig.json"];
 
 fn main() {
-    println!("cargo:rerun-if-changed=build.rs");
+    println!("cargo:rerun-if-changed=static/build.rs");
     println!("cargo:rerun-if-env-changed=TRACKLOOM_SKIP_DASHBOARD");
     for source in SOURCES {
         println!("cargo:rerun-if-changed={source}");

@@ -1,0 +1,128 @@
+//! `trackloom demo`: the tour. Runs real jobs in the service's own data directory, prints what they found, then serves
+//! the dashboard with them.
+
+use super::table::{cell, table};
+use crate::experiment::presets;
+use crate::service::config::Config;
+use crate::service::jobs::{DatasetMeta, Jobs, JobsError, ReceivedFile};
+use crate::service::server;
+use crate::service::types::{Job, JobKind, JobState};
+use anyhow::{Context, bail};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
+use std::time::Duration;
+use uuid::Uuid;
+
+/// The recording of the tour: its files, shipped with the program, and the job that judges it.
+const RADAR_DETECTIONS: &[u8] = include_bytes!("../../../examples/data/autoferry-scenario2/detections.json");
+const RADAR_TRUTH: &[u8] = include_bytes!("../../../examples/data/autoferry-scenario2/groundTruth.json");
+const RADAR_JOB: &str = include_str!("../../../examples/autoferry-scenario2.json");
+
+/// The tour, then, unless `once`, the service until it is told to stop.
+pub(super) async fn demo(config: Config, once: bool) -> anyhow::Result<()> {
+    let jobs = Jobs::open(config.clone()).await?;
+    if let Err(error) = tour(&jobs).await {
+        jobs.shutdown().await;
+        return Err(error);
+    }
+    if once {
+        jobs.shutdown().await;
+        return Ok(());
+    }
+    println!("\nThe dashboard shows both jobs; end with Ctrl-C.");
+    server::serve_jobs(config, jobs).await
+}
+
+async fn tour(jobs: &Jobs) -> anyhow::Result<()> {
+    println!("trackloom tour: two scenes, tracked by nearest neighbour and judged by the temporal automaton\n");
+    let preset = presets::find("liang2009-100").context("the preset of the tour is missing")?;
+    let simulated = submit(jobs, preset.body).await?;
+    let recorded = submit(jobs, radar_job(jobs).await?).await?;
+    let mut rows = Vec::new();
+    for (scene, job) in [("Liang 2009, 100 targets, simulated", simulated), ("autoferry 2, radar, recorded", recorded)] {
+        rows.push(row(scene, &follow(jobs, job).await?));
+    }
+    let header = ["scene", "scans", "detections", "targets", "tracks", "correct", "missed", "false", "P correct", "P missed", "seconds"];
+    println!("{}", table(&header, &rows));
+    Ok(())
+}
+
+/// The example job, its files replaced by datasets.
+async fn radar_job(jobs: &Jobs) -> anyhow::Result<Value> {
+    let mut body: Value = serde_json::from_str(RADAR_JOB)?;
+    for (name, file_name, bytes) in [("input", "detections.json", RADAR_DETECTIONS), ("truth", "groundTruth.json", RADAR_TRUTH)] {
+        let dataset_id = upload(jobs, file_name, bytes).await?;
+        let mut source = json!({"source": "dataset", "dataset_id": dataset_id});
+        if let Some(sensor_ids) = body[name].get("sensor_ids") {
+            source["sensor_ids"] = sensor_ids.clone();
+        }
+        body[name] = source;
+    }
+    if let Some(fields) = body.as_object_mut() {
+        fields.shift_remove("kind");
+    }
+    Ok(body)
+}
+
+async fn upload(jobs: &Jobs, file_name: &str, bytes: &[u8]) -> anyhow::Result<Uuid> {
+    let path = jobs.temp_dir().join(Uuid::now_v7().to_string());
+    tokio::fs::write(&path, bytes).await?;
+    let sha256 = Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+    let file = ReceivedFile { path, sha256, bytes: bytes.len() as u64 };
+    let meta = DatasetMeta {
+        name: Some(format!("autoferry scenario 2, {file_name}")),
+        format: Some("autoferry".to_owned()),
+        file_name: Some(file_name.to_owned()),
+        ..Default::default()
+    };
+    Ok(jobs.add_dataset(file, meta).await.map_err(explain)?.0.id)
+}
+
+async fn submit(jobs: &Jobs, mut body: Value) -> anyhow::Result<Job> {
+    body["labels"] = json!({"tour": "demo"});
+    Ok(jobs.submit(JobKind::Evaluate, body, None).await.map_err(explain)?.job)
+}
+
+/// Waits for the job with a progress bar (shown when stderr is a terminal), and gives its report.
+async fn follow(jobs: &Jobs, job: Job) -> anyhow::Result<Value> {
+    let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr());
+    bar.set_style(ProgressStyle::with_template("{msg:36} {bar:40} {percent:>3} %").unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.set_message(job.name.clone().unwrap_or_default());
+    let mut job = job;
+    while !job.state.is_terminal() {
+        job = jobs.wait(job.id, Duration::from_millis(200)).await.map_err(explain)?;
+        bar.set_position(job.progress.as_ref().map_or(0, |progress| (progress.fraction * 1000.0) as u64));
+    }
+    bar.finish_and_clear();
+    if job.state != JobState::Succeeded {
+        bail!("job {} {}: {}", job.id, job.state.name(), serde_json::to_string(&job.error)?);
+    }
+    let report = jobs.report(job.id).await.map_err(explain)?;
+    Ok(serde_json::from_slice(&tokio::fs::read(&report.path).await?)?)
+}
+
+fn row(scene: &str, report: &Value) -> Vec<String> {
+    let value = |pointer: &str| cell(report.pointer(pointer).unwrap_or(&Value::Null));
+    let mut cells = vec![scene.to_owned()];
+    cells.extend(
+        [
+            "/result/association/counts/scans",
+            "/result/association/counts/detections",
+            "/result/tfa/counts/targets",
+            "/result/tfa/counts/output_tracks",
+            "/result/tfa/counts/correct",
+            "/result/tfa/counts/missed",
+            "/result/tfa/counts/false",
+            "/result/tfa/probability/correct",
+            "/result/tfa/probability/missed",
+            "/timing/total_s",
+        ]
+        .map(value),
+    );
+    cells
+}
+
+fn explain(error: JobsError) -> anyhow::Error {
+    anyhow::anyhow!("{error}")
+}

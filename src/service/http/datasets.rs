@@ -1,0 +1,147 @@
+//! Datasets: receive, list, look into, hand out, delete.
+
+use super::conditional::{self, created};
+use super::extract::Id;
+use super::query::{NoParams, Params, names};
+use super::state::AppState;
+use super::upload;
+use crate::model::dataset::DatasetKind as ModelKind;
+use crate::service::error::ApiResult;
+use crate::service::jobs::{DatasetFilter, Sort};
+use crate::service::types::{DatasetInfo, DatasetPage};
+use crate::service::views::preview;
+use axum::Json;
+use axum::body::Body;
+use axum::extract::{DefaultBodyLimit, Request, State};
+use axum::http::{HeaderMap, StatusCode};
+use axum::response::{IntoResponse, Response};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+/// Rows of a preview when the caller does not say, and at most.
+const PREVIEW_ROWS: (u64, u64) = (20, 1000);
+
+pub fn routes() -> OpenApiRouter<AppState> {
+    OpenApiRouter::new()
+        .routes(routes!(upload_dataset, list_datasets))
+        .layer(DefaultBodyLimit::disable())
+        .routes(routes!(get_dataset, delete_dataset))
+        .routes(routes!(preview_dataset))
+        .routes(routes!(download_dataset))
+}
+
+/// Upload a dataset
+///
+/// Two parts: `meta` (JSON, may be left out) and `file`. With `meta` first, its faults are told before the file is read.
+/// The same content with the same meta gives the dataset that exists already, with status 200 instead of 201.
+#[utoipa::path(post, path = "/v1/datasets", operation_id = "uploadDataset", tag = "datasets",
+    responses(
+        (status = 200, description = "The dataset that exists already.", body = DatasetInfo),
+        (status = 201, description = "The dataset, checked and kept.", body = DatasetInfo),
+    ))]
+async fn upload_dataset(State(app): State<AppState>, _: NoParams, request: Request) -> ApiResult {
+    let upload = upload::receive(request, app.jobs.temp_dir(), app.max_upload_bytes).await?;
+    let (dataset, is_new) = app.jobs.add_dataset(upload.file.clone(), upload.meta.clone()).await?;
+    let status = if is_new { StatusCode::CREATED } else { StatusCode::OK };
+    let location = dataset.links.self_path.clone();
+    Ok(created(status, &location, dataset))
+}
+
+/// List datasets
+///
+/// Newest first. `next_cursor` of a page, given back as `cursor`, gets the next one; datasets added meanwhile move
+/// nothing.
+#[utoipa::path(get, path = "/v1/datasets", operation_id = "listDatasets", tag = "datasets",
+    params(
+        ("kind" = Option<String>, Query, description = "Kinds to list, separated by commas: detections, truth, tracks."),
+        ("q" = Option<String>, Query, description = "Part of the name, or the start of the id."),
+        ("sort" = Option<String>, Query, description = "`-created_at` (newest first) or `created_at`."),
+        ("limit" = Option<u32>, Query, minimum = 1, maximum = 200, description = "Datasets of a page; 50 when absent."),
+        ("cursor" = Option<String>, Query, description = "Where the page before ended."),
+        ("count" = Option<bool>, Query, description = "Count every match in `total`."),
+    ),
+    responses((status = 200, description = "One page.", body = DatasetPage)))]
+async fn list_datasets(State(app): State<AppState>, mut params: Params) -> ApiResult {
+    let kind = |name: &str| ModelKind::ALL.into_iter().find(|kind| kind.name() == name);
+    let filter = DatasetFilter {
+        kinds: params.list("kind", &names(ModelKind::ALL.map(ModelKind::name)), kind),
+        q: params.text("q"),
+        sort: sort(&mut params),
+        limit: limit(&mut params),
+        cursor: params.text("cursor"),
+        count: params.flag("count"),
+    };
+    let next = params.next_page();
+    params.finish()?;
+    let page = app.jobs.list_datasets(filter).await?;
+    Ok(with_next("/v1/datasets", &next, page.next_cursor.as_deref(), Json(&page).into_response()))
+}
+
+/// Get a dataset
+///
+/// What it holds, where it came from, and what the reader had to say about it.
+#[utoipa::path(get, path = "/v1/datasets/{id}", operation_id = "getDataset", tag = "datasets",
+    params(("id" = uuid::Uuid, Path, description = "Identity of the dataset.")),
+    responses((status = 200, description = "The dataset.", body = DatasetInfo)))]
+async fn get_dataset(State(app): State<AppState>, Id(id): Id, _: NoParams, headers: HeaderMap) -> ApiResult {
+    conditional::weakly_tagged(&headers, &app.jobs.dataset(id).await?)
+}
+
+/// Delete a dataset
+///
+/// Refused with `in_use` while a queued or running job needs it. Afterwards the dataset is gone (410).
+#[utoipa::path(delete, path = "/v1/datasets/{id}", operation_id = "deleteDataset", tag = "datasets",
+    params(("id" = uuid::Uuid, Path, description = "Identity of the dataset.")),
+    responses((status = 204, description = "It is deleted.")))]
+async fn delete_dataset(State(app): State<AppState>, Id(id): Id, _: NoParams) -> ApiResult {
+    app.jobs.delete_dataset(id).await?;
+    Ok(StatusCode::NO_CONTENT.into_response())
+}
+
+/// Look into a dataset
+///
+/// The first rows in the canonical columns, as text.
+#[utoipa::path(get, path = "/v1/datasets/{id}/preview", operation_id = "previewDataset", tag = "datasets",
+    params(
+        ("id" = uuid::Uuid, Path, description = "Identity of the dataset."),
+        ("limit" = Option<u32>, Query, minimum = 1, maximum = 1000, description = "Rows to show; 20 when absent."),
+    ),
+    responses((status = 200, description = "The first rows.", body = preview::Preview)))]
+async fn preview_dataset(State(app): State<AppState>, Id(id): Id, mut params: Params) -> ApiResult {
+    let rows = params.whole_number("limit", 1..=PREVIEW_ROWS.1).unwrap_or(PREVIEW_ROWS.0);
+    params.finish()?;
+    let dataset = app.jobs.load_dataset(id).await?;
+    Ok(Json(preview::of(&dataset, rows as usize)).into_response())
+}
+
+/// Download a dataset
+///
+/// The bytes as they were uploaded, in the media type of their format. Ranges are served.
+#[utoipa::path(get, path = "/v1/datasets/{id}/content", operation_id = "downloadDataset", tag = "datasets",
+    params(("id" = uuid::Uuid, Path, description = "Identity of the dataset.")),
+    responses((status = 200, description = "The file.", content_type = "application/octet-stream", body = super::state::FileContent)))]
+async fn download_dataset(State(app): State<AppState>, Id(id): Id, _: NoParams, headers: HeaderMap) -> ApiResult {
+    conditional::stored(&headers, app.jobs.dataset_content(id).await?, true).await
+}
+
+pub(super) fn sort(params: &mut Params) -> Sort {
+    let read = |text: &str| match text {
+        "-created_at" => Some(Sort::NewestFirst),
+        "created_at" => Some(Sort::OldestFirst),
+        _ => None,
+    };
+    params.read("sort", "-created_at, created_at", read).unwrap_or_default()
+}
+
+/// Rows of a page; 0 stands for what the storage thinks right.
+pub(super) fn limit(params: &mut Params) -> u32 {
+    params.whole_number("limit", 1..=200).map_or(0, |limit| limit as u32)
+}
+
+/// Adds `Link: <…>; rel="next"` where there is a next page.
+pub(super) fn with_next(path: &str, query: &str, cursor: Option<&str>, mut response: Response<Body>) -> Response {
+    if let Some(cursor) = cursor {
+        conditional::set(&mut response, axum::http::header::LINK, &format!("<{path}?{query}cursor={cursor}>; rel=\"next\""));
+    }
+    response
+}

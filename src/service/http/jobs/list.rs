@@ -1,0 +1,76 @@
+//! Finding jobs.
+
+use super::super::conditional;
+use super::super::datasets::{limit, sort, with_next};
+use super::super::extract::Id;
+use super::super::query::{NoParams, Params, names};
+use super::super::state::AppState;
+use crate::service::error::ApiResult;
+use crate::service::jobs::JobFilter;
+use crate::service::types::{Job, JobKind, JobPage, JobSpec, JobState};
+use axum::Json;
+use axum::extract::State;
+use axum::http::HeaderMap;
+use axum::response::IntoResponse;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+pub fn routes() -> OpenApiRouter<AppState> {
+    OpenApiRouter::new().routes(routes!(list_jobs)).routes(routes!(get_job)).routes(routes!(get_job_spec))
+}
+
+/// List jobs
+///
+/// Newest first. Several filters must all match; a comma list matches any of its entries.
+#[utoipa::path(get, path = "/v1/jobs", operation_id = "listJobs", tag = "jobs",
+    params(
+        ("state" = Option<String>, Query, description = "States, separated by commas: queued, running, succeeded, failed, canceled."),
+        ("kind" = Option<String>, Query, description = "Kinds, separated by commas: simulate, associate, evaluate."),
+        ("label" = Option<Vec<String>>, Query, description = "`key:value`; repeated, all must match."),
+        ("created_after" = Option<String>, Query, description = "RFC 3339 time."),
+        ("created_before" = Option<String>, Query, description = "RFC 3339 time."),
+        ("q" = Option<String>, Query, description = "Part of the name, or the start of the id."),
+        ("sort" = Option<String>, Query, description = "`-created_at` (newest first) or `created_at`."),
+        ("limit" = Option<u32>, Query, minimum = 1, maximum = 200, description = "Jobs of a page; 50 when absent."),
+        ("cursor" = Option<String>, Query, description = "Where the page before ended."),
+        ("count" = Option<bool>, Query, description = "Count every match in `total`."),
+    ),
+    responses((status = 200, description = "One page.", body = JobPage)))]
+async fn list_jobs(State(app): State<AppState>, mut params: Params) -> ApiResult {
+    let filter = JobFilter {
+        states: params.list("state", &names(JobState::ALL.map(JobState::name)), JobState::from_name),
+        kinds: params.list("kind", &names(JobKind::ALL.map(JobKind::name)), JobKind::from_name),
+        labels: params.labels("label"),
+        created_after: params.timestamp("created_after"),
+        created_before: params.timestamp("created_before"),
+        q: params.text("q"),
+        sort: sort(&mut params),
+        limit: limit(&mut params),
+        cursor: params.text("cursor"),
+        count: params.flag("count"),
+    };
+    let next = params.next_page();
+    params.finish()?;
+    let page = app.jobs.list(filter).await?;
+    Ok(with_next("/v1/jobs", &next, page.next_cursor.as_deref(), Json(&page).into_response()))
+}
+
+/// Get a job
+///
+/// Its state and how far it is. `If-None-Match` with the last tag makes asking again cheap.
+#[utoipa::path(get, path = "/v1/jobs/{id}", operation_id = "getJob", tag = "jobs",
+    params(("id" = uuid::Uuid, Path, description = "Identity of the job.")),
+    responses((status = 200, description = "The job.", body = Job)))]
+async fn get_job(State(app): State<AppState>, Id(id): Id, _: NoParams, headers: HeaderMap) -> ApiResult {
+    conditional::weakly_tagged(&headers, &app.jobs.get(id).await?)
+}
+
+/// Get the request of a job
+///
+/// As normalised: defaults filled in, presets written out. Posted again it is the same job.
+#[utoipa::path(get, path = "/v1/jobs/{id}/spec", operation_id = "getJobSpec", tag = "jobs",
+    params(("id" = uuid::Uuid, Path, description = "Identity of the job.")),
+    responses((status = 200, description = "The request.", body = JobSpec)))]
+async fn get_job_spec(State(app): State<AppState>, Id(id): Id, _: NoParams, headers: HeaderMap) -> ApiResult {
+    conditional::weakly_tagged(&headers, &app.jobs.spec(id).await?)
+}

@@ -1,0 +1,52 @@
+//! What a job found: its report and its files.
+
+use super::super::conditional;
+use super::super::extract::{Id, IdAndName};
+use super::super::query::NoParams;
+use super::super::state::{AppState, FileContent};
+use crate::service::error::ApiResult;
+use crate::service::types::{ArtifactList, Report};
+use axum::Json;
+use axum::extract::State;
+use axum::http::HeaderMap;
+use axum::response::IntoResponse;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+pub fn routes() -> OpenApiRouter<AppState> {
+    OpenApiRouter::new().routes(routes!(get_job_report)).routes(routes!(list_job_artifacts)).routes(routes!(download_job_artifact))
+}
+
+/// Get the report of a job
+///
+/// Refused with `result_not_ready` until the job has ended, and with `job_failed` where it ended without a result.
+/// A report never changes.
+#[utoipa::path(get, path = "/v1/jobs/{id}/report", operation_id = "getJobReport", tag = "results",
+    params(("id" = uuid::Uuid, Path, description = "Identity of the job.")),
+    responses((status = 200, description = "The report.", body = Report)))]
+async fn get_job_report(State(app): State<AppState>, Id(id): Id, _: NoParams, headers: HeaderMap) -> ApiResult {
+    conditional::stored(&headers, app.jobs.report(id).await?, false).await
+}
+
+/// List the files of a job
+///
+/// Tables and the report. A file that is a dataset can be the source of other jobs.
+#[utoipa::path(get, path = "/v1/jobs/{id}/artifacts", operation_id = "listJobArtifacts", tag = "results",
+    params(("id" = uuid::Uuid, Path, description = "Identity of the job.")),
+    responses((status = 200, description = "The files.", body = ArtifactList)))]
+async fn list_job_artifacts(State(app): State<AppState>, Id(id): Id, _: NoParams) -> ApiResult {
+    Ok(Json(app.jobs.artifacts(id).await?).into_response())
+}
+
+/// Download a file of a job
+///
+/// The bytes, in the media type that the list of files names. Ranges are served.
+#[utoipa::path(get, path = "/v1/jobs/{id}/artifacts/{name}", operation_id = "downloadJobArtifact", tag = "results",
+    params(
+        ("id" = uuid::Uuid, Path, description = "Identity of the job."),
+        ("name" = String, Path, description = "Name of the file, such as `tracks.csv`."),
+    ),
+    responses((status = 200, description = "The file.", content_type = "application/octet-stream", body = FileContent)))]
+async fn download_job_artifact(State(app): State<AppState>, IdAndName(id, name): IdAndName, _: NoParams, headers: HeaderMap) -> ApiResult {
+    conditional::stored(&headers, app.jobs.artifact(id, &name).await?, true).await
+}

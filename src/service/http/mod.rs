@@ -1,0 +1,34 @@
+//! The API: one file a resource, and the layers that every answer goes through. Handlers read a request, call the
+//! facade, and write an answer; they decide nothing else.
+
+mod body;
+mod catalogue;
+pub(super) mod conditional;
+mod datasets;
+mod extract;
+mod headers;
+mod jobs;
+mod layers;
+mod query;
+mod state;
+mod system;
+mod upload;
+
+pub use jobs::PATCH;
+pub use layers::wrap;
+pub use state::AppState;
+pub use upload::META;
+
+use axum::Router;
+use utoipa_axum::router::OpenApiRouter;
+
+/// Every documented route.
+pub fn routes() -> OpenApiRouter<AppState> {
+    OpenApiRouter::new().merge(jobs::routes()).merge(datasets::routes()).merge(catalogue::routes()).merge(system::routes())
+}
+
+/// The whole application without its layers.
+pub fn application(state: AppState) -> Router {
+    let (api, _) = routes().split_for_parts();
+    api.merge(system::documents()).fallback(system::dashboard_or_nothing).with_state(state).merge(system::docs_page())
+}

@@ -1,0 +1,132 @@
+//! The service about itself: health, numbers, version, documents, problems, and what is not the API.
+
+use super::conditional;
+use super::query::NoParams;
+use super::state::AppState;
+use crate::service::dashboard;
+use crate::service::error::{ApiError, ApiResult};
+use crate::service::types::{JobState, PROBLEMS};
+use axum::extract::{Path, Request, State};
+use axum::http::{HeaderMap, Method, header};
+use axum::response::{IntoResponse, Response};
+use axum::routing::get;
+use axum::{Json, Router};
+use serde::Serialize;
+use utoipa::ToSchema;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+use utoipa_swagger_ui::SwaggerUi;
+
+pub fn routes() -> OpenApiRouter<AppState> {
+    OpenApiRouter::new()
+        .routes(routes!(get_health))
+        .routes(routes!(get_readiness))
+        .routes(routes!(get_metrics))
+        .routes(routes!(get_version))
+        .routes(routes!(get_problem_type))
+}
+
+#[derive(Serialize, ToSchema)]
+struct Health {
+    /// `ok`.
+    status: &'static str,
+}
+
+#[derive(Serialize, ToSchema)]
+struct Version {
+    name: &'static str,
+    version: &'static str,
+}
+
+/// What a `code` of a problem means.
+#[derive(Serialize, ToSchema)]
+struct ProblemType {
+    code: String,
+    status: u16,
+    title: String,
+}
+
+/// Is the process alive?
+///
+/// Always 200 while it answers at all.
+#[utoipa::path(get, path = "/healthz", operation_id = "getHealth", tag = "system",
+    responses((status = 200, description = "It is.", body = Health)))]
+async fn get_health(_: NoParams) -> Json<Health> {
+    Json(Health { status: "ok" })
+}
+
+/// Does the service take work?
+///
+/// Refused with `shutting_down` while it stops.
+#[utoipa::path(get, path = "/readyz", operation_id = "getReadiness", tag = "system",
+    responses((status = 200, description = "It does.", body = Health)))]
+async fn get_readiness(State(app): State<AppState>, _: NoParams) -> ApiResult<Json<Health>> {
+    if app.jobs.is_shutting_down() {
+        return Err(ApiError::new("shutting_down", "the service is shutting down"));
+    }
+    Ok(Json(Health { status: "ok" }))
+}
+
+/// Numbers for monitoring
+///
+/// In the text format of Prometheus: requests by route, jobs by state.
+#[utoipa::path(get, path = "/metrics", operation_id = "getMetrics", tag = "system",
+    responses((status = 200, description = "The numbers.", content_type = "text/plain", body = String)))]
+async fn get_metrics(State(app): State<AppState>, _: NoParams) -> ApiResult {
+    let counts = app.jobs.counts().await?;
+    for state in JobState::ALL {
+        let count = counts.get(&state).copied().unwrap_or(0);
+        metrics::gauge!("trackloom_jobs", "state" => state.name()).set(count as f64);
+    }
+    app.metrics.run_upkeep();
+    Ok(([(header::CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], app.metrics.render()).into_response())
+}
+
+/// Which program is this?
+///
+/// Its name and version; reports name the version too.
+#[utoipa::path(get, path = "/v1/version", operation_id = "getVersion", tag = "system",
+    responses((status = 200, description = "Name and version.", body = Version)))]
+async fn get_version(_: NoParams) -> Json<Version> {
+    Json(Version { name: env!("CARGO_PKG_NAME"), version: env!("CARGO_PKG_VERSION") })
+}
+
+/// What does a problem mean?
+///
+/// The page that the `type` of a problem names.
+#[utoipa::path(get, path = "/problems/{code}", operation_id = "getProblemType", tag = "system",
+    params(("code" = String, Path, description = "Code of the problem, such as `validation`.")),
+    responses((status = 200, description = "Its meaning.", body = ProblemType)))]
+async fn get_problem_type(Path(code): Path<String>, _: NoParams) -> ApiResult {
+    let known = PROBLEMS.iter().find(|(name, ..)| *name == code).ok_or_else(|| ApiError::not_found("problem"))?;
+    let &(_, status, title) = known;
+    Ok(Json(ProblemType { code, status, title: title.to_owned() }).into_response())
+}
+
+/// The API documents.
+pub fn documents() -> Router<AppState> {
+    Router::new().route("/openapi.json", get(document)).route("/openapi-3.0.json", get(document_3_0))
+}
+
+async fn document(State(app): State<AppState>, headers: HeaderMap) -> Response {
+    conditional::fixed(&headers, "application/json", app.documents.v3_1.bytes.clone(), &app.documents.v3_1.sha256)
+}
+
+async fn document_3_0(State(app): State<AppState>, headers: HeaderMap) -> Response {
+    conditional::fixed(&headers, "application/json", app.documents.v3_0.bytes.clone(), &app.documents.v3_0.sha256)
+}
+
+/// The document made readable; its scripts are part of the program.
+pub fn docs_page() -> Router {
+    SwaggerUi::new("/docs").config(utoipa_swagger_ui::Config::from("/openapi.json")).into()
+}
+
+/// A path that is no route belongs to the dashboard, or to nobody.
+pub async fn dashboard_or_nothing(request: Request) -> ApiResult {
+    let path = request.uri().path();
+    let nothing = || ApiError::new("not_found", format!("there is nothing at {path}"));
+    if !matches!(*request.method(), Method::GET | Method::HEAD) {
+        return Err(nothing());
+    }
+    dashboard::answer(path, request.headers()).ok_or_else(nothing)
+}

@@ -1,0 +1,170 @@
+//! Receiving a file: streamed to a temporary file, hashed and counted on the way. Nothing stays of an upload that
+//! breaks off, because the temporary file goes with the request.
+
+use super::body::{JSON_LIMIT_BYTES, broken_off, checked, content_length, drain, media_type, parse_json, read_away, too_large};
+use crate::experiment::catalogue;
+use crate::formats::FORMATS;
+use crate::model::dataset::DatasetKind;
+use crate::model::fault::Fault;
+use crate::model::sensor::SensorSettings;
+use crate::registry::{Field, Kind, Object, Presence};
+use crate::service::error::ApiError;
+use crate::service::jobs::{DatasetMeta, ReceivedFile};
+use axum::extract::multipart::Field as Part;
+use axum::extract::{FromRequest, Multipart, Request};
+use futures::{Stream, stream};
+use serde::Deserialize;
+use sha2::{Digest, Sha256};
+use std::collections::BTreeMap;
+use std::path::Path;
+use tempfile::TempPath;
+use tokio::fs::File;
+use tokio::io::AsyncWriteExt;
+
+const FORMAT_NAMES: [&str; FORMATS.len()] = {
+    let mut names = [""; FORMATS.len()];
+    let mut index = 0;
+    while index < names.len() {
+        names[index] = FORMATS[index].name;
+        index += 1;
+    }
+    names
+};
+
+const fn optional(name: &'static str, summary: &'static str, kind: Kind) -> Field {
+    Field { name, summary, kind, presence: Presence::Optional }
+}
+
+/// The part `meta` of an upload.
+pub static META: Object = Object {
+    name: "DatasetMeta",
+    summary: "What is known of an uploaded file besides its content. Everything may be absent.",
+    fields: &[
+        optional("name", "A name for people; the file's name when absent.", Kind::Text { max_length: 200 }),
+        optional("kind", "What the file holds; told from its columns when absent.", Kind::Choice(&["detections", "truth", "tracks"])),
+        optional("format", "How the file is written; told from its content when absent.", Kind::Choice(&FORMAT_NAMES)),
+        optional("columns", "The file's column name to the canonical one, where they differ.", Kind::TextMap { max_entries: 64, max_length: 100 }),
+        optional("sensors", "What is known of the sensors.", Kind::List { item: &SENSOR, min: 1, max: 64 }),
+    ],
+};
+
+static SENSOR: Kind = Kind::Object(catalogue::sensor_settings());
+
+#[derive(Debug, Default, Deserialize)]
+struct Meta {
+    name: Option<String>,
+    kind: Option<DatasetKind>,
+    format: Option<String>,
+    #[serde(default)]
+    columns: BTreeMap<String, String>,
+    #[serde(default)]
+    sensors: Vec<SensorSettings>,
+}
+
+impl From<Meta> for DatasetMeta {
+    fn from(meta: Meta) -> Self {
+        let Meta { name, kind, format, columns, sensors } = meta;
+        DatasetMeta { name, kind, format, columns, sensors, file_name: None }
+    }
+}
+
+/// A complete upload. The temporary file is removed with it unless the storage has taken it over.
+pub struct Upload {
+    pub meta: DatasetMeta,
+    pub file: ReceivedFile,
+    /// Held for its drop.
+    _temporary: TempPath,
+}
+
+/// Receives the parts `meta` (may be absent) and `file`. In this order, faults of `meta` are told before the file is read.
+///
+/// # Errors
+/// Another media type, a body over the limit, faults in `meta`, missing and unknown parts.
+pub async fn receive(request: Request, directory: &Path, limit_bytes: u64) -> Result<Upload, ApiError> {
+    let headers = request.headers().clone();
+    if media_type(&headers) != "multipart/form-data" {
+        drain(&headers, request.into_body()).await;
+        return Err(ApiError::new("unsupported_media_type", "the body must be multipart/form-data with the parts 'meta' and 'file'"));
+    }
+    // The parts around the file are small; what they add is allowed for.
+    if content_length(&headers).is_some_and(|length| length > limit_bytes.saturating_add(2 * JSON_LIMIT_BYTES)) {
+        drain(&headers, request.into_body()).await;
+        return Err(too_large(limit_bytes));
+    }
+    let multipart = Multipart::from_request(request, &()).await;
+    let mut multipart = multipart.map_err(|rejection| part_fault("", "malformed", &rejection.body_text()))?;
+    let received = receive_parts(&mut multipart, directory, limit_bytes).await;
+    if received.is_err() {
+        read_away(rest_of(multipart)).await;
+    }
+    received
+}
+
+async fn receive_parts(multipart: &mut Multipart, directory: &Path, limit_bytes: u64) -> Result<Upload, ApiError> {
+    let mut meta = None;
+    let mut file = None;
+    while let Some(part) = multipart.next_field().await.map_err(|_| broken_off())? {
+        match part.name().unwrap_or_default() {
+            "meta" if meta.is_some() => return Err(part_fault("/meta", "duplicate", "there are two parts 'meta'")),
+            "file" if file.is_some() => return Err(part_fault("/file", "duplicate", "there are two parts 'file'")),
+            "meta" => meta = Some(read_meta(part).await?),
+            "file" => file = Some(read_file(part, directory, limit_bytes).await?),
+            other => {
+                let fault = Fault::new(format!("/{other}"), "unknown_field", format!("unknown part '{other}'")).allowing("meta, file");
+                return Err(ApiError::validation(vec![fault]));
+            }
+        }
+    }
+    let Some((file, temporary, file_name)) = file else {
+        return Err(part_fault("/file", "missing", "the part 'file' is required"));
+    };
+    let meta = DatasetMeta { file_name, ..meta.unwrap_or_default() };
+    Ok(Upload { meta, file, _temporary: temporary })
+}
+
+/// Lengths of the parts that nobody wants any more.
+fn rest_of(multipart: Multipart) -> impl Stream<Item = Option<usize>> {
+    stream::unfold(multipart, |mut multipart| async {
+        let mut part = multipart.next_field().await.ok()??;
+        let mut length = 0;
+        while let Ok(Some(chunk)) = part.chunk().await {
+            length += chunk.len();
+        }
+        drop(part);
+        Some((Some(length), multipart))
+    })
+}
+
+async fn read_meta(mut part: Part<'_>) -> Result<DatasetMeta, ApiError> {
+    let mut bytes = Vec::new();
+    while let Some(chunk) = part.chunk().await.map_err(|_| broken_off())? {
+        bytes.extend_from_slice(&chunk);
+        if bytes.len() as u64 > JSON_LIMIT_BYTES {
+            return Err(too_large(JSON_LIMIT_BYTES));
+        }
+    }
+    checked::<Meta>(&parse_json(&bytes)?, &META, "/meta").map(DatasetMeta::from)
+}
+
+async fn read_file(mut part: Part<'_>, directory: &Path, limit_bytes: u64) -> Result<(ReceivedFile, TempPath, Option<String>), ApiError> {
+    let file_name = part.file_name().map(str::to_owned).filter(|name| !name.is_empty());
+    let (file, path) = tempfile::NamedTempFile::new_in(directory).map_err(ApiError::internal)?.into_parts();
+    let mut file = File::from_std(file);
+    let mut hash = Sha256::new();
+    let mut bytes = 0;
+    while let Some(chunk) = part.chunk().await.map_err(|_| broken_off())? {
+        bytes += chunk.len() as u64;
+        if bytes > limit_bytes {
+            return Err(too_large(limit_bytes));
+        }
+        hash.update(&chunk);
+        file.write_all(&chunk).await.map_err(ApiError::internal)?;
+    }
+    file.flush().await.map_err(ApiError::internal)?;
+    let sha256 = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+    Ok((ReceivedFile { path: path.to_path_buf(), sha256, bytes }, path, file_name))
+}
+
+fn part_fault(pointer: &str, code: &str, detail: &str) -> ApiError {
+    ApiError::validation(vec![Fault::new(pointer, code, detail)])
+}

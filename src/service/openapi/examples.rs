@@ -1,0 +1,70 @@
+//! Examples of request bodies. A test gives every one of them to the checks that real requests meet.
+
+use crate::experiment::plan::JobKind;
+use crate::experiment::presets;
+use serde_json::{Value, json};
+
+/// An id as ids look; examples name nothing that exists.
+const SOME_ID: &str = "0199e0a4-7c00-7000-8000-000000000001";
+const OTHER_ID: &str = "0199e0a4-7c00-7000-8000-000000000002";
+
+/// Examples for jobs of a kind: summary and body.
+pub fn job_examples(kind: JobKind) -> Vec<(&'static str, Value)> {
+    match kind {
+        JobKind::Simulate => simulate(),
+        JobKind::Associate => associate(),
+        JobKind::Evaluate => evaluate(),
+    }
+}
+
+fn simulate() -> Vec<(&'static str, Value)> {
+    let crossing = json!({
+        "scans": 20,
+        "scan_period_s": 2.0,
+        "sensors": [{"sensor_id": "radar", "max_range_m": 20_000.0, "p_d": 0.9, "sigma_x_m": 30.0, "sigma_y_m": 30.0, "clutter_per_scan": 2.0}],
+        "targets": {"kind": "listed", "targets": [
+            {"truth_id": "A", "x_m": -4000.0, "y_m": 0.0, "vx_mps": 200.0, "vy_mps": 0.0},
+            {"truth_id": "B", "x_m": 0.0, "y_m": -4000.0, "vx_mps": 0.0, "vy_mps": 200.0}
+        ]}
+    });
+    vec![("Two crossing targets", json!({"name": "crossing", "seed": 7, "scenario": crossing}))]
+}
+
+fn associate() -> Vec<(&'static str, Value)> {
+    vec![
+        (
+            "An uploaded recording under the nearest neighbour",
+            json!({
+                "input": {"source": "dataset", "dataset_id": SOME_ID},
+                "sensors": [{"sensor_id": "radar", "p_d": 0.9, "clutter_per_m2": 1e-8, "sigma_x_m": 30.0, "sigma_y_m": 30.0}],
+                "associator": {"method": "nearest_neighbour"}
+            }),
+        ),
+        ("The output of a simulation", json!({"input": {"source": "job", "job_id": SOME_ID}, "labels": {"paper": "figure-3"}})),
+    ]
+}
+
+fn evaluate() -> Vec<(&'static str, Value)> {
+    let preset = presets::all().into_iter().find(|preset| preset.kind == JobKind::Evaluate);
+    let mut examples = vec![
+        ("The tracks of a job against the truth that it knows", json!({"tracks": {"source": "job", "job_id": SOME_ID}})),
+        (
+            "Uploaded tracks against uploaded truth",
+            json!({
+                "tracks": {"source": "dataset", "dataset_id": SOME_ID},
+                "truth": {"source": "dataset", "dataset_id": OTHER_ID},
+                "tfa": {"symbols": {"kind": "nearest_truth", "gate_m": 50.0}}
+            }),
+        ),
+    ];
+    examples.extend(preset.map(|preset| ("A preset: simulate, track and judge in one job", preset.body)));
+    examples
+}
+
+pub(super) fn patch() -> Vec<(&'static str, Value)> {
+    vec![("A new name", json!({"name": "crossing, second try"}))]
+}
+
+pub(super) fn validate() -> Vec<(&'static str, Value)> {
+    simulate().into_iter().map(|(summary, body)| (summary, json!({"kind": "simulate", "spec": body}))).collect()
+}

@@ -1,0 +1,125 @@
+//! The running service: built once, bound, served until it is told to stop, then drained.
+
+use super::config::Config;
+use super::http::{self, AppState};
+use super::jobs::Jobs;
+use super::openapi::Documents;
+use anyhow::Context;
+use axum::Router;
+use metrics_exporter_prometheus::{PrometheusBuilder, PrometheusHandle};
+use std::net::SocketAddr;
+use std::sync::{Arc, OnceLock};
+use std::time::Duration;
+use tokio::net::TcpListener;
+use tokio::task::JoinHandle;
+use tokio::time::timeout;
+use tokio_util::sync::CancellationToken;
+
+/// How long open requests may take to end once the workers have stopped.
+const DRAIN: Duration = Duration::from_millis(800);
+/// How long the workers may take to hand back what they run.
+const WORKERS: Duration = Duration::from_secs(2);
+
+/// Serves until the process is told to stop.
+///
+/// # Errors
+/// When the data directory cannot be used or the address cannot be bound.
+pub async fn serve(config: Config) -> anyhow::Result<()> {
+    let jobs = Jobs::open(config.clone()).await?;
+    serve_jobs(config, jobs).await
+}
+
+/// The same with jobs that are open already.
+///
+/// # Errors
+/// When the address cannot be bound.
+pub async fn serve_jobs(config: Config, jobs: Jobs) -> anyhow::Result<()> {
+    let server = match Server::start(&config, jobs.clone()).await {
+        Ok(server) => server,
+        Err(error) => {
+            jobs.shutdown().await;
+            return Err(error);
+        }
+    };
+    println!("trackloom listening on http://{}", server.address());
+    told_to_stop().await;
+    tracing::info!("stopping");
+    server.stop().await;
+    Ok(())
+}
+
+/// A service that answers at [`Server::address`] until [`Server::stop`].
+pub struct Server {
+    address: SocketAddr,
+    jobs: Jobs,
+    stop: CancellationToken,
+    serving: JoinHandle<std::io::Result<()>>,
+}
+
+impl Server {
+    /// # Errors
+    /// When the address cannot be bound, or metrics cannot be set up.
+    pub async fn start(config: &Config, jobs: Jobs) -> anyhow::Result<Server> {
+        let application = http::wrap(http::application(state(config, jobs.clone())?));
+        Server::start_with(config, jobs, application).await
+    }
+
+    /// Serves any application, with the same life.
+    ///
+    /// # Errors
+    /// When the address cannot be bound.
+    pub async fn start_with(config: &Config, jobs: Jobs, application: Router) -> anyhow::Result<Server> {
+        let listener = TcpListener::bind(config.listen).await.with_context(|| format!("cannot listen on {}", config.listen))?;
+        let address = listener.local_addr()?;
+        let stop = CancellationToken::new();
+        let serving = tokio::spawn(axum::serve(listener, application).with_graceful_shutdown(stop.clone().cancelled_owned()).into_future());
+        Ok(Server { address, jobs, stop, serving })
+    }
+
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// First the workers stop, while questions are still answered and `/readyz` says 503; event streams end with them.
+    /// Then connections are closed.
+    pub async fn stop(mut self) {
+        if timeout(WORKERS, self.jobs.shutdown()).await.is_err() {
+            tracing::warn!("workers did not stop in time; their jobs are taken up at the next start");
+        }
+        self.stop.cancel();
+        if timeout(DRAIN, &mut self.serving).await.is_err() {
+            self.serving.abort();
+        }
+    }
+}
+
+/// What handlers reach.
+///
+/// # Errors
+/// When metrics cannot be set up.
+pub fn state(config: &Config, jobs: Jobs) -> anyhow::Result<AppState> {
+    Ok(AppState { jobs, max_upload_bytes: config.max_upload_bytes, metrics: metrics()?, documents: Arc::new(Documents::new()) })
+}
+
+/// The recorder is one for the process; several servers in one process share it.
+fn metrics() -> anyhow::Result<PrometheusHandle> {
+    static HANDLE: OnceLock<Option<PrometheusHandle>> = OnceLock::new();
+    let buckets = [0.001, 0.005, 0.025, 0.1, 0.5, 2.5, 10.0, 30.0];
+    let install = || PrometheusBuilder::new().set_buckets(&buckets).ok()?.install_recorder().ok();
+    HANDLE.get_or_init(install).clone().context("metrics cannot be recorded: another recorder is installed")
+}
+
+/// Ends at SIGTERM or SIGINT.
+async fn told_to_stop() {
+    use tokio::signal::unix::{SignalKind, signal};
+    match (signal(SignalKind::terminate()), signal(SignalKind::interrupt())) {
+        (Ok(mut terminate), Ok(mut interrupt)) => {
+            tokio::select! {
+                _ = terminate.recv() => {}
+                _ = interrupt.recv() => {}
+            }
+        }
+        // Without signals the process can only be killed, which the storage survives.
+        _ => std::future::pending().await,
+    }
+}

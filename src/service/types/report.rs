@@ -1,0 +1,300 @@
+//! Reports on the wire. The service stores and sends a report as bytes; these types say what is in it, to the API
+//! document and to Rust programs that read one.
+
+use super::dataset::{DatasetKind, SensorSettings};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use utoipa::ToSchema;
+use uuid::Uuid;
+
+macro_rules! report {
+    ($(#[$doc:meta])* $report:ident, $kind:ident::$variant:ident, $result:ty) => {
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+        #[serde(rename_all = "snake_case")]
+        pub enum $kind {
+            $variant,
+        }
+
+        $(#[$doc])*
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+        pub struct $report {
+            pub kind: $kind,
+            pub job_id: Uuid,
+            /// The request as normalised.
+            #[schema(value_type = Object)]
+            pub spec: Value,
+            pub seed: u32,
+            pub engine_version: String,
+            pub inputs: Vec<ReportInput>,
+            pub warnings: Vec<String>,
+            pub timing: Timing,
+            pub result: $result,
+        }
+    };
+}
+
+report!(
+    /// What a simulation made.
+    SimulateReport,
+    SimulateReportKind::Simulate,
+    SimulateResult
+);
+report!(
+    /// What a tracker made of a recording.
+    AssociateReport,
+    AssociateReportKind::Associate,
+    AssociateResult
+);
+report!(
+    /// How tracks compare with the truth.
+    EvaluateReport,
+    EvaluateReportKind::Evaluate,
+    EvaluateResult
+);
+
+/// The report of a job. `result` is the same, byte for byte, for the same request.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(untagged)]
+pub enum Report {
+    Simulate(SimulateReport),
+    Associate(AssociateReport),
+    Evaluate(EvaluateReport),
+}
+
+/// What a job read.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ReportInput {
+    pub role: DatasetKind,
+    /// `dataset` or `job`.
+    pub source: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub dataset_id: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub job_id: Option<String>,
+    pub sha256: String,
+}
+
+/// Seconds that each step computed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Timing {
+    pub load_s: f64,
+    pub simulate_s: f64,
+    pub associate_s: f64,
+    pub evaluate_s: f64,
+    pub total_s: f64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct SimulateResult {
+    pub counts: SimulationCounts,
+    pub sensors: Vec<SensorSettings>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct SimulationCounts {
+    pub sensors: u64,
+    pub scans: u64,
+    pub targets: u64,
+    pub detections: u64,
+    /// Detections that no target made.
+    pub clutter: u64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct AssociateResult {
+    pub association: Association,
+}
+
+/// What the tracker made.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Association {
+    /// The associator.
+    pub method: String,
+    pub counts: AssociationCounts,
+    pub sensors: Vec<SensorSettings>,
+    /// Tracks that were confirmed.
+    pub tracks: Vec<TrackLine>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct AssociationCounts {
+    pub scans: u64,
+    pub detections: u64,
+    /// Tracks ever started, tentative ones counted too.
+    pub started_tracks: u64,
+    pub tracks: u64,
+    pub track_points: u64,
+    /// Track points that were given a detection.
+    pub associated_detections: u64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct TrackLine {
+    pub track_id: String,
+    pub start_time_s: Option<f64>,
+    pub end_time_s: Option<f64>,
+    pub points: u64,
+    pub detections: u64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct EvaluateResult {
+    /// Absent where the job judged tracks that it did not make.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub association: Option<Association>,
+    pub tfa: Tfa,
+}
+
+/// The verdicts of the temporal automaton.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Tfa {
+    pub parameters: TfaParameters,
+    pub counts: TfaCounts,
+    pub probability: TfaProbability,
+    pub ratios: TfaRatios,
+    /// The automaton accepts every truth string.
+    pub consistent: bool,
+    /// Missed targets that a track is matched to: it began too late for the strict verdict.
+    pub missed_with_matched_track: u64,
+    pub targets: Vec<TfaTarget>,
+    pub output_tracks: Vec<TfaOutputTrack>,
+    pub violations: Vec<TfaViolation>,
+    pub unknown_detections: Vec<TfaUnknownDetection>,
+    pub warnings: Vec<String>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct TfaParameters {
+    /// `detection_id` or `nearest_truth`.
+    pub symbols: String,
+    pub gate_m: Option<f64>,
+    pub max_gap_s: Option<f64>,
+    pub decision: String,
+    pub max_missed: u32,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct TfaCounts {
+    pub targets: u64,
+    pub output_tracks: u64,
+    pub correct: u64,
+    pub missed: u64,
+    #[serde(rename = "false")]
+    pub wrong: u64,
+    pub matched_tracks: u64,
+    pub redundant_tracks: u64,
+    pub false_tracks: u64,
+}
+
+/// Correct targets by output tracks; missed and false targets by targets. Null over zero.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct TfaProbability {
+    pub correct: Option<f64>,
+    pub missed: Option<f64>,
+    #[serde(rename = "false")]
+    pub wrong: Option<f64>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct TfaRatios {
+    pub correct_per_target: Option<f64>,
+    pub output_tracks_per_target: Option<f64>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TfaVerdict {
+    Correct,
+    Missed,
+    False,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TfaTookKind {
+    Clutter,
+    Target,
+    Epsilon,
+    Ended,
+}
+
+/// The verdict on one target, with the record of its first error.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct TfaTarget {
+    pub truth_id: String,
+    pub verdict: TfaVerdict,
+    /// Its strings lead from the start state to final states.
+    pub reachable: bool,
+    /// Number of the first scan at which truth and track differ; of false targets only.
+    pub at_scan: Option<u32>,
+    pub at_time_s: Option<f64>,
+    /// What the truth has at that scan; null after its end.
+    pub expected: Option<String>,
+    /// What the track has there; null after its end.
+    pub took: Option<String>,
+    pub took_kind: Option<TfaTookKind>,
+    pub took_truth_id: Option<String>,
+    /// The track that speaks for the target; null where none began as its string does.
+    pub track_id: Option<String>,
+    pub errors: u64,
+    pub log_probability: Option<f64>,
+    pub symbols: u64,
+    pub strings: u64,
+    pub start_scan: Option<u32>,
+    pub end_scan: Option<u32>,
+    pub matched_track_id: Option<String>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TfaTrackClass {
+    Matched,
+    Redundant,
+    False,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct TfaOutputTrack {
+    pub track_id: String,
+    /// Which string of the track, from 1.
+    pub part: u32,
+    pub class: TfaTrackClass,
+    /// The target it follows.
+    pub follows: Option<String>,
+    pub start_scan: Option<u32>,
+    pub end_scan: Option<u32>,
+    pub symbols: u64,
+    pub errors: Option<u64>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TfaViolationKind {
+    DetectionSharedByTracks,
+    SeveralDetectionsInTrack,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct TfaViolation {
+    pub kind: TfaViolationKind,
+    pub scan: u32,
+    pub time_s: f64,
+    pub detection_ids: Vec<String>,
+    pub track_ids: Vec<String>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct TfaUnknownDetection {
+    pub track_id: String,
+    pub scan: u32,
+    pub time_s: f64,
+    pub detection_id: String,
+}
+
+/// The request of a job as normalised: a body that its route accepts.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(value_type = Object)]
+pub struct JobSpec(pub Value);

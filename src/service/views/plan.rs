@@ -1,0 +1,238 @@
+//! The plan view: truth, detections and tracks in the plane, with the scans to step through.
+
+use super::{Method, Reduced, Window, detection_id, most_probable, place, points, scans};
+use crate::model::scan::{Detection, Recording};
+use crate::model::track::TrackSet;
+use crate::model::truth::TruthSet;
+use crate::service::jobs::JobLayers;
+use crate::service::types::SensorSettings;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use utoipa::ToSchema;
+
+/// Everything that the plan view of a job draws. Columns of a layer have equal length.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+#[schema(as = PlanView)]
+pub struct Plan {
+    pub truth: TruthLayer,
+    pub detections: DetectionLayer,
+    pub tracks: TrackLayer,
+    pub extent: Extent,
+    pub scans: Vec<PlanScan>,
+    pub sensors: Vec<SensorSettings>,
+}
+
+macro_rules! layer {
+    ($(#[$doc:meta])* $layer:ident, $columns:ident) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+        pub struct $layer {
+            pub columns: $columns,
+            /// Points of the layer inside the window.
+            pub source_points: usize,
+            pub returned_points: usize,
+            pub method: Method,
+        }
+
+        impl $layer {
+            fn new(columns: $columns, kept: &Reduced) -> Self {
+                $layer { columns, source_points: kept.source_points, returned_points: kept.rows.len(), method: kept.method }
+            }
+        }
+    };
+}
+
+layer!(
+    /// Where targets really were.
+    TruthLayer,
+    TruthColumns
+);
+layer!(
+    /// What sensors reported.
+    DetectionLayer,
+    DetectionColumns
+);
+layer!(
+    /// What the tracker says.
+    TrackLayer,
+    TrackColumns
+);
+
+#[derive(Debug, Clone, Default, PartialEq, Serialize, ToSchema)]
+pub struct TruthColumns {
+    pub time_s: Vec<f64>,
+    pub truth_id: Vec<String>,
+    pub x_m: Vec<f64>,
+    pub y_m: Vec<f64>,
+}
+
+#[derive(Debug, Clone, Default, PartialEq, Serialize, ToSchema)]
+pub struct DetectionColumns {
+    pub time_s: Vec<f64>,
+    pub scan: Vec<u32>,
+    pub sensor_id: Vec<String>,
+    pub detection_id: Vec<String>,
+    /// Null where the sensor reports bearings alone.
+    pub x_m: Vec<Option<f64>>,
+    pub y_m: Vec<Option<f64>>,
+    /// The target it came from; null for clutter, and where origins are unknown.
+    pub truth_id: Vec<Option<String>>,
+}
+
+#[derive(Debug, Clone, Default, PartialEq, Serialize, ToSchema)]
+pub struct TrackColumns {
+    pub time_s: Vec<f64>,
+    pub track_id: Vec<String>,
+    pub x_m: Vec<f64>,
+    pub y_m: Vec<f64>,
+    /// Null where the tracks have no velocity.
+    pub vx_mps: Vec<Option<f64>>,
+    pub vy_mps: Vec<Option<f64>>,
+    /// `tentative`, `confirmed`, `coasted`; null where the tracks do not say.
+    pub status: Vec<Option<String>>,
+    /// The most probable detection; null is "no detection".
+    pub detection_id: Vec<Option<String>>,
+    /// Probability of the most probable candidate.
+    pub probability: Vec<Option<f64>>,
+    /// Covariance of the position (m²); null where the tracks have none.
+    pub p_xx: Vec<Option<f64>>,
+    pub p_xy: Vec<Option<f64>>,
+    pub p_yy: Vec<Option<f64>>,
+}
+
+/// The smallest box and time span around every point; absent members where there is no point.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, ToSchema)]
+#[schema(as = PlanExtent)]
+pub struct Extent {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub x_min_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub x_max_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub y_min_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub y_max_m: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub from_s: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub to_s: Option<f64>,
+}
+
+/// One scan to step to.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub struct PlanScan {
+    pub number: u32,
+    pub time_s: f64,
+    pub sensor_id: String,
+}
+
+impl Extent {
+    fn include(&mut self, time_s: f64, place_m: Option<(f64, f64)>) {
+        stretch(&mut self.from_s, &mut self.to_s, time_s);
+        if let Some((x_m, y_m)) = place_m {
+            stretch(&mut self.x_min_m, &mut self.x_max_m, x_m);
+            stretch(&mut self.y_min_m, &mut self.y_max_m, y_m);
+        }
+    }
+}
+
+fn stretch(low: &mut Option<f64>, high: &mut Option<f64>, value: f64) {
+    *low = Some(low.map_or(value, |low| low.min(value)));
+    *high = Some(high.map_or(value, |high| high.max(value)));
+}
+
+/// The plan view of a job's data; each layer has at most `window.max_points` points.
+pub fn of(layers: &JobLayers, window: &Window) -> Plan {
+    let empty = (TruthSet::default(), Recording::default(), TrackSet::default());
+    let truth = layers.truth.as_ref().unwrap_or(&empty.0);
+    let recording = layers.detections.as_ref().unwrap_or(&empty.1);
+    let tracks = layers.tracks.as_ref().unwrap_or(&empty.2);
+    let mut extent = Extent::default();
+    Plan {
+        truth: truth_layer(truth, window, &mut extent),
+        detections: detection_layer(recording, layers, window, &mut extent),
+        tracks: track_layer(tracks, window, &mut extent),
+        extent,
+        scans: scans(recording, window)
+            .map(|scan| PlanScan {
+                number: scan.number,
+                time_s: scan.time_s,
+                sensor_id: recording.sensors[scan.sensor].sensor_id.clone(),
+            })
+            .collect(),
+        sensors: layers.sensors.iter().cloned().map(SensorSettings::from).collect(),
+    }
+}
+
+fn truth_layer(truth: &TruthSet, window: &Window, extent: &mut Extent) -> TruthLayer {
+    let all = truth.targets().iter().flat_map(|target| target.points.iter().map(move |point| (target, point)));
+    let rows: Vec<_> = all.filter(|(_, point)| window.holds(point.time_s)).collect();
+    rows.iter().for_each(|(_, point)| extent.include(point.time_s, Some((point.position_m.x, point.position_m.y))));
+    let kept = Reduced::every_nth(rows.len(), window.max_points);
+    let columns = TruthColumns {
+        time_s: kept.column(|row| rows[row].1.time_s),
+        truth_id: kept.column(|row| rows[row].0.truth_id.clone()),
+        x_m: kept.column(|row| rows[row].1.position_m.x),
+        y_m: kept.column(|row| rows[row].1.position_m.y),
+    };
+    TruthLayer::new(columns, &kept)
+}
+
+fn detection_layer(recording: &Recording, layers: &JobLayers, window: &Window, extent: &mut Extent) -> DetectionLayer {
+    let sensors_m = sensor_places(recording, layers);
+    let rows: Vec<_> = scans(recording, window).flat_map(|scan| scan.range().map(move |index| (scan, index))).collect();
+    let places: Vec<_> = rows.iter().map(|(scan, index)| place(recording.detections[*index].measurement, sensors_m[scan.sensor])).collect();
+    rows.iter().zip(&places).for_each(|((scan, _), place)| extent.include(scan.time_s, *place));
+    let kept = Reduced::every_nth(rows.len(), window.max_points);
+    let truth_id = |detection: &Detection| detection.origin.map(|origin| recording.targets[origin as usize].clone());
+    let columns = DetectionColumns {
+        time_s: kept.column(|row| rows[row].0.time_s),
+        scan: kept.column(|row| rows[row].0.number),
+        sensor_id: kept.column(|row| recording.sensors[rows[row].0.sensor].sensor_id.clone()),
+        detection_id: kept.column(|row| recording.detection_ids[rows[row].1].clone()),
+        x_m: kept.column(|row| places[row].map(|place| place.0)),
+        y_m: kept.column(|row| places[row].map(|place| place.1)),
+        truth_id: kept.column(|row| truth_id(&recording.detections[rows[row].1])),
+    };
+    DetectionLayer::new(columns, &kept)
+}
+
+/// Where each sensor of the recording stands: as the job knows it, else as the recording does, else at the origin.
+fn sensor_places(recording: &Recording, layers: &JobLayers) -> Vec<(f64, f64)> {
+    let known: BTreeMap<_, _> = layers.sensors.iter().map(|sensor| (sensor.sensor_id.as_str(), sensor)).collect();
+    let place = |sensor: &crate::model::sensor::SensorSettings| {
+        let settings = known.get(sensor.sensor_id.as_str()).map_or_else(|| sensor.clone(), |other| sensor.overridden_by(other));
+        (settings.x_m.unwrap_or(0.0), settings.y_m.unwrap_or(0.0))
+    };
+    recording.sensors.iter().map(place).collect()
+}
+
+fn track_layer(set: &TrackSet, window: &Window, extent: &mut Extent) -> TrackLayer {
+    let rows: Vec<_> = points(set, window).collect();
+    rows.iter().for_each(|(_, point)| extent.include(point.time_s, Some((point.state[0], point.state[1]))));
+    let kept = Reduced::every_nth(rows.len(), window.max_points);
+    let velocity = |row: usize, axis: usize| rows[row].1.has_velocity.then(|| rows[row].1.state[axis]);
+    let variance = |row: usize, place: (usize, usize)| rows[row].1.covariance.map(|covariance| covariance[place]);
+    let candidate = |row: usize| most_probable(set, rows[row].1);
+    let columns = TrackColumns {
+        time_s: kept.column(|row| rows[row].1.time_s),
+        track_id: kept.column(|row| rows[row].0.to_owned()),
+        x_m: kept.column(|row| rows[row].1.state[0]),
+        y_m: kept.column(|row| rows[row].1.state[1]),
+        vx_mps: kept.column(|row| velocity(row, 2)),
+        vy_mps: kept.column(|row| velocity(row, 3)),
+        status: kept.column(|row| rows[row].1.status.map(|status| status.name().to_owned())),
+        detection_id: kept.column(|row| candidate(row).and_then(|candidate| detection_id(set, candidate))),
+        probability: kept.column(|row| candidate(row).map(|candidate| candidate.probability)),
+        p_xx: kept.column(|row| variance(row, (0, 0))),
+        p_xy: kept.column(|row| variance(row, (0, 1))),
+        p_yy: kept.column(|row| variance(row, (1, 1))),
+    };
+    TrackLayer::new(columns, &kept)
+}

@@ -1,0 +1,106 @@
+//! The first rows of a dataset, in the canonical columns, as text.
+
+use crate::formats::write_csv;
+use crate::model::dataset::Dataset;
+use crate::model::scan::{Recording, RecordingParts, Scan};
+use crate::model::track::{Track, TrackSet};
+use crate::model::truth::{Target, TruthSet};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+/// The first rows of a dataset.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+#[schema(as = DatasetPreview)]
+pub struct Preview {
+    pub columns: Vec<String>,
+    /// One list of texts a row, in the order of `columns`.
+    pub rows: Vec<Vec<String>>,
+    /// Rows of the whole dataset.
+    pub total_rows: u64,
+}
+
+/// The first `limit` rows.
+pub fn of(dataset: &Dataset, limit: usize) -> Preview {
+    let head = match dataset {
+        Dataset::Detections(recording) => Dataset::Detections(head_of_recording(recording, limit)),
+        Dataset::Truth(truth) => Dataset::Truth(head_of_truth(truth, limit)),
+        Dataset::Tracks(set) => Dataset::Tracks(head_of_tracks(set, limit)),
+    };
+    let mut text = Vec::new();
+    write_csv(&head, &mut text).expect("writing to memory does not fail");
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(text.as_slice());
+    let mut rows = reader.records().filter_map(Result::ok).map(|row| row.iter().map(str::to_owned).collect());
+    let columns = rows.next().unwrap_or_default();
+    Preview { columns, rows: rows.take(limit).collect(), total_rows: dataset.summary().rows }
+}
+
+fn head_of_recording(recording: &Recording, limit: usize) -> Recording {
+    let count = recording.detections.len().min(limit);
+    let cut = |scan: &Scan| Scan { count: count.saturating_sub(scan.first).min(scan.count), ..*scan };
+    let scans = recording.scans.iter().take_while(|scan| scan.first < count.max(1)).map(cut).collect();
+    let parts = RecordingParts {
+        sensors: recording.sensors.clone(),
+        scans,
+        detections: recording.detections[..count].to_vec(),
+        detection_ids: recording.detection_ids[..count].to_vec(),
+        targets: recording.targets.clone(),
+        origins_known: recording.origins_known,
+    };
+    Recording::new(parts).expect("the head of a sound recording is sound")
+}
+
+fn head_of_truth(truth: &TruthSet, limit: usize) -> TruthSet {
+    let mut left = limit;
+    let mut head = Vec::new();
+    for target in truth.targets() {
+        let points: Vec<_> = target.points.iter().take(left).copied().collect();
+        left -= points.len();
+        head.push(Target { truth_id: target.truth_id.clone(), points });
+        if left == 0 {
+            break;
+        }
+    }
+    TruthSet::new(head).expect("the head of sound truth is sound")
+}
+
+fn head_of_tracks(set: &TrackSet, limit: usize) -> TrackSet {
+    let mut left = limit;
+    let mut tracks = Vec::new();
+    for track in &set.tracks {
+        let points: Vec<_> = track.points.iter().take(left).copied().collect();
+        left -= points.len();
+        tracks.push(Track { track_id: track.track_id.clone(), points });
+        if left == 0 {
+            break;
+        }
+    }
+    TrackSet { tracks, candidates: set.candidates.clone(), detection_ids: set.detection_ids.clone(), sensor_ids: set.sensor_ids.clone() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formats::{ReadOptions, format_named};
+
+    fn read(text: &str) -> Dataset {
+        let csv = format_named("csv").unwrap();
+        (csv.read)(&mut text.as_bytes(), &ReadOptions::default()).unwrap().dataset
+    }
+
+    #[test]
+    fn the_first_rows_are_shown_and_all_are_counted() {
+        let dataset = read("time_s,truth_id,x_m,y_m\n0,a,1,2\n1,a,3,4\n0,\"b,c\",5,6\n");
+        let preview = of(&dataset, 2);
+        assert_eq!(preview.columns, ["time_s", "truth_id", "x_m", "y_m"]);
+        assert_eq!((preview.rows.len(), preview.total_rows), (2, 3));
+        assert!(of(&dataset, 10).rows.iter().any(|row| row[1] == "b,c"));
+    }
+
+    #[test]
+    fn a_recording_is_cut_within_a_scan() {
+        let dataset = read("time_s,scan,sensor_id,detection_id,x_m,y_m\n0,1,s,d1,1,2\n0,1,s,d2,3,4\n8,2,s,d3,5,6\n");
+        for (limit, rows) in [(1, 1), (2, 2), (3, 3), (9, 3)] {
+            assert_eq!(of(&dataset, limit).rows.len(), rows, "limit {limit}");
+        }
+    }
+}

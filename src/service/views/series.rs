@@ -1,0 +1,179 @@
+//! Series over time: the probability of each candidate of each track, and what each scan held.
+
+use super::{Method, Reduced, Window, detection_id, points, scans};
+use crate::model::scan::Recording;
+use crate::model::track::{TrackSet, TrackStatus};
+use crate::service::jobs::JobLayers;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use utoipa::ToSchema;
+
+/// Makes a series of a job's data.
+pub type MakeSeries = fn(&JobLayers, &Window) -> Series;
+
+/// Every series, by name.
+pub const SERIES: [(&str, MakeSeries); 2] = [
+    ("track_probability", |layers, window| Series::TrackProbability(track_probability(layers, window))),
+    ("scan_counts", |layers, window| Series::ScanCounts(scan_counts(layers, window))),
+];
+
+/// A series of a job, as columns of equal length.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+#[serde(untagged)]
+pub enum Series {
+    TrackProbability(TrackProbabilitySeries),
+    ScanCounts(ScanCountsSeries),
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TrackProbabilityName {
+    TrackProbability,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ScanCountsName {
+    ScanCounts,
+}
+
+/// One row for each candidate of each track at each scan.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub struct TrackProbabilitySeries {
+    pub name: TrackProbabilityName,
+    pub columns: TrackProbabilityColumns,
+    /// Unit of each column that has one.
+    pub units: BTreeMap<String, String>,
+    pub source_points: usize,
+    pub returned_points: usize,
+    pub method: Method,
+}
+
+#[derive(Debug, Clone, Default, PartialEq, Serialize, ToSchema)]
+pub struct TrackProbabilityColumns {
+    pub time_s: Vec<f64>,
+    /// Number of the scan; null where no recording is known.
+    pub scan: Vec<Option<u32>>,
+    pub track_id: Vec<String>,
+    /// Null is "no detection".
+    pub detection_id: Vec<Option<String>>,
+    pub probability: Vec<f64>,
+    /// `tentative`, `confirmed`, `coasted`; null where the tracks do not say.
+    pub status: Vec<Option<String>>,
+}
+
+/// One row for each scan.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub struct ScanCountsSeries {
+    pub name: ScanCountsName,
+    pub columns: ScanCountsColumns,
+    /// Unit of each column that has one.
+    pub units: BTreeMap<String, String>,
+    pub source_points: usize,
+    pub returned_points: usize,
+    pub method: Method,
+}
+
+#[derive(Debug, Clone, Default, PartialEq, Serialize, ToSchema)]
+pub struct ScanCountsColumns {
+    pub time_s: Vec<f64>,
+    pub scan: Vec<u32>,
+    pub sensor_id: Vec<String>,
+    pub detections: Vec<usize>,
+    /// Tracks that were alive.
+    pub tracks: Vec<u32>,
+    /// Tracks that were confirmed, with or without a detection at this scan.
+    pub confirmed: Vec<u32>,
+}
+
+/// The series of that name.
+pub fn named(name: &str) -> Option<MakeSeries> {
+    SERIES.iter().find(|(known, _)| *known == name).map(|(_, make)| *make)
+}
+
+fn track_probability(layers: &JobLayers, window: &Window) -> TrackProbabilitySeries {
+    let empty = TrackSet::default();
+    let set = layers.tracks.as_ref().unwrap_or(&empty);
+    let numbers = layers.detections.as_ref().map(scan_numbers).unwrap_or_default();
+    let rows: Vec<_> = points(set, window)
+        .flat_map(|(track_id, point)| set.candidates_of(point).iter().map(move |candidate| (track_id, point, candidate)))
+        .collect();
+    let probabilities: Vec<f64> = rows.iter().map(|(.., candidate)| candidate.probability).collect();
+    let kept = Reduced::min_max(&probabilities, window.max_points);
+    let scan_of = |row: usize| {
+        let point = rows[row].1;
+        let sensor_id = point.sensor.map(|index| set.sensor_ids[index as usize].as_str());
+        numbers.get(&(point.time_s.to_bits(), sensor_id)).copied()
+    };
+    let columns = TrackProbabilityColumns {
+        time_s: kept.column(|row| rows[row].1.time_s),
+        scan: kept.column(scan_of),
+        track_id: kept.column(|row| rows[row].0.to_owned()),
+        detection_id: kept.column(|row| detection_id(set, rows[row].2)),
+        probability: kept.column(|row| rows[row].2.probability),
+        status: kept.column(|row| rows[row].1.status.map(|status| status.name().to_owned())),
+    };
+    TrackProbabilitySeries {
+        name: TrackProbabilityName::TrackProbability,
+        columns,
+        units: seconds(),
+        source_points: kept.source_points,
+        returned_points: kept.rows.len(),
+        method: kept.method,
+    }
+}
+
+/// Numbers of the scans by time and sensor; by time alone under the sensor `None`, for tracks that do not name one.
+fn scan_numbers(recording: &Recording) -> BTreeMap<(u64, Option<&str>), u32> {
+    let entries = recording.scans.iter().rev().flat_map(|scan| {
+        let sensor_id = recording.sensors[scan.sensor].sensor_id.as_str();
+        [Some(sensor_id), None].map(|sensor| ((scan.time_s.to_bits(), sensor), scan.number))
+    });
+    entries.collect()
+}
+
+fn scan_counts(layers: &JobLayers, window: &Window) -> ScanCountsSeries {
+    let empty = Recording::default();
+    let recording = layers.detections.as_ref().unwrap_or(&empty);
+    let alive = layers.tracks.as_ref().map(|set| tracks_alive(set, window)).unwrap_or_default();
+    let rows: Vec<_> = scans(recording, window).collect();
+    let kept = Reduced::every_nth(rows.len(), window.max_points);
+    let alive_at = |row: usize| {
+        let time = rows[row].time_s.to_bits();
+        let sensor_id = recording.sensors[rows[row].sensor].sensor_id.as_str();
+        let counts = [Some(sensor_id), None].map(|sensor| alive.get(&(time, sensor)).copied().unwrap_or_default());
+        (counts[0].0 + counts[1].0, counts[0].1 + counts[1].1)
+    };
+    let columns = ScanCountsColumns {
+        time_s: kept.column(|row| rows[row].time_s),
+        scan: kept.column(|row| rows[row].number),
+        sensor_id: kept.column(|row| recording.sensors[rows[row].sensor].sensor_id.clone()),
+        detections: kept.column(|row| rows[row].count),
+        tracks: kept.column(|row| alive_at(row).0),
+        confirmed: kept.column(|row| alive_at(row).1),
+    };
+    ScanCountsSeries {
+        name: ScanCountsName::ScanCounts,
+        columns,
+        units: seconds(),
+        source_points: kept.source_points,
+        returned_points: kept.rows.len(),
+        method: kept.method,
+    }
+}
+
+/// How many tracks have a point at each time and sensor, and how many of them are confirmed.
+fn tracks_alive<'a>(set: &'a TrackSet, window: &Window) -> BTreeMap<(u64, Option<&'a str>), (u32, u32)> {
+    let mut alive: BTreeMap<_, (u32, u32)> = BTreeMap::new();
+    for (_, point) in points(set, window) {
+        let sensor_id = point.sensor.map(|index| set.sensor_ids[index as usize].as_str());
+        let counts = alive.entry((point.time_s.to_bits(), sensor_id)).or_default();
+        counts.0 += 1;
+        counts.1 += u32::from(matches!(point.status, Some(TrackStatus::Confirmed | TrackStatus::Coasted)));
+    }
+    alive
+}
+
+fn seconds() -> BTreeMap<String, String> {
+    BTreeMap::from([("time_s".to_owned(), "s".to_owned())])
+}

@@ -1,0 +1,137 @@
+//! A service in a temporary directory, and the bodies of small and long jobs.
+
+use futures::StreamExt;
+use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
+use sqlx::sqlite::{SqliteConnectOptions, SqlitePoolOptions};
+use std::path::Path;
+use std::time::Duration;
+use tempfile::TempDir;
+use trackloom::model::fault::Fault;
+use trackloom::service::config::Config;
+use trackloom::service::jobs::{DatasetMeta, Jobs, JobsError, ReceivedFile};
+use trackloom::service::types::{DatasetInfo, Event, Job, JobKind, JobState};
+use uuid::Uuid;
+
+pub struct Service {
+    pub jobs: Jobs,
+    pub directory: TempDir,
+}
+
+impl std::ops::Deref for Service {
+    type Target = Jobs;
+    fn deref(&self) -> &Jobs {
+        &self.jobs
+    }
+}
+
+pub async fn start() -> Service {
+    start_with(|_| {}).await
+}
+
+pub async fn start_with(change: impl FnOnce(&mut Config)) -> Service {
+    let directory = tempfile::tempdir().unwrap();
+    let jobs = open(directory.path(), change).await;
+    Service { jobs, directory }
+}
+
+pub async fn open(directory: &Path, change: impl FnOnce(&mut Config)) -> Jobs {
+    let mut config = Config::new(directory);
+    config.slots = 2;
+    change(&mut config);
+    Jobs::open(config).await.unwrap()
+}
+
+impl Service {
+    /// Stops the service, lets `meanwhile` at its tables, and starts it again.
+    pub async fn restart(self, meanwhile: &[&'static str]) -> Service {
+        self.jobs.shutdown().await;
+        let Service { jobs, directory } = self;
+        drop(jobs);
+        let options = SqliteConnectOptions::new().filename(directory.path().join("app.db"));
+        let pool = SqlitePoolOptions::new().connect_with(options).await.unwrap();
+        for statement in meanwhile {
+            sqlx::query(*statement).execute(&pool).await.unwrap();
+        }
+        pool.close().await;
+        let jobs = open(directory.path(), |_| {}).await;
+        Service { jobs, directory }
+    }
+
+    pub async fn submit_ok(&self, kind: JobKind, body: Value) -> Job {
+        self.submit(kind, body, None).await.unwrap().job
+    }
+
+    pub async fn refused(&self, kind: JobKind, body: Value) -> Vec<Fault> {
+        match self.submit(kind, body, None).await {
+            Err(JobsError::Invalid(faults)) => faults,
+            other => panic!("not refused: {other:?}"),
+        }
+    }
+
+    /// Waits for the end of a job.
+    pub async fn ended(&self, id: Uuid) -> Job {
+        let job = self.wait(id, Duration::from_secs(60)).await.unwrap();
+        assert!(job.state.is_terminal(), "still {:?} with {:?}", job.state, job.progress);
+        job
+    }
+
+    pub async fn succeeded(&self, id: Uuid) -> Job {
+        let job = self.ended(id).await;
+        assert_eq!(job.state, JobState::Succeeded, "{:?}", job.error);
+        job
+    }
+
+    /// Waits until a job runs and tells progress.
+    pub async fn in_progress(&self, id: Uuid) {
+        let mut events = Box::pin(self.events(id, 0).await.unwrap());
+        while let Some(event) = events.next().await {
+            if matches!(event, Event::Progress(_)) {
+                return;
+            }
+        }
+        panic!("the job ended without progress");
+    }
+
+    pub async fn all_events(&self, id: Uuid) -> Vec<Event> {
+        self.events(id, 0).await.unwrap().collect().await
+    }
+
+    pub async fn report_of(&self, id: Uuid) -> Value {
+        let file = self.report(id).await.unwrap();
+        serde_json::from_slice(&std::fs::read(file.path).unwrap()).unwrap()
+    }
+
+    pub async fn upload(&self, content: &str, meta: DatasetMeta) -> Result<(DatasetInfo, bool), JobsError> {
+        let path = self.temp_dir().join(Uuid::now_v7().to_string());
+        std::fs::write(&path, content).unwrap();
+        self.add_dataset(ReceivedFile { path, sha256: sha256(content.as_bytes()), bytes: content.len() as u64 }, meta).await
+    }
+}
+
+pub fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+pub fn scenario(scans: u32, targets: u32, clutter_per_scan: f64) -> Value {
+    json!({
+        "scans": scans, "scan_period_s": 1.0,
+        "sensors": [{"sensor_id": "radar", "x_m": 0.0, "y_m": 0.0, "max_range_m": 20000.0, "p_d": 0.9,
+                     "sigma_x_m": 10.0, "sigma_y_m": 10.0, "clutter_per_scan": clutter_per_scan}],
+        "targets": {"kind": "random", "count": targets, "area_side_m": 10000.0, "speed_min_mps": 5.0, "speed_max_mps": 20.0}
+    })
+}
+
+/// Runs for some milliseconds.
+pub fn small(seed: u32) -> Value {
+    json!({"scenario": scenario(10, 3, 1.0), "seed": seed})
+}
+
+/// Runs for many seconds, asking often whether it should stop.
+pub fn long() -> Value {
+    json!({"scenario": scenario(100_000, 10, 100.0)})
+}
+
+pub fn of_job(id: Uuid) -> Value {
+    json!({"source": "job", "job_id": id})
+}
