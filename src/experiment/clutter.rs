@@ -62,7 +62,8 @@ mod tests {
     /// One scan of a sensor with a field of view of 1 000 m², and `count` detections that no track takes.
     fn warnings(count: usize, clutter_per_m2: f64) -> Vec<String> {
         let settings = SensorSettings { max_range_m: Some((1000.0 / std::f64::consts::PI).sqrt()), ..SensorSettings::named("radar") };
-        let detection = |index: usize| Detection { measurement: Measurement::Position { x_m: index as f64, y_m: 0.0 }, origin: None };
+        let detection =
+            |index: usize| Detection { measurement: Measurement::Position { x_m: index as f64, y_m: 0.0 }, origin: None, amplitude: None };
         let recording = Recording::new(RecordingParts {
             sensors: vec![settings.clone()],
             scans: vec![Scan { number: 1, time_s: 0.0, sensor: 0, first: 0, count }],

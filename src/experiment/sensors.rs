@@ -116,7 +116,8 @@ mod tests {
     use crate::model::scan::{Detection, RecordingParts, Scan};
 
     fn recording(measurements: &[Measurement]) -> Recording {
-        let detections: Vec<Detection> = measurements.iter().map(|&measurement| Detection { measurement, origin: None }).collect();
+        let detections: Vec<Detection> =
+            measurements.iter().map(|&measurement| Detection { measurement, origin: None, amplitude: None }).collect();
         Recording::new(RecordingParts {
             sensors: vec![SensorSettings::named("radar")],
             scans: vec![Scan { number: 1, time_s: 0.0, sensor: 0, first: 0, count: detections.len() }],
