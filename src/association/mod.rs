@@ -9,19 +9,21 @@ pub mod problem;
 
 use problem::{Problem, Weights};
 
-/// Which detections a track may be given before an associator is asked.
+/// What an associator needs to know of the detections besides their places.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Candidates {
-    /// Those inside the track's gate.
-    Gated,
-    /// The one that came from the same target as the detection that started the track: the truth, for a yardstick.
-    Origin,
+pub enum Needs {
+    Nothing,
+    /// The amplitude of each: [`problem::Problem::amplitude`] answers.
+    Amplitudes,
+    /// The target that each came from. Then a track's only candidate, gate or not, is the detection of the target whose
+    /// detection started it: the truth, for a yardstick.
+    Origins,
 }
 
 /// Weighs the candidates of the tracks of one cluster.
 pub trait Associator: Send {
-    fn candidates(&self) -> Candidates {
-        Candidates::Gated
+    fn needs(&self) -> Needs {
+        Needs::Nothing
     }
 
     /// Writes for every track of the problem weights over its candidates and "none" that sum to 1.

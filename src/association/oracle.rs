@@ -2,12 +2,12 @@
 //! It costs the filter alone, so it is the yardstick of speed, and of what perfect association would achieve.
 //!
 //! # Method
-//! 1. A track's only candidate is the detection with the origin of the track's first one ([`Candidates::Origin`]);
+//! 1. A track's only candidate is the detection with the origin of the track's first one ([`Needs::Origins`]);
 //!    no gate is applied, and a track started by clutter never gets another.
 //! 2. Take it.
 
 use super::problem::{Problem, Weights};
-use super::{Associator, BuildAssociator, Candidates};
+use super::{Associator, BuildAssociator, Needs};
 use crate::registry::{Method, Object};
 
 pub const METHOD: Method<BuildAssociator> = Method { name: "oracle", parameters: &PARAMETERS, build: |_| Ok(Box::new(Oracle)) };
@@ -22,8 +22,8 @@ static PARAMETERS: Object = Object {
 pub struct Oracle;
 
 impl Associator for Oracle {
-    fn candidates(&self) -> Candidates {
-        Candidates::Origin
+    fn needs(&self) -> Needs {
+        Needs::Origins
     }
 
     fn associate(&mut self, problem: &Problem, weights: &mut Weights) {

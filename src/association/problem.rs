@@ -18,6 +18,8 @@ pub struct Row {
     pub count: u32,
     /// ln(1 − P_D · P_G).
     pub log_none: f64,
+    /// ln(λ · V): false detections expected in the track's gate, which covers V.
+    pub log_gate_clutter: f64,
 }
 
 impl Row {
@@ -33,6 +35,7 @@ impl Row {
 pub struct ScanProblem {
     rows: Vec<Row>,
     edges: Vec<Edge>,
+    amplitudes: Vec<f64>,
     clusters: Clusters,
 }
 
@@ -41,6 +44,7 @@ pub struct ScanProblem {
 pub struct Problem<'a> {
     rows: &'a [Row],
     edges: &'a [Edge],
+    amplitudes: &'a [f64],
     members: &'a [u32],
 }
 
@@ -84,9 +88,15 @@ impl ScanProblem {
 
     /// Closes a row: every edge pushed since the last one is its.
     #[inline]
-    pub fn end_row(&mut self, log_none: f64) {
+    pub fn end_row(&mut self, log_none: f64, log_gate_clutter: f64) {
         let first = self.rows.last().map_or(0, |row| row.first + row.count);
-        self.rows.push(Row { first, count: self.edges.len() as u32 - first, log_none });
+        self.rows.push(Row { first, count: self.edges.len() as u32 - first, log_none, log_gate_clutter });
+    }
+
+    /// The amplitudes of the scan's detections, for an associator that needs them; kept until the next call.
+    pub fn set_amplitudes(&mut self, amplitudes: impl Iterator<Item = f64>) {
+        self.amplitudes.clear();
+        self.amplitudes.extend(amplitudes);
     }
 
     pub fn rows(&self) -> &[Row] {
@@ -102,7 +112,7 @@ impl ScanProblem {
     pub fn for_each_cluster(&mut self, detections: usize, mut visit: impl FnMut(&Problem)) {
         self.clusters.find(&self.rows, &self.edges, detections);
         for members in self.clusters.iter() {
-            visit(&Problem { rows: &self.rows, edges: &self.edges, members });
+            visit(&Problem { rows: &self.rows, edges: &self.edges, amplitudes: &self.amplitudes, members });
         }
     }
 }
@@ -122,6 +132,18 @@ impl<'a> Problem<'a> {
     #[inline]
     pub fn edge(&self, index: usize) -> &'a Edge {
         &self.edges[index]
+    }
+
+    /// The edges of one of the cluster's rows.
+    #[inline]
+    pub fn edges_of(&self, row: &Row) -> &'a [Edge] {
+        &self.edges[row.edges()]
+    }
+
+    /// The amplitude of a detection; only for an associator that said it needs amplitudes.
+    #[inline]
+    pub fn amplitude(&self, detection: u32) -> f64 {
+        self.amplitudes[detection as usize]
     }
 }
 
@@ -229,7 +251,7 @@ pub(crate) mod tests {
             for &(detection, squared_distance) in *candidates {
                 problem.push_edge(Edge { detection, squared_distance, log_likelihood: -0.5 * squared_distance });
             }
-            problem.end_row(0.1f64.ln());
+            problem.end_row(0.1f64.ln(), 0.0);
         }
         problem
     }

@@ -86,7 +86,7 @@ mod tests {
     use crate::model::sensor::SensorSettings;
 
     fn recording() -> Recording {
-        let detection = Detection { measurement: Measurement::Position { x_m: 0.0, y_m: 0.0 }, origin: None };
+        let detection = Detection { measurement: Measurement::Position { x_m: 0.0, y_m: 0.0 }, origin: None, amplitude: None };
         let scan = |number: u32, first| Scan { number, time_s: f64::from(number), sensor: 0, first, count: 2 };
         Recording::new(RecordingParts {
             sensors: vec![SensorSettings::named("radar")],

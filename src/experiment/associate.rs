@@ -2,7 +2,7 @@
 
 use super::observer::{Observer, Step};
 use super::run::RunError;
-use crate::association::ASSOCIATORS;
+use crate::association::{ASSOCIATORS, Needs};
 use crate::filtering::FILTERS;
 use crate::model::fault::Fault;
 use crate::model::scan::Recording;
@@ -56,10 +56,7 @@ struct TrackLine {
 /// Builds the tracker that `spec` names and feeds it every scan.
 pub(super) fn track(spec: &Value, recording: &Recording, sensors: Vec<Sensor>, observer: &mut dyn Observer) -> Result<Tracked, RunError> {
     let (parts, method) = parts_of(spec, sensors)?;
-    if parts.associator.candidates() == crate::association::Candidates::Origin && !recording.origins_known {
-        let detail = "the oracle needs a recording that knows the origin of every detection";
-        return Err(RunError::Faults(vec![Fault::new("/associator/method", "unsupported", detail).allowing("a 'truth_id' column")]));
-    }
+    check_needs(&method, parts.associator.needs(), recording)?;
     let mut tracker = Tracker::new(parts);
     let mut scans = Vec::with_capacity(recording.scans.len());
     for (index, scan) in recording.scans.iter().enumerate() {
@@ -70,6 +67,23 @@ pub(super) fn track(spec: &Value, recording: &Recording, sensors: Vec<Sensor>, o
     }
     let diagnostics = tracker.diagnostics();
     Ok(Tracked { tracks: tracker.into_history().into_tracks(recording), scans, method, diagnostics })
+}
+
+/// Whether the recording knows of its detections what the associator needs.
+fn check_needs(method: &str, needs: Needs, recording: &Recording) -> Result<(), RunError> {
+    let (what, lacking, column) = match needs {
+        Needs::Nothing => return Ok(()),
+        Needs::Origins => ("origin", if recording.origins_known { 0 } else { recording.detections.len() }, "a 'truth_id' column"),
+        Needs::Amplitudes => {
+            let lacking = recording.detections.iter().filter(|detection| detection.amplitude.is_none()).count();
+            ("amplitude", lacking, "an 'amplitude' column without empty cells")
+        }
+    };
+    if lacking == 0 {
+        return Ok(());
+    }
+    let detail = format!("'{method}' needs the {what} of every detection; {lacking} of {} lack it", recording.detections.len());
+    Err(RunError::Faults(vec![Fault::new("/associator/method", "unsupported", detail).allowing(column)]))
 }
 
 /// The checked spec names only methods of the tables, with parameters that fit them; anything else is a fault of ours,

@@ -180,7 +180,7 @@ fn recording(ferry_scans: &[FerryScan]) -> Result<Recording, Vec<Fault>> {
         for (nth, position) in scan.positions.iter().enumerate() {
             parts.detection_ids.push(format!("{}-{}-{}", name(scan), counts[scan.sensor], nth + 1));
             let measurement = Measurement::Position { x_m: position.x, y_m: position.y };
-            parts.detections.push(Detection { measurement, origin: None });
+            parts.detections.push(Detection { measurement, origin: None, amplitude: None });
         }
         let sensor = present.partition_point(|&sensor| sensor < scan.sensor);
         parts.scans.push(Scan { number: index as u32 + 1, time_s: scan.time_s, sensor, first, count: scan.positions.len() });

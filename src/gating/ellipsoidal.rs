@@ -12,12 +12,22 @@ use crate::model::state::{Position, PositionCovariance};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EllipsoidalGate {
     threshold: f64,
+    /// ln(γ / 2).
+    log_half_threshold: f64,
 }
 
 impl EllipsoidalGate {
     /// `probability` P_G in (0, 1).
     pub fn new(probability: f64) -> Self {
-        EllipsoidalGate { threshold: gate_threshold(probability, 2) }
+        let threshold = gate_threshold(probability, 2);
+        EllipsoidalGate { threshold, log_half_threshold: (threshold / 2.0).ln() }
+    }
+
+    /// ln V of the gate around a Gaussian with covariance S: V = γ π √det S (m²).
+    #[inline]
+    pub fn log_volume_m2(&self, gaussian: &Gaussian2) -> f64 {
+        // The density at the centre is 1 / (2π √det S).
+        self.log_half_threshold - gaussian.log_density(0.0)
     }
 
     /// Calls `found(detection, d²)` for each position inside the gate around ẑ with innovation covariance S.
@@ -46,6 +56,14 @@ impl EllipsoidalGate {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn the_volume_of_the_gate_is_that_of_an_ellipse() {
+        // S = diag(16, 9) and γ = −2 ln 0.01: half axes 4√γ and 3√γ, V = 12 π γ.
+        let gaussian = Gaussian2::new(&PositionCovariance::new(16.0, 0.0, 0.0, 9.0)).unwrap();
+        let expected = 12.0 * std::f64::consts::PI * -2.0 * 0.01f64.ln();
+        assert!((EllipsoidalGate::new(0.99).log_volume_m2(&gaussian).exp() - expected).abs() < 1e-9);
+    }
 
     proptest! {
         #[test]

@@ -36,6 +36,8 @@ impl Measurement {
 pub struct Detection {
     pub measurement: Measurement,
     pub origin: Option<u32>,
+    /// Strength of the echo, in whatever unit the sensor reports; only compared with others of the same scan.
+    pub amplitude: Option<f64>,
 }
 
 /// One revisit of one sensor. Its detections are `first .. first + count` of [`Recording::detections`].
@@ -164,7 +166,7 @@ fn check_detections(parts: &RecordingParts, faults: &mut Vec<Fault>) {
         faults.push(Fault::new("/detection_ids", "malformed", "there is not one identity for each detection"));
     }
     for (index, detection) in parts.detections.iter().enumerate() {
-        if !detection.measurement.is_finite() {
+        if !detection.measurement.is_finite() || detection.amplitude.is_some_and(|amplitude| !amplitude.is_finite()) {
             faults.push(Fault::new(format!("/detections/{index}"), "not_finite", "a measured value is not a finite number"));
         }
         if detection.origin.is_some_and(|origin| origin as usize >= parts.targets.len()) {

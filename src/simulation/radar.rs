@@ -33,7 +33,7 @@ pub(super) fn scan(
             if draw.random::<f64>() < sensor.p_d {
                 let (noise_x, noise_y): (f64, f64) = (StandardNormal.sample(&mut draw), StandardNormal.sample(&mut draw));
                 let (x_m, y_m) = (position_m[0] + noise_x * sensor.sigma_x_m, position_m[1] + noise_y * sensor.sigma_y_m);
-                found.push(Detection { measurement: Measurement::Position { x_m, y_m }, origin: seen[index] });
+                found.push(Detection { measurement: Measurement::Position { x_m, y_m }, origin: seen[index], amplitude: None });
             }
         }
     }
@@ -50,6 +50,6 @@ fn add_clutter(sensor: &ScenarioSensor, sensor_index: u64, scan_index: u64, seed
         let range_m = sensor.max_range_m * draw.random::<f64>().sqrt();
         let bearing_rad = std::f64::consts::TAU * draw.random::<f64>();
         let (x_m, y_m) = (sensor.x_m + range_m * bearing_rad.sin(), sensor.y_m + range_m * bearing_rad.cos());
-        found.push(Detection { measurement: Measurement::Position { x_m, y_m }, origin: None });
+        found.push(Detection { measurement: Measurement::Position { x_m, y_m }, origin: None, amplitude: None });
     }
 }

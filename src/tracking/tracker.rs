@@ -3,7 +3,7 @@
 use super::history::{Entry, History};
 use super::lifecycle::{Life, Lifecycle};
 use crate::association::problem::{Edge, ScanProblem, Weights};
-use crate::association::{Associator, Candidates};
+use crate::association::{Associator, Needs};
 use crate::filtering::kalman::{Expected, Kalman, WeightedInnovation};
 use crate::gating::ellipsoidal::EllipsoidalGate;
 use crate::gating::grid::Grid;
@@ -11,6 +11,10 @@ use crate::model::scan::{Detection, Scan};
 use crate::model::sensor::Sensor;
 use crate::model::state::{GaussianState, Position, PositionCovariance};
 use crate::model::track::Candidate;
+
+/// A detection to which a track gives at least this weight is used: neither do the tentative tracks see it after a
+/// confirmed one used it, nor does it start a track. One that all tracks weigh less explains too little of any of them.
+const USED_WEIGHT: f64 = 0.01;
 
 /// What a tracker is made of.
 pub struct TrackerParts {
@@ -27,7 +31,7 @@ pub struct ScanOutcome {
     /// Tracks alive after the scan.
     pub tracks: u32,
     pub confirmed: u32,
-    /// Detections that no track was given; each started a track.
+    /// Detections that no track used; each started a track.
     pub unused: u32,
 }
 
@@ -47,7 +51,7 @@ struct ScanView {
     positions: Vec<Position>,
     used: Vec<bool>,
     grid: Grid,
-    candidates: Option<Candidates>,
+    choose_by_origin: bool,
     /// For the oracle: the detection of each target in this scan.
     by_origin: Vec<Option<u32>>,
 }
@@ -88,7 +92,12 @@ impl Tracker {
     /// Predict, gate, associate, update and manage, for one scan and its position reports.
     pub fn step(&mut self, scan: &Scan, detections: &[Detection]) -> ScanOutcome {
         self.predict(scan.time_s);
-        self.view.rebuild(detections, self.parts.associator.candidates());
+        let needs = self.parts.associator.needs();
+        self.view.rebuild(detections, needs);
+        if needs == Needs::Amplitudes {
+            // What has no amplitude is weaker than everything that has.
+            self.problem.set_amplitudes(detections.iter().map(|detection| detection.amplitude.unwrap_or(f64::NEG_INFINITY)));
+        }
         self.serve(scan, true);
         self.serve(scan, false);
         let unused = self.initiate(scan, detections);
@@ -134,7 +143,8 @@ impl Tracker {
         self.problem.clear();
         self.expected.clear();
         let sensor = &self.parts.sensors[scan.sensor];
-        let (noise, log_density) = (noise_of(sensor), (sensor.p_d / sensor.clutter_per_m2).ln());
+        let (noise, log_clutter) = (noise_of(sensor), sensor.clutter_per_m2.ln());
+        let log_density = (sensor.p_d / sensor.clutter_per_m2).ln();
         let log_none = (1.0 - sensor.p_d * self.parts.lifecycle.gate_probability).ln();
         for (index, track) in self.tracks.iter_mut().enumerate().filter(|(_, track)| track.life.is_confirmed() == confirmed) {
             let Some(expected) = self.parts.filter.expect(&track.state, &noise) else {
@@ -147,7 +157,7 @@ impl Tracker {
                 let log_likelihood = log_density + expected.gaussian.log_density(squared_distance);
                 problem.push_edge(Edge { detection, squared_distance, log_likelihood });
             });
-            self.problem.end_row(log_none);
+            self.problem.end_row(log_none, log_clutter + self.gate.log_volume_m2(&expected.gaussian));
             self.expected.push((index, expected));
         }
     }
@@ -164,7 +174,7 @@ impl Tracker {
                 let detection = self.problem.edges()[edge_index].detection;
                 let innovation_m = self.view.positions[detection as usize] - expected.position_m;
                 self.innovations.push(WeightedInnovation { innovation_m, weight });
-                self.view.used[detection as usize] = true;
+                self.view.used[detection as usize] |= weight >= USED_WEIGHT;
                 let detection = Some(scan.first as u32 + detection);
                 self.history.candidates.push(Candidate { detection, probability: weight });
             }
@@ -174,12 +184,13 @@ impl Tracker {
         }
         self.parts.filter.update(&mut track.state, expected, &self.innovations);
         let was_confirmed = track.life.is_confirmed();
+        // The scan is a hit when it is more probable that the track was detected than that it was not.
         let detected: f64 = self.innovations.iter().map(|innovation| innovation.weight).sum();
         self.parts.lifecycle.advance(&mut track.life, detected > self.weights.none[row]);
         self.history.remember(track, self.scans, first_candidate, was_confirmed);
     }
 
-    /// Starts a track at every detection that no track was given.
+    /// Starts a track at every detection that no track used.
     fn initiate(&mut self, scan: &Scan, detections: &[Detection]) -> u32 {
         let noise = noise_of(&self.parts.sensors[scan.sensor]);
         let lifecycle = self.parts.lifecycle;
@@ -217,21 +228,22 @@ impl History {
 }
 
 impl ScanView {
-    fn rebuild(&mut self, detections: &[Detection], candidates: Candidates) {
+    fn rebuild(&mut self, detections: &[Detection], needs: Needs) {
         self.positions.clear();
         self.positions.extend(detections.iter().filter_map(|detection| detection.measurement.position()));
         debug_assert_eq!(self.positions.len(), detections.len(), "the plan lets only position reports through");
         self.used.clear();
         self.used.resize(detections.len(), false);
-        self.by_origin.clear();
-        self.candidates = Some(candidates);
-        match candidates {
-            Candidates::Gated => self.grid.rebuild(&self.positions),
-            Candidates::Origin => self.index_origins(detections),
+        self.choose_by_origin = needs == Needs::Origins;
+        if self.choose_by_origin {
+            self.index_origins(detections);
+        } else {
+            self.grid.rebuild(&self.positions);
         }
     }
 
     fn index_origins(&mut self, detections: &[Detection]) {
+        self.by_origin.clear();
         let highest = detections.iter().filter_map(|detection| detection.origin).max();
         self.by_origin.resize(highest.map_or(0, |origin| origin as usize + 1), None);
         for (index, detection) in detections.iter().enumerate() {
@@ -244,7 +256,7 @@ impl ScanView {
     /// A track's candidates among the unused detections: by the gate, or by origin when origins are indexed.
     #[inline]
     fn candidates(&self, gate: &EllipsoidalGate, origin: Option<u32>, expected: &Expected, mut found: impl FnMut(u32, f64)) {
-        if self.candidates == Some(Candidates::Origin) {
+        if self.choose_by_origin {
             let detection = origin.and_then(|origin| self.by_origin.get(origin as usize).copied().flatten());
             if let Some(detection) = detection.filter(|&detection| !self.used[detection as usize]) {
                 let difference = self.positions[detection as usize] - expected.position_m;

@@ -7,7 +7,7 @@ use trackloom::model::state::{Position, State};
 use trackloom::model::track::{Candidate, TrackStatus};
 
 fn position(x_m: f64, y_m: f64, origin: Option<u32>) -> Detection {
-    Detection { measurement: Measurement::Position { x_m, y_m }, origin }
+    Detection { measurement: Measurement::Position { x_m, y_m }, origin, amplitude: None }
 }
 
 #[test]
@@ -51,14 +51,23 @@ fn measurements_may_be_polar_and_a_position_wins() {
 }
 
 #[test]
+fn amplitudes_are_read_where_there_are_any() {
+    let text = "time_s,scan,sensor_id,detection_id,x_m,y_m,amplitude\n0,1,r,a,1,2,17.5\n0,1,r,b,3,4,\n";
+    let outcome = read("csv", text).expect("the file is sound");
+    assert_eq!(outcome.warnings, Vec::<String>::new());
+    let found = Detection { amplitude: Some(17.5), ..position(1.0, 2.0, None) };
+    assert_eq!(recording(outcome).detections, [found, position(3.0, 4.0, None)]);
+}
+
+#[test]
 fn columns_are_renamed_and_others_reported() {
     let columns = [("t", "time_s"), ("east", "x_m"), ("north", "y_m")];
     let options = ReadOptions { kind: None, columns: columns.map(|(from, to)| (from.to_owned(), to.to_owned())).into() };
-    let text = "\u{feff}t, scan ,sensor_id,detection_id,east,north,sigma_x_m,amplitude,colour\r\n1,1,r,a,2,3,1,1,red\r\n";
+    let text = "\u{feff}t, scan ,sensor_id,detection_id,east,north,sigma_x_m,range_rate_mps,colour\r\n1,1,r,a,2,3,1,1,red\r\n";
     let outcome = read_with("csv", text, &options).expect("the file is sound");
     assert_eq!(
         outcome.warnings,
-        ["columns kept in the file but not used: sigma_x_m, amplitude", "unknown columns, kept in the file but not used: colour"]
+        ["columns kept in the file but not used: sigma_x_m, range_rate_mps", "unknown columns, kept in the file but not used: colour"]
     );
     assert_eq!(recording(outcome).detections, [position(2.0, 3.0, None)]);
 }

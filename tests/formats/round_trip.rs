@@ -60,10 +60,11 @@ fn measurement() -> impl Strategy<Value = Measurement> {
     ]
 }
 
-type RawScan = (prop::sample::Index, u32, Vec<(Measurement, Option<prop::sample::Index>, String)>);
+type RawDetection = (Measurement, Option<prop::sample::Index>, String, Option<f64>);
+type RawScan = (prop::sample::Index, u32, Vec<RawDetection>);
 
 fn raw_scan() -> impl Strategy<Value = RawScan> {
-    let detection = (measurement(), prop::option::of(any::<prop::sample::Index>()), name());
+    let detection = (measurement(), prop::option::of(any::<prop::sample::Index>()), name(), prop::option::weighted(0.2, number()));
     (any::<prop::sample::Index>(), 1..5_u32, prop::collection::vec(detection, 0..4))
 }
 
@@ -78,10 +79,10 @@ fn assemble(sensors: Vec<String>, targets: Vec<String>, times: Vec<f64>, raw: Ve
         let sensor = used_sensors.binary_search(&sensor.index(sensors.len())).expect("it was collected above");
         number = if used_sensors.len() == 1 { number + step } else { number + 1 };
         parts.scans.push(Scan { number, time_s, sensor, first: parts.detections.len(), count: detections.len() });
-        for (nth, (measurement, origin, id)) in detections.into_iter().enumerate() {
+        for (nth, (measurement, origin, id, amplitude)) in detections.into_iter().enumerate() {
             let origin = origin.filter(|_| origins_known).map(|origin| origin.index(targets.len()) as u32);
             used_targets.extend(origin);
-            parts.detections.push(Detection { measurement, origin });
+            parts.detections.push(Detection { measurement, origin, amplitude });
             parts.detection_ids.push(format!("{id}{nth}"));
         }
     }

@@ -35,7 +35,11 @@ pub fn recording(truth: &[&str], clutter: &[&str]) -> Recording {
         for (origin, words) in &lines {
             for name in words.get(index).into_iter().flat_map(|word| word.split('+')).filter(|name| *name != ".") {
                 parts.detection_ids.push(name.to_owned());
-                parts.detections.push(Detection { measurement: Measurement::Position { x_m: 0.0, y_m: 0.0 }, origin: *origin });
+                parts.detections.push(Detection {
+                    measurement: Measurement::Position { x_m: 0.0, y_m: 0.0 },
+                    origin: *origin,
+                    amplitude: None,
+                });
             }
         }
         let number = index as u32 + 1;

@@ -22,6 +22,7 @@ struct Columns {
     y: Option<usize>,
     range: Option<usize>,
     bearing: Option<usize>,
+    amplitude: Option<usize>,
     truth: Option<usize>,
 }
 
@@ -36,6 +37,7 @@ impl Columns {
             y: header.find("y_m"),
             range: header.find("range_m"),
             bearing: header.find("bearing_deg"),
+            amplitude: header.find("amplitude"),
             truth: header.find("truth_id"),
         }
     }
@@ -100,6 +102,7 @@ impl Builder {
         let number = reader.whole_number(columns.scan);
         reader.require_text(columns.sensor);
         let measurement = self.measurement(reader, columns);
+        let amplitude = reader.optional_number(columns.amplitude);
         if let Some(time_s) = time_s {
             self.check_order(reader, columns, time_s);
         }
@@ -109,7 +112,7 @@ impl Builder {
         let Some(measurement) = measurement else { return };
         let truth = reader.optional_text(columns.truth);
         let origin = (!truth.is_empty()).then(|| self.targets.number(truth));
-        self.detections.push(Detection { measurement, origin });
+        self.detections.push(Detection { measurement, origin, amplitude });
         self.ids.push(reader.text(columns.id).to_owned());
         self.scan_of.push(scan as u32);
         self.rows.push(reader.row());
@@ -267,7 +270,7 @@ fn misfit(latest: &OpenScan, scan: &OpenScan, columns: &Columns) -> Option<(usiz
 /// What the output says.
 pub fn write(recording: &Recording, sink: &mut dyn Sink) -> io::Result<()> {
     let layout = Layout::of(recording);
-    sink.begin(&layout.columns(recording.origins_known))?;
+    sink.begin(&layout.columns())?;
     for scan in &recording.scans {
         if scan.count == 0 {
             write_row(recording, scan, None, layout, sink)?;
@@ -279,12 +282,14 @@ pub fn write(recording: &Recording, sink: &mut dyn Sink) -> io::Result<()> {
     Ok(())
 }
 
-/// Which measurement columns a recording needs.
+/// Which optional columns a recording needs.
 #[derive(Clone, Copy)]
 struct Layout {
     position: bool,
     range: bool,
     bearing: bool,
+    amplitude: bool,
+    origin: bool,
 }
 
 impl Layout {
@@ -292,15 +297,18 @@ impl Layout {
         let has = |wanted: fn(&Measurement) -> bool| recording.detections.iter().any(|detection| wanted(&detection.measurement));
         let range = has(|measurement| matches!(measurement, Measurement::RangeBearing { .. }));
         let bearing = range || has(|measurement| matches!(measurement, Measurement::Bearing { .. }));
-        Layout { position: !bearing || has(|measurement| matches!(measurement, Measurement::Position { .. })), range, bearing }
+        let amplitude = recording.detections.iter().any(|detection| detection.amplitude.is_some());
+        let position = !bearing || has(|measurement| matches!(measurement, Measurement::Position { .. }));
+        Layout { position, range, bearing, amplitude, origin: recording.origins_known }
     }
 
-    fn columns(self, origins_known: bool) -> Vec<&'static str> {
+    fn columns(self) -> Vec<&'static str> {
         let mut columns = vec!["time_s", "scan", "sensor_id", "detection_id"];
         columns.extend(self.position.then_some(["x_m", "y_m"]).into_iter().flatten());
         columns.extend(self.range.then_some("range_m"));
         columns.extend(self.bearing.then_some("bearing_deg"));
-        columns.extend(origins_known.then_some("truth_id"));
+        columns.extend(self.amplitude.then_some("amplitude"));
+        columns.extend(self.origin.then_some("truth_id"));
         columns
     }
 }
@@ -327,7 +335,10 @@ fn write_row(recording: &Recording, scan: &Scan, index: Option<usize>, layout: L
     if layout.bearing {
         sink.number(bearing_rad.map(degrees))?;
     }
-    if recording.origins_known {
+    if layout.amplitude {
+        sink.number(detection.and_then(|detection| detection.amplitude))?;
+    }
+    if layout.origin {
         let origin = detection.and_then(|detection| detection.origin);
         sink.text(origin.map(|origin| recording.targets[origin as usize].as_str()))?;
     }

@@ -32,10 +32,13 @@ pub fn routes() -> OpenApiRouter<AppState> {
 
 /// Upload a dataset
 ///
-/// Two parts, in this order: `meta` (JSON, may be left out) and `file`. The same content with the same meta gives the
-/// dataset that exists already, with status 200 instead of 201.
+/// Two parts: `meta` (JSON, may be left out) and `file`. With `meta` first, its faults are told before the file is read.
+/// The same content with the same meta gives the dataset that exists already, with status 200 instead of 201.
 #[utoipa::path(post, path = "/v1/datasets", operation_id = "uploadDataset", tag = "datasets",
-    responses((status = 201, description = "The dataset, checked and kept.", body = DatasetInfo)))]
+    responses(
+        (status = 200, description = "The dataset that exists already.", body = DatasetInfo),
+        (status = 201, description = "The dataset, checked and kept.", body = DatasetInfo),
+    ))]
 async fn upload_dataset(State(app): State<AppState>, _: NoParams, request: Request) -> ApiResult {
     let upload = upload::receive(request, app.jobs.temp_dir(), app.max_upload_bytes).await?;
     let (dataset, is_new) = app.jobs.add_dataset(upload.file.clone(), upload.meta.clone()).await?;

@@ -80,7 +80,7 @@ pub struct Upload {
     _temporary: TempPath,
 }
 
-/// Receives the parts `meta` (first, may be absent) and `file`.
+/// Receives the parts `meta` (may be absent) and `file`. In this order, faults of `meta` are told before the file is read.
 ///
 /// # Errors
 /// Another media type, a body over the limit, faults in `meta`, missing and unknown parts.
@@ -109,7 +109,6 @@ async fn receive_parts(multipart: &mut Multipart, directory: &Path, limit_bytes:
     let mut file = None;
     while let Some(part) = multipart.next_field().await.map_err(|_| broken_off())? {
         match part.name().unwrap_or_default() {
-            "meta" if file.is_some() => return Err(part_fault("/meta", "conflict", "the part 'meta' must come before 'file'")),
             "meta" if meta.is_some() => return Err(part_fault("/meta", "duplicate", "there are two parts 'meta'")),
             "file" if file.is_some() => return Err(part_fault("/file", "duplicate", "there are two parts 'file'")),
             "meta" => meta = Some(read_meta(part).await?),

@@ -132,7 +132,7 @@ fn upload_body(components: &mut Components) -> Value {
     let meta = json_schema(&http::META, components);
     let upload = json!({
         "type": "object",
-        "description": "Two parts; `meta` comes first.",
+        "description": "Two parts.",
         "properties": {
             "meta": meta,
             "file": {"type": "string", "format": "binary", "description": "The file."}
@@ -173,9 +173,22 @@ fn complete(operation: &mut Value, bodies: &BTreeMap<String, Value>) {
     if let Some(body) = bodies.get(&id) {
         operation["requestBody"] = body.clone();
     }
+    for parameter in operation["parameters"].as_array_mut().into_iter().flatten() {
+        never_null(&mut parameter["schema"]);
+    }
     for (range, description) in [("4XX", "The request is refused."), ("5XX", "The service cannot do it.")] {
         let content = json!({"application/problem+json": {"schema": reference("Problem")}});
         operation["responses"][range] = json!({"description": description, "content": content});
+    }
+}
+
+/// A parameter that may be left out is still never null.
+fn never_null(schema: &mut Value) {
+    if let Some(types) = schema["type"].as_array_mut() {
+        types.retain(|name| name != "null");
+        if let [only] = types.as_slice() {
+            schema["type"] = only.clone();
+        }
     }
 }
 

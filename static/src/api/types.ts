@@ -84,7 +84,7 @@ export interface Plan {
   truth: Reduced;
   detections: Reduced;
   tracks: Reduced;
-  extent: { x_min_m: number; x_max_m: number; y_min_m: number; y_max_m: number; from_s: number; to_s: number } | null;
+  extent: { x_min_m?: number; x_max_m?: number; y_min_m?: number; y_max_m?: number };
   scans: { number: number; time_s: number; sensor_id: string }[];
   sensors: SensorSettings[];
 }
@@ -108,7 +108,11 @@ export interface TargetVerdict {
 }
 
 export interface Tfa {
-  counts: { targets: number; output_tracks: number; correct: number; missed: number; false: number };
+  counts: { targets: number; output_tracks: number; correct: number; missed: number; false: number; matched_tracks: number; redundant_tracks: number; false_tracks: number };
+  ratios: { correct_per_target: number | null; output_tracks_per_target: number | null };
+  missed_with_matched_track: number;
+  violations: unknown[];
+  warnings: string[];
   probability: { correct: number | null; missed: number | null; false: number | null };
   targets: TargetVerdict[];
   output_tracks: { track_id: string; class: string; follows?: string | null }[];

@@ -34,7 +34,10 @@ macro_rules! create {
                 ("Prefer" = Option<String>, Header, description = "`wait=n` waits up to n seconds (at most 30) for the end of the job."),
                 ("Idempotency-Key" = Option<String>, Header, description = "The same key with the same body gives the same job again."),
             ),
-            responses((status = 202, description = "The job, queued; with `Prefer: wait` and status 200, ended.", body = Job)))]
+            responses(
+                (status = 200, description = "The job, ended within the wait that was asked for.", body = Job),
+                (status = 202, description = "The job, queued.", body = Job),
+            ))]
         async fn $name(State(app): State<AppState>, _: NoParams, headers: HeaderMap, JsonBody(body): JsonBody) -> ApiResult {
             create(app, $kind, &headers, body).await
         }

@@ -89,7 +89,10 @@ async fn cancel_job(State(app): State<AppState>, Id(id): Id, _: NoParams) -> Api
         ("id" = uuid::Uuid, Path, description = "Identity of the job."),
         ("Prefer" = Option<String>, Header, description = "`wait=n` waits up to n seconds (at most 30) for the end of the job."),
     ),
-    responses((status = 202, description = "The new job.", body = Job)))]
+    responses(
+        (status = 200, description = "The new job, ended within the wait that was asked for.", body = Job),
+        (status = 202, description = "The new job, queued.", body = Job),
+    ))]
 async fn rerun_job(State(app): State<AppState>, Id(id): Id, _: NoParams, headers: HeaderMap) -> ApiResult {
     let job = app.jobs.rerun(id).await?;
     answer(&app, job, preferred_wait(&headers)).await
