@@ -27,9 +27,14 @@ fn main() {
     let u_ns = yardstick_ns();
     println!("yardstick u = {u_ns:.1} ns (4-state Kalman predict + update, nalgebra, fixed sizes)\n");
     println!("{:>8}  {:<20} {:>12} {:>10} {:>10} {:>9}", "targets", "associator", "track-scans", "ns each", "u each", "/ oracle");
+    if std::env::args().any(|argument| argument == "jpda") {
+        jpda_scenes(u_ns);
+        return;
+    }
     for targets in [100, 1_000, 10_000] {
         compare(targets, u_ns);
     }
+    jpda_scenes(u_ns);
 }
 
 /// One line for each associator at one size.
@@ -39,7 +44,7 @@ fn compare(targets: u32, u_ns: f64) {
     let mut points = vec![0; ASSOCIATORS.len()];
     for _ in 0..RUNS {
         for (index, method) in ASSOCIATORS.iter().enumerate() {
-            let (seconds, track_scans) = tracked(method.name, &scenario, &recording);
+            let (seconds, track_scans, _) = tracked(method.name, &scenario, &recording);
             times[index].push(seconds * 1e9 / track_scans as f64);
             points[index] = track_scans;
         }
@@ -75,19 +80,25 @@ fn scene(targets: u32) -> (Scenario, Recording) {
             speed_max_mps: 1000.0,
         }),
     };
+    recorded(scenario)
+}
+
+fn recorded(scenario: Scenario) -> (Scenario, Recording) {
     let simulated = trackloom::simulation::simulate(&scenario, Seed { seed: 1, run: 0 }, &mut |_| std::ops::ControlFlow::Continue(()));
     let recording = simulated.expect("the scene is valid").expect("nobody stops it").recording;
     (scenario, recording)
 }
 
 /// Seconds for the whole tracker, and how many living tracks it carried through a scan, summed over the scans.
-fn tracked(method: &str, scenario: &Scenario, recording: &Recording) -> (f64, u64) {
+fn tracked(method: &str, scenario: &Scenario, recording: &Recording) -> (f64, u64, Option<serde_json::Value>) {
     let associator = ASSOCIATORS.iter().find(|entry| entry.name == method).expect("a name of the table");
     let sensor = &scenario.sensors[0];
+    // A scene of slow targets within 2 km is not tracked with the speeds of aircraft.
+    let initial_speed_sigma_mps = if sensor.max_range_m < 10_000.0 { 10.0 } else { 430.0 };
     let parts = TrackerParts {
         filter: Kalman { process_noise_m2ps3: 1.0 },
         associator: (associator.build)(&json!({})).expect("defaults build"),
-        lifecycle: Lifecycle { gate_probability: 0.999, confirm_hits: 3, confirm_window: 5, max_missed: 5, initial_speed_sigma_mps: 430.0 },
+        lifecycle: Lifecycle { gate_probability: 0.999, confirm_hits: 3, confirm_window: 5, max_missed: 5, initial_speed_sigma_mps },
         sensors: vec![Sensor {
             sensor_id: "radar".into(),
             p_d: sensor.p_d,
@@ -103,8 +114,47 @@ fn tracked(method: &str, scenario: &Scenario, recording: &Recording) -> (f64, u6
         track_scans += u64::from(tracker.step(scan, recording.detections_of(scan)).tracks);
     }
     let seconds = start.elapsed().as_secs_f64();
+    let diagnostics = tracker.diagnostics();
     black_box(tracker.into_history());
-    (seconds, track_scans)
+    (seconds, track_scans, diagnostics)
+}
+
+/// Scenes that decide whether a JPDA is usable: what the whole run costs, and how its marginals were found.
+fn jpda_scenes(u_ns: f64) {
+    println!("\nJPDA, whole runs");
+    report("30 targets", &scene(30), u_ns);
+    report("100 targets", &scene(100), u_ns);
+    report("dense", &dense_scene(), u_ns);
+}
+
+/// 100 targets that start within 2 km, and 500 false detections a scan in the same 2 km.
+fn dense_scene() -> (Scenario, Recording) {
+    let sensor = ScenarioSensor {
+        sensor_id: "radar".into(),
+        x_m: 0.0,
+        y_m: 0.0,
+        max_range_m: 1_500.0,
+        p_d: 0.9,
+        sigma_x_m: 10.0,
+        sigma_y_m: 10.0,
+        clutter_per_scan: 500.0,
+    };
+    let targets = RandomTargets { count: 100, area_side_m: 2_000.0, speed_min_mps: 1.0, speed_max_mps: 15.0 };
+    recorded(Scenario { scans: 30, scan_period_s: 2.0, sensors: vec![sensor], targets: TargetPlan::Random(targets) })
+}
+
+fn report(name: &str, (scenario, recording): &(Scenario, Recording), u_ns: f64) {
+    let runs = if name == "dense" { 1 } else { RUNS };
+    let mut times = Vec::new();
+    let mut diagnostics = None;
+    for _ in 0..runs {
+        let (seconds, _, said) = tracked("jpda", scenario, recording);
+        times.push(seconds);
+        diagnostics = said;
+    }
+    let seconds = median(times);
+    println!("{name:>12}: {:.3} ms = {:.0} u", seconds * 1e3, seconds * 1e9 / u_ns);
+    println!("{}", diagnostics.map_or_else(String::new, |said| said.to_string()));
 }
 
 /// The textbook filter, written the plain way.

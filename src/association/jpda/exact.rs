@@ -40,24 +40,21 @@ pub(super) struct Planned {
 }
 
 /// With a plan this cheap the other side is not looked at.
-const CHEAP_COST: u64 = 500;
+const CHEAP_COST: u64 = 2000;
 
 impl Exact {
-    /// The cheaper of the orders over tracks and over detections; `None` when both break a limit.
+    /// The cheaper of the orders over detections and over tracks; `None` when both break a limit. Detections come first:
+    /// in the clusters of trackers their order is mostly the cheaper one, since gates differ in size and points do not.
     pub(super) fn plan(&mut self, cluster: &Cluster, limits: Limits) -> Option<Planned> {
-        // The side with more nodes is taken in turn: the tables are over subsets of the other.
-        let turn = if cluster.tracks.len() >= cluster.detections.len() { Turn::Tracks } else { Turn::Detections };
-        let first = self.make(cluster, turn, limits);
+        let first = self.make(cluster, Turn::Detections, limits);
         if first.is_some_and(|cost| cost <= CHEAP_COST) {
-            return Some(self.planned(turn));
+            return Some(self.planned(Turn::Detections));
         }
-        let other = if turn == Turn::Tracks { Turn::Detections } else { Turn::Tracks };
-        let limits = Limits { cost: first.unwrap_or(limits.cost), ..limits };
-        match (first, self.make(cluster, other, limits)) {
-            (_, Some(_)) => Some(self.planned(other)),
-            (Some(_), None) => Some(self.planned(turn)),
-            (None, None) => None,
+        let cheaper = Limits { cost: first.unwrap_or(limits.cost), ..limits };
+        if self.make(cluster, Turn::Tracks, cheaper).is_some() {
+            return Some(self.planned(Turn::Tracks));
         }
+        first.map(|_| self.planned(Turn::Detections))
     }
 
     fn make(&mut self, cluster: &Cluster, turn: Turn, limits: Limits) -> Option<u64> {
