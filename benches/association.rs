@@ -1,8 +1,9 @@
 //! `cargo bench`: what association costs, as ratios in one run.
 //!
 //! Prints the yardstick u (one predict and update of a 4-state Kalman filter with nalgebra's fixed sizes), then for
-//! scenes of 100, 1 000 and 10 000 targets of equal density the cost of the whole tracker for each track and scan under
-//! `oracle` (the filter alone) and under every other associator, in u and as a ratio to the oracle.
+//! scenes of 100, 1 000, 5 000 and 10 000 targets of equal density the cost of the whole tracker for each track and scan under
+//! `oracle` (the filter alone) and under every other associator, in u and as a ratio to the oracle. Last, what JPDA costs
+//! in whole runs and how it found its marginals. `cargo bench --bench association jpda` leaves out the large scenes.
 
 use nalgebra::{Matrix2, Matrix2x4, Matrix4, Vector2, Vector4};
 use serde_json::json;
@@ -14,6 +15,7 @@ use trackloom::math::rng::Seed;
 use trackloom::model::scan::Recording;
 use trackloom::model::scenario::{RandomTargets, Scenario, ScenarioSensor, TargetPlan};
 use trackloom::model::sensor::Sensor;
+use trackloom::registry;
 use trackloom::tracking::{Lifecycle, Tracker, TrackerParts};
 
 /// Every figure is the median of this many runs, the contenders taking turns.
@@ -27,11 +29,8 @@ fn main() {
     let u_ns = yardstick_ns();
     println!("yardstick u = {u_ns:.1} ns (4-state Kalman predict + update, nalgebra, fixed sizes)\n");
     println!("{:>8}  {:<20} {:>12} {:>10} {:>10} {:>9}", "targets", "associator", "track-scans", "ns each", "u each", "/ oracle");
-    if std::env::args().any(|argument| argument == "jpda") {
-        jpda_scenes(u_ns);
-        return;
-    }
-    for targets in [100, 1_000, 10_000] {
+    let is_jpda_alone = std::env::args().any(|argument| argument == "jpda");
+    for targets in [100, 1_000, 5_000, 10_000].into_iter().take(if is_jpda_alone { 1 } else { 4 }) {
         compare(targets, u_ns);
     }
     jpda_scenes(u_ns);
@@ -57,9 +56,9 @@ fn compare(targets: u32, u_ns: f64) {
     }
 }
 
-/// Liang's scene at 100 targets; larger ones have a larger radar of the same target and clutter density.
+/// Liang's scene up to 100 targets; larger ones have a larger radar of the same target and clutter density.
 fn scene(targets: u32) -> (Scenario, Recording) {
-    let scale = (f64::from(targets) / 100.0).sqrt();
+    let scale = (f64::from(targets) / 100.0).max(1.0).sqrt();
     let scenario = Scenario {
         scans: 30,
         scan_period_s: 8.0,
@@ -92,12 +91,13 @@ fn recorded(scenario: Scenario) -> (Scenario, Recording) {
 /// Seconds for the whole tracker, and how many living tracks it carried through a scan, summed over the scans.
 fn tracked(method: &str, scenario: &Scenario, recording: &Recording) -> (f64, u64, Option<serde_json::Value>) {
     let associator = ASSOCIATORS.iter().find(|entry| entry.name == method).expect("a name of the table");
+    let defaults = registry::check(&json!({}), associator.parameters).expect("every parameter has a default");
     let sensor = &scenario.sensors[0];
     // A scene of slow targets within 2 km is not tracked with the speeds of aircraft.
     let initial_speed_sigma_mps = if sensor.max_range_m < 10_000.0 { 10.0 } else { 430.0 };
     let parts = TrackerParts {
         filter: Kalman { process_noise_m2ps3: 1.0 },
-        associator: (associator.build)(&json!({})).expect("defaults build"),
+        associator: (associator.build)(&defaults).expect("defaults build"),
         lifecycle: Lifecycle { gate_probability: 0.999, confirm_hits: 3, confirm_window: 5, max_missed: 5, initial_speed_sigma_mps },
         sensors: vec![Sensor {
             sensor_id: "radar".into(),

@@ -2,10 +2,14 @@
 
 use crate::registry::{Method, Union};
 
+pub mod global_nearest_neighbour;
+mod greedy;
 pub mod jpda;
 pub mod nearest_neighbour;
 pub mod oracle;
+pub mod pda;
 pub mod problem;
+pub mod strongest_neighbour;
 
 use problem::{Problem, Weights};
 
@@ -39,7 +43,8 @@ pub trait Associator: Send {
 pub type BuildAssociator = fn(&serde_json::Value) -> Result<Box<dyn Associator>, serde_json::Error>;
 
 /// Every associator.
-pub const ASSOCIATORS: &[Method<BuildAssociator>] = &[nearest_neighbour::METHOD, jpda::METHOD, oracle::METHOD];
+pub const ASSOCIATORS: &[Method<BuildAssociator>] =
+    &[nearest_neighbour::METHOD, strongest_neighbour::METHOD, global_nearest_neighbour::METHOD, pda::METHOD, jpda::METHOD, oracle::METHOD];
 
 pub static ASSOCIATOR: Union = Union {
     name: "Associator",

@@ -1,4 +1,5 @@
-//! Tools: Gaussian distances and likelihoods, and named streams of random numbers.
+//! Tools: optimal assignment, Gaussian distances and likelihoods, and named streams of random numbers.
 
+pub mod assignment;
 pub mod gaussian;
 pub mod rng;
