@@ -26,8 +26,6 @@ pub(super) struct BeliefPropagation {
     none: Vec<f64>,
     to_detection: Vec<f64>,
     to_track: Vec<f64>,
-    /// Sums of step 3 up to each edge.
-    partial: Vec<f64>,
 }
 
 /// How the messages ended.
@@ -64,25 +62,17 @@ impl BeliefPropagation {
         self.to_track.resize(self.weight.len(), 1.0);
         self.to_detection.clear();
         self.to_detection.resize(self.weight.len(), 0.0);
-        self.partial.clear();
-        self.partial.resize(self.weight.len(), 0.0);
     }
 
-    /// Step 2. Sums without one term are put together from those before and after it: subtracting it from the whole
-    /// would leave nothing but rounding where it is the largest.
+    /// Step 2.
     fn tell_detections(&mut self, tracks: &Nodes) {
         for track in 0..tracks.len() {
             let edges = tracks.edges_of(track);
-            let mut before = self.none[track];
+            let term = |edge: u32| self.weight[edge as usize] * self.to_track[edge as usize];
+            let total = edges.iter().fold(self.none[track], |sum, &edge| sum + term(edge));
             for &edge in edges {
-                self.to_detection[edge as usize] = before;
-                before += self.weight[edge as usize] * self.to_track[edge as usize];
-            }
-            let mut after = 0.0;
-            for &edge in edges.iter().rev() {
-                let edge = edge as usize;
-                self.to_detection[edge] = self.weight[edge] / (self.to_detection[edge] + after);
-                after += self.weight[edge] * self.to_track[edge];
+                let rest = sum_without(edge, self.none[track], total, edges, term);
+                self.to_detection[edge as usize] = self.weight[edge as usize] / rest;
             }
         }
     }
@@ -92,18 +82,13 @@ impl BeliefPropagation {
         let mut largest = 0.0f64;
         for detection in 0..detections.len() {
             let edges = detections.edges_of(detection);
-            let mut before = 1.0;
+            let term = |edge: u32| self.to_detection[edge as usize];
+            let total = edges.iter().fold(1.0, |sum, &edge| sum + term(edge));
             for &edge in edges {
-                self.partial[edge as usize] = before;
-                before += self.to_detection[edge as usize];
-            }
-            let mut after = 0.0;
-            for &edge in edges.iter().rev() {
-                let edge = edge as usize;
-                let message = 1.0 / (self.partial[edge] + after);
-                largest = largest.max((self.to_track[edge] - message).abs() / message);
-                self.to_track[edge] = message;
-                after += self.to_detection[edge];
+                let rest = sum_without(edge, 1.0, total, edges, term);
+                let message = &mut self.to_track[edge as usize];
+                largest = largest.max((*message * rest - 1.0).abs());
+                *message = 1.0 / rest;
             }
         }
         largest
@@ -125,4 +110,12 @@ impl BeliefPropagation {
             cluster.none[track] = self.none[track] / total;
         }
     }
+}
+
+/// first + the terms of all edges but one. Subtracting that one from the total would leave nothing but rounding where it
+/// is most of the total; then, which happens at most once a node, the others are summed again.
+#[inline]
+fn sum_without(edge: u32, first: f64, total: f64, edges: &[u32], term: impl Fn(u32) -> f64) -> f64 {
+    let own = term(edge);
+    if own <= 0.5 * total { total - own } else { edges.iter().filter(|&&other| other != edge).fold(first, |sum, &other| sum + term(other)) }
 }

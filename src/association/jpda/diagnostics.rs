@@ -30,11 +30,13 @@ pub(super) struct Clusters {
     pub(super) belief_propagation: u64,
 }
 
-/// How often a cap kept a cluster from the algorithm that was asked for.
+/// How often a cap kept a cluster from an algorithm that was asked for, or that `auto` would have preferred.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub(super) struct Caps {
-    pub(super) max_events: u64,
-    pub(super) max_states: u64,
+    /// More than `max_events` joint events.
+    pub(super) enumerate: u64,
+    /// Tables of more than `max_states` cells, or together more than an exact sum may visit.
+    pub(super) exact: u64,
 }
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]

@@ -199,9 +199,25 @@ impl<T: Number> Tables<T> {
     }
 }
 
+/// Below this the cells of one block are too few for a loop of their own.
+const SMALL_BLOCK: usize = 8;
+
+/// Cell number `index` of those without the bit worth `half`.
+#[inline]
+fn cell_without(half: usize, index: usize) -> usize {
+    let low = index & (half - 1);
+    ((index - low) << 1) | low
+}
+
 /// to\[S∪j\] += w · from\[S\] for every S without j.
 fn add_used<T: Number>(from: &[T], to: &mut [T], bit: u8, weight: T) {
     let half = 1 << bit;
+    if half < SMALL_BLOCK {
+        for cell in (0..from.len() / 2).map(|index| cell_without(half, index)) {
+            to[cell + half] = to[cell + half] + weight * from[cell];
+        }
+        return;
+    }
     for (from, to) in from.chunks_exact(2 * half).zip(to.chunks_exact_mut(2 * half)) {
         for (to, &from) in to[half..].iter_mut().zip(&from[..half]) {
             *to = *to + weight * from;
@@ -212,21 +228,39 @@ fn add_used<T: Number>(from: &[T], to: &mut [T], bit: u8, weight: T) {
 /// before\[S\] += w · after\[S∪j\] for every S without j; returns Σ F\[S\] w · after\[S∪j\].
 fn add_unused<T: Number>(forward: &[T], after: &[T], before: &mut [T], bit: u8, weight: T) -> T {
     let half = 1 << bit;
-    let blocks = forward.chunks_exact(2 * half).zip(after.chunks_exact(2 * half)).zip(before.chunks_exact_mut(2 * half));
     let mut mass = T::default();
+    if half < SMALL_BLOCK {
+        for cell in (0..forward.len() / 2).map(|index| cell_without(half, index)) {
+            let gain = weight * after[cell + half];
+            before[cell] = before[cell] + gain;
+            mass = mass + forward[cell] * gain;
+        }
+        return mass;
+    }
+    let blocks = forward.chunks_exact(2 * half).zip(after.chunks_exact(2 * half)).zip(before.chunks_exact_mut(2 * half));
     for ((forward, after), before) in blocks {
         mass = mass + add_gain(&forward[..half], &after[half..], &mut before[..half], weight);
     }
     mass
 }
 
-/// before\[S\] += w · after\[S\]; returns Σ F\[S\] w · after\[S\].
+/// before\[S\] += w · after\[S\]; returns Σ F\[S\] w · after\[S\], in four sums that need not wait for each other.
 fn add_gain<T: Number>(forward: &[T], after: &[T], before: &mut [T], weight: T) -> T {
-    let mut mass = T::default();
-    for ((&forward, &after), before) in forward.iter().zip(after).zip(before) {
-        let gain = weight * after;
-        *before = *before + gain;
-        mass = mass + forward * gain;
+    let mut sums = [T::default(); 4];
+    let quads = before.len() / 4 * 4;
+    let whole = forward[..quads].chunks_exact(4).zip(after[..quads].chunks_exact(4)).zip(before[..quads].chunks_exact_mut(4));
+    for ((forward, after), before) in whole {
+        for lane in 0..4 {
+            let gain = weight * after[lane];
+            before[lane] = before[lane] + gain;
+            sums[lane] = sums[lane] + forward[lane] * gain;
+        }
+    }
+    let mut mass = (sums[0] + sums[1]) + (sums[2] + sums[3]);
+    for cell in quads..before.len() {
+        let gain = weight * after[cell];
+        before[cell] = before[cell] + gain;
+        mass = mass + forward[cell] * gain;
     }
     mass
 }
@@ -235,6 +269,10 @@ fn add_gain<T: Number>(forward: &[T], after: &[T], before: &mut [T], weight: T) 
 fn add_halves<T: Number>(from: &[T], to: &mut Vec<T>, bit: u8) {
     let half = 1 << bit;
     to.clear();
+    if half < SMALL_BLOCK {
+        to.extend((0..from.len() / 2).map(|index| cell_without(half, index)).map(|cell| from[cell] + from[cell + half]));
+        return;
+    }
     for block in from.chunks_exact(2 * half) {
         let (without, with) = block.split_at(half);
         to.extend(without.iter().zip(with).map(|(&without, &with)| without + with));
@@ -243,8 +281,13 @@ fn add_halves<T: Number>(from: &[T], to: &mut Vec<T>, bit: u8) {
 
 /// The reverse for B, which does not depend on the node.
 fn repeat_halves<T: Number>(from: &[T], to: &mut Vec<T>, bit: u8) {
+    let half = 1 << bit;
     to.clear();
-    for block in from.chunks_exact(1 << bit) {
+    if half < SMALL_BLOCK {
+        to.extend((0..2 * from.len()).map(|index| from[((index >> (bit + 1)) << bit) | (index & (half - 1))]));
+        return;
+    }
+    for block in from.chunks_exact(half) {
         to.extend_from_slice(block);
         to.extend_from_slice(block);
     }

@@ -15,7 +15,7 @@
 //!    others call this choice JPDA's method: here `method` is already the word that names JPDA itself.)
 //!
 //! `auto` decides for each cluster: the closed form for a single track, the list of all events where it is short, else
-//! the exact sum where its tables stay within `max_states`, else belief propagation. No cap is passed silently: the
+//! the exact sum where its tables stay within `max_states` and `max_auto_cost`, else belief propagation. No cap is passed silently: the
 //! diagnostics count what each algorithm did and what a cap kept from the one asked for.
 
 mod belief_propagation;
@@ -67,6 +67,13 @@ static PARAMETERS: Object = Object {
             presence: Presence::Default("65536"),
         },
         Field {
+            name: "max_auto_cost",
+            summary: "Cells that auto lets an exact sum visit, over all its tables; a cluster that needs more goes to belief \
+                      propagation, and is counted. A million take a few milliseconds.",
+            kind: Kind::Integer { min: 1, max: MAX_EXACT_COST as i64, unit: "cells" },
+            presence: Presence::Default("200000"),
+        },
+        Field {
             name: "tolerance",
             summary: "Belief propagation ends when no message changes by more than this, relative to itself.",
             kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(0.1), unit: "" },
@@ -97,13 +104,21 @@ struct Settings {
     marginals: Marginals,
     max_events: u64,
     max_states: u64,
+    max_auto_cost: u64,
     tolerance: f64,
     max_iterations: u32,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Settings { marginals: Marginals::Auto, max_events: 1_000_000, max_states: 65_536, tolerance: 1e-9, max_iterations: 1000 }
+        Settings {
+            marginals: Marginals::Auto,
+            max_events: 1_000_000,
+            max_states: 65_536,
+            max_auto_cost: 200_000,
+            tolerance: 1e-9,
+            max_iterations: 1000,
+        }
     }
 }
 
@@ -134,7 +149,7 @@ impl Associator for Jpda {
         match self.settings.marginals {
             Marginals::Auto => self.choose(),
             Marginals::Enumerate => self.list_or_choose(),
-            Marginals::Exact => self.sum_or_propagate(),
+            Marginals::Exact => self.sum_or_propagate(MAX_EXACT_COST),
             Marginals::BeliefPropagation => self.propagate(),
         }
         self.cluster.store(problem, weights);
@@ -182,29 +197,26 @@ impl Jpda {
     fn choose(&mut self) {
         let few = FEW_EVENTS.min(self.settings.max_events as f64);
         if self.cluster.most_events() > few || !self.list() {
-            self.sum_or_propagate();
+            self.sum_or_propagate(self.settings.max_auto_cost);
         }
     }
 
     fn list_or_choose(&mut self) {
         if !self.list() {
-            self.diagnostics.caps().max_events += 1;
+            self.diagnostics.caps().enumerate += 1;
             self.choose();
         }
     }
 
-    fn sum_or_propagate(&mut self) {
-        match self.exact.plan(&self.cluster, self.limits()) {
+    fn sum_or_propagate(&mut self, max_cost: u64) {
+        let limits = Limits { width: self.settings.max_states.ilog2(), cost: max_cost };
+        match self.exact.plan(&self.cluster, limits) {
             Some(planned) => self.sum(planned),
             None => {
-                self.diagnostics.caps().max_states += 1;
+                self.diagnostics.caps().exact += 1;
                 self.propagate();
             }
         }
-    }
-
-    fn limits(&self) -> Limits {
-        Limits { width: self.settings.max_states.ilog2(), cost: MAX_EXACT_COST }
     }
 
     /// Whether the events were few enough to be listed.

@@ -143,7 +143,7 @@ fn exact_equals_enumerate_on_larger_clusters() {
             assert!(difference <= 1e-11, "{difference} {tracks:?}");
         }
     }
-    assert_eq!((exact.diagnostics.caps().max_states, enumerate.diagnostics.caps().max_events), (0, 0));
+    assert_eq!((exact.diagnostics.caps().exact, enumerate.diagnostics.caps().enumerate), (0, 0));
 }
 
 #[test]
@@ -225,7 +225,7 @@ fn beyond_the_caps_the_diagnostics_say_what_was_done_instead() {
     assert!(largest_difference(&solve(&mut capped, &tracks), &by_brute_force(&tracks)) < 1e-12);
     let report = capped.diagnostics().unwrap();
     assert_eq!(
-        (&report["caps"]["max_events"], &report["clusters"]["exact"], &report["clusters"]["enumerate"]),
+        (&report["caps"]["enumerate"], &report["clusters"]["exact"], &report["clusters"]["enumerate"]),
         (&1.into(), &1.into(), &0.into())
     );
     let mut enough = Jpda::new(Settings { max_events: 1546, ..settings(Marginals::Enumerate) });
@@ -234,7 +234,7 @@ fn beyond_the_caps_the_diagnostics_say_what_was_done_instead() {
     let mut narrow = Jpda::new(Settings { max_states: 16, ..settings(Marginals::Exact) });
     solve(&mut narrow, &tracks);
     let report = narrow.diagnostics().unwrap();
-    assert_eq!((&report["caps"]["max_states"], &report["approximation"]["clusters"]), (&1.into(), &1.into()));
+    assert_eq!((&report["caps"]["exact"], &report["approximation"]["clusters"]), (&1.into(), &1.into()));
     assert_eq!(report["approximation"]["largest_cluster"], serde_json::json!({"tracks": 5, "detections": 5, "edges": 25}));
     assert_eq!(report["approximation"]["not_converged"], 0);
 }
