@@ -158,7 +158,8 @@ fn the_older_copy_uses_no_newer_words() {
 fn every_example_of_a_job_passes_the_checks() {
     let document = openapi::document();
     for kind in JobKind::ALL {
-        let examples = &document["paths"][format!("/v1/jobs/{}", kind.name())]["post"]["requestBody"]["content"]["application/json"]["examples"];
+        let examples =
+            &document["paths"][format!("/v1/jobs/{}", kind.name())]["post"]["requestBody"]["content"]["application/json"]["examples"];
         let examples = examples.as_object().unwrap();
         assert!(!examples.is_empty());
         for (name, example) in examples {

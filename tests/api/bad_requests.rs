@@ -143,7 +143,8 @@ async fn a_check_tells_faults_as_its_answer_and_queues_nothing() {
     assert_eq!((&good["valid"], &good["errors"]), (&json!(true), &json!([])));
     assert!(good["estimate"]["detections"].as_u64().unwrap() > 20);
     let bad = api.post("/v1/validate", &json!({"kind": "simulate", "spec": {"scenario": 3}})).await.ok(200);
-    let fault = json!({"pointer": "/scenario", "code": "wrong_type", "detail": "expected an object, found a number", "allowed": "an object"});
+    let fault =
+        json!({"pointer": "/scenario", "code": "wrong_type", "detail": "expected an object, found a number", "allowed": "an object"});
     assert_eq!(bad, json!({"valid": false, "errors": [fault], "warnings": []}));
     let wrong = api.post("/v1/validate", &json!({"kind": "sing", "song": 1})).await;
     let faults = json!([

@@ -1,13 +1,14 @@
 //! Reports, files, series and the plan view.
 
-use crate::helpers::{Api, Answer, id, long, problem, send, validation};
+use crate::helpers::{Answer, Api, id, long, problem, send, validation};
 use reqwest::Method;
 use serde_json::{Value, json};
 use trackloom::service::types::{ArtifactList, Report};
 
 /// An evaluated scene of ten targets, and its path.
 async fn evaluated(api: &Api) -> String {
-    let job = api.run("evaluate", &json!({"input": {"source": "preset", "preset": "liang2009-10"}})).await;
+    let preset = api.get("/v1/presets/liang2009-10").await.ok(200);
+    let job = api.run("evaluate", &preset["body"]).await;
     assert_eq!(job["state"], "succeeded", "{job}");
     format!("/v1/jobs/{}", id(&job))
 }
