@@ -102,18 +102,20 @@ test("verdicts are filtered and sorted, and the address says so", async () => {
   await closePage(page);
 });
 
+/** The address is written when the hand rests; a busy machine may rest in the middle of a drag. */
+const AT_REST_MS = 700;
+
 /** East and north metres per pixel, read from two points that a drag of the plan view leaves in the address. */
 async function draggedBy(page, dx, dy) {
   const centre = async () => parameters(page).get("centre").split(",").map(Number);
   const box = await planOf(page).boundingBox();
   const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
   const start = await centre();
-  const before = page.url();
   await page.mouse.move(x, y);
   await page.mouse.down();
   await page.mouse.move(x + dx, y + dy, { steps: 4 });
   await page.mouse.up();
-  await page.waitForURL((url) => url.href !== before);
+  await page.waitForTimeout(AT_REST_MS);
   const end = await centre();
   return [Math.abs(end[0] - start[0]), Math.abs(end[1] - start[1])];
 }

@@ -2,8 +2,8 @@
 
 import type { JSX } from "preact";
 import { useMemo, useRef } from "preact/hooks";
-import { getSeries } from "../api/client";
-import type { Series } from "../api/types";
+import { getTrackProbability } from "../api/client";
+import type { TrackProbability } from "../api/types";
 import { Empty, Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import { fromColumns } from "../components/table";
@@ -26,7 +26,7 @@ interface Row {
   candidates: Candidate[];
 }
 
-function rowsOf(series: Series): Row[] {
+function rowsOf(series: TrackProbability): Row[] {
   const rows: Row[] = [];
   const { time_s, detection_id, probability: values, status } = series.columns;
   (time_s ?? []).forEach((cell, at) => {
@@ -114,7 +114,7 @@ function seekOnClick(chart: Chart, clock: Clock): () => void {
 }
 
 export function ProbabilityChart({ jobId, track, clock }: { jobId: string; track: string | null; clock: Clock }): JSX.Element {
-  const series = useResource(() => (track ? getSeries(jobId, "track_probability", { track }) : Promise.resolve(undefined)), [jobId, track]);
+  const series = useResource(() => (track ? getTrackProbability(jobId, track) : Promise.resolve(undefined)), [jobId, track]);
   const rows = useMemo(() => (series.data ? rowsOf(series.data) : []), [series.data]);
   const chart = useRef<Chart | undefined>(undefined);
   if (!track) return <Empty title="Select a track to see how probable each of its candidates was." />;

@@ -2,8 +2,8 @@
 
 import type { JSX } from "preact";
 import { useMemo, useRef } from "preact/hooks";
-import { getSeries } from "../api/client";
-import type { Series } from "../api/types";
+import { getScanCounts } from "../api/client";
+import type { ScanCounts as ScanCountsSeries } from "../api/types";
 import { Empty, Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import { fromColumns } from "../components/table";
@@ -29,14 +29,13 @@ interface Counts {
   curves: Curve[];
 }
 
-function countsOf(series: Series): Counts {
-  const { time_s = [], sensor_id = [], detections = [], tracks = [], confirmed = [] } = series.columns;
-  const times = time_s as number[];
+function countsOf(series: ScanCountsSeries): Counts {
+  const { time_s: times, sensor_id, detections, tracks, confirmed } = series.columns;
   const rows = times.map((_, row) => row);
-  const sensors = [...new Set(sensor_id.map(String))].sort();
-  const curve = (name: string, kind: Curve["kind"], column: typeof time_s, keep = rows, sensor = 0): Curve => ({ name, kind, sensor, points: keep.map((row) => [times[row] ?? 0, Number(column[row] ?? 0)]) });
-  const ofSensors = sensors.map((id, order) => curve(`detections, ${id}`, "detections", detections, rows.filter((row) => String(sensor_id[row]) === id), order));
-  const anyTrack = tracks.some((cell) => Number(cell) > 0);
+  const sensors = [...new Set(sensor_id)].sort();
+  const curve = (name: string, kind: Curve["kind"], column: number[], keep = rows, sensor = 0): Curve => ({ name, kind, sensor, points: keep.map((row) => [times[row] ?? 0, column[row] ?? 0]) });
+  const ofSensors = sensors.map((id, order) => curve(`detections, ${id}`, "detections", detections, rows.filter((row) => sensor_id[row] === id), order));
+  const anyTrack = tracks.some((alive) => alive > 0);
   const ofTracks = anyTrack ? [curve("tracks", "tracks", tracks), curve("confirmed tracks", "confirmed", confirmed)] : [];
   return { times, curves: [...ofSensors, ...ofTracks] };
 }
@@ -97,7 +96,7 @@ function Key({ curves }: { curves: Curve[] }): JSX.Element {
 }
 
 export function ScanCounts({ jobId }: { jobId: string }): JSX.Element {
-  const series = useResource(() => getSeries(jobId, "scan_counts"), [jobId]);
+  const series = useResource(() => getScanCounts(jobId), [jobId]);
   const counts = useMemo(() => (series.data ? countsOf(series.data) : undefined), [series.data]);
   const chart = useRef<Chart | undefined>(undefined);
   if (series.error) return <ProblemBox error={series.error} retry={series.reload} />;
