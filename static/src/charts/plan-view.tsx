@@ -202,7 +202,7 @@ export function PlanView(props: PlanViewProps): JSX.Element {
   const zoom = (factor: number) => () => drawing.move(zoomed(drawing.look(), factor));
   const keys = [camera.value, moment.from, moment.now, param("hide"), moment.truth, moment.track, theme.value, address.value];
   return (
-    <ChartFrame title="Plan view" file={`plan-${props.jobId.slice(-12)}`} badge={badge} table={() => drawn(scene, momentOf(clock))} chart={() => drawing.chart} tools={<Legend scene={scene} />} class="plan">
+    <ChartFrame title="Plan view" file={`plan-${props.jobId.slice(-12)}`} badge={badge} table={() => drawn(scene, momentOf(clock))} chart={() => drawing.chart} tools={<Legend scene={scene} sensors={plan.sensors} />} class="plan">
       <div class="plan-box">
         <div ref={box} class="plan-touch" tabIndex={0} role="group" aria-label="Plan view; plus and minus zoom, 0 shows everything, shift and arrows pan" onKeyDown={(event) => planKeys(event, drawing)}>
           <ChartCanvas label={label} keys={keys} draw={(chart) => drawing.draw(chart, moment)} class="plan-canvas" />

@@ -202,8 +202,8 @@ function Check({ validation, asJson }: { validation: Validation | undefined; asJ
         {estimate ? (
           <dl class="facts">
             {estimate.detections ? <Fact name="Detections" value={`about ${count(estimate.detections)}`} /> : null}
-            <Fact name="Cost" value={`about ${duration(estimate.cost_s)}`} />
-            <Fact name="Stored" value={`about ${bytes(estimate.bytes)}`} />
+            {estimate.cost_s ? <Fact name="Cost" value={`about ${duration(estimate.cost_s)}`} /> : null}
+            {estimate.bytes ? <Fact name="Stored" value={`about ${bytes(estimate.bytes)}`} /> : null}
           </dl>
         ) : null}
         {validation.warnings.map((warning) => (
