@@ -5,6 +5,9 @@ import { readFile } from "node:fs/promises";
 import { after, before, test } from "node:test";
 import { closePage, evaluated, openPage, parameters, startBrowser } from "./support.mjs";
 
+/** The address is written when the hand rests; a busy machine may rest in the middle of a drag. */
+const AT_REST_MS = 700;
+
 let browser;
 let job;
 let report;
@@ -102,9 +105,6 @@ test("verdicts are filtered and sorted, and the address says so", async () => {
   await closePage(page);
 });
 
-/** The address is written when the hand rests; a busy machine may rest in the middle of a drag. */
-const AT_REST_MS = 700;
-
 /** East and north metres per pixel, read from two points that a drag of the plan view leaves in the address. */
 async function draggedBy(page, dx, dy) {
   const centre = async () => parameters(page).get("centre").split(",").map(Number);
@@ -158,6 +158,8 @@ async function saved(page, button) {
 test("a chart is exported as PNG and CSV, and has a table twin with the same rows", async () => {
   const page = await openPlan("&time=0");
   const frame = page.locator(".plan");
+  await page.waitForTimeout(AT_REST_MS);
+  const drawn = await planOf(page).screenshot();
   const csv = await saved(page, frame.getByRole("button", { name: "CSV" }));
   assert.match(csv.name, /^plan-.*\.csv$/);
   const lines = csv.bytes.toString().trim().split("\r\n");
@@ -167,6 +169,11 @@ test("a chart is exported as PNG and CSV, and has a table twin with the same row
   assert.deepEqual([...png.bytes.subarray(1, 4)], [...Buffer.from("PNG")]);
   await frame.getByRole("button", { name: "Table" }).click();
   assert.equal(await frame.locator("tbody tr").count(), Math.min(lines.length - 1, 200));
+  await frame.getByRole("button", { name: "Chart" }).click();
+  await planOf(page).waitFor();
+  await page.mouse.move(0, 0);
+  await page.waitForTimeout(AT_REST_MS);
+  assert.ok(drawn.equals(await planOf(page).screenshot()), "back from the table the same picture stands");
   await closePage(page);
 });
 
