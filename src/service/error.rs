@@ -87,9 +87,7 @@ pub fn problem_of_status(status: StatusCode, path: &str) -> Problem {
         StatusCode::METHOD_NOT_ALLOWED => Problem::new("method_not_allowed", "the header Allow names the methods that are"),
         StatusCode::PAYLOAD_TOO_LARGE => Problem::new("payload_too_large", "the body is larger than this route takes"),
         StatusCode::UNSUPPORTED_MEDIA_TYPE => Problem::new("unsupported_media_type", "the body has a type that this route does not take"),
-        status if status.is_client_error() => {
-            Problem::validation(vec![Fault::new("", "malformed", "the request could not be read")])
-        }
+        status if status.is_client_error() => Problem::validation(vec![Fault::new("", "malformed", "the request could not be read")]),
         _ => Problem::new("internal", "the service could not do it; its log says why"),
     }
 }

@@ -1,9 +1,9 @@
 //! Reading bodies within their limits. A body that is too long is refused by its Content-Length where it has one,
 //! else where the limit is passed; a bounded rest is read away first, so that clients see the answer and not a reset.
 
-use crate::service::error::ApiError;
 use crate::model::fault::Fault;
 use crate::registry::{self, Object};
+use crate::service::error::ApiError;
 use axum::body::{Body, Bytes};
 use axum::extract::{FromRequest, Request};
 use axum::http::{HeaderMap, header};
@@ -33,7 +33,8 @@ impl<S: Sync> FromRequest<S> for JsonBody {
         if media_type != "application/json" {
             drain(&parts.headers, body).await;
             let detail = format!("the body must be application/json, not '{media_type}'");
-            return Err(ApiError::new("unsupported_media_type", detail).with_header(header::ACCEPT, header::HeaderValue::from_static("application/json")));
+            return Err(ApiError::new("unsupported_media_type", detail)
+                .with_header(header::ACCEPT, header::HeaderValue::from_static("application/json")));
         }
         let bytes = read_limited(&parts.headers, body, JSON_LIMIT_BYTES).await?;
         parse_json(&bytes).map(JsonBody)
@@ -52,8 +53,7 @@ pub fn parse_json(bytes: &[u8]) -> Result<Value, ApiError> {
 /// Every fault, with `prefix` before its pointer.
 pub fn checked<T: DeserializeOwned>(value: &Value, object: &'static Object, prefix: &str) -> Result<T, ApiError> {
     let prefixed = |fault: Fault| Fault { pointer: format!("{prefix}{}", fault.pointer), ..fault };
-    let value = registry::check(value, object)
-        .map_err(|faults| ApiError::validation(faults.into_iter().map(prefixed).collect()))?;
+    let value = registry::check(value, object).map_err(|faults| ApiError::validation(faults.into_iter().map(prefixed).collect()))?;
     serde_json::from_value(value).map_err(ApiError::internal)
 }
 

@@ -16,11 +16,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 pub fn routes() -> OpenApiRouter<AppState> {
-    OpenApiRouter::new()
-        .routes(routes!(list_methods))
-        .routes(routes!(get_method))
-        .routes(routes!(list_presets))
-        .routes(routes!(get_preset))
+    OpenApiRouter::new().routes(routes!(list_methods)).routes(routes!(get_method)).routes(routes!(list_presets)).routes(routes!(get_preset))
 }
 
 /// Everything that can be chosen.

@@ -40,11 +40,7 @@ pub fn fixed(request: &HeaderMap, media_type: &str, bytes: Bytes, sha256: &str) 
 /// A stored file: whole, a range of it, or 304. Its content never changes.
 pub async fn stored(request: &HeaderMap, file: StoredFile, as_attachment: bool) -> ApiResult {
     let tag = format!("\"{}\"", file.sha256);
-    let mut response = if matches(request, &tag) {
-        StatusCode::NOT_MODIFIED.into_response()
-    } else {
-        send(request, &file, &tag).await?
-    };
+    let mut response = if matches(request, &tag) { StatusCode::NOT_MODIFIED.into_response() } else { send(request, &file, &tag).await? };
     set(&mut response, header::ETAG, &tag);
     set(&mut response, header::CACHE_CONTROL, "private, max-age=31536000, immutable");
     if as_attachment {

@@ -79,11 +79,8 @@ async fn finish(request: Request, next: Next) -> Response {
     let accept = text(request.headers(), &header::ACCEPT).to_owned();
     let is_read = matches!(*request.method(), Method::GET | Method::HEAD | Method::OPTIONS);
     // What changes something is refused before it does; what only reads is compared with what was made.
-    let mut response = if !is_read && !accepts(&accept, "application/json") {
-        not_acceptable("application/json")
-    } else {
-        next.run(request).await
-    };
+    let mut response =
+        if !is_read && !accepts(&accept, "application/json") { not_acceptable("application/json") } else { next.run(request).await };
     let made = text(response.headers(), &header::CONTENT_TYPE).to_owned();
     if response.status().is_success() && !made.is_empty() && is_read && !accepts(&accept, &made) {
         response = not_acceptable(&made);

@@ -65,7 +65,8 @@ impl Params {
     }
 
     pub fn whole_number(&mut self, name: &'static str, range: std::ops::RangeInclusive<u64>) -> Option<u64> {
-        let allowed = if *range.end() == u64::MAX { format!(">= {}", range.start()) } else { format!("[{}, {}]", range.start(), range.end()) };
+        let allowed =
+            if *range.end() == u64::MAX { format!(">= {}", range.start()) } else { format!("[{}, {}]", range.start(), range.end()) };
         self.read(name, &allowed, |text| text.parse().ok().filter(|number| range.contains(number)))
     }
 

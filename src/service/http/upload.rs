@@ -43,7 +43,11 @@ pub static META: Object = Object {
         optional("name", "A name for people; the file's name when absent.", Kind::Text { max_length: 200 }),
         optional("kind", "What the file holds; told from its columns when absent.", Kind::Choice(&["detections", "truth", "tracks"])),
         optional("format", "How the file is written; told from its content when absent.", Kind::Choice(&FORMAT_NAMES)),
-        optional("columns", "The file's column name to the canonical one, where they differ.", Kind::TextMap { max_entries: 64, max_length: 100 }),
+        optional(
+            "columns",
+            "The file's column name to the canonical one, where they differ.",
+            Kind::TextMap { max_entries: 64, max_length: 100 },
+        ),
         optional("sensors", "What is known of the sensors.", Kind::List { item: &SENSOR, min: 1, max: 64 }),
     ],
 };

@@ -120,8 +120,11 @@ fn json_body(object: &'static Object, examples: &[(&str, Value)], components: &m
 }
 
 fn with_examples(schema: &Value, examples: &[(&str, Value)]) -> Value {
-    let named: Map<String, Value> =
-        examples.iter().enumerate().map(|(index, (summary, value))| (format!("example{}", index + 1), json!({"summary": summary, "value": value}))).collect();
+    let named: Map<String, Value> = examples
+        .iter()
+        .enumerate()
+        .map(|(index, (summary, value))| (format!("example{}", index + 1), json!({"summary": summary, "value": value})))
+        .collect();
     json!({"required": true, "content": {"application/json": {"schema": schema, "examples": named}}})
 }
 

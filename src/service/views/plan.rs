@@ -160,11 +160,7 @@ pub fn of(layers: &JobLayers, window: &Window) -> Plan {
         tracks: track_layer(tracks, window, &mut extent),
         extent,
         scans: scans(recording, window)
-            .map(|scan| PlanScan {
-                number: scan.number,
-                time_s: scan.time_s,
-                sensor_id: recording.sensors[scan.sensor].sensor_id.clone(),
-            })
+            .map(|scan| PlanScan { number: scan.number, time_s: scan.time_s, sensor_id: recording.sensors[scan.sensor].sensor_id.clone() })
             .collect(),
         sensors: layers.sensors.iter().cloned().map(SensorSettings::from).collect(),
     }

@@ -112,11 +112,8 @@ struct CostEstimate {
 async fn validate_job(State(app): State<AppState>, _: NoParams, JsonBody(body): JsonBody) -> ApiResult {
     let (kind, spec) = read_validate(&body)?;
     let found = app.jobs.validate(kind, spec).await?;
-    let estimate = found.estimate.map(|estimate| CostEstimate {
-        detections: estimate.detections,
-        cost_s: estimate.cost_s,
-        bytes: estimate.bytes,
-    });
+    let estimate =
+        found.estimate.map(|estimate| CostEstimate { detections: estimate.detections, cost_s: estimate.cost_s, bytes: estimate.bytes });
     let errors: Vec<FaultItem> = found.faults.into_iter().map(FaultItem::from).collect();
     let result = ValidationResult { valid: errors.is_empty(), errors, warnings: found.warnings, estimate };
     Ok::<Response, ApiError>(Json(result).into_response())

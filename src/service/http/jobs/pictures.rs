@@ -35,8 +35,9 @@ pub fn routes() -> OpenApiRouter<AppState> {
     responses((status = 200, description = "The series.", body = series::Series)))]
 async fn get_job_series(State(app): State<AppState>, IdAndName(id, name): IdAndName, params: Params) -> ApiResult {
     let window = window(params)?;
-    let series = series::named(&name)
-        .ok_or_else(|| ApiError::new("not_found", format!("there is no series '{name}'; there are {}", names(series::SERIES.map(|entry| entry.0)))))?;
+    let series = series::named(&name).ok_or_else(|| {
+        ApiError::new("not_found", format!("there is no series '{name}'; there are {}", names(series::SERIES.map(|entry| entry.0))))
+    })?;
     let layers = app.jobs.load_job_layers(id).await?;
     compute(move || series(&layers, &window)).await.map(immutable)
 }
