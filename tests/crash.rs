@@ -1,4 +1,5 @@
-//! The server is killed without warning while jobs wait and run; the next one finishes every job, each once.
+//! The server is killed without warning, or told to stop, while jobs wait and run; the next one finishes every job,
+//! each once.
 #![cfg(feature = "service")]
 
 use serde_json::{Value, json};
@@ -35,6 +36,14 @@ impl Server {
     fn kill(mut self) {
         self.process.kill().unwrap();
         self.process.wait().unwrap();
+    }
+
+    /// SIGTERM; gives the exit code and how long it took.
+    fn terminate(mut self) -> (Option<i32>, Duration) {
+        let since = Instant::now();
+        let asked = Command::new("kill").args(["-TERM", &self.process.id().to_string()]).status().unwrap();
+        assert!(asked.success());
+        (self.process.wait().unwrap().code(), since.elapsed())
     }
 
     async fn get(&self, path: &str) -> Value {
@@ -110,4 +119,24 @@ async fn twenty_queued_and_two_running_jobs_survive_a_kill_each_with_one_report(
     assert_eq!(results.len(), 22, "each seed has its own result");
     assert_eq!(server.get("/v1/datasets?limit=1&count=true").await["total"], 44, "two datasets a job, none twice");
     assert_eq!(server.count("queued").await + server.count("running").await + server.count("failed").await, 0);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_stop_is_quick_while_jobs_run_and_streams_are_open_and_loses_nothing() {
+    let data = tempfile::tempdir().unwrap();
+    let server = Server::start(data.path());
+    let ids = [server.simulate(&body(20_000, 1)).await, server.simulate(&body(20_000, 2)).await, server.simulate(&body(200, 3)).await];
+    server.until("running", 2).await;
+    let stream = server.client.get(format!("{}/v1/jobs/{}/events", server.url, ids[0])).send().await.unwrap();
+    assert_eq!(stream.headers()["content-type"], "text/event-stream");
+    let (code, took) = server.terminate();
+    assert_eq!(code, Some(0));
+    assert!(took < Duration::from_secs(3), "{took:?}");
+    assert!(!stream.text().await.unwrap().contains("event: done"), "the stream ended before its job");
+
+    let server = Server::start(data.path());
+    server.until("succeeded", 3).await;
+    for (id, attempt) in ids.iter().zip([2, 2, 1]) {
+        assert_eq!(server.get(&format!("/v1/jobs/{id}")).await["attempt"], attempt);
+    }
 }

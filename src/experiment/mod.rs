@@ -6,6 +6,7 @@
 mod artifacts;
 mod associate;
 pub mod catalogue;
+mod clutter;
 pub mod observer;
 pub mod plan;
 pub mod presets;

@@ -81,8 +81,12 @@ pub struct Estimate {
 /// # Errors
 /// Every fault, each with its JSON pointer.
 pub fn plan(kind: JobKind, body: &Value) -> Result<Plan, Vec<Fault>> {
-    let mut spec = registry::check(body, catalogue::request_object(kind))?;
     let mut faults = Vec::new();
+    let mut spec = registry::check_into(body, catalogue::request_object(kind), &mut faults);
+    if !spec.is_object() {
+        return Err(faults);
+    }
+    // What follows reads of the spec only what is right, so that one request shows all its faults.
     if kind == JobKind::Evaluate {
         check_evaluate(&mut spec, &mut faults);
     }
@@ -219,7 +223,8 @@ fn check_symbols(spec: &Value, known: &[DatasetKind], faults: &mut Vec<Fault>) {
         Some("nearest_truth") => (DatasetKind::Truth, "/truth", "truth"),
         _ => return,
     };
-    if !is_simulated && !known.is_empty() && !known.contains(&wanted) {
+    let is_given = spec.get(name).is_some();
+    if !is_simulated && !is_given && !known.is_empty() && !known.contains(&wanted) {
         let symbols = spec.pointer("/tfa/symbols/kind").and_then(Value::as_str).unwrap_or_default();
         faults.push(Fault::new(pointer, "missing", format!("'{name}' is required when the symbols are {symbols}")));
     }
@@ -270,6 +275,18 @@ mod tests {
         assert_eq!(pointers(JobKind::Evaluate, json!({"tracks": tracks})), [("/detections".into(), "missing".into())]);
         let by_truth = json!({"tracks": tracks, "tfa": {"symbols": {"kind": "nearest_truth", "gate_m": 10}}});
         assert_eq!(pointers(JobKind::Evaluate, by_truth), [("/truth".into(), "missing".into())]);
+    }
+
+    #[test]
+    fn faults_of_single_fields_and_of_their_meaning_are_reported_together() {
+        let body = json!({
+            "input": {"source": "preset", "preset": "x"},
+            "tracker": {"confirm_hits": 9, "confirm_window": 4, "max_missed": 0},
+            "wings": 2
+        });
+        let found: Vec<String> = pointers(JobKind::Associate, body).into_iter().map(|(pointer, _)| pointer).collect();
+        assert_eq!(found, ["/tracker/max_missed", "/wings", "/input/preset", "/tracker/confirm_hits"]);
+        assert_eq!(pointers(JobKind::Evaluate, json!(7)), [("".into(), "wrong_type".into())]);
     }
 
     #[test]

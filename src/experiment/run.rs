@@ -3,7 +3,7 @@
 use super::associate::{self, Tracked};
 use super::observer::{Observer, Step};
 use super::plan::{JobKind, Plan, scenario_of};
-use super::{artifacts, sensors};
+use super::{artifacts, clutter, sensors};
 use crate::evaluation::{EvaluationInput, SymbolRule, TfaSettings, evaluate_temporal_automaton};
 use crate::math::rng::Seed;
 use crate::model::dataset::{Dataset, DatasetKind, DatasetSummary};
@@ -134,7 +134,9 @@ impl Scene {
     fn track(&mut self, plan: &Plan, observer: &mut dyn Observer) -> Result<Tracked, RunError> {
         let recording = self.recording.as_ref().ok_or_else(|| missing("/input", "detections"))?;
         let sensors = sensors::resolve(recording, &self.sensors, &mut self.warnings)?;
-        associate::track(&plan.spec, recording, sensors, observer)
+        let tracked = associate::track(&plan.spec, recording, sensors.clone(), observer)?;
+        self.warnings.extend(clutter::disagreements(recording, &sensors, &self.sensors, &tracked.tracks));
+        Ok(tracked)
     }
 
     /// The part `tfa` of the report.

@@ -82,15 +82,21 @@ fn complete(recording: &Recording, index: usize, settings: &SensorSettings, warn
 /// Detections a scan over the area of the rectangle that holds them all: an upper bound, since targets are among them.
 fn estimated_clutter(recording: &Recording, sensor: usize) -> f64 {
     let scans = || recording.scans.iter().filter(|scan| scan.sensor == sensor);
+    let detections: usize = scans().map(|scan| scan.count).sum();
+    let area_m2 = extent_m2(recording, sensor);
+    if detections < 2 || area_m2 <= 0.0 { LEAST_CLUTTER_PER_M2 } else { detections as f64 / scans().count() as f64 / area_m2 }
+}
+
+/// Area of the rectangle that holds all positions that the sensor reported; 0 when there are none.
+pub(super) fn extent_m2(recording: &Recording, sensor: usize) -> f64 {
+    let scans = recording.scans.iter().filter(|scan| scan.sensor == sensor);
     let positions: Vec<_> =
-        scans().flat_map(|scan| recording.detections_of(scan)).filter_map(|detection| detection.measurement.position()).collect();
+        scans.flat_map(|scan| recording.detections_of(scan)).filter_map(|detection| detection.measurement.position()).collect();
     let extent_m = |axis: usize| {
         let values = || positions.iter().map(|position| position[axis]);
         values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
     };
-    let area_m2 = extent_m(0) * extent_m(1);
-    let scan_count = scans().count() as f64;
-    if positions.len() < 2 || area_m2 <= 0.0 { LEAST_CLUTTER_PER_M2 } else { positions.len() as f64 / scan_count / area_m2 }
+    if positions.is_empty() { 0.0 } else { extent_m(0) * extent_m(1) }
 }
 
 /// One fault a sensor whose reports are not positions.

@@ -10,8 +10,13 @@ use serde_json::{Map, Value};
 /// Every fault found.
 pub fn check(value: &Value, object: &'static Object) -> Result<Value, Vec<Fault>> {
     let mut faults = Vec::new();
-    let checked = check_object(value, object, None, "", &mut faults);
+    let checked = check_into(value, object, &mut faults);
     if faults.is_empty() { Ok(checked) } else { Err(faults) }
+}
+
+/// The same for callers with more to check: what could be read of the value, and every fault added to `faults`.
+pub fn check_into(value: &Value, object: &'static Object, faults: &mut Vec<Fault>) -> Value {
+    check_object(value, object, None, "", faults)
 }
 
 /// The same for one value of the given kind at `pointer`.

@@ -6,7 +6,7 @@
 mod check;
 mod export;
 
-pub use check::{check, check_field};
+pub use check::{check, check_field, check_into};
 pub use export::{Components, json_schema, standalone_schema};
 
 /// A JSON object with known fields; any other field is a fault.

@@ -25,6 +25,7 @@ async fn a_job_is_queued_runs_and_succeeds_and_its_events_are_numbered_from_one(
     assert_eq!((job.state, job.attempt, job.seed, job.can_cancel), (JobState::Queued, 0, 7, true));
     let job = service.succeeded(job.id).await;
     assert_eq!((job.attempt, job.can_cancel, job.error), (1, false, None));
+    assert_eq!(job.progress.unwrap().fraction, 1.0);
     assert!(job.created_at <= job.started_at.unwrap() && job.started_at <= job.finished_at);
 
     let events = service.all_events(job.id).await;

@@ -8,6 +8,8 @@ use uuid::Uuid;
 
 /// A job that was asked to stop has this long to notice; then it is left to itself.
 const GRACE: Duration = Duration::from_secs(5);
+/// The same when the whole service stops.
+pub(super) const CLOSING_GRACE: Duration = Duration::from_secs(1);
 
 /// Why a job is to stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! What happens when the queue says "look at this job": claim it, run it on a thread of its own, write how it ended.
 
-use super::control::{Control, Stop};
+use super::control::{CLOSING_GRACE, Control, Stop};
 use super::inputs::Located;
 use super::meter::Meter;
 use super::report::{self, ReportInput};
@@ -136,7 +136,12 @@ impl Inner {
         mut told: watch::Receiver<Option<Progress>>,
     ) -> Result<Product, Failure> {
         let limit = tokio::time::sleep(self.config.job_time_limit);
-        let grace_over = control.grace_over();
+        let grace_over = async {
+            tokio::select! {
+                () = control.grace_over() => {}
+                () = async { self.closing.cancelled().await; tokio::time::sleep(CLOSING_GRACE).await } => {}
+            }
+        };
         tokio::pin!(limit, grace_over);
         loop {
             tokio::select! {

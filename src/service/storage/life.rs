@@ -9,7 +9,7 @@ use super::{Storage, now, to_micros};
 use crate::experiment::plan::JobKind as PlanKind;
 use crate::model::dataset::DatasetSummary;
 use crate::model::sensor::SensorSettings;
-use crate::service::types::{EventData, JobKind, JobState, LogLine, Problem, Progress};
+use crate::service::types::{EventData, JobKind, JobState, LogLine, Problem, Progress, ProgressStep};
 use anyhow::Context;
 use serde_json::Value;
 use sqlx::{Row, SqliteConnection};
@@ -123,8 +123,10 @@ impl Storage {
                 for (position, artifact) in artifacts.iter().enumerate() {
                     insert_artifact(&mut transaction, job, position, artifact).await?;
                 }
-                sqlx::query("UPDATE jobs SET warnings = ? WHERE id = ?")
+                let complete = Progress { step: ProgressStep::Write, done: 1, total: 1, fraction: 1.0, eta_s: None };
+                sqlx::query("UPDATE jobs SET warnings = ?, progress = ? WHERE id = ?")
                     .bind(serde_json::to_string(warnings)?)
+                    .bind(serde_json::to_string(&complete)?)
                     .bind(job.id.to_string())
                     .execute(&mut *transaction)
                     .await?;
@@ -231,7 +233,6 @@ mod tests {
     use super::*;
     use crate::model::dataset::DatasetKind;
     use crate::service::storage::{Admission, NewJob, SourceId, SourceRef};
-    use crate::service::types::ProgressStep;
 
     async fn storage() -> (Storage, tempfile::TempDir) {
         let directory = tempfile::tempdir().unwrap();

@@ -58,8 +58,8 @@ impl Storage {
         Ok(Storage { read, write })
     }
 
+    /// Writes nothing from now on; reading goes on until the last reader has gone.
     pub async fn close(&self) {
-        self.read.close().await;
         self.write.close().await;
     }
 }

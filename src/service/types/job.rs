@@ -185,7 +185,7 @@ impl JobLinks {
             history: format!("{base}/history"),
             report: format!("{base}/report"),
             artifacts: format!("{base}/artifacts"),
-            ui: format!("/jobs/{id}"),
+            ui: format!("/?view=job&job={id}"),
             self_path: base,
         }
     }

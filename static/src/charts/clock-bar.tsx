@@ -40,7 +40,7 @@ export function ClockBar({ clock }: { clock: Clock }): JSX.Element {
   const last = Math.max(clock.times.length - 1, 0);
   const index = clock.index.value;
   const playing = clock.playing.value;
-  const text = `scan ${index + 1} of ${clock.times.length}, ${timeText(clock.time.value, clock.times)}`;
+  const text = `scan ${clock.numbers[index]} of ${clock.numbers.at(-1)}, ${timeText(clock.time.value, clock.times)}`;
   const drag = (event: TargetedEvent<HTMLInputElement>) => {
     clock.playing.value = false;
     clock.seek(Number(event.currentTarget.value));
@@ -56,7 +56,7 @@ export function ClockBar({ clock }: { clock: Clock }): JSX.Element {
       </div>
       <input class="clock-slider" type="range" min={0} max={last} step={1} value={index} aria-label="Scan" aria-valuetext={text} onInput={drag} />
       <output class="clock-text">
-        <b>{timeText(clock.time.value, clock.times)}</b> scan {index + 1}/{clock.times.length}
+        <b>{timeText(clock.time.value, clock.times)}</b> scan {clock.numbers[index]}/{clock.numbers.at(-1)}
       </output>
       <label class="inline">
         Speed

@@ -38,6 +38,10 @@ export interface Scene {
   extent: Extent;
   /** Times of the scans, each once, in order. */
   times: number[];
+  /** A track without a point for longer than this has ended: a scan and a half, more where points were left out. */
+  silence_s: number;
+  /** Number of the (last) scan at each time. */
+  numbers: number[];
 }
 
 const column = (columns: Columns, name: string): Cell[] => columns[name] ?? [];
@@ -89,6 +93,8 @@ function trackLines(columns: Columns): Map<string, TrackLine> {
 function clouds(columns: Columns): Cloud[] {
   const bySensor = new Map<string, Cloud>();
   for (const row of rowsInTime(columns)) {
+    // A bearing alone has no place in the plan.
+    if (typeof column(columns, "x_m")[row] !== "number") continue;
     const sensor = String(column(columns, "sensor_id")[row]);
     const cloud = entry(bySensor, sensor, (): Cloud => ({ sensor, time: [], x: [], y: [], id: [], truth: [] }));
     cloud.time.push(Number(column(columns, "time_s")[row]));
@@ -102,16 +108,23 @@ function clouds(columns: Columns): Cloud[] {
 
 function extentOf(plan: Plan): Extent {
   const given = plan.extent;
-  if (!given) return { xMin: -1, xMax: 1, yMin: -1, yMax: 1 };
-  return { xMin: given.x_min_m, xMax: given.x_max_m, yMin: given.y_min_m, yMax: given.y_max_m };
+  return { xMin: given.x_min_m ?? -1, xMax: given.x_max_m ?? 1, yMin: given.y_min_m ?? -1, yMax: given.y_max_m ?? 1 };
 }
 
 export function sceneOf(plan: Plan): Scene {
   const truths = truthLines(plan.truth.columns);
   const tracks = trackLines(plan.tracks.columns);
-  const scanTimes = plan.scans.map((scan) => scan.time_s);
-  const times = scanTimes.length ? scanTimes : [...truths.values(), ...tracks.values()].flatMap((line) => line.time);
-  return { truths, tracks, clouds: clouds(plan.detections.columns), extent: extentOf(plan), times: [...new Set(times)].sort((a, b) => a - b) };
+  const numberAt = new Map(plan.scans.map((scan) => [scan.time_s, scan.number]));
+  const known = numberAt.size ? [...numberAt.keys()] : [...truths.values(), ...tracks.values()].flatMap((line) => line.time);
+  const times = [...new Set(known)].sort((a, b) => a - b);
+  const numbers = times.map((time, index) => numberAt.get(time) ?? index + 1);
+  return { truths, tracks, clouds: clouds(plan.detections.columns), extent: extentOf(plan), times, numbers, silence_s: silence(plan, times) };
+}
+
+function silence(plan: Plan, times: number[]): number {
+  const period = ((times.at(-1) ?? 0) - (times[0] ?? 0)) / Math.max(times.length - 1, 1);
+  const { source_points, returned_points } = plan.tracks;
+  return 1.5 * period * Math.max(1, Math.ceil(source_points / Math.max(returned_points, 1)));
 }
 
 /** The half-open range of a line's points from `from` to `to`, both included. */

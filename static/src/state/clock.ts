@@ -6,6 +6,8 @@ import { params, setParams } from "./url";
 
 export interface Clock {
   times: number[];
+  /** Number of the scan at each time. */
+  numbers: number[];
   index: Signal<number>;
   time: ReadonlySignal<number>;
   playing: Signal<boolean>;
@@ -38,7 +40,7 @@ function usualSpeed(times: number[]): number {
   return SPEEDS.findLast((speed) => speed <= Math.max(span / WHOLE_RUN_S, 0.5)) ?? 1;
 }
 
-export function createClock(times: number[]): Clock {
+export function createClock(times: number[], numbers: number[]): Clock {
   const last = Math.max(times.length - 1, 0);
   const addressed = computed(() => params.value.get("time"));
   const index = signal(last);
@@ -61,6 +63,7 @@ export function createClock(times: number[]): Clock {
   });
   return {
     times,
+    numbers,
     index,
     time,
     playing,

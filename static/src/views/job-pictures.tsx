@@ -25,7 +25,7 @@ export function JobPictures({ job, tfa }: { job: Job; tfa: Tfa | undefined }): J
 
 function Pictures({ job, plan, tfa }: { job: Job; plan: Plan; tfa: Tfa | undefined }): JSX.Element {
   const scene = useMemo(() => sceneOf(plan), [plan]);
-  const clock = useMemo(() => createClock(scene.times), [scene]);
+  const clock = useMemo(() => createClock(scene.times, scene.numbers), [scene]);
   useEffect(() => clock.dispose, [clock]);
   if (!scene.times.length) return <Empty title="There is nothing to draw: no scan, no truth, no track." />;
   return (

@@ -1,0 +1,91 @@
+//! Compares the clutter density that the tracker was given with what it left over: a density that is far off misleads
+//! every method that weighs detections against it.
+
+use crate::model::scan::Recording;
+use crate::model::sensor::{Sensor, SensorSettings};
+use crate::model::track::TrackSet;
+
+/// Beyond this factor, either way, the report warns.
+const TOLERATED_FACTOR: f64 = 3.0;
+/// Fewer false detections than this, found and expected, say nothing.
+const LEAST_COUNT: f64 = 10.0;
+
+/// A warning for each sensor whose given density disagrees with the detections that no output track was given.
+pub(super) fn disagreements(recording: &Recording, sensors: &[Sensor], known: &[SensorSettings], tracks: &TrackSet) -> Vec<String> {
+    let used = used_detections(recording, tracks);
+    let areas_m2 = known.iter().enumerate().map(|(index, settings)| area_m2(recording, index, settings));
+    let warning = |(index, area_m2): (usize, f64)| {
+        let scans = || recording.scans.iter().filter(|scan| scan.sensor == index);
+        let left_over = scans().flat_map(|scan| scan.range()).filter(|&detection| !used[detection]).count() as f64;
+        let scanned_m2 = area_m2 * scans().count() as f64;
+        let given = sensors[index].clutter_per_m2;
+        let expected = given * scanned_m2;
+        let is_off = left_over > TOLERATED_FACTOR * expected || expected > TOLERATED_FACTOR * left_over;
+        (is_off && left_over.max(expected) >= LEAST_COUNT && scanned_m2 > 0.0).then(|| {
+            format!(
+                "sensor '{}': the clutter density {given:.3e} per m² disagrees with the data by more than a factor of {TOLERATED_FACTOR}: \
+                 {left_over} detections outside every output track in {} scans of {area_m2:.3e} m² are {:.3e} per m²",
+                sensors[index].sensor_id,
+                scans().count(),
+                left_over / scanned_m2
+            )
+        })
+    };
+    areas_m2.enumerate().filter_map(warning).collect()
+}
+
+/// For each detection of the recording, whether an output track more likely took it than not.
+fn used_detections(recording: &Recording, tracks: &TrackSet) -> Vec<bool> {
+    let mut used = vec![false; recording.detections.len()];
+    let points = tracks.tracks.iter().flat_map(|track| &track.points);
+    for candidate in points.flat_map(|point| tracks.candidates_of(point)).filter(|candidate| candidate.probability > 0.5) {
+        if let Some(detection) = candidate.detection {
+            used[detection as usize] = true;
+        }
+    }
+    used
+}
+
+/// The field of view, or where that is not known the rectangle around the sensor's detections.
+fn area_m2(recording: &Recording, sensor: usize, settings: &SensorSettings) -> f64 {
+    match settings.max_range_m {
+        Some(range_m) => std::f64::consts::PI * range_m * range_m,
+        None => super::sensors::extent_m2(recording, sensor),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::scan::{Detection, Measurement, RecordingParts, Scan};
+
+    /// One scan of a sensor with a field of view of 1 000 m², and `count` detections that no track takes.
+    fn warnings(count: usize, clutter_per_m2: f64) -> Vec<String> {
+        let settings = SensorSettings { max_range_m: Some((1000.0 / std::f64::consts::PI).sqrt()), ..SensorSettings::named("radar") };
+        let detection = |index: usize| Detection { measurement: Measurement::Position { x_m: index as f64, y_m: 0.0 }, origin: None };
+        let recording = Recording::new(RecordingParts {
+            sensors: vec![settings.clone()],
+            scans: vec![Scan { number: 1, time_s: 0.0, sensor: 0, first: 0, count }],
+            detections: (0..count).map(detection).collect(),
+            detection_ids: (0..count).map(|index| index.to_string()).collect(),
+            ..Default::default()
+        });
+        let sensor = Sensor { sensor_id: "radar".into(), p_d: 0.9, clutter_per_m2, sigma_x_m: 1.0, sigma_y_m: 1.0 };
+        disagreements(&recording.unwrap(), &[sensor], &[settings], &TrackSet::default())
+    }
+
+    #[test]
+    fn a_density_within_a_factor_of_three_is_not_mentioned() {
+        assert_eq!(warnings(20, 0.02), Vec::<String>::new());
+        assert_eq!(warnings(59, 0.02), Vec::<String>::new());
+        assert_eq!(warnings(9, 1e-6), Vec::<String>::new(), "nine detections are too few to tell");
+    }
+
+    #[test]
+    fn one_that_is_further_off_is_named_with_the_estimate() {
+        let high = warnings(61, 0.02);
+        assert!(high.len() == 1 && high[0].contains("6.100e-2 per m²"), "{high:?}");
+        let low = warnings(6, 0.02);
+        assert!(low.len() == 1 && low[0].contains("6.000e-3 per m²"), "{low:?}");
+    }
+}
