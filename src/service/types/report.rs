@@ -58,7 +58,7 @@ report!(
 pub enum Report {
     Simulate(SimulateReport),
     Associate(AssociateReport),
-    Evaluate(EvaluateReport),
+    Evaluate(Box<EvaluateReport>),
 }
 
 /// What a job read.
