@@ -72,6 +72,8 @@ export async function listPresets(): Promise<Preset[]> {
   return (await taken(client.GET("/v1/presets"))).items;
 }
 
+export const getDataset = (id: string): Promise<Dataset> => taken(client.GET("/v1/datasets/{id}", path(id)));
+
 export async function listDatasets(): Promise<Dataset[]> {
   return (await taken(client.GET("/v1/datasets", { params: { query: { limit: 200 } } }))).items;
 }
