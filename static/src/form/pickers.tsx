@@ -12,6 +12,8 @@ import { useAria } from "./inputs";
 import { fieldId } from "./schema";
 
 const KINDS = ["", "detections", "truth", "tracks"];
+/** What a field of a request reads, by the name of the field. */
+const ROLES: Record<string, Dataset["kind"]> = { input: "detections", detections: "detections", truth: "truth", tracks: "tracks" };
 const FORMATS = ["", "csv", "json", "autoferry"];
 
 function describe(dataset: Dataset): string {
@@ -19,7 +21,8 @@ function describe(dataset: Dataset): string {
 }
 
 export function DatasetPicker({ value, pointer, change }: FieldProps): JSX.Element {
-  const sets = useResource(listDatasets, []);
+  const role = ROLES[pointer.split("/").at(-2) ?? ""];
+  const sets = useResource(() => listDatasets(role), [role]);
   const [uploading, setUploading] = useState(false);
   const known = sets.data ?? [];
   const chosen = typeof value === "string" ? value : "";
@@ -43,7 +46,7 @@ export function DatasetPicker({ value, pointer, change }: FieldProps): JSX.Eleme
           Upload a file
         </button>
       </div>
-      {uploading ? <Upload id={fieldId(pointer)} done={uploaded} /> : null}
+      {uploading ? <Upload id={fieldId(pointer)} role={role} done={uploaded} /> : null}
       {sets.error ? <ProblemBox error={sets.error} retry={sets.reload} /> : null}
     </div>
   );
@@ -66,9 +69,9 @@ function options(values: string[]): JSX.Element[] {
   return values.map((value) => <option value={value}>{value || "from the file"}</option>);
 }
 
-function Upload({ id, done }: { id: string; done: (dataset: Dataset) => void }): JSX.Element {
+function Upload({ id, role, done }: { id: string; role: Dataset["kind"] | undefined; done: (dataset: Dataset) => void }): JSX.Element {
   const [file, setFile] = useState<File>();
-  const [kind, setKind] = useState("");
+  const [kind, setKind] = useState<string>(role ?? "");
   const [format, setFormat] = useState("");
   const [error, setError] = useState<unknown>();
   const [busy, setBusy] = useState(false);
