@@ -31,6 +31,12 @@ if grep -i -E "warning|skipping|missing|unable|error" "$work/generate.log"; then
     echo "the generator left something out" >&2
     exit 1
 fi
+expected=$(grep -c '"operationId"' "$root/openapi/openapi.json")
+generated=$(find "$work/trackloom_client/api" -name '*.py' ! -name '__init__.py' | wc -l)
+if [ "$expected" -ne "$generated" ]; then
+    echo "the document has $expected operations, the client $generated" >&2
+    exit 1
+fi
 
 "$program" serve --listen 127.0.0.1:0 --data "$work/data" >"$work/server.log" 2>&1 &
 server=$!

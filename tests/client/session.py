@@ -44,6 +44,7 @@ from trackloom_client.models import (
     SensorSettings,
     SimulateRequest,
     TfaVerdict,
+    TrackerSettings,
     TrackProbabilitySeries,
     UploadOrigin,
 )
@@ -107,7 +108,8 @@ def upload_and_find(client):
 
 def associate(client, detections):
     method = NearestNeighbour(method=NearestNeighbourMethod.NEAREST_NEIGHBOUR)
-    body = AssociateRequest(input_=dataset(detections), associator=method, name="from python", seed=5)
+    tracker = TrackerSettings(initial_speed_sigma_mps=60.0)
+    body = AssociateRequest(input_=dataset(detections), associator=method, tracker=tracker, name="from python", seed=5)
     queued = typed(create_associate_job.sync(client=client, body=body), Job)
     job = ended(client, queued)
     assert job.state == JobState.SUCCEEDED and job.seed == 5 and job.name == "from python", job
@@ -125,7 +127,7 @@ def evaluate(client, associated, truth):
     assert job.state == JobState.SUCCEEDED, job
     report = typed(get_job_report.sync(client=client, id=job.id), EvaluateReport)
     counts = report.result.tfa.counts
-    assert (counts.targets, counts.correct, counts.missed, counts.false) == (2, 2, 0, 0), counts
+    assert (counts.targets, counts.correct, counts.missed, counts.false_) == (2, 2, 0, 0), counts
     assert [target.verdict for target in report.result.tfa.targets] == [TfaVerdict.CORRECT, TfaVerdict.CORRECT]
     assert report.result.tfa.probability.correct == 1.0
     return job
