@@ -120,20 +120,17 @@ impl Api {
     }
 
     /// Posts a job and waits for its end.
-    #[track_caller]
-    pub fn run<'a>(&'a self, kind: &'a str, body: &'a Value) -> impl Future<Output = Value> + 'a {
-        async move {
-            let mut job = self.post_with(&format!("/v1/jobs/{kind}"), body, "prefer", "wait=30").await.json();
-            for _ in 0..10 {
-                if job["finished_at"].is_string() {
-                    return job;
-                }
-                let id = job["id"].as_str().unwrap_or_else(|| panic!("no job: {job}")).to_owned();
-                self.jobs.wait(id.parse().unwrap(), std::time::Duration::from_secs(30)).await.unwrap();
-                job = self.get(&format!("/v1/jobs/{id}")).await.json();
+    pub async fn run(&self, kind: &str, body: &Value) -> Value {
+        let mut job = self.post_with(&format!("/v1/jobs/{kind}"), body, "prefer", "wait=30").await.json();
+        for _ in 0..10 {
+            if job["finished_at"].is_string() {
+                return job;
             }
-            panic!("the job does not end: {job}")
+            let id = job["id"].as_str().unwrap_or_else(|| panic!("no job: {job}")).to_owned();
+            self.jobs.wait(id.parse().unwrap(), std::time::Duration::from_secs(30)).await.unwrap();
+            job = self.get(&format!("/v1/jobs/{id}")).await.json();
         }
+        panic!("the job does not end: {job}")
     }
 
     /// Uploads a file with its meta.
