@@ -72,8 +72,11 @@ export async function listPresets(): Promise<Preset[]> {
   return (await taken(client.GET("/v1/presets"))).items;
 }
 
-export async function listDatasets(): Promise<Dataset[]> {
-  return (await taken(client.GET("/v1/datasets", { params: { query: { limit: 200 } } }))).items;
+export const getDataset = (id: string): Promise<Dataset> => taken(client.GET("/v1/datasets/{id}", path(id)));
+
+export async function listDatasets(kind: Dataset["kind"] | undefined): Promise<Dataset[]> {
+  const query = { limit: 200, ...(kind ? { kind } : {}) };
+  return (await taken(client.GET("/v1/datasets", { params: { query } }))).items;
 }
 
 export const validate = (kind: JobKind, spec: Record<string, unknown>): Promise<Validation> => taken(client.POST("/v1/validate", { body: { kind, spec } }));

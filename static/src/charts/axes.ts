@@ -8,7 +8,7 @@ export const MARGIN = { left: 58, right: 14, top: 12, bottom: 42 };
 /** `outerBoundsMode` none: the drawing area must stay where it is put, or metres would not be equal on both axes. */
 export const GRID = { ...MARGIN, containLabel: false, outerBoundsMode: "none" as const };
 
-const FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
+export const FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
 
 export function textStyle(palette: Palette): object {
   return { fontFamily: FONT, color: palette.text };

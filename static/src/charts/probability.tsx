@@ -14,6 +14,7 @@ import { GRID, textStyle, timeAxisName, timeOrigin, timeText, tipContent, toolti
 import { ChartCanvas } from "./chart";
 import type { Chart } from "./echarts";
 import { ChartFrame, reducedBadge } from "./frame";
+import type { KeyMark } from "./picture";
 
 interface Candidate {
   detection: string | null;
@@ -125,7 +126,7 @@ export function ProbabilityChart({ jobId, track, clock }: { jobId: string; track
   const label = `Association probability of track ${track} over time, ${rows.length} scans. The table shows the same numbers.`;
   const data = series.data;
   return (
-    <ChartFrame title={`Association probability, ${track}`} file={`probability-${track}-${jobId.slice(-12)}`} badge={badge} table={() => fromColumns(data.columns)} chart={() => chart.current} tools={<Key />}>
+    <ChartFrame title={`Association probability, ${track}`} file={`probability-${track}-${jobId.slice(-12)}`} badge={badge} table={() => fromColumns(data.columns)} chart={() => chart.current} pictureKey={pictureKey} tools={<Key />}>
       <ChartCanvas
         class="probability-canvas"
         label={label}
@@ -138,6 +139,14 @@ export function ProbabilityChart({ jobId, track, clock }: { jobId: string; track
       />
     </ChartFrame>
   );
+}
+
+function pictureKey(palette: Palette): KeyMark[] {
+  return [
+    { name: "best detection", color: palette.track, look: "solid" },
+    { name: "none (ε)", color: palette.muted, look: "dashed" },
+    { name: "other candidates", color: palette.sensors[0] ?? palette.text, look: "dot" },
+  ];
 }
 
 function Key(): JSX.Element {

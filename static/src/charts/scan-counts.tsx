@@ -12,6 +12,7 @@ import { GRID, textStyle, timeAxisName, timeOrigin, timeText, tipContent, toolti
 import { ChartCanvas } from "./chart";
 import type { Chart } from "./echarts";
 import { ChartFrame, reducedBadge } from "./frame";
+import type { KeyMark } from "./picture";
 import { SHAPES } from "./plan-series";
 
 const MARKS_UP_TO = 80;
@@ -41,13 +42,14 @@ function countsOf(series: ScanCountsSeries): Counts {
   return { times, curves: [...ofSensors, ...ofTracks] };
 }
 
+function look(curve: Curve, palette: Palette): Omit<KeyMark, "name"> {
+  if (curve.kind === "detections") return { color: palette.sensors[curve.sensor % palette.sensors.length] ?? palette.text, look: "dotted" };
+  return curve.kind === "tracks" ? { color: palette.muted, look: "dashed" } : { color: palette.track, look: "solid" };
+}
+
 function lineOf(curve: Curve, palette: Palette): object {
-  const looks = {
-    detections: { color: palette.sensors[curve.sensor % palette.sensors.length], type: "dotted", symbol: SHAPES[curve.sensor % SHAPES.length] },
-    tracks: { color: palette.muted, type: "dashed", symbol: "emptyTriangle" },
-    confirmed: { color: palette.track, type: "solid", symbol: "circle" },
-  };
-  const { color, type, symbol } = looks[curve.kind];
+  const { color, look: type } = look(curve, palette);
+  const symbol = { detections: SHAPES[curve.sensor % SHAPES.length], tracks: "emptyTriangle", confirmed: "circle" }[curve.kind];
   return { type: "line", name: curve.name, animation: false, symbol, symbolSize: 5, showSymbol: curve.points.length <= MARKS_UP_TO, data: curve.points, lineStyle: { color, type, width: 1.6 }, itemStyle: { color } };
 }
 
@@ -104,7 +106,7 @@ export function ScanCounts({ jobId }: { jobId: string }): JSX.Element {
   if (!counts.times.length) return <Empty title="No scans are known: these tracks came without their detections." />;
   const data = series.data;
   return (
-    <ChartFrame title="Scan by scan" file={`scan-counts-${jobId.slice(-12)}`} badge={reducedBadge([{ ...data, name: "scans" }])} table={() => fromColumns(data.columns)} chart={() => chart.current} tools={<Key curves={counts.curves} />}>
+    <ChartFrame title="Scan by scan" file={`scan-counts-${jobId.slice(-12)}`} badge={reducedBadge([{ ...data, name: "scans" }])} table={() => fromColumns(data.columns)} chart={() => chart.current} pictureKey={(palette) => counts.curves.map((curve) => ({ name: curve.name, ...look(curve, palette) }))} tools={<Key curves={counts.curves} />}>
       <ChartCanvas
         class="counts-canvas"
         label={`Detections, tracks and confirmed tracks of ${counts.times.length} scans. The table shows the same numbers.`}
