@@ -30,6 +30,11 @@ pub trait Associator: Send {
         Needs::Nothing
     }
 
+    /// Whether its weights may lie between 0 and 1.
+    fn is_soft(&self) -> bool {
+        false
+    }
+
     /// Writes for every track of the problem weights over its candidates and "none" that sum to 1.
     fn associate(&mut self, problem: &Problem, weights: &mut Weights);
 

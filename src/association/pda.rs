@@ -45,6 +45,10 @@ enum Clutter {
 }
 
 impl Associator for Pda {
+    fn is_soft(&self) -> bool {
+        true
+    }
+
     fn associate(&mut self, problem: &Problem, weights: &mut Weights) {
         for (index, row) in problem.rows() {
             weigh(problem, row, self.log_correction(row), &mut weights.none[index], &mut weights.edges[row.edges()]);
