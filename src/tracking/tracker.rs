@@ -10,7 +10,7 @@ use crate::gating::ellipsoidal::EllipsoidalGate;
 use crate::gating::grid::Grid;
 use crate::model::scan::{Detection, Scan};
 use crate::model::sensor::Sensor;
-use crate::model::state::{GaussianState, Position, PositionCovariance};
+use crate::model::state::{GaussianState, Position, PositionCovariance, upper_triangle};
 use crate::model::track::Candidate;
 
 /// A detection to which a track gives at least this weight is used: neither do the tentative tracks see it after a
@@ -195,7 +195,12 @@ impl Tracker {
         // The scan is a hit when it is more probable that the track was detected than that it was not.
         let detected: f64 = self.innovations.iter().map(|innovation| innovation.weight).sum();
         self.parts.lifecycle.advance(&mut track.life, detected > self.weights.none[row]);
-        self.history.remember(track, self.scans, first_candidate, was_confirmed);
+        if self.parts.lifecycle.is_over(&track.life) {
+            // It ends before this scan: what nobody carries on is not a track any more.
+            self.history.candidates.truncate(first_candidate);
+        } else {
+            self.history.remember(track, self.scans, first_candidate, was_confirmed);
+        }
     }
 
     /// Starts a track at every detection that no track used.
@@ -230,7 +235,7 @@ impl History {
             first_candidate,
             candidates: self.candidates.len() - first_candidate,
             mean: track.state.mean,
-            covariance: track.state.covariance,
+            covariance: upper_triangle(&track.state.covariance),
         });
     }
 }
