@@ -9,7 +9,7 @@ use trackloom::association::{ASSOCIATORS, Associator};
 use trackloom::math::rng::{Purpose, Seed};
 use trackloom::registry::check;
 
-const CLUSTERS: u32 = 5_000;
+const CLUSTERS: u32 = 300;
 /// Log-likelihood ratios are drawn from −spread to +spread.
 const SPREADS: [f64; 3] = [2.0, 5.0, 10.0];
 /// The share of all pairs of a track and a detection that are candidates.
@@ -44,7 +44,7 @@ fn errors((tracks, detections): (u32, u32), density: f64, spread: f64) -> (f64, 
 
 fn associator(marginals: &str) -> Box<dyn Associator> {
     let jpda = ASSOCIATORS.iter().find(|method| method.name == "jpda").expect("jpda is in the table");
-    let parameters = check(&json!({"marginals": marginals, "max_iterations": 100_000}), jpda.parameters).expect("the parameters are right");
+    let parameters = check(&json!({"marginals": marginals}), jpda.parameters).expect("the parameters are right");
     (jpda.build)(&parameters).expect("checked parameters build")
 }
 

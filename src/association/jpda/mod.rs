@@ -139,6 +139,10 @@ struct Jpda {
 }
 
 impl Associator for Jpda {
+    fn is_soft(&self) -> bool {
+        true
+    }
+
     fn associate(&mut self, problem: &Problem, weights: &mut Weights) {
         if problem.row_count() == 1 {
             let detections = weigh_single(problem, weights);
