@@ -13,7 +13,7 @@ use trackloom::filtering::kalman::Kalman;
 use trackloom::math::rng::Seed;
 use trackloom::model::scan::Recording;
 use trackloom::model::scenario::{RandomTargets, Scenario, ScenarioSensor, TargetPlan};
-use trackloom::model::sensor::Sensor;
+use trackloom::model::sensor::{Report, Sensor};
 use trackloom::tracking::{Lifecycle, Tracker, TrackerParts};
 
 /// Every figure is the median of this many runs, the contenders taking turns.
@@ -64,8 +64,10 @@ fn scene(targets: u32) -> (Scenario, Recording) {
             y_m: 0.0,
             max_range_m: 50_000.0 * scale,
             p_d: 0.9,
-            sigma_x_m: 15.0,
-            sigma_y_m: 5.2,
+            sigma_x_m: Some(15.0),
+            sigma_y_m: Some(5.2),
+            sigma_range_m: None,
+            sigma_bearing_deg: None,
             clutter_per_scan: 5.0 * scale * scale,
         }],
         targets: TargetPlan::Random(RandomTargets {
@@ -91,9 +93,8 @@ fn tracked(method: &str, scenario: &Scenario, recording: &Recording) -> (f64, u6
         sensors: vec![Sensor {
             sensor_id: "radar".into(),
             p_d: sensor.p_d,
-            clutter_per_m2: sensor.clutter_per_m2(),
-            sigma_x_m: sensor.sigma_x_m,
-            sigma_y_m: sensor.sigma_y_m,
+            clutter_density: sensor.clutter_per_m2(),
+            report: Report::Position { sigma_x_m: 15.0, sigma_y_m: 5.2 },
         }],
     };
     let start = Instant::now();

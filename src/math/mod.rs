@@ -1,4 +1,5 @@
-//! Tools: Gaussian distances and likelihoods, and named streams of random numbers.
+//! Tools: angles, Gaussian distances and likelihoods, and named streams of random numbers.
 
+pub mod angle;
 pub mod gaussian;
 pub mod rng;
