@@ -50,7 +50,7 @@ impl<const D: usize> Filter<4, D> for Extended {
 
     fn expect(&self, state: &GaussianState, sensor: &Sensor) -> Option<Expected<4, D>> {
         let Report::Polar(polar) = &sensor.report else { return plane::expect_position(state, sensor) };
-        Expected::linear(polar::project(polar, &state.mean), &polar::jacobian(polar, &state.mean), &polar::noise(polar)?, state)
+        Expected::linear(polar::project(polar, &state.mean), &polar::jacobian(polar, state), &polar::noise(polar)?, state)
     }
 
     fn log_clutter_scale(&self, sensor: &Sensor, expected: &Expected<4, D>) -> f64 {

@@ -71,14 +71,18 @@ pub fn project<const D: usize>(polar: &Polar, state: &State) -> SVector<f64, D> 
     values
 }
 
-/// H = ∂h/∂x: ∂r/∂p = u, ∂β/∂p = t / r, ∂ṙ/∂p = (v·t) t / r, ∂ṙ/∂v = u.
-pub fn jacobian<const D: usize>(polar: &Polar, state: &State) -> SMatrix<f64, D, 4> {
+/// H = ∂h/∂x: ∂r/∂p = u, ∂β/∂p = t / r, ∂ṙ/∂p = (v·t) t / r, ∂ṙ/∂v = u. A target that may be anywhere around the sensor has
+/// no bearing to linearise: r is taken to be at least the standard deviation across it, which bounds ∂β/∂p.
+pub fn jacobian<const D: usize>(polar: &Polar, belief: &GaussianState) -> SMatrix<f64, D, 4> {
+    let state = &belief.mean;
     let view = view(polar, Position::new(state[0], state[1]));
-    let turn_radps = view.across.dot(&state.fixed_rows::<2>(2)) / view.range_m;
+    let across_m = view.across.dot(&(belief.covariance.fixed_view::<2, 2>(0, 0) * view.across)).max(0.0).sqrt();
+    let range_m = view.range_m.max(across_m);
+    let turn_radps = view.across.dot(&state.fixed_rows::<2>(2)) / range_m;
     let mut matrix = SMatrix::zeros();
     for axis in 0..2 {
         matrix[(0, axis)] = view.along[axis];
-        matrix[(1, axis)] = view.across[axis] / view.range_m;
+        matrix[(1, axis)] = view.across[axis] / range_m;
         if D > 2 {
             matrix[(2, axis)] = turn_radps * view.across[axis];
             matrix[(2, axis + 2)] = view.along[axis];
@@ -132,4 +136,75 @@ pub fn initiate<const D: usize>(polar: &Polar, measurement: &SVector<f64, D>, sp
         velocity -= along * along.transpose() * gained;
     }
     state
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::rng::{Purpose, Seed};
+    use crate::model::sensor::RangeRate;
+    use rand_distr::{Distribution, StandardNormal};
+
+    fn sensor(sigma_bearing_rad: f64) -> Polar {
+        let range_rate = Some(RangeRate { sigma_mps: 0.5, span_mps: 100.0 });
+        Polar { place_m: Position::new(10.0, -20.0), sigma_range_m: 3.0, sigma_bearing_rad, range_rate }
+    }
+
+    #[test]
+    fn a_state_to_the_south_east_is_seen_as_worked_by_hand() {
+        // Offset (300, −400): r = 500, β = atan2(300, −400) = 143.13°; ṙ = (3·10 − 4·(−5)) / 5 = 10.
+        let state = State::new(310.0, -420.0, 10.0, -5.0);
+        let seen: SVector<f64, 3> = project(&sensor(0.01), &state);
+        assert!((seen[0] - 500.0).abs() < 1e-9 && (seen[1].to_degrees() - 143.130_102_354).abs() < 1e-6 && (seen[2] - 10.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_jacobian_is_the_slope_of_the_projection() {
+        let (polar, mean) = (sensor(0.01), State::new(310.0, -420.0, 10.0, -5.0));
+        let belief = GaussianState { mean, covariance: nalgebra::Matrix4::identity() };
+        let matrix: SMatrix<f64, 3, 4> = jacobian(&polar, &belief);
+        for variable in 0..4 {
+            let step = State::ith(variable, 1e-3);
+            let slope = (project::<3>(&polar, &(mean + step)) - project::<3>(&polar, &(mean - step))) / 2e-3;
+            assert!((slope - matrix.column(variable)).abs().max() < 1e-8, "{variable}");
+        }
+    }
+
+    #[test]
+    fn converted_measurements_have_no_bias_and_the_stated_covariance() {
+        let (polar, target) = (sensor(0.3), Position::new(110.0, 60.0));
+        let truth: SVector<f64, 2> = project(&polar, &State::new(target[0], target[1], 0.0, 0.0));
+        let mut draw = Seed { seed: 3, run: 0 }.stream(Purpose::Detection, 0, 0);
+        let count = 200_000;
+        let (mut mean, mut square) = (Position::zeros(), PositionCovariance::zeros());
+        for _ in 0..count {
+            let (first, second): (f64, f64) = (StandardNormal.sample(&mut draw), StandardNormal.sample(&mut draw));
+            let error = unbiased_position(&polar, truth[0] + 3.0 * first, truth[1] + 0.3 * second) - target;
+            mean += error / f64::from(count);
+            square += error * error.transpose() / f64::from(count);
+        }
+        let stated = unbiased_covariance(&polar, target, &PositionCovariance::zeros());
+        // Without the factor e^(σ²/2) = 1.046 the bias would be 5.6 m.
+        assert!(mean.norm() < 0.4, "{mean}");
+        assert!((square - stated).abs().max() < 0.02 * stated.max(), "{square} {stated}");
+    }
+
+    #[test]
+    fn a_range_rate_starts_a_track_along_the_range() {
+        // Straight east: ṙ is vx; what is not known across stays so.
+        let polar = Polar { place_m: Position::zeros(), ..sensor(1e-3) };
+        let measurement = SVector::<f64, 3>::new(1000.0, std::f64::consts::FRAC_PI_2, -40.0);
+        let state = initiate(&polar, &measurement, 100.0);
+        assert!((state.mean - State::new(1000.0, 0.0, -40.0, 0.0)).norm() < 1e-2, "{}", state.mean);
+        assert!((state.covariance[(2, 2)] - (0.25 + 0.01)).abs() < 1e-6 && (state.covariance[(3, 3)] - 1e4).abs() < 1e-6);
+        assert!((state.covariance[(0, 0)] - 9.0).abs() < 0.1 && (state.covariance[(1, 1)] - 1.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn clutter_per_square_metre_covers_r_per_radian() {
+        let expected = SVector::<f64, 3>::new(1000.0, 0.0, 0.0);
+        assert!((log_clutter_scale(&sensor(0.1), &expected).exp() - 10.0).abs() < 1e-9);
+        let flat = SVector::<f64, 2>::new(1000.0, 0.0);
+        assert!((log_clutter_scale(&sensor(0.1), &flat).exp() - 1000.0).abs() < 1e-9);
+    }
 }
