@@ -1,7 +1,7 @@
 //! `cargo bench`: what association costs, as ratios in one run.
 //!
 //! Prints the yardstick u (one predict and update of a 4-state Kalman filter with nalgebra's fixed sizes), then for
-//! scenes of 100, 1 000 and 10 000 targets of equal density the cost of the whole tracker for each track and scan under
+//! scenes of 100, 1 000, 5 000 and 10 000 targets of equal density the cost of the whole tracker for each track and scan under
 //! `oracle` (the filter alone) and under every other associator, in u and as a ratio to the oracle.
 
 use nalgebra::{Matrix2, Matrix2x4, Matrix4, Vector2, Vector4};
@@ -14,6 +14,7 @@ use trackloom::math::rng::Seed;
 use trackloom::model::scan::Recording;
 use trackloom::model::scenario::{RandomTargets, Scenario, ScenarioSensor, TargetPlan};
 use trackloom::model::sensor::{Report, Sensor};
+use trackloom::registry;
 use trackloom::tracking::{Lifecycle, Tracker, TrackerParts};
 
 /// Every figure is the median of this many runs, the contenders taking turns.
@@ -27,7 +28,7 @@ fn main() {
     let u_ns = yardstick_ns();
     println!("yardstick u = {u_ns:.1} ns (4-state Kalman predict + update, nalgebra, fixed sizes)\n");
     println!("{:>8}  {:<20} {:>12} {:>10} {:>10} {:>9}", "targets", "associator", "track-scans", "ns each", "u each", "/ oracle");
-    for targets in [100, 1_000, 10_000] {
+    for targets in [100, 1_000, 5_000, 10_000] {
         compare(targets, u_ns);
     }
 }
@@ -85,10 +86,11 @@ fn scene(targets: u32) -> (Scenario, Recording) {
 /// Seconds for the whole tracker, and how many living tracks it carried through a scan, summed over the scans.
 fn tracked(method: &str, scenario: &Scenario, recording: &Recording) -> (f64, u64) {
     let associator = ASSOCIATORS.iter().find(|entry| entry.name == method).expect("a name of the table");
+    let defaults = registry::check(&json!({}), associator.parameters).expect("every parameter has a default");
     let sensor = &scenario.sensors[0];
     let parts = TrackerParts {
         filter: Kalman { process_noise_m2ps3: 1.0 },
-        associator: (associator.build)(&json!({})).expect("defaults build"),
+        associator: (associator.build)(&defaults).expect("defaults build"),
         lifecycle: Lifecycle { gate_probability: 0.999, confirm_hits: 3, confirm_window: 5, max_missed: 5, initial_speed_sigma_mps: 430.0 },
         sensors: vec![Sensor {
             sensor_id: "radar".into(),

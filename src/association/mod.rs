@@ -2,9 +2,13 @@
 
 use crate::registry::{Method, Union};
 
+pub mod global_nearest_neighbour;
+mod greedy;
 pub mod nearest_neighbour;
 pub mod oracle;
+pub mod pda;
 pub mod problem;
+pub mod strongest_neighbour;
 
 use problem::{Problem, Weights};
 
@@ -25,6 +29,11 @@ pub trait Associator: Send {
         Needs::Nothing
     }
 
+    /// Whether its weights may lie between 0 and 1.
+    fn is_soft(&self) -> bool {
+        false
+    }
+
     /// Writes for every track of the problem weights over its candidates and "none" that sum to 1.
     fn associate(&mut self, problem: &Problem, weights: &mut Weights);
 }
@@ -33,7 +42,8 @@ pub trait Associator: Send {
 pub type BuildAssociator = fn(&serde_json::Value) -> Result<Box<dyn Associator>, serde_json::Error>;
 
 /// Every associator.
-pub const ASSOCIATORS: &[Method<BuildAssociator>] = &[nearest_neighbour::METHOD, oracle::METHOD];
+pub const ASSOCIATORS: &[Method<BuildAssociator>] =
+    &[nearest_neighbour::METHOD, strongest_neighbour::METHOD, global_nearest_neighbour::METHOD, pda::METHOD, oracle::METHOD];
 
 pub static ASSOCIATOR: Union = Union {
     name: "Associator",

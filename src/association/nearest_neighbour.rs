@@ -13,6 +13,7 @@
 //! 1. Sort the pairs of the cluster by d², then track, then detection.
 //! 2. Take each pair whose track and detection are both free.
 
+use super::greedy::Greedy;
 use super::problem::{Problem, Weights};
 use super::{Associator, BuildAssociator};
 use crate::registry::{Method, Object};
@@ -28,82 +29,22 @@ static PARAMETERS: Object = Object {
 
 #[derive(Debug, Default)]
 pub struct NearestNeighbour {
-    pairs: Vec<Pair>,
-    /// For each detection of the scan, whether it is taken; only entries that `pairs` name are ever read or set.
-    taken: Vec<bool>,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Pair {
-    squared_distance: f64,
-    row: u32,
-    detection: u32,
-    edge: u32,
+    greedy: Greedy,
 }
 
 impl Associator for NearestNeighbour {
     fn associate(&mut self, problem: &Problem, weights: &mut Weights) {
-        if problem.row_count() == 1 {
-            choose_nearest(problem, weights);
-            return;
-        }
-        self.sort_pairs(problem);
-        for pair in &self.pairs {
-            let is_served = weights.none[pair.row as usize] == 0.0;
-            if !is_served && !self.taken[pair.detection as usize] {
-                self.taken[pair.detection as usize] = true;
-                weights.choose(pair.row as usize, pair.edge as usize);
-            }
-        }
-        for pair in &self.pairs {
-            self.taken[pair.detection as usize] = false;
-        }
-    }
-}
-
-/// The case without rivals.
-fn choose_nearest(problem: &Problem, weights: &mut Weights) {
-    for (row, edges) in problem.rows().map(|(row, edges)| (row, edges.edges())) {
-        let distance = |&edge: &usize| problem.edge(edge).squared_distance;
-        if let Some(nearest) = edges.min_by(|left, right| distance(left).total_cmp(&distance(right))) {
-            weights.choose(row, nearest);
-        }
-    }
-}
-
-impl NearestNeighbour {
-    fn sort_pairs(&mut self, problem: &Problem) {
-        self.pairs.clear();
-        for (row, edges) in problem.rows().map(|(row, edges)| (row, edges.edges())) {
-            for index in edges {
-                let edge = problem.edge(index);
-                if self.taken.len() <= edge.detection as usize {
-                    self.taken.resize(edge.detection as usize + 1, false);
-                }
-                let (row, detection, edge_index) = (row as u32, edge.detection, index as u32);
-                self.pairs.push(Pair { squared_distance: edge.squared_distance, row, detection, edge: edge_index });
-            }
-        }
-        let key = |left: &Pair, right: &Pair| (left.row, left.detection).cmp(&(right.row, right.detection));
-        self.pairs.sort_unstable_by(|left, right| left.squared_distance.total_cmp(&right.squared_distance).then_with(|| key(left, right)));
+        self.greedy.associate(problem, weights, |edge| edge.squared_distance);
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::problem::tests::problem_of;
+    use super::super::problem::tests::{chosen_by, problem_of};
     use super::*;
 
     fn chosen(tracks: &[&[(u32, f64)]]) -> Vec<Option<u32>> {
-        let mut problem = problem_of(tracks);
-        let mut weights = Weights::default();
-        weights.reset(&problem);
-        let mut associator = NearestNeighbour::default();
-        problem.for_each_cluster(10, |cluster| associator.associate(cluster, &mut weights));
-        let pick = |row: &super::super::problem::Row| {
-            row.edges().find(|&edge| weights.edges[edge] == 1.0).map(|edge| problem.edges()[edge].detection)
-        };
-        problem.rows().iter().map(pick).collect()
+        chosen_by(&mut NearestNeighbour::default(), &mut problem_of(tracks))
     }
 
     #[test]

@@ -256,6 +256,15 @@ pub(crate) mod tests {
         problem
     }
 
+    /// The detection that a hard associator gives to each track of a problem with at most ten detections.
+    pub(crate) fn chosen_by(associator: &mut dyn super::super::Associator, problem: &mut ScanProblem) -> Vec<Option<u32>> {
+        let mut weights = Weights::default();
+        weights.reset(problem);
+        problem.for_each_cluster(10, |cluster| associator.associate(cluster, &mut weights));
+        let pick = |row: &Row| row.edges().find(|&edge| weights.edges[edge] == 1.0).map(|edge| problem.edges()[edge].detection);
+        problem.rows().iter().map(pick).collect()
+    }
+
     fn clusters_of(problem: &mut ScanProblem, detections: usize) -> Vec<Vec<usize>> {
         let mut clusters = Vec::new();
         problem.for_each_cluster(detections, |cluster| clusters.push(cluster.rows().map(|(row, _)| row).collect()));

@@ -2,7 +2,11 @@
 //! deleted after `max_missed` scans in a row without one.
 //!
 //! Confirmed tracks choose among all detections of a scan first, tentative ones among what is left, and what no track
-//! was given starts new tracks. Every scan counts, of whichever sensor.
+//! used starts new tracks. Every scan counts, of whichever sensor.
+//!
+//! Under an associator with soft weights: a tentative track is served by global nearest neighbour until it is confirmed; a
+//! detection is used when one track at least gives it a weight of 0.01; a scan had a detection for a track when the weights
+//! of all its detections together exceed that of none.
 
 use crate::model::track::TrackStatus;
 use crate::registry::{Bound, Field, Kind, Object, Presence};

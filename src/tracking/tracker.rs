@@ -2,6 +2,7 @@
 
 use super::history::{Entry, History};
 use super::lifecycle::{Life, Lifecycle};
+use crate::association::global_nearest_neighbour::GlobalNearestNeighbour;
 use crate::association::problem::{Edge, ScanProblem, Weights};
 use crate::association::{Associator, Needs};
 use crate::filtering::Filter;
@@ -83,6 +84,8 @@ struct ScanView<const D: usize> {
 /// A multi-target tracker whose filter takes measurements of `D` values. Feed it scans in order of time.
 pub struct Tracker<F, const D: usize> {
     parts: TrackerParts<F>,
+    /// Serves the tentative tracks in place of a soft associator.
+    beginner: GlobalNearestNeighbour,
     gate: EllipsoidalGate<D>,
     tracks: Vec<ActiveTrack>,
     last_time_s: Option<f64>,
@@ -101,6 +104,7 @@ impl<F: Filter<4, D>, const D: usize> Tracker<F, D> {
         let gate = EllipsoidalGate::new(parts.lifecycle.gate_probability);
         Tracker {
             parts,
+            beginner: GlobalNearestNeighbour::default(),
             gate,
             tracks: Vec::new(),
             last_time_s: None,
@@ -157,7 +161,11 @@ impl<F: Filter<4, D>, const D: usize> Tracker<F, D> {
     fn serve(&mut self, scan: &Scan, confirmed: bool) {
         self.pose(scan, confirmed);
         self.weights.reset(&self.problem);
-        let (associator, weights) = (&mut self.parts.associator, &mut self.weights);
+        // The gate of a track that is still without a speed holds much that is not its own. An average over all of that
+        // would never become a speed, so soft weights begin when the track is confirmed.
+        let is_beginner = !confirmed && self.parts.associator.is_soft();
+        let associator: &mut dyn Associator = if is_beginner { &mut self.beginner } else { self.parts.associator.as_mut() };
+        let weights = &mut self.weights;
         self.problem.for_each_cluster(self.view.measurements.len(), |cluster| associator.associate(cluster, weights));
         for row in 0..self.expected.len() {
             self.conclude(row, scan);

@@ -1,0 +1,177 @@
+//! What every associator of the table owes, on random problems: weights that sum to 1, hard methods one-hot, detections
+//! shared by hard methods never, and an answer that does not depend on the order of tracks or detections.
+
+use proptest::prelude::*;
+use serde_json::json;
+use trackloom::association::problem::{Edge, ScanProblem, Weights};
+use trackloom::association::{ASSOCIATORS, Associator, Needs};
+use trackloom::registry;
+
+/// Methods that answer 0 or 1 and nothing between.
+const HARD: [&str; 4] = ["nearest_neighbour", "strongest_neighbour", "global_nearest_neighbour", "oracle"];
+
+/// A track: its candidates, P_D · P_G, and the clutter expected in its gate. Likelihoods are apart from ties.
+#[derive(Debug, Clone)]
+struct Track {
+    candidates: Vec<(usize, f64)>,
+    found: f64,
+    gate_clutter: f64,
+}
+
+#[derive(Debug, Clone)]
+struct Scene {
+    tracks: Vec<Track>,
+    amplitudes: Vec<f64>,
+}
+
+/// Scenes of up to six tracks and six detections, the likelihood ratios from far below clutter to far above it.
+fn scenes() -> impl Strategy<Value = Scene> {
+    let track = |detections: usize| {
+        let candidates = prop::collection::btree_map(0..detections, 0.0..12.0f64, 0..=detections);
+        (candidates, 0.3..0.99f64, 0.01..5.0f64).prop_map(|(candidates, found, gate_clutter)| Track {
+            candidates: candidates.into_iter().collect(),
+            found,
+            gate_clutter,
+        })
+    };
+    (1..=6usize).prop_flat_map(move |detections| {
+        let amplitudes = prop::collection::vec(0.0..100.0f64, detections);
+        (prop::collection::vec(track(detections), 0..=6), amplitudes).prop_map(|(tracks, amplitudes)| Scene { tracks, amplitudes })
+    })
+}
+
+impl Scene {
+    /// The tracks in another order, the detections under other numbers, the candidates listed in another order.
+    fn permuted(&self, tracks: &[usize], detections: &[usize]) -> Scene {
+        let mut amplitudes = vec![0.0; self.amplitudes.len()];
+        for (old, &new) in detections.iter().enumerate() {
+            amplitudes[new] = self.amplitudes[old];
+        }
+        let renumbered = |track: &Track| {
+            let mut track = track.clone();
+            track.candidates.iter_mut().for_each(|candidate| candidate.0 = detections[candidate.0]);
+            track.candidates.reverse();
+            track
+        };
+        Scene { tracks: tracks.iter().map(|&track| renumbered(&self.tracks[track])).collect(), amplitudes }
+    }
+
+    /// The weights of each track: for every detection of the scan, then of none.
+    fn weighed(&self, associator: &mut dyn Associator) -> Vec<Vec<f64>> {
+        let mut problem = ScanProblem::default();
+        // One that is told origins gets the one right candidate at most.
+        let limit = if associator.needs() == Needs::Origins { 1 } else { usize::MAX };
+        for track in &self.tracks {
+            for &(detection, squared_distance) in track.candidates.iter().take(limit) {
+                let log_likelihood = 2.0 - squared_distance / 2.0;
+                problem.push_edge(Edge { detection: detection as u32, squared_distance, log_likelihood });
+            }
+            problem.end_row((1.0 - track.found).ln(), track.gate_clutter.ln());
+        }
+        problem.set_amplitudes(self.amplitudes.iter().copied());
+        let mut weights = Weights::default();
+        weights.reset(&problem);
+        problem.for_each_cluster(self.amplitudes.len(), |cluster| associator.associate(cluster, &mut weights));
+        let spread = |(index, row): (usize, &trackloom::association::problem::Row)| {
+            let mut all = vec![0.0; self.amplitudes.len()];
+            row.edges().for_each(|edge| all[problem.edges()[edge].detection as usize] = weights.edges[edge]);
+            all.push(weights.none[index]);
+            all
+        };
+        problem.rows().iter().enumerate().map(spread).collect()
+    }
+}
+
+/// Every method with its defaults, and PDA with the other clutter model.
+fn associators() -> Vec<(&'static str, Box<dyn Associator>)> {
+    let build = |name: &'static str, body: serde_json::Value| {
+        let method = ASSOCIATORS.iter().find(|method| method.name == name).unwrap();
+        (name, (method.build)(&registry::check(&body, method.parameters).unwrap()).unwrap())
+    };
+    let mut all: Vec<_> = ASSOCIATORS.iter().map(|method| build(method.name, json!({}))).collect();
+    all.push(build("pda", json!({"clutter": "nonparametric"})));
+    all
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn weights_sum_to_one_and_hard_ones_are_zero_or_one(scene in scenes()) {
+        for (name, mut associator) in associators() {
+            for (track, weights) in scene.weighed(associator.as_mut()).into_iter().enumerate() {
+                let sum: f64 = weights.iter().sum();
+                prop_assert!((sum - 1.0).abs() < 1e-12, "{name}: the weights of track {track} sum to {sum}");
+                prop_assert!(weights.iter().all(|weight| (0.0..=1.0).contains(weight)), "{name}: {weights:?}");
+                let is_hard = weights.iter().all(|weight| *weight == 0.0 || *weight == 1.0);
+                prop_assert!(is_hard || !HARD.contains(&name), "{name}: {weights:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn hard_methods_give_a_detection_to_one_track_at_most(scene in scenes()) {
+        for (name, mut associator) in associators().into_iter().filter(|(name, _)| HARD.contains(name) && *name != "oracle") {
+            let weights = scene.weighed(associator.as_mut());
+            for detection in 0..scene.amplitudes.len() {
+                let takers = weights.iter().filter(|weights| weights[detection] == 1.0).count();
+                prop_assert!(takers <= 1, "{name}: detection {detection} goes to {takers} tracks");
+            }
+        }
+    }
+
+    #[test]
+    fn permuting_tracks_or_detections_permutes_the_answer(
+        (scene, tracks, detections) in scenes().prop_flat_map(|scene| {
+            let tracks = Just((0..scene.tracks.len()).collect::<Vec<_>>()).prop_shuffle();
+            let detections = Just((0..scene.amplitudes.len()).collect::<Vec<_>>()).prop_shuffle();
+            (Just(scene), tracks, detections)
+        }),
+    ) {
+        for (name, mut associator) in associators().into_iter().filter(|(name, _)| *name != "oracle") {
+            let plain = scene.weighed(associator.as_mut());
+            let permuted = scene.permuted(&tracks, &detections).weighed(associator.as_mut());
+            for (new, &old) in tracks.iter().enumerate() {
+                for detection in 0..=scene.amplitudes.len() {
+                    let moved = detections.get(detection).copied().unwrap_or(detection);
+                    let (before, after) = (plain[old][detection], permuted[new][moved]);
+                    prop_assert!((before - after).abs() < 1e-9, "{name}: track {old}, detection {detection}: {before} and {after}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_global_choice_is_the_most_probable_of_all(scene in scenes()) {
+        let method = ASSOCIATORS.iter().find(|method| method.name == "global_nearest_neighbour").unwrap();
+        let mut associator = (method.build)(&json!({})).unwrap();
+        let weights = scene.weighed(associator.as_mut());
+        let log_weight = |track: usize, detection: Option<usize>| match detection {
+            None => (1.0 - scene.tracks[track].found).ln(),
+            Some(wanted) => {
+                let candidates = &scene.tracks[track].candidates;
+                candidates.iter().find(|(detection, _)| *detection == wanted).map_or(f64::NEG_INFINITY, |(_, squared)| 2.0 - squared / 2.0)
+            }
+        };
+        let taken = |weights: &[f64]| weights[..scene.amplitudes.len()].iter().position(|weight| *weight == 1.0);
+        let chosen: f64 = weights.iter().enumerate().map(|(track, weights)| log_weight(track, taken(weights))).sum();
+        let best = best_event(0, scene.tracks.len(), &mut vec![false; scene.amplitudes.len()], &log_weight);
+        prop_assert!((chosen - best).abs() < 1e-9, "{chosen} instead of {best}");
+    }
+}
+
+/// The log-weight of the best joint event of the tracks from `track` on, by trying all.
+fn best_event(track: usize, tracks: usize, used: &mut Vec<bool>, log_weight: &impl Fn(usize, Option<usize>) -> f64) -> f64 {
+    if track == tracks {
+        return 0.0;
+    }
+    let mut best = log_weight(track, None) + best_event(track + 1, tracks, used, log_weight);
+    for detection in 0..used.len() {
+        if !used[detection] {
+            used[detection] = true;
+            best = best.max(log_weight(track, Some(detection)) + best_event(track + 1, tracks, used, log_weight));
+            used[detection] = false;
+        }
+    }
+    best
+}
