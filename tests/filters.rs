@@ -6,6 +6,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use trackloom::filtering::Filter;
+use trackloom::filtering::bearing_only::BearingOnly;
 use trackloom::filtering::converted::Converted;
 use trackloom::filtering::extended::Extended;
 use trackloom::filtering::kalman::Kalman;
@@ -92,6 +93,12 @@ fn extended_covariances_with_range_rates_stay_definite_over_a_million_updates() 
 #[test]
 fn unscented_covariances_stay_definite_over_a_million_updates() {
     stays_definite::<4, 2>(&UNSCENTED, &polar(0.0052), SVector::from([3e4, 3.0]), 430.0);
+}
+
+#[test]
+fn bearing_only_covariances_stay_definite_over_a_million_updates() {
+    let sonar = sensor(Report::Bearing { sigma_bearing_rad: 0.01 });
+    stays_definite(&BearingOnly { process_noise_rad2ps3: 1e-6 }, &sonar, SVector::from([3.0]), 0.1);
 }
 
 #[test]

@@ -170,11 +170,6 @@ pub static SENSOR_SETTINGS: Object = Object {
             "Expected false detections per square metre and scan, also of a sensor that reports ranges and bearings.",
             Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "1/m²" },
         ),
-        optional(
-            "clutter_per_rad",
-            "Expected false detections per radian and scan, of a sensor that reports bearings alone.",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "1/rad" },
-        ),
         optional("sigma_x_m", "Standard deviation of x.", SIGMA),
         optional("sigma_y_m", "Standard deviation of y.", SIGMA),
         optional("sigma_range_m", "Standard deviation of ranges.", SIGMA),

@@ -9,6 +9,7 @@ use crate::registry::{Bound, Field, Kind, Method, Presence, Union};
 use mixture::Expected;
 use nalgebra::SVector;
 
+pub mod bearing_only;
 pub mod converted;
 pub mod extended;
 pub mod kalman;
@@ -39,8 +40,8 @@ pub trait Filter<const N: usize, const D: usize> {
         0.0
     }
 
-    /// A state that knows one detection alone, and of the speed that it is 0 ± `speed_sigma_mps` on each axis.
-    fn initiate(&self, measurement: &SVector<f64, D>, sensor: &Sensor, speed_sigma_mps: f64) -> Option<GaussianState<N>>;
+    /// A state that knows one detection alone, and of the rates that each is 0 ± `rate_sigma`.
+    fn initiate(&self, measurement: &SVector<f64, D>, sensor: &Sensor, rate_sigma: f64) -> Option<GaussianState<N>>;
 }
 
 /// A filter that was chosen by name.

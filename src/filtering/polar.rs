@@ -111,13 +111,11 @@ pub fn unbiased_covariance(polar: &Polar, position_m: Position, spread: &Positio
     let believed_range = view.along.dot(&(spread * view.along));
     let believed_bearing = view.across.dot(&(spread * view.across)) / view.range_m.powi(2);
     let square = view.range_m.powi(2) + believed_range;
-    let noise = polar.sigma_bearing_rad.powi(2);
-    let reported_square = noise.exp() * (square + polar.sigma_range_m.powi(2));
-    let blur = (-2.0 * believed_bearing).exp();
-    let reported_blur = blur * (-2.0 * noise).exp();
+    let (noise, range_noise) = (polar.sigma_bearing_rad.powi(2), polar.sigma_range_m.powi(2));
+    // e^s (r² + σr²) − r², and e^(−s) (r² + σr²) − r², written so that a large r² cannot swallow the rest.
+    let half_sum = 0.5 * (noise.exp_m1() * square + noise.exp() * range_noise);
+    let half_turn = 0.5 * ((-noise).exp_m1() * square + (-noise).exp() * range_noise) * (-2.0 * believed_bearing).exp();
     let (sine, cosine) = (2.0 * view.bearing_rad).sin_cos();
-    let half_sum = 0.5 * (reported_square - square);
-    let half_turn = 0.5 * (reported_square * reported_blur - square * blur);
     PositionCovariance::new(half_sum - half_turn * cosine, half_turn * sine, half_turn * sine, half_sum + half_turn * cosine)
 }
 

@@ -58,10 +58,6 @@ pub struct SensorSettings {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub clutter_per_m2: Option<f64>,
-    /// Expected false detections per radian and scan, of a sensor that reports bearings alone.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub clutter_per_rad: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub sigma_x_m: Option<f64>,
@@ -88,7 +84,6 @@ impl From<model::sensor::SensorSettings> for SensorSettings {
             max_range_m,
             p_d,
             clutter_per_m2,
-            clutter_per_rad,
             sigma_x_m,
             sigma_y_m,
             sigma_range_m,
@@ -102,7 +97,6 @@ impl From<model::sensor::SensorSettings> for SensorSettings {
             max_range_m,
             p_d,
             clutter_per_m2,
-            clutter_per_rad,
             sigma_x_m,
             sigma_y_m,
             sigma_range_m,
@@ -121,7 +115,6 @@ impl From<SensorSettings> for model::sensor::SensorSettings {
             max_range_m,
             p_d,
             clutter_per_m2,
-            clutter_per_rad,
             sigma_x_m,
             sigma_y_m,
             sigma_range_m,
@@ -135,7 +128,6 @@ impl From<SensorSettings> for model::sensor::SensorSettings {
             max_range_m,
             p_d,
             clutter_per_m2,
-            clutter_per_rad,
             sigma_x_m,
             sigma_y_m,
             sigma_range_m,
