@@ -69,7 +69,7 @@ fn stays_definite<const N: usize, const D: usize>(filter: &impl Filter<N, D>, se
                 WeightedInnovation { innovation, weight: share }
             })
             .collect();
-        update(&mut state, &expected, &detections);
+        update(&mut state, &expected.correction(), &detections);
         assert_eq!(state.covariance, state.covariance.transpose(), "round {round}");
         assert!(Cholesky::new(state.covariance).is_some(), "round {round}: {}", state.covariance);
     }
@@ -149,7 +149,7 @@ fn mean_nis<const D: usize>(filter: &impl Filter<4, D>, sensor: &Sensor) -> f64 
             let measured = filter.measured(sensor, &noisy_report(sensor, &truth, &mut draw)).unwrap();
             let innovation = angle::difference(&measured, &expected.measurement, filter.angle(sensor));
             sum += expected.gaussian.squared_distance(&innovation);
-            update(&mut state, &expected, &[WeightedInnovation { innovation, weight: 1.0 }]);
+            update(&mut state, &expected.correction(), &[WeightedInnovation { innovation, weight: 1.0 }]);
         }
     }
     sum / (runs * scans) as f64
@@ -189,7 +189,7 @@ fn estimate<const D: usize>(filter: &impl Filter<4, D>, sensor: &Sensor, errors:
         Transition::new(filter.motion(), 4.0).predict(&mut state);
         let expected = filter.expect(&state, sensor).unwrap();
         let innovation = angle::difference(&measured(scan), &expected.measurement, filter.angle(sensor));
-        update(&mut state, &expected, &[WeightedInnovation { innovation, weight: 1.0 }]);
+        update(&mut state, &expected.correction(), &[WeightedInnovation { innovation, weight: 1.0 }]);
     }
     state
 }

@@ -87,7 +87,7 @@ mod tests {
             let expected = filter.expect(&state, &sensor).unwrap();
             let innovation = difference(&at(f64::from(scan)), &expected.measurement, filter.angle(&sensor));
             assert!(innovation[0].abs() < 0.011, "scan {scan}: {innovation}");
-            update(&mut state, &expected, &[WeightedInnovation { innovation, weight: 1.0 }]);
+            update(&mut state, &expected.correction(), &[WeightedInnovation { innovation, weight: 1.0 }]);
         }
         assert!((wrapped(state.mean[0]) - (-PI + 0.2)).abs() < 1e-3 && (state.mean[1] - 0.01).abs() < 1e-4, "{}", state.mean);
     }

@@ -39,7 +39,7 @@ impl Filter<4, 2> for Kalman {
         measurement.position()
     }
 
-    #[inline]
+    #[inline(always)]
     fn expect(&self, state: &GaussianState, sensor: &Sensor) -> Option<Expected<4, 2>> {
         expect_position(state, &noise_of(&sensor.report)?)
     }
@@ -57,7 +57,7 @@ pub(super) fn noise_of(report: &Report) -> Option<PositionCovariance> {
 }
 
 /// ẑ, S and C of a position with noise R.
-#[inline]
+#[inline(always)]
 pub(super) fn expect_position(state: &GaussianState, noise: &PositionCovariance) -> Option<Expected<4, 2>> {
     let covariance = state.covariance.fixed_view::<2, 2>(0, 0) + noise;
     let cross = state.covariance.fixed_columns::<2>(0).into_owned();
@@ -98,7 +98,7 @@ mod tests {
         let mut state = started();
         let expected = filter().expect(&state, &sensor(12.0, 9.0)).unwrap();
         let detection = WeightedInnovation { innovation: Position::new(8.0, 0.0), weight: 1.0 };
-        update(&mut state, &expected, &[detection]);
+        update(&mut state, &expected.correction(), &[detection]);
         assert!((state.mean[0] - 3.0).abs() < 1e-12 && (state.covariance[(0, 0)] - 3.0).abs() < 1e-12);
         assert!((state.covariance[(1, 1)] - 4.5).abs() < 1e-12);
     }
@@ -109,7 +109,7 @@ mod tests {
         let mut state = started();
         let expected = filter().expect(&state, &sensor(12.0, 9.0)).unwrap();
         let detection = |x_m| WeightedInnovation { innovation: Position::new(x_m, 0.0), weight: 0.4 };
-        update(&mut state, &expected, &[detection(8.0), detection(-8.0)]);
+        update(&mut state, &expected.correction(), &[detection(8.0), detection(-8.0)]);
         assert!((state.mean[0] - 1.0).abs() < 1e-12);
         assert!((state.covariance[(0, 0)] - 6.4).abs() < 1e-12);
     }
@@ -118,7 +118,7 @@ mod tests {
     fn no_detection_changes_nothing() {
         let mut state = started();
         let expected = filter().expect(&state, &sensor(1.0, 1.0)).unwrap();
-        update(&mut state, &expected, &[]);
+        update(&mut state, &expected.correction(), &[]);
         assert_eq!(state, started());
     }
 }

@@ -30,6 +30,17 @@ pub struct Expected<const N: usize, const D: usize> {
     pub cross: SMatrix<f64, N, D>,
 }
 
+/// What the update needs of an expectation: a scan keeps one for each track, so it is small.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Correction<const N: usize, const D: usize> {
+    /// ẑ.
+    pub measurement: SVector<f64, D>,
+    /// S⁻¹.
+    inverse: SMatrix<f64, D, D>,
+    /// C.
+    cross: SMatrix<f64, N, D>,
+}
+
 /// A gated detection of a track: its innovation ν and weight β.
 #[derive(Debug, Clone, Copy)]
 pub struct WeightedInnovation<const D: usize> {
@@ -39,10 +50,15 @@ pub struct WeightedInnovation<const D: usize> {
 
 impl<const N: usize, const D: usize> Expected<N, D> {
     /// `None` when S is not positive definite.
-    #[inline]
+    #[inline(always)]
     pub fn new(measurement: SVector<f64, D>, covariance: SMatrix<f64, D, D>, cross: SMatrix<f64, N, D>) -> Option<Self> {
         let gaussian = Gaussian::new(&covariance)?;
         Some(Expected { measurement, covariance, gaussian, cross })
+    }
+
+    #[inline(always)]
+    pub fn correction(&self) -> Correction<N, D> {
+        Correction { measurement: self.measurement, inverse: *self.gaussian.inverse(), cross: self.cross }
     }
 
     /// Of a measurement that is linear in the state: S = H P Hᵀ + R, C = P Hᵀ.
@@ -61,13 +77,13 @@ impl<const N: usize, const D: usize> Expected<N, D> {
 #[inline]
 pub fn update<const N: usize, const D: usize>(
     state: &mut GaussianState<N>,
-    expected: &Expected<N, D>,
+    correction: &Correction<N, D>,
     detections: &[WeightedInnovation<D>],
 ) {
     if detections.is_empty() {
         return;
     }
-    let gain = expected.cross * expected.gaussian.inverse();
+    let gain = correction.cross * correction.inverse;
     let mut mean_innovation = SVector::<f64, D>::zeros();
     let mut detected = 0.0;
     for detection in detections {
@@ -75,7 +91,7 @@ pub fn update<const N: usize, const D: usize>(
         detected += detection.weight;
     }
     state.mean += gain * mean_innovation;
-    state.covariance -= gain * expected.cross.transpose() * detected;
+    state.covariance -= gain * correction.cross.transpose() * detected;
     if detected < 1.0 || detections.len() > 1 {
         state.covariance += spread(&gain, detections, &mean_innovation);
     }

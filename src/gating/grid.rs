@@ -68,20 +68,23 @@ impl Grid {
             return;
         }
         let centre = plane(centre);
-        let columns = self.span(centre[0], half[0], 0);
-        let rows = self.span(centre[1], half[1], 1);
-        match angle {
-            None => self.visit(columns, rows, &mut found),
-            Some(0) => {
-                self.spans_round(centre[0], half[0], 0).into_iter().flatten().for_each(|part| self.visit(part, rows.clone(), &mut found))
-            }
-            Some(_) => {
-                self.spans_round(centre[1], half[1], 1).into_iter().flatten().for_each(|part| self.visit(columns.clone(), part, &mut found))
-            }
+        if let Some(axis) = angle {
+            return self.near_round(centre, half, axis, found);
+        }
+        self.visit(self.span(centre[0], half[0], 0), self.span(centre[1], half[1], 1), &mut found);
+    }
+
+    /// The same with an axis that goes round.
+    #[inline(never)]
+    fn near_round(&self, centre: [f64; 2], half: [f64; 2], axis: usize, mut found: impl FnMut(u32)) {
+        let other = self.span(centre[1 - axis], half[1 - axis], 1 - axis);
+        for part in self.spans_round(centre[axis], half[axis], axis).into_iter().flatten() {
+            let (columns, rows) = if axis == 0 { (part, other.clone()) } else { (other.clone(), part) };
+            self.visit(columns, rows, &mut found);
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn visit(&self, columns: RangeInclusive<usize>, rows: RangeInclusive<usize>, found: &mut impl FnMut(u32)) {
         for row in rows {
             let from = self.first[row * self.cells[0] + columns.start()];

@@ -14,7 +14,7 @@ pub struct Gaussian<const D: usize> {
 
 impl<const D: usize> Gaussian<D> {
     /// `None` when the covariance is not positive definite.
-    #[inline]
+    #[inline(always)]
     pub fn new(covariance: &SMatrix<f64, D, D>) -> Option<Self> {
         let (inverse, determinant) = if D == 2 { inverse_of_two(covariance) } else { inverse_of_any(covariance) }?;
         Some(Gaussian { inverse, log_peak: -0.5 * D as f64 * std::f64::consts::TAU.ln() - 0.5 * determinant.ln() })
@@ -47,7 +47,7 @@ impl<const D: usize> Gaussian<D> {
 }
 
 /// Inverse and determinant of a 2 × 2 covariance, the case that every radar scan needs thousands of times.
-#[inline]
+#[inline(always)]
 fn inverse_of_two<const D: usize>(covariance: &SMatrix<f64, D, D>) -> Option<(SMatrix<f64, D, D>, f64)> {
     let (xx, xy, yy) = (covariance[(0, 0)], covariance[(0, 1)], covariance[(1, 1)]);
     let determinant = xx * yy - xy * xy;

@@ -6,7 +6,7 @@ use crate::association::global_nearest_neighbour::GlobalNearestNeighbour;
 use crate::association::problem::{Edge, ScanProblem, Weights};
 use crate::association::{Associator, Needs};
 use crate::filtering::Filter;
-use crate::filtering::mixture::{self, Expected, WeightedInnovation};
+use crate::filtering::mixture::{self, Correction, Expected, WeightedInnovation};
 use crate::filtering::prediction::Transition;
 use crate::gating::ellipsoidal::EllipsoidalGate;
 use crate::gating::grid::Grid;
@@ -95,7 +95,8 @@ pub struct Tracker<F, const D: usize> {
     view: ScanView<D>,
     problem: ScanProblem,
     weights: Weights,
-    expected: Vec<(usize, Expected<4, D>)>,
+    /// The tracks of the problem's rows.
+    posed: Vec<(usize, Correction<4, D>)>,
     innovations: Vec<WeightedInnovation<D>>,
 }
 
@@ -114,7 +115,7 @@ impl<F: Filter<4, D>, const D: usize> Tracker<F, D> {
             view: ScanView::default(),
             problem: ScanProblem::default(),
             weights: Weights::default(),
-            expected: Vec::new(),
+            posed: Vec::new(),
             innovations: Vec::new(),
         }
     }
@@ -167,7 +168,7 @@ impl<F: Filter<4, D>, const D: usize> Tracker<F, D> {
         let associator: &mut dyn Associator = if is_beginner { &mut self.beginner } else { self.parts.associator.as_mut() };
         let weights = &mut self.weights;
         self.problem.for_each_cluster(self.view.measurements.len(), |cluster| associator.associate(cluster, weights));
-        for row in 0..self.expected.len() {
+        for row in 0..self.posed.len() {
             self.conclude(row, scan);
         }
     }
@@ -175,7 +176,7 @@ impl<F: Filter<4, D>, const D: usize> Tracker<F, D> {
     /// Writes the association problem of one group of tracks.
     fn pose(&mut self, scan: &Scan, confirmed: bool) {
         self.problem.clear();
-        self.expected.clear();
+        self.posed.clear();
         let sensor = &self.parts.sensors[scan.sensor];
         let log_clutter = sensor.clutter_density.ln();
         let log_density = (sensor.p_d / sensor.clutter_density).ln();
@@ -194,13 +195,13 @@ impl<F: Filter<4, D>, const D: usize> Tracker<F, D> {
                 problem.push_edge(Edge { detection, squared_distance, log_likelihood });
             });
             self.problem.end_row(log_none, log_clutter + log_scale + self.gate.log_volume(&expected.gaussian));
-            self.expected.push((index, expected));
+            self.posed.push((index, expected.correction()));
         }
     }
 
     /// Updates the track of one row by its weights, and remembers what was decided.
     fn conclude(&mut self, row: usize, scan: &Scan) {
-        let (index, expected) = &self.expected[row];
+        let (index, correction) = &self.posed[row];
         let track = &mut self.tracks[*index];
         let first_candidate = self.history.candidates.len();
         self.innovations.clear();
@@ -209,7 +210,7 @@ impl<F: Filter<4, D>, const D: usize> Tracker<F, D> {
             let weight = self.weights.edges[edge_index];
             if weight > 0.0 {
                 let Edge { detection, squared_distance, .. } = self.problem.edges()[edge_index];
-                let innovation = self.view.innovation(detection, expected);
+                let innovation = self.view.innovation(detection, &correction.measurement);
                 self.innovations.push(WeightedInnovation { innovation, weight });
                 weighted_nis += weight * squared_distance;
                 self.view.used[detection as usize] |= weight >= USED_WEIGHT;
@@ -220,7 +221,7 @@ impl<F: Filter<4, D>, const D: usize> Tracker<F, D> {
         if self.weights.none[row] > 0.0 {
             self.history.candidates.push(Candidate { detection: None, probability: self.weights.none[row] });
         }
-        mixture::update(&mut track.state, expected, &self.innovations);
+        mixture::update(&mut track.state, correction, &self.innovations);
         let was_confirmed = track.life.is_confirmed();
         // The scan is a hit when it is more probable that the track was detected than that it was not.
         let detected: f64 = self.innovations.iter().map(|innovation| innovation.weight).sum();
@@ -301,8 +302,8 @@ impl<const D: usize> ScanView<D> {
     }
 
     #[inline]
-    fn innovation(&self, detection: u32, expected: &Expected<4, D>) -> SVector<f64, D> {
-        angle::difference(&self.measurements[detection as usize], &expected.measurement, self.angle)
+    fn innovation(&self, detection: u32, expected: &SVector<f64, D>) -> SVector<f64, D> {
+        angle::difference(&self.measurements[detection as usize], expected, self.angle)
     }
 
     fn index_origins(&mut self, detections: &[Detection]) {
@@ -322,7 +323,7 @@ impl<const D: usize> ScanView<D> {
         if self.choose_by_origin {
             let detection = origin.and_then(|origin| self.by_origin.get(origin as usize).copied().flatten());
             if let Some(detection) = detection.filter(|&detection| !self.used[detection as usize]) {
-                found(detection, expected.gaussian.squared_distance(&self.innovation(detection, expected)));
+                found(detection, expected.gaussian.squared_distance(&self.innovation(detection, &expected.measurement)));
             }
             return;
         }
