@@ -5,6 +5,8 @@ use proptest::prelude::*;
 use serde_json::json;
 use trackloom::association::problem::{Edge, ScanProblem, Weights};
 use trackloom::association::{ASSOCIATORS, Associator, Needs};
+use trackloom::experiment::{observer::Silent, plan, run};
+use trackloom::formats;
 use trackloom::registry;
 
 /// Methods that answer 0 or 1 and nothing between.
@@ -132,9 +134,8 @@ proptest! {
             let plain = scene.weighed(associator.as_mut());
             let permuted = scene.permuted(&tracks, &detections).weighed(associator.as_mut());
             for (new, &old) in tracks.iter().enumerate() {
-                for detection in 0..=scene.amplitudes.len() {
-                    let moved = detections.get(detection).copied().unwrap_or(detection);
-                    let (before, after) = (plain[old][detection], permuted[new][moved]);
+                for (detection, &before) in plain[old].iter().enumerate() {
+                    let after = permuted[new][detections.get(detection).copied().unwrap_or(detection)];
                     prop_assert!((before - after).abs() < 1e-9, "{name}: track {old}, detection {detection}: {before} and {after}");
                 }
             }
@@ -158,6 +159,37 @@ proptest! {
         let best = best_event(0, scene.tracks.len(), &mut vec![false; scene.amplitudes.len()], &log_weight);
         prop_assert!((chosen - best).abs() < 1e-9, "{chosen} instead of {best}");
     }
+}
+
+/// The job that tracks a CSV recording by strongest neighbour, run to its end.
+fn strongest(csv: &str) -> Result<run::Outcome, run::RunError> {
+    let body = json!({
+        "input": {"source": "dataset", "dataset_id": "0198c0de-0000-7000-8000-000000000000"},
+        "associator": {"method": "strongest_neighbour"},
+        "tracker": {"confirm_hits": 1, "confirm_window": 1},
+        "sensors": [{"sensor_id": "radar", "p_d": 0.9, "clutter_per_m2": 1e-6, "sigma_x_m": 1.0, "sigma_y_m": 1.0}]
+    });
+    let plan = plan::plan(plan::JobKind::Associate, &body).unwrap();
+    let format = formats::FORMATS.iter().find(|format| format.name == "csv").unwrap();
+    let dataset = (format.read)(&mut csv.as_bytes(), &Default::default()).unwrap().dataset;
+    run::run(&plan, vec![Some(run::Input { dataset, sensors: vec![], sha256: String::new() })], &mut Silent)
+}
+
+#[test]
+fn the_strongest_is_read_from_the_recording_and_a_gap_is_a_fault() {
+    let csv = "time_s,scan,sensor_id,detection_id,x_m,y_m,amplitude\n\
+               0,1,radar,a,0,0,5\n1,2,radar,near,0.1,0,3\n1,2,radar,strong,2,0,9\n";
+    let outcome = strongest(csv).unwrap();
+    let tracks = outcome.artifacts.iter().find(|artifact| artifact.name == "tracks.csv").unwrap();
+    let text = std::str::from_utf8(&tracks.bytes).unwrap();
+    let column = text.lines().next().unwrap().split(',').position(|name| name == "detection_id").unwrap();
+    let rows: Vec<Vec<&str>> = text.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    let of_first: Vec<&str> = rows.iter().filter(|row| row[1] == "1").map(|row| row[column]).collect();
+    assert_eq!(of_first, ["a", "strong"]);
+
+    let Err(run::RunError::Faults(faults)) = strongest(&csv.replace(",9", ",")) else { panic!("a gap was accepted") };
+    assert_eq!((faults[0].pointer.as_str(), faults[0].code.as_str()), ("/associator/method", "unsupported"));
+    assert_eq!(faults[0].detail, "'strongest_neighbour' needs the amplitude of every detection; 1 of 3 lack it");
 }
 
 /// The log-weight of the best joint event of the tracks from `track` on, by trying all.

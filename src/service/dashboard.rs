@@ -12,6 +12,8 @@ use rust_embed::RustEmbed;
 struct Files;
 
 const INDEX: &str = "index.html";
+/// Files with a hash in their name: another content has another name.
+const HASHED: &str = "assets/";
 /// Paths that never belong to the dashboard.
 const API: [&str; 3] = ["/v1", "/problems", "/docs"];
 
@@ -38,7 +40,11 @@ fn file(name: &str, headers: &HeaderMap) -> Option<Response> {
     let file = Files::get(name)?;
     let sha256: String = file.metadata.sha256_hash().iter().map(|byte| format!("{byte:02x}")).collect();
     let bytes = Bytes::from(file.data.into_owned());
-    Some(conditional::fixed(headers, file.metadata.mimetype(), bytes, &sha256))
+    let mut response = conditional::fixed(headers, file.metadata.mimetype(), bytes, &sha256);
+    if name.starts_with(HASHED) {
+        conditional::set(&mut response, header::CACHE_CONTROL, "public, max-age=31536000, immutable");
+    }
+    Some(response)
 }
 
 /// Browsers ask for HTML by name when they navigate; programs do not.

@@ -69,7 +69,7 @@ async function upload(page, part, file, kind) {
   await page.waitForFunction((pointer) => document.querySelector(`[data-pointer="${pointer}"]`)?.selectedOptions[0]?.text.includes("rows"), `${part}/dataset_id`);
 }
 
-test("a recording and its truth are uploaded and evaluated", async () => {
+test("a recording and its truth are uploaded; what the data do not say is asked for and given", async () => {
   const page = await openPage(browser, "?view=new&kind=evaluate");
   await upload(page, "/input", "detections.json", "detections");
   await upload(page, "/truth", "groundTruth.json", "truth");
@@ -77,6 +77,13 @@ test("a recording and its truth are uploaded and evaluated", async () => {
   await byPointer(page, "/tfa/symbols/kind").selectOption("nearest_truth");
   await byPointer(page, "/tfa/symbols/gate_m").fill("30");
   await byPointer(page, "/name").fill("harbour recording");
+  await page.getByText("The request is valid.").waitFor();
+  await submitted(page);
+  await page.getByText("the noise of sensor 'radar' is not known").first().waitFor();
+  await page.getByRole("link", { name: "Change and run" }).click();
+  await byPointer(page, "/input/sensor_ids").fill("radar");
+  await page.getByRole("button", { name: "Sensors", exact: true }).click();
+  for (const [field, value] of [["sensor_id", "radar"], ["sigma_x_m", "4"], ["sigma_y_m", "4"]]) await byPointer(page, `/sensors/0/${field}`).fill(value);
   await page.getByText("The request is valid.").waitFor();
   const id = await submitted(page);
   await page.locator(".badge.state-succeeded, .badge.state-failed").waitFor();

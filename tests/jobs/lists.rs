@@ -105,17 +105,22 @@ async fn a_list_of_a_hundred_thousand_jobs_is_as_quick_as_a_short_one() {
     let failed = JobFilter { states: vec![JobState::Failed], kinds: vec![JobKind::Associate], ..Default::default() };
     let labelled = JobFilter { labels: vec![("site".into(), "north".into())], ..Default::default() };
     for (filter, items) in [(recent, 50), (failed, 50), (labelled, 1)] {
-        let mut quickest = Duration::MAX;
-        for _ in 0..5 {
-            let since = Instant::now();
-            assert_eq!(service.list(filter.clone()).await.unwrap().items.len(), items);
-            quickest = quickest.min(since.elapsed());
-        }
-        assert!(quickest < Duration::from_millis(50), "{filter:?} took {quickest:?}");
+        let took = quickest(async || assert_eq!(service.list(filter.clone()).await.unwrap().items.len(), items)).await;
+        assert!(took < Duration::from_millis(50), "{filter:?} took {took:?}");
     }
-    let since = Instant::now();
-    assert_eq!(service.counts().await.unwrap()[&JobState::Failed], 25_000);
-    assert!(since.elapsed() < Duration::from_millis(100), "{:?}", since.elapsed());
+    let took = quickest(async || assert_eq!(service.counts().await.unwrap()[&JobState::Failed], 25_000)).await;
+    assert!(took < Duration::from_millis(100), "{took:?}");
+}
+
+/// The quickest of some tries: other tests share the machine.
+async fn quickest(act: impl AsyncFn()) -> Duration {
+    let mut quickest = Duration::MAX;
+    for _ in 0..10 {
+        let since = Instant::now();
+        act().await;
+        quickest = quickest.min(since.elapsed());
+    }
+    quickest
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -232,3 +232,56 @@ fn track_layer(set: &TrackSet, window: &Window, extent: &mut Extent) -> TrackLay
     };
     TrackLayer::new(columns, &kept)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formats::{ReadOptions, format_named};
+    use crate::model::dataset::Dataset;
+    use crate::model::sensor;
+
+    fn read(text: &str) -> Dataset {
+        let csv = format_named("csv").unwrap();
+        (csv.read)(&mut text.as_bytes(), &ReadOptions::default()).unwrap().dataset
+    }
+
+    fn layers() -> JobLayers {
+        let polar = "time_s,scan,sensor_id,detection_id,range_m,bearing_deg\n0,1,s,d1,100,90\n2,2,s,d2,50,0\n";
+        let tracks = "time_s,track_id,x_m,y_m,detection_id,probability,status\n0,t,1,2,d1,0.25,tentative\n0,t,1,2,,0.75,tentative\n";
+        let Dataset::Detections(detections) = read(polar) else { panic!("not detections") };
+        let Dataset::Tracks(tracks) = read(tracks) else { panic!("not tracks") };
+        let sensor = sensor::SensorSettings { x_m: Some(10.0), y_m: Some(20.0), ..sensor::SensorSettings::named("s") };
+        JobLayers { detections: Some(detections), truth: None, tracks: Some(tracks), sensors: vec![sensor] }
+    }
+
+    #[test]
+    fn a_range_and_a_bearing_are_placed_from_the_sensor() {
+        let plan = of(&layers(), &Window { max_points: 10, ..Window::default() });
+        let DetectionColumns { x_m, y_m, .. } = plan.detections.columns;
+        let placed: Vec<(f64, f64)> = x_m.into_iter().zip(y_m).map(|(x_m, y_m)| (x_m.unwrap(), y_m.unwrap())).collect();
+        for ((x_m, y_m), (wanted_x_m, wanted_y_m)) in placed.into_iter().zip([(110.0, 20.0), (10.0, 70.0)]) {
+            assert!((x_m - wanted_x_m).abs() < 1e-9 && (y_m - wanted_y_m).abs() < 1e-9, "east is bearing 90: {x_m}, {y_m}");
+        }
+        assert_eq!((plan.extent.from_s, plan.extent.to_s), (Some(0.0), Some(2.0)));
+        assert_eq!((plan.extent.x_min_m, plan.extent.y_min_m), (Some(1.0), Some(2.0)));
+        assert_eq!(plan.scans.iter().map(|scan| scan.number).collect::<Vec<_>>(), [1, 2]);
+    }
+
+    #[test]
+    fn a_track_point_shows_its_most_probable_candidate() {
+        let columns = of(&layers(), &Window { max_points: 10, ..Window::default() }).tracks.columns;
+        assert_eq!(columns.detection_id, [None]);
+        assert_eq!(columns.probability, [Some(0.75)]);
+        assert_eq!(columns.vx_mps, [None]);
+    }
+
+    #[test]
+    fn a_window_leaves_out_what_is_outside() {
+        let window = Window { from_s: Some(1.0), max_points: 10, ..Window::default() };
+        let plan = of(&layers(), &window);
+        assert_eq!(plan.detections.columns.detection_id, ["d2"]);
+        assert_eq!(plan.tracks.source_points, 0);
+        let other = Window { track_id: Some("u".to_owned()), max_points: 10, ..Window::default() };
+        assert_eq!(of(&layers(), &other).tracks.source_points, 0);
+    }
+}

@@ -177,3 +177,46 @@ fn tracks_alive<'a>(set: &'a TrackSet, window: &Window) -> BTreeMap<(u64, Option
 fn seconds() -> BTreeMap<String, String> {
     BTreeMap::from([("time_s".to_owned(), "s".to_owned())])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formats::{ReadOptions, format_named};
+    use crate::model::dataset::Dataset;
+
+    fn read(text: &str) -> Dataset {
+        let csv = format_named("csv").unwrap();
+        (csv.read)(&mut text.as_bytes(), &ReadOptions::default()).unwrap().dataset
+    }
+
+    fn layers() -> JobLayers {
+        let detections = "time_s,scan,sensor_id,detection_id,x_m,y_m\n0,1,a,d1,0,0\n0,2,b,d2,0,0\n2,3,a,d3,0,0\n2,3,a,d4,0,0\n";
+        let tracks = "time_s,track_id,sensor_id,x_m,y_m,detection_id,probability,status\n\
+            0,t,a,0,0,d1,1,tentative\n2,t,a,0,0,d3,0.5,confirmed\n2,t,a,0,0,,0.5,confirmed\n2,u,a,0,0,d4,1,tentative\n";
+        let Dataset::Detections(detections) = read(detections) else { panic!("not detections") };
+        let Dataset::Tracks(tracks) = read(tracks) else { panic!("not tracks") };
+        JobLayers { detections: Some(detections), tracks: Some(tracks), ..JobLayers::default() }
+    }
+
+    fn window() -> Window {
+        Window { max_points: 100, ..Window::default() }
+    }
+
+    #[test]
+    fn every_candidate_is_a_row_with_its_scan() {
+        let columns = track_probability(&layers(), &window()).columns;
+        assert_eq!(columns.time_s, [0.0, 2.0, 2.0, 2.0]);
+        assert_eq!(columns.scan, [Some(1), Some(3), Some(3), Some(3)]);
+        assert_eq!(columns.probability, [1.0, 0.5, 0.5, 1.0]);
+        assert_eq!(columns.detection_id.iter().filter(|id| id.is_none()).count(), 1);
+    }
+
+    #[test]
+    fn a_scan_counts_the_tracks_of_its_sensor() {
+        let columns = scan_counts(&layers(), &window()).columns;
+        assert_eq!(columns.sensor_id, ["a", "b", "a"]);
+        assert_eq!(columns.detections, [1, 1, 2]);
+        assert_eq!(columns.tracks, [1, 0, 2]);
+        assert_eq!(columns.confirmed, [0, 0, 1]);
+    }
+}

@@ -1,10 +1,10 @@
 // Every call to the service, one function each; failures become an ApiError with the service's own problem.
 
 import createClient from "openapi-fetch";
-import type { Artifact, Dataset, Job, JobKind, JobPage, Methods, Plan, Preset, Problem, Report, Series, Validation } from "./types";
+import type { components, paths } from "../../generated/api";
+import type { Artifact, Dataset, Job, JobKind, JobPage, Methods, Plan, Preset, Problem, Report, ScanCounts, TrackProbability, Validation } from "./types";
 
-// eslint-disable-next-line @typescript-eslint/no-explicit-any
-const client = createClient<any>({ baseUrl: location.origin, cache: "no-cache" });
+const client = createClient<paths>({ baseUrl: location.origin, cache: "no-cache" });
 
 export class ApiError extends Error {
   constructor(readonly problem: Problem) {
@@ -12,24 +12,25 @@ export class ApiError extends Error {
   }
 }
 
-function unreachable(): ApiError {
-  return new ApiError({ type: "about:blank", title: "The service does not answer", status: 0, code: "unreachable", detail: "It may be stopped or restarting." });
+function own(title: string, code: string, detail: string, status = 0): ApiError {
+  return new ApiError({ type: "about:blank", title, status, code, detail });
 }
 
-interface Answer {
-  data?: unknown;
+interface Answer<T> {
+  data?: T;
   error?: unknown;
   response: Response;
 }
 
-async function taken<T>(call: Promise<Answer>): Promise<T> {
+async function taken<T>(call: Promise<Answer<T>>): Promise<T> {
   const answer = await call.catch(() => {
-    throw unreachable();
+    throw own("The service does not answer", "unreachable", "It may be stopped or restarting.");
   });
-  if (answer.error === undefined && answer.response.ok) return answer.data as T;
+  if (answer.data !== undefined && answer.response.ok) return answer.data;
   const problem = answer.error as Partial<Problem> | undefined;
   if (typeof problem?.title === "string") throw new ApiError(problem as Problem);
-  throw new ApiError({ type: "about:blank", title: "Unexpected answer", status: answer.response.status, code: "unexpected", detail: `The service answered ${answer.response.status}.` });
+  const { status } = answer.response;
+  throw own("Unexpected answer", "unexpected", `The service answered ${status}.`, status);
 }
 
 export interface JobFilter {
@@ -40,41 +41,56 @@ export interface JobFilter {
   limit?: number;
 }
 
+const path = (id: string) => ({ params: { path: { id } } });
+
 export const listJobs = (query: JobFilter): Promise<JobPage> => taken(client.GET("/v1/jobs", { params: { query } }));
-export const getJob = (id: string): Promise<Job> => taken(client.GET("/v1/jobs/{id}", { params: { path: { id } } }));
-export const cancelJob = (id: string): Promise<Job> => taken(client.POST("/v1/jobs/{id}/cancel", { params: { path: { id } } }));
-export const rerunJob = (id: string): Promise<Job> => taken(client.POST("/v1/jobs/{id}/rerun", { params: { path: { id } } }));
-export const getReport = (id: string): Promise<Report> => taken(client.GET("/v1/jobs/{id}/report", { params: { path: { id } } }));
-export const getPlan = (id: string): Promise<Plan> => taken(client.GET("/v1/jobs/{id}/plan", { params: { path: { id } } }));
-export const getMethods = (): Promise<Methods> => taken(client.GET("/v1/methods", {}));
-export const getVersion = (): Promise<{ version: string }> => taken(client.GET("/v1/version", {}));
+export const getJob = (id: string): Promise<Job> => taken(client.GET("/v1/jobs/{id}", path(id)));
+export const cancelJob = (id: string): Promise<Job> => taken(client.POST("/v1/jobs/{id}/cancel", path(id)));
+export const rerunJob = (id: string): Promise<Job> => taken(client.POST("/v1/jobs/{id}/rerun", path(id)));
+export const getReport = (id: string): Promise<Report> => taken(client.GET("/v1/jobs/{id}/report", path(id)));
+export const getPlan = (id: string): Promise<Plan> => taken(client.GET("/v1/jobs/{id}/plan", path(id)));
+export const getSpec = (id: string): Promise<Record<string, unknown>> => taken(client.GET("/v1/jobs/{id}/spec", path(id)));
+
+/** The schemas in it are free JSON to the API document; here they are read as what they are. */
+export async function getMethods(): Promise<Methods> {
+  return (await taken(client.GET("/v1/methods"))) as unknown as Methods;
+}
 
 export async function listArtifacts(id: string): Promise<Artifact[]> {
-  return (await taken<{ items: Artifact[] }>(client.GET("/v1/jobs/{id}/artifacts", { params: { path: { id } } }))).items;
+  return (await taken(client.GET("/v1/jobs/{id}/artifacts", path(id)))).items;
 }
 
-export function getSeries(id: string, name: string, query: { track?: string } = {}): Promise<Series> {
-  return taken(client.GET("/v1/jobs/{id}/series/{name}", { params: { path: { id, name }, query } }));
+/** The series of one name has one shape, which the path cannot say. */
+function series<T>(id: string, name: string, query: { track?: string }): Promise<T> {
+  return taken(client.GET("/v1/jobs/{id}/series/{name}", { params: { path: { id, name }, query } })) as Promise<T>;
 }
+
+export const getTrackProbability = (id: string, track: string): Promise<TrackProbability> => series(id, "track_probability", { track });
+export const getScanCounts = (id: string): Promise<ScanCounts> => series(id, "scan_counts", {});
 
 export async function listPresets(): Promise<Preset[]> {
-  return (await taken<{ items: Preset[] }>(client.GET("/v1/presets", {}))).items;
+  return (await taken(client.GET("/v1/presets"))).items;
 }
 
-export async function listDatasets(): Promise<Dataset[]> {
-  return (await taken<{ items: Dataset[] }>(client.GET("/v1/datasets", { params: { query: { limit: 200 } } }))).items;
+export const getDataset = (id: string): Promise<Dataset> => taken(client.GET("/v1/datasets/{id}", path(id)));
+
+export async function listDatasets(kind: Dataset["kind"] | undefined): Promise<Dataset[]> {
+  const query = { limit: 200, ...(kind ? { kind } : {}) };
+  return (await taken(client.GET("/v1/datasets", { params: { query } }))).items;
 }
 
-export const validate = (kind: JobKind, spec: unknown): Promise<Validation> => taken(client.POST("/v1/validate", { body: { kind, spec } }));
+export const validate = (kind: JobKind, spec: Record<string, unknown>): Promise<Validation> => taken(client.POST("/v1/validate", { body: { kind, spec } }));
 
-export function createJob(kind: JobKind, body: unknown): Promise<Job> {
-  return taken(client.POST(`/v1/jobs/${kind}`, { body }));
+/** The form does not promise a valid body: the service judges it. */
+export function createJob(kind: JobKind, body: Record<string, unknown>): Promise<Job> {
+  return taken(client.POST(`/v1/jobs/${kind}`, { body: body as never }));
 }
 
-/** The meta part goes first: the service reads the parts as they come. */
+/** The meta part goes first, so that the service can read the file as it comes. */
 export function uploadDataset(meta: Record<string, string>, file: File): Promise<Dataset> {
   const form = new FormData();
   form.append("meta", new Blob([JSON.stringify(meta)], { type: "application/json" }));
   form.append("file", file, file.name);
-  return taken(client.POST("/v1/datasets", { body: form, bodySerializer: (body: unknown) => body }));
+  const body = form as unknown as components["schemas"]["DatasetUpload"];
+  return taken(client.POST("/v1/datasets", { body, bodySerializer: () => form }));
 }

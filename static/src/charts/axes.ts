@@ -8,7 +8,7 @@ export const MARGIN = { left: 58, right: 14, top: 12, bottom: 42 };
 /** `outerBoundsMode` none: the drawing area must stay where it is put, or metres would not be equal on both axes. */
 export const GRID = { ...MARGIN, containLabel: false, outerBoundsMode: "none" as const };
 
-const FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
+export const FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
 
 export function textStyle(palette: Palette): object {
   return { fontFamily: FONT, color: palette.text };
@@ -53,8 +53,18 @@ export function tipContent(heading: string, rows: [string, string][]): HTMLEleme
   return box;
 }
 
+/** Where the time axis of a chart begins to count: a recording in seconds since 1970 counts from its first scan. */
+export function timeOrigin(times: number[]): number {
+  const start = times[0] ?? 0;
+  return Math.abs(start) > 1e6 ? start : 0;
+}
+
+export function timeAxisName(times: number[]): string {
+  return timeOrigin(times) === 0 ? "time (s)" : "time from the first scan (s)";
+}
+
 /** Seconds of the data, from the first scan when the clock of the recording starts far from zero. */
 export function timeText(time: number, times: number[]): string {
-  const start = times[0] ?? 0;
-  return Math.abs(start) > 1e6 ? `+${number(time - start)} s` : `${number(time)} s`;
+  const origin = timeOrigin(times);
+  return origin === 0 ? `${number(time)} s` : `+${number(time - origin)} s`;
 }

@@ -3,11 +3,12 @@
 import type { ComponentChildren, JSX } from "preact";
 import { useState } from "preact/hooks";
 import { Icon } from "../components/basics";
-import { saveBlob, saveText } from "../components/save";
+import { saveText } from "../components/save";
 import { DataTable, toCsv, type TableData } from "../components/table";
 import { count } from "../format";
-import { readPalette } from "../state/theme";
+import { readPalette, type Palette } from "../state/theme";
 import type { Chart } from "./echarts";
+import { savePng, type KeyMark } from "./picture";
 
 interface FrameProps {
   title: string;
@@ -17,6 +18,10 @@ interface FrameProps {
   /** The data as drawn now. */
   table: () => TableData;
   chart: () => Chart | undefined;
+  /** What the colours and lines mean, for the saved picture. */
+  pictureKey: (palette: Palette) => KeyMark[];
+  /** What the saved picture is of; the title alone when absent. */
+  pictureTitle?: string;
   tools?: ComponentChildren;
   children: ComponentChildren;
   class?: string;
@@ -29,15 +34,12 @@ export function reducedBadge(parts: { name: string; source_points: number; retur
   return `Shown: ${words.join("; ")}`;
 }
 
-function savePng(chart: Chart | undefined, name: string): void {
-  const canvas = chart?.renderToCanvas({ pixelRatio: 2, backgroundColor: readPalette().surface });
-  canvas?.toBlob((blob) => {
-    if (blob) saveBlob(blob, name);
-  }, "image/png");
-}
-
-export function ChartFrame({ title, file, badge, table, chart, tools, children, ...rest }: FrameProps): JSX.Element {
+export function ChartFrame({ title, file, badge, table, chart, pictureKey, pictureTitle, tools, children, ...rest }: FrameProps): JSX.Element {
   const [asTable, setAsTable] = useState(false);
+  const saveAsPng = () => {
+    const drawn = chart();
+    if (drawn) savePng(drawn, pictureTitle ?? title, pictureKey(readPalette()), `${file}.png`);
+  };
   return (
     <section class={`chart-frame ${rest.class ?? ""}`} aria-label={title}>
       <div class="chart-head">
@@ -51,7 +53,7 @@ export function ChartFrame({ title, file, badge, table, chart, tools, children, 
             <Icon name="download" /> CSV
           </button>
           {asTable ? null : (
-            <button type="button" class="quiet" onClick={() => savePng(chart(), `${file}.png`)}>
+            <button type="button" class="quiet" onClick={saveAsPng}>
               <Icon name="download" /> PNG
             </button>
           )}

@@ -1,6 +1,7 @@
 // The legend of the plan view; each entry is a switch for its layer.
 
 import type { JSX } from "preact";
+import type { SensorSettings } from "../api/types";
 import { param, setParams } from "../state/url";
 import { SHAPES } from "./plan-series";
 import type { Scene } from "./scene";
@@ -27,19 +28,20 @@ function stroke(kind: string, path: string): JSX.Element {
   );
 }
 
-function entries(scene: Scene): Entry[] {
-  const sensors = scene.clouds.map((cloud, order) => ({
+function entries(scene: Scene, sensors: SensorSettings[]): Entry[] {
+  const marks = scene.clouds.map((cloud, order) => ({
     layer: `d:${cloud.sensor}`,
     name: `detections, ${cloud.sensor}`,
     mark: stroke(`mark-sensor-${(order % 5) + 1}`, MARKS[SHAPES[order % SHAPES.length] ?? "circle"] ?? ""),
   }));
-  const list: Entry[] = [{ layer: "rings", name: "sensor range", mark: stroke("mark-ring", "M1 8h22") }];
-  if (scene.truths.size) list.unshift({ layer: "truth", name: "truth", mark: stroke("mark-truth", "M1 8h22") });
+  const list: Entry[] = [];
+  if (scene.truths.size) list.push({ layer: "truth", name: "truth", mark: stroke("mark-truth", "M1 8h22") });
+  if (sensors.some((sensor) => sensor.max_range_m)) list.push({ layer: "rings", name: "sensor range", mark: stroke("mark-ring", "M1 8h22") });
   if (scene.tracks.size) list.push({ layer: "tracks", name: "tracks", mark: stroke("mark-track", "M1 8h22") });
-  return [...list, ...sensors];
+  return [...list, ...marks];
 }
 
-export function Legend({ scene }: { scene: Scene }): JSX.Element {
+export function Legend({ scene, sensors }: { scene: Scene; sensors: SensorSettings[] }): JSX.Element {
   const hidden = (param("hide") ?? "").split(",").filter(Boolean);
   const toggle = (layer: string) => {
     const next = hidden.includes(layer) ? hidden.filter((name) => name !== layer) : [...hidden, layer];
@@ -47,7 +49,7 @@ export function Legend({ scene }: { scene: Scene }): JSX.Element {
   };
   return (
     <div class="legend" role="group" aria-label="Layers">
-      {entries(scene).map((entry) => (
+      {entries(scene, sensors).map((entry) => (
         <button type="button" class="legend-entry" aria-pressed={!hidden.includes(entry.layer)} onClick={() => toggle(entry.layer)}>
           {entry.mark}
           {entry.name}

@@ -8,6 +8,7 @@ import { at, within, type Cloud, type Line, type Scene, type TrackLine } from ".
 export const SHAPES = ["circle", "rect", "triangle", "diamond", "pin"];
 const CIRCLE_POINTS = 96;
 const LABELS_UP_TO = 12;
+const ONE_BY_ONE_UP_TO = 2000;
 
 export interface Moment {
   /** Data from `from` to `now` is drawn. */
@@ -100,7 +101,10 @@ function detections(cloud: Cloud, order: number, moment: Moment, palette: Palett
     id: `detections:${cloud.sensor}`,
     data,
     symbol: SHAPES[order % SHAPES.length] ?? "circle",
-    symbolSize: data.length > 4000 ? 3 : 4.5,
+    symbolSize: data.length > ONE_BY_ONE_UP_TO ? 3 : 4.5,
+    // Beyond that the whole cloud is one shape: a shape a point takes seconds to draw.
+    large: data.length > ONE_BY_ONE_UP_TO,
+    largeThreshold: ONE_BY_ONE_UP_TO,
     itemStyle: { color: palette.sensors[order % palette.sensors.length] ?? palette.text, opacity: 0.75 },
     progressive: 0,
     animation: false,
@@ -123,8 +127,7 @@ function tracks(scene: Scene, moment: Moment, palette: Palette): SeriesOption[] 
 
 /** A marker on each track that lives now; a hollow one while it coasts. */
 function heads(scene: Scene, moment: Moment, palette: Palette): SeriesOption {
-  const period = ((scene.times.at(-1) ?? 0) - (scene.times[0] ?? 0)) / Math.max(scene.times.length - 1, 1);
-  const alive = [...scene.tracks.values()].filter((track) => (track.time[0] ?? Infinity) <= moment.now && (track.time.at(-1) ?? -Infinity) >= moment.now - 1.5 * period);
+  const alive = [...scene.tracks.values()].filter((track) => (track.time[0] ?? Infinity) <= moment.now && (track.time.at(-1) ?? -Infinity) >= moment.now - scene.silence_s);
   const data = alive.map((track) => {
     const here = at(track, moment.now);
     const status = track.status[here?.index ?? 0];

@@ -17,6 +17,7 @@ import type { Chart } from "./echarts";
 import { ChartFrame, reducedBadge } from "./frame";
 import { listen } from "./gestures";
 import { Legend } from "./legend";
+import type { KeyMark } from "./picture";
 import { nearest, planSeries, type Moment } from "./plan-series";
 import { within, type Scene } from "./scene";
 
@@ -54,7 +55,7 @@ function addressed(scene: Scene, size: Size): Camera {
   return onSelection ?? fromText(param("centre"), param("span")) ?? fit(scene.extent, size);
 }
 
-function axes(camera: Camera, size: Size, palette: Palette): object {
+function axes(camera: Camera, size: Size, palette: Palette): Record<string, object> {
   const view = bounds(camera, size);
   const kilometres = camera.span >= KILOMETRES_FROM_M;
   const unit = kilometres ? "km" : "m";
@@ -104,9 +105,26 @@ function drawn(scene: Scene, moment: Moment): TableData {
   return { columns: ["layer", "id", "time_s", "x_m", "y_m", "detail"], rows };
 }
 
+function pictureKey(scene: Scene, moment: Moment, palette: Palette): KeyMark[] {
+  const shown = (layer: string, there: boolean) => there && !moment.hidden.has(layer);
+  const key: KeyMark[] = [];
+  if (shown("truth", scene.truths.size > 0)) key.push({ name: "truth", color: palette.truth, look: "solid" });
+  if (shown("tracks", scene.tracks.size > 0)) {
+    key.push({ name: "track", color: palette.track, look: "solid" }, { name: "coasted", color: palette.track, look: "dashed" }, { name: "tentative", color: palette.tentative, look: "solid" });
+  }
+  scene.clouds.forEach(({ sensor }, order) => {
+    const color = palette.sensors[order % palette.sensors.length] ?? palette.text;
+    if (shown(`d:${sensor}`, true)) key.push({ name: `detections, ${sensor}`, color, look: "dot" });
+  });
+  if (moment.truth || moment.track) key.push({ name: `selected ${[moment.truth, moment.track].filter(Boolean).join(", ")}`, color: palette.selected, look: "solid" });
+  return key;
+}
+
 class PlanDrawing {
   chart: Chart | undefined;
   private pending = 0;
+  /** What the series on the chart show; while it is the same, a moved camera changes the axes alone. */
+  private shown = "";
   constructor(
     readonly props: PlanViewProps,
     readonly camera: Signal<Camera | undefined>,
@@ -163,16 +181,24 @@ class PlanDrawing {
   }
 
   draw(chart: Chart, moment: Moment): void {
+    if (chart !== this.chart) this.shown = "";
     this.chart = chart;
     const { scene, plan } = this.props;
     const palette = readPalette();
+    const view = axes(this.look(), this.size(), palette);
+    const content = JSON.stringify([moment.from, moment.now, [...moment.hidden], moment.truth, moment.track, theme.peek()]);
+    if (content === this.shown) {
+      chart.setOption(view);
+      return;
+    }
+    this.shown = content;
     chart.setOption(
       {
         animation: false,
         grid: GRID,
         textStyle: textStyle(palette),
         tooltip: { trigger: "item", ...tooltip(palette), formatter: (item: TipItem) => tip(scene, item) },
-        ...axes(this.look(), this.size(), palette),
+        ...view,
         series: planSeries(scene, plan.sensors, moment, palette),
       },
       { replaceMerge: ["series"] },
@@ -202,7 +228,7 @@ export function PlanView(props: PlanViewProps): JSX.Element {
   const zoom = (factor: number) => () => drawing.move(zoomed(drawing.look(), factor));
   const keys = [camera.value, moment.from, moment.now, param("hide"), moment.truth, moment.track, theme.value, address.value];
   return (
-    <ChartFrame title="Plan view" file={`plan-${props.jobId.slice(-12)}`} badge={badge} table={() => drawn(scene, momentOf(clock))} chart={() => drawing.chart} tools={<Legend scene={scene} />} class="plan">
+    <ChartFrame title="Plan view" file={`plan-${props.jobId.slice(-12)}`} badge={badge} table={() => drawn(scene, momentOf(clock))} chart={() => drawing.chart} pictureKey={(palette) => pictureKey(scene, moment, palette)} pictureTitle={`Plan view at ${timeText(moment.now, scene.times)}`} tools={<Legend scene={scene} sensors={plan.sensors} />} class="plan">
       <div class="plan-box">
         <div ref={box} class="plan-touch" tabIndex={0} role="group" aria-label="Plan view; plus and minus zoom, 0 shows everything, shift and arrows pan" onKeyDown={(event) => planKeys(event, drawing)}>
           <ChartCanvas label={label} keys={keys} draw={(chart) => drawing.draw(chart, moment)} class="plan-canvas" />

@@ -2,18 +2,19 @@
 
 import type { JSX } from "preact";
 import { useMemo, useRef } from "preact/hooks";
-import { getSeries } from "../api/client";
-import type { Series } from "../api/types";
+import { getTrackProbability } from "../api/client";
+import type { TrackProbability } from "../api/types";
 import { Empty, Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import { fromColumns } from "../components/table";
 import { probability } from "../format";
 import { indexAt, type Clock } from "../state/clock";
 import { readPalette, theme, type Palette } from "../state/theme";
-import { GRID, textStyle, timeText, tipContent, tooltip, valueAxis } from "./axes";
+import { GRID, textStyle, timeAxisName, timeOrigin, timeText, tipContent, tooltip, valueAxis } from "./axes";
 import { ChartCanvas } from "./chart";
 import type { Chart } from "./echarts";
 import { ChartFrame, reducedBadge } from "./frame";
+import type { KeyMark } from "./picture";
 
 interface Candidate {
   detection: string | null;
@@ -26,7 +27,7 @@ interface Row {
   candidates: Candidate[];
 }
 
-function rowsOf(series: Series): Row[] {
+function rowsOf(series: TrackProbability): Row[] {
   const rows: Row[] = [];
   const { time_s, detection_id, probability: values, status } = series.columns;
   (time_s ?? []).forEach((cell, at) => {
@@ -42,22 +43,22 @@ function rowsOf(series: Series): Row[] {
 type Point = [number, number];
 
 /** For each scan the best detection, "none", and the rest. */
-function split(rows: Row[]): { best: Point[]; none: Point[]; others: Point[] } {
-  const none: Point[] = rows.map((row) => [row.time, row.candidates.find((entry) => entry.detection === null)?.probability ?? 0]);
+function split(rows: Row[], origin: number): { best: Point[]; none: Point[]; others: Point[] } {
+  const none: Point[] = rows.map((row) => [row.time - origin, row.candidates.find((entry) => entry.detection === null)?.probability ?? 0]);
   const best: Point[] = [];
   const others: Point[] = [];
   for (const row of rows) {
     const [first, ...rest] = row.candidates.filter((entry) => entry.detection !== null);
-    best.push([row.time, first?.probability ?? 0]);
-    for (const entry of rest) others.push([row.time, entry.probability]);
+    best.push([row.time - origin, first?.probability ?? 0]);
+    for (const entry of rest) others.push([row.time - origin, entry.probability]);
   }
   return { best, none, others };
 }
 
-function curves(rows: Row[], now: number, palette: Palette): object[] {
-  const { best, none, others } = split(rows);
+function curves(rows: Row[], origin: number, now: number, palette: Palette): object[] {
+  const { best, none, others } = split(rows, origin);
   const common = { animation: false, symbolSize: 6 };
-  const cursor = { silent: true, symbol: "none", label: { show: false }, animation: false, lineStyle: { color: palette.selected, width: 1.5, type: "solid" }, data: [{ xAxis: now }] };
+  const cursor = { silent: true, symbol: "none", label: { show: false }, animation: false, lineStyle: { color: palette.selected, width: 1.5, type: "solid" }, data: [{ xAxis: now - origin }] };
   return [
     { ...common, type: "line", name: "best detection", step: "middle", symbol: "circle", data: best, lineStyle: { color: palette.track, width: 1.8 }, itemStyle: { color: palette.track }, markLine: cursor },
     { ...common, type: "line", name: "none (ε)", step: "middle", symbol: "emptyDiamond", data: none, lineStyle: { color: palette.muted, width: 1.3, type: "dashed" }, itemStyle: { color: palette.muted } },
@@ -67,33 +68,33 @@ function curves(rows: Row[], now: number, palette: Palette): object[] {
 
 function rowTip(rows: Row[], times: number[]): (items: { value?: unknown }[]) => HTMLElement | string {
   return (items) => {
-    const time = Array.isArray(items[0]?.value) ? Number(items[0].value[0]) : NaN;
-    const row = rows.find((entry) => entry.time === time);
+    const time = Array.isArray(items[0]?.value) ? Number(items[0].value[0]) + timeOrigin(times) : NaN;
+    const row = rows.find((entry) => Math.abs(entry.time - time) < 1e-6);
     if (!row) return "";
     const sum = row.candidates.reduce((total, entry) => total + entry.probability, 0);
     const lines = row.candidates.map((entry): [string, string] => [entry.detection ?? "none (ε)", probability(entry.probability)]);
-    return tipContent(`${timeText(time, times)} · ${row.status}`, [...lines, ["sum", probability(sum)]]);
+    return tipContent(`${timeText(row.time, times)} · ${row.status}`, [...lines, ["sum", probability(sum)]]);
   };
 }
 
 function draw(chart: Chart, rows: Row[], clock: Clock): void {
   const palette = readPalette();
-  const first = rows[0]?.time ?? 0;
-  const start = clock.times[0] ?? 0;
-  const offset = Math.abs(start) > 1e6 ? start : 0;
+  const origin = timeOrigin(clock.times);
+  const [first, last] = [rows[0]?.time ?? origin, rows.at(-1)?.time ?? origin + 1];
+  const label = { color: palette.muted, fontSize: 11, hideOverlap: true, showMinLabel: false, showMaxLabel: false };
   chart.setOption(
     {
       animation: false,
       textStyle: textStyle(palette),
       grid: { ...GRID, bottom: 66 },
       tooltip: { trigger: "axis", axisPointer: { type: "line", lineStyle: { color: palette.muted } }, ...tooltip(palette), formatter: rowTip(rows, clock.times) },
-      xAxis: valueAxis(offset ? "time from the first scan (s)" : "time (s)", palette, { min: first, max: rows.at(-1)?.time ?? 1, nameGap: 24, axisLabel: { color: palette.muted, fontSize: 11, hideOverlap: true, formatter: (value: number) => String(Number((value - offset).toFixed(3))) } }),
+      xAxis: valueAxis(timeAxisName(clock.times), palette, { min: first - origin, max: last - origin, nameGap: 24, axisLabel: label }),
       yAxis: valueAxis("probability", palette, { min: 0, max: 1, nameGap: 34 }),
       dataZoom: [
         { type: "inside", xAxisIndex: 0, filterMode: "none", zoomOnMouseWheel: "ctrl" },
         { type: "slider", xAxisIndex: 0, filterMode: "none", height: 14, bottom: 6, showDetail: false, brushSelect: false, borderColor: palette.line, fillerColor: `${palette.track}22`, handleStyle: { color: palette.surface, borderColor: palette.muted }, dataBackground: { lineStyle: { opacity: 0 }, areaStyle: { opacity: 0 } }, selectedDataBackground: { lineStyle: { opacity: 0 }, areaStyle: { opacity: 0 } } },
       ],
-      series: curves(rows, clock.time.value, palette),
+      series: curves(rows, origin, clock.time.value, palette),
     },
     { replaceMerge: ["series"] },
   );
@@ -103,8 +104,9 @@ function draw(chart: Chart, rows: Row[], clock: Clock): void {
 function seekOnClick(chart: Chart, clock: Clock): () => void {
   const pressed = (event: { offsetX: number; offsetY: number }) => {
     if (!chart.containPixel("grid", [event.offsetX, event.offsetY])) return;
-    const [time] = chart.convertFromPixel("grid", [event.offsetX, event.offsetY]) as unknown as number[];
-    if (time === undefined) return;
+    const [shown] = chart.convertFromPixel("grid", [event.offsetX, event.offsetY]) as unknown as number[];
+    if (shown === undefined) return;
+    const time = shown + timeOrigin(clock.times);
     const before = indexAt(clock.times, time);
     const next = Math.min(before + 1, clock.times.length - 1);
     clock.seek(time - (clock.times[before] ?? 0) <= (clock.times[next] ?? 0) - time ? before : next);
@@ -114,7 +116,7 @@ function seekOnClick(chart: Chart, clock: Clock): () => void {
 }
 
 export function ProbabilityChart({ jobId, track, clock }: { jobId: string; track: string | null; clock: Clock }): JSX.Element {
-  const series = useResource(() => (track ? getSeries(jobId, "track_probability", { track }) : Promise.resolve(undefined)), [jobId, track]);
+  const series = useResource(() => (track ? getTrackProbability(jobId, track) : Promise.resolve(undefined)), [jobId, track]);
   const rows = useMemo(() => (series.data ? rowsOf(series.data) : []), [series.data]);
   const chart = useRef<Chart | undefined>(undefined);
   if (!track) return <Empty title="Select a track to see how probable each of its candidates was." />;
@@ -124,7 +126,7 @@ export function ProbabilityChart({ jobId, track, clock }: { jobId: string; track
   const label = `Association probability of track ${track} over time, ${rows.length} scans. The table shows the same numbers.`;
   const data = series.data;
   return (
-    <ChartFrame title={`Association probability, ${track}`} file={`probability-${track}-${jobId.slice(-12)}`} badge={badge} table={() => fromColumns(data.columns)} chart={() => chart.current} tools={<Key />}>
+    <ChartFrame title={`Association probability, ${track}`} file={`probability-${track}-${jobId.slice(-12)}`} badge={badge} table={() => fromColumns(data.columns)} chart={() => chart.current} pictureKey={pictureKey} tools={<Key />}>
       <ChartCanvas
         class="probability-canvas"
         label={label}
@@ -137,6 +139,14 @@ export function ProbabilityChart({ jobId, track, clock }: { jobId: string; track
       />
     </ChartFrame>
   );
+}
+
+function pictureKey(palette: Palette): KeyMark[] {
+  return [
+    { name: "best detection", color: palette.track, look: "solid" },
+    { name: "none (ε)", color: palette.muted, look: "dashed" },
+    { name: "other candidates", color: palette.sensors[0] ?? palette.text, look: "dot" },
+  ];
 }
 
 function Key(): JSX.Element {

@@ -38,6 +38,8 @@ export interface Scene {
   extent: Extent;
   /** Times of the scans, each once, in order. */
   times: number[];
+  /** A track without a point for longer than this has ended: a scan and a half, more where points were left out. */
+  silence_s: number;
   /** Number of the (last) scan at each time. */
   numbers: number[];
 }
@@ -116,7 +118,13 @@ export function sceneOf(plan: Plan): Scene {
   const known = numberAt.size ? [...numberAt.keys()] : [...truths.values(), ...tracks.values()].flatMap((line) => line.time);
   const times = [...new Set(known)].sort((a, b) => a - b);
   const numbers = times.map((time, index) => numberAt.get(time) ?? index + 1);
-  return { truths, tracks, clouds: clouds(plan.detections.columns), extent: extentOf(plan), times, numbers };
+  return { truths, tracks, clouds: clouds(plan.detections.columns), extent: extentOf(plan), times, numbers, silence_s: silence(plan, times) };
+}
+
+function silence(plan: Plan, times: number[]): number {
+  const period = ((times.at(-1) ?? 0) - (times[0] ?? 0)) / Math.max(times.length - 1, 1);
+  const { source_points, returned_points } = plan.tracks;
+  return 1.5 * period * Math.max(1, Math.ceil(source_points / Math.max(returned_points, 1)));
 }
 
 /** The half-open range of a line's points from `from` to `to`, both included. */

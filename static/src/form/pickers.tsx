@@ -2,7 +2,7 @@
 
 import type { JSX } from "preact";
 import { useState } from "preact/hooks";
-import { listDatasets, listJobs, uploadDataset } from "../api/client";
+import { getDataset, listDatasets, listJobs, uploadDataset } from "../api/client";
 import type { Dataset } from "../api/types";
 import { Icon, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
@@ -12,6 +12,8 @@ import { useAria } from "./inputs";
 import { fieldId } from "./schema";
 
 const KINDS = ["", "detections", "truth", "tracks"];
+/** What a field of a request reads, by the name of the field. */
+const ROLES: Record<string, Dataset["kind"]> = { input: "detections", detections: "detections", truth: "truth", tracks: "tracks" };
 const FORMATS = ["", "csv", "json", "autoferry"];
 
 function describe(dataset: Dataset): string {
@@ -19,10 +21,14 @@ function describe(dataset: Dataset): string {
 }
 
 export function DatasetPicker({ value, pointer, change }: FieldProps): JSX.Element {
-  const sets = useResource(listDatasets, []);
+  const role = ROLES[pointer.split("/").at(-2) ?? ""];
+  const sets = useResource(() => listDatasets(role), [role]);
   const [uploading, setUploading] = useState(false);
   const known = sets.data ?? [];
   const chosen = typeof value === "string" ? value : "";
+  const listed = known.some((set) => set.id === chosen);
+  // The list holds the newest ones; an older one that is chosen is asked for by itself.
+  const older = useResource(() => (sets.data && chosen && !listed ? getDataset(chosen) : Promise.resolve(undefined)), [chosen, listed, Boolean(sets.data)]);
   const uploaded = (dataset: Dataset) => {
     setUploading(false);
     sets.reload();
@@ -32,18 +38,30 @@ export function DatasetPicker({ value, pointer, change }: FieldProps): JSX.Eleme
     <div class="picker">
       <div class="picker-row">
         <select {...useAria(pointer)} value={chosen} onChange={(event) => change(event.currentTarget.value)}>
-          {known.some((set) => set.id === chosen) ? null : <option value={chosen}>{chosen || (sets.data && !known.length ? "no data sets yet" : "choose…")}</option>}
-          {known.map((set) => (
-            <option value={set.id}>{describe(set)}</option>
-          ))}
+          {listed ? null : <option value={chosen}>{older.data ? describe(older.data) : chosen || (sets.data && !known.length ? "no data sets yet" : "choose…")}</option>}
+          <Group label="Uploaded" sets={known.filter((set) => set.origin.kind === "upload")} />
+          <Group label="Made by jobs" sets={known.filter((set) => set.origin.kind === "job")} />
         </select>
         <button type="button" aria-expanded={uploading} onClick={() => setUploading(!uploading)}>
           Upload a file
         </button>
       </div>
-      {uploading ? <Upload id={fieldId(pointer)} done={uploaded} /> : null}
+      {uploading ? <Upload id={fieldId(pointer)} role={role} done={uploaded} /> : null}
       {sets.error ? <ProblemBox error={sets.error} retry={sets.reload} /> : null}
     </div>
+  );
+}
+
+function Group({ label, sets }: { label: string; sets: Dataset[] }): JSX.Element | null {
+  if (!sets.length) return null;
+  return (
+    <optgroup label={label}>
+      {sets.map((set) => (
+        <option key={set.id} value={set.id}>
+          {describe(set)}
+        </option>
+      ))}
+    </optgroup>
   );
 }
 
@@ -51,9 +69,9 @@ function options(values: string[]): JSX.Element[] {
   return values.map((value) => <option value={value}>{value || "from the file"}</option>);
 }
 
-function Upload({ id, done }: { id: string; done: (dataset: Dataset) => void }): JSX.Element {
+function Upload({ id, role, done }: { id: string; role: Dataset["kind"] | undefined; done: (dataset: Dataset) => void }): JSX.Element {
   const [file, setFile] = useState<File>();
-  const [kind, setKind] = useState("");
+  const [kind, setKind] = useState<string>(role ?? "");
   const [format, setFormat] = useState("");
   const [error, setError] = useState<unknown>();
   const [busy, setBusy] = useState(false);

@@ -3,9 +3,9 @@
 import { useSignal } from "@preact/signals";
 import type { JSX } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
-import { cancelJob, getReport, rerunJob } from "../api/client";
-import type { Job, Report } from "../api/types";
-import { Empty, Icon, Link, Loading, ProblemBox, ProgressBar, StateBadge } from "../components/basics";
+import { ApiError, cancelJob, getReport, rerunJob } from "../api/client";
+import { partsOf, type Job, type Report } from "../api/types";
+import { Empty, Link, Loading, ProblemBox, ProgressBar, StateBadge } from "../components/basics";
 import { useResource } from "../components/resource";
 import { duration, moment, seconds } from "../format";
 import { followJob, isActive } from "../state/live";
@@ -79,9 +79,14 @@ function Head({ job, failed, changed }: HeadProps): JSX.Element {
             </button>
           ) : null}
           {isActive(job) ? null : (
-            <button type="button" onClick={rerun}>
-              Rerun
-            </button>
+            <>
+              <Link class="button" href={pageHref({ view: "new", from: job.id })}>
+                Change and run
+              </Link>
+              <button type="button" onClick={rerun}>
+                Rerun
+              </button>
+            </>
           )}
         </div>
       </div>
@@ -114,30 +119,8 @@ function Outcome({ job }: { job: Job }): JSX.Element {
   if (isActive(job)) return <Waiting job={job} />;
   if (job.state === "succeeded") return <Result job={job} />;
   if (job.state === "canceled") return <Empty title="This job was canceled. It left no result." />;
-  const error = job.error ?? { type: "about:blank", title: "The job failed", status: 0, code: "failed" };
-  return <FailedJob problem={error} />;
-}
-
-function FailedJob({ problem }: { problem: NonNullable<Job["error"]> }): JSX.Element {
-  return (
-    <section class="problem" role="alert">
-      <h3>
-        <Icon name="failed" /> {problem.title}
-      </h3>
-      {problem.detail ? <p>{problem.detail}</p> : null}
-      <ul class="faults">
-        {(problem.errors ?? []).map((fault) => (
-          <li>
-            <code>{fault.pointer || "/"}</code> {fault.detail}
-            {fault.line ? <span class="muted"> · line {fault.line}</span> : null}
-            {fault.column ? <span class="muted"> · column {fault.column}</span> : null}
-            {fault.allowed ? <span class="muted"> · allowed: {fault.allowed}</span> : null}
-          </li>
-        ))}
-      </ul>
-      <p class="muted small">{problem.code}</p>
-    </section>
-  );
+  const problem = job.error ?? { type: "about:blank", title: "The job failed", status: 0, code: "failed" };
+  return <ProblemBox error={new ApiError(problem)} />;
 }
 
 function waitingFor(job: Job): string {
@@ -168,7 +151,7 @@ function tabsOf(report: Report): [TabName, string][] {
     ["summary", "Summary"],
     ["plan", "Plan view"],
   ];
-  if (report.result.tfa) tabs.push(["verdicts", "Verdicts"]);
+  if (partsOf(report).tfa) tabs.push(["verdicts", "Verdicts"]);
   return [...tabs, ["spec", "Request and files"]];
 }
 
@@ -177,6 +160,7 @@ function Result({ job }: { job: Job }): JSX.Element {
   const tabs = useMemo(() => (report.data ? tabsOf(report.data) : []), [report.data]);
   if (report.error) return <ProblemBox error={report.error} retry={report.reload} />;
   if (!report.data) return <Loading what="the report" />;
+  const { tfa } = partsOf(report.data);
   const asked = param("tab") ?? "summary";
   const tab = tabs.find(([name]) => name === asked)?.[0] ?? "summary";
   return (
@@ -189,8 +173,8 @@ function Result({ job }: { job: Job }): JSX.Element {
         ))}
       </nav>
       {tab === "summary" ? <JobSummary job={job} report={report.data} /> : null}
-      {tab === "plan" ? <JobPictures job={job} tfa={report.data.result.tfa} /> : null}
-      {tab === "verdicts" && report.data.result.tfa ? <JobVerdicts tfa={report.data.result.tfa} /> : null}
+      {tab === "plan" ? <JobPictures job={job} tfa={tfa} /> : null}
+      {tab === "verdicts" && tfa ? <JobVerdicts tfa={tfa} /> : null}
       {tab === "spec" ? <JobSpec job={job} report={report.data} /> : null}
     </>
   );

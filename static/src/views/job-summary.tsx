@@ -1,14 +1,14 @@
 // The summary of a finished job: its numbers, warnings, inputs, timing, and what happened scan by scan.
 
 import type { JSX } from "preact";
-import type { Job, Report, Tfa } from "../api/types";
+import { partsOf, type Job, type Report, type Tfa } from "../api/types";
 import { ScanCounts } from "../charts/scan-counts";
 import { Icon, Link, type IconName } from "../components/basics";
 import { capital, count, duration, number, probability, words } from "../format";
 import { hereHref, pageHref } from "../state/url";
 
 export function JobSummary({ job, report }: { job: Job; report: Report }): JSX.Element {
-  const { tfa, association, counts } = report.result;
+  const { tfa, association, counts } = partsOf(report);
   const warnings = [...new Set([...job.warnings, ...report.warnings, ...(tfa?.warnings ?? [])])];
   return (
     <div class="summary">

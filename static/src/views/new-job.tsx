@@ -4,7 +4,7 @@
 import { useSignal, type Signal } from "@preact/signals";
 import type { JSX, TargetedEvent } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
-import { ApiError, createJob, getMethods, listPresets, validate } from "../api/client";
+import { ApiError, createJob, getJob, getMethods, getSpec, listPresets, validate } from "../api/client";
 import type { Fault, JobKind, Methods, Preset, Schema, Validation } from "../api/types";
 import { asProblem, FaultText, Icon, Link, Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
@@ -23,18 +23,32 @@ const BLANK: { kind: JobKind; summary: string; parts: string[] }[] = [
 const VALIDATE_AFTER_MS = 300;
 
 export function NewJob(): JSX.Element {
-  const catalogue = useResource(() => Promise.all([getMethods(), listPresets()]), []);
+  const from = param("from");
+  const catalogue = useResource(() => Promise.all([getMethods(), listPresets(), from ? jobAsStart(from) : undefined]), [from]);
   if (catalogue.error) return <ProblemBox error={catalogue.error} retry={catalogue.reload} />;
   if (!catalogue.data) return <Loading what="the catalogue" />;
-  const [methods, presets] = catalogue.data;
-  const preset = presets.find((entry) => entry.name === param("preset"));
+  const [methods, presets, former] = catalogue.data;
+  const preset = former ?? presets.find((entry) => entry.name === param("preset"));
   const kind = preset?.kind ?? BLANK.find((entry) => entry.kind === param("kind"))?.kind;
   return (
     <section>
       <h1>New job</h1>
-      {kind ? <Editor key={preset?.name ?? kind} kind={kind} preset={preset} methods={methods} /> : <Choices presets={presets} />}
+      {kind ? <Editor key={preset?.name ?? kind} kind={kind} start={preset} methods={methods} /> : <Choices presets={presets} />}
     </section>
   );
+}
+
+interface Start extends Preset {
+  /** Why the request failed before. */
+  failure?: ApiError;
+}
+
+/** An earlier job as the beginning of a new one, with the faults it failed on. */
+async function jobAsStart(id: string): Promise<Start> {
+  const [job, body] = await Promise.all([getJob(id), getSpec(id)]);
+  const label = { ...(job.name ? { name: job.name } : {}), ...(Object.keys(job.labels).length ? { labels: job.labels } : {}) };
+  const start = { name: `from ${job.name || id}`, summary: `The request of job ${id}.`, kind: job.kind, body: { ...body, ...label } };
+  return job.error ? { ...start, failure: new ApiError(job.error) } : start;
 }
 
 function Card({ title, kind, summary, href }: { title: string; kind: string; summary: string; href: string }): JSX.Element {
@@ -112,11 +126,11 @@ function byPointer(faults: Fault[]): Map<string, Fault[]> {
   return map;
 }
 
-function Editor({ kind, preset, methods }: { kind: JobKind; preset: Preset | undefined; methods: Methods }): JSX.Element {
+function Editor({ kind, start, methods }: { kind: JobKind; start: Start | undefined; methods: Methods }): JSX.Element {
   const root = useMemo(() => requestSchema(methods.requests[kind]), [methods, kind]);
-  const spec = useSignal<JsonObject>(preset ? { ...preset.body } : blank(kind, root));
+  const spec = useSignal<JsonObject>(start ? { ...start.body } : blank(kind, root));
   const validation = useValidation(kind, spec);
-  const failure = useSignal<unknown>(undefined);
+  const failure = useSignal<unknown>(start?.failure);
   const busy = useSignal(false);
   const asJson = param("as") === "json";
   const submit = async () => {
@@ -126,8 +140,8 @@ function Editor({ kind, preset, methods }: { kind: JobKind; preset: Preset | und
       const job = await createJob(kind, spec.value);
       go(pageHref({ view: "job", job: job.id }));
     } catch (error) {
-      failure.value = error;
       if (error instanceof ApiError && error.problem.errors?.length) validation.value = asFaults(error);
+      else failure.value = error;
     } finally {
       busy.value = false;
     }
@@ -135,10 +149,10 @@ function Editor({ kind, preset, methods }: { kind: JobKind; preset: Preset | und
   return (
     <>
       <p class="crumbs">
-        <Link href={pageHref({ view: "new" })}>All presets</Link> <span class="muted">/</span> {preset?.name ?? capital(kind)}
+        <Link href={pageHref({ view: "new" })}>All presets</Link> <span class="muted">/</span> {start?.name ?? capital(kind)}
         <span class="muted"> · {kind}</span>
       </p>
-      {preset ? <p class="lead">{preset.summary}</p> : null}
+      {start ? <p class="lead">{start.summary}</p> : null}
       <div class="tabs" role="tablist" aria-label="How to edit">
         {["form", "json"].map((mode) => (
           <button type="button" role="tab" aria-selected={asJson === (mode === "json")} onClick={() => setParams({ as: mode === "json" ? "json" : null })}>
@@ -160,7 +174,7 @@ function Editor({ kind, preset, methods }: { kind: JobKind; preset: Preset | und
         </div>
         <aside class="editor-side" aria-label="Check and submit">
           <Check validation={validation.value} asJson={asJson} />
-          {failure.value && !(asProblem(failure.value).errors ?? []).length ? <ProblemBox error={failure.value} /> : null}
+          {failure.value ? <ProblemBox error={failure.value} /> : null}
           <button type="button" class="primary wide" disabled={busy.value} onClick={() => void submit()}>
             {busy.value ? "Submitting…" : `Submit ${kind} job`}
           </button>
@@ -188,8 +202,8 @@ function Check({ validation, asJson }: { validation: Validation | undefined; asJ
         {estimate ? (
           <dl class="facts">
             {estimate.detections ? <Fact name="Detections" value={`about ${count(estimate.detections)}`} /> : null}
-            <Fact name="Cost" value={`about ${duration(estimate.cost_s)}`} />
-            <Fact name="Stored" value={`about ${bytes(estimate.bytes)}`} />
+            {estimate.cost_s ? <Fact name="Cost" value={`about ${duration(estimate.cost_s)}`} /> : null}
+            {estimate.bytes ? <Fact name="Stored" value={`about ${bytes(estimate.bytes)}`} /> : null}
           </dl>
         ) : null}
         {validation.warnings.map((warning) => (

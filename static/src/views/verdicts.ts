@@ -21,7 +21,7 @@ function missed(verdict: TargetVerdict): string {
 }
 
 export function sentence(verdict: TargetVerdict): string {
-  if (verdict.verdict === "correct") return `Track ${verdict.track_id ?? ""} took every detection of the target.`;
+  if (verdict.verdict === "correct") return `Track ${verdict.track_id ?? verdict.matched_track_id ?? ""} followed the target all its way.`;
   if (verdict.verdict === "missed") return missed(verdict);
   const expected = verdict.expected ?? "nothing: the target had ended";
   return `At scan ${verdict.at_scan ?? "–"} track ${verdict.track_id ?? ""} took ${took(verdict)}${verdict.took_kind === "target" ? ` of target ${verdict.took_truth_id ?? ""}` : verdict.took_kind === "clutter" ? " (clutter)" : ""}; expected ${expected}.`;

@@ -1,0 +1,15 @@
+//! The API through its front door: a real server on a free port with a directory of its own, asked over HTTP.
+//! One module for what a user does, mirroring the routes.
+#![cfg(feature = "service")]
+
+mod bad_files;
+mod bad_requests;
+mod catalogue;
+mod datasets;
+mod events;
+mod helpers;
+mod jobs;
+mod life;
+mod results;
+mod shutdown;
+mod transport;

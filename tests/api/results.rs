@@ -1,0 +1,152 @@
+//! Reports, files, series and the plan view.
+
+use crate::helpers::{Answer, Api, id, long, problem, send, validation};
+use reqwest::Method;
+use serde_json::{Value, json};
+use trackloom::service::types::{ArtifactList, Report};
+
+/// An evaluated scene of ten targets, and its path.
+async fn evaluated(api: &Api) -> String {
+    let preset = api.get("/v1/presets/liang2009-10").await.ok(200);
+    let job = api.run("evaluate", &preset["body"]).await;
+    assert_eq!(job["state"], "succeeded", "{job}");
+    format!("/v1/jobs/{}", id(&job))
+}
+
+fn columns_agree(layer: &Value) -> usize {
+    let lengths: Vec<usize> = layer["columns"].as_object().unwrap().values().map(|column| column.as_array().unwrap().len()).collect();
+    assert!(lengths.iter().all(|length| *length == lengths[0]), "{lengths:?}");
+    assert_eq!(layer["returned_points"], lengths[0]);
+    lengths[0]
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_report_of_each_kind_is_what_the_document_says() {
+    let api = Api::start().await;
+    let simulated = api.run("simulate", &crate::helpers::small()).await;
+    let Report::Simulate(report) = report_of(&api, &simulated).await else { panic!("not a simulation") };
+    assert_eq!((report.result.counts.scans, report.result.counts.targets), (20, 2));
+    assert_eq!(report.result.counts.detections, report.result.counts.clutter + detections_of_targets(&api, &simulated).await);
+
+    let associated = api.run("associate", &json!({"input": {"source": "job", "job_id": id(&simulated)}})).await;
+    let Report::Associate(report) = report_of(&api, &associated).await else { panic!("not an association") };
+    assert_eq!(report.result.association.counts.scans, 20);
+    assert_eq!(report.result.association.tracks.len() as u64, report.result.association.counts.tracks);
+
+    let judged = api.run("evaluate", &json!({"tracks": {"source": "job", "job_id": id(&associated)}})).await;
+    let Report::Evaluate(report) = report_of(&api, &judged).await else { panic!("not an evaluation") };
+    let counts = report.result.tfa.counts;
+    assert_eq!(counts.targets, 2);
+    assert_eq!(counts.correct + counts.missed + counts.wrong, 2);
+    assert!(report.result.association.is_none());
+}
+
+async fn report_of(api: &Api, job: &Value) -> Report {
+    assert_eq!(job["state"], "succeeded", "{job}");
+    serde_json::from_value(api.get(&format!("/v1/jobs/{}/report", id(job))).await.ok(200)).unwrap()
+}
+
+async fn detections_of_targets(api: &Api, job: &Value) -> u64 {
+    let plan = api.get(&format!("/v1/jobs/{}/plan", id(job))).await.ok(200);
+    let origins = plan["detections"]["columns"]["truth_id"].as_array().unwrap();
+    origins.iter().filter(|origin| !origin.is_null()).count() as u64
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_report_that_is_not_ready_says_when_to_come_back() {
+    let api = Api::start().await;
+    let job = api.post("/v1/jobs/simulate", &long()).await.ok(202);
+    let refused = api.get(&format!("/v1/jobs/{}/report", id(&job))).await;
+    assert_eq!((refused.status.as_u16(), &refused.problem()["code"]), (409, &json!("result_not_ready")));
+    assert_eq!(refused.header("retry-after"), "1");
+    send(api.request(Method::POST, &format!("/v1/jobs/{}/cancel", id(&job)))).await.ok(202);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn reports_and_files_have_strong_tags_and_ranges() {
+    let api = Api::start().await;
+    let base = evaluated(&api).await;
+    let list: ArtifactList = serde_json::from_value(api.get(&format!("{base}/artifacts")).await.ok(200)).unwrap();
+    let names: Vec<&str> = list.items.iter().map(|item| item.name.as_str()).collect();
+    assert_eq!(names, ["scans.csv", "detections.csv", "truth.csv", "tracks.csv", "report.json"]);
+    for item in &list.items {
+        let whole = api.get(&item.href).await;
+        assert_eq!((whole.text.len() as u64, whole.header("content-type")), (item.bytes, item.media_type.as_str()));
+        let tag = format!("\"{}\"", item.sha256);
+        assert_eq!(whole.header("etag"), tag);
+        assert_eq!(api.get_with(&item.href, "if-none-match", &tag).await.status, 304);
+        let part = api.get_with(&item.href, "range", "bytes=5-24").await;
+        assert_eq!((part.status.as_u16(), part.text.as_str()), (206, &whole.text[5..25]));
+        assert_eq!(part.header("content-range"), format!("bytes 5-24/{}", item.bytes));
+        let stale = send(api.request(Method::GET, &item.href).header("range", "bytes=5-24").header("if-range", "\"old\"")).await;
+        assert_eq!(stale.status, 200);
+        let outside = api.get_with(&item.href, "range", "bytes=999999999-").await;
+        let detail = format!("the file has {} bytes", item.bytes);
+        assert_eq!(outside.problem(), problem("range_not_satisfiable", 416, "The range is outside the file", &detail));
+        assert_eq!(outside.header("content-range"), format!("bytes */{}", item.bytes));
+    }
+    let report = api.get(&format!("{base}/report")).await;
+    assert_eq!(report.text, api.get(&format!("{base}/artifacts/report.json")).await.text);
+    assert_eq!(report.header("cache-control"), "private, max-age=31536000, immutable");
+    assert_eq!(api.get(&format!("{base}/artifacts/other.csv")).await.status, 404);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_plan_view_holds_all_layers_and_says_when_it_is_reduced() {
+    let api = Api::start().await;
+    let base = evaluated(&api).await;
+    let plan = api.get(&format!("{base}/plan")).await.ok(200);
+    for layer in ["truth", "detections", "tracks"] {
+        let points = columns_agree(&plan[layer]);
+        assert!(points > 50, "{layer}");
+        assert_eq!((&plan[layer]["source_points"], &plan[layer]["method"]), (&json!(points), &json!("all")));
+    }
+    assert_eq!(plan["scans"].as_array().unwrap().len(), 30);
+    assert_eq!((&plan["extent"]["from_s"], &plan["extent"]["to_s"]), (&json!(0.0), &json!(232.0)));
+    let reduced = api.get(&format!("{base}/plan?max_points=20")).await.ok(200);
+    for layer in ["truth", "detections", "tracks"] {
+        assert!(columns_agree(&reduced[layer]) <= 20);
+        assert_eq!(reduced[layer]["method"], "every_nth");
+        assert_eq!(reduced[layer]["source_points"], plan[layer]["source_points"]);
+    }
+    let window = api.get(&format!("{base}/plan?from=16&to=24&track=1")).await.ok(200);
+    let times: Vec<f64> = serde_json::from_value(window["detections"]["columns"]["time_s"].clone()).unwrap();
+    assert!(!times.is_empty() && times.iter().all(|time_s| [16.0, 24.0].contains(time_s)));
+    let tracks: Vec<String> = serde_json::from_value(window["tracks"]["columns"]["track_id"].clone()).unwrap();
+    assert_eq!(tracks, ["1", "1"]);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn series_are_columns_with_units() {
+    let api = Api::start().await;
+    let base = evaluated(&api).await;
+    let probability = api.get(&format!("{base}/series/track_probability")).await.ok(200);
+    let rows = columns_agree(&probability);
+    assert_eq!(probability["units"], json!({"time_s": "s"}));
+    let values: Vec<f64> = serde_json::from_value(probability["columns"]["probability"].clone()).unwrap();
+    assert!(values.iter().all(|p| (0.0..=1.0).contains(p)));
+    let reduced = api.get(&format!("{base}/series/track_probability?max_points=10")).await.ok(200);
+    assert!(columns_agree(&reduced) <= 10);
+    assert_eq!((&reduced["method"], &reduced["source_points"]), (&json!("min_max"), &json!(rows)));
+
+    let counts = api.get(&format!("{base}/series/scan_counts")).await.ok(200);
+    assert_eq!(columns_agree(&counts), 30);
+    let detections: Vec<u64> = serde_json::from_value(counts["columns"]["detections"].clone()).unwrap();
+    let plan = api.get(&format!("{base}/plan")).await.ok(200);
+    assert_eq!(json!(detections.iter().sum::<u64>()), plan["detections"]["source_points"]);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn windows_and_series_that_make_no_sense_are_refused() {
+    let api = Api::start().await;
+    let base = evaluated(&api).await;
+    let answer: Answer = api.get(&format!("{base}/series/happiness")).await;
+    let detail = "there is no series 'happiness'; there are track_probability, scan_counts";
+    assert_eq!(answer.problem(), problem("not_found", 404, "There is no such thing", detail));
+    let answer = api.get(&format!("{base}/plan?from=9&to=3&max_points=1")).await;
+    let faults = json!([
+        {"pointer": "/query/max_points", "code": "unknown_value", "detail": "'1' is not a value of 'max_points'", "allowed": "[2, 1000000]"},
+        {"pointer": "/query/to", "code": "out_of_range", "detail": "the window ends before it begins", "allowed": ">= 9"}
+    ]);
+    assert_eq!(answer.problem(), validation("2 faults", faults));
+}
