@@ -14,7 +14,7 @@ use trackloom::filtering::kalman::Kalman;
 use trackloom::math::rng::Seed;
 use trackloom::model::scan::Recording;
 use trackloom::model::scenario::{RandomTargets, Scenario, ScenarioSensor, TargetPlan};
-use trackloom::model::sensor::Sensor;
+use trackloom::model::sensor::{Report, Sensor};
 use trackloom::registry;
 use trackloom::tracking::{Lifecycle, Tracker, TrackerParts};
 
@@ -68,8 +68,10 @@ fn scene(targets: u32) -> (Scenario, Recording) {
             y_m: 0.0,
             max_range_m: 50_000.0 * scale,
             p_d: 0.9,
-            sigma_x_m: 15.0,
-            sigma_y_m: 5.2,
+            sigma_x_m: Some(15.0),
+            sigma_y_m: Some(5.2),
+            sigma_range_m: None,
+            sigma_bearing_deg: None,
             clutter_per_scan: 5.0 * scale * scale,
         }],
         targets: TargetPlan::Random(RandomTargets {
@@ -93,6 +95,7 @@ fn tracked(method: &str, scenario: &Scenario, recording: &Recording) -> (f64, u6
     let associator = ASSOCIATORS.iter().find(|entry| entry.name == method).expect("a name of the table");
     let defaults = registry::check(&json!({}), associator.parameters).expect("every parameter has a default");
     let sensor = &scenario.sensors[0];
+    let (Some(sigma_x_m), Some(sigma_y_m)) = (sensor.sigma_x_m, sensor.sigma_y_m) else { panic!("the scenes have position reports") };
     // A scene of slow targets within 2 km is not tracked with the speeds of aircraft.
     let initial_speed_sigma_mps = if sensor.max_range_m < 10_000.0 { 10.0 } else { 430.0 };
     let parts = TrackerParts {
@@ -102,9 +105,8 @@ fn tracked(method: &str, scenario: &Scenario, recording: &Recording) -> (f64, u6
         sensors: vec![Sensor {
             sensor_id: "radar".into(),
             p_d: sensor.p_d,
-            clutter_per_m2: sensor.clutter_per_m2(),
-            sigma_x_m: sensor.sigma_x_m,
-            sigma_y_m: sensor.sigma_y_m,
+            clutter_density: sensor.clutter_per_m2(),
+            report: Report::Position { sigma_x_m, sigma_y_m },
         }],
     };
     let start = Instant::now();
@@ -135,8 +137,10 @@ fn dense_scene() -> (Scenario, Recording) {
         y_m: 0.0,
         max_range_m: 1_500.0,
         p_d: 0.9,
-        sigma_x_m: 10.0,
-        sigma_y_m: 10.0,
+        sigma_x_m: Some(10.0),
+        sigma_y_m: Some(10.0),
+        sigma_range_m: None,
+        sigma_bearing_deg: None,
         clutter_per_scan: 500.0,
     };
     let targets = RandomTargets { count: 100, area_side_m: 2_000.0, speed_min_mps: 1.0, speed_max_mps: 15.0 };

@@ -2,8 +2,8 @@
 
 use super::observer::{Observer, Step};
 use super::run::RunError;
-use crate::association::{ASSOCIATORS, Needs};
-use crate::filtering::FILTERS;
+use crate::association::{ASSOCIATORS, Associator, Needs};
+use crate::filtering::{Chosen, FILTERS, Filter};
 use crate::model::fault::Fault;
 use crate::model::scan::Recording;
 use crate::model::sensor::{Sensor, SensorSettings};
@@ -17,8 +17,9 @@ pub(super) struct Tracked {
     pub tracks: TrackSet,
     pub scans: Vec<ScanOutcome>,
     pub method: String,
+    nis: NisReport,
     /// What the associator says of its work.
-    pub diagnostics: Option<Value>,
+    diagnostics: Option<Value>,
 }
 
 /// The part `association` of a report.
@@ -26,10 +27,20 @@ pub(super) struct Tracked {
 pub(super) struct AssociationReport {
     method: String,
     counts: Counts,
+    nis: NisReport,
     sensors: Vec<SensorSettings>,
     tracks: Vec<TrackLine>,
     #[serde(skip_serializing_if = "Option::is_none")]
     diagnostics: Option<Value>,
+}
+
+/// Normalised innovation squared of the updates of confirmed tracks: near `dimensions` on average when the filter's
+/// covariances are honest.
+#[derive(Debug, Clone, Copy, Serialize)]
+struct NisReport {
+    mean: Option<f64>,
+    updates: u64,
+    dimensions: usize,
 }
 
 #[derive(Debug, Serialize)]
@@ -55,18 +66,47 @@ struct TrackLine {
 
 /// Builds the tracker that `spec` names and feeds it every scan.
 pub(super) fn track(spec: &Value, recording: &Recording, sensors: Vec<Sensor>, observer: &mut dyn Observer) -> Result<Tracked, RunError> {
-    let (parts, method) = parts_of(spec, sensors)?;
-    check_needs(&method, parts.associator.needs(), recording)?;
-    let mut tracker = Tracker::new(parts);
-    let mut scans = Vec::with_capacity(recording.scans.len());
-    for (index, scan) in recording.scans.iter().enumerate() {
-        scans.push(tracker.step(scan, recording.detections_of(scan)));
-        if observer.progress(Step::Associate, index as u64 + 1, recording.scans.len() as u64).is_break() {
-            return Err(RunError::Stopped);
-        }
+    let (filter, _) = filter_of(spec)?;
+    let (associator, method) = associator_of(spec)?;
+    check_needs(&method, associator.needs(), recording)?;
+    let lifecycle = Lifecycle::deserialize(&spec["tracker"]).map_err(|_| unusable("/tracker"))?;
+    let has_rates = !sensors.is_empty() && sensors.iter().all(|sensor| sensor.report.range_rate().is_some());
+    let job = Tracking { recording, associator, lifecycle, sensors, method };
+    match filter {
+        Chosen::Kalman(filter) => job.run::<_, 2>(filter, observer),
+        Chosen::Converted(filter) => job.run::<_, 2>(filter, observer),
+        Chosen::Extended(filter) if has_rates => job.run::<_, 3>(filter, observer),
+        Chosen::Extended(filter) => job.run::<_, 2>(filter, observer),
+        Chosen::Unscented(filter) if has_rates => job.run::<_, 3>(filter, observer),
+        Chosen::Unscented(filter) => job.run::<_, 2>(filter, observer),
     }
-    let diagnostics = tracker.diagnostics();
-    Ok(Tracked { tracks: tracker.into_history().into_tracks(recording), scans, method, diagnostics })
+}
+
+/// Everything that a tracker needs besides its filter.
+struct Tracking<'a> {
+    recording: &'a Recording,
+    associator: Box<dyn Associator>,
+    lifecycle: Lifecycle,
+    sensors: Vec<Sensor>,
+    method: String,
+}
+
+impl Tracking<'_> {
+    /// With a filter whose measurements have `D` values.
+    fn run<F: Filter<4, D>, const D: usize>(self, filter: F, observer: &mut dyn Observer) -> Result<Tracked, RunError> {
+        let Tracking { recording, associator, lifecycle, sensors, method } = self;
+        let mut tracker = Tracker::new(TrackerParts { filter, associator, lifecycle, sensors });
+        let mut scans = Vec::with_capacity(recording.scans.len());
+        for (index, scan) in recording.scans.iter().enumerate() {
+            scans.push(tracker.step(scan, recording.detections_of(scan)));
+            if observer.progress(Step::Associate, index as u64 + 1, recording.scans.len() as u64).is_break() {
+                return Err(RunError::Stopped);
+            }
+        }
+        let nis = NisReport { mean: tracker.nis().mean(), updates: tracker.nis().updates, dimensions: D };
+        let diagnostics = tracker.diagnostics();
+        Ok(Tracked { tracks: tracker.into_history().into_tracks(recording), scans, method, nis, diagnostics })
+    }
 }
 
 /// Whether the recording knows of its detections what the associator needs.
@@ -88,19 +128,19 @@ fn check_needs(method: &str, needs: Needs, recording: &Recording) -> Result<(), 
 
 /// The checked spec names only methods of the tables, with parameters that fit them; anything else is a fault of ours,
 /// reported like one of the request instead of a panic.
-fn parts_of(spec: &Value, sensors: Vec<Sensor>) -> Result<(TrackerParts, String), RunError> {
-    let unusable = |pointer: &str| RunError::Faults(vec![Fault::new(pointer, "malformed", "the settings cannot be used")]);
-    let name = |part: &str| spec[part]["method"].as_str().unwrap_or_default().to_owned();
-    let method = name("associator");
-    let associator = ASSOCIATORS.iter().find(|entry| entry.name == method).and_then(|entry| (entry.build)(&spec["associator"]).ok());
-    let filter = FILTERS.iter().find(|entry| entry.name == name("filter")).and_then(|entry| (entry.build)(&spec["filter"]).ok());
-    let parts = TrackerParts {
-        filter: filter.ok_or_else(|| unusable("/filter"))?,
-        associator: associator.ok_or_else(|| unusable("/associator"))?,
-        lifecycle: Lifecycle::deserialize(&spec["tracker"]).map_err(|_| unusable("/tracker"))?,
-        sensors,
-    };
-    Ok((parts, method))
+fn unusable(pointer: &str) -> RunError {
+    RunError::Faults(vec![Fault::new(pointer, "malformed", "the settings cannot be used")])
+}
+
+/// The filter that `spec` names, and its name.
+pub(super) fn filter_of(spec: &Value) -> Result<(Chosen, &'static str), RunError> {
+    let entry = FILTERS.iter().find(|entry| spec["filter"]["method"] == entry.name).ok_or_else(|| unusable("/filter"))?;
+    (entry.build)(&spec["filter"]).map(|filter| (filter, entry.name)).map_err(|_| unusable("/filter"))
+}
+
+fn associator_of(spec: &Value) -> Result<(Box<dyn Associator>, String), RunError> {
+    let entry = ASSOCIATORS.iter().find(|entry| spec["associator"]["method"] == entry.name).ok_or_else(|| unusable("/associator"))?;
+    (entry.build)(&spec["associator"]).map(|associator| (associator, entry.name.to_owned())).map_err(|_| unusable("/associator"))
 }
 
 pub(super) fn report(tracked: &Tracked, recording: &Recording, sensors: &[SensorSettings]) -> AssociationReport {
@@ -116,6 +156,7 @@ pub(super) fn report(tracked: &Tracked, recording: &Recording, sensors: &[Sensor
             track_points: lines.iter().map(|line| line.points).sum(),
             associated_detections: lines.iter().map(|line| line.detections).sum(),
         },
+        nis: tracked.nis,
         sensors: sensors.to_vec(),
         tracks: lines,
         diagnostics: tracked.diagnostics.clone(),

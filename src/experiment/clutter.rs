@@ -18,7 +18,7 @@ pub(super) fn disagreements(recording: &Recording, sensors: &[Sensor], known: &[
         let scans = || recording.scans.iter().filter(|scan| scan.sensor == index);
         let left_over = scans().flat_map(|scan| scan.range()).filter(|&detection| !used[detection]).count() as f64;
         let scanned_m2 = area_m2 * scans().count() as f64;
-        let given = sensors[index].clutter_per_m2;
+        let given = sensors[index].clutter_density;
         let expected = given * scanned_m2;
         let is_off = left_over > TOLERATED_FACTOR * expected || expected > TOLERATED_FACTOR * left_over;
         (is_off && left_over.max(expected) >= LEAST_COUNT && scanned_m2 > 0.0).then(|| {
@@ -50,7 +50,7 @@ fn used_detections(recording: &Recording, tracks: &TrackSet) -> Vec<bool> {
 fn area_m2(recording: &Recording, sensor: usize, settings: &SensorSettings) -> f64 {
     match settings.max_range_m {
         Some(range_m) => std::f64::consts::PI * range_m * range_m,
-        None => super::sensors::extent_m2(recording, sensor),
+        None => super::sensors::extent_m2(recording, sensor, settings),
     }
 }
 
@@ -58,6 +58,7 @@ fn area_m2(recording: &Recording, sensor: usize, settings: &SensorSettings) -> f
 mod tests {
     use super::*;
     use crate::model::scan::{Detection, Measurement, RecordingParts, Scan};
+    use crate::model::sensor::Report;
 
     /// One scan of a sensor with a field of view of 1 000 m², and `count` detections that no track takes.
     fn warnings(count: usize, clutter_per_m2: f64) -> Vec<String> {
@@ -71,7 +72,8 @@ mod tests {
             detection_ids: (0..count).map(|index| index.to_string()).collect(),
             ..Default::default()
         });
-        let sensor = Sensor { sensor_id: "radar".into(), p_d: 0.9, clutter_per_m2, sigma_x_m: 1.0, sigma_y_m: 1.0 };
+        let report = Report::Position { sigma_x_m: 1.0, sigma_y_m: 1.0 };
+        let sensor = Sensor { sensor_id: "radar".into(), p_d: 0.9, clutter_density: clutter_per_m2, report };
         disagreements(&recording.unwrap(), &[sensor], &[settings], &TrackSet::default())
     }
 

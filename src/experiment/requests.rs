@@ -13,6 +13,8 @@ pub const MAX_DETECTIONS: f64 = 20e6;
 
 const PLACE: Kind = Kind::Number { min: Bound::Including(-1e9), max: Bound::Including(1e9), unit: "m" };
 const SIGMA: Kind = Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "m" };
+const SIGMA_BEARING: Kind = Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(180.0), unit: "deg" };
+const SIGMA_RATE: Kind = Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e5), unit: "m/s" };
 const RANGE: Kind = Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e9), unit: "m" };
 const PROBABILITY: Kind = Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1.0), unit: "" };
 const SPEED: Kind = Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e5), unit: "m/s" };
@@ -33,15 +35,21 @@ const fn default(name: &'static str, summary: &'static str, kind: Kind, value: &
 
 static SCENARIO_SENSOR: Object = Object {
     name: "ScenarioSensor",
-    summary: "A sensor that reports positions with independent Gaussian noise on x and y, and uniform clutter in its field of view.",
+    summary: "A sensor that reports positions (give sigma_x_m, sigma_y_m) or ranges and bearings (give sigma_range_m, sigma_bearing_deg) with independent Gaussian noise, and uniform clutter in its field of view.",
     fields: &[
         default("sensor_id", "Name of the sensor.", NAME, "\"radar\""),
         default("x_m", "Position, east.", PLACE, "0.0"),
         default("y_m", "Position, north.", PLACE, "0.0"),
         required("max_range_m", "Radius of the field of view.", RANGE),
         default("p_d", "Probability that a target in view is detected in a scan.", PROBABILITY, "0.9"),
-        required("sigma_x_m", "Standard deviation of x.", SIGMA),
-        required("sigma_y_m", "Standard deviation of y.", SIGMA),
+        optional("sigma_x_m", "Standard deviation of x, of a sensor that reports positions; with sigma_y_m.", SIGMA),
+        optional("sigma_y_m", "Standard deviation of y; with sigma_x_m.", SIGMA),
+        optional(
+            "sigma_range_m",
+            "Standard deviation of ranges, of a sensor that reports them with bearings; with sigma_bearing_deg.",
+            SIGMA,
+        ),
+        optional("sigma_bearing_deg", "Standard deviation of bearings; with sigma_range_m.", SIGMA_BEARING),
         default(
             "clutter_per_scan",
             "Mean of the Poisson number of false detections in a scan.",
@@ -159,11 +167,14 @@ pub static SENSOR_SETTINGS: Object = Object {
         optional("p_d", "Probability that a target in view is detected in a scan.", PROBABILITY),
         optional(
             "clutter_per_m2",
-            "Expected false detections per square metre and scan.",
+            "Expected false detections per square metre and scan, also of a sensor that reports ranges and bearings.",
             Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "1/m²" },
         ),
         optional("sigma_x_m", "Standard deviation of x.", SIGMA),
         optional("sigma_y_m", "Standard deviation of y.", SIGMA),
+        optional("sigma_range_m", "Standard deviation of ranges.", SIGMA),
+        optional("sigma_bearing_deg", "Standard deviation of bearings.", SIGMA_BEARING),
+        optional("sigma_range_rate_mps", "Standard deviation of range rates.", SIGMA_RATE),
     ],
 };
 

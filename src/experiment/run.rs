@@ -133,7 +133,8 @@ impl Scene {
 
     fn track(&mut self, plan: &Plan, observer: &mut dyn Observer) -> Result<Tracked, RunError> {
         let recording = self.recording.as_ref().ok_or_else(|| missing("/input", "detections"))?;
-        let sensors = sensors::resolve(recording, &self.sensors, &mut self.warnings)?;
+        let (filter, filter_name) = associate::filter_of(&plan.spec)?;
+        let sensors = sensors::resolve(recording, &self.sensors, (&filter, filter_name), &mut self.warnings)?;
         let tracked = associate::track(&plan.spec, recording, sensors.clone(), observer)?;
         self.warnings.extend(clutter::disagreements(recording, &sensors, &self.sensors, &tracked.tracks));
         Ok(tracked)

@@ -1,9 +1,11 @@
 //! The sensors of a recording, completed: what the request says, else what came with the data, else what can soundly
 //! be estimated from the data, said in a warning; what cannot be estimated is a fault.
 
+use crate::filtering::Chosen;
 use crate::model::fault::Fault;
-use crate::model::scan::{Measurement, Recording};
-use crate::model::sensor::{Sensor, SensorSettings};
+use crate::model::scan::{Detection, Measurement, Recording};
+use crate::model::sensor::{Polar, RangeRate, Report, Sensor, SensorSettings};
+use crate::model::state::Position;
 
 /// Assumed when nobody says how often a target is detected.
 const ASSUMED_P_D: f64 = 0.9;
@@ -42,56 +44,161 @@ pub(super) fn known(
     Ok(recording.sensors.iter().map(complete).collect())
 }
 
-/// Sensors that a tracker of position reports can work with.
+/// Sensors that a tracker with the given filter (and its name) can work with.
 ///
 /// # Errors
-/// All faults: noise that nobody knows, reports that are not positions.
-pub(super) fn resolve(recording: &Recording, known: &[SensorSettings], warnings: &mut Vec<String>) -> Result<Vec<Sensor>, Vec<Fault>> {
+/// All faults: noise that nobody knows, reports that the filter cannot use.
+pub(super) fn resolve(
+    recording: &Recording,
+    known: &[SensorSettings],
+    filter: (&Chosen, &str),
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Sensor>, Vec<Fault>> {
     let mut faults = Vec::new();
-    let sensors = known.iter().enumerate().map(|(index, settings)| complete(recording, index, settings, warnings, &mut faults)).collect();
-    check_reports(recording, &mut faults);
+    let uses_rates = uses_range_rates(recording, filter, warnings);
+    let mut sensors = Vec::with_capacity(known.len());
+    for (index, settings) in known.iter().enumerate() {
+        let Some(kind) = usable_kind(recording, index, settings, filter, &mut faults) else { continue };
+        let mut reader = NoiseReader { settings, faults: &mut faults };
+        let report = match kind {
+            Kind::Position => Report::Position {
+                sigma_x_m: reader.required("sigma_x_m", settings.sigma_x_m, "m"),
+                sigma_y_m: reader.required("sigma_y_m", settings.sigma_y_m, "m"),
+            },
+            Kind::Polar => Report::Polar(Polar {
+                place_m: place(settings, warnings),
+                sigma_range_m: reader.required("sigma_range_m", settings.sigma_range_m, "m"),
+                sigma_bearing_rad: reader.required("sigma_bearing_deg", settings.sigma_bearing_deg, "deg").to_radians(),
+                range_rate: uses_rates.then(|| RangeRate {
+                    sigma_mps: reader.required("sigma_range_rate_mps", settings.sigma_range_rate_mps, "m/s"),
+                    span_mps: range_rate_span_mps(recording, index),
+                }),
+            }),
+        };
+        sensors.push(complete(recording, index, settings, report, warnings));
+    }
     if faults.is_empty() { Ok(sensors) } else { Err(faults) }
 }
 
-fn complete(recording: &Recording, index: usize, settings: &SensorSettings, warnings: &mut Vec<String>, faults: &mut Vec<Fault>) -> Sensor {
+/// What a sensor reports.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Position,
+    Polar,
+}
+
+/// What the sensor reports, if the filter can use it.
+fn usable_kind(
+    recording: &Recording,
+    index: usize,
+    settings: &SensorSettings,
+    (filter, filter_name): (&Chosen, &str),
+    faults: &mut Vec<Fault>,
+) -> Option<Kind> {
+    let has = |wanted: fn(&Measurement) -> bool| detections_of(recording, index).any(|detection| wanted(&detection.measurement));
+    let positions = has(|measurement| matches!(measurement, Measurement::Position { .. }));
+    let ranges = has(|measurement| matches!(measurement, Measurement::RangeBearing { .. }));
+    let bearings = has(|measurement| matches!(measurement, Measurement::Bearing { .. }));
     let name = &settings.sensor_id;
-    for (field, value) in [("sigma_x_m", settings.sigma_x_m), ("sigma_y_m", settings.sigma_y_m)] {
-        if value.is_none() {
-            let detail = format!("the noise of sensor '{name}' is not known: give '{field}' in 'sensors'");
-            faults.push(Fault::new("/sensors", "missing", detail).allowing("> 0 m"));
-        }
+    let usable =
+        if filter.uses_ranges() { "positions (x_m, y_m); ranges and bearings (range_m, bearing_deg)" } else { "positions (x_m, y_m)" };
+    let mut refuse = |what: &str| {
+        let detail = format!("sensor '{name}' reports {what}, which the filter '{filter_name}' cannot use");
+        faults.push(Fault::new("/filter/method", "unsupported", detail).allowing(usable));
+        None
+    };
+    match (positions, ranges, bearings) {
+        (_, _, true) => refuse("bearings without ranges"),
+        (true, true, _) => refuse("positions in some detections and ranges in others"),
+        (false, true, _) if !filter.uses_ranges() => refuse("ranges and bearings"),
+        (false, true, _) => Some(Kind::Polar),
+        // A sensor that never reported anything is what its settings say.
+        (false, false, _) if settings.sigma_range_m.is_some() && filter.uses_ranges() => Some(Kind::Polar),
+        _ => Some(Kind::Position),
     }
+}
+
+/// Takes noises from the settings; those that are missing become faults.
+struct NoiseReader<'a> {
+    settings: &'a SensorSettings,
+    faults: &'a mut Vec<Fault>,
+}
+
+impl NoiseReader<'_> {
+    fn required(&mut self, field: &str, value: Option<f64>, unit: &str) -> f64 {
+        if value.is_none() {
+            let detail = format!("the noise of sensor '{}' is not known: give '{field}' in 'sensors'", self.settings.sensor_id);
+            self.faults.push(Fault::new("/sensors", "missing", detail).allowing(format!("> 0 {unit}")));
+        }
+        value.unwrap_or(1.0)
+    }
+}
+
+fn place(settings: &SensorSettings, warnings: &mut Vec<String>) -> Position {
+    if settings.x_m.is_none() || settings.y_m.is_none() {
+        warnings.push(format!("sensor '{}': its position is not known; missing x_m or y_m are taken to be 0", settings.sensor_id));
+    }
+    place_of(settings)
+}
+
+fn place_of(settings: &SensorSettings) -> Position {
+    Position::new(settings.x_m.unwrap_or(0.0), settings.y_m.unwrap_or(0.0))
+}
+
+/// Range rates are used by a filter that can, when every detection of the recording has one.
+fn uses_range_rates(recording: &Recording, (filter, filter_name): (&Chosen, &str), warnings: &mut Vec<String>) -> bool {
+    let has_rate = |detection: &&Detection| matches!(detection.measurement, Measurement::RangeBearing { range_rate_mps: Some(_), .. });
+    let with_rate = recording.detections.iter().filter(has_rate).count();
+    if with_rate == 0 {
+        return false;
+    }
+    let (all, is_able) = (with_rate == recording.detections.len(), filter.uses_range_rates());
+    if !is_able {
+        warnings.push(format!("range rates are not used: the filter '{filter_name}' does not know them"));
+    } else if !all {
+        warnings.push(format!("range rates are not used: {with_rate} of {} detections have one", recording.detections.len()));
+    }
+    all && is_able
+}
+
+/// The interval over which a sensor's range rates reach; at least 1 m/s, so that a density over it exists.
+fn range_rate_span_mps(recording: &Recording, sensor: usize) -> f64 {
+    let rates = || {
+        detections_of(recording, sensor).filter_map(|detection| match detection.measurement {
+            Measurement::RangeBearing { range_rate_mps, .. } => range_rate_mps,
+            _ => None,
+        })
+    };
+    (rates().fold(f64::NEG_INFINITY, f64::max) - rates().fold(f64::INFINITY, f64::min)).max(1.0)
+}
+
+fn complete(recording: &Recording, index: usize, settings: &SensorSettings, report: Report, warnings: &mut Vec<String>) -> Sensor {
+    let name = &settings.sensor_id;
     let p_d = settings.p_d.unwrap_or_else(|| {
         warnings.push(format!("sensor '{name}': the detection probability is not known; {ASSUMED_P_D} is assumed"));
         ASSUMED_P_D
     });
     let clutter_per_m2 = settings.clutter_per_m2.unwrap_or_else(|| {
-        let density = estimated_clutter(recording, index);
+        let density = estimated_clutter(recording, index, settings);
         warnings.push(format!("sensor '{name}': the clutter density is not known; {density:.3e} per m² is estimated from the data"));
         density
     });
-    Sensor {
-        sensor_id: name.clone(),
-        p_d,
-        clutter_per_m2: clutter_per_m2.max(LEAST_CLUTTER_PER_M2),
-        sigma_x_m: settings.sigma_x_m.unwrap_or(1.0),
-        sigma_y_m: settings.sigma_y_m.unwrap_or(1.0),
-    }
+    Sensor { sensor_id: name.clone(), p_d, clutter_density: clutter_per_m2.max(LEAST_CLUTTER_PER_M2), report }
 }
 
 /// Detections a scan over the area of the rectangle that holds them all: an upper bound, since targets are among them.
-fn estimated_clutter(recording: &Recording, sensor: usize) -> f64 {
+fn estimated_clutter(recording: &Recording, sensor: usize, settings: &SensorSettings) -> f64 {
     let scans = || recording.scans.iter().filter(|scan| scan.sensor == sensor);
     let detections: usize = scans().map(|scan| scan.count).sum();
-    let area_m2 = extent_m2(recording, sensor);
+    let area_m2 = extent_m2(recording, sensor, settings);
     if detections < 2 || area_m2 <= 0.0 { LEAST_CLUTTER_PER_M2 } else { detections as f64 / scans().count() as f64 / area_m2 }
 }
 
-/// Area of the rectangle that holds all positions that the sensor reported; 0 when there are none.
-pub(super) fn extent_m2(recording: &Recording, sensor: usize) -> f64 {
-    let scans = recording.scans.iter().filter(|scan| scan.sensor == sensor);
-    let positions: Vec<_> =
-        scans.flat_map(|scan| recording.detections_of(scan)).filter_map(|detection| detection.measurement.position()).collect();
+/// Area of the rectangle that holds every place that the sensor reported; 0 when there are none.
+pub(super) fn extent_m2(recording: &Recording, sensor: usize, settings: &SensorSettings) -> f64 {
+    let place_m = place_of(settings);
+    let positions: Vec<Position> =
+        detections_of(recording, sensor).filter_map(|detection| detection.measurement.position_seen_from(&place_m)).collect();
     let extent_m = |axis: usize| {
         let values = || positions.iter().map(|position| position[axis]);
         values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
@@ -99,21 +206,16 @@ pub(super) fn extent_m2(recording: &Recording, sensor: usize) -> f64 {
     if positions.is_empty() { 0.0 } else { extent_m(0) * extent_m(1) }
 }
 
-/// One fault a sensor whose reports are not positions.
-fn check_reports(recording: &Recording, faults: &mut Vec<Fault>) {
-    for (index, sensor) in recording.sensors.iter().enumerate() {
-        let mut reports = recording.scans.iter().filter(|scan| scan.sensor == index).flat_map(|scan| recording.detections_of(scan));
-        if reports.any(|detection| !matches!(detection.measurement, Measurement::Position { .. })) {
-            let detail = format!("sensor '{}' reports ranges or bearings, which the filter 'kalman' cannot use", sensor.sensor_id);
-            faults.push(Fault::new("/filter/method", "unsupported", detail).allowing("position reports (x_m, y_m)"));
-        }
-    }
+fn detections_of(recording: &Recording, sensor: usize) -> impl Iterator<Item = &Detection> {
+    recording.scans.iter().filter(move |scan| scan.sensor == sensor).flat_map(|scan| recording.detections_of(scan))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::scan::{Detection, RecordingParts, Scan};
+    use crate::filtering::extended::Extended;
+    use crate::filtering::kalman::Kalman;
+    use crate::model::scan::{RecordingParts, Scan};
 
     fn recording(measurements: &[Measurement]) -> Recording {
         let detections: Vec<Detection> =
@@ -128,6 +230,13 @@ mod tests {
         .unwrap()
     }
 
+    const KALMAN: (&Chosen, &str) = (&Chosen::Kalman(Kalman { process_noise_m2ps3: 1.0 }), "kalman");
+    const EXTENDED: (&Chosen, &str) = (&Chosen::Extended(Extended { process_noise_m2ps3: 1.0 }), "extended");
+
+    fn polar(range_m: f64, range_rate_mps: Option<f64>) -> Measurement {
+        Measurement::RangeBearing { range_m, bearing_rad: 1.0, range_rate_mps }
+    }
+
     fn at(x_m: f64, y_m: f64) -> Measurement {
         Measurement::Position { x_m, y_m }
     }
@@ -139,20 +248,64 @@ mod tests {
         let requested = [SensorSettings { sigma_x_m: Some(3.0), ..SensorSettings::named("radar") }];
         let mut warnings = Vec::new();
         let known = known(&recording, &uploaded, &requested).unwrap();
-        let sensors = resolve(&recording, &known, &mut warnings).unwrap();
-        let expected = Sensor { sensor_id: "radar".into(), p_d: 0.9, clutter_per_m2: 0.02, sigma_x_m: 3.0, sigma_y_m: 2.0 };
+        let sensors = resolve(&recording, &known, KALMAN, &mut warnings).unwrap();
+        let report = Report::Position { sigma_x_m: 3.0, sigma_y_m: 2.0 };
+        let expected = Sensor { sensor_id: "radar".into(), p_d: 0.9, clutter_density: 0.02, report };
         assert_eq!(sensors, [expected]);
         assert_eq!(warnings.len(), 2);
     }
 
     #[test]
     fn unknown_noise_unknown_sensors_and_unusable_reports_are_faults() {
-        let recording = recording(&[Measurement::Bearing { bearing_rad: 1.0 }]);
-        let faults = known(&recording, &[], &[SensorSettings::named("sonar")]).unwrap_err();
-        assert_eq!((faults[0].pointer.as_str(), faults[0].allowed.as_deref()), ("/sensors/0/sensor_id", Some("radar")));
-        let known = known(&recording, &[], &[]).unwrap();
-        let faults = resolve(&recording, &known, &mut Vec::new()).unwrap_err();
-        let seen: Vec<_> = faults.iter().map(|fault| (fault.pointer.as_str(), fault.code.as_str())).collect();
-        assert_eq!(seen, [("/sensors", "missing"), ("/sensors", "missing"), ("/filter/method", "unsupported")]);
+        let seen = |measurement: Measurement, filter: (&Chosen, &str)| -> Vec<(String, String)> {
+            let recording = recording(&[measurement]);
+            let known = known(&recording, &[], &[]).unwrap();
+            let faults = resolve(&recording, &known, filter, &mut Vec::new()).unwrap_err();
+            faults.into_iter().map(|fault| (fault.pointer, fault.detail)).collect()
+        };
+        let unknown = known(&recording(&[at(0.0, 0.0)]), &[], &[SensorSettings::named("sonar")]).unwrap_err();
+        assert_eq!((unknown[0].pointer.as_str(), unknown[0].allowed.as_deref()), ("/sensors/0/sensor_id", Some("radar")));
+        let named = |faults: &[(String, String)], pointer: &str, words: &[&str]| {
+            assert_eq!(faults.len(), words.len(), "{faults:?}");
+            assert!(faults.iter().zip(words).all(|(fault, word)| fault.0 == pointer && fault.1.contains(word)), "{faults:?}");
+        };
+        named(&seen(at(0.0, 0.0), KALMAN), "/sensors", &["'sigma_x_m'", "'sigma_y_m'"]);
+        named(
+            &seen(polar(9.0, None), KALMAN),
+            "/filter/method",
+            &["sensor 'radar' reports ranges and bearings, which the filter 'kalman'"],
+        );
+        named(&seen(polar(9.0, None), EXTENDED), "/sensors", &["'sigma_range_m'", "'sigma_bearing_deg'"]);
+        named(&seen(polar(9.0, Some(1.0)), EXTENDED), "/sensors", &["'sigma_range_m'", "'sigma_bearing_deg'", "'sigma_range_rate_mps'"]);
+        named(&seen(Measurement::Bearing { bearing_rad: 1.0 }, EXTENDED), "/filter/method", &["bearings without ranges"]);
+    }
+
+    #[test]
+    fn a_polar_sensor_takes_its_noise_in_degrees_and_its_range_rates_only_when_all_have_one() {
+        let settings = SensorSettings {
+            sigma_range_m: Some(15.0),
+            sigma_bearing_deg: Some(90.0),
+            sigma_range_rate_mps: Some(0.5),
+            clutter_per_m2: Some(1e-6),
+            p_d: Some(0.8),
+            ..SensorSettings::named("radar")
+        };
+        let resolved = |measurements: &[Measurement]| {
+            let mut warnings = Vec::new();
+            let sensors = resolve(&recording(measurements), std::slice::from_ref(&settings), EXTENDED, &mut warnings).unwrap();
+            (sensors[0].report, warnings)
+        };
+        let expected = Polar {
+            place_m: Position::zeros(),
+            sigma_range_m: 15.0,
+            sigma_bearing_rad: std::f64::consts::FRAC_PI_2,
+            range_rate: Some(RangeRate { sigma_mps: 0.5, span_mps: 30.0 }),
+        };
+        let (report, warnings) = resolved(&[polar(10.0, Some(-10.0)), polar(20.0, Some(20.0))]);
+        assert_eq!(report, Report::Polar(expected));
+        assert!(warnings.len() == 1 && warnings[0].contains("position is not known"), "{warnings:?}");
+        let (report, warnings) = resolved(&[polar(10.0, Some(-10.0)), polar(20.0, None)]);
+        assert_eq!(report, Report::Polar(Polar { range_rate: None, ..expected }));
+        assert!(warnings[0].contains("1 of 2 detections have one"), "{warnings:?}");
     }
 }

@@ -1,14 +1,73 @@
-//! Filters: prediction of a track to the time of a scan, and its update with weighted detections.
+//! Filters: prediction of a track to the time of a scan, and its update with weighted detections. Both are the same for
+//! all ([`prediction`], [`mixture`]); what a filter adds is what it expects a sensor to report of a state.
 
-use crate::registry::{Kind, Method, Union};
+use crate::model::motion::ConstantVelocity;
+use crate::model::scan::Measurement;
+use crate::model::sensor::Sensor;
+use crate::model::state::GaussianState;
+use crate::registry::{Bound, Field, Kind, Method, Presence, Union};
+use mixture::Expected;
+use nalgebra::SVector;
 
+pub mod bearing_only;
+pub mod converted;
+pub mod extended;
 pub mod kalman;
+pub mod mixture;
+mod plane;
+mod polar;
+pub mod prediction;
+pub mod unscented;
 
-/// Builds a filter from its checked parameters.
-pub type BuildFilter = fn(&serde_json::Value) -> Result<kalman::Kalman, serde_json::Error>;
+/// A filter of states of `N` variables (coordinates, then their rates) by measurements of `D` values.
+pub trait Filter<const N: usize, const D: usize> {
+    /// How targets move.
+    fn motion(&self) -> ConstantVelocity;
+
+    /// A report as a point of the measurement space; `None` for one that the filter cannot use.
+    fn measured(&self, sensor: &Sensor, measurement: &Measurement) -> Option<SVector<f64, D>>;
+
+    /// The coordinate of the sensor's measurements that is an angle, if there is one.
+    fn angle(&self, _sensor: &Sensor) -> Option<usize> {
+        None
+    }
+
+    /// What the sensor should report of a target in this state. `None` when S is not positive definite.
+    fn expect(&self, state: &GaussianState<N>, sensor: &Sensor) -> Option<Expected<N, D>>;
+
+    /// ln of how much of the space in which the sensor's clutter density is stated a unit of the measurement space covers.
+    fn log_clutter_scale(&self, _sensor: &Sensor, _expected: &Expected<N, D>) -> f64 {
+        0.0
+    }
+
+    /// A state that knows one detection alone, and of the rates that each is 0 ± `rate_sigma`.
+    fn initiate(&self, measurement: &SVector<f64, D>, sensor: &Sensor, rate_sigma: f64) -> Option<GaussianState<N>>;
+}
+
+/// A filter that was chosen by name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Chosen {
+    Kalman(kalman::Kalman),
+    Converted(converted::Converted),
+    Extended(extended::Extended),
+    Unscented(unscented::Unscented),
+}
+
+impl Chosen {
+    pub fn uses_ranges(&self) -> bool {
+        !matches!(self, Chosen::Kalman(_))
+    }
+
+    pub fn uses_range_rates(&self) -> bool {
+        matches!(self, Chosen::Extended(_) | Chosen::Unscented(_))
+    }
+}
+
+/// An entry of the table: the build takes checked parameters.
+pub type FilterMethod = Method<fn(&serde_json::Value) -> Result<Chosen, serde_json::Error>>;
 
 /// Every filter.
-pub const FILTERS: &[Method<BuildFilter>] = &[kalman::METHOD];
+pub const FILTERS: &[FilterMethod] = &[kalman::METHOD, extended::METHOD, unscented::METHOD, converted::METHOD];
 
 pub static FILTER: Union = Union {
     name: "Filter",
@@ -19,3 +78,11 @@ pub static FILTER: Union = Union {
 
 /// The field kind of a filter choice.
 pub static FILTER_KIND: Kind = Kind::Union(&FILTER);
+
+/// The parameter of every filter in the plane.
+const PROCESS_NOISE: Field = Field {
+    name: "process_noise_m2ps3",
+    summary: "Spectral density q of the white-noise acceleration; the velocity wanders by about sqrt(q·T) in T seconds.",
+    kind: Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e9), unit: "m²/s³" },
+    presence: Presence::Default("1.0"),
+};

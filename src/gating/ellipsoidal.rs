@@ -5,46 +5,49 @@
 //! Y. Bar-Shalom, X.-R. Li, Multitarget-Multisensor Tracking, 1995, section 2.3.2.
 
 use super::grid::Grid;
-use crate::math::gaussian::{Gaussian2, gate_threshold};
-use crate::model::state::{Position, PositionCovariance};
+use crate::math::angle;
+use crate::math::gaussian::{Gaussian, gate_threshold, log_unit_ball};
+use nalgebra::{SMatrix, SVector};
 
-/// The gate of a tracker, for position reports.
+/// The gate of a tracker whose measurements have `D` coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct EllipsoidalGate {
+pub struct EllipsoidalGate<const D: usize> {
     threshold: f64,
-    /// ln(γ / 2).
-    log_half_threshold: f64,
+    /// ln((γ / 2π)^(D/2)) and that of the volume of the unit ball.
+    log_scale: f64,
 }
 
-impl EllipsoidalGate {
+impl<const D: usize> EllipsoidalGate<D> {
     /// `probability` P_G in (0, 1).
     pub fn new(probability: f64) -> Self {
-        let threshold = gate_threshold(probability, 2);
-        EllipsoidalGate { threshold, log_half_threshold: (threshold / 2.0).ln() }
+        let threshold = gate_threshold(probability, D as u32);
+        let log_scale = log_unit_ball(D as u32) + D as f64 / 2.0 * (threshold / std::f64::consts::TAU).ln();
+        EllipsoidalGate { threshold, log_scale }
     }
 
-    /// ln V of the gate around a Gaussian with covariance S: V = γ π √det S (m²).
+    /// ln V of the gate around a Gaussian with covariance S: V = c_D γ^(D/2) √det S, in the units of the measurement;
+    /// c_D is the volume of the unit ball, π in the plane.
     #[inline]
-    pub fn log_volume_m2(&self, gaussian: &Gaussian2) -> f64 {
-        // The density at the centre is 1 / (2π √det S).
-        self.log_half_threshold - gaussian.log_density(0.0)
+    pub fn log_volume(&self, gaussian: &Gaussian<D>) -> f64 {
+        // The density at the centre is 1 / ((2π)^(D/2) √det S).
+        self.log_scale - gaussian.log_density(0.0)
     }
 
-    /// Calls `found(detection, d²)` for each position inside the gate around ẑ with innovation covariance S.
+    /// Calls `found(detection, d²)` for each measurement inside the gate around ẑ with innovation covariance S.
+    /// `angle` names the coordinate that goes round, if there is one.
     #[inline]
     pub fn candidates(
         &self,
         grid: &Grid,
-        positions: &[Position],
-        centre_m: &Position,
-        covariance: &PositionCovariance,
-        gaussian: &Gaussian2,
+        measurements: &[SVector<f64, D>],
+        (centre, angle): (&SVector<f64, D>, Option<usize>),
+        (covariance, gaussian): (&SMatrix<f64, D, D>, &Gaussian<D>),
         mut found: impl FnMut(u32, f64),
     ) {
-        // The ellipse's bounding box reaches √(γ Sᵢᵢ) along axis i.
-        let half_m = [(self.threshold * covariance[(0, 0)]).sqrt(), (self.threshold * covariance[(1, 1)]).sqrt()];
-        grid.near(centre_m, half_m, |detection| {
-            let squared = gaussian.squared_distance(&(positions[detection as usize] - centre_m));
+        // The ellipsoid's bounding box reaches √(γ Sᵢᵢ) along axis i.
+        let reach = |axis: usize| if axis < D { (self.threshold * covariance[(axis, axis)]).sqrt() } else { 0.0 };
+        grid.near(centre, [reach(0), reach(1)], angle, |detection| {
+            let squared = gaussian.squared_distance(&angle::difference(&measurements[detection as usize], centre, angle));
             if squared <= self.threshold {
                 found(detection, squared);
             }
@@ -55,14 +58,17 @@ impl EllipsoidalGate {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::state::{Position, PositionCovariance};
+    use nalgebra::{Matrix1, Matrix2, Vector1, Vector2};
     use proptest::prelude::*;
+    use std::f64::consts::PI;
 
     #[test]
     fn the_volume_of_the_gate_is_that_of_an_ellipse() {
         // S = diag(16, 9) and γ = −2 ln 0.01: half axes 4√γ and 3√γ, V = 12 π γ.
-        let gaussian = Gaussian2::new(&PositionCovariance::new(16.0, 0.0, 0.0, 9.0)).unwrap();
+        let gaussian = Gaussian::new(&PositionCovariance::new(16.0, 0.0, 0.0, 9.0)).unwrap();
         let expected = 12.0 * std::f64::consts::PI * -2.0 * 0.01f64.ln();
-        assert!((EllipsoidalGate::new(0.99).log_volume_m2(&gaussian).exp() - expected).abs() < 1e-9);
+        assert!((EllipsoidalGate::new(0.99).log_volume(&gaussian).exp() - expected).abs() < 1e-9);
     }
 
     proptest! {
@@ -76,16 +82,64 @@ mod tests {
             let centre = Position::new(centre.0, centre.1);
             let xy = correlation * (xx * yy).sqrt();
             let covariance = PositionCovariance::new(xx, xy, xy, yy);
-            let gaussian = Gaussian2::new(&covariance).unwrap();
+            let gaussian = Gaussian::new(&covariance).unwrap();
             let gate = EllipsoidalGate::new(0.99);
             let mut grid = Grid::default();
             grid.rebuild(&positions);
             let mut gated = Vec::new();
-            gate.candidates(&grid, &positions, &centre, &covariance, &gaussian, |detection, _| gated.push(detection));
+            gate.candidates(&grid, &positions, (&centre, None), (&covariance, &gaussian), |detection, _| gated.push(detection));
             gated.sort_unstable();
             let inside = |index: &u32| gaussian.squared_distance(&(positions[*index as usize] - centre)) <= -2.0 * 0.01f64.ln() + 1e-12;
             let brute: Vec<u32> = (0..positions.len() as u32).filter(inside).collect();
             prop_assert_eq!(gated, brute);
         }
+
+        #[test]
+        fn the_gated_ranges_and_bearings_equal_those_of_brute_force_all_round(
+            reports in prop::collection::vec((0.0..100.0f64, -PI..PI), 0..80),
+            (range, bearing) in (0.0..120.0f64, -PI..PI),
+            (range_sigma, bearing_sigma, correlation) in (0.1..40.0f64, 0.01..1.5f64, -0.95..0.95f64),
+        ) {
+            let reports: Vec<Vector2<f64>> = reports.iter().map(|&(range, bearing)| Vector2::new(range, bearing)).collect();
+            let cross = correlation * range_sigma * bearing_sigma;
+            let covariance = Matrix2::new(range_sigma * range_sigma, cross, cross, bearing_sigma * bearing_sigma);
+            assert_equals_brute_force(&reports, Vector2::new(range, bearing), covariance, 1)?;
+        }
+
+        #[test]
+        fn the_gated_bearings_equal_those_of_brute_force_all_round(
+            bearings in prop::collection::vec(-PI..PI, 0..80),
+            bearing in -PI..PI,
+            sigma in 0.001..1.5f64,
+        ) {
+            let bearings: Vec<Vector1<f64>> = bearings.into_iter().map(Vector1::new).collect();
+            assert_equals_brute_force(&bearings, Vector1::new(bearing), Matrix1::new(sigma * sigma), 0)?;
+        }
+    }
+
+    /// Brute force writes the difference of two bearings as the smaller way round, by trying all three.
+    fn assert_equals_brute_force<const D: usize>(
+        measurements: &[SVector<f64, D>],
+        centre: SVector<f64, D>,
+        covariance: SMatrix<f64, D, D>,
+        axis: usize,
+    ) -> Result<(), TestCaseError> {
+        let gate = EllipsoidalGate::<D>::new(0.99);
+        let gaussian = Gaussian::new(&covariance).unwrap();
+        let mut grid = Grid::default();
+        grid.rebuild(measurements);
+        let mut gated = Vec::new();
+        let found = |detection, _| gated.push(detection);
+        gate.candidates(&grid, measurements, (&centre, Some(axis)), (&covariance, &gaussian), found);
+        gated.sort_unstable();
+        let inside = |index: &u32| {
+            let mut difference = measurements[*index as usize] - centre;
+            let ways = [difference[axis], difference[axis] - 2.0 * PI, difference[axis] + 2.0 * PI];
+            difference[axis] = ways.into_iter().min_by(|left, right| left.abs().total_cmp(&right.abs())).unwrap();
+            gaussian.squared_distance(&difference) <= gate_threshold(0.99, D as u32)
+        };
+        let brute: Vec<u32> = (0..measurements.len() as u32).filter(inside).collect();
+        prop_assert_eq!(gated, brute);
+        Ok(())
     }
 }

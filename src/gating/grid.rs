@@ -1,13 +1,16 @@
-//! A uniform grid over the detections of one scan: finds those inside a rectangle without looking at all of them.
-//! About two detections a cell; memory is reused from scan to scan.
+//! A uniform grid over the measurements of one scan: finds those inside a rectangle without looking at all of them.
+//! It covers the first two coordinates of the measurement space (the only one, for bearings), of which one may be an
+//! angle from −π to π that goes round. About two detections a cell; memory is reused from scan to scan.
 
-use crate::model::state::Position;
+use nalgebra::SVector;
+use std::f64::consts::{PI, TAU};
+use std::ops::RangeInclusive;
 
-/// The grid of one scan's positions.
+/// The grid of one scan.
 #[derive(Debug, Default)]
 pub struct Grid {
     low: [f64; 2],
-    cells_per_m: [f64; 2],
+    cells_per_unit: [f64; 2],
     cells: [usize; 2],
     /// Detections of cell c: `order[first[c]..first[c + 1]]`.
     first: Vec<u32>,
@@ -16,26 +19,28 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Takes the positions of a new scan.
-    pub fn rebuild(&mut self, positions: &[Position]) {
-        let (low, high) = bounds(positions);
-        let side = ((positions.len() as f64 / 2.0).sqrt().ceil() as usize).clamp(1, 4096);
+    /// Takes the measurements of a new scan.
+    pub fn rebuild<const D: usize>(&mut self, measurements: &[SVector<f64, D>]) {
+        let (low, high) = bounds(measurements);
+        let cells = measurements.len() as f64 / 2.0;
+        let side = (if D == 1 { cells } else { cells.sqrt() }.ceil() as usize).clamp(1, 4096);
         self.low = low;
-        self.cells = [side, side];
+        self.cells = [side, if D == 1 { 1 } else { side }];
         for axis in 0..2 {
-            let extent_m = high[axis] - low[axis];
-            self.cells_per_m[axis] = if extent_m > 0.0 { side as f64 / extent_m } else { 0.0 };
+            let extent = high[axis] - low[axis];
+            self.cells_per_unit[axis] = if extent > 0.0 { side as f64 / extent } else { 0.0 };
         }
-        self.sort_into_cells(positions);
+        self.sort_into_cells(measurements);
     }
 
     /// Counting sort of the detections by cell; inside a cell they keep their order.
-    fn sort_into_cells(&mut self, positions: &[Position]) {
+    fn sort_into_cells<const D: usize>(&mut self, measurements: &[SVector<f64, D>]) {
         self.cell_of.clear();
         self.first.clear();
         self.first.resize(self.cells[0] * self.cells[1] + 1, 0);
-        for position in positions {
-            let cell = self.column(position[0], 0) + self.column(position[1], 1) * self.cells[0];
+        for measurement in measurements {
+            let [x, y] = plane(measurement);
+            let cell = self.column(x, 0) + self.column(y, 1) * self.cells[0];
             self.cell_of.push(cell as u32);
             self.first[cell + 1] += 1;
         }
@@ -43,7 +48,7 @@ impl Grid {
             self.first[cell] += self.first[cell - 1];
         }
         self.order.clear();
-        self.order.resize(positions.len(), 0);
+        self.order.resize(measurements.len(), 0);
         // Filling backwards moves each cell's end to its start.
         for cell in (1..self.first.len()).rev() {
             self.first[cell] = self.first[cell - 1];
@@ -55,39 +60,85 @@ impl Grid {
         }
     }
 
-    /// Calls `found` for every detection that may lie within `half_m` of `centre` on both axes (and some that do not).
+    /// Calls `found` once for every detection that may lie within `half` of `centre` on both axes (and some that do not).
+    /// `angle` names the axis that goes round, if there is one.
     #[inline]
-    pub fn near(&self, centre: &Position, half_m: [f64; 2], mut found: impl FnMut(u32)) {
+    pub fn near<const D: usize>(&self, centre: &SVector<f64, D>, half: [f64; 2], angle: Option<usize>, mut found: impl FnMut(u32)) {
         if self.order.is_empty() {
             return;
         }
-        let left = self.column(centre[0] - half_m[0], 0);
-        let right = self.column(centre[0] + half_m[0], 0);
-        let bottom = self.column(centre[1] - half_m[1], 1);
-        let top = self.column(centre[1] + half_m[1], 1);
-        for row in bottom..=top {
-            let from = self.first[row * self.cells[0] + left];
-            let to = self.first[row * self.cells[0] + right + 1];
+        let centre = plane(centre);
+        if let Some(axis) = angle {
+            return self.near_round(centre, half, axis, found);
+        }
+        self.visit(self.span(centre[0], half[0], 0), self.span(centre[1], half[1], 1), &mut found);
+    }
+
+    /// The same with an axis that goes round.
+    #[inline(never)]
+    fn near_round(&self, centre: [f64; 2], half: [f64; 2], axis: usize, mut found: impl FnMut(u32)) {
+        let other = self.span(centre[1 - axis], half[1 - axis], 1 - axis);
+        for part in self.spans_round(centre[axis], half[axis], axis).into_iter().flatten() {
+            let (columns, rows) = if axis == 0 { (part, other.clone()) } else { (other.clone(), part) };
+            self.visit(columns, rows, &mut found);
+        }
+    }
+
+    #[inline(always)]
+    fn visit(&self, columns: RangeInclusive<usize>, rows: RangeInclusive<usize>, found: &mut impl FnMut(u32)) {
+        for row in rows {
+            let from = self.first[row * self.cells[0] + columns.start()];
+            let to = self.first[row * self.cells[0] + columns.end() + 1];
             for &detection in &self.order[from as usize..to as usize] {
                 found(detection);
             }
         }
     }
 
+    /// The cells along one axis that an interval touches.
+    #[inline]
+    fn span(&self, centre: f64, half: f64, axis: usize) -> RangeInclusive<usize> {
+        self.column(centre - half, axis)..=self.column(centre + half, axis)
+    }
+
+    /// The same along an angle: an interval that crosses ±π has a second part on the other side. No cell is in both.
+    fn spans_round(&self, centre: f64, half: f64, axis: usize) -> [Option<RangeInclusive<usize>>; 2] {
+        let last = self.cells[axis] - 1;
+        let direct = self.span(centre, half, axis);
+        let (start, end) = (*direct.start(), *direct.end());
+        if half >= PI {
+            [Some(0..=last), None]
+        } else if centre - half < -PI {
+            let other = self.column(centre - half + TAU, axis);
+            if other <= end { [Some(0..=last), None] } else { [Some(direct), Some(other..=last)] }
+        } else if centre + half > PI {
+            let other = self.column(centre + half - TAU, axis);
+            if other >= start { [Some(0..=last), None] } else { [Some(direct), Some(0..=other)] }
+        } else {
+            [Some(direct), None]
+        }
+    }
+
     /// The cell of a coordinate along one axis; places outside the grid belong to its edge.
     #[inline]
-    fn column(&self, coordinate_m: f64, axis: usize) -> usize {
-        let cell = (coordinate_m - self.low[axis]) * self.cells_per_m[axis];
+    fn column(&self, coordinate: f64, axis: usize) -> usize {
+        let cell = (coordinate - self.low[axis]) * self.cells_per_unit[axis];
         (cell.max(0.0) as usize).min(self.cells[axis] - 1)
     }
 }
 
-fn bounds(positions: &[Position]) -> ([f64; 2], [f64; 2]) {
+/// The two coordinates that the grid looks at.
+#[inline]
+fn plane<const D: usize>(measurement: &SVector<f64, D>) -> [f64; 2] {
+    [measurement[0], if D > 1 { measurement[1] } else { 0.0 }]
+}
+
+fn bounds<const D: usize>(measurements: &[SVector<f64, D>]) -> ([f64; 2], [f64; 2]) {
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    for position in positions {
-        for axis in 0..2 {
-            low[axis] = low[axis].min(position[axis]);
-            high[axis] = high[axis].max(position[axis]);
+    for measurement in measurements {
+        for (axis, value) in plane(measurement).into_iter().enumerate() {
+            low[axis] = low[axis].min(value);
+            high[axis] = high[axis].max(value);
         }
     }
     (low, high)
@@ -96,6 +147,7 @@ fn bounds(positions: &[Position]) -> ([f64; 2], [f64; 2]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::state::Position;
     use proptest::prelude::*;
 
     fn within(positions: &[Position], centre: &Position, half_m: [f64; 2]) -> Vec<u32> {
@@ -117,7 +169,7 @@ mod tests {
             grid.rebuild(&positions[..positions.len() / 2]);
             grid.rebuild(&positions);
             let mut found = Vec::new();
-            grid.near(&centre, half, |detection| found.push(detection));
+            grid.near(&centre, half, None, |detection| found.push(detection));
             found.sort_unstable();
             let distinct = found.windows(2).all(|pair| pair[0] < pair[1]);
             prop_assert!(distinct);

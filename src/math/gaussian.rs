@@ -1,35 +1,36 @@
-//! The Gaussian in two dimensions: squared distance, log-density, and the chi-square quantile of a gate.
+//! The Gaussian in one to three dimensions: squared distance, log-density, and the chi-square quantile of a gate.
 
-use crate::model::state::{Position, PositionCovariance};
+use nalgebra::{Cholesky, SMatrix, SVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// A covariance prepared for many distances: its inverse, and the constant of its log-density.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Gaussian2 {
-    /// S⁻¹ as `[xx, xy, yy]`.
-    inverse: [f64; 3],
-    /// −½ ln((2π)² det S).
+pub struct Gaussian<const D: usize> {
+    /// S⁻¹.
+    inverse: SMatrix<f64, D, D>,
+    /// −½ ln((2π)ᴰ det S).
     log_peak: f64,
 }
 
-impl Gaussian2 {
+impl<const D: usize> Gaussian<D> {
     /// `None` when the covariance is not positive definite.
-    pub fn new(covariance: &PositionCovariance) -> Option<Self> {
-        let (xx, xy, yy) = (covariance[(0, 0)], covariance[(0, 1)], covariance[(1, 1)]);
-        let determinant = xx * yy - xy * xy;
-        let is_definite = xx > 0.0 && determinant > 0.0 && determinant.is_finite();
-        is_definite.then(|| Gaussian2 {
-            inverse: [yy / determinant, -xy / determinant, xx / determinant],
-            log_peak: -std::f64::consts::TAU.ln() - 0.5 * determinant.ln(),
-        })
+    #[inline(always)]
+    pub fn new(covariance: &SMatrix<f64, D, D>) -> Option<Self> {
+        let (inverse, determinant) = if D == 2 { inverse_of_two(covariance) } else { inverse_of_any(covariance) }?;
+        Some(Gaussian { inverse, log_peak: -0.5 * D as f64 * std::f64::consts::TAU.ln() - 0.5 * determinant.ln() })
     }
 
     /// d² = νᵀ S⁻¹ ν.
     #[inline]
-    pub fn squared_distance(&self, difference: &Position) -> f64 {
-        let [xx, xy, yy] = self.inverse;
-        let (x, y) = (difference[0], difference[1]);
-        xx * x * x + 2.0 * xy * x * y + yy * y * y
+    pub fn squared_distance(&self, difference: &SVector<f64, D>) -> f64 {
+        let mut sum = 0.0;
+        for row in 0..D {
+            sum += self.inverse[(row, row)] * difference[row] * difference[row];
+            for column in row + 1..D {
+                sum += 2.0 * self.inverse[(row, column)] * difference[row] * difference[column];
+            }
+        }
+        sum
     }
 
     /// ln N(ν; 0, S) for a difference with squared distance d².
@@ -39,10 +40,36 @@ impl Gaussian2 {
     }
 
     /// S⁻¹.
-    pub fn inverse(&self) -> PositionCovariance {
-        let [xx, xy, yy] = self.inverse;
-        PositionCovariance::new(xx, xy, xy, yy)
+    #[inline]
+    pub fn inverse(&self) -> &SMatrix<f64, D, D> {
+        &self.inverse
     }
+}
+
+/// Inverse and determinant of a 2 × 2 covariance, the case that every radar scan needs thousands of times.
+#[inline(always)]
+fn inverse_of_two<const D: usize>(covariance: &SMatrix<f64, D, D>) -> Option<(SMatrix<f64, D, D>, f64)> {
+    let (xx, xy, yy) = (covariance[(0, 0)], covariance[(0, 1)], covariance[(1, 1)]);
+    let determinant = xx * yy - xy * xy;
+    let mut inverse = SMatrix::zeros();
+    inverse[(0, 0)] = yy / determinant;
+    inverse[(0, 1)] = -xy / determinant;
+    inverse[(1, 0)] = -xy / determinant;
+    inverse[(1, 1)] = xx / determinant;
+    (xx > 0.0 && determinant > 0.0 && determinant.is_finite()).then_some((inverse, determinant))
+}
+
+/// The same for any size, by Cholesky's decomposition.
+fn inverse_of_any<const D: usize>(covariance: &SMatrix<f64, D, D>) -> Option<(SMatrix<f64, D, D>, f64)> {
+    let decomposed = Cholesky::new(*covariance)?;
+    let determinant = decomposed.determinant();
+    (determinant > 0.0 && determinant.is_finite()).then(|| (decomposed.inverse(), determinant))
+}
+
+/// ln of the volume of the unit ball in `D` dimensions: π^(D/2) / Γ(D/2 + 1).
+pub fn log_unit_ball(dimensions: u32) -> f64 {
+    let half = f64::from(dimensions) / 2.0;
+    half * std::f64::consts::PI.ln() - statrs::function::gamma::ln_gamma(half + 1.0)
 }
 
 /// The d² below which a true detection falls with the given probability, for a measurement of `dimensions` numbers.
@@ -55,6 +82,8 @@ pub fn gate_threshold(probability: f64, dimensions: u32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::state::{Position, PositionCovariance};
+    use nalgebra::{Matrix1, Matrix3, Vector1, Vector3};
 
     fn close(left: f64, right: f64) -> bool {
         (left - right).abs() <= 1e-9 * right.abs().max(1.0)
@@ -63,7 +92,7 @@ mod tests {
     #[test]
     fn distance_and_density_of_a_correlated_gaussian() {
         // S = [[4, 1], [1, 2]], det 7, S⁻¹ = [[2, -1], [-1, 4]] / 7; ν = (1, 2): d² = (2 - 4 + 16) / 7 = 2.
-        let gaussian = Gaussian2::new(&PositionCovariance::new(4.0, 1.0, 1.0, 2.0)).unwrap();
+        let gaussian = Gaussian::new(&PositionCovariance::new(4.0, 1.0, 1.0, 2.0)).unwrap();
         let squared = gaussian.squared_distance(&Position::new(1.0, 2.0));
         assert!(close(squared, 2.0));
         let expected = (-1.0f64).exp() / (std::f64::consts::TAU * 7f64.sqrt());
@@ -72,8 +101,29 @@ mod tests {
 
     #[test]
     fn a_singular_covariance_has_no_distance() {
-        assert_eq!(Gaussian2::new(&PositionCovariance::new(1.0, 1.0, 1.0, 1.0)), None);
-        assert_eq!(Gaussian2::new(&PositionCovariance::new(0.0, 0.0, 0.0, 1.0)), None);
+        assert_eq!(Gaussian::new(&PositionCovariance::new(1.0, 1.0, 1.0, 1.0)), None);
+        assert_eq!(Gaussian::new(&PositionCovariance::new(0.0, 0.0, 0.0, 1.0)), None);
+    }
+
+    #[test]
+    fn one_and_three_dimensions_agree_with_the_textbook() {
+        // σ = 3, ν = 6: d² = 4; density exp(−2) / (3 √(2π)).
+        let line = Gaussian::new(&Matrix1::new(9.0)).unwrap();
+        assert!(close(line.squared_distance(&Vector1::new(6.0)), 4.0));
+        assert!(close(line.log_density(4.0).exp(), (-2.0f64).exp() / (3.0 * std::f64::consts::TAU.sqrt())));
+        // The correlated block above beside an independent σ² = 5, ν₃ = 5: d² = 2 + 5, det = 35.
+        let space = Gaussian::new(&Matrix3::new(4.0, 1.0, 0.0, 1.0, 2.0, 0.0, 0.0, 0.0, 5.0)).unwrap();
+        let squared = space.squared_distance(&Vector3::new(1.0, 2.0, 5.0));
+        assert!(close(squared, 7.0));
+        assert!(close(space.log_density(squared), -3.5 - 1.5 * std::f64::consts::TAU.ln() - 0.5 * 35f64.ln()));
+    }
+
+    #[test]
+    fn unit_balls_are_a_segment_a_disc_and_a_ball() {
+        let pi = std::f64::consts::PI;
+        for (dimensions, volume) in [(1, 2.0), (2, pi), (3, 4.0 * pi / 3.0)] {
+            assert!(close(log_unit_ball(dimensions).exp(), volume), "{dimensions}");
+        }
     }
 
     #[test]

@@ -1,5 +1,6 @@
-//! Tools: optimal assignment, Gaussian distances and likelihoods, and named streams of random numbers.
+//! Tools: angles, optimal assignment, Gaussian distances and likelihoods, and named streams of random numbers.
 
+pub mod angle;
 pub mod assignment;
 pub mod gaussian;
 pub mod rng;

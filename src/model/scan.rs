@@ -8,7 +8,7 @@ use super::state::Position;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Measurement {
     Position { x_m: f64, y_m: f64 },
-    RangeBearing { range_m: f64, bearing_rad: f64 },
+    RangeBearing { range_m: f64, bearing_rad: f64, range_rate_mps: Option<f64> },
     Bearing { bearing_rad: f64 },
 }
 
@@ -21,10 +21,22 @@ impl Measurement {
         }
     }
 
+    /// The Cartesian position of a position report or of a polar one seen from `place_m`; `None` for a bearing alone.
+    pub fn position_seen_from(&self, place_m: &Position) -> Option<Position> {
+        match *self {
+            Measurement::RangeBearing { range_m, bearing_rad, .. } => {
+                Some(place_m + Position::new(bearing_rad.sin(), bearing_rad.cos()) * range_m)
+            }
+            _ => self.position(),
+        }
+    }
+
     pub fn is_finite(&self) -> bool {
         match *self {
             Measurement::Position { x_m, y_m } => x_m.is_finite() && y_m.is_finite(),
-            Measurement::RangeBearing { range_m, bearing_rad } => range_m.is_finite() && bearing_rad.is_finite(),
+            Measurement::RangeBearing { range_m, bearing_rad, range_rate_mps } => {
+                range_m.is_finite() && bearing_rad.is_finite() && range_rate_mps.is_none_or(f64::is_finite)
+            }
             Measurement::Bearing { bearing_rad } => bearing_rad.is_finite(),
         }
     }

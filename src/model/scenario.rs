@@ -11,7 +11,7 @@ pub struct Scenario {
     pub targets: TargetPlan,
 }
 
-/// A sensor that reports positions with independent noise on x and y, and uniform clutter in its field of view.
+/// A sensor with uniform clutter in its field of view; what it reports is told by the noises that are given.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ScenarioSensor {
     pub sensor_id: String,
@@ -19,17 +19,41 @@ pub struct ScenarioSensor {
     pub y_m: f64,
     pub max_range_m: f64,
     pub p_d: f64,
-    pub sigma_x_m: f64,
-    pub sigma_y_m: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sigma_x_m: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sigma_y_m: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sigma_range_m: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sigma_bearing_deg: Option<f64>,
     /// Mean of the Poisson number of false detections in a scan.
     pub clutter_per_scan: f64,
 }
 
 impl ScenarioSensor {
+    /// `None` unless the noises of exactly one kind of report are given.
+    pub fn noise(&self) -> Option<ReportNoise> {
+        match (self.sigma_x_m, self.sigma_y_m, self.sigma_range_m, self.sigma_bearing_deg) {
+            (Some(sigma_x_m), Some(sigma_y_m), None, None) => Some(ReportNoise::Position { sigma_x_m, sigma_y_m }),
+            (None, None, Some(sigma_range_m), Some(sigma_bearing_deg)) => {
+                Some(ReportNoise::RangeBearing { sigma_range_m, sigma_bearing_rad: sigma_bearing_deg.to_radians() })
+            }
+            _ => None,
+        }
+    }
+
     /// False detections per square metre and scan.
     pub fn clutter_per_m2(&self) -> f64 {
         self.clutter_per_scan / (std::f64::consts::PI * self.max_range_m * self.max_range_m)
     }
+}
+
+/// The noise of what a simulated sensor reports.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ReportNoise {
+    Position { sigma_x_m: f64, sigma_y_m: f64 },
+    RangeBearing { sigma_range_m: f64, sigma_bearing_rad: f64 },
 }
 
 /// How the targets are chosen.

@@ -1,5 +1,6 @@
 //! What is known of a sensor, and the complete description that a tracker works with.
 
+use super::state::Position;
 use serde::{Deserialize, Serialize};
 
 /// What is known of one sensor; absent values come from the request, from the data, or are a fault.
@@ -16,13 +17,19 @@ pub struct SensorSettings {
     /// Probability that a target inside the field of view is detected in a scan.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub p_d: Option<f64>,
-    /// Expected false detections per square metre and scan.
+    /// Expected false detections per square metre and scan, also of a sensor that reports ranges and bearings.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clutter_per_m2: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sigma_x_m: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sigma_y_m: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sigma_range_m: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sigma_bearing_deg: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sigma_range_rate_mps: Option<f64>,
 }
 
 impl SensorSettings {
@@ -42,16 +49,52 @@ impl SensorSettings {
             clutter_per_m2: other.clutter_per_m2.or(self.clutter_per_m2),
             sigma_x_m: other.sigma_x_m.or(self.sigma_x_m),
             sigma_y_m: other.sigma_y_m.or(self.sigma_y_m),
+            sigma_range_m: other.sigma_range_m.or(self.sigma_range_m),
+            sigma_bearing_deg: other.sigma_bearing_deg.or(self.sigma_bearing_deg),
+            sigma_range_rate_mps: other.sigma_range_rate_mps.or(self.sigma_range_rate_mps),
         }
     }
 }
 
-/// A sensor as the tracker needs it: position reports with independent noise on x and y.
+/// A sensor as the tracker needs it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensor {
     pub sensor_id: String,
     pub p_d: f64,
-    pub clutter_per_m2: f64,
-    pub sigma_x_m: f64,
-    pub sigma_y_m: f64,
+    /// Expected false detections a scan: per m² for positions and polar reports, per rad for bearings.
+    pub clutter_density: f64,
+    pub report: Report,
+}
+
+/// What a sensor measures, and how well: independent Gaussian noise on each value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Report {
+    Position { sigma_x_m: f64, sigma_y_m: f64 },
+    Polar(Polar),
+    Bearing { sigma_bearing_rad: f64 },
+}
+
+impl Report {
+    pub fn range_rate(&self) -> Option<RangeRate> {
+        match self {
+            Report::Polar(polar) => polar.range_rate,
+            _ => None,
+        }
+    }
+}
+
+/// Range and bearing from the sensor's place, and the rate of the range where the sensor measures it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Polar {
+    pub place_m: Position,
+    pub sigma_range_m: f64,
+    pub sigma_bearing_rad: f64,
+    pub range_rate: Option<RangeRate>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RangeRate {
+    pub sigma_mps: f64,
+    /// False detections have range rates uniform over an interval of this length.
+    pub span_mps: f64,
 }

@@ -11,11 +11,11 @@ pub type Position = SVector<f64, 2>;
 /// Covariance of a [`Position`] (m²).
 pub type PositionCovariance = SMatrix<f64, 2, 2>;
 
-/// A Gaussian belief about a target's state.
+/// A Gaussian belief about a target's state: coordinates, then their rates in the same order.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct GaussianState {
-    pub mean: State,
-    pub covariance: Covariance,
+pub struct GaussianState<const N: usize = 4> {
+    pub mean: SVector<f64, N>,
+    pub covariance: SMatrix<f64, N, N>,
 }
 
 /// Row and column of each element of the upper triangle, in the order of the CSV columns

@@ -5,7 +5,7 @@ mod targets;
 
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
-use crate::model::scan::{Detection, Recording, RecordingParts, Scan};
+use crate::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
 use crate::model::scenario::{Scenario, ScenarioSensor, TargetPlan};
 use crate::model::sensor::SensorSettings;
 use crate::model::truth::{Target, TruthPoint, TruthSet};
@@ -20,13 +20,15 @@ pub struct Simulated {
     pub truth: TruthSet,
 }
 
-/// What no table of fields can see: two sensors or two targets of one name, speeds in the wrong order.
+/// What no table of fields can see: two sensors or two targets of one name, speeds in the wrong order, noises that do not
+/// say what a sensor reports.
 ///
 /// # Errors
 /// All faults, with pointers into the scenario.
 pub fn check(scenario: &Scenario) -> Result<(), Vec<Fault>> {
     let sensor_ids = scenario.sensors.iter().map(|sensor| sensor.sensor_id.as_str());
     let mut faults = duplicate_faults("sensors", sensor_ids, |index| format!("/sensors/{index}/sensor_id"));
+    faults.extend(scenario.sensors.iter().enumerate().filter_map(|(index, sensor)| noise_fault(index, sensor)));
     match &scenario.targets {
         TargetPlan::Random(plan) if plan.speed_min_mps > plan.speed_max_mps => {
             let detail = format!("{} m/s is above speed_max_mps", plan.speed_min_mps);
@@ -60,8 +62,9 @@ pub fn simulate(
         origins_known: true,
         ..Default::default()
     };
+    let noisy = || scenario.sensors.iter().filter_map(|sensor| Some((sensor, sensor.noise()?)));
     for (index, &time_s) in times.iter().enumerate() {
-        for (sensor_index, sensor) in scenario.sensors.iter().enumerate() {
+        for (sensor_index, sensor) in noisy().enumerate() {
             let found = radar::scan(sensor, sensor_index as u64, index as u64, time_s, &paths, &seen, seed);
             append_scan(&mut parts, sensor_index, time_s, found);
         }
@@ -70,6 +73,23 @@ pub fn simulate(
         }
     }
     Ok(Some(Simulated { recording: Recording::new(parts)?, truth }))
+}
+
+/// The noises of a sensor must be those of one kind of report, all of them.
+fn noise_fault(index: usize, sensor: &ScenarioSensor) -> Option<Fault> {
+    if sensor.noise().is_some() {
+        return None;
+    }
+    let given = [
+        ("sigma_x_m", sensor.sigma_x_m),
+        ("sigma_y_m", sensor.sigma_y_m),
+        ("sigma_range_m", sensor.sigma_range_m),
+        ("sigma_bearing_deg", sensor.sigma_bearing_deg),
+    ];
+    let names: Vec<&str> = given.iter().filter(|(_, value)| value.is_some()).map(|(name, _)| *name).collect();
+    let (code, found) = if names.len() < 2 { ("missing", "do") } else { ("conflict", "together do") };
+    let detail = format!("the noises of sensor '{}' ({}) {found} not say what it reports", sensor.sensor_id, names.join(", "));
+    Some(Fault::new(format!("/sensors/{index}"), code, detail).allowing("sigma_x_m, sigma_y_m; or sigma_range_m, sigma_bearing_deg"))
 }
 
 /// A fault for each name that stood in the list before.
@@ -96,10 +116,14 @@ fn observed_truth(scenario: &Scenario, paths: &[targets::Path], times: &[f64]) -
     Ok((TruthSet::new(observed)?, seen))
 }
 
-/// Appends one scan. Detections are sorted by place, so that their order tells nothing of their origin.
+/// Appends one scan. Detections are sorted by what was measured, so that their order tells nothing of their origin.
 fn append_scan(parts: &mut RecordingParts, sensor: usize, time_s: f64, mut found: Vec<Detection>) {
-    let place = |detection: &Detection| detection.measurement.position().map_or((0.0, 0.0), |at| (at[0], at[1]));
-    found.sort_by(|left, right| place(left).0.total_cmp(&place(right).0).then(place(left).1.total_cmp(&place(right).1)));
+    let values = |detection: &Detection| match detection.measurement {
+        Measurement::Position { x_m, y_m } => (x_m, y_m),
+        Measurement::RangeBearing { range_m, bearing_rad, .. } => (range_m, bearing_rad),
+        Measurement::Bearing { bearing_rad } => (bearing_rad, 0.0),
+    };
+    found.sort_by(|left, right| values(left).0.total_cmp(&values(right).0).then(values(left).1.total_cmp(&values(right).1)));
     let number = parts.scans.len() as u32 + 1;
     parts.scans.push(Scan { number, time_s, sensor, first: parts.detections.len(), count: found.len() });
     parts.detection_ids.extend((1..=found.len()).map(|index| format!("{number}-{index}")));
@@ -114,7 +138,10 @@ fn settings(sensor: &ScenarioSensor) -> SensorSettings {
         max_range_m: Some(sensor.max_range_m),
         p_d: Some(sensor.p_d),
         clutter_per_m2: Some(sensor.clutter_per_m2()),
-        sigma_x_m: Some(sensor.sigma_x_m),
-        sigma_y_m: Some(sensor.sigma_y_m),
+        sigma_x_m: sensor.sigma_x_m,
+        sigma_y_m: sensor.sigma_y_m,
+        sigma_range_m: sensor.sigma_range_m,
+        sigma_bearing_deg: sensor.sigma_bearing_deg,
+        ..SensorSettings::default()
     }
 }

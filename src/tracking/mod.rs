@@ -6,4 +6,4 @@ mod tracker;
 
 pub use history::History;
 pub use lifecycle::{LIFECYCLE, Lifecycle};
-pub use tracker::{ScanOutcome, Tracker, TrackerParts};
+pub use tracker::{Nis, ScanOutcome, Tracker, TrackerParts};

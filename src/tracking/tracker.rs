@@ -5,21 +5,25 @@ use super::lifecycle::{Life, Lifecycle};
 use crate::association::global_nearest_neighbour::GlobalNearestNeighbour;
 use crate::association::problem::{Edge, ScanProblem, Weights};
 use crate::association::{Associator, Needs};
-use crate::filtering::kalman::{Expected, Kalman, WeightedInnovation};
+use crate::filtering::Filter;
+use crate::filtering::mixture::{self, Correction, Expected, WeightedInnovation};
+use crate::filtering::prediction::Transition;
 use crate::gating::ellipsoidal::EllipsoidalGate;
 use crate::gating::grid::Grid;
+use crate::math::angle;
 use crate::model::scan::{Detection, Scan};
 use crate::model::sensor::Sensor;
-use crate::model::state::{GaussianState, Position, PositionCovariance, upper_triangle};
+use crate::model::state::{GaussianState, upper_triangle};
 use crate::model::track::Candidate;
+use nalgebra::SVector;
 
 /// A detection to which a track gives at least this weight is used: neither do the tentative tracks see it after a
 /// confirmed one used it, nor does it start a track. One that all tracks weigh less explains too little of any of them.
 const USED_WEIGHT: f64 = 0.01;
 
 /// What a tracker is made of.
-pub struct TrackerParts {
-    pub filter: Kalman,
+pub struct TrackerParts<F> {
+    pub filter: F,
     pub associator: Box<dyn Associator>,
     pub lifecycle: Lifecycle,
     /// In the order of the recording's sensors.
@@ -36,6 +40,23 @@ pub struct ScanOutcome {
     pub unused: u32,
 }
 
+/// Normalised innovation squared of the updates of confirmed tracks, each detection counted by its weight. A filter whose
+/// covariances are honest has a mean near the number of values of a measurement.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Nis {
+    weighted_sum: f64,
+    weight: f64,
+    /// Updates with a detection.
+    pub updates: u64,
+}
+
+impl Nis {
+    /// `None` before the first update.
+    pub fn mean(&self) -> Option<f64> {
+        (self.weight > 0.0).then(|| self.weighted_sum / self.weight)
+    }
+}
+
 /// A living track.
 #[derive(Debug, Clone)]
 struct ActiveTrack {
@@ -47,9 +68,12 @@ struct ActiveTrack {
 }
 
 /// The detections of a scan, prepared for gating; memory is reused.
-#[derive(Debug, Default)]
-struct ScanView {
-    positions: Vec<Position>,
+#[derive(Debug)]
+struct ScanView<const D: usize> {
+    /// As points of the measurement space.
+    measurements: Vec<SVector<f64, D>>,
+    /// The coordinate that is an angle.
+    angle: Option<usize>,
     used: Vec<bool>,
     grid: Grid,
     choose_by_origin: bool,
@@ -57,25 +81,27 @@ struct ScanView {
     by_origin: Vec<Option<u32>>,
 }
 
-/// A multi-target tracker. Feed it scans in order of time.
-pub struct Tracker {
-    parts: TrackerParts,
+/// A multi-target tracker whose filter takes measurements of `D` values. Feed it scans in order of time.
+pub struct Tracker<F, const D: usize> {
+    parts: TrackerParts<F>,
     /// Serves the tentative tracks in place of a soft associator.
     beginner: GlobalNearestNeighbour,
-    gate: EllipsoidalGate,
+    gate: EllipsoidalGate<D>,
     tracks: Vec<ActiveTrack>,
     last_time_s: Option<f64>,
     scans: u32,
     history: History,
-    view: ScanView,
+    nis: Nis,
+    view: ScanView<D>,
     problem: ScanProblem,
     weights: Weights,
-    expected: Vec<(usize, Expected)>,
-    innovations: Vec<WeightedInnovation>,
+    /// The tracks of the problem's rows.
+    posed: Vec<(usize, Correction<4, D>)>,
+    innovations: Vec<WeightedInnovation<D>>,
 }
 
-impl Tracker {
-    pub fn new(parts: TrackerParts) -> Self {
+impl<F: Filter<4, D>, const D: usize> Tracker<F, D> {
+    pub fn new(parts: TrackerParts<F>) -> Self {
         let gate = EllipsoidalGate::new(parts.lifecycle.gate_probability);
         Tracker {
             parts,
@@ -85,19 +111,20 @@ impl Tracker {
             last_time_s: None,
             scans: 0,
             history: History::default(),
+            nis: Nis::default(),
             view: ScanView::default(),
             problem: ScanProblem::default(),
             weights: Weights::default(),
-            expected: Vec::new(),
+            posed: Vec::new(),
             innovations: Vec::new(),
         }
     }
 
-    /// Predict, gate, associate, update and manage, for one scan and its position reports.
+    /// Predict, gate, associate, update and manage, for one scan and its detections.
     pub fn step(&mut self, scan: &Scan, detections: &[Detection]) -> ScanOutcome {
         self.predict(scan.time_s);
         let needs = self.parts.associator.needs();
-        self.view.rebuild(detections, needs);
+        self.view.rebuild(&self.parts.filter, &self.parts.sensors[scan.sensor], detections, needs);
         if needs == Needs::Amplitudes {
             // What has no amplitude is weaker than everything that has.
             self.problem.set_amplitudes(detections.iter().map(|detection| detection.amplitude.unwrap_or(f64::NEG_INFINITY)));
@@ -117,6 +144,11 @@ impl Tracker {
         self.parts.associator.diagnostics()
     }
 
+    /// How well the detections fitted so far.
+    pub fn nis(&self) -> Nis {
+        self.nis
+    }
+
     /// Everything that happened so far.
     pub fn into_history(self) -> History {
         self.history
@@ -125,9 +157,9 @@ impl Tracker {
     fn predict(&mut self, time_s: f64) {
         let dt_s = self.last_time_s.map_or(0.0, |last| time_s - last);
         self.last_time_s = Some(time_s);
-        let transition = self.parts.filter.transition(dt_s);
+        let transition = Transition::new(self.parts.filter.motion(), dt_s);
         for track in &mut self.tracks {
-            self.parts.filter.predict(&mut track.state, &transition);
+            transition.predict(&mut track.state);
         }
     }
 
@@ -140,8 +172,8 @@ impl Tracker {
         let is_beginner = !confirmed && self.parts.associator.is_soft();
         let associator: &mut dyn Associator = if is_beginner { &mut self.beginner } else { self.parts.associator.as_mut() };
         let weights = &mut self.weights;
-        self.problem.for_each_cluster(self.view.positions.len(), |cluster| associator.associate(cluster, weights));
-        for row in 0..self.expected.len() {
+        self.problem.for_each_cluster(self.view.measurements.len(), |cluster| associator.associate(cluster, weights));
+        for row in 0..self.posed.len() {
             self.conclude(row, scan);
         }
     }
@@ -149,39 +181,43 @@ impl Tracker {
     /// Writes the association problem of one group of tracks.
     fn pose(&mut self, scan: &Scan, confirmed: bool) {
         self.problem.clear();
-        self.expected.clear();
+        self.posed.clear();
         let sensor = &self.parts.sensors[scan.sensor];
-        let (noise, log_clutter) = (noise_of(sensor), sensor.clutter_per_m2.ln());
-        let log_density = (sensor.p_d / sensor.clutter_per_m2).ln();
+        let log_clutter = sensor.clutter_density.ln();
+        let log_density = (sensor.p_d / sensor.clutter_density).ln();
         let log_none = (1.0 - sensor.p_d * self.parts.lifecycle.gate_probability).ln();
         for (index, track) in self.tracks.iter_mut().enumerate().filter(|(_, track)| track.life.is_confirmed() == confirmed) {
-            let Some(expected) = self.parts.filter.expect(&track.state, &noise) else {
+            let Some(expected) = self.parts.filter.expect(&track.state, sensor) else {
                 // Its covariance has left the range of numbers: nothing can be expected of it any more.
                 self.parts.lifecycle.end(&mut track.life);
                 continue;
             };
+            let log_scale = self.parts.filter.log_clutter_scale(sensor, &expected);
+            let log_density = log_density - log_scale;
             let problem = &mut self.problem;
             self.view.candidates(&self.gate, track.origin, &expected, |detection, squared_distance| {
                 let log_likelihood = log_density + expected.gaussian.log_density(squared_distance);
                 problem.push_edge(Edge { detection, squared_distance, log_likelihood });
             });
-            self.problem.end_row(log_none, log_clutter + self.gate.log_volume_m2(&expected.gaussian));
-            self.expected.push((index, expected));
+            self.problem.end_row(log_none, log_clutter + log_scale + self.gate.log_volume(&expected.gaussian));
+            self.posed.push((index, expected.correction()));
         }
     }
 
     /// Updates the track of one row by its weights, and remembers what was decided.
     fn conclude(&mut self, row: usize, scan: &Scan) {
-        let (index, expected) = &self.expected[row];
+        let (index, correction) = &self.posed[row];
         let track = &mut self.tracks[*index];
         let first_candidate = self.history.candidates.len();
         self.innovations.clear();
+        let mut weighted_nis = 0.0;
         for edge_index in self.problem.rows()[row].edges() {
             let weight = self.weights.edges[edge_index];
             if weight > 0.0 {
-                let detection = self.problem.edges()[edge_index].detection;
-                let innovation_m = self.view.positions[detection as usize] - expected.position_m;
-                self.innovations.push(WeightedInnovation { innovation_m, weight });
+                let Edge { detection, squared_distance, .. } = self.problem.edges()[edge_index];
+                let innovation = self.view.innovation(detection, &correction.measurement);
+                self.innovations.push(WeightedInnovation { innovation, weight });
+                weighted_nis += weight * squared_distance;
                 self.view.used[detection as usize] |= weight >= USED_WEIGHT;
                 let detection = Some(scan.first as u32 + detection);
                 self.history.candidates.push(Candidate { detection, probability: weight });
@@ -190,10 +226,15 @@ impl Tracker {
         if self.weights.none[row] > 0.0 {
             self.history.candidates.push(Candidate { detection: None, probability: self.weights.none[row] });
         }
-        self.parts.filter.update(&mut track.state, expected, &self.innovations);
+        mixture::update(&mut track.state, correction, &self.innovations);
         let was_confirmed = track.life.is_confirmed();
         // The scan is a hit when it is more probable that the track was detected than that it was not.
         let detected: f64 = self.innovations.iter().map(|innovation| innovation.weight).sum();
+        if was_confirmed && detected > 0.0 {
+            self.nis.weighted_sum += weighted_nis;
+            self.nis.weight += detected;
+            self.nis.updates += 1;
+        }
         self.parts.lifecycle.advance(&mut track.life, detected > self.weights.none[row]);
         if self.parts.lifecycle.is_over(&track.life) {
             // It ends before this scan: what nobody carries on is not a track any more.
@@ -205,11 +246,12 @@ impl Tracker {
 
     /// Starts a track at every detection that no track used.
     fn initiate(&mut self, scan: &Scan, detections: &[Detection]) -> u32 {
-        let noise = noise_of(&self.parts.sensors[scan.sensor]);
+        let sensor = &self.parts.sensors[scan.sensor];
         let lifecycle = self.parts.lifecycle;
         let mut unused = 0;
         for (index, detection) in detections.iter().enumerate().filter(|(index, _)| !self.view.used[*index]) {
-            let state = self.parts.filter.initiate(&self.view.positions[index], &noise, lifecycle.initial_speed_sigma_mps);
+            let measurement = &self.view.measurements[index];
+            let Some(state) = self.parts.filter.initiate(measurement, sensor, lifecycle.initial_speed_sigma_mps) else { continue };
             let serial = self.history.started;
             self.history.started += 1;
             unused += 1;
@@ -240,19 +282,38 @@ impl History {
     }
 }
 
-impl ScanView {
-    fn rebuild(&mut self, detections: &[Detection], needs: Needs) {
-        self.positions.clear();
-        self.positions.extend(detections.iter().filter_map(|detection| detection.measurement.position()));
-        debug_assert_eq!(self.positions.len(), detections.len(), "the plan lets only position reports through");
+impl<const D: usize> Default for ScanView<D> {
+    fn default() -> Self {
+        ScanView {
+            measurements: Vec::new(),
+            angle: None,
+            used: Vec::new(),
+            grid: Grid::default(),
+            choose_by_origin: false,
+            by_origin: Vec::new(),
+        }
+    }
+}
+
+impl<const D: usize> ScanView<D> {
+    fn rebuild(&mut self, filter: &impl Filter<4, D>, sensor: &Sensor, detections: &[Detection], needs: Needs) {
+        self.measurements.clear();
+        self.measurements.extend(detections.iter().filter_map(|detection| filter.measured(sensor, &detection.measurement)));
+        debug_assert_eq!(self.measurements.len(), detections.len(), "only reports that the filter can use are let through");
+        self.angle = filter.angle(sensor);
         self.used.clear();
         self.used.resize(detections.len(), false);
         self.choose_by_origin = needs == Needs::Origins;
         if self.choose_by_origin {
             self.index_origins(detections);
         } else {
-            self.grid.rebuild(&self.positions);
+            self.grid.rebuild(&self.measurements);
         }
+    }
+
+    #[inline]
+    fn innovation(&self, detection: u32, expected: &SVector<f64, D>) -> SVector<f64, D> {
+        angle::difference(&self.measurements[detection as usize], expected, self.angle)
     }
 
     fn index_origins(&mut self, detections: &[Detection]) {
@@ -268,30 +329,19 @@ impl ScanView {
 
     /// A track's candidates among the unused detections: by the gate, or by origin when origins are indexed.
     #[inline]
-    fn candidates(&self, gate: &EllipsoidalGate, origin: Option<u32>, expected: &Expected, mut found: impl FnMut(u32, f64)) {
+    fn candidates(&self, gate: &EllipsoidalGate<D>, origin: Option<u32>, expected: &Expected<4, D>, mut found: impl FnMut(u32, f64)) {
         if self.choose_by_origin {
             let detection = origin.and_then(|origin| self.by_origin.get(origin as usize).copied().flatten());
             if let Some(detection) = detection.filter(|&detection| !self.used[detection as usize]) {
-                let difference = self.positions[detection as usize] - expected.position_m;
-                found(detection, expected.gaussian.squared_distance(&difference));
+                found(detection, expected.gaussian.squared_distance(&self.innovation(detection, &expected.measurement)));
             }
             return;
         }
-        gate.candidates(
-            &self.grid,
-            &self.positions,
-            &expected.position_m,
-            &expected.covariance,
-            &expected.gaussian,
-            |detection, squared| {
-                if !self.used[detection as usize] {
-                    found(detection, squared);
-                }
-            },
-        );
+        let (centre, spread) = ((&expected.measurement, self.angle), (&expected.covariance, &expected.gaussian));
+        gate.candidates(&self.grid, &self.measurements, centre, spread, |detection, squared| {
+            if !self.used[detection as usize] {
+                found(detection, squared);
+            }
+        });
     }
-}
-
-fn noise_of(sensor: &Sensor) -> PositionCovariance {
-    PositionCovariance::new(sensor.sigma_x_m * sensor.sigma_x_m, 0.0, 0.0, sensor.sigma_y_m * sensor.sigma_y_m)
 }

@@ -4,7 +4,7 @@ use crate::*;
 
 const HEADER: &str = "time_s,scan,sensor_id,detection_id,x_m,y_m\n";
 const KNOWN: &str =
-    "time_s, scan, sensor_id, detection_id, x_m, y_m, range_m, bearing_deg, amplitude, truth_id, z_m, elevation_deg, range_rate_mps";
+    "time_s, scan, sensor_id, detection_id, x_m, y_m, range_m, bearing_deg, range_rate_mps, amplitude, truth_id, z_m, elevation_deg";
 
 fn detections(rows: &str) -> Fault {
     fault("csv", format!("{HEADER}{rows}"))

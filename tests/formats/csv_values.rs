@@ -46,8 +46,19 @@ fn measurements_may_be_polar_and_a_position_wins() {
     let outcome = read("csv", text).expect("the file is sound");
     assert_eq!(outcome.warnings, ["rows have x_m, y_m and also range_m or bearing_deg: the position is used"]);
     let found: Vec<Measurement> = recording(outcome).detections.iter().map(|detection| detection.measurement).collect();
-    let polar = Measurement::RangeBearing { range_m: 100.0, bearing_rad: FRAC_PI_2 };
+    let polar = Measurement::RangeBearing { range_m: 100.0, bearing_rad: FRAC_PI_2, range_rate_mps: None };
     assert_eq!(found, [polar, Measurement::Bearing { bearing_rad: -FRAC_PI_2 }, Measurement::Position { x_m: 1.0, y_m: 2.0 }]);
+}
+
+#[test]
+fn ranges_may_have_rates() {
+    let text = "time_s,scan,sensor_id,detection_id,range_m,bearing_deg,range_rate_mps\n0,1,r,a,100,90,-7.5\n0,1,r,b,50,-90,\n";
+    let outcome = read("csv", text).expect("the file is sound");
+    assert_eq!(outcome.warnings, Vec::<String>::new());
+    let found: Vec<Measurement> = recording(outcome).detections.iter().map(|detection| detection.measurement).collect();
+    let approaching = Measurement::RangeBearing { range_m: 100.0, bearing_rad: FRAC_PI_2, range_rate_mps: Some(-7.5) };
+    let unknown = Measurement::RangeBearing { range_m: 50.0, bearing_rad: -FRAC_PI_2, range_rate_mps: None };
+    assert_eq!(found, [approaching, unknown]);
 }
 
 #[test]
@@ -63,11 +74,11 @@ fn amplitudes_are_read_where_there_are_any() {
 fn columns_are_renamed_and_others_reported() {
     let columns = [("t", "time_s"), ("east", "x_m"), ("north", "y_m")];
     let options = ReadOptions { kind: None, columns: columns.map(|(from, to)| (from.to_owned(), to.to_owned())).into() };
-    let text = "\u{feff}t, scan ,sensor_id,detection_id,east,north,sigma_x_m,range_rate_mps,colour\r\n1,1,r,a,2,3,1,1,red\r\n";
+    let text = "\u{feff}t, scan ,sensor_id,detection_id,east,north,sigma_x_m,elevation_deg,colour\r\n1,1,r,a,2,3,1,1,red\r\n";
     let outcome = read_with("csv", text, &options).expect("the file is sound");
     assert_eq!(
         outcome.warnings,
-        ["columns kept in the file but not used: sigma_x_m, range_rate_mps", "unknown columns, kept in the file but not used: colour"]
+        ["columns kept in the file but not used: sigma_x_m, elevation_deg", "unknown columns, kept in the file but not used: colour"]
     );
     assert_eq!(recording(outcome).detections, [position(2.0, 3.0, None)]);
 }

@@ -7,25 +7,39 @@ use serde_json::{Value, json};
 
 const TARGETS: [u32; 5] = [10, 30, 50, 80, 100];
 
+/// Each component of a velocity of 0.1 to 1 km/s in any direction has this standard deviation.
+const SPEED_SIGMA_MPS: f64 = 430.0;
+
 pub(super) fn presets() -> Vec<Preset> {
-    TARGETS.iter().map(|&count| preset(count)).collect()
+    let cartesian = TARGETS.iter().map(|&count| {
+        let summary =
+            format!("Liang & Liu 2009: {count} targets, one radar, 30 scans; tracked by nearest neighbour and judged by the automaton.");
+        preset(format!("liang2009-{count}"), summary, "kalman", scenario(count, json!({"sigma_x_m": 15.0, "sigma_y_m": 5.2})))
+    });
+    let polar = TARGETS.iter().map(|&count| {
+        let summary = format!(
+            "Liang & Liu 2009 with a radar that reports ranges and bearings: {count} targets, 30 scans; tracked by nearest neighbour \
+             with the extended Kalman filter and judged by the automaton."
+        );
+        let noise = json!({"sigma_range_m": 15.0, "sigma_bearing_deg": 0.0052_f64.to_degrees()});
+        preset(format!("liang2009-polar-{count}"), summary, "extended", scenario(count, noise))
+    });
+    cartesian.chain(polar).collect()
 }
 
-fn preset(count: u32) -> Preset {
-    let name = format!("liang2009-{count}");
+fn preset(name: String, summary: String, filter: &str, scenario: Value) -> Preset {
     Preset {
-        summary: format!(
-            "Liang & Liu 2009: {count} targets, one radar, 30 scans; tracked by nearest neighbour and judged by the automaton."
-        ),
+        summary,
         kind: JobKind::Evaluate,
         body: json!({
             "name": name,
             "seed": 1,
-            "input": {"source": "scenario", "scenario": scenario(count)},
+            "input": {"source": "scenario", "scenario": scenario},
             "associator": {"method": "nearest_neighbour"},
-            "filter": {"method": "kalman", "process_noise_m2ps3": 1.0},
+            "filter": {"method": filter, "process_noise_m2ps3": 1.0},
             "tracker": {
-                "gate_probability": 0.999, "confirm_hits": 3, "confirm_window": 5, "max_missed": 5, "initial_speed_sigma_mps": 430.0
+                "gate_probability": 0.999, "confirm_hits": 3, "confirm_window": 5, "max_missed": 5,
+                "initial_speed_sigma_mps": SPEED_SIGMA_MPS
             },
             "tfa": {"symbols": {"kind": "detection_id"}, "decision": {"policy": "most_probable"}, "max_missed": 5}
         }),
@@ -33,16 +47,20 @@ fn preset(count: u32) -> Preset {
     }
 }
 
-/// The paper's noise is 0.015 km and 0.0052 km on the abscissa and the ordinate; speeds are 0.1 to 1 km/s, of which
-/// each component has a standard deviation of 430 m/s.
-fn scenario(count: u32) -> Value {
+/// The paper's noise is 0.015 km and 0.0052 km on the abscissa and the ordinate; its symbols suggest 0.015 km in range and
+/// 0.0052 rad in bearing.
+fn scenario(count: u32, noise: Value) -> Value {
+    let mut sensor = json!({
+        "sensor_id": "radar", "x_m": 0.0, "y_m": 0.0, "max_range_m": 50_000.0, "p_d": 0.9
+    });
+    for (name, value) in noise.as_object().into_iter().flatten() {
+        sensor[name] = value.clone();
+    }
+    sensor["clutter_per_scan"] = json!(5.0);
     json!({
         "scans": 30,
         "scan_period_s": 8.0,
-        "sensors": [{
-            "sensor_id": "radar", "x_m": 0.0, "y_m": 0.0, "max_range_m": 50_000.0, "p_d": 0.9,
-            "sigma_x_m": 15.0, "sigma_y_m": 5.2, "clutter_per_scan": 5.0
-        }],
+        "sensors": [sensor],
         "targets": {"kind": "random", "count": count, "area_side_m": 100_000.0, "speed_min_mps": 100.0, "speed_max_mps": 1000.0}
     })
 }

@@ -19,8 +19,9 @@ pub fn all() -> Vec<Preset> {
     liang2009::presets()
 }
 
-/// The preset with this name. `liang2009` alone is its largest scene.
+/// The preset with this name. `liang2009` and `liang2009-polar` alone are the largest scenes.
 pub fn find(name: &str) -> Option<Preset> {
-    let name = if name == "liang2009" { "liang2009-100" } else { name };
-    all().into_iter().find(|preset| preset.name == name)
+    let largest = format!("{name}-100");
+    let named = |wanted: &str| all().into_iter().find(|preset| preset.name == wanted);
+    named(name).or_else(|| named(&largest))
 }

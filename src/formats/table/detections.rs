@@ -22,6 +22,7 @@ struct Columns {
     y: Option<usize>,
     range: Option<usize>,
     bearing: Option<usize>,
+    range_rate: Option<usize>,
     amplitude: Option<usize>,
     truth: Option<usize>,
 }
@@ -37,6 +38,7 @@ impl Columns {
             y: header.find("y_m"),
             range: header.find("range_m"),
             bearing: header.find("bearing_deg"),
+            range_rate: header.find("range_rate_mps"),
             amplitude: header.find("amplitude"),
             truth: header.find("truth_id"),
         }
@@ -123,13 +125,14 @@ impl Builder {
         let position = reader.all_or_none(columns.x.zip(columns.y).map(|(x, y)| [x, y]));
         let range_m = reader.optional_number(columns.range);
         let bearing = reader.optional_number(columns.bearing);
+        let range_rate_mps = reader.optional_number(columns.range_rate);
         if !reader.is_sound() {
             return None;
         }
         self.ambiguous |= position.is_some() && (range_m.is_some() || bearing.is_some());
         let measurement = match (position, range_m, bearing.map(f64::to_radians)) {
             (Some([x_m, y_m]), _, _) => Measurement::Position { x_m, y_m },
-            (None, Some(range_m), Some(bearing_rad)) => Measurement::RangeBearing { range_m, bearing_rad },
+            (None, Some(range_m), Some(bearing_rad)) => Measurement::RangeBearing { range_m, bearing_rad, range_rate_mps },
             (None, None, Some(bearing_rad)) => Measurement::Bearing { bearing_rad },
             (None, range_m, None) => {
                 let column = range_m.and(columns.bearing).or(columns.x).or(columns.bearing)?;
@@ -288,6 +291,7 @@ struct Layout {
     position: bool,
     range: bool,
     bearing: bool,
+    range_rate: bool,
     amplitude: bool,
     origin: bool,
 }
@@ -297,9 +301,10 @@ impl Layout {
         let has = |wanted: fn(&Measurement) -> bool| recording.detections.iter().any(|detection| wanted(&detection.measurement));
         let range = has(|measurement| matches!(measurement, Measurement::RangeBearing { .. }));
         let bearing = range || has(|measurement| matches!(measurement, Measurement::Bearing { .. }));
+        let range_rate = has(|measurement| matches!(measurement, Measurement::RangeBearing { range_rate_mps: Some(_), .. }));
         let amplitude = recording.detections.iter().any(|detection| detection.amplitude.is_some());
         let position = !bearing || has(|measurement| matches!(measurement, Measurement::Position { .. }));
-        Layout { position, range, bearing, amplitude, origin: recording.origins_known }
+        Layout { position, range, bearing, range_rate, amplitude, origin: recording.origins_known }
     }
 
     fn columns(self) -> Vec<&'static str> {
@@ -307,6 +312,7 @@ impl Layout {
         columns.extend(self.position.then_some(["x_m", "y_m"]).into_iter().flatten());
         columns.extend(self.range.then_some("range_m"));
         columns.extend(self.bearing.then_some("bearing_deg"));
+        columns.extend(self.range_rate.then_some("range_rate_mps"));
         columns.extend(self.amplitude.then_some("amplitude"));
         columns.extend(self.origin.then_some("truth_id"));
         columns
@@ -319,11 +325,13 @@ fn write_row(recording: &Recording, scan: &Scan, index: Option<usize>, layout: L
     sink.number(Some(f64::from(scan.number)))?;
     sink.text(Some(&recording.sensors[scan.sensor].sensor_id))?;
     sink.text(index.map(|index| recording.detection_ids[index].as_str()))?;
-    let (position, range_m, bearing_rad) = match detection.map(|detection| detection.measurement) {
-        Some(Measurement::Position { x_m, y_m }) => (Some([x_m, y_m]), None, None),
-        Some(Measurement::RangeBearing { range_m, bearing_rad }) => (None, Some(range_m), Some(bearing_rad)),
-        Some(Measurement::Bearing { bearing_rad }) => (None, None, Some(bearing_rad)),
-        None => (None, None, None),
+    let (position, range_m, bearing_rad, range_rate_mps) = match detection.map(|detection| detection.measurement) {
+        Some(Measurement::Position { x_m, y_m }) => (Some([x_m, y_m]), None, None, None),
+        Some(Measurement::RangeBearing { range_m, bearing_rad, range_rate_mps }) => {
+            (None, Some(range_m), Some(bearing_rad), range_rate_mps)
+        }
+        Some(Measurement::Bearing { bearing_rad }) => (None, None, Some(bearing_rad), None),
+        None => (None, None, None, None),
     };
     if layout.position {
         sink.number(position.map(|[x_m, _]| x_m))?;
@@ -334,6 +342,9 @@ fn write_row(recording: &Recording, scan: &Scan, index: Option<usize>, layout: L
     }
     if layout.bearing {
         sink.number(bearing_rad.map(degrees))?;
+    }
+    if layout.range_rate {
+        sink.number(range_rate_mps)?;
     }
     if layout.amplitude {
         sink.number(detection.and_then(|detection| detection.amplitude))?;

@@ -21,8 +21,8 @@ struct Schema {
 
 const DETECTIONS: Schema = Schema {
     required: &["time_s", "scan", "sensor_id", "detection_id"],
-    optional: &["x_m", "y_m", "range_m", "bearing_deg", "amplitude", "truth_id"],
-    unused: &["z_m", "elevation_deg", "range_rate_mps"],
+    optional: &["x_m", "y_m", "range_m", "bearing_deg", "range_rate_mps", "amplitude", "truth_id"],
+    unused: &["z_m", "elevation_deg"],
     together: &[&["x_m", "y_m"]],
 };
 

@@ -64,19 +64,76 @@ pub struct SensorSettings {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub sigma_y_m: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub sigma_range_m: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub sigma_bearing_deg: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub sigma_range_rate_mps: Option<f64>,
 }
 
 impl From<model::sensor::SensorSettings> for SensorSettings {
     fn from(settings: model::sensor::SensorSettings) -> Self {
-        let model::sensor::SensorSettings { sensor_id, x_m, y_m, max_range_m, p_d, clutter_per_m2, sigma_x_m, sigma_y_m } = settings;
-        SensorSettings { sensor_id, x_m, y_m, max_range_m, p_d, clutter_per_m2, sigma_x_m, sigma_y_m }
+        let model::sensor::SensorSettings {
+            sensor_id,
+            x_m,
+            y_m,
+            max_range_m,
+            p_d,
+            clutter_per_m2,
+            sigma_x_m,
+            sigma_y_m,
+            sigma_range_m,
+            sigma_bearing_deg,
+            sigma_range_rate_mps,
+        } = settings;
+        SensorSettings {
+            sensor_id,
+            x_m,
+            y_m,
+            max_range_m,
+            p_d,
+            clutter_per_m2,
+            sigma_x_m,
+            sigma_y_m,
+            sigma_range_m,
+            sigma_bearing_deg,
+            sigma_range_rate_mps,
+        }
     }
 }
 
 impl From<SensorSettings> for model::sensor::SensorSettings {
     fn from(settings: SensorSettings) -> Self {
-        let SensorSettings { sensor_id, x_m, y_m, max_range_m, p_d, clutter_per_m2, sigma_x_m, sigma_y_m } = settings;
-        model::sensor::SensorSettings { sensor_id, x_m, y_m, max_range_m, p_d, clutter_per_m2, sigma_x_m, sigma_y_m }
+        let SensorSettings {
+            sensor_id,
+            x_m,
+            y_m,
+            max_range_m,
+            p_d,
+            clutter_per_m2,
+            sigma_x_m,
+            sigma_y_m,
+            sigma_range_m,
+            sigma_bearing_deg,
+            sigma_range_rate_mps,
+        } = settings;
+        model::sensor::SensorSettings {
+            sensor_id,
+            x_m,
+            y_m,
+            max_range_m,
+            p_d,
+            clutter_per_m2,
+            sigma_x_m,
+            sigma_y_m,
+            sigma_range_m,
+            sigma_bearing_deg,
+            sigma_range_rate_mps,
+        }
     }
 }
 

@@ -57,7 +57,7 @@ fn detection_id(set: &TrackSet, candidate: &Candidate) -> Option<String> {
 fn place(measurement: Measurement, sensor_m: (f64, f64)) -> Option<(f64, f64)> {
     match measurement {
         Measurement::Position { x_m, y_m } => Some((x_m, y_m)),
-        Measurement::RangeBearing { range_m, bearing_rad } => {
+        Measurement::RangeBearing { range_m, bearing_rad, .. } => {
             let (sine, cosine) = bearing_rad.sin_cos();
             Some((sensor_m.0 + range_m * sine, sensor_m.1 + range_m * cosine))
         }

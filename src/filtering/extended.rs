@@ -1,0 +1,63 @@
+//! The extended Kalman filter for ranges and bearings, with range rates where the sensor measures them: the report is
+//! linearised at the predicted state. Position reports are linear already.
+//!
+//! # Reference
+//! Y. Bar-Shalom, X.-R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigation, 2001, section 10.3.
+//!
+//! # Symbols
+//! x̂, P state and covariance; h report of a state; H = ∂h/∂x at x̂; R, S noise and innovation covariance; C = cov(x, z).
+//!
+//! # Method
+//! ẑ = h(x̂), S = H P Hᵀ + R, C = P Hᵀ. Differences of bearings take the shorter way round.
+
+use super::mixture::Expected;
+use super::{Chosen, Filter, FilterMethod, PROCESS_NOISE, plane, polar};
+use crate::model::motion::ConstantVelocity;
+use crate::model::scan::Measurement;
+use crate::model::sensor::{Report, Sensor};
+use crate::model::state::GaussianState;
+use crate::registry::Object;
+use nalgebra::SVector;
+use serde::Deserialize;
+
+pub const METHOD: FilterMethod =
+    FilterMethod { name: "extended", parameters: &PARAMETERS, build: |spec| Extended::deserialize(spec).map(Chosen::Extended) };
+
+static PARAMETERS: Object = Object {
+    name: "ExtendedFilter",
+    summary: "Extended Kalman filter for ranges and bearings, with or without range rates, and for positions; nearly constant velocity.",
+    fields: &[PROCESS_NOISE],
+};
+
+/// The filter of one tracker; `D` is 3 when every detection has a range rate.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct Extended {
+    pub process_noise_m2ps3: f64,
+}
+
+impl<const D: usize> Filter<4, D> for Extended {
+    fn motion(&self) -> ConstantVelocity {
+        ConstantVelocity { spectral_density: self.process_noise_m2ps3 }
+    }
+
+    fn measured(&self, sensor: &Sensor, measurement: &Measurement) -> Option<SVector<f64, D>> {
+        plane::measured(sensor, measurement)
+    }
+
+    fn angle(&self, sensor: &Sensor) -> Option<usize> {
+        plane::angle(sensor)
+    }
+
+    fn expect(&self, state: &GaussianState, sensor: &Sensor) -> Option<Expected<4, D>> {
+        let Report::Polar(polar) = &sensor.report else { return plane::expect_position(state, sensor) };
+        Expected::linear(polar::project(polar, &state.mean), &polar::jacobian(polar, state), &polar::noise(polar)?, state)
+    }
+
+    fn log_clutter_scale(&self, sensor: &Sensor, expected: &Expected<4, D>) -> f64 {
+        plane::log_clutter_scale(sensor, expected)
+    }
+
+    fn initiate(&self, measurement: &SVector<f64, D>, sensor: &Sensor, speed_sigma_mps: f64) -> Option<GaussianState> {
+        plane::initiate(measurement, sensor, speed_sigma_mps)
+    }
+}

@@ -1,0 +1,95 @@
+//! Polar sensors through the front door: simulated, tracked by each filter that can, and judged.
+
+use serde_json::{Value, json};
+use trackloom::experiment::plan::{JobKind, plan};
+use trackloom::experiment::{observer::Silent, presets, run};
+
+const FILTERS: [&str; 3] = ["extended", "unscented", "converted"];
+
+fn result(kind: JobKind, body: &Value) -> Value {
+    let plan = plan(kind, body).unwrap_or_else(|faults| panic!("{faults:?}"));
+    run::run(&plan, vec![], &mut Silent).unwrap_or_else(|_| panic!("the job fails")).result
+}
+
+/// One target on a straight line past a radar that always sees it, for 41 scans.
+fn passing(start: [f64; 2], velocity: [f64; 2], filter: &str) -> Value {
+    json!({
+        "input": {"source": "scenario", "scenario": {
+            "scans": 41, "scan_period_s": 2.0,
+            "sensors": [{"max_range_m": 50_000.0, "p_d": 1.0, "sigma_range_m": 15.0, "sigma_bearing_deg": 0.05}],
+            "targets": {"kind": "listed", "targets": [
+                {"truth_id": "a", "x_m": start[0], "y_m": start[1], "vx_mps": velocity[0], "vy_mps": velocity[1]}
+            ]}
+        }},
+        "filter": {"method": filter},
+        "tracker": {"gate_probability": 0.9999, "initial_speed_sigma_mps": 30.0}
+    })
+}
+
+#[test]
+fn a_target_that_crosses_north_or_south_stays_one_track() {
+    // 10 km away at 20 m/s: bearings from 355° over 0° to 5°, and the same in the south, where −180° follows 180°.
+    for filter in FILTERS {
+        for (start, velocity) in [([-400.0, 10_000.0], [20.0, 0.0]), ([400.0, -10_000.0], [-20.0, 0.0]), ([-400.0, -10_000.0], [20.0, 0.0])]
+        {
+            let result = result(JobKind::Associate, &passing(start, velocity, filter));
+            let association = &result["association"];
+            assert_eq!(association["counts"]["started_tracks"], 1, "{filter} from {start:?}");
+            assert_eq!(association["counts"]["associated_detections"], 41, "{filter} from {start:?}");
+            let nis = &association["nis"];
+            assert_eq!((&nis["updates"], &nis["dimensions"]), (&json!(38), &json!(2)), "{filter} from {start:?}");
+            let mean = nis["mean"].as_f64().unwrap();
+            assert!((0.9..3.4).contains(&mean), "{filter} from {start:?}: mean NIS {mean}");
+        }
+    }
+}
+
+#[test]
+fn the_polar_scenes_of_the_paper_are_tracked_by_every_filter() {
+    for (targets, filter) in [10, 30, 50, 80, 100].iter().flat_map(|targets| FILTERS.map(|filter| (targets, filter))) {
+        let mut preset = presets::find(&format!("liang2009-polar-{targets}")).unwrap();
+        preset.body["filter"]["method"] = json!(filter);
+        let result = result(preset.kind, &preset.body);
+        let counts = &result["tfa"]["counts"];
+        let (correct, all) = (counts["correct"].as_u64().unwrap(), counts["targets"].as_u64().unwrap());
+        println!("{targets} {filter}: {counts} {}", result["association"]["nis"]);
+        assert!(all > targets * 2 / 3 && correct * 4 >= all, "{targets} {filter}: {correct} of {all}");
+    }
+}
+
+#[test]
+fn the_oracle_judges_polar_scenes_as_the_truth_does() {
+    for filter in FILTERS {
+        let mut preset = presets::find("liang2009-polar").unwrap();
+        preset.body["filter"] = json!({"method": filter});
+        preset.body["associator"] = json!({"method": "oracle"});
+        preset.body["tracker"]["confirm_hits"] = json!(1);
+        preset.body["tracker"]["confirm_window"] = json!(1);
+        let result = result(preset.kind, &preset.body);
+        let counts = &result["tfa"]["counts"];
+        assert_eq!(counts["false"], 0, "{filter}: {counts}");
+        assert!(counts["correct"].as_u64().unwrap() > 60, "{filter}: {counts}");
+    }
+}
+
+#[test]
+fn a_scenario_must_say_what_its_sensors_report() {
+    let body = |noises: Value| {
+        let mut sensor = json!({"max_range_m": 1000.0});
+        noises.as_object().unwrap().iter().for_each(|(name, value)| sensor[name] = value.clone());
+        json!({"scenario": {
+            "scans": 2, "scan_period_s": 1.0, "sensors": [sensor],
+            "targets": {"kind": "listed", "targets": [{"truth_id": "a", "x_m": 1.0, "y_m": 2.0}]}
+        }})
+    };
+    let fault = |noises: Value| {
+        let faults = plan(JobKind::Simulate, &body(noises)).unwrap_err();
+        assert_eq!(faults.len(), 1);
+        (faults[0].pointer.clone(), faults[0].code.clone())
+    };
+    let place = || "/scenario/sensors/0".to_owned();
+    assert_eq!(fault(json!({})), (place(), "missing".to_owned()));
+    assert_eq!(fault(json!({"sigma_x_m": 1.0})), (place(), "missing".to_owned()));
+    assert_eq!(fault(json!({"sigma_x_m": 1.0, "sigma_y_m": 1.0, "sigma_range_m": 1.0})), (place(), "conflict".to_owned()));
+    assert!(plan(JobKind::Simulate, &body(json!({"sigma_range_m": 1.0, "sigma_bearing_deg": 1.0}))).is_ok());
+}
