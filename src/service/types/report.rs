@@ -114,6 +114,7 @@ pub struct Association {
     /// The associator.
     pub method: String,
     pub counts: AssociationCounts,
+    pub nis: Nis,
     pub sensors: Vec<SensorSettings>,
     /// Tracks that were confirmed.
     pub tracks: Vec<TrackLine>,
@@ -133,6 +134,17 @@ pub struct AssociationCounts {
     pub track_points: u64,
     /// Track points that were given a detection.
     pub associated_detections: u64,
+}
+
+/// Normalised innovation squared of the updates of confirmed tracks: near `dimensions` on average when the filter's
+/// covariances are honest.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Nis {
+    /// `null` when no confirmed track was updated.
+    pub mean: Option<f64>,
+    pub updates: u64,
+    /// Values of one measurement.
+    pub dimensions: u64,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
