@@ -2,7 +2,8 @@
 //!
 //! Prints the yardstick u (one predict and update of a 4-state Kalman filter with nalgebra's fixed sizes), then for
 //! scenes of 100, 1 000, 5 000 and 10 000 targets of equal density the cost of the whole tracker for each track and scan under
-//! `oracle` (the filter alone) and under every other associator, in u and as a ratio to the oracle.
+//! `oracle` (the filter alone) and under every other associator, in u and as a ratio to the oracle. Last, what JPDA costs
+//! in whole runs and how it found its marginals. `cargo bench --bench association jpda` leaves out the large scenes.
 
 use nalgebra::{Matrix2, Matrix2x4, Matrix4, Vector2, Vector4};
 use serde_json::json;
@@ -12,7 +13,7 @@ use trackloom::association::ASSOCIATORS;
 use trackloom::filtering::kalman::Kalman;
 use trackloom::math::rng::Seed;
 use trackloom::model::scan::Recording;
-use trackloom::model::scenario::{RandomTargets, Scenario, ScenarioSensor, TargetPlan};
+use trackloom::model::scenario::{RandomTargets, ReportNoise, Scenario, ScenarioSensor, TargetPlan};
 use trackloom::model::sensor::{Report, Sensor};
 use trackloom::registry;
 use trackloom::tracking::{Lifecycle, Tracker, TrackerParts};
@@ -28,9 +29,11 @@ fn main() {
     let u_ns = yardstick_ns();
     println!("yardstick u = {u_ns:.1} ns (4-state Kalman predict + update, nalgebra, fixed sizes)\n");
     println!("{:>8}  {:<20} {:>12} {:>10} {:>10} {:>9}", "targets", "associator", "track-scans", "ns each", "u each", "/ oracle");
-    for targets in [100, 1_000, 5_000, 10_000] {
+    let is_jpda_alone = std::env::args().any(|argument| argument == "jpda");
+    for targets in [100, 1_000, 5_000, 10_000].into_iter().take(if is_jpda_alone { 1 } else { 4 }) {
         compare(targets, u_ns);
     }
+    jpda_scenes(u_ns);
 }
 
 /// One line for each associator at one size.
@@ -40,7 +43,7 @@ fn compare(targets: u32, u_ns: f64) {
     let mut points = vec![0; ASSOCIATORS.len()];
     for _ in 0..RUNS {
         for (index, method) in ASSOCIATORS.iter().enumerate() {
-            let (seconds, track_scans) = tracked(method.name, &scenario, &recording);
+            let (seconds, track_scans, _) = tracked(method.name, &scenario, &recording);
             times[index].push(seconds * 1e9 / track_scans as f64);
             points[index] = track_scans;
         }
@@ -53,9 +56,9 @@ fn compare(targets: u32, u_ns: f64) {
     }
 }
 
-/// Liang's scene at 100 targets; larger ones have a larger radar of the same target and clutter density.
+/// Liang's scene up to 100 targets; larger ones have a larger radar of the same target and clutter density.
 fn scene(targets: u32) -> (Scenario, Recording) {
-    let scale = (f64::from(targets) / 100.0).sqrt();
+    let scale = (f64::from(targets) / 100.0).max(1.0).sqrt();
     let scenario = Scenario {
         scans: 30,
         scan_period_s: 8.0,
@@ -78,25 +81,32 @@ fn scene(targets: u32) -> (Scenario, Recording) {
             speed_max_mps: 1000.0,
         }),
     };
+    recorded(scenario)
+}
+
+fn recorded(scenario: Scenario) -> (Scenario, Recording) {
     let simulated = trackloom::simulation::simulate(&scenario, Seed { seed: 1, run: 0 }, &mut |_| std::ops::ControlFlow::Continue(()));
     let recording = simulated.expect("the scene is valid").expect("nobody stops it").recording;
     (scenario, recording)
 }
 
 /// Seconds for the whole tracker, and how many living tracks it carried through a scan, summed over the scans.
-fn tracked(method: &str, scenario: &Scenario, recording: &Recording) -> (f64, u64) {
+fn tracked(method: &str, scenario: &Scenario, recording: &Recording) -> (f64, u64, Option<serde_json::Value>) {
     let associator = ASSOCIATORS.iter().find(|entry| entry.name == method).expect("a name of the table");
     let defaults = registry::check(&json!({}), associator.parameters).expect("every parameter has a default");
     let sensor = &scenario.sensors[0];
+    // A scene of slow targets within 2 km is not tracked with the speeds of aircraft.
+    let initial_speed_sigma_mps = if sensor.max_range_m < 10_000.0 { 10.0 } else { 430.0 };
+    let Some(ReportNoise::Position { sigma_x_m, sigma_y_m }) = sensor.noise() else { panic!("the scenes have position reports") };
     let parts = TrackerParts {
         filter: Kalman { process_noise_m2ps3: 1.0 },
         associator: (associator.build)(&defaults).expect("defaults build"),
-        lifecycle: Lifecycle { gate_probability: 0.999, confirm_hits: 3, confirm_window: 5, max_missed: 5, initial_speed_sigma_mps: 430.0 },
+        lifecycle: Lifecycle { gate_probability: 0.999, confirm_hits: 3, confirm_window: 5, max_missed: 5, initial_speed_sigma_mps },
         sensors: vec![Sensor {
             sensor_id: "radar".into(),
             p_d: sensor.p_d,
             clutter_density: sensor.clutter_per_m2(),
-            report: Report::Position { sigma_x_m: 15.0, sigma_y_m: 5.2 },
+            report: Report::Position { sigma_x_m, sigma_y_m },
         }],
     };
     let start = Instant::now();
@@ -106,8 +116,49 @@ fn tracked(method: &str, scenario: &Scenario, recording: &Recording) -> (f64, u6
         track_scans += u64::from(tracker.step(scan, recording.detections_of(scan)).tracks);
     }
     let seconds = start.elapsed().as_secs_f64();
+    let diagnostics = tracker.diagnostics();
     black_box(tracker.into_history());
-    (seconds, track_scans)
+    (seconds, track_scans, diagnostics)
+}
+
+/// Scenes that decide whether a JPDA is usable: what the whole run costs, and how its marginals were found.
+fn jpda_scenes(u_ns: f64) {
+    println!("\nJPDA, whole runs");
+    report("30 targets", &scene(30), u_ns);
+    report("100 targets", &scene(100), u_ns);
+    report("dense", &dense_scene(), u_ns);
+}
+
+/// 100 targets that start within 2 km, and 500 false detections a scan in the same 2 km.
+fn dense_scene() -> (Scenario, Recording) {
+    let sensor = ScenarioSensor {
+        sensor_id: "radar".into(),
+        x_m: 0.0,
+        y_m: 0.0,
+        max_range_m: 1_500.0,
+        p_d: 0.9,
+        sigma_x_m: Some(10.0),
+        sigma_y_m: Some(10.0),
+        sigma_range_m: None,
+        sigma_bearing_deg: None,
+        clutter_per_scan: 500.0,
+    };
+    let targets = RandomTargets { count: 100, area_side_m: 2_000.0, speed_min_mps: 1.0, speed_max_mps: 15.0 };
+    recorded(Scenario { scans: 30, scan_period_s: 2.0, sensors: vec![sensor], targets: TargetPlan::Random(targets) })
+}
+
+fn report(name: &str, (scenario, recording): &(Scenario, Recording), u_ns: f64) {
+    let runs = if name == "dense" { 1 } else { RUNS };
+    let mut times = Vec::new();
+    let mut diagnostics = None;
+    for _ in 0..runs {
+        let (seconds, _, said) = tracked("jpda", scenario, recording);
+        times.push(seconds);
+        diagnostics = said;
+    }
+    let seconds = median(times);
+    println!("{name:>12}: {:.3} ms = {:.0} u", seconds * 1e3, seconds * 1e9 / u_ns);
+    println!("{}", diagnostics.map_or_else(String::new, |said| said.to_string()));
 }
 
 /// The textbook filter, written the plain way.

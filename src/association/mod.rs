@@ -4,6 +4,7 @@ use crate::registry::{Method, Union};
 
 pub mod global_nearest_neighbour;
 mod greedy;
+pub mod jpda;
 pub mod nearest_neighbour;
 pub mod oracle;
 pub mod pda;
@@ -36,6 +37,11 @@ pub trait Associator: Send {
 
     /// Writes for every track of the problem weights over its candidates and "none" that sum to 1.
     fn associate(&mut self, problem: &Problem, weights: &mut Weights);
+
+    /// What it wants to say of all it did so far, as JSON for the report.
+    fn diagnostics(&self) -> Option<serde_json::Value> {
+        None
+    }
 }
 
 /// Builds an associator from its checked parameters.
@@ -43,7 +49,7 @@ pub type BuildAssociator = fn(&serde_json::Value) -> Result<Box<dyn Associator>,
 
 /// Every associator.
 pub const ASSOCIATORS: &[Method<BuildAssociator>] =
-    &[nearest_neighbour::METHOD, strongest_neighbour::METHOD, global_nearest_neighbour::METHOD, pda::METHOD, oracle::METHOD];
+    &[nearest_neighbour::METHOD, strongest_neighbour::METHOD, global_nearest_neighbour::METHOD, pda::METHOD, jpda::METHOD, oracle::METHOD];
 
 pub static ASSOCIATOR: Union = Union {
     name: "Associator",

@@ -18,6 +18,8 @@ pub(super) struct Tracked {
     pub scans: Vec<ScanOutcome>,
     pub method: String,
     nis: NisReport,
+    /// What the associator says of its work.
+    pub diagnostics: Option<Value>,
 }
 
 /// The part `association` of a report.
@@ -28,6 +30,8 @@ pub(super) struct AssociationReport {
     nis: NisReport,
     sensors: Vec<SensorSettings>,
     tracks: Vec<TrackLine>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    diagnostics: Option<Value>,
 }
 
 /// Normalised innovation squared of the updates of confirmed tracks: near `dimensions` on average when the filter's
@@ -100,7 +104,8 @@ impl Tracking<'_> {
             }
         }
         let nis = NisReport { mean: tracker.nis().mean(), updates: tracker.nis().updates, dimensions: D };
-        Ok(Tracked { tracks: tracker.into_history().into_tracks(recording), scans, method, nis })
+        let diagnostics = tracker.diagnostics();
+        Ok(Tracked { tracks: tracker.into_history().into_tracks(recording), scans, method, nis, diagnostics })
     }
 }
 
@@ -154,6 +159,7 @@ pub(super) fn report(tracked: &Tracked, recording: &Recording, sensors: &[Sensor
         nis: tracked.nis,
         sensors: sensors.to_vec(),
         tracks: lines,
+        diagnostics: tracked.diagnostics.clone(),
     }
 }
 

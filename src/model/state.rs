@@ -26,3 +26,26 @@ pub const UPPER_TRIANGLE: [(usize, usize); 10] = [(0, 0), (0, 1), (0, 2), (0, 3)
 pub fn upper_triangle(covariance: &Covariance) -> [f64; 10] {
     UPPER_TRIANGLE.map(|(row, column)| covariance[(row, column)])
 }
+
+/// The symmetric covariance with this upper triangle.
+pub fn from_upper_triangle(elements: &[f64; 10]) -> Covariance {
+    let mut covariance = Covariance::zeros();
+    for (&(row, column), &element) in UPPER_TRIANGLE.iter().zip(elements) {
+        covariance[(row, column)] = element;
+        covariance[(column, row)] = element;
+    }
+    covariance
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_covariance_comes_back_from_its_upper_triangle() {
+        let elements = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0];
+        let covariance = from_upper_triangle(&elements);
+        assert_eq!(covariance, covariance.transpose());
+        assert_eq!(upper_triangle(&covariance), elements);
+    }
+}

@@ -1,7 +1,7 @@
 //! What a tracker did: one entry a track and scan, in scan order, turned into tracks at the end.
 
 use crate::model::scan::Recording;
-use crate::model::state::{Covariance, State};
+use crate::model::state::{State, from_upper_triangle};
 use crate::model::track::{Candidate, Track, TrackPoint, TrackSet, TrackStatus};
 
 /// A track at one scan.
@@ -15,7 +15,8 @@ pub(super) struct Entry {
     pub first_candidate: usize,
     pub candidates: usize,
     pub mean: State,
-    pub covariance: Covariance,
+    /// Upper triangle: a history is long, and the rest of a covariance says nothing new.
+    pub covariance: [f64; 10],
 }
 
 /// Everything a tracker remembers.
@@ -60,7 +61,7 @@ fn point(entry: &Entry, recording: &Recording) -> TrackPoint {
         sensor: Some(scan.sensor as u32),
         state: entry.mean,
         has_velocity: true,
-        covariance: Some(entry.covariance),
+        covariance: Some(from_upper_triangle(&entry.covariance)),
         status: Some(entry.status),
         first_candidate: entry.first_candidate,
         candidates: entry.candidates,

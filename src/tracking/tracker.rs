@@ -13,7 +13,7 @@ use crate::gating::grid::Grid;
 use crate::math::angle;
 use crate::model::scan::{Detection, Scan};
 use crate::model::sensor::Sensor;
-use crate::model::state::GaussianState;
+use crate::model::state::{GaussianState, upper_triangle};
 use crate::model::track::Candidate;
 use nalgebra::SVector;
 
@@ -144,6 +144,11 @@ impl<F: Filter<4, D>, const D: usize> Tracker<F, D> {
         self.nis
     }
 
+    /// What the associator says of all it did so far.
+    pub fn diagnostics(&self) -> Option<serde_json::Value> {
+        self.parts.associator.diagnostics()
+    }
+
     /// Everything that happened so far.
     pub fn into_history(self) -> History {
         self.history
@@ -231,7 +236,12 @@ impl<F: Filter<4, D>, const D: usize> Tracker<F, D> {
             self.nis.updates += 1;
         }
         self.parts.lifecycle.advance(&mut track.life, detected > self.weights.none[row]);
-        self.history.remember(track, self.scans, first_candidate, was_confirmed);
+        if self.parts.lifecycle.is_over(&track.life) {
+            // It ends before this scan: what nobody carries on is not a track any more.
+            self.history.candidates.truncate(first_candidate);
+        } else {
+            self.history.remember(track, self.scans, first_candidate, was_confirmed);
+        }
     }
 
     /// Starts a track at every detection that no track used.
@@ -267,7 +277,7 @@ impl History {
             first_candidate,
             candidates: self.candidates.len() - first_candidate,
             mean: track.state.mean,
-            covariance: track.state.covariance,
+            covariance: upper_triangle(&track.state.covariance),
         });
     }
 }

@@ -7,7 +7,7 @@ use super::row::RowReader;
 use super::{Rows, Sink};
 use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
-use crate::model::state::{Covariance, State, UPPER_TRIANGLE, upper_triangle};
+use crate::model::state::{State, from_upper_triangle, upper_triangle};
 use crate::model::track::{Candidate, Track, TrackPoint, TrackSet, TrackStatus};
 use std::collections::HashMap;
 use std::io;
@@ -185,7 +185,7 @@ fn read_point(reader: &mut RowReader, columns: &Columns) -> Option<TrackPoint> {
     let time_s = reader.number(columns.time);
     let [x_m, y_m] = columns.position.map(|column| reader.number(column));
     let velocity = reader.all_or_none(columns.velocity);
-    let covariance = reader.all_or_none(columns.covariance).map(covariance_of);
+    let covariance = reader.all_or_none(columns.covariance).map(|upper| from_upper_triangle(&upper));
     let status = read_status(reader, columns);
     let [vx_mps, vy_mps] = velocity.unwrap_or_default();
     Some(TrackPoint {
@@ -198,15 +198,6 @@ fn read_point(reader: &mut RowReader, columns: &Columns) -> Option<TrackPoint> {
         first_candidate: 0,
         candidates: 0,
     })
-}
-
-fn covariance_of(upper: [f64; 10]) -> Covariance {
-    let mut covariance = Covariance::zeros();
-    for ((row, column), value) in UPPER_TRIANGLE.into_iter().zip(upper) {
-        covariance[(row, column)] = value;
-        covariance[(column, row)] = value;
-    }
-    covariance
 }
 
 fn read_status(reader: &mut RowReader, columns: &Columns) -> Option<TrackStatus> {

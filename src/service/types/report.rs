@@ -118,6 +118,10 @@ pub struct Association {
     pub sensors: Vec<SensorSettings>,
     /// Tracks that were confirmed.
     pub tracks: Vec<TrackLine>,
+    /// What the associator says of its own work; each has its own fields.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false, value_type = Object)]
+    pub diagnostics: Option<Value>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]

@@ -1,0 +1,245 @@
+//! Joint probabilistic data association: each track is updated with all detections in its gate, each weighted by the
+//! probability that it came from the target, summed over every way in which the tracks of a cluster can share them.
+//!
+//! # Reference
+//! Y. Bar-Shalom, T. E. Fortmann, Tracking and Data Association, 1988, section 9.3; Y. Bar-Shalom, X.-R. Li,
+//! Multitarget-Multisensor Tracking, 1995, section 6.2. The algorithms for the sums name theirs in their files.
+//!
+//! # Symbols
+//! A joint event gives each track at most one of its detections and each detection to at most one track. βᵢⱼ is the
+//! probability that track i has detection j, βᵢ₀ that it has none.
+//!
+//! # Method
+//! 1. P(event) ∝ Π over tracks of the weight of its detection, or of none.
+//! 2. βᵢⱼ = Σ P over the events in which i has j: by one of the algorithms named in the parameter `marginals`. (Where
+//!    others call this choice JPDA's method: here `method` is already the word that names JPDA itself.)
+//!
+//! `auto` decides for each cluster: the closed form for a single track, the list of all events where it is short, else
+//! the exact sum where its tables stay within `max_states` and `max_auto_cost`, else belief propagation. No cap is passed silently: the
+//! diagnostics count what each algorithm did and what a cap kept from the one asked for.
+
+mod belief_propagation;
+mod cluster;
+mod diagnostics;
+mod enumerate;
+mod exact;
+mod number;
+mod plan;
+#[cfg(test)]
+mod tests;
+
+use super::problem::{Problem, Weights};
+use super::{Associator, BuildAssociator};
+use crate::registry::{Bound, Field, Kind, Method, Object, Presence};
+use belief_propagation::BeliefPropagation;
+use cluster::Cluster;
+use diagnostics::Diagnostics;
+use enumerate::Enumerate;
+use exact::{Exact, Planned};
+use plan::Limits;
+use serde::Deserialize;
+
+pub const METHOD: Method<BuildAssociator> =
+    Method { name: "jpda", parameters: &PARAMETERS, build: |spec| Ok(Box::new(Jpda::new(Settings::deserialize(spec)?))) };
+
+static PARAMETERS: Object = Object {
+    name: "Jpda",
+    summary: "Joint probabilistic data association: every detection in the gate counts by its probability.",
+    fields: &[
+        Field {
+            name: "marginals",
+            summary: "How the probabilities of a cluster are summed: auto picks the cheapest exact way and approximates only where \
+                      none is within the caps; enumerate lists joint events as the papers do; exact sums them without listing; \
+                      belief_propagation approximates.",
+            kind: Kind::Choice(&["auto", "exact", "enumerate", "belief_propagation"]),
+            presence: Presence::Default("\"auto\""),
+        },
+        Field {
+            name: "max_events",
+            summary: "Joint events of a cluster that enumerate lists; a cluster with more is left to auto, and counted.",
+            kind: Kind::Integer { min: 1, max: 1_000_000_000, unit: "events" },
+            presence: Presence::Default("1000000"),
+        },
+        Field {
+            name: "max_states",
+            summary: "Cells of one table of exact; a cluster that needs more goes to belief propagation, and is counted.",
+            kind: Kind::Integer { min: 1, max: 16_777_216, unit: "states" },
+            presence: Presence::Default("65536"),
+        },
+        Field {
+            name: "max_auto_cost",
+            summary: "Cells that auto lets an exact sum visit, over all its tables; a cluster that needs more goes to belief \
+                      propagation, and is counted. A million take a few milliseconds.",
+            kind: Kind::Integer { min: 1, max: MAX_EXACT_COST as i64, unit: "cells" },
+            presence: Presence::Default("200000"),
+        },
+        Field {
+            name: "tolerance",
+            summary: "Belief propagation ends when no message changes by more than this, relative to itself.",
+            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(0.1), unit: "" },
+            presence: Presence::Default("1e-9"),
+        },
+        Field {
+            name: "max_iterations",
+            summary: "Belief propagation ends after this many rounds of messages; a cluster that has not settled is counted.",
+            kind: Kind::Integer { min: 1, max: 1_000_000, unit: "" },
+            presence: Presence::Default("1000"),
+        },
+    ],
+};
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Marginals {
+    Auto,
+    Exact,
+    Enumerate,
+    BeliefPropagation,
+}
+
+/// The parameters of [`PARAMETERS`].
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(default)]
+struct Settings {
+    marginals: Marginals,
+    max_events: u64,
+    max_states: u64,
+    max_auto_cost: u64,
+    tolerance: f64,
+    max_iterations: u32,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings {
+            marginals: Marginals::Auto,
+            max_events: 1_000_000,
+            max_states: 65_536,
+            max_auto_cost: 200_000,
+            tolerance: 1e-9,
+            max_iterations: 1000,
+        }
+    }
+}
+
+/// Clusters with at most this many joint events are listed by `auto`: planning an exact sum would cost more.
+const FEW_EVENTS: f64 = 32.0;
+
+/// Cells that one exact sum may visit, over all its tables: beyond it the memory for them would be too large.
+const MAX_EXACT_COST: u64 = 1 << 25;
+
+#[derive(Debug)]
+struct Jpda {
+    settings: Settings,
+    diagnostics: Diagnostics,
+    cluster: Cluster,
+    enumerate: Enumerate,
+    exact: Exact,
+    belief_propagation: BeliefPropagation,
+}
+
+impl Associator for Jpda {
+    fn is_soft(&self) -> bool {
+        true
+    }
+
+    fn associate(&mut self, problem: &Problem, weights: &mut Weights) {
+        if problem.row_count() == 1 {
+            let detections = weigh_single(problem, weights);
+            self.diagnostics.single(detections);
+            return;
+        }
+        self.cluster.load(problem);
+        match self.settings.marginals {
+            Marginals::Auto => self.choose(),
+            Marginals::Enumerate => self.list_or_choose(),
+            Marginals::Exact => self.sum_or_propagate(MAX_EXACT_COST),
+            Marginals::BeliefPropagation => self.propagate(),
+        }
+        self.cluster.store(problem, weights);
+    }
+
+    fn diagnostics(&self) -> Option<serde_json::Value> {
+        serde_json::to_value(&self.diagnostics).ok()
+    }
+}
+
+/// The closed form for a track without rivals: its own weights, divided by their sum. Returns how many detections it has.
+fn weigh_single(problem: &Problem, weights: &mut Weights) -> usize {
+    let mut detections = 0;
+    for (index, row) in problem.rows() {
+        let top = row.edges().map(|edge| problem.edge(edge).log_likelihood).fold(row.log_none, f64::max);
+        let none = (row.log_none - top).exp();
+        let mut total = none;
+        for edge in row.edges() {
+            let weight = (problem.edge(edge).log_likelihood - top).exp();
+            weights.edges[edge] = weight;
+            total += weight;
+        }
+        for edge in row.edges() {
+            weights.edges[edge] /= total;
+        }
+        weights.none[index] = none / total;
+        detections = row.edges().len();
+    }
+    detections
+}
+
+impl Jpda {
+    fn new(settings: Settings) -> Self {
+        Jpda {
+            settings,
+            diagnostics: Diagnostics::new(),
+            cluster: Cluster::default(),
+            enumerate: Enumerate::default(),
+            exact: Exact::default(),
+            belief_propagation: BeliefPropagation::default(),
+        }
+    }
+
+    /// The cheapest exact algorithm within the caps, else belief propagation.
+    fn choose(&mut self) {
+        let few = FEW_EVENTS.min(self.settings.max_events as f64);
+        if self.cluster.most_events() > few || !self.list() {
+            self.sum_or_propagate(self.settings.max_auto_cost);
+        }
+    }
+
+    fn list_or_choose(&mut self) {
+        if !self.list() {
+            self.diagnostics.caps().enumerate += 1;
+            self.choose();
+        }
+    }
+
+    fn sum_or_propagate(&mut self, max_cost: u64) {
+        let limits = Limits { width: self.settings.max_states.ilog2(), cost: max_cost };
+        match self.exact.plan(&self.cluster, limits) {
+            Some(planned) => self.sum(planned),
+            None => {
+                self.diagnostics.caps().exact += 1;
+                self.propagate();
+            }
+        }
+    }
+
+    /// Whether the events were few enough to be listed.
+    fn list(&mut self) -> bool {
+        let is_listed = self.enumerate.marginals(&mut self.cluster, self.settings.max_events);
+        if is_listed {
+            self.diagnostics.enumerated(&self.cluster);
+        }
+        is_listed
+    }
+
+    fn sum(&mut self, planned: Planned) {
+        self.exact.marginals(&mut self.cluster, planned);
+        self.diagnostics.exact(&self.cluster, planned.frontier);
+    }
+
+    fn propagate(&mut self) {
+        let Settings { tolerance, max_iterations, .. } = self.settings;
+        let settled = self.belief_propagation.marginals(&mut self.cluster, tolerance, max_iterations);
+        self.diagnostics.propagated(&self.cluster, settled);
+    }
+}

@@ -1,0 +1,180 @@
+//! In which order the exact sum takes the elements of one side, and what it must remember between two of them: the
+//! frontier, those nodes of the other side that an earlier element may have used and a later one may still want.
+//!
+//! # Method
+//! 1. Start at the element with the fewest edges.
+//! 2. Next comes the element, among those that want a node of the frontier, that leaves the smallest frontier; of
+//!    equals, the one that brings the fewest new nodes, then the first.
+//! 3. A table over the subsets of the frontier doubles with each new node and halves with each that nobody wants any
+//!    more, so the sizes of all tables are known before any is computed.
+
+use super::cluster::Sides;
+
+/// One choice of an element.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Choice {
+    pub(super) edge: u32,
+    /// Bit of the node in the frontier of this step; [`PRIVATE`] when no other element wants it.
+    pub(super) bit: u8,
+}
+
+/// The bit of a node that only one element wants: whether it is used matters to nobody else.
+pub(super) const PRIVATE: u8 = u8::MAX;
+
+/// One element of the order.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Step {
+    pub(super) element: u32,
+    /// Nodes in the frontier before this element.
+    pub(super) width: u32,
+    /// Nodes that enter with it, as the bits from `width` on.
+    pub(super) fresh: u32,
+    /// Ends of this step's parts of [`Plan::choices`] and [`Plan::leaving`].
+    pub(super) choices_end: u32,
+    pub(super) leaving_end: u32,
+}
+
+#[derive(Debug, Default)]
+pub(super) struct Plan {
+    pub(super) steps: Vec<Step>,
+    pub(super) choices: Vec<Choice>,
+    /// Bits that leave after each step, highest first.
+    pub(super) leaving: Vec<u8>,
+    /// Cells to be visited, over all steps and choices.
+    pub(super) cost: u64,
+    /// The widest frontier.
+    pub(super) frontier: u32,
+    /// For each node of the other side, how many elements to come want it.
+    wanted: Vec<u32>,
+    /// For each node of the other side, its bit.
+    bit_of: Vec<u8>,
+    /// Nodes in the frontier, by bit.
+    frontier_nodes: Vec<u32>,
+    /// Elements to come that want a node of the frontier.
+    fringe: Vec<u32>,
+    state: Vec<Seen>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Seen {
+    No,
+    Fringe,
+    Taken,
+}
+
+const ABSENT: u8 = u8::MAX;
+
+/// What a plan may cost.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limits {
+    /// Nodes of a frontier.
+    pub(super) width: u32,
+    /// Cells visited, over all steps.
+    pub(super) cost: u64,
+}
+
+impl Plan {
+    /// Finds the order; false when it would break a limit.
+    pub(super) fn make(&mut self, sides: Sides, limits: Limits) -> bool {
+        self.reset(sides);
+        let degree = |element: &usize| sides.elements.edges_of(*element).len();
+        let mut next = (0..sides.elements.len()).min_by_key(degree);
+        while let Some(element) = next {
+            if !self.take(sides, element as u32, limits) {
+                return false;
+            }
+            next = self.fringe.iter().min_by_key(|&&element| self.rank(sides, element)).map(|&element| element as usize);
+        }
+        true
+    }
+
+    fn reset(&mut self, sides: Sides) {
+        self.steps.clear();
+        self.choices.clear();
+        self.leaving.clear();
+        self.frontier_nodes.clear();
+        self.fringe.clear();
+        (self.cost, self.frontier) = (0, 0);
+        self.wanted.clear();
+        self.wanted.extend((0..sides.others.len()).map(|node| sides.others.edges_of(node).len() as u32));
+        self.bit_of.clear();
+        self.bit_of.resize(sides.others.len(), ABSENT);
+        self.state.clear();
+        self.state.resize(sides.elements.len(), Seen::No);
+    }
+
+    /// Growth of the frontier by an element, the nodes it brings, the element itself.
+    fn rank(&self, sides: Sides, element: u32) -> (i32, i32, u32) {
+        let (mut fresh, mut leaving) = (0, 0);
+        for &edge in sides.elements.edges_of(element as usize) {
+            let node = sides.other_of[edge as usize] as usize;
+            let is_last = self.wanted[node] == 1;
+            if self.bit_of[node] != ABSENT {
+                leaving += i32::from(is_last);
+            } else {
+                fresh += i32::from(!is_last);
+            }
+        }
+        (fresh - leaving, fresh, element)
+    }
+
+    /// Adds the step of an element; false when it would break a limit.
+    fn take(&mut self, sides: Sides, element: u32, limits: Limits) -> bool {
+        let edges = sides.elements.edges_of(element as usize);
+        let width = self.frontier_nodes.len() as u32;
+        for &edge in edges {
+            let node = sides.other_of[edge as usize];
+            let bit = if self.bit_of[node as usize] == ABSENT && self.wanted[node as usize] == 1 { PRIVATE } else { self.enter(node) };
+            self.choices.push(Choice { edge, bit });
+            self.wanted[node as usize] -= 1;
+        }
+        let full = self.frontier_nodes.len() as u32;
+        self.frontier = self.frontier.max(full);
+        if full > limits.width {
+            return false;
+        }
+        self.cost += (edges.len() as u64 + 2) << full;
+        self.leave();
+        let (choices_end, leaving_end) = (self.choices.len() as u32, self.leaving.len() as u32);
+        self.steps.push(Step { element, width, fresh: full - width, choices_end, leaving_end });
+        self.widen_fringe(sides, element);
+        self.cost <= limits.cost
+    }
+
+    /// The bit of a node that is in the frontier from now on, if it was not before.
+    fn enter(&mut self, node: u32) -> u8 {
+        if self.bit_of[node as usize] == ABSENT {
+            self.bit_of[node as usize] = self.frontier_nodes.len().min(usize::from(ABSENT) - 1) as u8;
+            self.frontier_nodes.push(node);
+        }
+        self.bit_of[node as usize]
+    }
+
+    /// Takes the nodes that nobody wants any more out of the frontier; the bits above them move down.
+    fn leave(&mut self) {
+        for bit in (0..self.frontier_nodes.len()).rev() {
+            if self.wanted[self.frontier_nodes[bit] as usize] == 0 {
+                self.leaving.push(bit as u8);
+                self.frontier_nodes.remove(bit);
+            }
+        }
+        for (bit, &node) in self.frontier_nodes.iter().enumerate() {
+            self.bit_of[node as usize] = bit as u8;
+        }
+    }
+
+    /// Takes the element out of the fringe, and what wants its nodes in.
+    fn widen_fringe(&mut self, sides: Sides, element: u32) {
+        self.state[element as usize] = Seen::Taken;
+        self.fringe.retain(|&other| other != element);
+        for &edge in sides.elements.edges_of(element as usize) {
+            for &other_edge in sides.others.edges_of(sides.other_of[edge as usize] as usize) {
+                let other = sides.element_of[other_edge as usize];
+                if self.state[other as usize] == Seen::No {
+                    self.state[other as usize] = Seen::Fringe;
+                    self.fringe.push(other);
+                }
+            }
+        }
+    }
+}
