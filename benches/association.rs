@@ -13,7 +13,7 @@ use trackloom::association::ASSOCIATORS;
 use trackloom::filtering::kalman::Kalman;
 use trackloom::math::rng::Seed;
 use trackloom::model::scan::Recording;
-use trackloom::model::scenario::{RandomTargets, Scenario, ScenarioSensor, TargetPlan};
+use trackloom::model::scenario::{RandomTargets, ReportNoise, Scenario, ScenarioSensor, TargetPlan};
 use trackloom::model::sensor::{Report, Sensor};
 use trackloom::registry;
 use trackloom::tracking::{Lifecycle, Tracker, TrackerParts};
@@ -98,6 +98,7 @@ fn tracked(method: &str, scenario: &Scenario, recording: &Recording) -> (f64, u6
     let (Some(sigma_x_m), Some(sigma_y_m)) = (sensor.sigma_x_m, sensor.sigma_y_m) else { panic!("the scenes have position reports") };
     // A scene of slow targets within 2 km is not tracked with the speeds of aircraft.
     let initial_speed_sigma_mps = if sensor.max_range_m < 10_000.0 { 10.0 } else { 430.0 };
+    let Some(ReportNoise::Position { sigma_x_m, sigma_y_m }) = sensor.noise() else { panic!("the scenes have position reports") };
     let parts = TrackerParts {
         filter: Kalman { process_noise_m2ps3: 1.0 },
         associator: (associator.build)(&defaults).expect("defaults build"),

@@ -36,7 +36,7 @@ async fn a_missing_column_is_named_with_those_that_are_known() {
     let found = refusal("time_s,scan,sensor_id,detection_id,x_m\n0,1,radar,a,1\n").await;
     let detail = "column 'y_m' is missing: x_m, y_m come together";
     let allowed =
-        "time_s, scan, sensor_id, detection_id, x_m, y_m, range_m, bearing_deg, truth_id, z_m, elevation_deg, range_rate_mps, amplitude";
+        "time_s, scan, sensor_id, detection_id, x_m, y_m, range_m, bearing_deg, range_rate_mps, amplitude, truth_id, z_m, elevation_deg";
     let fault = json!({"pointer": "/file", "code": "missing", "detail": detail, "allowed": allowed, "line": 1, "column": "y_m"});
     assert_eq!(found, validation(detail, json!([fault])));
 }

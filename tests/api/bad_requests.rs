@@ -47,7 +47,7 @@ async fn an_unknown_method_is_refused_with_the_known_ones() {
     let mut body = preset();
     body["associator"] = json!({"method": "owl"});
     let detail = "unknown method \"owl\"";
-    let fault = json!({"pointer": "/associator/method", "code": "unknown_value", "detail": detail, "allowed": "nearest_neighbour, oracle"});
+    let fault = json!({"pointer": "/associator/method", "code": "unknown_value", "detail": detail, "allowed": "nearest_neighbour, strongest_neighbour, global_nearest_neighbour, pda, jpda, oracle"});
     assert_eq!(refusal("associate", &body).await, validation(detail, json!([fault])));
 }
 

@@ -19,10 +19,10 @@ pub(super) fn presets() -> Vec<Preset> {
     let polar = TARGETS.iter().map(|&count| {
         let summary = format!(
             "Liang & Liu 2009 with a radar that reports ranges and bearings: {count} targets, 30 scans; tracked by nearest neighbour \
-             with the extended Kalman filter and judged by the automaton."
+             with unbiased converted measurements and judged by the automaton."
         );
         let noise = json!({"sigma_range_m": 15.0, "sigma_bearing_deg": 0.0052_f64.to_degrees()});
-        preset(format!("liang2009-polar-{count}"), summary, "extended", scenario(count, noise))
+        preset(format!("liang2009-polar-{count}"), summary, "converted", scenario(count, noise))
     });
     cartesian.chain(polar).collect()
 }
