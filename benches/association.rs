@@ -95,7 +95,6 @@ fn tracked(method: &str, scenario: &Scenario, recording: &Recording) -> (f64, u6
     let associator = ASSOCIATORS.iter().find(|entry| entry.name == method).expect("a name of the table");
     let defaults = registry::check(&json!({}), associator.parameters).expect("every parameter has a default");
     let sensor = &scenario.sensors[0];
-    let (Some(sigma_x_m), Some(sigma_y_m)) = (sensor.sigma_x_m, sensor.sigma_y_m) else { panic!("the scenes have position reports") };
     // A scene of slow targets within 2 km is not tracked with the speeds of aircraft.
     let initial_speed_sigma_mps = if sensor.max_range_m < 10_000.0 { 10.0 } else { 430.0 };
     let Some(ReportNoise::Position { sigma_x_m, sigma_y_m }) = sensor.noise() else { panic!("the scenes have position reports") };
