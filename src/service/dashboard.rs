@@ -1,6 +1,7 @@
 //! The dashboard: the files of its build, embedded in the program. Without them a plain page says what is missing.
 
 use super::http::conditional;
+use super::storage::blobs::hex;
 use axum::body::Bytes;
 use axum::http::{HeaderMap, header};
 use axum::response::{Html, IntoResponse, Response};
@@ -38,7 +39,7 @@ pub fn answer(path: &str, headers: &HeaderMap) -> Option<Response> {
 
 fn file(name: &str, headers: &HeaderMap) -> Option<Response> {
     let file = Files::get(name)?;
-    let sha256: String = file.metadata.sha256_hash().iter().map(|byte| format!("{byte:02x}")).collect();
+    let sha256 = hex(&file.metadata.sha256_hash());
     let bytes = Bytes::from(file.data.into_owned());
     let mut response = conditional::fixed(headers, file.metadata.mimetype(), bytes, &sha256);
     if name.starts_with(HASHED) {

@@ -6,11 +6,11 @@ use crate::experiment::presets;
 use crate::service::config::Config;
 use crate::service::jobs::{DatasetMeta, Jobs, JobsError, ReceivedFile};
 use crate::service::server;
+use crate::service::storage::blobs::sha256_hex;
 use crate::service::types::{Job, JobKind, JobState};
 use anyhow::{Context, bail};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
 use std::time::Duration;
 use uuid::Uuid;
 
@@ -68,7 +68,7 @@ async fn radar_job(jobs: &Jobs) -> anyhow::Result<Value> {
 async fn upload(jobs: &Jobs, file_name: &str, bytes: &[u8]) -> anyhow::Result<Uuid> {
     let path = jobs.temp_dir().join(Uuid::now_v7().to_string());
     tokio::fs::write(&path, bytes).await?;
-    let sha256 = Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+    let sha256 = sha256_hex(bytes);
     let file = ReceivedFile { path, sha256, bytes: bytes.len() as u64 };
     let meta = DatasetMeta {
         name: Some(format!("autoferry scenario 2, {file_name}")),

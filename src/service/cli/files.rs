@@ -9,9 +9,9 @@ use crate::formats::{self, ReadOptions};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use crate::registry::{self, Field, Kind, Object, Presence};
+use crate::service::storage::blobs::sha256_hex;
 use serde::Deserialize;
 use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -149,7 +149,7 @@ impl JobFile {
             (Dataset::Detections(recording), Some(wanted)) => Dataset::Detections(only(&recording, wanted)?),
             (dataset, _) => dataset,
         };
-        let sha256 = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+        let sha256 = sha256_hex(&bytes);
         Ok(Input { dataset, sensors: Vec::new(), sha256 })
     }
 }

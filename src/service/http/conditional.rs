@@ -3,12 +3,12 @@
 use super::query::encoded;
 use crate::service::error::{ApiError, ApiResult};
 use crate::service::jobs::StoredFile;
+use crate::service::storage::blobs::sha256_hex;
 use axum::Json;
 use axum::body::{Body, Bytes};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
-use sha2::{Digest, Sha256};
 use std::io::{ErrorKind, SeekFrom};
 use tokio::io::{AsyncReadExt, AsyncSeekExt};
 use tokio_util::io::ReaderStream;
@@ -115,10 +115,6 @@ pub fn created(status: StatusCode, location: &str, value: impl Serialize) -> Res
     let mut response = (status, Json(value)).into_response();
     set(&mut response, header::LOCATION, location);
     response
-}
-
-pub fn sha256_hex(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use crate::model::sensor::SensorSettings;
 use crate::registry::{Field, Kind, Object, Presence};
 use crate::service::error::ApiError;
 use crate::service::jobs::{DatasetMeta, ReceivedFile};
+use crate::service::storage::blobs::hex;
 use axum::extract::multipart::Field as Part;
 use axum::extract::{FromRequest, Multipart, Request};
 use futures::{Stream, stream};
@@ -165,7 +166,7 @@ async fn read_file(mut part: Part<'_>, directory: &Path, limit_bytes: u64) -> Re
         file.write_all(&chunk).await.map_err(ApiError::internal)?;
     }
     file.flush().await.map_err(ApiError::internal)?;
-    let sha256 = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+    let sha256 = hex(&hash.finalize());
     Ok((ReceivedFile { path: path.to_path_buf(), sha256, bytes }, path, file_name))
 }
 

@@ -9,6 +9,7 @@ use super::types::Problem;
 use crate::experiment::catalogue;
 use crate::experiment::plan::JobKind;
 use crate::registry::{Components, Object, json_schema};
+use crate::service::storage::blobs::sha256_hex;
 use axum::body::Bytes;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
@@ -42,7 +43,7 @@ impl Default for Documents {
 impl Document {
     fn new(value: &Value) -> Self {
         let bytes = Bytes::from(value.to_string());
-        Document { sha256: http::conditional::sha256_hex(&bytes), bytes }
+        Document { sha256: sha256_hex(&bytes), bytes }
     }
 }
 
