@@ -1,6 +1,6 @@
 //! From the body of a request to a plan: names and parameters checked, every fault reported, inputs named.
 
-use super::{catalogue, presets, requests};
+use super::{catalogue, presets, profiles, requests};
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
 use crate::model::scenario::{Scenario, TargetPlan};
@@ -48,8 +48,10 @@ pub enum Source {
 /// One input that the caller must load before the plan can run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InputRequest {
-    /// Where the request names it, for faults: `/input`, `/truth`, `/tracks`, `/detections`.
-    pub pointer: &'static str,
+    /// Where the request names it, for faults: `/input`, `/truth`, `/tracks`, `/detections`, `/sequences/0/truth`, …
+    pub pointer: String,
+    /// Index of the sequence that it belongs to.
+    pub sequence: Option<usize>,
     pub role: DatasetKind,
     pub source: Source,
     /// A job's output may lack this input (a recording without truth); then the plan does without it.
@@ -94,6 +96,9 @@ pub fn plan(kind: JobKind, body: &Value) -> Result<Plan, Vec<Fault>> {
     check_lifecycle(&spec, &mut faults);
     let estimate = check_scenario(&spec, &mut faults);
     let inputs = inputs_of(&spec, &mut faults);
+    if kind == JobKind::Evaluate {
+        profiles::fill_metrics(&mut spec, &inputs, &mut faults);
+    }
     if !faults.is_empty() {
         return Err(faults);
     }
@@ -101,19 +106,31 @@ pub fn plan(kind: JobKind, body: &Value) -> Result<Plan, Vec<Fault>> {
     Ok(Plan { kind, spec, seed, inputs, estimate })
 }
 
-/// `evaluate` tracks `input` first or takes `tracks`: exactly one of them, and tracking settings only with `input`.
+/// `evaluate` tracks `input` first, or takes `tracks` or `sequences`: exactly one of them, with the settings that go with it.
 fn check_evaluate(spec: &mut Value, faults: &mut Vec<Fault>) {
-    match (spec.get("input").is_some(), spec.get("tracks").is_some()) {
-        (true, true) => faults.push(Fault::new("/tracks", "conflict", "give either 'input' or 'tracks', not both")),
-        (false, false) => {
-            faults.push(Fault::new("", "missing", "give 'input' to track first, or 'tracks' to judge").allowing("input, tracks"))
+    const SUBJECTS: [&str; 3] = ["input", "tracks", "sequences"];
+    let given: Vec<&str> = SUBJECTS.into_iter().filter(|name| spec.get(*name).is_some()).collect();
+    match given.as_slice() {
+        ["input"] => fill_tracking_defaults(spec),
+        ["tracks"] => {
+            refuse(spec, &["associator", "filter", "tracker", "sensors"], "needs 'input'; 'tracks' are judged as they are", faults);
         }
-        (true, false) => fill_tracking_defaults(spec),
-        (false, true) => {
-            for name in ["associator", "filter", "tracker", "sensors"].iter().filter(|name| spec.get(**name).is_some()) {
-                faults.push(Fault::new(format!("/{name}"), "conflict", format!("'{name}' needs 'input'; 'tracks' are judged as they are")));
-            }
+        [_] => {
+            let names = ["associator", "filter", "tracker", "sensors", "truth", "detections", "tfa"];
+            refuse(spec, &names, "does not go with 'sequences': each has its own truth and tracks, for metrics alone", faults);
         }
+        [] => faults.push(
+            Fault::new("", "missing", "give 'input' to track first, or 'tracks' or 'sequences' to judge").allowing(SUBJECTS.join(", ")),
+        ),
+        [first, second, ..] => {
+            faults.push(Fault::new(format!("/{second}"), "conflict", format!("give either '{first}' or '{second}', not both")));
+        }
+    }
+}
+
+fn refuse(spec: &Value, names: &[&str], why: &str, faults: &mut Vec<Fault>) {
+    for name in names.iter().filter(|name| spec.get(**name).is_some()) {
+        faults.push(Fault::new(format!("/{name}"), "conflict", format!("'{name}' {why}")));
     }
 }
 
@@ -186,8 +203,13 @@ fn check_scenario(spec: &Value, faults: &mut Vec<Fault>) -> Estimate {
 
 /// The inputs to load. A job brings along what else it knows: the truth with its detections, both with its tracks.
 fn inputs_of(spec: &Value, faults: &mut Vec<Fault>) -> Vec<InputRequest> {
-    let source = |name: &str| spec.get(name).and_then(|value| Source::deserialize(value).ok());
-    let request = |pointer, role, source: &Source, optional| InputRequest { pointer, role, source: source.clone(), optional };
+    let request = |pointer: &str, role, source: &Source, optional| InputRequest {
+        pointer: pointer.to_owned(),
+        sequence: None,
+        role,
+        source: source.clone(),
+        optional,
+    };
     let mut inputs = Vec::new();
     let mut known = Vec::new();
     for (name, pointer, role) in [
@@ -196,13 +218,13 @@ fn inputs_of(spec: &Value, faults: &mut Vec<Fault>) -> Vec<InputRequest> {
         ("detections", "/detections", DatasetKind::Detections),
         ("truth", "/truth", DatasetKind::Truth),
     ] {
-        if let Some(source) = source(name) {
+        if let Some(source) = source_at(spec.get(name)) {
             inputs.push(request(pointer, role, &source, false));
             known.push(role);
         }
     }
     for (name, pointer) in [("input", "/input"), ("tracks", "/tracks")] {
-        if let Some(source @ Source::Job { .. }) = source(name) {
+        if let Some(source @ Source::Job { .. }) = source_at(spec.get(name)) {
             for role in [DatasetKind::Detections, DatasetKind::Truth] {
                 if !known.contains(&role) {
                     inputs.push(request(pointer, role, &source, true));
@@ -212,7 +234,22 @@ fn inputs_of(spec: &Value, faults: &mut Vec<Fault>) -> Vec<InputRequest> {
         }
     }
     check_symbols(spec, &known, faults);
+    inputs.extend(sequence_inputs(spec));
     inputs
+}
+
+fn source_at(value: Option<&Value>) -> Option<Source> {
+    value.and_then(|value| Source::deserialize(value).ok())
+}
+
+fn sequence_inputs(spec: &Value) -> impl Iterator<Item = InputRequest> {
+    let sequences = spec.get("sequences").and_then(Value::as_array).into_iter().flatten().enumerate();
+    sequences.flat_map(|(index, sequence)| {
+        [("truth", DatasetKind::Truth), ("tracks", DatasetKind::Tracks)].into_iter().filter_map(move |(name, role)| {
+            let (pointer, source) = (format!("/sequences/{index}/{name}"), source_at(sequence.get(name))?);
+            Some(InputRequest { pointer, sequence: Some(index), role, source, optional: false })
+        })
+    })
 }
 
 /// The automaton cannot read symbols that no input gives.
@@ -240,8 +277,8 @@ mod tests {
         plan(kind, &body).unwrap_err().into_iter().map(|fault| (fault.pointer, fault.code)).collect()
     }
 
-    fn roles(body: Value) -> Vec<(&'static str, DatasetKind, bool)> {
-        plan(JobKind::Evaluate, &body).unwrap().inputs.iter().map(|input| (input.pointer, input.role, input.optional)).collect()
+    fn roles(body: Value) -> Vec<(String, DatasetKind, bool)> {
+        plan(JobKind::Evaluate, &body).unwrap().inputs.iter().map(|input| (input.pointer.clone(), input.role, input.optional)).collect()
     }
 
     #[test]
