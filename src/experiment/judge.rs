@@ -4,6 +4,7 @@
 use super::observer::{Observer, Step};
 use super::run::{Artifact, RunError};
 use super::tables::Table;
+use super::text;
 use crate::evaluation::EvaluationInput;
 use crate::evaluation::comparison::{Alignment, Comparison, PointSettings};
 use crate::evaluation::events::{EventKind, EventLog};
@@ -80,11 +81,15 @@ pub(super) fn judge(spec: &Value, subjects: &[Subject], observer: &mut dyn Obser
         }
         alone.push(reports);
     }
-    let artifacts = files(subjects, &sequences, &together, &alone);
+    let mut artifacts = files(subjects, &sequences, &together, &alone);
     let mut parts = vec![("metrics", written(&together)), ("events", event_counts(&sequences))];
     if !alone.is_empty() {
         let sequence = |(subject, reports): (&Subject, &Vec<_>)| json!({"name": subject.name, "metrics": written(reports)});
         parts.push(("sequences", subjects.iter().zip(&alone).map(sequence).collect()));
+    }
+    let result: Map<String, Value> = parts.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
+    if let Some(text) = text::metrics(&Value::Object(result)) {
+        artifacts.push(text_file("metrics.txt", text));
     }
     let warnings = subjects.iter().zip(&comparisons).flat_map(|(subject, comparison)| {
         let place = if subject.name.is_empty() { String::new() } else { format!("{}: ", subject.name) };
@@ -178,6 +183,10 @@ fn event_counts(sequences: &[Sequence]) -> Value {
 
 /// Axis of the series that have one value for each step of the comparison.
 const TIME: &str = "time_s";
+
+fn text_file(name: &'static str, text: String) -> Artifact {
+    Artifact { name, media_type: "text/plain; charset=utf-8", bytes: (text + "\n").into_bytes(), dataset: None, sensors: Vec::new() }
+}
 
 type Reports<'a> = Vec<(&'a str, MetricReport)>;
 

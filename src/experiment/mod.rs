@@ -16,3 +16,4 @@ mod requests;
 pub mod run;
 mod sensors;
 mod tables;
+pub mod text;

@@ -277,8 +277,13 @@ mod tests {
         plan(kind, &body).unwrap_err().into_iter().map(|fault| (fault.pointer, fault.code)).collect()
     }
 
-    fn roles(body: Value) -> Vec<(String, DatasetKind, bool)> {
-        plan(JobKind::Evaluate, &body).unwrap().inputs.iter().map(|input| (input.pointer.clone(), input.role, input.optional)).collect()
+    fn roles(body: Value) -> Vec<(&'static str, DatasetKind, bool)> {
+        plan(JobKind::Evaluate, &body)
+            .unwrap()
+            .inputs
+            .iter()
+            .map(|input| (&*input.pointer.clone().leak(), input.role, input.optional))
+            .collect()
     }
 
     #[test]
@@ -350,5 +355,46 @@ mod tests {
         let mut body = presets::find("liang2009").unwrap().body;
         body["tracker"]["confirm_hits"] = json!(6);
         assert_eq!(pointers(JobKind::Evaluate, body), [("/tracker/confirm_hits".into(), "out_of_range".into())]);
+    }
+
+    #[test]
+    fn sequences_are_judged_by_metrics_alone() {
+        let data = json!({"source": "dataset", "dataset_id": ID});
+        let sequence = json!({"name": "a", "truth": data, "tracks": data});
+        let body = json!({"sequences": [sequence, sequence], "profile": "vision"});
+        use DatasetKind::{Tracks, Truth};
+        let expected = [
+            ("/sequences/0/truth", Truth),
+            ("/sequences/0/tracks", Tracks),
+            ("/sequences/1/truth", Truth),
+            ("/sequences/1/tracks", Tracks),
+        ];
+        assert_eq!(roles(body.clone()), expected.map(|(pointer, role)| (pointer, role, false)));
+        let with_more = json!({"sequences": [sequence], "tfa": {}, "truth": data, "filter": {"method": "kalman"}});
+        let found: Vec<String> = pointers(JobKind::Evaluate, with_more).into_iter().map(|(pointer, _)| pointer).collect();
+        assert_eq!(found, ["/filter", "/truth", "/tfa"]);
+        let both = json!({"sequences": [sequence], "tracks": data});
+        assert_eq!(pointers(JobKind::Evaluate, both)[0], ("/sequences".into(), "conflict".into()));
+    }
+
+    #[test]
+    fn a_profile_becomes_its_metrics_and_metrics_need_truth() {
+        let names = |body: Value| -> Vec<String> {
+            let spec = plan(JobKind::Evaluate, &body).unwrap().spec;
+            spec["metrics"].as_array().unwrap().iter().map(|metric| metric["metric"].as_str().unwrap().to_owned()).collect()
+        };
+        let job = json!({"source": "job", "job_id": ID});
+        let dataset = json!({"source": "dataset", "dataset_id": ID});
+        assert_eq!(names(json!({"tracks": job, "profile": "vision"})), ["hota", "clear", "identity"]);
+        assert_eq!(names(json!({"tracks": job})), ["gospa", "ospa", "siap", "clear", "assignment", "kinematics"]);
+        assert_eq!(names(json!({"tracks": job, "profile": "tfa"})), [""; 0]);
+        assert_eq!(names(json!({"tracks": dataset, "detections": dataset})), [""; 0], "there is no truth to compare with");
+        let gate = plan(JobKind::Evaluate, &json!({"tracks": job, "comparison": {"gate_m": 7.5}})).unwrap().spec;
+        assert_eq!(gate["metrics"][0]["cutoff_m"], 7.5);
+        let asked = json!({"tracks": dataset, "detections": dataset, "metrics": [{"metric": "clear"}]});
+        assert_eq!(pointers(JobKind::Evaluate, asked), [("/truth".into(), "missing".into())]);
+        let unknown = json!({"tracks": job, "profile": "radar", "metrics": [{"metric": "mota"}], "comparison": {"gate_m": 0}});
+        let found: Vec<String> = pointers(JobKind::Evaluate, unknown).into_iter().map(|(pointer, _)| pointer).collect();
+        assert_eq!(found, ["/profile", "/metrics/0/metric", "/comparison/gate_m"]);
     }
 }
