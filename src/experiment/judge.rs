@@ -6,6 +6,7 @@ use super::run::{Artifact, RunError};
 use super::tables::Table;
 use super::text;
 use crate::evaluation::EvaluationInput;
+use crate::evaluation::breaks::{self, Break};
 use crate::evaluation::comparison::{Alignment, Comparison, PointSettings};
 use crate::evaluation::events::{EventKind, EventLog};
 use crate::evaluation::metrics::{METRICS, Metric, MetricReport, Quantity, Sequence, Series};
@@ -173,13 +174,22 @@ fn event_counts(sequences: &[Sequence]) -> Value {
     let count = |kind| sequences.iter().map(|sequence| sequence.events.count(kind)).sum::<usize>();
     let counts: Map<String, Value> = EventKind::ALL.into_iter().map(|(kind, name)| (name.to_owned(), json!(count(kind)))).collect();
     let total = |of: fn(&Comparison) -> usize| sequences.iter().map(|sequence| of(sequence.comparison)).sum::<usize>();
+    let breaks: Vec<Break> = sequences
+        .iter()
+        .flat_map(|sequence| breaks::explain(sequence.comparison, sequence.events, sequence.input.as_ref()))
+        .take(MAX_BREAKS)
+        .collect();
     json!({
         "counts": counts,
+        "breaks": breaks,
         "steps": total(|comparison| comparison.steps.len()),
         "truth_points": total(|comparison| comparison.truths.len()),
         "track_points": total(|comparison| comparison.tracks.len())
     })
 }
+
+/// Breaks that the report explains; all of them are in the file of events.
+const MAX_BREAKS: usize = 1000;
 
 /// Axis of the series that have one value for each step of the comparison.
 const TIME: &str = "time_s";

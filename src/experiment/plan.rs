@@ -258,9 +258,14 @@ fn check_symbols(spec: &Value, known: &[DatasetKind], faults: &mut Vec<Fault>) {
     let (wanted, pointer, name) = match spec.pointer("/tfa/symbols/kind").and_then(Value::as_str) {
         Some("detection_id") => (DatasetKind::Detections, "/detections", "detections"),
         Some("nearest_truth") => (DatasetKind::Truth, "/truth", "truth"),
+        None if spec.get("tracks").is_some() && known == [DatasetKind::Tracks] => {
+            let detail = "'truth' is required to judge tracks, or 'detections' that know which target they came from";
+            faults.push(Fault::new("/truth", "missing", detail));
+            return;
+        }
         _ => return,
     };
-    let is_given = spec.get(name).is_some();
+    let is_given = spec.get(name).is_some() || spec.get("sequences").is_some();
     if !is_simulated && !is_given && !known.is_empty() && !known.contains(&wanted) {
         let symbols = spec.pointer("/tfa/symbols/kind").and_then(Value::as_str).unwrap_or_default();
         faults.push(Fault::new(pointer, "missing", format!("'{name}' is required when the symbols are {symbols}")));
@@ -314,7 +319,9 @@ mod tests {
         assert_eq!(pointers(JobKind::Evaluate, both), [("/tracks".into(), "conflict".into())]);
         let settings = json!({"tracks": input, "filter": {"method": "kalman"}});
         assert_eq!(pointers(JobKind::Evaluate, settings), [("/filter".into(), "conflict".into())]);
-        assert_eq!(pointers(JobKind::Evaluate, json!({"tracks": tracks})), [("/detections".into(), "missing".into())]);
+        assert_eq!(pointers(JobKind::Evaluate, json!({"tracks": tracks})), [("/truth".into(), "missing".into())]);
+        let by_id = json!({"tracks": tracks, "tfa": {}});
+        assert_eq!(pointers(JobKind::Evaluate, by_id), [("/detections".into(), "missing".into())]);
         let by_truth = json!({"tracks": tracks, "tfa": {"symbols": {"kind": "nearest_truth", "gate_m": 10}}});
         assert_eq!(pointers(JobKind::Evaluate, by_truth), [("/truth".into(), "missing".into())]);
     }

@@ -223,6 +223,8 @@ pub struct Curve {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct EventCounts {
     pub counts: EventKindCounts,
+    /// Why tracks broke; the first thousand.
+    pub breaks: Vec<TrackBreak>,
     /// Times at which truth and tracks were compared.
     pub steps: u64,
     pub truth_points: u64,
@@ -241,6 +243,33 @@ pub struct EventKindCounts {
     pub reacquisition: u64,
     pub redundant: u64,
     pub divergence: u64,
+}
+
+/// What became of the track that had followed a target.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum BreakCause {
+    /// It was given up.
+    Ended,
+    /// It followed another target from then on.
+    TookOtherTarget,
+    /// It lived on outside the gate.
+    LeftGate,
+}
+
+/// A target that was followed, and at this time is not.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct TrackBreak {
+    pub time_s: f64,
+    pub truth_id: String,
+    pub track_id: String,
+    pub cause: BreakCause,
+    /// The target that the track followed from then on.
+    pub other_truth_id: Option<String>,
+    /// Scans up to this one, in a row, without a detection within the gate of the target; null without detections.
+    pub unseen_scans: Option<u64>,
+    /// When the track was last given a detection; null where tracks do not say.
+    pub last_detection_time_s: Option<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
