@@ -37,11 +37,8 @@ pub struct ScoreRule {
     pub max_score_drop: f64,
 }
 
-static M_OF_N: Object = Object {
-    name: "MOfNConfirmation",
-    summary: "confirm_hits of the last confirm_window scans had a detection.",
-    fields: &[],
-};
+static M_OF_N: Object =
+    Object { name: "MOfNConfirmation", summary: "confirm_hits of the last confirm_window scans had a detection.", fields: &[] };
 
 static SCORE: Object = Object {
     name: "ScoreConfirmation",

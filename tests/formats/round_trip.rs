@@ -149,7 +149,7 @@ fn point(set: &mut TrackSet, time_s: f64, raw: RawPoint) -> TrackPoint {
         // Positive definite: large on the diagonal, and a correlation below one.
         let diagonal = State::from(values).abs().add_scalar(1.0);
         let mut covariance = Covariance::from_diagonal(&diagonal);
-        let correlated = 0.5 * (diagonal[0] * diagonal[3]).sqrt();
+        let correlated = 0.5 * diagonal[0].sqrt() * diagonal[3].sqrt();
         (covariance[(0, 3)], covariance[(3, 0)]) = (correlated, correlated);
         covariance
     });
