@@ -97,7 +97,17 @@ mod tests {
     fn point(time_s: f64, sensor: Option<u32>) -> TrackPoint {
         let state = State::zeros();
         let rest = (false, None, None);
-        TrackPoint { time_s, sensor, state, has_velocity: rest.0, covariance: rest.1, status: rest.2, first_candidate: 0, candidates: 0 }
+        TrackPoint {
+            time_s,
+            sensor,
+            state,
+            has_velocity: rest.0,
+            covariance: rest.1,
+            status: rest.2,
+            nis: None,
+            first_candidate: 0,
+            candidates: 0,
+        }
     }
 
     #[test]

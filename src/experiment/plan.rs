@@ -93,6 +93,7 @@ pub fn plan(kind: JobKind, body: &Value) -> Result<Plan, Vec<Fault>> {
         check_evaluate(&mut spec, &mut faults);
     }
     write_out_preset(&mut spec, &mut faults);
+    check_sensors(&spec, &mut faults);
     check_lifecycle(&spec, &mut faults);
     let estimate = check_scenario(&spec, &mut faults);
     let inputs = inputs_of(&spec, &mut faults);
@@ -159,6 +160,18 @@ fn write_out_preset(spec: &mut Value, faults: &mut Vec<Fault>) {
         None => {
             let known = presets::all().into_iter().map(|preset| preset.name).collect::<Vec<_>>().join(", ");
             faults.push(Fault::new("/input/preset", "unknown_value", format!("unknown preset \"{name}\"")).allowing(known));
+        }
+    }
+}
+
+/// Settings of one sensor stand in one place.
+fn check_sensors(spec: &Value, faults: &mut Vec<Fault>) {
+    let names: Vec<Option<&str>> =
+        spec.get("sensors").and_then(Value::as_array).into_iter().flatten().map(|sensor| sensor["sensor_id"].as_str()).collect();
+    for (index, name) in names.iter().enumerate() {
+        if let Some(name) = name.filter(|_| names[..index].contains(name)) {
+            let fault = Fault::new(format!("/sensors/{index}/sensor_id"), "duplicate", format!("sensor '{name}' is set twice"));
+            faults.push(fault.allowing("each sensor_id once"));
         }
     }
 }

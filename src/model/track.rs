@@ -44,6 +44,9 @@ pub struct TrackPoint {
     pub has_velocity: bool,
     pub covariance: Option<Covariance>,
     pub status: Option<TrackStatus>,
+    /// Normalised innovation squared of the update at this scan, the mean over its detections by their weights; `None` where
+    /// there was no detection, or one that started the track.
+    pub nis: Option<f64>,
     pub first_candidate: usize,
     pub candidates: usize,
 }

@@ -17,6 +17,7 @@ pub(super) struct Entry {
     pub mean: State,
     /// Upper triangle: a history is long, and the rest of a covariance says nothing new.
     pub covariance: [f64; 10],
+    pub nis: Option<f64>,
 }
 
 /// Everything a tracker remembers.
@@ -63,6 +64,7 @@ fn point(entry: &Entry, recording: &Recording) -> TrackPoint {
         has_velocity: true,
         covariance: Some(from_upper_triangle(&entry.covariance)),
         status: Some(entry.status),
+        nis: entry.nis,
         first_candidate: entry.first_candidate,
         candidates: entry.candidates,
     }

@@ -146,8 +146,11 @@ fn point(set: &mut TrackSet, time_s: f64, raw: RawPoint) -> TrackPoint {
     }
     set.candidates.extend(epsilon.then_some(Candidate { detection: None, probability: 1.0 / 3.0 }));
     let covariance = diagonal.map(|values| {
-        let mut covariance = Covariance::from_diagonal(&State::from(values));
-        (covariance[(0, 3)], covariance[(3, 0)]) = (values[1], values[1]);
+        // Positive definite: large on the diagonal, and a correlation below one.
+        let diagonal = State::from(values).abs().add_scalar(1.0);
+        let mut covariance = Covariance::from_diagonal(&diagonal);
+        let correlated = 0.5 * diagonal[0].sqrt() * diagonal[3].sqrt();
+        (covariance[(0, 3)], covariance[(3, 0)]) = (correlated, correlated);
         covariance
     });
     TrackPoint {
@@ -157,6 +160,7 @@ fn point(set: &mut TrackSet, time_s: f64, raw: RawPoint) -> TrackPoint {
         has_velocity,
         covariance,
         status: status.map(|index| TrackStatus::ALL[index].0),
+        nis: status.map(|_| x.abs()),
         first_candidate,
         candidates: set.candidates.len() - first_candidate,
     }

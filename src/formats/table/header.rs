@@ -52,6 +52,7 @@ const TRACKS: Schema = Schema {
         "detection_id",
         "probability",
         "status",
+        "nis",
     ],
     unused: &["z_m", "existence"],
     together: &[&["vx_mps", "vy_mps"], &COVARIANCE],

@@ -7,8 +7,9 @@ use super::row::RowReader;
 use super::{Rows, Sink};
 use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
-use crate::model::state::{State, from_upper_triangle, upper_triangle};
+use crate::model::state::{Covariance, State, from_upper_triangle, upper_triangle};
 use crate::model::track::{Candidate, Track, TrackPoint, TrackSet, TrackStatus};
+use nalgebra::Cholesky;
 use std::collections::HashMap;
 use std::io;
 
@@ -23,6 +24,7 @@ struct Columns {
     detection: Option<usize>,
     probability: Option<usize>,
     status: Option<usize>,
+    nis: Option<usize>,
 }
 
 impl Columns {
@@ -38,6 +40,7 @@ impl Columns {
             detection: header.find("detection_id"),
             probability: header.find("probability"),
             status: header.find("status"),
+            nis: header.find("nis"),
         }
     }
 }
@@ -185,8 +188,9 @@ fn read_point(reader: &mut RowReader, columns: &Columns) -> Option<TrackPoint> {
     let time_s = reader.number(columns.time);
     let [x_m, y_m] = columns.position.map(|column| reader.number(column));
     let velocity = reader.all_or_none(columns.velocity);
-    let covariance = reader.all_or_none(columns.covariance).map(|upper| from_upper_triangle(&upper));
+    let covariance = read_covariance(reader, columns);
     let status = read_status(reader, columns);
+    let nis = read_nis(reader, columns);
     let [vx_mps, vy_mps] = velocity.unwrap_or_default();
     Some(TrackPoint {
         time_s: time_s?,
@@ -195,9 +199,32 @@ fn read_point(reader: &mut RowReader, columns: &Columns) -> Option<TrackPoint> {
         has_velocity: velocity.is_some(),
         covariance,
         status,
+        nis,
         first_candidate: 0,
         candidates: 0,
     })
+}
+
+/// A covariance, which must be positive definite: one that is not gives no distances.
+fn read_covariance(reader: &mut RowReader, columns: &Columns) -> Option<Covariance> {
+    let covariance = from_upper_triangle(&reader.all_or_none(columns.covariance)?);
+    if let Some([first, ..]) = columns.covariance
+        && Cholesky::new(covariance).is_none()
+    {
+        let detail = "the covariance is singular, or not one: it is not positive definite".to_owned();
+        let allowed = "a positive definite matrix: every variance > 0, every correlation within (-1, 1); or all ten cells empty";
+        reader.fault_allowing(first, "out_of_range", detail, allowed);
+        return None;
+    }
+    Some(covariance)
+}
+
+fn read_nis(reader: &mut RowReader, columns: &Columns) -> Option<f64> {
+    let (column, nis) = (columns.nis?, reader.optional_number(columns.nis)?);
+    if nis < 0.0 {
+        reader.fault_allowing(column, "out_of_range", format!("{nis} is not a square"), ">= 0");
+    }
+    Some(nis)
 }
 
 fn read_status(reader: &mut RowReader, columns: &Columns) -> Option<TrackStatus> {
@@ -267,6 +294,7 @@ struct Layout {
     covariance: bool,
     candidates: bool,
     status: bool,
+    nis: bool,
 }
 
 impl Layout {
@@ -278,6 +306,7 @@ impl Layout {
             covariance: has(|point| point.covariance.is_some()),
             candidates: has(|point| point.candidates > 0),
             status: has(|point| point.status.is_some()),
+            nis: has(|point| point.nis.is_some()),
         }
     }
 
@@ -289,6 +318,7 @@ impl Layout {
         columns.extend(self.covariance.then_some(COVARIANCE).into_iter().flatten());
         columns.extend(self.candidates.then_some(["detection_id", "probability"]).into_iter().flatten());
         columns.extend(self.status.then_some("status"));
+        columns.extend(self.nis.then_some("nis"));
         columns
     }
 }
@@ -325,6 +355,9 @@ fn write_row(
     }
     if layout.status {
         sink.text(point.status.map(TrackStatus::name))?;
+    }
+    if layout.nis {
+        sink.number(point.nis)?;
     }
     sink.end_row()
 }
