@@ -128,7 +128,28 @@ fn compare(spec: &Value, subjects: &[Subject], metrics: &[Named]) -> Result<Vec<
     let comparisons: Vec<Comparison> =
         subjects.iter().map(|subject| Comparison::of_points(&subject.input, subject.truth, &settings)).collect();
     refuse_shapes(metrics, &comparisons)?;
-    Ok(comparisons)
+    let strangers: Vec<Fault> = subjects.iter().zip(&comparisons).enumerate().filter_map(|(index, pair)| strangers(index, pair)).collect();
+    if strangers.is_empty() { Ok(comparisons) } else { Err(RunError::Faults(strangers)) }
+}
+
+/// Truth and tracks whose times do not meet: any number made of them would mislead.
+fn strangers(index: usize, (subject, comparison): (&Subject, &Comparison)) -> Option<Fault> {
+    let tracks_s = span_s(subject.input.tracks.tracks.iter().flat_map(|track| &track.points).map(|point| point.time_s))?;
+    let truth_s = span_s(subject.truth.targets().iter().flat_map(|target| &target.points).map(|point| point.time_s))?;
+    if !comparison.truths.is_empty() && !comparison.tracks.is_empty() {
+        return None;
+    }
+    let pointer = if subject.name.is_empty() { "/truth".to_owned() } else { format!("/sequences/{index}/truth") };
+    let detail =
+        format!("the times of truth ({} to {} s) and of tracks ({} to {} s) do not meet", truth_s.0, truth_s.1, tracks_s.0, tracks_s.1);
+    Some(Fault::new(pointer, "disjoint", detail).allowing("truth at the times of the tracks, on the same clock"))
+}
+
+fn span_s(times_s: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    times_s.fold(None, |span, time_s| match span {
+        None => Some((time_s, time_s)),
+        Some((first, last)) => Some((f64::min(first, time_s), f64::max(last, time_s))),
+    })
 }
 
 /// A metric of metres says nothing of boxes.
