@@ -73,12 +73,12 @@ pub(super) fn track(spec: &Value, recording: &Recording, sensors: Vec<Sensor>, o
     let has_rates = !sensors.is_empty() && sensors.iter().all(|sensor| sensor.report.range_rate().is_some());
     let job = Tracking { recording, associator, lifecycle, sensors, method };
     match filter {
-        Chosen::Kalman(filter) => job.run::<_, 2>(filter, observer),
-        Chosen::Converted(filter) => job.run::<_, 2>(filter, observer),
-        Chosen::Extended(filter) if has_rates => job.run::<_, 3>(filter, observer),
-        Chosen::Extended(filter) => job.run::<_, 2>(filter, observer),
-        Chosen::Unscented(filter) if has_rates => job.run::<_, 3>(filter, observer),
-        Chosen::Unscented(filter) => job.run::<_, 2>(filter, observer),
+        Chosen::Kalman(filter) => job.run::<_, 4, 2>(filter, observer),
+        Chosen::Converted(filter) => job.run::<_, 4, 2>(filter, observer),
+        Chosen::Extended(filter) if has_rates => job.run::<_, 4, 3>(filter, observer),
+        Chosen::Extended(filter) => job.run::<_, 4, 2>(filter, observer),
+        Chosen::Unscented(filter) if has_rates => job.run::<_, 4, 3>(filter, observer),
+        Chosen::Unscented(filter) => job.run::<_, 4, 2>(filter, observer),
     }
 }
 
@@ -92,8 +92,8 @@ struct Tracking<'a> {
 }
 
 impl Tracking<'_> {
-    /// With a filter whose measurements have `D` values.
-    fn run<F: Filter<4, D>, const D: usize>(self, filter: F, observer: &mut dyn Observer) -> Result<Tracked, RunError> {
+    /// With a filter whose states have `N` variables and whose measurements have `D` values.
+    fn run<F: Filter<N, D>, const N: usize, const D: usize>(self, filter: F, observer: &mut dyn Observer) -> Result<Tracked, RunError> {
         let Tracking { recording, associator, lifecycle, sensors, method } = self;
         let mut tracker = Tracker::new(TrackerParts { filter, associator, lifecycle, sensors });
         let mut scans = Vec::with_capacity(recording.scans.len());

@@ -1,7 +1,7 @@
 //! What a tracker did: one entry a track and scan, in scan order, turned into tracks at the end.
 
 use crate::model::scan::Recording;
-use crate::model::state::{State, from_upper_triangle};
+use crate::model::state::{GaussianState, PackedState};
 use crate::model::track::{Candidate, Track, TrackPoint, TrackSet, TrackStatus};
 
 /// A track at one scan.
@@ -14,9 +14,7 @@ pub(super) struct Entry {
     pub status: TrackStatus,
     pub first_candidate: usize,
     pub candidates: usize,
-    pub mean: State,
-    /// Upper triangle: a history is long, and the rest of a covariance says nothing new.
-    pub covariance: [f64; 10],
+    pub state: PackedState,
 }
 
 /// Everything a tracker remembers.
@@ -56,12 +54,13 @@ impl History {
 
 fn point(entry: &Entry, recording: &Recording) -> TrackPoint {
     let scan = &recording.scans[entry.scan as usize];
+    let state = GaussianState::unpacked(&entry.state);
     TrackPoint {
         time_s: scan.time_s,
         sensor: Some(scan.sensor as u32),
-        state: entry.mean,
+        state: state.mean,
         has_velocity: true,
-        covariance: Some(from_upper_triangle(&entry.covariance)),
+        covariance: Some(state.covariance),
         status: Some(entry.status),
         first_candidate: entry.first_candidate,
         candidates: entry.candidates,

@@ -13,7 +13,7 @@ use crate::gating::grid::Grid;
 use crate::math::angle;
 use crate::model::scan::{Detection, Scan};
 use crate::model::sensor::Sensor;
-use crate::model::state::{GaussianState, upper_triangle};
+use crate::model::state::GaussianState;
 use crate::model::track::Candidate;
 use nalgebra::SVector;
 
@@ -59,10 +59,10 @@ impl Nis {
 
 /// A living track.
 #[derive(Debug, Clone)]
-struct ActiveTrack {
+struct ActiveTrack<const N: usize> {
     serial: u32,
     life: Life,
-    state: GaussianState,
+    state: GaussianState<N>,
     /// The target that the first detection came from; only the oracle looks at it.
     origin: Option<u32>,
 }
@@ -81,13 +81,14 @@ struct ScanView<const D: usize> {
     by_origin: Vec<Option<u32>>,
 }
 
-/// A multi-target tracker whose filter takes measurements of `D` values. Feed it scans in order of time.
-pub struct Tracker<F, const D: usize> {
+/// A multi-target tracker whose filter has states of `N` variables and takes measurements of `D` values. Feed it scans in
+/// order of time.
+pub struct Tracker<F, const N: usize, const D: usize> {
     parts: TrackerParts<F>,
     /// Serves the tentative tracks in place of a soft associator.
     beginner: GlobalNearestNeighbour,
     gate: EllipsoidalGate<D>,
-    tracks: Vec<ActiveTrack>,
+    tracks: Vec<ActiveTrack<N>>,
     last_time_s: Option<f64>,
     scans: u32,
     history: History,
@@ -96,11 +97,11 @@ pub struct Tracker<F, const D: usize> {
     problem: ScanProblem,
     weights: Weights,
     /// The tracks of the problem's rows.
-    posed: Vec<(usize, Correction<4, D>)>,
+    posed: Vec<(usize, Correction<N, D>)>,
     innovations: Vec<WeightedInnovation<D>>,
 }
 
-impl<F: Filter<4, D>, const D: usize> Tracker<F, D> {
+impl<F: Filter<N, D>, const N: usize, const D: usize> Tracker<F, N, D> {
     pub fn new(parts: TrackerParts<F>) -> Self {
         let gate = EllipsoidalGate::new(parts.lifecycle.gate_probability);
         Tracker {
@@ -266,7 +267,7 @@ impl<F: Filter<4, D>, const D: usize> Tracker<F, D> {
 }
 
 impl History {
-    fn remember(&mut self, track: &ActiveTrack, scan: u32, first_candidate: usize, was_confirmed: bool) {
+    fn remember<const N: usize>(&mut self, track: &ActiveTrack<N>, scan: u32, first_candidate: usize, was_confirmed: bool) {
         if track.life.is_confirmed() && !was_confirmed {
             self.confirmed.push(track.serial);
         }
@@ -276,8 +277,7 @@ impl History {
             status: track.life.status(),
             first_candidate,
             candidates: self.candidates.len() - first_candidate,
-            mean: track.state.mean,
-            covariance: upper_triangle(&track.state.covariance),
+            state: track.state.packed(),
         });
     }
 }
@@ -296,7 +296,7 @@ impl<const D: usize> Default for ScanView<D> {
 }
 
 impl<const D: usize> ScanView<D> {
-    fn rebuild(&mut self, filter: &impl Filter<4, D>, sensor: &Sensor, detections: &[Detection], needs: Needs) {
+    fn rebuild<const N: usize>(&mut self, filter: &impl Filter<N, D>, sensor: &Sensor, detections: &[Detection], needs: Needs) {
         self.measurements.clear();
         self.measurements.extend(detections.iter().filter_map(|detection| filter.measured(sensor, &detection.measurement)));
         debug_assert_eq!(self.measurements.len(), detections.len(), "only reports that the filter can use are let through");
@@ -329,7 +329,13 @@ impl<const D: usize> ScanView<D> {
 
     /// A track's candidates among the unused detections: by the gate, or by origin when origins are indexed.
     #[inline]
-    fn candidates(&self, gate: &EllipsoidalGate<D>, origin: Option<u32>, expected: &Expected<4, D>, mut found: impl FnMut(u32, f64)) {
+    fn candidates<const N: usize>(
+        &self,
+        gate: &EllipsoidalGate<D>,
+        origin: Option<u32>,
+        expected: &Expected<N, D>,
+        mut found: impl FnMut(u32, f64),
+    ) {
         if self.choose_by_origin {
             let detection = origin.and_then(|origin| self.by_origin.get(origin as usize).copied().flatten());
             if let Some(detection) = detection.filter(|&detection| !self.used[detection as usize]) {
