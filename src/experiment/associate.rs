@@ -7,7 +7,8 @@ use crate::filtering::{Chosen, FILTERS, Filter};
 use crate::model::fault::Fault;
 use crate::model::scan::Recording;
 use crate::model::sensor::{Sensor, SensorSettings};
-use crate::model::track::TrackSet;
+use crate::model::state::GaussianState;
+use crate::model::track::{Estimate, TrackSet};
 use crate::tracking::{Lifecycle, ScanOutcome, Tracker, TrackerParts};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -93,7 +94,10 @@ struct Tracking<'a> {
 
 impl Tracking<'_> {
     /// With a filter whose states have `N` variables and whose measurements have `D` values.
-    fn run<F: Filter<N, D>, const N: usize, const D: usize>(self, filter: F, observer: &mut dyn Observer) -> Result<Tracked, RunError> {
+    fn run<F: Filter<N, D>, const N: usize, const D: usize>(self, filter: F, observer: &mut dyn Observer) -> Result<Tracked, RunError>
+    where
+        Estimate: From<GaussianState<N>>,
+    {
         let Tracking { recording, associator, lifecycle, sensors, method } = self;
         let mut tracker = Tracker::new(TrackerParts { filter, associator, lifecycle, sensors });
         let mut scans = Vec::with_capacity(recording.scans.len());

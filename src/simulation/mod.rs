@@ -109,7 +109,7 @@ fn observed_truth(scenario: &Scenario, paths: &[targets::Path], times: &[f64]) -
         let last = times.iter().rposition(is_visible);
         seen.push(first.map(|_| observed.len() as u32));
         if let (Some(first), Some(last)) = (first, last) {
-            let point = |&time_s: &f64| TruthPoint { time_s, position_m: path.position_at(time_s), velocity_mps: Some(path.velocity_mps) };
+            let point = |&time_s: &f64| TruthPoint::in_plane(time_s, path.position_at(time_s), Some(path.velocity_mps));
             observed.push(Target { truth_id: path.truth_id.clone(), points: times[first..=last].iter().map(point).collect() });
         }
     }

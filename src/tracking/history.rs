@@ -1,8 +1,8 @@
 //! What a tracker did: one entry a track and scan, in scan order, turned into tracks at the end.
 
 use crate::model::scan::Recording;
-use crate::model::state::{GaussianState, PackedState};
-use crate::model::track::{Candidate, Track, TrackPoint, TrackSet, TrackStatus};
+use crate::model::state::PackedState;
+use crate::model::track::{Candidate, Estimate, Track, TrackPoint, TrackSet, TrackStatus};
 
 /// A track at one scan.
 #[derive(Debug, Clone, Copy)]
@@ -18,8 +18,10 @@ pub(super) struct Entry {
 }
 
 /// Everything a tracker remembers.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct History {
+    /// What a kept state says; it knows of how many variables.
+    unpack: fn(&PackedState) -> Estimate,
     pub(super) entries: Vec<Entry>,
     pub(super) candidates: Vec<Candidate>,
     /// Tracks ever started; serials are below it.
@@ -29,6 +31,10 @@ pub struct History {
 }
 
 impl History {
+    pub(super) fn new(unpack: fn(&PackedState) -> Estimate) -> Self {
+        History { unpack, entries: Vec::new(), candidates: Vec::new(), started: 0, confirmed: Vec::new() }
+    }
+
     /// The tracks that were ever confirmed, from their first detection on, named 1, 2, … in order of initiation.
     pub fn into_tracks(mut self, recording: &Recording) -> TrackSet {
         self.confirmed.sort_unstable();
@@ -40,7 +46,7 @@ impl History {
         }
         for entry in &self.entries {
             if let Some(track) = tracks.get_mut(number_of[entry.serial as usize] as usize) {
-                track.points.push(point(entry, recording));
+                track.points.push(point(entry, (self.unpack)(&entry.state), recording));
             }
         }
         TrackSet {
@@ -52,15 +58,12 @@ impl History {
     }
 }
 
-fn point(entry: &Entry, recording: &Recording) -> TrackPoint {
+fn point(entry: &Entry, estimate: Estimate, recording: &Recording) -> TrackPoint {
     let scan = &recording.scans[entry.scan as usize];
-    let state = GaussianState::unpacked(&entry.state);
     TrackPoint {
         time_s: scan.time_s,
         sensor: Some(scan.sensor as u32),
-        state: state.mean,
-        has_velocity: true,
-        covariance: Some(state.covariance),
+        estimate,
         status: Some(entry.status),
         first_candidate: entry.first_candidate,
         candidates: entry.candidates,

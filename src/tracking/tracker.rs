@@ -14,7 +14,7 @@ use crate::math::angle;
 use crate::model::scan::{Detection, Scan};
 use crate::model::sensor::Sensor;
 use crate::model::state::GaussianState;
-use crate::model::track::Candidate;
+use crate::model::track::{Candidate, Estimate};
 use nalgebra::SVector;
 
 /// A detection to which a track gives at least this weight is used: neither do the tentative tracks see it after a
@@ -101,7 +101,10 @@ pub struct Tracker<F, const N: usize, const D: usize> {
     innovations: Vec<WeightedInnovation<D>>,
 }
 
-impl<F: Filter<N, D>, const N: usize, const D: usize> Tracker<F, N, D> {
+impl<F: Filter<N, D>, const N: usize, const D: usize> Tracker<F, N, D>
+where
+    Estimate: From<GaussianState<N>>,
+{
     pub fn new(parts: TrackerParts<F>) -> Self {
         let gate = EllipsoidalGate::new(parts.lifecycle.gate_probability);
         Tracker {
@@ -111,7 +114,7 @@ impl<F: Filter<N, D>, const N: usize, const D: usize> Tracker<F, N, D> {
             tracks: Vec::new(),
             last_time_s: None,
             scans: 0,
-            history: History::default(),
+            history: History::new(|packed| GaussianState::<N>::unpacked(packed).into()),
             nis: Nis::default(),
             view: ScanView::default(),
             problem: ScanProblem::default(),
