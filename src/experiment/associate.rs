@@ -80,6 +80,7 @@ pub(super) fn track(spec: &Value, recording: &Recording, sensors: Vec<Sensor>, o
         Chosen::Extended(filter) => job.run::<_, 4, 2>(filter, observer),
         Chosen::Unscented(filter) if has_rates => job.run::<_, 4, 3>(filter, observer),
         Chosen::Unscented(filter) => job.run::<_, 4, 2>(filter, observer),
+        Chosen::BearingOnly(filter) => job.run::<_, 2, 1>(filter, observer),
     }
 }
 
