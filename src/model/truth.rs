@@ -70,6 +70,38 @@ impl Target {
         let (from_m, to_m) = (last.position_m()?, next.position_m()?);
         (gap_s <= max_gap_s).then(|| from_m + (to_m - from_m) * share)
     }
+
+    /// How fast the target was at `time_s`: the given velocity at that time, or on the line between its neighbours; the
+    /// slope of the path where velocities are not given. `None` where [`position_at`](Self::position_at) has none, and
+    /// for a single point without velocity.
+    pub fn velocity_at(&self, time_s: f64, max_gap_s: f64) -> Option<Position> {
+        let after = self.points.partition_point(|point| point.time_s < time_s);
+        let next = self.points.get(after)?;
+        if next.time_s == time_s {
+            return next.velocity_mps.or_else(|| self.slope(after.saturating_sub(1), (after + 1).min(self.points.len() - 1)));
+        }
+        let last = self.points.get(after.checked_sub(1)?)?;
+        if next.time_s - last.time_s > max_gap_s {
+            return None;
+        }
+        match (last.velocity_mps, next.velocity_mps) {
+            (Some(from), Some(to)) => Some(from + (to - from) * ((time_s - last.time_s) / (next.time_s - last.time_s))),
+            _ => self.slope(after - 1, after),
+        }
+    }
+
+    fn slope(&self, from: usize, to: usize) -> Option<Position> {
+        let (from, to) = (&self.points[from], &self.points[to]);
+        (to.time_s > from.time_s).then(|| (to.position_m - from.position_m) / (to.time_s - from.time_s))
+    }
+
+    /// The point nearest to `time_s`, at most `max_gap_s` away; the earlier one of two.
+    pub fn nearest_point(&self, time_s: f64, max_gap_s: f64) -> Option<&TruthPoint> {
+        let after = self.points.partition_point(|point| point.time_s < time_s);
+        let gap_s = |point: &&TruthPoint| (point.time_s - time_s).abs();
+        let candidates = [after.checked_sub(1), Some(after)].into_iter().flatten().filter_map(|index| self.points.get(index));
+        candidates.min_by(|a, b| gap_s(a).total_cmp(&gap_s(b))).filter(|point| gap_s(point) <= max_gap_s)
+    }
 }
 
 /// Every target of a scene.
