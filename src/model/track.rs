@@ -81,6 +81,10 @@ impl PlaneEstimate {
     pub fn position_m(&self) -> Position {
         self.state.fixed_rows::<2>(0).into_owned()
     }
+
+    pub fn velocity_mps(&self) -> Option<Position> {
+        self.has_velocity.then(|| self.state.fixed_rows::<2>(2).into_owned())
+    }
 }
 
 impl From<GaussianState<4>> for Estimate {

@@ -39,6 +39,14 @@ impl TruthPoint {
         }
     }
 
+    /// `None` where it is not given.
+    pub fn velocity_mps(&self) -> Option<Position> {
+        match self.place {
+            TruePlace::Plane { velocity_mps, .. } => velocity_mps,
+            TruePlace::Bearing { .. } => None,
+        }
+    }
+
     fn is_finite(&self) -> bool {
         let is_place_finite = match self.place {
             TruePlace::Plane { position_m, .. } => position_m.iter().all(|value| value.is_finite()),
@@ -78,13 +86,13 @@ impl Target {
         let after = self.points.partition_point(|point| point.time_s < time_s);
         let next = self.points.get(after)?;
         if next.time_s == time_s {
-            return next.velocity_mps.or_else(|| self.slope(after.saturating_sub(1), (after + 1).min(self.points.len() - 1)));
+            return next.velocity_mps().or_else(|| self.slope(after.saturating_sub(1), (after + 1).min(self.points.len() - 1)));
         }
         let last = self.points.get(after.checked_sub(1)?)?;
         if next.time_s - last.time_s > max_gap_s {
             return None;
         }
-        match (last.velocity_mps, next.velocity_mps) {
+        match (last.velocity_mps(), next.velocity_mps()) {
             (Some(from), Some(to)) => Some(from + (to - from) * ((time_s - last.time_s) / (next.time_s - last.time_s))),
             _ => self.slope(after - 1, after),
         }
@@ -92,7 +100,8 @@ impl Target {
 
     fn slope(&self, from: usize, to: usize) -> Option<Position> {
         let (from, to) = (&self.points[from], &self.points[to]);
-        (to.time_s > from.time_s).then(|| (to.position_m - from.position_m) / (to.time_s - from.time_s))
+        let step_m = to.position_m()? - from.position_m()?;
+        (to.time_s > from.time_s).then(|| step_m / (to.time_s - from.time_s))
     }
 
     /// The point nearest to `time_s`, at most `max_gap_s` away; the earlier one of two.

@@ -5,12 +5,6 @@ use std::f64::consts::FRAC_PI_2;
 use trackloom::model::scan::{Detection, Measurement, Scan};
 use trackloom::model::state::{Position, State};
 use trackloom::model::track::{Candidate, PlaneEstimate, TrackPoint, TrackStatus};
-use trackloom::model::truth::{TruePlace, TruthPoint};
-
-fn velocity_mps(point: &TruthPoint) -> Option<Position> {
-    let TruePlace::Plane { velocity_mps, .. } = point.place else { panic!("a place") };
-    velocity_mps
-}
 
 fn plane(point: &TrackPoint) -> &PlaneEstimate {
     point.estimate.plane().expect("a place")
@@ -121,8 +115,8 @@ fn truth_may_be_interleaved() {
     let truth = truth(outcome);
     let [nine, ten] = truth.targets() else { panic!("two targets") };
     assert_eq!((nine.truth_id.as_str(), ten.truth_id.as_str()), ("9", "10"));
-    assert_eq!(velocity_mps(&nine.points[0]), Some(Position::new(5.0, 6.0)));
-    assert_eq!(velocity_mps(&ten.points[0]), None);
+    assert_eq!(nine.points[0].velocity_mps(), Some(Position::new(5.0, 6.0)));
+    assert_eq!(ten.points[0].velocity_mps(), None);
     assert_eq!((ten.points[1].time_s, ten.points[1].position_m()), (1.0, Some(Position::new(7.0, 8.0))));
 }
 

@@ -114,7 +114,7 @@ fn sorted(names: Interner, mut paths: Vec<Path>) -> Vec<Target> {
 /// # Errors
 /// What the output says.
 pub fn write(truth: &TruthSet, sink: &mut dyn Sink) -> io::Result<()> {
-    let has_velocity = |point: &TruthPoint| matches!(point.place, TruePlace::Plane { velocity_mps: Some(_), .. });
+    let has_velocity = |point: &TruthPoint| point.velocity_mps().is_some();
     let with_velocity = truth.targets().iter().any(|target| target.points.iter().any(has_velocity));
     let of_bearings = truth.is_of_bearings();
     let columns: &[&str] = match (of_bearings, with_velocity) {
