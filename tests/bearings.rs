@@ -87,10 +87,13 @@ fn long_tracks(set: &TrackSet) -> Vec<&Track> {
     set.tracks.iter().filter(|track| track.points.len() > SCANS as usize / 2).collect()
 }
 
-/// One track follows the course from its first scan to its last, at most four sigma of a single report off, and less than
-/// half of one when it knows the rate.
+/// Scans after which a track knows its rate.
+const SETTLED: usize = 10;
+
+/// One track follows the course from its first scan to its last: settled, it is at most two sigma of a single report off, and
+/// less than half of one at the end.
 fn assert_followed(name: &str, tracks: &[&Track], course: Course) {
-    let follows = |track: &&&Track| (0..track.points.len()).all(|point| error_deg(track, point, course).abs() < 4.0 * SIGMA_DEG);
+    let follows = |track: &&&Track| (SETTLED..track.points.len()).all(|point| error_deg(track, point, course).abs() < 2.0 * SIGMA_DEG);
     let found: Vec<_> = tracks.iter().filter(follows).collect();
     assert_eq!(found.len(), 1, "{name}: one track follows the course from {} degrees", course.0);
     let track = found[0];
