@@ -114,6 +114,16 @@ fn parameters_of_initiation_and_confirmation_are_refused_with_their_range() {
 }
 
 #[test]
+fn directions_have_no_speeds_and_no_positions() {
+    let tracker = json!({"initiation": {"method": "two_point", "max_speed_mps": 30.0}, "max_position_sigma_m": 50.0});
+    let body = with(with(body(), "/filter", json!({"method": "bearing_only"})), "/tracker", tracker);
+    let faults = plan(JobKind::Associate, &body).unwrap_err();
+    let expected =
+        [("/tracker/initiation/method", "unsupported", "one_point"), ("/tracker/max_position_sigma_m", "unsupported", "no value")];
+    assert_eq!(told(&faults), expected);
+}
+
+#[test]
 fn a_sensor_is_described_once() {
     let twice = json!([{"sensor_id": "radar"}, {"sensor_id": "sonar"}, {"sensor_id": "radar"}]);
     let faults = plan(JobKind::Associate, &with(body(), "/sensors", twice)).unwrap_err();
@@ -162,7 +172,7 @@ fn what_the_recording_does_not_have_is_named_with_what_it_has() {
 fn a_singular_covariance_in_a_file_of_tracks_is_refused() {
     let csv = "time_s,track_id,x_m,y_m,p_xx,p_xy,p_xvx,p_xvy,p_yy,p_yvx,p_yvy,p_vxvx,p_vxvy,p_vyvy\n0,T,1,2,4,2,0,0,1,0,0,1,0,1\n";
     let faults = (formats::format_named("csv").unwrap().read)(&mut csv.as_bytes(), &Default::default()).unwrap_err();
-    let allowed = "a positive definite matrix: every variance > 0, every correlation within (-1, 1); or all ten cells empty";
+    let allowed = "a positive definite matrix: every variance > 0, every correlation within (-1, 1); or all its cells empty";
     assert_eq!(told(&faults), [("/file", "out_of_range", allowed)]);
     assert_eq!((faults[0].line, faults[0].column.as_deref()), (Some(2), Some("p_xx")));
 }

@@ -12,7 +12,8 @@ use trackloom::formats;
 use trackloom::math::rng::{Purpose, Seed};
 use trackloom::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
 use trackloom::model::sensor::{Report, Sensor, SensorSettings};
-use trackloom::model::track::TrackSet;
+use trackloom::model::state::Covariance;
+use trackloom::model::track::{TrackPoint, TrackSet};
 use trackloom::registry;
 use trackloom::tracking::{Confirmation, Initiation, Lifecycle, ScanOutcome, ScoreRule, Tracker, TrackerParts};
 
@@ -165,6 +166,10 @@ fn a_tentative_track_sees_only_what_confirmed_tracks_left() {
     assert_eq!(names(&tracks, 0)[6], "7-1");
 }
 
+fn covariance_of(point: &TrackPoint) -> Covariance {
+    point.estimate.plane().unwrap().covariance.unwrap()
+}
+
 /// The names of the detections of a track, empty where it has none.
 fn names(tracks: &TrackSet, track: usize) -> Vec<&str> {
     let named = |point| tracks.candidates_of(point).iter().find_map(|candidate| candidate.detection);
@@ -183,9 +188,10 @@ fn two_points_start_a_track_with_a_speed_and_remember_both() {
         ["tentative", "confirmed", "confirmed", "confirmed"]
     );
     let second = &points[1];
-    assert!((second.state[0] - 5.0).abs() < 1e-12 && (second.state[2] - 5.0).abs() < 1e-12 && second.state[3] == 0.0);
+    let state = second.estimate.plane().unwrap().state;
+    assert!((state[0] - 5.0).abs() < 1e-12 && (state[2] - 5.0).abs() < 1e-12 && state[3] == 0.0);
     // R = 100 I, T = 1 s, q = 1: P_xv = 100, P_vv = 200 + 1 / 3.
-    let covariance = second.covariance.unwrap();
+    let covariance = covariance_of(second);
     assert!((covariance[(0, 2)] - 100.0).abs() < 1e-9 && (covariance[(2, 2)] - (200.0 + 1.0 / 3.0)).abs() < 1e-9);
     assert_eq!(points.iter().map(|point| point.nis.is_some()).collect::<Vec<_>>(), [false, false, true, true]);
     // A miss in the second scan: the first detection is forgotten.
@@ -205,7 +211,7 @@ fn an_uncertain_position_ends_a_track_whose_weights_are_never_a_miss() {
         let lifecycle = Lifecycle { max_position_sigma_m: limit, confirm_hits: 8, confirm_window: 8, ..LIFE };
         let (_, tracks) = tracked(&recording(&scans), "pda", lifecycle, 1e-3);
         let first = &tracks.tracks[0].points;
-        let widest = first.iter().map(|point| point.covariance.unwrap().fixed_view::<2, 2>(0, 0).symmetric_eigenvalues().max().sqrt());
+        let widest = first.iter().map(|point| covariance_of(point).fixed_view::<2, 2>(0, 0).symmetric_eigenvalues().max().sqrt());
         (first.len(), widest.fold(0.0, f64::max))
     };
     let (unlimited, widest_m) = last_scan(None);

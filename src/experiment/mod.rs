@@ -7,6 +7,7 @@ mod artifacts;
 mod associate;
 pub mod catalogue;
 mod clutter;
+mod extent;
 mod judge;
 pub mod observer;
 pub mod plan;

@@ -16,8 +16,8 @@ use crate::math::angle;
 use crate::math::gaussian::gate_threshold;
 use crate::model::scan::{Detection, Scan};
 use crate::model::sensor::Sensor;
-use crate::model::state::{GaussianState, upper_triangle};
-use crate::model::track::Candidate;
+use crate::model::state::GaussianState;
+use crate::model::track::{Candidate, Estimate};
 use nalgebra::SVector;
 
 /// A detection to which a track gives at least this weight is used: neither do the tentative tracks see it after a
@@ -64,10 +64,10 @@ impl Nis {
 
 /// A living track.
 #[derive(Debug, Clone)]
-struct ActiveTrack {
+struct ActiveTrack<const N: usize> {
     serial: u32,
     life: Life,
-    state: GaussianState,
+    state: GaussianState<N>,
     /// The target that the first detection came from; only the oracle looks at it.
     origin: Option<u32>,
 }
@@ -86,16 +86,17 @@ struct ScanView<const D: usize> {
     by_origin: Vec<Option<u32>>,
 }
 
-/// A multi-target tracker whose filter takes measurements of `D` values. Feed it scans in order of time.
-pub struct Tracker<F, const D: usize> {
+/// A multi-target tracker whose filter has states of `N` variables and takes measurements of `D` values. Feed it scans in
+/// order of time.
+pub struct Tracker<F, const N: usize, const D: usize> {
     parts: TrackerParts<F>,
     /// Serves the tentative tracks in place of a soft associator.
     beginner: GlobalNearestNeighbour,
     gate: EllipsoidalGate<D>,
-    initiator: Initiator<4>,
+    initiator: Initiator<N>,
     /// Of two-point initiation.
     pair_rule: Option<PairRule>,
-    tracks: Vec<ActiveTrack>,
+    tracks: Vec<ActiveTrack<N>>,
     last_time_s: Option<f64>,
     scans: u32,
     history: History,
@@ -104,14 +105,17 @@ pub struct Tracker<F, const D: usize> {
     problem: ScanProblem,
     weights: Weights,
     /// The tracks of the problem's rows.
-    posed: Vec<(usize, Correction<4, D>)>,
+    posed: Vec<(usize, Correction<N, D>)>,
     innovations: Vec<WeightedInnovation<D>>,
 }
 
-impl<F: Filter<4, D>, const D: usize> Tracker<F, D> {
+impl<F: Filter<N, D>, const N: usize, const D: usize> Tracker<F, N, D>
+where
+    Estimate: From<GaussianState<N>>,
+{
     pub fn new(parts: TrackerParts<F>) -> Self {
         let gate = EllipsoidalGate::new(parts.lifecycle.gate_probability);
-        let pair_rule = pair_rule(&parts);
+        let pair_rule = pair_rule::<F, N, D>(&parts);
         Tracker {
             parts,
             beginner: GlobalNearestNeighbour::default(),
@@ -121,7 +125,7 @@ impl<F: Filter<4, D>, const D: usize> Tracker<F, D> {
             tracks: Vec::new(),
             last_time_s: None,
             scans: 0,
-            history: History::default(),
+            history: History::new(|packed| GaussianState::<N>::unpacked(packed).into()),
             nis: Nis::default(),
             view: ScanView::default(),
             problem: ScanProblem::default(),
@@ -262,15 +266,15 @@ impl<F: Filter<4, D>, const D: usize> Tracker<F, D> {
     /// Starts tracks with the detections that no track used, and counts these.
     fn initiate(&mut self, scan: &Scan, detections: &[Detection]) -> u32 {
         let mut unused = 0;
-        for index in 0..detections.len() {
+        for (index, detection) in detections.iter().enumerate() {
             if self.view.used[index] {
                 continue;
             }
             let (measurement, sensor) = (&self.view.measurements[index], &self.parts.sensors[scan.sensor]);
             let sigma_mps = self.parts.lifecycle.initial_speed_sigma_mps;
             let Some(state) = self.parts.filter.initiate(measurement, sensor, sigma_mps) else { continue };
-            let (detection, origin) = ((scan.first + index) as u32, detections[index].origin);
-            let point = Point { scan: self.scans, time_s: scan.time_s, detection, origin, state };
+            let named = (scan.first + index) as u32;
+            let point = Point { scan: self.scans, time_s: scan.time_s, detection: named, origin: detection.origin, state };
             unused += 1;
             if self.pair_rule.is_some() {
                 self.initiator.push(point);
@@ -289,7 +293,7 @@ impl<F: Filter<4, D>, const D: usize> Tracker<F, D> {
     }
 
     /// A new track, with its first point remembered.
-    fn start(&mut self, point: &Point<4>) -> ActiveTrack {
+    fn start(&mut self, point: &Point<N>) -> ActiveTrack<N> {
         let serial = self.history.started;
         self.history.started += 1;
         let track = ActiveTrack { serial, life: self.parts.lifecycle.start(), state: point.state, origin: point.origin };
@@ -298,7 +302,7 @@ impl<F: Filter<4, D>, const D: usize> Tracker<F, D> {
     }
 
     /// Starts the track of a pair, unless its score says at once that it is clutter.
-    fn start_with_two(&mut self, scan: &Scan, pair: Pair<4>) {
+    fn start_with_two(&mut self, scan: &Scan, pair: Pair<N>) {
         let (sensor, lifecycle) = (&self.parts.sensors[scan.sensor], self.parts.lifecycle);
         let log_ratio = (sensor.p_d / sensor.clutter_density).ln() - pair.log_reach_volume;
         let mut life = lifecycle.start();
@@ -313,7 +317,7 @@ impl<F: Filter<4, D>, const D: usize> Tracker<F, D> {
     }
 
     /// Remembers a track that a detection started, alone or as the second of two.
-    fn remember_detection(&mut self, track: &ActiveTrack, point: &Point<4>, was_confirmed: bool) {
+    fn remember_detection(&mut self, track: &ActiveTrack<N>, point: &Point<N>, was_confirmed: bool) {
         let first_candidate = self.history.candidates.len();
         self.history.candidates.push(Candidate { detection: Some(point.detection), probability: 1.0 });
         self.history.remember(track, point.scan, first_candidate, was_confirmed, None);
@@ -321,18 +325,25 @@ impl<F: Filter<4, D>, const D: usize> Tracker<F, D> {
 }
 
 /// What makes two points a pair, where tracks begin with two.
-fn pair_rule<F: Filter<4, D>, const D: usize>(parts: &TrackerParts<F>) -> Option<PairRule> {
+fn pair_rule<F: Filter<N, D>, const N: usize, const D: usize>(parts: &TrackerParts<F>) -> Option<PairRule> {
     let Initiation::TwoPoint { max_speed_mps } = parts.lifecycle.initiation else { return None };
     Some(PairRule {
         max_speed_mps,
-        gate_threshold: gate_threshold(parts.lifecycle.gate_probability, 2),
+        gate_threshold: gate_threshold(parts.lifecycle.gate_probability, (N / 2) as u32),
         spectral_density: parts.filter.motion().spectral_density,
         by_origin: parts.associator.needs() == Needs::Origins,
     })
 }
 
 impl History {
-    fn remember(&mut self, track: &ActiveTrack, scan: u32, first_candidate: usize, was_confirmed: bool, nis: Option<f64>) {
+    fn remember<const N: usize>(
+        &mut self,
+        track: &ActiveTrack<N>,
+        scan: u32,
+        first_candidate: usize,
+        was_confirmed: bool,
+        nis: Option<f64>,
+    ) {
         if track.life.is_confirmed() && !was_confirmed {
             self.confirmed.push(track.serial);
         }
@@ -342,8 +353,7 @@ impl History {
             status: track.life.status(),
             first_candidate,
             candidates: self.candidates.len() - first_candidate,
-            mean: track.state.mean,
-            covariance: upper_triangle(&track.state.covariance),
+            state: track.state.packed(),
             nis,
         });
     }
@@ -363,7 +373,7 @@ impl<const D: usize> Default for ScanView<D> {
 }
 
 impl<const D: usize> ScanView<D> {
-    fn rebuild(&mut self, filter: &impl Filter<4, D>, sensor: &Sensor, detections: &[Detection], needs: Needs) {
+    fn rebuild<const N: usize>(&mut self, filter: &impl Filter<N, D>, sensor: &Sensor, detections: &[Detection], needs: Needs) {
         self.measurements.clear();
         self.measurements.extend(detections.iter().filter_map(|detection| filter.measured(sensor, &detection.measurement)));
         debug_assert_eq!(self.measurements.len(), detections.len(), "only reports that the filter can use are let through");
@@ -396,7 +406,13 @@ impl<const D: usize> ScanView<D> {
 
     /// A track's candidates among the unused detections: by the gate, or by origin when origins are indexed.
     #[inline]
-    fn candidates(&self, gate: &EllipsoidalGate<D>, origin: Option<u32>, expected: &Expected<4, D>, mut found: impl FnMut(u32, f64)) {
+    fn candidates<const N: usize>(
+        &self,
+        gate: &EllipsoidalGate<D>,
+        origin: Option<u32>,
+        expected: &Expected<N, D>,
+        mut found: impl FnMut(u32, f64),
+    ) {
         if self.choose_by_origin {
             let detection = origin.and_then(|origin| self.by_origin.get(origin as usize).copied().flatten());
             if let Some(detection) = detection.filter(|&detection| !self.used[detection as usize]) {

@@ -69,7 +69,7 @@ fn a_renaming_must_fit_the_file_and_the_format() {
     let columns = columns.into_iter().map(|(from, to)| (from.to_owned(), to.to_owned())).collect();
     let options = ReadOptions { kind: None, columns };
     let faults = read_with("csv", "t,id,x_m,y_m\n1,a,2,3\n", &options).expect_err("the renaming is broken");
-    let known = "time_s, truth_id, x_m, y_m, vx_mps, vy_mps, z_m";
+    let known = "time_s, truth_id, x_m, y_m, vx_mps, vy_mps, z_m, bearing_deg";
     assert_eq!(
         faults,
         [
@@ -204,7 +204,7 @@ fn a_covariance_without_an_inverse_and_a_negative_square_are_named() {
     let rows =
         "0,T,1,2,4,2,0,0,1,0,0,1,0,1,\n1,T,1,2,0,0,0,0,0,0,0,0,0,0,\n2,T,1,2,1,0,0,0,-1,0,0,1,0,1,0.5\n3,T,1,2,1,0,0,0,1,0,0,1,0,1,-2\n";
     let faults = read("csv", format!("{header}{rows}")).expect_err("four faults");
-    let allowed = "a positive definite matrix: every variance > 0, every correlation within (-1, 1); or all ten cells empty";
+    let allowed = "a positive definite matrix: every variance > 0, every correlation within (-1, 1); or all its cells empty";
     let singular = |line| {
         let detail = "the covariance is singular, or not one: it is not positive definite";
         at(line, "p_xx", "out_of_range", detail).allowing(allowed)
