@@ -32,6 +32,6 @@ pub(super) fn scans(recording: &Recording, outcomes: &[ScanOutcome]) -> Result<A
 }
 
 /// A CSV field, quoted where it must be.
-fn quoted(text: &str) -> String {
+pub(super) fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }

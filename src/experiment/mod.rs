@@ -13,3 +13,4 @@ pub mod presets;
 mod requests;
 pub mod run;
 mod sensors;
+mod tfa;

@@ -219,7 +219,7 @@ fn inputs_of(spec: &Value, faults: &mut Vec<Fault>) -> Vec<InputRequest> {
 fn check_symbols(spec: &Value, known: &[DatasetKind], faults: &mut Vec<Fault>) {
     let is_simulated = spec.pointer("/input/scenario").is_some() || spec.pointer("/input/preset").is_some();
     let (wanted, pointer, name) = match spec.pointer("/tfa/symbols/kind").and_then(Value::as_str) {
-        Some("detection_id") => (DatasetKind::Detections, "/detections", "detections"),
+        Some("detection_id" | "nearest_detection") => (DatasetKind::Detections, "/detections", "detections"),
         Some("nearest_truth") => (DatasetKind::Truth, "/truth", "truth"),
         _ => return,
     };

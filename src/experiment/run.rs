@@ -3,8 +3,8 @@
 use super::associate::{self, Tracked};
 use super::observer::{Observer, Step};
 use super::plan::{JobKind, Plan, scenario_of};
-use super::{artifacts, clutter, sensors};
-use crate::evaluation::{EvaluationInput, SymbolRule, TfaSettings, evaluate_temporal_automaton};
+use super::{artifacts, clutter, sensors, tfa};
+use crate::evaluation::EvaluationInput;
 use crate::math::rng::Seed;
 use crate::model::dataset::{Dataset, DatasetKind, DatasetSummary};
 use crate::model::fault::Fault;
@@ -81,10 +81,14 @@ pub fn run(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<O
     if let (Some(tracked), Some(recording)) = (&tracked, &scene.recording) {
         parts.push(("association", to_value(&associate::report(tracked, recording, &scene.sensors))?));
     }
+    let mut files = Vec::new();
     if plan.kind == JobKind::Evaluate {
-        parts.push(("tfa", scene.judge(plan, tracked.as_ref(), observer)?));
+        let (report, of_automaton) = scene.judge(plan, tracked.as_ref(), observer)?;
+        parts.push(("tfa", report));
+        files = of_automaton;
     }
-    let artifacts = scene.artifacts(plan, tracked, observer)?;
+    let mut artifacts = scene.artifacts(plan, tracked, observer)?;
+    artifacts.append(&mut files);
     let result = parts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
     Ok(Outcome { result: Value::Object(result), warnings: scene.warnings, artifacts })
 }
@@ -140,15 +144,14 @@ impl Scene {
         Ok(tracked)
     }
 
-    /// The part `tfa` of the report.
-    fn judge(&mut self, plan: &Plan, tracked: Option<&Tracked>, observer: &mut dyn Observer) -> Result<Value, RunError> {
+    /// The part `tfa` of the report, and its files.
+    fn judge(&mut self, plan: &Plan, tracked: Option<&Tracked>, observer: &mut dyn Observer) -> Result<(Value, Vec<Artifact>), RunError> {
         step(observer, Step::Evaluate, 0)?;
         let tracks = tracked.map(|tracked| &tracked.tracks).or(self.tracks.as_ref()).ok_or_else(|| missing("/tracks", "tracks"))?;
-        let settings = tfa_settings(&plan.spec["tfa"])?;
         let input = EvaluationInput { recording: self.recording.as_ref(), truth: self.truth.as_ref(), tracks };
-        let report = evaluate_temporal_automaton(&input, &settings)?;
+        let (report, files) = tfa::judge(&plan.spec["tfa"], input, &self.sensors, &mut self.warnings)?;
         step(observer, Step::Evaluate, 1)?;
-        to_value(&report)
+        Ok((to_value(&report)?, files))
     }
 
     /// The datasets of the job, and its scan by scan record.
@@ -170,27 +173,6 @@ impl Scene {
         step(observer, Step::Write, 1)?;
         Ok(files)
     }
-}
-
-/// The settings of the automaton, from their checked description.
-fn tfa_settings(spec: &Value) -> Result<TfaSettings, RunError> {
-    #[derive(Deserialize)]
-    struct Wire {
-        symbols: Symbols,
-        max_missed: u32,
-    }
-    #[derive(Deserialize)]
-    #[serde(tag = "kind", rename_all = "snake_case")]
-    enum Symbols {
-        DetectionId,
-        NearestTruth { gate_m: f64, max_gap_s: f64 },
-    }
-    let wire = Wire::deserialize(spec).map_err(|error| RunError::Faults(vec![Fault::new("/tfa", "malformed", error.to_string())]))?;
-    let symbols = match wire.symbols {
-        Symbols::DetectionId => SymbolRule::DetectionId,
-        Symbols::NearestTruth { gate_m, max_gap_s } => SymbolRule::NearestTruth { gate_m, max_gap_s },
-    };
-    Ok(TfaSettings { symbols, max_missed: wire.max_missed })
 }
 
 /// Asks whether to go on, before (0) and after (1) a step without parts.
