@@ -49,6 +49,7 @@ def settings_of(ours):
     return {
         "noise": np.diag([sensor["sigma_x_m"] ** 2, sensor["sigma_y_m"] ** 2]),
         "p_d": sensor["p_d"],
+        "max_range_m": sensor["max_range_m"],
         "clutter_per_m2": ours["clutter_per_m2"],
         "q": spec["filter"]["process_noise_m2ps3"],
         "gate_probability": gate_probability,
@@ -88,11 +89,12 @@ def tracker(method, variant, settings, scans):
     tree = {"predictor": predictor, "updater": updater, "max_distance_covariance_multiplier": reach} if has_tree else {}
     is_soft = method in ("pda", "jpda")
     associator = kind(probable if is_soft else near, **tree)
-    beginner = DetectionKDTreeGNN2D(near, **tree) if has_tree else GNNWith2DAssignment(near)
+    # As in trackloom: nearest neighbour serves unconfirmed tracks, too; under all others global nearest neighbour does.
+    beginner = kind if method == "nearest_neighbour" else DetectionKDTreeGNN2D if has_tree else GNNWith2DAssignment
     deleter = UpdateTimeStepsDeleter(settings["max_missed"])
     speed = settings["initial_speed_sigma_mps"] ** 2
     prior = GaussianState(np.zeros((4, 1)), np.diag([0.0, speed, 0.0, speed]))
-    initiator = MultiMeasurementInitiator(prior, deleter, beginner, updater, min_points=settings["confirm_hits"])
+    initiator = MultiMeasurementInitiator(prior, deleter, beginner(near, **tree), updater, min_points=settings["confirm_hits"])
     whole = MultiTargetMixtureTracker if is_soft else MultiTargetTracker
     return whole(initiator, deleter, scans, associator, updater)
 
