@@ -5,5 +5,6 @@ mod edges;
 mod fixture;
 mod golden;
 mod golden_values;
+mod kinematics;
 mod scenes;
 mod siap;

@@ -5,6 +5,7 @@
 
 mod cutoff;
 mod gospa;
+mod kinematics;
 mod ospa;
 mod siap;
 
@@ -131,7 +132,7 @@ pub trait Metric: Send {
 pub type BuildMetric = fn(&Value) -> Result<Box<dyn Metric>, serde_json::Error>;
 
 /// Every metric.
-pub const METRICS: &[Method<BuildMetric>] = &[ospa::METHOD, gospa::METHOD, siap::METHOD];
+pub const METRICS: &[Method<BuildMetric>] = &[ospa::METHOD, gospa::METHOD, siap::METHOD, kinematics::METHOD];
 
 pub static METRIC: Union = Union {
     name: "Metric",
