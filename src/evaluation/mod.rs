@@ -11,9 +11,12 @@ pub mod comparison;
 pub mod events;
 mod id_order;
 pub mod identities;
+mod matching;
 pub mod metrics;
 mod nearest_point;
 pub mod nearest_truth;
+#[cfg(test)]
+mod scenes;
 pub mod strings;
 pub mod temporal_automaton;
 

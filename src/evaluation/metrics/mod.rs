@@ -106,9 +106,9 @@ pub trait Metric: Send {
     /// Whether it is defined for this kind of data.
     fn accepts(&self, shape: Shape) -> bool;
 
-    /// The largest distance (m) at which a pair of points matters to it, if it is not the gate.
-    fn reach_m(&self) -> Option<f64> {
-        None
+    /// The largest distance (m) at which a pair of points matters to it, given the gate.
+    fn reach_m(&self, gate_m: f64) -> f64 {
+        gate_m
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport;
