@@ -6,6 +6,7 @@
 //!
 //! Absent here: files, job requests, and any knowledge of how the tracks were made.
 
+mod acquaintances;
 pub mod axis;
 pub mod comparison;
 pub mod events;
@@ -15,10 +16,10 @@ mod matching;
 pub mod metrics;
 mod nearest_point;
 pub mod nearest_truth;
-#[cfg(test)]
-mod scenes;
 pub mod strings;
 pub mod temporal_automaton;
+#[cfg(test)]
+mod tests;
 
 pub use strings::SymbolRule;
 pub use temporal_automaton::{TfaReport, TfaSettings, evaluate_temporal_automaton};

@@ -1,4 +1,4 @@
-use super::super::scenes::{GONE, Places, compare};
+use super::super::tests::{GONE, Places, compare};
 use super::*;
 
 /// The events as text: `step kind truth track distance`, `-` for nothing.

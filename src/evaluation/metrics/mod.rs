@@ -3,6 +3,11 @@
 //! A metric takes several sequences (recordings, runs) at once and combines their counts, never their ratios; one
 //! sequence is a list of one.
 
+pub mod assignment;
+pub mod clear;
+pub mod hota;
+pub mod identity;
+
 use super::EvaluationInput;
 use super::comparison::{Comparison, Shape};
 use super::events::EventLog;
@@ -78,9 +83,10 @@ pub struct MetricReport {
     pub parameters: Map<String, Value>,
     /// Everything it says in numbers, the headline too.
     pub quantities: Vec<Quantity>,
+    /// Truths and tracks one by one: of a single sequence only.
     pub per_truth: Vec<Line>,
     pub per_track: Vec<Line>,
-    /// Of a single sequence only.
+    /// Over time: of a single sequence only.
     pub series: Vec<Series>,
 }
 
@@ -118,7 +124,7 @@ pub trait Metric: Send {
 pub type BuildMetric = fn(&Value) -> Result<Box<dyn Metric>, serde_json::Error>;
 
 /// Every metric.
-pub const METRICS: &[Method<BuildMetric>] = &[];
+pub const METRICS: &[Method<BuildMetric>] = &[clear::METHOD, identity::METHOD, hota::METHOD, assignment::METHOD];
 
 pub static METRIC: Union = Union {
     name: "Metric",
