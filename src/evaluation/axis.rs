@@ -97,7 +97,7 @@ mod tests {
 
     fn point(time_s: f64, sensor: Option<u32>) -> TrackPoint {
         let estimate = Estimate::Plane(PlaneEstimate { state: State::zeros(), has_velocity: false, covariance: None });
-        TrackPoint { time_s, sensor, estimate, status: None, first_candidate: 0, candidates: 0 }
+        TrackPoint { time_s, sensor, estimate, status: None, nis: None, first_candidate: 0, candidates: 0 }
     }
 
     #[test]

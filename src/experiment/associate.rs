@@ -48,7 +48,7 @@ struct NisReport {
 struct Counts {
     scans: usize,
     detections: usize,
-    /// Tracks ever started, tentative ones counted too: one for each detection that no track was given.
+    /// Tracks ever started, tentative ones counted too.
     started_tracks: u64,
     tracks: usize,
     track_points: usize,
@@ -156,7 +156,7 @@ pub(super) fn report(tracked: &Tracked, recording: &Recording, sensors: &[Sensor
         counts: Counts {
             scans: recording.scans.len(),
             detections: recording.detections.len(),
-            started_tracks: tracked.scans.iter().map(|scan| u64::from(scan.unused)).sum(),
+            started_tracks: tracked.scans.iter().map(|scan| u64::from(scan.started)).sum(),
             tracks: lines.len(),
             track_points: lines.iter().map(|line| line.points).sum(),
             associated_detections: lines.iter().map(|line| line.detections).sum(),

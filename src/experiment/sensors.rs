@@ -28,13 +28,7 @@ pub(super) fn known(
         let detail = format!("the recording has no sensor '{}'", settings.sensor_id);
         Fault::new(format!("/sensors/{index}/sensor_id"), "unknown_value", detail).allowing(names.join(", "))
     };
-    let mut faults: Vec<Fault> = requested.iter().enumerate().filter(is_unknown).map(fault).collect();
-    for (index, settings) in requested.iter().enumerate() {
-        if requested[..index].iter().any(|earlier| earlier.sensor_id == settings.sensor_id) {
-            let detail = format!("sensor '{}' is set twice", settings.sensor_id);
-            faults.push(Fault::new(format!("/sensors/{index}/sensor_id"), "duplicate", detail));
-        }
-    }
+    let faults: Vec<Fault> = requested.iter().enumerate().filter(is_unknown).map(fault).collect();
     if !faults.is_empty() {
         return Err(faults);
     }

@@ -109,6 +109,9 @@ pub struct TrackPoint {
     pub sensor: Option<u32>,
     pub estimate: Estimate,
     pub status: Option<TrackStatus>,
+    /// Normalised innovation squared of the update at this scan, the mean over its detections by their weights; `None` where
+    /// there was no detection, or one that started the track.
+    pub nis: Option<f64>,
     pub first_candidate: usize,
     pub candidates: usize,
 }

@@ -99,7 +99,8 @@ fn noise_fault(index: usize, sensor: &ScenarioSensor) -> Option<Fault> {
 fn duplicate_faults<'a>(what: &str, names: impl Iterator<Item = &'a str>, pointer: impl Fn(usize) -> String) -> Vec<Fault> {
     let mut seen = BTreeSet::new();
     let repeated = names.enumerate().filter(|(_, name)| !seen.insert(name.to_owned()));
-    repeated.map(|(index, name)| Fault::new(pointer(index), "duplicate", format!("two {what} are called '{name}'"))).collect()
+    let fault = |index, name| Fault::new(pointer(index), "duplicate", format!("two {what} are called '{name}'"));
+    repeated.map(|(index, name)| fault(index, name).allowing("each name once")).collect()
 }
 
 /// The truth of every target that some sensor could see, and for each path its index among those.

@@ -15,6 +15,7 @@ pub(super) struct Entry {
     pub first_candidate: usize,
     pub candidates: usize,
     pub state: PackedState,
+    pub nis: Option<f64>,
 }
 
 /// Everything a tracker remembers.
@@ -65,6 +66,7 @@ fn point(entry: &Entry, estimate: Estimate, recording: &Recording) -> TrackPoint
         sensor: Some(scan.sensor as u32),
         estimate,
         status: Some(entry.status),
+        nis: entry.nis,
         first_candidate: entry.first_candidate,
         candidates: entry.candidates,
     }

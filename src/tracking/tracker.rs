@@ -1,6 +1,8 @@
 //! The composition of filter, gate, associator and life cycle that turns scans into tracks.
 
+use super::confirmation;
 use super::history::{Entry, History};
+use super::initiation::{Initiation, Initiator, Pair, PairRule, Point};
 use super::lifecycle::{Life, Lifecycle};
 use crate::association::global_nearest_neighbour::GlobalNearestNeighbour;
 use crate::association::problem::{Edge, ScanProblem, Weights};
@@ -11,6 +13,7 @@ use crate::filtering::prediction::Transition;
 use crate::gating::ellipsoidal::EllipsoidalGate;
 use crate::gating::grid::Grid;
 use crate::math::angle;
+use crate::math::gaussian::gate_threshold;
 use crate::model::scan::{Detection, Scan};
 use crate::model::sensor::Sensor;
 use crate::model::state::GaussianState;
@@ -36,8 +39,10 @@ pub struct ScanOutcome {
     /// Tracks alive after the scan.
     pub tracks: u32,
     pub confirmed: u32,
-    /// Detections that no track used; each started a track.
+    /// Detections that no track used.
     pub unused: u32,
+    /// Tracks that such detections started: one each, or one a pair.
+    pub started: u32,
 }
 
 /// Normalised innovation squared of the updates of confirmed tracks, each detection counted by its weight. A filter whose
@@ -88,6 +93,9 @@ pub struct Tracker<F, const N: usize, const D: usize> {
     /// Serves the tentative tracks in place of a soft associator.
     beginner: GlobalNearestNeighbour,
     gate: EllipsoidalGate<D>,
+    initiator: Initiator<N>,
+    /// Of two-point initiation.
+    pair_rule: Option<PairRule>,
     tracks: Vec<ActiveTrack<N>>,
     last_time_s: Option<f64>,
     scans: u32,
@@ -107,10 +115,13 @@ where
 {
     pub fn new(parts: TrackerParts<F>) -> Self {
         let gate = EllipsoidalGate::new(parts.lifecycle.gate_probability);
+        let pair_rule = pair_rule::<F, N, D>(&parts);
         Tracker {
             parts,
             beginner: GlobalNearestNeighbour::default(),
             gate,
+            initiator: Initiator::default(),
+            pair_rule,
             tracks: Vec::new(),
             last_time_s: None,
             scans: 0,
@@ -135,12 +146,12 @@ where
         }
         self.serve(scan, true);
         self.serve(scan, false);
+        let started_before = self.history.started;
         let unused = self.initiate(scan, detections);
-        let lifecycle = self.parts.lifecycle;
-        self.tracks.retain(|track| !lifecycle.is_over(&track.life));
+        self.tracks.retain(|track| !track.life.is_over());
         self.scans += 1;
         let confirmed = self.tracks.iter().filter(|track| track.life.is_confirmed()).count() as u32;
-        ScanOutcome { tracks: self.tracks.len() as u32, confirmed, unused }
+        ScanOutcome { tracks: self.tracks.len() as u32, confirmed, unused, started: self.history.started - started_before }
     }
 
     /// What the associator says of all it did so far.
@@ -193,7 +204,7 @@ where
         for (index, track) in self.tracks.iter_mut().enumerate().filter(|(_, track)| track.life.is_confirmed() == confirmed) {
             let Some(expected) = self.parts.filter.expect(&track.state, sensor) else {
                 // Its covariance has left the range of numbers: nothing can be expected of it any more.
-                self.parts.lifecycle.end(&mut track.life);
+                track.life.end();
                 continue;
             };
             let log_scale = self.parts.filter.log_clutter_scale(sensor, &expected);
@@ -210,6 +221,8 @@ where
 
     /// Updates the track of one row by its weights, and remembers what was decided.
     fn conclude(&mut self, row: usize, scan: &Scan) {
+        let lifecycle = self.parts.lifecycle;
+        let log_ratio = if lifecycle.is_scored() { confirmation::log_ratio(&self.problem, &self.weights, row) } else { 0.0 };
         let (index, correction) = &self.posed[row];
         let track = &mut self.tracks[*index];
         let first_candidate = self.history.candidates.len();
@@ -239,38 +252,98 @@ where
             self.nis.weight += detected;
             self.nis.updates += 1;
         }
-        self.parts.lifecycle.advance(&mut track.life, detected > self.weights.none[row]);
-        if self.parts.lifecycle.is_over(&track.life) {
+        lifecycle.advance(&mut track.life, detected > self.weights.none[row], log_ratio);
+        lifecycle.limit(&mut track.life, &track.state.covariance);
+        if track.life.is_over() {
             // It ends before this scan: what nobody carries on is not a track any more.
             self.history.candidates.truncate(first_candidate);
         } else {
-            self.history.remember(track, self.scans, first_candidate, was_confirmed);
+            let nis = (detected > 0.0).then(|| weighted_nis / detected);
+            self.history.remember(track, self.scans, first_candidate, was_confirmed, nis);
         }
     }
 
-    /// Starts a track at every detection that no track used.
+    /// Starts tracks with the detections that no track used, and counts these.
     fn initiate(&mut self, scan: &Scan, detections: &[Detection]) -> u32 {
-        let sensor = &self.parts.sensors[scan.sensor];
-        let lifecycle = self.parts.lifecycle;
         let mut unused = 0;
-        for (index, detection) in detections.iter().enumerate().filter(|(index, _)| !self.view.used[*index]) {
-            let measurement = &self.view.measurements[index];
-            let Some(state) = self.parts.filter.initiate(measurement, sensor, lifecycle.initial_speed_sigma_mps) else { continue };
-            let serial = self.history.started;
-            self.history.started += 1;
+        for (index, detection) in detections.iter().enumerate() {
+            if self.view.used[index] {
+                continue;
+            }
+            let (measurement, sensor) = (&self.view.measurements[index], &self.parts.sensors[scan.sensor]);
+            let sigma_mps = self.parts.lifecycle.initial_speed_sigma_mps;
+            let Some(state) = self.parts.filter.initiate(measurement, sensor, sigma_mps) else { continue };
+            let named = (scan.first + index) as u32;
+            let point = Point { scan: self.scans, time_s: scan.time_s, detection: named, origin: detection.origin, state };
             unused += 1;
-            let track = ActiveTrack { serial, life: lifecycle.start(), state, origin: detection.origin };
-            let first_candidate = self.history.candidates.len();
-            self.history.candidates.push(Candidate { detection: Some((scan.first + index) as u32), probability: 1.0 });
-            self.history.remember(&track, self.scans, first_candidate, false);
-            self.tracks.push(track);
+            if self.pair_rule.is_some() {
+                self.initiator.push(point);
+            } else {
+                let track = self.start(&point);
+                self.tracks.push(track);
+            }
+        }
+        if let Some(rule) = &self.pair_rule {
+            self.initiator.pair(scan.sensor, rule);
+            for index in 0..self.initiator.pairs().len() {
+                self.start_with_two(scan, self.initiator.pairs()[index]);
+            }
         }
         unused
     }
+
+    /// A new track, with its first point remembered.
+    fn start(&mut self, point: &Point<N>) -> ActiveTrack<N> {
+        let serial = self.history.started;
+        self.history.started += 1;
+        let track = ActiveTrack { serial, life: self.parts.lifecycle.start(), state: point.state, origin: point.origin };
+        self.remember_detection(&track, point, false);
+        track
+    }
+
+    /// Starts the track of a pair, unless its score says at once that it is clutter.
+    fn start_with_two(&mut self, scan: &Scan, pair: Pair<N>) {
+        let (sensor, lifecycle) = (&self.parts.sensors[scan.sensor], self.parts.lifecycle);
+        let log_ratio = (sensor.p_d / sensor.clutter_density).ln() - pair.log_reach_volume;
+        let mut life = lifecycle.start();
+        let was_confirmed = life.is_confirmed();
+        lifecycle.advance(&mut life, true, log_ratio);
+        if life.is_over() {
+            return;
+        }
+        let track = ActiveTrack { life, state: pair.state, ..self.start(&pair.first) };
+        self.remember_detection(&track, &pair.second, was_confirmed);
+        self.tracks.push(track);
+    }
+
+    /// Remembers a track that a detection started, alone or as the second of two.
+    fn remember_detection(&mut self, track: &ActiveTrack<N>, point: &Point<N>, was_confirmed: bool) {
+        let first_candidate = self.history.candidates.len();
+        self.history.candidates.push(Candidate { detection: Some(point.detection), probability: 1.0 });
+        self.history.remember(track, point.scan, first_candidate, was_confirmed, None);
+    }
+}
+
+/// What makes two points a pair, where tracks begin with two.
+fn pair_rule<F: Filter<N, D>, const N: usize, const D: usize>(parts: &TrackerParts<F>) -> Option<PairRule> {
+    let Initiation::TwoPoint { max_speed_mps } = parts.lifecycle.initiation else { return None };
+    Some(PairRule {
+        max_speed_mps,
+        gate_threshold: gate_threshold(parts.lifecycle.gate_probability, (N / 2) as u32),
+        spectral_density: parts.filter.motion().spectral_density,
+        by_origin: parts.associator.needs() == Needs::Origins,
+    })
 }
 
 impl History {
-    fn remember<const N: usize>(&mut self, track: &ActiveTrack<N>, scan: u32, first_candidate: usize, was_confirmed: bool) {
+    fn remember<const N: usize>(
+        &mut self,
+        track: &ActiveTrack<N>,
+        scan: u32,
+        first_candidate: usize,
+        was_confirmed: bool,
+        nis: Option<f64>,
+    ) {
         if track.life.is_confirmed() && !was_confirmed {
             self.confirmed.push(track.serial);
         }
@@ -281,6 +354,7 @@ impl History {
             first_candidate,
             candidates: self.candidates.len() - first_candidate,
             state: track.state.packed(),
+            nis,
         });
     }
 }

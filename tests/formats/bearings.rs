@@ -78,8 +78,7 @@ fn what_is_wrong_with_a_bearing_is_named_by_its_line() {
         fault("csv", "time_s,truth_id,bearing_deg\n0,a,1e400\n"),
         at(2, "bearing_deg", "not_finite", "'1e400' is not a finite number")
     );
-    let known =
-        "time_s, track_id, bearing_deg, sensor_id, bearing_rate_degps, p_bb, p_bbr, p_brbr, detection_id, probability, status, existence";
+    let known = "time_s, track_id, bearing_deg, sensor_id, bearing_rate_degps, p_bb, p_bbr, p_brbr, detection_id, probability, status, nis, existence";
     assert_eq!(
         fault("csv", "time_s,track_id,bearing_deg,p_bb,p_brbr\n"),
         at(1, "p_bbr", "missing", "column 'p_bbr' is missing: p_bb, p_bbr, p_brbr come together").allowing(known)

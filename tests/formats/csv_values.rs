@@ -142,10 +142,10 @@ fn rows_of_one_track_and_time_are_candidates() {
 
 #[test]
 fn a_covariance_is_symmetric() {
-    let text = "time_s,track_id,x_m,y_m,p_xx,p_xy,p_xvx,p_xvy,p_yy,p_yvx,p_yvy,p_vxvx,p_vxvy,p_vyvy\n0,T,1,2,11,12,13,14,22,23,24,33,34,44\n1,T,1,2,,,,,,,,,,\n";
+    let text = "time_s,track_id,x_m,y_m,p_xx,p_xy,p_xvx,p_xvy,p_yy,p_yvx,p_yvy,p_vxvx,p_vxvy,p_vyvy\n0,T,1,2,110,12,13,14,220,23,24,330,34,440\n1,T,1,2,,,,,,,,,,\n";
     let set = tracks(read("csv", text).expect("the file is sound"));
     let covariance = plane(&set.tracks[0].points[0]).covariance.expect("the first point has one");
-    assert_eq!((covariance[(0, 3)], covariance[(3, 0)], covariance[(2, 1)], covariance[(2, 2)]), (14.0, 14.0, 23.0, 33.0));
+    assert_eq!((covariance[(0, 3)], covariance[(3, 0)], covariance[(2, 1)], covariance[(2, 2)]), (14.0, 14.0, 23.0, 330.0));
     assert_eq!(plane(&set.tracks[0].points[1]).covariance, None);
     assert_eq!(set.candidates.len(), 0);
 }

@@ -145,8 +145,11 @@ fn point(set: &mut TrackSet, time_s: f64, raw: RawPoint) -> TrackPoint {
     }
     set.candidates.extend(epsilon.then_some(Candidate { detection: None, probability: 1.0 / 3.0 }));
     let covariance = diagonal.map(|values| {
-        let mut covariance = Covariance::from_diagonal(&State::from(values));
-        (covariance[(0, 3)], covariance[(3, 0)]) = (values[1], values[1]);
+        // Positive definite: large on the diagonal, and a correlation below one.
+        let diagonal = State::from(values).abs().add_scalar(1.0);
+        let mut covariance = Covariance::from_diagonal(&diagonal);
+        let correlated = 0.5 * diagonal[0].sqrt() * diagonal[3].sqrt();
+        (covariance[(0, 3)], covariance[(3, 0)]) = (correlated, correlated);
         covariance
     });
     let state = if has_velocity { State::new(x, y, vx, vy) } else { State::new(x, y, 0.0, 0.0) };
@@ -155,6 +158,7 @@ fn point(set: &mut TrackSet, time_s: f64, raw: RawPoint) -> TrackPoint {
         sensor: sensor.then_some(0),
         estimate: Estimate::Plane(PlaneEstimate { state, has_velocity, covariance }),
         status: status.map(|index| TrackStatus::ALL[index].0),
+        nis: status.map(|_| x.abs()),
         first_candidate,
         candidates: set.candidates.len() - first_candidate,
     }
@@ -173,7 +177,7 @@ fn tracks_of_bearings(mut set: TrackSet) -> TrackSet {
     for point in set.tracks.iter_mut().flat_map(|track| &mut track.points) {
         let plane = point.estimate.plane().copied().expect("a place");
         let square = |covariance: Covariance| {
-            Matrix2::new(covariance[(0, 0)], covariance[(0, 3)], covariance[(3, 0)], covariance[(1, 1)])
+            Matrix2::new(covariance[(0, 0)], covariance[(0, 3)], covariance[(3, 0)], covariance[(3, 3)])
                 .map(|value| value * (degree * degree))
         };
         point.estimate = Estimate::Bearing(BearingEstimate {

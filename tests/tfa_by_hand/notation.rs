@@ -80,7 +80,7 @@ fn point(set: &mut TrackSet, time_s: f64, word: &str) -> TrackPoint {
 fn bare_point(time_s: f64, x_m: f64, y_m: f64) -> TrackPoint {
     let state = State::new(x_m, y_m, 0.0, 0.0);
     let estimate = Estimate::Plane(PlaneEstimate { state, has_velocity: false, covariance: None });
-    TrackPoint { time_s, sensor: None, estimate, status: None, first_candidate: 0, candidates: 0 }
+    TrackPoint { time_s, sensor: None, estimate, status: None, nis: None, first_candidate: 0, candidates: 0 }
 }
 
 /// `A: a1 a2` → (`A`, [`a1`, `a2`]).

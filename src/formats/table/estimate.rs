@@ -7,7 +7,7 @@ use super::header::{BEARING_COVARIANCE, COVARIANCE, Header};
 use super::row::RowReader;
 use crate::model::state::{State, from_upper_triangle, upper_triangle};
 use crate::model::track::{BearingEstimate, Estimate, PlaneEstimate, TrackPoint, TrackSet};
-use nalgebra::Matrix2;
+use nalgebra::{Cholesky, Matrix2, SMatrix};
 use std::io;
 
 /// Where the columns of estimates are.
@@ -45,7 +45,9 @@ impl EstimateColumns {
             EstimateColumns::Plane { position, velocity, covariance } => {
                 let [x_m, y_m] = position.map(|column| reader.number(column));
                 let velocity = reader.all_or_none(velocity);
+                let first = covariance.map(|columns| columns[0]);
                 let covariance = reader.all_or_none(covariance).map(|upper| from_upper_triangle(&upper));
+                check_definite(reader, first, covariance);
                 let [vx_mps, vy_mps] = velocity.unwrap_or_default();
                 let state = State::new(x_m?, y_m?, vx_mps, vy_mps);
                 Some(Estimate::Plane(PlaneEstimate { state, has_velocity: velocity.is_some(), covariance }))
@@ -53,13 +55,26 @@ impl EstimateColumns {
             EstimateColumns::Bearing { bearing, rate, covariance } => {
                 let bearing_deg = reader.number(bearing);
                 let rate_radps = reader.optional_number(rate).map(f64::to_radians);
+                let first = covariance.map(|columns| columns[0]);
                 let covariance = reader.all_or_none(covariance).map(|upper| {
                     let [bb, bbr, brbr] = upper.map(radians_of_square_degrees);
                     Matrix2::new(bb, bbr, bbr, brbr)
                 });
+                check_definite(reader, first, covariance);
                 Some(Estimate::Bearing(BearingEstimate { bearing_rad: bearing_deg?.to_radians(), rate_radps, covariance }))
             }
         }
+    }
+}
+
+/// A covariance must be positive definite: one that is not gives no distances. `first` is its first column.
+fn check_definite<const N: usize>(reader: &mut RowReader, first: Option<usize>, covariance: Option<SMatrix<f64, N, N>>) {
+    if let (Some(first), Some(covariance)) = (first, covariance)
+        && Cholesky::new(covariance).is_none()
+    {
+        let detail = "the covariance is singular, or not one: it is not positive definite".to_owned();
+        let allowed = "a positive definite matrix: every variance > 0, every correlation within (-1, 1); or all its cells empty";
+        reader.fault_allowing(first, "out_of_range", detail, allowed);
     }
 }
 

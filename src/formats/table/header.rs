@@ -58,6 +58,7 @@ const TRACKS: Schema = Schema {
         "detection_id",
         "probability",
         "status",
+        "nis",
     ],
     unused: &["z_m", "bearing_deg", "bearing_rate_degps", "existence"],
     together: &[&["vx_mps", "vy_mps"], &COVARIANCE],
@@ -66,7 +67,7 @@ const TRACKS: Schema = Schema {
 /// Of trackers that know directions alone.
 const BEARING_TRACKS: Schema = Schema {
     required: &["time_s", "track_id", "bearing_deg"],
-    optional: &["sensor_id", "bearing_rate_degps", "p_bb", "p_bbr", "p_brbr", "detection_id", "probability", "status"],
+    optional: &["sensor_id", "bearing_rate_degps", "p_bb", "p_bbr", "p_brbr", "detection_id", "probability", "status", "nis"],
     unused: &["existence"],
     together: &[&BEARING_COVARIANCE],
 };

@@ -21,6 +21,7 @@ struct Columns {
     detection: Option<usize>,
     probability: Option<usize>,
     status: Option<usize>,
+    nis: Option<usize>,
 }
 
 impl Columns {
@@ -33,6 +34,7 @@ impl Columns {
             detection: header.find("detection_id"),
             probability: header.find("probability"),
             status: header.find("status"),
+            nis: header.find("nis"),
         }
     }
 }
@@ -180,7 +182,16 @@ fn read_point(reader: &mut RowReader, columns: &Columns) -> Option<TrackPoint> {
     let time_s = reader.number(columns.time);
     let estimate = columns.estimate.read(reader);
     let status = read_status(reader, columns);
-    Some(TrackPoint { time_s: time_s?, sensor: None, estimate: estimate?, status, first_candidate: 0, candidates: 0 })
+    let nis = read_nis(reader, columns);
+    Some(TrackPoint { time_s: time_s?, sensor: None, estimate: estimate?, status, nis, first_candidate: 0, candidates: 0 })
+}
+
+fn read_nis(reader: &mut RowReader, columns: &Columns) -> Option<f64> {
+    let (column, nis) = (columns.nis?, reader.optional_number(columns.nis)?);
+    if nis < 0.0 {
+        reader.fault_allowing(column, "out_of_range", format!("{nis} is not a square"), ">= 0");
+    }
+    Some(nis)
 }
 
 fn read_status(reader: &mut RowReader, columns: &Columns) -> Option<TrackStatus> {
@@ -249,6 +260,7 @@ struct Layout {
     estimate: EstimateLayout,
     candidates: bool,
     status: bool,
+    nis: bool,
 }
 
 impl Layout {
@@ -259,6 +271,7 @@ impl Layout {
             estimate: EstimateLayout::of(set),
             candidates: has(|point| point.candidates > 0),
             status: has(|point| point.status.is_some()),
+            nis: has(|point| point.nis.is_some()),
         }
     }
 
@@ -268,6 +281,7 @@ impl Layout {
         columns.extend(self.estimate.columns());
         columns.extend(self.candidates.then_some(["detection_id", "probability"]).into_iter().flatten());
         columns.extend(self.status.then_some("status"));
+        columns.extend(self.nis.then_some("nis"));
         columns
     }
 }
@@ -293,6 +307,9 @@ fn write_row(
     }
     if layout.status {
         sink.text(point.status.map(TrackStatus::name))?;
+    }
+    if layout.nis {
+        sink.number(point.nis)?;
     }
     sink.end_row()
 }
