@@ -7,6 +7,7 @@
 //! Absent here: files, job requests, and any knowledge of how the tracks were made.
 
 pub mod axis;
+pub mod breaks;
 pub mod comparison;
 pub mod events;
 mod id_order;

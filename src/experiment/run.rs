@@ -1,9 +1,10 @@
 //! Runs a plan on its loaded inputs.
 
 use super::associate::{self, Tracked};
+use super::judge::{Judgement, Subject};
 use super::observer::{Observer, Step};
 use super::plan::{JobKind, Plan, scenario_of};
-use super::{artifacts, clutter, sensors};
+use super::{artifacts, clutter, judge, profiles, requests, sensors};
 use crate::evaluation::{EvaluationInput, SymbolRule, TfaSettings, evaluate_temporal_automaton};
 use crate::math::rng::Seed;
 use crate::model::dataset::{Dataset, DatasetKind, DatasetSummary};
@@ -12,6 +13,7 @@ use crate::model::scan::Recording;
 use crate::model::sensor::SensorSettings;
 use crate::model::track::TrackSet;
 use crate::model::truth::TruthSet;
+use crate::registry;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -81,10 +83,20 @@ pub fn run(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<O
     if let (Some(tracked), Some(recording)) = (&tracked, &scene.recording) {
         parts.push(("association", to_value(&associate::report(tracked, recording, &scene.sensors))?));
     }
+    let mut files = Vec::new();
     if plan.kind == JobKind::Evaluate {
-        parts.push(("tfa", scene.judge(plan, tracked.as_ref(), observer)?));
+        let tracks = tracked.as_ref().map(|tracked| &tracked.tracks);
+        if profiles::wants_automaton(&plan.spec) {
+            parts.push(("tfa", scene.judge(plan, tracks, observer)?));
+        }
+        if let Some(judgement) = scene.measure(plan, tracks, observer)? {
+            parts.extend(judgement.parts);
+            files = judgement.artifacts;
+            scene.warnings.extend(judgement.warnings);
+        }
     }
-    let artifacts = scene.artifacts(plan, tracked, observer)?;
+    let mut artifacts = scene.artifacts(plan, tracked, observer)?;
+    artifacts.extend(files);
     let result = parts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
     Ok(Outcome { result: Value::Object(result), warnings: scene.warnings, artifacts })
 }
@@ -95,6 +107,8 @@ struct Scene {
     recording: Option<Recording>,
     truth: Option<TruthSet>,
     tracks: Option<TrackSet>,
+    /// Truth and tracks of each sequence.
+    sequences: Vec<(TruthSet, TrackSet)>,
     sensors: Vec<SensorSettings>,
     warnings: Vec<String>,
 }
@@ -106,6 +120,15 @@ impl Scene {
         let mut uploaded = Vec::new();
         for (request, input) in plan.inputs.iter().zip(inputs) {
             let Some(input) = input else { continue };
+            if let Some(index) = request.sequence {
+                scene.sequences.resize(scene.sequences.len().max(index + 1), Default::default());
+                match (request.role, input.dataset) {
+                    (DatasetKind::Truth, Dataset::Truth(truth)) => scene.sequences[index].0 = truth,
+                    (DatasetKind::Tracks, Dataset::Tracks(tracks)) => scene.sequences[index].1 = tracks,
+                    (wanted, found) => return Err(RunError::Faults(vec![wrong_kind(&request.pointer, wanted, found.kind())])),
+                }
+                continue;
+            }
             match (request.role, input.dataset) {
                 (DatasetKind::Detections, Dataset::Detections(recording)) => {
                     scene.recording = Some(recording);
@@ -113,7 +136,7 @@ impl Scene {
                 }
                 (DatasetKind::Truth, Dataset::Truth(truth)) => scene.truth = Some(truth),
                 (DatasetKind::Tracks, Dataset::Tracks(tracks)) => scene.tracks = Some(tracks),
-                (wanted, found) => return Err(RunError::Faults(vec![wrong_kind(request.pointer, wanted, found.kind())])),
+                (wanted, found) => return Err(RunError::Faults(vec![wrong_kind(&request.pointer, wanted, found.kind())])),
             }
         }
         if let Some((scenario, _)) = scenario_of(&plan.spec) {
@@ -141,14 +164,64 @@ impl Scene {
     }
 
     /// The part `tfa` of the report.
-    fn judge(&mut self, plan: &Plan, tracked: Option<&Tracked>, observer: &mut dyn Observer) -> Result<Value, RunError> {
+    fn judge(&mut self, plan: &Plan, tracked: Option<&TrackSet>, observer: &mut dyn Observer) -> Result<Value, RunError> {
         step(observer, Step::Evaluate, 0)?;
-        let tracks = tracked.map(|tracked| &tracked.tracks).or(self.tracks.as_ref()).ok_or_else(|| missing("/tracks", "tracks"))?;
-        let settings = tfa_settings(&plan.spec["tfa"])?;
+        let tracks = tracked.or(self.tracks.as_ref()).ok_or_else(|| missing("/tracks", "tracks"))?;
+        let settings = match plan.spec.get("tfa") {
+            Some(tfa) => tfa_settings(tfa)?,
+            None => self.automatic_tfa(plan, tracks)?,
+        };
         let input = EvaluationInput { recording: self.recording.as_ref(), truth: self.truth.as_ref(), tracks };
         let report = evaluate_temporal_automaton(&input, &settings)?;
         step(observer, Step::Evaluate, 1)?;
         to_value(&report)
+    }
+
+    /// The automaton's settings where the request has none: what the data allow.
+    fn automatic_tfa(&self, plan: &Plan, tracks: &TrackSet) -> Result<TfaSettings, RunError> {
+        let has_origins = self.recording.as_ref().is_some_and(|recording| recording.origins_known);
+        let symbols = if has_origins && (!tracks.candidates.is_empty() || self.truth.is_none()) {
+            json!({"kind": "detection_id"})
+        } else {
+            json!({"kind": "nearest_truth", "gate_m": plan.spec["comparison"]["gate_m"]})
+        };
+        tfa_settings(&registry::check(&json!({"symbols": symbols}), &requests::TFA)?)
+    }
+
+    /// What the metrics say; `None` when there are none or no truth was found.
+    fn measure(&mut self, plan: &Plan, tracked: Option<&TrackSet>, observer: &mut dyn Observer) -> Result<Option<Judgement>, RunError> {
+        if plan.spec["metrics"].as_array().is_none_or(Vec::is_empty) {
+            return Ok(None);
+        }
+        let names = plan.spec["sequences"].as_array().into_iter().flatten().map(|sequence| sequence["name"].as_str().unwrap_or_default());
+        let mut subjects: Vec<Subject> = names
+            .zip(&self.sequences)
+            .map(|(name, (truth, tracks))| {
+                let input = EvaluationInput { recording: None, truth: Some(truth), tracks };
+                Subject { name, input, truth }
+            })
+            .collect();
+        if subjects.is_empty() {
+            let Some(truth) = &self.truth else {
+                self.warnings.push("no truth was found for this job, so no metric was computed".to_owned());
+                return Ok(None);
+            };
+            let tracks = tracked.or(self.tracks.as_ref()).ok_or_else(|| missing("/tracks", "tracks"))?;
+            let input = EvaluationInput { recording: self.recording.as_ref(), truth: Some(truth), tracks };
+            subjects.push(Subject { name: "", input, truth });
+        }
+        let of_bearings = |subject: &Subject| subject.truth.is_of_bearings() || subject.input.tracks.is_of_bearings();
+        if let Some(index) = subjects.iter().position(of_bearings) {
+            let detail = "directions (bearing_deg) are not compared in metres, so no metric was computed";
+            if !self.sequences.is_empty() {
+                return Err(RunError::Faults(vec![
+                    Fault::new(format!("/sequences/{index}"), "unsupported", detail).allowing("places (x_m, y_m)"),
+                ]));
+            }
+            self.warnings.push(detail.to_owned());
+            return Ok(None);
+        }
+        judge::judge(&plan.spec, &subjects, observer).map(Some)
     }
 
     /// The datasets of the job, and its scan by scan record.

@@ -35,7 +35,7 @@ async fn the_report_of_each_kind_is_what_the_document_says() {
 
     let judged = api.run("evaluate", &json!({"tracks": {"source": "job", "job_id": id(&associated)}})).await;
     let Report::Evaluate(report) = report_of(&api, &judged).await else { panic!("not an evaluation") };
-    let counts = report.result.tfa.counts;
+    let counts = report.result.tfa.expect("a verdict").counts;
     assert_eq!(counts.targets, 2);
     assert_eq!(counts.correct + counts.missed + counts.wrong, 2);
     assert!(report.result.association.is_none());
@@ -170,7 +170,7 @@ async fn windows_and_series_that_make_no_sense_are_refused() {
     let api = Api::start().await;
     let base = evaluated(&api).await;
     let answer: Answer = api.get(&format!("{base}/series/happiness")).await;
-    let detail = "there is no series 'happiness'; there are track_probability, scan_counts, bearing_time";
+    let detail = "there is no series 'happiness'; there are track_probability, scan_counts, bearing_time, metrics";
     assert_eq!(answer.problem(), problem("not_found", 404, "There is no such thing", detail));
     let answer = api.get(&format!("{base}/plan?from=9&to=3&max_points=1")).await;
     let faults = json!([
