@@ -13,12 +13,13 @@ pub mod events;
 mod id_order;
 pub mod identities;
 pub mod metrics;
+mod nearest_detection;
 mod nearest_point;
 pub mod nearest_truth;
 pub mod strings;
 pub mod temporal_automaton;
 
-pub use strings::SymbolRule;
+pub use strings::{DecisionPolicy, SymbolRule};
 pub use temporal_automaton::{TfaReport, TfaSettings, evaluate_temporal_automaton};
 
 use crate::model::{scan::Recording, track::TrackSet, truth::TruthSet};

@@ -18,3 +18,4 @@ pub mod run;
 mod sensors;
 mod tables;
 pub mod text;
+mod tfa;

@@ -288,7 +288,7 @@ fn sequence_inputs(spec: &Value) -> impl Iterator<Item = InputRequest> {
 fn check_symbols(spec: &Value, known: &[DatasetKind], faults: &mut Vec<Fault>) {
     let is_simulated = spec.pointer("/input/scenario").is_some() || spec.pointer("/input/preset").is_some();
     let (wanted, pointer, name) = match spec.pointer("/tfa/symbols/kind").and_then(Value::as_str) {
-        Some("detection_id") => (DatasetKind::Detections, "/detections", "detections"),
+        Some("detection_id" | "nearest_detection") => (DatasetKind::Detections, "/detections", "detections"),
         Some("nearest_truth") => (DatasetKind::Truth, "/truth", "truth"),
         None if spec.get("tracks").is_some() && known == [DatasetKind::Tracks] => {
             let detail = "'truth' is required to judge tracks, or 'detections' that know which target they came from";

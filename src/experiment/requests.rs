@@ -191,6 +191,12 @@ pub static SENSOR_SETTINGS: Object = Object {
 static NOTHING: Object =
     Object { name: "DetectionIdSymbols", summary: "A symbol is the identity of a detection, as in the paper.", fields: &[] };
 
+static NEAREST_DETECTION: Object = Object {
+    name: "NearestDetectionSymbols",
+    summary: "A symbol is the detection of the same scan that is nearest to the track: for trackers that do not say which they took.",
+    fields: &[required("gate_m", "Largest distance between a track and its detection.", RANGE)],
+};
+
 static NEAREST_TRUTH: Object = Object {
     name: "NearestTruthSymbols",
     summary: "A symbol is the nearest true target: for recordings whose detections have no known origin.",
@@ -209,17 +215,34 @@ static SYMBOLS: Union = Union {
     name: "TfaSymbols",
     summary: "What the automaton reads at each scan.",
     tag: "kind",
-    variants: || vec![Variant { tag: "detection_id", object: &NOTHING }, Variant { tag: "nearest_truth", object: &NEAREST_TRUTH }],
+    variants: || {
+        vec![
+            Variant { tag: "detection_id", object: &NOTHING },
+            Variant { tag: "nearest_detection", object: &NEAREST_DETECTION },
+            Variant { tag: "nearest_truth", object: &NEAREST_TRUTH },
+        ]
+    },
 };
 
 static MOST_PROBABLE: Object =
     Object { name: "MostProbableDecision", summary: "A track's symbol is its most probable candidate, ε included.", fields: &[] };
 
+static ALL_GATED: Object = Object {
+    name: "AllGatedDecision",
+    summary: "Every candidate of enough weight is a symbol of the track, ε too, or where nothing else is.",
+    fields: &[default(
+        "min_weight",
+        "Least weight of a candidate.",
+        Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1.0), unit: "" },
+        "0.05",
+    )],
+};
+
 static DECISION: Union = Union {
     name: "TfaDecision",
     summary: "How a track's weights become symbols.",
     tag: "policy",
-    variants: || vec![Variant { tag: "most_probable", object: &MOST_PROBABLE }],
+    variants: || vec![Variant { tag: "most_probable", object: &MOST_PROBABLE }, Variant { tag: "all_gated", object: &ALL_GATED }],
 };
 
 pub static TFA: Object = Object {
@@ -234,6 +257,19 @@ pub static TFA: Object = Object {
             Kind::Integer { min: 1, max: 1000, unit: "scans" },
             "5",
         ),
+        default(
+            "tolerance",
+            "Largest number of errors that are forgiven: the report tells how many targets are correct for each up to it.",
+            Kind::Integer { min: 0, max: 1000, unit: "scans" },
+            "5",
+        ),
+        default(
+            "search",
+            "How a string is run through the automaton; the verdicts are the same.",
+            Kind::Choice(&["breadth_first", "depth_first"]),
+            "\"breadth_first\"",
+        ),
+        default("minimise", "Whether to determinise and minimise the automaton; the verdicts are the same.", Kind::Flag, "false"),
     ],
 };
 

@@ -4,8 +4,8 @@ use super::associate::{self, Tracked};
 use super::judge::{Judgement, Subject};
 use super::observer::{Observer, Step};
 use super::plan::{JobKind, Plan, scenario_of};
-use super::{artifacts, clutter, judge, profiles, requests, sensors};
-use crate::evaluation::{EvaluationInput, SymbolRule, TfaSettings, evaluate_temporal_automaton};
+use super::{artifacts, clutter, judge, profiles, sensors, tfa};
+use crate::evaluation::EvaluationInput;
 use crate::math::rng::Seed;
 use crate::model::dataset::{Dataset, DatasetKind, DatasetSummary};
 use crate::model::fault::Fault;
@@ -13,7 +13,6 @@ use crate::model::scan::Recording;
 use crate::model::sensor::SensorSettings;
 use crate::model::track::TrackSet;
 use crate::model::truth::TruthSet;
-use crate::registry;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -87,16 +86,18 @@ pub fn run(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<O
     if plan.kind == JobKind::Evaluate {
         let tracks = tracked.as_ref().map(|tracked| &tracked.tracks);
         if profiles::wants_automaton(&plan.spec) {
-            parts.push(("tfa", scene.judge(plan, tracks, observer)?));
+            let (report, of_automaton) = scene.judge(plan, tracks, observer)?;
+            parts.push(("tfa", report));
+            files = of_automaton;
         }
         if let Some(judgement) = scene.measure(plan, tracks, observer)? {
             parts.extend(judgement.parts);
-            files = judgement.artifacts;
+            files.extend(judgement.artifacts);
             scene.warnings.extend(judgement.warnings);
         }
     }
     let mut artifacts = scene.artifacts(plan, tracked, observer)?;
-    artifacts.extend(files);
+    artifacts.append(&mut files);
     let result = parts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
     Ok(Outcome { result: Value::Object(result), warnings: scene.warnings, artifacts })
 }
@@ -163,29 +164,14 @@ impl Scene {
         Ok(tracked)
     }
 
-    /// The part `tfa` of the report.
-    fn judge(&mut self, plan: &Plan, tracked: Option<&TrackSet>, observer: &mut dyn Observer) -> Result<Value, RunError> {
+    /// The part `tfa` of the report, and its files.
+    fn judge(&mut self, plan: &Plan, tracked: Option<&TrackSet>, observer: &mut dyn Observer) -> Result<(Value, Vec<Artifact>), RunError> {
         step(observer, Step::Evaluate, 0)?;
         let tracks = tracked.or(self.tracks.as_ref()).ok_or_else(|| missing("/tracks", "tracks"))?;
-        let settings = match plan.spec.get("tfa") {
-            Some(tfa) => tfa_settings(tfa)?,
-            None => self.automatic_tfa(plan, tracks)?,
-        };
         let input = EvaluationInput { recording: self.recording.as_ref(), truth: self.truth.as_ref(), tracks };
-        let report = evaluate_temporal_automaton(&input, &settings)?;
+        let (report, files) = tfa::judge(&tfa::spec_of(&plan.spec, &input)?, input, &self.sensors, &mut self.warnings)?;
         step(observer, Step::Evaluate, 1)?;
-        to_value(&report)
-    }
-
-    /// The automaton's settings where the request has none: what the data allow.
-    fn automatic_tfa(&self, plan: &Plan, tracks: &TrackSet) -> Result<TfaSettings, RunError> {
-        let has_origins = self.recording.as_ref().is_some_and(|recording| recording.origins_known);
-        let symbols = if has_origins && (!tracks.candidates.is_empty() || self.truth.is_none()) {
-            json!({"kind": "detection_id"})
-        } else {
-            json!({"kind": "nearest_truth", "gate_m": plan.spec["comparison"]["gate_m"]})
-        };
-        tfa_settings(&registry::check(&json!({"symbols": symbols}), &requests::TFA)?)
+        Ok((to_value(&report)?, files))
     }
 
     /// What the metrics say; `None` when there are none or no truth was found.
@@ -243,27 +229,6 @@ impl Scene {
         step(observer, Step::Write, 1)?;
         Ok(files)
     }
-}
-
-/// The settings of the automaton, from their checked description.
-fn tfa_settings(spec: &Value) -> Result<TfaSettings, RunError> {
-    #[derive(Deserialize)]
-    struct Wire {
-        symbols: Symbols,
-        max_missed: u32,
-    }
-    #[derive(Deserialize)]
-    #[serde(tag = "kind", rename_all = "snake_case")]
-    enum Symbols {
-        DetectionId,
-        NearestTruth { gate_m: f64, max_gap_s: f64 },
-    }
-    let wire = Wire::deserialize(spec).map_err(|error| RunError::Faults(vec![Fault::new("/tfa", "malformed", error.to_string())]))?;
-    let symbols = match wire.symbols {
-        Symbols::DetectionId => SymbolRule::DetectionId,
-        Symbols::NearestTruth { gate_m, max_gap_s } => SymbolRule::NearestTruth { gate_m, max_gap_s },
-    };
-    Ok(TfaSettings { symbols, max_missed: wire.max_missed })
 }
 
 /// Asks whether to go on, before (0) and after (1) a step without parts.

@@ -3,6 +3,12 @@
 //! A metric takes several sequences (recordings, runs) at once and combines their counts, never their ratios; one
 //! sequence is a list of one.
 
+mod cutoff;
+mod gospa;
+mod kinematics;
+mod ospa;
+mod siap;
+
 use super::EvaluationInput;
 use super::comparison::{Comparison, Shape};
 use super::events::EventLog;
@@ -55,6 +61,14 @@ pub struct Series {
     pub axis: &'static str,
     pub at: Vec<f64>,
     pub values: Vec<Option<f64>>,
+}
+
+impl Series {
+    /// One value a step.
+    pub fn over_time(name: &'static str, unit: &'static str, values: impl Iterator<Item = Option<f64>>) -> Series {
+        let values = values.map(|value| value.filter(|value| value.is_finite())).collect();
+        Series { name, unit, axis: "time_s", at: Vec::new(), values }
+    }
 }
 
 /// The numbers of one truth or one track.
@@ -118,7 +132,7 @@ pub trait Metric: Send {
 pub type BuildMetric = fn(&Value) -> Result<Box<dyn Metric>, serde_json::Error>;
 
 /// Every metric.
-pub const METRICS: &[Method<BuildMetric>] = &[];
+pub const METRICS: &[Method<BuildMetric>] = &[ospa::METHOD, gospa::METHOD, siap::METHOD, kinematics::METHOD];
 
 pub static METRIC: Union = Union {
     name: "Metric",
