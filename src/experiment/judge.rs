@@ -123,7 +123,7 @@ fn compare(spec: &Value, subjects: &[Subject], metrics: &[Named]) -> Result<Vec<
         Aligned::Interpolate { max_gap_s } => Alignment::Interpolate { max_gap_s },
         Aligned::Nearest { max_gap_s } => Alignment::Nearest { max_gap_s },
     };
-    let reach_m = metrics.iter().filter_map(|named| named.metric.reach_m()).fold(settings.gate_m, f64::max);
+    let reach_m = metrics.iter().map(|named| named.metric.reach_m(settings.gate_m)).fold(settings.gate_m, f64::max);
     let settings = PointSettings { alignment, gate_m: settings.gate_m, reach_m };
     let comparisons: Vec<Comparison> =
         subjects.iter().map(|subject| Comparison::of_points(&subject.input, subject.truth, &settings)).collect();

@@ -106,7 +106,7 @@ fn find(presences: &[Presence], id: u32) -> Option<&Presence> {
 
 fn covariance_of(sequence: &Sequence, track: &Presence) -> Option<Covariance> {
     let track_of_input = sequence.input?.tracks.tracks.get(track.id as usize)?;
-    track_of_input.points.get(track.point as usize)?.covariance
+    track_of_input.points.get(track.point as usize)?.estimate.plane()?.covariance
 }
 
 /// The error along and across a course, y north and x east.
