@@ -196,6 +196,17 @@ impl Scene {
             let input = EvaluationInput { recording: self.recording.as_ref(), truth: Some(truth), tracks };
             subjects.push(Subject { name: "", input, truth });
         }
+        let of_bearings = |subject: &Subject| subject.truth.is_of_bearings() || subject.input.tracks.is_of_bearings();
+        if let Some(index) = subjects.iter().position(of_bearings) {
+            let detail = "directions (bearing_deg) are not compared in metres, so no metric was computed";
+            if !self.sequences.is_empty() {
+                return Err(RunError::Faults(vec![
+                    Fault::new(format!("/sequences/{index}"), "unsupported", detail).allowing("places (x_m, y_m)"),
+                ]));
+            }
+            self.warnings.push(detail.to_owned());
+            return Ok(None);
+        }
         judge::judge(&plan.spec, &subjects, observer).map(Some)
     }
 
