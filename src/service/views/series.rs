@@ -1,5 +1,6 @@
-//! Series over time: the probability of each candidate of each track, and what each scan held.
+//! Series over time: the probability of each candidate of each track, what each scan held, and bearings.
 
+use super::bearing_time::{self, BearingTimeSeries};
 use super::{Method, Reduced, Window, detection_id, points, scans};
 use crate::model::scan::Recording;
 use crate::model::track::{TrackSet, TrackStatus};
@@ -12,9 +13,10 @@ use utoipa::ToSchema;
 pub type MakeSeries = fn(&JobLayers, &Window) -> Series;
 
 /// Every series, by name.
-pub const SERIES: [(&str, MakeSeries); 2] = [
+pub const SERIES: [(&str, MakeSeries); 3] = [
     ("track_probability", |layers, window| Series::TrackProbability(track_probability(layers, window))),
     ("scan_counts", |layers, window| Series::ScanCounts(scan_counts(layers, window))),
+    ("bearing_time", |layers, window| Series::BearingTime(bearing_time::of(layers, window))),
 ];
 
 /// A series of a job, as columns of equal length.
@@ -23,6 +25,7 @@ pub const SERIES: [(&str, MakeSeries); 2] = [
 pub enum Series {
     TrackProbability(TrackProbabilitySeries),
     ScanCounts(ScanCountsSeries),
+    BearingTime(BearingTimeSeries),
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
