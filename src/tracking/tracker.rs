@@ -11,7 +11,7 @@ use crate::filtering::Filter;
 use crate::filtering::mixture::{self, Correction, Expected, WeightedInnovation};
 use crate::filtering::prediction::Transition;
 use crate::gating::ellipsoidal::EllipsoidalGate;
-use crate::gating::grid::Grid;
+use crate::gating::grid::{Grid, Placed};
 use crate::math::angle;
 use crate::math::gaussian::gate_threshold;
 use crate::model::scan::{Detection, Scan};
@@ -77,6 +77,8 @@ struct ActiveTrack<const N: usize> {
 struct ScanView<const D: usize> {
     /// As points of the measurement space.
     measurements: Vec<SVector<f64, D>>,
+    /// The same as the grid arranged them.
+    placed: Vec<Placed<D>>,
     /// The coordinate that is an angle.
     angle: Option<usize>,
     used: Vec<bool>,
@@ -106,6 +108,8 @@ pub struct Tracker<F, const N: usize, const D: usize> {
     weights: Weights,
     /// The tracks of the problem's rows.
     posed: Vec<(usize, Correction<N, D>)>,
+    /// ν of each of the problem's edges.
+    edge_innovations: Vec<SVector<f64, D>>,
     innovations: Vec<WeightedInnovation<D>>,
 }
 
@@ -131,6 +135,7 @@ where
             problem: ScanProblem::default(),
             weights: Weights::default(),
             posed: Vec::new(),
+            edge_innovations: Vec::new(),
             innovations: Vec::new(),
         }
     }
@@ -196,6 +201,7 @@ where
     /// Writes the association problem of one group of tracks.
     fn pose(&mut self, scan: &Scan, confirmed: bool) {
         self.problem.clear();
+        self.edge_innovations.clear();
         self.posed.clear();
         let sensor = &self.parts.sensors[scan.sensor];
         let log_clutter = sensor.clutter_density.ln();
@@ -209,8 +215,9 @@ where
             };
             let log_scale = self.parts.filter.log_clutter_scale(sensor, &expected);
             let log_density = log_density - log_scale;
-            let problem = &mut self.problem;
-            self.view.candidates(&self.gate, track.origin, &expected, |detection, squared_distance| {
+            let (problem, innovations) = (&mut self.problem, &mut self.edge_innovations);
+            self.view.candidates(&self.gate, track.origin, &expected, |detection, innovation, squared_distance| {
+                innovations.push(innovation);
                 let log_likelihood = log_density + expected.gaussian.log_density(squared_distance);
                 problem.push_edge(Edge { detection, squared_distance, log_likelihood });
             });
@@ -232,8 +239,7 @@ where
             let weight = self.weights.edges[edge_index];
             if weight > 0.0 {
                 let Edge { detection, squared_distance, .. } = self.problem.edges()[edge_index];
-                let innovation = self.view.innovation(detection, &correction.measurement);
-                self.innovations.push(WeightedInnovation { innovation, weight });
+                self.innovations.push(WeightedInnovation { innovation: self.edge_innovations[edge_index], weight });
                 weighted_nis += weight * squared_distance;
                 let detection = Some(scan.first as u32 + detection);
                 self.history.candidates.push(Candidate { detection, probability: weight });
@@ -363,6 +369,7 @@ impl<const D: usize> Default for ScanView<D> {
     fn default() -> Self {
         ScanView {
             measurements: Vec::new(),
+            placed: Vec::new(),
             angle: None,
             used: Vec::new(),
             grid: Grid::default(),
@@ -385,6 +392,7 @@ impl<const D: usize> ScanView<D> {
             self.index_origins(detections);
         } else {
             self.grid.rebuild(&self.measurements);
+            self.grid.arrange(&self.measurements, &mut self.placed);
         }
     }
 
@@ -395,11 +403,6 @@ impl<const D: usize> ScanView<D> {
                 self.used[detection as usize - scan.first] = true;
             }
         }
-    }
-
-    #[inline]
-    fn innovation(&self, detection: u32, expected: &SVector<f64, D>) -> SVector<f64, D> {
-        angle::difference(&self.measurements[detection as usize], expected, self.angle)
     }
 
     fn index_origins(&mut self, detections: &[Detection]) {
@@ -420,19 +423,20 @@ impl<const D: usize> ScanView<D> {
         gate: &EllipsoidalGate<D>,
         origin: Option<u32>,
         expected: &Expected<N, D>,
-        mut found: impl FnMut(u32, f64),
+        mut found: impl FnMut(u32, SVector<f64, D>, f64),
     ) {
         if self.choose_by_origin {
             let detection = origin.and_then(|origin| self.by_origin.get(origin as usize).copied().flatten());
             if let Some(detection) = detection.filter(|&detection| !self.used[detection as usize]) {
-                found(detection, expected.gaussian.squared_distance(&self.innovation(detection, &expected.measurement)));
+                let innovation = angle::difference(&self.measurements[detection as usize], &expected.measurement, self.angle);
+                found(detection, innovation, expected.gaussian.squared_distance(&innovation));
             }
             return;
         }
         let (centre, spread) = ((&expected.measurement, self.angle), (&expected.covariance, &expected.gaussian));
-        gate.candidates(&self.grid, &self.measurements, centre, spread, |detection, squared| {
+        gate.candidates(&self.grid, &self.placed, centre, spread, |detection, innovation, squared| {
             if !self.used[detection as usize] {
-                found(detection, squared);
+                found(detection, innovation, squared);
             }
         });
     }
