@@ -241,7 +241,6 @@ where
                 let Edge { detection, squared_distance, .. } = self.problem.edges()[edge_index];
                 self.innovations.push(WeightedInnovation { innovation: self.edge_innovations[edge_index], weight });
                 weighted_nis += weight * squared_distance;
-                self.view.used[detection as usize] |= weight >= USED_WEIGHT;
                 let detection = Some(scan.first as u32 + detection);
                 self.history.candidates.push(Candidate { detection, probability: weight });
             }
@@ -253,17 +252,18 @@ where
         let was_confirmed = track.life.is_confirmed();
         // The scan is a hit when it is more probable that the track was detected than that it was not.
         let detected: f64 = self.innovations.iter().map(|innovation| innovation.weight).sum();
-        if was_confirmed && detected > 0.0 {
-            self.nis.weighted_sum += weighted_nis;
-            self.nis.weight += detected;
-            self.nis.updates += 1;
-        }
         lifecycle.advance(&mut track.life, detected > self.weights.none[row], log_ratio);
         lifecycle.limit(&mut track.life, &track.state.covariance);
         if track.life.is_over() {
-            // It ends before this scan: what nobody carries on is not a track any more.
+            // It ends before this scan: what nobody carries on is not a track any more, and uses nothing.
             self.history.candidates.truncate(first_candidate);
         } else {
+            self.view.mark_used(&self.history.candidates[first_candidate..], scan);
+            if was_confirmed && detected > 0.0 {
+                self.nis.weighted_sum += weighted_nis;
+                self.nis.weight += detected;
+                self.nis.updates += 1;
+            }
             let nis = (detected > 0.0).then(|| weighted_nis / detected);
             self.history.remember(track, self.scans, first_candidate, was_confirmed, nis);
         }
@@ -393,6 +393,15 @@ impl<const D: usize> ScanView<D> {
         } else {
             self.grid.rebuild(&self.measurements);
             self.grid.arrange(&self.measurements, &mut self.placed);
+        }
+    }
+
+    #[inline]
+    fn mark_used(&mut self, candidates: &[Candidate], scan: &Scan) {
+        for candidate in candidates {
+            if let Some(detection) = candidate.detection.filter(|_| candidate.probability >= USED_WEIGHT) {
+                self.used[detection as usize - scan.first] = true;
+            }
         }
     }
 
