@@ -138,9 +138,13 @@ impl<F: Filter<4, D>, const D: usize> Tracker<F, D> {
         self.serve(scan, false);
         let unused = self.initiate(scan, detections);
         let lifecycle = self.parts.lifecycle;
-        self.tracks.retain(|track| !lifecycle.is_over(&track.life));
+        let mut confirmed = 0;
+        self.tracks.retain(|track| {
+            let goes_on = !lifecycle.is_over(&track.life);
+            confirmed += u32::from(goes_on && track.life.is_confirmed());
+            goes_on
+        });
         self.scans += 1;
-        let confirmed = self.tracks.iter().filter(|track| track.life.is_confirmed()).count() as u32;
         ScanOutcome { tracks: self.tracks.len() as u32, confirmed, unused }
     }
 
