@@ -17,7 +17,7 @@ use trackloom::model::scan::Recording;
 use trackloom::model::scenario::{RandomTargets, ReportNoise, Scenario, ScenarioSensor, TargetPlan};
 use trackloom::model::sensor::{Report, Sensor};
 use trackloom::registry;
-use trackloom::tracking::{Lifecycle, Tracker, TrackerParts};
+use trackloom::tracking::{Confirmation, Initiation, Lifecycle, Tracker, TrackerParts};
 
 /// Every figure is the least of this many runs, the contenders taking turns: what other programs do only ever adds.
 const RUNS: usize = 15;
@@ -119,7 +119,16 @@ fn tracked(method: &str, scenario: &Scenario, recording: &Recording) -> (f64, u6
     let parts = TrackerParts {
         filter: Kalman { process_noise_m2ps3: 1.0 },
         associator: (associator.build)(&defaults).expect("defaults build"),
-        lifecycle: Lifecycle { gate_probability: 0.999, confirm_hits: 3, confirm_window: 5, max_missed: 5, initial_speed_sigma_mps },
+        lifecycle: Lifecycle {
+            gate_probability: 0.999,
+            initiation: Initiation::OnePoint,
+            confirmation: Confirmation::MOfN,
+            confirm_hits: 3,
+            confirm_window: 5,
+            max_missed: 5,
+            max_position_sigma_m: None,
+            initial_speed_sigma_mps,
+        },
         sensors: vec![Sensor {
             sensor_id: "radar".into(),
             p_d: sensor.p_d,

@@ -12,7 +12,7 @@ use trackloom::model::scan::{Recording, RecordingParts};
 use trackloom::model::scenario::{ListedTarget, Scenario, ScenarioSensor, TargetPlan};
 use trackloom::model::sensor::{Report, Sensor};
 use trackloom::registry;
-use trackloom::tracking::{Lifecycle, Tracker, TrackerParts};
+use trackloom::tracking::{Confirmation, Initiation, Lifecycle, Tracker, TrackerParts};
 
 /// Counts every request for memory.
 struct Counting;
@@ -120,7 +120,16 @@ fn parts(method: &str, scenario: &Scenario) -> TrackerParts<Kalman> {
     TrackerParts {
         filter: Kalman { process_noise_m2ps3: 0.1 },
         associator: (associator.build)(&defaults).unwrap(),
-        lifecycle: Lifecycle { gate_probability: 0.999, confirm_hits: 3, confirm_window: 5, max_missed: 5, initial_speed_sigma_mps: 5.0 },
+        lifecycle: Lifecycle {
+            gate_probability: 0.999,
+            initiation: Initiation::OnePoint,
+            confirmation: Confirmation::MOfN,
+            confirm_hits: 3,
+            confirm_window: 5,
+            max_missed: 5,
+            max_position_sigma_m: None,
+            initial_speed_sigma_mps: 5.0,
+        },
         sensors: vec![Sensor {
             sensor_id: "radar".into(),
             p_d: sensor.p_d,

@@ -7,8 +7,11 @@
 //! Absent here: files, job requests, and any knowledge of how the tracks were made.
 
 pub mod axis;
+pub mod comparison;
+pub mod events;
 mod id_order;
 pub mod identities;
+pub mod metrics;
 mod nearest_point;
 pub mod nearest_truth;
 pub mod strings;

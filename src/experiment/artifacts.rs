@@ -25,7 +25,7 @@ pub(super) fn scans(recording: &Recording, outcomes: &[ScanOutcome]) -> Result<A
     let mut bytes = b"time_s,scan,sensor_id,detections,tracks,confirmed,unused_detections\n".to_vec();
     for (scan, outcome) in recording.scans.iter().zip(outcomes) {
         let sensor_id = &recording.sensors[scan.sensor].sensor_id;
-        let ScanOutcome { tracks, confirmed, unused } = outcome;
+        let ScanOutcome { tracks, confirmed, unused, .. } = outcome;
         writeln!(bytes, "{},{},{},{},{tracks},{confirmed},{unused}", scan.time_s, scan.number, quoted(sensor_id), scan.count)?;
     }
     Ok(Artifact { name: "scans.csv", media_type: "text/csv", bytes, dataset: None, sensors: Vec::new() })

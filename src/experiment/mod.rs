@@ -7,6 +7,7 @@ mod artifacts;
 mod associate;
 pub mod catalogue;
 mod clutter;
+mod extent;
 pub mod observer;
 pub mod plan;
 pub mod presets;

@@ -1,11 +1,11 @@
 //! From the body of a request to a plan: names and parameters checked, every fault reported, inputs named.
 
-use super::{catalogue, presets, requests};
+use super::{associate, catalogue, presets, requests};
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
 use crate::model::scenario::{Scenario, TargetPlan};
 use crate::registry::{self, Kind};
-use crate::tracking::{LIFECYCLE, Lifecycle};
+use crate::tracking::{Initiation, LIFECYCLE, Lifecycle};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -91,6 +91,7 @@ pub fn plan(kind: JobKind, body: &Value) -> Result<Plan, Vec<Fault>> {
         check_evaluate(&mut spec, &mut faults);
     }
     write_out_preset(&mut spec, &mut faults);
+    check_sensors(&spec, &mut faults);
     check_lifecycle(&spec, &mut faults);
     let estimate = check_scenario(&spec, &mut faults);
     let inputs = inputs_of(&spec, &mut faults);
@@ -146,12 +147,43 @@ fn write_out_preset(spec: &mut Value, faults: &mut Vec<Fault>) {
     }
 }
 
+/// Settings of one sensor stand in one place.
+fn check_sensors(spec: &Value, faults: &mut Vec<Fault>) {
+    let names: Vec<Option<&str>> =
+        spec.get("sensors").and_then(Value::as_array).into_iter().flatten().map(|sensor| sensor["sensor_id"].as_str()).collect();
+    for (index, name) in names.iter().enumerate() {
+        if let Some(name) = name.filter(|_| names[..index].contains(name)) {
+            let fault = Fault::new(format!("/sensors/{index}/sensor_id"), "duplicate", format!("sensor '{name}' is set twice"));
+            faults.push(fault.allowing("each sensor_id once"));
+        }
+    }
+}
+
 fn check_lifecycle(spec: &Value, faults: &mut Vec<Fault>) {
     let Some(Ok(lifecycle)) = spec.get("tracker").map(Lifecycle::deserialize) else { return };
+    check_directions(spec, &lifecycle, faults);
     if lifecycle.confirm_hits > lifecycle.confirm_window {
         let detail = format!("{} detections cannot be found in {} scans", lifecycle.confirm_hits, lifecycle.confirm_window);
         let fault = Fault::new("/tracker/confirm_hits", "out_of_range", detail);
         faults.push(fault.allowing(format!("[1, {}] (confirm_window)", lifecycle.confirm_window)));
+    }
+}
+
+/// A filter of directions knows neither speeds nor positions.
+fn check_directions(spec: &Value, lifecycle: &Lifecycle, faults: &mut Vec<Fault>) {
+    let Some(name) = spec.pointer("/filter/method").and_then(Value::as_str) else { return };
+    if !associate::filter_of(spec).is_ok_and(|(filter, _)| filter.is_of_bearings()) {
+        return;
+    }
+    let mut refuse = |pointer: &str, needs: &str, allowed: &str| {
+        let detail = format!("this needs {needs}, which the filter '{name}' does not know");
+        faults.push(Fault::new(pointer, "unsupported", detail).allowing(allowed));
+    };
+    if let Initiation::TwoPoint { .. } = lifecycle.initiation {
+        refuse("/tracker/initiation/method", "speeds", "one_point");
+    }
+    if lifecycle.max_position_sigma_m.is_some() {
+        refuse("/tracker/max_position_sigma_m", "positions", "no value");
     }
 }
 

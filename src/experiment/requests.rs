@@ -35,7 +35,7 @@ const fn default(name: &'static str, summary: &'static str, kind: Kind, value: &
 
 static SCENARIO_SENSOR: Object = Object {
     name: "ScenarioSensor",
-    summary: "A sensor that reports positions (give sigma_x_m, sigma_y_m) or ranges and bearings (give sigma_range_m, sigma_bearing_deg) with independent Gaussian noise, and uniform clutter in its field of view.",
+    summary: "A sensor that reports positions (give sigma_x_m, sigma_y_m), ranges and bearings (give sigma_range_m, sigma_bearing_deg) or bearings alone (give sigma_bearing_deg) with independent Gaussian noise, and uniform clutter in its field of view.",
     fields: &[
         default("sensor_id", "Name of the sensor.", NAME, "\"radar\""),
         default("x_m", "Position, east.", PLACE, "0.0"),
@@ -49,7 +49,11 @@ static SCENARIO_SENSOR: Object = Object {
             "Standard deviation of ranges, of a sensor that reports them with bearings; with sigma_bearing_deg.",
             SIGMA,
         ),
-        optional("sigma_bearing_deg", "Standard deviation of bearings; with sigma_range_m.", SIGMA_BEARING),
+        optional(
+            "sigma_bearing_deg",
+            "Standard deviation of bearings; with sigma_range_m, or alone for a sensor that reports bearings only.",
+            SIGMA_BEARING,
+        ),
         default(
             "clutter_per_scan",
             "Mean of the Poisson number of false detections in a scan.",
@@ -169,6 +173,11 @@ pub static SENSOR_SETTINGS: Object = Object {
             "clutter_per_m2",
             "Expected false detections per square metre and scan, also of a sensor that reports ranges and bearings.",
             Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "1/m²" },
+        ),
+        optional(
+            "clutter_per_deg",
+            "Expected false detections per degree and scan, of a sensor whose bearings alone are used.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "1/deg" },
         ),
         optional("sigma_x_m", "Standard deviation of x.", SIGMA),
         optional("sigma_y_m", "Standard deviation of y.", SIGMA),

@@ -141,7 +141,7 @@ async fn windows_and_series_that_make_no_sense_are_refused() {
     let api = Api::start().await;
     let base = evaluated(&api).await;
     let answer: Answer = api.get(&format!("{base}/series/happiness")).await;
-    let detail = "there is no series 'happiness'; there are track_probability, scan_counts";
+    let detail = "there is no series 'happiness'; there are track_probability, scan_counts, bearing_time";
     assert_eq!(answer.problem(), problem("not_found", 404, "There is no such thing", detail));
     let answer = api.get(&format!("{base}/plan?from=9&to=3&max_points=1")).await;
     let faults = json!([

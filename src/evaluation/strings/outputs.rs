@@ -130,8 +130,8 @@ impl Reader<'_, '_> {
         match self.nearest {
             None => decision.map_or(Step::NOTHING, |decision| Step { symbol: decision.detection, weight: decision.probability }),
             Some(nearest) => {
-                let state = &points[0].1.state;
-                Step { symbol: nearest.symbol(scan, &state.fixed_rows::<2>(0).into_owned()), weight: 1.0 }
+                let plane = points[0].1.estimate.plane();
+                Step { symbol: plane.and_then(|plane| nearest.symbol(scan, &plane.position_m())), weight: 1.0 }
             }
         }
     }

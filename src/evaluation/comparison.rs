@@ -1,0 +1,262 @@
+//! Truth and tracks side by side at common times, with the pairs that are near enough to matter. Every metric reads this
+//! table, or the log of events made of it.
+//!
+//! # Method
+//! 1. The steps: the times of the recording's scans when there is one. Without it, the times of tracks and truth
+//!    together when every track time is also a truth time; else the times of the tracks alone, with a warning.
+//! 2. The truth at each step, as [`Alignment`] says; a step never sees truth from outside a target's path.
+//! 3. The tracks at each step: the points at exactly that time; of several points of one track the last counts.
+//! 4. The pairs with a distance of at most `reach_m`, found by a sweep along x.
+//!
+//! Costs are in proportion to points and pairs, apart from sorting.
+
+use super::EvaluationInput;
+use crate::model::state::Position;
+use crate::model::track::TrackSet;
+use crate::model::truth::{Target, TruthSet};
+use std::ops::Range;
+
+/// How truth is brought to the times of the steps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Alignment {
+    /// On the line between two points at most `max_gap_s` apart.
+    Interpolate { max_gap_s: f64 },
+    /// The nearest point in time, at most `max_gap_s` away; the earlier one of two.
+    Nearest { max_gap_s: f64 },
+}
+
+/// One time at which truth and tracks are compared.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Step {
+    pub time_s: f64,
+    /// Ranges of [`Comparison::truths`], [`Comparison::tracks`], [`Comparison::pairs`].
+    pub truths: Range<usize>,
+    pub tracks: Range<usize>,
+    pub pairs: Range<usize>,
+}
+
+/// A truth or a track at one step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Presence {
+    /// Index into [`Comparison::truth_ids`] or [`Comparison::track_ids`].
+    pub id: u32,
+    /// Of boxes: their centres, in pixels.
+    pub position_m: Position,
+    pub velocity_mps: Option<Position>,
+    /// Of a track: index of the point in its track.
+    pub point: u32,
+}
+
+/// A truth and a track that are near each other at one step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pair {
+    /// Index into the whole lists [`Comparison::truths`] and [`Comparison::tracks`].
+    pub truth: u32,
+    pub track: u32,
+    /// Of points: metres. Of boxes: 1 − intersection over union.
+    pub distance: f64,
+    /// From 0 (strangers) to 1 (the same). Of points: 1 − distance / (2 · gate), at least 0, so one half at the gate.
+    pub similarity: f64,
+}
+
+/// What is compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shape {
+    Points,
+    Boxes,
+}
+
+/// The table. Within a step, truths and tracks rise by id, pairs by truth, then track.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    pub shape: Shape,
+    /// Largest distance of a match: metres, or 1 − intersection over union.
+    pub gate: f64,
+    pub truth_ids: Vec<String>,
+    pub track_ids: Vec<String>,
+    pub steps: Vec<Step>,
+    pub truths: Vec<Presence>,
+    pub tracks: Vec<Presence>,
+    pub pairs: Vec<Pair>,
+    pub warnings: Vec<String>,
+}
+
+/// How points are compared.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PointSettings {
+    pub alignment: Alignment,
+    /// Largest distance of a match.
+    pub gate_m: f64,
+    /// Pairs farther apart are not listed; at least the gate.
+    pub reach_m: f64,
+}
+
+impl Comparison {
+    /// Compares points. `truth` is the truth of `input`.
+    pub fn of_points(input: &EvaluationInput, truth: &TruthSet, settings: &PointSettings) -> Comparison {
+        let mut comparison = Comparison {
+            shape: Shape::Points,
+            gate: settings.gate_m,
+            truth_ids: truth.targets().iter().map(|target| target.truth_id.clone()).collect(),
+            track_ids: input.tracks.tracks.iter().map(|track| track.track_id.clone()).collect(),
+            steps: Vec::new(),
+            truths: Vec::new(),
+            tracks: Vec::new(),
+            pairs: Vec::new(),
+            warnings: Vec::new(),
+        };
+        let times_s = step_times(input, truth, &mut comparison.warnings);
+        let (truths, tracks) = (truths_at(truth, &times_s, settings.alignment), tracks_at(input.tracks, &times_s));
+        comparison.warn_of_strangers(&truths, truth, &tracks, input.tracks);
+        for ((&time_s, truths), tracks) in times_s.iter().zip(truths).zip(tracks) {
+            comparison.push_step(time_s, truths, tracks, |truths, tracks, found| near_pairs(truths, tracks, settings, found));
+        }
+        comparison
+    }
+
+    /// Adds a step; `pair` calls back with the places of each pair in the two lists, its distance and its similarity.
+    pub fn push_step(
+        &mut self,
+        time_s: f64,
+        truths: Vec<Presence>,
+        tracks: Vec<Presence>,
+        pair: impl FnOnce(&[Presence], &[Presence], &mut dyn FnMut(usize, usize, f64, f64)),
+    ) {
+        let (first_truth, first_track, first_pair) = (self.truths.len(), self.tracks.len(), self.pairs.len());
+        pair(&truths, &tracks, &mut |truth, track, distance, similarity| {
+            let (truth, track) = ((first_truth + truth) as u32, (first_track + track) as u32);
+            self.pairs.push(Pair { truth, track, distance, similarity });
+        });
+        self.pairs[first_pair..].sort_unstable_by_key(|pair| (pair.truth, pair.track));
+        self.truths.extend(truths);
+        self.tracks.extend(tracks);
+        self.steps.push(Step {
+            time_s,
+            truths: first_truth..self.truths.len(),
+            tracks: first_track..self.tracks.len(),
+            pairs: first_pair..self.pairs.len(),
+        });
+    }
+
+    /// The pairs of a step that may be matched.
+    pub fn matchable<'c>(&'c self, step: &Step) -> impl Iterator<Item = &'c Pair> + use<'c> {
+        self.pairs[step.pairs.clone()].iter().filter(|pair| pair.distance <= self.gate)
+    }
+
+    fn warn_of_strangers(&mut self, truths: &[Vec<Presence>], truth: &TruthSet, tracks: &[Vec<Presence>], set: &TrackSet) {
+        for (name, is_of_bearings) in [("truth", truth.is_of_bearings()), ("tracks", set.is_of_bearings())] {
+            if is_of_bearings {
+                self.warnings.push(format!("the {name} are directions (bearing_deg) without places: nothing is compared in metres"));
+            }
+        }
+        if truth.is_of_bearings() || set.is_of_bearings() {
+            return;
+        }
+        let is_listed = |targets: usize, lists: &[Vec<Presence>]| targets > 0 && lists.iter().all(Vec::is_empty);
+        if is_listed(truth.targets().len(), truths) {
+            self.warnings.push("no target exists at any time of the comparison: the clocks of truth and tracks do not meet".into());
+        }
+        if is_listed(set.tracks.len(), tracks) {
+            self.warnings.push("no track exists at any time of the comparison: the clocks of tracks and recording do not meet".into());
+        }
+    }
+}
+
+fn step_times(input: &EvaluationInput, truth: &TruthSet, warnings: &mut Vec<String>) -> Vec<f64> {
+    if let Some(recording) = input.recording {
+        return sorted(recording.scans.iter().map(|scan| scan.time_s));
+    }
+    let track_times_s = sorted(input.tracks.tracks.iter().flat_map(|track| &track.points).map(|point| point.time_s));
+    let truth_times_s = sorted(truth.targets().iter().flat_map(|target| &target.points).map(|point| point.time_s));
+    let shared = track_times_s.iter().filter(|time_s| truth_times_s.binary_search_by(|other| other.total_cmp(time_s)).is_ok()).count();
+    if shared == track_times_s.len() {
+        return truth_times_s;
+    }
+    let of = track_times_s.len();
+    if shared == 0 {
+        warnings.push(format!("tracks and truth share none of {of} times: compared at the times of the tracks, truth aligned to them"));
+        return track_times_s;
+    }
+    warnings.push(format!("tracks and truth share {shared} of {of} times: compared at the times of both, truth aligned to them"));
+    sorted(track_times_s.into_iter().chain(truth_times_s))
+}
+
+fn sorted(times_s: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut times_s: Vec<f64> = times_s.filter(|time_s| time_s.is_finite()).collect();
+    times_s.sort_by(f64::total_cmp);
+    times_s.dedup();
+    times_s
+}
+
+fn truths_at(truth: &TruthSet, times_s: &[f64], alignment: Alignment) -> Vec<Vec<Presence>> {
+    let mut lists = vec![Vec::new(); times_s.len()];
+    let (Alignment::Interpolate { max_gap_s } | Alignment::Nearest { max_gap_s }) = alignment;
+    let margin_s = if matches!(alignment, Alignment::Nearest { .. }) { max_gap_s } else { 0.0 };
+    for (id, target) in truth.targets().iter().enumerate() {
+        let (Some(first), Some(last)) = (target.points.first(), target.points.last()) else { continue };
+        let from = times_s.partition_point(|&time_s| time_s < first.time_s - margin_s);
+        let until = times_s.partition_point(|&time_s| time_s <= last.time_s + margin_s);
+        for (step, &time_s) in times_s.iter().enumerate().take(until).skip(from) {
+            lists[step].extend(aligned(target, time_s, alignment).map(|(position_m, velocity_mps)| Presence {
+                id: id as u32,
+                position_m,
+                velocity_mps,
+                point: 0,
+            }));
+        }
+    }
+    lists
+}
+
+/// Position and velocity of a target at a time.
+fn aligned(target: &Target, time_s: f64, alignment: Alignment) -> Option<(Position, Option<Position>)> {
+    match alignment {
+        Alignment::Interpolate { max_gap_s } => {
+            target.position_at(time_s, max_gap_s).map(|position_m| (position_m, target.velocity_at(time_s, max_gap_s)))
+        }
+        Alignment::Nearest { max_gap_s } => {
+            let point = target.nearest_point(time_s, max_gap_s)?;
+            Some((point.position_m()?, target.velocity_at(point.time_s, f64::INFINITY)))
+        }
+    }
+}
+
+fn tracks_at(set: &TrackSet, times_s: &[f64]) -> Vec<Vec<Presence>> {
+    let mut lists: Vec<Vec<Presence>> = vec![Vec::new(); times_s.len()];
+    for (id, track) in set.tracks.iter().enumerate() {
+        let mut step = 0;
+        for (index, point) in track.points.iter().enumerate() {
+            step += times_s[step..].partition_point(|&time_s| time_s < point.time_s);
+            if times_s.get(step) != Some(&point.time_s) {
+                continue;
+            }
+            // A direction is no place.
+            let Some(plane) = point.estimate.plane() else { continue };
+            let (position_m, velocity_mps) = (plane.position_m(), plane.velocity_mps());
+            let presence = Presence { id: id as u32, position_m, velocity_mps, point: index as u32 };
+            match lists[step].last_mut() {
+                Some(last) if last.id == presence.id => *last = presence,
+                _ => lists[step].push(presence),
+            }
+        }
+    }
+    lists
+}
+
+/// The pairs within reach: for each truth the tracks whose x is near enough are looked at.
+fn near_pairs(truths: &[Presence], tracks: &[Presence], settings: &PointSettings, found: &mut dyn FnMut(usize, usize, f64, f64)) {
+    let mut by_x: Vec<(f64, usize)> = tracks.iter().enumerate().map(|(index, track)| (track.position_m.x, index)).collect();
+    by_x.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    for (truth, place) in truths.iter().enumerate() {
+        let from = by_x.partition_point(|&(x_m, _)| x_m < place.position_m.x - settings.reach_m);
+        for &(x_m, track) in &by_x[from..] {
+            if x_m > place.position_m.x + settings.reach_m {
+                break;
+            }
+            let distance_m = (tracks[track].position_m - place.position_m).norm();
+            if distance_m <= settings.reach_m {
+                found(truth, track, distance_m, (1.0 - distance_m / (2.0 * settings.gate_m)).max(0.0));
+            }
+        }
+    }
+}

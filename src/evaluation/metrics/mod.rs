@@ -1,0 +1,128 @@
+//! Metrics: one file each, one line of [`METRICS`] each. All read the same comparison and its log of events.
+//!
+//! A metric takes several sequences (recordings, runs) at once and combines their counts, never their ratios; one
+//! sequence is a list of one.
+
+use super::EvaluationInput;
+use super::comparison::{Comparison, Shape};
+use super::events::EventLog;
+use crate::registry::{Method, Union};
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+/// One recording or run, compared.
+#[derive(Debug, Clone, Copy)]
+pub struct Sequence<'a> {
+    pub comparison: &'a Comparison,
+    pub events: &'a EventLog,
+    /// What was compared; absent for boxes. [`super::comparison::Presence::point`] refers to its tracks.
+    pub input: Option<EvaluationInput<'a>>,
+}
+
+/// A number with its unit; `null` comes with a reason.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Quantity {
+    pub name: &'static str,
+    pub value: Option<f64>,
+    pub unit: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<&'static str>,
+}
+
+impl Quantity {
+    pub fn new(name: &'static str, value: f64, unit: &'static str) -> Quantity {
+        Quantity::or(name, Some(value), unit, "not a finite number")
+    }
+
+    /// A value that may be undefined, then for this reason.
+    pub fn or(name: &'static str, value: Option<f64>, unit: &'static str, reason: &'static str) -> Quantity {
+        let value = value.filter(|value| value.is_finite());
+        Quantity { name, value, unit, reason: value.is_none().then_some(reason) }
+    }
+
+    /// A ratio of counts or sums; undefined over zero, then for this reason.
+    pub fn ratio(name: &'static str, over: f64, under: f64, unit: &'static str, reason: &'static str) -> Quantity {
+        Quantity::or(name, (under != 0.0).then(|| over / under), unit, reason)
+    }
+}
+
+/// Values at the steps of the comparison (`null` where undefined), or at the points of another axis.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Series {
+    pub name: &'static str,
+    pub unit: &'static str,
+    /// `time_s` for one value a step of the comparison, else what `at` holds (`alpha`).
+    pub axis: &'static str,
+    pub at: Vec<f64>,
+    pub values: Vec<Option<f64>>,
+}
+
+/// The numbers of one truth or one track.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Line {
+    pub id: String,
+    pub quantities: Vec<Quantity>,
+}
+
+/// What a metric says.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MetricReport {
+    /// The headline.
+    pub value: Option<f64>,
+    pub unit: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<&'static str>,
+    /// Whether larger values are better.
+    pub higher_is_better: bool,
+    /// All parameters that it was computed with.
+    pub parameters: Map<String, Value>,
+    /// Everything it says in numbers, the headline too.
+    pub quantities: Vec<Quantity>,
+    pub per_truth: Vec<Line>,
+    pub per_track: Vec<Line>,
+    /// Of a single sequence only.
+    pub series: Vec<Series>,
+}
+
+impl MetricReport {
+    /// The report whose headline is the quantity of this name.
+    pub fn new(headline: &str, higher_is_better: bool, parameters: Value, quantities: Vec<Quantity>) -> MetricReport {
+        let (value, unit, reason) = match quantities.iter().find(|quantity| quantity.name == headline) {
+            Some(quantity) => (quantity.value, quantity.unit, quantity.reason),
+            None => (None, "", Some("not computed")),
+        };
+        let parameters = if let Value::Object(map) = parameters { map } else { Map::new() };
+        let (per_truth, per_track, series) = Default::default();
+        MetricReport { value, unit, reason, higher_is_better, parameters, quantities, per_truth, per_track, series }
+    }
+
+    /// The value of a quantity, by name.
+    pub fn quantity(&self, name: &str) -> Option<f64> {
+        self.quantities.iter().find(|quantity| quantity.name == name).and_then(|quantity| quantity.value)
+    }
+}
+
+pub trait Metric: Send {
+    /// Whether it is defined for this kind of data.
+    fn accepts(&self, shape: Shape) -> bool;
+
+    /// The largest distance (m) at which a pair of points matters to it, if it is not the gate.
+    fn reach_m(&self) -> Option<f64> {
+        None
+    }
+
+    fn evaluate(&self, sequences: &[Sequence]) -> MetricReport;
+}
+
+/// Builds a metric from its checked parameters.
+pub type BuildMetric = fn(&Value) -> Result<Box<dyn Metric>, serde_json::Error>;
+
+/// Every metric.
+pub const METRICS: &[Method<BuildMetric>] = &[];
+
+pub static METRIC: Union = Union {
+    name: "Metric",
+    summary: "A number by which tracks are judged.",
+    tag: "metric",
+    variants: || METRICS.iter().map(Method::variant).collect(),
+};
