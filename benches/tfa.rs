@@ -17,7 +17,7 @@ use trackloom::evaluation::{EvaluationInput, TfaSettings, evaluate_temporal_auto
 use trackloom::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
 use trackloom::model::sensor::SensorSettings;
 use trackloom::model::state::State;
-use trackloom::model::track::{Candidate, Track, TrackPoint, TrackSet, TrackStatus};
+use trackloom::model::track::{Candidate, Estimate, PlaneEstimate, Track, TrackPoint, TrackSet, TrackStatus};
 
 const SCANS: usize = 30;
 const SETTINGS: TfaSettings = TfaSettings::PAPER;
@@ -116,8 +116,9 @@ fn scene(targets: usize) -> (Recording, TrackSet) {
 fn point(scan: usize, first_candidate: usize, is_seen: bool) -> TrackPoint {
     let status = Some(if is_seen { TrackStatus::Confirmed } else { TrackStatus::Coasted });
     let time_s = 8.0 * (scan + 1) as f64;
-    let state = State::new(1.0, 2.0, 3.0, 4.0);
-    TrackPoint { time_s, sensor: Some(0), state, has_velocity: true, covariance: None, status, first_candidate, candidates: 1 }
+    let plane = PlaneEstimate { state: State::new(1.0, 2.0, 3.0, 4.0), has_velocity: true, covariance: None };
+    let estimate = Estimate::Plane(plane);
+    TrackPoint { time_s, sensor: Some(0), estimate, nis: None, status, first_candidate, candidates: 1 }
 }
 
 /// The textbook filter, written the plain way.

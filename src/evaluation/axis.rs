@@ -103,6 +103,7 @@ mod tests {
     use crate::model::scan::{RecordingParts, Scan};
     use crate::model::sensor::SensorSettings;
     use crate::model::state::State;
+    use crate::model::track::{Estimate, PlaneEstimate};
 
     fn recording(sensors: &[&str], scans: &[(u32, f64, usize)]) -> Recording {
         let scan = |&(number, time_s, sensor): &(u32, f64, usize)| Scan { number, time_s, sensor, first: 0, count: 0 };
@@ -115,9 +116,8 @@ mod tests {
     }
 
     fn point(time_s: f64, sensor: Option<u32>) -> TrackPoint {
-        let state = State::zeros();
-        let rest = (false, None, None);
-        TrackPoint { time_s, sensor, state, has_velocity: rest.0, covariance: rest.1, status: rest.2, first_candidate: 0, candidates: 0 }
+        let estimate = Estimate::Plane(PlaneEstimate { state: State::zeros(), has_velocity: false, covariance: None });
+        TrackPoint { time_s, sensor, estimate, status: None, nis: None, first_candidate: 0, candidates: 0 }
     }
 
     #[test]

@@ -1,9 +1,10 @@
 //! Runs a plan on its loaded inputs.
 
 use super::associate::{self, Tracked};
+use super::judge::{Judgement, Subject};
 use super::observer::{Observer, Step};
 use super::plan::{JobKind, Plan, scenario_of};
-use super::{artifacts, clutter, sensors, tfa};
+use super::{artifacts, clutter, judge, profiles, sensors, tfa};
 use crate::evaluation::EvaluationInput;
 use crate::math::rng::Seed;
 use crate::model::dataset::{Dataset, DatasetKind, DatasetSummary};
@@ -83,9 +84,17 @@ pub fn run(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<O
     }
     let mut files = Vec::new();
     if plan.kind == JobKind::Evaluate {
-        let (report, of_automaton) = scene.judge(plan, tracked.as_ref(), observer)?;
-        parts.push(("tfa", report));
-        files = of_automaton;
+        let tracks = tracked.as_ref().map(|tracked| &tracked.tracks);
+        if profiles::wants_automaton(&plan.spec) {
+            let (report, of_automaton) = scene.judge(plan, tracks, observer)?;
+            parts.push(("tfa", report));
+            files = of_automaton;
+        }
+        if let Some(judgement) = scene.measure(plan, tracks, observer)? {
+            parts.extend(judgement.parts);
+            files.extend(judgement.artifacts);
+            scene.warnings.extend(judgement.warnings);
+        }
     }
     let mut artifacts = scene.artifacts(plan, tracked, observer)?;
     artifacts.append(&mut files);
@@ -99,6 +108,8 @@ struct Scene {
     recording: Option<Recording>,
     truth: Option<TruthSet>,
     tracks: Option<TrackSet>,
+    /// Truth and tracks of each sequence.
+    sequences: Vec<(TruthSet, TrackSet)>,
     sensors: Vec<SensorSettings>,
     warnings: Vec<String>,
 }
@@ -110,6 +121,15 @@ impl Scene {
         let mut uploaded = Vec::new();
         for (request, input) in plan.inputs.iter().zip(inputs) {
             let Some(input) = input else { continue };
+            if let Some(index) = request.sequence {
+                scene.sequences.resize(scene.sequences.len().max(index + 1), Default::default());
+                match (request.role, input.dataset) {
+                    (DatasetKind::Truth, Dataset::Truth(truth)) => scene.sequences[index].0 = truth,
+                    (DatasetKind::Tracks, Dataset::Tracks(tracks)) => scene.sequences[index].1 = tracks,
+                    (wanted, found) => return Err(RunError::Faults(vec![wrong_kind(&request.pointer, wanted, found.kind())])),
+                }
+                continue;
+            }
             match (request.role, input.dataset) {
                 (DatasetKind::Detections, Dataset::Detections(recording)) => {
                     scene.recording = Some(recording);
@@ -117,7 +137,7 @@ impl Scene {
                 }
                 (DatasetKind::Truth, Dataset::Truth(truth)) => scene.truth = Some(truth),
                 (DatasetKind::Tracks, Dataset::Tracks(tracks)) => scene.tracks = Some(tracks),
-                (wanted, found) => return Err(RunError::Faults(vec![wrong_kind(request.pointer, wanted, found.kind())])),
+                (wanted, found) => return Err(RunError::Faults(vec![wrong_kind(&request.pointer, wanted, found.kind())])),
             }
         }
         if let Some((scenario, _)) = scenario_of(&plan.spec) {
@@ -145,13 +165,38 @@ impl Scene {
     }
 
     /// The part `tfa` of the report, and its files.
-    fn judge(&mut self, plan: &Plan, tracked: Option<&Tracked>, observer: &mut dyn Observer) -> Result<(Value, Vec<Artifact>), RunError> {
+    fn judge(&mut self, plan: &Plan, tracked: Option<&TrackSet>, observer: &mut dyn Observer) -> Result<(Value, Vec<Artifact>), RunError> {
         step(observer, Step::Evaluate, 0)?;
-        let tracks = tracked.map(|tracked| &tracked.tracks).or(self.tracks.as_ref()).ok_or_else(|| missing("/tracks", "tracks"))?;
+        let tracks = tracked.or(self.tracks.as_ref()).ok_or_else(|| missing("/tracks", "tracks"))?;
         let input = EvaluationInput { recording: self.recording.as_ref(), truth: self.truth.as_ref(), tracks };
-        let (report, files) = tfa::judge(&plan.spec["tfa"], input, &self.sensors, &mut self.warnings)?;
+        let (report, files) = tfa::judge(&tfa::spec_of(&plan.spec, &input)?, input, &self.sensors, &mut self.warnings)?;
         step(observer, Step::Evaluate, 1)?;
         Ok((to_value(&report)?, files))
+    }
+
+    /// What the metrics say; `None` when there are none or no truth was found.
+    fn measure(&mut self, plan: &Plan, tracked: Option<&TrackSet>, observer: &mut dyn Observer) -> Result<Option<Judgement>, RunError> {
+        if plan.spec["metrics"].as_array().is_none_or(Vec::is_empty) {
+            return Ok(None);
+        }
+        let names = plan.spec["sequences"].as_array().into_iter().flatten().map(|sequence| sequence["name"].as_str().unwrap_or_default());
+        let mut subjects: Vec<Subject> = names
+            .zip(&self.sequences)
+            .map(|(name, (truth, tracks))| {
+                let input = EvaluationInput { recording: None, truth: Some(truth), tracks };
+                Subject { name, input, truth }
+            })
+            .collect();
+        if subjects.is_empty() {
+            let Some(truth) = &self.truth else {
+                self.warnings.push("no truth was found for this job, so no metric was computed".to_owned());
+                return Ok(None);
+            };
+            let tracks = tracked.or(self.tracks.as_ref()).ok_or_else(|| missing("/tracks", "tracks"))?;
+            let input = EvaluationInput { recording: self.recording.as_ref(), truth: Some(truth), tracks };
+            subjects.push(Subject { name: "", input, truth });
+        }
+        judge::judge(&plan.spec, &subjects, observer).map(Some)
     }
 
     /// The datasets of the job, and its scan by scan record.

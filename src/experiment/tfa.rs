@@ -1,20 +1,36 @@
 //! The temporal automaton in a job: its settings from the request, and the files it leaves beside the report.
 
-use super::artifacts::quoted;
+use super::requests;
 use super::run::{Artifact, RunError};
+use super::tables::quoted;
 use crate::evaluation::temporal_automaton::weighted::ScanProbability;
 use crate::evaluation::temporal_automaton::{Order, TfaEvaluation, report::EPSILON};
 use crate::evaluation::{DecisionPolicy, EvaluationInput, SymbolRule, TfaReport, TfaSettings};
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
+use crate::registry;
 use serde::Deserialize;
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::io::Write;
 
 /// A larger automaton is not written to files: no picture shows it, and the report says all that it decided.
 pub const MAX_TRANSITIONS: usize = 20_000;
 /// Longer curves are not written to a file.
 pub const MAX_CURVE_ROWS: usize = 500_000;
+
+/// The settings in the request; where it has none, what the data allow.
+pub(super) fn spec_of(spec: &Value, input: &EvaluationInput) -> Result<Value, RunError> {
+    if let Some(given) = spec.get("tfa") {
+        return Ok(given.clone());
+    }
+    let has_origins = input.recording.is_some_and(|recording| recording.origins_known);
+    let symbols = if has_origins && (!input.tracks.candidates.is_empty() || input.truth.is_none()) {
+        json!({"kind": "detection_id"})
+    } else {
+        json!({"kind": "nearest_truth", "gate_m": spec["comparison"]["gate_m"]})
+    };
+    Ok(registry::check(&json!({"symbols": symbols}), &requests::TFA)?)
+}
 
 /// Judges tracks as the checked description `spec` says: the report, and `automaton.json`, `automaton.dot` and
 /// `truth_probability.csv` where they are not too large.

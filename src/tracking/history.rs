@@ -1,8 +1,8 @@
 //! What a tracker did: one entry a track and scan, in scan order, turned into tracks at the end.
 
 use crate::model::scan::Recording;
-use crate::model::state::{State, from_upper_triangle};
-use crate::model::track::{Candidate, Track, TrackPoint, TrackSet, TrackStatus};
+use crate::model::state::PackedState;
+use crate::model::track::{Candidate, Estimate, Track, TrackPoint, TrackSet, TrackStatus};
 
 /// A track at one scan.
 #[derive(Debug, Clone, Copy)]
@@ -14,14 +14,15 @@ pub(super) struct Entry {
     pub status: TrackStatus,
     pub first_candidate: usize,
     pub candidates: usize,
-    pub mean: State,
-    /// Upper triangle: a history is long, and the rest of a covariance says nothing new.
-    pub covariance: [f64; 10],
+    pub state: PackedState,
+    pub nis: Option<f64>,
 }
 
 /// Everything a tracker remembers.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct History {
+    /// What a kept state says; it knows of how many variables.
+    unpack: fn(&PackedState) -> Estimate,
     pub(super) entries: Vec<Entry>,
     pub(super) candidates: Vec<Candidate>,
     /// Tracks ever started; serials are below it.
@@ -31,6 +32,10 @@ pub struct History {
 }
 
 impl History {
+    pub(super) fn new(unpack: fn(&PackedState) -> Estimate) -> Self {
+        History { unpack, entries: Vec::new(), candidates: Vec::new(), started: 0, confirmed: Vec::new() }
+    }
+
     /// The tracks that were ever confirmed, from their first detection on, named 1, 2, … in order of initiation.
     pub fn into_tracks(mut self, recording: &Recording) -> TrackSet {
         self.confirmed.sort_unstable();
@@ -42,7 +47,7 @@ impl History {
         }
         for entry in &self.entries {
             if let Some(track) = tracks.get_mut(number_of[entry.serial as usize] as usize) {
-                track.points.push(point(entry, recording));
+                track.points.push(point(entry, (self.unpack)(&entry.state), recording));
             }
         }
         TrackSet {
@@ -54,15 +59,14 @@ impl History {
     }
 }
 
-fn point(entry: &Entry, recording: &Recording) -> TrackPoint {
+fn point(entry: &Entry, estimate: Estimate, recording: &Recording) -> TrackPoint {
     let scan = &recording.scans[entry.scan as usize];
     TrackPoint {
         time_s: scan.time_s,
         sensor: Some(scan.sensor as u32),
-        state: entry.mean,
-        has_velocity: true,
-        covariance: Some(from_upper_triangle(&entry.covariance)),
+        estimate,
         status: Some(entry.status),
+        nis: entry.nis,
         first_candidate: entry.first_candidate,
         candidates: entry.candidates,
     }

@@ -35,7 +35,7 @@ async fn the_report_of_each_kind_is_what_the_document_says() {
 
     let judged = api.run("evaluate", &json!({"tracks": {"source": "job", "job_id": id(&associated)}})).await;
     let Report::Evaluate(report) = report_of(&api, &judged).await else { panic!("not an evaluation") };
-    let counts = report.result.tfa.counts;
+    let counts = report.result.tfa.expect("a verdict").counts;
     assert_eq!(counts.targets, 2);
     assert_eq!(counts.correct + counts.missed + counts.wrong, 2);
     assert!(report.result.association.is_none());

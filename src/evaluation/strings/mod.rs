@@ -100,11 +100,23 @@ impl Strings<'_> {
 /// # Errors
 /// The inputs that the rule of symbols needs and does not have.
 pub fn write_strings<'a>(input: &EvaluationInput<'a>, rules: &StringRules) -> Result<Strings<'a>, Vec<Fault>> {
+    check_places(input, rules.symbols)?;
     match rules.symbols {
         SymbolRule::NearestTruth { gate_m, max_gap_s } => by_nearest_truth(input, gate_m, max_gap_s, rules.max_missed),
         SymbolRule::DetectionId => by_detection(input, None, rules),
         SymbolRule::NearestDetection { gate_m } => by_detection(input, Some(gate_m), rules),
     }
+}
+
+/// Only detection ids can be compared without a place: a direction is no number of metres away from anything.
+fn check_places(input: &EvaluationInput, rule: SymbolRule) -> Result<(), Vec<Fault>> {
+    let of_bearings = [("tracks", input.tracks.is_of_bearings()), ("truth", input.truth.is_some_and(TruthSet::is_of_bearings))];
+    let fault = |(name, _): &(&str, bool)| {
+        let detail = format!("the {name} are directions (bearing_deg): what is nearest to them in metres is not defined");
+        Fault::new("/tfa/symbols", "unsupported", detail).allowing("detection_id")
+    };
+    let faults: Vec<Fault> = of_bearings.iter().filter(|(_, is_of_bearings)| *is_of_bearings).map(fault).collect();
+    if rule == SymbolRule::DetectionId || faults.is_empty() { Ok(()) } else { Err(faults) }
 }
 
 /// Symbols are detections: those that tracks name, or the nearest within a gate.

@@ -10,7 +10,7 @@ use super::{DecisionPolicy, Source};
 use crate::evaluation::axis::Axis;
 use crate::evaluation::identities::Identities;
 use crate::model::state::Position;
-use crate::model::track::{Candidate, Track, TrackPoint, TrackSet, TrackStatus};
+use crate::model::track::{Candidate, PlaneEstimate, Track, TrackPoint, TrackSet, TrackStatus};
 
 /// A track decided on a detection, or named one the scan does not have.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -128,6 +128,7 @@ impl Reader<'_, '_> {
     /// The step of a track at one scan, from all its points there (more than one only in careless files).
     fn read_scan(&mut self, index: u32, track: &Track, points: &[(usize, usize)]) {
         let (scan, first) = points[0];
+        let place_m = |point: usize| place_of(&track.points[point]);
         self.choices.clear();
         self.gather(index, scan, points.iter().map(|&(_, point)| &track.points[point]));
         let decision = match self.source {
@@ -139,13 +140,17 @@ impl Reader<'_, '_> {
                 self.report_crowd(index, scan);
                 decide(self.at_scan.iter().copied())
             }
-            Source::NearestDetection(nearest) => Step { symbol: nearest.nearest(scan, &place_of(&track.points[first])), weight: 1.0 },
+            Source::NearestDetection(nearest) => {
+                Step { symbol: place_m(first).and_then(|place_m| nearest.nearest(scan, &place_m)), weight: 1.0 }
+            }
         };
         if let Some(detection) = decision.symbol {
             self.outputs.decisions.push(Consumed { track: index, scan: scan as u32, detection });
         }
         let step = match self.source {
-            Source::NearestTruth(nearest) => Step { symbol: nearest.symbol(scan, &place_of(&track.points[first])), weight: 1.0 },
+            Source::NearestTruth(nearest) => {
+                Step { symbol: place_m(first).and_then(|place_m| nearest.symbol(scan, &place_m)), weight: 1.0 }
+            }
             _ => decision,
         };
         self.outputs.strings.push_step(self.axis.scans()[scan].position, step, &self.choices);
@@ -201,8 +206,9 @@ impl Reader<'_, '_> {
     }
 }
 
-fn place_of(point: &TrackPoint) -> Position {
-    point.state.fixed_rows::<2>(0).into_owned()
+/// A direction has no place.
+fn place_of(point: &TrackPoint) -> Option<Position> {
+    point.estimate.plane().map(PlaneEstimate::position_m)
 }
 
 /// The most probable candidate; ε when there is none.

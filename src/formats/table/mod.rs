@@ -1,7 +1,9 @@
 //! Datasets as tables of named columns, and the checks on them. CSV and JSON are two spellings of the same table:
 //! each only knows how to read rows ([`Rows`]) and write them ([`Sink`]); what the columns mean stands here, once.
 
+mod degrees;
 mod detections;
+mod estimate;
 mod fault_log;
 mod header;
 mod interner;
