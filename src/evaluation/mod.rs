@@ -16,6 +16,7 @@ mod matching;
 pub mod metrics;
 mod nearest_point;
 pub mod nearest_truth;
+mod overlaps;
 pub mod strings;
 pub mod temporal_automaton;
 #[cfg(test)]

@@ -4,6 +4,7 @@ mod autoferry;
 mod csv_faults;
 mod csv_values;
 mod json;
+mod mot;
 mod round_trip;
 
 use trackloom::formats::{MAX_FAULTS, ReadOptions, ReadOutcome, format_named};
