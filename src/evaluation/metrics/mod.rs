@@ -8,6 +8,7 @@ mod gospa;
 mod kinematics;
 mod ospa;
 mod siap;
+mod t_gospa;
 
 use super::EvaluationInput;
 use super::comparison::{Comparison, Shape};
@@ -132,7 +133,7 @@ pub trait Metric: Send {
 pub type BuildMetric = fn(&Value) -> Result<Box<dyn Metric>, serde_json::Error>;
 
 /// Every metric.
-pub const METRICS: &[Method<BuildMetric>] = &[ospa::METHOD, gospa::METHOD, siap::METHOD, kinematics::METHOD];
+pub const METRICS: &[Method<BuildMetric>] = &[ospa::METHOD, gospa::METHOD, t_gospa::METHOD, siap::METHOD, kinematics::METHOD];
 
 pub static METRIC: Union = Union {
     name: "Metric",
