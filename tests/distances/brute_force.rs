@@ -31,11 +31,11 @@ fn rows(rng: &mut ChaCha8Rng, heads: usize, steps: usize) -> Vec<Row<'static>> {
 pub fn positions_at(scene: &Scene, time_s: f64) -> (Vec<Option<(f64, f64)>>, Vec<Option<(f64, f64)>>) {
     let of_truth = |target: &trackloom::model::truth::Target| {
         let point = target.points.iter().find(|point| point.time_s == time_s)?;
-        Some((point.position_m.x, point.position_m.y))
+        point.position_m().map(|position_m| (position_m.x, position_m.y))
     };
     let of_track = |track: &trackloom::model::track::Track| {
         let point = track.points.iter().find(|point| point.time_s == time_s)?;
-        Some((point.state.x, point.state.y))
+        point.estimate.plane().map(|plane| (plane.state.x, plane.state.y))
     };
     (scene.truth.targets().iter().map(of_truth).collect(), scene.tracks.tracks.iter().map(of_track).collect())
 }

@@ -46,7 +46,7 @@ impl Scene {
 
 pub fn evaluate_all(scenes: &[&Scene], gate_m: f64, spec: Value) -> MetricReport {
     let metric = metric(spec);
-    let reach_m = metric.reach_m().unwrap_or(gate_m);
+    let reach_m = metric.reach_m(gate_m);
     let compared: Vec<_> = scenes.iter().map(|scene| (scene.compare(gate_m, reach_m), scene)).collect();
     let logs: Vec<EventLog> = compared.iter().map(|(comparison, _)| EventLog::new(comparison)).collect();
     let sequences: Vec<Sequence> = compared
@@ -145,4 +145,10 @@ fn track_set(rows: &[Row]) -> TrackSet {
 pub fn track_point(time_s: f64, state: State, covariance: Option<Covariance>) -> TrackPoint {
     let estimate = Estimate::Plane(PlaneEstimate { state, has_velocity: true, covariance });
     TrackPoint { time_s, sensor: None, estimate, status: None, nis: None, first_candidate: 0, candidates: 0 }
+}
+
+/// Gives a point of a track in the plane another covariance.
+pub fn set_covariance(point: &mut TrackPoint, covariance: Covariance) {
+    let Estimate::Plane(plane) = &mut point.estimate else { panic!("not in the plane") };
+    plane.covariance = Some(covariance);
 }

@@ -1,6 +1,6 @@
 //! Errors worked out by hand, and the consistency of a filter that is right about itself.
 
-use crate::fixture::{Row, Scene, assert_close, assert_series, evaluate_all, reason, values};
+use crate::fixture::{Row, Scene, assert_close, assert_series, evaluate_all, reason, set_covariance, values};
 use nalgebra::Matrix4;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -67,7 +67,7 @@ fn nees_by_hand() {
     // P = diag(9, 16, 1, 4): position (3, 4) gives 1 + 1, velocity (1, 0) adds 1; then (3, −4), (0, −3) adds 9/4.
     let mut scene = northbound();
     for point in &mut scene.tracks.tracks[0].points {
-        point.covariance = Some(Covariance::from_diagonal(&State::new(9.0, 16.0, 1.0, 4.0)));
+        set_covariance(point, Covariance::from_diagonal(&State::new(9.0, 16.0, 1.0, 4.0)));
     }
     let report = scene.evaluate(50.0, spec());
     assert_close(report.quantity("nees_position"), 2.0, "position");
@@ -82,8 +82,8 @@ fn nees_by_hand() {
 #[test]
 fn a_singular_covariance_is_left_out() {
     let mut scene = northbound();
-    scene.tracks.tracks[0].points[0].covariance = Some(Covariance::zeros());
-    scene.tracks.tracks[0].points[1].covariance = Some(Covariance::identity());
+    set_covariance(&mut scene.tracks.tracks[0].points[0], Covariance::zeros());
+    set_covariance(&mut scene.tracks.tracks[0].points[1], Covariance::identity());
     let report = scene.evaluate(50.0, spec());
     assert_close(report.quantity("nees_position"), 25.0, "the second point alone");
     assert_close(report.quantity("nees_position_samples"), 1.0, "one sample");
@@ -106,7 +106,7 @@ fn simulated(seed: u64, claimed: f64) -> Scene {
     }
     let mut scene = Scene::new(&truth, &tracks);
     for point in scene.tracks.tracks.iter_mut().flat_map(|track| &mut track.points) {
-        point.covariance = Some(root * root.transpose() * claimed);
+        set_covariance(point, root * root.transpose() * claimed);
     }
     scene
 }
