@@ -20,6 +20,7 @@ use trackloom::model::scan::{Detection, Measurement, Recording, RecordingParts, 
 use trackloom::model::sensor::SensorSettings;
 use trackloom::model::state::State;
 use trackloom::model::track::{Candidate, Estimate, PlaneEstimate, Track, TrackPoint, TrackSet, TrackStatus};
+use yardstick::yardstick_ns;
 
 const SCANS: usize = 30;
 const SETTINGS: TfaSettings = TfaSettings::PAPER;
