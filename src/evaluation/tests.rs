@@ -5,7 +5,7 @@ use super::comparison::{Alignment, Comparison, PointSettings};
 use super::events::EventLog;
 use super::metrics::{METRICS, Metric, MetricReport, Sequence};
 use crate::model::state::{Position, State};
-use crate::model::track::{Track, TrackPoint, TrackSet};
+use crate::model::track::{Estimate, PlaneEstimate, Track, TrackPoint, TrackSet};
 use crate::model::truth::{Target, TruthPoint, TruthSet};
 use crate::registry;
 
@@ -19,19 +19,22 @@ fn seen<'a>(places: &'a [f64]) -> impl Iterator<Item = (f64, f64)> + use<'a> {
 }
 
 pub fn truth_of(truths: &[Places]) -> TruthSet {
-    let point = |(time_s, x_m)| TruthPoint { time_s, position_m: Position::new(x_m, 0.0), velocity_mps: None };
+    let point = |(time_s, x_m)| TruthPoint::in_plane(time_s, Position::new(x_m, 0.0), None);
     let target = |(id, places): &Places| Target { truth_id: (*id).to_owned(), points: seen(places).map(point).collect() };
     TruthSet::new(truths.iter().map(target).collect()).unwrap()
+}
+
+fn place(x_m: f64, y_m: f64) -> Estimate {
+    Estimate::Plane(PlaneEstimate { state: State::new(x_m, y_m, 0.0, 0.0), has_velocity: false, covariance: None })
 }
 
 pub fn tracks_of(tracks: &[Places]) -> TrackSet {
     let point = |(time_s, x_m)| TrackPoint {
         time_s,
         sensor: None,
-        state: State::new(x_m, 0.0, 0.0, 0.0),
-        has_velocity: false,
-        covariance: None,
+        estimate: place(x_m, 0.0),
         status: None,
+        nis: None,
         first_candidate: 0,
         candidates: 0,
     };
@@ -78,8 +81,7 @@ pub fn line(lines: &[super::metrics::Line], id: &str) -> Vec<(&'static str, Opti
 pub fn main_scene(gate_m: f64) -> Comparison {
     let truth = [(0, "A", 0.0, 10), (2, "B", 50.0, 8)];
     let target = |(from, id, y_m, count): (u32, &str, f64, u32)| {
-        let point =
-            |step| TruthPoint { time_s: f64::from(step), position_m: Position::new(10.0 * f64::from(step), y_m), velocity_mps: None };
+        let point = |step| TruthPoint::in_plane(f64::from(step), Position::new(10.0 * f64::from(step), y_m), None);
         Target { truth_id: id.to_owned(), points: (from..from + count).map(point).collect() }
     };
     let tracks: [(&str, f64, &[(f64, f64)]); 4] = [
@@ -95,7 +97,7 @@ pub fn main_scene(gate_m: f64) -> Comparison {
 pub fn swap_scene(gate_m: f64) -> Comparison {
     let target = |(id, sign): (&str, f64)| {
         let position = |step: u32| Position::new(10.0 * f64::from(step), sign * (5.0 * f64::from(step) - 27.0));
-        let point = |step| TruthPoint { time_s: f64::from(step), position_m: position(step), velocity_mps: None };
+        let point = |step| TruthPoint::in_plane(f64::from(step), position(step), None);
         Target { truth_id: id.to_owned(), points: (0..11).map(point).collect() }
     };
     let followed = |sign: f64, error_m: f64| -> Vec<(f64, f64)> {
@@ -111,11 +113,8 @@ fn in_the_plane(targets: Vec<Target>, tracks: &[(&str, f64, &[(f64, f64)])], gat
     let mut set = tracks_of(&tracks.iter().map(|&(id, _, _)| (id, &[][..])).collect::<Vec<_>>());
     let like = tracks_of(&[("", &[0.0])]).tracks[0].points[0];
     for (track, (_, start_s, places)) in set.tracks.iter_mut().zip(tracks) {
-        let point = |(step, &(x_m, y_m)): (usize, &(f64, f64))| TrackPoint {
-            time_s: start_s + step as f64,
-            state: State::new(x_m, y_m, 0.0, 0.0),
-            ..like
-        };
+        let point =
+            |(step, &(x_m, y_m)): (usize, &(f64, f64))| TrackPoint { time_s: start_s + step as f64, estimate: place(x_m, y_m), ..like };
         track.points = places.iter().enumerate().map(point).collect();
     }
     let input = EvaluationInput { recording: None, truth: Some(&truth), tracks: &set };

@@ -226,12 +226,12 @@ fn target(truth_id: String, mut entries: Vec<TruthEntry>, faults: &mut FaultLog)
     let mut points: Vec<TruthPoint> = Vec::new();
     for (time_s, position_m, pointer) in entries {
         match points.last().filter(|last| last.time_s == time_s) {
-            Some(last) if last.position_m != position_m => {
+            Some(last) if last.position_m() != Some(position_m) => {
                 let detail = format!("target {truth_id} is at two positions at {time_s} s");
                 faults.push(Fault::new(format!("{pointer}/position"), "conflict", detail));
             }
             Some(_) => {}
-            None => points.push(TruthPoint { time_s, position_m, velocity_mps: None }),
+            None => points.push(TruthPoint::in_plane(time_s, position_m, None)),
         }
     }
     Target { truth_id, points }

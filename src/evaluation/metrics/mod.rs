@@ -5,8 +5,13 @@
 
 pub mod assignment;
 pub mod clear;
+mod cutoff;
+mod gospa;
 pub mod hota;
 pub mod identity;
+mod kinematics;
+mod ospa;
+mod siap;
 
 use super::EvaluationInput;
 use super::comparison::{Comparison, Shape};
@@ -60,6 +65,14 @@ pub struct Series {
     pub axis: &'static str,
     pub at: Vec<f64>,
     pub values: Vec<Option<f64>>,
+}
+
+impl Series {
+    /// One value a step.
+    pub fn over_time(name: &'static str, unit: &'static str, values: impl Iterator<Item = Option<f64>>) -> Series {
+        let values = values.map(|value| value.filter(|value| value.is_finite())).collect();
+        Series { name, unit, axis: "time_s", at: Vec::new(), values }
+    }
 }
 
 /// The numbers of one truth or one track.
@@ -124,7 +137,8 @@ pub trait Metric: Send {
 pub type BuildMetric = fn(&Value) -> Result<Box<dyn Metric>, serde_json::Error>;
 
 /// Every metric.
-pub const METRICS: &[Method<BuildMetric>] = &[clear::METHOD, identity::METHOD, hota::METHOD, assignment::METHOD];
+pub const METRICS: &[Method<BuildMetric>] =
+    &[ospa::METHOD, gospa::METHOD, siap::METHOD, clear::METHOD, identity::METHOD, hota::METHOD, assignment::METHOD, kinematics::METHOD];
 
 pub static METRIC: Union = Union {
     name: "Metric",

@@ -2,7 +2,9 @@
 //! each only knows how to read rows ([`Rows`]) and write them ([`Sink`]); what the columns mean stands here, once.
 
 mod boxes;
+mod degrees;
 mod detections;
+mod estimate;
 mod fault_log;
 mod header;
 mod interner;
