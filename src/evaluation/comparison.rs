@@ -143,6 +143,15 @@ impl Comparison {
         self.pairs[step.pairs.clone()].iter().filter(|pair| pair.distance <= self.gate)
     }
 
+    /// The similarity of a pair at this distance.
+    pub fn similarity(&self, distance: f64) -> f64 {
+        let zero_at = match self.shape {
+            Shape::Points => 2.0 * self.gate,
+            Shape::Boxes => 1.0,
+        };
+        (1.0 - distance / zero_at).max(0.0)
+    }
+
     fn warn_of_strangers(&mut self, truths: &[Vec<Presence>], truth: &TruthSet, tracks: &[Vec<Presence>], set: &TrackSet) {
         for (name, is_of_bearings) in [("truth", truth.is_of_bearings()), ("tracks", set.is_of_bearings())] {
             if is_of_bearings {

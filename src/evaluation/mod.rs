@@ -6,18 +6,24 @@
 //!
 //! Absent here: files, job requests, and any knowledge of how the tracks were made.
 
+mod acquaintances;
 pub mod axis;
+pub mod breaks;
 pub mod comparison;
 pub mod events;
 mod id_order;
 pub mod identities;
+mod matching;
 pub mod metrics;
+mod nearest_detection;
 mod nearest_point;
 pub mod nearest_truth;
 pub mod strings;
 pub mod temporal_automaton;
+#[cfg(test)]
+mod tests;
 
-pub use strings::SymbolRule;
+pub use strings::{DecisionPolicy, SymbolRule};
 pub use temporal_automaton::{TfaReport, TfaSettings, evaluate_temporal_automaton};
 
 use crate::model::{scan::Recording, track::TrackSet, truth::TruthSet};

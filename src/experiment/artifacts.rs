@@ -1,6 +1,7 @@
 //! The files that a job leaves behind.
 
 use super::run::Artifact;
+use super::tables::quoted;
 use crate::formats;
 use crate::model::dataset::Dataset;
 use crate::model::scan::Recording;
@@ -29,9 +30,4 @@ pub(super) fn scans(recording: &Recording, outcomes: &[ScanOutcome]) -> Result<A
         writeln!(bytes, "{},{},{},{},{tracks},{confirmed},{unused}", scan.time_s, scan.number, quoted(sensor_id), scan.count)?;
     }
     Ok(Artifact { name: "scans.csv", media_type: "text/csv", bytes, dataset: None, sensors: Vec::new() })
-}
-
-/// A CSV field, quoted where it must be.
-fn quoted(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }

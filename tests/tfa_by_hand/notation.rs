@@ -7,14 +7,14 @@
 //!
 //! Scans are numbered from 1 and 8 s apart.
 
-use trackloom::evaluation::{EvaluationInput, SymbolRule, TfaReport, TfaSettings, evaluate_temporal_automaton};
+use trackloom::evaluation::{EvaluationInput, TfaReport, TfaSettings, evaluate_temporal_automaton};
 use trackloom::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
 use trackloom::model::sensor::SensorSettings;
 use trackloom::model::state::{Position, State};
 use trackloom::model::track::{Candidate, Estimate, PlaneEstimate, Track, TrackPoint, TrackSet, TrackStatus};
 use trackloom::model::truth::{Target, TruthPoint, TruthSet};
 
-pub const BY_DETECTION: TfaSettings = TfaSettings { symbols: SymbolRule::DetectionId, max_missed: 5 };
+pub const BY_DETECTION: TfaSettings = TfaSettings::PAPER;
 
 /// The report on a scene, by detection ids and with strings that end after 5 ε.
 pub fn evaluate(truth: &[&str], clutter: &[&str], tracks: &[&str]) -> TfaReport {

@@ -3,6 +3,16 @@
 //! A metric takes several sequences (recordings, runs) at once and combines their counts, never their ratios; one
 //! sequence is a list of one.
 
+pub mod assignment;
+pub mod clear;
+mod cutoff;
+mod gospa;
+pub mod hota;
+pub mod identity;
+mod kinematics;
+mod ospa;
+mod siap;
+
 use super::EvaluationInput;
 use super::comparison::{Comparison, Shape};
 use super::events::EventLog;
@@ -57,6 +67,14 @@ pub struct Series {
     pub values: Vec<Option<f64>>,
 }
 
+impl Series {
+    /// One value a step.
+    pub fn over_time(name: &'static str, unit: &'static str, values: impl Iterator<Item = Option<f64>>) -> Series {
+        let values = values.map(|value| value.filter(|value| value.is_finite())).collect();
+        Series { name, unit, axis: "time_s", at: Vec::new(), values }
+    }
+}
+
 /// The numbers of one truth or one track.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Line {
@@ -78,9 +96,10 @@ pub struct MetricReport {
     pub parameters: Map<String, Value>,
     /// Everything it says in numbers, the headline too.
     pub quantities: Vec<Quantity>,
+    /// Truths and tracks one by one: of a single sequence only.
     pub per_truth: Vec<Line>,
     pub per_track: Vec<Line>,
-    /// Of a single sequence only.
+    /// Over time: of a single sequence only.
     pub series: Vec<Series>,
 }
 
@@ -106,9 +125,9 @@ pub trait Metric: Send {
     /// Whether it is defined for this kind of data.
     fn accepts(&self, shape: Shape) -> bool;
 
-    /// The largest distance (m) at which a pair of points matters to it, if it is not the gate.
-    fn reach_m(&self) -> Option<f64> {
-        None
+    /// The largest distance (m) at which a pair of points matters to it, given the gate.
+    fn reach_m(&self, gate_m: f64) -> f64 {
+        gate_m
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport;
@@ -118,7 +137,8 @@ pub trait Metric: Send {
 pub type BuildMetric = fn(&Value) -> Result<Box<dyn Metric>, serde_json::Error>;
 
 /// Every metric.
-pub const METRICS: &[Method<BuildMetric>] = &[];
+pub const METRICS: &[Method<BuildMetric>] =
+    &[ospa::METHOD, gospa::METHOD, siap::METHOD, clear::METHOD, identity::METHOD, hota::METHOD, assignment::METHOD, kinematics::METHOD];
 
 pub static METRIC: Union = Union {
     name: "Metric",

@@ -4,6 +4,7 @@
 use super::dataset::{DatasetKind, SensorSettings};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::collections::BTreeMap;
 use utoipa::ToSchema;
 use uuid::Uuid;
 
@@ -162,7 +163,119 @@ pub struct EvaluateResult {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub association: Option<Association>,
-    pub tfa: Tfa,
+    /// Absent where only metrics were asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub tfa: Option<Tfa>,
+    /// By name, over all sequences together. Absent where no metric was asked for or no truth was found.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub metrics: Option<BTreeMap<String, MetricReport>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub events: Option<EventCounts>,
+    /// Each sequence alone, where there are several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub sequences: Option<Vec<SequenceMetrics>>,
+}
+
+/// What a metric says. Its values over time, and those of each target and each track, are in the job's files.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct MetricReport {
+    /// The headline; null with a reason where undefined.
+    pub value: Option<f64>,
+    pub unit: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub reason: Option<String>,
+    pub higher_is_better: bool,
+    /// All parameters that it was computed with.
+    #[schema(value_type = Object)]
+    pub parameters: Value,
+    /// Everything it says in numbers, by name; the headline too.
+    pub quantities: BTreeMap<String, Quantity>,
+    /// Values over another axis than time.
+    pub curves: Vec<Curve>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Quantity {
+    pub value: Option<f64>,
+    pub unit: String,
+    /// Why there is no value.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub reason: Option<String>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Curve {
+    pub name: String,
+    pub unit: String,
+    /// What `at` holds.
+    pub axis: String,
+    pub at: Vec<f64>,
+    pub values: Vec<Option<f64>>,
+}
+
+/// How often each kind of event occurred; the events themselves are in the file `events.csv`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct EventCounts {
+    pub counts: EventKindCounts,
+    /// Why tracks broke; the first thousand.
+    pub breaks: Vec<TrackBreak>,
+    /// Times at which truth and tracks were compared.
+    pub steps: u64,
+    pub truth_points: u64,
+    pub track_points: u64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct EventKindCounts {
+    #[serde(rename = "match")]
+    pub matched: u64,
+    pub miss: u64,
+    pub false_alarm: u64,
+    pub switch: u64,
+    #[serde(rename = "break")]
+    pub broken: u64,
+    pub reacquisition: u64,
+    pub redundant: u64,
+    pub divergence: u64,
+}
+
+/// What became of the track that had followed a target.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum BreakCause {
+    /// It was given up.
+    Ended,
+    /// It followed another target from then on.
+    TookOtherTarget,
+    /// It lived on outside the gate.
+    LeftGate,
+}
+
+/// A target that was followed, and at this time is not.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct TrackBreak {
+    pub time_s: f64,
+    pub truth_id: String,
+    pub track_id: String,
+    pub cause: BreakCause,
+    /// The target that the track followed from then on.
+    pub other_truth_id: Option<String>,
+    /// Scans up to this one, in a row, without a detection within the gate of the target; null without detections.
+    pub unseen_scans: Option<u64>,
+    /// When the track was last given a detection; null where tracks do not say.
+    pub last_detection_time_s: Option<f64>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct SequenceMetrics {
+    pub name: String,
+    pub metrics: BTreeMap<String, MetricReport>,
 }
 
 /// The verdicts of the temporal automaton.

@@ -258,7 +258,7 @@ mod tests {
         let Dataset::Detections(detections) = read(polar) else { panic!("not detections") };
         let Dataset::Tracks(tracks) = read(tracks) else { panic!("not tracks") };
         let sensor = sensor::SensorSettings { x_m: Some(10.0), y_m: Some(20.0), ..sensor::SensorSettings::named("s") };
-        JobLayers { detections: Some(detections), truth: None, tracks: Some(tracks), sensors: vec![sensor] }
+        JobLayers { detections: Some(detections), tracks: Some(tracks), sensors: vec![sensor], ..JobLayers::default() }
     }
 
     #[test]

@@ -1,0 +1,188 @@
+//! GOSPA: how far the tracks are from the truths at one step, as a sum over errors of position, missed truths and false
+//! tracks. The three parts add up, so each can be looked at alone; a switch of tracks may count too.
+//!
+//! # Reference
+//! A. S. Rahmathullah, Á. F. García-Fernández, L. Svensson, Generalized optimal sub-pattern assignment metric, 20th
+//! International Conference on Information Fusion, 2017.
+//!
+//! # Symbols
+//! c cutoff, p order, d distance; α = 2 throughout, the value at which the parts are what they are called.
+//!
+//! # Method
+//! 1. GOSPAᵖ = min Σ dᵖ + cᵖ/2 (missed + false) over all partial assignments; a pair at c or beyond is one missed truth and
+//!    one false track.
+//! 2. With a switch penalty s, sᵖ is added for every truth whose track is another than at the step before, and half of it
+//!    for one that lost its track or found one again; a truth's first track is no switch.
+//! 3. The headline is the mean over all steps of all sequences. The parts are p-th powers, summed over steps.
+
+use super::cutoff::{CUTOFF_M, Cutoff, Matcher, ORDER};
+use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence, Series};
+use crate::evaluation::comparison::{Comparison, Shape, Step};
+use crate::registry::{Bound, Field, Kind, Method, Object, Presence};
+use serde::Deserialize;
+use serde_json::json;
+
+pub const METHOD: Method<BuildMetric> =
+    Method { name: "gospa", parameters: &PARAMETERS, build: |spec| Ok(Box::new(Gospa::deserialize(spec)?)) };
+
+static PARAMETERS: Object = Object {
+    name: "Gospa",
+    summary: "Sum of position errors, missed truths and false tracks at each step, alpha = 2.",
+    fields: &[
+        CUTOFF_M,
+        ORDER,
+        Field {
+            name: "switch_penalty_m",
+            summary: "What a truth's change of track costs at a step; 0 leaves changes out.",
+            kind: Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e7), unit: "m" },
+            presence: Presence::Default("0.0"),
+        },
+    ],
+};
+
+#[derive(Deserialize)]
+struct Gospa {
+    #[serde(flatten)]
+    cutoff: Cutoff,
+    switch_penalty_m: f64,
+}
+
+/// Of one step, or summed: shares of cᵖ, and counts.
+#[derive(Debug, Clone, Copy, Default)]
+struct Parts {
+    distance_m: f64,
+    localisation: f64,
+    matched: usize,
+    missed: usize,
+    unwanted: usize,
+    switches: f64,
+}
+
+/// The track of each truth at the step before, and whether it ever had one.
+struct Memory {
+    track: Vec<Option<u32>>,
+    was_tracked: Vec<bool>,
+    /// Of each truth presence of the step: its track.
+    now: Vec<Option<u32>>,
+}
+
+impl Metric for Gospa {
+    fn accepts(&self, shape: Shape) -> bool {
+        shape == Shape::Points
+    }
+
+    fn reach_m(&self, _: f64) -> f64 {
+        self.cutoff.cutoff_m
+    }
+
+    fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
+        let steps: Vec<Parts> = sequences.iter().flat_map(|sequence| self.steps(sequence.comparison)).collect();
+        let mut report = MetricReport::new("gospa", false, self.parameters(), self.quantities(&steps));
+        if sequences.len() == 1 {
+            report.series = self.series(&steps);
+        }
+        report
+    }
+}
+
+impl Gospa {
+    fn parameters(&self) -> serde_json::Value {
+        let Cutoff { cutoff_m, p } = self.cutoff;
+        json!({"cutoff_m": cutoff_m, "p": p, "alpha": 2.0, "switch_penalty_m": self.switch_penalty_m})
+    }
+
+    fn steps(&self, comparison: &Comparison) -> Vec<Parts> {
+        let truths = comparison.truth_ids.len();
+        let mut memory = Memory { track: vec![None; truths], was_tracked: vec![false; truths], now: Vec::new() };
+        let mut matcher = Matcher::default();
+        comparison.steps.iter().map(|step| self.step(&mut matcher, &mut memory, comparison, step)).collect()
+    }
+
+    /// Steps 1 and 2.
+    fn step(&self, matcher: &mut Matcher, memory: &mut Memory, comparison: &Comparison, step: &Step) -> Parts {
+        let mut parts = Parts::default();
+        memory.now.clear();
+        memory.now.resize(step.truths.len(), None);
+        matcher.assign(comparison, step, self.cutoff, |pair, share| {
+            parts.localisation += share;
+            parts.matched += 1;
+            memory.now[pair.truth as usize - step.truths.start] = Some(comparison.tracks[pair.track as usize].id);
+        });
+        parts.missed = step.truths.len() - parts.matched;
+        parts.unwanted = step.tracks.len() - parts.matched;
+        parts.switches = memory.switches(comparison, step);
+        let strangers = 0.5 * (parts.missed + parts.unwanted) as f64;
+        let switching = parts.switches * self.cutoff.share_of(self.switch_penalty_m);
+        parts.distance_m = self.cutoff.metres(parts.localisation + strangers + switching);
+        parts
+    }
+
+    fn quantities(&self, steps: &[Parts]) -> Vec<Quantity> {
+        const NO_STEP: &str = "there is no step";
+        let count = steps.len() as f64;
+        let sum = |of: fn(&Parts) -> f64| steps.iter().map(of).sum::<f64>();
+        let parts = PARTS.map(|(_, of)| self.cutoff.powers(of(self, &Parts::sum(steps))));
+        let mut quantities = vec![Quantity::ratio("gospa", sum(|step| step.distance_m), count, "m", NO_STEP)];
+        let totals = ["localisation_sum", "missed_sum", "false_sum", "switching_sum"];
+        let means = ["localisation_mean", "missed_mean", "false_mean", "switching_mean"];
+        quantities.extend(totals.iter().zip(parts).map(|(name, part)| Quantity::new(name, part, "m^p")));
+        quantities.extend(means.iter().zip(parts).map(|(name, part)| Quantity::ratio(name, part, count, "m^p", NO_STEP)));
+        quantities.extend([
+            Quantity::new("matched", sum(|step| step.matched as f64), ""),
+            Quantity::new("missed", sum(|step| step.missed as f64), ""),
+            Quantity::new("false", sum(|step| step.unwanted as f64), ""),
+            Quantity::new("switches", sum(|step| step.switches), ""),
+            Quantity::new("steps", count, ""),
+        ]);
+        quantities
+    }
+
+    fn series(&self, steps: &[Parts]) -> Vec<Series> {
+        let mut series = vec![Series::over_time("gospa", "m", steps.iter().map(|step| Some(step.distance_m)))];
+        series.extend(PARTS.map(|(name, of)| {
+            let values = steps.iter().map(|step| Some(self.cutoff.powers(of(self, step))));
+            Series::over_time(name, "m^p", values)
+        }));
+        series
+    }
+}
+
+/// The parts by name, each as a share of cᵖ.
+type Part = fn(&Gospa, &Parts) -> f64;
+const PARTS: [(&str, Part); 4] = [
+    ("localisation", |_, parts| parts.localisation),
+    ("missed", |_, parts| 0.5 * parts.missed as f64),
+    ("false", |_, parts| 0.5 * parts.unwanted as f64),
+    ("switching", |gospa, parts| parts.switches * gospa.cutoff.share_of(gospa.switch_penalty_m)),
+];
+
+impl Parts {
+    fn sum(steps: &[Parts]) -> Parts {
+        steps.iter().fold(Parts::default(), |sum, step| Parts {
+            distance_m: sum.distance_m + step.distance_m,
+            localisation: sum.localisation + step.localisation,
+            matched: sum.matched + step.matched,
+            missed: sum.missed + step.missed,
+            unwanted: sum.unwanted + step.unwanted,
+            switches: sum.switches + step.switches,
+        })
+    }
+}
+
+impl Memory {
+    /// Step 2, for the truths of the step; those that are absent are remembered as they were.
+    fn switches(&mut self, comparison: &Comparison, step: &Step) -> f64 {
+        let mut switches = 0.0;
+        for (truth, &now) in comparison.truths[step.truths.clone()].iter().zip(&self.now) {
+            let id = truth.id as usize;
+            switches += match (self.track[id], now) {
+                (before, now) if before == now || !self.was_tracked[id] => 0.0,
+                (Some(_), Some(_)) => 1.0,
+                _ => 0.5,
+            };
+            self.track[id] = now;
+            self.was_tracked[id] |= now.is_some();
+        }
+        switches
+    }
+}

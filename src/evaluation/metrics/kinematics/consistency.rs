@@ -1,0 +1,149 @@
+//! Whether errors are as large as the covariances of the tracks say: NEES, the normalised estimation error squared.
+//!
+//! # Symbols
+//! e error, P covariance, n numbers in e; N samples; χ²(k, q) the q-quantile with k degrees of freedom.
+//!
+//! # Method
+//! 1. NEES = eᵀ P⁻¹ e, of position (n = 2) and, where velocities are known, of the whole state (n = 4).
+//! 2. The mean of N samples of a consistent filter lies within χ²(N n, ½ ∓ ½ confidence) / N with that confidence, if the
+//!    samples are independent. Those of one track are not over time, so the bounds of the whole are rather too narrow.
+//! 3. The share of steps at which the mean over the targets of that step is within the bounds for their number.
+
+use super::Sample;
+use crate::evaluation::metrics::{Quantity, Series};
+use crate::math::gaussian::{Gaussian, chi_square_quantile};
+use crate::model::state::{Covariance, Position, PositionCovariance, State};
+use std::collections::BTreeMap;
+
+/// NEES of one match.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Normalised {
+    pub position: Option<f64>,
+    pub state: Option<f64>,
+}
+
+impl Normalised {
+    pub fn new(error_m: Position, error_mps: Option<Position>, covariance: Option<Covariance>) -> Normalised {
+        let Some(covariance) = covariance else { return Normalised::default() };
+        let block: PositionCovariance = covariance.fixed_view::<2, 2>(0, 0).into_owned();
+        let position = Gaussian::new(&block).map(|gaussian| gaussian.squared_distance(&error_m));
+        let state = error_mps.and_then(|error_mps| {
+            let error = State::new(error_m.x, error_m.y, error_mps.x, error_mps.y);
+            Gaussian::new(&covariance).map(|gaussian| gaussian.squared_distance(&error))
+        });
+        let finite = |value: Option<f64>| value.filter(|value| value.is_finite());
+        Normalised { position: finite(position), state: finite(state) }
+    }
+}
+
+/// One of the two kinds of NEES, with the names under which it is reported.
+struct Family {
+    mean: &'static str,
+    lower: &'static str,
+    upper: &'static str,
+    within: &'static str,
+    samples: &'static str,
+    dimensions: u32,
+    of: fn(&Sample) -> Option<f64>,
+}
+
+const FAMILIES: [Family; 2] = [
+    Family {
+        mean: "nees_position",
+        lower: "nees_position_lower",
+        upper: "nees_position_upper",
+        within: "nees_position_steps_within",
+        samples: "nees_position_samples",
+        dimensions: 2,
+        of: |sample| sample.normalised.position,
+    },
+    Family {
+        mean: "nees_state",
+        lower: "nees_state_lower",
+        upper: "nees_state_upper",
+        within: "nees_state_steps_within",
+        samples: "nees_state_samples",
+        dimensions: 4,
+        of: |sample| sample.normalised.state,
+    },
+];
+
+const NO_COVARIANCE: &str = "no matched track has a covariance that can be inverted";
+
+/// The bounds, each computed once.
+pub struct Consistency {
+    confidence: f64,
+    bounds: BTreeMap<(u32, usize), (f64, f64)>,
+}
+
+impl Consistency {
+    pub fn new(confidence: f64) -> Consistency {
+        Consistency { confidence, bounds: BTreeMap::new() }
+    }
+
+    /// Step 2, for the mean of `samples` samples, at least one.
+    fn bounds(&mut self, dimensions: u32, samples: usize) -> (f64, f64) {
+        let confidence = self.confidence;
+        *self.bounds.entry((dimensions, samples)).or_insert_with(|| {
+            let quantile = |probability| chi_square_quantile(probability, f64::from(dimensions) * samples as f64) / samples as f64;
+            (quantile(0.5 - 0.5 * confidence), quantile(0.5 + 0.5 * confidence))
+        })
+    }
+
+    /// Means, bounds and shares of steps over all sequences.
+    pub fn summary(&mut self, sequences: &[Vec<Sample>]) -> Vec<Quantity> {
+        let mut quantities = Vec::new();
+        for family in &FAMILIES {
+            let (mut within, mut steps) = (0.0, 0.0);
+            for (mean, count) in sequences.iter().flat_map(|samples| step_means(samples, family)).map(|(_, mean, count)| (mean, count)) {
+                let (lower, upper) = self.bounds(family.dimensions, count);
+                steps += 1.0;
+                within += f64::from(u8::from((lower..=upper).contains(&mean)));
+            }
+            quantities.extend(self.mean(&sequences.iter().flatten().collect::<Vec<_>>(), family));
+            quantities.push(Quantity::ratio(family.within, within, steps, "", NO_COVARIANCE));
+        }
+        quantities
+    }
+
+    /// Means and bounds over some samples.
+    pub fn means(&mut self, samples: &[&Sample]) -> Vec<Quantity> {
+        FAMILIES.iter().flat_map(|family| self.mean(samples, family)).collect()
+    }
+
+    fn mean(&mut self, samples: &[&Sample], family: &Family) -> [Quantity; 4] {
+        let values: Vec<f64> = samples.iter().filter_map(|sample| (family.of)(sample)).collect();
+        let bounds = (!values.is_empty()).then(|| self.bounds(family.dimensions, values.len()));
+        [
+            Quantity::ratio(family.mean, values.iter().sum(), values.len() as f64, "", NO_COVARIANCE),
+            Quantity::or(family.lower, bounds.map(|(lower, _)| lower), "", NO_COVARIANCE),
+            Quantity::or(family.upper, bounds.map(|(_, upper)| upper), "", NO_COVARIANCE),
+            Quantity::new(family.samples, values.len() as f64, ""),
+        ]
+    }
+
+    /// Mean and bounds at each step, of the families that have any.
+    pub fn series(&mut self, samples: &[Sample], steps: usize) -> Vec<Series> {
+        let mut series = Vec::new();
+        for family in &FAMILIES {
+            let mut values = vec![[None; 3]; steps];
+            for (step, mean, count) in step_means(samples, family) {
+                let (lower, upper) = self.bounds(family.dimensions, count);
+                values[step] = [mean, lower, upper].map(Some);
+            }
+            if values.iter().any(|step| step[0].is_some()) {
+                let names = [family.mean, family.lower, family.upper].into_iter().enumerate();
+                series.extend(names.map(|(place, name)| Series::over_time(name, "", values.iter().map(|step| step[place]))));
+            }
+        }
+        series
+    }
+}
+
+/// Step, mean and number of samples of each step that has any; samples are in order of steps.
+fn step_means<'s>(samples: &'s [Sample], family: &'s Family) -> impl Iterator<Item = (usize, f64, usize)> + 's {
+    samples.chunk_by(|left, right| left.step == right.step).filter_map(|at_step| {
+        let values: Vec<f64> = at_step.iter().filter_map(family.of).collect();
+        (!values.is_empty()).then(|| (at_step[0].step, values.iter().sum::<f64>() / values.len() as f64, values.len()))
+    })
+}

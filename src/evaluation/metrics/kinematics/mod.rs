@@ -1,0 +1,181 @@
+//! Errors of position and velocity of matched tracks: how large, in which direction, and whether they are as large as the
+//! tracks themselves say.
+//!
+//! # Reference
+//! Y. Bar-Shalom, X.-R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigation, 2001, sections 5.4.2
+//! and 11.3.
+//!
+//! # Symbols
+//! e error, track minus truth; u unit vector of the truth's velocity; P covariance of the track; N samples of n numbers.
+//!
+//! # Method
+//! 1. Every match of the log gives one e. Along the course is e · u, across it (to the right positive) e · (u_y, −u_x);
+//!    neither exists for a truth at rest.
+//! 2. Root mean squares, means (bias), and the smallest position error that 95 % of the matches do not exceed.
+//! 3. [`consistency`]: NEES of position (n = 2) and of the whole state (n = 4).
+
+mod consistency;
+
+use self::consistency::{Consistency, Normalised};
+use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence, Series};
+use crate::evaluation::comparison::{Presence, Shape};
+use crate::evaluation::events::EventKind;
+use crate::model::state::{Covariance, Position};
+use crate::registry::{self, Bound, Field, Kind, Method, Object};
+use serde::Deserialize;
+use serde_json::json;
+
+pub const METHOD: Method<BuildMetric> =
+    Method { name: "kinematics", parameters: &PARAMETERS, build: |spec| Ok(Box::new(Kinematics::deserialize(spec)?)) };
+
+static PARAMETERS: Object = Object {
+    name: "Kinematics",
+    summary: "Errors of position and velocity, along and across the course, and their consistency with the covariances.",
+    fields: &[Field {
+        name: "confidence",
+        summary: "Probability with which a consistent filter lies within the chi-square bounds.",
+        kind: Kind::Number { min: Bound::Including(0.5), max: Bound::Including(0.9999), unit: "" },
+        presence: registry::Presence::Default("0.95"),
+    }],
+};
+
+#[derive(Deserialize)]
+struct Kinematics {
+    confidence: f64,
+}
+
+/// What one match says.
+struct Sample {
+    step: usize,
+    truth: u32,
+    error_m: Position,
+    error_mps: Option<Position>,
+    /// Along and across the course.
+    on_course_m: Option<(f64, f64)>,
+    normalised: Normalised,
+}
+
+const NO_MATCH: &str = "no track matches a target";
+const NO_VELOCITY: &str = "no track with a velocity matches a target with one";
+const NO_COURSE: &str = "no matched target is known to move";
+
+impl Metric for Kinematics {
+    fn accepts(&self, shape: Shape) -> bool {
+        shape == Shape::Points
+    }
+
+    fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
+        let mut consistency = Consistency::new(self.confidence);
+        let by_sequence: Vec<Vec<Sample>> = sequences.iter().map(samples).collect();
+        let all: Vec<&Sample> = by_sequence.iter().flatten().collect();
+        let mut quantities = errors(&all);
+        quantities.extend(consistency.summary(&by_sequence));
+        let mut report = MetricReport::new("position_rmse", false, json!({"confidence": self.confidence}), quantities);
+        for (sequence, samples) in sequences.iter().zip(&by_sequence) {
+            report.per_truth.extend(truth_lines(sequence, samples, &mut consistency));
+        }
+        if let ([sequence], [samples]) = (sequences, &by_sequence[..]) {
+            let steps = sequence.comparison.steps.len();
+            report.series = vec![position_series(samples, steps)];
+            report.series.extend(consistency.series(samples, steps));
+        }
+        report
+    }
+}
+
+/// Step 1.
+fn samples(sequence: &Sequence) -> Vec<Sample> {
+    let comparison = sequence.comparison;
+    let sample = |event: &crate::evaluation::events::Event| {
+        let step = &comparison.steps[event.step as usize];
+        let truth = find(&comparison.truths[step.truths.clone()], event.truth?)?;
+        let track = find(&comparison.tracks[step.tracks.clone()], event.track?)?;
+        let error_m = track.position_m - truth.position_m;
+        let error_mps = track.velocity_mps.zip(truth.velocity_mps).map(|(track, truth)| track - truth);
+        let normalised = Normalised::new(error_m, error_mps, covariance_of(sequence, track));
+        let on_course_m = truth.velocity_mps.and_then(|velocity_mps| on_course(error_m, velocity_mps));
+        Some(Sample { step: event.step as usize, truth: truth.id, error_m, error_mps, on_course_m, normalised })
+    };
+    let matches = sequence.events.events.iter().filter(|event| event.kind == EventKind::Match);
+    matches.filter_map(sample).collect()
+}
+
+fn find(presences: &[Presence], id: u32) -> Option<&Presence> {
+    presences.binary_search_by_key(&id, |presence| presence.id).ok().map(|place| &presences[place])
+}
+
+fn covariance_of(sequence: &Sequence, track: &Presence) -> Option<Covariance> {
+    let track_of_input = sequence.input?.tracks.tracks.get(track.id as usize)?;
+    track_of_input.points.get(track.point as usize)?.estimate.plane()?.covariance
+}
+
+/// The error along and across a course, y north and x east.
+fn on_course(error_m: Position, velocity_mps: Position) -> Option<(f64, f64)> {
+    let course = velocity_mps.try_normalize(0.0)?;
+    Some((error_m.dot(&course), error_m.x * course.y - error_m.y * course.x))
+}
+
+/// Step 2.
+fn errors(samples: &[&Sample]) -> Vec<Quantity> {
+    let velocity: Vec<f64> = samples.iter().filter_map(|sample| sample.error_mps).map(|error| error.norm_squared()).collect();
+    let along: Vec<f64> = samples.iter().filter_map(|sample| sample.on_course_m).map(|(along, _)| along).collect();
+    let across: Vec<f64> = samples.iter().filter_map(|sample| sample.on_course_m).map(|(_, across)| across).collect();
+    let squares = |values: &[f64]| values.iter().map(|value| value * value).collect::<Vec<f64>>();
+    let of = |axis: fn(&Position) -> f64| samples.iter().map(|sample| axis(&sample.error_m)).collect::<Vec<f64>>();
+    vec![
+        root_mean("position_rmse", &position_squares(samples), "m", NO_MATCH),
+        Quantity::or("position_95", percentile_95(samples), "m", NO_MATCH),
+        root_mean("velocity_rmse", &velocity, "m/s", NO_VELOCITY),
+        root_mean("along_rmse", &squares(&along), "m", NO_COURSE),
+        root_mean("across_rmse", &squares(&across), "m", NO_COURSE),
+        mean("along_bias", &along, "m", NO_COURSE),
+        mean("across_bias", &across, "m", NO_COURSE),
+        mean("x_bias", &of(|error| error.x), "m", NO_MATCH),
+        mean("y_bias", &of(|error| error.y), "m", NO_MATCH),
+        Quantity::new("matches", samples.len() as f64, ""),
+    ]
+}
+
+fn position_squares(samples: &[&Sample]) -> Vec<f64> {
+    samples.iter().map(|sample| sample.error_m.norm_squared()).collect()
+}
+
+fn mean(name: &'static str, values: &[f64], unit: &'static str, reason: &'static str) -> Quantity {
+    Quantity::ratio(name, values.iter().sum(), values.len() as f64, unit, reason)
+}
+
+fn root_mean(name: &'static str, squares: &[f64], unit: &'static str, reason: &'static str) -> Quantity {
+    let mean = mean(name, squares, unit, reason);
+    Quantity::or(name, mean.value.map(f64::sqrt), unit, reason)
+}
+
+/// The nearest rank: the smallest error that at least 95 % do not exceed.
+fn percentile_95(samples: &[&Sample]) -> Option<f64> {
+    let mut errors_m: Vec<f64> = samples.iter().map(|sample| sample.error_m.norm()).collect();
+    let rank = (errors_m.len() * 95).div_ceil(100).checked_sub(1)?;
+    let (_, error_m, _) = errors_m.select_nth_unstable_by(rank, f64::total_cmp);
+    Some(*error_m)
+}
+
+fn truth_lines(sequence: &Sequence, samples: &[Sample], consistency: &mut Consistency) -> Vec<Line> {
+    let mut of_truth: Vec<Vec<&Sample>> = vec![Vec::new(); sequence.comparison.truth_ids.len()];
+    for sample in samples {
+        of_truth[sample.truth as usize].push(sample);
+    }
+    let line = |(id, samples): (&String, &Vec<&Sample>)| {
+        let mut quantities = errors(samples);
+        quantities.extend(consistency.means(samples));
+        Line { id: id.clone(), quantities }
+    };
+    sequence.comparison.truth_ids.iter().zip(&of_truth).map(line).collect()
+}
+
+/// Root mean square error of position over the targets matched at each step.
+fn position_series(samples: &[Sample], steps: usize) -> Series {
+    let mut sums = vec![(0.0, 0.0); steps];
+    for sample in samples {
+        sums[sample.step].0 += sample.error_m.norm_squared();
+        sums[sample.step].1 += 1.0;
+    }
+    Series::over_time("position_rmse", "m", sums.into_iter().map(|(sum, count)| (count > 0.0).then(|| f64::sqrt(sum / count))))
+}

@@ -1,0 +1,94 @@
+//! OSPA: how far the set of tracks is from the set of truths at one step, a distance per head in metres. Errors of position
+//! and of number both count, up to a cutoff.
+//!
+//! # Reference
+//! D. Schuhmacher, B.-T. Vo, B.-N. Vo, A Consistent Metric for Performance Evaluation of Multi-Object Filters, IEEE Trans.
+//! Signal Processing 56, 2008, 3447–3457.
+//!
+//! # Symbols
+//! m, n sizes of the smaller and the larger set; c cutoff, p order, d distance.
+//!
+//! # Method
+//! 1. OSPAᵖ = (min Σ min(d, c)ᵖ + cᵖ (n − m)) / n over all assignments of the smaller set into the larger; 0 when both are
+//!    empty. The sum is the localisation part, the rest the cardinality part.
+//! 2. The headline is the mean over all steps of all sequences.
+
+use super::cutoff::{CUTOFF_M, Cutoff, Matcher, ORDER};
+use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence, Series};
+use crate::evaluation::comparison::{Comparison, Shape, Step};
+use crate::registry::{Method, Object};
+use serde::Deserialize;
+use serde_json::json;
+
+pub const METHOD: Method<BuildMetric> =
+    Method { name: "ospa", parameters: &PARAMETERS, build: |spec| Ok(Box::new(Ospa(Cutoff::deserialize(spec)?))) };
+
+static PARAMETERS: Object = Object {
+    name: "Ospa",
+    summary: "Distance per head between the sets of truths and of tracks at each step.",
+    fields: &[CUTOFF_M, ORDER],
+};
+
+struct Ospa(Cutoff);
+
+/// Of one step or the sum over steps, in metres.
+#[derive(Default)]
+struct Parts {
+    distance_m: f64,
+    localisation_m: f64,
+    cardinality_m: f64,
+}
+
+impl Metric for Ospa {
+    fn accepts(&self, shape: Shape) -> bool {
+        shape == Shape::Points
+    }
+
+    fn reach_m(&self, _: f64) -> f64 {
+        self.0.cutoff_m
+    }
+
+    fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
+        let mut matcher = Matcher::default();
+        let steps = sequences.iter().flat_map(|sequence| sequence.comparison.steps.iter().map(|step| (sequence.comparison, step)));
+        let parts: Vec<Parts> = steps.map(|(comparison, step)| self.step(&mut matcher, comparison, step)).collect();
+        let mean =
+            |name, of: fn(&Parts) -> f64| Quantity::ratio(name, parts.iter().map(of).sum(), parts.len() as f64, "m", "there is no step");
+        let quantities = vec![
+            mean("ospa", |parts| parts.distance_m),
+            mean("localisation", |parts| parts.localisation_m),
+            mean("cardinality", |parts| parts.cardinality_m),
+            Quantity::new("steps", parts.len() as f64, ""),
+        ];
+        let parameters = json!({"cutoff_m": self.0.cutoff_m, "p": self.0.p});
+        let mut report = MetricReport::new("ospa", false, parameters, quantities);
+        if sequences.len() == 1 {
+            let series = |name, of: fn(&Parts) -> f64| Series::over_time(name, "m", parts.iter().map(|parts| Some(of(parts))));
+            report.series = vec![
+                series("ospa", |parts| parts.distance_m),
+                series("localisation", |parts| parts.localisation_m),
+                series("cardinality", |parts| parts.cardinality_m),
+            ];
+        }
+        report
+    }
+}
+
+impl Ospa {
+    /// Step 1. A member of the smaller set without a pair within the cutoff costs c as part of the localisation.
+    fn step(&self, matcher: &mut Matcher, comparison: &Comparison, step: &Step) -> Parts {
+        let (fewer, more) = (step.truths.len().min(step.tracks.len()), step.truths.len().max(step.tracks.len()));
+        if more == 0 {
+            return Parts::default();
+        }
+        let (mut pairs, mut sum) = (0, 0.0);
+        matcher.assign(comparison, step, self.0, |_, share| {
+            pairs += 1;
+            sum += share;
+        });
+        let localisation = sum + (fewer - pairs) as f64;
+        let cardinality = (more - fewer) as f64;
+        let metres = |share: f64| self.0.metres(share / more as f64);
+        Parts { distance_m: metres(localisation + cardinality), localisation_m: metres(localisation), cardinality_m: metres(cardinality) }
+    }
+}

@@ -1,0 +1,232 @@
+//! SIAP: six questions of an air picture. Is every target tracked, by one track each, without spare tracks, how
+//! accurately, how often does its track number change, and how long does one number last?
+//!
+//! # Reference
+//! P. Votruba, R. Nisley, R. Rothrock, B. Zombro, Single Integrated Air Picture (SIAP) Metrics Implementation, SIAP System
+//! Engineering Task Force, 2001.
+//!
+//! # Method
+//! 1. Which track follows which target when: see [`following`]. Several tracks may follow one target.
+//! 2. Over all steps: completeness is tracked targets of targets, ambiguity following tracks of tracked targets,
+//!    spuriousness not following tracks of tracks; position and velocity accuracy are mean errors of following tracks.
+//! 3. Rate of track number changes: changes of tracked time. A target's numbers are as few following pieces as cover its
+//!    tracked times; the same track again is no change.
+//! 4. Longest segment: the longest unbroken piece of one track, of the target's life; over targets, sums of both.
+//! 5. `siap_compat: stonesoup` counts as Stone Soup does: a distance equal to the gate is no match, the same track again is
+//!    a change, and pieces of one track add up to a segment.
+
+mod following;
+mod numbers;
+
+use self::following::{Following, follow};
+use self::numbers::{Numbers, numbers};
+use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence, Series};
+use crate::evaluation::comparison::{Comparison, Presence, Shape, Step};
+use crate::registry::{self, Field, Kind, Method, Object};
+use serde::Deserialize;
+use serde_json::{Value, json};
+
+pub const METHOD: Method<BuildMetric> =
+    Method { name: "siap", parameters: &PARAMETERS, build: |spec| Ok(Box::new(Siap(Settings::deserialize(spec)?))) };
+
+static PARAMETERS: Object = Object {
+    name: "Siap",
+    summary: "Completeness, ambiguity, spuriousness, accuracy and continuity of the picture.",
+    fields: &[
+        Field {
+            name: "confirm_steps",
+            summary: "Steps in a row in which a target must be a track's nearest within the gate, for the track to follow it.",
+            kind: Kind::Integer { min: 1, max: 1000, unit: "" },
+            presence: registry::Presence::Default("3"),
+        },
+        Field {
+            name: "end_steps",
+            summary: "Steps in a row in which it is not, for the track to follow it no longer.",
+            kind: Kind::Integer { min: 1, max: 1000, unit: "" },
+            presence: registry::Presence::Default("2"),
+        },
+        Field {
+            name: "siap_compat",
+            summary: "none: distances up to the gate match, segments are unbroken. stonesoup: counts as Stone Soup does.",
+            kind: Kind::Choice(&["none", "stonesoup"]),
+            presence: registry::Presence::Default("\"none\""),
+        },
+    ],
+};
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+struct Settings {
+    confirm_steps: u32,
+    end_steps: u32,
+    siap_compat: Compat,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Compat {
+    None,
+    StoneSoup,
+}
+
+struct Siap(Settings);
+
+/// Step 2, of one step or summed.
+#[derive(Debug, Clone, Copy, Default)]
+struct Counts {
+    targets: f64,
+    tracked: f64,
+    tracks: f64,
+    following: f64,
+    position_m: f64,
+    /// Following tracks whose velocity and whose target's velocity are known.
+    with_velocity: f64,
+    velocity_mps: f64,
+}
+
+impl Metric for Siap {
+    fn accepts(&self, shape: Shape) -> bool {
+        shape == Shape::Points
+    }
+
+    fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
+        let mut steps = Vec::new();
+        let mut all = Vec::new();
+        let (mut per_truth, mut per_track) = (Vec::new(), Vec::new());
+        for comparison in sequences.iter().map(|sequence| sequence.comparison) {
+            let following = follow(comparison, &self.0);
+            steps.extend(comparison.steps.iter().map(|step| Counts::of(comparison, step, &following)));
+            let truths = numbers(comparison, &following, self.0.siap_compat);
+            per_truth.extend(comparison.truth_ids.iter().zip(&truths).map(|(id, numbers)| truth_line(id, numbers)));
+            per_track.extend(track_lines(comparison, &following));
+            all.extend(truths);
+        }
+        let mut quantities = Counts::sum(&steps).quantities().to_vec();
+        quantities.extend(continuity(&all));
+        let mut report = MetricReport::new("completeness", true, self.parameters(sequences), quantities);
+        (report.per_truth, report.per_track) = (per_truth, per_track);
+        if sequences.len() == 1 {
+            report.series = series(&steps);
+        }
+        report
+    }
+}
+
+impl Siap {
+    fn parameters(&self, sequences: &[Sequence]) -> Value {
+        let compat = if self.0.siap_compat == Compat::None { "none" } else { "stonesoup" };
+        json!({
+            "gate_m": sequences.first().map(|sequence| sequence.comparison.gate),
+            "confirm_steps": self.0.confirm_steps,
+            "end_steps": self.0.end_steps,
+            "siap_compat": compat,
+        })
+    }
+}
+
+impl Counts {
+    fn of(comparison: &Comparison, step: &Step, following: &Following) -> Counts {
+        let truths = &comparison.truths[step.truths.clone()];
+        let mut counts = Counts { targets: truths.len() as f64, tracks: step.tracks.len() as f64, ..Counts::default() };
+        let mut is_tracked = vec![false; truths.len()];
+        for index in step.tracks.clone() {
+            let Some(truth) = following.truth_of[index] else { continue };
+            let Ok(place) = truths.binary_search_by_key(&truth, |presence| presence.id) else { continue };
+            if !std::mem::replace(&mut is_tracked[place], true) {
+                counts.tracked += 1.0;
+            }
+            counts.add(&truths[place], &comparison.tracks[index]);
+        }
+        counts
+    }
+
+    fn add(&mut self, truth: &Presence, track: &Presence) {
+        self.following += 1.0;
+        self.position_m += (track.position_m - truth.position_m).norm();
+        if let (Some(of_truth), Some(of_track)) = (truth.velocity_mps, track.velocity_mps) {
+            self.with_velocity += 1.0;
+            self.velocity_mps += (of_track - of_truth).norm();
+        }
+    }
+
+    fn sum(steps: &[Counts]) -> Counts {
+        steps.iter().fold(Counts::default(), |sum, step| Counts {
+            targets: sum.targets + step.targets,
+            tracked: sum.tracked + step.tracked,
+            tracks: sum.tracks + step.tracks,
+            following: sum.following + step.following,
+            position_m: sum.position_m + step.position_m,
+            with_velocity: sum.with_velocity + step.with_velocity,
+            velocity_mps: sum.velocity_mps + step.velocity_mps,
+        })
+    }
+
+    fn quantities(&self) -> [Quantity; 5] {
+        [
+            Quantity::ratio("completeness", self.tracked, self.targets, "", "there is no target"),
+            Quantity::ratio("ambiguity", self.following, self.tracked, "", "no target is tracked"),
+            Quantity::ratio("spuriousness", self.tracks - self.following, self.tracks, "", "there is no track"),
+            Quantity::ratio("position_accuracy", self.position_m, self.following, "m", "no track follows a target"),
+            Quantity::ratio(
+                "velocity_accuracy",
+                self.velocity_mps,
+                self.with_velocity,
+                "m/s",
+                "no track with a velocity follows a target with one",
+            ),
+        ]
+    }
+}
+
+/// Steps 3 and 4 over targets.
+fn continuity(truths: &[Numbers]) -> [Quantity; 2] {
+    let sum = |of: fn(&Numbers) -> f64| truths.iter().map(of).sum::<f64>();
+    [
+        Quantity::ratio(
+            "track_number_change_rate",
+            sum(|numbers| numbers.changes as f64),
+            sum(|numbers| numbers.tracked_s),
+            "1/s",
+            "no target is tracked over time",
+        ),
+        Quantity::ratio(
+            "longest_segment",
+            sum(|numbers| numbers.longest_s),
+            sum(|numbers| numbers.life_s),
+            "",
+            "no target lives over time",
+        ),
+    ]
+}
+
+fn truth_line(id: &str, numbers: &Numbers) -> Line {
+    let quantities = vec![
+        Quantity::ratio("completeness", numbers.tracked_steps as f64, numbers.steps as f64, "", "the target exists at no step"),
+        Quantity::new("track_number_changes", numbers.changes as f64, ""),
+        Quantity::new("tracked_time", numbers.tracked_s, "s"),
+        Quantity::ratio("longest_segment", numbers.longest_s, numbers.life_s, "", "the target exists at fewer than two steps"),
+    ];
+    Line { id: id.to_owned(), quantities }
+}
+
+fn track_lines(comparison: &Comparison, following: &Following) -> Vec<Line> {
+    let mut counts = vec![(0.0, 0.0); comparison.track_ids.len()];
+    for (presence, truth) in comparison.tracks.iter().zip(&following.truth_of) {
+        let (steps, follows) = &mut counts[presence.id as usize];
+        *steps += 1.0;
+        *follows += f64::from(u8::from(truth.is_some()));
+    }
+    let line = |(id, &(steps, follows)): (&String, &(f64, f64))| {
+        let share = Quantity::ratio("following", follows, steps, "", "the track exists at no step");
+        Line { id: id.clone(), quantities: vec![share] }
+    };
+    comparison.track_ids.iter().zip(&counts).map(line).collect()
+}
+
+fn series(steps: &[Counts]) -> Vec<Series> {
+    let quantities: Vec<[Quantity; 5]> = steps.iter().map(Counts::quantities).collect();
+    let of = |place: usize| {
+        let head = Counts::default().quantities()[place].clone();
+        Series::over_time(head.name, head.unit, quantities.iter().map(|step| step[place].value))
+    };
+    (0..5).map(of).collect()
+}

@@ -1,0 +1,10 @@
+//! The distance metrics: against brute force, against numbers worked out elsewhere, and at the edges.
+
+mod brute_force;
+mod edges;
+mod fixture;
+mod golden;
+mod golden_values;
+mod kinematics;
+mod scenes;
+mod siap;
