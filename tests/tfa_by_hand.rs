@@ -1,12 +1,20 @@
 //! Scenes small enough to judge by eye, each with the verdicts, errors, classes and probabilities it must give.
 //! The notation is explained in `tfa_by_hand/notation.rs`.
 
+#[path = "tfa_by_hand/all_gated.rs"]
+mod all_gated;
+#[path = "tfa_by_hand/files.rs"]
+mod files;
 #[path = "tfa_by_hand/naive.rs"]
 mod naive;
+#[path = "tfa_by_hand/nearest_detection.rs"]
+mod nearest_detection;
 #[path = "tfa_by_hand/nearest_truth.rs"]
 mod nearest_truth;
 #[path = "tfa_by_hand/notation.rs"]
 mod notation;
+#[path = "tfa_by_hand/tolerant.rs"]
+mod tolerant;
 
 use notation::{BY_DETECTION, assert_sets, evaluate, recording, target, track_set, tracks, truth_set};
 use trackloom::evaluation::{EvaluationInput, SymbolRule, TfaSettings, evaluate_temporal_automaton};

@@ -1,8 +1,8 @@
 //! How good tracks are, measured against what is known of the targets.
 //!
 //! Every method here reads tracks as *strings*: one symbol a scan, a detection or a target, or ε for nothing.
-//! [`strings`] makes them (scan by scan on the [`axis`], by [`identities`] of detections or by [`nearest_truth`]),
-//! and [`temporal_automaton`] judges them.
+//! [`strings`] makes them (scan by scan on the [`axis`], by [`identities`] of detections, by the nearest detection or by
+//! [`nearest_truth`]), and [`temporal_automaton`] judges them.
 //!
 //! Absent here: files, job requests, and any knowledge of how the tracks were made.
 
@@ -18,6 +18,7 @@ pub mod metrics;
 mod nearest_detection;
 mod nearest_point;
 pub mod nearest_truth;
+mod overlaps;
 pub mod strings;
 pub mod temporal_automaton;
 #[cfg(test)]

@@ -150,6 +150,12 @@ pub fn assert_sets(report: &TfaReport, [correct, missed, wrong]: [usize; 3], pro
     assert_eq!([found.correct, found.missed, found.wrong], probabilities, "probabilities of correct, missed, false");
 }
 
+/// How many targets are correct for each error budget.
+pub fn tolerance(report: &TfaReport) -> Vec<usize> {
+    assert!(report.tolerance.iter().enumerate().all(|(k, line)| line.k == k));
+    report.tolerance.iter().map(|line| line.correct).collect()
+}
+
 /// How a value is written in JSON, without quotes.
 pub fn word(value: &impl serde::Serialize) -> String {
     serde_json::to_value(value).unwrap().as_str().unwrap_or("null").to_owned()

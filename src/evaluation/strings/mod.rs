@@ -182,6 +182,7 @@ fn truth_strings(recording: &Recording, axis: &Axis, targets: usize, max_missed:
         warnings.push(format!("{doubled} detection(s) come from a target that already has one in the same scan; the first counts"));
     }
     let mut strings = StringSet::new(max_missed);
+    strings.reserve(places.len(), targets);
     let mut first = 0;
     for (room, end) in ends {
         strings.push_owner(places[first..end].iter().map(|&(position, symbol)| (position as usize, Step::certain(symbol))));

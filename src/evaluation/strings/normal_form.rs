@@ -93,6 +93,16 @@ impl StringSet {
         StringSet { weights: vec![0.0], choices, ..StringSet::new(max_missed) }
     }
 
+    /// Makes room for so many more symbols of so many more strings.
+    pub fn reserve(&mut self, symbols: usize, strings: usize) {
+        self.symbols.reserve(symbols + strings);
+        self.strings.reserve(strings);
+        self.first_of_owner.reserve(strings);
+        if !self.weights.is_empty() {
+            self.weights.reserve(symbols + strings);
+        }
+    }
+
     /// Appends the strings of the next owner from its steps in order of position; places left out are ε.
     pub fn push_owner(&mut self, steps: impl IntoIterator<Item = (usize, Step)>) {
         for (position, step) in steps {
@@ -151,12 +161,15 @@ impl StringSet {
         }
     }
 
+    #[inline]
     fn append(&mut self, step: Step, choices: &[Step]) {
         let added = self.pending.len() + 1;
-        for index in 0..self.pending.len() {
-            self.write(self.pending[index], &[]);
+        if added > 1 {
+            for index in 0..self.pending.len() {
+                self.write(self.pending[index], &[]);
+            }
+            self.pending.clear();
         }
-        self.pending.clear();
         self.write(step, choices);
         if let Some(open) = self.strings.last_mut() {
             open.len += added;

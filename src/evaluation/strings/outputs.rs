@@ -54,13 +54,11 @@ pub fn read<'a>(
     warnings: &mut Vec<String>,
 ) -> Outputs {
     let with_choices = matches!(source, Source::Candidates(DecisionPolicy::AllGated { .. }));
-    let outputs = Outputs {
-        strings: StringSet::weighted(max_missed, with_choices),
-        empty_tracks: Vec::new(),
-        decisions: Vec::new(),
-        crowded: Vec::new(),
-        unknown: Vec::new(),
-    };
+    let points: usize = tracks.tracks.iter().map(|track| track.points.len()).sum();
+    let mut strings = StringSet::weighted(max_missed, with_choices);
+    strings.reserve(points, tracks.tracks.len());
+    let outputs =
+        Outputs { strings, empty_tracks: Vec::new(), decisions: Vec::with_capacity(points), crowded: Vec::new(), unknown: Vec::new() };
     let (at_scan, choices, lost_points) = (Vec::new(), Vec::new(), Vec::new());
     let mut reader = Reader { tracks, axis, identities, source, outputs, at_scan, choices, lost_points, lost: 0, never_confirmed: 0 };
     let mut points = Vec::new();

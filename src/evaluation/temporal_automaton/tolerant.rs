@@ -73,11 +73,15 @@ fn pairs(strings: &Strings) -> Vec<Pair> {
 
 /// The truth strings that an output string shares a detection with.
 fn find_sharing(strings: &Strings, output: &TrackString, sharing: &mut Vec<usize>) {
-    let outputs = &strings.outputs.strings;
+    let (truths, outputs) = (&strings.truth, &strings.outputs.strings);
     for (offset, step) in output.steps().enumerate() {
+        let position = output.start + offset;
         for (symbol, _) in outputs.choices_at(step).filter(|&(symbol, _)| symbol != EPSILON) {
-            let Some(truth) = strings.truth_string_of(symbol, output.start + offset) else { continue };
-            if sharing.last() != Some(&truth) && !sharing.contains(&truth) {
+            // Most often it is the string that was found last.
+            let is_again = sharing.last().is_some_and(|&last| truths.symbol_at(&truths.strings()[last], position) == Some(symbol));
+            if let Some(truth) = (!is_again).then(|| strings.truth_string_of(symbol, position)).flatten()
+                && !sharing.contains(&truth)
+            {
                 sharing.push(truth);
             }
         }

@@ -285,25 +285,39 @@ pub struct Tfa {
     pub counts: TfaCounts,
     pub probability: TfaProbability,
     pub ratios: TfaRatios,
+    pub automaton: TfaAutomaton,
+    /// Verdicts that forgive up to k errors, for each k from 0.
+    pub tolerance: Vec<TfaTolerance>,
     /// The automaton accepts every truth string.
     pub consistent: bool,
     /// Missed targets that a track is matched to: it began too late for the strict verdict.
     pub missed_with_matched_track: u64,
     pub targets: Vec<TfaTarget>,
     pub output_tracks: Vec<TfaOutputTrack>,
+    /// The first 1000 by scan; `counts.violations` are all.
     pub violations: Vec<TfaViolation>,
+    pub violations_left_out: u64,
+    /// The first 1000 by track; `counts.unknown_detections` are all.
     pub unknown_detections: Vec<TfaUnknownDetection>,
+    pub unknown_detections_left_out: u64,
     pub warnings: Vec<String>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct TfaParameters {
-    /// `detection_id` or `nearest_truth`.
+    /// `detection_id`, `nearest_detection` or `nearest_truth`.
     pub symbols: String,
     pub gate_m: Option<f64>,
     pub max_gap_s: Option<f64>,
+    /// `most_probable` or `all_gated`.
     pub decision: String,
+    /// Of `all_gated`.
+    pub min_weight: Option<f64>,
     pub max_missed: u32,
+    /// The largest k of `tolerance`.
+    pub tolerance: u32,
+    /// `breadth_first` or `depth_first`.
+    pub search: String,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
@@ -317,6 +331,30 @@ pub struct TfaCounts {
     pub matched_tracks: u64,
     pub redundant_tracks: u64,
     pub false_tracks: u64,
+    pub violations: u64,
+    pub unknown_detections: u64,
+}
+
+/// The automaton as built, and determinised and minimised where that was asked for and was not too large.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct TfaAutomaton {
+    pub states: u64,
+    pub transitions: u64,
+    pub minimised: Option<TfaAutomatonSize>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct TfaAutomatonSize {
+    pub states: u64,
+    pub transitions: u64,
+}
+
+/// Targets that are correct when up to `k` errors are forgiven, and what part of the output tracks they are.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct TfaTolerance {
+    pub k: u64,
+    pub correct: u64,
+    pub probability: Option<f64>,
 }
 
 /// Correct targets by output tracks; missed and false targets by targets. Null over zero.
@@ -370,6 +408,8 @@ pub struct TfaTarget {
     /// The track that speaks for the target; null where none began as its string does.
     pub track_id: Option<String>,
     pub errors: u64,
+    /// The least k with which it counts as correct in `tolerance`; null where no track was left for it.
+    pub least_errors: Option<u64>,
     pub log_probability: Option<f64>,
     pub symbols: u64,
     pub strings: u64,
