@@ -98,7 +98,7 @@ fn unscented_covariances_stay_definite_over_a_million_updates() {
 #[test]
 fn bearing_only_covariances_stay_definite_over_a_million_updates() {
     let sonar = sensor(Report::Bearing { sigma_bearing_rad: 0.01 });
-    stays_definite(&BearingOnly { process_noise_rad2ps3: 1e-6 }, &sonar, SVector::from([3.0]), 0.1);
+    stays_definite(&BearingOnly { process_noise_rad2ps3: 1e-6, initial_rate_sigma_radps: 0.1 }, &sonar, SVector::from([3.0]), 0.1);
 }
 
 #[test]

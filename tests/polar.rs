@@ -57,12 +57,38 @@ fn the_polar_scenes_of_the_paper_are_tracked_by_every_filter() {
     }
 }
 
+/// Correct targets of the scene of 100 over five seeds.
+fn correct(preset: &str, filter: &str, initiation: &Value) -> u64 {
+    let of_seed = |seed: u32| {
+        let mut preset = presets::find(preset).unwrap();
+        preset.body["seed"] = json!(seed);
+        preset.body["filter"] = json!({"method": filter});
+        preset.body["tracker"]["initiation"] = initiation.clone();
+        result(preset.kind, &preset.body)["tfa"]["counts"]["correct"].as_u64().unwrap()
+    };
+    (1..=5).map(of_seed).sum()
+}
+
+#[test]
+fn two_points_spare_the_filters_the_wide_gate_of_a_track_without_a_speed() {
+    let [one, two] = [json!({"method": "one_point"}), json!({"method": "two_point", "max_speed_mps": 1000.0})];
+    let cartesian = correct("liang2009", "kalman", &two);
+    for filter in FILTERS {
+        let [rough, fine] = [&one, &two].map(|initiation| correct("liang2009-polar", filter, initiation));
+        println!("{filter}: one point {rough}, two points {fine}; positions and two points {cartesian}");
+        assert!(fine > rough && fine * 100 > cartesian * 95, "{filter}: {rough} and {fine}, of positions {cartesian}");
+    }
+    let [rough, fine] = [&one, &two].map(|initiation| correct("liang2009-polar", "extended", initiation));
+    assert!(fine * 2 > rough * 3, "extended: {rough} and {fine}");
+}
+
 #[test]
 fn the_oracle_judges_polar_scenes_as_the_truth_does() {
     for filter in FILTERS {
         let mut preset = presets::find("liang2009-polar").unwrap();
         preset.body["filter"] = json!({"method": filter});
         preset.body["associator"] = json!({"method": "oracle"});
+        preset.body["tracker"]["initiation"] = json!({"method": "one_point"});
         preset.body["tracker"]["confirm_hits"] = json!(1);
         preset.body["tracker"]["confirm_window"] = json!(1);
         let result = result(preset.kind, &preset.body);

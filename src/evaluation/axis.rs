@@ -62,6 +62,26 @@ impl Axis {
         &self.scans[self.scans.partition_point(|scan| scan.position < position)]
     }
 
+    /// The scan at a place of the axis; `None` in a hole.
+    pub fn scan_at(&self, position: usize) -> Option<&AxisScan> {
+        self.scans.get(self.scans.partition_point(|scan| scan.position < position)).filter(|scan| scan.position == position)
+    }
+
+    /// The same as [`scan_of`](Self::scan_of), quickest where `guess` is the answer.
+    #[inline]
+    pub fn scan_near(&self, point: &TrackPoint, guess: usize) -> Option<usize> {
+        let is_at = |index: usize| self.scans.get(index).is_some_and(|scan| scan.time_s == point.time_s);
+        let is_right = is_at(guess)
+            && match point.sensor {
+                Some(sensor) if !self.by_time_alone => {
+                    let wanted = self.sensor_of_point[sensor as usize];
+                    wanted.is_some() && self.scans[guess].sensor == wanted
+                }
+                _ => !is_at(guess + 1) && (guess == 0 || !is_at(guess - 1)),
+            };
+        if is_right { Some(guess) } else { self.scan_of(point) }
+    }
+
     /// Index of the scan that a track point belongs to: the same time and sensor. A point without a sensor belongs
     /// to the only scan at its time, and to none when there are several.
     pub fn scan_of(&self, point: &TrackPoint) -> Option<usize> {
@@ -83,6 +103,7 @@ mod tests {
     use crate::model::scan::{RecordingParts, Scan};
     use crate::model::sensor::SensorSettings;
     use crate::model::state::State;
+    use crate::model::track::{Estimate, PlaneEstimate};
 
     fn recording(sensors: &[&str], scans: &[(u32, f64, usize)]) -> Recording {
         let scan = |&(number, time_s, sensor): &(u32, f64, usize)| Scan { number, time_s, sensor, first: 0, count: 0 };
@@ -95,9 +116,8 @@ mod tests {
     }
 
     fn point(time_s: f64, sensor: Option<u32>) -> TrackPoint {
-        let state = State::zeros();
-        let rest = (false, None, None);
-        TrackPoint { time_s, sensor, state, has_velocity: rest.0, covariance: rest.1, status: rest.2, first_candidate: 0, candidates: 0 }
+        let estimate = Estimate::Plane(PlaneEstimate { state: State::zeros(), has_velocity: false, covariance: None });
+        TrackPoint { time_s, sensor, estimate, status: None, nis: None, first_candidate: 0, candidates: 0 }
     }
 
     #[test]
@@ -107,6 +127,8 @@ mod tests {
         let positions: Vec<usize> = axis.scans().iter().map(|scan| scan.position).collect();
         assert_eq!(positions, [0, 1, 4, 10, 11]);
         assert_eq!(axis.at_position(10).number, 4_000_000_000);
+        assert_eq!(axis.scan_at(10).map(|scan| scan.number), Some(4_000_000_000));
+        assert_eq!((axis.scan_at(3), axis.scan_at(12)), (None, None));
     }
 
     #[test]
@@ -120,5 +142,9 @@ mod tests {
         assert_eq!(axis.scan_of(&point(0.0, Some(1))), None, "no such sensor");
         assert_eq!(axis.scan_of(&point(0.5, None)), None, "no such time");
         assert_eq!(axis.scan_of(&point(f64::NAN, None)), None);
+        for (time_s, sensor) in [(0.0, Some(0)), (1.0, None), (0.0, None), (0.0, Some(1)), (0.5, None), (f64::NAN, None), (1.0, Some(0))] {
+            let point = point(time_s, sensor);
+            assert!((0..5).all(|guess| axis.scan_near(&point, guess) == axis.scan_of(&point)), "{time_s} {sensor:?}");
+        }
     }
 }

@@ -143,7 +143,24 @@ impl Comparison {
         self.pairs[step.pairs.clone()].iter().filter(|pair| pair.distance <= self.gate)
     }
 
+    /// The similarity of a pair at this distance.
+    pub fn similarity(&self, distance: f64) -> f64 {
+        let zero_at = match self.shape {
+            Shape::Points => 2.0 * self.gate,
+            Shape::Boxes => 1.0,
+        };
+        (1.0 - distance / zero_at).max(0.0)
+    }
+
     fn warn_of_strangers(&mut self, truths: &[Vec<Presence>], truth: &TruthSet, tracks: &[Vec<Presence>], set: &TrackSet) {
+        for (name, is_of_bearings) in [("truth", truth.is_of_bearings()), ("tracks", set.is_of_bearings())] {
+            if is_of_bearings {
+                self.warnings.push(format!("the {name} are directions (bearing_deg) without places: nothing is compared in metres"));
+            }
+        }
+        if truth.is_of_bearings() || set.is_of_bearings() {
+            return;
+        }
         let is_listed = |targets: usize, lists: &[Vec<Presence>]| targets > 0 && lists.iter().all(Vec::is_empty);
         if is_listed(truth.targets().len(), truths) {
             self.warnings.push("no target exists at any time of the comparison: the clocks of truth and tracks do not meet".into());
@@ -208,7 +225,7 @@ fn aligned(target: &Target, time_s: f64, alignment: Alignment) -> Option<(Positi
         }
         Alignment::Nearest { max_gap_s } => {
             let point = target.nearest_point(time_s, max_gap_s)?;
-            Some((point.position_m, target.velocity_at(point.time_s, f64::INFINITY)))
+            Some((point.position_m()?, target.velocity_at(point.time_s, f64::INFINITY)))
         }
     }
 }
@@ -222,8 +239,9 @@ fn tracks_at(set: &TrackSet, times_s: &[f64]) -> Vec<Vec<Presence>> {
             if times_s.get(step) != Some(&point.time_s) {
                 continue;
             }
-            let velocity_mps = point.has_velocity.then(|| point.state.fixed_rows::<2>(2).into_owned());
-            let position_m = point.state.fixed_rows::<2>(0).into_owned();
+            // A direction is no place.
+            let Some(plane) = point.estimate.plane() else { continue };
+            let (position_m, velocity_mps) = (plane.position_m(), plane.velocity_mps());
             let presence = Presence { id: id as u32, position_m, velocity_mps, point: index as u32 };
             match lists[step].last_mut() {
                 Some(last) if last.id == presence.id => *last = presence,

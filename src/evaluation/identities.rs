@@ -26,9 +26,13 @@ impl<'a> Identities<'a> {
     }
 
     /// The identity of the `index`-th name in a scan.
+    #[inline]
     pub fn resolve(&mut self, scan: usize, index: u32) -> u32 {
+        if self.same_names && self.recording.is_some_and(|recording| recording.scans[scan].range().contains(&(index as usize))) {
+            return index;
+        }
         let name = self.names[index as usize].as_str();
-        if let Some(known) = self.recording.and_then(|recording| self.find(recording, scan, index, name)) {
+        if let Some(known) = self.recording.and_then(|recording| self.find(recording, scan, name)) {
             return known;
         }
         let next = (self.known() + self.other_names.len()) as u32;
@@ -60,12 +64,8 @@ impl<'a> Identities<'a> {
         self.recording?.detections.get(identity as usize)?.origin
     }
 
-    fn find(&self, recording: &Recording, scan: usize, index: u32, name: &str) -> Option<u32> {
-        let range = recording.scans[scan].range();
-        if self.same_names && range.contains(&(index as usize)) {
-            return Some(index);
-        }
-        let of_scan = &self.by_name.get_or_init(|| sorted_by_name(recording))[range];
+    fn find(&self, recording: &Recording, scan: usize, name: &str) -> Option<u32> {
+        let of_scan = &self.by_name.get_or_init(|| sorted_by_name(recording))[recording.scans[scan].range()];
         let place = of_scan.binary_search_by(|&detection| recording.detection_ids[detection as usize].as_str().cmp(name));
         place.ok().map(|place| of_scan[place])
     }

@@ -1,23 +1,30 @@
 //! How good tracks are, measured against what is known of the targets.
 //!
 //! Every method here reads tracks as *strings*: one symbol a scan, a detection or a target, or ε for nothing.
-//! [`strings`] makes them (scan by scan on the [`axis`], by [`identities`] of detections or by [`nearest_truth`]),
-//! and [`temporal_automaton`] judges them.
+//! [`strings`] makes them (scan by scan on the [`axis`], by [`identities`] of detections, by the nearest detection or by
+//! [`nearest_truth`]), and [`temporal_automaton`] judges them.
 //!
 //! Absent here: files, job requests, and any knowledge of how the tracks were made.
 
+mod acquaintances;
 pub mod axis;
+pub mod breaks;
 pub mod comparison;
 pub mod events;
 mod id_order;
 pub mod identities;
+mod matching;
 pub mod metrics;
+mod nearest_detection;
 mod nearest_point;
 pub mod nearest_truth;
+mod overlaps;
 pub mod strings;
 pub mod temporal_automaton;
+#[cfg(test)]
+mod tests;
 
-pub use strings::SymbolRule;
+pub use strings::{DecisionPolicy, SymbolRule};
 pub use temporal_automaton::{TfaReport, TfaSettings, evaluate_temporal_automaton};
 
 use crate::model::{scan::Recording, track::TrackSet, truth::TruthSet};

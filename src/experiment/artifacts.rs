@@ -1,6 +1,7 @@
 //! The files that a job leaves behind.
 
 use super::run::Artifact;
+use super::tables::quoted;
 use crate::formats;
 use crate::model::dataset::Dataset;
 use crate::model::scan::Recording;
@@ -14,8 +15,8 @@ pub(super) fn dataset(dataset: &Dataset, sensors: &[SensorSettings]) -> Result<A
     formats::write_csv(dataset, &mut bytes)?;
     let name = match dataset {
         Dataset::Detections(_) => "detections.csv",
-        Dataset::Truth(_) => "truth.csv",
-        Dataset::Tracks(_) => "tracks.csv",
+        Dataset::Truth(_) | Dataset::TruthBoxes(_) => "truth.csv",
+        Dataset::Tracks(_) | Dataset::TrackBoxes(_) => "tracks.csv",
     };
     Ok(Artifact { name, media_type: "text/csv", bytes, dataset: Some(dataset.summary()), sensors: sensors.to_vec() })
 }
@@ -25,13 +26,8 @@ pub(super) fn scans(recording: &Recording, outcomes: &[ScanOutcome]) -> Result<A
     let mut bytes = b"time_s,scan,sensor_id,detections,tracks,confirmed,unused_detections\n".to_vec();
     for (scan, outcome) in recording.scans.iter().zip(outcomes) {
         let sensor_id = &recording.sensors[scan.sensor].sensor_id;
-        let ScanOutcome { tracks, confirmed, unused } = outcome;
+        let ScanOutcome { tracks, confirmed, unused, .. } = outcome;
         writeln!(bytes, "{},{},{},{},{tracks},{confirmed},{unused}", scan.time_s, scan.number, quoted(sensor_id), scan.count)?;
     }
     Ok(Artifact { name: "scans.csv", media_type: "text/csv", bytes, dataset: None, sensors: Vec::new() })
-}
-
-/// A CSV field, quoted where it must be.
-fn quoted(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }

@@ -7,7 +7,8 @@ use crate::filtering::{Chosen, FILTERS, Filter};
 use crate::model::fault::Fault;
 use crate::model::scan::Recording;
 use crate::model::sensor::{Sensor, SensorSettings};
-use crate::model::track::TrackSet;
+use crate::model::state::GaussianState;
+use crate::model::track::{Estimate, TrackSet};
 use crate::tracking::{Lifecycle, ScanOutcome, Tracker, TrackerParts};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -47,7 +48,7 @@ struct NisReport {
 struct Counts {
     scans: usize,
     detections: usize,
-    /// Tracks ever started, tentative ones counted too: one for each detection that no track was given.
+    /// Tracks ever started, tentative ones counted too.
     started_tracks: u64,
     tracks: usize,
     track_points: usize,
@@ -73,12 +74,13 @@ pub(super) fn track(spec: &Value, recording: &Recording, sensors: Vec<Sensor>, o
     let has_rates = !sensors.is_empty() && sensors.iter().all(|sensor| sensor.report.range_rate().is_some());
     let job = Tracking { recording, associator, lifecycle, sensors, method };
     match filter {
-        Chosen::Kalman(filter) => job.run::<_, 2>(filter, observer),
-        Chosen::Converted(filter) => job.run::<_, 2>(filter, observer),
-        Chosen::Extended(filter) if has_rates => job.run::<_, 3>(filter, observer),
-        Chosen::Extended(filter) => job.run::<_, 2>(filter, observer),
-        Chosen::Unscented(filter) if has_rates => job.run::<_, 3>(filter, observer),
-        Chosen::Unscented(filter) => job.run::<_, 2>(filter, observer),
+        Chosen::Kalman(filter) => job.run::<_, 4, 2>(filter, observer),
+        Chosen::Converted(filter) => job.run::<_, 4, 2>(filter, observer),
+        Chosen::Extended(filter) if has_rates => job.run::<_, 4, 3>(filter, observer),
+        Chosen::Extended(filter) => job.run::<_, 4, 2>(filter, observer),
+        Chosen::Unscented(filter) if has_rates => job.run::<_, 4, 3>(filter, observer),
+        Chosen::Unscented(filter) => job.run::<_, 4, 2>(filter, observer),
+        Chosen::BearingOnly(filter) => job.run::<_, 2, 1>(filter, observer),
     }
 }
 
@@ -92,8 +94,11 @@ struct Tracking<'a> {
 }
 
 impl Tracking<'_> {
-    /// With a filter whose measurements have `D` values.
-    fn run<F: Filter<4, D>, const D: usize>(self, filter: F, observer: &mut dyn Observer) -> Result<Tracked, RunError> {
+    /// With a filter whose states have `N` variables and whose measurements have `D` values.
+    fn run<F: Filter<N, D>, const N: usize, const D: usize>(self, filter: F, observer: &mut dyn Observer) -> Result<Tracked, RunError>
+    where
+        Estimate: From<GaussianState<N>>,
+    {
         let Tracking { recording, associator, lifecycle, sensors, method } = self;
         let mut tracker = Tracker::new(TrackerParts { filter, associator, lifecycle, sensors });
         let mut scans = Vec::with_capacity(recording.scans.len());
@@ -151,7 +156,7 @@ pub(super) fn report(tracked: &Tracked, recording: &Recording, sensors: &[Sensor
         counts: Counts {
             scans: recording.scans.len(),
             detections: recording.detections.len(),
-            started_tracks: tracked.scans.iter().map(|scan| u64::from(scan.unused)).sum(),
+            started_tracks: tracked.scans.iter().map(|scan| u64::from(scan.started)).sum(),
             tracks: lines.len(),
             track_points: lines.iter().map(|line| line.points).sum(),
             associated_detections: lines.iter().map(|line| line.detections).sum(),

@@ -1,6 +1,7 @@
 //! Compares the clutter density that the tracker was given with what it left over: a density that is far off misleads
 //! every method that weighs detections against it.
 
+use super::extent::Extent;
 use crate::model::scan::Recording;
 use crate::model::sensor::{Sensor, SensorSettings};
 use crate::model::track::TrackSet;
@@ -13,25 +14,27 @@ const LEAST_COUNT: f64 = 10.0;
 /// A warning for each sensor whose given density disagrees with the detections that no output track was given.
 pub(super) fn disagreements(recording: &Recording, sensors: &[Sensor], known: &[SensorSettings], tracks: &TrackSet) -> Vec<String> {
     let used = used_detections(recording, tracks);
-    let areas_m2 = known.iter().enumerate().map(|(index, settings)| area_m2(recording, index, settings));
-    let warning = |(index, area_m2): (usize, f64)| {
+    let warning = |(index, settings): (usize, &SensorSettings)| {
+        let sensor = &sensors[index];
         let scans = || recording.scans.iter().filter(|scan| scan.sensor == index);
         let left_over = scans().flat_map(|scan| scan.range()).filter(|&detection| !used[detection]).count() as f64;
-        let scanned_m2 = area_m2 * scans().count() as f64;
-        let given = sensors[index].clutter_density;
-        let expected = given * scanned_m2;
+        let extent = Extent::of(recording, index, settings, &sensor.report);
+        let (unit, watched) = (extent.unit(), extent.watched);
+        let scanned = watched * scans().count() as f64;
+        let given = extent.outside(sensor.clutter_density);
+        let expected = given * scanned;
         let is_off = left_over > TOLERATED_FACTOR * expected || expected > TOLERATED_FACTOR * left_over;
-        (is_off && left_over.max(expected) >= LEAST_COUNT && scanned_m2 > 0.0).then(|| {
+        (is_off && left_over.max(expected) >= LEAST_COUNT && scanned > 0.0).then(|| {
             format!(
-                "sensor '{}': the clutter density {given:.3e} per m² disagrees with the data by more than a factor of {TOLERATED_FACTOR}: \
-                 {left_over} detections outside every output track in {} scans of {area_m2:.3e} m² are {:.3e} per m²",
-                sensors[index].sensor_id,
+                "sensor '{}': the clutter density {given:.3e} per {unit} disagrees with the data by more than a factor of {TOLERATED_FACTOR}: \
+                 {left_over} detections outside every output track in {} scans of {watched:.3e} {unit} are {:.3e} per {unit}",
+                sensor.sensor_id,
                 scans().count(),
-                left_over / scanned_m2
+                left_over / scanned
             )
         })
     };
-    areas_m2.enumerate().filter_map(warning).collect()
+    known.iter().enumerate().filter_map(warning).collect()
 }
 
 /// For each detection of the recording, whether an output track more likely took it than not.
@@ -44,14 +47,6 @@ fn used_detections(recording: &Recording, tracks: &TrackSet) -> Vec<bool> {
         }
     }
     used
-}
-
-/// The field of view, or where that is not known the rectangle around the sensor's detections.
-fn area_m2(recording: &Recording, sensor: usize, settings: &SensorSettings) -> f64 {
-    match settings.max_range_m {
-        Some(range_m) => std::f64::consts::PI * range_m * range_m,
-        None => super::sensors::extent_m2(recording, sensor, settings),
-    }
 }
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
 //! From the body of a request to a plan: names and parameters checked, every fault reported, inputs named.
 
-use super::{catalogue, presets, requests};
+use super::{associate, catalogue, presets, profiles, requests};
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
 use crate::model::scenario::{Scenario, TargetPlan};
 use crate::registry::{self, Kind};
-use crate::tracking::{LIFECYCLE, Lifecycle};
+use crate::tracking::{Initiation, LIFECYCLE, Lifecycle};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -48,8 +48,10 @@ pub enum Source {
 /// One input that the caller must load before the plan can run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InputRequest {
-    /// Where the request names it, for faults: `/input`, `/truth`, `/tracks`, `/detections`.
-    pub pointer: &'static str,
+    /// Where the request names it, for faults: `/input`, `/truth`, `/tracks`, `/detections`, `/sequences/0/truth`, …
+    pub pointer: String,
+    /// Index of the sequence that it belongs to.
+    pub sequence: Option<usize>,
     pub role: DatasetKind,
     pub source: Source,
     /// A job's output may lack this input (a recording without truth); then the plan does without it.
@@ -91,9 +93,13 @@ pub fn plan(kind: JobKind, body: &Value) -> Result<Plan, Vec<Fault>> {
         check_evaluate(&mut spec, &mut faults);
     }
     write_out_preset(&mut spec, &mut faults);
+    check_sensors(&spec, &mut faults);
     check_lifecycle(&spec, &mut faults);
     let estimate = check_scenario(&spec, &mut faults);
     let inputs = inputs_of(&spec, &mut faults);
+    if kind == JobKind::Evaluate {
+        profiles::fill_metrics(&mut spec, &inputs, &mut faults);
+    }
     if !faults.is_empty() {
         return Err(faults);
     }
@@ -101,19 +107,31 @@ pub fn plan(kind: JobKind, body: &Value) -> Result<Plan, Vec<Fault>> {
     Ok(Plan { kind, spec, seed, inputs, estimate })
 }
 
-/// `evaluate` tracks `input` first or takes `tracks`: exactly one of them, and tracking settings only with `input`.
+/// `evaluate` tracks `input` first, or takes `tracks` or `sequences`: exactly one of them, with the settings that go with it.
 fn check_evaluate(spec: &mut Value, faults: &mut Vec<Fault>) {
-    match (spec.get("input").is_some(), spec.get("tracks").is_some()) {
-        (true, true) => faults.push(Fault::new("/tracks", "conflict", "give either 'input' or 'tracks', not both")),
-        (false, false) => {
-            faults.push(Fault::new("", "missing", "give 'input' to track first, or 'tracks' to judge").allowing("input, tracks"))
+    const SUBJECTS: [&str; 3] = ["input", "tracks", "sequences"];
+    let given: Vec<&str> = SUBJECTS.into_iter().filter(|name| spec.get(*name).is_some()).collect();
+    match given.as_slice() {
+        ["input"] => fill_tracking_defaults(spec),
+        ["tracks"] => {
+            refuse(spec, &["associator", "filter", "tracker", "sensors"], "needs 'input'; 'tracks' are judged as they are", faults);
         }
-        (true, false) => fill_tracking_defaults(spec),
-        (false, true) => {
-            for name in ["associator", "filter", "tracker", "sensors"].iter().filter(|name| spec.get(**name).is_some()) {
-                faults.push(Fault::new(format!("/{name}"), "conflict", format!("'{name}' needs 'input'; 'tracks' are judged as they are")));
-            }
+        [_] => {
+            let names = ["associator", "filter", "tracker", "sensors", "truth", "detections", "tfa"];
+            refuse(spec, &names, "does not go with 'sequences': each has its own truth and tracks, for metrics alone", faults);
         }
+        [] => faults.push(
+            Fault::new("", "missing", "give 'input' to track first, or 'tracks' or 'sequences' to judge").allowing(SUBJECTS.join(", ")),
+        ),
+        [first, second, ..] => {
+            faults.push(Fault::new(format!("/{second}"), "conflict", format!("give either '{first}' or '{second}', not both")));
+        }
+    }
+}
+
+fn refuse(spec: &Value, names: &[&str], why: &str, faults: &mut Vec<Fault>) {
+    for name in names.iter().filter(|name| spec.get(**name).is_some()) {
+        faults.push(Fault::new(format!("/{name}"), "conflict", format!("'{name}' {why}")));
     }
 }
 
@@ -146,12 +164,43 @@ fn write_out_preset(spec: &mut Value, faults: &mut Vec<Fault>) {
     }
 }
 
+/// Settings of one sensor stand in one place.
+fn check_sensors(spec: &Value, faults: &mut Vec<Fault>) {
+    let names: Vec<Option<&str>> =
+        spec.get("sensors").and_then(Value::as_array).into_iter().flatten().map(|sensor| sensor["sensor_id"].as_str()).collect();
+    for (index, name) in names.iter().enumerate() {
+        if let Some(name) = name.filter(|_| names[..index].contains(name)) {
+            let fault = Fault::new(format!("/sensors/{index}/sensor_id"), "duplicate", format!("sensor '{name}' is set twice"));
+            faults.push(fault.allowing("each sensor_id once"));
+        }
+    }
+}
+
 fn check_lifecycle(spec: &Value, faults: &mut Vec<Fault>) {
     let Some(Ok(lifecycle)) = spec.get("tracker").map(Lifecycle::deserialize) else { return };
+    check_directions(spec, &lifecycle, faults);
     if lifecycle.confirm_hits > lifecycle.confirm_window {
         let detail = format!("{} detections cannot be found in {} scans", lifecycle.confirm_hits, lifecycle.confirm_window);
         let fault = Fault::new("/tracker/confirm_hits", "out_of_range", detail);
         faults.push(fault.allowing(format!("[1, {}] (confirm_window)", lifecycle.confirm_window)));
+    }
+}
+
+/// A filter of directions knows neither speeds nor positions.
+fn check_directions(spec: &Value, lifecycle: &Lifecycle, faults: &mut Vec<Fault>) {
+    let Some(name) = spec.pointer("/filter/method").and_then(Value::as_str) else { return };
+    if !associate::filter_of(spec).is_ok_and(|(filter, _)| filter.is_of_bearings()) {
+        return;
+    }
+    let mut refuse = |pointer: &str, needs: &str, allowed: &str| {
+        let detail = format!("this needs {needs}, which the filter '{name}' does not know");
+        faults.push(Fault::new(pointer, "unsupported", detail).allowing(allowed));
+    };
+    if let Initiation::TwoPoint { .. } = lifecycle.initiation {
+        refuse("/tracker/initiation/method", "speeds", "one_point");
+    }
+    if lifecycle.max_position_sigma_m.is_some() {
+        refuse("/tracker/max_position_sigma_m", "positions", "no value");
     }
 }
 
@@ -186,8 +235,13 @@ fn check_scenario(spec: &Value, faults: &mut Vec<Fault>) -> Estimate {
 
 /// The inputs to load. A job brings along what else it knows: the truth with its detections, both with its tracks.
 fn inputs_of(spec: &Value, faults: &mut Vec<Fault>) -> Vec<InputRequest> {
-    let source = |name: &str| spec.get(name).and_then(|value| Source::deserialize(value).ok());
-    let request = |pointer, role, source: &Source, optional| InputRequest { pointer, role, source: source.clone(), optional };
+    let request = |pointer: &str, role, source: &Source, optional| InputRequest {
+        pointer: pointer.to_owned(),
+        sequence: None,
+        role,
+        source: source.clone(),
+        optional,
+    };
     let mut inputs = Vec::new();
     let mut known = Vec::new();
     for (name, pointer, role) in [
@@ -196,13 +250,13 @@ fn inputs_of(spec: &Value, faults: &mut Vec<Fault>) -> Vec<InputRequest> {
         ("detections", "/detections", DatasetKind::Detections),
         ("truth", "/truth", DatasetKind::Truth),
     ] {
-        if let Some(source) = source(name) {
+        if let Some(source) = source_at(spec.get(name)) {
             inputs.push(request(pointer, role, &source, false));
             known.push(role);
         }
     }
     for (name, pointer) in [("input", "/input"), ("tracks", "/tracks")] {
-        if let Some(source @ Source::Job { .. }) = source(name) {
+        if let Some(source @ Source::Job { .. }) = source_at(spec.get(name)) {
             for role in [DatasetKind::Detections, DatasetKind::Truth] {
                 if !known.contains(&role) {
                     inputs.push(request(pointer, role, &source, true));
@@ -212,18 +266,38 @@ fn inputs_of(spec: &Value, faults: &mut Vec<Fault>) -> Vec<InputRequest> {
         }
     }
     check_symbols(spec, &known, faults);
+    inputs.extend(sequence_inputs(spec));
     inputs
+}
+
+fn source_at(value: Option<&Value>) -> Option<Source> {
+    value.and_then(|value| Source::deserialize(value).ok())
+}
+
+fn sequence_inputs(spec: &Value) -> impl Iterator<Item = InputRequest> {
+    let sequences = spec.get("sequences").and_then(Value::as_array).into_iter().flatten().enumerate();
+    sequences.flat_map(|(index, sequence)| {
+        [("truth", DatasetKind::Truth), ("tracks", DatasetKind::Tracks)].into_iter().filter_map(move |(name, role)| {
+            let (pointer, source) = (format!("/sequences/{index}/{name}"), source_at(sequence.get(name))?);
+            Some(InputRequest { pointer, sequence: Some(index), role, source, optional: false })
+        })
+    })
 }
 
 /// The automaton cannot read symbols that no input gives.
 fn check_symbols(spec: &Value, known: &[DatasetKind], faults: &mut Vec<Fault>) {
     let is_simulated = spec.pointer("/input/scenario").is_some() || spec.pointer("/input/preset").is_some();
     let (wanted, pointer, name) = match spec.pointer("/tfa/symbols/kind").and_then(Value::as_str) {
-        Some("detection_id") => (DatasetKind::Detections, "/detections", "detections"),
+        Some("detection_id" | "nearest_detection") => (DatasetKind::Detections, "/detections", "detections"),
         Some("nearest_truth") => (DatasetKind::Truth, "/truth", "truth"),
+        None if spec.get("tracks").is_some() && known == [DatasetKind::Tracks] => {
+            let detail = "'truth' is required to judge tracks, or 'detections' that know which target they came from";
+            faults.push(Fault::new("/truth", "missing", detail));
+            return;
+        }
         _ => return,
     };
-    let is_given = spec.get(name).is_some();
+    let is_given = spec.get(name).is_some() || spec.get("sequences").is_some();
     if !is_simulated && !is_given && !known.is_empty() && !known.contains(&wanted) {
         let symbols = spec.pointer("/tfa/symbols/kind").and_then(Value::as_str).unwrap_or_default();
         faults.push(Fault::new(pointer, "missing", format!("'{name}' is required when the symbols are {symbols}")));
@@ -241,7 +315,12 @@ mod tests {
     }
 
     fn roles(body: Value) -> Vec<(&'static str, DatasetKind, bool)> {
-        plan(JobKind::Evaluate, &body).unwrap().inputs.iter().map(|input| (input.pointer, input.role, input.optional)).collect()
+        plan(JobKind::Evaluate, &body)
+            .unwrap()
+            .inputs
+            .iter()
+            .map(|input| (&*input.pointer.clone().leak(), input.role, input.optional))
+            .collect()
     }
 
     #[test]
@@ -272,7 +351,9 @@ mod tests {
         assert_eq!(pointers(JobKind::Evaluate, both), [("/tracks".into(), "conflict".into())]);
         let settings = json!({"tracks": input, "filter": {"method": "kalman"}});
         assert_eq!(pointers(JobKind::Evaluate, settings), [("/filter".into(), "conflict".into())]);
-        assert_eq!(pointers(JobKind::Evaluate, json!({"tracks": tracks})), [("/detections".into(), "missing".into())]);
+        assert_eq!(pointers(JobKind::Evaluate, json!({"tracks": tracks})), [("/truth".into(), "missing".into())]);
+        let by_id = json!({"tracks": tracks, "tfa": {}});
+        assert_eq!(pointers(JobKind::Evaluate, by_id), [("/detections".into(), "missing".into())]);
         let by_truth = json!({"tracks": tracks, "tfa": {"symbols": {"kind": "nearest_truth", "gate_m": 10}}});
         assert_eq!(pointers(JobKind::Evaluate, by_truth), [("/truth".into(), "missing".into())]);
     }
@@ -313,5 +394,46 @@ mod tests {
         let mut body = presets::find("liang2009").unwrap().body;
         body["tracker"]["confirm_hits"] = json!(6);
         assert_eq!(pointers(JobKind::Evaluate, body), [("/tracker/confirm_hits".into(), "out_of_range".into())]);
+    }
+
+    #[test]
+    fn sequences_are_judged_by_metrics_alone() {
+        let data = json!({"source": "dataset", "dataset_id": ID});
+        let sequence = json!({"name": "a", "truth": data, "tracks": data});
+        let body = json!({"sequences": [sequence, sequence], "profile": "vision"});
+        use DatasetKind::{Tracks, Truth};
+        let expected = [
+            ("/sequences/0/truth", Truth),
+            ("/sequences/0/tracks", Tracks),
+            ("/sequences/1/truth", Truth),
+            ("/sequences/1/tracks", Tracks),
+        ];
+        assert_eq!(roles(body.clone()), expected.map(|(pointer, role)| (pointer, role, false)));
+        let with_more = json!({"sequences": [sequence], "tfa": {}, "truth": data, "filter": {"method": "kalman"}});
+        let found: Vec<String> = pointers(JobKind::Evaluate, with_more).into_iter().map(|(pointer, _)| pointer).collect();
+        assert_eq!(found, ["/filter", "/truth", "/tfa"]);
+        let both = json!({"sequences": [sequence], "tracks": data});
+        assert_eq!(pointers(JobKind::Evaluate, both)[0], ("/sequences".into(), "conflict".into()));
+    }
+
+    #[test]
+    fn a_profile_becomes_its_metrics_and_metrics_need_truth() {
+        let names = |body: Value| -> Vec<String> {
+            let spec = plan(JobKind::Evaluate, &body).unwrap().spec;
+            spec["metrics"].as_array().unwrap().iter().map(|metric| metric["metric"].as_str().unwrap().to_owned()).collect()
+        };
+        let job = json!({"source": "job", "job_id": ID});
+        let dataset = json!({"source": "dataset", "dataset_id": ID});
+        assert_eq!(names(json!({"tracks": job, "profile": "vision"})), ["hota", "clear", "identity"]);
+        assert_eq!(names(json!({"tracks": job})), ["gospa", "ospa", "siap", "clear", "assignment", "kinematics"]);
+        assert_eq!(names(json!({"tracks": job, "profile": "tfa"})), [""; 0]);
+        assert_eq!(names(json!({"tracks": dataset, "detections": dataset})), [""; 0], "there is no truth to compare with");
+        let gate = plan(JobKind::Evaluate, &json!({"tracks": job, "comparison": {"gate_m": 7.5}})).unwrap().spec;
+        assert_eq!(gate["metrics"][0]["cutoff_m"], 7.5);
+        let asked = json!({"tracks": dataset, "detections": dataset, "metrics": [{"metric": "clear"}]});
+        assert_eq!(pointers(JobKind::Evaluate, asked), [("/truth".into(), "missing".into())]);
+        let unknown = json!({"tracks": job, "profile": "radar", "metrics": [{"metric": "mota"}], "comparison": {"gate_m": 0}});
+        let found: Vec<String> = pointers(JobKind::Evaluate, unknown).into_iter().map(|(pointer, _)| pointer).collect();
+        assert_eq!(found, ["/profile", "/metrics/0/metric", "/comparison/gate_m"]);
     }
 }

@@ -1,6 +1,7 @@
 //! The bodies of the requests, described field by field.
 
 use crate::association::ASSOCIATOR;
+use crate::evaluation::metrics::METRIC;
 use crate::filtering::FILTER;
 use crate::registry::{Bound, Field, Kind, Object, Presence, Union, Variant};
 use crate::tracking::LIFECYCLE;
@@ -35,7 +36,7 @@ const fn default(name: &'static str, summary: &'static str, kind: Kind, value: &
 
 static SCENARIO_SENSOR: Object = Object {
     name: "ScenarioSensor",
-    summary: "A sensor that reports positions (give sigma_x_m, sigma_y_m) or ranges and bearings (give sigma_range_m, sigma_bearing_deg) with independent Gaussian noise, and uniform clutter in its field of view.",
+    summary: "A sensor that reports positions (give sigma_x_m, sigma_y_m), ranges and bearings (give sigma_range_m, sigma_bearing_deg) or bearings alone (give sigma_bearing_deg) with independent Gaussian noise, and uniform clutter in its field of view.",
     fields: &[
         default("sensor_id", "Name of the sensor.", NAME, "\"radar\""),
         default("x_m", "Position, east.", PLACE, "0.0"),
@@ -49,7 +50,11 @@ static SCENARIO_SENSOR: Object = Object {
             "Standard deviation of ranges, of a sensor that reports them with bearings; with sigma_bearing_deg.",
             SIGMA,
         ),
-        optional("sigma_bearing_deg", "Standard deviation of bearings; with sigma_range_m.", SIGMA_BEARING),
+        optional(
+            "sigma_bearing_deg",
+            "Standard deviation of bearings; with sigma_range_m, or alone for a sensor that reports bearings only.",
+            SIGMA_BEARING,
+        ),
         default(
             "clutter_per_scan",
             "Mean of the Poisson number of false detections in a scan.",
@@ -170,6 +175,11 @@ pub static SENSOR_SETTINGS: Object = Object {
             "Expected false detections per square metre and scan, also of a sensor that reports ranges and bearings.",
             Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "1/m²" },
         ),
+        optional(
+            "clutter_per_deg",
+            "Expected false detections per degree and scan, of a sensor whose bearings alone are used.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "1/deg" },
+        ),
         optional("sigma_x_m", "Standard deviation of x.", SIGMA),
         optional("sigma_y_m", "Standard deviation of y.", SIGMA),
         optional("sigma_range_m", "Standard deviation of ranges.", SIGMA),
@@ -180,6 +190,12 @@ pub static SENSOR_SETTINGS: Object = Object {
 
 static NOTHING: Object =
     Object { name: "DetectionIdSymbols", summary: "A symbol is the identity of a detection, as in the paper.", fields: &[] };
+
+static NEAREST_DETECTION: Object = Object {
+    name: "NearestDetectionSymbols",
+    summary: "A symbol is the detection of the same scan that is nearest to the track: for trackers that do not say which they took.",
+    fields: &[required("gate_m", "Largest distance between a track and its detection.", RANGE)],
+};
 
 static NEAREST_TRUTH: Object = Object {
     name: "NearestTruthSymbols",
@@ -199,20 +215,37 @@ static SYMBOLS: Union = Union {
     name: "TfaSymbols",
     summary: "What the automaton reads at each scan.",
     tag: "kind",
-    variants: || vec![Variant { tag: "detection_id", object: &NOTHING }, Variant { tag: "nearest_truth", object: &NEAREST_TRUTH }],
+    variants: || {
+        vec![
+            Variant { tag: "detection_id", object: &NOTHING },
+            Variant { tag: "nearest_detection", object: &NEAREST_DETECTION },
+            Variant { tag: "nearest_truth", object: &NEAREST_TRUTH },
+        ]
+    },
 };
 
 static MOST_PROBABLE: Object =
     Object { name: "MostProbableDecision", summary: "A track's symbol is its most probable candidate, ε included.", fields: &[] };
 
+static ALL_GATED: Object = Object {
+    name: "AllGatedDecision",
+    summary: "Every candidate of enough weight is a symbol of the track, ε too, or where nothing else is.",
+    fields: &[default(
+        "min_weight",
+        "Least weight of a candidate.",
+        Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1.0), unit: "" },
+        "0.05",
+    )],
+};
+
 static DECISION: Union = Union {
     name: "TfaDecision",
     summary: "How a track's weights become symbols.",
     tag: "policy",
-    variants: || vec![Variant { tag: "most_probable", object: &MOST_PROBABLE }],
+    variants: || vec![Variant { tag: "most_probable", object: &MOST_PROBABLE }, Variant { tag: "all_gated", object: &ALL_GATED }],
 };
 
-static TFA: Object = Object {
+pub static TFA: Object = Object {
     name: "TfaSettings",
     summary: "The temporal finite automaton that judges tracks.",
     fields: &[
@@ -224,6 +257,19 @@ static TFA: Object = Object {
             Kind::Integer { min: 1, max: 1000, unit: "scans" },
             "5",
         ),
+        default(
+            "tolerance",
+            "Largest number of errors that are forgiven: the report tells how many targets are correct for each up to it.",
+            Kind::Integer { min: 0, max: 1000, unit: "scans" },
+            "5",
+        ),
+        default(
+            "search",
+            "How a string is run through the automaton; the verdicts are the same.",
+            Kind::Choice(&["breadth_first", "depth_first"]),
+            "\"breadth_first\"",
+        ),
+        default("minimise", "Whether to determinise and minimise the automaton; the verdicts are the same.", Kind::Flag, "false"),
     ],
 };
 
@@ -259,9 +305,56 @@ pub static ASSOCIATE: Object = Object {
 pub const DEFAULT_ASSOCIATOR: &str = r#"{"method":"nearest_neighbour"}"#;
 pub const DEFAULT_FILTER: &str = r#"{"method":"kalman"}"#;
 
+const MAX_GAP: Field = default(
+    "max_gap_s",
+    "Largest gap in the truth that is bridged.",
+    Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e6), unit: "s" },
+    "5.0",
+);
+
+static INTERPOLATE: Object =
+    Object { name: "InterpolateAlignment", summary: "Truth on the line between its two neighbouring points.", fields: &[MAX_GAP] };
+
+static NEAREST_TIME: Object = Object { name: "NearestAlignment", summary: "The truth's nearest point in time.", fields: &[MAX_GAP] };
+
+static ALIGNMENT: Union = Union {
+    name: "Alignment",
+    summary: "How truth is brought to the times at which it is compared with tracks.",
+    tag: "method",
+    variants: || vec![Variant { tag: "interpolate", object: &INTERPOLATE }, Variant { tag: "nearest", object: &NEAREST_TIME }],
+};
+
+pub static COMPARISON: Object = Object {
+    name: "ComparisonSettings",
+    summary: "How truth and tracks are put side by side for all metrics.",
+    fields: &[
+        default("gate_m", "Largest distance of a match of points; a distance of exactly that is a match.", RANGE, "100.0"),
+        default(
+            "min_iou",
+            "Smallest intersection over union of a match of boxes.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1.0), unit: "" },
+            "0.5",
+        ),
+        default("alignment", "How clocks are brought together.", Kind::Union(&ALIGNMENT), r#"{"method":"interpolate"}"#),
+    ],
+};
+
+/// What is judged when the request does not list it.
+pub const PROFILES: &[&str] = &["tracking", "vision", "tfa"];
+
+static SEQUENCE: Object = Object {
+    name: "EvaluationSequence",
+    summary: "Truth and tracks of one of several recordings.",
+    fields: &[
+        required("name", "Name of the sequence in the report.", NAME),
+        required("truth", "The truth.", Kind::Union(&DATA)),
+        required("tracks", "The tracks.", Kind::Union(&DATA)),
+    ],
+};
+
 pub static EVALUATE: Object = Object {
     name: "EvaluateRequest",
-    summary: "Judge tracks: those of `tracks`, or those that an associator makes of `input` first.",
+    summary: "Judge tracks: those of `tracks` or `sequences`, or those that an associator makes of `input` first.",
     fields: &[
         JOB_NAME,
         LABELS,
@@ -278,6 +371,27 @@ pub static EVALUATE: Object = Object {
             "With `tracks`: the detections they were made of; found by itself when `tracks` is a job.",
             Kind::Union(&DATA),
         ),
-        default("tfa", "Settings of the temporal automaton.", Kind::Object(&TFA), "{}"),
+        optional(
+            "sequences",
+            "Several pairs of truth and tracks, judged by `metrics` together; instead of `input` and `tracks`.",
+            Kind::List { item: &Kind::Object(&SEQUENCE), min: 1, max: 1000 },
+        ),
+        default(
+            "profile",
+            "What is judged when `metrics` is absent: tracking (metrics in metres and the automaton), vision (HOTA, CLEAR, identity), tfa (the automaton alone).",
+            Kind::Choice(PROFILES),
+            "\"tracking\"",
+        ),
+        optional(
+            "metrics",
+            "The metrics; instead of those of the profile. A metric may be listed twice with other parameters.",
+            Kind::List { item: &Kind::Union(&METRIC), min: 0, max: 32 },
+        ),
+        default("comparison", "How truth and tracks are put side by side for the metrics.", Kind::Object(&COMPARISON), "{}"),
+        optional(
+            "tfa",
+            "Settings of the temporal automaton. When absent, the profiles tracking and tfa read detection ids where detections with known origins are there, else the nearest target within the gate of `comparison`.",
+            Kind::Object(&TFA),
+        ),
     ],
 };

@@ -1,10 +1,11 @@
 //! Runs a plan on its loaded inputs.
 
 use super::associate::{self, Tracked};
+use super::judge::{Judgement, Subject};
 use super::observer::{Observer, Step};
 use super::plan::{JobKind, Plan, scenario_of};
-use super::{artifacts, clutter, sensors};
-use crate::evaluation::{EvaluationInput, SymbolRule, TfaSettings, evaluate_temporal_automaton};
+use super::{artifacts, clutter, judge, profiles, sensors, tfa};
+use crate::evaluation::EvaluationInput;
 use crate::math::rng::Seed;
 use crate::model::dataset::{Dataset, DatasetKind, DatasetSummary};
 use crate::model::fault::Fault;
@@ -81,10 +82,22 @@ pub fn run(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<O
     if let (Some(tracked), Some(recording)) = (&tracked, &scene.recording) {
         parts.push(("association", to_value(&associate::report(tracked, recording, &scene.sensors))?));
     }
+    let mut files = Vec::new();
     if plan.kind == JobKind::Evaluate {
-        parts.push(("tfa", scene.judge(plan, tracked.as_ref(), observer)?));
+        let tracks = tracked.as_ref().map(|tracked| &tracked.tracks);
+        if profiles::wants_automaton(&plan.spec) {
+            let (report, of_automaton) = scene.judge(plan, tracks, observer)?;
+            parts.push(("tfa", report));
+            files = of_automaton;
+        }
+        if let Some(judgement) = scene.measure(plan, tracks, observer)? {
+            parts.extend(judgement.parts);
+            files.extend(judgement.artifacts);
+            scene.warnings.extend(judgement.warnings);
+        }
     }
-    let artifacts = scene.artifacts(plan, tracked, observer)?;
+    let mut artifacts = scene.artifacts(plan, tracked, observer)?;
+    artifacts.append(&mut files);
     let result = parts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
     Ok(Outcome { result: Value::Object(result), warnings: scene.warnings, artifacts })
 }
@@ -95,6 +108,8 @@ struct Scene {
     recording: Option<Recording>,
     truth: Option<TruthSet>,
     tracks: Option<TrackSet>,
+    /// Truth and tracks of each sequence.
+    sequences: Vec<(TruthSet, TrackSet)>,
     sensors: Vec<SensorSettings>,
     warnings: Vec<String>,
 }
@@ -106,6 +121,15 @@ impl Scene {
         let mut uploaded = Vec::new();
         for (request, input) in plan.inputs.iter().zip(inputs) {
             let Some(input) = input else { continue };
+            if let Some(index) = request.sequence {
+                scene.sequences.resize(scene.sequences.len().max(index + 1), Default::default());
+                match (request.role, input.dataset) {
+                    (DatasetKind::Truth, Dataset::Truth(truth)) => scene.sequences[index].0 = truth,
+                    (DatasetKind::Tracks, Dataset::Tracks(tracks)) => scene.sequences[index].1 = tracks,
+                    (wanted, found) => return Err(RunError::Faults(vec![wrong_kind(&request.pointer, wanted, found.kind())])),
+                }
+                continue;
+            }
             match (request.role, input.dataset) {
                 (DatasetKind::Detections, Dataset::Detections(recording)) => {
                     scene.recording = Some(recording);
@@ -113,7 +137,7 @@ impl Scene {
                 }
                 (DatasetKind::Truth, Dataset::Truth(truth)) => scene.truth = Some(truth),
                 (DatasetKind::Tracks, Dataset::Tracks(tracks)) => scene.tracks = Some(tracks),
-                (wanted, found) => return Err(RunError::Faults(vec![wrong_kind(request.pointer, wanted, found.kind())])),
+                (wanted, found) => return Err(RunError::Faults(vec![wrong_kind(&request.pointer, wanted, found.kind())])),
             }
         }
         if let Some((scenario, _)) = scenario_of(&plan.spec) {
@@ -140,15 +164,50 @@ impl Scene {
         Ok(tracked)
     }
 
-    /// The part `tfa` of the report.
-    fn judge(&mut self, plan: &Plan, tracked: Option<&Tracked>, observer: &mut dyn Observer) -> Result<Value, RunError> {
+    /// The part `tfa` of the report, and its files.
+    fn judge(&mut self, plan: &Plan, tracked: Option<&TrackSet>, observer: &mut dyn Observer) -> Result<(Value, Vec<Artifact>), RunError> {
         step(observer, Step::Evaluate, 0)?;
-        let tracks = tracked.map(|tracked| &tracked.tracks).or(self.tracks.as_ref()).ok_or_else(|| missing("/tracks", "tracks"))?;
-        let settings = tfa_settings(&plan.spec["tfa"])?;
+        let tracks = tracked.or(self.tracks.as_ref()).ok_or_else(|| missing("/tracks", "tracks"))?;
         let input = EvaluationInput { recording: self.recording.as_ref(), truth: self.truth.as_ref(), tracks };
-        let report = evaluate_temporal_automaton(&input, &settings)?;
+        let (report, files) = tfa::judge(&tfa::spec_of(&plan.spec, &input)?, input, &self.sensors, &mut self.warnings)?;
         step(observer, Step::Evaluate, 1)?;
-        to_value(&report)
+        Ok((to_value(&report)?, files))
+    }
+
+    /// What the metrics say; `None` when there are none or no truth was found.
+    fn measure(&mut self, plan: &Plan, tracked: Option<&TrackSet>, observer: &mut dyn Observer) -> Result<Option<Judgement>, RunError> {
+        if plan.spec["metrics"].as_array().is_none_or(Vec::is_empty) {
+            return Ok(None);
+        }
+        let names = plan.spec["sequences"].as_array().into_iter().flatten().map(|sequence| sequence["name"].as_str().unwrap_or_default());
+        let mut subjects: Vec<Subject> = names
+            .zip(&self.sequences)
+            .map(|(name, (truth, tracks))| {
+                let input = EvaluationInput { recording: None, truth: Some(truth), tracks };
+                Subject { name, input, truth }
+            })
+            .collect();
+        if subjects.is_empty() {
+            let Some(truth) = &self.truth else {
+                self.warnings.push("no truth was found for this job, so no metric was computed".to_owned());
+                return Ok(None);
+            };
+            let tracks = tracked.or(self.tracks.as_ref()).ok_or_else(|| missing("/tracks", "tracks"))?;
+            let input = EvaluationInput { recording: self.recording.as_ref(), truth: Some(truth), tracks };
+            subjects.push(Subject { name: "", input, truth });
+        }
+        let of_bearings = |subject: &Subject| subject.truth.is_of_bearings() || subject.input.tracks.is_of_bearings();
+        if let Some(index) = subjects.iter().position(of_bearings) {
+            let detail = "directions (bearing_deg) are not compared in metres, so no metric was computed";
+            if !self.sequences.is_empty() {
+                return Err(RunError::Faults(vec![
+                    Fault::new(format!("/sequences/{index}"), "unsupported", detail).allowing("places (x_m, y_m)"),
+                ]));
+            }
+            self.warnings.push(detail.to_owned());
+            return Ok(None);
+        }
+        judge::judge(&plan.spec, &subjects, observer).map(Some)
     }
 
     /// The datasets of the job, and its scan by scan record.
@@ -170,27 +229,6 @@ impl Scene {
         step(observer, Step::Write, 1)?;
         Ok(files)
     }
-}
-
-/// The settings of the automaton, from their checked description.
-fn tfa_settings(spec: &Value) -> Result<TfaSettings, RunError> {
-    #[derive(Deserialize)]
-    struct Wire {
-        symbols: Symbols,
-        max_missed: u32,
-    }
-    #[derive(Deserialize)]
-    #[serde(tag = "kind", rename_all = "snake_case")]
-    enum Symbols {
-        DetectionId,
-        NearestTruth { gate_m: f64, max_gap_s: f64 },
-    }
-    let wire = Wire::deserialize(spec).map_err(|error| RunError::Faults(vec![Fault::new("/tfa", "malformed", error.to_string())]))?;
-    let symbols = match wire.symbols {
-        Symbols::DetectionId => SymbolRule::DetectionId,
-        Symbols::NearestTruth { gate_m, max_gap_s } => SymbolRule::NearestTruth { gate_m, max_gap_s },
-    };
-    Ok(TfaSettings { symbols, max_missed: wire.max_missed })
 }
 
 /// Asks whether to go on, before (0) and after (1) a step without parts.

@@ -1,6 +1,7 @@
 //! The sensors of a recording, completed: what the request says, else what came with the data, else what can soundly
 //! be estimated from the data, said in a warning; what cannot be estimated is a fault.
 
+use super::extent::{Extent, detections_of, place_of};
 use crate::filtering::Chosen;
 use crate::model::fault::Fault;
 use crate::model::scan::{Detection, Measurement, Recording};
@@ -9,8 +10,8 @@ use crate::model::state::Position;
 
 /// Assumed when nobody says how often a target is detected.
 const ASSUMED_P_D: f64 = 0.9;
-/// No scene is so clean that a false detection is impossible; keeps likelihood ratios finite.
-const LEAST_CLUTTER_PER_M2: f64 = 1e-15;
+/// No scene is so clean that a false detection is impossible; keeps likelihood ratios finite. Per m² or per degree.
+const LEAST_CLUTTER: f64 = 1e-15;
 
 /// What is known of each sensor of the recording, request over upload over data.
 ///
@@ -27,13 +28,7 @@ pub(super) fn known(
         let detail = format!("the recording has no sensor '{}'", settings.sensor_id);
         Fault::new(format!("/sensors/{index}/sensor_id"), "unknown_value", detail).allowing(names.join(", "))
     };
-    let mut faults: Vec<Fault> = requested.iter().enumerate().filter(is_unknown).map(fault).collect();
-    for (index, settings) in requested.iter().enumerate() {
-        if requested[..index].iter().any(|earlier| earlier.sensor_id == settings.sensor_id) {
-            let detail = format!("sensor '{}' is set twice", settings.sensor_id);
-            faults.push(Fault::new(format!("/sensors/{index}/sensor_id"), "duplicate", detail));
-        }
-    }
+    let faults: Vec<Fault> = requested.iter().enumerate().filter(is_unknown).map(fault).collect();
     if !faults.is_empty() {
         return Err(faults);
     }
@@ -59,6 +54,11 @@ pub(super) fn resolve(
     let mut sensors = Vec::with_capacity(known.len());
     for (index, settings) in known.iter().enumerate() {
         let Some(kind) = usable_kind(recording, index, settings, filter, &mut faults) else { continue };
+        if kind == Kind::Bearing
+            && detections_of(recording, index).any(|detection| matches!(detection.measurement, Measurement::RangeBearing { .. }))
+        {
+            warnings.push(format!("sensor '{}': its ranges are not used", settings.sensor_id));
+        }
         let mut reader = NoiseReader { settings, faults: &mut faults };
         let report = match kind {
             Kind::Position => Report::Position {
@@ -74,17 +74,32 @@ pub(super) fn resolve(
                     span_mps: range_rate_span_mps(recording, index),
                 }),
             }),
+            Kind::Bearing => {
+                Report::Bearing { sigma_bearing_rad: reader.required("sigma_bearing_deg", settings.sigma_bearing_deg, "deg").to_radians() }
+            }
         };
         sensors.push(complete(recording, index, settings, report, warnings));
+    }
+    if filter.0.is_of_bearings() {
+        faults.extend(two_places(known));
     }
     if faults.is_empty() { Ok(sensors) } else { Err(faults) }
 }
 
-/// What a sensor reports.
+/// Bearings from two places are not one track.
+fn two_places(known: &[SensorSettings]) -> Option<Fault> {
+    let (first, rest) = known.split_first()?;
+    let other = rest.iter().find(|other| place_of(other) != place_of(first))?;
+    let detail = format!("bearings from two places are not one track: sensors '{}' and '{}' stand apart", first.sensor_id, other.sensor_id);
+    Some(Fault::new("/input/sensor_ids", "unsupported", detail).allowing("sensors that stand at one place"))
+}
+
+/// What of a sensor's reports is used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Position,
     Polar,
+    Bearing,
 }
 
 /// What the sensor reports, if the filter can use it.
@@ -100,14 +115,19 @@ fn usable_kind(
     let ranges = has(|measurement| matches!(measurement, Measurement::RangeBearing { .. }));
     let bearings = has(|measurement| matches!(measurement, Measurement::Bearing { .. }));
     let name = &settings.sensor_id;
-    let usable =
-        if filter.uses_ranges() { "positions (x_m, y_m); ranges and bearings (range_m, bearing_deg)" } else { "positions (x_m, y_m)" };
+    let usable = match filter {
+        Chosen::Kalman(_) => "positions (x_m, y_m)",
+        Chosen::BearingOnly(_) => "bearings (bearing_deg), with or without ranges (range_m)",
+        _ => "positions (x_m, y_m); ranges and bearings (range_m, bearing_deg)",
+    };
     let mut refuse = |what: &str| {
         let detail = format!("sensor '{name}' reports {what}, which the filter '{filter_name}' cannot use");
         faults.push(Fault::new("/filter/method", "unsupported", detail).allowing(usable));
         None
     };
     match (positions, ranges, bearings) {
+        (true, ..) if filter.is_of_bearings() => refuse("positions"),
+        _ if filter.is_of_bearings() => Some(Kind::Bearing),
         (_, _, true) => refuse("bearings without ranges"),
         (true, true, _) => refuse("positions in some detections and ranges in others"),
         (false, true, _) if !filter.uses_ranges() => refuse("ranges and bearings"),
@@ -139,10 +159,6 @@ fn place(settings: &SensorSettings, warnings: &mut Vec<String>) -> Position {
         warnings.push(format!("sensor '{}': its position is not known; missing x_m or y_m are taken to be 0", settings.sensor_id));
     }
     place_of(settings)
-}
-
-fn place_of(settings: &SensorSettings) -> Position {
-    Position::new(settings.x_m.unwrap_or(0.0), settings.y_m.unwrap_or(0.0))
 }
 
 /// Range rates are used by a filter that can, when every detection of the recording has one.
@@ -178,41 +194,30 @@ fn complete(recording: &Recording, index: usize, settings: &SensorSettings, repo
         warnings.push(format!("sensor '{name}': the detection probability is not known; {ASSUMED_P_D} is assumed"));
         ASSUMED_P_D
     });
-    let clutter_per_m2 = settings.clutter_per_m2.unwrap_or_else(|| {
-        let density = estimated_clutter(recording, index, settings);
-        warnings.push(format!("sensor '{name}': the clutter density is not known; {density:.3e} per m² is estimated from the data"));
+    let extent = Extent::of(recording, index, settings, &report);
+    let given = if extent.is_of_bearings { settings.clutter_per_deg } else { settings.clutter_per_m2 };
+    let density = given.unwrap_or_else(|| {
+        let density = estimated_clutter(recording, index, &extent);
+        warnings.push(format!(
+            "sensor '{name}': the clutter density is not known; {density:.3e} per {} is estimated from the data",
+            extent.unit()
+        ));
         density
     });
-    Sensor { sensor_id: name.clone(), p_d, clutter_density: clutter_per_m2.max(LEAST_CLUTTER_PER_M2), report }
+    Sensor { sensor_id: name.clone(), p_d, clutter_density: extent.inside(density.max(LEAST_CLUTTER)), report }
 }
 
-/// Detections a scan over the area of the rectangle that holds them all: an upper bound, since targets are among them.
-fn estimated_clutter(recording: &Recording, sensor: usize, settings: &SensorSettings) -> f64 {
+/// Detections a scan over the extent of them all: an upper bound, since targets are among them.
+fn estimated_clutter(recording: &Recording, sensor: usize, extent: &Extent) -> f64 {
     let scans = || recording.scans.iter().filter(|scan| scan.sensor == sensor);
     let detections: usize = scans().map(|scan| scan.count).sum();
-    let area_m2 = extent_m2(recording, sensor, settings);
-    if detections < 2 || area_m2 <= 0.0 { LEAST_CLUTTER_PER_M2 } else { detections as f64 / scans().count() as f64 / area_m2 }
-}
-
-/// Area of the rectangle that holds every place that the sensor reported; 0 when there are none.
-pub(super) fn extent_m2(recording: &Recording, sensor: usize, settings: &SensorSettings) -> f64 {
-    let place_m = place_of(settings);
-    let positions: Vec<Position> =
-        detections_of(recording, sensor).filter_map(|detection| detection.measurement.position_seen_from(&place_m)).collect();
-    let extent_m = |axis: usize| {
-        let values = || positions.iter().map(|position| position[axis]);
-        values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
-    };
-    if positions.is_empty() { 0.0 } else { extent_m(0) * extent_m(1) }
-}
-
-fn detections_of(recording: &Recording, sensor: usize) -> impl Iterator<Item = &Detection> {
-    recording.scans.iter().filter(move |scan| scan.sensor == sensor).flat_map(|scan| recording.detections_of(scan))
+    if detections < 2 || extent.seen <= 0.0 { LEAST_CLUTTER } else { detections as f64 / scans().count() as f64 / extent.seen }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::filtering::bearing_only::BearingOnly;
     use crate::filtering::extended::Extended;
     use crate::filtering::kalman::Kalman;
     use crate::model::scan::{RecordingParts, Scan};
@@ -232,6 +237,9 @@ mod tests {
 
     const KALMAN: (&Chosen, &str) = (&Chosen::Kalman(Kalman { process_noise_m2ps3: 1.0 }), "kalman");
     const EXTENDED: (&Chosen, &str) = (&Chosen::Extended(Extended { process_noise_m2ps3: 1.0 }), "extended");
+
+    const BEARING_ONLY: (&Chosen, &str) =
+        (&Chosen::BearingOnly(BearingOnly { process_noise_rad2ps3: 1e-6, initial_rate_sigma_radps: 0.1 }), "bearing_only");
 
     fn polar(range_m: f64, range_rate_mps: Option<f64>) -> Measurement {
         Measurement::RangeBearing { range_m, bearing_rad: 1.0, range_rate_mps }
@@ -278,6 +286,9 @@ mod tests {
         named(&seen(polar(9.0, None), EXTENDED), "/sensors", &["'sigma_range_m'", "'sigma_bearing_deg'"]);
         named(&seen(polar(9.0, Some(1.0)), EXTENDED), "/sensors", &["'sigma_range_m'", "'sigma_bearing_deg'", "'sigma_range_rate_mps'"]);
         named(&seen(Measurement::Bearing { bearing_rad: 1.0 }, EXTENDED), "/filter/method", &["bearings without ranges"]);
+        named(&seen(Measurement::Bearing { bearing_rad: 1.0 }, KALMAN), "/filter/method", &["bearings without ranges"]);
+        named(&seen(at(0.0, 0.0), BEARING_ONLY), "/filter/method", &["reports positions, which the filter 'bearing_only'"]);
+        named(&seen(Measurement::Bearing { bearing_rad: 1.0 }, BEARING_ONLY), "/sensors", &["'sigma_bearing_deg'"]);
     }
 
     #[test]
@@ -307,5 +318,37 @@ mod tests {
         let (report, warnings) = resolved(&[polar(10.0, Some(-10.0)), polar(20.0, None)]);
         assert_eq!(report, Report::Polar(Polar { range_rate: None, ..expected }));
         assert!(warnings[0].contains("1 of 2 detections have one"), "{warnings:?}");
+    }
+
+    #[test]
+    fn a_bearing_sensor_takes_its_clutter_per_degree_and_ranges_are_left_out_with_a_warning() {
+        let settings = SensorSettings { sigma_bearing_deg: Some(1.0), p_d: Some(0.8), ..SensorSettings::named("radar") };
+        let resolved = |measurements: &[Measurement], clutter_per_deg: Option<f64>| {
+            let (settings, mut warnings) = (SensorSettings { clutter_per_deg, ..settings.clone() }, Vec::new());
+            let sensors = resolve(&recording(measurements), &[settings], BEARING_ONLY, &mut warnings).unwrap();
+            assert_eq!(sensors[0].report, Report::Bearing { sigma_bearing_rad: 1f64.to_radians() });
+            (sensors[0].clutter_density.to_radians(), warnings)
+        };
+        let bearing = |degrees: f64| Measurement::Bearing { bearing_rad: degrees.to_radians() };
+        let (per_deg, warnings) = resolved(&[bearing(350.0), bearing(10.0)], Some(0.02));
+        assert!((per_deg - 0.02).abs() < 1e-12 && warnings.is_empty(), "{warnings:?}");
+        let (per_deg, warnings) = resolved(&[bearing(350.0), bearing(10.0)], None);
+        assert!((per_deg - 0.1).abs() < 1e-9, "two detections in one scan of 20 degrees: {per_deg}");
+        assert!(warnings.len() == 1 && warnings[0].contains("1.000e-1 per degree is estimated"), "{warnings:?}");
+        let (_, warnings) = resolved(&[polar(9.0, None)], Some(0.02));
+        assert_eq!(warnings, ["sensor 'radar': its ranges are not used"]);
+    }
+
+    #[test]
+    fn bearings_from_two_places_are_refused() {
+        let settings =
+            |name: &str, x_m: f64| SensorSettings { sigma_bearing_deg: Some(1.0), x_m: Some(x_m), ..SensorSettings::named(name) };
+        let parts = RecordingParts { sensors: vec![SensorSettings::named("a"), SensorSettings::named("b")], ..Default::default() };
+        let recording = Recording::new(parts).unwrap();
+        let faults = |b_x_m: f64| resolve(&recording, &[settings("a", 0.0), settings("b", b_x_m)], BEARING_ONLY, &mut Vec::new()).err();
+        assert_eq!(faults(0.0), None);
+        let found = faults(5.0).unwrap();
+        assert_eq!((found.len(), found[0].pointer.as_str()), (1, "/input/sensor_ids"));
+        assert!(found[0].detail.contains("sensors 'a' and 'b' stand apart"), "{found:?}");
     }
 }

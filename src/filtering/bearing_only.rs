@@ -12,20 +12,65 @@
 //! ẑ = β, S = P₁₁ + σ², C = the first column of P. Differences of bearings take the shorter way round, so a track goes on
 //! through south, where π is followed by −π.
 
-use super::Filter;
 use super::mixture::Expected;
+use super::{Chosen, Filter, FilterMethod};
 use crate::math::angle::wrapped;
 use crate::model::motion::ConstantVelocity;
 use crate::model::scan::Measurement;
 use crate::model::sensor::{Report, Sensor};
 use crate::model::state::GaussianState;
+use crate::registry::{Bound, Field, Kind, Object, Presence};
 use nalgebra::{Matrix1, Matrix2, Vector1, Vector2};
+use serde::Deserialize;
+
+pub const METHOD: FilterMethod = FilterMethod {
+    name: "bearing_only",
+    parameters: &PARAMETERS,
+    build: |spec| Wire::deserialize(spec).map(|wire| Chosen::BearingOnly(wire.in_radians())),
+};
+
+static PARAMETERS: Object = Object {
+    name: "BearingOnlyFilter",
+    summary: "Kalman filter on a bearing and its nearly constant rate, for sensors that report bearings; ranges are not used.",
+    fields: &[
+        Field {
+            name: "process_noise_deg2ps3",
+            summary: "Spectral density q of the white noise that changes the rate, which wanders by about sqrt(q·T) in T seconds.",
+            kind: Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e6), unit: "deg²/s³" },
+            presence: Presence::Default("0.0001"),
+        },
+        Field {
+            name: "initial_rate_sigma_degps",
+            summary: "Standard deviation of the bearing rate of a new track, which starts at rest.",
+            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(360.0), unit: "deg/s" },
+            presence: Presence::Default("0.5"),
+        },
+    ],
+};
+
+/// The parameters, in degrees.
+#[derive(Deserialize)]
+struct Wire {
+    process_noise_deg2ps3: f64,
+    initial_rate_sigma_degps: f64,
+}
+
+impl Wire {
+    fn in_radians(&self) -> BearingOnly {
+        BearingOnly {
+            process_noise_rad2ps3: self.process_noise_deg2ps3 * 1f64.to_radians().powi(2),
+            initial_rate_sigma_radps: self.initial_rate_sigma_degps.to_radians(),
+        }
+    }
+}
 
 /// The filter of one tracker.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BearingOnly {
     /// Spectral density q of the white noise that changes the rate.
     pub process_noise_rad2ps3: f64,
+    /// Standard deviation of the rate of a new track.
+    pub initial_rate_sigma_radps: f64,
 }
 
 impl Filter<2, 1> for BearingOnly {
@@ -51,8 +96,8 @@ impl Filter<2, 1> for BearingOnly {
         Expected::new(Vector1::new(wrapped(state.mean[0])), variance, state.covariance.column(0).into_owned())
     }
 
-    fn initiate(&self, measurement: &Vector1<f64>, sensor: &Sensor, rate_sigma: f64) -> Option<GaussianState<2>> {
-        let covariance = Matrix2::new(variance_of(&sensor.report)?, 0.0, 0.0, rate_sigma * rate_sigma);
+    fn initiate(&self, measurement: &Vector1<f64>, sensor: &Sensor, _speed_sigma_mps: f64) -> Option<GaussianState<2>> {
+        let covariance = Matrix2::new(variance_of(&sensor.report)?, 0.0, 0.0, self.initial_rate_sigma_radps.powi(2));
         Some(GaussianState { mean: Vector2::new(measurement[0], 0.0), covariance })
     }
 }
@@ -79,7 +124,7 @@ mod tests {
         // 0.01 rad/s for 40 s, from 0.2 rad before π to 0.2 rad behind it.
         let report = Report::Bearing { sigma_bearing_rad: 0.01 };
         let sensor = Sensor { sensor_id: "sonar".into(), p_d: 0.9, clutter_density: 1.0, report };
-        let filter = BearingOnly { process_noise_rad2ps3: 1e-8 };
+        let filter = BearingOnly { process_noise_rad2ps3: 1e-8, initial_rate_sigma_radps: 0.05 };
         let at = |time_s: f64| filter.measured(&sensor, &Measurement::Bearing { bearing_rad: PI - 0.2 + 0.01 * time_s }).unwrap();
         let mut state = filter.initiate(&at(0.0), &sensor, 0.05).unwrap();
         for scan in 1..=40 {

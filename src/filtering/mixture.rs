@@ -33,8 +33,6 @@ pub struct Expected<const N: usize, const D: usize> {
 /// What the update needs of an expectation: a scan keeps one for each track, so it is small.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Correction<const N: usize, const D: usize> {
-    /// ẑ.
-    pub measurement: SVector<f64, D>,
     /// S⁻¹.
     inverse: SMatrix<f64, D, D>,
     /// C.
@@ -58,7 +56,7 @@ impl<const N: usize, const D: usize> Expected<N, D> {
 
     #[inline(always)]
     pub fn correction(&self) -> Correction<N, D> {
-        Correction { measurement: self.measurement, inverse: *self.gaussian.inverse(), cross: self.cross }
+        Correction { inverse: *self.gaussian.inverse(), cross: self.cross }
     }
 
     /// Of a measurement that is linear in the state: S = H P Hᵀ + R, C = P Hᵀ.

@@ -40,8 +40,8 @@ pub trait Filter<const N: usize, const D: usize> {
         0.0
     }
 
-    /// A state that knows one detection alone, and of the rates that each is 0 ± `rate_sigma`.
-    fn initiate(&self, measurement: &SVector<f64, D>, sensor: &Sensor, rate_sigma: f64) -> Option<GaussianState<N>>;
+    /// A state that knows one detection alone. Of a velocity in the plane it knows that each component is 0 ± `speed_sigma_mps`.
+    fn initiate(&self, measurement: &SVector<f64, D>, sensor: &Sensor, speed_sigma_mps: f64) -> Option<GaussianState<N>>;
 }
 
 /// A filter that was chosen by name.
@@ -51,11 +51,17 @@ pub enum Chosen {
     Converted(converted::Converted),
     Extended(extended::Extended),
     Unscented(unscented::Unscented),
+    BearingOnly(bearing_only::BearingOnly),
 }
 
 impl Chosen {
     pub fn uses_ranges(&self) -> bool {
-        !matches!(self, Chosen::Kalman(_))
+        !matches!(self, Chosen::Kalman(_) | Chosen::BearingOnly(_))
+    }
+
+    /// Whether it tracks directions instead of places.
+    pub fn is_of_bearings(&self) -> bool {
+        matches!(self, Chosen::BearingOnly(_))
     }
 
     pub fn uses_range_rates(&self) -> bool {
@@ -67,7 +73,7 @@ impl Chosen {
 pub type FilterMethod = Method<fn(&serde_json::Value) -> Result<Chosen, serde_json::Error>>;
 
 /// Every filter.
-pub const FILTERS: &[FilterMethod] = &[kalman::METHOD, extended::METHOD, unscented::METHOD, converted::METHOD];
+pub const FILTERS: &[FilterMethod] = &[kalman::METHOD, extended::METHOD, unscented::METHOD, converted::METHOD, bearing_only::METHOD];
 
 pub static FILTER: Union = Union {
     name: "Filter",

@@ -12,7 +12,7 @@
 
 use super::json::parse;
 use super::table::FaultLog;
-use super::{Format, ReadOptions, ReadOutcome};
+use super::{Format, ReadOptions, ReadOutcome, refuse_columns};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use crate::model::names::natural_order;
@@ -46,7 +46,7 @@ pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcom
     let Value::Array(items) = document else {
         return Err(vec![Fault::new("/file", "wrong_type", "expected an array: of scans for detections, of lists for truth")]);
     };
-    check_options(options)?;
+    refuse_columns(options)?;
     let found = match items.first() {
         Some(Value::Object(_)) => DatasetKind::Detections,
         Some(Value::Array(_)) => DatasetKind::Truth,
@@ -61,13 +61,6 @@ pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcom
         DatasetKind::Truth => read_truth(&items),
         _ => read_detections(&items),
     }
-}
-
-fn check_options(options: &ReadOptions) -> Result<(), Vec<Fault>> {
-    if options.columns.is_empty() {
-        return Ok(());
-    }
-    Err(vec![Fault::new("/meta/columns", "unsupported", "files of this format have no columns to rename")])
 }
 
 /// One scan of a sensor that reports positions.
@@ -233,12 +226,12 @@ fn target(truth_id: String, mut entries: Vec<TruthEntry>, faults: &mut FaultLog)
     let mut points: Vec<TruthPoint> = Vec::new();
     for (time_s, position_m, pointer) in entries {
         match points.last().filter(|last| last.time_s == time_s) {
-            Some(last) if last.position_m != position_m => {
+            Some(last) if last.position_m() != Some(position_m) => {
                 let detail = format!("target {truth_id} is at two positions at {time_s} s");
                 faults.push(Fault::new(format!("{pointer}/position"), "conflict", detail));
             }
             Some(_) => {}
-            None => points.push(TruthPoint { time_s, position_m, velocity_mps: None }),
+            None => points.push(TruthPoint::in_plane(time_s, position_m, None)),
         }
     }
     Target { truth_id, points }

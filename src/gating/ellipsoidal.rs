@@ -4,7 +4,7 @@
 //! # Reference
 //! Y. Bar-Shalom, X.-R. Li, Multitarget-Multisensor Tracking, 1995, section 2.3.2.
 
-use super::grid::Grid;
+use super::grid::{Grid, Placed};
 use crate::math::angle;
 use crate::math::gaussian::{Gaussian, gate_threshold, log_unit_ball};
 use nalgebra::{SMatrix, SVector};
@@ -33,23 +33,26 @@ impl<const D: usize> EllipsoidalGate<D> {
         self.log_scale - gaussian.log_density(0.0)
     }
 
-    /// Calls `found(detection, d²)` for each measurement inside the gate around ẑ with innovation covariance S.
-    /// `angle` names the coordinate that goes round, if there is one.
+    /// Calls `found(detection, ν, d²)` for each measurement inside the gate around ẑ with innovation covariance S.
+    /// `placed` are the measurements as the grid arranged them; `angle` names the coordinate that goes round, if there is one.
     #[inline]
     pub fn candidates(
         &self,
         grid: &Grid,
-        measurements: &[SVector<f64, D>],
+        placed: &[Placed<D>],
         (centre, angle): (&SVector<f64, D>, Option<usize>),
         (covariance, gaussian): (&SMatrix<f64, D, D>, &Gaussian<D>),
-        mut found: impl FnMut(u32, f64),
+        mut found: impl FnMut(u32, SVector<f64, D>, f64),
     ) {
         // The ellipsoid's bounding box reaches √(γ Sᵢᵢ) along axis i.
         let reach = |axis: usize| if axis < D { (self.threshold * covariance[(axis, axis)]).sqrt() } else { 0.0 };
-        grid.near(centre, [reach(0), reach(1)], angle, |detection| {
-            let squared = gaussian.squared_distance(&angle::difference(&measurements[detection as usize], centre, angle));
-            if squared <= self.threshold {
-                found(detection, squared);
+        grid.near_places(centre, [reach(0), reach(1)], angle, |places| {
+            for near in &placed[places] {
+                let innovation = angle::difference(&near.measurement, centre, angle);
+                let squared = gaussian.squared_distance(&innovation);
+                if squared <= self.threshold {
+                    found(near.detection, innovation, squared);
+                }
             }
         });
     }
@@ -85,9 +88,11 @@ mod tests {
             let gaussian = Gaussian::new(&covariance).unwrap();
             let gate = EllipsoidalGate::new(0.99);
             let mut grid = Grid::default();
+            let mut placed = Vec::new();
             grid.rebuild(&positions);
+            grid.arrange(&positions, &mut placed);
             let mut gated = Vec::new();
-            gate.candidates(&grid, &positions, (&centre, None), (&covariance, &gaussian), |detection, _| gated.push(detection));
+            gate.candidates(&grid, &placed, (&centre, None), (&covariance, &gaussian), |detection, _, _| gated.push(detection));
             gated.sort_unstable();
             let inside = |index: &u32| gaussian.squared_distance(&(positions[*index as usize] - centre)) <= -2.0 * 0.01f64.ln() + 1e-12;
             let brute: Vec<u32> = (0..positions.len() as u32).filter(inside).collect();
@@ -127,10 +132,12 @@ mod tests {
         let gate = EllipsoidalGate::<D>::new(0.99);
         let gaussian = Gaussian::new(&covariance).unwrap();
         let mut grid = Grid::default();
+        let mut placed = Vec::new();
         grid.rebuild(measurements);
+        grid.arrange(measurements, &mut placed);
         let mut gated = Vec::new();
-        let found = |detection, _| gated.push(detection);
-        gate.candidates(&grid, measurements, (&centre, Some(axis)), (&covariance, &gaussian), found);
+        let found = |detection, _, _| gated.push(detection);
+        gate.candidates(&grid, &placed, (&centre, Some(axis)), (&covariance, &gaussian), found);
         gated.sort_unstable();
         let inside = |index: &u32| {
             let mut difference = measurements[*index as usize] - centre;

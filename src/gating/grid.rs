@@ -4,7 +4,7 @@
 
 use nalgebra::SVector;
 use std::f64::consts::{PI, TAU};
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 
 /// The grid of one scan.
 #[derive(Debug, Default)]
@@ -18,7 +18,22 @@ pub struct Grid {
     cell_of: Vec<u32>,
 }
 
+/// A measurement with the index of its detection. Lying in the order of the cells, those that a gate looks at are neighbours
+/// in memory, too.
+#[derive(Debug, Clone, Copy)]
+pub struct Placed<const D: usize> {
+    pub measurement: SVector<f64, D>,
+    pub detection: u32,
+}
+
 impl Grid {
+    /// Writes the measurements of [`Grid::rebuild`] in the order of the cells.
+    pub fn arrange<const D: usize>(&self, measurements: &[SVector<f64, D>], placed: &mut Vec<Placed<D>>) {
+        placed.clear();
+        let place = |&detection: &u32| Placed { measurement: measurements[detection as usize], detection };
+        placed.extend(self.order.iter().map(place));
+    }
+
     /// Takes the measurements of a new scan.
     pub fn rebuild<const D: usize>(&mut self, measurements: &[SVector<f64, D>]) {
         let (low, high) = bounds(measurements);
@@ -64,6 +79,18 @@ impl Grid {
     /// `angle` names the axis that goes round, if there is one.
     #[inline]
     pub fn near<const D: usize>(&self, centre: &SVector<f64, D>, half: [f64; 2], angle: Option<usize>, mut found: impl FnMut(u32)) {
+        self.near_places(centre, half, angle, |places| self.order[places].iter().for_each(|&detection| found(detection)));
+    }
+
+    /// The same, in stretches of the order of the cells.
+    #[inline]
+    pub fn near_places<const D: usize>(
+        &self,
+        centre: &SVector<f64, D>,
+        half: [f64; 2],
+        angle: Option<usize>,
+        mut found: impl FnMut(Range<usize>),
+    ) {
         if self.order.is_empty() {
             return;
         }
@@ -76,7 +103,7 @@ impl Grid {
 
     /// The same with an axis that goes round.
     #[inline(never)]
-    fn near_round(&self, centre: [f64; 2], half: [f64; 2], axis: usize, mut found: impl FnMut(u32)) {
+    fn near_round(&self, centre: [f64; 2], half: [f64; 2], axis: usize, mut found: impl FnMut(Range<usize>)) {
         let other = self.span(centre[1 - axis], half[1 - axis], 1 - axis);
         for part in self.spans_round(centre[axis], half[axis], axis).into_iter().flatten() {
             let (columns, rows) = if axis == 0 { (part, other.clone()) } else { (other.clone(), part) };
@@ -85,13 +112,11 @@ impl Grid {
     }
 
     #[inline(always)]
-    fn visit(&self, columns: RangeInclusive<usize>, rows: RangeInclusive<usize>, found: &mut impl FnMut(u32)) {
+    fn visit(&self, columns: RangeInclusive<usize>, rows: RangeInclusive<usize>, found: &mut impl FnMut(Range<usize>)) {
         for row in rows {
             let from = self.first[row * self.cells[0] + columns.start()];
             let to = self.first[row * self.cells[0] + columns.end() + 1];
-            for &detection in &self.order[from as usize..to as usize] {
-                found(detection);
-            }
+            found(from as usize..to as usize);
         }
     }
 

@@ -39,11 +39,12 @@ impl ScenarioSensor {
             (None, None, Some(sigma_range_m), Some(sigma_bearing_deg)) => {
                 Some(ReportNoise::RangeBearing { sigma_range_m, sigma_bearing_rad: sigma_bearing_deg.to_radians() })
             }
+            (None, None, None, Some(sigma_bearing_deg)) => Some(ReportNoise::Bearing { sigma_bearing_rad: sigma_bearing_deg.to_radians() }),
             _ => None,
         }
     }
 
-    /// False detections per square metre and scan.
+    /// False detections per square metre of the field of view and scan.
     pub fn clutter_per_m2(&self) -> f64 {
         self.clutter_per_scan / (std::f64::consts::PI * self.max_range_m * self.max_range_m)
     }
@@ -54,6 +55,7 @@ impl ScenarioSensor {
 pub enum ReportNoise {
     Position { sigma_x_m: f64, sigma_y_m: f64 },
     RangeBearing { sigma_range_m: f64, sigma_bearing_rad: f64 },
+    Bearing { sigma_bearing_rad: f64 },
 }
 
 /// How the targets are chosen.

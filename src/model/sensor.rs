@@ -20,6 +20,9 @@ pub struct SensorSettings {
     /// Expected false detections per square metre and scan, also of a sensor that reports ranges and bearings.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clutter_per_m2: Option<f64>,
+    /// Expected false detections per degree and scan, of a sensor whose bearings alone are used.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clutter_per_deg: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sigma_x_m: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -47,6 +50,7 @@ impl SensorSettings {
             max_range_m: other.max_range_m.or(self.max_range_m),
             p_d: other.p_d.or(self.p_d),
             clutter_per_m2: other.clutter_per_m2.or(self.clutter_per_m2),
+            clutter_per_deg: other.clutter_per_deg.or(self.clutter_per_deg),
             sigma_x_m: other.sigma_x_m.or(self.sigma_x_m),
             sigma_y_m: other.sigma_y_m.or(self.sigma_y_m),
             sigma_range_m: other.sigma_range_m.or(self.sigma_range_m),

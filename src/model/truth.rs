@@ -3,12 +3,57 @@
 use super::fault::Fault;
 use super::state::Position;
 
-/// A target's position, and velocity where known, at one time.
+/// Where a target was at one time. All points of a set say the same kind of thing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TruthPoint {
     pub time_s: f64,
-    pub position_m: Position,
-    pub velocity_mps: Option<Position>,
+    pub place: TruePlace,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum TruePlace {
+    Plane {
+        position_m: Position,
+        velocity_mps: Option<Position>,
+    },
+    /// A direction alone, clockwise from north.
+    Bearing {
+        bearing_rad: f64,
+    },
+}
+
+impl TruthPoint {
+    pub fn in_plane(time_s: f64, position_m: Position, velocity_mps: Option<Position>) -> Self {
+        TruthPoint { time_s, place: TruePlace::Plane { position_m, velocity_mps } }
+    }
+
+    pub fn at_bearing(time_s: f64, bearing_rad: f64) -> Self {
+        TruthPoint { time_s, place: TruePlace::Bearing { bearing_rad } }
+    }
+
+    /// `None` where only the direction is known.
+    pub fn position_m(&self) -> Option<Position> {
+        match self.place {
+            TruePlace::Plane { position_m, .. } => Some(position_m),
+            TruePlace::Bearing { .. } => None,
+        }
+    }
+
+    /// `None` where it is not given.
+    pub fn velocity_mps(&self) -> Option<Position> {
+        match self.place {
+            TruePlace::Plane { velocity_mps, .. } => velocity_mps,
+            TruePlace::Bearing { .. } => None,
+        }
+    }
+
+    fn is_finite(&self) -> bool {
+        let is_place_finite = match self.place {
+            TruePlace::Plane { position_m, .. } => position_m.iter().all(|value| value.is_finite()),
+            TruePlace::Bearing { bearing_rad } => bearing_rad.is_finite(),
+        };
+        is_place_finite && self.time_s.is_finite()
+    }
 }
 
 /// One target: its name and its path, times strictly rising.
@@ -20,17 +65,18 @@ pub struct Target {
 
 impl Target {
     /// Where the target was at `time_s`: the point at that time, else the line between its neighbours if they are
-    /// at most `max_gap_s` apart. `None` outside the path and inside longer gaps.
+    /// at most `max_gap_s` apart. `None` outside the path, inside longer gaps, and where only directions are known.
     pub fn position_at(&self, time_s: f64, max_gap_s: f64) -> Option<Position> {
         let after = self.points.partition_point(|point| point.time_s < time_s);
         let next = self.points.get(after)?;
         if next.time_s == time_s {
-            return Some(next.position_m);
+            return next.position_m();
         }
         let last = self.points.get(after.checked_sub(1)?)?;
         let gap_s = next.time_s - last.time_s;
         let share = (time_s - last.time_s) / gap_s;
-        (gap_s <= max_gap_s).then(|| last.position_m + (next.position_m - last.position_m) * share)
+        let (from_m, to_m) = (last.position_m()?, next.position_m()?);
+        (gap_s <= max_gap_s).then(|| from_m + (to_m - from_m) * share)
     }
 
     /// How fast the target was at `time_s`: the given velocity at that time, or on the line between its neighbours; the
@@ -40,13 +86,13 @@ impl Target {
         let after = self.points.partition_point(|point| point.time_s < time_s);
         let next = self.points.get(after)?;
         if next.time_s == time_s {
-            return next.velocity_mps.or_else(|| self.slope(after.saturating_sub(1), (after + 1).min(self.points.len() - 1)));
+            return next.velocity_mps().or_else(|| self.slope(after.saturating_sub(1), (after + 1).min(self.points.len() - 1)));
         }
         let last = self.points.get(after.checked_sub(1)?)?;
         if next.time_s - last.time_s > max_gap_s {
             return None;
         }
-        match (last.velocity_mps, next.velocity_mps) {
+        match (last.velocity_mps(), next.velocity_mps()) {
             (Some(from), Some(to)) => Some(from + (to - from) * ((time_s - last.time_s) / (next.time_s - last.time_s))),
             _ => self.slope(after - 1, after),
         }
@@ -54,7 +100,8 @@ impl Target {
 
     fn slope(&self, from: usize, to: usize) -> Option<Position> {
         let (from, to) = (&self.points[from], &self.points[to]);
-        (to.time_s > from.time_s).then(|| (to.position_m - from.position_m) / (to.time_s - from.time_s))
+        let step_m = to.position_m()? - from.position_m()?;
+        (to.time_s > from.time_s).then(|| step_m / (to.time_s - from.time_s))
     }
 
     /// The point nearest to `time_s`, at most `max_gap_s` away; the earlier one of two.
@@ -86,7 +133,7 @@ impl TruthSet {
             if target.points.windows(2).any(|pair| pair[0].time_s >= pair[1].time_s) {
                 faults.push(Fault::new(pointer.clone(), "unsorted", format!("the times of target '{}' do not rise", target.truth_id)));
             }
-            if target.points.iter().any(|point| !point.time_s.is_finite() || point.position_m.iter().any(|value| !value.is_finite())) {
+            if target.points.iter().any(|point| !point.is_finite()) {
                 faults.push(Fault::new(
                     pointer,
                     "not_finite",
@@ -95,6 +142,11 @@ impl TruthSet {
             }
         }
         if faults.is_empty() { Ok(TruthSet { targets }) } else { Err(faults) }
+    }
+
+    /// Whether its points are directions instead of places.
+    pub fn is_of_bearings(&self) -> bool {
+        self.targets.iter().find_map(|target| target.points.first()).is_some_and(|point| point.position_m().is_none())
     }
 
     pub fn targets(&self) -> &[Target] {

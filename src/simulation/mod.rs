@@ -6,7 +6,7 @@ mod targets;
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
 use crate::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
-use crate::model::scenario::{Scenario, ScenarioSensor, TargetPlan};
+use crate::model::scenario::{ReportNoise, Scenario, ScenarioSensor, TargetPlan};
 use crate::model::sensor::SensorSettings;
 use crate::model::truth::{Target, TruthPoint, TruthSet};
 use std::collections::BTreeSet;
@@ -89,14 +89,18 @@ fn noise_fault(index: usize, sensor: &ScenarioSensor) -> Option<Fault> {
     let names: Vec<&str> = given.iter().filter(|(_, value)| value.is_some()).map(|(name, _)| *name).collect();
     let (code, found) = if names.len() < 2 { ("missing", "do") } else { ("conflict", "together do") };
     let detail = format!("the noises of sensor '{}' ({}) {found} not say what it reports", sensor.sensor_id, names.join(", "));
-    Some(Fault::new(format!("/sensors/{index}"), code, detail).allowing("sigma_x_m, sigma_y_m; or sigma_range_m, sigma_bearing_deg"))
+    Some(
+        Fault::new(format!("/sensors/{index}"), code, detail)
+            .allowing("sigma_x_m, sigma_y_m; or sigma_range_m, sigma_bearing_deg; or sigma_bearing_deg alone"),
+    )
 }
 
 /// A fault for each name that stood in the list before.
 fn duplicate_faults<'a>(what: &str, names: impl Iterator<Item = &'a str>, pointer: impl Fn(usize) -> String) -> Vec<Fault> {
     let mut seen = BTreeSet::new();
     let repeated = names.enumerate().filter(|(_, name)| !seen.insert(name.to_owned()));
-    repeated.map(|(index, name)| Fault::new(pointer(index), "duplicate", format!("two {what} are called '{name}'"))).collect()
+    let fault = |index, name| Fault::new(pointer(index), "duplicate", format!("two {what} are called '{name}'"));
+    repeated.map(|(index, name)| fault(index, name).allowing("each name once")).collect()
 }
 
 /// The truth of every target that some sensor could see, and for each path its index among those.
@@ -109,7 +113,7 @@ fn observed_truth(scenario: &Scenario, paths: &[targets::Path], times: &[f64]) -
         let last = times.iter().rposition(is_visible);
         seen.push(first.map(|_| observed.len() as u32));
         if let (Some(first), Some(last)) = (first, last) {
-            let point = |&time_s: &f64| TruthPoint { time_s, position_m: path.position_at(time_s), velocity_mps: Some(path.velocity_mps) };
+            let point = |&time_s: &f64| TruthPoint::in_plane(time_s, path.position_at(time_s), Some(path.velocity_mps));
             observed.push(Target { truth_id: path.truth_id.clone(), points: times[first..=last].iter().map(point).collect() });
         }
     }
@@ -130,14 +134,17 @@ fn append_scan(parts: &mut RecordingParts, sensor: usize, time_s: f64, mut found
     parts.detections.append(&mut found);
 }
 
+/// Clutter is stated over what the sensor reports: an area, or all directions.
 fn settings(sensor: &ScenarioSensor) -> SensorSettings {
+    let is_of_bearings = matches!(sensor.noise(), Some(ReportNoise::Bearing { .. }));
     SensorSettings {
         sensor_id: sensor.sensor_id.clone(),
         x_m: Some(sensor.x_m),
         y_m: Some(sensor.y_m),
         max_range_m: Some(sensor.max_range_m),
         p_d: Some(sensor.p_d),
-        clutter_per_m2: Some(sensor.clutter_per_m2()),
+        clutter_per_m2: (!is_of_bearings).then(|| sensor.clutter_per_m2()),
+        clutter_per_deg: is_of_bearings.then_some(sensor.clutter_per_scan / 360.0),
         sigma_x_m: sensor.sigma_x_m,
         sigma_y_m: sensor.sigma_y_m,
         sigma_range_m: sensor.sigma_range_m,

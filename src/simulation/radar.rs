@@ -1,5 +1,5 @@
-//! One scan of a sensor that reports positions, or ranges and bearings: detection with probability P_D, Gaussian noise on
-//! both values, and a Poisson number of false detections uniform over the field of view.
+//! One scan of a sensor that reports positions, ranges and bearings, or bearings alone: detection with probability P_D,
+//! Gaussian noise on each value, and a Poisson number of false detections uniform over the field of view.
 
 use super::targets::Path;
 use crate::math::rng::{Purpose, Seed};
@@ -60,6 +60,7 @@ fn add_clutter(
         let measurement = match noise {
             ReportNoise::Position { .. } => Measurement::Position { x_m, y_m },
             ReportNoise::RangeBearing { .. } => Measurement::RangeBearing { range_m, bearing_rad, range_rate_mps: None },
+            ReportNoise::Bearing { .. } => Measurement::Bearing { bearing_rad },
         };
         found.push(Detection { measurement, origin: None, amplitude: None });
     }
@@ -67,16 +68,17 @@ fn add_clutter(
 
 /// What the sensor reports of a place, with two draws of the standard normal distribution as its errors.
 fn report(sensor: &ScenarioSensor, noise: ReportNoise, position_m: &Position, [first, second]: [f64; 2]) -> Measurement {
+    let offset_m = position_m - Position::new(sensor.x_m, sensor.y_m);
+    let seen_rad = |error_rad: f64| (offset_m[0].atan2(offset_m[1]) + error_rad).rem_euclid(TAU);
     match noise {
         ReportNoise::Position { sigma_x_m, sigma_y_m } => {
             Measurement::Position { x_m: position_m[0] + first * sigma_x_m, y_m: position_m[1] + second * sigma_y_m }
         }
         ReportNoise::RangeBearing { sigma_range_m, sigma_bearing_rad } => {
-            let offset_m = position_m - Position::new(sensor.x_m, sensor.y_m);
             // A range below 0 would be one in the opposite direction, which no sensor reports.
             let range_m = (offset_m.norm() + first * sigma_range_m).abs();
-            let bearing_rad = (offset_m[0].atan2(offset_m[1]) + second * sigma_bearing_rad).rem_euclid(TAU);
-            Measurement::RangeBearing { range_m, bearing_rad, range_rate_mps: None }
+            Measurement::RangeBearing { range_m, bearing_rad: seen_rad(second * sigma_bearing_rad), range_rate_mps: None }
         }
+        ReportNoise::Bearing { sigma_bearing_rad } => Measurement::Bearing { bearing_rad: seen_rad(first * sigma_bearing_rad) },
     }
 }

@@ -1,15 +1,20 @@
-//! The life of a track: started by one unused detection, confirmed when M of its last N scans had a detection,
-//! deleted after `max_missed` scans in a row without one.
+//! The life of a track: started by detections that no track used ([`super::initiation`]), confirmed by hits or by score
+//! ([`super::confirmation`]), deleted after `max_missed` scans in a row without a detection, when its score says so, or when
+//! its position has become too uncertain (which also ends a track of a soft associator, whose weights may never be a miss).
 //!
-//! Confirmed tracks choose among all detections of a scan first, tentative ones among what is left, and what no track
-//! used starts new tracks. Every scan counts, of whichever sensor.
+//! Confirmed tracks choose among all detections of a scan first, tentative ones among what is left, and what no track used
+//! goes to the initiation. So a detection inside a confirmed track's gate starts a track only if it stayed unused by all. A
+//! track that ends does so before the scan, and uses none of its detections. Every scan counts, of whichever sensor.
 //!
 //! Under an associator with soft weights: a tentative track is served by global nearest neighbour until it is confirmed; a
 //! detection is used when one track at least gives it a weight of 0.01; a scan had a detection for a track when the weights
 //! of all its detections together exceed that of none.
 
+use super::confirmation::{CONFIRMATION, Confirmation, Score};
+use super::initiation::{INITIATION, Initiation};
 use crate::model::track::TrackStatus;
 use crate::registry::{Bound, Field, Kind, Object, Presence};
+use nalgebra::SMatrix;
 use serde::Deserialize;
 
 pub static LIFECYCLE: Object = Object {
@@ -23,26 +28,44 @@ pub static LIFECYCLE: Object = Object {
             presence: Presence::Default("0.99"),
         },
         Field {
+            name: "initiation",
+            summary: "How tracks begin.",
+            kind: Kind::Union(&INITIATION),
+            presence: Presence::Default(r#"{"method":"one_point"}"#),
+        },
+        Field {
+            name: "confirmation",
+            summary: "When a track is confirmed.",
+            kind: Kind::Union(&CONFIRMATION),
+            presence: Presence::Default(r#"{"rule":"m_of_n"}"#),
+        },
+        Field {
             name: "confirm_hits",
-            summary: "M: detections that confirm a track.",
+            summary: "M of the rule m_of_n: detections that confirm a track.",
             kind: Kind::Integer { min: 1, max: 64, unit: "" },
             presence: Presence::Default("3"),
         },
         Field {
             name: "confirm_window",
-            summary: "N: the last scans among which the M detections are counted; at least M.",
+            summary: "N of the rule m_of_n: the last scans among which the M detections are counted; at least M.",
             kind: Kind::Integer { min: 1, max: 64, unit: "scans" },
             presence: Presence::Default("5"),
         },
         Field {
             name: "max_missed",
-            summary: "Scans in a row without a detection that delete a track.",
+            summary: "Scans in a row without a detection that delete a track, under every rule of confirmation.",
             kind: Kind::Integer { min: 1, max: 1000, unit: "scans" },
             presence: Presence::Default("5"),
         },
         Field {
+            name: "max_position_sigma_m",
+            summary: "A track is deleted when the largest standard deviation of its position exceeds this; no limit when absent.",
+            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e9), unit: "m" },
+            presence: Presence::Optional,
+        },
+        Field {
             name: "initial_speed_sigma_mps",
-            summary: "Standard deviation of each velocity component of a new track, which starts at rest.",
+            summary: "Standard deviation of each velocity component of a track of one point, which starts at rest.",
             kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e5), unit: "m/s" },
             presence: Presence::Default("10.0"),
         },
@@ -53,9 +76,12 @@ pub static LIFECYCLE: Object = Object {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub struct Lifecycle {
     pub gate_probability: f64,
+    pub initiation: Initiation,
+    pub confirmation: Confirmation,
     pub confirm_hits: u32,
     pub confirm_window: u32,
     pub max_missed: u32,
+    pub max_position_sigma_m: Option<f64>,
     pub initial_speed_sigma_mps: f64,
 }
 
@@ -66,35 +92,70 @@ pub(super) struct Life {
     hits: u64,
     missed: u32,
     is_confirmed: bool,
+    is_over: bool,
+    score: Score,
 }
 
 impl Lifecycle {
     /// A track after its first detection.
     pub(super) fn start(&self) -> Life {
-        let mut life = Life { hits: 0, missed: 0, is_confirmed: false };
-        self.advance(&mut life, true);
+        let mut life = Life { hits: 0, missed: 0, is_confirmed: false, is_over: false, score: Score::default() };
+        self.advance(&mut life, true, 0.0);
         life
     }
 
-    /// One more scan.
-    pub(super) fn advance(&self, life: &mut Life, was_detected: bool) {
+    /// One more scan; `log_ratio` is what it adds to the score, and matters only when [`Lifecycle::is_scored`].
+    #[inline]
+    pub(super) fn advance(&self, life: &mut Life, was_detected: bool, log_ratio: f64) {
         life.hits = (life.hits << 1) | u64::from(was_detected);
         life.missed = if was_detected { 0 } else { life.missed + 1 };
-        let window = u64::MAX >> (64 - self.confirm_window);
-        life.is_confirmed |= (life.hits & window).count_ones() >= self.confirm_hits;
+        life.is_over |= life.missed >= self.max_missed;
+        match &self.confirmation {
+            Confirmation::MOfN => {
+                let window = u64::MAX >> (64 - self.confirm_window);
+                life.is_confirmed |= (life.hits & window).count_ones() >= self.confirm_hits;
+            }
+            Confirmation::Score(rule) => {
+                life.score.add(log_ratio);
+                life.is_confirmed |= rule.is_confirmed(&life.score);
+                life.is_over |= rule.is_over(&life.score, life.is_confirmed);
+            }
+        }
     }
 
-    /// Ends the track with this scan.
-    pub(super) fn end(&self, life: &mut Life) {
-        life.missed = self.max_missed;
+    /// Ends a track whose position is too uncertain to be of use.
+    #[inline]
+    pub(super) fn limit<const N: usize>(&self, life: &mut Life, covariance: &SMatrix<f64, N, N>) {
+        if let Some(limit_m) = self.max_position_sigma_m {
+            life.is_over |= largest_variance(covariance) > limit_m * limit_m;
+        }
     }
 
-    pub(super) fn is_over(&self, life: &Life) -> bool {
-        life.missed >= self.max_missed
+    /// Whether tracks are judged by their score.
+    pub(super) fn is_scored(&self) -> bool {
+        matches!(self.confirmation, Confirmation::Score(_))
     }
 }
 
+/// The largest variance of the position in any direction: the greater eigenvalue of its covariance.
+fn largest_variance<const N: usize>(covariance: &SMatrix<f64, N, N>) -> f64 {
+    if N < 4 {
+        return covariance[(0, 0)];
+    }
+    let (xx, xy, yy) = (covariance[(0, 0)], covariance[(0, 1)], covariance[(1, 1)]);
+    (xx + yy) / 2.0 + ((xx - yy) / 2.0).hypot(xy)
+}
+
 impl Life {
+    /// Ends the track with this scan.
+    pub(super) fn end(&mut self) {
+        self.is_over = true;
+    }
+
+    pub(super) fn is_over(&self) -> bool {
+        self.is_over
+    }
+
     pub(super) fn is_confirmed(&self) -> bool {
         self.is_confirmed
     }
@@ -110,22 +171,34 @@ impl Life {
 
 #[cfg(test)]
 mod tests {
+    use super::super::confirmation::ScoreRule;
     use super::*;
+
+    const LIFE: Lifecycle = Lifecycle {
+        gate_probability: 0.99,
+        initiation: Initiation::OnePoint,
+        confirmation: Confirmation::MOfN,
+        confirm_hits: 3,
+        confirm_window: 4,
+        max_missed: 3,
+        max_position_sigma_m: None,
+        initial_speed_sigma_mps: 1.0,
+    };
 
     fn statuses(lifecycle: &Lifecycle, detected: &str) -> String {
         let mut life = lifecycle.start();
         let mut seen = String::from(&life.status().name()[..1]);
         for symbol in detected.chars().skip(1) {
-            lifecycle.advance(&mut life, symbol == '1');
-            seen.push_str(if lifecycle.is_over(&life) { "x" } else { &life.status().name()[..1] });
+            let log_ratio = if symbol == '1' { 3.0 } else { -2.0 };
+            lifecycle.advance(&mut life, symbol == '1', log_ratio);
+            seen.push_str(if life.is_over() { "x" } else { &life.status().name()[..1] });
         }
         seen
     }
 
     #[test]
     fn confirmation_counts_the_last_n_scans_and_deletion_counts_misses_in_a_row() {
-        let lifecycle =
-            Lifecycle { gate_probability: 0.99, confirm_hits: 3, confirm_window: 4, max_missed: 3, initial_speed_sigma_mps: 1.0 };
+        let lifecycle = LIFE;
         assert_eq!(statuses(&lifecycle, "111"), "ttc");
         assert_eq!(statuses(&lifecycle, "11001011"), "tttttttc");
         assert_eq!(statuses(&lifecycle, "1111001000"), "ttcccccccx");
@@ -135,5 +208,32 @@ mod tests {
         let long = Lifecycle { confirm_hits: 2, confirm_window: 64, max_missed: 100, ..lifecycle };
         assert_eq!(statuses(&long, &format!("1{}1", "0".repeat(62))).pop(), Some('c'));
         assert_eq!(statuses(&long, &format!("1{}1", "0".repeat(63))).pop(), Some('t'));
+    }
+    #[test]
+    fn a_score_confirms_drops_and_deletes() {
+        // Each detection adds 3, each miss −2. ln(0.9 / 0.005) = 5.19, ln(0.1 / 0.995) = −2.30; the first one adds nothing.
+        let rule = ScoreRule { false_track_probability: 0.005, missed_track_probability: 0.1, max_score_drop: 5.0 };
+        let scored = Lifecycle { confirmation: Confirmation::Score(rule), max_missed: 10, ..LIFE };
+        assert_eq!(statuses(&scored, "111"), "ttc");
+        assert_eq!(statuses(&scored, "100"), "ttx");
+        assert_eq!(statuses(&scored, "10100"), "ttttx", "−2, 1, −1, −3");
+        assert_eq!(statuses(&scored, "1110010000"), "ttcccccxxx", "6, then 2, 5, 3, 1 and, 5 below the highest, the end");
+        let impatient = Lifecycle { max_missed: 2, ..scored };
+        assert_eq!(statuses(&impatient, "11100"), "ttccx", "misses in a row end a track before its score does");
+    }
+
+    #[test]
+    fn an_uncertain_position_ends_a_track() {
+        // [5 2; 2 2] has the eigenvalues 6 and 1.
+        let mut covariance = SMatrix::<f64, 4, 4>::from_diagonal_element(1e6);
+        (covariance[(0, 0)], covariance[(0, 1)], covariance[(1, 0)], covariance[(1, 1)]) = (5.0, 2.0, 2.0, 2.0);
+        assert!((largest_variance(&covariance) - 6.0).abs() < 1e-12);
+        assert!((largest_variance(&SMatrix::<f64, 2, 2>::new(3.0, 1.0, 1.0, 9.0)) - 3.0).abs() < 1e-12);
+        for (limit_m, is_over) in [(6.01f64.sqrt(), false), (5.99f64.sqrt(), true)] {
+            let lifecycle = Lifecycle { max_position_sigma_m: Some(limit_m), ..LIFE };
+            let mut life = lifecycle.start();
+            lifecycle.limit(&mut life, &covariance);
+            assert_eq!(life.is_over(), is_over);
+        }
     }
 }

@@ -1,9 +1,13 @@
 //! The tracker: predict → gate → associate → update → manage, once a scan.
 
+mod confirmation;
 mod history;
+mod initiation;
 mod lifecycle;
 mod tracker;
 
+pub use confirmation::{Confirmation, ScoreRule};
 pub use history::History;
+pub use initiation::Initiation;
 pub use lifecycle::{LIFECYCLE, Lifecycle};
 pub use tracker::{Nis, ScanOutcome, Tracker, TrackerParts};

@@ -1,6 +1,8 @@
 //! The composition of filter, gate, associator and life cycle that turns scans into tracks.
 
+use super::confirmation;
 use super::history::{Entry, History};
+use super::initiation::{Initiation, Initiator, Pair, PairRule, Point};
 use super::lifecycle::{Life, Lifecycle};
 use crate::association::global_nearest_neighbour::GlobalNearestNeighbour;
 use crate::association::problem::{Edge, ScanProblem, Weights};
@@ -9,12 +11,13 @@ use crate::filtering::Filter;
 use crate::filtering::mixture::{self, Correction, Expected, WeightedInnovation};
 use crate::filtering::prediction::Transition;
 use crate::gating::ellipsoidal::EllipsoidalGate;
-use crate::gating::grid::Grid;
+use crate::gating::grid::{Grid, Placed};
 use crate::math::angle;
+use crate::math::gaussian::gate_threshold;
 use crate::model::scan::{Detection, Scan};
 use crate::model::sensor::Sensor;
-use crate::model::state::{GaussianState, upper_triangle};
-use crate::model::track::Candidate;
+use crate::model::state::GaussianState;
+use crate::model::track::{Candidate, Estimate};
 use nalgebra::SVector;
 
 /// A detection to which a track gives at least this weight is used: neither do the tentative tracks see it after a
@@ -36,8 +39,10 @@ pub struct ScanOutcome {
     /// Tracks alive after the scan.
     pub tracks: u32,
     pub confirmed: u32,
-    /// Detections that no track used; each started a track.
+    /// Detections that no track used.
     pub unused: u32,
+    /// Tracks that such detections started: one each, or one a pair.
+    pub started: u32,
 }
 
 /// Normalised innovation squared of the updates of confirmed tracks, each detection counted by its weight. A filter whose
@@ -59,12 +64,22 @@ impl Nis {
 
 /// A living track.
 #[derive(Debug, Clone)]
-struct ActiveTrack {
+struct ActiveTrack<const N: usize> {
     serial: u32,
     life: Life,
-    state: GaussianState,
+    state: GaussianState<N>,
     /// The target that the first detection came from; only the oracle looks at it.
     origin: Option<u32>,
+}
+
+/// What the likelihoods of a scan have in common.
+struct Terms {
+    /// ln λ.
+    log_clutter: f64,
+    /// ln(P_D / λ).
+    log_density: f64,
+    /// ln(1 − P_D P_G).
+    log_none: f64,
 }
 
 /// The detections of a scan, prepared for gating; memory is reused.
@@ -72,6 +87,8 @@ struct ActiveTrack {
 struct ScanView<const D: usize> {
     /// As points of the measurement space.
     measurements: Vec<SVector<f64, D>>,
+    /// The same as the grid arranged them.
+    placed: Vec<Placed<D>>,
     /// The coordinate that is an angle.
     angle: Option<usize>,
     used: Vec<bool>,
@@ -81,13 +98,17 @@ struct ScanView<const D: usize> {
     by_origin: Vec<Option<u32>>,
 }
 
-/// A multi-target tracker whose filter takes measurements of `D` values. Feed it scans in order of time.
-pub struct Tracker<F, const D: usize> {
+/// A multi-target tracker whose filter has states of `N` variables and takes measurements of `D` values. Feed it scans in
+/// order of time.
+pub struct Tracker<F, const N: usize, const D: usize> {
     parts: TrackerParts<F>,
     /// Serves the tentative tracks in place of a soft associator.
     beginner: GlobalNearestNeighbour,
     gate: EllipsoidalGate<D>,
-    tracks: Vec<ActiveTrack>,
+    initiator: Initiator<N>,
+    /// Of two-point initiation.
+    pair_rule: Option<PairRule>,
+    tracks: Vec<ActiveTrack<N>>,
     last_time_s: Option<f64>,
     scans: u32,
     history: History,
@@ -95,48 +116,66 @@ pub struct Tracker<F, const D: usize> {
     view: ScanView<D>,
     problem: ScanProblem,
     weights: Weights,
+    /// Indices of the tracks that are not yet confirmed.
+    tentative: Vec<usize>,
     /// The tracks of the problem's rows.
-    posed: Vec<(usize, Correction<4, D>)>,
+    posed: Vec<(usize, Correction<N, D>)>,
+    /// ν of each of the problem's edges.
+    edge_innovations: Vec<SVector<f64, D>>,
     innovations: Vec<WeightedInnovation<D>>,
 }
 
-impl<F: Filter<4, D>, const D: usize> Tracker<F, D> {
+impl<F: Filter<N, D>, const N: usize, const D: usize> Tracker<F, N, D>
+where
+    Estimate: From<GaussianState<N>>,
+{
     pub fn new(parts: TrackerParts<F>) -> Self {
         let gate = EllipsoidalGate::new(parts.lifecycle.gate_probability);
+        let pair_rule = pair_rule::<F, N, D>(&parts);
         Tracker {
             parts,
             beginner: GlobalNearestNeighbour::default(),
             gate,
+            initiator: Initiator::default(),
+            pair_rule,
             tracks: Vec::new(),
             last_time_s: None,
             scans: 0,
-            history: History::default(),
+            history: History::new(|packed| GaussianState::<N>::unpacked(packed).into()),
             nis: Nis::default(),
             view: ScanView::default(),
             problem: ScanProblem::default(),
             weights: Weights::default(),
+            tentative: Vec::new(),
             posed: Vec::new(),
+            edge_innovations: Vec::new(),
             innovations: Vec::new(),
         }
     }
 
     /// Predict, gate, associate, update and manage, for one scan and its detections.
     pub fn step(&mut self, scan: &Scan, detections: &[Detection]) -> ScanOutcome {
-        self.predict(scan.time_s);
+        let transition = self.transition(scan.time_s);
         let needs = self.parts.associator.needs();
         self.view.rebuild(&self.parts.filter, &self.parts.sensors[scan.sensor], detections, needs);
         if needs == Needs::Amplitudes {
             // What has no amplitude is weaker than everything that has.
             self.problem.set_amplitudes(detections.iter().map(|detection| detection.amplitude.unwrap_or(f64::NEG_INFINITY)));
         }
+        self.pose_confirmed(scan, &transition);
         self.serve(scan, true);
+        self.pose_tentative(scan);
         self.serve(scan, false);
+        let started_before = self.history.started;
         let unused = self.initiate(scan, detections);
-        let lifecycle = self.parts.lifecycle;
-        self.tracks.retain(|track| !lifecycle.is_over(&track.life));
+        let mut confirmed = 0;
+        self.tracks.retain(|track| {
+            let goes_on = !track.life.is_over();
+            confirmed += u32::from(goes_on && track.life.is_confirmed());
+            goes_on
+        });
         self.scans += 1;
-        let confirmed = self.tracks.iter().filter(|track| track.life.is_confirmed()).count() as u32;
-        ScanOutcome { tracks: self.tracks.len() as u32, confirmed, unused }
+        ScanOutcome { tracks: self.tracks.len() as u32, confirmed, unused, started: self.history.started - started_before }
     }
 
     /// What the associator says of all it did so far.
@@ -154,18 +193,15 @@ impl<F: Filter<4, D>, const D: usize> Tracker<F, D> {
         self.history
     }
 
-    fn predict(&mut self, time_s: f64) {
+    /// The motion of all tracks from the scan before to this one.
+    fn transition(&mut self, time_s: f64) -> Transition<N> {
         let dt_s = self.last_time_s.map_or(0.0, |last| time_s - last);
         self.last_time_s = Some(time_s);
-        let transition = Transition::new(self.parts.filter.motion(), dt_s);
-        for track in &mut self.tracks {
-            transition.predict(&mut track.state);
-        }
+        Transition::new(self.parts.filter.motion(), dt_s)
     }
 
-    /// Gates, associates and updates the confirmed tracks, or the tentative ones, with the detections still unused.
+    /// Associates and updates the posed tracks, confirmed or tentative ones.
     fn serve(&mut self, scan: &Scan, confirmed: bool) {
-        self.pose(scan, confirmed);
         self.weights.reset(&self.problem);
         // The gate of a track that is still without a speed holds much that is not its own. An average over all of that
         // would never become a speed, so soft weights begin when the track is confirmed.
@@ -178,34 +214,68 @@ impl<F: Filter<4, D>, const D: usize> Tracker<F, D> {
         }
     }
 
-    /// Writes the association problem of one group of tracks.
-    fn pose(&mut self, scan: &Scan, confirmed: bool) {
+    /// Predicts all tracks and writes the association problem of the confirmed ones: one pass, for a large scene does not
+    /// fit into the caches.
+    fn pose_confirmed(&mut self, scan: &Scan, transition: &Transition<N>) {
+        let terms = self.clear_problem(scan);
+        self.tentative.clear();
+        for index in 0..self.tracks.len() {
+            let track = &mut self.tracks[index];
+            transition.predict(&mut track.state);
+            if track.life.is_confirmed() {
+                self.pose(index, scan, &terms);
+            } else {
+                self.tentative.push(index);
+            }
+        }
+    }
+
+    /// Writes the problem of the others and the detections still unused.
+    fn pose_tentative(&mut self, scan: &Scan) {
+        let terms = self.clear_problem(scan);
+        for place in 0..self.tentative.len() {
+            self.pose(self.tentative[place], scan, &terms);
+        }
+    }
+
+    fn clear_problem(&mut self, scan: &Scan) -> Terms {
         self.problem.clear();
+        self.edge_innovations.clear();
         self.posed.clear();
         let sensor = &self.parts.sensors[scan.sensor];
-        let log_clutter = sensor.clutter_density.ln();
-        let log_density = (sensor.p_d / sensor.clutter_density).ln();
-        let log_none = (1.0 - sensor.p_d * self.parts.lifecycle.gate_probability).ln();
-        for (index, track) in self.tracks.iter_mut().enumerate().filter(|(_, track)| track.life.is_confirmed() == confirmed) {
-            let Some(expected) = self.parts.filter.expect(&track.state, sensor) else {
-                // Its covariance has left the range of numbers: nothing can be expected of it any more.
-                self.parts.lifecycle.end(&mut track.life);
-                continue;
-            };
-            let log_scale = self.parts.filter.log_clutter_scale(sensor, &expected);
-            let log_density = log_density - log_scale;
-            let problem = &mut self.problem;
-            self.view.candidates(&self.gate, track.origin, &expected, |detection, squared_distance| {
-                let log_likelihood = log_density + expected.gaussian.log_density(squared_distance);
-                problem.push_edge(Edge { detection, squared_distance, log_likelihood });
-            });
-            self.problem.end_row(log_none, log_clutter + log_scale + self.gate.log_volume(&expected.gaussian));
-            self.posed.push((index, expected.correction()));
+        Terms {
+            log_clutter: sensor.clutter_density.ln(),
+            log_density: (sensor.p_d / sensor.clutter_density).ln(),
+            log_none: (1.0 - sensor.p_d * self.parts.lifecycle.gate_probability).ln(),
         }
+    }
+
+    /// Gates one track and adds it to the problem.
+    #[inline(always)]
+    fn pose(&mut self, index: usize, scan: &Scan, terms: &Terms) {
+        let sensor = &self.parts.sensors[scan.sensor];
+        let track = &mut self.tracks[index];
+        let Some(expected) = self.parts.filter.expect(&track.state, sensor) else {
+            // Its covariance has left the range of numbers: nothing can be expected of it any more.
+            track.life.end();
+            return;
+        };
+        let log_scale = self.parts.filter.log_clutter_scale(sensor, &expected);
+        let log_density = terms.log_density - log_scale;
+        let (problem, innovations) = (&mut self.problem, &mut self.edge_innovations);
+        self.view.candidates(&self.gate, track.origin, &expected, |detection, innovation, squared_distance| {
+            innovations.push(innovation);
+            let log_likelihood = log_density + expected.gaussian.log_density(squared_distance);
+            problem.push_edge(Edge { detection, squared_distance, log_likelihood });
+        });
+        self.problem.end_row(terms.log_none, terms.log_clutter + log_scale + self.gate.log_volume(&expected.gaussian));
+        self.posed.push((index, expected.correction()));
     }
 
     /// Updates the track of one row by its weights, and remembers what was decided.
     fn conclude(&mut self, row: usize, scan: &Scan) {
+        let lifecycle = self.parts.lifecycle;
+        let log_ratio = if lifecycle.is_scored() { confirmation::log_ratio(&self.problem, &self.weights, row) } else { 0.0 };
         let (index, correction) = &self.posed[row];
         let track = &mut self.tracks[*index];
         let first_candidate = self.history.candidates.len();
@@ -215,10 +285,8 @@ impl<F: Filter<4, D>, const D: usize> Tracker<F, D> {
             let weight = self.weights.edges[edge_index];
             if weight > 0.0 {
                 let Edge { detection, squared_distance, .. } = self.problem.edges()[edge_index];
-                let innovation = self.view.innovation(detection, &correction.measurement);
-                self.innovations.push(WeightedInnovation { innovation, weight });
+                self.innovations.push(WeightedInnovation { innovation: self.edge_innovations[edge_index], weight });
                 weighted_nis += weight * squared_distance;
-                self.view.used[detection as usize] |= weight >= USED_WEIGHT;
                 let detection = Some(scan.first as u32 + detection);
                 self.history.candidates.push(Candidate { detection, probability: weight });
             }
@@ -230,54 +298,114 @@ impl<F: Filter<4, D>, const D: usize> Tracker<F, D> {
         let was_confirmed = track.life.is_confirmed();
         // The scan is a hit when it is more probable that the track was detected than that it was not.
         let detected: f64 = self.innovations.iter().map(|innovation| innovation.weight).sum();
-        if was_confirmed && detected > 0.0 {
-            self.nis.weighted_sum += weighted_nis;
-            self.nis.weight += detected;
-            self.nis.updates += 1;
-        }
-        self.parts.lifecycle.advance(&mut track.life, detected > self.weights.none[row]);
-        if self.parts.lifecycle.is_over(&track.life) {
-            // It ends before this scan: what nobody carries on is not a track any more.
+        lifecycle.advance(&mut track.life, detected > self.weights.none[row], log_ratio);
+        lifecycle.limit(&mut track.life, &track.state.covariance);
+        if track.life.is_over() {
+            // It ends before this scan: what nobody carries on is not a track any more, and uses nothing.
             self.history.candidates.truncate(first_candidate);
         } else {
-            self.history.remember(track, self.scans, first_candidate, was_confirmed);
+            self.view.mark_used(&self.history.candidates[first_candidate..], scan);
+            if was_confirmed && detected > 0.0 {
+                self.nis.weighted_sum += weighted_nis;
+                self.nis.weight += detected;
+                self.nis.updates += 1;
+            }
+            let nis = (detected > 0.0).then(|| weighted_nis / detected);
+            self.history.remember(track, self.scans, first_candidate, was_confirmed, nis);
         }
     }
 
-    /// Starts a track at every detection that no track used.
+    /// Starts tracks with the detections that no track used, and counts these.
     fn initiate(&mut self, scan: &Scan, detections: &[Detection]) -> u32 {
-        let sensor = &self.parts.sensors[scan.sensor];
-        let lifecycle = self.parts.lifecycle;
         let mut unused = 0;
-        for (index, detection) in detections.iter().enumerate().filter(|(index, _)| !self.view.used[*index]) {
-            let measurement = &self.view.measurements[index];
-            let Some(state) = self.parts.filter.initiate(measurement, sensor, lifecycle.initial_speed_sigma_mps) else { continue };
-            let serial = self.history.started;
-            self.history.started += 1;
+        for (index, detection) in detections.iter().enumerate() {
+            if self.view.used[index] {
+                continue;
+            }
+            let (measurement, sensor) = (&self.view.measurements[index], &self.parts.sensors[scan.sensor]);
+            let sigma_mps = self.parts.lifecycle.initial_speed_sigma_mps;
+            let Some(state) = self.parts.filter.initiate(measurement, sensor, sigma_mps) else { continue };
+            let named = (scan.first + index) as u32;
+            let point = Point { scan: self.scans, time_s: scan.time_s, detection: named, origin: detection.origin, state };
             unused += 1;
-            let track = ActiveTrack { serial, life: lifecycle.start(), state, origin: detection.origin };
-            let first_candidate = self.history.candidates.len();
-            self.history.candidates.push(Candidate { detection: Some((scan.first + index) as u32), probability: 1.0 });
-            self.history.remember(&track, self.scans, first_candidate, false);
-            self.tracks.push(track);
+            if self.pair_rule.is_some() {
+                self.initiator.push(point);
+            } else {
+                let track = self.start(&point);
+                self.tracks.push(track);
+            }
+        }
+        if let Some(rule) = &self.pair_rule {
+            self.initiator.pair(scan.sensor, rule);
+            for index in 0..self.initiator.pairs().len() {
+                self.start_with_two(scan, self.initiator.pairs()[index]);
+            }
         }
         unused
     }
+
+    /// A new track, with its first point remembered.
+    fn start(&mut self, point: &Point<N>) -> ActiveTrack<N> {
+        let serial = self.history.started;
+        self.history.started += 1;
+        let track = ActiveTrack { serial, life: self.parts.lifecycle.start(), state: point.state, origin: point.origin };
+        self.remember_detection(&track, point, false);
+        track
+    }
+
+    /// Starts the track of a pair, unless its score says at once that it is clutter.
+    fn start_with_two(&mut self, scan: &Scan, pair: Pair<N>) {
+        let (sensor, lifecycle) = (&self.parts.sensors[scan.sensor], self.parts.lifecycle);
+        let log_ratio = (sensor.p_d / sensor.clutter_density).ln() - pair.log_reach_volume;
+        let mut life = lifecycle.start();
+        let was_confirmed = life.is_confirmed();
+        lifecycle.advance(&mut life, true, log_ratio);
+        if life.is_over() {
+            return;
+        }
+        let track = ActiveTrack { life, state: pair.state, ..self.start(&pair.first) };
+        self.remember_detection(&track, &pair.second, was_confirmed);
+        self.tracks.push(track);
+    }
+
+    /// Remembers a track that a detection started, alone or as the second of two.
+    fn remember_detection(&mut self, track: &ActiveTrack<N>, point: &Point<N>, was_confirmed: bool) {
+        let first_candidate = self.history.candidates.len();
+        self.history.candidates.push(Candidate { detection: Some(point.detection), probability: 1.0 });
+        self.history.remember(track, point.scan, first_candidate, was_confirmed, None);
+    }
+}
+
+/// What makes two points a pair, where tracks begin with two.
+fn pair_rule<F: Filter<N, D>, const N: usize, const D: usize>(parts: &TrackerParts<F>) -> Option<PairRule> {
+    let Initiation::TwoPoint { max_speed_mps } = parts.lifecycle.initiation else { return None };
+    Some(PairRule {
+        max_speed_mps,
+        gate_threshold: gate_threshold(parts.lifecycle.gate_probability, (N / 2) as u32),
+        spectral_density: parts.filter.motion().spectral_density,
+        by_origin: parts.associator.needs() == Needs::Origins,
+    })
 }
 
 impl History {
-    fn remember(&mut self, track: &ActiveTrack, scan: u32, first_candidate: usize, was_confirmed: bool) {
+    fn remember<const N: usize>(
+        &mut self,
+        track: &ActiveTrack<N>,
+        scan: u32,
+        first_candidate: usize,
+        was_confirmed: bool,
+        nis: Option<f64>,
+    ) {
         if track.life.is_confirmed() && !was_confirmed {
             self.confirmed.push(track.serial);
         }
-        self.entries.push(Entry {
+        self.push(Entry {
             serial: track.serial,
             scan,
             status: track.life.status(),
-            first_candidate,
-            candidates: self.candidates.len() - first_candidate,
-            mean: track.state.mean,
-            covariance: upper_triangle(&track.state.covariance),
+            candidates: (self.candidates.len() - first_candidate) as u32,
+            state: track.state.packed(),
+            nis: nis.unwrap_or(f64::NAN),
         });
     }
 }
@@ -286,6 +414,7 @@ impl<const D: usize> Default for ScanView<D> {
     fn default() -> Self {
         ScanView {
             measurements: Vec::new(),
+            placed: Vec::new(),
             angle: None,
             used: Vec::new(),
             grid: Grid::default(),
@@ -296,7 +425,7 @@ impl<const D: usize> Default for ScanView<D> {
 }
 
 impl<const D: usize> ScanView<D> {
-    fn rebuild(&mut self, filter: &impl Filter<4, D>, sensor: &Sensor, detections: &[Detection], needs: Needs) {
+    fn rebuild<const N: usize>(&mut self, filter: &impl Filter<N, D>, sensor: &Sensor, detections: &[Detection], needs: Needs) {
         self.measurements.clear();
         self.measurements.extend(detections.iter().filter_map(|detection| filter.measured(sensor, &detection.measurement)));
         debug_assert_eq!(self.measurements.len(), detections.len(), "only reports that the filter can use are let through");
@@ -308,12 +437,17 @@ impl<const D: usize> ScanView<D> {
             self.index_origins(detections);
         } else {
             self.grid.rebuild(&self.measurements);
+            self.grid.arrange(&self.measurements, &mut self.placed);
         }
     }
 
     #[inline]
-    fn innovation(&self, detection: u32, expected: &SVector<f64, D>) -> SVector<f64, D> {
-        angle::difference(&self.measurements[detection as usize], expected, self.angle)
+    fn mark_used(&mut self, candidates: &[Candidate], scan: &Scan) {
+        for candidate in candidates {
+            if let Some(detection) = candidate.detection.filter(|_| candidate.probability >= USED_WEIGHT) {
+                self.used[detection as usize - scan.first] = true;
+            }
+        }
     }
 
     fn index_origins(&mut self, detections: &[Detection]) {
@@ -329,18 +463,25 @@ impl<const D: usize> ScanView<D> {
 
     /// A track's candidates among the unused detections: by the gate, or by origin when origins are indexed.
     #[inline]
-    fn candidates(&self, gate: &EllipsoidalGate<D>, origin: Option<u32>, expected: &Expected<4, D>, mut found: impl FnMut(u32, f64)) {
+    fn candidates<const N: usize>(
+        &self,
+        gate: &EllipsoidalGate<D>,
+        origin: Option<u32>,
+        expected: &Expected<N, D>,
+        mut found: impl FnMut(u32, SVector<f64, D>, f64),
+    ) {
         if self.choose_by_origin {
             let detection = origin.and_then(|origin| self.by_origin.get(origin as usize).copied().flatten());
             if let Some(detection) = detection.filter(|&detection| !self.used[detection as usize]) {
-                found(detection, expected.gaussian.squared_distance(&self.innovation(detection, &expected.measurement)));
+                let innovation = angle::difference(&self.measurements[detection as usize], &expected.measurement, self.angle);
+                found(detection, innovation, expected.gaussian.squared_distance(&innovation));
             }
             return;
         }
         let (centre, spread) = ((&expected.measurement, self.angle), (&expected.covariance, &expected.gaussian));
-        gate.candidates(&self.grid, &self.measurements, centre, spread, |detection, squared| {
+        gate.candidates(&self.grid, &self.placed, centre, spread, |detection, innovation, squared| {
             if !self.used[detection as usize] {
-                found(detection, squared);
+                found(detection, innovation, squared);
             }
         });
     }

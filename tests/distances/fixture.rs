@@ -6,7 +6,7 @@ use trackloom::evaluation::comparison::{Alignment, Comparison, PointSettings};
 use trackloom::evaluation::events::EventLog;
 use trackloom::evaluation::metrics::{METRIC, METRICS, Metric, MetricReport, Sequence};
 use trackloom::model::state::{Covariance, Position, State};
-use trackloom::model::track::{Track, TrackPoint, TrackSet};
+use trackloom::model::track::{Estimate, PlaneEstimate, Track, TrackPoint, TrackSet};
 use trackloom::model::truth::{Target, TruthPoint, TruthSet};
 use trackloom::registry::{Kind, check_field};
 
@@ -46,7 +46,7 @@ impl Scene {
 
 pub fn evaluate_all(scenes: &[&Scene], gate_m: f64, spec: Value) -> MetricReport {
     let metric = metric(spec);
-    let reach_m = metric.reach_m().unwrap_or(gate_m);
+    let reach_m = metric.reach_m(gate_m);
     let compared: Vec<_> = scenes.iter().map(|scene| (scene.compare(gate_m, reach_m), scene)).collect();
     let logs: Vec<EventLog> = compared.iter().map(|(comparison, _)| EventLog::new(comparison)).collect();
     let sequences: Vec<Sequence> = compared
@@ -121,7 +121,7 @@ fn rows(text: &str) -> Vec<Row<'_>> {
 fn truth_set(rows: &[Row]) -> TruthSet {
     let mut targets: Vec<Target> = Vec::new();
     for &(time_s, id, x, y, vx, vy) in rows {
-        let point = TruthPoint { time_s, position_m: Position::new(x, y), velocity_mps: Some(Position::new(vx, vy)) };
+        let point = TruthPoint::in_plane(time_s, Position::new(x, y), Some(Position::new(vx, vy)));
         match targets.iter_mut().find(|target| target.truth_id == id) {
             Some(target) => target.points.push(point),
             None => targets.push(Target { truth_id: id.to_owned(), points: vec![point] }),
@@ -143,5 +143,12 @@ fn track_set(rows: &[Row]) -> TrackSet {
 }
 
 pub fn track_point(time_s: f64, state: State, covariance: Option<Covariance>) -> TrackPoint {
-    TrackPoint { time_s, sensor: None, state, has_velocity: true, covariance, status: None, first_candidate: 0, candidates: 0 }
+    let estimate = Estimate::Plane(PlaneEstimate { state, has_velocity: true, covariance });
+    TrackPoint { time_s, sensor: None, estimate, status: None, nis: None, first_candidate: 0, candidates: 0 }
+}
+
+/// Gives a point of a track in the plane another covariance.
+pub fn set_covariance(point: &mut TrackPoint, covariance: Covariance) {
+    let Estimate::Plane(plane) = &mut point.estimate else { panic!("not in the plane") };
+    plane.covariance = Some(covariance);
 }

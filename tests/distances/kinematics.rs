@@ -1,6 +1,6 @@
 //! Errors worked out by hand, and the consistency of a filter that is right about itself.
 
-use crate::fixture::{Row, Scene, assert_close, assert_series, evaluate_all, reason, values};
+use crate::fixture::{Row, Scene, assert_close, assert_series, evaluate_all, reason, set_covariance, values};
 use nalgebra::Matrix4;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -67,7 +67,7 @@ fn nees_by_hand() {
     // P = diag(9, 16, 1, 4): position (3, 4) gives 1 + 1, velocity (1, 0) adds 1; then (3, −4), (0, −3) adds 9/4.
     let mut scene = northbound();
     for point in &mut scene.tracks.tracks[0].points {
-        point.covariance = Some(Covariance::from_diagonal(&State::new(9.0, 16.0, 1.0, 4.0)));
+        set_covariance(point, Covariance::from_diagonal(&State::new(9.0, 16.0, 1.0, 4.0)));
     }
     let report = scene.evaluate(50.0, spec());
     assert_close(report.quantity("nees_position"), 2.0, "position");
@@ -80,10 +80,25 @@ fn nees_by_hand() {
 }
 
 #[test]
+fn nis_is_what_the_tracks_say_within_the_bounds_of_their_measurements() {
+    let mut scene = northbound();
+    for (point, nis) in scene.tracks.tracks[0].points.iter_mut().zip([1.0, 4.0]) {
+        point.nis = Some(nis);
+    }
+    let report = scene.evaluate(50.0, json!({"metric": "kinematics", "measurement_dimensions": 1}));
+    assert_close(report.quantity("nis"), 2.5, "mean");
+    // χ²(2; 0.025) = 0.0506356, χ²(2; 0.975) = 7.3777589, halved for two samples of one number.
+    assert!((report.quantity("nis_lower").unwrap() - 0.0253178).abs() < 1e-6);
+    assert!((report.quantity("nis_upper").unwrap() - 3.6888795).abs() < 1e-6);
+    assert_close(report.quantity("nis_steps_within"), 1.0, "both below 5.02");
+    assert_eq!(reason(&northbound().evaluate(50.0, spec()), "nis"), "no matched track says the NIS of its updates");
+}
+
+#[test]
 fn a_singular_covariance_is_left_out() {
     let mut scene = northbound();
-    scene.tracks.tracks[0].points[0].covariance = Some(Covariance::zeros());
-    scene.tracks.tracks[0].points[1].covariance = Some(Covariance::identity());
+    set_covariance(&mut scene.tracks.tracks[0].points[0], Covariance::zeros());
+    set_covariance(&mut scene.tracks.tracks[0].points[1], Covariance::identity());
     let report = scene.evaluate(50.0, spec());
     assert_close(report.quantity("nees_position"), 25.0, "the second point alone");
     assert_close(report.quantity("nees_position_samples"), 1.0, "one sample");
@@ -106,7 +121,7 @@ fn simulated(seed: u64, claimed: f64) -> Scene {
     }
     let mut scene = Scene::new(&truth, &tracks);
     for point in scene.tracks.tracks.iter_mut().flat_map(|track| &mut track.points) {
-        point.covariance = Some(root * root.transpose() * claimed);
+        set_covariance(point, root * root.transpose() * claimed);
     }
     scene
 }

@@ -142,7 +142,13 @@ fn kept_together(scene: &Scene) -> f64 {
     let cost = |(target, track): (&trackloom::model::truth::Target, &trackloom::model::track::Track)| {
         let points = target.points.iter().zip(&track.points);
         points
-            .map(|(truth, track)| distance((truth.position_m.x, truth.position_m.y), (track.state.x, track.state.y)).min(100.0))
+            .map(|(truth, track)| {
+                distance(
+                    (truth.position_m().unwrap().x, truth.position_m().unwrap().y),
+                    (track.estimate.plane().unwrap().state.x, track.estimate.plane().unwrap().state.y),
+                )
+                .min(100.0)
+            })
             .sum::<f64>()
     };
     pairs.map(cost).sum()

@@ -4,6 +4,7 @@ use crate::*;
 use std::path::{Path, PathBuf};
 use trackloom::formats::{detect_format, write_csv};
 use trackloom::model::scan::{Measurement, Scan};
+use trackloom::model::state::Position;
 
 fn example(file: &str) -> Vec<u8> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/data/autoferry-scenario2").join(file);
@@ -53,8 +54,8 @@ fn the_example_has_its_truth() {
     assert_eq!((one.truth_id.as_str(), one.points.len()), ("1", 1554));
     assert_eq!((two.truth_id.as_str(), two.points.len()), ("2", 591));
     let (start, end) = (one.points[0], two.points[590]);
-    assert_eq!((start.time_s, start.position_m.x, start.position_m.y), (1620114891.88, -354.7959646839322, 84.63510099212183));
-    assert_eq!((end.time_s, end.position_m.x, end.position_m.y), (1620115009.8, -388.6721345894895, 29.428033521882423));
+    assert_eq!((start.time_s, start.position_m()), (1620114891.88, Some(Position::new(-354.7959646839322, 84.63510099212183))));
+    assert_eq!((end.time_s, end.position_m()), (1620115009.8, Some(Position::new(-388.6721345894895, 29.428033521882423))));
 }
 
 #[test]

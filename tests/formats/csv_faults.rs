@@ -69,7 +69,7 @@ fn a_renaming_must_fit_the_file_and_the_format() {
     let columns = columns.into_iter().map(|(from, to)| (from.to_owned(), to.to_owned())).collect();
     let options = ReadOptions { kind: None, columns };
     let faults = read_with("csv", "t,id,x_m,y_m\n1,a,2,3\n", &options).expect_err("the renaming is broken");
-    let known = "time_s, truth_id, x_m, y_m, vx_mps, vy_mps, z_m";
+    let known = "time_s, truth_id, x_m, y_m, vx_mps, vy_mps, z_m, bearing_deg";
     assert_eq!(
         faults,
         [
@@ -195,6 +195,22 @@ fn tracks_that_contradict_themselves_are_named() {
     );
     let twice = fault("csv", "time_s,track_id,x_m,y_m\n0,T,1,2\n0,T,1,2\n");
     assert_eq!(twice, at(3, "time_s", "duplicate", "track 'T' is at 0 s twice: also on line 2"));
+}
+
+#[test]
+fn a_covariance_without_an_inverse_and_a_negative_square_are_named() {
+    let header = "time_s,track_id,x_m,y_m,p_xx,p_xy,p_xvx,p_xvy,p_yy,p_yvx,p_yvy,p_vxvx,p_vxvy,p_vyvy,nis\n";
+    // Perfectly correlated, of no variance at all, of a negative one; then a sound one with a negative NIS.
+    let rows =
+        "0,T,1,2,4,2,0,0,1,0,0,1,0,1,\n1,T,1,2,0,0,0,0,0,0,0,0,0,0,\n2,T,1,2,1,0,0,0,-1,0,0,1,0,1,0.5\n3,T,1,2,1,0,0,0,1,0,0,1,0,1,-2\n";
+    let faults = read("csv", format!("{header}{rows}")).expect_err("four faults");
+    let allowed = "a positive definite matrix: every variance > 0, every correlation within (-1, 1); or all its cells empty";
+    let singular = |line| {
+        let detail = "the covariance is singular, or not one: it is not positive definite";
+        at(line, "p_xx", "out_of_range", detail).allowing(allowed)
+    };
+    let negative = at(5, "nis", "out_of_range", "-2 is not a square").allowing(">= 0");
+    assert_eq!(faults, [singular(2), singular(3), singular(4), negative]);
 }
 
 #[test]

@@ -4,7 +4,11 @@ use crate::*;
 use std::f64::consts::FRAC_PI_2;
 use trackloom::model::scan::{Detection, Measurement, Scan};
 use trackloom::model::state::{Position, State};
-use trackloom::model::track::{Candidate, TrackStatus};
+use trackloom::model::track::{Candidate, PlaneEstimate, TrackPoint, TrackStatus};
+
+fn plane(point: &TrackPoint) -> &PlaneEstimate {
+    point.estimate.plane().expect("a place")
+}
 
 fn position(x_m: f64, y_m: f64, origin: Option<u32>) -> Detection {
     Detection { measurement: Measurement::Position { x_m, y_m }, origin, amplitude: None }
@@ -111,9 +115,9 @@ fn truth_may_be_interleaved() {
     let truth = truth(outcome);
     let [nine, ten] = truth.targets() else { panic!("two targets") };
     assert_eq!((nine.truth_id.as_str(), ten.truth_id.as_str()), ("9", "10"));
-    assert_eq!(nine.points[0].velocity_mps, Some(Position::new(5.0, 6.0)));
-    assert_eq!(ten.points[0].velocity_mps, None);
-    assert_eq!((ten.points[1].time_s, ten.points[1].position_m), (1.0, Position::new(7.0, 8.0)));
+    assert_eq!(nine.points[0].velocity_mps(), Some(Position::new(5.0, 6.0)));
+    assert_eq!(ten.points[0].velocity_mps(), None);
+    assert_eq!((ten.points[1].time_s, ten.points[1].position_m()), (1.0, Some(Position::new(7.0, 8.0))));
 }
 
 #[test]
@@ -131,17 +135,17 @@ fn rows_of_one_track_and_time_are_candidates() {
     assert_eq!(set.candidates_of(&b.points[0]), [candidate(Some(0), 0.75), candidate(None, 0.25)]);
     assert_eq!(set.candidates_of(&b.points[1]), [candidate(Some(0), 1.0)]);
     assert_eq!((b.points[0].sensor, b.points[1].sensor), (Some(1), Some(0)));
-    assert_eq!((b.points[0].state, b.points[0].has_velocity), (State::new(1.0, 2.0, 3.0, 4.0), true));
-    assert!(!a.points[0].has_velocity);
+    assert_eq!((plane(&b.points[0]).state, plane(&b.points[0]).has_velocity), (State::new(1.0, 2.0, 3.0, 4.0), true));
+    assert!(!plane(&a.points[0]).has_velocity);
     assert_eq!((a.points[1].status, b.points[1].status), (Some(TrackStatus::Coasted), None));
 }
 
 #[test]
 fn a_covariance_is_symmetric() {
-    let text = "time_s,track_id,x_m,y_m,p_xx,p_xy,p_xvx,p_xvy,p_yy,p_yvx,p_yvy,p_vxvx,p_vxvy,p_vyvy\n0,T,1,2,11,12,13,14,22,23,24,33,34,44\n1,T,1,2,,,,,,,,,,\n";
+    let text = "time_s,track_id,x_m,y_m,p_xx,p_xy,p_xvx,p_xvy,p_yy,p_yvx,p_yvy,p_vxvx,p_vxvy,p_vyvy\n0,T,1,2,110,12,13,14,220,23,24,330,34,440\n1,T,1,2,,,,,,,,,,\n";
     let set = tracks(read("csv", text).expect("the file is sound"));
-    let covariance = set.tracks[0].points[0].covariance.expect("the first point has one");
-    assert_eq!((covariance[(0, 3)], covariance[(3, 0)], covariance[(2, 1)], covariance[(2, 2)]), (14.0, 14.0, 23.0, 33.0));
-    assert_eq!(set.tracks[0].points[1].covariance, None);
+    let covariance = plane(&set.tracks[0].points[0]).covariance.expect("the first point has one");
+    assert_eq!((covariance[(0, 3)], covariance[(3, 0)], covariance[(2, 1)], covariance[(2, 2)]), (14.0, 14.0, 23.0, 330.0));
+    assert_eq!(plane(&set.tracks[0].points[1]).covariance, None);
     assert_eq!(set.candidates.len(), 0);
 }

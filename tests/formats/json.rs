@@ -34,7 +34,7 @@ fn faults_point_into_the_columns() {
     let unsorted = r#"{"columns": {"time_s": [1, 0.5], "truth_id": ["A", "A"], "x_m": [1, 2], "y_m": [3, 4]}}"#;
     assert_eq!(fault("json", unsorted), at("time_s/1", "unsorted", "target 'A': time 0.5 s comes after 1 s on row 0"));
     let missing = r#"{"kind": "truth", "columns": {"time_s": [1], "a/b": [1], "x_m": [1], "y_m": [3]}}"#;
-    let known = "time_s, truth_id, x_m, y_m, vx_mps, vy_mps, z_m";
+    let known = "time_s, truth_id, x_m, y_m, vx_mps, vy_mps, z_m, bearing_deg";
     assert_eq!(fault("json", missing), at("truth_id", "missing", "a file of truth needs a column 'truth_id'").allowing(known));
 }
 

@@ -1,9 +1,11 @@
 //! Reading and writing datasets through the public doors of `formats`: exact faults, exact values, round trips.
 
 mod autoferry;
+mod bearings;
 mod csv_faults;
 mod csv_values;
 mod json;
+mod mot;
 mod round_trip;
 
 use trackloom::formats::{MAX_FAULTS, ReadOptions, ReadOutcome, format_named};

@@ -1,6 +1,7 @@
 //! What is written reads back as the same dataset, and no bytes make a reader panic.
 
 use crate::*;
+use nalgebra::Matrix2;
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 use trackloom::formats::{FORMATS, write_csv, write_json};
@@ -8,7 +9,7 @@ use trackloom::model::names::natural_order;
 use trackloom::model::scan::{Detection, Measurement, RecordingParts, Scan};
 use trackloom::model::sensor::SensorSettings;
 use trackloom::model::state::{Covariance, Position, State};
-use trackloom::model::track::{Candidate, Track, TrackPoint, TrackStatus};
+use trackloom::model::track::{BearingEstimate, Candidate, Estimate, PlaneEstimate, Track, TrackPoint, TrackStatus};
 use trackloom::model::truth::{Target, TruthPoint};
 
 fn check(dataset: &Dataset) {
@@ -104,10 +105,8 @@ fn truth_set() -> impl Strategy<Value = TruthSet> {
     let path = (times(1..5), prop::collection::vec(((number(), number()), velocity), 5));
     (names(0..4), prop::collection::vec(path, 4)).prop_map(|(names, paths)| {
         let target = |(truth_id, (times, points)): (String, (Vec<f64>, Vec<_>))| {
-            let point = |(time_s, ((x, y), velocity)): (f64, RawTruthPoint)| TruthPoint {
-                time_s,
-                position_m: Position::new(x, y),
-                velocity_mps: velocity.map(|(vx, vy)| Position::new(vx, vy)),
+            let point = |(time_s, ((x, y), velocity)): (f64, RawTruthPoint)| {
+                TruthPoint::in_plane(time_s, Position::new(x, y), velocity.map(|(vx, vy)| Position::new(vx, vy)))
             };
             Target { truth_id, points: times.into_iter().zip(points).map(point).collect() }
         };
@@ -146,20 +145,48 @@ fn point(set: &mut TrackSet, time_s: f64, raw: RawPoint) -> TrackPoint {
     }
     set.candidates.extend(epsilon.then_some(Candidate { detection: None, probability: 1.0 / 3.0 }));
     let covariance = diagonal.map(|values| {
-        let mut covariance = Covariance::from_diagonal(&State::from(values));
-        (covariance[(0, 3)], covariance[(3, 0)]) = (values[1], values[1]);
+        // Positive definite: large on the diagonal, and a correlation below one.
+        let diagonal = State::from(values).abs().add_scalar(1.0);
+        let mut covariance = Covariance::from_diagonal(&diagonal);
+        let correlated = 0.5 * diagonal[0].sqrt() * diagonal[3].sqrt();
+        (covariance[(0, 3)], covariance[(3, 0)]) = (correlated, correlated);
         covariance
     });
+    let state = if has_velocity { State::new(x, y, vx, vy) } else { State::new(x, y, 0.0, 0.0) };
     TrackPoint {
         time_s,
         sensor: sensor.then_some(0),
-        state: if has_velocity { State::new(x, y, vx, vy) } else { State::new(x, y, 0.0, 0.0) },
-        has_velocity,
-        covariance,
+        estimate: Estimate::Plane(PlaneEstimate { state, has_velocity, covariance }),
         status: status.map(|index| TrackStatus::ALL[index].0),
+        nis: status.map(|_| x.abs()),
         first_candidate,
         candidates: set.candidates.len() - first_candidate,
     }
+}
+
+/// The same truth with its x taken for a bearing in degrees.
+fn truth_of_bearings(truth: &TruthSet) -> TruthSet {
+    let point = |point: &TruthPoint| TruthPoint::at_bearing(point.time_s, point.position_m().unwrap_or_default().x.to_radians());
+    let target = |target: &Target| Target { truth_id: target.truth_id.clone(), points: target.points.iter().map(point).collect() };
+    TruthSet::new(truth.targets().iter().map(target).collect()).expect("it was sound")
+}
+
+/// The same tracks with x taken for a bearing in degrees, and its velocity and covariance for those of the bearing.
+fn tracks_of_bearings(mut set: TrackSet) -> TrackSet {
+    let degree = 1f64.to_radians();
+    for point in set.tracks.iter_mut().flat_map(|track| &mut track.points) {
+        let plane = point.estimate.plane().copied().expect("a place");
+        let square = |covariance: Covariance| {
+            Matrix2::new(covariance[(0, 0)], covariance[(0, 3)], covariance[(3, 0)], covariance[(3, 3)])
+                .map(|value| value * (degree * degree))
+        };
+        point.estimate = Estimate::Bearing(BearingEstimate {
+            bearing_rad: plane.state.x.to_radians(),
+            rate_radps: plane.has_velocity.then(|| plane.state[2].to_radians()),
+            covariance: plane.covariance.map(square),
+        });
+    }
+    set
 }
 
 proptest! {
@@ -177,6 +204,12 @@ proptest! {
     #[test]
     fn truth_survives(truth in truth_set()) {
         check(&Dataset::Truth(truth));
+    }
+
+    #[test]
+    fn bearings_survive(truth in truth_set(), set in track_set()) {
+        check(&Dataset::Truth(truth_of_bearings(&truth)));
+        check(&Dataset::Tracks(tracks_of_bearings(set)));
     }
 
     #[test]

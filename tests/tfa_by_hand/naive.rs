@@ -4,10 +4,10 @@ use super::notation::evaluate;
 use proptest::prelude::*;
 
 /// A string in normal form: where it starts and its words.
-type Text = (usize, Vec<String>);
+pub type Text = (usize, Vec<String>);
 
 /// Splits a line of words at five ε in a row and trims what is left.
-fn strings_of(words: &[String]) -> Vec<Text> {
+pub fn strings_of(words: &[String]) -> Vec<Text> {
     let mut strings: Vec<Text> = Vec::new();
     for (place, word) in words.iter().enumerate().filter(|(_, word)| *word != ".") {
         match strings.last_mut() {
@@ -21,11 +21,11 @@ fn strings_of(words: &[String]) -> Vec<Text> {
     strings
 }
 
-fn word_at((start, words): &Text, place: usize) -> &str {
+pub fn word_at((start, words): &Text, place: usize) -> &str {
     place.checked_sub(*start).and_then(|offset| words.get(offset)).map_or(".", String::as_str)
 }
 
-fn differing(a: &Text, b: &Text, scans: usize) -> Vec<usize> {
+pub fn differing(a: &Text, b: &Text, scans: usize) -> Vec<usize> {
     (0..scans).filter(|&place| word_at(a, place) != word_at(b, place)).collect()
 }
 
@@ -60,7 +60,7 @@ fn judge_target(truths: &[Text], outputs: &[Text], scans: usize) -> (&'static st
 }
 
 /// For each target its words, scan by scan; for each track which target's word it takes, with some clutter and ε.
-fn scene() -> impl Strategy<Value = (Vec<Vec<String>>, Vec<Vec<String>>)> {
+pub fn scene() -> impl Strategy<Value = (Vec<Vec<String>>, Vec<Vec<String>>)> {
     (1..4usize, 0..5usize, 1..20usize).prop_flat_map(|(targets, tracks, scans)| {
         let seen = prop::collection::vec(prop::collection::vec(prop::bool::weighted(0.6), scans), targets);
         let habit = prop::collection::vec((0..targets, prop::collection::vec(0..24u8, scans)), tracks);
@@ -89,11 +89,11 @@ fn scans_of(seen: &[Vec<bool>]) -> usize {
 }
 
 /// The lines of a scene, named by their number.
-fn lines(all: &[Vec<String>]) -> Vec<String> {
+pub fn lines(all: &[Vec<String>]) -> Vec<String> {
     all.iter().enumerate().map(|(index, words)| format!("{index}: {}", words.join(" "))).collect()
 }
 
-fn borrowed(lines: &[String]) -> Vec<&str> {
+pub fn borrowed(lines: &[String]) -> Vec<&str> {
     lines.iter().map(String::as_str).collect()
 }
 

@@ -7,7 +7,7 @@ use trackloom::model::track::TrackSet;
 use trackloom::model::truth::TruthSet;
 
 fn evaluate(recording: Option<&Recording>, truth: &TruthSet, tracks: &TrackSet, gate_m: f64, max_gap_s: f64) -> TfaReport {
-    let settings = TfaSettings { symbols: SymbolRule::NearestTruth { gate_m, max_gap_s }, max_missed: 5 };
+    let settings = TfaSettings { symbols: SymbolRule::NearestTruth { gate_m, max_gap_s }, ..TfaSettings::PAPER };
     evaluate_temporal_automaton(&EvaluationInput { recording, truth: Some(truth), tracks }, &settings).unwrap()
 }
 

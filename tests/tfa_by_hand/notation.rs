@@ -7,14 +7,14 @@
 //!
 //! Scans are numbered from 1 and 8 s apart.
 
-use trackloom::evaluation::{EvaluationInput, SymbolRule, TfaReport, TfaSettings, evaluate_temporal_automaton};
+use trackloom::evaluation::{EvaluationInput, TfaReport, TfaSettings, evaluate_temporal_automaton};
 use trackloom::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
 use trackloom::model::sensor::SensorSettings;
 use trackloom::model::state::{Position, State};
-use trackloom::model::track::{Candidate, Track, TrackPoint, TrackSet, TrackStatus};
+use trackloom::model::track::{Candidate, Estimate, PlaneEstimate, Track, TrackPoint, TrackSet, TrackStatus};
 use trackloom::model::truth::{Target, TruthPoint, TruthSet};
 
-pub const BY_DETECTION: TfaSettings = TfaSettings { symbols: SymbolRule::DetectionId, max_missed: 5 };
+pub const BY_DETECTION: TfaSettings = TfaSettings::PAPER;
 
 /// The report on a scene, by detection ids and with strings that end after 5 ε.
 pub fn evaluate(truth: &[&str], clutter: &[&str], tracks: &[&str]) -> TfaReport {
@@ -79,7 +79,8 @@ fn point(set: &mut TrackSet, time_s: f64, word: &str) -> TrackPoint {
 
 fn bare_point(time_s: f64, x_m: f64, y_m: f64) -> TrackPoint {
     let state = State::new(x_m, y_m, 0.0, 0.0);
-    TrackPoint { time_s, sensor: None, state, has_velocity: false, covariance: None, status: None, first_candidate: 0, candidates: 0 }
+    let estimate = Estimate::Plane(PlaneEstimate { state, has_velocity: false, covariance: None });
+    TrackPoint { time_s, sensor: None, estimate, status: None, nis: None, first_candidate: 0, candidates: 0 }
 }
 
 /// `A: a1 a2` → (`A`, [`a1`, `a2`]).
@@ -93,7 +94,7 @@ type Path<'a> = &'a [(f64, f64, f64)];
 
 /// Truth from names and paths.
 pub fn truth_set(targets: &[(&str, Path)]) -> TruthSet {
-    let point = |&(time_s, x_m, y_m): &(f64, f64, f64)| TruthPoint { time_s, position_m: Position::new(x_m, y_m), velocity_mps: None };
+    let point = |&(time_s, x_m, y_m): &(f64, f64, f64)| TruthPoint::in_plane(time_s, Position::new(x_m, y_m), None);
     let target = |(name, path): &(&str, Path)| Target { truth_id: (*name).to_owned(), points: path.iter().map(point).collect() };
     TruthSet::new(targets.iter().map(target).collect()).unwrap()
 }
@@ -147,6 +148,12 @@ pub fn assert_sets(report: &TfaReport, [correct, missed, wrong]: [usize; 3], pro
     assert_eq!(report.counts.output_tracks, report.output_tracks.len());
     let found = report.probability;
     assert_eq!([found.correct, found.missed, found.wrong], probabilities, "probabilities of correct, missed, false");
+}
+
+/// How many targets are correct for each error budget.
+pub fn tolerance(report: &TfaReport) -> Vec<usize> {
+    assert!(report.tolerance.iter().enumerate().all(|(k, line)| line.k == k));
+    report.tolerance.iter().map(|line| line.correct).collect()
 }
 
 /// How a value is written in JSON, without quotes.

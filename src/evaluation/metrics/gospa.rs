@@ -71,8 +71,8 @@ impl Metric for Gospa {
         shape == Shape::Points
     }
 
-    fn reach_m(&self) -> Option<f64> {
-        Some(self.cutoff.cutoff_m)
+    fn reach_m(&self, _: f64) -> f64 {
+        self.cutoff.cutoff_m
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {

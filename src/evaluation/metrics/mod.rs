@@ -3,8 +3,12 @@
 //! A metric takes several sequences (recordings, runs) at once and combines their counts, never their ratios; one
 //! sequence is a list of one.
 
+pub mod assignment;
+pub mod clear;
 mod cutoff;
 mod gospa;
+pub mod hota;
+pub mod identity;
 mod kinematics;
 mod ospa;
 mod siap;
@@ -93,9 +97,10 @@ pub struct MetricReport {
     pub parameters: Map<String, Value>,
     /// Everything it says in numbers, the headline too.
     pub quantities: Vec<Quantity>,
+    /// Truths and tracks one by one: of a single sequence only.
     pub per_truth: Vec<Line>,
     pub per_track: Vec<Line>,
-    /// Of a single sequence only.
+    /// Over time: of a single sequence only.
     pub series: Vec<Series>,
 }
 
@@ -121,9 +126,9 @@ pub trait Metric: Send {
     /// Whether it is defined for this kind of data.
     fn accepts(&self, shape: Shape) -> bool;
 
-    /// The largest distance (m) at which a pair of points matters to it, if it is not the gate.
-    fn reach_m(&self) -> Option<f64> {
-        None
+    /// The largest distance (m) at which a pair of points matters to it, given the gate.
+    fn reach_m(&self, gate_m: f64) -> f64 {
+        gate_m
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport;
@@ -133,7 +138,17 @@ pub trait Metric: Send {
 pub type BuildMetric = fn(&Value) -> Result<Box<dyn Metric>, serde_json::Error>;
 
 /// Every metric.
-pub const METRICS: &[Method<BuildMetric>] = &[ospa::METHOD, gospa::METHOD, t_gospa::METHOD, siap::METHOD, kinematics::METHOD];
+pub const METRICS: &[Method<BuildMetric>] = &[
+    ospa::METHOD,
+    gospa::METHOD,
+    t_gospa::METHOD,
+    siap::METHOD,
+    clear::METHOD,
+    identity::METHOD,
+    hota::METHOD,
+    assignment::METHOD,
+    kinematics::METHOD,
+];
 
 pub static METRIC: Union = Union {
     name: "Metric",

@@ -44,8 +44,8 @@ impl Metric for Ospa {
         shape == Shape::Points
     }
 
-    fn reach_m(&self) -> Option<f64> {
-        Some(self.0.cutoff_m)
+    fn reach_m(&self, _: f64) -> f64 {
+        self.0.cutoff_m
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {

@@ -8,15 +8,19 @@
 //! - *Output strings*: the decision of the track at each scan, see [`outputs`]. Tentative scans belong to a track that
 //!   was confirmed later; a track that was never confirmed is no output.
 
+mod choices;
+pub mod difference;
 pub mod normal_form;
 pub mod outputs;
 
 use super::EvaluationInput;
 use super::axis::Axis;
 use super::identities::Identities;
+use super::nearest_detection::NearestDetection;
 use super::nearest_truth::NearestTruth;
 use crate::model::fault::Fault;
 use crate::model::scan::Recording;
+use crate::model::sensor::SensorSettings;
 use crate::model::truth::TruthSet;
 use normal_form::{Step, StringSet};
 use outputs::Outputs;
@@ -26,8 +30,38 @@ use outputs::Outputs;
 pub enum SymbolRule {
     /// Detections, by identity: needs a recording that knows the origins of its detections.
     DetectionId,
+    /// Detections: the nearest one of the same scan within `gate_m` of the track. Needs what `DetectionId` needs.
+    NearestDetection { gate_m: f64 },
     /// Targets: the nearest one within `gate_m` of the track. Truth is interpolated over gaps of at most `max_gap_s`.
     NearestTruth { gate_m: f64, max_gap_s: f64 },
+}
+
+/// How a track's weights become symbols.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum DecisionPolicy {
+    /// The most probable candidate, ε included.
+    MostProbable,
+    /// Every candidate of at least this weight; ε too, or where nothing else is.
+    AllGated { min_weight: f64 },
+}
+
+/// How strings are written.
+#[derive(Debug, Clone, Copy)]
+pub struct StringRules<'r> {
+    pub symbols: SymbolRule,
+    pub decision: DecisionPolicy,
+    /// This many ε in a row end a string.
+    pub max_missed: u32,
+    /// What is known of the recording's sensors, in its order; `None` is what the recording itself says.
+    pub sensors: Option<&'r [SensorSettings]>,
+}
+
+/// Where the symbols of tracks come from.
+#[derive(Clone, Copy)]
+pub enum Source<'s, 'a> {
+    Candidates(DecisionPolicy),
+    NearestDetection(&'s NearestDetection),
+    NearestTruth(&'s NearestTruth<'a>),
 }
 
 /// Truth and tracks as strings on one axis.
@@ -51,33 +85,63 @@ impl Strings<'_> {
     pub fn target_of(&self, symbol: u32) -> Option<u32> {
         if self.symbols_are_targets { Some(symbol) } else { self.identities.origin(symbol) }
     }
+
+    /// Index of the truth string that has a symbol at a place of the axis.
+    pub fn truth_string_of(&self, symbol: u32, position: usize) -> Option<usize> {
+        let own = self.truth.of_owner(self.target_of(symbol)? as usize);
+        let passed = self.truth.strings()[own.clone()].partition_point(|string| string.end() <= position);
+        let string = own.start + passed;
+        (string < own.end && self.truth.symbol_at(&self.truth.strings()[string], position) == Some(symbol)).then_some(string)
+    }
 }
 
 /// Writes truth and tracks as strings.
 ///
 /// # Errors
 /// The inputs that the rule of symbols needs and does not have.
-pub fn write_strings<'a>(input: &EvaluationInput<'a>, rule: SymbolRule, max_missed: u32) -> Result<Strings<'a>, Vec<Fault>> {
-    match rule {
-        SymbolRule::DetectionId => by_detection(input, max_missed),
-        SymbolRule::NearestTruth { gate_m, max_gap_s } => by_nearest_truth(input, gate_m, max_gap_s, max_missed),
+pub fn write_strings<'a>(input: &EvaluationInput<'a>, rules: &StringRules) -> Result<Strings<'a>, Vec<Fault>> {
+    check_places(input, rules.symbols)?;
+    match rules.symbols {
+        SymbolRule::NearestTruth { gate_m, max_gap_s } => by_nearest_truth(input, gate_m, max_gap_s, rules.max_missed),
+        SymbolRule::DetectionId => by_detection(input, None, rules),
+        SymbolRule::NearestDetection { gate_m } => by_detection(input, Some(gate_m), rules),
     }
 }
 
-fn by_detection<'a>(input: &EvaluationInput<'a>, max_missed: u32) -> Result<Strings<'a>, Vec<Fault>> {
+/// Only detection ids can be compared without a place: a direction is no number of metres away from anything.
+fn check_places(input: &EvaluationInput, rule: SymbolRule) -> Result<(), Vec<Fault>> {
+    let of_bearings = [("tracks", input.tracks.is_of_bearings()), ("truth", input.truth.is_some_and(TruthSet::is_of_bearings))];
+    let fault = |(name, _): &(&str, bool)| {
+        let detail = format!("the {name} are directions (bearing_deg): what is nearest to them in metres is not defined");
+        Fault::new("/tfa/symbols", "unsupported", detail).allowing("detection_id")
+    };
+    let faults: Vec<Fault> = of_bearings.iter().filter(|(_, is_of_bearings)| *is_of_bearings).map(fault).collect();
+    if rule == SymbolRule::DetectionId || faults.is_empty() { Ok(()) } else { Err(faults) }
+}
+
+/// Symbols are detections: those that tracks name, or the nearest within a gate.
+fn by_detection<'a>(input: &EvaluationInput<'a>, gate_m: Option<f64>, rules: &StringRules) -> Result<Strings<'a>, Vec<Fault>> {
+    let &StringRules { decision, max_missed, .. } = rules;
     let Some(recording) = input.recording else {
-        return Err(vec![Fault::new("/detections", "missing", "'detections' is required when symbols are detection ids")]);
+        return Err(vec![Fault::new("/detections", "missing", "'detections' is required when symbols are detections")]);
     };
     if !recording.origins_known {
-        let detail = "the detections do not say which target they came from, so they cannot be compared by detection id";
+        let detail = "the detections do not say which target they came from, so the tracks cannot be compared by detection";
         return Err(vec![Fault::new("/tfa/symbols", "unsupported", detail).allowing("nearest_truth")]);
     }
+    let sensors = rules.sensors.unwrap_or(&recording.sensors);
+    let nearest = gate_m.map(|gate_m| NearestDetection::new(recording, sensors, gate_m)).transpose()?;
     let axis = Axis::of_recording(recording, input.tracks, max_missed);
     let mut identities = Identities::new(Some(recording), &input.tracks.detection_ids);
     let mut warnings = Vec::new();
+    if let Some(alone) = nearest.as_ref().map(|nearest| nearest.bearings_alone).filter(|&alone| alone > 0) {
+        warnings
+            .push(format!("{alone} detection(s) are bearings alone, which are near to nothing, and were left out as symbols of tracks"));
+    }
     let target_ids = targets_of(recording, input.truth);
     let truth = truth_strings(recording, &axis, target_ids.len(), max_missed, &mut warnings);
-    let outputs = outputs::read(input.tracks, &axis, &mut identities, None, max_missed, &mut warnings);
+    let source = nearest.as_ref().map_or(Source::Candidates(decision), Source::NearestDetection);
+    let outputs = outputs::read(input.tracks, &axis, &mut identities, source, max_missed, &mut warnings);
     Ok(Strings { axis, target_ids, truth, outputs, identities, warnings, symbols_are_targets: false })
 }
 
@@ -99,7 +163,7 @@ fn by_nearest_truth<'a>(input: &EvaluationInput<'a>, gate_m: f64, max_gap_s: f64
         warnings.push(format!("{} target(s) exist at no scan of the recording and were left out", nearest.never_watched));
     }
     let mut identities = Identities::new(input.recording, &input.tracks.detection_ids);
-    let outputs = outputs::read(input.tracks, &axis, &mut identities, Some(&nearest), max_missed, &mut warnings);
+    let outputs = outputs::read(input.tracks, &axis, &mut identities, Source::NearestTruth(&nearest), max_missed, &mut warnings);
     Ok(Strings { axis, target_ids: nearest.target_ids, truth: strings, outputs, identities, warnings, symbols_are_targets: true })
 }
 
@@ -113,22 +177,47 @@ fn targets_of<'a>(recording: &'a Recording, truth: Option<&'a TruthSet>) -> Vec<
 }
 
 fn truth_strings(recording: &Recording, axis: &Axis, targets: usize, max_missed: u32, warnings: &mut Vec<String>) -> StringSet {
-    let mut steps: Vec<Vec<(usize, Step)>> = vec![Vec::new(); targets];
-    let mut doubled = 0_usize;
-    for (scan, place) in recording.scans.iter().zip(axis.scans()) {
-        for index in scan.range() {
-            let Some(origin) = recording.detections[index].origin else { continue };
-            let of_target = &mut steps[origin as usize];
-            match of_target.last() {
-                Some(&(position, _)) if position == place.position => doubled += 1,
-                _ => of_target.push((place.position, Step::certain(index as u32))),
-            }
-        }
-    }
+    let (ends, places, doubled) = detections_by_target(recording, axis, targets);
     if doubled > 0 {
         warnings.push(format!("{doubled} detection(s) come from a target that already has one in the same scan; the first counts"));
     }
     let mut strings = StringSet::new(max_missed);
-    steps.into_iter().for_each(|of_target| strings.push_owner(of_target));
+    strings.reserve(places.len(), targets);
+    let mut first = 0;
+    for (room, end) in ends {
+        strings.push_owner(places[first..end].iter().map(|&(position, symbol)| (position as usize, Step::certain(symbol))));
+        first = room;
+    }
     strings
+}
+
+/// Positions and detections of the targets, one target behind the other: for each where the room for it and where its own
+/// entries end, and how many detections were left out because the target has one in the same scan.
+fn detections_by_target(recording: &Recording, axis: &Axis, targets: usize) -> (Vec<(usize, usize)>, Vec<(u32, u32)>, usize) {
+    let mut ends = vec![(0, 0); targets];
+    for origin in recording.detections.iter().filter_map(|detection| detection.origin) {
+        ends[origin as usize].0 += 1;
+    }
+    let mut total = 0;
+    for (room, end) in &mut ends {
+        *end = total;
+        total += *room;
+        *room = total;
+    }
+    let mut places = vec![(u32::MAX, 0); total];
+    let mut doubled = 0;
+    for (scan, place) in recording.scans.iter().zip(axis.scans()) {
+        for index in scan.range() {
+            let Some(origin) = recording.detections[index].origin else { continue };
+            let first = origin.checked_sub(1).map_or(0, |before| ends[before as usize].0);
+            let end = &mut ends[origin as usize].1;
+            if *end > first && places[*end - 1].0 == place.position as u32 {
+                doubled += 1;
+            } else {
+                places[*end] = (place.position as u32, index as u32);
+                *end += 1;
+            }
+        }
+    }
+    (ends, places, doubled)
 }

@@ -1,29 +1,31 @@
 //! From tracks to output strings: what each track decided at each scan.
 //!
 //! The decision is the most probable candidate; ε competes with its own probability, ties go to the detection listed
-//! first. A scan without candidates or without a track point is ε. Under `nearest_truth` the symbol is the nearest
-//! target instead, but which detections the tracks consumed is read all the same.
+//! first. A scan without candidates or without a track point is ε. Under `all_gated` every candidate of at least the
+//! least weight is kept beside the decision, ε also where nothing else is. Under `nearest_detection` and `nearest_truth`
+//! the symbol is the nearest detection or target instead.
 
 use super::normal_form::{Step, StringSet};
+use super::{DecisionPolicy, Source};
 use crate::evaluation::axis::Axis;
 use crate::evaluation::identities::Identities;
-use crate::evaluation::nearest_truth::NearestTruth;
-use crate::model::track::{Candidate, Track, TrackPoint, TrackSet, TrackStatus};
+use crate::model::state::Position;
+use crate::model::track::{Candidate, PlaneEstimate, Track, TrackPoint, TrackSet, TrackStatus};
 
 /// A track decided on a detection, or named one the scan does not have.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Consumed {
     pub track: u32,
     /// Index into the axis.
-    pub scan: usize,
+    pub scan: u32,
     pub detection: u32,
 }
 
-/// A track that gave weight to several detections of one scan.
+/// A track that claims several detections of one scan: their probabilities are more than one in all.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Crowded {
     pub track: u32,
-    pub scan: usize,
+    pub scan: u32,
     pub detections: Vec<u32>,
 }
 
@@ -40,25 +42,28 @@ pub struct Outputs {
 }
 
 const EXAMPLES: usize = 3;
+/// Probabilities that are one in all may be a little more by rounding.
+const ROUNDING: f64 = 1e-6;
 
 pub fn read<'a>(
     tracks: &TrackSet,
     axis: &Axis,
     identities: &mut Identities<'a>,
-    nearest: Option<&NearestTruth<'a>>,
+    source: Source<'_, 'a>,
     max_missed: u32,
     warnings: &mut Vec<String>,
 ) -> Outputs {
-    let outputs = Outputs {
-        strings: StringSet::new(max_missed),
-        empty_tracks: Vec::new(),
-        decisions: Vec::new(),
-        crowded: Vec::new(),
-        unknown: Vec::new(),
-    };
-    let mut reader = Reader { tracks, axis, identities, nearest, outputs, lost_points: Vec::new(), lost: 0, never_confirmed: 0 };
+    let with_choices = matches!(source, Source::Candidates(DecisionPolicy::AllGated { .. }));
+    let points: usize = tracks.tracks.iter().map(|track| track.points.len()).sum();
+    let mut strings = StringSet::weighted(max_missed, with_choices);
+    strings.reserve(points, tracks.tracks.len());
+    let outputs =
+        Outputs { strings, empty_tracks: Vec::new(), decisions: Vec::with_capacity(points), crowded: Vec::new(), unknown: Vec::new() };
+    let (at_scan, choices, lost_points) = (Vec::new(), Vec::new(), Vec::new());
+    let mut reader = Reader { tracks, axis, identities, source, outputs, at_scan, choices, lost_points, lost: 0, never_confirmed: 0 };
+    let mut points = Vec::new();
     for (index, track) in tracks.tracks.iter().enumerate() {
-        reader.read_track(index as u32, track);
+        reader.read_track(index as u32, track, &mut points);
     }
     reader.warn(warnings);
     reader.outputs
@@ -68,8 +73,11 @@ struct Reader<'r, 'a> {
     tracks: &'r TrackSet,
     axis: &'r Axis,
     identities: &'r mut Identities<'a>,
-    nearest: Option<&'r NearestTruth<'a>>,
+    source: Source<'r, 'a>,
     outputs: Outputs,
+    /// The candidates of the track at hand at the scan at hand, and the choices they leave it.
+    at_scan: Vec<Candidate>,
+    choices: Vec<Step>,
     /// The first points that belong to no scan, in words.
     lost_points: Vec<String>,
     lost: usize,
@@ -77,29 +85,33 @@ struct Reader<'r, 'a> {
 }
 
 impl Reader<'_, '_> {
-    fn read_track(&mut self, index: u32, track: &Track) {
-        if !track.points.iter().any(|point| point.status != Some(TrackStatus::Tentative)) {
+    /// `points` is memory that goes from track to track.
+    fn read_track(&mut self, index: u32, track: &Track, points: &mut Vec<(usize, usize)>) {
+        if track.points.iter().all(|point| point.status == Some(TrackStatus::Tentative)) {
             self.never_confirmed += 1;
-            self.outputs.strings.push_owner([]);
+            self.outputs.strings.end_owner();
             return;
         }
-        let mut points = self.on_axis(track);
-        points.sort_by_key(|&(scan, _)| scan);
-        let of_scan = points.chunk_by(|a, b| a.0 == b.0);
-        let steps: Vec<(usize, Step)> =
-            of_scan.map(|same| (self.axis.scans()[same[0].0].position, self.read_scan(index, same[0].0, same))).collect();
-        self.outputs.strings.push_owner(steps);
+        self.place_on_axis(track, points);
+        for same_scan in points.chunk_by(|a, b| a.0 == b.0) {
+            self.read_scan(index, track, same_scan);
+        }
+        self.outputs.strings.end_owner();
         if self.outputs.strings.of_owner(index as usize).is_empty() {
             self.outputs.empty_tracks.push(index);
         }
     }
 
-    /// The track's points with the scans they belong to.
-    fn on_axis<'t>(&mut self, track: &'t Track) -> Vec<(usize, &'t TrackPoint)> {
-        let mut points = Vec::with_capacity(track.points.len());
-        for point in &track.points {
-            match self.axis.scan_of(point) {
-                Some(scan) => points.push((scan, point)),
+    /// The track's points, by index, with the scans they belong to in order.
+    fn place_on_axis(&mut self, track: &Track, points: &mut Vec<(usize, usize)>) {
+        points.clear();
+        let mut guess = 0;
+        for (index, point) in track.points.iter().enumerate() {
+            match self.axis.scan_near(point, guess) {
+                Some(scan) => {
+                    points.push((scan, index));
+                    guess = scan + 1;
+                }
                 None => {
                     self.lost += 1;
                     if self.lost_points.len() < EXAMPLES {
@@ -108,30 +120,52 @@ impl Reader<'_, '_> {
                 }
             }
         }
-        points
+        if !points.is_sorted_by_key(|&(scan, _)| scan) {
+            points.sort_by_key(|&(scan, _)| scan);
+        }
     }
 
     /// The step of a track at one scan, from all its points there (more than one only in careless files).
-    fn read_scan(&mut self, track: u32, scan: usize, points: &[(usize, &TrackPoint)]) -> Step {
-        let mut decision = None;
-        let mut weighted: Vec<u32> = Vec::new();
-        for &candidate in points.iter().flat_map(|(_, point)| self.tracks.candidates_of(point)) {
-            let detection = candidate.detection.map(|index| self.identify(track, scan, index));
-            let candidate = Candidate { detection, ..candidate };
-            weighted.extend(detection.filter(|detection| candidate.probability > 0.0 && !weighted.contains(detection)));
-            decision = more_probable(decision, candidate);
+    fn read_scan(&mut self, index: u32, track: &Track, points: &[(usize, usize)]) {
+        let (scan, first) = points[0];
+        let place_m = |point: usize| place_of(&track.points[point]);
+        self.choices.clear();
+        self.gather(index, scan, points.iter().map(|&(_, point)| &track.points[point]));
+        let decision = match self.source {
+            Source::Candidates(DecisionPolicy::AllGated { min_weight }) => {
+                allow(&self.at_scan, min_weight, &mut self.choices);
+                decide(self.choices.iter().map(|step| Candidate { detection: step.symbol, probability: step.weight }))
+            }
+            Source::Candidates(DecisionPolicy::MostProbable) | Source::NearestTruth(_) => {
+                self.report_crowd(index, scan);
+                decide(self.at_scan.iter().copied())
+            }
+            Source::NearestDetection(nearest) => {
+                Step { symbol: place_m(first).and_then(|place_m| nearest.nearest(scan, &place_m)), weight: 1.0 }
+            }
+        };
+        if let Some(detection) = decision.symbol {
+            self.outputs.decisions.push(Consumed { track: index, scan: scan as u32, detection });
         }
-        if weighted.len() > 1 {
-            self.outputs.crowded.push(Crowded { track, scan, detections: weighted });
+        let step = match self.source {
+            Source::NearestTruth(nearest) => {
+                Step { symbol: place_m(first).and_then(|place_m| nearest.symbol(scan, &place_m)), weight: 1.0 }
+            }
+            _ => decision,
+        };
+        self.outputs.strings.push_step(self.axis.scans()[scan].position, step, &self.choices);
+    }
+
+    /// Collects the candidates of points, with identities.
+    fn gather<'p>(&mut self, track: u32, scan: usize, points: impl Iterator<Item = &'p TrackPoint>) {
+        self.at_scan.clear();
+        if matches!(self.source, Source::NearestDetection(_)) {
+            return;
         }
-        if let Some(detection) = decision.and_then(|decision| decision.detection) {
-            self.outputs.decisions.push(Consumed { track, scan, detection });
-        }
-        match self.nearest {
-            None => decision.map_or(Step::NOTHING, |decision| Step { symbol: decision.detection, weight: decision.probability }),
-            Some(nearest) => {
-                let state = &points[0].1.state;
-                Step { symbol: nearest.symbol(scan, &state.fixed_rows::<2>(0).into_owned()), weight: 1.0 }
+        for point in points {
+            for &Candidate { detection, probability } in self.tracks.candidates_of(point) {
+                let detection = detection.map(|index| self.identify(track, scan, index));
+                self.at_scan.push(Candidate { detection, probability });
             }
         }
     }
@@ -139,9 +173,26 @@ impl Reader<'_, '_> {
     fn identify(&mut self, track: u32, scan: usize, index: u32) -> u32 {
         let detection = self.identities.resolve(scan, index);
         if self.identities.is_unknown(detection) {
-            self.outputs.unknown.push(Consumed { track, scan, detection });
+            self.outputs.unknown.push(Consumed { track, scan: scan as u32, detection });
         }
         detection
+    }
+
+    fn report_crowd(&mut self, track: u32, scan: usize) {
+        if self.at_scan.len() < 2 {
+            return;
+        }
+        let mut detections: Vec<u32> = Vec::new();
+        let mut total = 0.0;
+        for candidate in &self.at_scan {
+            if let Some(detection) = candidate.detection.filter(|it| candidate.probability > 0.0 && !detections.contains(it)) {
+                detections.push(detection);
+                total += candidate.probability;
+            }
+        }
+        if detections.len() > 1 && total > 1.0 + ROUNDING {
+            self.outputs.crowded.push(Crowded { track, scan: scan as u32, detections });
+        }
     }
 
     fn warn(&self, warnings: &mut Vec<String>) {
@@ -155,6 +206,17 @@ impl Reader<'_, '_> {
     }
 }
 
+/// A direction has no place.
+fn place_of(point: &TrackPoint) -> Option<Position> {
+    point.estimate.plane().map(PlaneEstimate::position_m)
+}
+
+/// The most probable candidate; ε when there is none.
+fn decide(candidates: impl Iterator<Item = Candidate>) -> Step {
+    let best = candidates.fold(None, more_probable);
+    best.map_or(Step::NOTHING, |best| Step { symbol: best.detection, weight: best.probability })
+}
+
 /// The better of two candidates, the earlier one first; a probability that is not a number never wins.
 fn more_probable(best: Option<Candidate>, next: Candidate) -> Option<Candidate> {
     if next.probability.is_nan() {
@@ -165,13 +227,27 @@ fn more_probable(best: Option<Candidate>, next: Candidate) -> Option<Candidate> 
     Some(if next.probability > kept.probability || tie_to_detection { next } else { kept })
 }
 
+/// Every candidate of at least the least weight; where there is none, ε with what is said of it or what is left for it.
+fn allow(candidates: &[Candidate], min_weight: f64, choices: &mut Vec<Step>) {
+    for candidate in candidates.iter().filter(|candidate| candidate.probability >= min_weight) {
+        match choices.iter_mut().find(|choice| choice.symbol == candidate.detection) {
+            Some(known) => known.weight = known.weight.max(candidate.probability),
+            None => choices.push(Step { symbol: candidate.detection, weight: candidate.probability }),
+        }
+    }
+    if choices.is_empty() {
+        let said = candidates.iter().find(|candidate| candidate.detection.is_none()).map(|candidate| candidate.probability);
+        let taken: f64 = candidates.iter().map(|candidate| candidate.probability).filter(|probability| !probability.is_nan()).sum();
+        choices.push(Step { symbol: None, weight: said.unwrap_or((1.0 - taken).max(0.0)) });
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn decide(candidates: &[(Option<u32>, f64)]) -> Option<Option<u32>> {
-        let candidates = candidates.iter().map(|&(detection, probability)| Candidate { detection, probability });
-        candidates.fold(None, more_probable).map(|decision| decision.detection)
+        candidates_of(candidates).into_iter().fold(None, more_probable).map(|decision| decision.detection)
     }
 
     #[test]
@@ -182,5 +258,27 @@ mod tests {
         assert_eq!(decide(&[(None, 0.5), (Some(7), 0.5)]), Some(Some(7)));
         assert_eq!(decide(&[(Some(7), 0.5), (None, 0.5)]), Some(Some(7)));
         assert_eq!(decide(&[(Some(7), f64::NAN), (None, 0.1)]), Some(None));
+    }
+
+    fn candidates_of(candidates: &[(Option<u32>, f64)]) -> Vec<Candidate> {
+        candidates.iter().map(|&(detection, probability)| Candidate { detection, probability }).collect()
+    }
+
+    fn allowed(candidates: &[(Option<u32>, f64)], min_weight: f64) -> Vec<(Option<u32>, f64)> {
+        let mut choices = Vec::new();
+        allow(&candidates_of(candidates), min_weight, &mut choices);
+        choices.into_iter().map(|step| (step.symbol, step.weight)).collect()
+    }
+
+    #[test]
+    fn candidates_of_enough_weight_are_choices_and_epsilon_where_none_is() {
+        let soft = [(None, 0.25), (Some(1), 0.5), (Some(2), 0.125), (Some(3), 0.125)];
+        assert_eq!(allowed(&soft, 0.125), soft);
+        assert_eq!(allowed(&soft, 0.2), [(None, 0.25), (Some(1), 0.5)]);
+        assert_eq!(allowed(&soft, 0.4), [(Some(1), 0.5)]);
+        assert_eq!(allowed(&soft, 0.6), [(None, 0.25)], "nothing else is");
+        assert_eq!(allowed(&[(Some(1), 0.25), (Some(2), 0.5)], 0.6), [(None, 0.25)], "what the others leave");
+        assert_eq!(allowed(&[], 0.1), [(None, 1.0)]);
+        assert_eq!(allowed(&[(Some(1), 0.25), (Some(1), 0.5), (Some(2), f64::NAN)], 0.1), [(Some(1), 0.5)]);
     }
 }

@@ -1,10 +1,11 @@
 //! The model check: (1) a detection is consumed by at most one track at a scan, (2) a track consumes at most one
-//! detection at a scan. What a track consumes is its decision for (1), and every detection it gave a weight above zero
-//! for (2); of those the most probable counted.
+//! detection at a scan. What a track consumes is what it decided on. Weights that share one scan between detections are a
+//! doubt and no violation; a track that claims several detections with more than one in all breaks (2), and the most
+//! probable counted. Where every choice is kept (`all_gated`), (2) is not asked for.
 
 use crate::evaluation::strings::outputs::{Consumed, Outputs};
 use serde::Serialize;
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -16,7 +17,7 @@ pub enum ViolationKind {
 /// A broken condition at one scan (an index into the axis).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Broken {
-    pub scan: usize,
+    pub scan: u32,
     pub kind: ViolationKind,
     pub detections: Vec<u32>,
     pub tracks: Vec<u32>,
@@ -37,21 +38,19 @@ pub fn check(outputs: &Outputs) -> Vec<Broken> {
 
 /// A detection belongs to one scan, so its number alone tells takers of the same detection.
 fn shared(decisions: &[Consumed]) -> Vec<Broken> {
+    const NOBODY: u32 = u32::MAX;
     let numbers = decisions.iter().map(|decision| decision.detection as usize + 1).max().unwrap_or(0);
-    let mut first_taker: Vec<Option<u32>> = vec![None; numbers];
-    let mut broken: Vec<Broken> = Vec::new();
-    let mut of_detection: HashMap<u32, usize> = HashMap::new();
+    let mut first_taker = vec![NOBODY; numbers];
+    let mut broken: BTreeMap<u32, Broken> = BTreeMap::new();
     for &Consumed { track, scan, detection } in decisions {
-        let Some(first) = first_taker[detection as usize] else {
-            first_taker[detection as usize] = Some(track);
+        let first = &mut first_taker[detection as usize];
+        if *first == NOBODY {
+            *first = track;
             continue;
-        };
-        let index = *of_detection.entry(detection).or_insert_with(|| {
-            let kind = ViolationKind::DetectionSharedByTracks;
-            broken.push(Broken { scan, kind, detections: vec![detection], tracks: vec![first] });
-            broken.len() - 1
-        });
-        broken[index].tracks.push(track);
+        }
+        let kind = ViolationKind::DetectionSharedByTracks;
+        let of_detection = broken.entry(detection);
+        of_detection.or_insert_with(|| Broken { scan, kind, detections: vec![detection], tracks: vec![*first] }).tracks.push(track);
     }
-    broken
+    broken.into_values().collect()
 }

@@ -5,8 +5,8 @@
 //! its detections is *matched* (then fewest errors, earliest start, smaller id), the others are *redundant*.
 //! The errors of a track are the scans at which it and the target, all its strings together, differ.
 
-use crate::evaluation::strings::normal_form::TrackString;
-use crate::evaluation::strings::{Strings, normal_form::StringSet};
+use crate::evaluation::strings::Strings;
+use crate::evaluation::strings::normal_form::{EPSILON, StringSet, TrackString};
 use serde::Serialize;
 use std::cmp::Reverse;
 
@@ -50,8 +50,9 @@ pub fn classify(strings: &Strings, target_ranks: &[u32], track_ranks: &[u32]) ->
     let real_of_target: Vec<usize> = (0..strings.truth.owners())
         .map(|owner| strings.truth.strings()[strings.truth.of_owner(owner)].iter().map(|s| s.real).sum())
         .collect();
+    let mut targets = Vec::new();
     let follow = |string| {
-        let (target, hits) = most_hit(strings, target_ranks, string)?;
+        let (target, hits) = most_hit(strings, target_ranks, string, &mut targets)?;
         let errors = real_of_target[target as usize] + string.real - agreement(strings, string, target);
         Some(Following { target, hits, errors })
     };
@@ -70,11 +71,16 @@ pub fn classify(strings: &Strings, target_ranks: &[u32], track_ranks: &[u32]) ->
 }
 
 /// The target with most detections of a string and how many; `None` for a false track.
-fn most_hit(strings: &Strings, target_ranks: &[u32], string: &TrackString) -> Option<(u32, usize)> {
-    let symbols = strings.outputs.strings.steps_of(string).iter().filter_map(|step| step.symbol);
-    let mut targets: Vec<u32> = symbols.filter_map(|symbol| strings.target_of(symbol)).collect();
+fn most_hit(strings: &Strings, target_ranks: &[u32], string: &TrackString, targets: &mut Vec<u32>) -> Option<(u32, usize)> {
+    let symbols = strings.outputs.strings.symbols_of(string).iter().filter(|&&symbol| symbol != EPSILON);
+    targets.clear();
+    targets.extend(symbols.filter_map(|&symbol| strings.target_of(symbol)));
     if 2 * (string.real - targets.len()) > string.real {
         return None;
+    }
+    // Most tracks follow one target all their life.
+    if let Some(&target) = targets.first().filter(|first| targets.iter().all(|target| target == *first)) {
+        return Some((target, targets.len()));
     }
     targets.sort_unstable();
     let counted = targets.chunk_by(|a, b| a == b).map(|same| (same.len(), Reverse(target_ranks[same[0] as usize]), same[0]));
@@ -91,10 +97,9 @@ fn agreement(strings: &Strings, output: &TrackString, target: u32) -> usize {
 }
 
 fn agreement_with(outputs: &StringSet, output: &TrackString, truth: &StringSet, piece: &TrackString) -> usize {
-    let places = output.start.max(piece.start)..output.end().min(piece.end());
-    let score = |position| match (outputs.symbol_at(output, position), truth.symbol_at(piece, position)) {
-        (Some(taken), Some(expected)) => 1 + usize::from(taken == expected),
-        _ => 0,
-    };
-    places.map(score).sum()
+    let from = output.start.max(piece.start);
+    let taken = &outputs.symbols_of(output)[from - output.start..];
+    let expected = &truth.symbols_of(piece)[from - piece.start..];
+    let both = taken.iter().zip(expected).filter(|(taken, expected)| **taken != EPSILON && **expected != EPSILON);
+    both.map(|(taken, expected)| 1 + usize::from(taken == expected)).sum()
 }

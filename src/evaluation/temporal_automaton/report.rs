@@ -16,25 +16,39 @@ pub struct TfaReport {
     pub counts: Counts,
     pub probability: Probabilities,
     pub ratios: Ratios,
+    pub automaton: AutomatonSizes,
+    /// Verdicts that forgive up to k errors, for each k from 0.
+    pub tolerance: Vec<Tolerance>,
     /// The truth strings are all among those that the automaton accepts.
     pub consistent: bool,
     /// Missed targets that a track is matched to: it began too late for the strict verdict.
     pub missed_with_matched_track: usize,
     pub targets: Vec<TargetReport>,
     pub output_tracks: Vec<OutputTrackReport>,
+    /// The first ones by scan; `counts.violations` are all.
     pub violations: Vec<Violation>,
+    pub violations_left_out: usize,
+    /// The first ones by track; `counts.unknown_detections` are all.
     pub unknown_detections: Vec<UnknownDetection>,
+    pub unknown_detections_left_out: usize,
     pub warnings: Vec<String>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Parameters {
-    /// `detection_id` or `nearest_truth`.
+    /// `detection_id`, `nearest_detection` or `nearest_truth`.
     pub symbols: &'static str,
     pub gate_m: Option<f64>,
     pub max_gap_s: Option<f64>,
+    /// `most_probable` or `all_gated`.
     pub decision: &'static str,
+    /// Of `all_gated`.
+    pub min_weight: Option<f64>,
     pub max_missed: u32,
+    /// The largest k of `tolerance`.
+    pub tolerance: u32,
+    /// `breadth_first` or `depth_first`.
+    pub search: &'static str,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -48,6 +62,8 @@ pub struct Counts {
     pub matched_tracks: usize,
     pub redundant_tracks: usize,
     pub false_tracks: usize,
+    pub violations: usize,
+    pub unknown_detections: usize,
 }
 
 /// Correct targets by output tracks; missed and false targets by targets.
@@ -63,6 +79,28 @@ pub struct Probabilities {
 pub struct Ratios {
     pub correct_per_target: Option<f64>,
     pub output_tracks_per_target: Option<f64>,
+}
+
+/// Targets that are correct when up to `k` errors are forgiven, and what part of the output tracks they are.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Tolerance {
+    pub k: usize,
+    pub correct: usize,
+    pub probability: Option<f64>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Size {
+    pub states: usize,
+    pub transitions: usize,
+}
+
+/// The automaton as built, and determinised and minimised where that was asked for and was not too large.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct AutomatonSizes {
+    pub states: usize,
+    pub transitions: usize,
+    pub minimised: Option<Size>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -83,6 +121,8 @@ pub struct TargetReport {
     /// The track that speaks for the target; null when none began as its string does.
     pub track_id: Option<String>,
     pub errors: usize,
+    /// The least k with which it counts as correct in `tolerance`; null when no track was left for it.
+    pub least_errors: Option<usize>,
     /// Logarithm of the product of the weights along the paths of a correct target.
     pub log_probability: Option<f64>,
     /// How many scans the target has in its strings that are not ε, and how many strings.

@@ -7,6 +7,8 @@ use serde_json::{Value, json};
 
 const TARGETS: [u32; 5] = [10, 30, 50, 80, 100];
 
+const MAX_SPEED_MPS: f64 = 1000.0;
+
 /// Each component of a velocity of 0.1 to 1 km/s in any direction has this standard deviation.
 const SPEED_SIGMA_MPS: f64 = 430.0;
 
@@ -14,20 +16,22 @@ pub(super) fn presets() -> Vec<Preset> {
     let cartesian = TARGETS.iter().map(|&count| {
         let summary =
             format!("Liang & Liu 2009: {count} targets, one radar, 30 scans; tracked by nearest neighbour and judged by the automaton.");
-        preset(format!("liang2009-{count}"), summary, "kalman", scenario(count, json!({"sigma_x_m": 15.0, "sigma_y_m": 5.2})))
+        let scenario = scenario(count, json!({"sigma_x_m": 15.0, "sigma_y_m": 5.2}));
+        preset(format!("liang2009-{count}"), summary, "kalman", json!({"method": "one_point"}), scenario)
     });
     let polar = TARGETS.iter().map(|&count| {
         let summary = format!(
             "Liang & Liu 2009 with a radar that reports ranges and bearings: {count} targets, 30 scans; tracked by nearest neighbour \
-             with unbiased converted measurements and judged by the automaton."
+             from two points on, with unbiased converted measurements, and judged by the automaton."
         );
         let noise = json!({"sigma_range_m": 15.0, "sigma_bearing_deg": 0.0052_f64.to_degrees()});
-        preset(format!("liang2009-polar-{count}"), summary, "converted", scenario(count, noise))
+        let initiation = json!({"method": "two_point", "max_speed_mps": MAX_SPEED_MPS});
+        preset(format!("liang2009-polar-{count}"), summary, "converted", initiation, scenario(count, noise))
     });
     cartesian.chain(polar).collect()
 }
 
-fn preset(name: String, summary: String, filter: &str, scenario: Value) -> Preset {
+fn preset(name: String, summary: String, filter: &str, initiation: Value, scenario: Value) -> Preset {
     Preset {
         summary,
         kind: JobKind::Evaluate,
@@ -38,7 +42,7 @@ fn preset(name: String, summary: String, filter: &str, scenario: Value) -> Prese
             "associator": {"method": "nearest_neighbour"},
             "filter": {"method": filter, "process_noise_m2ps3": 1.0},
             "tracker": {
-                "gate_probability": 0.999, "confirm_hits": 3, "confirm_window": 5, "max_missed": 5,
+                "gate_probability": 0.999, "initiation": initiation, "confirm_hits": 3, "confirm_window": 5, "max_missed": 5,
                 "initial_speed_sigma_mps": SPEED_SIGMA_MPS
             },
             "tfa": {"symbols": {"kind": "detection_id"}, "decision": {"policy": "most_probable"}, "max_missed": 5}
@@ -61,6 +65,6 @@ fn scenario(count: u32, noise: Value) -> Value {
         "scans": 30,
         "scan_period_s": 8.0,
         "sensors": [sensor],
-        "targets": {"kind": "random", "count": count, "area_side_m": 100_000.0, "speed_min_mps": 100.0, "speed_max_mps": 1000.0}
+        "targets": {"kind": "random", "count": count, "area_side_m": 100_000.0, "speed_min_mps": 100.0, "speed_max_mps": MAX_SPEED_MPS}
     })
 }

@@ -1,6 +1,7 @@
 //! Detections: rows in order of time become scans. A row with neither detection nor measurement declares a scan that
 //! saw nothing.
 
+use super::degrees::degrees;
 use super::header::Header;
 use super::interner::Interner;
 use super::row::RowReader;
@@ -354,12 +355,4 @@ fn write_row(recording: &Recording, scan: &Scan, index: Option<usize>, layout: L
         sink.text(origin.map(|origin| recording.targets[origin as usize].as_str()))?;
     }
     sink.end_row()
-}
-
-/// Degrees that read back as the same radians: the rounding of two conversions may miss by one step.
-fn degrees(bearing_rad: f64) -> f64 {
-    let nearest = bearing_rad.to_degrees();
-    let (down, up) = (nearest.next_down(), nearest.next_up());
-    let candidates = [nearest, down, up, down.next_down(), up.next_up()];
-    candidates.into_iter().find(|degrees| degrees.to_radians() == bearing_rad).unwrap_or(nearest)
 }

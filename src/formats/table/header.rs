@@ -9,6 +9,9 @@ use std::collections::BTreeMap;
 /// The ten columns of a covariance, upper triangle.
 pub const COVARIANCE: [&str; 10] = ["p_xx", "p_xy", "p_xvx", "p_xvy", "p_yy", "p_yvx", "p_yvy", "p_vxvx", "p_vxvy", "p_vyvy"];
 
+/// The three columns of a bearing's covariance, upper triangle (deg², deg²/s, deg²/s²).
+pub const BEARING_COVARIANCE: [&str; 3] = ["p_bb", "p_bbr", "p_brbr"];
+
 /// The columns of one kind of dataset.
 struct Schema {
     required: &'static [&'static str],
@@ -29,9 +32,12 @@ const DETECTIONS: Schema = Schema {
 const TRUTH: Schema = Schema {
     required: &["time_s", "truth_id", "x_m", "y_m"],
     optional: &["vx_mps", "vy_mps"],
-    unused: &["z_m"],
+    unused: &["z_m", "bearing_deg"],
     together: &[&["vx_mps", "vy_mps"]],
 };
+
+/// Of targets whose direction alone is known.
+const TRUE_BEARINGS: Schema = Schema { required: &["time_s", "truth_id", "bearing_deg"], optional: &[], unused: &[], together: &[] };
 
 const TRACKS: Schema = Schema {
     required: &["time_s", "track_id", "x_m", "y_m"],
@@ -52,17 +58,30 @@ const TRACKS: Schema = Schema {
         "detection_id",
         "probability",
         "status",
+        "nis",
     ],
-    unused: &["z_m", "existence"],
+    unused: &["z_m", "bearing_deg", "bearing_rate_degps", "existence"],
     together: &[&["vx_mps", "vy_mps"], &COVARIANCE],
 };
 
+/// Of trackers that know directions alone.
+const BEARING_TRACKS: Schema = Schema {
+    required: &["time_s", "track_id", "bearing_deg"],
+    optional: &["sensor_id", "bearing_rate_degps", "p_bb", "p_bbr", "p_brbr", "detection_id", "probability", "status", "nis"],
+    unused: &["existence"],
+    together: &[&BEARING_COVARIANCE],
+};
+
 impl Schema {
-    fn of(kind: DatasetKind) -> &'static Schema {
-        match kind {
-            DatasetKind::Detections => &DETECTIONS,
-            DatasetKind::Truth => &TRUTH,
-            DatasetKind::Tracks => &TRACKS,
+    /// Truth and tracks are of places unless all that the columns have is a direction.
+    fn of(kind: DatasetKind, names: &[String]) -> &'static Schema {
+        let has = |name: &str| names.iter().any(|known| known == name);
+        match (kind, has("bearing_deg") && !has("x_m") && !has("y_m")) {
+            (DatasetKind::Detections, _) => &DETECTIONS,
+            (DatasetKind::Truth, false) => &TRUTH,
+            (DatasetKind::Truth, true) => &TRUE_BEARINGS,
+            (DatasetKind::Tracks, false) => &TRACKS,
+            (DatasetKind::Tracks, true) => &BEARING_TRACKS,
         }
     }
 
@@ -89,6 +108,12 @@ impl Header {
         self.names.iter().position(|known| known == name)
     }
 
+    /// The places of all these columns, if none is missing.
+    pub fn all<const N: usize>(&self, names: [&str; N]) -> Option<[usize; N]> {
+        let places = names.map(|name| self.find(name));
+        places.iter().all(Option::is_some).then(|| places.map(Option::unwrap_or_default))
+    }
+
     /// A column that [`resolve`] made sure of.
     pub fn required(&self, name: &str) -> usize {
         self.find(name).expect("resolve refuses a header without its required columns")
@@ -109,7 +134,7 @@ pub fn resolve(rows: &dyn Rows, options: &ReadOptions) -> Result<(DatasetKind, H
         faults.push(rows.header_fault(None, "missing", detail.to_owned()).allowing("tracks, detections, truth"));
         return Err(faults.finish().err().unwrap_or_default());
     };
-    let schema = Schema::of(kind);
+    let schema = Schema::of(kind, &names);
     check_renaming_target(schema, kind, options, &mut faults);
     check_duplicates(rows, &names, &mut faults);
     check_missing(rows, schema, kind, &names, &mut faults);

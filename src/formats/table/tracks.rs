@@ -1,13 +1,13 @@
 //! Tracks: rows of any interleaving of tracks; each track's times rise. Rows of one track, time and sensor are the
 //! candidates of one point: a detection, or none (empty), with its probability.
 
-use super::header::{COVARIANCE, Header};
+use super::estimate::{EstimateColumns, EstimateLayout, is_same_place};
+use super::header::Header;
 use super::interner::Interner;
 use super::row::RowReader;
 use super::{Rows, Sink};
 use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
-use crate::model::state::{State, from_upper_triangle, upper_triangle};
 use crate::model::track::{Candidate, Track, TrackPoint, TrackSet, TrackStatus};
 use std::collections::HashMap;
 use std::io;
@@ -16,28 +16,25 @@ use std::io;
 struct Columns {
     time: usize,
     track: usize,
-    position: [usize; 2],
+    estimate: EstimateColumns,
     sensor: Option<usize>,
-    velocity: Option<[usize; 2]>,
-    covariance: Option<[usize; 10]>,
     detection: Option<usize>,
     probability: Option<usize>,
     status: Option<usize>,
+    nis: Option<usize>,
 }
 
 impl Columns {
     fn of(header: &Header) -> Self {
-        let has_covariance = COVARIANCE.iter().all(|name| header.find(name).is_some());
         Columns {
             time: header.required("time_s"),
             track: header.required("track_id"),
-            position: [header.required("x_m"), header.required("y_m")],
+            estimate: EstimateColumns::of(header),
             sensor: header.find("sensor_id"),
-            velocity: header.find("vx_mps").zip(header.find("vy_mps")).map(|(vx, vy)| [vx, vy]),
-            covariance: has_covariance.then(|| COVARIANCE.map(|name| header.required(name))),
             detection: header.find("detection_id"),
             probability: header.find("probability"),
             status: header.find("status"),
+            nis: header.find("nis"),
         }
     }
 }
@@ -183,21 +180,18 @@ fn renumber(candidates: &mut [Candidate], mut names: Vec<String>) -> Vec<String>
 /// The row's point, without its sensor and candidates.
 fn read_point(reader: &mut RowReader, columns: &Columns) -> Option<TrackPoint> {
     let time_s = reader.number(columns.time);
-    let [x_m, y_m] = columns.position.map(|column| reader.number(column));
-    let velocity = reader.all_or_none(columns.velocity);
-    let covariance = reader.all_or_none(columns.covariance).map(|upper| from_upper_triangle(&upper));
+    let estimate = columns.estimate.read(reader);
     let status = read_status(reader, columns);
-    let [vx_mps, vy_mps] = velocity.unwrap_or_default();
-    Some(TrackPoint {
-        time_s: time_s?,
-        sensor: None,
-        state: State::new(x_m?, y_m?, vx_mps, vy_mps),
-        has_velocity: velocity.is_some(),
-        covariance,
-        status,
-        first_candidate: 0,
-        candidates: 0,
-    })
+    let nis = read_nis(reader, columns);
+    Some(TrackPoint { time_s: time_s?, sensor: None, estimate: estimate?, status, nis, first_candidate: 0, candidates: 0 })
+}
+
+fn read_nis(reader: &mut RowReader, columns: &Columns) -> Option<f64> {
+    let (column, nis) = (columns.nis?, reader.optional_number(columns.nis)?);
+    if nis < 0.0 {
+        reader.fault_allowing(column, "out_of_range", format!("{nis} is not a square"), ">= 0");
+    }
+    Some(nis)
 }
 
 fn read_status(reader: &mut RowReader, columns: &Columns) -> Option<TrackStatus> {
@@ -232,9 +226,9 @@ fn check_same_point(reader: &mut RowReader, columns: &Columns, known: &TrackPoin
     if columns.detection.is_none() {
         let detail = format!("track '{name}' is at {time_s} s twice: also on {before}");
         reader.fault(columns.time, "duplicate", detail);
-    } else if (known.state.x, known.state.y) != (point.state.x, point.state.y) {
+    } else if !is_same_place(&known.estimate, &point.estimate) {
         let detail = format!("track '{name}' at {time_s} s is at another position on {before}");
-        reader.fault(columns.position[0], "conflict", detail);
+        reader.fault(columns.estimate.first(), "conflict", detail);
     }
 }
 
@@ -263,10 +257,10 @@ pub fn write(set: &TrackSet, sink: &mut dyn Sink) -> io::Result<()> {
 #[derive(Clone, Copy)]
 struct Layout {
     sensor: bool,
-    velocity: bool,
-    covariance: bool,
+    estimate: EstimateLayout,
     candidates: bool,
     status: bool,
+    nis: bool,
 }
 
 impl Layout {
@@ -274,21 +268,20 @@ impl Layout {
         let has = |wanted: fn(&TrackPoint) -> bool| set.tracks.iter().any(|track| track.points.iter().any(wanted));
         Layout {
             sensor: has(|point| point.sensor.is_some()),
-            velocity: has(|point| point.has_velocity),
-            covariance: has(|point| point.covariance.is_some()),
+            estimate: EstimateLayout::of(set),
             candidates: has(|point| point.candidates > 0),
             status: has(|point| point.status.is_some()),
+            nis: has(|point| point.nis.is_some()),
         }
     }
 
     fn columns(self) -> Vec<&'static str> {
         let mut columns = vec!["time_s", "track_id"];
         columns.extend(self.sensor.then_some("sensor_id"));
-        columns.extend(["x_m", "y_m"]);
-        columns.extend(self.velocity.then_some(["vx_mps", "vy_mps"]).into_iter().flatten());
-        columns.extend(self.covariance.then_some(COVARIANCE).into_iter().flatten());
+        columns.extend(self.estimate.columns());
         columns.extend(self.candidates.then_some(["detection_id", "probability"]).into_iter().flatten());
         columns.extend(self.status.then_some("status"));
+        columns.extend(self.nis.then_some("nis"));
         columns
     }
 }
@@ -306,18 +299,7 @@ fn write_row(
     if layout.sensor {
         sink.text(point.sensor.map(|sensor| set.sensor_ids[sensor as usize].as_str()))?;
     }
-    sink.number(Some(point.state.x))?;
-    sink.number(Some(point.state.y))?;
-    if layout.velocity {
-        sink.number(point.has_velocity.then_some(point.state[2]))?;
-        sink.number(point.has_velocity.then_some(point.state[3]))?;
-    }
-    if layout.covariance {
-        let upper = point.covariance.as_ref().map(upper_triangle);
-        for index in 0..10 {
-            sink.number(upper.map(|upper| upper[index]))?;
-        }
-    }
+    layout.estimate.write(point, sink)?;
     if layout.candidates {
         let detection = candidate.and_then(|candidate| candidate.detection);
         sink.text(detection.map(|detection| set.detection_ids[detection as usize].as_str()))?;
@@ -325,6 +307,9 @@ fn write_row(
     }
     if layout.status {
         sink.text(point.status.map(TrackStatus::name))?;
+    }
+    if layout.nis {
+        sink.number(point.nis)?;
     }
     sink.end_row()
 }

@@ -1,5 +1,6 @@
 //! Truth: rows of any interleaving of targets; each target's times rise.
 
+use super::degrees::degrees;
 use super::header::Header;
 use super::interner::Interner;
 use super::row::RowReader;
@@ -7,15 +8,19 @@ use super::{Rows, Sink};
 use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
 use crate::model::state::Position;
-use crate::model::truth::{Target, TruthPoint, TruthSet};
+use crate::model::truth::{Target, TruePlace, TruthPoint, TruthSet};
 use std::io;
 
 /// Where the columns of truth are.
 struct Columns {
     time: usize,
     truth: usize,
-    position: [usize; 2],
-    velocity: Option<[usize; 2]>,
+    place: PlaceColumns,
+}
+
+enum PlaceColumns {
+    Plane { position: [usize; 2], velocity: Option<[usize; 2]> },
+    Bearing(usize),
 }
 
 /// A target being read: its points and the row of the last one.
@@ -30,12 +35,7 @@ struct Path {
 /// # Errors
 /// Every fault of the rows.
 pub fn read(rows: &mut dyn Rows, header: &Header) -> Result<(Dataset, bool), Vec<Fault>> {
-    let columns = Columns {
-        time: header.required("time_s"),
-        truth: header.required("truth_id"),
-        position: [header.required("x_m"), header.required("y_m")],
-        velocity: header.find("vx_mps").zip(header.find("vy_mps")).map(|(vx, vy)| [vx, vy]),
-    };
+    let columns = Columns { time: header.required("time_s"), truth: header.required("truth_id"), place: PlaceColumns::of(header) };
     let mut reader = RowReader::new(rows);
     let mut names = Interner::default();
     let mut paths: Vec<Path> = Vec::new();
@@ -50,8 +50,7 @@ pub fn read(rows: &mut dyn Rows, header: &Header) -> Result<(Dataset, bool), Vec
 fn read_row(reader: &mut RowReader, columns: &Columns, names: &mut Interner, paths: &mut Vec<Path>) {
     let time_s = reader.number(columns.time);
     reader.require_text(columns.truth);
-    let [x_m, y_m] = columns.position.map(|column| reader.number(column));
-    let velocity = reader.all_or_none(columns.velocity).map(|[vx, vy]| Position::new(vx, vy));
+    let place = columns.place.read(reader);
     if reader.text(columns.truth).is_empty() {
         return;
     }
@@ -63,9 +62,29 @@ fn read_row(reader: &mut RowReader, columns: &Columns, names: &mut Interner, pat
     if let (Some(time_s), Some(last)) = (time_s, path.points.last()) {
         check_order(reader, columns, time_s, last.time_s, path.last_row);
     }
-    if let (Some(time_s), Some(x_m), Some(y_m)) = (time_s, x_m, y_m) {
-        path.points.push(TruthPoint { time_s, position_m: Position::new(x_m, y_m), velocity_mps: velocity });
+    if let (Some(time_s), Some(place)) = (time_s, place) {
+        path.points.push(TruthPoint { time_s, place });
         path.last_row = reader.row();
+    }
+}
+
+impl PlaceColumns {
+    fn of(header: &Header) -> Self {
+        if header.find("x_m").is_none() {
+            return PlaceColumns::Bearing(header.required("bearing_deg"));
+        }
+        PlaceColumns::Plane { position: [header.required("x_m"), header.required("y_m")], velocity: header.all(["vx_mps", "vy_mps"]) }
+    }
+
+    fn read(&self, reader: &mut RowReader) -> Option<TruePlace> {
+        match *self {
+            PlaceColumns::Plane { position, velocity } => {
+                let [x_m, y_m] = position.map(|column| reader.number(column));
+                let velocity_mps = reader.all_or_none(velocity).map(|[vx, vy]| Position::new(vx, vy));
+                Some(TruePlace::Plane { position_m: Position::new(x_m?, y_m?), velocity_mps })
+            }
+            PlaceColumns::Bearing(column) => reader.number(column).map(|degrees| TruePlace::Bearing { bearing_rad: degrees.to_radians() }),
+        }
     }
 }
 
@@ -95,21 +114,37 @@ fn sorted(names: Interner, mut paths: Vec<Path>) -> Vec<Target> {
 /// # Errors
 /// What the output says.
 pub fn write(truth: &TruthSet, sink: &mut dyn Sink) -> io::Result<()> {
-    let with_velocity = truth.targets().iter().any(|target| target.points.iter().any(|point| point.velocity_mps.is_some()));
-    let columns = ["time_s", "truth_id", "x_m", "y_m", "vx_mps", "vy_mps"];
-    sink.begin(&columns[..if with_velocity { 6 } else { 4 }])?;
+    let has_velocity = |point: &TruthPoint| point.velocity_mps().is_some();
+    let with_velocity = truth.targets().iter().any(|target| target.points.iter().any(has_velocity));
+    let of_bearings = truth.is_of_bearings();
+    let columns: &[&str] = match (of_bearings, with_velocity) {
+        (true, _) => &["time_s", "truth_id", "bearing_deg"],
+        (false, false) => &["time_s", "truth_id", "x_m", "y_m"],
+        (false, true) => &["time_s", "truth_id", "x_m", "y_m", "vx_mps", "vy_mps"],
+    };
+    sink.begin(columns)?;
     for target in truth.targets() {
         for point in &target.points {
             sink.number(Some(point.time_s))?;
             sink.text(Some(&target.truth_id))?;
-            sink.number(Some(point.position_m.x))?;
-            sink.number(Some(point.position_m.y))?;
-            if with_velocity {
-                sink.number(point.velocity_mps.map(|velocity| velocity.x))?;
-                sink.number(point.velocity_mps.map(|velocity| velocity.y))?;
-            }
+            write_place(&point.place, with_velocity, sink)?;
             sink.end_row()?;
         }
     }
     Ok(())
+}
+
+fn write_place(place: &TruePlace, with_velocity: bool, sink: &mut dyn Sink) -> io::Result<()> {
+    match place {
+        TruePlace::Bearing { bearing_rad } => sink.number(Some(degrees(*bearing_rad))),
+        TruePlace::Plane { position_m, velocity_mps } => {
+            sink.number(Some(position_m.x))?;
+            sink.number(Some(position_m.y))?;
+            if with_velocity {
+                sink.number(velocity_mps.map(|velocity| velocity.x))?;
+                sink.number(velocity_mps.map(|velocity| velocity.y))?;
+            }
+            Ok(())
+        }
+    }
 }

@@ -1,8 +1,8 @@
 //! `trackloom demo`: the tour. Runs real jobs in the service's own data directory, prints what they found, then serves
 //! the dashboard with them.
 
-use super::table::{cell, table};
 use crate::experiment::presets;
+use crate::experiment::text::{cell, table};
 use crate::service::config::Config;
 use crate::service::jobs::{DatasetMeta, Jobs, JobsError, ReceivedFile};
 use crate::service::server;

@@ -20,7 +20,8 @@ pub(super) struct JobFile {
     pub kind: JobKind,
     /// The request as the plan checks it.
     pub body: Value,
-    files: BTreeMap<&'static str, FileSource>,
+    /// By JSON pointer.
+    files: BTreeMap<String, FileSource>,
     /// Paths in the job file are relative to where it stands.
     folder: PathBuf,
 }
@@ -58,8 +59,13 @@ static FILE_SOURCE: Object = Object {
     ],
 };
 
-/// Where a request may name a source.
-const SOURCES: [(&str, &str); 4] = [("input", "/input"), ("truth", "/truth"), ("tracks", "/tracks"), ("detections", "/detections")];
+/// The JSON pointers of every place in a request that may name a source.
+fn source_pointers(body: &Value) -> Vec<String> {
+    let mut pointers = ["/input", "/truth", "/tracks", "/detections"].map(String::from).to_vec();
+    let sequences = body["sequences"].as_array().map_or(0, Vec::len);
+    pointers.extend((0..sequences).flat_map(|index| ["truth", "tracks"].map(|name| format!("/sequences/{index}/{name}"))));
+    pointers
+}
 
 impl JobFile {
     /// Takes apart a job file that stands in `folder`.
@@ -74,18 +80,18 @@ impl JobFile {
         };
         let mut files = BTreeMap::new();
         let mut faults = Vec::new();
-        for (name, pointer) in SOURCES {
-            let Some(source) = body.get(name).filter(|source| source["source"] == "file") else { continue };
+        for pointer in source_pointers(&body) {
+            let Some(source) = body.pointer_mut(&pointer).filter(|source| source["source"] == "file") else { continue };
             match registry::check(source, &FILE_SOURCE).map(FileSource::deserialize) {
                 Ok(Ok(file)) => {
-                    files.insert(pointer, file);
+                    files.insert(pointer.clone(), file);
                 }
-                Ok(Err(error)) => faults.push(Fault::new(pointer, "malformed", error.to_string())),
+                Ok(Err(error)) => faults.push(Fault::new(pointer.clone(), "malformed", error.to_string())),
                 Err(found) => {
                     faults.extend(found.into_iter().map(|fault| Fault { pointer: format!("{pointer}{}", fault.pointer), ..fault }))
                 }
             }
-            body[name] = json!({"source": "dataset", "dataset_id": pointer});
+            *source = json!({"source": "dataset", "dataset_id": pointer});
         }
         if faults.is_empty() { Ok(JobFile { kind, body, files, folder: folder.to_owned() }) } else { Err(faults) }
     }
@@ -103,7 +109,9 @@ impl JobFile {
             if let Some(sensor_ids) = &file.sensor_ids {
                 source["sensor_ids"] = json!(sensor_ids);
             }
-            spec[pointer.trim_start_matches('/')] = source;
+            if let Some(place) = spec.pointer_mut(pointer) {
+                *place = source;
+            }
         }
     }
 

@@ -33,7 +33,7 @@ pub(super) fn source_refs(plan: &Plan) -> Vec<SourceRef> {
             Source::Dataset { dataset_id, .. } => SourceId::Dataset(dataset_id.clone()),
             Source::Job { job_id, .. } => SourceId::Job(job_id.clone()),
         };
-        SourceRef { pointer: request.pointer, role: request.role, id }
+        SourceRef { pointer: request.pointer.clone(), role: request.role, id }
     };
     plan.inputs.iter().map(source_ref).collect()
 }
@@ -132,7 +132,7 @@ impl Located {
 
     /// Reads what the request asks for: the file, or the named sensors' part of it. Blocks.
     pub(super) fn load(self, request: &InputRequest) -> Result<Input, JobsError> {
-        let dataset = self.read().map_err(|error| repoint(error, request.pointer))?;
+        let dataset = self.read().map_err(|error| repoint(error, &request.pointer))?;
         let (Source::Dataset { sensor_ids, .. } | Source::Job { sensor_ids, .. }) = &request.source;
         let (mut dataset, mut sensors) = (dataset, self.sensors);
         if let (Dataset::Detections(recording), Some(wanted)) = (&dataset, sensor_ids) {

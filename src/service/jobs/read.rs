@@ -4,6 +4,7 @@ use super::{Inner, JobFilter, JobLayers, JobsError, StoredFile};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::service::storage::{Cursor, StoredArtifact};
 use crate::service::types::{ArtifactInfo, ArtifactList, Event, EventPage, Job, JobPage, JobState};
+use crate::service::views::metrics::MetricTable;
 use anyhow::Context;
 use futures::Stream;
 use std::collections::VecDeque;
@@ -98,8 +99,14 @@ impl Inner {
         for kind in DatasetKind::ALL {
             files.extend(self.locate_artifact(&id.to_string(), kind).await?);
         }
+        let artifacts = self.storage.artifacts(id).await?;
+        let metrics = artifacts.iter().find(|artifact| artifact.name == METRIC_SERIES).map(|artifact| self.blobs.path(&artifact.sha256));
         let read = move || -> Result<JobLayers, JobsError> {
             let mut layers = JobLayers::default();
+            if let Some(path) = metrics {
+                let bytes = std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
+                layers.metrics = MetricTable::read(&bytes).with_context(|| format!("{METRIC_SERIES} is damaged"))?;
+            }
             for file in files {
                 match file.read()? {
                     Dataset::Detections(recording) => {
@@ -108,6 +115,8 @@ impl Inner {
                     }
                     Dataset::Truth(truth) => layers.truth = Some(truth),
                     Dataset::Tracks(tracks) => layers.tracks = Some(tracks),
+                    // Boxes live in a picture, not in the plane.
+                    Dataset::TruthBoxes(_) | Dataset::TrackBoxes(_) => {}
                 }
             }
             Ok(layers)
@@ -115,6 +124,9 @@ impl Inner {
         tokio::task::spawn_blocking(read).await.context("reading a job's files panicked")?
     }
 }
+
+/// The file from which the series `metrics` comes.
+const METRIC_SERIES: &str = "metric-series.csv";
 
 /// Where a reader of live events is.
 struct Reading {

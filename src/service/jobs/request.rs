@@ -8,6 +8,7 @@ use crate::model::sensor::SensorSettings;
 use crate::model::track::TrackSet;
 use crate::model::truth::TruthSet;
 use crate::service::types::Job;
+use crate::service::views::metrics::MetricTable;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -76,6 +77,8 @@ pub struct JobLayers {
     pub detections: Option<Recording>,
     pub truth: Option<TruthSet>,
     pub tracks: Option<TrackSet>,
+    /// Metrics over time; empty where none were computed.
+    pub metrics: MetricTable,
     /// What is known of the sensors behind them.
     pub sensors: Vec<SensorSettings>,
 }

@@ -17,7 +17,7 @@ use uuid::Uuid;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SourceRef {
     /// Where the request names it: `/input`, …
-    pub pointer: &'static str,
+    pub pointer: String,
     pub role: DatasetKind,
     pub id: SourceId,
 }

@@ -240,7 +240,7 @@ mod tests {
     }
 
     async fn admit(storage: &Storage, needs: &[Uuid]) -> (Uuid, Changed) {
-        let source = |id: &Uuid| SourceRef { pointer: "/input", role: DatasetKind::Detections, id: SourceId::Job(id.to_string()) };
+        let source = |id: &Uuid| SourceRef { pointer: "/input".into(), role: DatasetKind::Detections, id: SourceId::Job(id.to_string()) };
         let new = NewJob {
             kind: JobKind::Simulate,
             name: None,

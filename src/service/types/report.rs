@@ -4,6 +4,7 @@
 use super::dataset::{DatasetKind, SensorSettings};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::collections::BTreeMap;
 use utoipa::ToSchema;
 use uuid::Uuid;
 
@@ -162,7 +163,119 @@ pub struct EvaluateResult {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub association: Option<Association>,
-    pub tfa: Tfa,
+    /// Absent where only metrics were asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub tfa: Option<Tfa>,
+    /// By name, over all sequences together. Absent where no metric was asked for or no truth was found.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub metrics: Option<BTreeMap<String, MetricReport>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub events: Option<EventCounts>,
+    /// Each sequence alone, where there are several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub sequences: Option<Vec<SequenceMetrics>>,
+}
+
+/// What a metric says. Its values over time, and those of each target and each track, are in the job's files.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct MetricReport {
+    /// The headline; null with a reason where undefined.
+    pub value: Option<f64>,
+    pub unit: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub reason: Option<String>,
+    pub higher_is_better: bool,
+    /// All parameters that it was computed with.
+    #[schema(value_type = Object)]
+    pub parameters: Value,
+    /// Everything it says in numbers, by name; the headline too.
+    pub quantities: BTreeMap<String, Quantity>,
+    /// Values over another axis than time.
+    pub curves: Vec<Curve>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Quantity {
+    pub value: Option<f64>,
+    pub unit: String,
+    /// Why there is no value.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub reason: Option<String>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Curve {
+    pub name: String,
+    pub unit: String,
+    /// What `at` holds.
+    pub axis: String,
+    pub at: Vec<f64>,
+    pub values: Vec<Option<f64>>,
+}
+
+/// How often each kind of event occurred; the events themselves are in the file `events.csv`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct EventCounts {
+    pub counts: EventKindCounts,
+    /// Why tracks broke; the first thousand.
+    pub breaks: Vec<TrackBreak>,
+    /// Times at which truth and tracks were compared.
+    pub steps: u64,
+    pub truth_points: u64,
+    pub track_points: u64,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct EventKindCounts {
+    #[serde(rename = "match")]
+    pub matched: u64,
+    pub miss: u64,
+    pub false_alarm: u64,
+    pub switch: u64,
+    #[serde(rename = "break")]
+    pub broken: u64,
+    pub reacquisition: u64,
+    pub redundant: u64,
+    pub divergence: u64,
+}
+
+/// What became of the track that had followed a target.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum BreakCause {
+    /// It was given up.
+    Ended,
+    /// It followed another target from then on.
+    TookOtherTarget,
+    /// It lived on outside the gate.
+    LeftGate,
+}
+
+/// A target that was followed, and at this time is not.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct TrackBreak {
+    pub time_s: f64,
+    pub truth_id: String,
+    pub track_id: String,
+    pub cause: BreakCause,
+    /// The target that the track followed from then on.
+    pub other_truth_id: Option<String>,
+    /// Scans up to this one, in a row, without a detection within the gate of the target; null without detections.
+    pub unseen_scans: Option<u64>,
+    /// When the track was last given a detection; null where tracks do not say.
+    pub last_detection_time_s: Option<f64>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct SequenceMetrics {
+    pub name: String,
+    pub metrics: BTreeMap<String, MetricReport>,
 }
 
 /// The verdicts of the temporal automaton.
@@ -172,25 +285,39 @@ pub struct Tfa {
     pub counts: TfaCounts,
     pub probability: TfaProbability,
     pub ratios: TfaRatios,
+    pub automaton: TfaAutomaton,
+    /// Verdicts that forgive up to k errors, for each k from 0.
+    pub tolerance: Vec<TfaTolerance>,
     /// The automaton accepts every truth string.
     pub consistent: bool,
     /// Missed targets that a track is matched to: it began too late for the strict verdict.
     pub missed_with_matched_track: u64,
     pub targets: Vec<TfaTarget>,
     pub output_tracks: Vec<TfaOutputTrack>,
+    /// The first 1000 by scan; `counts.violations` are all.
     pub violations: Vec<TfaViolation>,
+    pub violations_left_out: u64,
+    /// The first 1000 by track; `counts.unknown_detections` are all.
     pub unknown_detections: Vec<TfaUnknownDetection>,
+    pub unknown_detections_left_out: u64,
     pub warnings: Vec<String>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct TfaParameters {
-    /// `detection_id` or `nearest_truth`.
+    /// `detection_id`, `nearest_detection` or `nearest_truth`.
     pub symbols: String,
     pub gate_m: Option<f64>,
     pub max_gap_s: Option<f64>,
+    /// `most_probable` or `all_gated`.
     pub decision: String,
+    /// Of `all_gated`.
+    pub min_weight: Option<f64>,
     pub max_missed: u32,
+    /// The largest k of `tolerance`.
+    pub tolerance: u32,
+    /// `breadth_first` or `depth_first`.
+    pub search: String,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
@@ -204,6 +331,30 @@ pub struct TfaCounts {
     pub matched_tracks: u64,
     pub redundant_tracks: u64,
     pub false_tracks: u64,
+    pub violations: u64,
+    pub unknown_detections: u64,
+}
+
+/// The automaton as built, and determinised and minimised where that was asked for and was not too large.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct TfaAutomaton {
+    pub states: u64,
+    pub transitions: u64,
+    pub minimised: Option<TfaAutomatonSize>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct TfaAutomatonSize {
+    pub states: u64,
+    pub transitions: u64,
+}
+
+/// Targets that are correct when up to `k` errors are forgiven, and what part of the output tracks they are.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct TfaTolerance {
+    pub k: u64,
+    pub correct: u64,
+    pub probability: Option<f64>,
 }
 
 /// Correct targets by output tracks; missed and false targets by targets. Null over zero.
@@ -257,6 +408,8 @@ pub struct TfaTarget {
     /// The track that speaks for the target; null where none began as its string does.
     pub track_id: Option<String>,
     pub errors: u64,
+    /// The least k with which it counts as correct in `tolerance`; null where no track was left for it.
+    pub least_errors: Option<u64>,
     pub log_probability: Option<f64>,
     pub symbols: u64,
     pub strings: u64,

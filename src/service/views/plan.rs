@@ -20,6 +20,8 @@ pub struct Plan {
     pub extent: Extent,
     pub scans: Vec<PlanScan>,
     pub sensors: Vec<SensorSettings>,
+    /// What could not be drawn, and why.
+    pub notes: Vec<String>,
 }
 
 macro_rules! layer {
@@ -154,7 +156,11 @@ pub fn of(layers: &JobLayers, window: &Window) -> Plan {
     let recording = layers.detections.as_ref().unwrap_or(&empty.1);
     let tracks = layers.tracks.as_ref().unwrap_or(&empty.2);
     let mut extent = Extent::default();
+    let without_place = [("truth", truth.is_of_bearings()), ("tracks", tracks.is_of_bearings())];
+    let note =
+        |name: &str| format!("the {name} are directions (bearing_deg), which have no place in the plane: see the series bearing_time");
     Plan {
+        notes: without_place.iter().filter(|(_, is_of_bearings)| *is_of_bearings).map(|(name, _)| note(name)).collect(),
         truth: truth_layer(truth, window, &mut extent),
         detections: detection_layer(recording, layers, window, &mut extent),
         tracks: track_layer(tracks, window, &mut extent),
@@ -168,14 +174,15 @@ pub fn of(layers: &JobLayers, window: &Window) -> Plan {
 
 fn truth_layer(truth: &TruthSet, window: &Window, extent: &mut Extent) -> TruthLayer {
     let all = truth.targets().iter().flat_map(|target| target.points.iter().map(move |point| (target, point)));
-    let rows: Vec<_> = all.filter(|(_, point)| window.holds(point.time_s)).collect();
-    rows.iter().for_each(|(_, point)| extent.include(point.time_s, Some((point.position_m.x, point.position_m.y))));
+    let placed = all.filter_map(|(target, point)| Some((target, point, point.position_m()?)));
+    let rows: Vec<_> = placed.filter(|(_, point, _)| window.holds(point.time_s)).collect();
+    rows.iter().for_each(|(_, point, position_m)| extent.include(point.time_s, Some((position_m.x, position_m.y))));
     let kept = Reduced::every_nth(rows.len(), window.max_points);
     let columns = TruthColumns {
         time_s: kept.column(|row| rows[row].1.time_s),
         truth_id: kept.column(|row| rows[row].0.truth_id.clone()),
-        x_m: kept.column(|row| rows[row].1.position_m.x),
-        y_m: kept.column(|row| rows[row].1.position_m.y),
+        x_m: kept.column(|row| rows[row].2.x),
+        y_m: kept.column(|row| rows[row].2.y),
     };
     TruthLayer::new(columns, &kept)
 }
@@ -200,7 +207,7 @@ fn detection_layer(recording: &Recording, layers: &JobLayers, window: &Window, e
 }
 
 /// Where each sensor of the recording stands: as the job knows it, else as the recording does, else at the origin.
-fn sensor_places(recording: &Recording, layers: &JobLayers) -> Vec<(f64, f64)> {
+pub(super) fn sensor_places(recording: &Recording, layers: &JobLayers) -> Vec<(f64, f64)> {
     let known: BTreeMap<_, _> = layers.sensors.iter().map(|sensor| (sensor.sensor_id.as_str(), sensor)).collect();
     let place = |sensor: &crate::model::sensor::SensorSettings| {
         let settings = known.get(sensor.sensor_id.as_str()).map_or_else(|| sensor.clone(), |other| sensor.overridden_by(other));
@@ -210,17 +217,17 @@ fn sensor_places(recording: &Recording, layers: &JobLayers) -> Vec<(f64, f64)> {
 }
 
 fn track_layer(set: &TrackSet, window: &Window, extent: &mut Extent) -> TrackLayer {
-    let rows: Vec<_> = points(set, window).collect();
-    rows.iter().for_each(|(_, point)| extent.include(point.time_s, Some((point.state[0], point.state[1]))));
+    let rows: Vec<_> = points(set, window).filter_map(|(track_id, point)| Some((track_id, point, point.estimate.plane()?))).collect();
+    rows.iter().for_each(|(_, point, plane)| extent.include(point.time_s, Some((plane.state[0], plane.state[1]))));
     let kept = Reduced::every_nth(rows.len(), window.max_points);
-    let velocity = |row: usize, axis: usize| rows[row].1.has_velocity.then(|| rows[row].1.state[axis]);
-    let variance = |row: usize, place: (usize, usize)| rows[row].1.covariance.map(|covariance| covariance[place]);
+    let velocity = |row: usize, axis: usize| rows[row].2.has_velocity.then(|| rows[row].2.state[axis]);
+    let variance = |row: usize, place: (usize, usize)| rows[row].2.covariance.map(|covariance| covariance[place]);
     let candidate = |row: usize| most_probable(set, rows[row].1);
     let columns = TrackColumns {
         time_s: kept.column(|row| rows[row].1.time_s),
         track_id: kept.column(|row| rows[row].0.to_owned()),
-        x_m: kept.column(|row| rows[row].1.state[0]),
-        y_m: kept.column(|row| rows[row].1.state[1]),
+        x_m: kept.column(|row| rows[row].2.state[0]),
+        y_m: kept.column(|row| rows[row].2.state[1]),
         vx_mps: kept.column(|row| velocity(row, 2)),
         vy_mps: kept.column(|row| velocity(row, 3)),
         status: kept.column(|row| rows[row].1.status.map(|status| status.name().to_owned())),
@@ -251,7 +258,7 @@ mod tests {
         let Dataset::Detections(detections) = read(polar) else { panic!("not detections") };
         let Dataset::Tracks(tracks) = read(tracks) else { panic!("not tracks") };
         let sensor = sensor::SensorSettings { x_m: Some(10.0), y_m: Some(20.0), ..sensor::SensorSettings::named("s") };
-        JobLayers { detections: Some(detections), truth: None, tracks: Some(tracks), sensors: vec![sensor] }
+        JobLayers { detections: Some(detections), tracks: Some(tracks), sensors: vec![sensor], ..JobLayers::default() }
     }
 
     #[test]

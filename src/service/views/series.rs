@@ -1,5 +1,7 @@
-//! Series over time: the probability of each candidate of each track, and what each scan held.
+//! Series over time: the probability of each candidate of each track, what each scan held, and bearings.
 
+use super::bearing_time::{self, BearingTimeSeries};
+use super::metrics::{MetricsSeries, over_time};
 use super::{Method, Reduced, Window, detection_id, points, scans};
 use crate::model::scan::Recording;
 use crate::model::track::{TrackSet, TrackStatus};
@@ -12,9 +14,11 @@ use utoipa::ToSchema;
 pub type MakeSeries = fn(&JobLayers, &Window) -> Series;
 
 /// Every series, by name.
-pub const SERIES: [(&str, MakeSeries); 2] = [
+pub const SERIES: [(&str, MakeSeries); 4] = [
     ("track_probability", |layers, window| Series::TrackProbability(track_probability(layers, window))),
     ("scan_counts", |layers, window| Series::ScanCounts(scan_counts(layers, window))),
+    ("bearing_time", |layers, window| Series::BearingTime(bearing_time::of(layers, window))),
+    ("metrics", |layers, window| Series::Metrics(over_time(&layers.metrics, window))),
 ];
 
 /// A series of a job, as columns of equal length.
@@ -23,6 +27,8 @@ pub const SERIES: [(&str, MakeSeries); 2] = [
 pub enum Series {
     TrackProbability(TrackProbabilitySeries),
     ScanCounts(ScanCountsSeries),
+    BearingTime(BearingTimeSeries),
+    Metrics(MetricsSeries),
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
@@ -60,6 +66,8 @@ pub struct TrackProbabilityColumns {
     pub probability: Vec<f64>,
     /// `tentative`, `confirmed`, `coasted`; null where the tracks do not say.
     pub status: Vec<Option<String>>,
+    /// Normalised innovation squared of the track's update at this scan; null where it had no detection to update with.
+    pub nis: Vec<Option<f64>>,
 }
 
 /// One row for each scan.
@@ -112,6 +120,7 @@ fn track_probability(layers: &JobLayers, window: &Window) -> TrackProbabilitySer
         detection_id: kept.column(|row| detection_id(set, rows[row].2)),
         probability: kept.column(|row| rows[row].2.probability),
         status: kept.column(|row| rows[row].1.status.map(|status| status.name().to_owned())),
+        nis: kept.column(|row| rows[row].1.nis),
     };
     TrackProbabilitySeries {
         name: TrackProbabilityName::TrackProbability,
@@ -191,8 +200,8 @@ mod tests {
 
     fn layers() -> JobLayers {
         let detections = "time_s,scan,sensor_id,detection_id,x_m,y_m\n0,1,a,d1,0,0\n0,2,b,d2,0,0\n2,3,a,d3,0,0\n2,3,a,d4,0,0\n";
-        let tracks = "time_s,track_id,sensor_id,x_m,y_m,detection_id,probability,status\n\
-            0,t,a,0,0,d1,1,tentative\n2,t,a,0,0,d3,0.5,confirmed\n2,t,a,0,0,,0.5,confirmed\n2,u,a,0,0,d4,1,tentative\n";
+        let tracks = "time_s,track_id,sensor_id,x_m,y_m,detection_id,probability,status,nis\n\
+            0,t,a,0,0,d1,1,tentative,\n2,t,a,0,0,d3,0.5,confirmed,1.5\n2,t,a,0,0,,0.5,confirmed,1.5\n2,u,a,0,0,d4,1,tentative,\n";
         let Dataset::Detections(detections) = read(detections) else { panic!("not detections") };
         let Dataset::Tracks(tracks) = read(tracks) else { panic!("not tracks") };
         JobLayers { detections: Some(detections), tracks: Some(tracks), ..JobLayers::default() }
@@ -208,6 +217,7 @@ mod tests {
         assert_eq!(columns.time_s, [0.0, 2.0, 2.0, 2.0]);
         assert_eq!(columns.scan, [Some(1), Some(3), Some(3), Some(3)]);
         assert_eq!(columns.probability, [1.0, 0.5, 0.5, 1.0]);
+        assert_eq!(columns.nis, [None, Some(1.5), Some(1.5), None]);
         assert_eq!(columns.detection_id.iter().filter(|id| id.is_none()).count(), 1);
     }
 

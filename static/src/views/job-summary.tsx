@@ -68,7 +68,7 @@ function OutputTracks({ tfa }: { tfa: Tfa }): JSX.Element {
     ["False", count(tfa.counts.false_tracks)],
     ["Output tracks per target", number(tfa.ratios.output_tracks_per_target)],
     ["Missed, but taken up later", count(tfa.missed_with_matched_track)],
-    ["Violations of one detection, one track", count(tfa.violations.length)],
+    ["Violations of one detection, one track", count(tfa.counts.violations)],
   ];
   return (
     <section class="panel">

@@ -1,0 +1,104 @@
+//! Why tracks break: at every [`EventKind::Break`], what became of the track that had followed the target, and whether the
+//! sensors saw the target at all.
+//!
+//! A detection within the gate of the target's true place counts as seen, whoever made it.
+
+use super::EvaluationInput;
+use super::comparison::{Comparison, Step};
+use super::events::{Event, EventKind, EventLog};
+use crate::model::scan::Recording;
+use crate::model::state::Position;
+use crate::model::track::TrackSet;
+use serde::Serialize;
+
+/// What became of the track.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BreakCause {
+    /// It was given up.
+    Ended,
+    /// It followed another target from then on.
+    TookOtherTarget,
+    /// It lived on outside the gate.
+    LeftGate,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Break {
+    pub time_s: f64,
+    pub truth_id: String,
+    pub track_id: String,
+    pub cause: BreakCause,
+    /// The target that the track followed from then on.
+    pub other_truth_id: Option<String>,
+    /// How many scans up to this one, in a row, had no detection within the gate of the target; null without detections.
+    pub unseen_scans: Option<usize>,
+    /// When the track was last given a detection; null where tracks do not say.
+    pub last_detection_time_s: Option<f64>,
+}
+
+/// Every break, in order of time.
+pub fn explain(comparison: &Comparison, log: &EventLog, input: Option<&EvaluationInput>) -> Vec<Break> {
+    let recording = input.and_then(|input| input.recording).filter(|recording| !recording.detections.is_empty());
+    let breaks = log.events.iter().filter(|event| event.kind == EventKind::Break);
+    breaks
+        .filter_map(|event| {
+            let (truth, track) = (event.truth?, event.track?);
+            let step = &comparison.steps[event.step as usize];
+            let other = followed_by(&log.events[log.steps[event.step as usize].clone()], track);
+            let cause = match (other, is_there(comparison, step, track)) {
+                (Some(_), _) => BreakCause::TookOtherTarget,
+                (None, true) => BreakCause::LeftGate,
+                (None, false) => BreakCause::Ended,
+            };
+            Some(Break {
+                time_s: step.time_s,
+                truth_id: comparison.truth_ids[truth as usize].clone(),
+                track_id: comparison.track_ids[track as usize].clone(),
+                cause,
+                other_truth_id: other.map(|truth| comparison.truth_ids[truth as usize].clone()),
+                unseen_scans: recording.map(|recording| unseen_scans(comparison, recording, event.step as usize, truth)),
+                last_detection_time_s: input.and_then(|input| last_detection_s(input.tracks, track, step.time_s)),
+            })
+        })
+        .collect()
+}
+
+fn followed_by(events: &[Event], track: u32) -> Option<u32> {
+    events.iter().find(|event| event.kind == EventKind::Match && event.track == Some(track)).and_then(|event| event.truth)
+}
+
+fn is_there(comparison: &Comparison, step: &Step, track: u32) -> bool {
+    comparison.tracks[step.tracks.clone()].binary_search_by_key(&track, |presence| presence.id).is_ok()
+}
+
+/// Counts back from a step while no scan of that time has a detection near the target.
+fn unseen_scans(comparison: &Comparison, recording: &Recording, step: usize, truth: u32) -> usize {
+    let place = |step: &Step| {
+        let truths = &comparison.truths[step.truths.clone()];
+        truths.binary_search_by_key(&truth, |presence| presence.id).ok().map(|index| truths[index].position_m)
+    };
+    let steps = comparison.steps[..=step].iter().rev();
+    let places = steps.map_while(|step| place(step).map(|position_m| (step.time_s, position_m)));
+    places.take_while(|(time_s, position_m)| !is_seen(recording, *time_s, position_m, comparison.gate)).count()
+}
+
+fn is_seen(recording: &Recording, time_s: f64, position_m: &Position, gate_m: f64) -> bool {
+    let first = recording.scans.partition_point(|scan| scan.time_s < time_s);
+    recording.scans[first..].iter().take_while(|scan| scan.time_s == time_s).any(|scan| {
+        let sensor = &recording.sensors[scan.sensor];
+        let place_m = Position::new(sensor.x_m.unwrap_or_default(), sensor.y_m.unwrap_or_default());
+        let mut seen = recording.detections_of(scan).iter().filter_map(|detection| detection.measurement.position_seen_from(&place_m));
+        seen.any(|seen_m| (seen_m - position_m).norm() <= gate_m)
+    })
+}
+
+/// The last point at or before `time_s` whose most probable candidate is a detection.
+fn last_detection_s(tracks: &TrackSet, track: u32, time_s: f64) -> Option<f64> {
+    let points = tracks.tracks[track as usize].points.iter().rev().skip_while(|point| point.time_s > time_s);
+    let mut detected = points.filter(|point| {
+        let best = tracks.candidates_of(point).iter().max_by(|a, b| a.probability.total_cmp(&b.probability));
+        best.is_some_and(|best| best.detection.is_some())
+    });
+    detected.next().map(|point| point.time_s)
+}

@@ -1,0 +1,367 @@
+//! Assignment metrics: what happened to each truth and to each track, told from the side of the tracks.
+//!
+//! # Reference
+//! S. B. Colegrove, L. M. Davis, S. J. Davey, Performance Assessment of Tracking Systems, Proc. Int. Symp. on Signal
+//! Processing and its Applications, 1996; the terms are those of S. B. Colegrove, 2005.
+//!
+//! # Method
+//! 1. A track takes the nearest truth within the gate and keeps it up to the divergence gate (never smaller than the
+//!    gate). Beyond that it diverges; it is divergent until it takes a truth again. Taking another truth than before is
+//!    a swap. A truth that ceases to exist frees its tracks.
+//! 2. Several tracks may keep one truth. The one that has kept it longest is associated with it, the others are
+//!    redundant.
+//! 3. A truth is established when a track is first associated with it; the establishment length counts its steps
+//!    before. A break begins at each step at which nobody is associated any more; its length counts such steps.
+//! 4. A track that never takes a truth is false.
+//!
+//! Inside coverage are the steps at which the truth exists: what no sensor can see must not be among the truth.
+
+use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence};
+use crate::evaluation::comparison::{Comparison, Shape, Step};
+use crate::registry::{Bound, Field, Kind, Method, Object, Presence};
+use serde::Deserialize;
+use serde_json::json;
+
+pub const METHOD: Method<BuildMetric> =
+    Method { name: "assignment", parameters: &PARAMETERS, build: |spec| Ok(Box::new(Assignment::deserialize(spec)?)) };
+
+static PARAMETERS: Object = Object {
+    name: "AssignmentMetrics",
+    summary: "Establishment and breaks of each truth; swaps, divergence, redundancy and falsehood of each track.",
+    fields: &[Field {
+        name: "divergence_gate",
+        summary: "A track keeps its truth up to this distance (m, or 1 - intersection over union of boxes); default: the gate.",
+        kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::None, unit: "" },
+        presence: Presence::Optional,
+    }],
+};
+
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct Assignment {
+    divergence_gate: Option<f64>,
+}
+
+impl Metric for Assignment {
+    fn accepts(&self, _: Shape) -> bool {
+        true
+    }
+
+    fn reach_m(&self, gate_m: f64) -> f64 {
+        self.divergence_gate(gate_m)
+    }
+
+    fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
+        let (mut truths, mut tracks) = (Vec::new(), Vec::new());
+        let (mut per_truth, mut per_track) = (Vec::new(), Vec::new());
+        for &Sequence { comparison, .. } in sequences {
+            let walk = Walk::new(comparison, self.divergence_gate(comparison.gate));
+            if sequences.len() == 1 {
+                per_truth = lines(&comparison.truth_ids, &walk.truths, TruthLife::quantities);
+                per_track = lines(&comparison.track_ids, &walk.tracks, TrackLife::quantities);
+            }
+            truths.extend(walk.truths.into_iter().filter(|truth| truth.steps > 0));
+            tracks.extend(walk.tracks.into_iter().filter(|track| track.steps > 0));
+        }
+        let gate = sequences.first().map(|sequence| sequence.comparison.gate);
+        let parameters = json!({"gate": gate, "divergence_gate": gate.map(|gate| self.divergence_gate(gate))});
+        let report = MetricReport::new("associated_share", true, parameters, totals(&truths, &tracks));
+        MetricReport { per_truth, per_track, ..report }
+    }
+}
+
+impl Assignment {
+    fn divergence_gate(self, gate: f64) -> f64 {
+        self.divergence_gate.map_or(gate, |divergence_gate| divergence_gate.max(gate))
+    }
+}
+
+/// The life of one truth, in steps at which it exists.
+#[derive(Debug, Clone, Copy, Default)]
+struct TruthLife {
+    steps: u32,
+    associated: u32,
+    establishment: u32,
+    breaks: u32,
+    break_length: u32,
+    was_associated: bool,
+}
+
+/// The life of one track, in steps at which it exists.
+#[derive(Debug, Clone, Copy, Default)]
+struct TrackLife {
+    steps: u32,
+    assigned: u32,
+    swaps: u32,
+    divergences: u32,
+    divergence_length: u32,
+    redundancies: u32,
+    redundancy_length: u32,
+    /// The truth it keeps, and since which step; the truth it kept last.
+    truth: Option<u32>,
+    since: u32,
+    last_truth: Option<u32>,
+    is_divergent: bool,
+    was_redundant: bool,
+}
+
+/// Goes through the steps.
+struct Walk<'a> {
+    comparison: &'a Comparison,
+    divergence_gate: f64,
+    truths: Vec<TruthLife>,
+    tracks: Vec<TrackLife>,
+    /// For each track of the step: distance of the truth it keeps, and its nearest truth.
+    kept: Vec<Option<f64>>,
+    nearest: Vec<Option<(f64, u32)>>,
+    /// For each truth of the step: the track associated with it.
+    associated: Vec<Option<u32>>,
+}
+
+impl<'a> Walk<'a> {
+    fn new(comparison: &'a Comparison, divergence_gate: f64) -> Self {
+        let mut walk = Walk {
+            comparison,
+            divergence_gate,
+            truths: vec![TruthLife::default(); comparison.truth_ids.len()],
+            tracks: vec![TrackLife::default(); comparison.track_ids.len()],
+            kept: Vec::new(),
+            nearest: Vec::new(),
+            associated: Vec::new(),
+        };
+        for (index, step) in comparison.steps.iter().enumerate() {
+            walk.look_around(step);
+            walk.assign(index as u32, step);
+            walk.associate(step);
+            walk.count_truths(step);
+        }
+        walk
+    }
+
+    fn look_around(&mut self, step: &Step) {
+        self.kept.clear();
+        self.kept.resize(step.tracks.len(), None);
+        self.nearest.clear();
+        self.nearest.resize(step.tracks.len(), None);
+        for pair in &self.comparison.pairs[step.pairs.clone()] {
+            let offset = pair.track as usize - step.tracks.start;
+            let (truth, track) = (self.comparison.truths[pair.truth as usize].id, self.comparison.tracks[pair.track as usize].id);
+            if self.tracks[track as usize].truth == Some(truth) && pair.distance <= self.divergence_gate {
+                self.kept[offset] = Some(pair.distance);
+            }
+            if pair.distance <= self.comparison.gate && self.nearest[offset].is_none_or(|nearest| pair.distance < nearest.0) {
+                self.nearest[offset] = Some((pair.distance, truth));
+            }
+        }
+    }
+
+    /// Method, 1.
+    fn assign(&mut self, index: u32, step: &Step) {
+        let truths = &self.comparison.truths[step.truths.clone()];
+        for (offset, presence) in self.comparison.tracks[step.tracks.clone()].iter().enumerate() {
+            let track = &mut self.tracks[presence.id as usize];
+            track.steps += 1;
+            if let Some(truth) = track.truth.filter(|_| self.kept[offset].is_none()) {
+                track.truth = None;
+                track.is_divergent = truths.binary_search_by_key(&truth, |truth| truth.id).is_ok();
+                track.divergences += u32::from(track.is_divergent);
+            }
+            if let (None, Some((_, truth))) = (track.truth, self.nearest[offset]) {
+                track.swaps += u32::from(track.last_truth.is_some_and(|last| last != truth));
+                (track.truth, track.last_truth, track.since, track.is_divergent) = (Some(truth), Some(truth), index, false);
+            }
+            track.assigned += u32::from(track.truth.is_some());
+            track.divergence_length += u32::from(track.is_divergent);
+        }
+    }
+
+    /// Method, 2.
+    fn associate(&mut self, step: &Step) {
+        let comparison = self.comparison;
+        self.associated.clear();
+        self.associated.resize(step.truths.len(), None);
+        let truths = &comparison.truths[step.truths.clone()];
+        let place = |truth: u32| truths.binary_search_by_key(&truth, |presence| presence.id).ok();
+        for presence in &comparison.tracks[step.tracks.clone()] {
+            let track = &self.tracks[presence.id as usize];
+            let Some(place) = track.truth.and_then(place) else { continue };
+            let is_longer = |other: u32| track.since < self.tracks[other as usize].since;
+            if self.associated[place].is_none_or(is_longer) {
+                self.associated[place] = Some(presence.id);
+            }
+        }
+        for presence in &comparison.tracks[step.tracks.clone()] {
+            let track = &mut self.tracks[presence.id as usize];
+            let of_truth = track.truth.and_then(place).and_then(|place| self.associated[place]);
+            let is_redundant = of_truth.is_some_and(|associated| associated != presence.id);
+            track.redundancies += u32::from(is_redundant && !track.was_redundant);
+            track.redundancy_length += u32::from(is_redundant);
+            track.was_redundant = is_redundant;
+        }
+    }
+
+    /// Method, 3.
+    fn count_truths(&mut self, step: &Step) {
+        for (presence, associated) in self.comparison.truths[step.truths.clone()].iter().zip(&self.associated) {
+            let life = &mut self.truths[presence.id as usize];
+            life.steps += 1;
+            match associated {
+                Some(_) => life.associated += 1,
+                None if life.associated == 0 => life.establishment += 1,
+                None => {
+                    life.breaks += u32::from(life.was_associated);
+                    life.break_length += 1;
+                }
+            }
+            life.was_associated = associated.is_some();
+        }
+    }
+}
+
+impl TruthLife {
+    fn quantities(&self) -> Vec<Quantity> {
+        let count = |name, count: u32| Quantity::new(name, f64::from(count), "");
+        let establishment = Some(f64::from(self.establishment)).filter(|_| self.associated > 0);
+        vec![
+            count("steps_inside_coverage", self.steps),
+            count("established", u32::from(self.associated > 0)),
+            Quantity::or("establishment_length", establishment, "steps", "never established"),
+            count("breaks", self.breaks),
+            Quantity::new("break_length", f64::from(self.break_length), "steps"),
+            Quantity::ratio("associated_share", f64::from(self.associated), f64::from(self.steps), "", "does not exist at any step"),
+        ]
+    }
+}
+
+impl TrackLife {
+    fn is_false(&self) -> bool {
+        self.last_truth.is_none()
+    }
+
+    fn quantities(&self) -> Vec<Quantity> {
+        let count = |name, count: u32| Quantity::new(name, f64::from(count), "");
+        let length = |name, steps: u32| Quantity::new(name, f64::from(steps), "steps");
+        vec![
+            length("length", self.steps),
+            length("assigned_length", self.assigned),
+            count("swaps", self.swaps),
+            count("divergences", self.divergences),
+            length("divergence_length", self.divergence_length),
+            count("redundancies", self.redundancies),
+            length("redundancy_length", self.redundancy_length),
+            count("false", u32::from(self.is_false())),
+            length("false_length", if self.is_false() { self.steps } else { 0 }),
+        ]
+    }
+}
+
+fn lines<Life>(ids: &[String], lives: &[Life], quantities: impl Fn(&Life) -> Vec<Quantity>) -> Vec<Line> {
+    ids.iter().zip(lives).map(|(id, life)| Line { id: id.clone(), quantities: quantities(life) }).collect()
+}
+
+fn totals(truths: &[TruthLife], tracks: &[TrackLife]) -> Vec<Quantity> {
+    let of_truths = |part: fn(&TruthLife) -> u32| truths.iter().map(|life| f64::from(part(life))).sum::<f64>();
+    let of_tracks = |part: fn(&TrackLife) -> u32| tracks.iter().map(|life| f64::from(part(life))).sum::<f64>();
+    let established = of_truths(|life| u32::from(life.associated > 0));
+    let establishment = of_truths(|life| if life.associated > 0 { life.establishment } else { 0 });
+    let false_tracks = of_tracks(|life| u32::from(life.is_false()));
+    let no_truth = "no truth at any step";
+    vec![
+        Quantity::ratio("associated_share", of_truths(|life| life.associated), of_truths(|life| life.steps), "", no_truth),
+        Quantity::new("truths", truths.len() as f64, ""),
+        Quantity::new("truths_established", established, ""),
+        Quantity::ratio("truths_established_share", established, truths.len() as f64, "", no_truth),
+        Quantity::ratio("mean_establishment_length", establishment, established, "steps", "no truth was established"),
+        Quantity::new("breaks", of_truths(|life| life.breaks), ""),
+        Quantity::new("break_length", of_truths(|life| life.break_length), "steps"),
+        Quantity::new("tracks", tracks.len() as f64, ""),
+        Quantity::new("swaps", of_tracks(|life| life.swaps), ""),
+        Quantity::new("divergences", of_tracks(|life| life.divergences), ""),
+        Quantity::new("divergence_length", of_tracks(|life| life.divergence_length), "steps"),
+        Quantity::new("redundancies", of_tracks(|life| life.redundancies), ""),
+        Quantity::new("redundancy_length", of_tracks(|life| life.redundancy_length), "steps"),
+        Quantity::new("false_tracks", false_tracks, ""),
+        Quantity::ratio("false_tracks_share", false_tracks, tracks.len() as f64, "", "no track at any step"),
+        Quantity::new("false_track_length", of_tracks(|life| if life.is_false() { life.steps } else { 0 }), "steps"),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluation::tests::{GONE, assert_quantities, compare, evaluate, line, main_scene, swap_scene};
+
+    fn numbers(lines: &[Line], id: &str) -> Vec<f64> {
+        line(lines, id).into_iter().map(|(_, value)| value.unwrap_or(f64::INFINITY)).collect()
+    }
+
+    #[test]
+    fn the_main_scene_by_hand() {
+        let report = evaluate("assignment", json!({}), &[main_scene(10.0)]);
+        // A is there at 0..=9, established at once, broken at 6. B is there at 2..=9, established at 3.
+        assert_eq!(numbers(&report.per_truth, "A"), [10.0, 1.0, 0.0, 1.0, 1.0, 0.9]);
+        assert_eq!(numbers(&report.per_truth, "B"), [8.0, 1.0, 1.0, 0.0, 0.0, 7.0 / 8.0]);
+        assert_eq!(numbers(&report.per_track, "T4"), [3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 3.0]);
+        assert_quantities(&report, &[("associated_share", Some(16.0 / 18.0)), ("mean_establishment_length", Some(0.5))]);
+        assert_quantities(
+            &report,
+            &[("false_tracks", Some(1.0)), ("breaks", Some(1.0)), ("swaps", Some(0.0)), ("truths_established", Some(2.0))],
+        );
+    }
+
+    #[test]
+    fn crossing_tracks_swap() {
+        let report = evaluate("assignment", json!({}), &[swap_scene(10.0)]);
+        assert_quantities(
+            &report,
+            &[("swaps", Some(2.0)), ("divergences", Some(2.0)), ("divergence_length", Some(0.0)), ("breaks", Some(0.0))],
+        );
+    }
+
+    #[test]
+    fn a_track_keeps_its_truth_up_to_the_divergence_gate() {
+        // 1, 15, 15, 30, 30, 5 m from A at a gate of 10.
+        let scene = || [compare(&[("A", &[0.0; 6])], &[("T", &[1.0, 15.0, 15.0, 30.0, 30.0, 5.0])], 10.0)];
+        let report = evaluate("assignment", json!({"divergence_gate": 20.0}), &scene());
+        assert_eq!(numbers(&report.per_track, "T"), [6.0, 4.0, 0.0, 1.0, 2.0, 0.0, 0.0, 0.0, 0.0]);
+        assert_eq!(numbers(&report.per_truth, "A"), [6.0, 1.0, 0.0, 1.0, 2.0, 4.0 / 6.0]);
+        assert_eq!(report.parameters["divergence_gate"], 20.0);
+        let report = evaluate("assignment", json!({}), &scene());
+        assert_eq!(numbers(&report.per_track, "T")[..5], [6.0, 2.0, 0.0, 1.0, 4.0]);
+        // Below the gate it is the gate.
+        assert_eq!(Assignment { divergence_gate: Some(3.0) }.reach_m(10.0), 10.0);
+    }
+
+    #[test]
+    fn the_track_that_has_kept_a_truth_longest_is_associated() {
+        // T has A from the start, U joins at 1. T leaves at 3, so U is associated; T comes back and is redundant.
+        let tracks = [("U", &[GONE, 1.0, 1.0, 1.0, 1.0][..]), ("T", &[2.0, 2.0, 2.0, 40.0, 2.0])];
+        let report = evaluate("assignment", json!({}), &[compare(&[("A", &[0.0; 5])], &tracks, 10.0)]);
+        assert_eq!(numbers(&report.per_track, "U")[5..7], [1.0, 2.0]);
+        assert_eq!(numbers(&report.per_track, "T"), [5.0, 4.0, 0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0]);
+        assert_quantities(&report, &[("breaks", Some(0.0)), ("redundancies", Some(2.0)), ("redundancy_length", Some(3.0))]);
+    }
+
+    #[test]
+    fn a_truth_that_ends_frees_its_track_without_divergence() {
+        let truths = [("A", &[0.0, 0.0, GONE, GONE][..]), ("B", &[GONE, GONE, GONE, 3.0])];
+        let report = evaluate("assignment", json!({}), &[compare(&truths, &[("T", &[1.0; 4])], 10.0)]);
+        assert_eq!(numbers(&report.per_track, "T")[..5], [4.0, 3.0, 1.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn edges() {
+        let report = evaluate("assignment", json!({}), &[compare(&[("A", &[0.0; 3])], &[], 10.0)]);
+        assert_quantities(&report, &[("associated_share", Some(0.0)), ("mean_establishment_length", None), ("false_tracks_share", None)]);
+        assert_eq!(line(&report.per_truth, "A")[2], ("establishment_length", None));
+        let report = evaluate("assignment", json!({}), &[compare(&[], &[("T", &[0.0; 3])], 10.0)]);
+        assert_quantities(&report, &[("associated_share", None), ("false_tracks", Some(1.0)), ("false_track_length", Some(3.0))]);
+        let report = evaluate("assignment", json!({}), &[compare(&[], &[], 10.0)]);
+        assert_quantities(&report, &[("associated_share", None), ("truths", Some(0.0)), ("truths_established_share", None)]);
+        let report = evaluate("assignment", json!({}), &[main_scene(10.0), swap_scene(10.0)]);
+        assert_quantities(
+            &report,
+            &[("associated_share", Some(38.0 / 40.0)), ("truths", Some(4.0)), ("mean_establishment_length", Some(0.25))],
+        );
+        assert!(report.per_track.is_empty());
+    }
+}

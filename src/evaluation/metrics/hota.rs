@@ -1,0 +1,321 @@
+//! HOTA: detection and association judged evenly, over thresholds of similarity.
+//!
+//! # Reference
+//! J. Luiten, A. Ošep, P. Dendorfer, P. Torr, A. Geiger, L. Leal-Taixé, B. Leibe, HOTA: A Higher Order Metric for Evaluating
+//! Multi-Object Tracking, International Journal of Computer Vision 129, 2021; OWTA: Y. Liu et al., Opening up Open World
+//! Tracking, CVPR 2022.
+//!
+//! # Symbols
+//! α threshold, 0.05 to 0.95 in steps of 0.05; s similarity of a pair at a step; gᵢ, tⱼ points of a truth and of a track;
+//! cᵢⱼ(α) at how many steps they are matched with s ≥ α.
+//!
+//! # Method
+//! 1. Each pair's share of its step, s / (row sum + column sum − s), summed over time to pᵢⱼ; the alignment of a truth
+//!    and a track is aᵢⱼ = pᵢⱼ / (gᵢ + tⱼ − pᵢⱼ).
+//! 2. At each step the matching with the greatest Σ aᵢⱼ s, once for all α. A match counts for every α up to its s.
+//! 3. At each α: TP matches, DetA = TP / (TP + FN + FP), AssA = Σ c² / (gᵢ + tⱼ − c) / TP, AssRe and AssPr with gᵢ and tⱼ
+//!    alone below the line, LocA = Σ s / TP, HOTA = √(DetA AssA), OWTA = √(DetRe AssA). The headlines are means over α.
+//!
+//! As TrackEval has it, at an α without a match the parts of association count as 0 and LocA as 1. Several sequences add
+//! their counts and sums at each α, so that association is weighted by TP.
+
+use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence, Series};
+use crate::evaluation::acquaintances::Acquaintances;
+use crate::evaluation::comparison::{Comparison, Pair, Presence, Shape};
+use crate::evaluation::matching::StepMatcher;
+use crate::registry::{Method, Object};
+use serde_json::json;
+
+pub const METHOD: Method<BuildMetric> = Method { name: "hota", parameters: &PARAMETERS, build: |_| Ok(Box::new(Hota)) };
+
+static PARAMETERS: Object = Object {
+    name: "Hota",
+    summary: "HOTA with detection, association and localisation parts, over thresholds of similarity.",
+    fields: &[],
+};
+
+const ALPHAS: usize = 19;
+
+/// Threshold number `index`, as TrackEval computes it.
+fn alpha(index: usize) -> f64 {
+    0.05 + index as f64 * 0.05
+}
+
+/// How many thresholds a similarity reaches; what misses one by rounding alone reaches it.
+fn alphas_reached(similarity: f64) -> usize {
+    let mut count = ((similarity * 20.0) as usize).min(ALPHAS);
+    while count < ALPHAS && similarity >= alpha(count) - f64::EPSILON {
+        count += 1;
+    }
+    while count > 0 && similarity < alpha(count - 1) - f64::EPSILON {
+        count -= 1;
+    }
+    count
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hota;
+
+/// Sums at each α, over one sequence or several.
+#[derive(Debug, Clone, Default)]
+struct Sums {
+    truth_points: f64,
+    track_points: f64,
+    tp: [f64; ALPHAS],
+    similarity: [f64; ALPHAS],
+    association: [f64; ALPHAS],
+    association_recall: [f64; ALPHAS],
+    association_precision: [f64; ALPHAS],
+}
+
+impl Metric for Hota {
+    fn accepts(&self, _: Shape) -> bool {
+        true
+    }
+
+    /// Where similarity becomes 0.
+    fn reach_m(&self, gate_m: f64) -> f64 {
+        2.0 * gate_m
+    }
+
+    fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
+        let mut sums = Sums::default();
+        for sequence in sequences {
+            sums.add(sequence.comparison);
+        }
+        let first = sequences.first().map(|sequence| sequence.comparison);
+        let similarity = match first.map(|comparison| comparison.shape) {
+            Some(Shape::Points) => "1 - distance / (2 gate)",
+            _ => "intersection over union",
+        };
+        let gate = first.filter(|comparison| comparison.shape == Shape::Points).map(|comparison| comparison.gate);
+        let alphas: Vec<f64> = (0..ALPHAS).map(alpha).collect();
+        let parameters = json!({"alphas": alphas, "similarity": similarity, "gate": gate});
+        let curves = sums.curves();
+        let report = MetricReport::new("hota", true, parameters, sums.quantities(&curves));
+        let over_alpha = |(name, values): (&'static str, [f64; ALPHAS])| {
+            let values = values.into_iter().map(|value| Some(value).filter(|_| sums.is_defined())).collect();
+            Series { name, unit: "", axis: "alpha", at: alphas.clone(), values }
+        };
+        MetricReport { series: curves.into_iter().chain(sums.counts()).map(over_alpha).collect(), ..report }
+    }
+}
+
+impl Sums {
+    fn add(&mut self, comparison: &Comparison) {
+        let acquaintances = Acquaintances::new(comparison);
+        let (truth_points, track_points) =
+            (points(&comparison.truths, &comparison.truth_ids), points(&comparison.tracks, &comparison.track_ids));
+        let points_of = |(truth, track): (u32, u32)| (truth_points[truth as usize], track_points[track as usize]);
+        let alignment = alignment(comparison, &acquaintances, points_of);
+        let matches = self.matches(comparison, &acquaintances, &alignment);
+        for (&ids, reached) in acquaintances.ids.iter().zip(&matches) {
+            self.add_acquaintance(points_of(ids), reached);
+        }
+        self.truth_points += comparison.truths.len() as f64;
+        self.track_points += comparison.tracks.len() as f64;
+    }
+
+    /// Step 2: for each acquaintance how many of its matches reach exactly 0, 1, 2 … thresholds.
+    fn matches(&mut self, comparison: &Comparison, acquaintances: &Acquaintances, alignment: &[f64]) -> Vec<[u32; ALPHAS + 1]> {
+        let mut matches = vec![[0; ALPHAS + 1]; acquaintances.ids.len()];
+        let mut similarity = [0.0; ALPHAS + 1];
+        let mut matcher = StepMatcher::default();
+        for step in &comparison.steps {
+            let worth = |index: usize, pair: &Pair| alignment[acquaintances.of_pair[index] as usize] * pair.similarity;
+            for &index in matcher.best(comparison, step, worth) {
+                let pair = &comparison.pairs[index as usize];
+                let reached = alphas_reached(pair.similarity);
+                matches[acquaintances.of_pair[index as usize] as usize][reached] += 1;
+                similarity[reached] += pair.similarity;
+            }
+        }
+        let mut sum = 0.0;
+        for index in (0..ALPHAS).rev() {
+            sum += similarity[index + 1];
+            self.similarity[index] += sum;
+        }
+        matches
+    }
+
+    /// Step 3 for one truth and one track.
+    fn add_acquaintance(&mut self, (truth_points, track_points): (f64, f64), reached: &[u32; ALPHAS + 1]) {
+        let mut matches = 0.0;
+        for index in (0..ALPHAS).rev() {
+            matches += f64::from(reached[index + 1]);
+            if matches > 0.0 {
+                self.tp[index] += matches;
+                self.association[index] += matches * matches / (truth_points + track_points - matches);
+                self.association_recall[index] += matches * matches / truth_points;
+                self.association_precision[index] += matches * matches / track_points;
+            }
+        }
+    }
+
+    fn is_defined(&self) -> bool {
+        self.truth_points + self.track_points > 0.0
+    }
+
+    /// Every part at each α.
+    fn curves(&self) -> [(&'static str, [f64; ALPHAS]); 9] {
+        let of_matches = |sums: &[f64; ALPHAS], alone: f64| -> [f64; ALPHAS] {
+            std::array::from_fn(|index| if self.tp[index] > 0.0 { sums[index] / self.tp[index] } else { alone })
+        };
+        let det_re = self.tp.map(|tp| tp / self.truth_points.max(1.0));
+        let det_a = self.tp.map(|tp| tp / (self.truth_points + self.track_points - tp).max(1.0));
+        let ass_a = of_matches(&self.association, 0.0);
+        let root = |left: &[f64; ALPHAS]| std::array::from_fn(|index| (left[index] * ass_a[index]).sqrt());
+        [
+            ("hota", root(&det_a)),
+            ("det_a", det_a),
+            ("ass_a", ass_a),
+            ("loc_a", of_matches(&self.similarity, 1.0)),
+            ("det_re", det_re),
+            ("det_pr", self.tp.map(|tp| tp / self.track_points.max(1.0))),
+            ("ass_re", of_matches(&self.association_recall, 0.0)),
+            ("ass_pr", of_matches(&self.association_precision, 0.0)),
+            ("owta", root(&det_re)),
+        ]
+    }
+
+    fn counts(&self) -> [(&'static str, [f64; ALPHAS]); 3] {
+        [("tp", self.tp), ("fn", self.tp.map(|tp| self.truth_points - tp)), ("fp", self.tp.map(|tp| self.track_points - tp))]
+    }
+
+    /// The means over α; 0 / 0 is `null` with a reason.
+    fn quantities(&self, curves: &[(&'static str, [f64; ALPHAS]); 9]) -> Vec<Quantity> {
+        let unless = |is_missing: bool, reason: &'static str| if is_missing { Some(reason) } else { None };
+        let no_truth = unless(self.truth_points == 0.0, "no truth at any step");
+        let no_track = unless(self.track_points == 0.0, "no track at any step");
+        let nothing = unless(!self.is_defined(), "neither truth nor track at any step");
+        let no_match = unless(self.tp[0] == 0.0, "nothing was matched at any threshold");
+        let mean = |&(name, values): &(&'static str, [f64; ALPHAS])| {
+            let reason = match name {
+                "hota" | "det_a" => nothing,
+                "det_re" | "owta" => no_truth,
+                "det_pr" => no_track,
+                _ => no_match,
+            };
+            let value = if reason.is_none() { Some(values.iter().sum::<f64>() / ALPHAS as f64) } else { None };
+            Quantity::or(name, value, "", reason.unwrap_or("not a finite number"))
+        };
+        let mut quantities: Vec<Quantity> = curves.iter().map(mean).collect();
+        let (hota_0, loc_a_0) = (curves[0].1[0], curves[3].1[0]);
+        let at_first = |name, value, reason: Option<&'static str>| {
+            Quantity::or(name, Some(value).filter(|_| reason.is_none()), "", reason.unwrap_or("not a finite number"))
+        };
+        quantities.push(at_first("hota_0", hota_0, nothing));
+        quantities.push(at_first("loc_a_0", loc_a_0, no_match));
+        quantities.push(at_first("hota_loc_a_0", hota_0 * loc_a_0, no_match));
+        quantities
+    }
+}
+
+/// At how many steps each exists.
+fn points(presences: &[Presence], ids: &[String]) -> Vec<f64> {
+    let mut points = vec![0.0; ids.len()];
+    presences.iter().for_each(|presence| points[presence.id as usize] += 1.0);
+    points
+}
+
+/// Step 1: a for each acquaintance.
+fn alignment(comparison: &Comparison, acquaintances: &Acquaintances, points_of: impl Fn((u32, u32)) -> (f64, f64)) -> Vec<f64> {
+    let mut shares = vec![0.0; acquaintances.ids.len()];
+    let (mut of_truth, mut of_track) = (vec![0.0; comparison.truths.len()], vec![0.0; comparison.tracks.len()]);
+    for pair in &comparison.pairs {
+        of_truth[pair.truth as usize] += pair.similarity;
+        of_track[pair.track as usize] += pair.similarity;
+    }
+    for (pair, &acquaintance) in comparison.pairs.iter().zip(&acquaintances.of_pair) {
+        let together = of_truth[pair.truth as usize] + of_track[pair.track as usize] - pair.similarity;
+        if together > f64::EPSILON {
+            shares[acquaintance as usize] += pair.similarity / together;
+        }
+    }
+    for (share, &ids) in shares.iter_mut().zip(&acquaintances.ids) {
+        let (truth_points, track_points) = points_of(ids);
+        *share /= truth_points + track_points - *share;
+    }
+    shares
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluation::tests::{GONE, Places, assert_quantities, compare, evaluate};
+
+    fn hota(comparisons: &[Comparison]) -> MetricReport {
+        evaluate("hota", json!({}), comparisons)
+    }
+
+    #[test]
+    fn thresholds_are_reached_exactly() {
+        assert_eq!([0.0, 0.049, 0.05, 0.1, 0.15, 0.5, 0.95, 1.0].map(alphas_reached), [0, 0, 1, 2, 3, 10, 19, 19]);
+        assert_eq!([0.35, 0.349_999, 0.7, 0.9 - 1e-9].map(alphas_reached), [7, 6, 14, 17]);
+    }
+
+    #[test]
+    fn one_truth_with_two_tracks_by_hand() {
+        // A at 6 steps; T on it at 0..=3 at the same place, U at 4 and 5 at 10 m: similarity 1 − 10 / 20 = 0.5.
+        // Up to α = 0.5: TP 6, AssA = (16 / 6 + 4 / 6) / 6 = 5 / 9, DetA 1, HOTA √(5/9), LocA 5 / 6.
+        // Above: TP 4, DetA = 4 / (6 + 6 − 4) = 1 / 2, AssA = 16 / 6 / 4 = 2 / 3, HOTA √(1/3), LocA 1.
+        let tracks: [Places; 2] = [("T", &[0.0, 0.0, 0.0, 0.0, GONE, GONE]), ("U", &[GONE, GONE, GONE, GONE, 10.0, 10.0])];
+        let report = hota(&[compare(&[("A", &[0.0; 6])], &tracks, 10.0)]);
+        let mean = |low: f64, high: f64| Some((10.0 * low + 9.0 * high) / 19.0);
+        let expected = [
+            ("hota", mean((5.0f64 / 9.0).sqrt(), (1.0f64 / 3.0).sqrt())),
+            ("det_a", mean(1.0, 0.5)),
+            ("ass_a", mean(5.0 / 9.0, 2.0 / 3.0)),
+            ("loc_a", mean(5.0 / 6.0, 1.0)),
+            ("det_re", mean(1.0, 4.0 / 6.0)),
+            ("det_pr", mean(1.0, 4.0 / 6.0)),
+            ("ass_re", mean(5.0 / 9.0, 2.0 / 3.0)),
+            ("ass_pr", mean(1.0, 1.0)),
+            ("owta", mean((5.0f64 / 9.0).sqrt(), (4.0f64 / 9.0).sqrt())),
+            ("hota_0", Some((5.0f64 / 9.0).sqrt())),
+            ("loc_a_0", Some(5.0 / 6.0)),
+        ];
+        assert_quantities(&report, &expected);
+        let fp = report.series.iter().find(|series| series.name == "fp").unwrap();
+        assert_eq!((fp.axis, fp.at.len(), fp.values[9], fp.values[10]), ("alpha", 19, Some(0.0), Some(2.0)));
+    }
+
+    #[test]
+    fn pairs_beyond_the_gate_count_up_to_twice_the_gate() {
+        // 16 m at a gate of 10: similarity 0.2, so a match up to α = 0.2.
+        assert_eq!(Hota.reach_m(10.0), 20.0);
+        let report = hota(&[compare(&[("A", &[0.0])], &[("T", &[16.0])], 10.0)]);
+        assert_quantities(&report, &[("det_re", Some(4.0 / 19.0)), ("hota_0", Some(1.0))]);
+    }
+
+    #[test]
+    fn edges() {
+        let truth: [Places; 2] = [("A", &[0.0; 3]), ("B", &[50.0; 3])];
+        let report = hota(&[compare(&truth, &[], 10.0)]);
+        assert_quantities(
+            &report,
+            &[("hota", Some(0.0)), ("det_a", Some(0.0)), ("det_re", Some(0.0)), ("owta", Some(0.0)), ("det_pr", None)],
+        );
+        assert_quantities(&report, &[("ass_a", None), ("loc_a", None), ("ass_re", None), ("ass_pr", None), ("loc_a_0", None)]);
+        let report = hota(&[compare(&[], &truth, 10.0)]);
+        assert_quantities(&report, &[("hota", Some(0.0)), ("det_pr", Some(0.0)), ("det_re", None), ("owta", None), ("loc_a", None)]);
+        let report = hota(&[compare(&[], &[], 10.0)]);
+        assert_quantities(&report, &[("hota", None), ("det_a", None), ("ass_a", None), ("loc_a", None), ("owta", None), ("hota_0", None)]);
+        assert_eq!(report.series[0].values, [None; ALPHAS]);
+        let report = hota(&[compare(&[("A", &[0.0; 5])], &[("T", &[0.0, 0.0, GONE, 0.0, 0.0])], 10.0)]);
+        assert_quantities(
+            &report,
+            &[("hota", Some(0.8)), ("det_a", Some(0.8)), ("ass_a", Some(0.8)), ("loc_a", Some(1.0)), ("det_pr", Some(1.0))],
+        );
+    }
+
+    #[test]
+    fn sequences_combine_from_counts() {
+        // One sequence found whole (TP 4), one at 1 of 4 steps (TP 1, association 1 / 4): AssA = (4 + 1 / 4) / 5,
+        // DetA = 5 / 8. The mean of the two HOTAs would be (1 + 1 / 4) / 2.
+        let whole = compare(&[("A", &[0.0; 4])], &[("T", &[0.0; 4])], 10.0);
+        let part = compare(&[("A", &[0.0; 4])], &[("T", &[0.0, GONE, GONE, GONE])], 10.0);
+        let report = hota(&[whole, part]);
+        assert_quantities(&report, &[("ass_a", Some(0.85)), ("det_a", Some(0.625)), ("hota", Some((0.85f64 * 0.625).sqrt()))]);
+    }
+}

@@ -1,0 +1,299 @@
+//! Metrics of a job: truth and tracks of each sequence put side by side, the log of events, every metric over all
+//! sequences together and over each alone, and the files that say more than the report.
+
+use super::observer::{Observer, Step};
+use super::run::{Artifact, RunError};
+use super::tables::Table;
+use super::text;
+use crate::evaluation::EvaluationInput;
+use crate::evaluation::breaks::{self, Break};
+use crate::evaluation::comparison::{Alignment, Comparison, PointSettings};
+use crate::evaluation::events::{EventKind, EventLog};
+use crate::evaluation::metrics::{METRICS, Metric, MetricReport, Quantity, Sequence, Series};
+use crate::model::fault::Fault;
+use crate::model::truth::TruthSet;
+use serde::Deserialize;
+use serde_json::{Map, Value, json};
+
+/// Truth and tracks of one recording or run.
+pub(super) struct Subject<'a> {
+    /// As the request calls it; empty where there is only one.
+    pub name: &'a str,
+    pub input: EvaluationInput<'a>,
+    pub truth: &'a TruthSet,
+}
+
+/// What the metrics say.
+pub(super) struct Judgement {
+    /// The parts of the report: `metrics`, `events`, and with several sequences `sequences`.
+    pub parts: Vec<(&'static str, Value)>,
+    pub artifacts: Vec<Artifact>,
+    pub warnings: Vec<String>,
+}
+
+/// A metric under the name that it has in the report.
+struct Named {
+    name: String,
+    kind: &'static str,
+    metric: Box<dyn Metric>,
+}
+
+/// The parameters of `comparison`.
+#[derive(Debug, Clone, Copy, Deserialize)]
+struct Settings {
+    gate_m: f64,
+    alignment: Aligned,
+}
+
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(tag = "method", rename_all = "snake_case")]
+enum Aligned {
+    Interpolate { max_gap_s: f64 },
+    Nearest { max_gap_s: f64 },
+}
+
+/// Judges the subjects by the metrics of `spec`.
+pub(super) fn judge(spec: &Value, subjects: &[Subject], observer: &mut dyn Observer) -> Result<Judgement, RunError> {
+    let metrics = metrics_of(spec)?;
+    let comparisons = compare(spec, subjects, &metrics)?;
+    let logs: Vec<EventLog> = comparisons.iter().map(EventLog::new).collect();
+    let sequences: Vec<Sequence> = subjects
+        .iter()
+        .zip(comparisons.iter().zip(&logs))
+        .map(|(subject, (comparison, events))| Sequence { comparison, events, input: Some(subject.input) })
+        .collect();
+    let total = (metrics.len() * if sequences.len() > 1 { sequences.len() + 1 } else { 1 }) as u64;
+    let mut done = 0;
+    let mut told = |observer: &mut dyn Observer| {
+        done += 1;
+        if observer.progress(Step::Evaluate, done, total).is_break() { Err(RunError::Stopped) } else { Ok(()) }
+    };
+    let mut together = Vec::new();
+    for named in &metrics {
+        together.push((named.name.as_str(), named.metric.evaluate(&sequences)));
+        told(observer)?;
+    }
+    let mut alone = Vec::new();
+    for sequence in sequences.iter().take(if sequences.len() > 1 { sequences.len() } else { 0 }) {
+        let mut reports = Vec::new();
+        for named in &metrics {
+            reports.push((named.name.as_str(), named.metric.evaluate(std::slice::from_ref(sequence))));
+            told(observer)?;
+        }
+        alone.push(reports);
+    }
+    let mut artifacts = files(subjects, &sequences, &together, &alone);
+    let mut parts = vec![("metrics", written(&together)), ("events", event_counts(&sequences))];
+    if !alone.is_empty() {
+        let sequence = |(subject, reports): (&Subject, &Vec<_>)| json!({"name": subject.name, "metrics": written(reports)});
+        parts.push(("sequences", subjects.iter().zip(&alone).map(sequence).collect()));
+    }
+    let result: Map<String, Value> = parts.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
+    if let Some(text) = text::metrics(&Value::Object(result)) {
+        artifacts.push(text_file("metrics.txt", text));
+    }
+    let warnings = subjects.iter().zip(&comparisons).flat_map(|(subject, comparison)| {
+        let place = if subject.name.is_empty() { String::new() } else { format!("{}: ", subject.name) };
+        comparison.warnings.iter().map(move |warning| format!("{place}{warning}"))
+    });
+    Ok(Judgement { parts, artifacts, warnings: warnings.collect() })
+}
+
+/// Builds the metrics. The second of one kind is called `gospa_2`, and so on.
+fn metrics_of(spec: &Value) -> Result<Vec<Named>, RunError> {
+    let mut metrics: Vec<Named> = Vec::new();
+    for (index, body) in spec["metrics"].as_array().into_iter().flatten().enumerate() {
+        // The checked spec names only metrics of the table, with parameters that fit; anything else is a fault of ours.
+        let unusable = || RunError::Faults(vec![Fault::new(format!("/metrics/{index}"), "malformed", "the settings cannot be used")]);
+        let entry = METRICS.iter().find(|entry| body["metric"] == entry.name).ok_or_else(unusable)?;
+        let metric = (entry.build)(body).map_err(|_| unusable())?;
+        let name = match metrics.iter().filter(|other| other.kind == entry.name).count() {
+            0 => entry.name.to_owned(),
+            others => format!("{}_{}", entry.name, others + 1),
+        };
+        metrics.push(Named { name, kind: entry.name, metric });
+    }
+    Ok(metrics)
+}
+
+fn compare(spec: &Value, subjects: &[Subject], metrics: &[Named]) -> Result<Vec<Comparison>, RunError> {
+    let settings = Settings::deserialize(&spec["comparison"])
+        .map_err(|error| RunError::Faults(vec![Fault::new("/comparison", "malformed", error.to_string())]))?;
+    let alignment = match settings.alignment {
+        Aligned::Interpolate { max_gap_s } => Alignment::Interpolate { max_gap_s },
+        Aligned::Nearest { max_gap_s } => Alignment::Nearest { max_gap_s },
+    };
+    let reach_m = metrics.iter().map(|named| named.metric.reach_m(settings.gate_m)).fold(settings.gate_m, f64::max);
+    let settings = PointSettings { alignment, gate_m: settings.gate_m, reach_m };
+    let comparisons: Vec<Comparison> =
+        subjects.iter().map(|subject| Comparison::of_points(&subject.input, subject.truth, &settings)).collect();
+    refuse_shapes(metrics, &comparisons)?;
+    let strangers: Vec<Fault> = subjects.iter().zip(&comparisons).enumerate().filter_map(|(index, pair)| strangers(index, pair)).collect();
+    if strangers.is_empty() { Ok(comparisons) } else { Err(RunError::Faults(strangers)) }
+}
+
+/// Truth and tracks whose times do not meet: any number made of them would mislead.
+fn strangers(index: usize, (subject, comparison): (&Subject, &Comparison)) -> Option<Fault> {
+    let tracks_s = span_s(subject.input.tracks.tracks.iter().flat_map(|track| &track.points).map(|point| point.time_s))?;
+    let truth_s = span_s(subject.truth.targets().iter().flat_map(|target| &target.points).map(|point| point.time_s))?;
+    if !comparison.truths.is_empty() && !comparison.tracks.is_empty() {
+        return None;
+    }
+    let pointer = if subject.name.is_empty() { "/truth".to_owned() } else { format!("/sequences/{index}/truth") };
+    let detail =
+        format!("the times of truth ({} to {} s) and of tracks ({} to {} s) do not meet", truth_s.0, truth_s.1, tracks_s.0, tracks_s.1);
+    Some(Fault::new(pointer, "disjoint", detail).allowing("truth at the times of the tracks, on the same clock"))
+}
+
+fn span_s(times_s: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    times_s.fold(None, |span, time_s| match span {
+        None => Some((time_s, time_s)),
+        Some((first, last)) => Some((f64::min(first, time_s), f64::max(last, time_s))),
+    })
+}
+
+/// A metric of metres says nothing of boxes.
+fn refuse_shapes(metrics: &[Named], comparisons: &[Comparison]) -> Result<(), RunError> {
+    let is_unfit = |named: &&Named| comparisons.iter().any(|comparison| !named.metric.accepts(comparison.shape));
+    let unfit: Vec<Fault> = metrics
+        .iter()
+        .filter(is_unfit)
+        .map(|named| {
+            let detail = format!("'{}' is defined for positions in metres, not for boxes", named.name);
+            Fault::new("/metrics", "unsupported", detail).allowing("hota, clear, identity")
+        })
+        .collect();
+    if unfit.is_empty() { Ok(()) } else { Err(RunError::Faults(unfit)) }
+}
+
+fn written(reports: &[(&str, MetricReport)]) -> Value {
+    reports.iter().map(|(name, report)| ((*name).to_owned(), report_value(report))).collect::<Map<_, _>>().into()
+}
+
+/// A metric in the report. Series over time and the lines of truths and tracks are in files.
+fn report_value(report: &MetricReport) -> Value {
+    let mut value = json!({
+        "value": report.value, "unit": report.unit, "higher_is_better": report.higher_is_better, "parameters": report.parameters,
+        "quantities": report.quantities.iter().map(|quantity| (quantity.name.to_owned(), quantity_value(quantity))).collect::<Map<_, _>>(),
+        "curves": report.series.iter().filter(|series| series.axis != TIME).collect::<Vec<_>>()
+    });
+    if let Some(reason) = report.reason {
+        value["reason"] = json!(reason);
+    }
+    value
+}
+
+fn quantity_value(quantity: &Quantity) -> Value {
+    let mut value = json!({"value": quantity.value, "unit": quantity.unit});
+    if let Some(reason) = quantity.reason {
+        value["reason"] = json!(reason);
+    }
+    value
+}
+
+fn event_counts(sequences: &[Sequence]) -> Value {
+    let count = |kind| sequences.iter().map(|sequence| sequence.events.count(kind)).sum::<usize>();
+    let counts: Map<String, Value> = EventKind::ALL.into_iter().map(|(kind, name)| (name.to_owned(), json!(count(kind)))).collect();
+    let total = |of: fn(&Comparison) -> usize| sequences.iter().map(|sequence| of(sequence.comparison)).sum::<usize>();
+    let breaks: Vec<Break> = sequences
+        .iter()
+        .flat_map(|sequence| breaks::explain(sequence.comparison, sequence.events, sequence.input.as_ref()))
+        .take(MAX_BREAKS)
+        .collect();
+    json!({
+        "counts": counts,
+        "breaks": breaks,
+        "steps": total(|comparison| comparison.steps.len()),
+        "truth_points": total(|comparison| comparison.truths.len()),
+        "track_points": total(|comparison| comparison.tracks.len())
+    })
+}
+
+/// Breaks that the report explains; all of them are in the file of events.
+const MAX_BREAKS: usize = 1000;
+
+/// Axis of the series that have one value for each step of the comparison.
+const TIME: &str = "time_s";
+
+fn text_file(name: &'static str, text: String) -> Artifact {
+    Artifact { name, media_type: "text/plain; charset=utf-8", bytes: (text + "\n").into_bytes(), dataset: None, sensors: Vec::new() }
+}
+
+type Reports<'a> = Vec<(&'a str, MetricReport)>;
+
+/// Every event, every series over time, and what the metrics say of each truth and each track.
+fn files(subjects: &[Subject], sequences: &[Sequence], together: &Reports, alone: &[Reports]) -> Vec<Artifact> {
+    let of_each: Vec<&Reports> = if alone.is_empty() { vec![together] } else { alone.iter().collect() };
+    let has_names = !alone.is_empty();
+    let mut events = Table::new(has_names, &["step", "time_s", "event", "truth_id", "track_id", "distance"]);
+    let mut series = Table::new(has_names, &["time_s"]);
+    let mut truths = Table::new(has_names, &["truth_id"]);
+    let mut tracks = Table::new(has_names, &["track_id"]);
+    for ((subject, sequence), reports) in subjects.iter().zip(sequences).zip(of_each) {
+        events.begin(subject.name);
+        add_events(&mut events, sequence);
+        series.begin(subject.name);
+        add_series(&mut series, sequence.comparison, reports);
+        truths.begin(subject.name);
+        add_lines(&mut truths, &sequence.comparison.truth_ids, reports, |report| &report.per_truth);
+        tracks.begin(subject.name);
+        add_lines(&mut tracks, &sequence.comparison.track_ids, reports, |report| &report.per_track);
+    }
+    vec![
+        events.artifact("events.csv"),
+        series.artifact("metric-series.csv"),
+        truths.artifact("metric-truths.csv"),
+        tracks.artifact("metric-tracks.csv"),
+    ]
+}
+
+fn add_events(table: &mut Table, sequence: &Sequence) {
+    let comparison = sequence.comparison;
+    let name = |ids: &[String], index: Option<u32>| index.map(|index| ids[index as usize].clone()).unwrap_or_default();
+    for event in &sequence.events.events {
+        table.row(&[
+            (event.step + 1).to_string(),
+            comparison.steps[event.step as usize].time_s.to_string(),
+            event.kind.name().to_owned(),
+            name(&comparison.truth_ids, event.truth),
+            name(&comparison.track_ids, event.track),
+            number(event.distance),
+        ]);
+    }
+}
+
+fn add_series(table: &mut Table, comparison: &Comparison, reports: &Reports) {
+    let listed: Vec<(String, &Series)> = reports
+        .iter()
+        .flat_map(|(name, report)| report.series.iter().map(move |series| (format!("{name}.{}", series.name), series)))
+        .filter(|(_, series)| series.axis == TIME)
+        .collect();
+    table.columns(listed.iter().map(|(name, series)| labelled(name, series.unit)));
+    for (index, step) in comparison.steps.iter().enumerate() {
+        let mut cells = vec![step.time_s.to_string()];
+        cells.extend(listed.iter().map(|(_, series)| number(series.values.get(index).copied().flatten())));
+        table.row(&cells);
+    }
+}
+
+fn add_lines(table: &mut Table, ids: &[String], reports: &Reports, of: fn(&MetricReport) -> &Vec<crate::evaluation::metrics::Line>) {
+    let listed: Vec<_> = reports.iter().filter(|(_, report)| of(report).len() == ids.len() && !ids.is_empty()).collect();
+    table.columns(listed.iter().flat_map(|(name, report)| {
+        of(report)[0].quantities.iter().map(move |quantity| labelled(&format!("{name}.{}", quantity.name), quantity.unit))
+    }));
+    for (index, id) in ids.iter().enumerate() {
+        let mut cells = vec![id.clone()];
+        cells.extend(listed.iter().flat_map(|(_, report)| of(report)[index].quantities.iter().map(|quantity| number(quantity.value))));
+        table.row(&cells);
+    }
+}
+
+/// A column's name with its unit: `gospa.localisation [m]`.
+fn labelled(name: &str, unit: &str) -> String {
+    if unit.is_empty() { name.to_owned() } else { format!("{name} [{unit}]") }
+}
+
+/// An absent number is an empty cell.
+fn number(value: Option<f64>) -> String {
+    value.map(|value| value.to_string()).unwrap_or_default()
+}

@@ -1,0 +1,55 @@
+//! Profiles: the metrics that a kind of user expects, when the request does not list any.
+
+use super::associate;
+use super::plan::InputRequest;
+use crate::evaluation::metrics::METRIC;
+use crate::model::dataset::DatasetKind;
+use crate::model::fault::Fault;
+use crate::registry::{self, Kind};
+use serde_json::{Value, json};
+
+/// Fills `metrics` from the profile where truth will be there, and refuses metrics that are asked for without truth or of
+/// tracks that will be directions.
+pub(super) fn fill_metrics(spec: &mut Value, inputs: &[InputRequest], faults: &mut Vec<Fault>) {
+    let is_simulated = spec.pointer("/input/scenario").is_some();
+    let has_truth = is_simulated || inputs.iter().any(|input| input.role == DatasetKind::Truth);
+    let is_of_bearings = associate::filter_of(spec).is_ok_and(|(filter, _)| filter.is_of_bearings());
+    match spec.get("metrics").and_then(Value::as_array).map(Vec::len) {
+        Some(listed) if listed > 0 && !has_truth && !inputs.is_empty() => {
+            faults.push(Fault::new("/truth", "missing", "'truth' is required when metrics are asked for"));
+        }
+        Some(listed) if listed > 0 && is_of_bearings => {
+            let detail = "metrics compare places in metres; this filter makes directions, which the automaton judges";
+            faults.push(Fault::new("/metrics", "unsupported", detail).allowing("an empty list"));
+        }
+        None if spec.get("metrics").is_none() => {
+            let names = if has_truth && !is_of_bearings { metrics_of(spec) } else { Vec::new() };
+            spec["metrics"] = Value::Array(names);
+        }
+        _ => {}
+    }
+}
+
+fn metrics_of(spec: &Value) -> Vec<Value> {
+    static ENTRY: Kind = Kind::Union(&METRIC);
+    let gate_m = &spec["comparison"]["gate_m"];
+    let bodies = match spec["profile"].as_str() {
+        Some("tracking") => vec![
+            json!({"metric": "gospa", "cutoff_m": gate_m}),
+            json!({"metric": "ospa", "cutoff_m": gate_m}),
+            json!({"metric": "siap"}),
+            json!({"metric": "clear"}),
+            json!({"metric": "assignment"}),
+            json!({"metric": "kinematics"}),
+        ],
+        Some("vision") => vec![json!({"metric": "hota"}), json!({"metric": "clear"}), json!({"metric": "identity"})],
+        _ => Vec::new(),
+    };
+    // The gate was checked where the request gave it.
+    bodies.iter().map(|body| registry::check_field(body, &ENTRY, "", &mut Vec::new())).collect()
+}
+
+/// Whether the automaton is part of the job.
+pub(super) fn wants_automaton(spec: &Value) -> bool {
+    spec.get("sequences").is_none() && (spec.get("tfa").is_some() || spec["profile"] != "vision")
+}

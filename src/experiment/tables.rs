@@ -1,0 +1,77 @@
+//! Tables in CSV for the files of a job.
+
+use super::run::Artifact;
+
+/// Rows of cells under a header, for one sequence after another; the header comes from the first.
+pub(super) struct Table {
+    header: Vec<String>,
+    /// The name of the sequence is the first column.
+    has_names: bool,
+    is_written: bool,
+    name: String,
+    bytes: Vec<u8>,
+}
+
+impl Table {
+    pub fn new(has_names: bool, header: &[&str]) -> Table {
+        let names = has_names.then_some("sequence");
+        let header = names.iter().chain(header).map(|&name| name.to_owned()).collect();
+        Table { header, has_names, is_written: false, name: String::new(), bytes: Vec::new() }
+    }
+
+    /// The rows that follow belong to this sequence.
+    pub fn begin(&mut self, name: &str) {
+        self.name = quoted(name);
+    }
+
+    /// More columns behind those of [`new`](Self::new); of the first sequence only, all others have the same.
+    pub fn columns(&mut self, names: impl Iterator<Item = String>) {
+        if !self.is_written {
+            self.header.extend(names);
+        }
+    }
+
+    pub fn row(&mut self, cells: &[String]) {
+        self.write_header();
+        let name = self.has_names.then(|| self.name.clone());
+        let line: Vec<String> = name.into_iter().chain(cells.iter().map(|cell| quoted(cell))).collect();
+        self.bytes.extend(line.join(",").bytes());
+        self.bytes.push(b'\n');
+    }
+
+    pub fn artifact(mut self, name: &'static str) -> Artifact {
+        self.write_header();
+        Artifact { name, media_type: "text/csv", bytes: self.bytes, dataset: None, sensors: Vec::new() }
+    }
+
+    fn write_header(&mut self) {
+        if !std::mem::replace(&mut self.is_written, true) {
+            let names: Vec<String> = self.header.iter().map(|name| quoted(name)).collect();
+            self.bytes.extend(names.join(",").bytes());
+            self.bytes.push(b'\n');
+        }
+    }
+}
+
+/// A CSV field, quoted where it must be.
+pub(super) fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_has_one_header_and_names_its_sequences_when_there_are_several() {
+        let mut table = Table::new(true, &["id"]);
+        for name in ["first", "a,b"] {
+            table.begin(name);
+            table.columns(["value".to_owned()].into_iter());
+            table.row(&["1".to_owned(), "say \"x\"".to_owned()]);
+        }
+        let text = String::from_utf8(table.artifact("t.csv").bytes).unwrap();
+        assert_eq!(text, "sequence,id,value\nfirst,1,\"say \"\"x\"\"\"\n\"a,b\",1,\"say \"\"x\"\"\"\n");
+        assert_eq!(Table::new(false, &["id"]).artifact("t.csv").bytes, b"id\n");
+    }
+}

@@ -1,0 +1,90 @@
+//! Tables of fixed-width columns, for terminals and text files.
+
+use serde_json::Value;
+
+/// Lines of a table: the first column to the left, the others to the right, as wide as their widest cell.
+pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
+    let width = |column: usize| {
+        let cells = rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count());
+        cells.chain([header[column].chars().count()]).max().unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..header.len()).map(width).collect();
+    let line = |cells: Vec<&str>| {
+        let place = |(column, cell): (usize, &&str)| {
+            let width = widths[column];
+            if column == 0 { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
+        };
+        cells.iter().enumerate().map(place).collect::<Vec<_>>().join("  ").trim_end().to_owned()
+    };
+    let mut lines = vec![line(header.to_vec())];
+    lines.push(widths.iter().map(|&width| "─".repeat(width)).collect::<Vec<_>>().join("  "));
+    lines.extend(rows.iter().map(|row| line(row.iter().map(String::as_str).collect())));
+    lines.join("\n")
+}
+
+/// A number of a report as text: whole numbers as they are, others with three decimals and small ones with three digits,
+/// absent ones as `–`.
+pub fn cell(value: &Value) -> String {
+    match value {
+        Value::Null => "–".to_owned(),
+        Value::Number(number) if number.is_f64() => number.as_f64().map_or_else(String::new, decimal),
+        Value::String(text) => text.clone(),
+        other => other.to_string(),
+    }
+}
+
+fn decimal(number: f64) -> String {
+    match number.abs() {
+        size if size == size.trunc() && size < 1e15 => format!("{number}"),
+        size if size < 0.1 => format!("{number:.3e}"),
+        _ => format!("{number:.3}"),
+    }
+}
+
+/// The metrics of a result: each quantity with its value and unit; with several sequences, a column for each and one for
+/// all together. `None` when the result has no metrics.
+pub fn metrics(result: &Value) -> Option<String> {
+    let together = result["metrics"].as_object().filter(|metrics| !metrics.is_empty())?;
+    let sequences = result["sequences"].as_array().map(Vec::as_slice).unwrap_or_default();
+    let mut header = vec!["metric", "unit", if sequences.is_empty() { "value" } else { "combined" }];
+    header.extend(sequences.iter().map(|sequence| sequence["name"].as_str().unwrap_or_default()));
+    let mut rows = Vec::new();
+    for (metric, report) in together {
+        for (name, quantity) in report["quantities"].as_object().into_iter().flatten() {
+            let mut row = vec![format!("{metric} {}", name.replace('_', " ")), cell(&quantity["unit"]), cell(&quantity["value"])];
+            row.extend(sequences.iter().map(|sequence| cell(&sequence["metrics"][metric]["quantities"][name]["value"])));
+            rows.push(row);
+        }
+    }
+    Some(table(&header, &rows))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn columns_are_as_wide_as_their_widest_cell() {
+        let rows = vec![vec!["radar".to_owned(), "7".to_owned()], vec!["é".to_owned(), "12.500".to_owned()]];
+        assert_eq!(table(&["name", "n"], &rows), "name        n\n─────  ──────\nradar       7\né      12.500");
+    }
+
+    #[test]
+    fn absent_numbers_are_a_dash_and_fractions_have_three_decimals() {
+        assert_eq!([cell(&json!(13.0)), cell(&json!(-0.00123)), cell(&json!(0.0))], ["13", "-1.230e-3", "0"]);
+        assert_eq!([cell(&Value::Null), cell(&json!(3)), cell(&json!(0.56338)), cell(&json!("x"))], ["–", "3", "0.563", "x"]);
+    }
+
+    #[test]
+    fn metrics_stand_in_columns_by_sequence() {
+        let quantities = |mota: Value| json!({"clear": {"quantities": {"mota": {"value": mota, "unit": ""}}}});
+        let mut result = json!({"metrics": quantities(json!(0.5))});
+        assert_eq!(metrics(&result).unwrap().lines().last(), Some("clear mota        0.500"));
+        result["sequences"] = json!([{"name": "a", "metrics": quantities(Value::Null)}]);
+        let text = metrics(&result).unwrap();
+        assert_eq!(text.lines().next(), Some("metric      unit  combined  a"));
+        assert_eq!(text.lines().last(), Some("clear mota           0.500  –"));
+        assert_eq!(metrics(&json!({"metrics": {}})), None);
+    }
+}

@@ -1,0 +1,328 @@
+//! How tracks begin. One point: every detection that no track used is a track at rest. Two points: such a detection waits
+//! for the next scan of its sensor, and the two together are a track with a speed.
+//!
+//! # Reference
+//! Y. Bar-Shalom, X.-R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigation, 2001, section 5.5.3
+//! (two-point differencing).
+//!
+//! # Symbols
+//! z₁, z₂ places of the two detections and R₁, R₂ their covariances; Δ = z₂ − z₁; T time between them; q spectral density of
+//! the motion's noise; γ the gate's threshold on d².
+//!
+//! # Method
+//! 1. z₂ is within reach of z₁ when |Δ| ≤ `max_speed_mps` T + √(γ σ²), σ² the variance of Δ along itself.
+//! 2. All pairs within reach compete at once: those are taken whose squares |Δ|² have the least sum, where a first point that
+//!    stays alone counts as the square of its reach. Each detection is in one pair at most.
+//! 3. x̂ = (z₂, Δ / T); P has the blocks R₂, R₂ / T and (R₁ + R₂) / T² + q T / 3.
+//!
+//! The first points are those of the sensor's last scan: what finds no partner in the next one is forgotten, what is new and
+//! alone waits in its turn. Ranges and bearings are turned into places for this; range rates are left to the first update.
+
+use crate::association::Associator;
+use crate::association::global_nearest_neighbour::GlobalNearestNeighbour;
+use crate::association::problem::{Edge, ScanProblem, Weights};
+use crate::gating::grid::Grid;
+use crate::math::gaussian::log_unit_ball;
+use crate::model::state::GaussianState;
+use crate::registry::{Bound, Field, Kind, Object, Presence, Union, Variant};
+use nalgebra::SVector;
+use serde::Deserialize;
+
+/// How a track begins.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(tag = "method", rename_all = "snake_case")]
+pub enum Initiation {
+    OnePoint,
+    TwoPoint { max_speed_mps: f64 },
+}
+
+static ONE_POINT: Object = Object {
+    name: "OnePointInitiation",
+    summary: "Every unused detection starts a track at rest, with initial_speed_sigma_mps as the uncertainty of its velocity.",
+    fields: &[],
+};
+
+static TWO_POINT: Object = Object {
+    name: "TwoPointInitiation",
+    summary: "Two unused detections of successive scans of a sensor start a track; their difference is its velocity.",
+    fields: &[Field {
+        name: "max_speed_mps",
+        summary: "Highest speed of a target: two detections further apart, noise allowed for, are not a pair.",
+        kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e5), unit: "m/s" },
+        presence: Presence::Required,
+    }],
+};
+
+pub(super) static INITIATION: Union = Union {
+    name: "Initiation",
+    summary: "How tracks begin.",
+    tag: "method",
+    variants: || vec![Variant { tag: "one_point", object: &ONE_POINT }, Variant { tag: "two_point", object: &TWO_POINT }],
+};
+
+/// An unused detection as a state without a known speed.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Point<const N: usize> {
+    /// Index of its scan in the recording.
+    pub scan: u32,
+    pub time_s: f64,
+    /// Its index in the recording.
+    pub detection: u32,
+    pub origin: Option<u32>,
+    pub state: GaussianState<N>,
+}
+
+/// Two points that are a track.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pair<const N: usize> {
+    pub first: Point<N>,
+    pub second: Point<N>,
+    /// State at the second point.
+    pub state: GaussianState<N>,
+    /// Volume of the places within the first point's reach.
+    pub log_reach_volume: f64,
+}
+
+/// What makes two points a pair.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PairRule {
+    pub max_speed_mps: f64,
+    /// γ.
+    pub gate_threshold: f64,
+    /// q.
+    pub spectral_density: f64,
+    /// For the oracle: only points of one target.
+    pub by_origin: bool,
+}
+
+/// The points that wait for a second one; memory is reused.
+#[derive(Debug)]
+pub(super) struct Initiator<const N: usize> {
+    /// Those of each sensor's last scan.
+    waiting: Vec<Vec<Point<N>>>,
+    /// Those of the current scan.
+    fresh: Vec<Point<N>>,
+    places: Vec<SVector<f64, N>>,
+    grid: Grid,
+    problem: ScanProblem,
+    weights: Weights,
+    solver: GlobalNearestNeighbour,
+    is_paired: Vec<bool>,
+    pairs: Vec<Pair<N>>,
+}
+
+impl<const N: usize> Default for Initiator<N> {
+    fn default() -> Self {
+        Initiator {
+            waiting: Vec::new(),
+            fresh: Vec::new(),
+            places: Vec::new(),
+            grid: Grid::default(),
+            problem: ScanProblem::default(),
+            weights: Weights::default(),
+            solver: GlobalNearestNeighbour::default(),
+            is_paired: Vec::new(),
+            pairs: Vec::new(),
+        }
+    }
+}
+
+impl<const N: usize> Initiator<N> {
+    /// One more unused detection of the current scan.
+    pub fn push(&mut self, point: Point<N>) {
+        self.fresh.push(point);
+    }
+
+    /// The pairs that the current scan of `sensor` completed.
+    pub fn pairs(&self) -> &[Pair<N>] {
+        &self.pairs
+    }
+
+    /// Ends the current scan of `sensor`: pairs its points with those that wait; the others wait from now on.
+    pub fn pair(&mut self, sensor: usize, rule: &PairRule) {
+        if self.waiting.len() <= sensor {
+            self.waiting.resize_with(sensor + 1, Vec::new);
+        }
+        self.pose(sensor, rule);
+        self.weights.reset(&self.problem);
+        let (solver, weights) = (&mut self.solver, &mut self.weights);
+        self.problem.for_each_cluster(self.fresh.len(), |cluster| solver.associate(cluster, weights));
+        self.conclude(sensor, rule);
+        let waiting = &mut self.waiting[sensor];
+        waiting.clear();
+        waiting.extend(self.fresh.iter().zip(&self.is_paired).filter(|(_, is_paired)| !**is_paired).map(|(point, _)| *point));
+        self.fresh.clear();
+    }
+
+    /// Step 1: for each waiting point the fresh ones within its reach.
+    fn pose(&mut self, sensor: usize, rule: &PairRule) {
+        self.problem.clear();
+        self.places.clear();
+        self.places.extend(self.fresh.iter().map(|point| point.state.mean));
+        self.grid.rebuild(&self.places);
+        let largest_noise = self.fresh.iter().map(|point| noise(&point.state)).fold(0.0, f64::max);
+        for first in &self.waiting[sensor] {
+            let Some(dt_s) = self.fresh.first().map(|second| second.time_s - first.time_s) else { break };
+            // Noise along Δ is at most that of all coordinates together.
+            let farthest = rule.max_speed_mps * dt_s + (rule.gate_threshold * (noise(&first.state) + largest_noise)).sqrt();
+            let (problem, fresh) = (&mut self.problem, &self.fresh);
+            self.grid.near(&first.state.mean, [farthest; 2], None, |detection| {
+                let second = &fresh[detection as usize];
+                let squared_distance = squared_distance(first, second);
+                if squared_distance <= reach(first, second, rule).powi(2) && rule.allows(first, second) {
+                    problem.push_edge(Edge { detection, squared_distance, log_likelihood: -squared_distance });
+                }
+            });
+            self.problem.end_row(-farthest * farthest, 0.0);
+        }
+    }
+
+    /// Step 3 for the pairs that step 2 chose.
+    fn conclude(&mut self, sensor: usize, rule: &PairRule) {
+        self.is_paired.clear();
+        self.is_paired.resize(self.fresh.len(), false);
+        self.pairs.clear();
+        for (row, first) in self.problem.rows().iter().zip(&self.waiting[sensor]) {
+            let Some(edge) = row.edges().find(|&edge| self.weights.edges[edge] > 0.0) else { continue };
+            let index = self.problem.edges()[edge].detection as usize;
+            let second = &self.fresh[index];
+            self.is_paired[index] = true;
+            let axes = (N / 2) as u32;
+            let log_reach_volume = log_unit_ball(axes) + f64::from(axes) * reach(first, second, rule).ln();
+            let state = difference(first, second, rule.spectral_density);
+            self.pairs.push(Pair { first: *first, second: *second, state, log_reach_volume });
+        }
+    }
+}
+
+impl PairRule {
+    fn allows<const N: usize>(&self, first: &Point<N>, second: &Point<N>) -> bool {
+        !self.by_origin || (first.origin.is_some() && first.origin == second.origin)
+    }
+}
+
+/// Trace of R.
+fn noise<const N: usize>(state: &GaussianState<N>) -> f64 {
+    (0..N / 2).map(|axis| state.covariance[(axis, axis)]).sum()
+}
+
+/// |Δ|².
+fn squared_distance<const N: usize>(first: &Point<N>, second: &Point<N>) -> f64 {
+    (0..N / 2).map(|axis| (second.state.mean[axis] - first.state.mean[axis]).powi(2)).sum()
+}
+
+/// `max_speed_mps` T + √(γ σ²).
+fn reach<const N: usize>(first: &Point<N>, second: &Point<N>, rule: &PairRule) -> f64 {
+    let delta = second.state.mean - first.state.mean;
+    let covariance = first.state.covariance + second.state.covariance;
+    let mut variance = 0.0;
+    for row in 0..N / 2 {
+        for column in 0..N / 2 {
+            variance += delta[row] * covariance[(row, column)] * delta[column];
+        }
+    }
+    let squared = squared_distance(first, second);
+    let along = if squared > 0.0 { variance / squared } else { 0.0 };
+    rule.max_speed_mps * (second.time_s - first.time_s) + (rule.gate_threshold * along).sqrt()
+}
+
+/// Step 3.
+fn difference<const N: usize>(first: &Point<N>, second: &Point<N>, spectral_density: f64) -> GaussianState<N> {
+    let (axes, dt_s) = (N / 2, second.time_s - first.time_s);
+    let mut state = second.state;
+    for row in 0..axes {
+        state.mean[row + axes] = (second.state.mean[row] - first.state.mean[row]) / dt_s;
+        for column in 0..axes {
+            let (before, now) = (first.state.covariance[(row, column)], second.state.covariance[(row, column)]);
+            let turned = if row == column { spectral_density * dt_s / 3.0 } else { 0.0 };
+            state.covariance[(row, column + axes)] = now / dt_s;
+            state.covariance[(row + axes, column)] = now / dt_s;
+            state.covariance[(row + axes, column + axes)] = (before + now) / (dt_s * dt_s) + turned;
+        }
+    }
+    state
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::state::{Covariance, State};
+
+    const RULE: PairRule = PairRule { max_speed_mps: 10.0, gate_threshold: 9.0, spectral_density: 6.0, by_origin: false };
+
+    /// A point with R = [xx, xy; xy, yy] that knows nothing of its speed.
+    fn point(time_s: f64, [x, y]: [f64; 2], [xx, xy, yy]: [f64; 3]) -> Point<4> {
+        let mut covariance = Covariance::from_diagonal_element(1e4);
+        (covariance[(0, 0)], covariance[(0, 1)], covariance[(1, 0)], covariance[(1, 1)]) = (xx, xy, xy, yy);
+        let state = GaussianState { mean: State::new(x, y, 0.0, 0.0), covariance };
+        Point { scan: time_s as u32, time_s, detection: x as u32, origin: None, state }
+    }
+
+    fn exact(time_s: f64, place: [f64; 2]) -> Point<4> {
+        point(time_s, place, [1e-9, 0.0, 1e-9])
+    }
+
+    /// The x of the two points of each pair, of one sensor seen at 0 s and at 1 s.
+    fn paired(rule: &PairRule, first: &[Point<4>], second: &[Point<4>]) -> Vec<(f64, f64)> {
+        let mut initiator = Initiator::default();
+        for points in [first, second] {
+            points.iter().for_each(|point| initiator.push(*point));
+            initiator.pair(0, rule);
+        }
+        initiator.pairs().iter().map(|pair| (pair.first.state.mean[0], pair.second.state.mean[0])).collect()
+    }
+
+    #[test]
+    fn two_points_are_the_state_worked_by_hand() {
+        // T = 2; R₁ = [4 1; 1 9], R₂ = [8 2; 2 7]; q = 6, so q T / 3 = 4. Δ = (6, −4): v = (3, −2).
+        // R₂ / T = [4 1; 1 3.5]; (R₁ + R₂) / T² + 4 = [3 0.75; 0.75 4] + 4 I.
+        let state = difference(&point(1.0, [10.0, 20.0], [4.0, 1.0, 9.0]), &point(3.0, [16.0, 16.0], [8.0, 2.0, 7.0]), 6.0);
+        let covariance = Covariance::new(8.0, 2.0, 4.0, 1.0, 2.0, 7.0, 1.0, 3.5, 4.0, 1.0, 7.0, 0.75, 1.0, 3.5, 0.75, 8.0);
+        assert!((state.mean - State::new(16.0, 16.0, 3.0, -2.0)).norm() < 1e-12);
+        assert!((state.covariance - covariance).abs().max() < 1e-12, "{}", state.covariance);
+    }
+
+    #[test]
+    fn the_reach_is_the_highest_speed_and_some_noise() {
+        assert_eq!(paired(&RULE, &[exact(0.0, [0.0, 0.0])], &[exact(1.0, [9.999, 0.0])]).len(), 1);
+        assert_eq!(paired(&RULE, &[exact(0.0, [0.0, 0.0])], &[exact(1.0, [10.01, 0.0])]).len(), 0);
+        // σ² of x = 3 + 1 = 4, γ = 9: three times 2 m more, and along y nothing more.
+        let noisy = |time_s, place, xx| point(time_s, place, [xx, 0.0, 1e-9]);
+        assert_eq!(paired(&RULE, &[noisy(0.0, [0.0, 0.0], 3.0)], &[noisy(1.0, [15.99, 0.0], 1.0)]).len(), 1);
+        assert_eq!(paired(&RULE, &[noisy(0.0, [0.0, 0.0], 3.0)], &[noisy(1.0, [16.01, 0.0], 1.0)]).len(), 0);
+        assert_eq!(paired(&RULE, &[noisy(0.0, [0.0, 0.0], 3.0)], &[noisy(1.0, [0.0, 10.01], 1.0)]).len(), 0);
+    }
+
+    #[test]
+    fn all_pairs_compete_at_once() {
+        // Firsts at 0 and 4, seconds at 3 and −5: the closest pair, (4, 3), would leave (0, −5): 1 + 25. The other way is
+        // (0, 3) and (4, −5): 9 + 81. With seconds at 3 and 12, (4, 12) and (0, 3) cost 64 + 9, (4, 3) alone 1 + 100.
+        let firsts = [exact(0.0, [0.0, 0.0]), exact(0.0, [4.0, 0.0])];
+        assert_eq!(paired(&RULE, &firsts, &[exact(1.0, [3.0, 0.0]), exact(1.0, [-5.0, 0.0])]), [(0.0, -5.0), (4.0, 3.0)]);
+        assert_eq!(paired(&RULE, &firsts, &[exact(1.0, [3.0, 0.0]), exact(1.0, [12.0, 0.0])]), [(0.0, 3.0), (4.0, 12.0)]);
+    }
+
+    #[test]
+    fn a_point_waits_for_one_scan_of_its_own_sensor() {
+        let mut initiator = Initiator::default();
+        let mut scan = |sensor: usize, points: &[Point<4>]| {
+            points.iter().for_each(|point| initiator.push(*point));
+            initiator.pair(sensor, &RULE);
+            initiator.pairs().len()
+        };
+        assert_eq!(scan(0, &[exact(0.0, [0.0, 0.0])]), 0);
+        assert_eq!(scan(1, &[exact(0.0, [0.0, 0.0])]), 0, "another sensor's point is not a second one");
+        assert_eq!(scan(0, &[exact(1.0, [1.0, 0.0]), exact(1.0, [50.0, 0.0])]), 1);
+        assert_eq!(scan(0, &[exact(2.0, [2.0, 0.0])]), 0, "what became a track is no first point any more");
+        assert_eq!(scan(0, &[exact(3.0, [51.0, 0.0])]), 0, "and what stayed alone for a scan is forgotten");
+        assert_eq!(scan(1, &[exact(3.0, [20.0, 0.0])]), 1, "successive scans of one sensor may be far apart");
+    }
+
+    #[test]
+    fn the_oracle_pairs_points_of_one_target() {
+        let of = |origin, point: Point<4>| Point { origin, ..point };
+        let first = [of(Some(7), exact(0.0, [0.0, 0.0])), exact(0.0, [3.0, 0.0])];
+        let second = [of(Some(8), exact(1.0, [1.0, 0.0])), of(Some(7), exact(1.0, [5.0, 0.0])), exact(1.0, [3.5, 0.0])];
+        assert_eq!(paired(&PairRule { by_origin: true, ..RULE }, &first, &second), [(0.0, 5.0)]);
+    }
+}

@@ -1,0 +1,140 @@
+//! A tracker that has seen its scene does not allocate: neither for a detection nor for a scan. Only its history grows,
+//! in pieces that are the larger the longer it is, so that a hundred scans cost a handful of allocations.
+
+use serde_json::json;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicU64, Ordering};
+use trackloom::association::ASSOCIATORS;
+use trackloom::filtering::kalman::Kalman;
+use trackloom::math::rng::Seed;
+use trackloom::model::scan::{Recording, RecordingParts};
+use trackloom::model::scenario::{ListedTarget, Scenario, ScenarioSensor, TargetPlan};
+use trackloom::model::sensor::{Report, Sensor};
+use trackloom::registry;
+use trackloom::tracking::{Confirmation, Initiation, Lifecycle, Tracker, TrackerParts};
+
+/// Counts every request for memory.
+struct Counting;
+
+static ALLOCATIONS: AtomicU64 = AtomicU64::new(0);
+
+// SAFETY: every call is handed on to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the caller keeps the contract of `alloc`.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the pointer came from `alloc` or `realloc` above, which are the system's.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
+        // SAFETY: the pointer came from `alloc` or `realloc` above, which are the system's.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static COUNTING: Counting = Counting;
+
+const WARM_UP: usize = 60;
+const COUNTED: usize = 100;
+
+/// What [`COUNTED`] scans may cost, however many detections they have: the lists of the history double now and then, and a
+/// buffer grows when a scan is the fullest so far.
+const MOST_ALLOCATIONS: u64 = 8;
+
+#[test]
+fn a_hundred_scans_of_any_size_cost_a_handful_of_allocations() {
+    for side in [3, 10] {
+        let (scenario, recording) = scene(side);
+        let detections: usize = recording.scans[WARM_UP..].iter().map(|scan| scan.count).sum();
+        assert!(detections > 100 * (side * side) as usize);
+        for method in ASSOCIATORS {
+            let found = allocations(method.name, &scenario, &recording);
+            assert!(found <= MOST_ALLOCATIONS, "{}: {found} allocations for {detections} detections", method.name);
+        }
+    }
+}
+
+/// A lattice of `side` × `side` targets that drift together, so close that gates overlap, in clutter.
+fn scene(side: u32) -> (Scenario, Recording) {
+    let target = |index: u32| ListedTarget {
+        truth_id: (index + 1).to_string(),
+        x_m: f64::from(index % side) * 60.0,
+        y_m: f64::from(index / side) * 60.0,
+        vx_mps: 1.0,
+        vy_mps: 0.5,
+    };
+    let sensor = ScenarioSensor {
+        sensor_id: "radar".into(),
+        x_m: 0.0,
+        y_m: 0.0,
+        max_range_m: 2_000.0,
+        p_d: 0.9,
+        sigma_x_m: Some(10.0),
+        sigma_y_m: Some(10.0),
+        sigma_range_m: None,
+        sigma_bearing_deg: None,
+        clutter_per_scan: f64::from(side * side) / 2.0,
+    };
+    let targets = TargetPlan::Listed { targets: (0..side * side).map(target).collect() };
+    let scenario = Scenario { scans: (WARM_UP + COUNTED) as u32, scan_period_s: 2.0, sensors: vec![sensor], targets };
+    let simulated = trackloom::simulation::simulate(&scenario, Seed { seed: 1, run: 0 }, &mut |_| ControlFlow::Continue(()));
+    let recording = simulated.unwrap().unwrap().recording;
+    (scenario, with_amplitudes(recording))
+}
+
+/// Every detection as strong as its place in the list says.
+fn with_amplitudes(recording: Recording) -> Recording {
+    let mut parts: RecordingParts = recording.into_parts();
+    for (index, detection) in parts.detections.iter_mut().enumerate() {
+        detection.amplitude = Some((index * 7919 % 1000) as f64);
+    }
+    Recording::new(parts).unwrap()
+}
+
+/// Requests for memory in the last [`COUNTED`] scans.
+fn allocations(method: &str, scenario: &Scenario, recording: &Recording) -> u64 {
+    let mut tracker = Tracker::new(parts(method, scenario));
+    for scan in &recording.scans[..WARM_UP] {
+        tracker.step(scan, recording.detections_of(scan));
+    }
+    let before = ALLOCATIONS.load(Ordering::Relaxed);
+    for scan in &recording.scans[WARM_UP..] {
+        let outcome = tracker.step(scan, recording.detections_of(scan));
+        assert!(outcome.confirmed > 0);
+    }
+    ALLOCATIONS.load(Ordering::Relaxed) - before
+}
+
+fn parts(method: &str, scenario: &Scenario) -> TrackerParts<Kalman> {
+    let associator = ASSOCIATORS.iter().find(|entry| entry.name == method).unwrap();
+    let defaults = registry::check(&json!({}), associator.parameters).unwrap();
+    let sensor = &scenario.sensors[0];
+    TrackerParts {
+        filter: Kalman { process_noise_m2ps3: 0.1 },
+        associator: (associator.build)(&defaults).unwrap(),
+        lifecycle: Lifecycle {
+            gate_probability: 0.999,
+            initiation: Initiation::OnePoint,
+            confirmation: Confirmation::MOfN,
+            confirm_hits: 3,
+            confirm_window: 5,
+            max_missed: 5,
+            max_position_sigma_m: None,
+            initial_speed_sigma_mps: 5.0,
+        },
+        sensors: vec![Sensor {
+            sensor_id: "radar".into(),
+            p_d: sensor.p_d,
+            clutter_density: sensor.clutter_per_m2(),
+            report: Report::Position { sigma_x_m: 10.0, sigma_y_m: 10.0 },
+        }],
+    }
+}

@@ -1,0 +1,178 @@
+//! Settings and data with which nothing can be associated: each is refused with its place and what would be allowed.
+
+use serde_json::{Value, json};
+use trackloom::experiment::plan::{JobKind, plan};
+use trackloom::experiment::{observer::Silent, run};
+use trackloom::formats;
+use trackloom::model::fault::Fault;
+
+/// A job that associates the detections of a dataset, with one sensor fully described.
+fn body() -> Value {
+    json!({
+        "input": {"source": "dataset", "dataset_id": "0198c0de-0000-7000-8000-000000000000"},
+        "associator": {"method": "pda"},
+        "filter": {"method": "kalman"},
+        "tracker": {},
+        "sensors": [{"sensor_id": "radar", "p_d": 0.9, "clutter_per_m2": 1e-6, "sigma_x_m": 10.0, "sigma_y_m": 10.0}]
+    })
+}
+
+/// A job with the same filter on a scenario.
+fn simulated() -> Value {
+    let sensor = json!({"max_range_m": 1000.0, "sigma_x_m": 1.0, "sigma_y_m": 1.0, "clutter_per_scan": 1.0});
+    let targets = json!({"kind": "listed", "targets": [{"truth_id": "a", "x_m": 1.0, "y_m": 2.0}]});
+    let scenario = json!({"scans": 3, "scan_period_s": 1.0, "sensors": [sensor], "targets": targets});
+    json!({"input": {"source": "scenario", "scenario": scenario}, "filter": {"method": "kalman"}, "tracker": {}})
+}
+
+/// The body with one value set; its parent exists.
+fn with(mut body: Value, pointer: &str, value: Value) -> Value {
+    let (parent, name) = pointer.rsplit_once('/').unwrap();
+    body.pointer_mut(parent).unwrap()[name] = value;
+    body
+}
+
+/// Pointer, code and allowed values of each fault.
+fn told(faults: &[Fault]) -> Vec<(&str, &str, &str)> {
+    faults.iter().map(|fault| (fault.pointer.as_str(), fault.code.as_str(), fault.allowed.as_deref().unwrap_or("?"))).collect()
+}
+
+/// The one fault of a body with one wrong value.
+fn refused(body: Value, pointer: &str, value: Value, code: &str, allowed: &str) {
+    let body = with(body, pointer, value.clone());
+    let faults = plan(JobKind::Associate, &body).expect_err(&format!("{pointer} = {value} is accepted"));
+    assert_eq!(told(&faults), [(pointer, code, allowed)], "{value}");
+}
+
+#[test]
+fn probabilities_outside_their_range_are_refused() {
+    for p_d in [0.0, -0.1, 1.1] {
+        refused(body(), "/sensors/0/p_d", json!(p_d), "out_of_range", "(0, 1]");
+        refused(simulated(), "/input/scenario/sensors/0/p_d", json!(p_d), "out_of_range", "(0, 1]");
+    }
+    for p_g in [0.0, 1.0, -1.0, 2.0] {
+        refused(body(), "/tracker/gate_probability", json!(p_g), "out_of_range", "(0, 1)");
+    }
+    assert!(plan(JobKind::Associate, &with(body(), "/sensors/0/p_d", json!(1.0))).is_ok());
+}
+
+#[test]
+fn densities_outside_their_range_are_refused() {
+    for density in [0.0, -1e-6, 1e7] {
+        refused(body(), "/sensors/0/clutter_per_m2", json!(density), "out_of_range", "(0, 1000000] 1/m²");
+    }
+    refused(simulated(), "/input/scenario/sensors/0/clutter_per_scan", json!(-1.0), "out_of_range", "[0, 1000000]");
+}
+
+#[test]
+fn noises_must_be_positive() {
+    for sigma in [0.0, -10.0] {
+        for name in ["sigma_x_m", "sigma_y_m", "sigma_range_m"] {
+            refused(body(), &format!("/sensors/0/{name}"), json!(sigma), "out_of_range", "(0, 1000000] m");
+        }
+        refused(body(), "/sensors/0/sigma_bearing_deg", json!(sigma), "out_of_range", "(0, 180] deg");
+        refused(body(), "/sensors/0/sigma_range_rate_mps", json!(sigma), "out_of_range", "(0, 100000] m/s");
+        refused(simulated(), "/input/scenario/sensors/0/sigma_y_m", json!(sigma), "out_of_range", "(0, 1000000] m");
+        refused(body(), "/tracker/initial_speed_sigma_mps", json!(sigma), "out_of_range", "(0, 100000] m/s");
+    }
+    refused(body(), "/filter/process_noise_m2ps3", json!(-1.0), "out_of_range", "[0, 1000000000] m²/s³");
+}
+
+#[test]
+fn a_life_cycle_that_cannot_be_is_refused() {
+    let lives = |tracker: Value| plan(JobKind::Associate, &with(body(), "/tracker", tracker));
+    let faults = lives(json!({"confirm_hits": 6, "confirm_window": 5})).unwrap_err();
+    assert_eq!(told(&faults), [("/tracker/confirm_hits", "out_of_range", "[1, 5] (confirm_window)")]);
+    refused(body(), "/tracker/max_position_sigma_m", json!(0.0), "out_of_range", "(0, 1000000000] m");
+}
+
+#[test]
+fn parameters_of_initiation_and_confirmation_are_refused_with_their_range() {
+    let told_of = |tracker: Value| {
+        let faults = plan(JobKind::Associate, &with(body(), "/tracker", tracker)).unwrap_err();
+        faults.into_iter().map(|fault| (fault.pointer, fault.code, fault.allowed.unwrap_or_default())).collect::<Vec<_>>()
+    };
+    let fault = |pointer: &str, code: &str, allowed: &str| (format!("/tracker/{pointer}"), code.to_owned(), allowed.to_owned());
+    let two_point = |speed: Value| json!({"initiation": {"method": "two_point", "max_speed_mps": speed}});
+    assert_eq!(told_of(two_point(json!(0.0))), [fault("initiation/max_speed_mps", "out_of_range", "(0, 100000] m/s")]);
+    assert_eq!(told_of(two_point(json!("fast"))), [fault("initiation/max_speed_mps", "wrong_type", "a number")]);
+    assert_eq!(told_of(json!({"initiation": {"method": "two_point"}})), [fault("initiation/max_speed_mps", "missing", "")]);
+    let three_point = json!({"initiation": {"method": "three_point"}});
+    assert_eq!(told_of(three_point), [fault("initiation/method", "unknown_value", "one_point, two_point")]);
+    let one_point = json!({"initiation": {"method": "one_point", "max_speed_mps": 3.0}});
+    assert_eq!(told_of(one_point), [fault("initiation/max_speed_mps", "unknown_field", "method")]);
+    let score = json!({"confirmation": {
+        "rule": "score", "false_track_probability": 0.0, "missed_track_probability": 0.5, "max_score_drop": -1.0
+    }});
+    let expected = [
+        fault("confirmation/false_track_probability", "out_of_range", "(0, 0.5)"),
+        fault("confirmation/missed_track_probability", "out_of_range", "(0, 0.5)"),
+        fault("confirmation/max_score_drop", "out_of_range", "(0, 1000]"),
+    ];
+    assert_eq!(told_of(score), expected);
+    assert_eq!(told_of(json!({"confirmation": {"rule": "luck"}})), [fault("confirmation/rule", "unknown_value", "m_of_n, score")]);
+}
+
+#[test]
+fn directions_have_no_speeds_and_no_positions() {
+    let tracker = json!({"initiation": {"method": "two_point", "max_speed_mps": 30.0}, "max_position_sigma_m": 50.0});
+    let body = with(with(body(), "/filter", json!({"method": "bearing_only"})), "/tracker", tracker);
+    let faults = plan(JobKind::Associate, &body).unwrap_err();
+    let expected =
+        [("/tracker/initiation/method", "unsupported", "one_point"), ("/tracker/max_position_sigma_m", "unsupported", "no value")];
+    assert_eq!(told(&faults), expected);
+}
+
+#[test]
+fn a_sensor_is_described_once() {
+    let twice = json!([{"sensor_id": "radar"}, {"sensor_id": "sonar"}, {"sensor_id": "radar"}]);
+    let faults = plan(JobKind::Associate, &with(body(), "/sensors", twice)).unwrap_err();
+    assert_eq!(told(&faults), [("/sensors/2/sensor_id", "duplicate", "each sensor_id once")]);
+    let sensor = json!({"sensor_id": "a", "max_range_m": 10.0, "sigma_x_m": 1.0, "sigma_y_m": 1.0});
+    let faults = plan(JobKind::Associate, &with(simulated(), "/input/scenario/sensors", json!([sensor, sensor]))).unwrap_err();
+    assert_eq!(told(&faults), [("/input/scenario/sensors/1/sensor_id", "duplicate", "each name once")]);
+}
+
+/// The faults that a job finds in its data.
+fn found_in(body: &Value, csv: Option<&str>) -> Vec<Fault> {
+    let plan = plan(JobKind::Associate, body).unwrap();
+    let read = |csv: &str| (formats::format_named("csv").unwrap().read)(&mut csv.as_bytes(), &Default::default()).unwrap().dataset;
+    let inputs = csv.map(|csv| Some(run::Input { dataset: read(csv), sensors: vec![], sha256: String::new() }));
+    match run::run(&plan, inputs.into_iter().collect(), &mut Silent) {
+        Err(run::RunError::Faults(faults)) => faults,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn detections_that_the_filter_cannot_use_are_named_with_those_it_can() {
+    let ranges = "time_s,scan,sensor_id,detection_id,range_m,bearing_deg\n0,1,radar,a,100,45\n";
+    let faults = found_in(&body(), Some(ranges));
+    assert_eq!(told(&faults), [("/filter/method", "unsupported", "positions (x_m, y_m)")]);
+    assert_eq!(faults[0].detail, "sensor 'radar' reports ranges and bearings, which the filter 'kalman' cannot use");
+
+    let bearings = "time_s,scan,sensor_id,detection_id,bearing_deg\n0,1,radar,a,45\n";
+    let faults = found_in(&with(body(), "/filter/method", json!("extended")), Some(bearings));
+    assert_eq!(told(&faults), [("/filter/method", "unsupported", "positions (x_m, y_m); ranges and bearings (range_m, bearing_deg)")]);
+
+    let polar = json!([{"sensor_id": "a", "max_range_m": 10.0, "sigma_range_m": 1.0, "sigma_bearing_deg": 1.0}]);
+    let faults = found_in(&with(simulated(), "/input/scenario/sensors", polar), None);
+    assert_eq!(told(&faults), [("/filter/method", "unsupported", "positions (x_m, y_m)")]);
+}
+
+#[test]
+fn what_the_recording_does_not_have_is_named_with_what_it_has() {
+    let csv = "time_s,scan,sensor_id,detection_id,x_m,y_m\n0,1,lidar,a,1,2\n";
+    assert_eq!(told(&found_in(&body(), Some(csv))), [("/sensors/0/sensor_id", "unknown_value", "lidar")]);
+    let faults = found_in(&with(body(), "/sensors", json!([{"sensor_id": "lidar", "sigma_x_m": 1.0}])), Some(csv));
+    assert_eq!(told(&faults), [("/sensors", "missing", "> 0 m")]);
+}
+
+#[test]
+fn a_singular_covariance_in_a_file_of_tracks_is_refused() {
+    let csv = "time_s,track_id,x_m,y_m,p_xx,p_xy,p_xvx,p_xvy,p_yy,p_yvx,p_yvy,p_vxvx,p_vxvy,p_vyvy\n0,T,1,2,4,2,0,0,1,0,0,1,0,1\n";
+    let faults = (formats::format_named("csv").unwrap().read)(&mut csv.as_bytes(), &Default::default()).unwrap_err();
+    let allowed = "a positive definite matrix: every variance > 0, every correlation within (-1, 1); or all its cells empty";
+    assert_eq!(told(&faults), [("/file", "out_of_range", allowed)]);
+    assert_eq!((faults[0].line, faults[0].column.as_deref()), (Some(2), Some("p_xx")));
+}
