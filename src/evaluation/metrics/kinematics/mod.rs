@@ -81,11 +81,9 @@ impl Metric for Kinematics {
         let mut quantities = errors(&all);
         quantities.extend(consistency.summary(&by_sequence));
         let mut report = MetricReport::new("position_rmse", false, self.parameters(sequences), quantities);
-        for (sequence, samples) in sequences.iter().zip(&by_sequence) {
-            report.per_truth.extend(truth_lines(sequence, samples, &mut consistency));
-        }
         if let ([sequence], [samples]) = (sequences, &by_sequence[..]) {
             let steps = sequence.comparison.steps.len();
+            report.per_truth = truth_lines(sequence, samples, &mut consistency);
             report.series = vec![position_series(samples, steps)];
             report.series.extend(consistency.series(samples, steps));
         }
