@@ -4,6 +4,7 @@ use crate::fixture::{Row, Scene, assert_close};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
+use trackloom::evaluation::comparison::{Comparison, Presence, Step};
 
 const NAMES: [&str; 4] = ["a", "b", "c", "d"];
 
@@ -27,18 +28,20 @@ fn rows(rng: &mut ChaCha8Rng, heads: usize, steps: usize) -> Vec<Row<'static>> {
     rows
 }
 
-/// Positions of the truths and tracks at a time at which either exists.
-pub fn positions_at(scene: &Scene, time_s: f64) -> (Vec<Option<(f64, f64)>>, Vec<Option<(f64, f64)>>) {
-    let of_truth = |target: &trackloom::model::truth::Target| {
-        let point = target.points.iter().find(|point| point.time_s == time_s)?;
-        point.position_m().map(|position_m| (position_m.x, position_m.y))
+/// Positions of all truths and all tracks at a step, where they exist.
+pub fn positions_at(comparison: &Comparison, step: &Step) -> (Positions, Positions) {
+    let spread = |presences: &[Presence], count: usize| {
+        let mut positions = vec![None; count];
+        for presence in presences {
+            positions[presence.id as usize] = Some((presence.position_m.x, presence.position_m.y));
+        }
+        positions
     };
-    let of_track = |track: &trackloom::model::track::Track| {
-        let point = track.points.iter().find(|point| point.time_s == time_s)?;
-        point.estimate.plane().map(|plane| (plane.state.x, plane.state.y))
-    };
-    (scene.truth.targets().iter().map(of_truth).collect(), scene.tracks.tracks.iter().map(of_track).collect())
+    let truths = spread(&comparison.truths[step.truths.clone()], comparison.truth_ids.len());
+    (truths, spread(&comparison.tracks[step.tracks.clone()], comparison.track_ids.len()))
 }
+
+pub type Positions = Vec<Option<(f64, f64)>>;
 
 pub fn distance((x, y): (f64, f64), (other_x, other_y): (f64, f64)) -> f64 {
     (x - other_x).hypot(y - other_y)
@@ -88,8 +91,14 @@ fn a_thousand_random_sets() {
         let scene = random_scene(&mut rng, 4, 1);
         let (c, p) = ([5.0, 10.0, 30.0][case % 3], [1.0, 2.0, 2.5, 4.0][case % 4]);
         let parameters = |name: &str| json!({"metric": name, "cutoff_m": c, "p": p});
-        let (truths, tracks) = positions_at(&scene, 0.0);
-        let (truths, tracks): (Vec<_>, Vec<_>) = (truths.into_iter().flatten().collect(), tracks.into_iter().flatten().collect());
+        let of_targets =
+            scene.truth.targets().iter().map(|target| (target.points[0].position_m().unwrap().x, target.points[0].position_m().unwrap().y));
+        let of_tracks = scene
+            .tracks
+            .tracks
+            .iter()
+            .map(|track| (track.points[0].estimate.plane().unwrap().state.x, track.points[0].estimate.plane().unwrap().state.y));
+        let (truths, tracks): (Vec<_>, Vec<_>) = (of_targets.collect(), of_tracks.collect());
         let (found_ospa, found_gospa) = (scene.evaluate(5.0, parameters("ospa")), scene.evaluate(5.0, parameters("gospa")));
         if truths.is_empty() && tracks.is_empty() {
             assert_eq!((found_ospa.value, found_ospa.reason), (None, Some("there is no step")));

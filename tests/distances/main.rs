@@ -6,6 +6,8 @@ mod fixture;
 mod golden;
 mod golden_values;
 mod kinematics;
+mod large_scene;
 mod scenes;
 mod siap;
+
 mod t_gospa;

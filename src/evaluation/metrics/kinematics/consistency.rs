@@ -1,4 +1,5 @@
-//! Whether errors are as large as the covariances of the tracks say: NEES, the normalised estimation error squared.
+//! Whether errors are as large as the tracks say: NEES, the normalised estimation error squared, from their covariances, and
+//! NIS, the same of innovations, where the tracks carry it.
 //!
 //! # Symbols
 //! e error, P covariance, n numbers in e; N samples; χ²(k, q) the q-quantile with k degrees of freedom.
@@ -7,7 +8,9 @@
 //! 1. NEES = eᵀ P⁻¹ e, of position (n = 2) and, where velocities are known, of the whole state (n = 4).
 //! 2. The mean of N samples of a consistent filter lies within χ²(N n, ½ ∓ ½ confidence) / N with that confidence, if the
 //!    samples are independent. Those of one track are not over time, so the bounds of the whole are rather too narrow.
-//! 3. The share of steps at which the mean over the targets of that step is within the bounds for their number.
+//! 3. NIS (n the numbers of a measurement) has the same mean and bounds. Detections outside the gate are missing from it, so
+//!    a consistent filter lies a little low.
+//! 4. The share of steps at which the mean over the targets of that step is within the bounds for their number.
 
 use super::Sample;
 use crate::evaluation::metrics::{Quantity, Series};
@@ -15,11 +18,12 @@ use crate::math::gaussian::{Gaussian, chi_square_quantile};
 use crate::model::state::{Covariance, Position, PositionCovariance, State};
 use std::collections::BTreeMap;
 
-/// NEES of one match.
+/// NEES of one match, and the NIS of its track point.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Normalised {
     pub position: Option<f64>,
     pub state: Option<f64>,
+    pub innovation: Option<f64>,
 }
 
 impl Normalised {
@@ -32,29 +36,32 @@ impl Normalised {
             Gaussian::new(&covariance).map(|gaussian| gaussian.squared_distance(&error))
         });
         let finite = |value: Option<f64>| value.filter(|value| value.is_finite());
-        Normalised { position: finite(position), state: finite(state) }
+        Normalised { position: finite(position), state: finite(state), innovation: None }
     }
 }
 
-/// One of the two kinds of NEES, with the names under which it is reported.
+/// One of the kinds of normalised errors, with the names under which it is reported.
 struct Family {
     mean: &'static str,
     lower: &'static str,
     upper: &'static str,
     within: &'static str,
     samples: &'static str,
-    dimensions: u32,
+    /// `None`: as many as a measurement has.
+    dimensions: Option<u32>,
+    reason: &'static str,
     of: fn(&Sample) -> Option<f64>,
 }
 
-const FAMILIES: [Family; 2] = [
+const FAMILIES: [Family; 3] = [
     Family {
         mean: "nees_position",
         lower: "nees_position_lower",
         upper: "nees_position_upper",
         within: "nees_position_steps_within",
         samples: "nees_position_samples",
-        dimensions: 2,
+        dimensions: Some(2),
+        reason: NO_COVARIANCE,
         of: |sample| sample.normalised.position,
     },
     Family {
@@ -63,8 +70,19 @@ const FAMILIES: [Family; 2] = [
         upper: "nees_state_upper",
         within: "nees_state_steps_within",
         samples: "nees_state_samples",
-        dimensions: 4,
+        dimensions: Some(4),
+        reason: NO_COVARIANCE,
         of: |sample| sample.normalised.state,
+    },
+    Family {
+        mean: "nis",
+        lower: "nis_lower",
+        upper: "nis_upper",
+        within: "nis_steps_within",
+        samples: "nis_samples",
+        dimensions: None,
+        reason: "no matched track says the NIS of its updates",
+        of: |sample| sample.normalised.innovation.filter(|nis| nis.is_finite()),
     },
 ];
 
@@ -73,17 +91,19 @@ const NO_COVARIANCE: &str = "no matched track has a covariance that can be inver
 /// The bounds, each computed once.
 pub struct Consistency {
     confidence: f64,
+    measurement_dimensions: u32,
     bounds: BTreeMap<(u32, usize), (f64, f64)>,
 }
 
 impl Consistency {
-    pub fn new(confidence: f64) -> Consistency {
-        Consistency { confidence, bounds: BTreeMap::new() }
+    pub fn new(confidence: f64, measurement_dimensions: u32) -> Consistency {
+        Consistency { confidence, measurement_dimensions, bounds: BTreeMap::new() }
     }
 
     /// Step 2, for the mean of `samples` samples, at least one.
-    fn bounds(&mut self, dimensions: u32, samples: usize) -> (f64, f64) {
+    fn bounds(&mut self, family: &Family, samples: usize) -> (f64, f64) {
         let confidence = self.confidence;
+        let dimensions = family.dimensions.unwrap_or(self.measurement_dimensions);
         *self.bounds.entry((dimensions, samples)).or_insert_with(|| {
             let quantile = |probability| chi_square_quantile(probability, f64::from(dimensions) * samples as f64) / samples as f64;
             (quantile(0.5 - 0.5 * confidence), quantile(0.5 + 0.5 * confidence))
@@ -96,12 +116,12 @@ impl Consistency {
         for family in &FAMILIES {
             let (mut within, mut steps) = (0.0, 0.0);
             for (mean, count) in sequences.iter().flat_map(|samples| step_means(samples, family)).map(|(_, mean, count)| (mean, count)) {
-                let (lower, upper) = self.bounds(family.dimensions, count);
+                let (lower, upper) = self.bounds(family, count);
                 steps += 1.0;
                 within += f64::from(u8::from((lower..=upper).contains(&mean)));
             }
             quantities.extend(self.mean(&sequences.iter().flatten().collect::<Vec<_>>(), family));
-            quantities.push(Quantity::ratio(family.within, within, steps, "", NO_COVARIANCE));
+            quantities.push(Quantity::ratio(family.within, within, steps, "", family.reason));
         }
         quantities
     }
@@ -113,11 +133,11 @@ impl Consistency {
 
     fn mean(&mut self, samples: &[&Sample], family: &Family) -> [Quantity; 4] {
         let values: Vec<f64> = samples.iter().filter_map(|sample| (family.of)(sample)).collect();
-        let bounds = (!values.is_empty()).then(|| self.bounds(family.dimensions, values.len()));
+        let bounds = (!values.is_empty()).then(|| self.bounds(family, values.len()));
         [
-            Quantity::ratio(family.mean, values.iter().sum(), values.len() as f64, "", NO_COVARIANCE),
-            Quantity::or(family.lower, bounds.map(|(lower, _)| lower), "", NO_COVARIANCE),
-            Quantity::or(family.upper, bounds.map(|(_, upper)| upper), "", NO_COVARIANCE),
+            Quantity::ratio(family.mean, values.iter().sum(), values.len() as f64, "", family.reason),
+            Quantity::or(family.lower, bounds.map(|(lower, _)| lower), "", family.reason),
+            Quantity::or(family.upper, bounds.map(|(_, upper)| upper), "", family.reason),
             Quantity::new(family.samples, values.len() as f64, ""),
         ]
     }
@@ -128,7 +148,7 @@ impl Consistency {
         for family in &FAMILIES {
             let mut values = vec![[None; 3]; steps];
             for (step, mean, count) in step_means(samples, family) {
-                let (lower, upper) = self.bounds(family.dimensions, count);
+                let (lower, upper) = self.bounds(family, count);
                 values[step] = [mean, lower, upper].map(Some);
             }
             if values.iter().any(|step| step[0].is_some()) {

@@ -12,7 +12,7 @@
 //! 1. Every match of the log gives one e. Along the course is e · u, across it (to the right positive) e · (u_y, −u_x);
 //!    neither exists for a truth at rest.
 //! 2. Root mean squares, means (bias), and the smallest position error that 95 % of the matches do not exceed.
-//! 3. [`consistency`]: NEES of position (n = 2) and of the whole state (n = 4).
+//! 3. [`consistency`]: NEES of position (n = 2) and of the whole state (n = 4), and the NIS that tracks carry.
 
 mod consistency;
 
@@ -20,10 +20,11 @@ use self::consistency::{Consistency, Normalised};
 use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence, Series};
 use crate::evaluation::comparison::{Presence, Shape};
 use crate::evaluation::events::EventKind;
-use crate::model::state::{Covariance, Position};
+use crate::model::state::Position;
+use crate::model::track::TrackPoint;
 use crate::registry::{self, Bound, Field, Kind, Method, Object};
 use serde::Deserialize;
-use serde_json::json;
+use serde_json::{Value, json};
 
 pub const METHOD: Method<BuildMetric> =
     Method { name: "kinematics", parameters: &PARAMETERS, build: |spec| Ok(Box::new(Kinematics::deserialize(spec)?)) };
@@ -31,17 +32,26 @@ pub const METHOD: Method<BuildMetric> =
 static PARAMETERS: Object = Object {
     name: "Kinematics",
     summary: "Errors of position and velocity, along and across the course, and their consistency with the covariances.",
-    fields: &[Field {
-        name: "confidence",
-        summary: "Probability with which a consistent filter lies within the chi-square bounds.",
-        kind: Kind::Number { min: Bound::Including(0.5), max: Bound::Including(0.9999), unit: "" },
-        presence: registry::Presence::Default("0.95"),
-    }],
+    fields: &[
+        Field {
+            name: "confidence",
+            summary: "Probability with which a consistent filter lies within the chi-square bounds.",
+            kind: Kind::Number { min: Bound::Including(0.5), max: Bound::Including(0.9999), unit: "" },
+            presence: registry::Presence::Default("0.95"),
+        },
+        Field {
+            name: "measurement_dimensions",
+            summary: "How many numbers a measurement has, for the bounds of the NIS: 1 of bearings alone, 2 of positions.",
+            kind: Kind::Integer { min: 1, max: 6, unit: "" },
+            presence: registry::Presence::Default("2"),
+        },
+    ],
 };
 
 #[derive(Deserialize)]
 struct Kinematics {
     confidence: f64,
+    measurement_dimensions: u32,
 }
 
 /// What one match says.
@@ -65,21 +75,29 @@ impl Metric for Kinematics {
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
-        let mut consistency = Consistency::new(self.confidence);
+        let mut consistency = Consistency::new(self.confidence, self.measurement_dimensions);
         let by_sequence: Vec<Vec<Sample>> = sequences.iter().map(samples).collect();
         let all: Vec<&Sample> = by_sequence.iter().flatten().collect();
         let mut quantities = errors(&all);
         quantities.extend(consistency.summary(&by_sequence));
-        let mut report = MetricReport::new("position_rmse", false, json!({"confidence": self.confidence}), quantities);
-        for (sequence, samples) in sequences.iter().zip(&by_sequence) {
-            report.per_truth.extend(truth_lines(sequence, samples, &mut consistency));
-        }
+        let mut report = MetricReport::new("position_rmse", false, self.parameters(sequences), quantities);
         if let ([sequence], [samples]) = (sequences, &by_sequence[..]) {
             let steps = sequence.comparison.steps.len();
+            report.per_truth = truth_lines(sequence, samples, &mut consistency);
             report.series = vec![position_series(samples, steps)];
             report.series.extend(consistency.series(samples, steps));
         }
         report
+    }
+}
+
+impl Kinematics {
+    fn parameters(&self, sequences: &[Sequence]) -> Value {
+        json!({
+            "gate_m": sequences.first().map(|sequence| sequence.comparison.gate),
+            "confidence": self.confidence,
+            "measurement_dimensions": self.measurement_dimensions,
+        })
     }
 }
 
@@ -92,7 +110,10 @@ fn samples(sequence: &Sequence) -> Vec<Sample> {
         let track = find(&comparison.tracks[step.tracks.clone()], event.track?)?;
         let error_m = track.position_m - truth.position_m;
         let error_mps = track.velocity_mps.zip(truth.velocity_mps).map(|(track, truth)| track - truth);
-        let normalised = Normalised::new(error_m, error_mps, covariance_of(sequence, track));
+        let point = point_of(sequence, track);
+        let covariance = point.and_then(|point| point.estimate.plane()?.covariance);
+        let innovation = point.and_then(|point| point.nis);
+        let normalised = Normalised { innovation, ..Normalised::new(error_m, error_mps, covariance) };
         let on_course_m = truth.velocity_mps.and_then(|velocity_mps| on_course(error_m, velocity_mps));
         Some(Sample { step: event.step as usize, truth: truth.id, error_m, error_mps, on_course_m, normalised })
     };
@@ -104,9 +125,9 @@ fn find(presences: &[Presence], id: u32) -> Option<&Presence> {
     presences.binary_search_by_key(&id, |presence| presence.id).ok().map(|place| &presences[place])
 }
 
-fn covariance_of(sequence: &Sequence, track: &Presence) -> Option<Covariance> {
-    let track_of_input = sequence.input?.tracks.tracks.get(track.id as usize)?;
-    track_of_input.points.get(track.point as usize)?.estimate.plane()?.covariance
+/// The point of the input that a presence was made of.
+fn point_of<'a>(sequence: &Sequence<'a>, track: &Presence) -> Option<&'a TrackPoint> {
+    sequence.input?.tracks.tracks.get(track.id as usize)?.points.get(track.point as usize)
 }
 
 /// The error along and across a course, y north and x east.

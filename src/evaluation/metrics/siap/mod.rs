@@ -103,8 +103,8 @@ impl Metric for Siap {
         let mut quantities = Counts::sum(&steps).quantities().to_vec();
         quantities.extend(continuity(&all));
         let mut report = MetricReport::new("completeness", true, self.parameters(sequences), quantities);
-        (report.per_truth, report.per_track) = (per_truth, per_track);
         if sequences.len() == 1 {
+            (report.per_truth, report.per_track) = (per_truth, per_track);
             report.series = series(&steps);
         }
         report

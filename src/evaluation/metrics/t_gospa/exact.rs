@@ -12,6 +12,10 @@
 //! 3. A label is dropped when another, with the switches from it added, costs no more.
 //! 4. Members meet in groups: groups that share a near pair are merged (their labels multiply), and members on whose state
 //!    all labels agree leave. So doubt about one place does not multiply with doubt about another.
+//! 5. A settled pair is a group of two that hold each other; near, it is *sure* to gain. So is a pair of two without a group
+//!    that are nearest to each other, if they gain more than 1.5 switches: the most that not taking each other could save.
+//! 6. A near pair between groups is left out when it gains no more than the halves that the sure pairs at its ends have of
+//!    theirs: whatever takes such pairs breaks sure ones that gain as much. Where a sure pair is merged, it is not sure.
 //!
 //! It gives up when labels or the work of comparing them grow beyond bounds.
 
@@ -63,6 +67,10 @@ struct Search {
     group_of: Vec<usize>,
     /// Place of each member in its group.
     place_of: Vec<usize>,
+    /// Of each member of a sure pair of this step its half of what the pair gains for certain, else 0.
+    worth: Vec<f64>,
+    /// Of each of them the other one.
+    partner: Vec<usize>,
     settled: Tally,
     comparisons: usize,
 }
@@ -80,6 +88,8 @@ impl Search {
             groups: (0..members).map(|_| None).collect(),
             group_of: vec![0; members],
             place_of: vec![0; members],
+            worth: vec![0.0; members],
+            partner: (0..members).collect(),
             settled: Tally::default(),
             comparisons: 0,
         };
@@ -99,27 +109,112 @@ impl Search {
     }
 
     fn step(&mut self, near: &[Near]) -> Option<()> {
-        for pair in near {
-            self.merge(self.group_of[pair.truth], self.group_of[self.truths + pair.track])?;
-        }
+        self.meet(near)?;
         let mut of_group: BTreeMap<usize, Vec<Near>> = BTreeMap::new();
         for pair in near {
-            of_group.entry(self.group_of[pair.truth]).or_default().push(*pair);
+            let track = self.truths + pair.track;
+            if self.is_sure(pair) {
+                self.keep(pair.truth, track, pair.gain);
+            } else if self.group_of[pair.truth] == self.group_of[track] {
+                of_group.entry(self.group_of[track]).or_default().push(*pair);
+            }
         }
-        for (number, near) in of_group {
-            let group = self.groups[number].take()?;
-            let rows: Vec<&[Near]> = near.chunk_by(|one, other| one.truth == other.truth).collect();
-            let mut successors = Vec::new();
-            for label in &group.labels {
-                let mut expansion = Expansion::new(self, &rows, label);
-                expansion.extend(0, 0.0, &mut successors);
-                if successors.len() > MAX_SUCCESSORS {
-                    return None;
+        for pair in near {
+            (self.worth[pair.truth], self.worth[self.truths + pair.track]) = (0.0, 0.0);
+        }
+        of_group.into_iter().try_for_each(|(number, near)| self.advance(number, &near))
+    }
+
+    /// Methods 4 to 6: merges the groups that have to be looked at together.
+    fn meet(&mut self, near: &[Near]) -> Option<()> {
+        for pair in near {
+            if self.is_settled(pair) {
+                self.set_worth(pair, 0.5 * pair.gain);
+            }
+        }
+        self.meet_singles(near);
+        loop {
+            let mut has_met = false;
+            for pair in near {
+                let track = self.truths + pair.track;
+                let is_left_out = self.is_sure(pair) || pair.gain <= self.worth[pair.truth] + self.worth[track];
+                if is_left_out || self.group_of[pair.truth] == self.group_of[track] {
+                    continue;
+                }
+                self.merge(self.group_of[pair.truth], self.group_of[track])?;
+                has_met = true;
+            }
+            if !has_met {
+                return Some(());
+            }
+        }
+    }
+
+    /// Method 5, second half.
+    fn meet_singles(&mut self, near: &[Near]) {
+        let mut best: BTreeMap<usize, Near> = BTreeMap::new();
+        for pair in near {
+            for member in [pair.truth, self.truths + pair.track] {
+                let best = best.entry(member).or_insert(*pair);
+                if pair.gain > best.gain {
+                    *best = *pair;
                 }
             }
-            let labels = self.undominated(&group.members, successors)?;
-            self.split(group.members, labels);
         }
+        for pair in near {
+            let ends = [pair.truth, self.truths + pair.track];
+            let worth = 0.5 * (pair.gain - 1.5 * self.penalty);
+            if worth > 0.0 && ends.iter().all(|end| best.get(end) == Some(pair) && self.single_state(*end).is_some()) {
+                self.set_worth(pair, worth);
+            }
+        }
+    }
+
+    /// The state of a member that is a group by itself.
+    fn single_state(&self, member: usize) -> Option<usize> {
+        let group = self.groups[self.group_of[member]].as_ref()?;
+        (group.members.len() == 1).then(|| group.labels[0].states[0])
+    }
+
+    fn set_worth(&mut self, pair: &Near, worth: f64) {
+        (self.worth[pair.truth], self.worth[self.truths + pair.track]) = (worth, worth);
+        (self.partner[pair.truth], self.partner[self.truths + pair.track]) = (self.truths + pair.track, pair.truth);
+    }
+
+    fn is_sure(&self, pair: &Near) -> bool {
+        self.worth[pair.truth] > 0.0 && self.partner[pair.truth] == self.truths + pair.track
+    }
+
+    /// Counts a sure pair; two singles become a settled pair by it.
+    fn keep(&mut self, truth: usize, track: usize, gain: f64) {
+        self.settled += Tally { gain, matched: 1.0, switches: 0.0 };
+        if let (Some(one), Some(other)) = (self.single_state(truth), self.single_state(track)) {
+            self.settled.switches += if one == FRESH && other == FRESH { 0.0 } else { 0.5 };
+            self.groups[self.group_of[track]] = None;
+            self.store(vec![truth, track], vec![Label { tally: Tally::default(), cost: 0.0, states: vec![track, truth] }]);
+        }
+    }
+
+    /// Whether it is sure that these two hold each other.
+    fn is_settled(&self, pair: &Near) -> bool {
+        let group = self.groups[self.group_of[pair.truth]].as_ref();
+        let states = group.filter(|group| group.members.len() == 2 && group.labels.len() == 1).map(|group| &group.labels[0].states);
+        states.is_some_and(|states| states[self.place_of[pair.truth]] == self.truths + pair.track)
+    }
+
+    /// Takes a group over a step.
+    fn advance(&mut self, number: usize, near: &[Near]) -> Option<()> {
+        let group = self.groups[number].take()?;
+        let rows: Vec<&[Near]> = near.chunk_by(|one, other| one.truth == other.truth).collect();
+        let mut successors = Vec::new();
+        for label in &group.labels {
+            Expansion::new(self, &rows, label).extend(0, 0.0, &mut successors);
+            if successors.len() > MAX_SUCCESSORS {
+                return None;
+            }
+        }
+        let labels = self.undominated(&group.members, successors)?;
+        self.split(group.members, labels);
         Some(())
     }
 
@@ -138,6 +233,9 @@ impl Search {
             tally += right.tally;
             let states = left.states.iter().chain(&right.states).copied().collect();
             labels.push(Label { tally, cost: tally.cost(self.penalty), states });
+        }
+        for &member in one.members.iter().chain(&other.members) {
+            (self.worth[member], self.worth[self.partner[member]]) = (0.0, 0.0);
         }
         self.store(one.members.into_iter().chain(other.members).collect(), labels);
         Some(())

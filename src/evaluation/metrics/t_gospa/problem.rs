@@ -75,7 +75,7 @@ fn gather(steps: &[Vec<Near>], truths: usize, roots: &mut [usize]) -> Vec<Cluste
     let mut clusters: Vec<Cluster> = Vec::new();
     let mut cluster_of = vec![None; roots.len()];
     let mut place_of = vec![0; roots.len()];
-    for member in 0..roots.len() {
+    for (member, place) in place_of.iter_mut().enumerate() {
         let root = root(roots, member);
         // A cluster's smallest member is its root, and a truth; alone it has no pair.
         let cluster = *cluster_of[root].get_or_insert_with(|| {
@@ -83,7 +83,7 @@ fn gather(steps: &[Vec<Near>], truths: usize, roots: &mut [usize]) -> Vec<Cluste
             clusters.len() - 1
         });
         let count = if member < truths { &mut clusters[cluster].truths } else { &mut clusters[cluster].tracks };
-        place_of[member] = *count;
+        *place = *count;
         *count += 1;
     }
     let mut last_step = vec![usize::MAX; clusters.len()];
