@@ -124,10 +124,10 @@ fn parts(method: &str, scenario: &Scenario) -> TrackerParts<Kalman> {
             gate_probability: 0.999,
             initiation: Initiation::OnePoint,
             confirmation: Confirmation::MOfN,
-            max_position_sigma_m: None,
             confirm_hits: 3,
             confirm_window: 5,
             max_missed: 5,
+            max_position_sigma_m: None,
             initial_speed_sigma_mps: 5.0,
         },
         sensors: vec![Sensor {

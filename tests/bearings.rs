@@ -152,6 +152,29 @@ fn the_automaton_judges_bearings_by_detection_id() {
     assert_eq!(tfa["counts"]["targets"], 2);
 }
 
+#[test]
+fn metrics_in_metres_are_refused_to_directions_or_left_out_with_a_warning() {
+    let dataset = json!({"source": "dataset", "dataset_id": "0198c0de-0000-7000-8000-000000000000"});
+    let asked = json!({"input": dataset, "truth": dataset, "filter": {"method": "bearing_only"}, "metrics": [{"metric": "gospa", "cutoff_m": 100.0}]});
+    let faults = plan::plan(plan::JobKind::Evaluate, &asked).unwrap_err();
+    assert_eq!((faults.len(), faults[0].pointer.as_str(), faults[0].code.as_str()), (1, "/metrics", "unsupported"));
+
+    // Tracks of a file are known to be directions only when they are read.
+    let judged = json!({"tracks": dataset, "truth": dataset, "detections": dataset, "metrics": [{"metric": "gospa", "cutoff_m": 100.0}]});
+    let plan = plan::plan(plan::JobKind::Evaluate, &judged).unwrap();
+    let tracks = "time_s,track_id,bearing_deg,detection_id\n0,1,359.5,0-t0\n1,1,359.5,1-t0\n";
+    let of = |pointer: &str| match pointer {
+        "/tracks" => read(tracks),
+        "/truth" => read("time_s,truth_id,bearing_deg\n0,0,359.5\n40,0,0.5\n"),
+        _ => read(&recording(&OVER_NORTH, 0, 1)),
+    };
+    let inputs = plan.inputs.iter().map(|wanted| Some(run::Input { dataset: of(&wanted.pointer), sensors: vec![], sha256: String::new() }));
+    let outcome = run::run(&plan, inputs.collect(), &mut Silent).unwrap();
+    assert_eq!(outcome.result["tfa"]["counts"]["targets"], 1);
+    assert_eq!(outcome.result["metrics"], Value::Null);
+    assert_eq!(outcome.warnings, ["directions (bearing_deg) are not compared in metres, so no metric was computed"]);
+}
+
 fn faults_of(kind: plan::JobKind, csv: &str, settings: &Value) -> Vec<Fault> {
     match run_job(kind, csv, settings) {
         Err(run::RunError::Faults(faults)) => faults,
@@ -197,6 +220,9 @@ fn the_nearest_truth_of_a_direction_is_refused() {
     let seen: Vec<_> = faults.iter().map(|fault| (fault.pointer.as_str(), fault.allowed.as_deref())).collect();
     assert_eq!(seen, [("/tfa/symbols", Some("detection_id")); 2]);
     assert!(faults[0].detail.starts_with("the tracks are directions (bearing_deg)") && faults[1].detail.starts_with("the truth"));
+    let settings = json!({"tfa": {"symbols": {"kind": "nearest_detection", "gate_m": 5.0}}});
+    let faults = faults_of(plan::JobKind::Evaluate, &csv, &settings);
+    assert_eq!((faults.len(), faults[0].pointer.as_str()), (1, "/tfa/symbols"));
 }
 
 /// A ship that passes a sonar north of it, and another one south of it.

@@ -15,15 +15,19 @@ fn result_bytes(preset: &presets::Preset) -> Vec<u8> {
 
 #[test]
 fn the_same_job_gives_the_same_bytes_on_one_thread_and_on_eight() {
-    let preset = presets::find("liang2009-100").unwrap();
-    let alone = result_bytes(&preset);
-    assert!(alone.len() > 100_000);
-    std::thread::scope(|scope| {
-        let runs: Vec<_> = (0..8).map(|_| scope.spawn(|| result_bytes(&preset))).collect();
-        for run in runs {
-            assert!(run.join().unwrap() == alone, "a run beside seven others differs");
-        }
-    });
+    let mut scored = presets::find("liang2009-polar-100").unwrap();
+    scored.body["associator"] = json!({"method": "jpda"});
+    scored.body["tracker"]["confirmation"] = json!({"rule": "score"});
+    for preset in [presets::find("liang2009-100").unwrap(), scored] {
+        let alone = result_bytes(&preset);
+        assert!(alone.len() > 100_000);
+        std::thread::scope(|scope| {
+            let runs: Vec<_> = (0..8).map(|_| scope.spawn(|| result_bytes(&preset))).collect();
+            for run in runs {
+                assert!(run.join().unwrap() == alone, "a run beside seven others differs");
+            }
+        });
+    }
 }
 
 #[test]

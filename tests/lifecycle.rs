@@ -156,6 +156,18 @@ fn a_detection_in_the_gate_of_a_confirmed_track_starts_one_only_if_no_track_used
 }
 
 #[test]
+fn a_track_that_ends_leaves_its_detection_to_others() {
+    // After a second detection σ² = 100 · 200.33 / 300.33 = 66.7 m²: more than 8 m allow, so each scan starts anew.
+    let started = |limit_m: f64| {
+        let lifecycle = Lifecycle { max_position_sigma_m: Some(limit_m), ..LIFE };
+        let (outcomes, tracks) = tracked(&recording(&walk(4, &[])), "nearest_neighbour", lifecycle, 1e-6);
+        (outcomes.iter().map(|outcome| outcome.started).collect::<Vec<_>>(), tracks.tracks.len())
+    };
+    assert_eq!(started(8.0), (vec![1, 1, 1, 1], 0));
+    assert_eq!(started(8.2), (vec![1, 0, 0, 0], 1));
+}
+
+#[test]
 fn a_tentative_track_sees_only_what_confirmed_tracks_left() {
     // The second track begins in scan 6 beside the first; in scan 7 one detection is left for both, and nearer to it.
     let mut scans = walk(9, &[]);

@@ -18,6 +18,7 @@ pub mod metrics;
 mod nearest_detection;
 mod nearest_point;
 pub mod nearest_truth;
+mod overlaps;
 pub mod strings;
 pub mod temporal_automaton;
 #[cfg(test)]

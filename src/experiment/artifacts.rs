@@ -15,8 +15,8 @@ pub(super) fn dataset(dataset: &Dataset, sensors: &[SensorSettings]) -> Result<A
     formats::write_csv(dataset, &mut bytes)?;
     let name = match dataset {
         Dataset::Detections(_) => "detections.csv",
-        Dataset::Truth(_) => "truth.csv",
-        Dataset::Tracks(_) => "tracks.csv",
+        Dataset::Truth(_) | Dataset::TruthBoxes(_) => "truth.csv",
+        Dataset::Tracks(_) | Dataset::TrackBoxes(_) => "tracks.csv",
     };
     Ok(Artifact { name, media_type: "text/csv", bytes, dataset: Some(dataset.summary()), sensors: sensors.to_vec() })
 }

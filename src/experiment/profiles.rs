@@ -1,5 +1,6 @@
 //! Profiles: the metrics that a kind of user expects, when the request does not list any.
 
+use super::associate;
 use super::plan::InputRequest;
 use crate::evaluation::metrics::METRIC;
 use crate::model::dataset::DatasetKind;
@@ -7,16 +8,22 @@ use crate::model::fault::Fault;
 use crate::registry::{self, Kind};
 use serde_json::{Value, json};
 
-/// Fills `metrics` from the profile where truth will be there, and refuses metrics that are asked for without truth.
+/// Fills `metrics` from the profile where truth will be there, and refuses metrics that are asked for without truth or of
+/// tracks that will be directions.
 pub(super) fn fill_metrics(spec: &mut Value, inputs: &[InputRequest], faults: &mut Vec<Fault>) {
     let is_simulated = spec.pointer("/input/scenario").is_some();
     let has_truth = is_simulated || inputs.iter().any(|input| input.role == DatasetKind::Truth);
+    let is_of_bearings = associate::filter_of(spec).is_ok_and(|(filter, _)| filter.is_of_bearings());
     match spec.get("metrics").and_then(Value::as_array).map(Vec::len) {
         Some(listed) if listed > 0 && !has_truth && !inputs.is_empty() => {
             faults.push(Fault::new("/truth", "missing", "'truth' is required when metrics are asked for"));
         }
+        Some(listed) if listed > 0 && is_of_bearings => {
+            let detail = "metrics compare places in metres; this filter makes directions, which the automaton judges";
+            faults.push(Fault::new("/metrics", "unsupported", detail).allowing("an empty list"));
+        }
         None if spec.get("metrics").is_none() => {
-            let names = if has_truth { metrics_of(spec) } else { Vec::new() };
+            let names = if has_truth && !is_of_bearings { metrics_of(spec) } else { Vec::new() };
             spec["metrics"] = Value::Array(names);
         }
         _ => {}

@@ -12,7 +12,7 @@
 
 use super::json::parse;
 use super::table::FaultLog;
-use super::{Format, ReadOptions, ReadOutcome};
+use super::{Format, ReadOptions, ReadOutcome, refuse_columns};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use crate::model::names::natural_order;
@@ -46,7 +46,7 @@ pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcom
     let Value::Array(items) = document else {
         return Err(vec![Fault::new("/file", "wrong_type", "expected an array: of scans for detections, of lists for truth")]);
     };
-    check_options(options)?;
+    refuse_columns(options)?;
     let found = match items.first() {
         Some(Value::Object(_)) => DatasetKind::Detections,
         Some(Value::Array(_)) => DatasetKind::Truth,
@@ -61,13 +61,6 @@ pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcom
         DatasetKind::Truth => read_truth(&items),
         _ => read_detections(&items),
     }
-}
-
-fn check_options(options: &ReadOptions) -> Result<(), Vec<Fault>> {
-    if options.columns.is_empty() {
-        return Ok(());
-    }
-    Err(vec![Fault::new("/meta/columns", "unsupported", "files of this format have no columns to rename")])
 }
 
 /// One scan of a sensor that reports positions.

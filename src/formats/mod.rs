@@ -3,10 +3,12 @@
 pub mod autoferry;
 pub mod csv;
 pub mod json;
+pub mod mot;
 mod table;
 
 pub use self::csv::write_csv;
 pub use json::write_json;
+pub use mot::write_mot;
 
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
@@ -43,7 +45,7 @@ pub struct Format {
 pub const MAX_FAULTS: usize = 100;
 
 /// Every format that trackloom reads.
-pub const FORMATS: &[Format] = &[csv::FORMAT, json::FORMAT, autoferry::FORMAT];
+pub const FORMATS: &[Format] = &[csv::FORMAT, json::FORMAT, autoferry::FORMAT, mot::FORMAT];
 
 /// The format of that name.
 pub fn format_named(name: &str) -> Option<&'static Format> {
@@ -51,16 +53,25 @@ pub fn format_named(name: &str) -> Option<&'static Format> {
 }
 
 /// The format of a file by its first bytes, or by its name where they say nothing: JSON starts with `{` (canonical) or
-/// `[` (autoferry); any other text is CSV. `None` for bytes that are no text.
+/// `[` (autoferry), MOTChallenge text with a number; any other text is CSV. `None` for bytes that are no text.
 pub fn detect_format(file_name: &str, first_bytes: &[u8]) -> Option<&'static Format> {
     let text = first_bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(first_bytes).trim_ascii_start();
     match text.first() {
         Some(b'{') => format_named("json"),
         Some(b'[') => format_named("autoferry"),
         Some(_) if text.contains(&0) => None,
+        Some(b'0'..=b'9' | b'-') => format_named("mot"),
         None if file_name.to_ascii_lowercase().ends_with(".json") => format_named("json"),
         _ => format_named("csv"),
     }
+}
+
+/// The fault of renaming columns where there are none.
+fn refuse_columns(options: &ReadOptions) -> Result<(), Vec<Fault>> {
+    if options.columns.is_empty() {
+        return Ok(());
+    }
+    Err(vec![Fault::new("/meta/columns", "unsupported", "files of this format have no columns to rename")])
 }
 
 #[cfg(test)]
@@ -83,6 +94,7 @@ mod tests {
         assert_eq!(detect("a.txt", b"\xef\xbb\xbf\n{\"columns\""), Some("json"));
         assert_eq!(detect("a.csv", b" [{\"sensorID\""), Some("autoferry"));
         assert_eq!(detect("A.JSON", b""), Some("json"));
+        assert_eq!(detect("gt.txt", b"1,1,399,182,121,229,1,-1,-1,-1"), Some("mot"));
         assert_eq!(detect("a", b""), Some("csv"));
         assert_eq!(detect("a.csv", b"PK\x03\x04\x00\x00"), None);
     }

@@ -1,5 +1,6 @@
 //! A dataset: detections, truth or tracks, as read from a file or made by a job.
 
+use super::boxes::BoxSet;
 use super::scan::Recording;
 use super::track::TrackSet;
 use super::truth::TruthSet;
@@ -31,6 +32,10 @@ pub enum Dataset {
     Detections(Recording),
     Truth(TruthSet),
     Tracks(TrackSet),
+    /// Truth in the frames of a video.
+    TruthBoxes(BoxSet),
+    /// Tracks in the frames of a video.
+    TrackBoxes(BoxSet),
 }
 
 /// What a list of datasets shows of one: its kind, how much is in it, and when.
@@ -39,12 +44,13 @@ pub struct DatasetSummary {
     pub kind: DatasetKind,
     /// Names of the sensors that made the detections; empty where the file does not say.
     pub sensor_ids: Vec<String>,
-    /// Scans of a recording; 0 for truth and tracks.
+    /// Scans of a recording, frames of boxes; 0 for other truth and tracks.
     pub scans: u64,
-    /// Detections, truth points or track points.
+    /// Detections, truth points, track points or boxes.
     pub rows: u64,
     /// Targets named by truth or origins, or tracks.
     pub objects: u64,
+    /// Boxes have frames, not times.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub start_s: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -55,8 +61,8 @@ impl Dataset {
     pub fn kind(&self) -> DatasetKind {
         match self {
             Dataset::Detections(_) => DatasetKind::Detections,
-            Dataset::Truth(_) => DatasetKind::Truth,
-            Dataset::Tracks(_) => DatasetKind::Tracks,
+            Dataset::Truth(_) | Dataset::TruthBoxes(_) => DatasetKind::Truth,
+            Dataset::Tracks(_) | Dataset::TrackBoxes(_) => DatasetKind::Tracks,
         }
     }
 
@@ -76,6 +82,9 @@ impl Dataset {
             Dataset::Tracks(set) => {
                 let times: Vec<f64> = set.tracks.iter().flat_map(|track| track.points.iter().map(|point| point.time_s)).collect();
                 (set.sensor_ids.clone(), 0, times.len(), set.tracks.len(), times)
+            }
+            Dataset::TruthBoxes(set) | Dataset::TrackBoxes(set) => {
+                (Vec::new(), set.frames(), set.boxes().len(), set.object_ids().len(), Vec::new())
             }
         };
         DatasetSummary {

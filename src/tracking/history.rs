@@ -12,18 +12,24 @@ pub(super) struct Entry {
     /// Index of the scan in the recording.
     pub scan: u32,
     pub status: TrackStatus,
-    pub first_candidate: usize,
-    pub candidates: usize,
+    /// How many of the history's candidates are its; they follow those of the entry before.
+    pub candidates: u32,
     pub state: PackedState,
-    pub nis: Option<f64>,
+    /// NaN where there is none.
+    pub nis: f64,
 }
+
+/// Entries of a piece of a long history: some megabytes.
+const LARGEST_PIECE: usize = 1 << 15;
+const SMALLEST_PIECE: usize = 1 << 8;
 
 /// Everything a tracker remembers.
 #[derive(Debug)]
 pub struct History {
     /// What a kept state says; it knows of how many variables.
     unpack: fn(&PackedState) -> Estimate,
-    pub(super) entries: Vec<Entry>,
+    /// In pieces that are never moved: what a scene of many targets remembers is too long to be copied as it grows.
+    pieces: Vec<Vec<Entry>>,
     pub(super) candidates: Vec<Candidate>,
     /// Tracks ever started; serials are below it.
     pub(super) started: u32,
@@ -33,7 +39,23 @@ pub struct History {
 
 impl History {
     pub(super) fn new(unpack: fn(&PackedState) -> Estimate) -> Self {
-        History { unpack, entries: Vec::new(), candidates: Vec::new(), started: 0, confirmed: Vec::new() }
+        History { unpack, pieces: Vec::new(), candidates: Vec::new(), started: 0, confirmed: Vec::new() }
+    }
+
+    pub(super) fn push(&mut self, entry: Entry) {
+        match self.pieces.last_mut().filter(|piece| piece.len() < piece.capacity()) {
+            Some(piece) => piece.push(entry),
+            None => self.start_piece(entry),
+        }
+    }
+
+    /// Each piece is as long as all before it together, up to a limit.
+    #[cold]
+    fn start_piece(&mut self, entry: Entry) {
+        let length: usize = self.pieces.iter().map(Vec::len).sum();
+        let mut piece = Vec::with_capacity(length.clamp(SMALLEST_PIECE, LARGEST_PIECE));
+        piece.push(entry);
+        self.pieces.push(piece);
     }
 
     /// The tracks that were ever confirmed, from their first detection on, named 1, 2, … in order of initiation.
@@ -45,10 +67,12 @@ impl History {
             number_of[serial as usize] = index as u32;
             tracks.push(Track { track_id: (index + 1).to_string(), points: Vec::new() });
         }
-        for entry in &self.entries {
+        let mut first_candidate = 0;
+        for entry in self.pieces.iter().flatten() {
             if let Some(track) = tracks.get_mut(number_of[entry.serial as usize] as usize) {
-                track.points.push(point(entry, (self.unpack)(&entry.state), recording));
+                track.points.push(point(entry, first_candidate, (self.unpack)(&entry.state), recording));
             }
+            first_candidate += entry.candidates as usize;
         }
         TrackSet {
             tracks,
@@ -59,15 +83,15 @@ impl History {
     }
 }
 
-fn point(entry: &Entry, estimate: Estimate, recording: &Recording) -> TrackPoint {
+fn point(entry: &Entry, first_candidate: usize, estimate: Estimate, recording: &Recording) -> TrackPoint {
     let scan = &recording.scans[entry.scan as usize];
     TrackPoint {
         time_s: scan.time_s,
         sensor: Some(scan.sensor as u32),
         estimate,
         status: Some(entry.status),
-        nis: entry.nis,
-        first_candidate: entry.first_candidate,
-        candidates: entry.candidates,
+        nis: Some(entry.nis).filter(|nis| !nis.is_nan()),
+        first_candidate,
+        candidates: entry.candidates as usize,
     }
 }

@@ -3,8 +3,8 @@
 //! its position has become too uncertain (which also ends a track of a soft associator, whose weights may never be a miss).
 //!
 //! Confirmed tracks choose among all detections of a scan first, tentative ones among what is left, and what no track used
-//! goes to the initiation. So a detection inside a confirmed track's gate starts a track only if it stayed unused by all.
-//! Every scan counts, of whichever sensor.
+//! goes to the initiation. So a detection inside a confirmed track's gate starts a track only if it stayed unused by all. A
+//! track that ends does so before the scan, and uses none of its detections. Every scan counts, of whichever sensor.
 //!
 //! Under an associator with soft weights: a tentative track is served by global nearest neighbour until it is confirmed; a
 //! detection is used when one track at least gives it a weight of 0.01; a scan had a detection for a track when the weights

@@ -72,6 +72,16 @@ struct ActiveTrack<const N: usize> {
     origin: Option<u32>,
 }
 
+/// What the likelihoods of a scan have in common.
+struct Terms {
+    /// ln λ.
+    log_clutter: f64,
+    /// ln(P_D / λ).
+    log_density: f64,
+    /// ln(1 − P_D P_G).
+    log_none: f64,
+}
+
 /// The detections of a scan, prepared for gating; memory is reused.
 #[derive(Debug)]
 struct ScanView<const D: usize> {
@@ -106,6 +116,8 @@ pub struct Tracker<F, const N: usize, const D: usize> {
     view: ScanView<D>,
     problem: ScanProblem,
     weights: Weights,
+    /// Indices of the tracks that are not yet confirmed.
+    tentative: Vec<usize>,
     /// The tracks of the problem's rows.
     posed: Vec<(usize, Correction<N, D>)>,
     /// ν of each of the problem's edges.
@@ -134,6 +146,7 @@ where
             view: ScanView::default(),
             problem: ScanProblem::default(),
             weights: Weights::default(),
+            tentative: Vec::new(),
             posed: Vec::new(),
             edge_innovations: Vec::new(),
             innovations: Vec::new(),
@@ -142,20 +155,26 @@ where
 
     /// Predict, gate, associate, update and manage, for one scan and its detections.
     pub fn step(&mut self, scan: &Scan, detections: &[Detection]) -> ScanOutcome {
-        self.predict(scan.time_s);
+        let transition = self.transition(scan.time_s);
         let needs = self.parts.associator.needs();
         self.view.rebuild(&self.parts.filter, &self.parts.sensors[scan.sensor], detections, needs);
         if needs == Needs::Amplitudes {
             // What has no amplitude is weaker than everything that has.
             self.problem.set_amplitudes(detections.iter().map(|detection| detection.amplitude.unwrap_or(f64::NEG_INFINITY)));
         }
+        self.pose_confirmed(scan, &transition);
         self.serve(scan, true);
+        self.pose_tentative(scan);
         self.serve(scan, false);
         let started_before = self.history.started;
         let unused = self.initiate(scan, detections);
-        self.tracks.retain(|track| !track.life.is_over());
+        let mut confirmed = 0;
+        self.tracks.retain(|track| {
+            let goes_on = !track.life.is_over();
+            confirmed += u32::from(goes_on && track.life.is_confirmed());
+            goes_on
+        });
         self.scans += 1;
-        let confirmed = self.tracks.iter().filter(|track| track.life.is_confirmed()).count() as u32;
         ScanOutcome { tracks: self.tracks.len() as u32, confirmed, unused, started: self.history.started - started_before }
     }
 
@@ -174,18 +193,15 @@ where
         self.history
     }
 
-    fn predict(&mut self, time_s: f64) {
+    /// The motion of all tracks from the scan before to this one.
+    fn transition(&mut self, time_s: f64) -> Transition<N> {
         let dt_s = self.last_time_s.map_or(0.0, |last| time_s - last);
         self.last_time_s = Some(time_s);
-        let transition = Transition::new(self.parts.filter.motion(), dt_s);
-        for track in &mut self.tracks {
-            transition.predict(&mut track.state);
-        }
+        Transition::new(self.parts.filter.motion(), dt_s)
     }
 
-    /// Gates, associates and updates the confirmed tracks, or the tentative ones, with the detections still unused.
+    /// Associates and updates the posed tracks, confirmed or tentative ones.
     fn serve(&mut self, scan: &Scan, confirmed: bool) {
-        self.pose(scan, confirmed);
         self.weights.reset(&self.problem);
         // The gate of a track that is still without a speed holds much that is not its own. An average over all of that
         // would never become a speed, so soft weights begin when the track is confirmed.
@@ -198,32 +214,62 @@ where
         }
     }
 
-    /// Writes the association problem of one group of tracks.
-    fn pose(&mut self, scan: &Scan, confirmed: bool) {
+    /// Predicts all tracks and writes the association problem of the confirmed ones: one pass, for a large scene does not
+    /// fit into the caches.
+    fn pose_confirmed(&mut self, scan: &Scan, transition: &Transition<N>) {
+        let terms = self.clear_problem(scan);
+        self.tentative.clear();
+        for index in 0..self.tracks.len() {
+            let track = &mut self.tracks[index];
+            transition.predict(&mut track.state);
+            if track.life.is_confirmed() {
+                self.pose(index, scan, &terms);
+            } else {
+                self.tentative.push(index);
+            }
+        }
+    }
+
+    /// Writes the problem of the others and the detections still unused.
+    fn pose_tentative(&mut self, scan: &Scan) {
+        let terms = self.clear_problem(scan);
+        for place in 0..self.tentative.len() {
+            self.pose(self.tentative[place], scan, &terms);
+        }
+    }
+
+    fn clear_problem(&mut self, scan: &Scan) -> Terms {
         self.problem.clear();
         self.edge_innovations.clear();
         self.posed.clear();
         let sensor = &self.parts.sensors[scan.sensor];
-        let log_clutter = sensor.clutter_density.ln();
-        let log_density = (sensor.p_d / sensor.clutter_density).ln();
-        let log_none = (1.0 - sensor.p_d * self.parts.lifecycle.gate_probability).ln();
-        for (index, track) in self.tracks.iter_mut().enumerate().filter(|(_, track)| track.life.is_confirmed() == confirmed) {
-            let Some(expected) = self.parts.filter.expect(&track.state, sensor) else {
-                // Its covariance has left the range of numbers: nothing can be expected of it any more.
-                track.life.end();
-                continue;
-            };
-            let log_scale = self.parts.filter.log_clutter_scale(sensor, &expected);
-            let log_density = log_density - log_scale;
-            let (problem, innovations) = (&mut self.problem, &mut self.edge_innovations);
-            self.view.candidates(&self.gate, track.origin, &expected, |detection, innovation, squared_distance| {
-                innovations.push(innovation);
-                let log_likelihood = log_density + expected.gaussian.log_density(squared_distance);
-                problem.push_edge(Edge { detection, squared_distance, log_likelihood });
-            });
-            self.problem.end_row(log_none, log_clutter + log_scale + self.gate.log_volume(&expected.gaussian));
-            self.posed.push((index, expected.correction()));
+        Terms {
+            log_clutter: sensor.clutter_density.ln(),
+            log_density: (sensor.p_d / sensor.clutter_density).ln(),
+            log_none: (1.0 - sensor.p_d * self.parts.lifecycle.gate_probability).ln(),
         }
+    }
+
+    /// Gates one track and adds it to the problem.
+    #[inline(always)]
+    fn pose(&mut self, index: usize, scan: &Scan, terms: &Terms) {
+        let sensor = &self.parts.sensors[scan.sensor];
+        let track = &mut self.tracks[index];
+        let Some(expected) = self.parts.filter.expect(&track.state, sensor) else {
+            // Its covariance has left the range of numbers: nothing can be expected of it any more.
+            track.life.end();
+            return;
+        };
+        let log_scale = self.parts.filter.log_clutter_scale(sensor, &expected);
+        let log_density = terms.log_density - log_scale;
+        let (problem, innovations) = (&mut self.problem, &mut self.edge_innovations);
+        self.view.candidates(&self.gate, track.origin, &expected, |detection, innovation, squared_distance| {
+            innovations.push(innovation);
+            let log_likelihood = log_density + expected.gaussian.log_density(squared_distance);
+            problem.push_edge(Edge { detection, squared_distance, log_likelihood });
+        });
+        self.problem.end_row(terms.log_none, terms.log_clutter + log_scale + self.gate.log_volume(&expected.gaussian));
+        self.posed.push((index, expected.correction()));
     }
 
     /// Updates the track of one row by its weights, and remembers what was decided.
@@ -241,7 +287,6 @@ where
                 let Edge { detection, squared_distance, .. } = self.problem.edges()[edge_index];
                 self.innovations.push(WeightedInnovation { innovation: self.edge_innovations[edge_index], weight });
                 weighted_nis += weight * squared_distance;
-                self.view.used[detection as usize] |= weight >= USED_WEIGHT;
                 let detection = Some(scan.first as u32 + detection);
                 self.history.candidates.push(Candidate { detection, probability: weight });
             }
@@ -253,17 +298,18 @@ where
         let was_confirmed = track.life.is_confirmed();
         // The scan is a hit when it is more probable that the track was detected than that it was not.
         let detected: f64 = self.innovations.iter().map(|innovation| innovation.weight).sum();
-        if was_confirmed && detected > 0.0 {
-            self.nis.weighted_sum += weighted_nis;
-            self.nis.weight += detected;
-            self.nis.updates += 1;
-        }
         lifecycle.advance(&mut track.life, detected > self.weights.none[row], log_ratio);
         lifecycle.limit(&mut track.life, &track.state.covariance);
         if track.life.is_over() {
-            // It ends before this scan: what nobody carries on is not a track any more.
+            // It ends before this scan: what nobody carries on is not a track any more, and uses nothing.
             self.history.candidates.truncate(first_candidate);
         } else {
+            self.view.mark_used(&self.history.candidates[first_candidate..], scan);
+            if was_confirmed && detected > 0.0 {
+                self.nis.weighted_sum += weighted_nis;
+                self.nis.weight += detected;
+                self.nis.updates += 1;
+            }
             let nis = (detected > 0.0).then(|| weighted_nis / detected);
             self.history.remember(track, self.scans, first_candidate, was_confirmed, nis);
         }
@@ -353,14 +399,13 @@ impl History {
         if track.life.is_confirmed() && !was_confirmed {
             self.confirmed.push(track.serial);
         }
-        self.entries.push(Entry {
+        self.push(Entry {
             serial: track.serial,
             scan,
             status: track.life.status(),
-            first_candidate,
-            candidates: self.candidates.len() - first_candidate,
+            candidates: (self.candidates.len() - first_candidate) as u32,
             state: track.state.packed(),
-            nis,
+            nis: nis.unwrap_or(f64::NAN),
         });
     }
 }
@@ -393,6 +438,15 @@ impl<const D: usize> ScanView<D> {
         } else {
             self.grid.rebuild(&self.measurements);
             self.grid.arrange(&self.measurements, &mut self.placed);
+        }
+    }
+
+    #[inline]
+    fn mark_used(&mut self, candidates: &[Candidate], scan: &Scan) {
+        for candidate in candidates {
+            if let Some(detection) = candidate.detection.filter(|_| candidate.probability >= USED_WEIGHT) {
+                self.used[detection as usize - scan.first] = true;
+            }
         }
     }
 

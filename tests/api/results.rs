@@ -140,11 +140,40 @@ async fn series_are_columns_with_units() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn a_sonar_has_a_bearing_time_series_and_a_plan_that_says_what_it_lacks() {
+    let api = Api::start().await;
+    let mut body: Value = serde_json::from_str(include_str!("../../examples/bearing-crossing.json")).unwrap();
+    body.as_object_mut().unwrap().remove("kind");
+    let job = api.run("evaluate", &body).await;
+    assert_eq!(job["state"], "succeeded", "{job}");
+    let Report::Evaluate(report) = report_of(&api, &job).await else { panic!("not an evaluation") };
+    assert_eq!(report.result.tfa.expect("a verdict").counts.targets, 2);
+    let base = format!("/v1/jobs/{}", id(&job));
+    let plan = api.get(&format!("{base}/plan")).await.ok(200);
+    assert_eq!(
+        (columns_agree(&plan["truth"]), columns_agree(&plan["tracks"])),
+        (162, 0),
+        "two ships at 81 scans, and no track in the plane"
+    );
+    let note = "the tracks are directions (bearing_deg), which have no place in the plane: see the series bearing_time";
+    assert_eq!(plan["notes"], json!([note]));
+    let series = api.get(&format!("{base}/series/bearing_time")).await.ok(200);
+    let layers: Vec<String> = serde_json::from_value(series["columns"]["layer"].clone()).unwrap();
+    let count = |wanted: &str| layers.iter().filter(|layer| *layer == wanted).count() as u64;
+    assert_eq!(columns_agree(&series) as u64, count("truth") + count("detection") + count("track"));
+    assert_eq!((count("truth"), json!(count("detection"))), (162, plan["detections"]["source_points"].clone()));
+    assert_eq!(count("track"), report.result.association.unwrap().counts.track_points);
+    let bearings: Vec<f64> = serde_json::from_value(series["columns"]["bearing_deg"].clone()).unwrap();
+    assert!(bearings.iter().all(|degrees| (0.0..360.0).contains(degrees)));
+    assert_eq!(series["units"]["bearing_deg"], "deg");
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn windows_and_series_that_make_no_sense_are_refused() {
     let api = Api::start().await;
     let base = evaluated(&api).await;
     let answer: Answer = api.get(&format!("{base}/series/happiness")).await;
-    let detail = "there is no series 'happiness'; there are track_probability, scan_counts";
+    let detail = "there is no series 'happiness'; there are track_probability, scan_counts, bearing_time, metrics";
     assert_eq!(answer.problem(), problem("not_found", 404, "There is no such thing", detail));
     let answer = api.get(&format!("{base}/plan?from=9&to=3&max_points=1")).await;
     let faults = json!([

@@ -5,6 +5,7 @@ mod bearings;
 mod csv_faults;
 mod csv_values;
 mod json;
+mod mot;
 mod round_trip;
 
 use trackloom::formats::{MAX_FAULTS, ReadOptions, ReadOutcome, format_named};

@@ -1,3 +1,5 @@
+//! Scenes worked by hand: every event in its order.
+
 use super::super::tests::{GONE, Places, compare};
 use super::*;
 

@@ -1,6 +1,7 @@
 //! Datasets as tables of named columns, and the checks on them. CSV and JSON are two spellings of the same table:
 //! each only knows how to read rows ([`Rows`]) and write them ([`Sink`]); what the columns mean stands here, once.
 
+mod boxes;
 mod degrees;
 mod detections;
 mod estimate;
@@ -71,6 +72,8 @@ pub fn write(dataset: &Dataset, sink: &mut dyn Sink) -> io::Result<()> {
         Dataset::Detections(recording) => detections::write(recording, sink),
         Dataset::Truth(truth) => truth::write(truth, sink),
         Dataset::Tracks(set) => tracks::write(set, sink),
+        Dataset::TruthBoxes(set) => boxes::write(set, "truth_id", sink),
+        Dataset::TrackBoxes(set) => boxes::write(set, "track_id", sink),
     }
 }
 

@@ -115,6 +115,8 @@ impl Inner {
                     }
                     Dataset::Truth(truth) => layers.truth = Some(truth),
                     Dataset::Tracks(tracks) => layers.tracks = Some(tracks),
+                    // Boxes live in a picture, not in the plane.
+                    Dataset::TruthBoxes(_) | Dataset::TrackBoxes(_) => {}
                 }
             }
             Ok(layers)

@@ -58,6 +58,10 @@ pub struct SensorSettings {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub clutter_per_m2: Option<f64>,
+    /// Expected false detections per degree and scan, of a sensor whose bearings alone are used.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub clutter_per_deg: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub sigma_x_m: Option<f64>,
@@ -84,6 +88,7 @@ impl From<model::sensor::SensorSettings> for SensorSettings {
             max_range_m,
             p_d,
             clutter_per_m2,
+            clutter_per_deg,
             sigma_x_m,
             sigma_y_m,
             sigma_range_m,
@@ -97,6 +102,7 @@ impl From<model::sensor::SensorSettings> for SensorSettings {
             max_range_m,
             p_d,
             clutter_per_m2,
+            clutter_per_deg,
             sigma_x_m,
             sigma_y_m,
             sigma_range_m,
@@ -115,6 +121,7 @@ impl From<SensorSettings> for model::sensor::SensorSettings {
             max_range_m,
             p_d,
             clutter_per_m2,
+            clutter_per_deg,
             sigma_x_m,
             sigma_y_m,
             sigma_range_m,
@@ -128,6 +135,7 @@ impl From<SensorSettings> for model::sensor::SensorSettings {
             max_range_m,
             p_d,
             clutter_per_m2,
+            clutter_per_deg,
             sigma_x_m,
             sigma_y_m,
             sigma_range_m,

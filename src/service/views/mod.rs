@@ -1,6 +1,7 @@
 //! Pictures as numbers: pure functions from datasets to columns, reduced where there is more than a screen can show,
 //! and always saying so.
 
+pub mod bearing_time;
 pub mod metrics;
 pub mod plan;
 pub mod preview;

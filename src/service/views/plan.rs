@@ -207,7 +207,7 @@ fn detection_layer(recording: &Recording, layers: &JobLayers, window: &Window, e
 }
 
 /// Where each sensor of the recording stands: as the job knows it, else as the recording does, else at the origin.
-fn sensor_places(recording: &Recording, layers: &JobLayers) -> Vec<(f64, f64)> {
+pub(super) fn sensor_places(recording: &Recording, layers: &JobLayers) -> Vec<(f64, f64)> {
     let known: BTreeMap<_, _> = layers.sensors.iter().map(|sensor| (sensor.sensor_id.as_str(), sensor)).collect();
     let place = |sensor: &crate::model::sensor::SensorSettings| {
         let settings = known.get(sensor.sensor_id.as_str()).map_or_else(|| sensor.clone(), |other| sensor.overridden_by(other));

@@ -25,6 +25,8 @@ pub fn of(dataset: &Dataset, limit: usize) -> Preview {
         Dataset::Detections(recording) => Dataset::Detections(head_of_recording(recording, limit)),
         Dataset::Truth(truth) => Dataset::Truth(head_of_truth(truth, limit)),
         Dataset::Tracks(set) => Dataset::Tracks(head_of_tracks(set, limit)),
+        Dataset::TruthBoxes(set) => Dataset::TruthBoxes(set.head(limit)),
+        Dataset::TrackBoxes(set) => Dataset::TrackBoxes(set.head(limit)),
     };
     let mut text = Vec::new();
     write_csv(&head, &mut text).expect("writing to memory does not fail");

@@ -1,5 +1,6 @@
-//! Series over time: the probability of each candidate of each track, and what each scan held.
+//! Series over time: the probability of each candidate of each track, what each scan held, and bearings.
 
+use super::bearing_time::{self, BearingTimeSeries};
 use super::metrics::{MetricsSeries, over_time};
 use super::{Method, Reduced, Window, detection_id, points, scans};
 use crate::model::scan::Recording;
@@ -13,9 +14,10 @@ use utoipa::ToSchema;
 pub type MakeSeries = fn(&JobLayers, &Window) -> Series;
 
 /// Every series, by name.
-pub const SERIES: [(&str, MakeSeries); 3] = [
+pub const SERIES: [(&str, MakeSeries); 4] = [
     ("track_probability", |layers, window| Series::TrackProbability(track_probability(layers, window))),
     ("scan_counts", |layers, window| Series::ScanCounts(scan_counts(layers, window))),
+    ("bearing_time", |layers, window| Series::BearingTime(bearing_time::of(layers, window))),
     ("metrics", |layers, window| Series::Metrics(over_time(&layers.metrics, window))),
 ];
 
@@ -25,6 +27,7 @@ pub const SERIES: [(&str, MakeSeries); 3] = [
 pub enum Series {
     TrackProbability(TrackProbabilitySeries),
     ScanCounts(ScanCountsSeries),
+    BearingTime(BearingTimeSeries),
     Metrics(MetricsSeries),
 }
 

@@ -229,6 +229,11 @@ export function PlanView(props: PlanViewProps): JSX.Element {
   const keys = [camera.value, moment.from, moment.now, param("hide"), moment.truth, moment.track, theme.value, address.value];
   return (
     <ChartFrame title="Plan view" file={`plan-${props.jobId.slice(-12)}`} badge={badge} table={() => drawn(scene, momentOf(clock))} chart={() => drawing.chart} pictureKey={(palette) => pictureKey(scene, moment, palette)} pictureTitle={`Plan view at ${timeText(moment.now, scene.times)}`} tools={<Legend scene={scene} sensors={plan.sensors} />} class="plan">
+      {plan.notes.map((note) => (
+        <p key={note} class="muted">
+          {note}
+        </p>
+      ))}
       <div class="plan-box">
         <div ref={box} class="plan-touch" tabIndex={0} role="group" aria-label="Plan view; plus and minus zoom, 0 shows everything, shift and arrows pan" onKeyDown={(event) => planKeys(event, drawing)}>
           <ChartCanvas label={label} keys={keys} draw={(chart) => drawing.draw(chart, moment)} class="plan-canvas" />

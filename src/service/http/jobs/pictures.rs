@@ -22,12 +22,13 @@ pub fn routes() -> OpenApiRouter<AppState> {
 /// Get a series of a job
 ///
 /// `track_probability`: one row for each candidate of each track at each scan. `scan_counts`: one row for each scan.
+/// `bearing_time`: one row for each bearing of truth, detections and tracks.
 /// `metrics`: one row for each time at which truth and tracks were compared.
 /// Above `max_points` rows the answer is reduced, and `method` says how.
 #[utoipa::path(get, path = "/v1/jobs/{id}/series/{name}", operation_id = "getJobSeries", tag = "results",
     params(
         ("id" = uuid::Uuid, Path, description = "Identity of the job."),
-        ("name" = String, Path, description = "`track_probability`, `scan_counts` or `metrics`."),
+        ("name" = String, Path, description = "`track_probability`, `scan_counts`, `bearing_time` or `metrics`."),
         ("from" = Option<f64>, Query, description = "First time (s)."),
         ("to" = Option<f64>, Query, description = "Last time (s)."),
         ("track" = Option<String>, Query, description = "Only this track."),

@@ -1,0 +1,196 @@
+//! MOTChallenge text: boxes of truth or of tracks, one a line without a header, comma separated.
+//!
+//! `frame,id,left,top,width,height,confidence,…`: 6 to 10 values, the confidence 1 where it is left out. Frames count from
+//! 1; edges are in pixels. What follows the confidence is not read, but for truth with exactly 9 values (MOT16 and later),
+//! whose eighth is a class. As the benchmark has it, rows of truth with confidence 0 are left out, and so are classes other
+//! than 1 (pedestrian); tracks on such objects are not forgiven, they are false.
+//!
+//! # Reference
+//! A. Milan, L. Leal-Taixé, I. Reid, S. Roth, K. Schindler, MOT16: A Benchmark for Multi-Object Tracking, 2016.
+
+use super::table::{FaultLog, push_number};
+use super::{Format, ReadOptions, ReadOutcome, refuse_columns};
+use crate::model::boxes::{BoxSet, ObjectBox};
+use crate::model::dataset::{Dataset, DatasetKind};
+use crate::model::fault::Fault;
+use std::collections::BTreeMap;
+use std::io::{self, BufRead, Write};
+
+pub const FORMAT: Format = Format {
+    name: "mot",
+    summary: "MOTChallenge text: boxes of truth or tracks in the frames of a video",
+    media_type: "text/plain",
+    kinds: &[DatasetKind::Truth, DatasetKind::Tracks],
+    read,
+};
+
+const COLUMNS: [&str; 8] = ["frame", "id", "left", "top", "width", "height", "confidence", "class"];
+/// Values in a row of truth that has a class.
+const WITH_CLASS: usize = 9;
+const PEDESTRIAN: f64 = 1.0;
+
+/// Reads one file; the options must say whether it is truth or tracks.
+///
+/// # Errors
+/// Every fault, with line and column.
+pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcome, Vec<Fault>> {
+    refuse_columns(options)?;
+    let Some(kind) = options.kind else {
+        let detail = "files in the format 'mot' do not say what they hold";
+        return Err(vec![Fault::new("/meta/kind", "missing", detail).allowing("truth, tracks")]);
+    };
+    if !FORMAT.kinds.contains(&kind) {
+        let detail = format!("files in the format 'mot' cannot hold {}", kind.name());
+        return Err(vec![Fault::new("/meta/kind", "unsupported", detail).allowing("truth, tracks")]);
+    }
+    let mut reader = Reader { is_truth: kind == DatasetKind::Truth, ..Reader::default() };
+    reader.lines(input)?;
+    reader.finish()
+}
+
+#[derive(Default)]
+struct Reader {
+    is_truth: bool,
+    faults: FaultLog,
+    /// Each with the number in the file in place of the object's index, and its line.
+    boxes: Vec<(i64, ObjectBox, u64)>,
+    without_confidence: usize,
+    of_other_classes: usize,
+}
+
+impl Reader {
+    fn lines(&mut self, input: &mut dyn BufRead) -> Result<(), Vec<Fault>> {
+        let mut bytes = Vec::new();
+        for line in 1.. {
+            bytes.clear();
+            let read = input.read_until(b'\n', &mut bytes);
+            let count = read.map_err(|error| vec![unreadable(line, format!("the file cannot be read further: {error}"))])?;
+            if count == 0 || self.faults.is_full() {
+                break;
+            }
+            let bytes = if line == 1 { bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes) } else { &bytes };
+            match std::str::from_utf8(bytes) {
+                Ok(text) if text.trim().is_empty() => {}
+                Ok(text) => self.row(line, text.trim()),
+                Err(_) => self.faults.push(unreadable(line, "the text is not UTF-8".to_owned())),
+            }
+        }
+        Ok(())
+    }
+
+    fn row(&mut self, line: u64, text: &str) {
+        let mut cells = [""; 10];
+        let mut count = 0;
+        for cell in text.split(',') {
+            if let Some(place) = cells.get_mut(count) {
+                *place = cell.trim();
+            }
+            count += 1;
+        }
+        if !(6..=cells.len()).contains(&count) {
+            self.faults.push(unreadable(line, format!("expected 6 to 10 values separated by commas, found {count}")));
+            return;
+        }
+        let class = if self.is_truth && count == WITH_CLASS { self.number(line, &cells, 7) } else { Some(PEDESTRIAN) };
+        let Some((id, one)) = self.object_box(line, &cells, count) else { return };
+        match class {
+            None => {}
+            Some(_) if self.is_truth && one.confidence == 0.0 => self.without_confidence += 1,
+            Some(PEDESTRIAN) => self.boxes.push((id, one, line)),
+            Some(_) => self.of_other_classes += 1,
+        }
+    }
+
+    /// The box of a row, and the number of its object; `None` after any fault.
+    fn object_box(&mut self, line: u64, cells: &[&str; 10], count: usize) -> Option<(i64, ObjectBox)> {
+        let frame = self.whole_number(line, cells, 0, 1);
+        let id = self.whole_number(line, cells, 1, 0);
+        let [left_px, top_px, width_px, height_px] = [2, 3, 4, 5].map(|column| self.number(line, cells, column));
+        let confidence = if count > 6 { self.number(line, cells, 6) } else { Some(1.0) };
+        let (left_px, top_px, width_px, height_px) = (left_px?, top_px?, width_px?, height_px?);
+        let (frame, confidence) = (u32::try_from(frame?).ok()?, confidence?);
+        let one = ObjectBox { frame, object: 0, left_px, top_px, width_px, height_px, confidence };
+        let mut is_sound = true;
+        for (field, code, detail) in one.faults() {
+            self.faults.push(Fault::new("/file", code, detail).at(line, field));
+            is_sound = false;
+        }
+        Some((id?, one)).filter(|_| is_sound)
+    }
+
+    fn number(&mut self, line: u64, cells: &[&str; 10], column: usize) -> Option<f64> {
+        let (name, text) = (COLUMNS[column], cells[column]);
+        let (code, detail) = match text.parse::<f64>() {
+            Ok(value) if value.is_finite() => return Some(value),
+            Ok(_) => ("not_finite", format!("'{text}' is not a finite number")),
+            Err(_) if text.is_empty() => ("missing", format!("'{name}' is empty")),
+            Err(_) => ("malformed", format!("expected a number, found '{}'", text.chars().take(40).collect::<String>())),
+        };
+        self.faults.push(Fault::new("/file", code, detail).at(line, name));
+        None
+    }
+
+    /// Some writers put `7.0` for 7.
+    fn whole_number(&mut self, line: u64, cells: &[&str; 10], column: usize, least: i64) -> Option<i64> {
+        let value = self.number(line, cells, column)?;
+        if value.fract() == 0.0 && (least as f64..=f64::from(u32::MAX)).contains(&value) {
+            return Some(value as i64);
+        }
+        let code = if value.fract() == 0.0 { "out_of_range" } else { "malformed" };
+        let detail = format!("expected a whole number, found '{}'", cells[column]);
+        let fault = Fault::new("/file", code, detail).at(line, COLUMNS[column]);
+        self.faults.push(fault.allowing(format!("{least} to {}", u32::MAX)));
+        None
+    }
+
+    fn finish(mut self) -> Result<ReadOutcome, Vec<Fault>> {
+        self.boxes.sort_by_key(|(id, one, line)| (one.frame, *id, *line));
+        for pair in self.boxes.windows(2).filter(|pair| (pair[0].0, pair[0].1.frame) == (pair[1].0, pair[1].1.frame)) {
+            let (id, one, line) = &pair[1];
+            let detail = format!("object {id} is in frame {} twice: also on line {}", one.frame, pair[0].2);
+            self.faults.push(Fault::new("/file", "duplicate", detail).at(*line, "id"));
+        }
+        self.faults.finish()?;
+        let mut warnings = Vec::new();
+        let mut left_out = |count: usize, what: &str| {
+            if count > 0 {
+                warnings.push(format!("{count} rows {what} were left out"));
+            }
+        };
+        left_out(self.without_confidence, "of truth with confidence 0");
+        left_out(self.of_other_classes, "of truth in classes other than 1 (pedestrian), on which tracks count as false,");
+        if self.boxes.is_empty() {
+            warnings.push("there are no boxes: the dataset is empty".to_owned());
+        }
+        let numbers: BTreeMap<i64, ()> = self.boxes.iter().map(|(id, ..)| (*id, ())).collect();
+        let indices: BTreeMap<i64, u32> = numbers.into_keys().zip(0..).collect();
+        let boxes = self.boxes.iter().map(|(id, one, _)| ObjectBox { object: indices[id], ..*one }).collect();
+        let set = BoxSet::new(indices.into_keys().map(|id| id.to_string()).collect(), boxes)?;
+        let dataset = if self.is_truth { Dataset::TruthBoxes(set) } else { Dataset::TrackBoxes(set) };
+        Ok(ReadOutcome { dataset, warnings })
+    }
+}
+
+fn unreadable(line: u64, detail: String) -> Fault {
+    Fault { line: Some(line), ..Fault::new("/file", "malformed", detail) }
+}
+
+/// Writes boxes with ten values a row; reading them gives the same set when all objects are numbers and have boxes, and
+/// for truth no confidence is 0.
+///
+/// # Errors
+/// What the output says.
+pub fn write_mot(set: &BoxSet, out: &mut dyn Write) -> io::Result<()> {
+    let mut text = String::new();
+    for one in set.boxes() {
+        text.clear();
+        text.push_str(&format!("{},{}", one.frame, set.object_ids()[one.object as usize]));
+        for value in [one.left_px, one.top_px, one.width_px, one.height_px, one.confidence] {
+            text.push(',');
+            push_number(&mut text, value);
+        }
+        text.push_str(",-1,-1,-1\n");
+        out.write_all(text.as_bytes())?;
+    }
+    Ok(())
+}
