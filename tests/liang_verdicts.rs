@@ -113,7 +113,7 @@ fn the_files_of_the_automaton_are_of_the_sizes_that_the_report_says() {
     assert_eq!(bytes(&outcome, "automaton.dot").matches(" -> ").count(), file["transitions"].as_array().unwrap().len());
     let curves = rows(&outcome, "truth_probability.csv");
     for target in outcome.result["tfa"]["targets"].as_array().unwrap().iter().filter(|target| target["verdict"] == "correct") {
-        let own = curves.iter().filter(|row| row["truth_id"] == target["truth_id"]).last().unwrap();
+        let own = curves.iter().rfind(|row| row["truth_id"] == target["truth_id"]).unwrap();
         let found: f64 = own["log_probability"].parse().unwrap();
         assert!((found - target["log_probability"].as_f64().unwrap()).abs() < 1e-9, "{target}");
     }

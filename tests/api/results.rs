@@ -68,7 +68,10 @@ async fn reports_and_files_have_strong_tags_and_ranges() {
     let base = evaluated(&api).await;
     let list: ArtifactList = serde_json::from_value(api.get(&format!("{base}/artifacts")).await.ok(200)).unwrap();
     let names: Vec<&str> = list.items.iter().map(|item| item.name.as_str()).collect();
-    assert_eq!(names, ["scans.csv", "detections.csv", "truth.csv", "tracks.csv", "report.json"]);
+    let of_automaton = ["automaton.json", "automaton.dot", "truth_probability.csv"];
+    let of_metrics = ["events.csv", "metric-series.csv", "metric-truths.csv", "metric-tracks.csv", "metrics.txt"];
+    let datasets = ["scans.csv", "detections.csv", "truth.csv", "tracks.csv"];
+    assert_eq!(names, [&datasets[..], &of_automaton, &of_metrics, &["report.json"]].concat());
     for item in &list.items {
         let whole = api.get(&item.href).await;
         assert_eq!((whole.text.len() as u64, whole.header("content-type")), (item.bytes, item.media_type.as_str()));

@@ -179,7 +179,7 @@ fn targets_of<'a>(recording: &'a Recording, truth: Option<&'a TruthSet>) -> Vec<
 }
 
 fn truth_strings(recording: &Recording, axis: &Axis, targets: usize, max_missed: u32, warnings: &mut Vec<String>) -> StringSet {
-    let (ends, places, doubled) = detections_by_target(recording, axis, targets);
+    let DetectionsByTarget { ends, places, doubled } = detections_by_target(recording, axis, targets);
     if doubled > 0 {
         warnings.push(format!("{doubled} detection(s) come from a target that already has one in the same scan; the first counts"));
     }
@@ -193,9 +193,16 @@ fn truth_strings(recording: &Recording, axis: &Axis, targets: usize, max_missed:
     strings
 }
 
-/// Positions and detections of the targets, one target behind the other: for each where the room for it and where its own
-/// entries end, and how many detections were left out because the target has one in the same scan.
-fn detections_by_target(recording: &Recording, axis: &Axis, targets: usize) -> (Vec<(usize, usize)>, Vec<(u32, u32)>, usize) {
+struct DetectionsByTarget {
+    /// For each target where the room for it ends in `places`, and where its entries end.
+    ends: Vec<(usize, usize)>,
+    /// Positions and detections, one target behind the other.
+    places: Vec<(u32, u32)>,
+    /// Detections left out because the target has one in the same scan.
+    doubled: usize,
+}
+
+fn detections_by_target(recording: &Recording, axis: &Axis, targets: usize) -> DetectionsByTarget {
     let mut ends = vec![(0, 0); targets];
     for origin in recording.detections.iter().filter_map(|detection| detection.origin) {
         ends[origin as usize].0 += 1;
@@ -221,5 +228,5 @@ fn detections_by_target(recording: &Recording, axis: &Axis, targets: usize) -> (
             }
         }
     }
-    (ends, places, doubled)
+    DetectionsByTarget { ends, places, doubled }
 }
