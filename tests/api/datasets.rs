@@ -50,6 +50,29 @@ async fn a_preview_shows_the_first_rows() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn boxes_of_a_video_are_a_dataset_with_a_preview() {
+    let api = Api::start().await;
+    let rows = "1,3,10,20,5,6,1,-1,-1,-1\n2,3,11,20,5,6,1,-1,-1,-1\n";
+    let tracks = api.upload(&json!({"kind": "tracks"}), rows).await.ok(201);
+    for (member, expected) in [
+        ("kind", json!("tracks")),
+        ("format", json!("mot")),
+        ("scans", json!(2)),
+        ("rows", json!(2)),
+        ("objects", json!(1)),
+        ("start_s", json!(null)),
+    ] {
+        assert_eq!(tracks[member], expected, "{member}");
+    }
+    let preview = api.get(&format!("/v1/datasets/{}/preview?limit=1", tracks["id"].as_str().unwrap())).await.ok(200);
+    assert_eq!(preview["total_rows"], 2);
+    assert_eq!(preview["columns"], json!(["frame", "track_id", "left_px", "top_px", "width_px", "height_px", "confidence"]));
+    assert_eq!(preview["rows"], json!([["1", "3", "10", "20", "5", "6", "1"]]));
+    // The text does not say whether it is truth or tracks.
+    assert_eq!(api.upload(&json!({}), rows).await.status, 422);
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn the_same_upload_again_is_the_same_dataset() {
     let api = Api::start().await;
     let first = api.upload(&json!({"name": "a"}), DETECTIONS).await.ok(201);

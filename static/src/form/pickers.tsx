@@ -14,7 +14,7 @@ import { fieldId } from "./schema";
 const KINDS = ["", "detections", "truth", "tracks"];
 /** What a field of a request reads, by the name of the field. */
 const ROLES: Record<string, Dataset["kind"]> = { input: "detections", detections: "detections", truth: "truth", tracks: "tracks" };
-const FORMATS = ["", "csv", "json", "autoferry"];
+const FORMATS = ["", "csv", "json", "autoferry", "mot"];
 
 function describe(dataset: Dataset): string {
   return `${dataset.name} · ${dataset.kind} · ${count(dataset.rows)} rows, ${count(dataset.scans)} scans`;
