@@ -45,9 +45,9 @@ static COUNTING: Counting = Counting;
 const WARM_UP: usize = 60;
 const COUNTED: usize = 100;
 
-/// What [`COUNTED`] scans may cost, however many detections they have: the lists of the history double now and then, and a
+/// What [`COUNTED`] scans may cost, however many detections they have: the history begins a new piece now and then, and a
 /// buffer grows when a scan is the fullest so far.
-const MOST_ALLOCATIONS: u64 = 8;
+const MOST_ALLOCATIONS: u64 = 16;
 
 #[test]
 fn a_hundred_scans_of_any_size_cost_a_handful_of_allocations() {
