@@ -220,6 +220,9 @@ fn the_nearest_truth_of_a_direction_is_refused() {
     let seen: Vec<_> = faults.iter().map(|fault| (fault.pointer.as_str(), fault.allowed.as_deref())).collect();
     assert_eq!(seen, [("/tfa/symbols", Some("detection_id")); 2]);
     assert!(faults[0].detail.starts_with("the tracks are directions (bearing_deg)") && faults[1].detail.starts_with("the truth"));
+    let settings = json!({"tfa": {"symbols": {"kind": "nearest_detection", "gate_m": 5.0}}});
+    let faults = faults_of(plan::JobKind::Evaluate, &csv, &settings);
+    assert_eq!((faults.len(), faults[0].pointer.as_str()), (1, "/tfa/symbols"));
 }
 
 /// A ship that passes a sonar north of it, and another one south of it.

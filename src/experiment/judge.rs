@@ -10,6 +10,7 @@ use crate::evaluation::breaks::{self, Break};
 use crate::evaluation::comparison::{Alignment, Comparison, PointSettings};
 use crate::evaluation::events::{EventKind, EventLog};
 use crate::evaluation::metrics::{METRICS, Metric, MetricReport, Quantity, Sequence, Series};
+use crate::model::boxes::BoxSet;
 use crate::model::fault::Fault;
 use crate::model::truth::TruthSet;
 use serde::Deserialize;
@@ -19,8 +20,28 @@ use serde_json::{Map, Value, json};
 pub(super) struct Subject<'a> {
     /// As the request calls it; empty where there is only one.
     pub name: &'a str,
-    pub input: EvaluationInput<'a>,
-    pub truth: &'a TruthSet,
+    pub content: Content<'a>,
+}
+
+pub(super) enum Content<'a> {
+    /// `truth` is the truth of `input`.
+    Points {
+        input: EvaluationInput<'a>,
+        truth: &'a TruthSet,
+    },
+    Boxes {
+        truth: &'a BoxSet,
+        tracks: &'a BoxSet,
+    },
+}
+
+impl<'a> Content<'a> {
+    fn input(&self) -> Option<EvaluationInput<'a>> {
+        match *self {
+            Content::Points { input, .. } => Some(input),
+            Content::Boxes { .. } => None,
+        }
+    }
 }
 
 /// What the metrics say.
@@ -42,6 +63,7 @@ struct Named {
 #[derive(Debug, Clone, Copy, Deserialize)]
 struct Settings {
     gate_m: f64,
+    min_iou: f64,
     alignment: Aligned,
 }
 
@@ -60,7 +82,7 @@ pub(super) fn judge(spec: &Value, subjects: &[Subject], observer: &mut dyn Obser
     let sequences: Vec<Sequence> = subjects
         .iter()
         .zip(comparisons.iter().zip(&logs))
-        .map(|(subject, (comparison, events))| Sequence { comparison, events, input: Some(subject.input) })
+        .map(|(subject, (comparison, events))| Sequence { comparison, events, input: subject.content.input() })
         .collect();
     let total = (metrics.len() * if sequences.len() > 1 { sequences.len() + 1 } else { 1 }) as u64;
     let mut done = 0;
@@ -124,9 +146,12 @@ fn compare(spec: &Value, subjects: &[Subject], metrics: &[Named]) -> Result<Vec<
         Aligned::Nearest { max_gap_s } => Alignment::Nearest { max_gap_s },
     };
     let reach_m = metrics.iter().map(|named| named.metric.reach_m(settings.gate_m)).fold(settings.gate_m, f64::max);
-    let settings = PointSettings { alignment, gate_m: settings.gate_m, reach_m };
-    let comparisons: Vec<Comparison> =
-        subjects.iter().map(|subject| Comparison::of_points(&subject.input, subject.truth, &settings)).collect();
+    let points = PointSettings { alignment, gate_m: settings.gate_m, reach_m };
+    let comparison = |subject: &Subject| match &subject.content {
+        Content::Points { input, truth } => Comparison::of_points(input, truth, &points),
+        Content::Boxes { truth, tracks } => Comparison::of_boxes(truth, tracks, settings.min_iou),
+    };
+    let comparisons: Vec<Comparison> = subjects.iter().map(comparison).collect();
     refuse_shapes(metrics, &comparisons)?;
     let strangers: Vec<Fault> = subjects.iter().zip(&comparisons).enumerate().filter_map(|(index, pair)| strangers(index, pair)).collect();
     if strangers.is_empty() { Ok(comparisons) } else { Err(RunError::Faults(strangers)) }
@@ -134,8 +159,9 @@ fn compare(spec: &Value, subjects: &[Subject], metrics: &[Named]) -> Result<Vec<
 
 /// Truth and tracks whose times do not meet: any number made of them would mislead.
 fn strangers(index: usize, (subject, comparison): (&Subject, &Comparison)) -> Option<Fault> {
-    let tracks_s = span_s(subject.input.tracks.tracks.iter().flat_map(|track| &track.points).map(|point| point.time_s))?;
-    let truth_s = span_s(subject.truth.targets().iter().flat_map(|target| &target.points).map(|point| point.time_s))?;
+    let Content::Points { input, truth } = &subject.content else { return None };
+    let tracks_s = span_s(input.tracks.tracks.iter().flat_map(|track| &track.points).map(|point| point.time_s))?;
+    let truth_s = span_s(truth.targets().iter().flat_map(|target| &target.points).map(|point| point.time_s))?;
     if !comparison.truths.is_empty() && !comparison.tracks.is_empty() {
         return None;
     }
@@ -160,7 +186,7 @@ fn refuse_shapes(metrics: &[Named], comparisons: &[Comparison]) -> Result<(), Ru
         .filter(is_unfit)
         .map(|named| {
             let detail = format!("'{}' is defined for positions in metres, not for boxes", named.name);
-            Fault::new("/metrics", "unsupported", detail).allowing("hota, clear, identity")
+            Fault::new("/metrics", "unsupported", detail).allowing("hota, clear, identity (profile vision)")
         })
         .collect();
     if unfit.is_empty() { Ok(()) } else { Err(RunError::Faults(unfit)) }

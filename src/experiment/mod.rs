@@ -15,6 +15,7 @@ pub mod presets;
 mod profiles;
 mod requests;
 pub mod run;
+mod scene;
 mod sensors;
 mod tables;
 pub mod text;

@@ -144,7 +144,7 @@ async fn a_sonar_has_a_bearing_time_series_and_a_plan_that_says_what_it_lacks() 
     let job = api.run("evaluate", &body).await;
     assert_eq!(job["state"], "succeeded", "{job}");
     let Report::Evaluate(report) = report_of(&api, &job).await else { panic!("not an evaluation") };
-    assert_eq!(report.result.tfa.counts.targets, 2);
+    assert_eq!(report.result.tfa.expect("a verdict").counts.targets, 2);
     let base = format!("/v1/jobs/{}", id(&job));
     let plan = api.get(&format!("{base}/plan")).await.ok(200);
     assert_eq!(

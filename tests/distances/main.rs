@@ -8,3 +8,4 @@ mod golden_values;
 mod kinematics;
 mod scenes;
 mod siap;
+mod t_gospa;

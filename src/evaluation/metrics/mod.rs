@@ -12,6 +12,7 @@ pub mod identity;
 mod kinematics;
 mod ospa;
 mod siap;
+mod t_gospa;
 
 use super::EvaluationInput;
 use super::comparison::{Comparison, Shape};
@@ -137,8 +138,17 @@ pub trait Metric: Send {
 pub type BuildMetric = fn(&Value) -> Result<Box<dyn Metric>, serde_json::Error>;
 
 /// Every metric.
-pub const METRICS: &[Method<BuildMetric>] =
-    &[ospa::METHOD, gospa::METHOD, siap::METHOD, clear::METHOD, identity::METHOD, hota::METHOD, assignment::METHOD, kinematics::METHOD];
+pub const METRICS: &[Method<BuildMetric>] = &[
+    ospa::METHOD,
+    gospa::METHOD,
+    t_gospa::METHOD,
+    siap::METHOD,
+    clear::METHOD,
+    identity::METHOD,
+    hota::METHOD,
+    assignment::METHOD,
+    kinematics::METHOD,
+];
 
 pub static METRIC: Union = Union {
     name: "Metric",

@@ -110,7 +110,9 @@ pub fn write_strings<'a>(input: &EvaluationInput<'a>, rules: &StringRules) -> Re
 
 /// Only detection ids can be compared without a place: a direction is no number of metres away from anything.
 fn check_places(input: &EvaluationInput, rule: SymbolRule) -> Result<(), Vec<Fault>> {
-    let of_bearings = [("tracks", input.tracks.is_of_bearings()), ("truth", input.truth.is_some_and(TruthSet::is_of_bearings))];
+    let needs_truth = matches!(rule, SymbolRule::NearestTruth { .. });
+    let is_truth_of_bearings = needs_truth && input.truth.is_some_and(TruthSet::is_of_bearings);
+    let of_bearings = [("tracks", input.tracks.is_of_bearings()), ("truth", is_truth_of_bearings)];
     let fault = |(name, _): &(&str, bool)| {
         let detail = format!("the {name} are directions (bearing_deg): what is nearest to them in metres is not defined");
         Fault::new("/tfa/symbols", "unsupported", detail).allowing("detection_id")

@@ -108,30 +108,31 @@ fn accepted(ln_weights: impl Iterator<Item = f64>) -> Run {
 /// One way after the other to its end, never twice through the same state at the same symbol; then the best weight of
 /// every place that was met, in order of symbols.
 fn depth_first(automaton: &impl Transitions, start: u32, symbols: &[u32]) -> Run {
-    let mut met = BTreeMap::from([((0, START), f64::NEG_INFINITY)]);
+    let mut met = BTreeMap::from([((0, START), Some(Product::ONE))]);
     let mut open = vec![(0, START)];
     while let Some((offset, state)) = open.pop() {
         let Some(&symbol) = symbols.get(offset) else { continue };
         automaton.each(state, start + offset as u32, symbol, |to, _| {
             let place = (offset + 1, to);
-            if met.insert(place, f64::NEG_INFINITY).is_none() {
+            met.entry(place).or_insert_with(|| {
                 open.push(place);
-            }
+                None
+            });
         });
     }
-    met.insert((0, START), 0.0);
     let places: Vec<(usize, u32)> = met.keys().copied().collect();
     if places.len() == 1 && !symbols.is_empty() {
         return Run::NeverLeft;
     }
     for &(offset, state) in places.iter().take_while(|(offset, _)| *offset < symbols.len()) {
-        let so_far = met[&(offset, state)];
+        let Some(so_far) = met[&(offset, state)] else { continue };
         automaton.each(state, start + offset as u32, symbols[offset], |to, weight| {
             if let Some(best) = met.get_mut(&(offset + 1, to)) {
-                *best = best.max(so_far + weight.ln());
+                let next = so_far.times(weight);
+                *best = Some(best.filter(|best| best.ln() >= next.ln()).unwrap_or(next));
             }
         });
     }
     let ended = places.iter().filter(|(offset, state)| *offset == symbols.len() && automaton.is_final(*state));
-    accepted(ended.map(|place| met[place]))
+    accepted(ended.filter_map(|place| met[place]).map(Product::ln))
 }

@@ -168,7 +168,7 @@ mod tests {
         let tracks = "time_s,track_id,bearing_deg,bearing_rate_degps,p_bb,p_bbr,p_brbr,detection_id\n0,t,359,2,4,0,1,d1\n1,t,1,,,,,\n";
         let Dataset::Tracks(tracks) = read(tracks) else { panic!("not tracks") };
         let sensor = SensorSettings { x_m: Some(10.0), y_m: Some(20.0), ..SensorSettings::named("s") };
-        JobLayers { detections: Some(detections), truth: Some(truth), tracks: Some(tracks), sensors: vec![sensor] }
+        JobLayers { detections: Some(detections), truth: Some(truth), tracks: Some(tracks), sensors: vec![sensor], ..JobLayers::default() }
     }
 
     fn window() -> Window {

@@ -1,0 +1,298 @@
+//! T-GOSPA of a cluster exactly: dynamic programming over the steps, with only those assignments in memory that may still
+//! turn out best.
+//!
+//! # Symbols
+//! A *label* is an assignment at a step with the least that leads to it. A member is *fresh* until it is first assigned.
+//!
+//! # Method
+//! 1. A pair is held until one of the two is given to another: letting go earlier or taking hold before there is a gain is
+//!    never better, except from the very start. So a first hold of two fresh members is no switch.
+//! 2. At each step a label may take any of the step's pairs anew. Taking and breaking cost half a switch each. Takings that
+//!    gain less at the step than what they break are left out: the label unchanged can catch up with them later.
+//! 3. A label is dropped when another, with the switches from it added, costs no more.
+//! 4. Members meet in groups: groups that share a near pair are merged (their labels multiply), and members on whose state
+//!    all labels agree leave. So doubt about one place does not multiply with doubt about another.
+//!
+//! It gives up when labels or the work of comparing them grow beyond bounds.
+
+use super::problem::{Cluster, Near, Tally};
+use std::collections::BTreeMap;
+
+/// Most labels of a group, most labels that one step may make of them, most comparisons of labels in a cluster.
+const MAX_LABELS: usize = 512;
+const MAX_SUCCESSORS: usize = 8192;
+const MAX_COMPARISONS: usize = 20_000_000;
+
+/// States of a member that is not held by a partner.
+const FRESH: usize = usize::MAX;
+const ALONE: usize = usize::MAX - 1;
+
+/// The least cost with its parts; `None` when the doubts are too many.
+pub fn solve(cluster: &Cluster, penalty: f64) -> Option<Tally> {
+    let mut search = Search::new(cluster, penalty);
+    for step in &cluster.steps {
+        search.step(step)?;
+    }
+    let mut total = search.settled;
+    for group in search.groups.into_iter().flatten() {
+        let best = group.labels.into_iter().min_by(|one, other| one.cost.total_cmp(&other.cost));
+        total += best.map(|label| label.tally).unwrap_or_default();
+    }
+    Some(total)
+}
+
+#[derive(Debug, Clone)]
+struct Label {
+    tally: Tally,
+    cost: f64,
+    /// Of each member of the group: its partner, [`ALONE`] or [`FRESH`]. Tracks are numbered on from the truths.
+    states: Vec<usize>,
+}
+
+#[derive(Debug)]
+struct Group {
+    members: Vec<usize>,
+    labels: Vec<Label>,
+}
+
+struct Search {
+    truths: usize,
+    penalty: f64,
+    /// By a number that [`Search::group_of`] refers to.
+    groups: Vec<Option<Group>>,
+    group_of: Vec<usize>,
+    /// Place of each member in its group.
+    place_of: Vec<usize>,
+    settled: Tally,
+    comparisons: usize,
+}
+
+fn is_held(state: usize) -> bool {
+    state < ALONE
+}
+
+impl Search {
+    fn new(cluster: &Cluster, penalty: f64) -> Search {
+        let members = cluster.truths + cluster.tracks;
+        let mut search = Search {
+            truths: cluster.truths,
+            penalty,
+            groups: (0..members).map(|_| None).collect(),
+            group_of: vec![0; members],
+            place_of: vec![0; members],
+            settled: Tally::default(),
+            comparisons: 0,
+        };
+        for member in 0..members {
+            search.store(vec![member], vec![Label { tally: Tally::default(), cost: 0.0, states: vec![FRESH] }]);
+        }
+        search
+    }
+
+    /// Keeps a group under the number of its first member.
+    fn store(&mut self, members: Vec<usize>, labels: Vec<Label>) {
+        let Some(&number) = members.first() else { return };
+        for (place, &member) in members.iter().enumerate() {
+            (self.group_of[member], self.place_of[member]) = (number, place);
+        }
+        self.groups[number] = Some(Group { members, labels });
+    }
+
+    fn step(&mut self, near: &[Near]) -> Option<()> {
+        for pair in near {
+            self.merge(self.group_of[pair.truth], self.group_of[self.truths + pair.track])?;
+        }
+        let mut of_group: BTreeMap<usize, Vec<Near>> = BTreeMap::new();
+        for pair in near {
+            of_group.entry(self.group_of[pair.truth]).or_default().push(*pair);
+        }
+        for (number, near) in of_group {
+            let group = self.groups[number].take()?;
+            let rows: Vec<&[Near]> = near.chunk_by(|one, other| one.truth == other.truth).collect();
+            let mut successors = Vec::new();
+            for label in &group.labels {
+                let mut expansion = Expansion::new(self, &rows, label);
+                expansion.extend(0, 0.0, &mut successors);
+                if successors.len() > MAX_SUCCESSORS {
+                    return None;
+                }
+            }
+            let labels = self.undominated(&group.members, successors)?;
+            self.split(group.members, labels);
+        }
+        Some(())
+    }
+
+    /// Method 4, first half.
+    fn merge(&mut self, one: usize, other: usize) -> Option<()> {
+        if one == other {
+            return Some(());
+        }
+        let (one, other) = (self.groups[one].take()?, self.groups[other].take()?);
+        if one.labels.len() * other.labels.len() > MAX_LABELS {
+            return None;
+        }
+        let mut labels = Vec::with_capacity(one.labels.len() * other.labels.len());
+        for (left, right) in one.labels.iter().flat_map(|left| other.labels.iter().map(move |right| (left, right))) {
+            let mut tally = left.tally;
+            tally += right.tally;
+            let states = left.states.iter().chain(&right.states).copied().collect();
+            labels.push(Label { tally, cost: tally.cost(self.penalty), states });
+        }
+        self.store(one.members.into_iter().chain(other.members).collect(), labels);
+        Some(())
+    }
+
+    /// Method 3: from the cheapest on, those that no cheaper one reaches.
+    fn undominated(&mut self, members: &[usize], mut labels: Vec<Label>) -> Option<Vec<Label>> {
+        labels.sort_by(|one, other| one.cost.total_cmp(&other.cost).then_with(|| one.states.cmp(&other.states)));
+        let mut kept: Vec<Label> = Vec::new();
+        for label in labels {
+            self.comparisons += kept.len();
+            let reaches = |cheaper: &Label| {
+                cheaper.states == label.states || cheaper.cost + self.penalty * self.switches(members, cheaper, &label) <= label.cost
+            };
+            if !kept.iter().any(reaches) {
+                kept.push(label);
+            }
+        }
+        (kept.len() <= MAX_LABELS && self.comparisons <= MAX_COMPARISONS).then_some(kept)
+    }
+
+    /// At most so many switches does it take to go on from one label as if from another.
+    fn switches(&self, members: &[usize], from: &Label, to: &Label) -> f64 {
+        let mut halves = 0;
+        for ((&member, &left), &right) in members.iter().zip(&from.states).zip(&to.states) {
+            if left == right {
+                continue;
+            }
+            // Each pair is counted at its truth.
+            if member < self.truths {
+                let is_first = is_held(right) && left == FRESH && from.states[self.place_of[right]] == FRESH;
+                halves += usize::from(is_held(left)) + usize::from(is_held(right) && !is_first);
+            }
+            halves += usize::from(right == FRESH);
+        }
+        0.5 * halves as f64
+    }
+
+    /// Method 4, second half.
+    fn split(&mut self, members: Vec<usize>, mut labels: Vec<Label>) {
+        if let [label] = &mut labels[..] {
+            self.settled += std::mem::take(&mut label.tally);
+            label.cost = 0.0;
+        }
+        let agreed: Vec<Option<usize>> = (0..members.len())
+            .map(|place| {
+                let state = labels[0].states[place];
+                labels.iter().all(|label| label.states[place] == state).then_some(state)
+            })
+            .collect();
+        let single = |states| vec![Label { tally: Tally::default(), cost: 0.0, states }];
+        for (&member, state) in members.iter().zip(&agreed) {
+            match *state {
+                Some(partner) if is_held(partner) && member < partner => self.store(vec![member, partner], single(vec![partner, member])),
+                Some(state) if !is_held(state) => self.store(vec![member], single(vec![state])),
+                _ => {}
+            }
+        }
+        for label in &mut labels {
+            label.states = label.states.iter().zip(&agreed).filter(|(_, agreed)| agreed.is_none()).map(|(&state, _)| state).collect();
+        }
+        self.store(members.into_iter().zip(&agreed).filter(|(_, agreed)| agreed.is_none()).map(|(member, _)| member).collect(), labels);
+    }
+}
+
+/// Method 2: all ways in which one label may take pairs of a step anew, truth by truth.
+struct Expansion<'a> {
+    search: &'a Search,
+    /// The near pairs of each truth that has any.
+    rows: &'a [&'a [Near]],
+    label: Label,
+    /// Of each place: whether it was taken anew at this step.
+    is_taken: Vec<bool>,
+}
+
+impl<'a> Expansion<'a> {
+    fn new(search: &'a Search, rows: &'a [&'a [Near]], label: &Label) -> Expansion<'a> {
+        Expansion { search, rows, label: label.clone(), is_taken: vec![false; label.states.len()] }
+    }
+
+    /// Decides the truths from `row` on; `improvement` is what the takings so far gain at this step beyond what they break.
+    fn extend(&mut self, row: usize, improvement: f64, successors: &mut Vec<Label>) {
+        if successors.len() > MAX_SUCCESSORS {
+            return;
+        }
+        let is_changed = self.is_taken.contains(&true);
+        if is_changed && improvement + self.rows[row..].iter().map(|near| self.hope(near)).sum::<f64>() <= 0.0 {
+            return;
+        }
+        let Some(near) = self.rows.get(row) else {
+            successors.push(self.finished());
+            return;
+        };
+        self.extend(row + 1, improvement, successors);
+        for pair in *near {
+            let track = self.search.truths + pair.track;
+            let (truth_place, track_place) = (self.search.place_of[pair.truth], self.search.place_of[track]);
+            if self.label.states[truth_place] == track || self.is_taken[track_place] {
+                continue;
+            }
+            let before = self.label.clone();
+            let broken = self.take(pair.truth, track);
+            self.is_taken[track_place] = true;
+            self.extend(row + 1, improvement + pair.gain - broken, successors);
+            self.is_taken[track_place] = false;
+            self.label = before;
+        }
+    }
+
+    /// The most that a truth not yet decided can add to the improvement.
+    fn hope(&self, near: &[Near]) -> f64 {
+        let best = near.iter().map(|pair| pair.gain).fold(0.0, f64::max);
+        (best - self.held_gain(near[0].truth)).max(0.0)
+    }
+
+    /// What a truth gains at this step by the track that it holds.
+    fn held_gain(&self, truth: usize) -> f64 {
+        let held = self.label.states[self.search.place_of[truth]];
+        let row = self.rows.binary_search_by_key(&truth, |near| near[0].truth).ok();
+        let pair = row.and_then(|row| self.rows[row].iter().find(|pair| self.search.truths + pair.track == held));
+        pair.map_or(0.0, |pair| pair.gain)
+    }
+
+    /// Gives a truth a track, breaking what both hold; returns what the broken pairs would have gained.
+    fn take(&mut self, truth: usize, track: usize) -> f64 {
+        let (truth_place, track_place) = (self.search.place_of[truth], self.search.place_of[track]);
+        let (old_track, old_truth) = (self.label.states[truth_place], self.label.states[track_place]);
+        let mut broken = 0.0;
+        let mut halves = usize::from(old_track != FRESH || old_truth != FRESH);
+        if is_held(old_track) {
+            broken += self.held_gain(truth);
+            halves += 1;
+            self.label.states[self.search.place_of[old_track]] = ALONE;
+        }
+        if is_held(old_truth) {
+            broken += self.held_gain(old_truth);
+            halves += 1;
+            self.label.states[self.search.place_of[old_truth]] = ALONE;
+        }
+        self.label.states[truth_place] = track;
+        self.label.states[track_place] = truth;
+        self.label.tally.switches += 0.5 * halves as f64;
+        broken
+    }
+
+    /// The label with the gains of this step.
+    fn finished(&self) -> Label {
+        let mut label = self.label.clone();
+        for pair in self.rows.iter().copied().flatten() {
+            if label.states[self.search.place_of[pair.truth]] == self.search.truths + pair.track {
+                label.tally.gain += pair.gain;
+                label.tally.matched += 1.0;
+            }
+        }
+        label.cost = label.tally.cost(self.search.penalty);
+        label
+    }
+}

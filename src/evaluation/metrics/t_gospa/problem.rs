@@ -1,0 +1,111 @@
+//! What T-GOSPA has to decide: clusters of truths and tracks that come within the cutoff of each other.
+//!
+//! # Symbols
+//! Gain of a pair at a step: 1 − (d / c)ᵖ, what assigning it saves against leaving both alone, as a share of cᵖ.
+//!
+//! # Method
+//! A pair that is not within the cutoff at a step, or of which one is absent, costs the same assigned or not. So only gains
+//! and switches matter; no optimal solution assigns a pair that never has a gain; clusters do not touch each other.
+
+use crate::evaluation::comparison::Comparison;
+use crate::evaluation::metrics::cutoff::Cutoff;
+
+/// A pair within the cutoff at one step, by places in its cluster.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Near {
+    pub truth: usize,
+    pub track: usize,
+    pub gain: f64,
+}
+
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Cluster {
+    pub truths: usize,
+    pub tracks: usize,
+    /// The steps at which any pair is near, in order; pairs rise by truth, then track.
+    pub steps: Vec<Vec<Near>>,
+}
+
+/// What a solution of one or more clusters adds up to.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Tally {
+    pub gain: f64,
+    /// Pairs assigned at steps at which they are near; a fraction where the solution is.
+    pub matched: f64,
+    /// A change of track is 1, a loss or a find one half.
+    pub switches: f64,
+}
+
+impl Tally {
+    /// What it costs against leaving everyone alone; `penalty` is the share of a switch.
+    pub fn cost(self, penalty: f64) -> f64 {
+        self.switches * penalty - self.gain
+    }
+}
+
+impl std::ops::AddAssign for Tally {
+    fn add_assign(&mut self, other: Tally) {
+        self.gain += other.gain;
+        self.matched += other.matched;
+        self.switches += other.switches;
+    }
+}
+
+pub fn clusters(comparison: &Comparison, cutoff: Cutoff) -> Vec<Cluster> {
+    let truths = comparison.truth_ids.len();
+    let mut roots: Vec<usize> = (0..truths + comparison.track_ids.len()).collect();
+    let near = |step: &crate::evaluation::comparison::Step| {
+        let of_pair = |pair: &crate::evaluation::comparison::Pair| Near {
+            truth: comparison.truths[pair.truth as usize].id as usize,
+            track: comparison.tracks[pair.track as usize].id as usize,
+            gain: 1.0 - cutoff.share_of(pair.distance),
+        };
+        comparison.pairs[step.pairs.clone()].iter().map(of_pair).filter(|near| near.gain > 0.0).collect::<Vec<Near>>()
+    };
+    let steps: Vec<Vec<Near>> = comparison.steps.iter().map(near).collect();
+    for pair in steps.iter().flatten() {
+        let (one, other) = (root(&mut roots, pair.truth), root(&mut roots, truths + pair.track));
+        roots[one.max(other)] = one.min(other);
+    }
+    gather(&steps, truths, &mut roots)
+}
+
+/// Deals the pairs out to their clusters, in the order of the clusters' first truths.
+fn gather(steps: &[Vec<Near>], truths: usize, roots: &mut [usize]) -> Vec<Cluster> {
+    let mut clusters: Vec<Cluster> = Vec::new();
+    let mut cluster_of = vec![None; roots.len()];
+    let mut place_of = vec![0; roots.len()];
+    for member in 0..roots.len() {
+        let root = root(roots, member);
+        // A cluster's smallest member is its root, and a truth; alone it has no pair.
+        let cluster = *cluster_of[root].get_or_insert_with(|| {
+            clusters.push(Cluster::default());
+            clusters.len() - 1
+        });
+        let count = if member < truths { &mut clusters[cluster].truths } else { &mut clusters[cluster].tracks };
+        place_of[member] = *count;
+        *count += 1;
+    }
+    let mut last_step = vec![usize::MAX; clusters.len()];
+    for (index, step) in steps.iter().enumerate() {
+        for pair in step {
+            let cluster = cluster_of[root(roots, pair.truth)].expect("every member was given a cluster");
+            if std::mem::replace(&mut last_step[cluster], index) != index {
+                clusters[cluster].steps.push(Vec::new());
+            }
+            let near = Near { truth: place_of[pair.truth], track: place_of[truths + pair.track], gain: pair.gain };
+            clusters[cluster].steps.last_mut().expect("pushed above").push(near);
+        }
+    }
+    clusters.retain(|cluster| !cluster.steps.is_empty());
+    clusters
+}
+
+/// The root of a member in the forest, halving the path to it.
+fn root(roots: &mut [usize], mut member: usize) -> usize {
+    while roots[member] != member {
+        roots[member] = roots[roots[member]];
+        member = roots[member];
+    }
+    member
+}

@@ -1,0 +1,205 @@
+//! The data of a job, and the steps that it takes on them.
+
+use super::associate::{self, Tracked};
+use super::judge::{self, Content, Judgement, Subject};
+use super::observer::{Observer, Step};
+use super::plan::{JobKind, Plan, scenario_of};
+use super::run::{Artifact, Inputs, RunError, to_value};
+use super::{artifacts, clutter, profiles, sensors, tfa};
+use crate::evaluation::EvaluationInput;
+use crate::math::rng::Seed;
+use crate::model::dataset::{Dataset, DatasetKind};
+use crate::model::fault::Fault;
+use crate::model::scan::Recording;
+use crate::model::sensor::SensorSettings;
+use crate::model::track::TrackSet;
+use crate::model::truth::TruthSet;
+use serde::Deserialize;
+use serde_json::Value;
+
+const OF_BEARINGS: &str = "directions (bearing_deg) are not compared in metres";
+
+/// Everything a job works on.
+#[derive(Default)]
+pub(super) struct Scene {
+    pub recording: Option<Recording>,
+    truth: Option<TruthSet>,
+    tracks: Option<TrackSet>,
+    /// Of each sequence, or the boxes of a job without sequences.
+    sides: Vec<Sides>,
+    pub sensors: Vec<SensorSettings>,
+    pub warnings: Vec<String>,
+}
+
+/// Truth and tracks to compare.
+#[derive(Default)]
+struct Sides {
+    truth: Option<Dataset>,
+    tracks: Option<Dataset>,
+}
+
+impl Scene {
+    /// Simulates the scenario of the plan, or takes what was loaded.
+    pub fn gather(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<Scene, RunError> {
+        let mut scene = Scene::default();
+        let mut uploaded = Vec::new();
+        for (request, input) in plan.inputs.iter().zip(inputs) {
+            let Some(input) = input else { continue };
+            let is_of_boxes = matches!(input.dataset, Dataset::TruthBoxes(_) | Dataset::TrackBoxes(_));
+            if input.dataset.kind() != request.role {
+                return Err(RunError::Faults(vec![wrong_kind(&request.pointer, request.role, input.dataset.kind())]));
+            }
+            match (request.sequence.or(is_of_boxes.then_some(0)), input.dataset) {
+                (Some(index), dataset) => scene.keep_side(index, dataset),
+                (None, Dataset::Detections(recording)) => {
+                    scene.recording = Some(recording);
+                    uploaded = input.sensors;
+                }
+                (None, Dataset::Truth(truth)) => scene.truth = Some(truth),
+                (None, Dataset::Tracks(tracks)) => scene.tracks = Some(tracks),
+                // Boxes always have a side.
+                (None, Dataset::TruthBoxes(_) | Dataset::TrackBoxes(_)) => {}
+            }
+        }
+        if let Some((scenario, _)) = scenario_of(&plan.spec) {
+            let total = u64::from(scenario.scans);
+            let mut progress = |done| observer.progress(Step::Simulate, done, total);
+            let seed = Seed { seed: plan.seed, run: 0 };
+            let simulated = crate::simulation::simulate(&scenario, seed, &mut progress)?.ok_or(RunError::Stopped)?;
+            scene.recording = Some(simulated.recording);
+            scene.truth.get_or_insert(simulated.truth);
+        }
+        if let Some(recording) = &scene.recording {
+            let requested = plan.spec.get("sensors").and_then(|value| Vec::deserialize(value).ok()).unwrap_or_default();
+            scene.sensors = sensors::known(recording, &uploaded, &requested)?;
+        }
+        Ok(scene)
+    }
+
+    pub fn track(&mut self, plan: &Plan, observer: &mut dyn Observer) -> Result<Tracked, RunError> {
+        let recording = self.recording.as_ref().ok_or_else(|| missing("/input", "detections"))?;
+        let (filter, filter_name) = associate::filter_of(&plan.spec)?;
+        let sensors = sensors::resolve(recording, &self.sensors, (&filter, filter_name), &mut self.warnings)?;
+        let tracked = associate::track(&plan.spec, recording, sensors.clone(), observer)?;
+        self.warnings.extend(clutter::disagreements(recording, &sensors, &self.sensors, &tracked.tracks));
+        Ok(tracked)
+    }
+
+    /// The part `tfa` of the report, and its files.
+    pub fn judge(
+        &mut self,
+        plan: &Plan,
+        tracked: Option<&TrackSet>,
+        observer: &mut dyn Observer,
+    ) -> Result<(Value, Vec<Artifact>), RunError> {
+        step(observer, Step::Evaluate, 0)?;
+        let tracks = tracked.or(self.tracks.as_ref()).ok_or_else(|| missing("/tracks", "tracks"))?;
+        let input = EvaluationInput { recording: self.recording.as_ref(), truth: self.truth.as_ref(), tracks };
+        let (report, files) = tfa::judge(&tfa::spec_of(&plan.spec, &input)?, input, &self.sensors, &mut self.warnings)?;
+        step(observer, Step::Evaluate, 1)?;
+        Ok((to_value(&report)?, files))
+    }
+
+    /// Whether there is a string to read: boxes have none.
+    pub fn wants_automaton(&self, spec: &Value) -> Result<bool, RunError> {
+        if self.sides.is_empty() || spec.get("sequences").is_some() {
+            return Ok(profiles::wants_automaton(spec));
+        }
+        if spec.get("tfa").is_some() {
+            let detail = "the automaton reads tracks in the plane, not boxes";
+            return Err(RunError::Faults(vec![Fault::new("/tfa", "unsupported", detail).allowing("metrics hota, clear, identity")]));
+        }
+        Ok(false)
+    }
+
+    /// What the metrics say; `None` when there are none or no truth was found.
+    pub fn measure(&mut self, plan: &Plan, tracked: Option<&TrackSet>, observer: &mut dyn Observer) -> Result<Option<Judgement>, RunError> {
+        if plan.spec["metrics"].as_array().is_none_or(Vec::is_empty) {
+            return Ok(None);
+        }
+        let names: Vec<&str> =
+            plan.spec["sequences"].as_array().into_iter().flatten().map(|sequence| sequence["name"].as_str().unwrap_or_default()).collect();
+        let mut subjects = Vec::with_capacity(self.sides.len());
+        for (index, sides) in self.sides.iter().enumerate() {
+            subjects.push(subject_of(names.get(index).copied(), index, sides)?);
+        }
+        if subjects.is_empty() {
+            let Some(truth) = &self.truth else {
+                self.warnings.push("no truth was found for this job, so no metric was computed".to_owned());
+                return Ok(None);
+            };
+            let tracks = tracked.or(self.tracks.as_ref()).ok_or_else(|| missing("/tracks", "tracks"))?;
+            if truth.is_of_bearings() || tracks.is_of_bearings() {
+                self.warnings.push(format!("{OF_BEARINGS}, so no metric was computed"));
+                return Ok(None);
+            }
+            let input = EvaluationInput { recording: self.recording.as_ref(), truth: Some(truth), tracks };
+            subjects.push(Subject { name: "", content: Content::Points { input, truth } });
+        }
+        judge::judge(&plan.spec, &subjects, observer).map(Some)
+    }
+
+    fn keep_side(&mut self, index: usize, dataset: Dataset) {
+        self.sides.resize_with(self.sides.len().max(index + 1), Sides::default);
+        match dataset.kind() {
+            DatasetKind::Truth => self.sides[index].truth = Some(dataset),
+            _ => self.sides[index].tracks = Some(dataset),
+        }
+    }
+
+    /// The datasets of the job, and its scan by scan record.
+    pub fn artifacts(&mut self, plan: &Plan, tracked: Option<Tracked>, observer: &mut dyn Observer) -> Result<Vec<Artifact>, RunError> {
+        step(observer, Step::Write, 0)?;
+        let mut files = Vec::new();
+        if let (Some(tracked), Some(recording)) = (&tracked, &self.recording) {
+            files.push(artifacts::scans(recording, &tracked.scans).map_err(unwritten)?);
+        }
+        let tracks = tracked.map(|tracked| tracked.tracks).or(self.tracks.take());
+        let datasets = [
+            self.recording.take().map(Dataset::Detections),
+            self.truth.take().map(Dataset::Truth),
+            tracks.filter(|_| plan.kind != JobKind::Simulate).map(Dataset::Tracks),
+        ];
+        for dataset in datasets.into_iter().flatten() {
+            files.push(artifacts::dataset(&dataset, &self.sensors).map_err(unwritten)?);
+        }
+        step(observer, Step::Write, 1)?;
+        Ok(files)
+    }
+}
+
+/// Asks whether to go on, before (0) and after (1) a step without parts.
+fn step(observer: &mut dyn Observer, step: Step, done: u64) -> Result<(), RunError> {
+    if observer.progress(step, done, 1).is_break() { Err(RunError::Stopped) } else { Ok(()) }
+}
+
+/// Truth and tracks of one sequence, or of a job that compares boxes.
+fn subject_of<'a>(name: Option<&'a str>, index: usize, sides: &'a Sides) -> Result<Subject<'a>, RunError> {
+    let place = if name.is_some() { format!("/sequences/{index}") } else { String::new() };
+    let refuse =
+        |detail: &str, allowed: &str| RunError::Faults(vec![Fault::new(format!("{place}/truth"), "unsupported", detail).allowing(allowed)]);
+    let content = match (&sides.truth, &sides.tracks) {
+        (Some(Dataset::Truth(truth)), Some(Dataset::Tracks(tracks))) if truth.is_of_bearings() || tracks.is_of_bearings() => {
+            return Err(refuse(OF_BEARINGS, "places (x_m, y_m)"));
+        }
+        (Some(Dataset::Truth(truth)), Some(Dataset::Tracks(tracks))) => {
+            Content::Points { input: EvaluationInput { recording: None, truth: Some(truth), tracks }, truth }
+        }
+        (Some(Dataset::TruthBoxes(truth)), Some(Dataset::TrackBoxes(tracks))) => Content::Boxes { truth, tracks },
+        _ => return Err(refuse("truth and tracks are not of one kind", "both in the plane, or both boxes")),
+    };
+    Ok(Subject { name: name.unwrap_or_default(), content })
+}
+
+fn missing(pointer: &str, what: &str) -> RunError {
+    RunError::Faults(vec![Fault::new(pointer, "missing", format!("no {what} were found for this job"))])
+}
+
+fn wrong_kind(pointer: &str, wanted: DatasetKind, found: DatasetKind) -> Fault {
+    let detail = format!("expected a dataset of {}, found one of {}", wanted.name(), found.name());
+    Fault::new(pointer, "wrong_type", detail).allowing(wanted.name())
+}
+
+fn unwritten(error: std::io::Error) -> RunError {
+    RunError::Faults(vec![Fault::new("", "too_large", format!("an artefact could not be written: {error}"))])
+}
