@@ -50,7 +50,7 @@ impl StepMatcher {
         self.rows.clear();
         let mut row_of = u32::MAX;
         for (index, pair) in pairs.iter().enumerate() {
-            if !(self.worths[index] > 0.0) {
+            if self.worths[index].is_nan() || self.worths[index] <= 0.0 {
                 continue;
             }
             let track = pair.track as usize - step.tracks.start;

@@ -12,6 +12,9 @@ use crate::registry;
 /// The place of somebody at each step; NaN where he does not exist.
 pub type Places<'a> = (&'a str, &'a [f64]);
 
+/// A track's name, its first step, and its places in the plane.
+type Path<'a> = (&'a str, f64, &'a [(f64, f64)]);
+
 pub const GONE: f64 = f64::NAN;
 
 fn seen<'a>(places: &'a [f64]) -> impl Iterator<Item = (f64, f64)> + use<'a> {
@@ -84,7 +87,7 @@ pub fn main_scene(gate_m: f64) -> Comparison {
         let point = |step| TruthPoint::in_plane(f64::from(step), Position::new(10.0 * f64::from(step), y_m), None);
         Target { truth_id: id.to_owned(), points: (from..from + count).map(point).collect() }
     };
-    let tracks: [(&str, f64, &[(f64, f64)]); 4] = [
+    let tracks: [Path; 4] = [
         ("T1", 0.0, &[(1.0, 2.0), (9.0, 1.0), (20.5, -1.5), (32.0, 0.0), (39.5, 0.5), (51.0, -1.0)]),
         ("T2", 3.0, &[(28.0, 51.0), (41.0, 51.0), (50.0, 48.0), (63.0, 54.0), (64.0, 58.0), (80.5, 50.5), (89.0, 50.0)]),
         ("T3", 7.0, &[(70.0, -3.0), (80.0, -3.0), (90.0, -3.0)]),
@@ -108,7 +111,7 @@ pub fn swap_scene(gate_m: f64) -> Comparison {
     in_the_plane([("A", 1.0), ("B", -1.0)].map(target).to_vec(), &[("S1", 0.0, &one), ("S2", 0.0, &two)], gate_m)
 }
 
-fn in_the_plane(targets: Vec<Target>, tracks: &[(&str, f64, &[(f64, f64)])], gate_m: f64) -> Comparison {
+fn in_the_plane(targets: Vec<Target>, tracks: &[Path], gate_m: f64) -> Comparison {
     let truth = TruthSet::new(targets).unwrap();
     let mut set = tracks_of(&tracks.iter().map(|&(id, _, _)| (id, &[][..])).collect::<Vec<_>>());
     let like = tracks_of(&[("", &[0.0])]).tracks[0].points[0];

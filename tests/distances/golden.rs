@@ -1,4 +1,5 @@
 //! OSPA, GOSPA and T-GOSPA of the small scenes, by brute force over all assignments.
+#![allow(clippy::approx_constant, reason = "a value of the reference that happens to be the root of two")]
 
 /// Scene, cutoff, p; mean, value at each step.
 pub const OSPA: &[(&str, f64, f64, f64, &[f64])] = &[
