@@ -45,7 +45,7 @@ fn switches_of_gospa_are_whole_for_an_exchange_and_half_for_a_loss_or_a_find() {
     assert_series(&main, "switching", &squares(&[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, half, 2.0, half, 0.0]));
     let distances = [
         2.23606797749979,
-        1.4142135623730951,
+        std::f64::consts::SQRT_2,
         7.245688373094719,
         3.0,
         7.245688373094719,
