@@ -95,7 +95,8 @@ async fn truth_without_detections_is_refused() {
     let api = Api::start().await;
     let truth = api.dataset("time_s,truth_id,x_m,y_m\n0,t,1,2\n1,t,2,3\n").await;
     let tracks = api.dataset("time_s,track_id,x_m,y_m\n0,1,1,2\n1,1,2,3\n").await;
-    let body = json!({"tracks": {"source": "dataset", "dataset_id": tracks}, "truth": {"source": "dataset", "dataset_id": truth}});
+    let data = |id| json!({"source": "dataset", "dataset_id": id});
+    let body = json!({"tracks": data(tracks), "truth": data(truth), "tfa": {"symbols": {"kind": "detection_id"}}});
     let answer = api.post("/v1/jobs/evaluate", &body).await;
     let detail = "'detections' is required when the symbols are detection_id";
     assert_eq!(answer.problem(), validation(detail, json!([{"pointer": "/detections", "code": "missing", "detail": detail}])));

@@ -6,6 +6,7 @@ mod bad_files;
 mod bad_requests;
 mod catalogue;
 mod datasets;
+mod evaluations;
 mod events;
 mod helpers;
 mod jobs;

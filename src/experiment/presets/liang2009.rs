@@ -45,6 +45,7 @@ fn preset(name: String, summary: String, filter: &str, initiation: Value, scenar
                 "gate_probability": 0.999, "initiation": initiation, "confirm_hits": 3, "confirm_window": 5, "max_missed": 5,
                 "initial_speed_sigma_mps": SPEED_SIGMA_MPS
             },
+            "comparison": {"gate_m": 1000.0},
             "tfa": {"symbols": {"kind": "detection_id"}, "decision": {"policy": "most_probable"}, "max_missed": 5}
         }),
         name,
