@@ -3,8 +3,8 @@
 use crate::helpers::{Api, id, validation};
 use serde_json::{Value, json};
 
-const TRUTH: &str = include_str!("evaluations/truth.csv");
-const TRACKS: &str = include_str!("evaluations/tracks.csv");
+const TRUTH: &str = include_str!("../../examples/data/two-targets/truth.csv");
+const TRACKS: &str = include_str!("../../examples/data/two-targets/tracks.csv");
 
 fn dataset(id: &str) -> Value {
     json!({"source": "dataset", "dataset_id": id})
@@ -51,7 +51,7 @@ async fn uploaded_truth_and_tracks_give_the_values_of_the_definitions() {
     assert_eq!(value("/gospa/unit"), "m");
     assert_eq!(value("/gospa_2/parameters/cutoff_m"), 20.0);
     let counts = &result["events"]["counts"];
-    assert_eq!((&counts["match"], &counts["miss"], &counts["switch"]), (&json!(15), &json!(3), &json!(1)));
+    assert_eq!((&counts["match"], &counts["miss"], &counts["switch"]), (&json!(16), &json!(2), &json!(1)));
     // Target A is without a track at 6 s: track T1 ended at 5 s.
     let broken = &result["events"]["breaks"][0];
     assert_eq!((&broken["truth_id"], &broken["track_id"], &broken["cause"]), (&json!("A"), &json!("T1"), &json!("ended")));

@@ -18,6 +18,8 @@ use uuid::Uuid;
 const RADAR_DETECTIONS: &[u8] = include_bytes!("../../../examples/data/autoferry-scenario2/detections.json");
 const RADAR_TRUTH: &[u8] = include_bytes!("../../../examples/data/autoferry-scenario2/groundTruth.json");
 const RADAR_JOB: &str = include_str!("../../../examples/autoferry-scenario2.json");
+/// A sonar that knows directions alone.
+const SONAR_JOB: &str = include_str!("../../../examples/bearing-crossing.json");
 
 /// The tour, then, unless `once`, the service until it is told to stop.
 pub(super) async fn demo(config: Config, once: bool) -> anyhow::Result<()> {
@@ -30,22 +32,50 @@ pub(super) async fn demo(config: Config, once: bool) -> anyhow::Result<()> {
         jobs.shutdown().await;
         return Ok(());
     }
-    println!("\nThe dashboard shows both jobs; end with Ctrl-C.");
+    println!("\nThe dashboard shows these jobs; end with Ctrl-C.");
     server::serve_jobs(config, jobs).await
 }
 
 async fn tour(jobs: &Jobs) -> anyhow::Result<()> {
-    println!("trackloom tour: two scenes, tracked by nearest neighbour and judged by the temporal automaton\n");
+    println!("trackloom tour: scenes and a recording, tracked and judged by the temporal automaton and by metrics\n");
     let preset = presets::find("liang2009-100").context("the preset of the tour is missing")?;
-    let simulated = submit(jobs, preset.body).await?;
-    let recorded = submit(jobs, radar_job(jobs).await?).await?;
-    let mut rows = Vec::new();
-    for (scene, job) in [("Liang 2009, 100 targets, simulated", simulated), ("autoferry 2, radar, recorded", recorded)] {
-        rows.push(row(scene, &follow(jobs, job).await?));
+    let mut submitted = Vec::new();
+    for (method, name) in [("nearest_neighbour", "nearest neighbour"), ("pda", "PDA"), ("jpda", "JPDA")] {
+        let mut body = preset.body.clone();
+        body["name"] = json!(format!("Liang 2009, {name}"));
+        body["associator"] = json!({"method": method});
+        submitted.push((format!("Liang 2009, 100 targets, {name}"), submit(jobs, body).await?));
     }
-    let header = ["scene", "scans", "detections", "targets", "tracks", "correct", "missed", "false", "P correct", "P missed", "seconds"];
+    submitted.push(("autoferry 2, radar, recorded".to_owned(), submit(jobs, radar_job(jobs).await?).await?));
+    let mut sonar: Value = serde_json::from_str(SONAR_JOB)?;
+    without_kind(&mut sonar);
+    submitted.push(("two ships crossing, bearings alone".to_owned(), submit(jobs, sonar).await?));
+    let mut rows = Vec::new();
+    for (scene, job) in submitted {
+        rows.push(row(&scene, &follow(jobs, job).await?));
+    }
+    let header = [
+        "scene",
+        "scans",
+        "detections",
+        "targets",
+        "tracks",
+        "correct",
+        "missed",
+        "false",
+        "P correct",
+        "P missed",
+        "mean GOSPA (m)",
+        "seconds",
+    ];
     println!("{}", table(&header, &rows));
     Ok(())
+}
+
+fn without_kind(body: &mut Value) {
+    if let Some(fields) = body.as_object_mut() {
+        fields.shift_remove("kind");
+    }
 }
 
 /// The example job, its files replaced by datasets.
@@ -59,9 +89,7 @@ async fn radar_job(jobs: &Jobs) -> anyhow::Result<Value> {
         }
         body[name] = source;
     }
-    if let Some(fields) = body.as_object_mut() {
-        fields.shift_remove("kind");
-    }
+    without_kind(&mut body);
     Ok(body)
 }
 
@@ -116,6 +144,7 @@ fn row(scene: &str, report: &Value) -> Vec<String> {
             "/result/tfa/counts/false",
             "/result/tfa/probability/correct",
             "/result/tfa/probability/missed",
+            "/result/metrics/gospa/value",
             "/timing/total_s",
         ]
         .map(value),
