@@ -93,6 +93,7 @@ fn scene(targets: u32) -> (Scenario, Recording) {
             sigma_y_m: Some(5.2),
             sigma_range_m: None,
             sigma_bearing_deg: None,
+            sigma_range_rate_mps: None,
             clutter_per_scan: 5.0 * scale * scale,
         }],
         targets: TargetPlan::Random(RandomTargets {
@@ -171,6 +172,7 @@ fn dense_scene() -> (Scenario, Recording) {
         sigma_y_m: Some(10.0),
         sigma_range_m: None,
         sigma_bearing_deg: None,
+        sigma_range_rate_mps: None,
         clutter_per_scan: 500.0,
     };
     let targets = RandomTargets { count: 100, area_side_m: 2_000.0, speed_min_mps: 1.0, speed_max_mps: 15.0 };

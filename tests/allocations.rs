@@ -81,6 +81,7 @@ fn scene(side: u32) -> (Scenario, Recording) {
         sigma_y_m: Some(10.0),
         sigma_range_m: None,
         sigma_bearing_deg: None,
+        sigma_range_rate_mps: None,
         clutter_per_scan: f64::from(side * side) / 2.0,
     };
     let targets = TargetPlan::Listed { targets: (0..side * side).map(target).collect() };

@@ -119,3 +119,34 @@ fn a_scenario_must_say_what_its_sensors_report() {
     assert_eq!(fault(json!({"sigma_x_m": 1.0, "sigma_y_m": 1.0, "sigma_range_m": 1.0})), (place(), "conflict".to_owned()));
     assert!(plan(JobKind::Simulate, &body(json!({"sigma_range_m": 1.0, "sigma_bearing_deg": 1.0}))).is_ok());
 }
+
+#[test]
+fn simulated_range_rates_are_used_by_the_filters_that_can_and_sharpen_the_speed() {
+    // Straight away from the radar, so that the range rate is the speed.
+    let run_with = |filter: &str, sigma_mps: Option<f64>| {
+        let mut body = passing([0.0, 2_000.0], [0.0, 20.0], filter);
+        if let Some(sigma_mps) = sigma_mps {
+            body["input"]["scenario"]["sensors"][0]["sigma_range_rate_mps"] = json!(sigma_mps);
+        }
+        result(JobKind::Evaluate, &body)
+    };
+    for filter in ["extended", "unscented"] {
+        let (with, without) = (run_with(filter, Some(0.5)), run_with(filter, None));
+        let nis = &with["association"]["nis"];
+        assert_eq!(nis["dimensions"], 3, "{filter}");
+        assert!((1.8..4.6).contains(&nis["mean"].as_f64().unwrap()), "{filter}: {nis}");
+        let error = |result: &Value| result["metrics"]["kinematics"]["quantities"]["along_rmse"]["value"].as_f64().unwrap();
+        let speed = |result: &Value| result["metrics"]["kinematics"]["quantities"]["velocity_rmse"]["value"].as_f64().unwrap();
+        assert!(speed(&with) < 0.7 * speed(&without), "{filter}: {} m/s with, {} m/s without", speed(&with), speed(&without));
+        assert!(error(&with) < error(&without), "{filter}: {} m with, {} m without", error(&with), error(&without));
+    }
+    assert_eq!(run_with("converted", Some(0.5))["association"]["nis"]["dimensions"], 2, "it has no use for range rates");
+}
+
+#[test]
+fn a_range_rate_needs_a_range() {
+    let mut body = passing([0.0, 2_000.0], [0.0, 20.0], "extended");
+    body["input"]["scenario"]["sensors"][0] = json!({"max_range_m": 5e4, "sigma_x_m": 5.0, "sigma_y_m": 5.0, "sigma_range_rate_mps": 0.5});
+    let faults = plan(JobKind::Associate, &body).unwrap_err();
+    assert_eq!((faults[0].pointer.as_str(), faults[0].code.as_str()), ("/input/scenario/sensors/0", "conflict"), "{faults:?}");
+}

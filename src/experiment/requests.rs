@@ -36,7 +36,7 @@ const fn default(name: &'static str, summary: &'static str, kind: Kind, value: &
 
 static SCENARIO_SENSOR: Object = Object {
     name: "ScenarioSensor",
-    summary: "A sensor that reports positions (give sigma_x_m, sigma_y_m), ranges and bearings (give sigma_range_m, sigma_bearing_deg) or bearings alone (give sigma_bearing_deg) with independent Gaussian noise, and uniform clutter in its field of view.",
+    summary: "A sensor that reports positions (give sigma_x_m, sigma_y_m), ranges and bearings (give sigma_range_m, sigma_bearing_deg, and sigma_range_rate_mps for range rates) or bearings alone (give sigma_bearing_deg) with independent Gaussian noise, and uniform clutter in its field of view.",
     fields: &[
         default("sensor_id", "Name of the sensor.", NAME, "\"radar\""),
         default("x_m", "Position, east.", PLACE, "0.0"),
@@ -54,6 +54,11 @@ static SCENARIO_SENSOR: Object = Object {
             "sigma_bearing_deg",
             "Standard deviation of bearings; with sigma_range_m, or alone for a sensor that reports bearings only.",
             SIGMA_BEARING,
+        ),
+        optional(
+            "sigma_range_rate_mps",
+            "Standard deviation of range rates, of a sensor that reports them with ranges and bearings.",
+            SIGMA_RATE,
         ),
         default(
             "clutter_per_scan",

@@ -27,6 +27,8 @@ pub struct ScenarioSensor {
     pub sigma_range_m: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sigma_bearing_deg: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sigma_range_rate_mps: Option<f64>,
     /// Mean of the Poisson number of false detections in a scan.
     pub clutter_per_scan: f64,
 }
@@ -34,10 +36,15 @@ pub struct ScenarioSensor {
 impl ScenarioSensor {
     /// `None` unless the noises of exactly one kind of report are given.
     pub fn noise(&self) -> Option<ReportNoise> {
+        let sigma_range_rate_mps = self.sigma_range_rate_mps;
+        if sigma_range_rate_mps.is_some() && self.sigma_range_m.is_none() {
+            return None;
+        }
         match (self.sigma_x_m, self.sigma_y_m, self.sigma_range_m, self.sigma_bearing_deg) {
             (Some(sigma_x_m), Some(sigma_y_m), None, None) => Some(ReportNoise::Position { sigma_x_m, sigma_y_m }),
             (None, None, Some(sigma_range_m), Some(sigma_bearing_deg)) => {
-                Some(ReportNoise::RangeBearing { sigma_range_m, sigma_bearing_rad: sigma_bearing_deg.to_radians() })
+                let sigma_bearing_rad = sigma_bearing_deg.to_radians();
+                Some(ReportNoise::RangeBearing { sigma_range_m, sigma_bearing_rad, sigma_range_rate_mps })
             }
             (None, None, None, Some(sigma_bearing_deg)) => Some(ReportNoise::Bearing { sigma_bearing_rad: sigma_bearing_deg.to_radians() }),
             _ => None,
@@ -53,9 +60,19 @@ impl ScenarioSensor {
 /// The noise of what a simulated sensor reports.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ReportNoise {
-    Position { sigma_x_m: f64, sigma_y_m: f64 },
-    RangeBearing { sigma_range_m: f64, sigma_bearing_rad: f64 },
-    Bearing { sigma_bearing_rad: f64 },
+    Position {
+        sigma_x_m: f64,
+        sigma_y_m: f64,
+    },
+    /// With range rates where their noise is given.
+    RangeBearing {
+        sigma_range_m: f64,
+        sigma_bearing_rad: f64,
+        sigma_range_rate_mps: Option<f64>,
+    },
+    Bearing {
+        sigma_bearing_rad: f64,
+    },
 }
 
 /// How the targets are chosen.

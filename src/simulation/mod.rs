@@ -62,10 +62,11 @@ pub fn simulate(
         origins_known: true,
         ..Default::default()
     };
-    let noisy = || scenario.sensors.iter().filter_map(|sensor| Some((sensor, sensor.noise()?)));
+    let fastest_mps = paths.iter().map(|path| path.velocity_mps.norm()).fold(0.0, f64::max);
+    let radars = || scenario.sensors.iter().filter_map(|sensor| Some(radar::Radar { sensor, noise: sensor.noise()?, fastest_mps }));
     for (index, &time_s) in times.iter().enumerate() {
-        for (sensor_index, sensor) in noisy().enumerate() {
-            let found = radar::scan(sensor, sensor_index as u64, index as u64, time_s, &paths, &seen, seed);
+        for (sensor_index, radar) in radars().enumerate() {
+            let found = radar::scan(radar, sensor_index as u64, index as u64, time_s, &paths, &seen, seed);
             append_scan(&mut parts, sensor_index, time_s, found);
         }
         if progress(index as u64 + 1).is_break() {
@@ -85,13 +86,14 @@ fn noise_fault(index: usize, sensor: &ScenarioSensor) -> Option<Fault> {
         ("sigma_y_m", sensor.sigma_y_m),
         ("sigma_range_m", sensor.sigma_range_m),
         ("sigma_bearing_deg", sensor.sigma_bearing_deg),
+        ("sigma_range_rate_mps", sensor.sigma_range_rate_mps),
     ];
     let names: Vec<&str> = given.iter().filter(|(_, value)| value.is_some()).map(|(name, _)| *name).collect();
     let (code, found) = if names.len() < 2 { ("missing", "do") } else { ("conflict", "together do") };
     let detail = format!("the noises of sensor '{}' ({}) {found} not say what it reports", sensor.sensor_id, names.join(", "));
     Some(
         Fault::new(format!("/sensors/{index}"), code, detail)
-            .allowing("sigma_x_m, sigma_y_m; or sigma_range_m, sigma_bearing_deg; or sigma_bearing_deg alone"),
+            .allowing("sigma_x_m, sigma_y_m; or sigma_range_m, sigma_bearing_deg[, sigma_range_rate_mps]; or sigma_bearing_deg alone"),
     )
 }
 
@@ -149,6 +151,7 @@ fn settings(sensor: &ScenarioSensor) -> SensorSettings {
         sigma_y_m: sensor.sigma_y_m,
         sigma_range_m: sensor.sigma_range_m,
         sigma_bearing_deg: sensor.sigma_bearing_deg,
+        sigma_range_rate_mps: sensor.sigma_range_rate_mps,
         ..SensorSettings::default()
     }
 }
