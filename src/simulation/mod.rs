@@ -152,6 +152,5 @@ fn settings(sensor: &ScenarioSensor) -> SensorSettings {
         sigma_range_m: sensor.sigma_range_m,
         sigma_bearing_deg: sensor.sigma_bearing_deg,
         sigma_range_rate_mps: sensor.sigma_range_rate_mps,
-        ..SensorSettings::default()
     }
 }
