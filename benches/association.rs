@@ -122,7 +122,7 @@ fn tracked(method: &str, scenario: &Scenario, recording: &Recording) -> (f64, u6
     let Some(ReportNoise::Position { sigma_x_m, sigma_y_m }) = sensor.noise() else { panic!("the scenes have position reports") };
     let parts = TrackerParts {
         filter: Kalman { process_noise_m2ps3: 1.0 },
-        associator: (associator.build)(&defaults).expect("defaults build"),
+        associator: (associator.build)(&defaults, Seed { seed: 1, run: 0 }).expect("defaults build"),
         lifecycle: Lifecycle {
             gate_probability: 0.999,
             initiation: Initiation::OnePoint,

@@ -33,8 +33,8 @@ fn errors((tracks, detections): (u32, u32), density: f64, spread: f64) -> (f64, 
     let (mut sum, mut count, mut largest) = (0.0, 0, 0.0f64);
     for _ in 0..CLUSTERS {
         let mut problem = random_problem(&mut random, tracks, detections, density, spread);
-        let truth = solve(exact.as_mut(), &mut problem, detections);
-        for (true_beta, beta) in truth.iter().zip(solve(approximate.as_mut(), &mut problem, detections)) {
+        let truth = solve(exact.as_mut(), &mut problem);
+        for (true_beta, beta) in truth.iter().zip(solve(approximate.as_mut(), &mut problem)) {
             let error = (true_beta - beta).abs();
             (sum, count, largest) = (sum + error, count + 1, largest.max(error));
         }
@@ -45,11 +45,12 @@ fn errors((tracks, detections): (u32, u32), density: f64, spread: f64) -> (f64, 
 fn associator(marginals: &str) -> Box<dyn Associator> {
     let jpda = ASSOCIATORS.iter().find(|method| method.name == "jpda").expect("jpda is in the table");
     let parameters = check(&json!({"marginals": marginals}), jpda.parameters).expect("the parameters are right");
-    (jpda.build)(&parameters).expect("checked parameters build")
+    (jpda.build)(&parameters, Seed { seed: 0, run: 0 }).expect("checked parameters build")
 }
 
 fn random_problem(random: &mut impl Rng, tracks: u32, detections: u32, density: f64, spread: f64) -> ScanProblem {
     let mut problem = ScanProblem::default();
+    problem.begin(0, detections as usize);
     for _ in 0..tracks {
         for detection in 0..detections {
             if random.random_bool(density) {
@@ -61,9 +62,9 @@ fn random_problem(random: &mut impl Rng, tracks: u32, detections: u32, density: 
     problem
 }
 
-fn solve(associator: &mut dyn Associator, problem: &mut ScanProblem, detections: u32) -> Vec<f64> {
+fn solve(associator: &mut dyn Associator, problem: &mut ScanProblem) -> Vec<f64> {
     let mut weights = Weights::default();
     weights.reset(problem);
-    problem.for_each_cluster(detections as usize, |cluster| associator.associate(cluster, &mut weights));
+    problem.for_each_cluster(|cluster| associator.associate(cluster, &mut weights));
     weights.edges.into_iter().chain(weights.none).collect()
 }

@@ -120,7 +120,7 @@ fn parts(method: &str, scenario: &Scenario) -> TrackerParts<Kalman> {
     let sensor = &scenario.sensors[0];
     TrackerParts {
         filter: Kalman { process_noise_m2ps3: 0.1 },
-        associator: (associator.build)(&defaults).unwrap(),
+        associator: (associator.build)(&defaults, Seed { seed: 1, run: 0 }).unwrap(),
         lifecycle: Lifecycle {
             gate_probability: 0.999,
             initiation: Initiation::OnePoint,

@@ -7,6 +7,7 @@ use trackloom::association::problem::{Edge, ScanProblem, Weights};
 use trackloom::association::{ASSOCIATORS, Associator, Needs};
 use trackloom::experiment::{observer::Silent, plan, run};
 use trackloom::formats;
+use trackloom::math::rng::Seed;
 use trackloom::registry;
 
 /// Methods that answer 0 or 1 and nothing between.
@@ -61,6 +62,7 @@ impl Scene {
     /// The weights of each track: for every detection of the scan, then of none.
     fn weighed(&self, associator: &mut dyn Associator) -> Vec<Vec<f64>> {
         let mut problem = ScanProblem::default();
+        problem.begin(0, self.amplitudes.len());
         // One that is told origins gets the one right candidate at most.
         let limit = if associator.needs() == Needs::Origins { 1 } else { usize::MAX };
         for track in &self.tracks {
@@ -73,7 +75,7 @@ impl Scene {
         problem.set_amplitudes(self.amplitudes.iter().copied());
         let mut weights = Weights::default();
         weights.reset(&problem);
-        problem.for_each_cluster(self.amplitudes.len(), |cluster| associator.associate(cluster, &mut weights));
+        problem.for_each_cluster(|cluster| associator.associate(cluster, &mut weights));
         let spread = |(index, row): (usize, &trackloom::association::problem::Row)| {
             let mut all = vec![0.0; self.amplitudes.len()];
             row.edges().for_each(|edge| all[problem.edges()[edge].detection as usize] = weights.edges[edge]);
@@ -88,7 +90,7 @@ impl Scene {
 fn associators() -> Vec<(&'static str, Box<dyn Associator>)> {
     let build = |name: &'static str, body: serde_json::Value| {
         let method = ASSOCIATORS.iter().find(|method| method.name == name).unwrap();
-        (name, (method.build)(&registry::check(&body, method.parameters).unwrap()).unwrap())
+        (name, (method.build)(&registry::check(&body, method.parameters).unwrap(), Seed { seed: 1, run: 0 }).unwrap())
     };
     let mut all: Vec<_> = ASSOCIATORS.iter().map(|method| build(method.name, json!({}))).collect();
     all.push(build("pda", json!({"clutter": "nonparametric"})));
@@ -145,7 +147,7 @@ proptest! {
     #[test]
     fn the_global_choice_is_the_most_probable_of_all(scene in scenes()) {
         let method = ASSOCIATORS.iter().find(|method| method.name == "global_nearest_neighbour").unwrap();
-        let mut associator = (method.build)(&json!({})).unwrap();
+        let mut associator = (method.build)(&json!({}), Seed { seed: 1, run: 0 }).unwrap();
         let weights = scene.weighed(associator.as_mut());
         let log_weight = |track: usize, detection: Option<usize>| match detection {
             None => (1.0 - scene.tracks[track].found).ln(),

@@ -48,7 +48,7 @@ fn recording(scans: &[Vec<[f64; 2]>]) -> Recording {
 
 fn tracked(recording: &Recording, method: &str, lifecycle: Lifecycle, clutter_density: f64) -> (Vec<ScanOutcome>, TrackSet) {
     let entry = ASSOCIATORS.iter().find(|entry| entry.name == method).unwrap();
-    let associator = (entry.build)(&registry::check(&json!({}), entry.parameters).unwrap()).unwrap();
+    let associator = (entry.build)(&registry::check(&json!({}), entry.parameters).unwrap(), Seed { seed: 1, run: 0 }).unwrap();
     let report = Report::Position { sigma_x_m: 10.0, sigma_y_m: 10.0 };
     let sensors = vec![Sensor { sensor_id: "radar".into(), p_d: 0.9, clutter_density, report }];
     let mut tracker = Tracker::new(TrackerParts { filter: Kalman { process_noise_m2ps3: 1.0 }, associator, lifecycle, sensors });

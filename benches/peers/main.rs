@@ -14,6 +14,7 @@ use trackloom::experiment::plan::{JobKind, Plan, plan};
 use trackloom::experiment::{observer::Silent, presets, run};
 use trackloom::filtering::kalman::Kalman;
 use trackloom::formats::{self, ReadOptions};
+use trackloom::math::rng::Seed;
 use trackloom::model::dataset::Dataset;
 use trackloom::model::scan::Recording;
 use trackloom::model::scenario::Scenario;
@@ -117,7 +118,7 @@ fn parts_of(spec: &Value) -> Result<TrackerParts<Kalman>, Failure> {
     let (sigma_x_m, sigma_y_m) = radar.sigma_x_m.zip(radar.sigma_y_m).ok_or("the radar does not report positions")?;
     Ok(TrackerParts {
         filter: Kalman::deserialize(&spec["filter"])?,
-        associator: (associator.build)(&spec["associator"])?,
+        associator: (associator.build)(&spec["associator"], Seed { seed: 1, run: 0 })?,
         lifecycle: Lifecycle::deserialize(&spec["tracker"])?,
         sensors: vec![Sensor {
             sensor_id: radar.sensor_id.clone(),

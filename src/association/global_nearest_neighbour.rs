@@ -21,7 +21,7 @@ use crate::math::assignment::AssignmentSolver;
 use crate::registry::{Method, Object};
 
 pub const METHOD: Method<BuildAssociator> =
-    Method { name: "global_nearest_neighbour", parameters: &PARAMETERS, build: |_| Ok(Box::new(GlobalNearestNeighbour::default())) };
+    Method { name: "global_nearest_neighbour", parameters: &PARAMETERS, build: |_, _| Ok(Box::new(GlobalNearestNeighbour::default())) };
 
 static PARAMETERS: Object = Object {
     name: "GlobalNearestNeighbour",
@@ -102,6 +102,7 @@ mod tests {
         // Both want detection 0, of likelihood ratio 5 and 4; a miss has 0.5 for track 0 and 0.1 for track 1. Track 0 with
         // it: 5 · 0.1 = 0.5; track 1 with it: 0.5 · 4 = 2.
         let mut problem = ScanProblem::default();
+        problem.begin(0, 1);
         for (ratio, none) in [(5.0f64, 0.5f64), (4.0, 0.1)] {
             problem.push_edge(Edge { detection: 0, squared_distance: 1.0, log_likelihood: ratio.ln() });
             problem.end_row(none.ln(), 0.0);

@@ -1,5 +1,6 @@
 //! Data association: which detection belongs to which track. One file an associator, one line of [`ASSOCIATORS`].
 
+use crate::math::rng::Seed;
 use crate::registry::{Method, Union};
 
 pub mod global_nearest_neighbour;
@@ -10,15 +11,20 @@ pub mod oracle;
 pub mod pda;
 pub mod problem;
 pub mod strongest_neighbour;
+mod trace;
+
+pub use trace::Trace;
 
 use problem::{Problem, Weights};
 
-/// What an associator needs to know of the detections besides their places.
+/// What an associator needs to know of the detections besides their distances.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Needs {
     Nothing,
     /// The amplitude of each: [`problem::Problem::amplitude`] answers.
     Amplitudes,
+    /// The places themselves, and what the tracks expect: [`problem::Problem::places`] answers.
+    Places,
     /// The target that each came from. Then a track's only candidate, gate or not, is the detection of the target whose
     /// detection started it: the truth, for a yardstick.
     Origins,
@@ -42,10 +48,15 @@ pub trait Associator: Send {
     fn diagnostics(&self) -> Option<serde_json::Value> {
         None
     }
+
+    /// What it wrote down step by step, for a file of the job.
+    fn trace(&self) -> Option<&Trace> {
+        None
+    }
 }
 
-/// Builds an associator from its checked parameters.
-pub type BuildAssociator = fn(&serde_json::Value) -> Result<Box<dyn Associator>, serde_json::Error>;
+/// Builds an associator from its checked parameters and the seed of its random choices, if it makes any.
+pub type BuildAssociator = fn(&serde_json::Value, Seed) -> Result<Box<dyn Associator>, serde_json::Error>;
 
 /// Every associator.
 pub const ASSOCIATORS: &[Method<BuildAssociator>] =

@@ -19,7 +19,7 @@ use super::{Associator, BuildAssociator};
 use crate::registry::{Method, Object};
 
 pub const METHOD: Method<BuildAssociator> =
-    Method { name: "nearest_neighbour", parameters: &PARAMETERS, build: |_| Ok(Box::new(NearestNeighbour::default())) };
+    Method { name: "nearest_neighbour", parameters: &PARAMETERS, build: |_, _| Ok(Box::new(NearestNeighbour::default())) };
 
 static PARAMETERS: Object = Object {
     name: "NearestNeighbour",

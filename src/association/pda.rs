@@ -19,7 +19,7 @@ use crate::registry::{Field, Kind, Method, Object, Presence};
 use serde::Deserialize;
 
 pub const METHOD: Method<BuildAssociator> =
-    Method { name: "pda", parameters: &PARAMETERS, build: |spec| Ok(Box::new(Pda::deserialize(spec)?)) };
+    Method { name: "pda", parameters: &PARAMETERS, build: |spec, _| Ok(Box::new(Pda::deserialize(spec)?)) };
 
 static PARAMETERS: Object = Object {
     name: "Pda",
@@ -93,13 +93,14 @@ mod tests {
     /// The weights of one track, β₀ first.
     fn weights_of(mut pda: Pda, log_likelihoods: &[f64], none: f64, gate_clutter: f64) -> Vec<f64> {
         let mut problem = ScanProblem::default();
+        problem.begin(0, log_likelihoods.len());
         for (detection, &log_likelihood) in log_likelihoods.iter().enumerate() {
             problem.push_edge(Edge { detection: detection as u32, squared_distance: 1.0, log_likelihood });
         }
         problem.end_row(none.ln(), gate_clutter.ln());
         let mut weights = Weights::default();
         weights.reset(&problem);
-        problem.for_each_cluster(log_likelihoods.len(), |cluster| pda.associate(cluster, &mut weights));
+        problem.for_each_cluster(|cluster| pda.associate(cluster, &mut weights));
         let mut all = weights.none;
         all.extend(weights.edges);
         all

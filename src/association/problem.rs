@@ -36,7 +36,45 @@ pub struct ScanProblem {
     rows: Vec<Row>,
     edges: Vec<Edge>,
     amplitudes: Vec<f64>,
+    places: Places,
+    occasion: u32,
+    detections: u32,
     clusters: Clusters,
+}
+
+/// Where the detections of a scan are and where its tracks expect theirs, as points of the measurement space; filled only
+/// for an associator that needs places.
+#[derive(Debug, Default)]
+pub struct Places {
+    /// Values of a measurement.
+    dimensions: usize,
+    /// The coordinate that is an angle (rad), if there is one.
+    pub angle: Option<usize>,
+    measured: Vec<f64>,
+    expected: Vec<f64>,
+    inverses: Vec<f64>,
+}
+
+impl Places {
+    pub fn dimensions(&self) -> usize {
+        self.dimensions
+    }
+
+    /// z of a detection of the scan.
+    pub fn measured(&self, detection: u32) -> &[f64] {
+        &self.measured[detection as usize * self.dimensions..][..self.dimensions]
+    }
+
+    /// ẑ of a row.
+    pub fn expected(&self, row: usize) -> &[f64] {
+        &self.expected[row * self.dimensions..][..self.dimensions]
+    }
+
+    /// S⁻¹ of a row, `dimensions`² values; it is symmetric.
+    pub fn inverse(&self, row: usize) -> &[f64] {
+        let size = self.dimensions * self.dimensions;
+        &self.inverses[row * size..][..size]
+    }
 }
 
 /// One cluster: some rows of a [`ScanProblem`].
@@ -45,6 +83,9 @@ pub struct Problem<'a> {
     rows: &'a [Row],
     edges: &'a [Edge],
     amplitudes: &'a [f64],
+    places: &'a Places,
+    occasion: u32,
+    detections: u32,
     members: &'a [u32],
 }
 
@@ -75,9 +116,14 @@ impl Weights {
 }
 
 impl ScanProblem {
-    pub fn clear(&mut self) {
+    /// Begins a new problem with a scan of so many detections. `occasion` numbers the problems of a tracker.
+    pub fn begin(&mut self, occasion: u32, detections: usize) {
         self.rows.clear();
         self.edges.clear();
+        self.places.expected.clear();
+        self.places.inverses.clear();
+        self.occasion = occasion;
+        self.detections = detections as u32;
     }
 
     /// Adds an edge to the row that the next [`ScanProblem::end_row`] closes.
@@ -99,6 +145,20 @@ impl ScanProblem {
         self.amplitudes.extend(amplitudes);
     }
 
+    /// The measurements of the scan's detections, for an associator that needs places; kept until the next call.
+    pub fn set_measurements<'m>(&mut self, dimensions: usize, angle: Option<usize>, values: impl Iterator<Item = &'m [f64]>) {
+        let places = &mut self.places;
+        (places.dimensions, places.angle) = (dimensions, angle);
+        places.measured.clear();
+        values.for_each(|value| places.measured.extend_from_slice(value));
+    }
+
+    /// ẑ and S⁻¹ of the row that the next [`ScanProblem::end_row`] closes, for an associator that needs places.
+    pub fn push_place(&mut self, expected: &[f64], inverse: &[f64]) {
+        self.places.expected.extend_from_slice(expected);
+        self.places.inverses.extend_from_slice(inverse);
+    }
+
     pub fn rows(&self) -> &[Row] {
         &self.rows
     }
@@ -108,11 +168,11 @@ impl ScanProblem {
     }
 
     /// Calls `visit` for each cluster, in the order of its first row; rows without a candidate are in none.
-    /// `detections` is the number of detections of the scan.
-    pub fn for_each_cluster(&mut self, detections: usize, mut visit: impl FnMut(&Problem)) {
-        self.clusters.find(&self.rows, &self.edges, detections);
-        for members in self.clusters.iter() {
-            visit(&Problem { rows: &self.rows, edges: &self.edges, amplitudes: &self.amplitudes, members });
+    pub fn for_each_cluster(&mut self, mut visit: impl FnMut(&Problem)) {
+        let ScanProblem { rows, edges, amplitudes, places, clusters, occasion, detections } = self;
+        clusters.find(rows, edges, *detections as usize);
+        for members in clusters.iter() {
+            visit(&Problem { rows, edges, amplitudes, places, occasion: *occasion, detections: *detections, members });
         }
     }
 }
@@ -138,6 +198,21 @@ impl<'a> Problem<'a> {
     #[inline]
     pub fn edges_of(&self, row: &Row) -> &'a [Edge] {
         &self.edges[row.edges()]
+    }
+
+    /// Numbers the problems of a tracker: with a row it names what a random choice is for.
+    pub fn occasion(&self) -> u32 {
+        self.occasion
+    }
+
+    /// Detections of the whole scan.
+    pub fn detections(&self) -> u32 {
+        self.detections
+    }
+
+    /// Only for an associator that said it needs places.
+    pub fn places(&self) -> &'a Places {
+        self.places
     }
 
     /// The amplitude of a detection; only for an associator that said it needs amplitudes.
@@ -244,9 +319,10 @@ pub(crate) mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// A problem from (detection, d²) lists, one list a track.
+    /// A problem from (detection, d²) lists, one list a track, of a scan with twelve detections.
     pub(crate) fn problem_of(tracks: &[&[(u32, f64)]]) -> ScanProblem {
         let mut problem = ScanProblem::default();
+        problem.begin(0, 12);
         for candidates in tracks {
             for &(detection, squared_distance) in *candidates {
                 problem.push_edge(Edge { detection, squared_distance, log_likelihood: -0.5 * squared_distance });
@@ -256,25 +332,25 @@ pub(crate) mod tests {
         problem
     }
 
-    /// The detection that a hard associator gives to each track of a problem with at most ten detections.
+    /// The detection that a hard associator gives to each track.
     pub(crate) fn chosen_by(associator: &mut dyn super::super::Associator, problem: &mut ScanProblem) -> Vec<Option<u32>> {
         let mut weights = Weights::default();
         weights.reset(problem);
-        problem.for_each_cluster(10, |cluster| associator.associate(cluster, &mut weights));
+        problem.for_each_cluster(|cluster| associator.associate(cluster, &mut weights));
         let pick = |row: &Row| row.edges().find(|&edge| weights.edges[edge] == 1.0).map(|edge| problem.edges()[edge].detection);
         problem.rows().iter().map(pick).collect()
     }
 
-    fn clusters_of(problem: &mut ScanProblem, detections: usize) -> Vec<Vec<usize>> {
+    fn clusters_of(problem: &mut ScanProblem) -> Vec<Vec<usize>> {
         let mut clusters = Vec::new();
-        problem.for_each_cluster(detections, |cluster| clusters.push(cluster.rows().map(|(row, _)| row).collect()));
+        problem.for_each_cluster(|cluster| clusters.push(cluster.rows().map(|(row, _)| row).collect()));
         clusters
     }
 
     #[test]
     fn tracks_that_share_a_detection_are_one_cluster() {
         let mut problem = problem_of(&[&[(0, 1.0)], &[(3, 1.0)], &[], &[(0, 1.0), (1, 1.0)], &[(2, 1.0)], &[(1, 1.0), (2, 1.0)]]);
-        assert_eq!(clusters_of(&mut problem, 4), vec![vec![0, 3, 4, 5], vec![1]]);
+        assert_eq!(clusters_of(&mut problem), vec![vec![0, 3, 4, 5], vec![1]]);
     }
 
     proptest! {
@@ -283,7 +359,7 @@ pub(crate) mod tests {
             let lists: Vec<Vec<(u32, f64)>> = wants.iter().map(|set| set.iter().map(|&detection| (detection, 1.0)).collect()).collect();
             let slices: Vec<&[(u32, f64)]> = lists.iter().map(Vec::as_slice).collect();
             let mut found = vec![usize::MAX; wants.len()];
-            for (cluster, rows) in clusters_of(&mut problem_of(&slices), 12).into_iter().enumerate() {
+            for (cluster, rows) in clusters_of(&mut problem_of(&slices)).into_iter().enumerate() {
                 for row in rows {
                     found[row] = cluster;
                 }

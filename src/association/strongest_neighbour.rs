@@ -19,7 +19,7 @@ use super::{Associator, BuildAssociator, Needs};
 use crate::registry::{Method, Object};
 
 pub const METHOD: Method<BuildAssociator> =
-    Method { name: "strongest_neighbour", parameters: &PARAMETERS, build: |_| Ok(Box::new(StrongestNeighbour::default())) };
+    Method { name: "strongest_neighbour", parameters: &PARAMETERS, build: |_, _| Ok(Box::new(StrongestNeighbour::default())) };
 
 static PARAMETERS: Object = Object {
     name: "StrongestNeighbour",

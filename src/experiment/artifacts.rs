@@ -2,6 +2,7 @@
 
 use super::run::Artifact;
 use super::tables::quoted;
+use crate::association::Trace;
 use crate::formats;
 use crate::model::dataset::Dataset;
 use crate::model::scan::Recording;
@@ -19,6 +20,12 @@ pub(super) fn dataset(dataset: &Dataset, sensors: &[SensorSettings]) -> Result<A
         Dataset::Tracks(_) | Dataset::TrackBoxes(_) => "tracks.csv",
     };
     Ok(Artifact { name, media_type: "text/csv", bytes, dataset: Some(dataset.summary()), sensors: sensors.to_vec() })
+}
+
+/// What the associator wrote down, as `association_trace.csv`.
+pub(super) fn trace(trace: &Trace) -> Artifact {
+    let bytes = trace.text().as_bytes().to_vec();
+    Artifact { name: "association_trace.csv", media_type: "text/csv", bytes, dataset: None, sensors: Vec::new() }
 }
 
 /// What happened scan by scan, as `scans.csv`.

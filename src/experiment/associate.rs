@@ -2,8 +2,9 @@
 
 use super::observer::{Observer, Step};
 use super::run::RunError;
-use crate::association::{ASSOCIATORS, Associator, Needs};
+use crate::association::{ASSOCIATORS, Associator, Needs, Trace};
 use crate::filtering::{Chosen, FILTERS, Filter};
+use crate::math::rng::Seed;
 use crate::model::fault::Fault;
 use crate::model::scan::Recording;
 use crate::model::sensor::{Sensor, SensorSettings};
@@ -21,6 +22,8 @@ pub(super) struct Tracked {
     nis: NisReport,
     /// What the associator says of its work.
     diagnostics: Option<Value>,
+    /// What the associator wrote down step by step.
+    pub trace: Option<Trace>,
 }
 
 /// The part `association` of a report.
@@ -66,9 +69,15 @@ struct TrackLine {
 }
 
 /// Builds the tracker that `spec` names and feeds it every scan.
-pub(super) fn track(spec: &Value, recording: &Recording, sensors: Vec<Sensor>, observer: &mut dyn Observer) -> Result<Tracked, RunError> {
+pub(super) fn track(
+    spec: &Value,
+    seed: Seed,
+    recording: &Recording,
+    sensors: Vec<Sensor>,
+    observer: &mut dyn Observer,
+) -> Result<Tracked, RunError> {
     let (filter, _) = filter_of(spec)?;
-    let (associator, method) = associator_of(spec)?;
+    let (associator, method) = associator_of(spec, seed)?;
     check_needs(&method, associator.needs(), recording)?;
     let lifecycle = Lifecycle::deserialize(&spec["tracker"]).map_err(|_| unusable("/tracker"))?;
     let has_rates = !sensors.is_empty() && sensors.iter().all(|sensor| sensor.report.range_rate().is_some());
@@ -109,15 +118,15 @@ impl Tracking<'_> {
             }
         }
         let nis = NisReport { mean: tracker.nis().mean(), updates: tracker.nis().updates, dimensions: D };
-        let diagnostics = tracker.diagnostics();
-        Ok(Tracked { tracks: tracker.into_history().into_tracks(recording), scans, method, nis, diagnostics })
+        let (diagnostics, trace) = (tracker.diagnostics(), tracker.trace().cloned());
+        Ok(Tracked { tracks: tracker.into_history().into_tracks(recording), scans, method, nis, diagnostics, trace })
     }
 }
 
 /// Whether the recording knows of its detections what the associator needs.
 fn check_needs(method: &str, needs: Needs, recording: &Recording) -> Result<(), RunError> {
     let (what, lacking, column) = match needs {
-        Needs::Nothing => return Ok(()),
+        Needs::Nothing | Needs::Places => return Ok(()),
         Needs::Origins => ("origin", if recording.origins_known { 0 } else { recording.detections.len() }, "a 'truth_id' column"),
         Needs::Amplitudes => {
             let lacking = recording.detections.iter().filter(|detection| detection.amplitude.is_none()).count();
@@ -143,9 +152,9 @@ pub(super) fn filter_of(spec: &Value) -> Result<(Chosen, &'static str), RunError
     (entry.build)(&spec["filter"]).map(|filter| (filter, entry.name)).map_err(|_| unusable("/filter"))
 }
 
-fn associator_of(spec: &Value) -> Result<(Box<dyn Associator>, String), RunError> {
+fn associator_of(spec: &Value, seed: Seed) -> Result<(Box<dyn Associator>, String), RunError> {
     let entry = ASSOCIATORS.iter().find(|entry| spec["associator"]["method"] == entry.name).ok_or_else(|| unusable("/associator"))?;
-    (entry.build)(&spec["associator"]).map(|associator| (associator, entry.name.to_owned())).map_err(|_| unusable("/associator"))
+    (entry.build)(&spec["associator"], seed).map(|associator| (associator, entry.name.to_owned())).map_err(|_| unusable("/associator"))
 }
 
 pub(super) fn report(tracked: &Tracked, recording: &Recording, sensors: &[SensorSettings]) -> AssociationReport {

@@ -91,7 +91,8 @@ mod tests {
     fn a_method_with_its_defaults_can_be_built() {
         for method in crate::association::ASSOCIATORS {
             let parameters = crate::registry::check(&serde_json::json!({}), method.parameters);
-            assert!((method.build)(&parameters.unwrap()).is_ok(), "{}", method.name);
+            let seed = crate::math::rng::Seed { seed: 1, run: 0 };
+            assert!((method.build)(&parameters.unwrap(), seed).is_ok(), "{}", method.name);
         }
         for method in crate::filtering::FILTERS {
             let parameters = crate::registry::check(&serde_json::json!({}), method.parameters);

@@ -1,6 +1,7 @@
 //! From the body of a request to a plan: names and parameters checked, every fault reported, inputs named.
 
 use super::{associate, catalogue, presets, profiles, requests};
+use crate::math::rng::Seed;
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
 use crate::model::scenario::{Scenario, TargetPlan};
@@ -65,8 +66,17 @@ pub struct Plan {
     /// The request as normalised: defaults filled in, presets written out. A plan of it is the same plan.
     pub spec: Value,
     pub seed: u32,
+    /// Number of the run within a campaign; 0 for a job alone.
+    pub run: u32,
     pub inputs: Vec<InputRequest>,
     pub estimate: Estimate,
+}
+
+impl Plan {
+    /// What its random numbers are drawn from.
+    pub fn stream(&self) -> Seed {
+        Seed { seed: self.seed, run: self.run }
+    }
 }
 
 /// What a job will roughly cost.
@@ -104,7 +114,7 @@ pub fn plan(kind: JobKind, body: &Value) -> Result<Plan, Vec<Fault>> {
         return Err(faults);
     }
     let seed = spec["seed"].as_u64().and_then(|seed| u32::try_from(seed).ok()).unwrap_or_default();
-    Ok(Plan { kind, spec, seed, inputs, estimate })
+    Ok(Plan { kind, spec, seed, run: 0, inputs, estimate })
 }
 
 /// `evaluate` tracks `input` first, or takes `tracks` or `sequences`: exactly one of them, with the settings that go with it.

@@ -7,7 +7,6 @@ use super::plan::{JobKind, Plan, scenario_of};
 use super::run::{Artifact, Inputs, RunError, to_value};
 use super::{artifacts, clutter, profiles, sensors, tfa};
 use crate::evaluation::EvaluationInput;
-use crate::math::rng::Seed;
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use crate::model::scan::Recording;
@@ -64,8 +63,7 @@ impl Scene {
         if let Some((scenario, _)) = scenario_of(&plan.spec) {
             let total = u64::from(scenario.scans);
             let mut progress = |done| observer.progress(Step::Simulate, done, total);
-            let seed = Seed { seed: plan.seed, run: 0 };
-            let simulated = crate::simulation::simulate(&scenario, seed, &mut progress)?.ok_or(RunError::Stopped)?;
+            let simulated = crate::simulation::simulate(&scenario, plan.stream(), &mut progress)?.ok_or(RunError::Stopped)?;
             scene.recording = Some(simulated.recording);
             scene.truth.get_or_insert(simulated.truth);
         }
@@ -80,7 +78,7 @@ impl Scene {
         let recording = self.recording.as_ref().ok_or_else(|| missing("/input", "detections"))?;
         let (filter, filter_name) = associate::filter_of(&plan.spec)?;
         let sensors = sensors::resolve(recording, &self.sensors, (&filter, filter_name), &mut self.warnings)?;
-        let tracked = associate::track(&plan.spec, recording, sensors.clone(), observer)?;
+        let tracked = associate::track(&plan.spec, plan.stream(), recording, sensors.clone(), observer)?;
         self.warnings.extend(clutter::disagreements(recording, &sensors, &self.sensors, &tracked.tracks));
         Ok(tracked)
     }
@@ -153,6 +151,12 @@ impl Scene {
         let mut files = Vec::new();
         if let (Some(tracked), Some(recording)) = (&tracked, &self.recording) {
             files.push(artifacts::scans(recording, &tracked.scans).map_err(unwritten)?);
+            if let Some(trace) = &tracked.trace {
+                if trace.left_out() > 0 {
+                    self.warnings.push(format!("association_trace.csv lacks the last {} rows", trace.left_out()));
+                }
+                files.push(artifacts::trace(trace));
+            }
         }
         let tracks = tracked.map(|tracked| tracked.tracks).or(self.tracks.take());
         let datasets = [

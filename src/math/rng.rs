@@ -14,6 +14,8 @@ pub enum Purpose {
     Detection = 2,
     /// Number and places of false detections in a scan.
     Clutter = 3,
+    /// The choices of an associator that searches.
+    Associator = 4,
 }
 
 /// The seed of a job and the number of the run within it.

@@ -146,7 +146,7 @@ impl<const N: usize> Initiator<N> {
         self.pose(sensor, rule);
         self.weights.reset(&self.problem);
         let (solver, weights) = (&mut self.solver, &mut self.weights);
-        self.problem.for_each_cluster(self.fresh.len(), |cluster| solver.associate(cluster, weights));
+        self.problem.for_each_cluster(|cluster| solver.associate(cluster, weights));
         self.conclude(sensor, rule);
         let waiting = &mut self.waiting[sensor];
         waiting.clear();
@@ -156,7 +156,7 @@ impl<const N: usize> Initiator<N> {
 
     /// Step 1: for each waiting point the fresh ones within its reach.
     fn pose(&mut self, sensor: usize, rule: &PairRule) {
-        self.problem.clear();
+        self.problem.begin(0, self.fresh.len());
         self.places.clear();
         self.places.extend(self.fresh.iter().map(|point| point.state.mean));
         self.grid.rebuild(&self.places);

@@ -6,7 +6,7 @@ use super::initiation::{Initiation, Initiator, Pair, PairRule, Point};
 use super::lifecycle::{Life, Lifecycle};
 use crate::association::global_nearest_neighbour::GlobalNearestNeighbour;
 use crate::association::problem::{Edge, ScanProblem, Weights};
-use crate::association::{Associator, Needs};
+use crate::association::{Associator, Needs, Trace};
 use crate::filtering::Filter;
 use crate::filtering::mixture::{self, Correction, Expected, WeightedInnovation};
 use crate::filtering::prediction::Transition;
@@ -162,6 +162,10 @@ where
             // What has no amplitude is weaker than everything that has.
             self.problem.set_amplitudes(detections.iter().map(|detection| detection.amplitude.unwrap_or(f64::NEG_INFINITY)));
         }
+        if needs == Needs::Places {
+            let measurements = self.view.measurements.iter().map(|measurement| measurement.as_slice());
+            self.problem.set_measurements(D, self.view.angle, measurements);
+        }
         self.pose_confirmed(scan, &transition);
         self.serve(scan, true);
         self.pose_tentative(scan);
@@ -181,6 +185,11 @@ where
     /// What the associator says of all it did so far.
     pub fn diagnostics(&self) -> Option<serde_json::Value> {
         self.parts.associator.diagnostics()
+    }
+
+    /// What the associator wrote down step by step.
+    pub fn trace(&self) -> Option<&Trace> {
+        self.parts.associator.trace()
     }
 
     /// How well the detections fitted so far.
@@ -208,7 +217,7 @@ where
         let is_beginner = !confirmed && self.parts.associator.is_soft();
         let associator: &mut dyn Associator = if is_beginner { &mut self.beginner } else { self.parts.associator.as_mut() };
         let weights = &mut self.weights;
-        self.problem.for_each_cluster(self.view.measurements.len(), |cluster| associator.associate(cluster, weights));
+        self.problem.for_each_cluster(|cluster| associator.associate(cluster, weights));
         for row in 0..self.posed.len() {
             self.conclude(row, scan);
         }
@@ -217,7 +226,7 @@ where
     /// Predicts all tracks and writes the association problem of the confirmed ones: one pass, for a large scene does not
     /// fit into the caches.
     fn pose_confirmed(&mut self, scan: &Scan, transition: &Transition<N>) {
-        let terms = self.clear_problem(scan);
+        let terms = self.begin_problem(scan, 0);
         self.tentative.clear();
         for index in 0..self.tracks.len() {
             let track = &mut self.tracks[index];
@@ -232,14 +241,15 @@ where
 
     /// Writes the problem of the others and the detections still unused.
     fn pose_tentative(&mut self, scan: &Scan) {
-        let terms = self.clear_problem(scan);
+        let terms = self.begin_problem(scan, 1);
         for place in 0..self.tentative.len() {
             self.pose(self.tentative[place], scan, &terms);
         }
     }
 
-    fn clear_problem(&mut self, scan: &Scan) -> Terms {
-        self.problem.clear();
+    /// Each scan has two problems: of the confirmed tracks, then of the others.
+    fn begin_problem(&mut self, scan: &Scan, part: u32) -> Terms {
+        self.problem.begin(2 * self.scans + part, self.view.measurements.len());
         self.edge_innovations.clear();
         self.posed.clear();
         let sensor = &self.parts.sensors[scan.sensor];
@@ -268,6 +278,9 @@ where
             let log_likelihood = log_density + expected.gaussian.log_density(squared_distance);
             problem.push_edge(Edge { detection, squared_distance, log_likelihood });
         });
+        if self.parts.associator.needs() == Needs::Places {
+            self.problem.push_place(expected.measurement.as_slice(), expected.gaussian.inverse().as_slice());
+        }
         self.problem.end_row(terms.log_none, terms.log_clutter + log_scale + self.gate.log_volume(&expected.gaussian));
         self.posed.push((index, expected.correction()));
     }

@@ -40,7 +40,7 @@ use plan::Limits;
 use serde::Deserialize;
 
 pub const METHOD: Method<BuildAssociator> =
-    Method { name: "jpda", parameters: &PARAMETERS, build: |spec| Ok(Box::new(Jpda::new(Settings::deserialize(spec)?))) };
+    Method { name: "jpda", parameters: &PARAMETERS, build: |spec, _| Ok(Box::new(Jpda::new(Settings::deserialize(spec)?))) };
 
 static PARAMETERS: Object = Object {
     name: "Jpda",

@@ -10,6 +10,8 @@ type Tracks = Vec<(Vec<(u32, f64)>, f64)>;
 
 fn problem_of(tracks: &Tracks) -> ScanProblem {
     let mut problem = ScanProblem::default();
+    let detections = tracks.iter().flat_map(|(candidates, _)| candidates).map(|&(detection, _)| detection as usize + 1).max();
+    problem.begin(0, detections.unwrap_or(0));
     for (candidates, log_none) in tracks {
         for &(detection, log_likelihood) in candidates {
             problem.push_edge(Edge { detection, squared_distance: 0.0, log_likelihood });
@@ -28,8 +30,7 @@ fn solve(associator: &mut Jpda, tracks: &Tracks) -> Vec<Vec<f64>> {
     let mut problem = problem_of(tracks);
     let mut weights = Weights::default();
     weights.reset(&problem);
-    let detections = tracks.iter().flat_map(|(candidates, _)| candidates).map(|&(detection, _)| detection + 1).max();
-    problem.for_each_cluster(detections.unwrap_or(0) as usize, |cluster| associator.associate(cluster, &mut weights));
+    problem.for_each_cluster(|cluster| associator.associate(cluster, &mut weights));
     let line = |(index, row): (usize, &crate::association::problem::Row)| {
         row.edges().map(|edge| weights.edges[edge]).chain([weights.none[index]]).collect()
     };
