@@ -87,14 +87,16 @@ fn scene(targets: u32) -> (Scenario, Recording) {
             sensor_id: "radar".into(),
             x_m: 0.0,
             y_m: 0.0,
-            max_range_m: 50_000.0 * scale,
+            max_range_m: Some(50_000.0 * scale),
             p_d: 0.9,
             sigma_x_m: Some(15.0),
             sigma_y_m: Some(5.2),
             sigma_range_m: None,
             sigma_bearing_deg: None,
             sigma_range_rate_mps: None,
-            clutter_per_scan: 5.0 * scale * scale,
+            clutter_per_scan: Some(5.0 * scale * scale),
+            clutter_per_deg: None,
+            clutter_within_deg: None,
         }],
         targets: TargetPlan::Random(RandomTargets {
             count: targets,
@@ -118,7 +120,7 @@ fn tracked(method: &str, scenario: &Scenario, recording: &Recording) -> (f64, u6
     let defaults = registry::check(&json!({}), associator.parameters).expect("every parameter has a default");
     let sensor = &scenario.sensors[0];
     // A scene of slow targets within 2 km is not tracked with the speeds of aircraft.
-    let initial_speed_sigma_mps = if sensor.max_range_m < 10_000.0 { 10.0 } else { 430.0 };
+    let initial_speed_sigma_mps = if sensor.max_range_m < Some(10_000.0) { 10.0 } else { 430.0 };
     let Some(ReportNoise::Position { sigma_x_m, sigma_y_m }) = sensor.noise() else { panic!("the scenes have position reports") };
     let parts = TrackerParts {
         filter: Kalman { process_noise_m2ps3: 1.0 },
@@ -166,14 +168,16 @@ fn dense_scene() -> (Scenario, Recording) {
         sensor_id: "radar".into(),
         x_m: 0.0,
         y_m: 0.0,
-        max_range_m: 1_500.0,
+        max_range_m: Some(1_500.0),
         p_d: 0.9,
         sigma_x_m: Some(10.0),
         sigma_y_m: Some(10.0),
         sigma_range_m: None,
         sigma_bearing_deg: None,
         sigma_range_rate_mps: None,
-        clutter_per_scan: 500.0,
+        clutter_per_scan: Some(500.0),
+        clutter_per_deg: None,
+        clutter_within_deg: None,
     };
     let targets = RandomTargets { count: 100, area_side_m: 2_000.0, speed_min_mps: 1.0, speed_max_mps: 15.0 };
     recorded(Scenario { scans: 30, scan_period_s: 2.0, sensors: vec![sensor], targets: TargetPlan::Random(targets) })

@@ -75,14 +75,16 @@ fn scene(side: u32) -> (Scenario, Recording) {
         sensor_id: "radar".into(),
         x_m: 0.0,
         y_m: 0.0,
-        max_range_m: 2_000.0,
+        max_range_m: Some(2_000.0),
         p_d: 0.9,
         sigma_x_m: Some(10.0),
         sigma_y_m: Some(10.0),
         sigma_range_m: None,
         sigma_bearing_deg: None,
         sigma_range_rate_mps: None,
-        clutter_per_scan: f64::from(side * side) / 2.0,
+        clutter_per_scan: Some(f64::from(side * side) / 2.0),
+        clutter_per_deg: None,
+        clutter_within_deg: None,
     };
     let targets = TargetPlan::Listed { targets: (0..side * side).map(target).collect() };
     let scenario = Scenario { scans: (WARM_UP + COUNTED) as u32, scan_period_s: 2.0, sensors: vec![sensor], targets };
@@ -134,7 +136,7 @@ fn parts(method: &str, scenario: &Scenario) -> TrackerParts<Kalman> {
         sensors: vec![Sensor {
             sensor_id: "radar".into(),
             p_d: sensor.p_d,
-            clutter_density: sensor.clutter_per_m2(),
+            clutter_density: sensor.clutter_per_m2().unwrap(),
             report: Report::Position { sigma_x_m: 10.0, sigma_y_m: 10.0 },
         }],
     }

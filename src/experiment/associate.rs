@@ -1,5 +1,6 @@
 //! Runs the tracker over a recording.
 
+use super::given::{self, Start};
 use super::observer::{Observer, Step};
 use super::run::RunError;
 use crate::association::{ASSOCIATORS, Associator, Needs, Trace};
@@ -10,6 +11,7 @@ use crate::model::scan::Recording;
 use crate::model::sensor::{Sensor, SensorSettings};
 use crate::model::state::GaussianState;
 use crate::model::track::{Estimate, TrackSet};
+use crate::model::truth::TruthSet;
 use crate::tracking::{Lifecycle, ScanOutcome, Tracker, TrackerParts};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -72,16 +74,17 @@ struct TrackLine {
 pub(super) fn track(
     spec: &Value,
     seed: Seed,
-    recording: &Recording,
+    (recording, truth): (&Recording, Option<&TruthSet>),
     sensors: Vec<Sensor>,
     observer: &mut dyn Observer,
 ) -> Result<Tracked, RunError> {
-    let (filter, _) = filter_of(spec)?;
+    let (filter, filter_name) = filter_of(spec)?;
     let (associator, method) = associator_of(spec, seed)?;
     check_needs(&method, associator.needs(), recording)?;
     let lifecycle = Lifecycle::deserialize(&spec["tracker"]).map_err(|_| unusable("/tracker"))?;
     let has_rates = !sensors.is_empty() && sensors.iter().all(|sensor| sensor.report.range_rate().is_some());
-    let job = Tracking { recording, associator, lifecycle, sensors, method };
+    let starts = given::starts(&lifecycle, recording, truth, &sensors, (&filter, filter_name), seed)?;
+    let job = Tracking { recording, associator, lifecycle, sensors, method, starts };
     match filter {
         Chosen::Kalman(filter) => job.run::<_, 4, 2>(filter, observer),
         Chosen::Converted(filter) => job.run::<_, 4, 2>(filter, observer),
@@ -100,6 +103,8 @@ struct Tracking<'a> {
     lifecycle: Lifecycle,
     sensors: Vec<Sensor>,
     method: String,
+    /// The tracks that are given to the tracker.
+    starts: Vec<Start>,
 }
 
 impl Tracking<'_> {
@@ -108,8 +113,13 @@ impl Tracking<'_> {
     where
         Estimate: From<GaussianState<N>>,
     {
-        let Tracking { recording, associator, lifecycle, sensors, method } = self;
+        let Tracking { recording, associator, lifecycle, sensors, method, starts } = self;
+        let first_sensor = recording.scans.first().map_or(0, |scan| scan.sensor);
+        let states: Vec<_> = starts.iter().map(|start| start.state(&filter, &sensors[first_sensor])).collect();
         let mut tracker = Tracker::new(TrackerParts { filter, associator, lifecycle, sensors });
+        for (start, state) in starts.into_iter().zip(states) {
+            tracker.give(start.truth_id, state.ok_or_else(|| unusable("/filter"))?, start.origin);
+        }
         let mut scans = Vec::with_capacity(recording.scans.len());
         for (index, scan) in recording.scans.iter().enumerate() {
             scans.push(tracker.step(scan, recording.detections_of(scan)));

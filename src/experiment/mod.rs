@@ -8,6 +8,7 @@ mod associate;
 pub mod catalogue;
 mod clutter;
 mod extent;
+mod given;
 mod judge;
 pub mod observer;
 pub mod plan;

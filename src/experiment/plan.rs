@@ -4,7 +4,7 @@ use super::{associate, catalogue, presets, profiles, requests};
 use crate::math::rng::Seed;
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
-use crate::model::scenario::{Scenario, TargetPlan};
+use crate::model::scenario::Scenario;
 use crate::registry::{self, Kind};
 use crate::tracking::{Initiation, LIFECYCLE, Lifecycle};
 use serde::{Deserialize, Serialize};
@@ -107,6 +107,7 @@ pub fn plan(kind: JobKind, body: &Value) -> Result<Plan, Vec<Fault>> {
     check_lifecycle(&spec, &mut faults);
     let estimate = check_scenario(&spec, &mut faults);
     let inputs = inputs_of(&spec, &mut faults);
+    check_start(&spec, &inputs, &mut faults);
     if kind == JobKind::Evaluate {
         profiles::fill_metrics(&mut spec, &inputs, &mut faults);
     }
@@ -196,6 +197,20 @@ fn check_lifecycle(spec: &Value, faults: &mut Vec<Fault>) {
     }
 }
 
+/// Tracks that begin at the truth need it.
+fn check_start(spec: &Value, inputs: &[InputRequest], faults: &mut Vec<Fault>) {
+    if spec.pointer("/tracker/initiation/method") == Some(&json!("truth")) && !inputs.is_empty() && !knows_truth(spec, inputs) {
+        faults.push(
+            Fault::new("/truth", "missing", "'truth' is required where tracks begin at it").allowing("truth, or an input that knows it"),
+        );
+    }
+}
+
+/// Whether there will be truth, unless a job that may know it does not.
+pub(super) fn knows_truth(spec: &Value, inputs: &[InputRequest]) -> bool {
+    spec.pointer("/input/scenario").is_some() || inputs.iter().any(|input| input.role == DatasetKind::Truth)
+}
+
 /// A filter of directions knows neither speeds nor positions.
 fn check_directions(spec: &Value, lifecycle: &Lifecycle, faults: &mut Vec<Fault>) {
     let Some(name) = spec.pointer("/filter/method").and_then(Value::as_str) else { return };
@@ -207,7 +222,7 @@ fn check_directions(spec: &Value, lifecycle: &Lifecycle, faults: &mut Vec<Fault>
         faults.push(Fault::new(pointer, "unsupported", detail).allowing(allowed));
     };
     if let Initiation::TwoPoint { .. } = lifecycle.initiation {
-        refuse("/tracker/initiation/method", "speeds", "one_point");
+        refuse("/tracker/initiation/method", "speeds", "one_point, truth");
     }
     if lifecycle.max_position_sigma_m.is_some() {
         refuse("/tracker/max_position_sigma_m", "positions", "no value");
@@ -229,11 +244,8 @@ fn check_scenario(spec: &Value, faults: &mut Vec<Fault>) -> Estimate {
     if let Err(found) = crate::simulation::check(&scenario) {
         faults.extend(found.into_iter().map(|fault| Fault { pointer: format!("{pointer}{}", fault.pointer), ..fault }));
     }
-    let targets = match &scenario.targets {
-        TargetPlan::Random(plan) => f64::from(plan.count),
-        TargetPlan::Listed { targets } => targets.len() as f64,
-    };
-    let in_a_scan: f64 = scenario.sensors.iter().map(|sensor| targets * sensor.p_d + sensor.clutter_per_scan).sum();
+    let targets = scenario.targets.count() as f64;
+    let in_a_scan: f64 = scenario.sensors.iter().map(|sensor| targets * sensor.p_d + sensor.mean_clutter()).sum();
     let detections = in_a_scan * f64::from(scenario.scans);
     if detections > requests::MAX_DETECTIONS {
         let fault = Fault::new(pointer, "too_large", format!("the scenario makes about {detections:.0} detections"));

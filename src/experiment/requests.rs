@@ -15,6 +15,7 @@ pub const MAX_DETECTIONS: f64 = 20e6;
 const PLACE: Kind = Kind::Number { min: Bound::Including(-1e9), max: Bound::Including(1e9), unit: "m" };
 const SIGMA: Kind = Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "m" };
 const SIGMA_BEARING: Kind = Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(180.0), unit: "deg" };
+const BEARING: Kind = Kind::Number { min: Bound::Including(-360.0), max: Bound::Including(360.0), unit: "deg" };
 const SIGMA_RATE: Kind = Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e5), unit: "m/s" };
 const RANGE: Kind = Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e9), unit: "m" };
 const PROBABILITY: Kind = Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1.0), unit: "" };
@@ -36,12 +37,16 @@ const fn default(name: &'static str, summary: &'static str, kind: Kind, value: &
 
 static SCENARIO_SENSOR: Object = Object {
     name: "ScenarioSensor",
-    summary: "A sensor that reports positions (give sigma_x_m, sigma_y_m), ranges and bearings (give sigma_range_m, sigma_bearing_deg, and sigma_range_rate_mps for range rates) or bearings alone (give sigma_bearing_deg) with independent Gaussian noise, and uniform clutter in its field of view.",
+    summary: "A sensor that reports positions (give sigma_x_m, sigma_y_m), ranges and bearings (give sigma_range_m, sigma_bearing_deg, and sigma_range_rate_mps for range rates) or bearings alone (give sigma_bearing_deg) with independent Gaussian noise, and uniform clutter in its field of view, its density told by clutter_per_scan or clutter_per_deg; without either there is none.",
     fields: &[
         default("sensor_id", "Name of the sensor.", NAME, "\"radar\""),
         default("x_m", "Position, east.", PLACE, "0.0"),
         default("y_m", "Position, north.", PLACE, "0.0"),
-        required("max_range_m", "Radius of the field of view.", RANGE),
+        optional(
+            "max_range_m",
+            "Radius of the field of view; required unless the targets are of the kind bearings, which are always in view.",
+            RANGE,
+        ),
         default("p_d", "Probability that a target in view is detected in a scan.", PROBABILITY, "0.9"),
         optional("sigma_x_m", "Standard deviation of x, of a sensor that reports positions; with sigma_y_m.", SIGMA),
         optional("sigma_y_m", "Standard deviation of y; with sigma_x_m.", SIGMA),
@@ -60,11 +65,20 @@ static SCENARIO_SENSOR: Object = Object {
             "Standard deviation of range rates, of a sensor that reports them with ranges and bearings.",
             SIGMA_RATE,
         ),
-        default(
+        optional(
             "clutter_per_scan",
             "Mean of the Poisson number of false detections in a scan.",
             Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e6), unit: "" },
-            "0.0",
+        ),
+        optional(
+            "clutter_per_deg",
+            "False detections per degree and scan, of a sensor of bearings alone; instead of clutter_per_scan.",
+            Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1000.0), unit: "1/deg" },
+        ),
+        optional(
+            "clutter_within_deg",
+            "With clutter_per_deg: false detections lie at most this far from the true bearing of a target in view, each degree counted once; on the whole circle when absent.",
+            SIGMA_BEARING,
         ),
     ],
 };
@@ -98,11 +112,61 @@ static LISTED_TARGETS: Object = Object {
     fields: &[required("targets", "The targets.", Kind::List { item: &Kind::Object(&LISTED_TARGET), min: 1, max: MAX_TARGETS as usize })],
 };
 
+static CROSSING_PAIR: Object = Object {
+    name: "CrossingPair",
+    summary: "Two targets at centre ∓ half_width · sgn(u) · |u|^power with u = 1 − t / crossing_time: one starts below the centre, the other above.",
+    fields: &[
+        required("centre_deg", "Bearing at which they cross.", BEARING),
+        required("half_width_deg", "Difference of each from the centre at time 0.", SIGMA_BEARING),
+        required(
+            "crossing_time_s",
+            "Time at which they cross.",
+            Kind::Number { min: Bound::Including(1e-3), max: Bound::Including(1e9), unit: "s" },
+        ),
+        default(
+            "power",
+            "1 for constant rates; above it, the nearer the crossing the slower.",
+            Kind::Number { min: Bound::Including(0.5), max: Bound::Including(10.0), unit: "" },
+            "1.0",
+        ),
+    ],
+};
+
+static BEARING_LINE: Object = Object {
+    name: "BearingLine",
+    summary: "A target whose bearing changes at a constant rate from time 0.",
+    fields: &[
+        required("truth_id", "Name of the target; the targets of crossings are called 1, 2, … in order.", NAME),
+        required("bearing_deg", "Bearing at time 0.", BEARING),
+        default(
+            "rate_degps",
+            "Its rate.",
+            Kind::Number { min: Bound::Including(-360.0), max: Bound::Including(360.0), unit: "deg/s" },
+            "0.0",
+        ),
+    ],
+};
+
+static BEARING_TARGETS: Object = Object {
+    name: "BearingTargets",
+    summary: "Targets of which only the direction is told, for sensors that report bearings alone.",
+    fields: &[
+        default("crossings", "Pairs that cross.", Kind::List { item: &Kind::Object(&CROSSING_PAIR), min: 0, max: 10_000 }, "[]"),
+        default("lines", "Others, one by one.", Kind::List { item: &Kind::Object(&BEARING_LINE), min: 0, max: 10_000 }, "[]"),
+    ],
+};
+
 static TARGET_PLAN: Union = Union {
     name: "TargetPlan",
     summary: "How the targets of a scenario are chosen.",
     tag: "kind",
-    variants: || vec![Variant { tag: "random", object: &RANDOM_TARGETS }, Variant { tag: "listed", object: &LISTED_TARGETS }],
+    variants: || {
+        vec![
+            Variant { tag: "random", object: &RANDOM_TARGETS },
+            Variant { tag: "listed", object: &LISTED_TARGETS },
+            Variant { tag: "bearings", object: &BEARING_TARGETS },
+        ]
+    },
 };
 
 pub static SCENARIO: Object = Object {
@@ -300,6 +364,7 @@ pub static ASSOCIATE: Object = Object {
         LABELS,
         SEED,
         required("input", "The detections.", Kind::Union(&INPUT)),
+        optional("truth", "Truth at which tracks begin (initiation truth), where the input does not know it.", Kind::Union(&DATA)),
         SENSORS,
         default("associator", "How detections are given to tracks.", Kind::Union(&ASSOCIATOR), DEFAULT_ASSOCIATOR),
         default("filter", "How tracks are predicted and updated.", Kind::Union(&FILTER), DEFAULT_FILTER),

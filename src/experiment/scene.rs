@@ -78,7 +78,7 @@ impl Scene {
         let recording = self.recording.as_ref().ok_or_else(|| missing("/input", "detections"))?;
         let (filter, filter_name) = associate::filter_of(&plan.spec)?;
         let sensors = sensors::resolve(recording, &self.sensors, (&filter, filter_name), &mut self.warnings)?;
-        let tracked = associate::track(&plan.spec, plan.stream(), recording, sensors.clone(), observer)?;
+        let tracked = associate::track(&plan.spec, plan.stream(), (recording, self.truth.as_ref()), sensors.clone(), observer)?;
         self.warnings.extend(clutter::disagreements(recording, &sensors, &self.sensors, &tracked.tracks));
         Ok(tracked)
     }

@@ -16,6 +16,8 @@ pub enum Purpose {
     Clutter = 3,
     /// The choices of an associator that searches.
     Associator = 4,
+    /// The errors of a track that begins at the truth.
+    TrackStart = 5,
 }
 
 /// The seed of a job and the number of the run within it.

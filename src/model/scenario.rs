@@ -11,13 +11,16 @@ pub struct Scenario {
     pub targets: TargetPlan,
 }
 
-/// A sensor with uniform clutter in its field of view; what it reports is told by the noises that are given.
+/// A sensor with uniform clutter in its field of view; what it reports is told by the noises that are given. Its density of
+/// clutter is stated in one way: a mean number a scan or, of bearings alone, a number per degree. Neither is no clutter.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ScenarioSensor {
     pub sensor_id: String,
     pub x_m: f64,
     pub y_m: f64,
-    pub max_range_m: f64,
+    /// Needed wherever targets have places.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_range_m: Option<f64>,
     pub p_d: f64,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sigma_x_m: Option<f64>,
@@ -30,7 +33,14 @@ pub struct ScenarioSensor {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sigma_range_rate_mps: Option<f64>,
     /// Mean of the Poisson number of false detections in a scan.
-    pub clutter_per_scan: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clutter_per_scan: Option<f64>,
+    /// False detections per degree and scan, of a sensor of bearings alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clutter_per_deg: Option<f64>,
+    /// With `clutter_per_deg`: false detections lie at most this far from the true bearing of a target.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clutter_within_deg: Option<f64>,
 }
 
 impl ScenarioSensor {
@@ -51,9 +61,14 @@ impl ScenarioSensor {
         }
     }
 
-    /// False detections per square metre of the field of view and scan.
-    pub fn clutter_per_m2(&self) -> f64 {
-        self.clutter_per_scan / (std::f64::consts::PI * self.max_range_m * self.max_range_m)
+    /// Mean number of false detections in a scan, if they lie in the whole field of view.
+    pub fn mean_clutter(&self) -> f64 {
+        self.clutter_per_scan.or(self.clutter_per_deg.map(|per_deg| 360.0 * per_deg)).unwrap_or(0.0)
+    }
+
+    /// False detections per square metre of the field of view and scan; `None` where that has no size.
+    pub fn clutter_per_m2(&self) -> Option<f64> {
+        self.max_range_m.map(|range_m| self.mean_clutter() / (std::f64::consts::PI * range_m * range_m))
     }
 }
 
@@ -83,6 +98,18 @@ pub enum TargetPlan {
     Random(RandomTargets),
     /// Targets written out one by one.
     Listed { targets: Vec<ListedTarget> },
+    /// Targets of which only the direction is told.
+    Bearings(BearingTargets),
+}
+
+impl TargetPlan {
+    pub fn count(&self) -> usize {
+        match self {
+            TargetPlan::Random(plan) => plan.count as usize,
+            TargetPlan::Listed { targets } => targets.len(),
+            TargetPlan::Bearings(plan) => 2 * plan.crossings.len() + plan.lines.len(),
+        }
+    }
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -102,4 +129,35 @@ pub struct ListedTarget {
     pub y_m: f64,
     pub vx_mps: f64,
     pub vy_mps: f64,
+}
+
+/// The targets of the crossings come first, named 1, 2, … in the order of the pairs.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BearingTargets {
+    #[serde(default)]
+    pub crossings: Vec<CrossingPair>,
+    #[serde(default)]
+    pub lines: Vec<BearingLine>,
+}
+
+/// Two targets at c ∓ h sgn(1 − t/t×) |1 − t/t×|ᵖ: c − h and c + h at time 0, both at c at t×.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CrossingPair {
+    /// c.
+    pub centre_deg: f64,
+    /// h.
+    pub half_width_deg: f64,
+    /// t×.
+    pub crossing_time_s: f64,
+    /// p.
+    pub power: f64,
+}
+
+/// A target whose bearing changes at a constant rate.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BearingLine {
+    pub truth_id: String,
+    /// At time 0.
+    pub bearing_deg: f64,
+    pub rate_degps: f64,
 }

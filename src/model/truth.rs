@@ -2,6 +2,7 @@
 
 use super::fault::Fault;
 use super::state::Position;
+use std::f64::consts::{PI, TAU};
 
 /// Where a target was at one time. All points of a set say the same kind of thing.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,6 +48,14 @@ impl TruthPoint {
         }
     }
 
+    /// `None` where its place is known.
+    pub fn bearing_rad(&self) -> Option<f64> {
+        match self.place {
+            TruePlace::Plane { .. } => None,
+            TruePlace::Bearing { bearing_rad } => Some(bearing_rad),
+        }
+    }
+
     fn is_finite(&self) -> bool {
         let is_place_finite = match self.place {
             TruePlace::Plane { position_m, .. } => position_m.iter().all(|value| value.is_finite()),
@@ -77,6 +86,33 @@ impl Target {
         let share = (time_s - last.time_s) / gap_s;
         let (from_m, to_m) = (last.position_m()?, next.position_m()?);
         (gap_s <= max_gap_s).then(|| from_m + (to_m - from_m) * share)
+    }
+
+    /// The direction of the target at `time_s`, found as [`position_at`](Self::position_at) finds a place, the shorter way
+    /// round; `None` where places are known instead.
+    pub fn bearing_at(&self, time_s: f64, max_gap_s: f64) -> Option<f64> {
+        let after = self.points.partition_point(|point| point.time_s < time_s);
+        let next = self.points.get(after)?;
+        if next.time_s == time_s {
+            return next.bearing_rad();
+        }
+        let last = self.points.get(after.checked_sub(1)?)?;
+        let gap_s = next.time_s - last.time_s;
+        let share = (time_s - last.time_s) / gap_s;
+        let (from_rad, to_rad) = (last.bearing_rad()?, next.bearing_rad()?);
+        (gap_s <= max_gap_s).then(|| (from_rad + shorter_way(from_rad, to_rad) * share).rem_euclid(TAU))
+    }
+
+    /// How fast its direction turned at `time_s` (rad/s): the slope between the points around that time. `None` where
+    /// [`bearing_at`](Self::bearing_at) has none, and for a single point.
+    pub fn bearing_rate_at(&self, time_s: f64, max_gap_s: f64) -> Option<f64> {
+        let after = self.points.partition_point(|point| point.time_s < time_s);
+        let is_point = self.points.get(after)?.time_s == time_s;
+        let until = if is_point { (after + 1).min(self.points.len() - 1) } else { after };
+        let (from, to) = (&self.points[after.saturating_sub(1)], &self.points[until]);
+        let gap_s = to.time_s - from.time_s;
+        let turned_rad = shorter_way(from.bearing_rad()?, to.bearing_rad()?);
+        (gap_s > 0.0 && (is_point || gap_s <= max_gap_s)).then(|| turned_rad / gap_s)
     }
 
     /// How fast the target was at `time_s`: the given velocity at that time, or on the line between its neighbours; the
@@ -111,6 +147,11 @@ impl Target {
         let candidates = [after.checked_sub(1), Some(after)].into_iter().flatten().filter_map(|index| self.points.get(index));
         candidates.min_by(|a, b| gap_s(a).total_cmp(&gap_s(b))).filter(|point| gap_s(point) <= max_gap_s)
     }
+}
+
+/// From one direction to another, between −π and π.
+fn shorter_way(from_rad: f64, to_rad: f64) -> f64 {
+    (to_rad - from_rad + PI).rem_euclid(TAU) - PI
 }
 
 /// Every target of a scene.

@@ -1,13 +1,13 @@
 //! Plays a scenario: targets move, sensors detect them with noise, misses and clutter; true origins are known.
 
 mod radar;
+mod sensors;
 mod targets;
 
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
 use crate::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
-use crate::model::scenario::{ReportNoise, Scenario, ScenarioSensor, TargetPlan};
-use crate::model::sensor::SensorSettings;
+use crate::model::scenario::{BearingTargets, Scenario, TargetPlan};
 use crate::model::truth::{Target, TruthPoint, TruthSet};
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
@@ -20,15 +20,15 @@ pub struct Simulated {
     pub truth: TruthSet,
 }
 
-/// What no table of fields can see: two sensors or two targets of one name, speeds in the wrong order, noises that do not
-/// say what a sensor reports.
+/// What no table of fields can see: two sensors or two targets of one name, speeds in the wrong order, a plan of bearings
+/// without a target, and of a sensor what [`sensors::faults`] finds.
 ///
 /// # Errors
 /// All faults, with pointers into the scenario.
 pub fn check(scenario: &Scenario) -> Result<(), Vec<Fault>> {
     let sensor_ids = scenario.sensors.iter().map(|sensor| sensor.sensor_id.as_str());
     let mut faults = duplicate_faults("sensors", sensor_ids, |index| format!("/sensors/{index}/sensor_id"));
-    faults.extend(scenario.sensors.iter().enumerate().filter_map(|(index, sensor)| noise_fault(index, sensor)));
+    faults.extend(scenario.sensors.iter().enumerate().flat_map(|(index, sensor)| sensors::faults(index, sensor, &scenario.targets)));
     match &scenario.targets {
         TargetPlan::Random(plan) if plan.speed_min_mps > plan.speed_max_mps => {
             let detail = format!("{} m/s is above speed_max_mps", plan.speed_min_mps);
@@ -39,6 +39,7 @@ pub fn check(scenario: &Scenario) -> Result<(), Vec<Fault>> {
             let names = targets.iter().map(|target| target.truth_id.as_str());
             faults.extend(duplicate_faults("targets", names, |index| format!("/targets/targets/{index}/truth_id")));
         }
+        TargetPlan::Bearings(plan) => faults.extend(bearing_faults(plan)),
     }
     if faults.is_empty() { Ok(()) } else { Err(faults) }
 }
@@ -57,12 +58,12 @@ pub fn simulate(
     let times: Vec<f64> = (0..scenario.scans).map(|scan| f64::from(scan) * scenario.scan_period_s).collect();
     let (truth, seen) = observed_truth(scenario, &paths, &times)?;
     let mut parts = RecordingParts {
-        sensors: scenario.sensors.iter().map(settings).collect(),
+        sensors: scenario.sensors.iter().map(sensors::settings).collect(),
         targets: truth.targets().iter().map(|target| target.truth_id.clone()).collect(),
         origins_known: true,
         ..Default::default()
     };
-    let fastest_mps = paths.iter().map(|path| path.velocity_mps.norm()).fold(0.0, f64::max);
+    let fastest_mps = paths.iter().map(targets::Path::speed_mps).fold(0.0, f64::max);
     let radars = || scenario.sensors.iter().filter_map(|sensor| Some(radar::Radar { sensor, noise: sensor.noise()?, fastest_mps }));
     for (index, &time_s) in times.iter().enumerate() {
         for (sensor_index, radar) in radars().enumerate() {
@@ -76,25 +77,14 @@ pub fn simulate(
     Ok(Some(Simulated { recording: Recording::new(parts)?, truth }))
 }
 
-/// The noises of a sensor must be those of one kind of report, all of them.
-fn noise_fault(index: usize, sensor: &ScenarioSensor) -> Option<Fault> {
-    if sensor.noise().is_some() {
-        return None;
+fn bearing_faults(plan: &BearingTargets) -> Vec<Fault> {
+    let (names, lines): (Vec<String>, Vec<Option<usize>>) = targets::bearing_names(plan).unzip();
+    if names.is_empty() {
+        return vec![Fault::new("/targets", "missing", "the scene has no target").allowing("at least one entry in crossings or lines")];
     }
-    let given = [
-        ("sigma_x_m", sensor.sigma_x_m),
-        ("sigma_y_m", sensor.sigma_y_m),
-        ("sigma_range_m", sensor.sigma_range_m),
-        ("sigma_bearing_deg", sensor.sigma_bearing_deg),
-        ("sigma_range_rate_mps", sensor.sigma_range_rate_mps),
-    ];
-    let names: Vec<&str> = given.iter().filter(|(_, value)| value.is_some()).map(|(name, _)| *name).collect();
-    let (code, found) = if names.len() < 2 { ("missing", "do") } else { ("conflict", "together do") };
-    let detail = format!("the noises of sensor '{}' ({}) {found} not say what it reports", sensor.sensor_id, names.join(", "));
-    Some(
-        Fault::new(format!("/sensors/{index}"), code, detail)
-            .allowing("sigma_x_m, sigma_y_m; or sigma_range_m, sigma_bearing_deg[, sigma_range_rate_mps]; or sigma_bearing_deg alone"),
-    )
+    // Only lines have names of their own, and they come last: none of them is repeated by a crossing.
+    let pointer = |index: usize| lines[index].map_or_else(String::new, |line| format!("/targets/lines/{line}/truth_id"));
+    duplicate_faults("targets", names.iter().map(String::as_str), pointer)
 }
 
 /// A fault for each name that stood in the list before.
@@ -110,12 +100,12 @@ fn observed_truth(scenario: &Scenario, paths: &[targets::Path], times: &[f64]) -
     let mut observed = Vec::new();
     let mut seen = Vec::with_capacity(paths.len());
     for path in paths {
-        let is_visible = |time_s: &f64| scenario.sensors.iter().any(|sensor| radar::is_in_view(sensor, &path.position_at(*time_s)));
+        let is_visible = |time_s: &f64| scenario.sensors.iter().any(|sensor| radar::is_in_view(sensor, &path.place_at(*time_s)));
         let first = times.iter().position(is_visible);
         let last = times.iter().rposition(is_visible);
         seen.push(first.map(|_| observed.len() as u32));
         if let (Some(first), Some(last)) = (first, last) {
-            let point = |&time_s: &f64| TruthPoint::in_plane(time_s, path.position_at(time_s), Some(path.velocity_mps));
+            let point = |&time_s: &f64| TruthPoint { time_s, place: path.place_at(time_s) };
             observed.push(Target { truth_id: path.truth_id.clone(), points: times[first..=last].iter().map(point).collect() });
         }
     }
@@ -134,23 +124,4 @@ fn append_scan(parts: &mut RecordingParts, sensor: usize, time_s: f64, mut found
     parts.scans.push(Scan { number, time_s, sensor, first: parts.detections.len(), count: found.len() });
     parts.detection_ids.extend((1..=found.len()).map(|index| format!("{number}-{index}")));
     parts.detections.append(&mut found);
-}
-
-/// Clutter is stated over what the sensor reports: an area, or all directions.
-fn settings(sensor: &ScenarioSensor) -> SensorSettings {
-    let is_of_bearings = matches!(sensor.noise(), Some(ReportNoise::Bearing { .. }));
-    SensorSettings {
-        sensor_id: sensor.sensor_id.clone(),
-        x_m: Some(sensor.x_m),
-        y_m: Some(sensor.y_m),
-        max_range_m: Some(sensor.max_range_m),
-        p_d: Some(sensor.p_d),
-        clutter_per_m2: (!is_of_bearings).then(|| sensor.clutter_per_m2()),
-        clutter_per_deg: is_of_bearings.then_some(sensor.clutter_per_scan / 360.0),
-        sigma_x_m: sensor.sigma_x_m,
-        sigma_y_m: sensor.sigma_y_m,
-        sigma_range_m: sensor.sigma_range_m,
-        sigma_bearing_deg: sensor.sigma_bearing_deg,
-        sigma_range_rate_mps: sensor.sigma_range_rate_mps,
-    }
 }

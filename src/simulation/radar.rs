@@ -1,11 +1,15 @@
 //! One scan of a sensor that reports positions, ranges and bearings, or bearings alone: detection with probability P_D,
-//! Gaussian noise on each value, and a Poisson number of false detections uniform over the field of view.
+//! Gaussian noise on each value, and a Poisson number of false detections uniform over the field of view. Where a sensor of
+//! bearings has false detections near targets only, those elsewhere are left out: the others stay what they were, and where
+//! targets are close together each degree counts once.
 
 use super::targets::Path;
+use crate::math::angle::wrapped;
 use crate::math::rng::{Purpose, Seed};
 use crate::model::scan::{Detection, Measurement};
 use crate::model::scenario::{ReportNoise, ScenarioSensor};
 use crate::model::state::Position;
+use crate::model::truth::TruePlace;
 use rand::RngExt;
 use rand_distr::{Distribution, Poisson, StandardNormal};
 use std::f64::consts::TAU;
@@ -19,9 +23,15 @@ pub(super) struct Radar<'a> {
     pub fastest_mps: f64,
 }
 
-/// Whether a place is inside the sensor's field of view.
-pub(super) fn is_in_view(sensor: &ScenarioSensor, position_m: &Position) -> bool {
-    (position_m - Position::new(sensor.x_m, sensor.y_m)).norm() <= sensor.max_range_m
+/// Whether a place is inside the sensor's field of view: directions always are.
+pub(super) fn is_in_view(sensor: &ScenarioSensor, place: &TruePlace) -> bool {
+    match place {
+        TruePlace::Plane { position_m, .. } => {
+            let range_m = (position_m - Position::new(sensor.x_m, sensor.y_m)).norm();
+            sensor.max_range_m.is_some_and(|max_range_m| range_m <= max_range_m)
+        }
+        TruePlace::Bearing { .. } => true,
+    }
 }
 
 /// The detections of one scan, targets first. `seen[path]` is the index of the path's target in the recording.
@@ -35,31 +45,35 @@ pub(super) fn scan(
     seed: Seed,
 ) -> Vec<Detection> {
     let mut found = Vec::new();
+    let mut bearings_rad = Vec::new();
     for (index, path) in paths.iter().enumerate() {
-        let position_m = path.position_at(time_s);
-        if is_in_view(radar.sensor, &position_m) {
+        let place = path.place_at(time_s);
+        if is_in_view(radar.sensor, &place) {
+            bearings_rad.push(radar.bearing_rad(&place).rem_euclid(TAU));
             let entity = (sensor_index << 32) | index as u64;
             let mut draw = seed.stream(Purpose::Detection, entity, scan_index);
             if draw.random::<f64>() < radar.sensor.p_d {
                 let errors: [f64; 3] = std::array::from_fn(|_| StandardNormal.sample(&mut draw));
-                let measurement = radar.report(&position_m, &path.velocity_mps, errors);
-                found.push(Detection { measurement, origin: seen[index], amplitude: None });
+                let report = radar.report(&place, errors);
+                found.extend(report.map(|measurement| Detection { measurement, origin: seen[index], amplitude: None }));
             }
         }
     }
-    radar.add_clutter(sensor_index, scan_index, seed, &mut found);
+    bearings_rad.sort_by(f64::total_cmp);
+    radar.add_clutter(sensor_index, scan_index, &bearings_rad, seed, &mut found);
     found
 }
 
 impl Radar<'_> {
-    fn add_clutter(&self, sensor_index: u64, scan_index: u64, seed: Seed, found: &mut Vec<Detection>) {
+    /// `bearings_rad`: where the targets in view really are, in rising order.
+    fn add_clutter(&self, sensor_index: u64, scan_index: u64, bearings_rad: &[f64], seed: Seed, found: &mut Vec<Detection>) {
         let sensor = self.sensor;
         // A mean of zero is no distribution at all: then there is no clutter.
-        let Ok(count) = Poisson::new(sensor.clutter_per_scan) else { return };
+        let Ok(count) = Poisson::new(sensor.mean_clutter()) else { return };
         let mut draw = seed.stream(Purpose::Clutter, sensor_index, scan_index);
         let number = count.sample(&mut draw) as u64;
         for _ in 0..number {
-            let range_m = sensor.max_range_m * draw.random::<f64>().sqrt();
+            let range_m = sensor.max_range_m.unwrap_or(0.0) * draw.random::<f64>().sqrt();
             let bearing_rad = TAU * draw.random::<f64>();
             let (x_m, y_m) = (sensor.x_m + range_m * bearing_rad.sin(), sensor.y_m + range_m * bearing_rad.cos());
             let measurement = match self.noise {
@@ -68,28 +82,53 @@ impl Radar<'_> {
                     let range_rate_mps = sigma_range_rate_mps.map(|_| self.fastest_mps * (2.0 * draw.random::<f64>() - 1.0));
                     Measurement::RangeBearing { range_m, bearing_rad, range_rate_mps }
                 }
+                ReportNoise::Bearing { .. } if self.leaves_out(bearing_rad, bearings_rad) => continue,
                 ReportNoise::Bearing { .. } => Measurement::Bearing { bearing_rad },
             };
             found.push(Detection { measurement, origin: None, amplitude: None });
         }
     }
 
-    /// What the sensor reports of a target, with draws of the standard normal distribution as its errors.
-    fn report(&self, position_m: &Position, velocity_mps: &Position, errors: [f64; 3]) -> Measurement {
-        let offset_m = position_m - Position::new(self.sensor.x_m, self.sensor.y_m);
-        let seen_rad = |error_rad: f64| (offset_m[0].atan2(offset_m[1]) + error_rad).rem_euclid(TAU);
-        match self.noise {
-            ReportNoise::Position { sigma_x_m, sigma_y_m } => {
-                Measurement::Position { x_m: position_m[0] + errors[0] * sigma_x_m, y_m: position_m[1] + errors[1] * sigma_y_m }
+    /// Whether a false detection is too far from every target.
+    fn leaves_out(&self, bearing_rad: f64, bearings_rad: &[f64]) -> bool {
+        let Some(within_deg) = self.sensor.clutter_within_deg else { return false };
+        let after = bearings_rad.partition_point(|&other| other < bearing_rad);
+        let neighbours = [bearings_rad.get(after).or(bearings_rad.first()), bearings_rad[..after].last().or(bearings_rad.last())];
+        !neighbours.into_iter().flatten().any(|other| wrapped(bearing_rad - other).abs() <= within_deg.to_radians())
+    }
+
+    /// The direction of a place.
+    fn bearing_rad(&self, place: &TruePlace) -> f64 {
+        match place {
+            TruePlace::Plane { position_m, .. } => (position_m[0] - self.sensor.x_m).atan2(position_m[1] - self.sensor.y_m),
+            TruePlace::Bearing { bearing_rad } => *bearing_rad,
+        }
+    }
+
+    /// What the sensor reports of a target, with draws of the standard normal distribution as its errors. `None` of a
+    /// direction, if it reports places.
+    fn report(&self, place: &TruePlace, errors: [f64; 3]) -> Option<Measurement> {
+        let seen_rad = |error_rad: f64| (self.bearing_rad(place) + error_rad).rem_euclid(TAU);
+        match (self.noise, place) {
+            (ReportNoise::Bearing { sigma_bearing_rad }, _) => {
+                Some(Measurement::Bearing { bearing_rad: seen_rad(errors[0] * sigma_bearing_rad) })
             }
-            ReportNoise::RangeBearing { sigma_range_m, sigma_bearing_rad, sigma_range_rate_mps } => {
+            (_, TruePlace::Bearing { .. }) => None,
+            (ReportNoise::Position { sigma_x_m, sigma_y_m }, TruePlace::Plane { position_m, .. }) => {
+                Some(Measurement::Position { x_m: position_m[0] + errors[0] * sigma_x_m, y_m: position_m[1] + errors[1] * sigma_y_m })
+            }
+            (
+                ReportNoise::RangeBearing { sigma_range_m, sigma_bearing_rad, sigma_range_rate_mps },
+                TruePlace::Plane { position_m, velocity_mps },
+            ) => {
+                let offset_m = position_m - Position::new(self.sensor.x_m, self.sensor.y_m);
                 // A range below 0 would be one in the opposite direction, which no sensor reports.
                 let range_m = (offset_m.norm() + errors[0] * sigma_range_m).abs();
                 let towards = offset_m.try_normalize(0.0).unwrap_or_else(Position::zeros);
-                let range_rate_mps = sigma_range_rate_mps.map(|sigma_mps| towards.dot(velocity_mps) + errors[2] * sigma_mps);
-                Measurement::RangeBearing { range_m, bearing_rad: seen_rad(errors[1] * sigma_bearing_rad), range_rate_mps }
+                let approach_mps = velocity_mps.map_or(0.0, |velocity_mps| towards.dot(&velocity_mps));
+                let range_rate_mps = sigma_range_rate_mps.map(|sigma_mps| approach_mps + errors[2] * sigma_mps);
+                Some(Measurement::RangeBearing { range_m, bearing_rad: seen_rad(errors[1] * sigma_bearing_rad), range_rate_mps })
             }
-            ReportNoise::Bearing { sigma_bearing_rad } => Measurement::Bearing { bearing_rad: seen_rad(errors[0] * sigma_bearing_rad) },
         }
     }
 }

@@ -1,21 +1,63 @@
-//! The paths of a scenario's targets: constant velocity from time 0, listed or drawn at random.
+//! The paths of a scenario's targets: in the plane with constant velocity from time 0, listed or drawn at random; or bearings
+//! that follow a law.
 
 use crate::math::rng::{Purpose, Seed};
-use crate::model::scenario::{ListedTarget, RandomTargets, Scenario, TargetPlan};
+use crate::model::scenario::{BearingLine, BearingTargets, CrossingPair, ListedTarget, RandomTargets, Scenario, TargetPlan};
 use crate::model::state::Position;
+use crate::model::truth::TruePlace;
 use rand::RngExt;
+use std::f64::consts::TAU;
 
-/// A target that moves with constant velocity.
+/// A target and how it moves.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Path {
     pub truth_id: String,
-    pub start_m: Position,
-    pub velocity_mps: Position,
+    law: Law,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Law {
+    Straight {
+        start_m: Position,
+        velocity_mps: Position,
+    },
+    /// One of a pair: the half width is negative for the target that starts on the other side.
+    Crossing(CrossingPair),
+    Turning {
+        bearing_deg: f64,
+        rate_degps: f64,
+    },
 }
 
 impl Path {
-    pub fn position_at(&self, time_s: f64) -> Position {
-        self.start_m + self.velocity_mps * time_s
+    pub fn place_at(&self, time_s: f64) -> TruePlace {
+        match self.law {
+            Law::Straight { start_m, velocity_mps } => {
+                TruePlace::Plane { position_m: start_m + velocity_mps * time_s, velocity_mps: Some(velocity_mps) }
+            }
+            Law::Crossing(pair) => at_bearing(pair.bearing_deg(time_s)),
+            Law::Turning { bearing_deg, rate_degps } => at_bearing(bearing_deg + rate_degps * time_s),
+        }
+    }
+
+    /// 0 where only the direction is known.
+    pub fn speed_mps(&self) -> f64 {
+        match self.law {
+            Law::Straight { velocity_mps, .. } => velocity_mps.norm(),
+            Law::Crossing(_) | Law::Turning { .. } => 0.0,
+        }
+    }
+}
+
+fn at_bearing(bearing_deg: f64) -> TruePlace {
+    TruePlace::Bearing { bearing_rad: bearing_deg.to_radians().rem_euclid(TAU) }
+}
+
+impl CrossingPair {
+    /// c − h sgn(u) |u|ᵖ with u = 1 − t/t×.
+    fn bearing_deg(&self, time_s: f64) -> f64 {
+        let to_go = 1.0 - time_s / self.crossing_time_s;
+        self.centre_deg - self.half_width_deg * to_go.signum() * to_go.abs().powf(self.power)
     }
 }
 
@@ -24,15 +66,27 @@ pub(super) fn paths(scenario: &Scenario, seed: Seed) -> Vec<Path> {
     match &scenario.targets {
         TargetPlan::Random(plan) => (0..plan.count).map(|index| random_path(plan, index, seed)).collect(),
         TargetPlan::Listed { targets } => targets.iter().map(listed_path).collect(),
+        TargetPlan::Bearings(plan) => bearing_paths(plan),
     }
 }
 
+/// The names of the targets of bearings, in the order of their paths, with the place in the scenario of those that it tells.
+pub(super) fn bearing_names(plan: &BearingTargets) -> impl Iterator<Item = (String, Option<usize>)> {
+    let crossing = (1..=2 * plan.crossings.len()).map(|number| (number.to_string(), None));
+    crossing.chain(plan.lines.iter().enumerate().map(|(index, line)| (line.truth_id.clone(), Some(index))))
+}
+
+fn bearing_paths(plan: &BearingTargets) -> Vec<Path> {
+    let of_pair =
+        |pair: &CrossingPair| [1.0, -1.0].map(|side| Law::Crossing(CrossingPair { half_width_deg: side * pair.half_width_deg, ..*pair }));
+    let of_line = |line: &BearingLine| Law::Turning { bearing_deg: line.bearing_deg, rate_degps: line.rate_degps };
+    let laws = plan.crossings.iter().flat_map(of_pair).chain(plan.lines.iter().map(of_line));
+    bearing_names(plan).zip(laws).map(|((truth_id, _), law)| Path { truth_id, law }).collect()
+}
+
 fn listed_path(target: &ListedTarget) -> Path {
-    Path {
-        truth_id: target.truth_id.clone(),
-        start_m: Position::new(target.x_m, target.y_m),
-        velocity_mps: Position::new(target.vx_mps, target.vy_mps),
-    }
+    let law = Law::Straight { start_m: Position::new(target.x_m, target.y_m), velocity_mps: Position::new(target.vx_mps, target.vy_mps) };
+    Path { truth_id: target.truth_id.clone(), law }
 }
 
 fn random_path(plan: &RandomTargets, index: u32, seed: Seed) -> Path {
@@ -40,7 +94,8 @@ fn random_path(plan: &RandomTargets, index: u32, seed: Seed) -> Path {
     let half_m = plan.area_side_m / 2.0;
     let mut between = |low: f64, high: f64| low + (high - low) * draw.random::<f64>();
     let start_m = Position::new(between(-half_m, half_m), between(-half_m, half_m));
-    let heading_rad = between(0.0, std::f64::consts::TAU);
+    let heading_rad = between(0.0, TAU);
     let speed_mps = between(plan.speed_min_mps, plan.speed_max_mps);
-    Path { truth_id: (index + 1).to_string(), start_m, velocity_mps: Position::new(heading_rad.sin(), heading_rad.cos()) * speed_mps }
+    let velocity_mps = Position::new(heading_rad.sin(), heading_rad.cos()) * speed_mps;
+    Path { truth_id: (index + 1).to_string(), law: Law::Straight { start_m, velocity_mps } }
 }

@@ -35,11 +35,13 @@ pub struct History {
     pub(super) started: u32,
     /// Serials of the tracks that were ever confirmed.
     pub(super) confirmed: Vec<u32>,
+    /// Names of the tracks that were given at the start; theirs are the first serials.
+    pub(super) names: Vec<String>,
 }
 
 impl History {
     pub(super) fn new(unpack: fn(&PackedState) -> Estimate) -> Self {
-        History { unpack, pieces: Vec::new(), candidates: Vec::new(), started: 0, confirmed: Vec::new() }
+        History { unpack, pieces: Vec::new(), candidates: Vec::new(), started: 0, confirmed: Vec::new(), names: Vec::new() }
     }
 
     pub(super) fn push(&mut self, entry: Entry) {
@@ -58,14 +60,16 @@ impl History {
         self.pieces.push(piece);
     }
 
-    /// The tracks that were ever confirmed, from their first detection on, named 1, 2, … in order of initiation.
+    /// The tracks that were ever confirmed, from their first detection on, named 1, 2, … in order of initiation; those that
+    /// were given keep their names.
     pub fn into_tracks(mut self, recording: &Recording) -> TrackSet {
         self.confirmed.sort_unstable();
         let mut number_of = vec![u32::MAX; self.started as usize];
         let mut tracks: Vec<Track> = Vec::with_capacity(self.confirmed.len());
         for (index, &serial) in self.confirmed.iter().enumerate() {
             number_of[serial as usize] = index as u32;
-            tracks.push(Track { track_id: (index + 1).to_string(), points: Vec::new() });
+            let track_id = self.names.get(serial as usize).cloned().unwrap_or_else(|| (index + 1).to_string());
+            tracks.push(Track { track_id, points: Vec::new() });
         }
         let mut first_candidate = 0;
         for entry in self.pieces.iter().flatten() {

@@ -1,5 +1,6 @@
 //! How tracks begin. One point: every detection that no track used is a track at rest. Two points: such a detection waits
-//! for the next scan of its sensor, and the two together are a track with a speed.
+//! for the next scan of its sensor, and the two together are a track with a speed. Truth: the tracker was given its tracks
+//! before the first scan, and no detection starts another one.
 //!
 //! # Reference
 //! Y. Bar-Shalom, X.-R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigation, 2001, section 5.5.3
@@ -33,7 +34,14 @@ use serde::Deserialize;
 #[serde(tag = "method", rename_all = "snake_case")]
 pub enum Initiation {
     OnePoint,
-    TwoPoint { max_speed_mps: f64 },
+    TwoPoint {
+        max_speed_mps: f64,
+    },
+    /// The sigmas are of the rates of the given tracks, which others make.
+    Truth {
+        speed_sigma_mps: f64,
+        rate_sigma_degps: f64,
+    },
 }
 
 static ONE_POINT: Object = Object {
@@ -53,11 +61,36 @@ static TWO_POINT: Object = Object {
     }],
 };
 
+static TRUTH: Object = Object {
+    name: "TruthInitiation",
+    summary: "Tracks begin at the truth of the first scan, with noise; nothing else begins a track and these never end: for comparing associators alone. A track is called like its target. It needs truth with the input.",
+    fields: &[
+        Field {
+            name: "speed_sigma_mps",
+            summary: "Standard deviation of each velocity component of a track in the plane; its position has the noise of one detection.",
+            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e5), unit: "m/s" },
+            presence: Presence::Default("0.1"),
+        },
+        Field {
+            name: "rate_sigma_degps",
+            summary: "Standard deviation of the bearing rate of a track of bearings; its bearing has the noise of one detection.",
+            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(360.0), unit: "deg/s" },
+            presence: Presence::Default("0.1"),
+        },
+    ],
+};
+
 pub(super) static INITIATION: Union = Union {
     name: "Initiation",
     summary: "How tracks begin.",
     tag: "method",
-    variants: || vec![Variant { tag: "one_point", object: &ONE_POINT }, Variant { tag: "two_point", object: &TWO_POINT }],
+    variants: || {
+        vec![
+            Variant { tag: "one_point", object: &ONE_POINT },
+            Variant { tag: "two_point", object: &TWO_POINT },
+            Variant { tag: "truth", object: &TRUTH },
+        ]
+    },
 };
 
 /// An unused detection as a state without a known speed.

@@ -1,6 +1,7 @@
 //! The life of a track: started by detections that no track used ([`super::initiation`]), confirmed by hits or by score
 //! ([`super::confirmation`]), deleted after `max_missed` scans in a row without a detection, when its score says so, or when
 //! its position has become too uncertain (which also ends a track of a soft associator, whose weights may never be a miss).
+//! A track that was given at the start is confirmed from then on and never deleted: a lost one is to be judged, not forgotten.
 //!
 //! Confirmed tracks choose among all detections of a scan first, tentative ones among what is left, and what no track used
 //! goes to the initiation. So a detection inside a confirmed track's gate starts a track only if it stayed unused by all. A
@@ -93,13 +94,15 @@ pub(super) struct Life {
     missed: u32,
     is_confirmed: bool,
     is_over: bool,
+    /// Whether no rule of deletion applies to it.
+    is_given: bool,
     score: Score,
 }
 
 impl Lifecycle {
     /// A track after its first detection.
     pub(super) fn start(&self) -> Life {
-        let mut life = Life { hits: 0, missed: 0, is_confirmed: false, is_over: false, score: Score::default() };
+        let mut life = Life { hits: 0, missed: 0, is_confirmed: false, is_over: false, is_given: false, score: Score::default() };
         self.advance(&mut life, true, 0.0);
         life
     }
@@ -121,12 +124,13 @@ impl Lifecycle {
                 life.is_over |= rule.is_over(&life.score, life.is_confirmed);
             }
         }
+        life.is_over &= !life.is_given;
     }
 
     /// Ends a track whose position is too uncertain to be of use.
     #[inline]
     pub(super) fn limit<const N: usize>(&self, life: &mut Life, covariance: &SMatrix<f64, N, N>) {
-        if let Some(limit_m) = self.max_position_sigma_m {
+        if let Some(limit_m) = self.max_position_sigma_m.filter(|_| !life.is_given) {
             life.is_over |= largest_variance(covariance) > limit_m * limit_m;
         }
     }
@@ -147,6 +151,11 @@ fn largest_variance<const N: usize>(covariance: &SMatrix<f64, N, N>) -> f64 {
 }
 
 impl Life {
+    /// A track that was there before the first scan.
+    pub(super) fn given() -> Life {
+        Life { hits: 0, missed: 0, is_confirmed: true, is_over: false, is_given: true, score: Score::default() }
+    }
+
     /// Ends the track with this scan.
     pub(super) fn end(&mut self) {
         self.is_over = true;
@@ -220,6 +229,21 @@ mod tests {
         assert_eq!(statuses(&scored, "1110010000"), "ttcccccxxx", "6, then 2, 5, 3, 1 and, 5 below the highest, the end");
         let impatient = Lifecycle { max_missed: 2, ..scored };
         assert_eq!(statuses(&impatient, "11100"), "ttccx", "misses in a row end a track before its score does");
+    }
+
+    #[test]
+    fn no_rule_ends_a_track_that_was_given() {
+        let rule = ScoreRule { false_track_probability: 0.005, missed_track_probability: 0.1, max_score_drop: 5.0 };
+        for lifecycle in [LIFE, Lifecycle { confirmation: Confirmation::Score(rule), ..LIFE }] {
+            let lifecycle = Lifecycle { max_position_sigma_m: Some(1.0), ..lifecycle };
+            let mut life = Life::given();
+            assert_eq!(life.status(), TrackStatus::Confirmed);
+            for _ in 0..10 {
+                lifecycle.advance(&mut life, false, -2.0);
+                lifecycle.limit(&mut life, &SMatrix::<f64, 4, 4>::from_diagonal_element(1e6));
+                assert_eq!((life.is_over(), life.status()), (false, TrackStatus::Coasted));
+            }
+        }
     }
 
     #[test]

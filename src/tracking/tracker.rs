@@ -41,7 +41,7 @@ pub struct ScanOutcome {
     pub confirmed: u32,
     /// Detections that no track used.
     pub unused: u32,
-    /// Tracks that such detections started: one each, or one a pair.
+    /// Tracks that such detections started: one each, or one a pair. Of the first scan, the given ones too.
     pub started: u32,
 }
 
@@ -153,6 +153,17 @@ where
         }
     }
 
+    /// A track that is there from the start and never ends: its state at the time of the first scan, its name, and its target
+    /// for the oracle. To be called before the first scan.
+    pub fn give(&mut self, name: String, state: GaussianState<N>, origin: Option<u32>) {
+        debug_assert!(self.scans == 0 && self.history.started as usize == self.tracks.len(), "given tracks come before all others");
+        let serial = self.history.started;
+        self.history.started += 1;
+        self.history.names.push(name);
+        self.history.confirmed.push(serial);
+        self.tracks.push(ActiveTrack { serial, life: Life::given(), state, origin });
+    }
+
     /// Predict, gate, associate, update and manage, for one scan and its detections.
     pub fn step(&mut self, scan: &Scan, detections: &[Detection]) -> ScanOutcome {
         let transition = self.transition(scan.time_s);
@@ -170,7 +181,7 @@ where
         self.serve(scan, true);
         self.pose_tentative(scan);
         self.serve(scan, false);
-        let started_before = self.history.started;
+        let started_before = if self.scans == 0 { 0 } else { self.history.started };
         let unused = self.initiate(scan, detections);
         let mut confirmed = 0;
         self.tracks.retain(|track| {
@@ -330,6 +341,9 @@ where
 
     /// Starts tracks with the detections that no track used, and counts these.
     fn initiate(&mut self, scan: &Scan, detections: &[Detection]) -> u32 {
+        if let Initiation::Truth { .. } = self.parts.lifecycle.initiation {
+            return self.view.used.iter().filter(|is_used| !**is_used).count() as u32;
+        }
         let mut unused = 0;
         for (index, detection) in detections.iter().enumerate() {
             if self.view.used[index] {

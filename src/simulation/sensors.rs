@@ -1,0 +1,89 @@
+//! The sensors of a scenario: whether what is told of one fits together and fits the targets, and what a tracker may know of it.
+
+use crate::model::fault::Fault;
+use crate::model::scenario::{ReportNoise, ScenarioSensor, TargetPlan};
+use crate::model::sensor::SensorSettings;
+
+/// Noises that do not say what the sensor reports, places where targets have none, no field of view where they have, and
+/// clutter stated twice or of the wrong kind.
+pub(super) fn faults(index: usize, sensor: &ScenarioSensor, targets: &TargetPlan) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    match (sensor.noise(), targets) {
+        (None, _) => faults.push(unclear_noise(index, sensor)),
+        (Some(ReportNoise::Position { .. } | ReportNoise::RangeBearing { .. }), TargetPlan::Bearings(_)) => {
+            let detail = format!("targets of bearings have no places, which sensor '{}' reports", sensor.sensor_id);
+            faults.push(Fault::new(format!("/sensors/{index}"), "conflict", detail).allowing("sigma_bearing_deg alone"));
+        }
+        _ => {}
+    }
+    if sensor.max_range_m.is_none() && !matches!(targets, TargetPlan::Bearings(_)) {
+        let detail = "'max_range_m' is required where targets have places";
+        faults.push(Fault::new(format!("/sensors/{index}/max_range_m"), "missing", detail).allowing("> 0 m"));
+    }
+    faults.extend(clutter_faults(index, sensor));
+    faults
+}
+
+fn clutter_faults(index: usize, sensor: &ScenarioSensor) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    let mut refuse = |field: &str, code: &str, detail: String, allowed: &str| {
+        faults.push(Fault::new(format!("/sensors/{index}/{field}"), code, detail).allowing(allowed));
+    };
+    let name = &sensor.sensor_id;
+    if sensor.clutter_per_deg.is_some() && sensor.clutter_per_scan.is_some() {
+        refuse(
+            "clutter_per_deg",
+            "conflict",
+            format!("the clutter of sensor '{name}' is stated twice"),
+            "clutter_per_scan or clutter_per_deg",
+        );
+    }
+    if sensor.clutter_per_deg.is_some() && sensor.noise().is_some() && !is_of_bearings(sensor) {
+        let detail = format!("sensor '{name}' does not report bearings alone");
+        refuse("clutter_per_deg", "unsupported", detail, "clutter_per_scan");
+    }
+    if sensor.clutter_within_deg.is_some() && sensor.clutter_per_deg.is_none() {
+        let detail = "clutter near targets needs its density: 'clutter_per_deg' is missing".to_owned();
+        refuse("clutter_within_deg", "missing", detail, "with clutter_per_deg");
+    }
+    faults
+}
+
+fn is_of_bearings(sensor: &ScenarioSensor) -> bool {
+    matches!(sensor.noise(), Some(ReportNoise::Bearing { .. }))
+}
+
+/// The noises of a sensor must be those of one kind of report, all of them.
+fn unclear_noise(index: usize, sensor: &ScenarioSensor) -> Fault {
+    let given = [
+        ("sigma_x_m", sensor.sigma_x_m),
+        ("sigma_y_m", sensor.sigma_y_m),
+        ("sigma_range_m", sensor.sigma_range_m),
+        ("sigma_bearing_deg", sensor.sigma_bearing_deg),
+        ("sigma_range_rate_mps", sensor.sigma_range_rate_mps),
+    ];
+    let names: Vec<&str> = given.iter().filter(|(_, value)| value.is_some()).map(|(name, _)| *name).collect();
+    let (code, found) = if names.len() < 2 { ("missing", "do") } else { ("conflict", "together do") };
+    let detail = format!("the noises of sensor '{}' ({}) {found} not say what it reports", sensor.sensor_id, names.join(", "));
+    Fault::new(format!("/sensors/{index}"), code, detail)
+        .allowing("sigma_x_m, sigma_y_m; or sigma_range_m, sigma_bearing_deg[, sigma_range_rate_mps]; or sigma_bearing_deg alone")
+}
+
+/// Clutter is stated over what the sensor reports: an area, or all directions.
+pub(super) fn settings(sensor: &ScenarioSensor) -> SensorSettings {
+    let is_of_bearings = is_of_bearings(sensor);
+    SensorSettings {
+        sensor_id: sensor.sensor_id.clone(),
+        x_m: Some(sensor.x_m),
+        y_m: Some(sensor.y_m),
+        max_range_m: sensor.max_range_m,
+        p_d: Some(sensor.p_d),
+        clutter_per_m2: sensor.clutter_per_m2().filter(|_| !is_of_bearings),
+        clutter_per_deg: is_of_bearings.then(|| sensor.clutter_per_deg.unwrap_or_else(|| sensor.mean_clutter() / 360.0)),
+        sigma_x_m: sensor.sigma_x_m,
+        sigma_y_m: sensor.sigma_y_m,
+        sigma_range_m: sensor.sigma_range_m,
+        sigma_bearing_deg: sensor.sigma_bearing_deg,
+        sigma_range_rate_mps: sensor.sigma_range_rate_mps,
+    }
+}
