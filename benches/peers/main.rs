@@ -123,7 +123,7 @@ fn parts_of(spec: &Value) -> Result<TrackerParts<Kalman>, Failure> {
         sensors: vec![Sensor {
             sensor_id: radar.sensor_id.clone(),
             p_d: radar.p_d,
-            clutter_density: radar.clutter_per_m2(),
+            clutter_density: radar.clutter_per_m2().unwrap_or_default(),
             report: Report::Position { sigma_x_m, sigma_y_m },
         }],
     })

@@ -4,7 +4,7 @@
 //! A detection within the gate of the target's true place counts as seen, whoever made it.
 
 use super::EvaluationInput;
-use super::comparison::{Comparison, Step};
+use super::comparison::{Comparison, Shape, Step};
 use super::events::{Event, EventKind, EventLog};
 use crate::model::scan::Recording;
 use crate::model::state::Position;
@@ -31,7 +31,8 @@ pub struct Break {
     pub cause: BreakCause,
     /// The target that the track followed from then on.
     pub other_truth_id: Option<String>,
-    /// How many scans up to this one, in a row, had no detection within the gate of the target; null without detections.
+    /// How many scans up to this one, in a row, had no detection within the gate of the target; null without detections, and of
+    /// directions.
     pub unseen_scans: Option<usize>,
     /// When the track was last given a detection; null where tracks do not say.
     pub last_detection_time_s: Option<f64>,
@@ -39,7 +40,8 @@ pub struct Break {
 
 /// Every break, in order of time.
 pub fn explain(comparison: &Comparison, log: &EventLog, input: Option<&EvaluationInput>) -> Vec<Break> {
-    let recording = input.and_then(|input| input.recording).filter(|recording| !recording.detections.is_empty());
+    let recording = input.and_then(|input| input.recording);
+    let recording = recording.filter(|recording| comparison.shape == Shape::Points && !recording.detections.is_empty());
     let breaks = log.events.iter().filter(|event| event.kind == EventKind::Break);
     breaks
         .filter_map(|event| {

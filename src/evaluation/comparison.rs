@@ -8,11 +8,13 @@
 //! 3. The tracks at each step: the points at exactly that time; of several points of one track the last counts.
 //! 4. The pairs with a distance of at most `reach_m`, found by a sweep along x.
 //!
+//! Directions stand in it as places (bearing in degrees, 0), and their distances take the shorter way round.
+//!
 //! Costs are in proportion to points and pairs, apart from sorting.
 
 use super::EvaluationInput;
 use crate::model::state::Position;
-use crate::model::track::TrackSet;
+use crate::model::track::{Estimate, TrackSet};
 use crate::model::truth::{Target, TruthSet};
 use std::ops::Range;
 
@@ -40,7 +42,7 @@ pub struct Step {
 pub struct Presence {
     /// Index into [`Comparison::truth_ids`] or [`Comparison::track_ids`].
     pub id: u32,
-    /// Of boxes: their centres, in pixels.
+    /// Of boxes: their centres, in pixels. Of directions: the bearing in degrees, and 0.
     pub position_m: Position,
     pub velocity_mps: Option<Position>,
     /// Of a track: index of the point in its track.
@@ -53,9 +55,9 @@ pub struct Pair {
     /// Index into the whole lists [`Comparison::truths`] and [`Comparison::tracks`].
     pub truth: u32,
     pub track: u32,
-    /// Of points: metres. Of boxes: 1 − intersection over union.
+    /// Of points: metres. Of directions: degrees. Of boxes: 1 − intersection over union.
     pub distance: f64,
-    /// From 0 (strangers) to 1 (the same). Of points: 1 − distance / (2 · gate), at least 0, so one half at the gate.
+    /// From 0 (strangers) to 1 (the same). Of points and directions: 1 − distance / (2 · gate), at least 0, so one half at the gate.
     pub similarity: f64,
 }
 
@@ -63,14 +65,28 @@ pub struct Pair {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
     Points,
+    Bearings,
     Boxes,
+}
+
+impl Shape {
+    /// What is added to a place to find it again: directions repeat after a turn.
+    pub fn turns(self) -> &'static [f64] {
+        if self == Shape::Bearings { &[0.0, -360.0, 360.0] } else { &[0.0] }
+    }
+
+    /// Of directions the shorter way round.
+    pub fn distance(self, left: &Position, right: &Position) -> f64 {
+        let distance = (left - right).norm();
+        if self == Shape::Bearings { distance.min(360.0 - distance) } else { distance }
+    }
 }
 
 /// The table. Within a step, truths and tracks rise by id, pairs by truth, then track.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
     pub shape: Shape,
-    /// Largest distance of a match: metres, or 1 − intersection over union.
+    /// Largest distance of a match: metres, degrees, or 1 − intersection over union.
     pub gate: f64,
     pub truth_ids: Vec<String>,
     pub track_ids: Vec<String>,
@@ -81,7 +97,7 @@ pub struct Comparison {
     pub warnings: Vec<String>,
 }
 
-/// How points are compared.
+/// How points are compared; for directions the gate and the reach are in degrees, at most 90.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointSettings {
     pub alignment: Alignment,
@@ -92,10 +108,11 @@ pub struct PointSettings {
 }
 
 impl Comparison {
-    /// Compares points. `truth` is the truth of `input`.
+    /// Compares points, or directions where both sides are. `truth` is the truth of `input`.
     pub fn of_points(input: &EvaluationInput, truth: &TruthSet, settings: &PointSettings) -> Comparison {
+        let shape = if truth.is_of_bearings() && input.tracks.is_of_bearings() { Shape::Bearings } else { Shape::Points };
         let mut comparison = Comparison {
-            shape: Shape::Points,
+            shape,
             gate: settings.gate_m,
             truth_ids: truth.targets().iter().map(|target| target.truth_id.clone()).collect(),
             track_ids: input.tracks.tracks.iter().map(|track| track.track_id.clone()).collect(),
@@ -106,10 +123,10 @@ impl Comparison {
             warnings: Vec::new(),
         };
         let times_s = step_times(input, truth, &mut comparison.warnings);
-        let (truths, tracks) = (truths_at(truth, &times_s, settings.alignment), tracks_at(input.tracks, &times_s));
+        let (truths, tracks) = (truths_at(truth, &times_s, shape, settings.alignment), tracks_at(input.tracks, &times_s, shape));
         comparison.warn_of_strangers(&truths, truth, &tracks, input.tracks);
         for ((&time_s, truths), tracks) in times_s.iter().zip(truths).zip(tracks) {
-            comparison.push_step(time_s, truths, tracks, |truths, tracks, found| near_pairs(truths, tracks, settings, found));
+            comparison.push_step(time_s, truths, tracks, |truths, tracks, found| near_pairs(truths, tracks, shape, settings, found));
         }
         comparison
     }
@@ -146,7 +163,7 @@ impl Comparison {
     /// The similarity of a pair at this distance.
     pub fn similarity(&self, distance: f64) -> f64 {
         let zero_at = match self.shape {
-            Shape::Points => 2.0 * self.gate,
+            Shape::Points | Shape::Bearings => 2.0 * self.gate,
             Shape::Boxes => 1.0,
         };
         (1.0 - distance / zero_at).max(0.0)
@@ -154,12 +171,10 @@ impl Comparison {
 
     fn warn_of_strangers(&mut self, truths: &[Vec<Presence>], truth: &TruthSet, tracks: &[Vec<Presence>], set: &TrackSet) {
         for (name, is_of_bearings) in [("truth", truth.is_of_bearings()), ("tracks", set.is_of_bearings())] {
-            if is_of_bearings {
+            if self.shape == Shape::Points && is_of_bearings {
                 self.warnings.push(format!("the {name} are directions (bearing_deg) without places: nothing is compared in metres"));
+                return;
             }
-        }
-        if truth.is_of_bearings() || set.is_of_bearings() {
-            return;
         }
         let is_listed = |targets: usize, lists: &[Vec<Presence>]| targets > 0 && lists.iter().all(Vec::is_empty);
         if is_listed(truth.targets().len(), truths) {
@@ -197,7 +212,7 @@ fn sorted(times_s: impl Iterator<Item = f64>) -> Vec<f64> {
     times_s
 }
 
-fn truths_at(truth: &TruthSet, times_s: &[f64], alignment: Alignment) -> Vec<Vec<Presence>> {
+fn truths_at(truth: &TruthSet, times_s: &[f64], shape: Shape, alignment: Alignment) -> Vec<Vec<Presence>> {
     let mut lists = vec![Vec::new(); times_s.len()];
     let (Alignment::Interpolate { max_gap_s } | Alignment::Nearest { max_gap_s }) = alignment;
     let margin_s = if matches!(alignment, Alignment::Nearest { .. }) { max_gap_s } else { 0.0 };
@@ -206,7 +221,7 @@ fn truths_at(truth: &TruthSet, times_s: &[f64], alignment: Alignment) -> Vec<Vec
         let from = times_s.partition_point(|&time_s| time_s < first.time_s - margin_s);
         let until = times_s.partition_point(|&time_s| time_s <= last.time_s + margin_s);
         for (step, &time_s) in times_s.iter().enumerate().take(until).skip(from) {
-            lists[step].extend(aligned(target, time_s, alignment).map(|(position_m, velocity_mps)| Presence {
+            lists[step].extend(aligned(target, time_s, shape, alignment).map(|(position_m, velocity_mps)| Presence {
                 id: id as u32,
                 position_m,
                 velocity_mps,
@@ -218,19 +233,36 @@ fn truths_at(truth: &TruthSet, times_s: &[f64], alignment: Alignment) -> Vec<Vec
 }
 
 /// Position and velocity of a target at a time.
-fn aligned(target: &Target, time_s: f64, alignment: Alignment) -> Option<(Position, Option<Position>)> {
-    match alignment {
-        Alignment::Interpolate { max_gap_s } => {
+fn aligned(target: &Target, time_s: f64, shape: Shape, alignment: Alignment) -> Option<(Position, Option<Position>)> {
+    match (alignment, shape) {
+        (Alignment::Interpolate { max_gap_s }, Shape::Bearings) => Some((direction(target.bearing_at(time_s, max_gap_s)?), None)),
+        (Alignment::Nearest { max_gap_s }, Shape::Bearings) => {
+            Some((direction(target.nearest_point(time_s, max_gap_s)?.bearing_rad()?), None))
+        }
+        (Alignment::Interpolate { max_gap_s }, _) => {
             target.position_at(time_s, max_gap_s).map(|position_m| (position_m, target.velocity_at(time_s, max_gap_s)))
         }
-        Alignment::Nearest { max_gap_s } => {
+        (Alignment::Nearest { max_gap_s }, _) => {
             let point = target.nearest_point(time_s, max_gap_s)?;
             Some((point.position_m()?, target.velocity_at(point.time_s, f64::INFINITY)))
         }
     }
 }
 
-fn tracks_at(set: &TrackSet, times_s: &[f64]) -> Vec<Vec<Presence>> {
+fn direction(bearing_rad: f64) -> Position {
+    Position::new(bearing_rad.to_degrees().rem_euclid(360.0), 0.0)
+}
+
+/// Position and velocity that a track says; a direction is no place, unless directions are compared.
+fn told(estimate: &Estimate, shape: Shape) -> Option<(Position, Option<Position>)> {
+    match (estimate, shape) {
+        (Estimate::Bearing(bearing), Shape::Bearings) => Some((direction(bearing.bearing_rad), None)),
+        (Estimate::Plane(plane), Shape::Points) => Some((plane.position_m(), plane.velocity_mps())),
+        _ => None,
+    }
+}
+
+fn tracks_at(set: &TrackSet, times_s: &[f64], shape: Shape) -> Vec<Vec<Presence>> {
     let mut lists: Vec<Vec<Presence>> = vec![Vec::new(); times_s.len()];
     for (id, track) in set.tracks.iter().enumerate() {
         let mut step = 0;
@@ -239,9 +271,7 @@ fn tracks_at(set: &TrackSet, times_s: &[f64]) -> Vec<Vec<Presence>> {
             if times_s.get(step) != Some(&point.time_s) {
                 continue;
             }
-            // A direction is no place.
-            let Some(plane) = point.estimate.plane() else { continue };
-            let (position_m, velocity_mps) = (plane.position_m(), plane.velocity_mps());
+            let Some((position_m, velocity_mps)) = told(&point.estimate, shape) else { continue };
             let presence = Presence { id: id as u32, position_m, velocity_mps, point: index as u32 };
             match lists[step].last_mut() {
                 Some(last) if last.id == presence.id => *last = presence,
@@ -252,19 +282,28 @@ fn tracks_at(set: &TrackSet, times_s: &[f64]) -> Vec<Vec<Presence>> {
     lists
 }
 
-/// The pairs within reach: for each truth the tracks whose x is near enough are looked at.
-fn near_pairs(truths: &[Presence], tracks: &[Presence], settings: &PointSettings, found: &mut dyn FnMut(usize, usize, f64, f64)) {
+/// The pairs within reach: for each truth the tracks whose x is near enough are looked at, at every turn.
+fn near_pairs(
+    truths: &[Presence],
+    tracks: &[Presence],
+    shape: Shape,
+    settings: &PointSettings,
+    found: &mut dyn FnMut(usize, usize, f64, f64),
+) {
     let mut by_x: Vec<(f64, usize)> = tracks.iter().enumerate().map(|(index, track)| (track.position_m.x, index)).collect();
     by_x.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     for (truth, place) in truths.iter().enumerate() {
-        let from = by_x.partition_point(|&(x_m, _)| x_m < place.position_m.x - settings.reach_m);
-        for &(x_m, track) in &by_x[from..] {
-            if x_m > place.position_m.x + settings.reach_m {
-                break;
-            }
-            let distance_m = (tracks[track].position_m - place.position_m).norm();
-            if distance_m <= settings.reach_m {
-                found(truth, track, distance_m, (1.0 - distance_m / (2.0 * settings.gate_m)).max(0.0));
+        for turn in shape.turns() {
+            let position_m = place.position_m + Position::new(*turn, 0.0);
+            let from = by_x.partition_point(|&(x_m, _)| x_m < position_m.x - settings.reach_m);
+            for &(x_m, track) in &by_x[from..] {
+                if x_m > position_m.x + settings.reach_m {
+                    break;
+                }
+                let distance_m = (tracks[track].position_m - position_m).norm();
+                if distance_m <= settings.reach_m {
+                    found(truth, track, distance_m, (1.0 - distance_m / (2.0 * settings.gate_m)).max(0.0));
+                }
             }
         }
     }

@@ -7,7 +7,7 @@ use super::tables::Table;
 use super::text;
 use crate::evaluation::EvaluationInput;
 use crate::evaluation::breaks::{self, Break};
-use crate::evaluation::comparison::{Alignment, Comparison, PointSettings};
+use crate::evaluation::comparison::{Alignment, Comparison, PointSettings, Shape};
 use crate::evaluation::events::{EventKind, EventLog};
 use crate::evaluation::metrics::{METRICS, Metric, MetricReport, Quantity, Sequence, Series};
 use crate::model::boxes::BoxSet;
@@ -63,6 +63,7 @@ struct Named {
 #[derive(Debug, Clone, Copy, Deserialize)]
 struct Settings {
     gate_m: f64,
+    gate_deg: f64,
     min_iou: f64,
     alignment: Aligned,
 }
@@ -138,6 +139,15 @@ fn metrics_of(spec: &Value) -> Result<Vec<Named>, RunError> {
     Ok(metrics)
 }
 
+/// The metrics that directions can be judged by.
+pub(super) const FOR_BEARINGS: &str = "track_keeping";
+
+/// Whether this entry of `metrics` is one of [`FOR_BEARINGS`].
+pub(super) fn accepts_bearings(body: &Value) -> bool {
+    let entry = METRICS.iter().find(|entry| body["metric"] == entry.name);
+    entry.and_then(|entry| (entry.build)(body).ok()).is_some_and(|metric| metric.accepts(Shape::Bearings))
+}
+
 fn compare(spec: &Value, subjects: &[Subject], metrics: &[Named]) -> Result<Vec<Comparison>, RunError> {
     let settings = Settings::deserialize(&spec["comparison"])
         .map_err(|error| RunError::Faults(vec![Fault::new("/comparison", "malformed", error.to_string())]))?;
@@ -146,9 +156,10 @@ fn compare(spec: &Value, subjects: &[Subject], metrics: &[Named]) -> Result<Vec<
         Aligned::Nearest { max_gap_s } => Alignment::Nearest { max_gap_s },
     };
     let reach_m = metrics.iter().map(|named| named.metric.reach_m(settings.gate_m)).fold(settings.gate_m, f64::max);
-    let points = PointSettings { alignment, gate_m: settings.gate_m, reach_m };
+    let places = PointSettings { alignment, gate_m: settings.gate_m, reach_m };
+    let directions = PointSettings { alignment, gate_m: settings.gate_deg, reach_m: settings.gate_deg };
     let comparison = |subject: &Subject| match &subject.content {
-        Content::Points { input, truth } => Comparison::of_points(input, truth, &points),
+        Content::Points { input, truth } => Comparison::of_points(input, truth, if truth.is_of_bearings() { &directions } else { &places }),
         Content::Boxes { truth, tracks } => Comparison::of_boxes(truth, tracks, settings.min_iou),
     };
     let comparisons: Vec<Comparison> = subjects.iter().map(comparison).collect();
@@ -178,17 +189,19 @@ fn span_s(times_s: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     })
 }
 
-/// A metric of metres says nothing of boxes.
+/// A metric of metres says nothing of boxes or directions.
 fn refuse_shapes(metrics: &[Named], comparisons: &[Comparison]) -> Result<(), RunError> {
-    let is_unfit = |named: &&Named| comparisons.iter().any(|comparison| !named.metric.accepts(comparison.shape));
-    let unfit: Vec<Fault> = metrics
-        .iter()
-        .filter(is_unfit)
-        .map(|named| {
-            let detail = format!("'{}' is defined for positions in metres, not for boxes", named.name);
-            Fault::new("/metrics", "unsupported", detail).allowing("hota, clear, identity (profile vision)")
-        })
-        .collect();
+    let unfit_shape = |named: &Named| comparisons.iter().map(|comparison| comparison.shape).find(|shape| !named.metric.accepts(*shape));
+    let refusal = |named: &Named| {
+        let (found, allowed) = match unfit_shape(named)? {
+            Shape::Points => ("points", "hota, clear, identity"),
+            Shape::Bearings => ("directions", FOR_BEARINGS),
+            Shape::Boxes => ("boxes", "hota, clear, identity (profile vision)"),
+        };
+        let detail = format!("'{}' is defined for positions in metres, not for {found}", named.name);
+        Some(Fault::new("/metrics", "unsupported", detail).allowing(allowed))
+    };
+    let unfit: Vec<Fault> = metrics.iter().filter_map(refusal).collect();
     if unfit.is_empty() { Ok(()) } else { Err(RunError::Faults(unfit)) }
 }
 
@@ -205,6 +218,9 @@ fn report_value(report: &MetricReport) -> Value {
     });
     if let Some(reason) = report.reason {
         value["reason"] = json!(reason);
+    }
+    if !report.findings.is_null() {
+        value["findings"] = report.findings.clone();
     }
     value
 }

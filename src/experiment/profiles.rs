@@ -1,9 +1,8 @@
 //! Profiles: the metrics that a kind of user expects, when the request does not list any.
 
-use super::associate;
-use super::plan::InputRequest;
+use super::plan::{self, InputRequest};
+use super::{associate, judge};
 use crate::evaluation::metrics::METRIC;
-use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
 use crate::registry::{self, Kind};
 use serde_json::{Value, json};
@@ -11,27 +10,38 @@ use serde_json::{Value, json};
 /// Fills `metrics` from the profile where truth will be there, and refuses metrics that are asked for without truth or of
 /// tracks that will be directions.
 pub(super) fn fill_metrics(spec: &mut Value, inputs: &[InputRequest], faults: &mut Vec<Fault>) {
-    let is_simulated = spec.pointer("/input/scenario").is_some();
-    let has_truth = is_simulated || inputs.iter().any(|input| input.role == DatasetKind::Truth);
+    let has_truth = plan::knows_truth(spec, inputs);
     let is_of_bearings = associate::filter_of(spec).is_ok_and(|(filter, _)| filter.is_of_bearings());
     match spec.get("metrics").and_then(Value::as_array).map(Vec::len) {
         Some(listed) if listed > 0 && !has_truth && !inputs.is_empty() => {
             faults.push(Fault::new("/truth", "missing", "'truth' is required when metrics are asked for"));
         }
-        Some(listed) if listed > 0 && is_of_bearings => {
-            let detail = "metrics compare places in metres; this filter makes directions, which the automaton judges";
-            faults.push(Fault::new("/metrics", "unsupported", detail).allowing("an empty list"));
+        Some(_) if is_of_bearings && !spec["metrics"].as_array().is_some_and(|bodies| bodies.iter().all(judge::accepts_bearings)) => {
+            let detail = "most metrics compare places in metres; this filter makes directions, which the automaton judges";
+            faults.push(Fault::new("/metrics", "unsupported", detail).allowing(judge::FOR_BEARINGS));
         }
         None if spec.get("metrics").is_none() => {
-            let names = if has_truth && !is_of_bearings { metrics_of(spec) } else { Vec::new() };
-            spec["metrics"] = Value::Array(names);
+            let metrics = match (has_truth, is_of_bearings) {
+                (false, _) => Vec::new(),
+                (true, false) => metrics_of(spec),
+                (true, true) => metrics_of_bearings(spec),
+            };
+            spec["metrics"] = Value::Array(metrics);
         }
         _ => {}
     }
 }
 
+/// Tracks that begin at the truth carry the names of their targets.
+fn metrics_of_bearings(spec: &Value) -> Vec<Value> {
+    let is_named = spec.pointer("/tracker/initiation/method") == Some(&json!("truth")) && spec["profile"] == "tracking";
+    let body = json!({"metric": "track_keeping"});
+    if is_named { vec![registry::check_field(&body, &ENTRY, "", &mut Vec::new())] } else { Vec::new() }
+}
+
+static ENTRY: Kind = Kind::Union(&METRIC);
+
 fn metrics_of(spec: &Value) -> Vec<Value> {
-    static ENTRY: Kind = Kind::Union(&METRIC);
     let gate_m = &spec["comparison"]["gate_m"];
     let bodies = match spec["profile"].as_str() {
         Some("tracking") => vec![

@@ -400,6 +400,12 @@ pub static COMPARISON: Object = Object {
     fields: &[
         default("gate_m", "Largest distance of a match of points; a distance of exactly that is a match.", RANGE, "100.0"),
         default(
+            "gate_deg",
+            "The same of directions.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(90.0), unit: "deg" },
+            "5.0",
+        ),
+        default(
             "min_iou",
             "Smallest intersection over union of a match of boxes.",
             Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1.0), unit: "" },

@@ -15,6 +15,7 @@ use crate::model::track::TrackSet;
 use crate::model::truth::TruthSet;
 use serde::Deserialize;
 use serde_json::Value;
+use std::borrow::Cow;
 
 const OF_BEARINGS: &str = "directions (bearing_deg) are not compared in metres";
 
@@ -117,6 +118,7 @@ impl Scene {
         }
         let names: Vec<&str> =
             plan.spec["sequences"].as_array().into_iter().flatten().map(|sequence| sequence["name"].as_str().unwrap_or_default()).collect();
+        let mut spec = Cow::Borrowed(&plan.spec);
         let mut subjects = Vec::with_capacity(self.sides.len());
         for (index, sides) in self.sides.iter().enumerate() {
             subjects.push(subject_of(names.get(index).copied(), index, sides)?);
@@ -128,13 +130,14 @@ impl Scene {
             };
             let tracks = tracked.or(self.tracks.as_ref()).ok_or_else(|| missing("/tracks", "tracks"))?;
             if truth.is_of_bearings() || tracks.is_of_bearings() {
-                self.warnings.push(format!("{OF_BEARINGS}, so no metric was computed"));
-                return Ok(None);
+                let are_alike = truth.is_of_bearings() && tracks.is_of_bearings();
+                let Some(metrics) = metrics_of_bearings(&spec["metrics"], are_alike, &mut self.warnings) else { return Ok(None) };
+                spec.to_mut()["metrics"] = metrics;
             }
             let input = EvaluationInput { recording: self.recording.as_ref(), truth: Some(truth), tracks };
             subjects.push(Subject { name: "", content: Content::Points { input, truth } });
         }
-        judge::judge(&plan.spec, &subjects, observer).map(Some)
+        judge::judge(&spec, &subjects, observer).map(Some)
     }
 
     fn keep_side(&mut self, index: usize, dataset: Dataset) {
@@ -177,14 +180,29 @@ fn step(observer: &mut dyn Observer, step: Step, done: u64) -> Result<(), RunErr
     if observer.progress(step, done, 1).is_break() { Err(RunError::Stopped) } else { Ok(()) }
 }
 
+/// Those of the metrics that directions can be judged by; `None` when there is none, or when only one side are directions.
+fn metrics_of_bearings(metrics: &Value, are_alike: bool, warnings: &mut Vec<String>) -> Option<Value> {
+    let bodies = metrics.as_array().into_iter().flatten();
+    let (kept, others): (Vec<&Value>, Vec<&Value>) = bodies.partition(|body| are_alike && judge::accepts_bearings(body));
+    if kept.is_empty() {
+        warnings.push(format!("{OF_BEARINGS}, so no metric was computed"));
+        return None;
+    }
+    if !others.is_empty() {
+        let names: Vec<&str> = others.iter().filter_map(|body| body["metric"].as_str()).collect();
+        warnings.push(format!("{OF_BEARINGS}, so these metrics were not computed: {}", names.join(", ")));
+    }
+    Some(kept.into_iter().cloned().collect())
+}
+
 /// Truth and tracks of one sequence, or of a job that compares boxes.
 fn subject_of<'a>(name: Option<&'a str>, index: usize, sides: &'a Sides) -> Result<Subject<'a>, RunError> {
     let place = if name.is_some() { format!("/sequences/{index}") } else { String::new() };
     let refuse =
         |detail: &str, allowed: &str| RunError::Faults(vec![Fault::new(format!("{place}/truth"), "unsupported", detail).allowing(allowed)]);
     let content = match (&sides.truth, &sides.tracks) {
-        (Some(Dataset::Truth(truth)), Some(Dataset::Tracks(tracks))) if truth.is_of_bearings() || tracks.is_of_bearings() => {
-            return Err(refuse(OF_BEARINGS, "places (x_m, y_m)"));
+        (Some(Dataset::Truth(truth)), Some(Dataset::Tracks(tracks))) if truth.is_of_bearings() != tracks.is_of_bearings() => {
+            return Err(refuse(OF_BEARINGS, "truth and tracks of one kind"));
         }
         (Some(Dataset::Truth(truth)), Some(Dataset::Tracks(tracks))) => {
             Content::Points { input: EvaluationInput { recording: None, truth: Some(truth), tracks }, truth }

@@ -42,8 +42,8 @@ pub struct Assignment {
 }
 
 impl Metric for Assignment {
-    fn accepts(&self, _: Shape) -> bool {
-        true
+    fn accepts(&self, shape: Shape) -> bool {
+        shape != Shape::Bearings
     }
 
     fn reach_m(&self, gate_m: f64) -> f64 {

@@ -75,8 +75,8 @@ struct Counts {
 }
 
 impl Metric for Clear {
-    fn accepts(&self, _: Shape) -> bool {
-        true
+    fn accepts(&self, shape: Shape) -> bool {
+        shape != Shape::Bearings
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {

@@ -69,8 +69,8 @@ struct Sums {
 }
 
 impl Metric for Hota {
-    fn accepts(&self, _: Shape) -> bool {
-        true
+    fn accepts(&self, shape: Shape) -> bool {
+        shape != Shape::Bearings
     }
 
     /// Where similarity becomes 0.

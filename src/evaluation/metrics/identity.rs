@@ -27,8 +27,8 @@ static PARAMETERS: Object =
 pub struct Identity;
 
 impl Metric for Identity {
-    fn accepts(&self, _: Shape) -> bool {
-        true
+    fn accepts(&self, shape: Shape) -> bool {
+        shape != Shape::Bearings
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {

@@ -13,6 +13,7 @@ mod kinematics;
 mod ospa;
 mod siap;
 mod t_gospa;
+mod track_keeping;
 
 use super::EvaluationInput;
 use super::comparison::{Comparison, Shape};
@@ -102,6 +103,9 @@ pub struct MetricReport {
     pub per_track: Vec<Line>,
     /// Over time: of a single sequence only.
     pub series: Vec<Series>,
+    /// What it says besides numbers: of a single sequence only, and `null` where there is nothing.
+    #[serde(skip_serializing_if = "Value::is_null")]
+    pub findings: Value,
 }
 
 impl MetricReport {
@@ -112,8 +116,8 @@ impl MetricReport {
             None => (None, "", Some("not computed")),
         };
         let parameters = if let Value::Object(map) = parameters { map } else { Map::new() };
-        let (per_truth, per_track, series) = Default::default();
-        MetricReport { value, unit, reason, higher_is_better, parameters, quantities, per_truth, per_track, series }
+        let (per_truth, per_track, series, findings) = Default::default();
+        MetricReport { value, unit, reason, higher_is_better, parameters, quantities, per_truth, per_track, series, findings }
     }
 
     /// The value of a quantity, by name.
@@ -148,6 +152,7 @@ pub const METRICS: &[Method<BuildMetric>] = &[
     hota::METHOD,
     assignment::METHOD,
     kinematics::METHOD,
+    track_keeping::METHOD,
 ];
 
 pub static METRIC: Union = Union {

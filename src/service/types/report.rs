@@ -197,6 +197,10 @@ pub struct MetricReport {
     pub quantities: BTreeMap<String, Quantity>,
     /// Values over another axis than time.
     pub curves: Vec<Curve>,
+    /// What it says besides numbers, target by target; only of metrics that have it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Object, nullable = false)]
+    pub findings: Option<Value>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
