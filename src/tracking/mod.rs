@@ -4,10 +4,12 @@ mod confirmation;
 mod history;
 mod initiation;
 mod lifecycle;
+mod outcome;
 mod tracker;
 
 pub use confirmation::{Confirmation, ScoreRule};
 pub use history::History;
 pub use initiation::Initiation;
 pub use lifecycle::{LIFECYCLE, Lifecycle};
-pub use tracker::{Nis, ScanOutcome, Tracker, TrackerParts};
+pub use outcome::{Nis, ScanOutcome};
+pub use tracker::{Tracker, TrackerParts};

@@ -4,6 +4,7 @@ use super::confirmation;
 use super::history::{Entry, History};
 use super::initiation::{Initiation, Initiator, Pair, PairRule, Point};
 use super::lifecycle::{Life, Lifecycle};
+use super::outcome::{Nis, ScanOutcome};
 use crate::association::global_nearest_neighbour::GlobalNearestNeighbour;
 use crate::association::problem::{Edge, ScanProblem, Weights};
 use crate::association::{Associator, Needs, Trace};
@@ -31,35 +32,6 @@ pub struct TrackerParts<F> {
     pub lifecycle: Lifecycle,
     /// In the order of the recording's sensors.
     pub sensors: Vec<Sensor>,
-}
-
-/// What happened in one scan.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ScanOutcome {
-    /// Tracks alive after the scan.
-    pub tracks: u32,
-    pub confirmed: u32,
-    /// Detections that no track used.
-    pub unused: u32,
-    /// Tracks that such detections started: one each, or one a pair. Of the first scan, the given ones too.
-    pub started: u32,
-}
-
-/// Normalised innovation squared of the updates of confirmed tracks, each detection counted by its weight. A filter whose
-/// covariances are honest has a mean near the number of values of a measurement.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Nis {
-    weighted_sum: f64,
-    weight: f64,
-    /// Updates with a detection.
-    pub updates: u64,
-}
-
-impl Nis {
-    /// `None` before the first update.
-    pub fn mean(&self) -> Option<f64> {
-        (self.weight > 0.0).then(|| self.weighted_sum / self.weight)
-    }
 }
 
 /// A living track.
