@@ -98,7 +98,7 @@ fn parameters_of_initiation_and_confirmation_are_refused_with_their_range() {
     assert_eq!(told_of(two_point(json!("fast"))), [fault("initiation/max_speed_mps", "wrong_type", "a number")]);
     assert_eq!(told_of(json!({"initiation": {"method": "two_point"}})), [fault("initiation/max_speed_mps", "missing", "")]);
     let three_point = json!({"initiation": {"method": "three_point"}});
-    assert_eq!(told_of(three_point), [fault("initiation/method", "unknown_value", "one_point, two_point")]);
+    assert_eq!(told_of(three_point), [fault("initiation/method", "unknown_value", "one_point, two_point, truth")]);
     let one_point = json!({"initiation": {"method": "one_point", "max_speed_mps": 3.0}});
     assert_eq!(told_of(one_point), [fault("initiation/max_speed_mps", "unknown_field", "method")]);
     let score = json!({"confirmation": {
@@ -119,7 +119,7 @@ fn directions_have_no_speeds_and_no_positions() {
     let body = with(with(body(), "/filter", json!({"method": "bearing_only"})), "/tracker", tracker);
     let faults = plan(JobKind::Associate, &body).unwrap_err();
     let expected =
-        [("/tracker/initiation/method", "unsupported", "one_point"), ("/tracker/max_position_sigma_m", "unsupported", "no value")];
+        [("/tracker/initiation/method", "unsupported", "one_point, truth"), ("/tracker/max_position_sigma_m", "unsupported", "no value")];
     assert_eq!(told(&faults), expected);
 }
 
