@@ -138,7 +138,7 @@ fn tracked(method: &str, scenario: &Scenario, recording: &Recording) -> (f64, u6
         sensors: vec![Sensor {
             sensor_id: "radar".into(),
             p_d: sensor.p_d,
-            clutter_density: sensor.clutter_per_m2(),
+            clutter_density: sensor.clutter_per_m2().unwrap_or_default(),
             report: Report::Position { sigma_x_m, sigma_y_m },
         }],
     };

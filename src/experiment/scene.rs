@@ -80,7 +80,12 @@ impl Scene {
         let (filter, filter_name) = associate::filter_of(&plan.spec)?;
         let sensors = sensors::resolve(recording, &self.sensors, (&filter, filter_name), &mut self.warnings)?;
         let tracked = associate::track(&plan.spec, plan.stream(), (recording, self.truth.as_ref()), sensors.clone(), observer)?;
-        self.warnings.extend(clutter::disagreements(recording, &sensors, &self.sensors, &tracked.tracks));
+        // Clutter that lies near targets only is not spread over what the sensor watches: a comparison would mislead.
+        let is_local =
+            scenario_of(&plan.spec).is_some_and(|(scenario, _)| scenario.sensors.iter().any(|sensor| sensor.clutter_within_deg.is_some()));
+        if !is_local {
+            self.warnings.extend(clutter::disagreements(recording, &sensors, &self.sensors, &tracked.tracks));
+        }
         Ok(tracked)
     }
 
