@@ -4,7 +4,7 @@ use super::{associate, catalogue, presets, profiles, requests};
 use crate::math::rng::Seed;
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
-use crate::model::scenario::{Scenario, TargetPlan};
+use crate::model::scenario::Scenario;
 use crate::registry::{self, Kind};
 use crate::tracking::{Initiation, LIFECYCLE, Lifecycle};
 use serde::{Deserialize, Serialize};
@@ -229,10 +229,7 @@ fn check_scenario(spec: &Value, faults: &mut Vec<Fault>) -> Estimate {
     if let Err(found) = crate::simulation::check(&scenario) {
         faults.extend(found.into_iter().map(|fault| Fault { pointer: format!("{pointer}{}", fault.pointer), ..fault }));
     }
-    let targets = match &scenario.targets {
-        TargetPlan::Random(plan) => f64::from(plan.count),
-        TargetPlan::Listed { targets } => targets.len() as f64,
-    };
+    let targets = scenario.targets.count() as f64;
     let in_a_scan: f64 = scenario.sensors.iter().map(|sensor| targets * sensor.p_d + sensor.clutter_per_scan).sum();
     let detections = in_a_scan * f64::from(scenario.scans);
     if detections > requests::MAX_DETECTIONS {

@@ -16,6 +16,10 @@ pub enum Purpose {
     Clutter = 3,
     /// The choices of an associator that searches.
     Associator = 4,
+    /// The course of a formation, and place and phase of each of its targets.
+    Formation = 7,
+    /// Which targets all sensors see, and which one sees each of the others.
+    Coverage = 8,
 }
 
 /// The seed of a job and the number of the run within it.

@@ -1,6 +1,7 @@
 //! One scan of a sensor that reports positions, ranges and bearings, or bearings alone: detection with probability P_D,
 //! Gaussian noise on each value, and a Poisson number of false detections uniform over the field of view.
 
+use super::coverage::Coverage;
 use super::targets::Path;
 use crate::math::rng::{Purpose, Seed};
 use crate::model::scan::{Detection, Measurement};
@@ -14,7 +15,10 @@ use std::f64::consts::TAU;
 #[derive(Clone, Copy)]
 pub(super) struct Radar<'a> {
     pub sensor: &'a ScenarioSensor,
+    /// Its place among the sensors of the scenario.
+    pub index: usize,
     pub noise: ReportNoise,
+    pub coverage: &'a Coverage,
     /// Speed of the fastest target of the scene: range rates of false detections are uniform between it and its opposite.
     pub fastest_mps: f64,
 }
@@ -25,38 +29,30 @@ pub(super) fn is_in_view(sensor: &ScenarioSensor, position_m: &Position) -> bool
 }
 
 /// The detections of one scan, targets first. `seen[path]` is the index of the path's target in the recording.
-pub(super) fn scan(
-    radar: Radar,
-    sensor_index: u64,
-    scan_index: u64,
-    time_s: f64,
-    paths: &[Path],
-    seen: &[Option<u32>],
-    seed: Seed,
-) -> Vec<Detection> {
+pub(super) fn scan(radar: Radar, scan_index: u64, time_s: f64, paths: &[Path], seen: &[Option<u32>], seed: Seed) -> Vec<Detection> {
     let mut found = Vec::new();
     for (index, path) in paths.iter().enumerate() {
         let position_m = path.position_at(time_s);
-        if is_in_view(radar.sensor, &position_m) {
-            let entity = (sensor_index << 32) | index as u64;
+        if radar.coverage.includes(radar.index, index) && is_in_view(radar.sensor, &position_m) {
+            let entity = ((radar.index as u64) << 32) | index as u64;
             let mut draw = seed.stream(Purpose::Detection, entity, scan_index);
             if draw.random::<f64>() < radar.sensor.p_d {
                 let errors: [f64; 3] = std::array::from_fn(|_| StandardNormal.sample(&mut draw));
-                let measurement = radar.report(&position_m, &path.velocity_mps, errors);
+                let measurement = radar.report(&position_m, &path.velocity_at(time_s), errors);
                 found.push(Detection { measurement, origin: seen[index], amplitude: None });
             }
         }
     }
-    radar.add_clutter(sensor_index, scan_index, seed, &mut found);
+    radar.add_clutter(scan_index, seed, &mut found);
     found
 }
 
 impl Radar<'_> {
-    fn add_clutter(&self, sensor_index: u64, scan_index: u64, seed: Seed, found: &mut Vec<Detection>) {
+    fn add_clutter(&self, scan_index: u64, seed: Seed, found: &mut Vec<Detection>) {
         let sensor = self.sensor;
         // A mean of zero is no distribution at all: then there is no clutter.
         let Ok(count) = Poisson::new(sensor.clutter_per_scan) else { return };
-        let mut draw = seed.stream(Purpose::Clutter, sensor_index, scan_index);
+        let mut draw = seed.stream(Purpose::Clutter, self.index as u64, scan_index);
         let number = count.sample(&mut draw) as u64;
         for _ in 0..number {
             let range_m = sensor.max_range_m * draw.random::<f64>().sqrt();
