@@ -16,6 +16,8 @@ pub enum Purpose {
     Clutter = 3,
     /// The choices of an associator that searches.
     Associator = 4,
+    /// The choices of a clustering that searches.
+    Clustering = 9,
 }
 
 /// The seed of a job and the number of the run within it.
