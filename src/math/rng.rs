@@ -20,6 +20,8 @@ pub enum Purpose {
     Formation = 7,
     /// Which targets all sensors see, and which one sees each of the others.
     Coverage = 8,
+    /// The choices of a clustering that searches.
+    Clustering = 9,
 }
 
 /// The seed of a job and the number of the run within it.
