@@ -29,7 +29,12 @@ static PARAMETERS: Object = Object {
     name: "NearestNeighbourGrouper",
     summary: "Each report goes to the nearest prediction within the gate, or is a group of its own.",
     fields: &[
-        Field { name: "gate_sigmas", summary: "Largest distance of a report from its prediction, in σ; without a gate when absent.", kind: SIGMAS, presence: Presence::Optional },
+        Field {
+            name: "gate_sigmas",
+            summary: "Largest distance of a report from its prediction, in σ; without a gate when absent.",
+            kind: SIGMAS,
+            presence: Presence::Optional,
+        },
         super::ONE_PER_SENSOR,
     ],
 };

@@ -31,7 +31,12 @@ static PARAMETERS: Object = Object {
     name: "SequentialNearestNeighbourGrouper",
     summary: "Sensor by sensor, without tracks: each report joins the nearest group of the sensors before, or founds one.",
     fields: &[
-        Field { name: "gate_sigmas", summary: "Largest distance of a report from a group, in σ.", kind: SIGMAS, presence: Presence::Default("4.0") },
+        Field {
+            name: "gate_sigmas",
+            summary: "Largest distance of a report from a group, in σ.",
+            kind: SIGMAS,
+            presence: Presence::Default("4.0"),
+        },
         super::ONE_PER_SENSOR,
     ],
 };

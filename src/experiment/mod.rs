@@ -8,6 +8,8 @@ mod associate;
 pub mod catalogue;
 mod clutter;
 mod extent;
+mod group;
+mod group_report;
 mod judge;
 pub mod observer;
 pub mod plan;
