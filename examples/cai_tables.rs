@@ -2,7 +2,8 @@
 //! neighbour in the same process.
 //!
 //! `cargo run --example cai_tables [-- RUNS [FIRST_SEED]]`; 25 runs from seed 1 unless said otherwise. With `--calibrate` the
-//! nearest neighbour and fuzzy c-means alone, over noises and spacings around those of the presets.
+//! nearest neighbour and fuzzy c-means alone, over noises and spacings around those of the presets. `--only=WORD` restricts the
+//! table to contenders whose names hold the word; `--search` shows the genetic search with more and more runs.
 
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -32,8 +33,17 @@ impl Observer for Watch {
     }
 }
 
-/// Accuracy (%), iterations an instant, and seconds of one run.
-fn one(body: &Value, change: &Value, seed: u32) -> (f64, f64, f64) {
+/// Of one run.
+struct Found {
+    accuracy_percent: f64,
+    /// Of an instant, on average.
+    iterations: f64,
+    /// J of fuzzy c-means, on average.
+    cost: f64,
+    grouping_s: f64,
+}
+
+fn one(body: &Value, change: &Value, seed: u32) -> Found {
     let mut body = body.clone();
     body["seed"] = json!(seed);
     for (name, value) in change.as_object().expect("a change is an object") {
@@ -44,7 +54,12 @@ fn one(body: &Value, change: &Value, seed: u32) -> (f64, f64, f64) {
     let result = run(&plan, Vec::new(), &mut watch).expect("the job succeeds").result;
     let number = |pointer: &str| result.pointer(pointer).and_then(Value::as_f64);
     let accuracy = number("/grouping/accuracy").expect("origins are known");
-    (100.0 * accuracy, number("/grouping/search/mean_iterations").unwrap_or(0.0), watch.grouping_s)
+    Found {
+        accuracy_percent: 100.0 * accuracy,
+        iterations: number("/grouping/search/mean_iterations").unwrap_or(0.0),
+        cost: number("/grouping/search/mean_cost").unwrap_or(0.0),
+        grouping_s: watch.grouping_s,
+    }
 }
 
 /// Mean and its standard error.
@@ -55,22 +70,25 @@ fn summary(values: &[f64]) -> (f64, f64) {
     (mean, (variance / count).sqrt())
 }
 
-fn table(runs: u32, first_seed: u32) {
-    println!("| contender | {} | iterations | time against NN 3 σ |", SCENES.join(" | "));
-    println!("|---|{}---|---|", "---|".repeat(SCENES.len()));
+fn table(runs: u32, first_seed: u32, only: Option<&str>) {
+    println!("| contender | {} | iterations | J | time against NN 3 σ |", SCENES.join(" | "));
+    println!("|---|{}---|---|---|", "---|".repeat(SCENES.len()));
     let mut reference_s: BTreeMap<&str, f64> = BTreeMap::new();
-    for (name, change) in cai_fuzzy::contenders() {
-        let (mut cells, mut ratios, mut rounds) = (Vec::new(), Vec::new(), Vec::new());
+    let is_wanted = |(place, contender): &(usize, (&str, Value))| *place == 0 || only.is_none_or(|word| contender.0.contains(word));
+    for (_, (name, change)) in cai_fuzzy::contenders().into_iter().enumerate().filter(is_wanted) {
+        let (mut cells, mut ratios, mut rounds, mut costs) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for scene in SCENES {
             let body = presets::find(scene).expect("the preset exists").body;
-            let found: Vec<(f64, f64, f64)> = (0..runs).map(|run| one(&body, &change, first_seed + run)).collect();
-            let (mean, error) = summary(&found.iter().map(|run| run.0).collect::<Vec<_>>());
-            let spent_s: f64 = found.iter().map(|run| run.2).sum();
+            let found: Vec<Found> = (0..runs).map(|run| one(&body, &change, first_seed + run)).collect();
+            let (mean, error) = summary(&found.iter().map(|run| run.accuracy_percent).collect::<Vec<_>>());
+            let spent_s: f64 = found.iter().map(|run| run.grouping_s).sum();
             cells.push(format!("{mean:.1} ± {error:.1}"));
             ratios.push(format!("{:.1}", spent_s / *reference_s.entry(scene).or_insert(spent_s)));
-            rounds.push(format!("{:.0}", found.iter().map(|run| run.1).sum::<f64>() / f64::from(runs)));
+            let mean = |value: fn(&Found) -> f64| format!("{:.0}", found.iter().map(value).sum::<f64>() / f64::from(runs));
+            rounds.push(mean(|run| run.iterations));
+            costs.push(mean(|run| run.cost));
         }
-        println!("| {name} | {} | {} | {} |", cells.join(" | "), rounds.join(" / "), ratios.join(" / "));
+        println!("| {name} | {} | {} | {} | {} |", cells.join(" | "), rounds.join(" / "), costs.join(" / "), ratios.join(" / "));
     }
 }
 
@@ -88,7 +106,7 @@ fn calibrate(runs: u32, first_seed: u32) {
             }
             let nearest = json!({"grouper": {"method": "nearest_neighbour", "gate_sigmas": 3.0}});
             for (column, change) in columns.iter_mut().zip([nearest, json!({})]) {
-                let values: Vec<f64> = (0..runs).map(|run| one(&body, &change, first_seed + run).0).collect();
+                let values: Vec<f64> = (0..runs).map(|run| one(&body, &change, first_seed + run).accuracy_percent).collect();
                 column.push(format!("{:.1}", summary(&values).0));
             }
         }
@@ -96,9 +114,35 @@ fn calibrate(runs: u32, first_seed: u32) {
     }
 }
 
+/// The genetic search with more and more runs of fuzzy c-means, on the first four instants.
+fn search(runs: u32, first_seed: u32) {
+    println!("| population × generations | {} | J | iterations |\n|---|{}---|---|", SCENES.join(" | "), "---|".repeat(SCENES.len()));
+    for (population, generations) in [(6, 6), (12, 24), (24, 48)] {
+        let (mut cells, mut costs, mut rounds) = (Vec::new(), Vec::new(), Vec::new());
+        for scene in SCENES {
+            let mut body = presets::find(scene).expect("the preset exists").body;
+            body["input"]["scenario"]["scans"] = json!(4);
+            let initial =
+                json!({"from": "genetic", "clusters": {"by": "count", "count": 25}, "population": population, "generations": generations});
+            let change = json!({"grouper": {"method": "fuzzy_c_means", "initial": initial}});
+            let found: Vec<Found> = (0..runs).map(|run| one(&body, &change, first_seed + run)).collect();
+            let mean = |value: fn(&Found) -> f64| found.iter().map(value).sum::<f64>() / f64::from(runs);
+            cells.push(format!("{:.1}", mean(|run| run.accuracy_percent)));
+            costs.push(format!("{:.0}", mean(|run| run.cost)));
+            rounds.push(format!("{:.0}", mean(|run| run.iterations)));
+        }
+        println!("| {population} × {generations} | {} | {} | {} |", cells.join(" | "), costs.join(" / "), rounds.join(" / "));
+    }
+}
+
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let numbers: Vec<u32> = words.iter().filter_map(|word| word.parse().ok()).collect();
     let (runs, first_seed) = (numbers.first().copied().unwrap_or(25), numbers.get(1).copied().unwrap_or(1));
-    if words.iter().any(|word| word == "--calibrate") { calibrate(runs, first_seed) } else { table(runs, first_seed) }
+    let only = words.iter().find_map(|word| word.strip_prefix("--only="));
+    match words.iter().find(|word| *word == "--calibrate" || *word == "--search").map(String::as_str) {
+        Some("--calibrate") => calibrate(runs, first_seed),
+        Some(_) => search(runs, first_seed),
+        None => table(runs, first_seed, only),
+    }
 }

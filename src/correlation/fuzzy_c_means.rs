@@ -342,6 +342,7 @@ impl FuzzyGrouper {
             memberships: labels.iter().enumerate().map(membership).collect(),
             group_of: with_groups_of_their_own(&labels, clusters),
             iterations: Some(outcome.iterations),
+            cost: Some(outcome.cost),
             converged: outcome.converged,
         }
     }

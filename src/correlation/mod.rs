@@ -52,6 +52,8 @@ pub struct Grouping {
     pub memberships: Vec<Option<f64>>,
     /// Rounds of a search.
     pub iterations: Option<u32>,
+    /// What the search made as small as it could.
+    pub cost: Option<f64>,
     /// Whether the search came to rest by itself.
     pub converged: bool,
 }
@@ -59,7 +61,7 @@ pub struct Grouping {
 impl Grouping {
     /// Found without a search, and without memberships.
     fn direct(group_of: Vec<usize>) -> Self {
-        Grouping { memberships: vec![None; group_of.len()], group_of, iterations: None, converged: true }
+        Grouping { memberships: vec![None; group_of.len()], group_of, iterations: None, cost: None, converged: true }
     }
 
     /// Groups with members.

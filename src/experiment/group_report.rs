@@ -45,6 +45,8 @@ struct Counts {
 struct Search {
     mean_iterations: f64,
     max_iterations: u32,
+    /// Mean over the instants of what is made small (J of fuzzy c-means); null for a grouper that does not say.
+    mean_cost: Option<f64>,
     /// Instants whose search did not come to rest.
     unconverged: usize,
 }
@@ -102,9 +104,11 @@ pub(super) fn report(grouped: &Grouped, recording: &Recording) -> GroupingReport
 
 fn search_of(grouped: &Grouped) -> Option<Search> {
     let iterations: Vec<u32> = grouped.instants.iter().filter_map(|(_, grouping)| grouping.iterations).collect();
+    let costs: Vec<f64> = grouped.instants.iter().filter_map(|(_, grouping)| grouping.cost).collect();
     Some(Search {
         mean_iterations: iterations.iter().map(|&count| f64::from(count)).sum::<f64>() / iterations.len() as f64,
         max_iterations: iterations.iter().copied().max()?,
+        mean_cost: (!costs.is_empty()).then(|| costs.iter().sum::<f64>() / costs.len() as f64),
         unconverged: grouped.instants.iter().filter(|(_, grouping)| !grouping.converged).count(),
     })
 }
