@@ -57,7 +57,7 @@ impl Grouper for ConstrainedHardCMeans {
         true
     }
 
-    fn group(&mut self, snapshot: &Snapshot) -> Result<Grouping, Fault> {
+    fn group(&mut self, snapshot: &Snapshot) -> Result<Grouping, Vec<Fault>> {
         let Snapshot { reports, predictions, .. } = *snapshot;
         let sensors: Vec<u32> = reports.iter().map(|report| report.sensor).collect();
         let metrics: Vec<Option<Gaussian<2>>> = reports.iter().map(|report| Gaussian::new(&report.place.covariance)).collect();

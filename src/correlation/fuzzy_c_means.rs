@@ -246,7 +246,7 @@ impl Grouper for FuzzyGrouper {
         self.parameters.initial == Initial::Predictions
     }
 
-    fn group(&mut self, snapshot: &Snapshot) -> Result<Grouping, Fault> {
+    fn group(&mut self, snapshot: &Snapshot) -> Result<Grouping, Vec<Fault>> {
         let values: Vec<f64> = snapshot.reports.iter().flat_map(|report| coordinates(&report.place)).collect();
         let inverses = inverse_covariances(snapshot.reports);
         let objects = Objects::new(&values, &[false, false], Metric::Mahalanobis(&inverses)).map_err(fault)?;
@@ -353,8 +353,8 @@ fn coordinates(place: &Place) -> [f64; 2] {
 }
 
 /// A number of clusters stands in the parameters of the first centres; what else is at fault, beside them.
-fn fault(error: FuzzyError) -> Fault {
-    error.fault(if matches!(error, FuzzyError::Clusters { .. }) { "/initial" } else { "" })
+fn fault(error: FuzzyError) -> Vec<Fault> {
+    vec![error.fault(if matches!(error, FuzzyError::Clusters { .. }) { "/initial" } else { "" })]
 }
 
 /// Four numbers for each report.

@@ -82,7 +82,7 @@ pub trait Grouper: Send {
     ///
     /// # Errors
     /// What of its parameters does not fit these reports, with a pointer into the parameters.
-    fn group(&mut self, snapshot: &Snapshot) -> Result<Grouping, Fault>;
+    fn group(&mut self, snapshot: &Snapshot) -> Result<Grouping, Vec<Fault>>;
 
     /// What it wrote down step by step, if it was asked to.
     fn trace(&self) -> Option<&fuzzy_c_means::History> {

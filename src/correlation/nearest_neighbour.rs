@@ -57,7 +57,7 @@ impl Grouper for NearestNeighbour {
         true
     }
 
-    fn group(&mut self, snapshot: &Snapshot) -> Result<Grouping, Fault> {
+    fn group(&mut self, snapshot: &Snapshot) -> Result<Grouping, Vec<Fault>> {
         let Snapshot { reports, predictions, .. } = *snapshot;
         let distance = |report: usize, prediction: usize| squared_distance(&reports[report].place, &predictions[prediction]);
         let mut group_of = Vec::with_capacity(reports.len());

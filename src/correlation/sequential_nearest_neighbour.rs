@@ -80,7 +80,7 @@ impl Grouper for SequentialNearestNeighbour {
         false
     }
 
-    fn group(&mut self, snapshot: &Snapshot) -> Result<Grouping, Fault> {
+    fn group(&mut self, snapshot: &Snapshot) -> Result<Grouping, Vec<Fault>> {
         Ok(Grouping::direct(self.groups(snapshot.reports)))
     }
 }

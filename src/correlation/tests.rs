@@ -113,7 +113,8 @@ fn a_later_sensor_joins_the_mean_of_those_before() {
 fn a_number_of_clusters_beyond_the_reports_is_named() {
     let reports = reports(&TWO);
     let parameters = json!({"initial": {"from": "random", "clusters": {"by": "count", "count": 7}}});
-    let fault = grouper("fuzzy_c_means", &parameters).group(&Snapshot { number: 0, reports: &reports, predictions: &[] }).unwrap_err();
+    let faults = grouper("fuzzy_c_means", &parameters).group(&Snapshot { number: 0, reports: &reports, predictions: &[] }).unwrap_err();
+    let fault = &faults[0];
     assert_eq!((fault.pointer.as_str(), fault.code.as_str()), ("/initial/clusters", "out_of_range"));
     assert_eq!(fault.allowed.as_deref(), Some("[2, 6], the number of objects"));
     let parameters = check(&json!({"fuzzifier": 1.0}), fuzzy_c_means::METHOD.parameters).unwrap_err();

@@ -16,12 +16,48 @@ use crate::model::scan::{Detection, Measurement, Recording, Scan};
 use crate::model::sensor::{self, Sensor, SensorSettings};
 use crate::model::state::{Position, PositionCovariance};
 use crate::model::truth::TruthSet;
+use crate::registry::{Bound, Field, Kind, Object, Presence};
 use crate::tracking::GroupTracks;
 use serde::Deserialize;
 use serde_json::Value;
 
 /// How tracks begin without truth: the sensors' reports in turn, within four σ.
 const FIRST_GROUPS: SequentialNearestNeighbour = SequentialNearestNeighbour { gate_sigmas: 4.0, one_per_sensor: true };
+
+pub(super) static PREDICTIONS: Object = Object {
+    name: "PredictionSettings",
+    summary: "The constant-velocity Kalman tracks whose predictions a grouper may use. All begin at the first instant, which is then not grouped; none ends.",
+    fields: &[
+        parameter(
+            "start",
+            "truth: a track for each target, with its true reports, and its true velocity where truth is given; groups: one for each group of a sequential nearest neighbour within 4 σ.",
+            Kind::Choice(&["truth", "groups"]),
+            "\"truth\"",
+        ),
+        parameter(
+            "loop",
+            "open: tracks are updated with their true reports, so that every grouper meets the same predictions; closed: with the groups that were found.",
+            Kind::Choice(&["open", "closed"]),
+            "\"open\"",
+        ),
+        parameter(
+            "process_noise_m2ps3",
+            "Spectral density of the white-noise acceleration.",
+            Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e9), unit: "m²/s³" },
+            "100.0",
+        ),
+        parameter(
+            "speed_sigma_mps",
+            "Standard deviation of each component of a first velocity that is not known, around 0.",
+            Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e5), unit: "m/s" },
+            "300.0",
+        ),
+    ],
+};
+
+const fn parameter(name: &'static str, summary: &'static str, kind: Kind, value: &'static str) -> Field {
+    Field { name, summary, kind, presence: Presence::Default(value) }
+}
 
 /// The parameters of `predictions`.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -116,18 +152,21 @@ fn group_one(
     closed: Option<&mut Tracks>,
     (recording, sensors): (&Recording, &[Sensor]),
 ) -> Result<Grouping, RunError> {
-    let refused = |fault: Fault, time_s: f64| {
-        let detail = format!("{} at {time_s} s", fault.detail);
-        RunError::Faults(vec![Fault { pointer: format!("/grouper{}", fault.pointer), detail, ..fault }])
+    let refused = |faults: Vec<Fault>, time_s: f64| {
+        let placed = |fault: Fault| {
+            let detail = format!("{} at {time_s} s", fault.detail);
+            Fault { pointer: format!("/grouper{}", fault.pointer), detail, ..fault }
+        };
+        RunError::Faults(faults.into_iter().map(placed).collect())
     };
     let Some(tracks) = closed else {
         let snapshot = Snapshot { number, reports: &instant.reports, predictions: &instant.predictions };
-        return grouper.group(&snapshot).map_err(|fault| refused(fault, instant.time_s));
+        return grouper.group(&snapshot).map_err(|faults| refused(faults, instant.time_s));
     };
     tracks.tracks.predict(instant.time_s);
     instant.predictions = tracks.places();
     let snapshot = Snapshot { number, reports: &instant.reports, predictions: &instant.predictions };
-    let grouping = grouper.group(&snapshot).map_err(|fault| refused(fault, instant.time_s))?;
+    let grouping = grouper.group(&snapshot).map_err(|faults| refused(faults, instant.time_s))?;
     for (&detection, (report, &group)) in instant.detections.iter().zip(instant.reports.iter().zip(&grouping.group_of)) {
         if group < instant.predictions.len() {
             tracks.update(group, &sensors[report.sensor as usize], &recording.detections[detection]);

@@ -379,32 +379,6 @@ pub static ASSOCIATE: Object = Object {
     ],
 };
 
-static PREDICTIONS: Object = Object {
-    name: "PredictionSettings",
-    summary: "The constant-velocity Kalman tracks whose predictions a grouper may use. All begin at the first instant, which is then not grouped; none ends.",
-    fields: &[
-        default(
-            "start",
-            "truth: a track for each target, with its true reports, and its true velocity where truth is given; groups: one for each group of a sequential nearest neighbour within 4 σ.",
-            Kind::Choice(&["truth", "groups"]),
-            "\"truth\"",
-        ),
-        default(
-            "loop",
-            "open: tracks are updated with their true reports, so that every grouper meets the same predictions; closed: with the groups that were found.",
-            Kind::Choice(&["open", "closed"]),
-            "\"open\"",
-        ),
-        default(
-            "process_noise_m2ps3",
-            "Spectral density of the white-noise acceleration.",
-            Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e9), unit: "m²/s³" },
-            "100.0",
-        ),
-        default("speed_sigma_mps", "Standard deviation of each component of a first velocity that is not known, around 0.", SPEED, "300.0"),
-    ],
-};
-
 pub static GROUP: Object = Object {
     name: "GroupRequest",
     summary: "Put together what several sensors report of one target at one instant.",
@@ -415,7 +389,7 @@ pub static GROUP: Object = Object {
         required("input", "The detections: positions of two sensors or more at common times.", Kind::Union(&INPUT)),
         SENSORS,
         required("grouper", "How reports are put together.", Kind::Union(&GROUPER)),
-        default("predictions", "The tracks behind groupers that use predictions.", Kind::Object(&PREDICTIONS), "{}"),
+        default("predictions", "The tracks behind groupers that use predictions.", Kind::Object(&super::group::PREDICTIONS), "{}"),
     ],
 };
 
