@@ -12,6 +12,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("filtering", BASE),
     ("gating", BASE),
     ("association", BASE),
+    ("correlation", BASE),
     ("evaluation", BASE),
     ("formats", BASE),
     ("tracking", &["model", "math", "registry", "filtering", "gating", "association"]),
@@ -20,7 +21,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
 ];
 const BASE: &[&str] = &["model", "math", "registry"];
 const PURE: &[&str] =
-    &["model", "math", "registry", "simulation", "filtering", "gating", "association", "evaluation", "formats", "tracking"];
+    &["model", "math", "registry", "simulation", "filtering", "gating", "association", "correlation", "evaluation", "formats", "tracking"];
 
 /// What no layer below the service may contain.
 const IMPURE: &[&str] = &[

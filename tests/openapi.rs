@@ -9,10 +9,11 @@ use trackloom::experiment::plan::{JobKind, plan};
 use trackloom::service::openapi;
 
 /// Clients have these names in their code: one may be added, none may change.
-const OPERATIONS: [&str; 32] = [
+const OPERATIONS: [&str; 33] = [
     "cancelJob",
     "createAssociateJob",
     "createEvaluateJob",
+    "createGroupJob",
     "createSimulateJob",
     "deleteDataset",
     "deleteJob",

@@ -3,6 +3,7 @@
 use super::plan::JobKind;
 use super::requests;
 use crate::association::ASSOCIATOR;
+use crate::correlation::GROUPER;
 use crate::filtering::FILTER;
 use crate::registry::{Object, Union, Variant, standalone_schema};
 use serde_json::{Value, json};
@@ -14,7 +15,11 @@ pub struct Family {
 }
 
 /// Every family, in the order in which a job uses them.
-pub const FAMILIES: &[Family] = &[Family { name: "associator", union: &ASSOCIATOR }, Family { name: "filter", union: &FILTER }];
+pub const FAMILIES: &[Family] = &[
+    Family { name: "associator", union: &ASSOCIATOR },
+    Family { name: "filter", union: &FILTER },
+    Family { name: "grouper", union: &GROUPER },
+];
 
 impl Family {
     pub fn summary(&self) -> &'static str {
@@ -39,6 +44,7 @@ pub fn request_object(kind: JobKind) -> &'static Object {
         JobKind::Simulate => &requests::SIMULATE,
         JobKind::Associate => &requests::ASSOCIATE,
         JobKind::Evaluate => &requests::EVALUATE,
+        JobKind::Group => &requests::GROUP,
     }
 }
 

@@ -9,6 +9,8 @@ pub mod catalogue;
 mod clutter;
 mod extent;
 mod given;
+mod group;
+mod group_report;
 mod judge;
 pub mod observer;
 pub mod plan;

@@ -16,16 +16,18 @@ pub enum JobKind {
     Simulate,
     Associate,
     Evaluate,
+    Group,
 }
 
 impl JobKind {
-    pub const ALL: [JobKind; 3] = [JobKind::Simulate, JobKind::Associate, JobKind::Evaluate];
+    pub const ALL: [JobKind; 4] = [JobKind::Simulate, JobKind::Associate, JobKind::Evaluate, JobKind::Group];
 
     pub fn name(self) -> &'static str {
         match self {
             JobKind::Simulate => "simulate",
             JobKind::Associate => "associate",
             JobKind::Evaluate => "evaluate",
+            JobKind::Group => "group",
         }
     }
 }

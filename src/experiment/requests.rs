@@ -1,6 +1,7 @@
 //! The bodies of the requests, described field by field.
 
 use crate::association::ASSOCIATOR;
+use crate::correlation::GROUPER;
 use crate::evaluation::metrics::METRIC;
 use crate::filtering::FILTER;
 use crate::registry::{Bound, Field, Kind, Object, Presence, Union, Variant};
@@ -156,6 +157,53 @@ static BEARING_TARGETS: Object = Object {
     ],
 };
 
+static CONSTANT_VELOCITY: Object =
+    Object { name: "ConstantVelocityMotion", summary: "Every target keeps the course of the formation.", fields: &[] };
+
+static WEAVING: Object = Object {
+    name: "WeavingMotion",
+    summary: "The heading swings around the course as a sine of time; each target has a random phase of its own, and its speed is constant.",
+    fields: &[
+        default(
+            "heading_amplitude_deg",
+            "Largest angle between heading and course.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(180.0), unit: "deg" },
+            "30.0",
+        ),
+        default(
+            "period_s",
+            "Time from one swing to the next.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "s" },
+            "60.0",
+        ),
+    ],
+};
+
+static FORMATION_MOTION: Union = Union {
+    name: "FormationMotion",
+    summary: "How the targets of a formation move.",
+    tag: "kind",
+    variants: || vec![Variant { tag: "constant_velocity", object: &CONSTANT_VELOCITY }, Variant { tag: "weaving", object: &WEAVING }],
+};
+
+static FORMATION_TARGETS: Object = Object {
+    name: "FormationTargets",
+    summary: "Targets in rows and columns around (0, 0) that fly at one speed on one random course.",
+    fields: &[
+        required("rows", "Rows of the grid.", Kind::Integer { min: 1, max: 300, unit: "" }),
+        required("columns", "Columns of the grid.", Kind::Integer { min: 1, max: 300, unit: "" }),
+        required("spacing_m", "Distance between neighbours in the grid.", RANGE),
+        default(
+            "displacement",
+            "Each target starts up to this share of the spacing away from its place in the grid, uniform on each axis.",
+            Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1.0), unit: "" },
+            "0.1",
+        ),
+        required("speed_mps", "Speed of every target.", SPEED),
+        default("motion", "How the targets move.", Kind::Union(&FORMATION_MOTION), r#"{"kind":"constant_velocity"}"#),
+    ],
+};
+
 static TARGET_PLAN: Union = Union {
     name: "TargetPlan",
     summary: "How the targets of a scenario are chosen.",
@@ -164,9 +212,23 @@ static TARGET_PLAN: Union = Union {
         vec![
             Variant { tag: "random", object: &RANDOM_TARGETS },
             Variant { tag: "listed", object: &LISTED_TARGETS },
+            Variant { tag: "formation", object: &FORMATION_TARGETS },
             Variant { tag: "bearings", object: &BEARING_TARGETS },
         ]
     },
+};
+
+static DUPLICATES: Object = Object {
+    name: "DuplicatesCoverage",
+    summary: "Some targets, drawn at random, are seen by all sensors; each of the others by one, drawn at random.",
+    fields: &[required("count", "Number of targets that all sensors see.", Kind::Integer { min: 0, max: MAX_TARGETS, unit: "" })],
+};
+
+static COVERAGE: Union = Union {
+    name: "Coverage",
+    summary: "Which sensors see which targets, besides what their fields of view allow.",
+    tag: "kind",
+    variants: || vec![Variant { tag: "duplicates", object: &DUPLICATES }],
 };
 
 pub static SCENARIO: Object = Object {
@@ -181,6 +243,11 @@ pub static SCENARIO: Object = Object {
         ),
         required("sensors", "The sensors.", Kind::List { item: &Kind::Object(&SCENARIO_SENSOR), min: 1, max: 64 }),
         required("targets", "The targets.", Kind::Union(&TARGET_PLAN)),
+        optional(
+            "coverage",
+            "Which sensors see which targets; every sensor sees all in its field of view when absent.",
+            Kind::Union(&COVERAGE),
+        ),
     ],
 };
 
@@ -369,6 +436,20 @@ pub static ASSOCIATE: Object = Object {
         default("associator", "How detections are given to tracks.", Kind::Union(&ASSOCIATOR), DEFAULT_ASSOCIATOR),
         default("filter", "How tracks are predicted and updated.", Kind::Union(&FILTER), DEFAULT_FILTER),
         default("tracker", "Gate and life cycle.", Kind::Object(&LIFECYCLE), "{}"),
+    ],
+};
+
+pub static GROUP: Object = Object {
+    name: "GroupRequest",
+    summary: "Put together what several sensors report of one target at one instant.",
+    fields: &[
+        JOB_NAME,
+        LABELS,
+        SEED,
+        required("input", "The detections: positions of two sensors or more at common times.", Kind::Union(&INPUT)),
+        SENSORS,
+        required("grouper", "How reports are put together.", Kind::Union(&GROUPER)),
+        default("predictions", "The tracks behind groupers that use predictions.", Kind::Object(&super::group::PREDICTIONS), "{}"),
     ],
 };
 

@@ -90,6 +90,11 @@ pub fn run(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<O
             scene.warnings.extend(judgement.warnings);
         }
     }
+    if plan.kind == JobKind::Group {
+        let (report, of_groups) = scene.group(plan, observer)?;
+        parts.push(("grouping", report));
+        files = of_groups;
+    }
     let mut artifacts = scene.artifacts(plan, tracked, observer)?;
     artifacts.append(&mut files);
     let result = parts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();

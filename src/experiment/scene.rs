@@ -1,11 +1,12 @@
 //! The data of a job, and the steps that it takes on them.
 
 use super::associate::{self, Tracked};
+use super::group::{self, Material};
 use super::judge::{self, Content, Judgement, Subject};
 use super::observer::{Observer, Step};
 use super::plan::{JobKind, Plan, scenario_of};
 use super::run::{Artifact, Inputs, RunError, to_value};
-use super::{artifacts, clutter, profiles, sensors, tfa};
+use super::{artifacts, clutter, group_report, profiles, sensors, tfa};
 use crate::evaluation::EvaluationInput;
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
@@ -87,6 +88,17 @@ impl Scene {
             self.warnings.extend(clutter::disagreements(recording, &sensors, &self.sensors, &tracked.tracks));
         }
         Ok(tracked)
+    }
+
+    /// The part `grouping` of the report, and its files.
+    pub fn group(&mut self, plan: &Plan, observer: &mut dyn Observer) -> Result<(Value, Vec<Artifact>), RunError> {
+        let recording = self.recording.as_ref().ok_or_else(|| missing("/input", "detections"))?;
+        let material = Material { recording, settings: &self.sensors, truth: self.truth.as_ref() };
+        let grouped = group::group(&plan.spec, plan.stream(), &material, observer)?;
+        if let Some(left_out) = grouped.history.as_ref().map(|history| history.left_out).filter(|count| *count > 0) {
+            self.warnings.push(format!("grouping_trace.csv lacks the last {left_out} iterations"));
+        }
+        Ok((to_value(&group_report::report(&grouped, recording))?, group_report::artifacts(&grouped, recording)))
     }
 
     /// The part `tfa` of the report, and its files.

@@ -1,6 +1,8 @@
-//! Tools: angles, optimal assignment, Gaussian distances and likelihoods, and named streams of random numbers.
+//! Tools: angles, optimal assignment, fuzzy clustering, Gaussian distances and likelihoods, and named streams of random
+//! numbers.
 
 pub mod angle;
 pub mod assignment;
+pub mod fuzzy_c_means;
 pub mod gaussian;
 pub mod rng;

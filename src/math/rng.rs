@@ -18,6 +18,12 @@ pub enum Purpose {
     Associator = 4,
     /// The errors of a track that begins at the truth.
     TrackStart = 5,
+    /// The course of a formation, and place and phase of each of its targets.
+    Formation = 7,
+    /// Which targets all sensors see, and which one sees each of the others.
+    Coverage = 8,
+    /// The choices of a clustering that searches.
+    Clustering = 9,
 }
 
 /// The seed of a job and the number of the run within it.

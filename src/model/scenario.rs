@@ -9,6 +9,17 @@ pub struct Scenario {
     pub scan_period_s: f64,
     pub sensors: Vec<ScenarioSensor>,
     pub targets: TargetPlan,
+    /// Every sensor sees every target in its field of view when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coverage: Option<Coverage>,
+}
+
+/// Which sensors see which targets, besides what their fields of view allow.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Coverage {
+    /// `count` targets, drawn at random, are seen by all sensors; each of the others by one, drawn at random.
+    Duplicates { count: u32 },
 }
 
 /// A sensor with uniform clutter in its field of view; what it reports is told by the noises that are given. Its density of
@@ -100,6 +111,8 @@ pub enum TargetPlan {
     Listed { targets: Vec<ListedTarget> },
     /// Targets of which only the direction is told.
     Bearings(BearingTargets),
+    /// Targets in rows and columns that fly one random course.
+    Formation(FormationTargets),
 }
 
 impl TargetPlan {
@@ -108,6 +121,7 @@ impl TargetPlan {
             TargetPlan::Random(plan) => plan.count as usize,
             TargetPlan::Listed { targets } => targets.len(),
             TargetPlan::Bearings(plan) => 2 * plan.crossings.len() + plan.lines.len(),
+            TargetPlan::Formation(plan) => plan.rows as usize * plan.columns as usize,
         }
     }
 }
@@ -160,4 +174,27 @@ pub struct BearingLine {
     /// At time 0.
     pub bearing_deg: f64,
     pub rate_degps: f64,
+}
+
+/// A grid of targets around (0, 0) that all fly at one speed on one random course.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FormationTargets {
+    pub rows: u32,
+    pub columns: u32,
+    pub spacing_m: f64,
+    /// Each target starts up to this share of the spacing away from its place in the grid, uniform on each axis.
+    pub displacement: f64,
+    pub speed_mps: f64,
+    pub motion: FormationMotion,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum FormationMotion {
+    ConstantVelocity,
+    /// The heading swings around the course as a sine of time; each target has a random phase of its own.
+    Weaving {
+        heading_amplitude_deg: f64,
+        period_s: f64,
+    },
 }

@@ -1,8 +1,10 @@
 //! Plays a scenario: targets move, sensors detect them with noise, misses and clutter; true origins are known.
 
+mod coverage;
 mod radar;
 mod sensors;
 mod targets;
+mod weaving;
 
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
@@ -40,7 +42,9 @@ pub fn check(scenario: &Scenario) -> Result<(), Vec<Fault>> {
             faults.extend(duplicate_faults("targets", names, |index| format!("/targets/targets/{index}/truth_id")));
         }
         TargetPlan::Bearings(plan) => faults.extend(bearing_faults(plan)),
+        TargetPlan::Formation(_) => {}
     }
+    faults.extend(coverage::fault(scenario));
     if faults.is_empty() { Ok(()) } else { Err(faults) }
 }
 
@@ -56,7 +60,8 @@ pub fn simulate(
     check(scenario)?;
     let paths = targets::paths(scenario, seed);
     let times: Vec<f64> = (0..scenario.scans).map(|scan| f64::from(scan) * scenario.scan_period_s).collect();
-    let (truth, seen) = observed_truth(scenario, &paths, &times)?;
+    let coverage = coverage::Coverage::new(scenario, seed);
+    let (truth, seen) = observed_truth(scenario, &paths, &coverage, &times)?;
     let mut parts = RecordingParts {
         sensors: scenario.sensors.iter().map(sensors::settings).collect(),
         targets: truth.targets().iter().map(|target| target.truth_id.clone()).collect(),
@@ -64,11 +69,14 @@ pub fn simulate(
         ..Default::default()
     };
     let fastest_mps = paths.iter().map(targets::Path::speed_mps).fold(0.0, f64::max);
-    let radars = || scenario.sensors.iter().filter_map(|sensor| Some(radar::Radar { sensor, noise: sensor.noise()?, fastest_mps }));
+    let radars = || {
+        let sensors = scenario.sensors.iter().enumerate();
+        sensors.filter_map(|(index, sensor)| Some(radar::Radar { sensor, index, noise: sensor.noise()?, coverage: &coverage, fastest_mps }))
+    };
     for (index, &time_s) in times.iter().enumerate() {
-        for (sensor_index, radar) in radars().enumerate() {
-            let found = radar::scan(radar, sensor_index as u64, index as u64, time_s, &paths, &seen, seed);
-            append_scan(&mut parts, sensor_index, time_s, found);
+        for radar in radars() {
+            let found = radar::scan(radar, index as u64, time_s, &paths, &seen, seed);
+            append_scan(&mut parts, radar.index, time_s, found);
         }
         if progress(index as u64 + 1).is_break() {
             return Ok(None);
@@ -96,11 +104,20 @@ fn duplicate_faults<'a>(what: &str, names: impl Iterator<Item = &'a str>, pointe
 }
 
 /// The truth of every target that some sensor could see, and for each path its index among those.
-fn observed_truth(scenario: &Scenario, paths: &[targets::Path], times: &[f64]) -> Result<(TruthSet, Vec<Option<u32>>), Vec<Fault>> {
+fn observed_truth(
+    scenario: &Scenario,
+    paths: &[targets::Path],
+    coverage: &coverage::Coverage,
+    times: &[f64],
+) -> Result<(TruthSet, Vec<Option<u32>>), Vec<Fault>> {
     let mut observed = Vec::new();
     let mut seen = Vec::with_capacity(paths.len());
-    for path in paths {
-        let is_visible = |time_s: &f64| scenario.sensors.iter().any(|sensor| radar::is_in_view(sensor, &path.place_at(*time_s)));
+    for (index, path) in paths.iter().enumerate() {
+        let is_visible = |time_s: &f64| {
+            let place = path.place_at(*time_s);
+            let mut sensors = scenario.sensors.iter().enumerate();
+            sensors.any(|(sensor_index, sensor)| coverage.includes(sensor_index, index) && radar::is_in_view(sensor, &place))
+        };
         let first = times.iter().position(is_visible);
         let last = times.iter().rposition(is_visible);
         seen.push(first.map(|_| observed.len() as u32));

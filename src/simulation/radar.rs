@@ -3,6 +3,7 @@
 //! bearings has false detections near targets only, those elsewhere are left out: the others stay what they were, and where
 //! targets are close together each degree counts once.
 
+use super::coverage::Coverage;
 use super::targets::Path;
 use crate::math::angle::wrapped;
 use crate::math::rng::{Purpose, Seed};
@@ -18,7 +19,10 @@ use std::f64::consts::TAU;
 #[derive(Clone, Copy)]
 pub(super) struct Radar<'a> {
     pub sensor: &'a ScenarioSensor,
+    /// Its place among the sensors of the scenario.
+    pub index: usize,
     pub noise: ReportNoise,
+    pub coverage: &'a Coverage,
     /// Speed of the fastest target of the scene: range rates of false detections are uniform between it and its opposite.
     pub fastest_mps: f64,
 }
@@ -35,22 +39,14 @@ pub(super) fn is_in_view(sensor: &ScenarioSensor, place: &TruePlace) -> bool {
 }
 
 /// The detections of one scan, targets first. `seen[path]` is the index of the path's target in the recording.
-pub(super) fn scan(
-    radar: Radar,
-    sensor_index: u64,
-    scan_index: u64,
-    time_s: f64,
-    paths: &[Path],
-    seen: &[Option<u32>],
-    seed: Seed,
-) -> Vec<Detection> {
+pub(super) fn scan(radar: Radar, scan_index: u64, time_s: f64, paths: &[Path], seen: &[Option<u32>], seed: Seed) -> Vec<Detection> {
     let mut found = Vec::new();
     let mut bearings_rad = Vec::new();
     for (index, path) in paths.iter().enumerate() {
         let place = path.place_at(time_s);
-        if is_in_view(radar.sensor, &place) {
+        if radar.coverage.includes(radar.index, index) && is_in_view(radar.sensor, &place) {
             bearings_rad.push(radar.bearing_rad(&place).rem_euclid(TAU));
-            let entity = (sensor_index << 32) | index as u64;
+            let entity = ((radar.index as u64) << 32) | index as u64;
             let mut draw = seed.stream(Purpose::Detection, entity, scan_index);
             if draw.random::<f64>() < radar.sensor.p_d {
                 let errors: [f64; 3] = std::array::from_fn(|_| StandardNormal.sample(&mut draw));
@@ -60,17 +56,17 @@ pub(super) fn scan(
         }
     }
     bearings_rad.sort_by(f64::total_cmp);
-    radar.add_clutter(sensor_index, scan_index, &bearings_rad, seed, &mut found);
+    radar.add_clutter(scan_index, &bearings_rad, seed, &mut found);
     found
 }
 
 impl Radar<'_> {
     /// `bearings_rad`: where the targets in view really are, in rising order.
-    fn add_clutter(&self, sensor_index: u64, scan_index: u64, bearings_rad: &[f64], seed: Seed, found: &mut Vec<Detection>) {
+    fn add_clutter(&self, scan_index: u64, bearings_rad: &[f64], seed: Seed, found: &mut Vec<Detection>) {
         let sensor = self.sensor;
         // A mean of zero is no distribution at all: then there is no clutter.
         let Ok(count) = Poisson::new(sensor.mean_clutter()) else { return };
-        let mut draw = seed.stream(Purpose::Clutter, sensor_index, scan_index);
+        let mut draw = seed.stream(Purpose::Clutter, self.index as u64, scan_index);
         let number = count.sample(&mut draw) as u64;
         for _ in 0..number {
             let range_m = sensor.max_range_m.unwrap_or(0.0) * draw.random::<f64>().sqrt();

@@ -1,8 +1,11 @@
-//! The paths of a scenario's targets: in the plane with constant velocity from time 0, listed or drawn at random; or bearings
-//! that follow a law.
+//! The paths of a scenario's targets: in the plane with constant velocity from time 0, listed, drawn at random or in formation,
+//! where they may weave; or bearings that follow a law.
 
+use super::weaving::Weave;
 use crate::math::rng::{Purpose, Seed};
-use crate::model::scenario::{BearingLine, BearingTargets, CrossingPair, ListedTarget, RandomTargets, Scenario, TargetPlan};
+use crate::model::scenario::{
+    BearingLine, BearingTargets, CrossingPair, FormationMotion, FormationTargets, ListedTarget, RandomTargets, Scenario, TargetPlan,
+};
 use crate::model::state::Position;
 use crate::model::truth::TruePlace;
 use rand::RngExt;
@@ -15,11 +18,17 @@ pub(super) struct Path {
     law: Law,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 enum Law {
     Straight {
         start_m: Position,
         velocity_mps: Position,
+    },
+    Weaving {
+        start_m: Position,
+        /// Its speed along its course.
+        course_mps: Position,
+        weave: Weave,
     },
     /// One of a pair: the half width is negative for the target that starts on the other side.
     Crossing(CrossingPair),
@@ -35,6 +44,7 @@ impl Path {
             Law::Straight { start_m, velocity_mps } => {
                 TruePlace::Plane { position_m: start_m + velocity_mps * time_s, velocity_mps: Some(velocity_mps) }
             }
+            Law::Weaving { start_m, course_mps, ref weave } => weaving_at(start_m, course_mps, weave, time_s),
             Law::Crossing(pair) => at_bearing(pair.bearing_deg(time_s)),
             Law::Turning { bearing_deg, rate_degps } => at_bearing(bearing_deg + rate_degps * time_s),
         }
@@ -44,6 +54,7 @@ impl Path {
     pub fn speed_mps(&self) -> f64 {
         match self.law {
             Law::Straight { velocity_mps, .. } => velocity_mps.norm(),
+            Law::Weaving { course_mps, .. } => course_mps.norm(),
             Law::Crossing(_) | Law::Turning { .. } => 0.0,
         }
     }
@@ -51,6 +62,16 @@ impl Path {
 
 fn at_bearing(bearing_deg: f64) -> TruePlace {
     TruePlace::Bearing { bearing_rad: bearing_deg.to_radians().rem_euclid(TAU) }
+}
+
+fn weaving_at(start_m: Position, course_mps: Position, weave: &Weave, time_s: f64) -> TruePlace {
+    let right_mps = Position::new(course_mps[1], -course_mps[0]);
+    let moved_s = weave.displacement_s(time_s);
+    let (across, along) = weave.heading_rad(time_s).sin_cos();
+    TruePlace::Plane {
+        position_m: start_m + course_mps * moved_s[0] + right_mps * moved_s[1],
+        velocity_mps: Some(course_mps * along + right_mps * across),
+    }
 }
 
 impl CrossingPair {
@@ -67,6 +88,7 @@ pub(super) fn paths(scenario: &Scenario, seed: Seed) -> Vec<Path> {
         TargetPlan::Random(plan) => (0..plan.count).map(|index| random_path(plan, index, seed)).collect(),
         TargetPlan::Listed { targets } => targets.iter().map(listed_path).collect(),
         TargetPlan::Bearings(plan) => bearing_paths(plan),
+        TargetPlan::Formation(plan) => formation(plan, seed),
     }
 }
 
@@ -98,4 +120,28 @@ fn random_path(plan: &RandomTargets, index: u32, seed: Seed) -> Path {
     let speed_mps = between(plan.speed_min_mps, plan.speed_max_mps);
     let velocity_mps = Position::new(heading_rad.sin(), heading_rad.cos()) * speed_mps;
     Path { truth_id: (index + 1).to_string(), law: Law::Straight { start_m, velocity_mps } }
+}
+
+/// Row by row from the south-west. The stream of entity 0 draws the course, that of entity k the k-th target.
+fn formation(plan: &FormationTargets, seed: Seed) -> Vec<Path> {
+    let heading_rad = TAU * seed.stream(Purpose::Formation, 0, 0).random::<f64>();
+    let course_mps = Position::new(heading_rad.sin(), heading_rad.cos()) * plan.speed_mps;
+    let places = (0..plan.rows).flat_map(|row| (0..plan.columns).map(move |column| (column, row)));
+    let path = |(index, (column, row)): (usize, (u32, u32))| {
+        let mut draw = seed.stream(Purpose::Formation, index as u64 + 1, 0);
+        let mut place_m = |number: u32, count: u32| {
+            let displacement = plan.displacement * (2.0 * draw.random::<f64>() - 1.0);
+            plan.spacing_m * (f64::from(number) - f64::from(count - 1) / 2.0 + displacement)
+        };
+        let start_m = Position::new(place_m(column, plan.columns), place_m(row, plan.rows));
+        let law = match plan.motion {
+            FormationMotion::ConstantVelocity => Law::Straight { start_m, velocity_mps: course_mps },
+            FormationMotion::Weaving { heading_amplitude_deg, period_s } => {
+                let weave = Weave::new(heading_amplitude_deg.to_radians(), period_s, TAU * draw.random::<f64>());
+                Law::Weaving { start_m, course_mps, weave }
+            }
+        };
+        Path { truth_id: (index + 1).to_string(), law }
+    };
+    places.enumerate().map(path).collect()
 }

@@ -1,6 +1,7 @@
 //! The tracker: predict → gate → associate → update → manage, once a scan.
 
 mod confirmation;
+mod group_tracks;
 mod history;
 mod initiation;
 mod lifecycle;
@@ -8,6 +9,7 @@ mod outcome;
 mod tracker;
 
 pub use confirmation::{Confirmation, ScoreRule};
+pub use group_tracks::GroupTracks;
 pub use history::History;
 pub use initiation::Initiation;
 pub use lifecycle::{LIFECYCLE, Lifecycle};

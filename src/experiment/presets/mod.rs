@@ -1,5 +1,6 @@
 //! Presets: complete job bodies, ready to run or to change. One file an origin, one line of [`all`].
 
+pub mod cai_fuzzy;
 mod liang2009;
 
 use super::plan::JobKind;
@@ -16,7 +17,9 @@ pub struct Preset {
 
 /// Every preset.
 pub fn all() -> Vec<Preset> {
-    liang2009::presets()
+    let mut presets = liang2009::presets();
+    presets.extend(cai_fuzzy::presets());
+    presets
 }
 
 /// The preset with this name. `liang2009` and `liang2009-polar` alone are the largest scenes.

@@ -47,6 +47,7 @@ struct RequestSchemas {
     simulate: JsonSchema,
     associate: JsonSchema,
     evaluate: JsonSchema,
+    group: JsonSchema,
 }
 
 /// A JSON Schema (draft 2020-12) with titles, defaults, ranges and, as `x-unit`, units.
@@ -104,6 +105,7 @@ async fn list_methods(_: NoParams) -> ApiResult {
         simulate: schema(plan::JobKind::Simulate),
         associate: schema(plan::JobKind::Associate),
         evaluate: schema(plan::JobKind::Evaluate),
+        group: schema(plan::JobKind::Group),
     };
     Ok(Json(MethodCatalogue { families: catalogue::FAMILIES.iter().map(family).collect(), requests }).into_response())
 }

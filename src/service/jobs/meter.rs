@@ -82,6 +82,7 @@ fn fraction(kind: JobKind, step: Step, done: u64, total: u64) -> f64 {
         JobKind::Simulate => [0.0, 0.8, 0.0, 0.0, 0.2],
         JobKind::Associate => [0.1, 0.1, 0.7, 0.0, 0.1],
         JobKind::Evaluate => [0.1, 0.1, 0.5, 0.2, 0.1],
+        JobKind::Group => [0.1, 0.2, 0.5, 0.1, 0.1],
     };
     let index = step as usize;
     let before: f64 = shares[..index].iter().sum();

@@ -14,6 +14,7 @@ pub fn job_examples(kind: JobKind) -> Vec<(&'static str, Value)> {
         JobKind::Simulate => simulate(),
         JobKind::Associate => associate(),
         JobKind::Evaluate => evaluate(),
+        JobKind::Group => group(),
     }
 }
 
@@ -58,6 +59,17 @@ fn evaluate() -> Vec<(&'static str, Value)> {
         ),
     ];
     examples.extend(preset.map(|preset| ("A preset: simulate, track and judge in one job", preset.body)));
+    examples
+}
+
+fn group() -> Vec<(&'static str, Value)> {
+    let preset = presets::all().into_iter().find(|preset| preset.kind == JobKind::Group);
+    let uploaded = json!({
+        "input": {"source": "dataset", "dataset_id": SOME_ID},
+        "grouper": {"method": "sequential_nearest_neighbour", "gate_sigmas": 4.0, "one_per_sensor": true}
+    });
+    let mut examples = vec![("An uploaded recording of several sensors", uploaded)];
+    examples.extend(preset.map(|preset| ("A preset: simulate and group in one job", preset.body)));
     examples
 }
 

@@ -15,10 +15,11 @@ pub enum JobKind {
     Simulate,
     Associate,
     Evaluate,
+    Group,
 }
 
 impl JobKind {
-    pub const ALL: [JobKind; 3] = [JobKind::Simulate, JobKind::Associate, JobKind::Evaluate];
+    pub const ALL: [JobKind; 4] = [JobKind::Simulate, JobKind::Associate, JobKind::Evaluate, JobKind::Group];
 
     pub fn name(self) -> &'static str {
         plan::JobKind::from(self).name()
@@ -35,6 +36,7 @@ impl From<JobKind> for plan::JobKind {
             JobKind::Simulate => plan::JobKind::Simulate,
             JobKind::Associate => plan::JobKind::Associate,
             JobKind::Evaluate => plan::JobKind::Evaluate,
+            JobKind::Group => plan::JobKind::Group,
         }
     }
 }
@@ -45,6 +47,7 @@ impl From<plan::JobKind> for JobKind {
             plan::JobKind::Simulate => JobKind::Simulate,
             plan::JobKind::Associate => JobKind::Associate,
             plan::JobKind::Evaluate => JobKind::Evaluate,
+            plan::JobKind::Group => JobKind::Group,
         }
     }
 }

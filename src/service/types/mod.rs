@@ -5,12 +5,14 @@
 
 mod dataset;
 mod event;
+mod grouping;
 mod job;
 mod problem;
 mod report;
 
 pub use dataset::*;
 pub use event::*;
+pub use grouping::*;
 pub use job::*;
 pub use problem::*;
 pub use report::*;

@@ -2,6 +2,7 @@
 //! document and to Rust programs that read one.
 
 use super::dataset::{DatasetKind, SensorSettings};
+use super::grouping::GroupResult;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -52,6 +53,12 @@ report!(
     EvaluateReportKind::Evaluate,
     EvaluateResult
 );
+report!(
+    /// What was put together.
+    GroupReport,
+    GroupReportKind::Group,
+    GroupResult
+);
 
 /// The report of a job. `result` is the same, byte for byte, for the same request.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -61,6 +68,7 @@ pub enum Report {
     Simulate(SimulateReport),
     Associate(AssociateReport),
     Evaluate(EvaluateReport),
+    Group(GroupReport),
 }
 
 /// What a job read.

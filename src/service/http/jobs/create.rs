@@ -23,6 +23,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(create_simulate_job))
         .routes(routes!(create_associate_job))
         .routes(routes!(create_evaluate_job))
+        .routes(routes!(create_group_job))
         .routes(routes!(validate_job))
 }
 
@@ -61,6 +62,12 @@ create!(
     ///
     /// Queues a job that judges tracks, or makes them of `input` first. A job named as a source is waited for.
     create_evaluate_job, "/v1/jobs/evaluate", "createEvaluateJob", JobKind::Evaluate
+);
+create!(
+    /// Put together reports of several sensors
+    ///
+    /// Queues a job that groups what several sensors reported of one target at one instant.
+    create_group_job, "/v1/jobs/group", "createGroupJob", JobKind::Group
 );
 
 async fn create(app: AppState, kind: JobKind, headers: &HeaderMap, body: Value) -> ApiResult {
