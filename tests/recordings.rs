@@ -70,16 +70,40 @@ fn line(scenario: u32, associator: &str, inputs: &[Option<Input>]) -> String {
     )
 }
 
-fn table(folder: &Path) -> String {
+fn files_of(scenario: u32) -> [String; 2] {
+    ["detections", "groundTruth"].map(|what| format!("scenario{scenario}_{what}.json"))
+}
+
+/// The scenarios whose files are all there; says of the others what they lack.
+fn present(folder: &Path) -> Vec<u32> {
+    let lacks = |scenario: u32| files_of(scenario).into_iter().find(|name| !folder.join(name).exists());
+    let is_present = |scenario: &u32| match lacks(*scenario) {
+        Some(name) => {
+            println!("skipped: scenario {scenario}, for {name} is not in {}", folder.display());
+            false
+        }
+        None => true,
+    };
+    SCENARIOS.into_iter().filter(is_present).collect()
+}
+
+/// The lines of a table that are not of scenarios left out.
+fn lines_of(table: &str, scenarios: &[u32]) -> String {
+    let is_left_out = |line: &&str| {
+        let first = line.trim_start_matches('|').split('|').next().and_then(|cell| cell.trim().parse::<u32>().ok());
+        first.is_some_and(|scenario| !scenarios.contains(&scenario))
+    };
+    table.trim().lines().filter(|line| !is_left_out(line)).collect::<Vec<_>>().join("\n")
+}
+
+fn table(folder: &Path, scenarios: &[u32]) -> String {
     let mut text = String::from(
         "| scenario | associator | tracks | correct / missed / false | mean GOSPA (m) | MOTA | position RMSE (m) | switches | breaks (ended / took other / left gate) |\n\
          |---|---|---|---|---|---|---|---|---|\n",
     );
-    for scenario in SCENARIOS {
-        let inputs = [
-            Some(load(folder, &format!("scenario{scenario}_detections.json"), DatasetKind::Detections)),
-            Some(load(folder, &format!("scenario{scenario}_groundTruth.json"), DatasetKind::Truth)),
-        ];
+    for &scenario in scenarios {
+        let [detections, truth] = files_of(scenario);
+        let inputs = [Some(load(folder, &detections, DatasetKind::Detections)), Some(load(folder, &truth, DatasetKind::Truth))];
         for method in ASSOCIATORS.iter().filter(|method| !["oracle", "strongest_neighbour"].contains(&method.name)) {
             text.push_str(&line(scenario, method.name, &inputs));
         }
@@ -90,17 +114,33 @@ fn table(folder: &Path) -> String {
 #[test]
 fn the_table_of_recordings_is_what_the_tracker_does() {
     let folder = std::env::var_os("TRACKLOOM_DATA").map(|folder| PathBuf::from(folder).join("autoferry"));
-    let Some(folder) = folder.filter(|folder| folder.join("scenario2_detections.json").exists()) else {
+    let Some(folder) = folder else {
         println!("skipped: TRACKLOOM_DATA names no folder with autoferry recordings");
         return;
     };
+    let scenarios = present(&folder);
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(DOCUMENT);
     let document = std::fs::read_to_string(&path).unwrap();
     let (head, written) = document.split_once(BEGIN).expect("the document has the line before its table");
-    let made = table(&folder);
+    let made = table(&folder, &scenarios);
     if std::env::var_os("TRACKLOOM_WRITE_RECORDINGS").is_some() {
+        assert_eq!(scenarios, SCENARIOS, "the table is written of all scenarios or not at all");
         std::fs::write(&path, format!("{head}{BEGIN}\n{made}")).unwrap();
         return;
     }
-    assert_eq!(written.trim(), made.trim(), "write it anew with TRACKLOOM_WRITE_RECORDINGS=1 and look at what changed");
+    assert_eq!(lines_of(written, &scenarios), made.trim(), "write it anew with TRACKLOOM_WRITE_RECORDINGS=1 and look at what changed");
+}
+
+#[test]
+fn a_scenario_that_lacks_a_file_is_left_out_of_both_tables() {
+    let folder = tempfile::tempdir().unwrap();
+    for scenario in [3, 17] {
+        files_of(scenario).iter().for_each(|name| std::fs::write(folder.path().join(name), "[]").unwrap());
+    }
+    std::fs::write(folder.path().join(&files_of(4)[0]), "[]").unwrap();
+    assert_eq!(present(folder.path()), [3, 17]);
+    assert_eq!(
+        lines_of("| scenario | x |\n|---|---|\n| 3 | a |\n| 4 | b |\n| 17 | c |\n", &[3, 17]),
+        "| scenario | x |\n|---|---|\n| 3 | a |\n| 17 | c |"
+    );
 }

@@ -3,6 +3,7 @@
 use crate::math::rng::Seed;
 use crate::registry::{Method, Union};
 
+pub mod bat;
 pub mod global_nearest_neighbour;
 mod greedy;
 pub mod jpda;
@@ -59,8 +60,15 @@ pub trait Associator: Send {
 pub type BuildAssociator = fn(&serde_json::Value, Seed) -> Result<Box<dyn Associator>, serde_json::Error>;
 
 /// Every associator.
-pub const ASSOCIATORS: &[Method<BuildAssociator>] =
-    &[nearest_neighbour::METHOD, strongest_neighbour::METHOD, global_nearest_neighbour::METHOD, pda::METHOD, jpda::METHOD, oracle::METHOD];
+pub const ASSOCIATORS: &[Method<BuildAssociator>] = &[
+    nearest_neighbour::METHOD,
+    strongest_neighbour::METHOD,
+    global_nearest_neighbour::METHOD,
+    pda::METHOD,
+    jpda::METHOD,
+    bat::METHOD,
+    oracle::METHOD,
+];
 
 pub static ASSOCIATOR: Union = Union {
     name: "Associator",

@@ -1,5 +1,5 @@
 //! Compares the clutter density that the tracker was given with what it left over: a density that is far off misleads
-//! every method that weighs detections against it.
+//! every method that weighs detections against it. One that was estimated from the same data says nothing to compare.
 
 use super::extent::Extent;
 use crate::model::scan::Recording;
@@ -19,9 +19,8 @@ pub(super) fn disagreements(recording: &Recording, sensors: &[Sensor], known: &[
         let scans = || recording.scans.iter().filter(|scan| scan.sensor == index);
         let left_over = scans().flat_map(|scan| scan.range()).filter(|&detection| !used[detection]).count() as f64;
         let extent = Extent::of(recording, index, settings, &sensor.report);
-        let (unit, watched) = (extent.unit(), extent.watched);
+        let (unit, watched, given) = (extent.unit(), extent.watched, extent.density_of(settings)?);
         let scanned = watched * scans().count() as f64;
-        let given = extent.outside(sensor.clutter_density);
         let expected = given * scanned;
         let is_off = left_over > TOLERATED_FACTOR * expected || expected > TOLERATED_FACTOR * left_over;
         (is_off && left_over.max(expected) >= LEAST_COUNT && scanned > 0.0).then(|| {
@@ -56,8 +55,9 @@ mod tests {
     use crate::model::sensor::Report;
 
     /// One scan of a sensor with a field of view of 1 000 m², and `count` detections that no track takes.
-    fn warnings(count: usize, clutter_per_m2: f64) -> Vec<String> {
-        let settings = SensorSettings { max_range_m: Some((1000.0 / std::f64::consts::PI).sqrt()), ..SensorSettings::named("radar") };
+    fn warnings(count: usize, clutter_per_m2: Option<f64>) -> Vec<String> {
+        let max_range_m = Some((1000.0 / std::f64::consts::PI).sqrt());
+        let settings = SensorSettings { max_range_m, clutter_per_m2, ..SensorSettings::named("radar") };
         let detection =
             |index: usize| Detection { measurement: Measurement::Position { x_m: index as f64, y_m: 0.0 }, origin: None, amplitude: None };
         let recording = Recording::new(RecordingParts {
@@ -68,22 +68,27 @@ mod tests {
             ..Default::default()
         });
         let report = Report::Position { sigma_x_m: 1.0, sigma_y_m: 1.0 };
-        let sensor = Sensor { sensor_id: "radar".into(), p_d: 0.9, clutter_density: clutter_per_m2, report };
+        let sensor = Sensor { sensor_id: "radar".into(), p_d: 0.9, clutter_density: clutter_per_m2.unwrap_or(1e3), report };
         disagreements(&recording.unwrap(), &[sensor], &[settings], &TrackSet::default())
     }
 
     #[test]
     fn a_density_within_a_factor_of_three_is_not_mentioned() {
-        assert_eq!(warnings(20, 0.02), Vec::<String>::new());
-        assert_eq!(warnings(59, 0.02), Vec::<String>::new());
-        assert_eq!(warnings(9, 1e-6), Vec::<String>::new(), "nine detections are too few to tell");
+        assert_eq!(warnings(20, Some(0.02)), Vec::<String>::new());
+        assert_eq!(warnings(59, Some(0.02)), Vec::<String>::new());
+        assert_eq!(warnings(9, Some(1e-6)), Vec::<String>::new(), "nine detections are too few to tell");
+    }
+
+    #[test]
+    fn one_that_was_estimated_is_not_compared() {
+        assert_eq!(warnings(61, None), Vec::<String>::new());
     }
 
     #[test]
     fn one_that_is_further_off_is_named_with_the_estimate() {
-        let high = warnings(61, 0.02);
+        let high = warnings(61, Some(0.02));
         assert!(high.len() == 1 && high[0].contains("6.100e-2 per m²"), "{high:?}");
-        let low = warnings(6, 0.02);
+        let low = warnings(6, Some(0.02));
         assert!(low.len() == 1 && low[0].contains("6.000e-3 per m²"), "{low:?}");
     }
 }

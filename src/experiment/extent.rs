@@ -28,14 +28,14 @@ impl Extent {
         if self.is_of_bearings { "degree" } else { "m²" }
     }
 
+    /// The density over this extent that is known of the sensor.
+    pub fn density_of(&self, settings: &SensorSettings) -> Option<f64> {
+        if self.is_of_bearings { settings.clutter_per_deg } else { settings.clutter_per_m2 }
+    }
+
     /// A density over this extent, in the units that are used inside: per radian instead of per degree.
     pub fn inside(&self, density: f64) -> f64 {
         if self.is_of_bearings { density * (180.0 / PI) } else { density }
-    }
-
-    /// The inverse of [`Extent::inside`].
-    pub fn outside(&self, density: f64) -> f64 {
-        if self.is_of_bearings { density * (PI / 180.0) } else { density }
     }
 }
 

@@ -70,8 +70,7 @@ impl Scene {
             scene.truth.get_or_insert(simulated.truth);
         }
         if let Some(recording) = &scene.recording {
-            let requested = plan.spec.get("sensors").and_then(|value| Vec::deserialize(value).ok()).unwrap_or_default();
-            scene.sensors = sensors::known(recording, &uploaded, &requested)?;
+            scene.sensors = sensors::known(recording, &uploaded, &requested_sensors(&plan.spec))?;
         }
         Ok(scene)
     }
@@ -80,6 +79,10 @@ impl Scene {
         let recording = self.recording.as_ref().ok_or_else(|| missing("/input", "detections"))?;
         let (filter, filter_name) = associate::filter_of(&plan.spec)?;
         let sensors = sensors::resolve(recording, &self.sensors, (&filter, filter_name), &mut self.warnings)?;
+        let misplaced = sensors::misplaced_densities(&requested_sensors(&plan.spec), &sensors);
+        if !misplaced.is_empty() {
+            return Err(misplaced.into());
+        }
         let tracked = associate::track(&plan.spec, plan.stream(), (recording, self.truth.as_ref()), sensors.clone(), observer)?;
         // Clutter that lies near targets only is not spread over what the sensor watches: a comparison would mislead.
         let is_local =
@@ -190,6 +193,11 @@ impl Scene {
         step(observer, Step::Write, 1)?;
         Ok(files)
     }
+}
+
+/// What the request says of sensors.
+fn requested_sensors(spec: &Value) -> Vec<SensorSettings> {
+    spec.get("sensors").and_then(|value| Vec::deserialize(value).ok()).unwrap_or_default()
 }
 
 /// Asks whether to go on, before (0) and after (1) a step without parts.

@@ -86,6 +86,27 @@ pub(super) fn resolve(
     if faults.is_empty() { Ok(sensors) } else { Err(faults) }
 }
 
+/// A fault for each density that the request states over a space in which the sensor's reports do not lie.
+pub(super) fn misplaced_densities(requested: &[SensorSettings], sensors: &[Sensor]) -> Vec<Fault> {
+    let fault = |(index, settings): (usize, &SensorSettings)| {
+        let sensor = sensors.iter().find(|sensor| sensor.sensor_id == settings.sensor_id)?;
+        let (given, wanted) = misplaced_density(settings, matches!(sensor.report, Report::Bearing { .. }))?;
+        let detail =
+            format!("the clutter of sensor '{}' is stated in '{given}'; what is used of its reports needs '{wanted}'", sensor.sensor_id);
+        Some(Fault::new(format!("/sensors/{index}/{given}"), "unsupported", detail).allowing(wanted))
+    };
+    requested.iter().enumerate().filter_map(fault).collect()
+}
+
+/// The density that is given and the one that is wanted instead. A sensor that has both is described for either use.
+fn misplaced_density(settings: &SensorSettings, is_of_bearings: bool) -> Option<(&'static str, &'static str)> {
+    match (settings.clutter_per_m2, settings.clutter_per_deg) {
+        (Some(_), None) if is_of_bearings => Some(("clutter_per_m2", "clutter_per_deg")),
+        (None, Some(_)) if !is_of_bearings => Some(("clutter_per_deg", "clutter_per_m2")),
+        _ => None,
+    }
+}
+
 /// Bearings from two places are not one track.
 fn two_places(known: &[SensorSettings]) -> Option<Fault> {
     let (first, rest) = known.split_first()?;
@@ -195,13 +216,13 @@ fn complete(recording: &Recording, index: usize, settings: &SensorSettings, repo
         ASSUMED_P_D
     });
     let extent = Extent::of(recording, index, settings, &report);
-    let given = if extent.is_of_bearings { settings.clutter_per_deg } else { settings.clutter_per_m2 };
-    let density = given.unwrap_or_else(|| {
+    let density = extent.density_of(settings).unwrap_or_else(|| {
         let density = estimated_clutter(recording, index, &extent);
-        warnings.push(format!(
-            "sensor '{name}': the clutter density is not known; {density:.3e} per {} is estimated from the data",
-            extent.unit()
-        ));
+        let unknown = misplaced_density(settings, extent.is_of_bearings)
+            .map_or("the clutter density is not known".to_owned(), |(given, wanted)| {
+                format!("'{given}' is not used, '{wanted}' is not known")
+            });
+        warnings.push(format!("sensor '{name}': {unknown}; {density:.3e} per {} is estimated from the data", extent.unit()));
         density
     });
     Sensor { sensor_id: name.clone(), p_d, clutter_density: extent.inside(density.max(LEAST_CLUTTER)), report }
@@ -337,6 +358,34 @@ mod tests {
         assert!(warnings.len() == 1 && warnings[0].contains("1.000e-1 per degree is estimated"), "{warnings:?}");
         let (_, warnings) = resolved(&[polar(9.0, None)], Some(0.02));
         assert_eq!(warnings, ["sensor 'radar': its ranges are not used"]);
+    }
+
+    #[test]
+    fn a_density_over_the_wrong_space_is_named() {
+        let per_m2 = SensorSettings { clutter_per_m2: Some(1e-6), ..SensorSettings::named("radar") };
+        let per_deg = SensorSettings { clutter_per_deg: Some(0.1), ..SensorSettings::named("radar") };
+        let both = SensorSettings { clutter_per_m2: Some(1e-6), ..per_deg.clone() };
+        let sensor = |report| [Sensor { sensor_id: "radar".into(), p_d: 0.9, clutter_density: 1.0, report }];
+        let of_bearings = sensor(Report::Bearing { sigma_bearing_rad: 0.1 });
+        let of_places = sensor(Report::Position { sigma_x_m: 1.0, sigma_y_m: 1.0 });
+        let found = |settings: &SensorSettings, sensors: &[Sensor]| {
+            let faults = misplaced_densities(&[SensorSettings::named("other"), settings.clone()], sensors);
+            faults.into_iter().map(|fault| (fault.pointer, fault.allowed.unwrap())).collect::<Vec<_>>()
+        };
+        assert_eq!(found(&per_m2, &of_bearings), [("/sensors/1/clutter_per_m2".to_owned(), "clutter_per_deg".to_owned())]);
+        assert_eq!(found(&per_deg, &of_places), [("/sensors/1/clutter_per_deg".to_owned(), "clutter_per_m2".to_owned())]);
+        assert_eq!([found(&per_m2, &of_places), found(&per_deg, &of_bearings)], [[], []]);
+        assert_eq!([found(&both, &of_places), found(&both, &of_bearings)], [[], []]);
+
+        // What came with the data is not the request's fault, so that it becomes a warning.
+        let uploaded = SensorSettings { sigma_bearing_deg: Some(1.0), p_d: Some(0.8), ..per_m2 };
+        let mut warnings = Vec::new();
+        let seen = recording(&[Measurement::Bearing { bearing_rad: 0.0 }, Measurement::Bearing { bearing_rad: 0.1 }]);
+        resolve(&seen, &[uploaded], BEARING_ONLY, &mut warnings).unwrap();
+        assert!(
+            warnings.len() == 1 && warnings[0].contains("'clutter_per_m2' is not used, 'clutter_per_deg' is not known"),
+            "{warnings:?}"
+        );
     }
 
     #[test]

@@ -92,6 +92,10 @@ fn check_sensors(sensors: &[SensorSettings], faults: &mut FaultLog) {
         } else if !seen.insert(sensor.sensor_id.as_str()) {
             report("duplicate", format!("sensor '{}' is described twice", sensor.sensor_id));
         }
+        for misfit in sensor.misfits() {
+            let detail = format!("{} is out of range", misfit.value);
+            faults.push(Fault::new(format!("/file/sensors/{index}/{}", misfit.field), "out_of_range", detail).allowing(misfit.allowed));
+        }
     }
 }
 

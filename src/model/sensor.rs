@@ -40,6 +40,30 @@ impl SensorSettings {
         SensorSettings { sensor_id: sensor_id.into(), ..Default::default() }
     }
 
+    /// The values that no sensor can have.
+    pub fn misfits(&self) -> Vec<Misfit> {
+        const POSITIVE: (&str, fn(f64) -> bool) = ("> 0", |value| value > 0.0 && value.is_finite());
+        const FINITE: (&str, fn(f64) -> bool) = ("a finite number", f64::is_finite);
+        const PROBABILITY: (&str, fn(f64) -> bool) = ("(0, 1]", |value| value > 0.0 && value <= 1.0);
+        let checks = [
+            ("x_m", self.x_m, FINITE),
+            ("y_m", self.y_m, FINITE),
+            ("max_range_m", self.max_range_m, POSITIVE),
+            ("p_d", self.p_d, PROBABILITY),
+            ("clutter_per_m2", self.clutter_per_m2, POSITIVE),
+            ("clutter_per_deg", self.clutter_per_deg, POSITIVE),
+            ("sigma_x_m", self.sigma_x_m, POSITIVE),
+            ("sigma_y_m", self.sigma_y_m, POSITIVE),
+            ("sigma_range_m", self.sigma_range_m, POSITIVE),
+            ("sigma_bearing_deg", self.sigma_bearing_deg, POSITIVE),
+            ("sigma_range_rate_mps", self.sigma_range_rate_mps, POSITIVE),
+        ];
+        let misfit = |(field, value, (allowed, is_sound)): (&'static str, Option<f64>, (&'static str, fn(f64) -> bool))| {
+            value.filter(|value| !is_sound(*value)).map(|value| Misfit { field, value, allowed })
+        };
+        checks.into_iter().filter_map(misfit).collect()
+    }
+
     /// These settings, with every value that `other` knows taken from `other`.
     #[must_use]
     pub fn overridden_by(&self, other: &SensorSettings) -> SensorSettings {
@@ -58,6 +82,14 @@ impl SensorSettings {
             sigma_range_rate_mps: other.sigma_range_rate_mps.or(self.sigma_range_rate_mps),
         }
     }
+}
+
+/// A setting that no sensor can have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Misfit {
+    pub field: &'static str,
+    pub value: f64,
+    pub allowed: &'static str,
 }
 
 /// A sensor as the tracker needs it.

@@ -95,6 +95,18 @@ fn numbers_that_are_none_are_named() {
 }
 
 #[test]
+fn a_range_below_zero_is_named_and_zero_is_a_range() {
+    let polar = "time_s,scan,sensor_id,detection_id,range_m,bearing_deg\n";
+    let expected = at(3, "range_m", "out_of_range", "a range of -0.5 m is below zero").allowing(">= 0 m");
+    assert_eq!(fault("csv", format!("{polar}0,1,r,a,0,10\n1,2,r,a,-0.5,10\n")), expected);
+    assert_eq!(fault("csv", format!("{polar}0,1,r,a,5,inf\n")), at(2, "bearing_deg", "not_finite", "'inf' is not a finite number"));
+    assert_eq!(fault("csv", format!("{polar}0,1,r,a,NaN,5\n")), at(2, "range_m", "not_finite", "'NaN' is not a finite number"));
+    let zero = recording(read("csv", format!("{polar}0,1,r,a,0,90\n")).expect("a target may be at the sensor"));
+    let bearing_rad = std::f64::consts::FRAC_PI_2;
+    assert_eq!(zero.detections[0].measurement, Measurement::RangeBearing { range_m: 0.0, bearing_rad, range_rate_mps: None });
+}
+
+#[test]
 fn two_faults_at_once_are_both_named() {
     let faults = read("csv", format!("{HEADER}0,1,r,a,1,two\n1,2,r,b,1,2\n2,three,r,c,nan,2\n")).expect_err("three cells are broken");
     assert_eq!(

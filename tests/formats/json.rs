@@ -39,6 +39,28 @@ fn faults_point_into_the_columns() {
 }
 
 #[test]
+fn values_that_no_sensor_has_are_faults() {
+    let text = r#"{"columns": {"time_s": [0, 1], "scan": [1, 2], "sensor_id": ["r", "r"], "detection_id": ["a", "b"],
+        "range_m": [0, -3], "bearing_deg": [1, 2]}, "sensors": [{"sensor_id": "r"}]}"#;
+    let expected = Fault::new("/file/columns/range_m/1", "out_of_range", "a range of -3 m is below zero").allowing(">= 0 m");
+    assert_eq!(fault("json", text), expected);
+    let sensors = r#""sensors": [{"sensor_id": "r", "p_d": 1.5, "sigma_range_m": -1, "sigma_x_m": 0, "clutter_per_m2": -1e-9, "x_m": -5}]"#;
+    let faults = read("json", text.replace("-3", "3").replace(r#""sensors": [{"sensor_id": "r"}]"#, sensors)).expect_err("four faults");
+    let of = |field: &str, value: &str, allowed: &str| {
+        Fault::new(format!("/file/sensors/0/{field}"), "out_of_range", format!("{value} is out of range")).allowing(allowed)
+    };
+    assert_eq!(
+        faults,
+        [
+            of("p_d", "1.5", "(0, 1]"),
+            of("clutter_per_m2", "-0.000000001", "> 0"),
+            of("sigma_x_m", "0", "> 0"),
+            of("sigma_range_m", "-1", "> 0"),
+        ]
+    );
+}
+
+#[test]
 fn faults_of_the_whole_are_collected() {
     let text = r#"{"kind": "truth", "columns": {"time_s": [1, 2], "x/m": [1], "y_m": [1, 2, 3]},
         "sensors": [{"sensor_id": "r"}, {"sensor_id": "r"}, {"sensor_id": ""}]}"#;

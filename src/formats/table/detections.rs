@@ -125,6 +125,9 @@ impl Builder {
     fn measurement(&mut self, reader: &mut RowReader, columns: &Columns) -> Option<Measurement> {
         let position = reader.all_or_none(columns.x.zip(columns.y).map(|(x, y)| [x, y]));
         let range_m = reader.optional_number(columns.range);
+        if let (Some(column), Some(range_m)) = (columns.range, range_m.filter(|range_m| *range_m < 0.0)) {
+            reader.fault_allowing(column, "out_of_range", format!("a range of {range_m} m is below zero"), ">= 0 m");
+        }
         let bearing = reader.optional_number(columns.bearing);
         let range_rate_mps = reader.optional_number(columns.range_rate);
         if !reader.is_sound() {

@@ -159,7 +159,6 @@ fn genetic_search_is_never_above_the_best_of_twenty_random_starts() {
         assert!(found.trace.windows(2).all(|pair| pair[1] <= pair[0]));
         assert_eq!((found.runs, means.clusters()), (111, 8));
         assert!((means.costs().last().unwrap() - found.cost).abs() <= 1e-9 * found.cost);
-        eprintln!("genetic: J {} in {} iterations of {} runs; best of 20 {best}", found.cost, found.iterations, found.runs);
         // Five objects at distance 1 from each of eight centres: the optimum is a little below 40.
         assert!((35.0..40.0).contains(&found.cost), "{}", found.cost);
     }

@@ -1,0 +1,255 @@
+//! Bat algorithm data association (BADA): the tracks of a cluster share its detections in the way that is worth most, and
+//! a swarm of bats looks for that way. Each bat is one assignment; it moves by changing or swapping entries.
+//!
+//! # Reference
+//! Wang Y., Li Y., Huang H., multi-target data association by the bat algorithm (BADA), the paper this follows; X.-S. Yang, A
+//! new metaheuristic bat-inspired algorithm, in Nature Inspired Cooperative Strategies for Optimization, 2010, 65–74.
+//!
+//! # Symbols
+//! gᵢⱼ = N(νᵢⱼ; 0, Sᵢ) likelihood of detection j for target i; x a bat, xᵢ the detection of target i, 0 = none; x* the best
+//! bat; J the objective; D Hamming distance; v speed; A loudness; r pulse rate, r⁰ its first value; α, γ constants of both; n
+//! the iteration, from 1.
+//!
+//! # Method
+//! Objective: `likelihood_sum` J = Σ gᵢⱼ over the pairs of the assignment, the paper's; it never prefers "none", so the gate is
+//! the price of a miss. `log_likelihood_ratio` J = Σ ln(P_D gᵢⱼ / λ) − ln(1 − P_D P_G): against the event in which no track
+//! has a detection, so its optimum is that of the global nearest neighbour.
+//! 1. Every bat draws a detection for each target, the next free one where that is taken; r⁰ uniform in \[0, 1), r = r⁰.
+//! 2. n = 1, 2, …: each bat moves, x ← x ⊕ v: v uniform in 1..D (1 when D = 0) neighbours are made, and the best of them
+//!    replaces the bat, better or not. A neighbour gets a random detection at a random position; where another target
+//!    holds that detection, the two swap, and what lies outside the other's gate becomes 0.
+//! 3. With probability 1 − r the bat becomes a neighbour of x* instead, better or not.
+//! 4. With probability A, if J(x) > J(x*): x* ← x, A ← α A, r ← r⁰ (1 − e^(−γ n)).
+//!
+//! The likelihood gᵢⱼ comes from the edges of the problem, ln(P_D gᵢⱼ / λ): P_D and λ are common to a cluster, and J counts in
+//! multiples of its largest g. With polar reports λ is a density in the plane, and so is g there: the density in (r, β) divided by
+//! the range that the track expects.
+//!
+//! Whether 0 may be drawn follows from the settings: with `log_likelihood_ratio`, whose optimum may hold it, and with
+//! `weights: visited`, whose sum must cover misses. To the sum of likelihoods alone it is irrelevant. Tracks without a
+//! candidate are in no cluster and never draw. A track alone takes its optimum in closed form; the swarm would find the same.
+
+mod cluster;
+mod dice;
+mod judge;
+mod swarm;
+mod visited;
+
+use super::problem::{Problem, Weights};
+use super::{Associator, BuildAssociator, Trace};
+use crate::math::rng::{Purpose, Seed};
+use crate::registry::{Bound, Field, Kind, Method, Object, Presence};
+use cluster::Cluster;
+use dice::Dice;
+use judge::Judge;
+use serde::Deserialize;
+use swarm::Swarm;
+use visited::Visited;
+
+/// Bats × iterations that a request may ask for: a cluster of six tracks then takes some 30 ms.
+pub const MAX_MOVES: u64 = 1_000_000;
+
+pub const METHOD: Method<BuildAssociator> =
+    Method { name: "bat", parameters: &PARAMETERS, build: |spec, seed| Ok(Box::new(Bat::new(Settings::deserialize(spec)?, seed))) };
+
+static PARAMETERS: Object = Object {
+    name: "Bat",
+    summary: "Bat algorithm data association: a swarm searches the assignment of largest total likelihood.",
+    fields: &[
+        Field {
+            name: "population",
+            summary: "Bats. Population times iterations is at most 1000000.",
+            kind: Kind::Integer { min: 1, max: 10_000, unit: "bats" },
+            presence: Presence::Default("20"),
+        },
+        Field {
+            name: "iterations",
+            summary: "Times that every bat moves.",
+            kind: Kind::Integer { min: 1, max: 10_000, unit: "" },
+            presence: Presence::Default("15"),
+        },
+        Field {
+            name: "objective",
+            summary: "likelihood_sum: the sum of the pairs' likelihoods, as in the paper, which takes a detection wherever the gate has one; \
+                      log_likelihood_ratio: the probability of the joint event, misses and clutter weighed.",
+            kind: Kind::Choice(&["likelihood_sum", "log_likelihood_ratio"]),
+            presence: Presence::Default("\"likelihood_sum\""),
+        },
+        Field {
+            name: "candidates",
+            summary: "gated: a target draws among the detections in its gate; all: among all of the scan, where those outside its gate \
+                      count nothing and are refused at the update.",
+            kind: Kind::Choice(&["gated", "all"]),
+            presence: Presence::Default("\"gated\""),
+        },
+        Field {
+            name: "weights",
+            summary: "best: the best bat's detections, as in the paper; visited: weights as JPDA's, summed over the distinct assignments \
+                      that the swarm has looked at.",
+            kind: Kind::Choice(&["best", "visited"]),
+            presence: Presence::Default("\"best\""),
+        },
+        Field {
+            name: "loudness",
+            summary: "Loudness A at the start: below 1, better bats are refused at random.",
+            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(2.0), unit: "" },
+            presence: Presence::Default("1"),
+        },
+        Field {
+            name: "alpha",
+            summary: "Factor of the loudness when a bat is accepted as the best.",
+            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1.0), unit: "" },
+            presence: Presence::Default("0.98"),
+        },
+        Field {
+            name: "gamma",
+            summary: "Speed at which the pulse rate returns to its first value.",
+            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(100.0), unit: "" },
+            presence: Presence::Default("0.98"),
+        },
+        Field {
+            name: "trace",
+            summary: "Whether to write down every iteration of every cluster (association_trace.csv).",
+            kind: Kind::Flag,
+            presence: Presence::Default("false"),
+        },
+    ],
+};
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Objective {
+    LikelihoodSum,
+    LogLikelihoodRatio,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Candidates {
+    Gated,
+    All,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Answer {
+    Best,
+    Visited,
+}
+
+/// The parameters of [`PARAMETERS`].
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(default)]
+struct Settings {
+    population: u32,
+    iterations: u32,
+    objective: Objective,
+    candidates: Candidates,
+    weights: Answer,
+    loudness: f64,
+    alpha: f64,
+    gamma: f64,
+    trace: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings {
+            population: 20,
+            iterations: 15,
+            objective: Objective::LikelihoodSum,
+            candidates: Candidates::Gated,
+            weights: Answer::Best,
+            loudness: 1.0,
+            alpha: 0.98,
+            gamma: 0.98,
+            trace: false,
+        }
+    }
+}
+
+impl Settings {
+    /// Whether 0 may be drawn.
+    fn draws_none(&self) -> bool {
+        self.objective == Objective::LogLikelihoodRatio || self.weights == Answer::Visited
+    }
+}
+
+const TRACE_HEADER: &str = "occasion,cluster,iteration,best_j,mean_j,evaluations,optimal_j,gap,assignment";
+
+#[derive(Debug)]
+struct Bat {
+    settings: Settings,
+    seed: Seed,
+    cluster: Cluster,
+    swarm: Swarm,
+    /// Only for [`Answer::Visited`].
+    visited: Option<Visited>,
+    judge: Judge,
+    trace: Option<Trace>,
+}
+
+impl Bat {
+    fn new(settings: Settings, seed: Seed) -> Self {
+        Bat {
+            settings,
+            seed,
+            cluster: Cluster::default(),
+            swarm: Swarm::default(),
+            visited: (settings.weights == Answer::Visited).then(Visited::default),
+            judge: Judge::default(),
+            trace: settings.trace.then(|| Trace::new(TRACE_HEADER)),
+        }
+    }
+
+    /// The swarm's search of the loaded cluster.
+    fn search(&mut self, problem: &Problem) {
+        let Bat { settings, seed, cluster, swarm, visited, judge, trace } = self;
+        let name = problem.rows().next().map_or(0, |(row, _)| row);
+        let mut dice = Dice::new(seed.stream(Purpose::Associator, name as u64, u64::from(problem.occasion())));
+        let optimum = judge.optimum(cluster);
+        swarm.search(cluster, settings, visited.as_mut(), &mut dice, |swarm, iteration| {
+            if let Some(trace) = trace {
+                let (best, gap) = (swarm.best_value(), judge::gap(swarm.best_value(), optimum));
+                let (mean, assignment) = (swarm.mean_value(), judge::assignment(problem, cluster, swarm.best()));
+                let (occasion, evaluations) = (problem.occasion(), swarm.evaluations());
+                trace.push(format_args!("{occasion},{name},{iteration},{best},{mean},{evaluations},{optimum},{gap},{assignment}"));
+            }
+        });
+        judge.searched(swarm, optimum, visited.as_ref());
+    }
+}
+
+impl Associator for Bat {
+    fn is_soft(&self) -> bool {
+        self.settings.weights == Answer::Visited
+    }
+
+    fn associate(&mut self, problem: &Problem, weights: &mut Weights) {
+        self.cluster.load(problem, &self.settings);
+        let is_single = problem.row_count() == 1;
+        if is_single {
+            self.judge.single(self.cluster.edges());
+        } else {
+            self.search(problem);
+        }
+        match &mut self.visited {
+            Some(visited) => {
+                if is_single {
+                    visited.see_all_of_one(&self.cluster);
+                }
+                visited.store(&self.cluster, problem, weights);
+            }
+            None if is_single => self.cluster.choose(problem, &[self.cluster.best_of_first()], weights),
+            None => self.cluster.choose(problem, self.swarm.best(), weights),
+        }
+    }
+
+    fn diagnostics(&self) -> Option<serde_json::Value> {
+        serde_json::to_value(self.judge.report(self.is_soft())).ok()
+    }
+
+    fn trace(&self) -> Option<&Trace> {
+        self.trace.as_ref()
+    }
+}

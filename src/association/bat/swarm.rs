@@ -1,0 +1,251 @@
+//! The bats and their moves. A neighbour differs in two entries at most, so its objective is that of the bat plus a
+//! difference. All memory is reused from cluster to cluster.
+
+use super::Settings;
+use super::cluster::{Cluster, NOBODY};
+use super::dice::Dice;
+use super::visited::Visited;
+
+/// Bats side by side in flat tables; x* stands behind the last bat.
+#[derive(Debug, Default)]
+pub(super) struct Swarm {
+    rows: usize,
+    /// Places of a bat in `owners`: one a detection, and one for "none" that nobody owns.
+    places: usize,
+    population: usize,
+    /// The code of each row, bat by bat.
+    entries: Vec<u32>,
+    /// The row that holds each detection, bat by bat.
+    owners: Vec<u32>,
+    bats: Vec<BatState>,
+    evaluations: u64,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct BatState {
+    value: f64,
+    /// Of the edges it holds.
+    hash: u64,
+    loudness: f64,
+    pulse_rate: f64,
+    first_pulse_rate: f64,
+}
+
+/// From a bat to a neighbour: `row` gets `code`; unless that is [`NOBODY`], `other` gets `other_code`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Step {
+    pub(super) row: u32,
+    pub(super) code: u32,
+    pub(super) other: u32,
+    pub(super) other_code: u32,
+    /// What the objective gains.
+    pub(super) delta: f64,
+}
+
+impl Swarm {
+    /// Looks for the best assignment; `watch` is called with the swarm at the start and after each iteration.
+    pub(super) fn search(
+        &mut self,
+        cluster: &Cluster,
+        settings: &Settings,
+        mut visited: Option<&mut Visited>,
+        dice: &mut Dice,
+        mut watch: impl FnMut(&Swarm, u32),
+    ) {
+        self.start(cluster, settings, visited.as_deref_mut(), dice);
+        watch(self, 0);
+        for iteration in 1..=settings.iterations {
+            let returned = -(-settings.gamma * f64::from(iteration)).exp_m1();
+            for bat in 0..self.population {
+                self.fly(cluster, bat, visited.as_deref_mut(), dice);
+                if dice.unit() > self.bats[bat].pulse_rate {
+                    self.approach_best(cluster, bat, visited.as_deref_mut(), dice);
+                }
+                if dice.unit() < self.bats[bat].loudness && self.is_accepted(cluster, bat) {
+                    let state = &mut self.bats[bat];
+                    state.loudness *= settings.alpha;
+                    state.pulse_rate = state.first_pulse_rate * returned;
+                }
+            }
+            watch(self, iteration);
+        }
+    }
+
+    /// Step 1.
+    fn start(&mut self, cluster: &Cluster, settings: &Settings, mut visited: Option<&mut Visited>, dice: &mut Dice) {
+        self.population = settings.population as usize;
+        (self.rows, self.places) = (cluster.row_count(), cluster.detections() + 1);
+        self.entries.clear();
+        self.entries.resize((self.population + 1) * self.rows, cluster.none());
+        self.owners.clear();
+        self.owners.resize((self.population + 1) * self.places, NOBODY);
+        self.bats.clear();
+        self.evaluations = self.population as u64;
+        if let Some(visited) = &mut visited {
+            visited.begin(cluster);
+        }
+        let mut best = 0;
+        for bat in 0..self.population {
+            self.draw_bat(cluster, settings, bat, dice);
+            if let Some(visited) = &mut visited {
+                visited.see(cluster, self.entries_of(bat), self.bats[bat].hash);
+            }
+            if self.bats[bat].value > self.bats[best].value {
+                best = bat;
+            }
+        }
+        self.bats.push(self.bats[best]);
+        self.copy(best, self.population);
+    }
+
+    /// A new bat: the detection drawn for each row, or the next of the row's that is free.
+    fn draw_bat(&mut self, cluster: &Cluster, settings: &Settings, bat: usize, dice: &mut Dice) {
+        let owners = &mut self.owners[bat * self.places..][..self.places];
+        let entries = &mut self.entries[bat * self.rows..][..self.rows];
+        let mut hash = 0;
+        for (row, entry) in entries.iter_mut().enumerate() {
+            let is_free = |code: &u32| owners[cluster.code(*code).detection as usize] == NOBODY;
+            let drawn = cluster.draw_for(row, dice.pair().0);
+            let others = cluster.codes_of(row);
+            let next = (drawn.max(others.start)..others.end).chain(others.start..drawn.min(others.end));
+            *entry = std::iter::once(drawn).chain(next).find(is_free).unwrap_or(cluster.none());
+            let code = cluster.code(*entry);
+            hash ^= code.key;
+            if *entry != cluster.none() {
+                owners[code.detection as usize] = row as u32;
+            }
+        }
+        let (value, first_pulse_rate) = (cluster.value_of(entries), dice.unit());
+        self.bats.push(BatState { value, hash, loudness: settings.loudness, pulse_rate: first_pulse_rate, first_pulse_rate });
+    }
+
+    /// Step 2.
+    #[inline]
+    fn fly(&mut self, cluster: &Cluster, bat: usize, mut visited: Option<&mut Visited>, dice: &mut Dice) {
+        let speed = match self.distance_to_best(bat) {
+            0 | 1 => 1,
+            distance => 1 + dice.below(distance),
+        };
+        let mut best = self.neighbour(cluster, bat, visited.as_deref_mut(), dice);
+        for _ in 1..speed {
+            let step = self.neighbour(cluster, bat, visited.as_deref_mut(), dice);
+            if step.delta > best.delta {
+                best = step;
+            }
+        }
+        self.take(cluster, bat, best);
+    }
+
+    /// Step 3.
+    #[inline]
+    fn approach_best(&mut self, cluster: &Cluster, bat: usize, visited: Option<&mut Visited>, dice: &mut Dice) {
+        self.copy(self.population, bat);
+        let step = self.neighbour(cluster, bat, visited, dice);
+        self.take(cluster, bat, step);
+    }
+
+    /// Step 4: whether the bat is the best from now on. What differences left in its last digits goes with a fresh sum.
+    #[inline]
+    fn is_accepted(&mut self, cluster: &Cluster, bat: usize) -> bool {
+        if self.bats[bat].value <= self.best_value() {
+            return false;
+        }
+        self.bats[bat].value = cluster.value_of(self.entries_of(bat));
+        if self.bats[bat].value <= self.best_value() {
+            return false;
+        }
+        self.copy(bat, self.population);
+        true
+    }
+
+    /// D.
+    #[inline]
+    fn distance_to_best(&self, bat: usize) -> u32 {
+        self.entries_of(bat).iter().zip(self.best()).map(|(left, right)| u32::from(left != right)).sum()
+    }
+
+    /// Makes and evaluates a neighbour.
+    #[inline]
+    fn neighbour(&mut self, cluster: &Cluster, bat: usize, visited: Option<&mut Visited>, dice: &mut Dice) -> Step {
+        let (row, code) = cluster.draw(dice);
+        let step = self.step_to(cluster, bat, row, code);
+        self.evaluations += 1;
+        if let Some(visited) = visited {
+            visited.see_neighbour(cluster, &self.entries[bat * self.rows..][..self.rows], self.bats[bat].hash, &step);
+        }
+        step
+    }
+
+    /// The neighbour in which `row` has `code`; who held that detection gets the row's old one, if it is his to have.
+    #[inline]
+    fn step_to(&self, cluster: &Cluster, bat: usize, row: u32, code: u32) -> Step {
+        let entries = self.entries_of(bat);
+        let (old, new) = (cluster.code(entries[row as usize]), cluster.code(code));
+        let delta = new.gain - old.gain;
+        let other = self.owners[bat * self.places + new.detection as usize];
+        if other == NOBODY || other == row {
+            return Step { row, code, other: NOBODY, other_code: code, delta };
+        }
+        let other_code = cluster.code_for(other as usize, old.detection);
+        let other_delta = cluster.code(other_code).gain - cluster.code(entries[other as usize]).gain;
+        Step { row, code, other, other_code, delta: delta + other_delta }
+    }
+
+    #[inline]
+    fn take(&mut self, cluster: &Cluster, bat: usize, step: Step) {
+        let entries = &mut self.entries[bat * self.rows..][..self.rows];
+        let owners = &mut self.owners[bat * self.places..][..self.places];
+        let state = &mut self.bats[bat];
+        let mut put = |row: u32, code: u32| {
+            let (old, new) = (cluster.code(std::mem::replace(&mut entries[row as usize], code)), cluster.code(code));
+            state.hash ^= old.key ^ new.key;
+            if owners[old.detection as usize] == row {
+                owners[old.detection as usize] = NOBODY;
+            }
+            owners[new.detection as usize] = row;
+        };
+        put(step.row, step.code);
+        if step.other != NOBODY {
+            put(step.other, step.other_code);
+        }
+        owners[self.places - 1] = NOBODY;
+        state.value += step.delta;
+    }
+
+    /// Copies position and objective from one bat to another.
+    #[inline]
+    fn copy(&mut self, from: usize, to: usize) {
+        let (rows, places) = (self.rows, self.places);
+        self.entries.copy_within(from * rows..(from + 1) * rows, to * rows);
+        self.owners.copy_within(from * places..(from + 1) * places, to * places);
+        let BatState { value, hash, .. } = self.bats[from];
+        (self.bats[to].value, self.bats[to].hash) = (value, hash);
+    }
+
+    #[inline]
+    fn entries_of(&self, bat: usize) -> &[u32] {
+        &self.entries[bat * self.rows..][..self.rows]
+    }
+
+    /// x*.
+    #[inline]
+    pub(super) fn best(&self) -> &[u32] {
+        self.entries_of(self.population)
+    }
+
+    /// J(x*), a fresh sum.
+    #[inline]
+    pub(super) fn best_value(&self) -> f64 {
+        self.bats[self.population].value
+    }
+
+    /// Of the bats, without x*.
+    pub(super) fn mean_value(&self) -> f64 {
+        self.bats[..self.population].iter().map(|bat| bat.value).sum::<f64>() / self.population as f64
+    }
+
+    /// Objectives computed so far in this search: one a bat and one a neighbour.
+    pub(super) fn evaluations(&self) -> u64 {
+        self.evaluations
+    }
+}
