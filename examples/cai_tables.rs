@@ -43,6 +43,13 @@ struct Found {
     grouping_s: f64,
 }
 
+/// The job that a preset's campaign runs.
+fn base_of(scene: &str) -> Value {
+    let mut body = presets::find(scene).expect("the preset exists").body["base"].take();
+    body.as_object_mut().expect("a base is an object").remove("kind");
+    body
+}
+
 fn one(body: &Value, change: &Value, seed: u32) -> Found {
     let mut body = body.clone();
     body["seed"] = json!(seed);
@@ -78,7 +85,7 @@ fn table(runs: u32, first_seed: u32, only: Option<&str>) {
     for (_, (name, change)) in cai_fuzzy::contenders().into_iter().enumerate().filter(is_wanted) {
         let (mut cells, mut ratios, mut rounds, mut costs) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for scene in SCENES {
-            let body = presets::find(scene).expect("the preset exists").body;
+            let body = base_of(scene);
             let found: Vec<Found> = (0..runs).map(|run| one(&body, &change, first_seed + run)).collect();
             let (mean, error) = summary(&found.iter().map(|run| run.accuracy_percent).collect::<Vec<_>>());
             let spent_s: f64 = found.iter().map(|run| run.grouping_s).sum();
@@ -98,7 +105,7 @@ fn calibrate(runs: u32, first_seed: u32) {
     for (sigma_m, spacing_m) in [(150.0, 2500.0), (200.0, 2000.0), (200.0, 2500.0), (200.0, 3000.0), (250.0, 2500.0)] {
         let mut columns = [Vec::new(), Vec::new()];
         for scene in SCENES {
-            let mut body = presets::find(scene).expect("the preset exists").body;
+            let mut body = base_of(scene);
             let scenario = &mut body["input"]["scenario"];
             scenario["targets"]["spacing_m"] = json!(spacing_m);
             for sensor in scenario["sensors"].as_array_mut().expect("there are sensors") {
@@ -120,7 +127,7 @@ fn search(runs: u32, first_seed: u32) {
     for (population, generations) in [(6, 6), (12, 24), (24, 48)] {
         let (mut cells, mut costs, mut rounds) = (Vec::new(), Vec::new(), Vec::new());
         for scene in SCENES {
-            let mut body = presets::find(scene).expect("the preset exists").body;
+            let mut body = base_of(scene);
             body["input"]["scenario"]["scans"] = json!(4);
             let initial =
                 json!({"from": "genetic", "clusters": {"by": "count", "count": 25}, "population": population, "generations": generations});

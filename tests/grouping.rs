@@ -9,8 +9,15 @@ use trackloom::formats;
 use trackloom::model::dataset::DatasetKind;
 use trackloom::model::fault::Fault;
 
+/// The job that a preset's campaign runs.
+fn base_of(name: &str) -> Value {
+    let mut body = presets::find(name).unwrap().body["base"].take();
+    body.as_object_mut().unwrap().remove("kind");
+    body
+}
+
 fn preset(name: &str, change: &Value) -> Outcome {
-    let mut body = presets::find(name).unwrap().body;
+    let mut body = base_of(name);
     for (name, value) in change.as_object().unwrap() {
         body[name] = value.clone();
     }
@@ -82,7 +89,7 @@ fn fuzzy_c_means_from_predictions_is_right_on_straight_courses() {
 #[test]
 fn every_contender_is_a_job() {
     for (name, change) in presets::cai_fuzzy::contenders().into_iter().filter(|contender| !contender.0.contains("genetic")) {
-        let mut body = presets::find("cai-fuzzy-weave-10").unwrap().body;
+        let mut body = base_of("cai-fuzzy-weave-10");
         body["input"]["scenario"]["scans"] = json!(3);
         for (field, value) in change.as_object().unwrap() {
             body[field] = value.clone();

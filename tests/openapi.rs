@@ -9,9 +9,10 @@ use trackloom::experiment::plan::{JobKind, plan};
 use trackloom::service::openapi;
 
 /// Clients have these names in their code: one may be added, none may change.
-const OPERATIONS: [&str; 33] = [
+const OPERATIONS: [&str; 34] = [
     "cancelJob",
     "createAssociateJob",
+    "createCampaignJob",
     "createEvaluateJob",
     "createGroupJob",
     "createSimulateJob",

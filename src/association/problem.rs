@@ -31,7 +31,7 @@ impl Row {
 }
 
 /// Every track of a scan with its candidates.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct ScanProblem {
     rows: Vec<Row>,
     edges: Vec<Edge>,
@@ -44,7 +44,7 @@ pub struct ScanProblem {
 
 /// Where the detections of a scan are and where its tracks expect theirs, as points of the measurement space; filled only
 /// for an associator that needs places.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Places {
     /// Values of a measurement.
     dimensions: usize,
@@ -223,7 +223,7 @@ impl<'a> Problem<'a> {
 }
 
 /// Connected components of rows that share detections, by union–find.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 struct Clusters {
     /// Parent of each row.
     parent: Vec<u32>,

@@ -2,7 +2,8 @@
 
 use super::given::{self, Start};
 use super::observer::{Observer, Step};
-use super::run::RunError;
+use super::plan::Plan;
+use super::run::{Decided, RunError};
 use crate::association::{ASSOCIATORS, Associator, Needs, Trace};
 use crate::filtering::{Chosen, FILTERS, Filter};
 use crate::math::rng::Seed;
@@ -24,6 +25,8 @@ pub(super) struct Tracked {
     nis: NisReport,
     /// What the associator says of its work.
     diagnostics: Option<Value>,
+    /// How long the associator took, where that was asked for.
+    pub decided: Option<Decided>,
     /// What the associator wrote down step by step.
     pub trace: Option<Trace>,
 }
@@ -72,19 +75,23 @@ struct TrackLine {
 
 /// Builds the tracker that `spec` names and feeds it every scan.
 pub(super) fn track(
-    spec: &Value,
-    seed: Seed,
+    plan: &Plan,
     (recording, truth): (&Recording, Option<&TruthSet>),
     sensors: Vec<Sensor>,
     observer: &mut dyn Observer,
 ) -> Result<Tracked, RunError> {
+    let (spec, seed) = (&plan.spec, plan.stream());
     let (filter, filter_name) = filter_of(spec)?;
     let (associator, method) = associator_of(spec, seed)?;
     check_needs(&method, associator.needs(), recording)?;
     let lifecycle = Lifecycle::deserialize(&spec["tracker"]).map_err(|_| unusable("/tracker"))?;
+    if lifecycle.gate_probability == 1.0 && sensors.iter().any(|sensor| sensor.p_d >= 1.0) {
+        let detail = "without a gate a target of P_D = 1 is never without a detection: no assignment could leave it alone";
+        return Err(vec![Fault::new("/tracker/gate_probability", "conflict", detail).allowing("below 1, or a P_D below 1")].into());
+    }
     let has_rates = !sensors.is_empty() && sensors.iter().all(|sensor| sensor.report.range_rate().is_some());
     let starts = given::starts(&lifecycle, recording, truth, &sensors, (&filter, filter_name), seed)?;
-    let job = Tracking { recording, associator, lifecycle, sensors, method, starts };
+    let job = Tracking { recording, associator, lifecycle, sensors, method, starts, is_timed: plan.is_timed };
     match filter {
         Chosen::Kalman(filter) => job.run::<_, 4, 2>(filter, observer),
         Chosen::Converted(filter) => job.run::<_, 4, 2>(filter, observer),
@@ -105,6 +112,8 @@ struct Tracking<'a> {
     method: String,
     /// The tracks that are given to the tracker.
     starts: Vec<Start>,
+    /// Whether the associator is timed by itself.
+    is_timed: bool,
 }
 
 impl Tracking<'_> {
@@ -113,12 +122,15 @@ impl Tracking<'_> {
     where
         Estimate: From<GaussianState<N>>,
     {
-        let Tracking { recording, associator, lifecycle, sensors, method, starts } = self;
+        let Tracking { recording, associator, lifecycle, sensors, method, starts, is_timed } = self;
         let first_sensor = recording.scans.first().map_or(0, |scan| scan.sensor);
         let states: Vec<_> = starts.iter().map(|start| start.state(&filter, &sensors[first_sensor])).collect();
         let mut tracker = Tracker::new(TrackerParts { filter, associator, lifecycle, sensors });
         for (start, state) in starts.into_iter().zip(states) {
             tracker.give(start.truth_id, state.ok_or_else(|| unusable("/filter"))?, start.origin);
+        }
+        if is_timed {
+            tracker.keep_problems();
         }
         let mut scans = Vec::with_capacity(recording.scans.len());
         for (index, scan) in recording.scans.iter().enumerate() {
@@ -129,8 +141,24 @@ impl Tracking<'_> {
         }
         let nis = NisReport { mean: tracker.nis().mean(), updates: tracker.nis().updates, dimensions: D };
         let (diagnostics, trace) = (tracker.diagnostics(), tracker.trace().cloned());
-        Ok(Tracked { tracks: tracker.into_history().into_tracks(recording), scans, method, nis, diagnostics, trace })
+        let decided = if is_timed { timed(&mut tracker, recording.scans.len(), observer) } else { None };
+        Ok(Tracked { tracks: tracker.into_history().into_tracks(recording), scans, method, nis, diagnostics, decided, trace })
     }
+}
+
+/// How long the associator takes for all problems that it met, one after the other: that alone, and long enough for a clock.
+/// `None` where the observer has no clock.
+fn timed<F: Filter<N, D>, const N: usize, const D: usize>(
+    tracker: &mut Tracker<F, N, D>,
+    scans: usize,
+    observer: &dyn Observer,
+) -> Option<Decided>
+where
+    Estimate: From<GaussianState<N>>,
+{
+    let begun = observer.now()?;
+    tracker.decide_again();
+    Some(Decided { spent: observer.now()?.checked_sub(begun)?, scans: scans as u64 })
 }
 
 /// Whether the recording knows of its detections what the associator needs.

@@ -45,6 +45,7 @@ pub fn request_object(kind: JobKind) -> &'static Object {
         JobKind::Associate => &requests::ASSOCIATE,
         JobKind::Evaluate => &requests::EVALUATE,
         JobKind::Group => &requests::GROUP,
+        JobKind::Campaign => &super::campaign::CAMPAIGN,
     }
 }
 

@@ -5,7 +5,7 @@
 //! same for every grouper. With a closed loop they are updated with the groups that were found.
 
 use super::observer::{Observer, Step};
-use super::run::RunError;
+use super::run::{Decided, RunError};
 use crate::correlation::sequential_nearest_neighbour::SequentialNearestNeighbour;
 use crate::correlation::{GROUPERS, Grouper, Grouping, Place, Report, Snapshot};
 use crate::evaluation::grouping::{GroupedReport, GroupingCounts};
@@ -20,6 +20,7 @@ use crate::registry::{Bound, Field, Kind, Object, Presence};
 use crate::tracking::GroupTracks;
 use serde::Deserialize;
 use serde_json::Value;
+use std::time::Duration;
 
 /// How tracks begin without truth: the sensors' reports in turn, within four σ.
 const FIRST_GROUPS: SequentialNearestNeighbour = SequentialNearestNeighbour { gate_sigmas: 4.0, one_per_sensor: true };
@@ -100,6 +101,8 @@ pub(super) struct Grouped {
     /// Against the origins, where they are known.
     pub counts: Option<Vec<GroupingCounts>>,
     pub history: Option<crate::correlation::fuzzy_c_means::History>,
+    /// How long the grouper took, where the observer has a clock.
+    pub decided: Option<Decided>,
 }
 
 /// What a job of groups works on.
@@ -129,15 +132,19 @@ pub(super) fn group(spec: &Value, seed: Seed, material: &Material, observer: &mu
     let total = instants.len() as u64;
     told(observer, Step::Associate, 0, total)?;
     let mut grouped = Vec::with_capacity(instants.len());
+    let mut spent = Some(Duration::ZERO);
     for (number, mut instant) in instants.into_iter().enumerate() {
         let closed = tracks.as_mut().filter(|_| settings.feedback == Loop::Closed);
+        let begun = observer.now();
         let grouping = group_one(&mut *grouper, number as u64, &mut instant, closed, (recording, &sensors))?;
+        spent = spent.zip(begun).zip(observer.now()).and_then(|((spent, begun), now)| Some(spent + now.checked_sub(begun)?));
         grouped.push((instant, grouping));
         told(observer, Step::Associate, number as u64 + 1, total)?;
     }
     let counts = recording.origins_known.then(|| grouped.iter().map(|pair| counts_of(recording, pair)).collect());
     told(observer, Step::Evaluate, 1, 1)?;
-    Ok(Grouped { method: entry.name, instants: grouped, counts, history: grouper.trace().cloned() })
+    let decided = spent.map(|spent| Decided { spent, scans: total });
+    Ok(Grouped { method: entry.name, instants: grouped, counts, history: grouper.trace().cloned(), decided })
 }
 
 fn told(observer: &mut dyn Observer, step: Step, done: u64, total: u64) -> Result<(), RunError> {

@@ -5,6 +5,7 @@
 
 mod artifacts;
 mod associate;
+pub mod campaign;
 pub mod catalogue;
 mod clutter;
 mod extent;

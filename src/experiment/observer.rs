@@ -2,12 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
+use std::time::Duration;
 
 /// The steps of a job, in the order in which they may occur.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Step {
     Load,
+    /// The runs of a campaign, each with steps of its own.
+    Run,
     Simulate,
     Associate,
     Evaluate,
@@ -18,6 +21,7 @@ impl Step {
     pub fn name(self) -> &'static str {
         match self {
             Step::Load => "load",
+            Step::Run => "run",
             Step::Simulate => "simulate",
             Step::Associate => "associate",
             Step::Evaluate => "evaluate",
@@ -30,6 +34,11 @@ impl Step {
 pub trait Observer {
     /// `done` of `total` pieces (scans, targets) of `step` are finished. `Break` stops the job.
     fn progress(&mut self, step: Step, done: u64, total: u64) -> ControlFlow<()>;
+
+    /// A clock, for what is to be timed by itself; its zero is any time. An observer without one times nothing.
+    fn now(&self) -> Option<Duration> {
+        None
+    }
 }
 
 /// Listens to nothing and never stops.

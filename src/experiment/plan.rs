@@ -1,6 +1,7 @@
 //! From the body of a request to a plan: names and parameters checked, every fault reported, inputs named.
 
-use super::{associate, catalogue, presets, profiles, requests};
+use super::{associate, campaign, catalogue, presets, profiles, requests};
+use crate::association::bat;
 use crate::math::rng::Seed;
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
@@ -17,10 +18,11 @@ pub enum JobKind {
     Associate,
     Evaluate,
     Group,
+    Campaign,
 }
 
 impl JobKind {
-    pub const ALL: [JobKind; 4] = [JobKind::Simulate, JobKind::Associate, JobKind::Evaluate, JobKind::Group];
+    pub const ALL: [JobKind; 5] = [JobKind::Simulate, JobKind::Associate, JobKind::Evaluate, JobKind::Group, JobKind::Campaign];
 
     pub fn name(self) -> &'static str {
         match self {
@@ -28,6 +30,7 @@ impl JobKind {
             JobKind::Associate => "associate",
             JobKind::Evaluate => "evaluate",
             JobKind::Group => "group",
+            JobKind::Campaign => "campaign",
         }
     }
 }
@@ -70,6 +73,10 @@ pub struct Plan {
     pub seed: u32,
     /// Number of the run within a campaign; 0 for a job alone.
     pub run: u32,
+    /// Whether the files are wanted: not of the runs of a campaign.
+    pub wants_files: bool,
+    /// Whether what decides (an associator, a grouper) is timed by itself, where the observer has a clock.
+    pub is_timed: bool,
     pub inputs: Vec<InputRequest>,
     pub estimate: Estimate,
 }
@@ -100,6 +107,9 @@ pub fn plan(kind: JobKind, body: &Value) -> Result<Plan, Vec<Fault>> {
     if !spec.is_object() {
         return Err(faults);
     }
+    if kind == JobKind::Campaign {
+        return campaign::plan(spec, faults);
+    }
     // What follows reads of the spec only what is right, so that one request shows all its faults.
     if kind == JobKind::Evaluate {
         check_evaluate(&mut spec, &mut faults);
@@ -117,7 +127,7 @@ pub fn plan(kind: JobKind, body: &Value) -> Result<Plan, Vec<Fault>> {
         return Err(faults);
     }
     let seed = spec["seed"].as_u64().and_then(|seed| u32::try_from(seed).ok()).unwrap_or_default();
-    Ok(Plan { kind, spec, seed, run: 0, inputs, estimate })
+    Ok(Plan { kind, spec, seed, run: 0, wants_files: true, is_timed: false, inputs, estimate })
 }
 
 /// `evaluate` tracks `input` first, or takes `tracks` or `sequences`: exactly one of them, with the settings that go with it.
@@ -167,7 +177,9 @@ fn fill_tracking_defaults(spec: &mut Value) {
 /// Replaces `{"source":"preset"}` by the preset's scenario, so that a stored spec says all.
 fn write_out_preset(spec: &mut Value, faults: &mut Vec<Fault>) {
     let Some(name) = spec.pointer("/input/preset").and_then(Value::as_str) else { return };
-    let scenario = presets::find(name).and_then(|preset| preset.body.pointer("/input/scenario").cloned());
+    // The scenario of a campaign is that of its base.
+    let places = ["/input/scenario", "/base/input/scenario"];
+    let scenario = presets::find(name).and_then(|preset| places.iter().find_map(|place| preset.body.pointer(place).cloned()));
     match scenario {
         Some(scenario) => spec["input"] = json!({"source": "scenario", "scenario": scenario}),
         None => {
@@ -192,10 +204,37 @@ fn check_sensors(spec: &Value, faults: &mut Vec<Fault>) {
 fn check_lifecycle(spec: &Value, faults: &mut Vec<Fault>) {
     let Some(Ok(lifecycle)) = spec.get("tracker").map(Lifecycle::deserialize) else { return };
     check_directions(spec, &lifecycle, faults);
+    if lifecycle.gate_probability == 1.0 {
+        check_without_gate(spec, &lifecycle, faults);
+    }
+    check_budget(spec, faults);
     if lifecycle.confirm_hits > lifecycle.confirm_window {
         let detail = format!("{} detections cannot be found in {} scans", lifecycle.confirm_hits, lifecycle.confirm_window);
         let fault = Fault::new("/tracker/confirm_hits", "out_of_range", detail);
         faults.push(fault.allowing(format!("[1, {}] (confirm_window)", lifecycle.confirm_window)));
+    }
+}
+
+/// Without a gate nothing is counted in it and no pair is out of its reach.
+fn check_without_gate(spec: &Value, lifecycle: &Lifecycle, faults: &mut Vec<Fault>) {
+    let mut refuse = |pointer: &str, detail: &str, allowed: &str| faults.push(Fault::new(pointer, "unsupported", detail).allowing(allowed));
+    if spec.pointer("/associator/clutter") == Some(&json!("nonparametric")) {
+        refuse("/associator/clutter", "the detections of a gate are counted, and gate_probability 1 is no gate", "parametric");
+    }
+    if let Initiation::TwoPoint { .. } = lifecycle.initiation {
+        refuse("/tracker/initiation/method", "two points are paired within a gate, and gate_probability 1 is no gate", "one_point, truth");
+    }
+}
+
+/// A search that would never end in a tracker is refused.
+fn check_budget(spec: &Value, faults: &mut Vec<Fault>) {
+    let number = |name: &str| spec["associator"][name].as_u64().unwrap_or(1);
+    let (population, iterations) = (number("population"), number("iterations"));
+    if spec["associator"]["method"] == "bat" && population * iterations > bat::MAX_MOVES {
+        let detail = format!("{population} bats that move {iterations} times are {} moves a cluster", population * iterations);
+        faults.push(
+            Fault::new("/associator/iterations", "too_large", detail).allowing(format!("population × iterations up to {}", bat::MAX_MOVES)),
+        );
     }
 }
 

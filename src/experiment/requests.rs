@@ -22,17 +22,17 @@ const RANGE: Kind = Kind::Number { min: Bound::Excluding(0.0), max: Bound::Inclu
 const PROBABILITY: Kind = Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1.0), unit: "" };
 const SPEED: Kind = Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e5), unit: "m/s" };
 const VELOCITY: Kind = Kind::Number { min: Bound::Including(-1e5), max: Bound::Including(1e5), unit: "m/s" };
-const NAME: Kind = Kind::Text { max_length: 100 };
+pub(super) const NAME: Kind = Kind::Text { max_length: 100 };
 
-const fn required(name: &'static str, summary: &'static str, kind: Kind) -> Field {
+pub(super) const fn required(name: &'static str, summary: &'static str, kind: Kind) -> Field {
     Field { name, summary, kind, presence: Presence::Required }
 }
 
-const fn optional(name: &'static str, summary: &'static str, kind: Kind) -> Field {
+pub(super) const fn optional(name: &'static str, summary: &'static str, kind: Kind) -> Field {
     Field { name, summary, kind, presence: Presence::Optional }
 }
 
-const fn default(name: &'static str, summary: &'static str, kind: Kind, value: &'static str) -> Field {
+pub(super) const fn default(name: &'static str, summary: &'static str, kind: Kind, value: &'static str) -> Field {
     Field { name, summary, kind, presence: Presence::Default(value) }
 }
 
@@ -409,9 +409,10 @@ pub static TFA: Object = Object {
     ],
 };
 
-const JOB_NAME: Field = optional("name", "A name for people.", NAME);
-const LABELS: Field = optional("labels", "Labels to find the job by, name to text.", Kind::TextMap { max_entries: 32, max_length: 100 });
-const SEED: Field =
+pub(super) const JOB_NAME: Field = optional("name", "A name for people.", NAME);
+pub(super) const LABELS: Field =
+    optional("labels", "Labels to find the job by, name to text.", Kind::TextMap { max_entries: 32, max_length: 100 });
+pub(super) const SEED: Field =
     default("seed", "Seed of every random number of the job.", Kind::Integer { min: 0, max: u32::MAX as i64, unit: "" }, "1");
 static ONE_SENSOR: Kind = Kind::Object(&SENSOR_SETTINGS);
 const SENSORS: Field =

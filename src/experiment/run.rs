@@ -1,14 +1,15 @@
 //! Runs a plan on its loaded inputs.
 
-use super::associate;
 use super::observer::Observer;
 use super::plan::{JobKind, Plan};
 use super::scene::Scene;
+use super::{associate, campaign};
 use crate::model::dataset::{Dataset, DatasetSummary};
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
 use serde::Serialize;
 use serde_json::{Value, json};
+use std::time::Duration;
 
 /// One loaded input.
 #[derive(Debug, Clone)]
@@ -43,6 +44,28 @@ pub struct Outcome {
     pub result: Value,
     pub warnings: Vec<String>,
     pub artifacts: Vec<Artifact>,
+    /// How long the associator or the grouper took, where that was asked for.
+    pub decided: Option<Decided>,
+    /// Of a campaign: the same, cell by cell.
+    pub cell_times: Vec<CellTime>,
+}
+
+/// What deciding took: that alone, without filter and simulation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Decided {
+    pub spent: Duration,
+    /// Scans or instants that were decided.
+    pub scans: u64,
+}
+
+/// What deciding took in a cell of a campaign, per scan; the middle of its timed runs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CellTime {
+    pub cell: String,
+    pub decide_us_per_scan: f64,
+    /// To the cell it is compared with.
+    pub ratio: Option<f64>,
+    pub timed_runs: u32,
 }
 
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -66,7 +89,11 @@ impl From<Vec<Fault>> for RunError {
 /// # Errors
 /// [`RunError::Stopped`] as soon as the observer says so; [`RunError::Faults`] when the inputs do not fit.
 pub fn run(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<Outcome, RunError> {
+    if plan.kind == JobKind::Campaign {
+        return campaign::run(plan, &inputs, observer);
+    }
     let mut scene = Scene::gather(plan, inputs, observer)?;
+    let mut decided = None;
     let mut parts = Vec::new();
     if plan.kind == JobKind::Simulate {
         parts.push(("counts", simulation_counts(&scene)));
@@ -74,6 +101,7 @@ pub fn run(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<O
     }
     let tracked = if plan.spec.get("associator").is_some() { Some(scene.track(plan, observer)?) } else { None };
     if let (Some(tracked), Some(recording)) = (&tracked, &scene.recording) {
+        decided = tracked.decided;
         parts.push(("association", to_value(&associate::report(tracked, recording, &scene.sensors))?));
     }
     let mut files = Vec::new();
@@ -91,14 +119,15 @@ pub fn run(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<O
         }
     }
     if plan.kind == JobKind::Group {
-        let (report, of_groups) = scene.group(plan, observer)?;
+        let (report, of_groups, spent) = scene.group(plan, observer)?;
+        decided = spent;
         parts.push(("grouping", report));
         files = of_groups;
     }
-    let mut artifacts = scene.artifacts(plan, tracked, observer)?;
+    let mut artifacts = if plan.wants_files { scene.artifacts(plan, tracked, observer)? } else { Vec::new() };
     artifacts.append(&mut files);
     let result = parts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
-    Ok(Outcome { result: Value::Object(result), warnings: scene.warnings, artifacts })
+    Ok(Outcome { result: Value::Object(result), warnings: scene.warnings, artifacts, decided, cell_times: Vec::new() })
 }
 
 fn simulation_counts(scene: &Scene) -> Value {

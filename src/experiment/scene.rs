@@ -5,7 +5,7 @@ use super::group::{self, Material};
 use super::judge::{self, Content, Judgement, Subject};
 use super::observer::{Observer, Step};
 use super::plan::{JobKind, Plan, scenario_of};
-use super::run::{Artifact, Inputs, RunError, to_value};
+use super::run::{Artifact, Decided, Inputs, RunError, to_value};
 use super::{artifacts, clutter, group_report, profiles, sensors, tfa};
 use crate::evaluation::EvaluationInput;
 use crate::model::dataset::{Dataset, DatasetKind};
@@ -83,7 +83,7 @@ impl Scene {
         if !misplaced.is_empty() {
             return Err(misplaced.into());
         }
-        let tracked = associate::track(&plan.spec, plan.stream(), (recording, self.truth.as_ref()), sensors.clone(), observer)?;
+        let tracked = associate::track(plan, (recording, self.truth.as_ref()), sensors.clone(), observer)?;
         // Clutter that lies near targets only is not spread over what the sensor watches: a comparison would mislead.
         let is_local =
             scenario_of(&plan.spec).is_some_and(|(scenario, _)| scenario.sensors.iter().any(|sensor| sensor.clutter_within_deg.is_some()));
@@ -94,14 +94,15 @@ impl Scene {
     }
 
     /// The part `grouping` of the report, and its files.
-    pub fn group(&mut self, plan: &Plan, observer: &mut dyn Observer) -> Result<(Value, Vec<Artifact>), RunError> {
+    pub fn group(&mut self, plan: &Plan, observer: &mut dyn Observer) -> Result<(Value, Vec<Artifact>, Option<Decided>), RunError> {
         let recording = self.recording.as_ref().ok_or_else(|| missing("/input", "detections"))?;
         let material = Material { recording, settings: &self.sensors, truth: self.truth.as_ref() };
         let grouped = group::group(&plan.spec, plan.stream(), &material, observer)?;
         if let Some(left_out) = grouped.history.as_ref().map(|history| history.left_out).filter(|count| *count > 0) {
             self.warnings.push(format!("grouping_trace.csv lacks the last {left_out} iterations"));
         }
-        Ok((to_value(&group_report::report(&grouped, recording))?, group_report::artifacts(&grouped, recording)))
+        let files = if plan.wants_files { group_report::artifacts(&grouped, recording) } else { Vec::new() };
+        Ok((to_value(&group_report::report(&grouped, recording))?, files, grouped.decided))
     }
 
     /// The part `tfa` of the report, and its files.

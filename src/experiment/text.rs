@@ -59,6 +59,32 @@ pub fn metrics(result: &Value) -> Option<String> {
     Some(table(&header, &rows))
 }
 
+/// The cells of a campaign's report: each outcome's mean with its interval, and how long deciding took beside the cell that
+/// it is compared with. `None` when there are no cells.
+pub fn campaign(report: &Value) -> Option<String> {
+    let cells = report["result"]["cells"].as_array()?;
+    let names: Vec<&str> = report["result"]["outcomes"].as_array()?.iter().filter_map(Value::as_str).collect();
+    let times = report["timing"]["cells"].as_array().map(Vec::as_slice).unwrap_or_default();
+    let mut header = vec!["cell"];
+    header.extend(&names);
+    header.extend(["µs a scan", "time ratio"]);
+    let row = |line: &Value| {
+        let time = times.iter().find(|time| time["cell"] == line["name"]).unwrap_or(&Value::Null);
+        let outcomes = names.iter().map(|&name| with_interval(&line["outcomes"][name]));
+        let times = [&time["decide_us_per_scan"], &time["ratio"]].map(cell);
+        std::iter::once(cell(&line["name"])).chain(outcomes).chain(times).collect::<Vec<_>>()
+    };
+    Some(table(&header, &cells.iter().map(row).collect::<Vec<_>>()))
+}
+
+/// `0.987 [0.978, 0.993]`.
+fn with_interval(summary: &Value) -> String {
+    match &summary["interval"] {
+        Value::Null => cell(&summary["mean"]),
+        interval => format!("{} [{}, {}]", cell(&summary["mean"]), cell(&interval["low"]), cell(&interval["high"])),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

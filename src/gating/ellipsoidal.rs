@@ -18,7 +18,7 @@ pub struct EllipsoidalGate<const D: usize> {
 }
 
 impl<const D: usize> EllipsoidalGate<D> {
-    /// `probability` P_G in (0, 1).
+    /// `probability` P_G in (0, 1]; with 1 everything is inside.
     pub fn new(probability: f64) -> Self {
         let threshold = gate_threshold(probability, D as u32);
         let log_scale = log_unit_ball(D as u32) + D as f64 / 2.0 * (threshold / std::f64::consts::TAU).ln();
@@ -72,6 +72,22 @@ mod tests {
         let gaussian = Gaussian::new(&PositionCovariance::new(16.0, 0.0, 0.0, 9.0)).unwrap();
         let expected = 12.0 * std::f64::consts::PI * -2.0 * 0.01f64.ln();
         assert!((EllipsoidalGate::new(0.99).log_volume(&gaussian).exp() - expected).abs() < 1e-9);
+    }
+
+    #[test]
+    fn without_a_gate_everything_is_a_candidate() {
+        let positions: Vec<Position> = (0..50).map(|index| Position::new(1e5 * f64::from(index), -3.0 * f64::from(index))).collect();
+        let covariance = PositionCovariance::new(1.0, 0.5, 0.5, 2.0);
+        let (mut grid, mut placed, mut found) = (Grid::default(), Vec::new(), Vec::new());
+        grid.rebuild(&positions);
+        grid.arrange(&positions, &mut placed);
+        let gaussian = Gaussian::new(&covariance).unwrap();
+        let gate = EllipsoidalGate::new(1.0);
+        gate.candidates(&grid, &placed, (&Position::new(7.0, 7.0), None), (&covariance, &gaussian), |detection, _, _| {
+            found.push(detection)
+        });
+        found.sort_unstable();
+        assert_eq!(found, (0..50).collect::<Vec<u32>>());
     }
 
     proptest! {

@@ -73,8 +73,11 @@ pub fn log_unit_ball(dimensions: u32) -> f64 {
 }
 
 /// The d² below which a true detection falls with the given probability, for a measurement of `dimensions` numbers.
-/// `probability` in (0, 1), `dimensions` at least 1.
+/// `probability` in (0, 1], infinite for 1; `dimensions` at least 1.
 pub fn gate_threshold(probability: f64, dimensions: u32) -> f64 {
+    if probability >= 1.0 {
+        return f64::INFINITY;
+    }
     chi_square_quantile(probability, f64::from(dimensions))
 }
 
@@ -142,6 +145,7 @@ mod tests {
         for probability in [0.5f64, 0.9, 0.99, 0.9999] {
             assert!(close(gate_threshold(probability, 2), -2.0 * (1.0 - probability).ln()), "{probability}");
         }
+        assert_eq!([1, 2, 3].map(|dimensions| gate_threshold(1.0, dimensions)), [f64::INFINITY; 3]);
     }
 
     #[test]

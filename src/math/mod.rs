@@ -1,8 +1,9 @@
-//! Tools: angles, optimal assignment, fuzzy clustering, Gaussian distances and likelihoods, and named streams of random
-//! numbers.
+//! Tools: angles, optimal assignment, fuzzy clustering, Gaussian distances and likelihoods, intervals of means, and named
+//! streams of random numbers.
 
 pub mod angle;
 pub mod assignment;
 pub mod fuzzy_c_means;
 pub mod gaussian;
 pub mod rng;
+pub mod stats;

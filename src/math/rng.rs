@@ -24,6 +24,8 @@ pub enum Purpose {
     Coverage = 8,
     /// The choices of a clustering that searches.
     Clustering = 9,
+    /// The resamples of a bootstrap.
+    Bootstrap = 11,
 }
 
 /// The seed of a job and the number of the run within it.

@@ -27,6 +27,7 @@ pub fn check_field(value: &Value, kind: &'static Kind, pointer: &str, faults: &m
         Kind::Text { max_length } => check_text(value, *max_length, pointer, faults),
         Kind::Choice(names) => check_choice(value, names, pointer, faults),
         Kind::Flag => expect_type(value, value.is_boolean(), "true or false", pointer, faults),
+        Kind::Json => value.clone(),
         Kind::Object(object) => check_object(value, object, None, pointer, faults),
         Kind::Union(union) => check_union(value, union, pointer, faults),
         Kind::List { item, min, max } => check_list(value, item, (*min, *max), pointer, faults),

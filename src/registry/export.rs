@@ -86,6 +86,7 @@ fn kind_schema(kind: &'static Kind, components: &mut Components) -> Value {
         Kind::Integer { min, max, unit } => with_unit(json!({"type": "integer", "format": "int64", "minimum": min, "maximum": max}), unit),
         Kind::Text { max_length } => json!({"type": "string", "maxLength": max_length}),
         Kind::Choice(names) => json!({"type": "string", "enum": names}),
+        Kind::Json => json!({}),
         Kind::Flag => json!({"type": "boolean"}),
         Kind::Object(object) => json_schema(object, components),
         Kind::Union(union) => add_union(union, components),

@@ -47,6 +47,8 @@ pub enum Kind {
     },
     Choice(&'static [&'static str]),
     Flag,
+    /// Any JSON value; who asks for it checks it.
+    Json,
     Object(&'static Object),
     Union(&'static Union),
     List {

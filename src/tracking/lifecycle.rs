@@ -24,8 +24,8 @@ pub static LIFECYCLE: Object = Object {
     fields: &[
         Field {
             name: "gate_probability",
-            summary: "P_G: the probability that a true detection lies inside its track's gate.",
-            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Excluding(1.0), unit: "" },
+            summary: "P_G: the probability that a true detection lies inside its track's gate; with 1 there is no gate, and every detection of a scan is a candidate of every track.",
+            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1.0), unit: "" },
             presence: Presence::Default("0.99"),
         },
         Field {

@@ -87,6 +87,8 @@ pub struct Tracker<F, const N: usize, const D: usize> {
     nis: Nis,
     view: ScanView<D>,
     problem: ScanProblem,
+    /// The problems of the confirmed tracks, when they are kept.
+    kept: Option<Vec<ScanProblem>>,
     weights: Weights,
     /// Indices of the tracks that are not yet confirmed.
     tentative: Vec<usize>,
@@ -117,6 +119,7 @@ where
             nis: Nis::default(),
             view: ScanView::default(),
             problem: ScanProblem::default(),
+            kept: None,
             weights: Weights::default(),
             tentative: Vec::new(),
             posed: Vec::new(),
@@ -192,9 +195,26 @@ where
         Transition::new(self.parts.filter.motion(), dt_s)
     }
 
+    /// From now on the problems of the confirmed tracks are kept, for [`Tracker::decide_again`].
+    pub fn keep_problems(&mut self) {
+        self.kept = Some(Vec::new());
+    }
+
+    /// Gives the kept problems to the associator once more, and does nothing with what it says: for those who time it.
+    pub fn decide_again(&mut self) {
+        let (associator, weights) = (&mut self.parts.associator, &mut self.weights);
+        for problem in self.kept.iter_mut().flatten() {
+            weights.reset(problem);
+            problem.for_each_cluster(|cluster| associator.associate(cluster, weights));
+        }
+    }
+
     /// Associates and updates the posed tracks, confirmed or tentative ones.
     fn serve(&mut self, scan: &Scan, confirmed: bool) {
         self.weights.reset(&self.problem);
+        if let Some(kept) = self.kept.as_mut().filter(|_| confirmed) {
+            kept.push(self.problem.clone());
+        }
         // The gate of a track that is still without a speed holds much that is not its own. An average over all of that
         // would never become a speed, so soft weights begin when the track is confirmed.
         let is_beginner = !confirmed && self.parts.associator.is_soft();

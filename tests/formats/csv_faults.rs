@@ -1,6 +1,7 @@
 //! Broken CSV: every fault with its line, column, code and words.
 
 use crate::*;
+use trackloom::model::scan::Measurement;
 
 const HEADER: &str = "time_s,scan,sensor_id,detection_id,x_m,y_m\n";
 const KNOWN: &str =

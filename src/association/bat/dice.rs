@@ -68,6 +68,6 @@ mod tests {
     #[test]
     fn the_first_draw_of_a_known_cluster_never_changes() {
         // A golden value: a change here changes every search.
-        assert_eq!(dice().pair(), (0, 0));
+        assert_eq!(dice().pair(), (3_359_891_638, 997_371_684));
     }
 }

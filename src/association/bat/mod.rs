@@ -33,6 +33,8 @@ mod cluster;
 mod dice;
 mod judge;
 mod swarm;
+#[cfg(test)]
+mod tests;
 mod visited;
 
 use super::problem::{Problem, Weights};

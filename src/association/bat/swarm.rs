@@ -249,3 +249,83 @@ impl Swarm {
         self.evaluations
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::random_problem;
+    use super::*;
+    use crate::association::problem::tests::problem_of;
+    use crate::math::rng::{Purpose, Seed};
+    use rand::RngExt;
+
+    fn dice(number: u64) -> Dice {
+        Dice::new(Seed { seed: 3, run: 0 }.stream(Purpose::Associator, number, 0))
+    }
+
+    /// A swarm of one bat whose rows hold these detections.
+    fn swarm_of(cluster: &Cluster, detections: &[u32]) -> Swarm {
+        let mut swarm = Swarm::default();
+        swarm.start(cluster, &Settings { population: 1, ..Settings::default() }, None, &mut dice(0));
+        swarm.owners.fill(NOBODY);
+        for (row, &detection) in detections.iter().enumerate() {
+            swarm.entries[row] = cluster.code_for(row, detection);
+            swarm.owners[detection as usize] = row as u32;
+        }
+        swarm
+    }
+
+    #[test]
+    fn the_papers_example_of_a_neighbour() {
+        // Four targets, nine detections, all in every gate; the paper counts detections from 1.
+        let all: Vec<(u32, f64)> = (0..9).map(|detection| (detection, 1.0)).collect();
+        problem_of(&[all.as_slice(); 4]).for_each_cluster(|problem| {
+            let mut cluster = Cluster::default();
+            cluster.load(problem, &Settings::default());
+            for (given, expected) in [(2, [3, 5, 2, 9]), (4, [2, 5, 4, 9])] {
+                let mut swarm = swarm_of(&cluster, &[1, 4, 2, 8]);
+                let step = swarm.step_to(&cluster, 0, 2, cluster.code_for(2, given - 1));
+                swarm.take(&cluster, 0, step);
+                let after: Vec<u32> = swarm.entries_of(0).iter().map(|&code| cluster.code(code).detection + 1).collect();
+                assert_eq!(after, expected);
+            }
+        });
+    }
+
+    /// Entries are distinct detections of their own gates, owners and objective say the same as the entries.
+    fn check(cluster: &Cluster, swarm: &Swarm, bat: usize) {
+        let mut owners = vec![NOBODY; swarm.places];
+        for (row, &code) in swarm.entries_of(bat).iter().enumerate() {
+            if code != cluster.none() {
+                assert!(cluster.codes_of(row).contains(&code), "row {row} has {code}");
+                let owner = &mut owners[cluster.code(code).detection as usize];
+                assert_eq!(std::mem::replace(owner, row as u32), NOBODY, "a detection twice");
+            }
+        }
+        assert_eq!(swarm.owners[bat * swarm.places..][..swarm.places], owners);
+    }
+
+    #[test]
+    fn a_million_moves_leave_every_bat_valid_and_its_objective_the_sum() {
+        let mut random = Seed { seed: 5, run: 0 }.stream(Purpose::Clutter, 0, 0);
+        let mut moves = 0;
+        for number in 0..50 {
+            let settings = Settings { population: 4, weights: super::super::Answer::Visited, ..Settings::default() };
+            let tracks = random.random_range(2..=7);
+            random_problem(&mut random, tracks, 8, 0.5).for_each_cluster(|problem| {
+                let (mut cluster, mut swarm, mut dice) = (Cluster::default(), Swarm::default(), dice(number));
+                cluster.load(problem, &settings);
+                swarm.start(&cluster, &settings, None, &mut dice);
+                for step in 0..25_000 {
+                    let bat = step % 4;
+                    let neighbour = swarm.neighbour(&cluster, bat, None, &mut dice);
+                    swarm.take(&cluster, bat, neighbour);
+                    check(&cluster, &swarm, bat);
+                    moves += 1;
+                }
+                let sum = cluster.value_of(swarm.entries_of(0));
+                assert!((sum - swarm.bats[0].value).abs() < 1e-9, "{sum}");
+            });
+        }
+        assert!(moves >= 1_000_000, "{moves}");
+    }
+}

@@ -106,7 +106,7 @@ const GROUPS: [f64; 9] = [0.0, 1.0, 2.0, 100.0, 101.0, 102.0, 200.0, 201.0, 202.
 
 #[test]
 fn indices_by_hand_and_the_choice_of_three_groups() {
-    assert_eq!(partition_coefficient(&[0.9, 0.1, 0.5, 0.5], 2), (0.82 + 0.5) / 2.0);
+    assert!((partition_coefficient(&[0.9, 0.1, 0.5, 0.5], 2) - 0.66).abs() < 1e-15);
     let objects = Objects::new(&GROUPS, &[false], Metric::Scaled(&[1.0])).unwrap();
     let mut means = FuzzyCMeans::new(TIGHT).unwrap();
     for index in [Index::PartitionCoefficient, Index::XieBeni] {
@@ -249,6 +249,8 @@ proptest! {
                 prop_assert!((u - 1.0 / sum).abs() < 1e-9, "u is {}, not {}", u, 1.0 / sum);
             }
         }
+        // A metric that couples an angle with something else may refuse the last step, see the description of the metrics.
+        prop_assume!(case.inverses.is_none() || case.angles.iter().all(|is_angle| !is_angle));
         for i in 0..c {
             // Σ_k u^q W_k δ_k = 0, relative to the information.
             let (mut rest, mut information) = ([0.0; 2], 0.0);

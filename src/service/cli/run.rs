@@ -32,6 +32,9 @@ pub(super) struct RunArguments {
     /// Seed instead of the job's own
     #[arg(long)]
     seed: Option<u32>,
+    /// Runs of each cell of a campaign instead of the job's own
+    #[arg(long)]
+    runs: Option<u32>,
     /// Write report.json and the artefacts into this directory
     #[arg(long)]
     out: Option<PathBuf>,
@@ -103,6 +106,9 @@ fn finish(arguments: &RunArguments) -> Result<(), Trouble> {
     let mut job = read_job(arguments)?;
     if let Some(seed) = arguments.seed {
         job.body["seed"] = json!(seed);
+    }
+    if let Some(runs) = arguments.runs {
+        job.body["runs"] = json!(runs);
     }
     let plan = plan::plan(job.kind, &job.body)?;
     let (report, outcome) = compute(&job, plan)?;

@@ -1,6 +1,6 @@
 //! The report of a job for the terminal.
 
-use crate::experiment::text::{cell, metrics, table};
+use crate::experiment::text::{campaign, cell, metrics, table};
 use serde_json::Value;
 
 /// The lines of a report that people read first.
@@ -29,6 +29,9 @@ pub(super) fn summary(report: &Value) -> String {
     let mut text = table(&["quantity", "value"], &rows);
     if let Some(metrics) = metrics(result) {
         text = format!("{text}\n\n{metrics}");
+    }
+    if let Some(campaign) = campaign(report) {
+        text = format!("{text}\n\n{campaign}");
     }
     for warning in report["warnings"].as_array().into_iter().flatten() {
         text.push_str(&format!("\nwarning: {}", cell(warning)));

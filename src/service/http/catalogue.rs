@@ -48,6 +48,7 @@ struct RequestSchemas {
     associate: JsonSchema,
     evaluate: JsonSchema,
     group: JsonSchema,
+    campaign: JsonSchema,
 }
 
 /// A JSON Schema (draft 2020-12) with titles, defaults, ranges and, as `x-unit`, units.
@@ -106,6 +107,7 @@ async fn list_methods(_: NoParams) -> ApiResult {
         associate: schema(plan::JobKind::Associate),
         evaluate: schema(plan::JobKind::Evaluate),
         group: schema(plan::JobKind::Group),
+        campaign: schema(plan::JobKind::Campaign),
     };
     Ok(Json(MethodCatalogue { families: catalogue::FAMILIES.iter().map(family).collect(), requests }).into_response())
 }

@@ -46,8 +46,8 @@ impl Meter {
             Step::Simulate => &mut self.timing.simulate_s,
             Step::Associate => &mut self.timing.associate_s,
             Step::Evaluate => &mut self.timing.evaluate_s,
-            // Writing is not computing; it is in the total.
-            Step::Write => return self.last = (now, step),
+            // Writing is not computing, and runs have all steps; both are in the total.
+            Step::Run | Step::Write => return self.last = (now, step),
         };
         *place += spent_s;
         self.last = (now, step);
@@ -68,6 +68,10 @@ impl Meter {
 }
 
 impl Observer for Meter {
+    fn now(&self) -> Option<Duration> {
+        Some(self.started.elapsed())
+    }
+
     fn progress(&mut self, step: Step, done: u64, total: u64) -> ControlFlow<()> {
         let now = Instant::now();
         self.book(now, step, done);
@@ -79,10 +83,11 @@ impl Observer for Meter {
 /// The share of the whole job that is done. Steps count by what they usually cost; one that does not occur is skipped.
 fn fraction(kind: JobKind, step: Step, done: u64, total: u64) -> f64 {
     let shares = match kind {
-        JobKind::Simulate => [0.0, 0.8, 0.0, 0.0, 0.2],
-        JobKind::Associate => [0.1, 0.1, 0.7, 0.0, 0.1],
-        JobKind::Evaluate => [0.1, 0.1, 0.5, 0.2, 0.1],
-        JobKind::Group => [0.1, 0.2, 0.5, 0.1, 0.1],
+        JobKind::Simulate => [0.0, 0.0, 0.8, 0.0, 0.0, 0.2],
+        JobKind::Associate => [0.1, 0.0, 0.1, 0.7, 0.0, 0.1],
+        JobKind::Evaluate => [0.1, 0.0, 0.1, 0.5, 0.2, 0.1],
+        JobKind::Group => [0.1, 0.0, 0.2, 0.5, 0.1, 0.1],
+        JobKind::Campaign => [0.02, 0.96, 0.0, 0.0, 0.0, 0.02],
     };
     let index = step as usize;
     let before: f64 = shares[..index].iter().sum();
@@ -93,6 +98,7 @@ fn fraction(kind: JobKind, step: Step, done: u64, total: u64) -> f64 {
 fn wire_step(step: Step) -> ProgressStep {
     match step {
         Step::Load => ProgressStep::Load,
+        Step::Run => ProgressStep::Run,
         Step::Simulate => ProgressStep::Simulate,
         Step::Associate => ProgressStep::Associate,
         Step::Evaluate => ProgressStep::Evaluate,
@@ -106,11 +112,11 @@ mod tests {
 
     #[test]
     fn the_fraction_rises_through_the_steps_to_one() {
-        let steps = [Step::Load, Step::Simulate, Step::Associate, Step::Evaluate, Step::Write];
+        let steps = [Step::Load, Step::Run, Step::Simulate, Step::Associate, Step::Evaluate, Step::Write];
         for kind in JobKind::ALL {
             let fractions: Vec<f64> = steps.iter().flat_map(|&step| [0, 5, 10].map(|done| fraction(kind, step, done, 10))).collect();
             assert!(fractions.is_sorted(), "{kind:?}: {fractions:?}");
-            assert!((fractions[14] - 1.0).abs() < 1e-12, "{kind:?} ends at {}", fractions[14]);
+            assert!((fractions[17] - 1.0).abs() < 1e-12, "{kind:?} ends at {}", fractions[17]);
         }
     }
 

@@ -1,7 +1,7 @@
 //! The report of a job: the same head for every kind, then the result as it was serialised once.
 
 use crate::experiment::plan::{InputRequest, JobKind, Plan, Source};
-use crate::experiment::run::{Input, Outcome};
+use crate::experiment::run::{CellTime, Input, Outcome};
 use crate::model::dataset::DatasetKind;
 use serde::Serialize;
 use serde_json::Value;
@@ -19,6 +19,14 @@ pub struct Timing {
 }
 
 #[derive(Serialize)]
+struct WholeTiming<'a> {
+    #[serde(flatten)]
+    steps: Timing,
+    #[serde(skip_serializing_if = "<[CellTime]>::is_empty")]
+    cells: &'a [CellTime],
+}
+
+#[derive(Serialize)]
 struct Report<'a> {
     kind: JobKind,
     job_id: Uuid,
@@ -27,7 +35,7 @@ struct Report<'a> {
     engine_version: &'a str,
     inputs: &'a [ReportInput],
     warnings: &'a [String],
-    timing: Timing,
+    timing: WholeTiming<'a>,
     result: &'a RawValue,
 }
 
@@ -64,7 +72,7 @@ pub fn build(job_id: Uuid, plan: &Plan, inputs: &[ReportInput], outcome: &Outcom
         engine_version: ENGINE_VERSION,
         inputs,
         warnings: &outcome.warnings,
-        timing,
+        timing: WholeTiming { steps: timing, cells: &outcome.cell_times },
         result: &result,
     })
 }

@@ -15,6 +15,7 @@ pub fn job_examples(kind: JobKind) -> Vec<(&'static str, Value)> {
         JobKind::Associate => associate(),
         JobKind::Evaluate => evaluate(),
         JobKind::Group => group(),
+        JobKind::Campaign => campaign(),
     }
 }
 
@@ -71,6 +72,21 @@ fn group() -> Vec<(&'static str, Value)> {
     let mut examples = vec![("An uploaded recording of several sensors", uploaded)];
     examples.extend(preset.map(|preset| ("A preset: simulate and group in one job", preset.body)));
     examples
+}
+
+fn campaign() -> Vec<(&'static str, Value)> {
+    let base = json!({"kind": "evaluate", "input": {"source": "preset", "preset": "liang2009-30"}});
+    let variant = |name: &str, method: &str| json!({"name": name, "set": [{"path": "/associator", "value": {"method": method}}]});
+    let methods = [variant("NN", "nearest_neighbour"), variant("GNN", "global_nearest_neighbour"), variant("JPDA", "jpda")];
+    let body = json!({
+        "name": "three associators", "base": base, "runs": 50,
+        "grid": [
+            {"by": "values", "name": "P_D", "path": "/input/scenario/sensors/0/p_d", "values": [0.7, 0.9]},
+            {"by": "variants", "name": "associator", "variants": methods}
+        ],
+        "outcomes": [{"path": "tfa.probability.correct", "name": "correct"}, {"path": "metrics.gospa.quantities.mean"}]
+    });
+    vec![("Three associators on the same scenes", body)]
 }
 
 pub(super) fn patch() -> Vec<(&'static str, Value)> {

@@ -16,10 +16,11 @@ pub enum JobKind {
     Associate,
     Evaluate,
     Group,
+    Campaign,
 }
 
 impl JobKind {
-    pub const ALL: [JobKind; 4] = [JobKind::Simulate, JobKind::Associate, JobKind::Evaluate, JobKind::Group];
+    pub const ALL: [JobKind; 5] = [JobKind::Simulate, JobKind::Associate, JobKind::Evaluate, JobKind::Group, JobKind::Campaign];
 
     pub fn name(self) -> &'static str {
         plan::JobKind::from(self).name()
@@ -37,6 +38,7 @@ impl From<JobKind> for plan::JobKind {
             JobKind::Associate => plan::JobKind::Associate,
             JobKind::Evaluate => plan::JobKind::Evaluate,
             JobKind::Group => plan::JobKind::Group,
+            JobKind::Campaign => plan::JobKind::Campaign,
         }
     }
 }
@@ -48,6 +50,7 @@ impl From<plan::JobKind> for JobKind {
             plan::JobKind::Associate => JobKind::Associate,
             plan::JobKind::Evaluate => JobKind::Evaluate,
             plan::JobKind::Group => JobKind::Group,
+            plan::JobKind::Campaign => JobKind::Campaign,
         }
     }
 }
@@ -91,6 +94,8 @@ impl JobState {
 #[serde(rename_all = "snake_case")]
 pub enum ProgressStep {
     Load,
+    /// The runs of a campaign.
+    Run,
     Simulate,
     Associate,
     Evaluate,

@@ -3,6 +3,7 @@
 //! Optional members are absent, never null. Unions are plain `oneOf` of named structs, each with a required member
 //! whose type has one value, so that every client generator understands them.
 
+mod campaign;
 mod dataset;
 mod event;
 mod grouping;
@@ -10,6 +11,7 @@ mod job;
 mod problem;
 mod report;
 
+pub use campaign::*;
 pub use dataset::*;
 pub use event::*;
 pub use grouping::*;

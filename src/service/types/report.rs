@@ -1,6 +1,7 @@
 //! Reports on the wire. The service stores and sends a report as bytes; these types say what is in it, to the API
 //! document and to Rust programs that read one.
 
+use super::campaign::{CampaignResult, CellTime};
 use super::dataset::{DatasetKind, SensorSettings};
 use super::grouping::GroupResult;
 use serde::{Deserialize, Serialize};
@@ -59,6 +60,12 @@ report!(
     GroupReportKind::Group,
     GroupResult
 );
+report!(
+    /// What many runs gave.
+    CampaignReport,
+    CampaignReportKind::Campaign,
+    CampaignResult
+);
 
 /// The report of a job. `result` is the same, byte for byte, for the same request.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -69,6 +76,7 @@ pub enum Report {
     Associate(AssociateReport),
     Evaluate(EvaluateReport),
     Group(GroupReport),
+    Campaign(CampaignReport),
 }
 
 /// What a job read.
@@ -87,13 +95,16 @@ pub struct ReportInput {
 }
 
 /// Seconds that each step computed.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Timing {
     pub load_s: f64,
     pub simulate_s: f64,
     pub associate_s: f64,
     pub evaluate_s: f64,
     pub total_s: f64,
+    /// Of a campaign.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cells: Vec<CellTime>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -11,7 +11,7 @@ import { isActive, poll } from "../state/live";
 import { pageHref, param, setParams } from "../state/url";
 
 const STATES = ["queued", "running", "succeeded", "failed", "canceled"];
-const KINDS = ["simulate", "associate", "evaluate", "group"];
+const KINDS = ["simulate", "associate", "evaluate", "group", "campaign"];
 const PAGE = 50;
 const LIVE_MS = 1000;
 const QUIET_MS = 5000;

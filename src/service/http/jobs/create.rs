@@ -24,6 +24,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(create_associate_job))
         .routes(routes!(create_evaluate_job))
         .routes(routes!(create_group_job))
+        .routes(routes!(create_campaign_job))
         .routes(routes!(validate_job))
 }
 
@@ -68,6 +69,14 @@ create!(
     ///
     /// Queues a job that groups what several sensors reported of one target at one instant.
     create_group_job, "/v1/jobs/group", "createGroupJob", JobKind::Group
+);
+
+create!(
+    /// Run a job many times over a grid
+    ///
+    /// Queues a job that runs another job's body many times over a grid of its parameters: means, intervals and paired
+    /// differences, cell by cell.
+    create_campaign_job, "/v1/jobs/campaign", "createCampaignJob", JobKind::Campaign
 );
 
 async fn create(app: AppState, kind: JobKind, headers: &HeaderMap, body: Value) -> ApiResult {

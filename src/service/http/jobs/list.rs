@@ -25,7 +25,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 #[utoipa::path(get, path = "/v1/jobs", operation_id = "listJobs", tag = "jobs",
     params(
         ("state" = Option<String>, Query, description = "States, separated by commas: queued, running, succeeded, failed, canceled."),
-        ("kind" = Option<String>, Query, description = "Kinds, separated by commas: simulate, associate, evaluate, group."),
+        ("kind" = Option<String>, Query, description = "Kinds, separated by commas: simulate, associate, evaluate, group, campaign."),
         ("label" = Option<Vec<String>>, Query, description = "`key:value`; repeated, all must match."),
         ("created_after" = Option<String>, Query, description = "RFC 3339 time."),
         ("created_before" = Option<String>, Query, description = "RFC 3339 time."),

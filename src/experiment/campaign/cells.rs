@@ -1,0 +1,193 @@
+//! The cells of a campaign: the product of its axes, each with the job body of its runs.
+
+use super::super::plan::{JobKind, Plan, plan};
+use crate::model::fault::Fault;
+use serde::Deserialize;
+use serde_json::{Map, Value};
+
+/// Cells of one campaign.
+const MAX_CELLS: u128 = 2000;
+
+#[derive(Debug, Clone, Deserialize)]
+struct Change {
+    path: String,
+    value: Value,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+struct Variant {
+    name: String,
+    set: Vec<Change>,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(tag = "by", rename_all = "snake_case")]
+enum Wire {
+    Values { name: Option<String>, path: String, values: Vec<Value> },
+    Variants { name: String, variants: Vec<Variant> },
+}
+
+/// One direction of the grid.
+#[derive(Debug, Clone)]
+pub(super) struct Axis {
+    pub name: String,
+    points: Vec<Variant>,
+}
+
+impl Axis {
+    pub fn point_named(&self, name: &str) -> Option<usize> {
+        self.points.iter().position(|point| point.name == name)
+    }
+
+    pub fn point_names(&self) -> String {
+        self.points.iter().map(|point| point.name.as_str()).collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// One combination of points.
+#[derive(Debug, Clone)]
+pub(super) struct Cell {
+    /// The names of its points, divided by commas; `all` where there is no axis.
+    pub name: String,
+    /// Its point on each axis.
+    pub points: Vec<usize>,
+    pub plan: Plan,
+}
+
+impl Cell {
+    /// Name of the point on each axis.
+    pub fn parameters(&self, axes: &[Axis]) -> Map<String, Value> {
+        let named = |(axis, &point): (&Axis, &usize)| (axis.name.clone(), Value::String(axis.points[point].name.clone()));
+        axes.iter().zip(&self.points).map(named).collect()
+    }
+}
+
+/// The axes of a checked grid.
+pub(super) fn axes_of(spec: &Value) -> Vec<Axis> {
+    let axis = |wire: Wire| match wire {
+        Wire::Variants { name, variants } => Axis { name, points: variants },
+        Wire::Values { name, path, values } => {
+            let point = |value: Value| Variant { name: text_of(&value), set: vec![Change { path: path.clone(), value }] };
+            Axis { name: name.unwrap_or_else(|| path.clone()), points: values.into_iter().map(point).collect() }
+        }
+    };
+    let wires = spec["grid"].as_array().into_iter().flatten();
+    wires.filter_map(|wire| Wire::deserialize(wire).ok()).map(axis).collect()
+}
+
+fn text_of(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
+}
+
+/// Every cell, the last axis running fastest.
+///
+/// # Errors
+/// Every fault: of the base alone where it has any, else of the grid, with the cell that has it.
+pub(super) fn cells_of(spec: &Value, axes: &[Axis]) -> Result<Vec<Cell>, Vec<Fault>> {
+    let (kind, body) = base_of(spec)?;
+    let count: u128 = axes.iter().map(|axis| axis.points.len() as u128).product();
+    if count > MAX_CELLS {
+        let fault = Fault::new("/grid", "too_large", format!("the grid has {count} cells"));
+        return Err(vec![fault.allowing(format!("at most {MAX_CELLS} cells"))]);
+    }
+    check_names(axes)?;
+    if let Err(faults) = plan(kind, &body) {
+        return Err(faults.into_iter().map(|fault| Fault { pointer: format!("/base{}", fault.pointer), ..fault }).collect());
+    }
+    let (mut cells, mut faults) = (Vec::new(), Vec::new());
+    for number in 0..count as usize {
+        match cell(kind, &body, axes, number, &spec["seed"]) {
+            Ok(cell) => cells.push(cell),
+            Err(found) => faults.extend(found),
+        }
+        if faults.len() >= 100 {
+            break;
+        }
+    }
+    if faults.is_empty() { Ok(cells) } else { Err(faults) }
+}
+
+/// Names tell axes and points apart.
+fn check_names(axes: &[Axis]) -> Result<(), Vec<Fault>> {
+    let mut faults = Vec::new();
+    let mut twice = |pointer: String, names: Vec<&str>| {
+        for (index, name) in names.iter().enumerate() {
+            if names[..index].contains(name) {
+                faults.push(
+                    Fault::new(format!("{pointer}/{index}"), "duplicate", format!("'{name}' occurs twice")).allowing("each name once"),
+                );
+            }
+        }
+    };
+    twice("/grid".to_owned(), axes.iter().map(|axis| axis.name.as_str()).collect());
+    for (index, axis) in axes.iter().enumerate() {
+        twice(format!("/grid/{index}"), axis.points.iter().map(|point| point.name.as_str()).collect());
+    }
+    if faults.is_empty() { Ok(()) } else { Err(faults) }
+}
+
+/// Kind and body of the base.
+fn base_of(spec: &Value) -> Result<(JobKind, Value), Vec<Fault>> {
+    let kinds = || {
+        let is_base = |kind: &JobKind| *kind != JobKind::Campaign;
+        JobKind::ALL.into_iter().filter(is_base).map(JobKind::name).collect::<Vec<_>>().join(", ")
+    };
+    let mut body = spec["base"].clone();
+    let Some(fields) = body.as_object_mut() else {
+        return Err(vec![Fault::new("/base", "wrong_type", "the base is the body of a job, an object").allowing("an object")]);
+    };
+    let Some(name) = fields.shift_remove("kind") else {
+        return Err(vec![Fault::new("/base/kind", "missing", "'kind' is required").allowing(kinds())]);
+    };
+    match JobKind::deserialize(&name) {
+        Ok(kind) if kind != JobKind::Campaign => Ok((kind, body)),
+        _ => Err(vec![Fault::new("/base/kind", "unknown_value", format!("a campaign has no runs of kind {name}")).allowing(kinds())]),
+    }
+}
+
+fn cell(kind: JobKind, base: &Value, axes: &[Axis], number: usize, seed: &Value) -> Result<Cell, Vec<Fault>> {
+    let mut points = vec![0; axes.len()];
+    let mut rest = number;
+    for (point, axis) in points.iter_mut().zip(axes).rev() {
+        *point = rest % axis.points.len();
+        rest /= axis.points.len();
+    }
+    let chosen = || axes.iter().zip(&points).map(|(axis, &point)| &axis.points[point]);
+    let name = match axes {
+        [] => "all".to_owned(),
+        _ => chosen().map(|point| point.name.as_str()).collect::<Vec<_>>().join(", "),
+    };
+    let placed = |fault: Fault| {
+        let detail = format!("cell '{name}': {}: {}", fault.pointer, fault.detail);
+        Fault { pointer: "/grid".to_owned(), detail, ..fault }
+    };
+    let mut body = base.clone();
+    for change in chosen().flat_map(|point| &point.set) {
+        set(&mut body, &change.path, &change.value).map_err(|fault| vec![placed(fault)])?;
+    }
+    body["seed"] = seed.clone();
+    let plan = plan(kind, &body).map_err(|faults| faults.into_iter().map(placed).collect::<Vec<_>>())?;
+    Ok(Cell { name, points, plan: Plan { wants_files: false, ..plan } })
+}
+
+/// Puts a value at a JSON pointer; objects on the way that are absent are made, for a field may have been left to its default.
+fn set(body: &mut Value, path: &str, value: &Value) -> Result<(), Fault> {
+    let fault = |detail: String, allowed: String| Fault::new(path, "unknown_path", detail).allowing(allowed);
+    let Some(steps) = path.strip_prefix('/') else {
+        return Err(fault("a path begins with '/'".to_owned(), "a JSON pointer such as /associator".to_owned()));
+    };
+    let mut place = body;
+    for step in steps.split('/').map(|step| step.replace("~1", "/").replace("~0", "~")) {
+        place = match place {
+            Value::Object(fields) => fields.entry(step).or_insert_with(|| Value::Object(Map::new())),
+            Value::Array(items) => {
+                let allowed = format!("an index below {}", items.len());
+                let item = step.parse::<usize>().ok().and_then(|index| items.get_mut(index));
+                item.ok_or_else(|| fault(format!("there is no item '{step}'"), allowed))?
+            }
+            _ => return Err(fault(format!("'{step}' is inside of a plain value"), "a path to a field of the base".to_owned())),
+        };
+    }
+    *place = value.clone();
+    Ok(())
+}

@@ -1,0 +1,162 @@
+//! The numbers that a campaign keeps of each run, and what it says of them cell by cell.
+
+use super::cells::{Axis, Cell};
+use crate::math::rng::{Purpose, Seed};
+use crate::math::stats::{self, Interval};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Method {
+    T,
+    Wilson,
+    Bootstrap,
+}
+
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub(super) struct Outcome {
+    path: String,
+    name: Option<String>,
+    interval: Method,
+    #[serde(rename = "where")]
+    only_where: Option<String>,
+}
+
+impl Outcome {
+    pub fn name(&self) -> &str {
+        self.name.as_deref().unwrap_or(&self.path)
+    }
+
+    /// The number in a result; `None` where it is null, absent, or the run is not one of those that count.
+    pub fn of(&self, result: &Value) -> Option<f64> {
+        let counts = self.only_where.as_ref().is_none_or(|path| number_at(result, path) == Some(1.0));
+        number_at(result, &self.path).filter(|number| counts && number.is_finite())
+    }
+}
+
+/// A path ends at a number or a flag, or at a quantity, whose number is its `value`.
+fn number_at(result: &Value, path: &str) -> Option<f64> {
+    let found = path.split('.').try_fold(result, |place, step| place.get(step))?;
+    match found {
+        Value::Bool(flag) => Some(f64::from(u8::from(*flag))),
+        Value::Object(fields) => fields.get("value").and_then(Value::as_f64),
+        other => other.as_f64(),
+    }
+}
+
+/// The outcomes that a checked spec lists.
+pub(super) fn listed(spec: &Value) -> Option<Vec<Outcome>> {
+    spec.get("outcomes").and_then(|outcomes| Vec::deserialize(outcomes).ok())
+}
+
+/// What is kept when nothing is listed: every number of these parts of the result.
+pub(super) fn found_in(result: &Value) -> Vec<Outcome> {
+    let mut paths = Vec::new();
+    for part in ["counts", "tfa.counts", "tfa.probability", "grouping.accuracy", "grouping.precision", "grouping.recall"] {
+        match part.split('.').try_fold(result, |place, step| place.get(step)) {
+            Some(Value::Object(fields)) => paths.extend(fields.keys().map(|name| format!("{part}.{name}"))),
+            Some(_) => paths.push(part.to_owned()),
+            None => {}
+        }
+    }
+    for (metric, report) in result["metrics"].as_object().into_iter().flatten() {
+        let names = report["quantities"].as_object().into_iter().flat_map(Map::keys);
+        paths.extend(names.map(|name| format!("metrics.{metric}.quantities.{name}")));
+    }
+    paths.into_iter().map(|path| Outcome { path, name: None, interval: Method::T, only_where: None }).collect()
+}
+
+/// The kept numbers of one cell: by outcome, by run.
+pub(super) type Rows = Vec<Vec<Option<f64>>>;
+
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct CellReport {
+    pub name: String,
+    pub parameters: Map<String, Value>,
+    pub runs: usize,
+    pub outcomes: BTreeMap<String, Summary>,
+    /// To the cell that it is compared with; none of that cell itself.
+    pub differences: BTreeMap<String, Difference>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub compared_with: Option<String>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub(super) struct Summary {
+    /// Runs that have the number, and those that do not.
+    pub count: usize,
+    pub missing: usize,
+    pub mean: Option<f64>,
+    pub interval: Option<Interval>,
+    pub method: Method,
+    pub standard_deviation: Option<f64>,
+    pub min: Option<f64>,
+    pub median: Option<f64>,
+    pub max: Option<f64>,
+}
+
+/// The mean of the differences run by run, with its t interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub(super) struct Difference {
+    pub pairs: usize,
+    pub mean: Option<f64>,
+    pub interval: Option<Interval>,
+}
+
+/// What all cells are judged by.
+pub(super) struct Judge<'a> {
+    pub outcomes: &'a [Outcome],
+    pub axes: &'a [Axis],
+    pub confidence: f64,
+    pub seed: Seed,
+}
+
+impl Judge<'_> {
+    pub fn report(&self, cell: &Cell, index: usize, rows: &Rows, reference: Option<(&Cell, &Rows)>) -> CellReport {
+        let named = |number: usize| self.outcomes[number].name().to_owned();
+        let summary = |number: usize| (named(number), self.summary(number, index, &rows[number]));
+        let difference = |theirs: &Rows, number: usize| (named(number), self.difference(&rows[number], &theirs[number]));
+        let numbers = || 0..self.outcomes.len();
+        CellReport {
+            name: cell.name.clone(),
+            parameters: cell.parameters(self.axes),
+            runs: rows.first().map_or(0, Vec::len),
+            outcomes: numbers().map(summary).collect(),
+            differences: reference.iter().flat_map(|(_, theirs)| numbers().map(|number| difference(theirs, number))).collect(),
+            compared_with: reference.map(|(cell, _)| cell.name.clone()),
+        }
+    }
+
+    fn summary(&self, number: usize, cell: usize, values: &[Option<f64>]) -> Summary {
+        let mut present: Vec<f64> = values.iter().flatten().copied().collect();
+        let method = self.outcomes[number].interval;
+        let interval = match method {
+            Method::T => stats::t_interval(&present, self.confidence),
+            Method::Wilson => stats::wilson_interval(present.iter().sum(), present.len(), self.confidence),
+            Method::Bootstrap => {
+                let mut draw = self.seed.stream(Purpose::Bootstrap, cell as u64, number as u64);
+                stats::bootstrap_interval(&present, self.confidence, &mut draw)
+            }
+        };
+        let (mean, standard_deviation) = (stats::mean(&present), stats::standard_deviation(&present));
+        present.sort_by(f64::total_cmp);
+        Summary {
+            count: present.len(),
+            missing: values.len() - present.len(),
+            mean,
+            interval,
+            method,
+            standard_deviation,
+            min: present.first().copied(),
+            median: stats::quantile(&present, 0.5),
+            max: present.last().copied(),
+        }
+    }
+
+    fn difference(&self, ours: &[Option<f64>], theirs: &[Option<f64>]) -> Difference {
+        let pairs: Vec<f64> = ours.iter().zip(theirs).filter_map(|(ours, theirs)| Some((*ours)? - (*theirs)?)).collect();
+        Difference { pairs: pairs.len(), mean: stats::mean(&pairs), interval: stats::t_interval(&pairs, self.confidence) }
+    }
+}

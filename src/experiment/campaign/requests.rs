@@ -1,0 +1,107 @@
+//! The body of a campaign, described field by field.
+
+use super::super::requests::{JOB_NAME, LABELS, NAME, SEED, default, optional, required};
+use crate::registry::{Bound, Field, Kind, Object, Union, Variant};
+
+pub(super) const MAX_RUNS: i64 = 1_000_000;
+
+const PATH: Kind = Kind::Text { max_length: 500 };
+
+const POINTER: Field = required("path", "JSON pointer into `base`, such as `/associator` or `/tracker/gate_probability`.", PATH);
+
+static CHANGE: Object = Object {
+    name: "CampaignChange",
+    summary: "A value for one place of the base.",
+    fields: &[POINTER, required("value", "What stands there.", Kind::Json)],
+};
+
+static VARIANT: Object = Object {
+    name: "CampaignVariant",
+    summary: "A named set of changes.",
+    fields: &[
+        required("name", "Name of the variant in the table.", NAME),
+        required("set", "The changes.", Kind::List { item: &Kind::Object(&CHANGE), min: 0, max: 50 }),
+    ],
+};
+
+static BY_VALUES: Object = Object {
+    name: "ValuesAxis",
+    summary: "One place of the base takes each of several values.",
+    fields: &[
+        optional("name", "Name of the axis; the path when absent.", NAME),
+        POINTER,
+        required("values", "The values.", Kind::List { item: &Kind::Json, min: 1, max: 1000 }),
+    ],
+};
+
+static BY_VARIANTS: Object = Object {
+    name: "VariantsAxis",
+    summary: "Named variants, each of which changes several places of the base.",
+    fields: &[
+        required("name", "Name of the axis.", NAME),
+        required("variants", "The variants.", Kind::List { item: &Kind::Object(&VARIANT), min: 1, max: 1000 }),
+    ],
+};
+
+static AXIS: Union = Union {
+    name: "CampaignAxis",
+    summary: "One direction of the grid.",
+    tag: "by",
+    variants: || vec![Variant { tag: "values", object: &BY_VALUES }, Variant { tag: "variants", object: &BY_VARIANTS }],
+};
+
+static OUTCOME: Object = Object {
+    name: "CampaignOutcome",
+    summary: "A number of every run's result.",
+    fields: &[
+        required("path", "Where it stands in the result, names divided by dots, such as `tfa.probability.correct`.", PATH),
+        optional("name", "Its name in the table; the path when absent.", NAME),
+        default(
+            "interval",
+            "t: of a mean; wilson: of a share, for what is 0 or 1 (or false and true) in a run; bootstrap: of a mean, by 2 000 resamples.",
+            Kind::Choice(&["t", "wilson", "bootstrap"]),
+            "\"t\"",
+        ),
+        optional("where", "Only runs in which the number at this path is 1 (or true).", PATH),
+    ],
+};
+
+static COMPARE: Object = Object {
+    name: "CampaignComparison",
+    summary: "What the cells are compared with, run by run on the same scenes.",
+    fields: &[
+        required("axis", "Name of an axis.", NAME),
+        required("to", "The point of that axis that the others are compared with; a value as JSON writes it.", NAME),
+    ],
+};
+
+pub static CAMPAIGN: Object = Object {
+    name: "CampaignRequest",
+    summary: "Run a job many times over a grid of its parameters. Run r of every cell has the same scene.",
+    fields: &[
+        JOB_NAME,
+        LABELS,
+        SEED,
+        required("base", "The job of each run: the body of a job of another kind, with its `kind`.", Kind::Json),
+        default("grid", "The axes; the cells are their product.", Kind::List { item: &Kind::Union(&AXIS), min: 0, max: 8 }, "[]"),
+        default("runs", "Runs of each cell.", Kind::Integer { min: 1, max: MAX_RUNS, unit: "runs" }, "20"),
+        default(
+            "confidence",
+            "Confidence of the intervals.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Excluding(1.0), unit: "" },
+            "0.95",
+        ),
+        optional(
+            "outcomes",
+            "The numbers that are kept of each run; when absent, counts and probabilities of the automaton and every metric.",
+            Kind::List { item: &Kind::Object(&OUTCOME), min: 1, max: 100 },
+        ),
+        optional("compare", "When absent, the first point of the last axis.", Kind::Object(&COMPARE)),
+        default(
+            "timed_runs",
+            "In the first so many runs of a cell the associator or grouper is timed by itself.",
+            Kind::Integer { min: 0, max: 1000, unit: "runs" },
+            "20",
+        ),
+    ],
+};

@@ -1,0 +1,71 @@
+//! The result of a campaign, on the wire.
+
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use utoipa::ToSchema;
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct CampaignResult {
+    /// Names of the outcomes, in their order.
+    pub outcomes: Vec<String>,
+    /// Of the intervals.
+    pub confidence: f64,
+    pub cells: Vec<CampaignCell>,
+}
+
+/// What the runs of one cell gave. Each run by itself is in the file `runs.csv`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct CampaignCell {
+    pub name: String,
+    /// Its point on each axis.
+    pub parameters: BTreeMap<String, String>,
+    pub runs: u64,
+    pub outcomes: BTreeMap<String, OutcomeSummary>,
+    /// Run by run to the cell it is compared with.
+    pub differences: BTreeMap<String, OutcomeDifference>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub compared_with: Option<String>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct OutcomeSummary {
+    /// Runs that have the number.
+    pub count: u64,
+    /// Runs that do not.
+    pub missing: u64,
+    pub mean: Option<f64>,
+    pub interval: Option<Interval>,
+    /// `t`, `wilson` or `bootstrap`.
+    pub method: String,
+    pub standard_deviation: Option<f64>,
+    pub min: Option<f64>,
+    pub median: Option<f64>,
+    pub max: Option<f64>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct OutcomeDifference {
+    /// Runs in which both cells have the number.
+    pub pairs: u64,
+    pub mean: Option<f64>,
+    /// Student's t.
+    pub interval: Option<Interval>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Interval {
+    pub low: f64,
+    pub high: f64,
+}
+
+/// How long the associator or grouper of a cell took, by itself.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct CellTime {
+    pub cell: String,
+    /// The middle of the timed runs, in microseconds a scan.
+    pub decide_us_per_scan: f64,
+    /// To the cell it is compared with.
+    pub ratio: Option<f64>,
+    pub timed_runs: u32,
+}
