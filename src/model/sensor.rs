@@ -58,10 +58,10 @@ impl SensorSettings {
             ("sigma_bearing_deg", self.sigma_bearing_deg, POSITIVE),
             ("sigma_range_rate_mps", self.sigma_range_rate_mps, POSITIVE),
         ];
-        let misfit = |(field, value, (allowed, is_sound)): (&'static str, Option<f64>, (&'static str, fn(f64) -> bool))| {
+        let misfits = checks.into_iter().filter_map(|(field, value, (allowed, is_sound))| {
             value.filter(|value| !is_sound(*value)).map(|value| Misfit { field, value, allowed })
-        };
-        checks.into_iter().filter_map(misfit).collect()
+        });
+        misfits.collect()
     }
 
     /// These settings, with every value that `other` knows taken from `other`.

@@ -28,7 +28,7 @@ enum Law {
         start_m: Position,
         /// Its speed along its course.
         course_mps: Position,
-        weave: Weave,
+        weave: Box<Weave>,
     },
     /// One of a pair: the half width is negative for the target that starts on the other side.
     Crossing(CrossingPair),
@@ -137,7 +137,7 @@ fn formation(plan: &FormationTargets, seed: Seed) -> Vec<Path> {
         let law = match plan.motion {
             FormationMotion::ConstantVelocity => Law::Straight { start_m, velocity_mps: course_mps },
             FormationMotion::Weaving { heading_amplitude_deg, period_s } => {
-                let weave = Weave::new(heading_amplitude_deg.to_radians(), period_s, TAU * draw.random::<f64>());
+                let weave = Box::new(Weave::new(heading_amplitude_deg.to_radians(), period_s, TAU * draw.random::<f64>()));
                 Law::Weaving { start_m, course_mps, weave }
             }
         };

@@ -62,7 +62,6 @@ fn searched(objective: Objective) -> (f64, f64, f64) {
 fn the_optimum_is_reached_on_small_problems() {
     for objective in [Objective::LikelihoodSum, Objective::LogLikelihoodRatio] {
         let (share, near, gap) = searched(objective);
-        println!("{objective:?}: {share} {near} {gap}");
         assert!(share >= 0.95, "{objective:?}: J* in {share} of the searches");
         assert!(near >= 0.99, "{objective:?}: within 1 % in {near}");
         assert!(gap <= 0.001, "{objective:?}: a mean gap of {gap}");

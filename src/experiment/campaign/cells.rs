@@ -163,7 +163,7 @@ fn cell(kind: JobKind, base: &Value, axes: &[Axis], number: usize, seed: &Value)
     };
     let mut body = base.clone();
     for change in chosen().flat_map(|point| &point.set) {
-        set(&mut body, &change.path, &change.value).map_err(|fault| vec![placed(fault)])?;
+        set(&mut body, &change.path, &change.value).map_err(|fault| vec![placed(*fault)])?;
     }
     body["seed"] = seed.clone();
     let plan = plan(kind, &body).map_err(|faults| faults.into_iter().map(placed).collect::<Vec<_>>())?;
@@ -171,8 +171,8 @@ fn cell(kind: JobKind, base: &Value, axes: &[Axis], number: usize, seed: &Value)
 }
 
 /// Puts a value at a JSON pointer; objects on the way that are absent are made, for a field may have been left to its default.
-fn set(body: &mut Value, path: &str, value: &Value) -> Result<(), Fault> {
-    let fault = |detail: String, allowed: String| Fault::new(path, "unknown_path", detail).allowing(allowed);
+fn set(body: &mut Value, path: &str, value: &Value) -> Result<(), Box<Fault>> {
+    let fault = |detail: String, allowed: String| Box::new(Fault::new(path, "unknown_path", detail).allowing(allowed));
     let Some(steps) = path.strip_prefix('/') else {
         return Err(fault("a path begins with '/'".to_owned(), "a JSON pointer such as /associator".to_owned()));
     };

@@ -47,7 +47,7 @@ pub(super) fn plan(spec: Value, mut faults: Vec<Fault>) -> Result<Plan, Vec<Faul
         faults.push(Fault::new("/runs", "too_large", detail).allowing(format!("at most {MAX_COST_S} s and {MAX_NUMBERS} numbers")));
     }
     if let Err(fault) = reference_point(&spec, &axes) {
-        faults.push(fault);
+        faults.push(*fault);
     }
     let inputs = inputs_of(&cells, &mut faults);
     if !faults.is_empty() {
@@ -69,16 +69,18 @@ fn inputs_of(cells: &[Cell], faults: &mut Vec<Fault>) -> Vec<InputRequest> {
 }
 
 /// The axis along which cells are compared, and its point that the others are compared with.
-fn reference_point(spec: &Value, axes: &[Axis]) -> Result<Option<(usize, usize)>, Fault> {
+fn reference_point(spec: &Value, axes: &[Axis]) -> Result<Option<(usize, usize)>, Box<Fault>> {
     let Some(last) = axes.len().checked_sub(1) else { return Ok(None) };
     let Some(compare) = spec.get("compare") else { return Ok(Some((last, 0))) };
     let (name, to) = (compare["axis"].as_str().unwrap_or_default(), compare["to"].as_str().unwrap_or_default());
     let axis = axes.iter().position(|axis| axis.name == name).ok_or_else(|| {
         let known = axes.iter().map(|axis| axis.name.as_str()).collect::<Vec<_>>().join(", ");
-        Fault::new("/compare/axis", "unknown_value", format!("there is no axis '{name}'")).allowing(known)
+        Box::new(Fault::new("/compare/axis", "unknown_value", format!("there is no axis '{name}'")).allowing(known))
     })?;
     let point = axes[axis].point_named(to).ok_or_else(|| {
-        Fault::new("/compare/to", "unknown_value", format!("axis '{name}' has no point '{to}'")).allowing(axes[axis].point_names())
+        Box::new(
+            Fault::new("/compare/to", "unknown_value", format!("axis '{name}' has no point '{to}'")).allowing(axes[axis].point_names()),
+        )
     })?;
     Ok(Some((axis, point)))
 }
@@ -99,7 +101,7 @@ pub(super) fn run(plan: &Plan, inputs: &Inputs, observer: &mut dyn Observer) -> 
     let axes = cells::axes_of(&plan.spec);
     let cells = cells::cells_of(&plan.spec, &axes)?;
     let harvest = gather(plan, &cells, inputs, observer)?;
-    let compared = reference_point(&plan.spec, &axes).map_err(|fault| vec![fault])?;
+    let compared = reference_point(&plan.spec, &axes).map_err(|fault| vec![*fault])?;
     let reference = |index: usize| compared.and_then(|(axis, point)| reference_of(&cells, index, axis, point));
     let confidence = plan.spec["confidence"].as_f64().unwrap_or(0.95);
     let judge = Judge { outcomes: &harvest.outcomes, axes: &axes, confidence, seed: plan.stream() };

@@ -1,0 +1,183 @@
+//! Campaigns: their runs are the jobs, cells are compared on the same scenes, and what cannot be run is refused.
+
+use serde_json::{Value, json};
+use std::ops::ControlFlow;
+use trackloom::experiment::observer::{Observer, Silent, Step};
+use trackloom::experiment::plan::{JobKind, Plan, plan};
+use trackloom::experiment::presets;
+use trackloom::experiment::run::{Outcome, RunError, run};
+
+fn base() -> Value {
+    let mut base = json!({"kind": "evaluate", "input": {"source": "preset", "preset": "liang2009-10"}, "comparison": {"gate_m": 1000.0}});
+    base["tracker"] = json!({"gate_probability": 0.999, "initial_speed_sigma_mps": 430.0});
+    base
+}
+
+fn associators(names: &[&str]) -> Value {
+    let variant = |name: &&str| json!({"name": name, "set": [{"path": "/associator", "value": {"method": name}}]});
+    json!({"by": "variants", "name": "associator", "variants": names.iter().map(variant).collect::<Vec<_>>()})
+}
+
+fn campaign(changes: Value) -> Value {
+    let mut body = json!({"base": base(), "grid": [associators(&["nearest_neighbour", "jpda"])], "runs": 3, "seed": 5});
+    for (name, value) in changes.as_object().unwrap() {
+        body[name] = value.clone();
+    }
+    body
+}
+
+fn outcome(body: &Value) -> Outcome {
+    run(&plan(JobKind::Campaign, body).unwrap(), Vec::new(), &mut Silent).unwrap()
+}
+
+/// The faults of a campaign that is refused: pointer, code, what is allowed.
+fn faults(changes: Value) -> Vec<(String, String, String)> {
+    let faults = plan(JobKind::Campaign, &campaign(changes)).expect_err("it cannot be run");
+    faults.into_iter().map(|fault| (fault.pointer, fault.code, fault.allowed.unwrap_or_default())).collect()
+}
+
+fn single(method: &str, number: u32) -> Value {
+    let mut body = base();
+    body.as_object_mut().unwrap().remove("kind");
+    body["associator"] = json!({"method": method});
+    body["seed"] = json!(5);
+    let job = plan(JobKind::Evaluate, &body).unwrap();
+    run(&Plan { run: number, ..job }, Vec::new(), &mut Silent).unwrap().result
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+#[test]
+fn the_runs_are_the_jobs_and_the_differences_theirs() {
+    let found = outcome(&campaign(json!({"outcomes": [
+        {"path": "tfa.probability.correct", "name": "correct"}, {"path": "metrics.gospa.quantities.mean"}
+    ]})));
+    let gospa = |method| -> Vec<f64> {
+        let value = |number| single(method, number)["metrics"]["gospa"]["quantities"]["mean"]["value"].as_f64().unwrap();
+        (0..3).map(value).collect()
+    };
+    let (nearest, jpda) = (gospa("nearest_neighbour"), gospa("jpda"));
+    let cells = &found.result["cells"];
+    assert_eq!(cells[0]["name"], "nearest_neighbour");
+    let name = "metrics.gospa.quantities.mean";
+    assert_eq!(cells[0]["outcomes"][name]["mean"].as_f64(), Some(mean(&nearest)));
+    assert_eq!(cells[1]["outcomes"][name]["mean"].as_f64(), Some(mean(&jpda)));
+    let differences: Vec<f64> = jpda.iter().zip(&nearest).map(|(jpda, nearest)| jpda - nearest).collect();
+    assert_eq!(cells[1]["differences"][name]["mean"].as_f64(), Some(mean(&differences)));
+    assert_eq!((&cells[0]["differences"], &cells[1]["compared_with"]), (&json!({}), &json!("nearest_neighbour")));
+    assert_eq!((&cells[1]["parameters"], &cells[1]["runs"]), (&json!({"associator": "jpda"}), &json!(3)));
+    // The runs are different scenes.
+    assert_ne!(nearest[0], nearest[1]);
+
+    let text = |name: &str| String::from_utf8(found.artifacts.iter().find(|file| file.name == name).unwrap().bytes.clone()).unwrap();
+    let runs = text("runs.csv");
+    assert_eq!(runs.lines().next(), Some("cell,run,seed,correct,metrics.gospa.quantities.mean"));
+    assert_eq!(runs.lines().count(), 1 + 2 * 3);
+    assert!(runs.lines().nth(1).unwrap().starts_with("nearest_neighbour,0,5,") && runs.contains(&nearest[0].to_string()));
+    assert_eq!(text("cells.csv").lines().count(), 1 + 2 * 2);
+    assert_eq!(text("cells.md").lines().count(), 2 + 2);
+}
+
+#[test]
+fn the_same_campaign_gives_the_same_bytes_and_a_method_does_not_differ_from_itself() {
+    let twins = json!({"by": "variants", "name": "twins", "variants": [{"name": "a", "set": []}, {"name": "b", "set": []}]});
+    let body = campaign(json!({"grid": [twins], "runs": 2}));
+    let (first, second) = (outcome(&body).result, outcome(&body).result);
+    assert_eq!(first.to_string(), second.to_string());
+    let differences = first["cells"][1]["differences"].as_object().unwrap();
+    assert!(differences.len() > 20, "every number is kept when none is asked for");
+    assert!(differences.values().all(|difference| difference["mean"].is_null() || difference["mean"] == 0.0));
+}
+
+#[test]
+fn cells_are_the_product_of_the_axes_and_a_condition_chooses_runs() {
+    let densities = json!({"by": "values", "name": "P_D", "path": "/input/scenario/sensors/0/p_d", "values": [0.5, 1.0]});
+    let keeping = |quantity: &str| format!("metrics.track_keeping.quantities.{quantity}");
+    let mut base = presets::find("wang-bat-2").unwrap().body["base"].take();
+    base["input"]["scenario"]["scans"] = json!(10);
+    let found = outcome(&json!({
+        "base": base, "runs": 4, "grid": [densities, associators(&["nearest_neighbour", "bat"])],
+        "outcomes": [
+            {"name": "identity", "path": keeping("identity"), "interval": "wilson"},
+            {"name": "kept", "path": keeping("mean_absolute_error"), "where": keeping("identity"), "interval": "bootstrap"},
+            {"name": "gap", "path": "association.diagnostics.optimum.mean_gap"}
+        ]
+    }));
+    let names: Vec<&str> = found.result["cells"].as_array().unwrap().iter().map(|cell| cell["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["0.5, nearest_neighbour", "0.5, bat", "1.0, nearest_neighbour", "1.0, bat"]);
+    let outcomes = &found.result["cells"][2]["outcomes"];
+    // Ten scans long before the crossing nothing can go wrong; 4 of 4 at 95 %: z² = 3.8415, low = 4 / (4 + z²).
+    assert_eq!((&outcomes["identity"]["mean"], &outcomes["kept"]["count"]), (&json!(1.0), &json!(4)));
+    assert!((outcomes["identity"]["interval"]["low"].as_f64().unwrap() - 4.0 / 7.8415).abs() < 1e-4);
+    assert_eq!((&outcomes["gap"]["count"], &outcomes["gap"]["missing"]), (&json!(0), &json!(4)), "it has no such number");
+    assert_eq!(found.result["cells"][3]["compared_with"], "1.0, nearest_neighbour");
+}
+
+/// Has a clock that ticks a millisecond a look, and stops after some calls.
+struct Watch {
+    looks: std::cell::Cell<u32>,
+    calls: u32,
+    last: u32,
+}
+
+impl Observer for Watch {
+    fn progress(&mut self, step: Step, _: u64, total: u64) -> ControlFlow<()> {
+        assert!(step == Step::Run && total == 6);
+        self.calls += 1;
+        if self.calls > self.last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    fn now(&self) -> Option<std::time::Duration> {
+        self.looks.set(self.looks.get() + 1);
+        Some(std::time::Duration::from_millis(u64::from(self.looks.get())))
+    }
+}
+
+#[test]
+fn deciding_is_timed_by_the_observers_clock_and_a_campaign_can_be_stopped() {
+    let job = plan(JobKind::Campaign, &campaign(json!({"timed_runs": 2}))).unwrap();
+    let mut watch = Watch { looks: std::cell::Cell::new(0), calls: 0, last: u32::MAX };
+    let found = run(&job, Vec::new(), &mut watch).unwrap();
+    // Two looks a timed run, a millisecond apart, for 30 scans.
+    let times: Vec<(&str, f64, Option<f64>, u32)> =
+        found.cell_times.iter().map(|time| (&*time.cell, time.decide_us_per_scan, time.ratio, time.timed_runs)).collect();
+    assert_eq!(times, [("nearest_neighbour", 1000.0 / 30.0, Some(1.0), 2), ("jpda", 1000.0 / 30.0, Some(1.0), 2)]);
+    assert_eq!(watch.looks.get(), 8);
+    let mut stopped = Watch { looks: std::cell::Cell::new(0), calls: 0, last: 40 };
+    assert_eq!(run(&job, Vec::new(), &mut stopped).unwrap_err(), RunError::Stopped);
+}
+
+#[test]
+fn what_cannot_be_run_is_refused() {
+    let values = |path: &str| json!([{"by": "values", "path": path, "values": [1, 2]}]);
+    assert_eq!(faults(json!({"runs": 0}))[0].0, "/runs");
+    assert_eq!(faults(json!({"confidence": 1}))[0], ("/confidence".into(), "out_of_range".into(), "(0, 1)".into()));
+    let (pointer, code, allowed) = faults(json!({"grid": values("/trakcer/gate_probability")})).remove(0);
+    assert_eq!((&*pointer, &*code), ("/grid", "unknown_field"));
+    assert!(allowed.contains("tracker"), "{allowed}");
+    assert_eq!(faults(json!({"grid": values("input")}))[0].1, "unknown_path");
+    assert_eq!(faults(json!({"grid": values("/input/scenario/sensors/3/p_d"), "base": scenario_base()}))[0].2, "an index below 1");
+    let mut wide = values("/seed");
+    wide[0]["values"] = (0..1000).collect();
+    let cells: Vec<Value> =
+        (0..3).map(|axis| json!({"by": "values", "name": axis.to_string(), "path": "/seed", "values": wide[0]["values"]})).collect();
+    assert_eq!(faults(json!({"grid": cells}))[0], ("/grid".into(), "too_large".into(), "at most 2000 cells".into()));
+    assert_eq!(faults(json!({"base": {"kind": "campaign"}}))[0].2, "simulate, associate, evaluate, group");
+    assert_eq!(faults(json!({"base": {"kind": "evaluate", "inptu": 1}}))[0].0, "/base/inptu");
+    assert_eq!(faults(json!({"base": 7}))[0].1, "wrong_type");
+    assert_eq!(faults(json!({"compare": {"axis": "associator", "to": "pda"}}))[0].2, "nearest_neighbour, jpda");
+    assert_eq!(faults(json!({"compare": {"axis": "filter", "to": "pda"}}))[0].2, "associator");
+    assert_eq!(faults(json!({"grid": [associators(&["jpda", "jpda"])]}))[0].1, "duplicate");
+    assert_eq!(faults(json!({"runs": 1_000_000, "base": scenario_base()}))[0].1, "too_large");
+    let bad = faults(json!({"grid": [associators(&["jpda", "jpta"])]}));
+    assert!(bad.len() == 1 && bad[0].1 == "unknown_value" && bad[0].2.contains("jpda"), "{bad:?}");
+}
+
+fn scenario_base() -> Value {
+    let mut base = base();
+    base["input"] = presets::find("liang2009-100").unwrap().body["input"].take();
+    base["input"]["scenario"]["sensors"][0]["clutter_per_scan"] = json!(1000.0);
+    base
+}
