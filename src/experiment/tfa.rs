@@ -36,13 +36,14 @@ pub(super) fn spec_of(spec: &Value, input: &EvaluationInput) -> Result<Value, Ru
 /// `truth_probability.csv` where they are not too large.
 pub(super) fn judge(
     spec: &Value,
+    time_tolerance_s: Option<f64>,
     input: EvaluationInput,
     sensors: &[SensorSettings],
     warnings: &mut Vec<String>,
 ) -> Result<(TfaReport, Vec<Artifact>), RunError> {
     // Without a recording nothing is known of sensors.
     let sensors = input.recording.map(|_| sensors);
-    let evaluation = TfaEvaluation::new(input, sensors, settings(spec)?)?;
+    let evaluation = TfaEvaluation::new(input, sensors, TfaSettings { time_tolerance_s, ..settings(spec)? })?;
     let mut files = Vec::new();
     match evaluation.automaton_file(MAX_TRANSITIONS) {
         Some(automaton) => {
@@ -130,5 +131,5 @@ fn settings(spec: &Value) -> Result<TfaSettings, RunError> {
         Search::DepthFirst => Order::DepthFirst,
     };
     let Wire { max_missed, tolerance, minimise, .. } = wire;
-    Ok(TfaSettings { symbols, decision, max_missed, tolerance, search, minimise })
+    Ok(TfaSettings { symbols, decision, max_missed, tolerance, search, minimise, time_tolerance_s: None })
 }
