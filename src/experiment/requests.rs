@@ -405,7 +405,7 @@ pub static EVALUATE: Object = Object {
         default("comparison", "How truth and tracks are put side by side for the metrics.", Kind::Object(&COMPARISON), "{}"),
         optional(
             "tfa",
-            "Settings of the temporal automaton. When absent, the profiles tracking and tfa read detection ids where detections with known origins are there, else the nearest target within the gate of `comparison`.",
+            "Settings of the temporal automaton. When absent, the profiles tracking and tfa read detection ids where detections with known origins are there, else the nearest target within the gate and the largest gap of `comparison`.",
             Kind::Object(&TFA),
         ),
     ],
