@@ -25,7 +25,8 @@ use yardstick::kalman_rounds;
 const SCANS: usize = 30;
 const ROUNDS: u32 = 100_000;
 const SETTINGS: TfaSettings = TfaSettings::PAPER;
-const RULES: StringRules = StringRules { symbols: SETTINGS.symbols, decision: SETTINGS.decision, max_missed: 5, sensors: None };
+const RULES: StringRules =
+    StringRules { symbols: SETTINGS.symbols, decision: SETTINGS.decision, max_missed: 5, sensors: None, time_tolerance_s: None };
 
 fn main() {
     // `cargo test --benches` only wants to know that it starts.

@@ -25,7 +25,8 @@ fn a_break_says_what_became_of_the_track_and_whether_the_target_was_seen() {
     let rows = "0,1,0,0,a\n1,1,5,0,\n2,1,98,0,d\n3,1,98,0,\n4,1,98,0,\n0,2,99,0,b\n1,2,99,0,c\n3,3,0,1,e\n4,3,50,0,g\n";
     let Dataset::Tracks(tracks) = read(&format!("time_s,track_id,x_m,y_m,detection_id\n{rows}")) else { panic!("not tracks") };
     let input = EvaluationInput { recording: Some(&recording), truth: Some(&truth), tracks: &tracks };
-    let settings = PointSettings { alignment: Alignment::Interpolate { max_gap_s: 1.0 }, gate_m: 10.0, reach_m: 10.0 };
+    let settings =
+        PointSettings { alignment: Alignment::Interpolate { max_gap_s: 1.0 }, gate_m: 10.0, reach_m: 10.0, time_tolerance_s: None };
     let comparison = Comparison::of_points(&input, &truth, &settings);
     let breaks = explain(&comparison, &EventLog::new(&comparison), Some(&input));
     let brief: Vec<_> = breaks.iter().map(|b| (b.time_s, b.truth_id.as_str(), b.track_id.as_str(), b.cause)).collect();

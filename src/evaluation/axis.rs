@@ -2,8 +2,10 @@
 //!
 //! With a recording the axis is its scans; each (time, sensor) is one scan. Scan numbers of a single sensor may have
 //! holes: the scans in a hole exist and are empty, so they only take up places. A hole never takes more places than
-//! end a string, so a wild scan number costs nothing. Without a recording the axis is the times of the track points.
+//! end a string, so a wild scan number costs nothing. Without a recording the axis is the steps at which metrics compare
+//! truth and tracks, so that a track which begins late or ends early lacks symbols.
 
+use super::steps::Steps;
 use crate::model::scan::Recording;
 use crate::model::track::{TrackPoint, TrackSet};
 use std::collections::HashMap;
@@ -23,11 +25,14 @@ pub struct Axis {
     scans: Vec<AxisScan>,
     /// For each sensor that track points name: its index in the recording, if the recording has it.
     sensor_of_point: Vec<Option<usize>>,
+    /// What times belong to which scan.
+    steps: Steps,
     by_time_alone: bool,
 }
 
 impl Axis {
-    pub fn of_recording(recording: &Recording, tracks: &TrackSet, max_missed: u32) -> Self {
+    /// `steps` are the times of the recording.
+    pub fn of_recording(recording: &Recording, tracks: &TrackSet, steps: Steps, max_missed: u32) -> Self {
         let indices: HashMap<&str, usize> =
             recording.sensors.iter().enumerate().map(|(index, sensor)| (sensor.sensor_id.as_str(), index)).collect();
         let longest_step = if recording.sensors.len() > 1 { 1 } else { max_missed as usize + 1 };
@@ -40,17 +45,18 @@ impl Axis {
             scans.push(AxisScan { number: scan.number, time_s: scan.time_s, position, sensor: Some(scan.sensor) });
         }
         let sensor_of_point = tracks.sensor_ids.iter().map(|name| indices.get(name.as_str()).copied()).collect();
-        Axis { scans, sensor_of_point, by_time_alone: false }
+        Axis { scans, sensor_of_point, steps, by_time_alone: false }
     }
 
-    pub fn of_tracks(tracks: &TrackSet) -> Self {
-        let points = tracks.tracks.iter().flat_map(|track| &track.points);
-        let mut times_s: Vec<f64> = points.map(|point| point.time_s).filter(|time_s| time_s.is_finite()).collect();
-        times_s.sort_by(f64::total_cmp);
-        times_s.dedup();
+    pub fn of_steps(steps: Steps) -> Self {
         let scan = |(position, time_s)| AxisScan { number: position as u32 + 1, time_s, position, sensor: None };
-        let scans = times_s.into_iter().enumerate().map(scan).collect();
-        Axis { scans, sensor_of_point: Vec::new(), by_time_alone: true }
+        let scans = steps.times_s().enumerate().map(scan).collect();
+        Axis { scans, sensor_of_point: Vec::new(), steps, by_time_alone: true }
+    }
+
+    /// Times nearer than this belong to one scan.
+    pub fn tolerance_s(&self) -> f64 {
+        self.steps.tolerance_s
     }
 
     pub fn scans(&self) -> &[AxisScan] {
@@ -82,17 +88,22 @@ impl Axis {
         if is_right { Some(guess) } else { self.scan_of(point) }
     }
 
-    /// Index of the scan that a track point belongs to: the same time and sensor. A point without a sensor belongs
-    /// to the only scan at its time, and to none when there are several.
+    /// Index of the scan that a track point belongs to: the same time, within the tolerance, and the same sensor. A point
+    /// without a sensor belongs to the only scan at its time, and to none when there are several.
     pub fn scan_of(&self, point: &TrackPoint) -> Option<usize> {
-        let first = self.scans.partition_point(|scan| scan.time_s < point.time_s);
-        let mut at_time = self.scans[first..].iter().take_while(|scan| scan.time_s == point.time_s);
+        let step = self.steps.at(point.time_s)?;
+        if self.by_time_alone {
+            return Some(step);
+        }
+        let time_s = self.steps.time_s(step);
+        let first = self.scans.partition_point(|scan| scan.time_s < time_s);
+        let mut at_time = self.scans[first..].iter().take_while(|scan| scan.time_s == time_s);
         match point.sensor {
-            Some(sensor) if !self.by_time_alone => {
+            Some(sensor) => {
                 let wanted = self.sensor_of_point[sensor as usize]?;
                 at_time.position(|scan| scan.sensor == Some(wanted)).map(|offset| first + offset)
             }
-            _ => (at_time.count() == 1).then_some(first),
+            None => (at_time.count() == 1).then_some(first),
         }
     }
 }
@@ -115,6 +126,10 @@ mod tests {
         .unwrap()
     }
 
+    fn steps(recording: &Recording) -> Steps {
+        Steps::new(Some(recording), None, &TrackSet::default(), None)
+    }
+
     fn point(time_s: f64, sensor: Option<u32>) -> TrackPoint {
         let estimate = Estimate::Plane(PlaneEstimate { state: State::zeros(), has_velocity: false, covariance: None });
         TrackPoint { time_s, sensor, estimate, status: None, nis: None, first_candidate: 0, candidates: 0 }
@@ -123,7 +138,7 @@ mod tests {
     #[test]
     fn holes_in_the_numbers_take_up_places_but_never_more_than_end_a_string() {
         let recording = recording(&["radar"], &[(1, 0.0, 0), (2, 1.0, 0), (5, 4.0, 0), (4_000_000_000, 5.0, 0), (3, 6.0, 0)]);
-        let axis = Axis::of_recording(&recording, &TrackSet::default(), 5);
+        let axis = Axis::of_recording(&recording, &TrackSet::default(), steps(&recording), 5);
         let positions: Vec<usize> = axis.scans().iter().map(|scan| scan.position).collect();
         assert_eq!(positions, [0, 1, 4, 10, 11]);
         assert_eq!(axis.at_position(10).number, 4_000_000_000);
@@ -135,7 +150,7 @@ mod tests {
     fn points_find_their_scan_by_time_and_sensor() {
         let recording = recording(&["radar", "lidar"], &[(1, 0.0, 0), (2, 0.0, 1), (3, 1.0, 1)]);
         let tracks = TrackSet { sensor_ids: vec!["lidar".into(), "sonar".into()], ..Default::default() };
-        let axis = Axis::of_recording(&recording, &tracks, 5);
+        let axis = Axis::of_recording(&recording, &tracks, steps(&recording), 5);
         assert_eq!(axis.scan_of(&point(0.0, Some(0))), Some(1));
         assert_eq!(axis.scan_of(&point(1.0, None)), Some(2), "only one scan at that time");
         assert_eq!(axis.scan_of(&point(0.0, None)), None, "two scans at that time");

@@ -2,10 +2,10 @@
 //! table, or the log of events made of it.
 //!
 //! # Method
-//! 1. The steps: the times of the recording's scans when there is one. Without it, the times of tracks and truth
-//!    together when every track time is also a truth time; else the times of the tracks alone, with a warning.
-//! 2. The truth at each step, as [`Alignment`] says; a step never sees truth from outside a target's path.
-//! 3. The tracks at each step: the points at exactly that time; of several points of one track the last counts.
+//! 1. The [`steps`](super::steps): the times of the recording's scans when there is one, else those of tracks and truth.
+//! 2. The truth at each step, as [`Alignment`] says; a step never sees truth from outside a target's path, but for the
+//!    tolerance of times.
+//! 3. The tracks at each step: the points whose times belong to it; of several points of one track the last counts.
 //! 4. The pairs with a distance of at most `reach_m`, found by a sweep along x.
 //!
 //! Directions stand in it as places (bearing in degrees, 0), and their distances take the shorter way round.
@@ -13,6 +13,7 @@
 //! Costs are in proportion to points and pairs, apart from sorting.
 
 use super::EvaluationInput;
+use super::steps::Steps;
 use crate::model::state::Position;
 use crate::model::track::{Estimate, TrackSet};
 use crate::model::truth::{Target, TruthSet};
@@ -105,6 +106,8 @@ pub struct PointSettings {
     pub gate_m: f64,
     /// Pairs farther apart are not listed; at least the gate.
     pub reach_m: f64,
+    /// Times nearer than this are one step; `None` is what the data allow.
+    pub time_tolerance_s: Option<f64>,
 }
 
 impl Comparison {
@@ -122,10 +125,11 @@ impl Comparison {
             pairs: Vec::new(),
             warnings: Vec::new(),
         };
-        let times_s = step_times(input, truth, &mut comparison.warnings);
-        let (truths, tracks) = (truths_at(truth, &times_s, shape, settings.alignment), tracks_at(input.tracks, &times_s, shape));
+        let mut steps = Steps::new(input.recording, Some(truth), input.tracks, settings.time_tolerance_s);
+        comparison.warnings.append(&mut steps.warnings);
+        let (truths, tracks) = (truths_at(truth, &steps, shape, settings.alignment), tracks_at(input.tracks, &steps, shape));
         comparison.warn_of_strangers(&truths, truth, &tracks, input.tracks);
-        for ((&time_s, truths), tracks) in times_s.iter().zip(truths).zip(tracks) {
+        for ((time_s, truths), tracks) in steps.times_s().zip(truths).zip(tracks) {
             comparison.push_step(time_s, truths, tracks, |truths, tracks, found| near_pairs(truths, tracks, shape, settings, found));
         }
         comparison
@@ -186,65 +190,57 @@ impl Comparison {
     }
 }
 
-fn step_times(input: &EvaluationInput, truth: &TruthSet, warnings: &mut Vec<String>) -> Vec<f64> {
-    if let Some(recording) = input.recording {
-        return sorted(recording.scans.iter().map(|scan| scan.time_s));
-    }
-    let track_times_s = sorted(input.tracks.tracks.iter().flat_map(|track| &track.points).map(|point| point.time_s));
-    let truth_times_s = sorted(truth.targets().iter().flat_map(|target| &target.points).map(|point| point.time_s));
-    let shared = track_times_s.iter().filter(|time_s| truth_times_s.binary_search_by(|other| other.total_cmp(time_s)).is_ok()).count();
-    if shared == track_times_s.len() {
-        return truth_times_s;
-    }
-    let of = track_times_s.len();
-    if shared == 0 {
-        warnings.push(format!("tracks and truth share none of {of} times: compared at the times of the tracks, truth aligned to them"));
-        return track_times_s;
-    }
-    warnings.push(format!("tracks and truth share {shared} of {of} times: compared at the times of both, truth aligned to them"));
-    sorted(track_times_s.into_iter().chain(truth_times_s))
-}
-
-fn sorted(times_s: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut times_s: Vec<f64> = times_s.filter(|time_s| time_s.is_finite()).collect();
-    times_s.sort_by(f64::total_cmp);
-    times_s.dedup();
-    times_s
-}
-
-fn truths_at(truth: &TruthSet, times_s: &[f64], shape: Shape, alignment: Alignment) -> Vec<Vec<Presence>> {
-    let mut lists = vec![Vec::new(); times_s.len()];
-    let (Alignment::Interpolate { max_gap_s } | Alignment::Nearest { max_gap_s }) = alignment;
-    let margin_s = if matches!(alignment, Alignment::Nearest { .. }) { max_gap_s } else { 0.0 };
+fn truths_at(truth: &TruthSet, steps: &Steps, shape: Shape, alignment: Alignment) -> Vec<Vec<Presence>> {
+    let mut lists = vec![Vec::new(); steps.count()];
     for (id, target) in truth.targets().iter().enumerate() {
-        let (Some(first), Some(last)) = (target.points.first(), target.points.last()) else { continue };
-        let from = times_s.partition_point(|&time_s| time_s < first.time_s - margin_s);
-        let until = times_s.partition_point(|&time_s| time_s <= last.time_s + margin_s);
-        for (step, &time_s) in times_s.iter().enumerate().take(until).skip(from) {
-            lists[step].extend(aligned(target, time_s, shape, alignment).map(|(position_m, velocity_mps)| Presence {
-                id: id as u32,
-                position_m,
-                velocity_mps,
-                point: 0,
-            }));
+        for step in alignment.steps_of(target, steps) {
+            let (time_s, tolerance_s) = (steps.time_s(step), steps.tolerance_s);
+            let place = match shape {
+                Shape::Bearings => alignment.bearing_rad(target, time_s, tolerance_s).map(|bearing_rad| (direction(bearing_rad), None)),
+                Shape::Points | Shape::Boxes => alignment.place(target, time_s, tolerance_s),
+            };
+            let presence = |(position_m, velocity_mps)| Presence { id: id as u32, position_m, velocity_mps, point: 0 };
+            lists[step].extend(place.map(presence));
         }
     }
     lists
 }
 
-/// Position and velocity of a target at a time.
-fn aligned(target: &Target, time_s: f64, shape: Shape, alignment: Alignment) -> Option<(Position, Option<Position>)> {
-    match (alignment, shape) {
-        (Alignment::Interpolate { max_gap_s }, Shape::Bearings) => Some((direction(target.bearing_at(time_s, max_gap_s)?), None)),
-        (Alignment::Nearest { max_gap_s }, Shape::Bearings) => {
-            Some((direction(target.nearest_point(time_s, max_gap_s)?.bearing_rad()?), None))
-        }
-        (Alignment::Interpolate { max_gap_s }, _) => {
-            target.position_at(time_s, max_gap_s).map(|position_m| (position_m, target.velocity_at(time_s, max_gap_s)))
-        }
-        (Alignment::Nearest { max_gap_s }, _) => {
-            let point = target.nearest_point(time_s, max_gap_s)?;
+impl Alignment {
+    /// The steps at which a target may exist.
+    pub fn steps_of(self, target: &Target, steps: &Steps) -> Range<usize> {
+        let (Some(first), Some(last)) = (target.points.first(), target.points.last()) else { return 0..0 };
+        let margin_s = match self {
+            Alignment::Interpolate { .. } => steps.tolerance_s,
+            Alignment::Nearest { max_gap_s } => max_gap_s.max(steps.tolerance_s),
+        };
+        // One step more at both ends: sums of times are rounded, and `place` decides.
+        let from = steps.first_from(first.time_s - margin_s).saturating_sub(1);
+        from..(steps.first_from(last.time_s + margin_s) + 1).min(steps.count())
+    }
+
+    /// Position and velocity of a target at a time; a point within the tolerance counts as at that time where the target's
+    /// path does not say more.
+    pub fn place(self, target: &Target, time_s: f64, tolerance_s: f64) -> Option<(Position, Option<Position>)> {
+        let at_point = |limit_s: f64| {
+            let point = target.nearest_point(time_s, limit_s)?;
             Some((point.position_m()?, target.velocity_at(point.time_s, f64::INFINITY)))
+        };
+        match self {
+            Alignment::Interpolate { max_gap_s } => match target.position_at(time_s, max_gap_s) {
+                Some(position_m) => Some((position_m, target.velocity_at(time_s, max_gap_s))),
+                None => at_point(tolerance_s),
+            },
+            Alignment::Nearest { max_gap_s } => at_point(max_gap_s.max(tolerance_s)),
+        }
+    }
+
+    /// The same of a target whose direction alone is known.
+    fn bearing_rad(self, target: &Target, time_s: f64, tolerance_s: f64) -> Option<f64> {
+        let at_point = |limit_s: f64| target.nearest_point(time_s, limit_s)?.bearing_rad();
+        match self {
+            Alignment::Interpolate { max_gap_s } => target.bearing_at(time_s, max_gap_s).or_else(|| at_point(tolerance_s)),
+            Alignment::Nearest { max_gap_s } => at_point(max_gap_s.max(tolerance_s)),
         }
     }
 }
@@ -262,15 +258,13 @@ fn told(estimate: &Estimate, shape: Shape) -> Option<(Position, Option<Position>
     }
 }
 
-fn tracks_at(set: &TrackSet, times_s: &[f64], shape: Shape) -> Vec<Vec<Presence>> {
-    let mut lists: Vec<Vec<Presence>> = vec![Vec::new(); times_s.len()];
+fn tracks_at(set: &TrackSet, steps: &Steps, shape: Shape) -> Vec<Vec<Presence>> {
+    let mut lists: Vec<Vec<Presence>> = vec![Vec::new(); steps.count()];
     for (id, track) in set.tracks.iter().enumerate() {
-        let mut step = 0;
+        let mut guess = 0;
         for (index, point) in track.points.iter().enumerate() {
-            step += times_s[step..].partition_point(|&time_s| time_s < point.time_s);
-            if times_s.get(step) != Some(&point.time_s) {
-                continue;
-            }
+            let Some(step) = steps.near(point.time_s, guess) else { continue };
+            guess = step + 1;
             let Some((position_m, velocity_mps)) = told(&point.estimate, shape) else { continue };
             let presence = Presence { id: id as u32, position_m, velocity_mps, point: index as u32 };
             match lists[step].last_mut() {

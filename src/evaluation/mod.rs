@@ -20,6 +20,7 @@ mod nearest_detection;
 mod nearest_point;
 pub mod nearest_truth;
 mod overlaps;
+pub mod steps;
 pub mod strings;
 pub mod temporal_automaton;
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Symbols for recordings whose detections have no origin: the target nearest to the track.
 //!
 //! A target is where the truth says at the time of a scan, or on the line between its two neighbouring points if they
-//! are at most `max_gap_s` apart; else it does not exist at that scan. The symbol of a track point is the nearest
+//! are at most `max_gap_s` apart; else it does not exist at that scan. Metrics see it so too. The symbol of a track point is the nearest
 //! target with a distance of at most `gate_m`, ties to the smaller id, ε when there is none. It is not one to one: two
 //! tracks may take the same target at the same scan. The truth string of a target is the target itself at each scan at
 //! which it exists.
@@ -9,6 +9,7 @@
 //! With a recording, targets that exist at none of its scans were never watched and are left out.
 
 use super::axis::Axis;
+use super::comparison::Alignment;
 use super::id_order;
 use super::nearest_point::{Place, PlaneTree};
 use crate::model::state::Position;
@@ -56,7 +57,8 @@ impl<'a> NearestTruth<'a> {
 /// The scans at which a target exists, and where it is then.
 fn positions_on(axis: &Axis, target: &Target, max_gap_s: f64) -> Vec<(usize, Position)> {
     let (Some(first), Some(last)) = (target.points.first(), target.points.last()) else { return Vec::new() };
-    let from = axis.scans().partition_point(|scan| scan.time_s < first.time_s);
-    let scans = axis.scans().iter().enumerate().skip(from).take_while(|(_, scan)| scan.time_s <= last.time_s);
-    scans.filter_map(|(index, scan)| Some((index, target.position_at(scan.time_s, max_gap_s)?))).collect()
+    let (alignment, tolerance_s) = (Alignment::Interpolate { max_gap_s }, axis.tolerance_s());
+    let from = axis.scans().partition_point(|scan| scan.time_s < first.time_s - tolerance_s);
+    let scans = axis.scans().iter().enumerate().skip(from).take_while(|(_, scan)| scan.time_s <= last.time_s + tolerance_s);
+    scans.filter_map(|(index, scan)| Some((index, alignment.place(target, scan.time_s, tolerance_s)?.0))).collect()
 }

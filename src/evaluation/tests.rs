@@ -50,7 +50,7 @@ pub fn compare(truths: &[Places], tracks: &[Places], gate_m: f64) -> Comparison 
     let (truth, tracks) = (truth_of(truths), tracks_of(tracks));
     let input = EvaluationInput { recording: None, truth: Some(&truth), tracks: &tracks };
     let alignment = Alignment::Interpolate { max_gap_s: 0.0 };
-    Comparison::of_points(&input, &truth, &PointSettings { alignment, gate_m, reach_m: 2.0 * gate_m })
+    Comparison::of_points(&input, &truth, &PointSettings { alignment, gate_m, reach_m: 2.0 * gate_m, time_tolerance_s: None })
 }
 
 /// A metric of the table with these parameters, on comparisons as so many sequences.
@@ -122,5 +122,5 @@ fn in_the_plane(targets: Vec<Target>, tracks: &[Path], gate_m: f64) -> Compariso
     }
     let input = EvaluationInput { recording: None, truth: Some(&truth), tracks: &set };
     let alignment = Alignment::Interpolate { max_gap_s: 0.0 };
-    Comparison::of_points(&input, &truth, &PointSettings { alignment, gate_m, reach_m: 2.0 * gate_m })
+    Comparison::of_points(&input, &truth, &PointSettings { alignment, gate_m, reach_m: 2.0 * gate_m, time_tolerance_s: None })
 }

@@ -156,8 +156,9 @@ fn compare(spec: &Value, subjects: &[Subject], metrics: &[Named]) -> Result<Vec<
         Aligned::Nearest { max_gap_s } => Alignment::Nearest { max_gap_s },
     };
     let reach_m = metrics.iter().map(|named| named.metric.reach_m(settings.gate_m)).fold(settings.gate_m, f64::max);
-    let places = PointSettings { alignment, gate_m: settings.gate_m, reach_m };
-    let directions = PointSettings { alignment, gate_m: settings.gate_deg, reach_m: settings.gate_deg };
+    let time_tolerance_s = time_tolerance_s(spec);
+    let places = PointSettings { alignment, gate_m: settings.gate_m, reach_m, time_tolerance_s };
+    let directions = PointSettings { alignment, gate_m: settings.gate_deg, reach_m: settings.gate_deg, time_tolerance_s };
     let comparison = |subject: &Subject| match &subject.content {
         Content::Points { input, truth } => Comparison::of_points(input, truth, if truth.is_of_bearings() { &directions } else { &places }),
         Content::Boxes { truth, tracks } => Comparison::of_boxes(truth, tracks, settings.min_iou),
@@ -168,12 +169,22 @@ fn compare(spec: &Value, subjects: &[Subject], metrics: &[Named]) -> Result<Vec<
     if strangers.is_empty() { Ok(comparisons) } else { Err(RunError::Faults(strangers)) }
 }
 
+/// What the request says of times that are one step.
+pub(super) fn time_tolerance_s(spec: &Value) -> Option<f64> {
+    spec.pointer("/comparison/alignment/time_tolerance_s").and_then(Value::as_f64)
+}
+
 /// Truth and tracks whose times do not meet: any number made of them would mislead.
 fn strangers(index: usize, (subject, comparison): (&Subject, &Comparison)) -> Option<Fault> {
     let Content::Points { input, truth } = &subject.content else { return None };
     let tracks_s = span_s(input.tracks.tracks.iter().flat_map(|track| &track.points).map(|point| point.time_s))?;
     let truth_s = span_s(truth.targets().iter().flat_map(|target| &target.points).map(|point| point.time_s))?;
-    if !comparison.truths.is_empty() && !comparison.tracks.is_empty() {
+    // Scans may well see the one after the other; without them the clocks alone tell.
+    let meet = match input.recording {
+        Some(_) => !comparison.truths.is_empty() && !comparison.tracks.is_empty(),
+        None => comparison.steps.iter().any(|step| !step.truths.is_empty() && !step.tracks.is_empty()),
+    };
+    if meet {
         return None;
     }
     let pointer = if subject.name.is_empty() { "/truth".to_owned() } else { format!("/sequences/{index}/truth") };
@@ -338,4 +349,36 @@ fn labelled(name: &str, unit: &str) -> String {
 /// An absent number is an empty cell.
 fn number(value: Option<f64>) -> String {
     value.map(|value| value.to_string()).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::state::{Position, State};
+    use crate::model::track::{Estimate, PlaneEstimate, Track, TrackPoint, TrackSet};
+    use crate::model::truth::{Target, TruthPoint};
+
+    /// Truth at 0 to 9 s and a track of ten seconds from `start_s` on.
+    fn fault(start_s: f64) -> Option<Fault> {
+        let times_s = || (0..10).map(f64::from);
+        let points = times_s().map(|time_s| TruthPoint::in_plane(time_s, Position::zeros(), None)).collect();
+        let truth = TruthSet::new(vec![Target { truth_id: "A".to_owned(), points }]).unwrap();
+        let estimate = Estimate::Plane(PlaneEstimate { state: State::zeros(), has_velocity: false, covariance: None });
+        let point = |time_s| TrackPoint { time_s, sensor: None, estimate, status: None, nis: None, first_candidate: 0, candidates: 0 };
+        let track = Track { track_id: "T".to_owned(), points: times_s().map(|time_s| point(start_s + time_s)).collect() };
+        let tracks = TrackSet { tracks: vec![track], ..Default::default() };
+        let input = EvaluationInput { recording: None, truth: Some(&truth), tracks: &tracks };
+        let alignment = Alignment::Interpolate { max_gap_s: 5.0 };
+        let settings = PointSettings { alignment, gate_m: 10.0, reach_m: 10.0, time_tolerance_s: None };
+        let comparison = Comparison::of_points(&input, &truth, &settings);
+        strangers(0, (&Subject { name: "", content: Content::Points { input, truth: &truth } }, &comparison))
+    }
+
+    #[test]
+    fn clocks_that_do_not_meet_are_refused_with_both_spans() {
+        let found = fault(100.0).unwrap();
+        assert_eq!((found.pointer.as_str(), found.code.as_str()), ("/truth", "disjoint"));
+        assert_eq!(found.detail, "the times of truth (0 to 9 s) and of tracks (100 to 109 s) do not meet");
+        assert_eq!([fault(0.0), fault(6.5), fault(9.0)].map(|fault| fault.is_none()), [true; 3]);
+    }
 }

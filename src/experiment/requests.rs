@@ -464,10 +464,20 @@ const MAX_GAP: Field = default(
     "5.0",
 );
 
-static INTERPOLATE: Object =
-    Object { name: "InterpolateAlignment", summary: "Truth on the line between its two neighbouring points.", fields: &[MAX_GAP] };
+const TIME_TOLERANCE: Field = optional(
+    "time_tolerance_s",
+    "Times that differ by no more are one step. Default: a twentieth of the shortest time between two points of one target or track, at most 0.01 s.",
+    Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e6), unit: "s" },
+);
 
-static NEAREST_TIME: Object = Object { name: "NearestAlignment", summary: "The truth's nearest point in time.", fields: &[MAX_GAP] };
+static INTERPOLATE: Object = Object {
+    name: "InterpolateAlignment",
+    summary: "Truth on the line between its two neighbouring points.",
+    fields: &[MAX_GAP, TIME_TOLERANCE],
+};
+
+static NEAREST_TIME: Object =
+    Object { name: "NearestAlignment", summary: "The truth's nearest point in time.", fields: &[MAX_GAP, TIME_TOLERANCE] };
 
 static ALIGNMENT: Union = Union {
     name: "Alignment",
@@ -548,7 +558,7 @@ pub static EVALUATE: Object = Object {
         default("comparison", "How truth and tracks are put side by side for the metrics.", Kind::Object(&COMPARISON), "{}"),
         optional(
             "tfa",
-            "Settings of the temporal automaton. When absent, the profiles tracking and tfa read detection ids where detections with known origins are there, else the nearest target within the gate of `comparison`.",
+            "Settings of the temporal automaton. When absent, the profiles tracking and tfa read detection ids where detections with known origins are there, else the nearest target within the gate and the largest gap of `comparison`.",
             Kind::Object(&TFA),
         ),
     ],

@@ -115,7 +115,8 @@ impl Scene {
         step(observer, Step::Evaluate, 0)?;
         let tracks = tracked.or(self.tracks.as_ref()).ok_or_else(|| missing("/tracks", "tracks"))?;
         let input = EvaluationInput { recording: self.recording.as_ref(), truth: self.truth.as_ref(), tracks };
-        let (report, files) = tfa::judge(&tfa::spec_of(&plan.spec, &input)?, input, &self.sensors, &mut self.warnings)?;
+        let (report, files) =
+            tfa::judge(&tfa::spec_of(&plan.spec, &input)?, judge::time_tolerance_s(&plan.spec), input, &self.sensors, &mut self.warnings)?;
         step(observer, Step::Evaluate, 1)?;
         Ok((to_value(&report)?, files))
     }

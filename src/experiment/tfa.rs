@@ -27,7 +27,8 @@ pub(super) fn spec_of(spec: &Value, input: &EvaluationInput) -> Result<Value, Ru
     let symbols = if has_origins && (!input.tracks.candidates.is_empty() || input.truth.is_none()) {
         json!({"kind": "detection_id"})
     } else {
-        json!({"kind": "nearest_truth", "gate_m": spec["comparison"]["gate_m"]})
+        let comparison = &spec["comparison"];
+        json!({"kind": "nearest_truth", "gate_m": comparison["gate_m"], "max_gap_s": comparison["alignment"]["max_gap_s"]})
     };
     Ok(registry::check(&json!({"symbols": symbols}), &requests::TFA)?)
 }
@@ -36,13 +37,14 @@ pub(super) fn spec_of(spec: &Value, input: &EvaluationInput) -> Result<Value, Ru
 /// `truth_probability.csv` where they are not too large.
 pub(super) fn judge(
     spec: &Value,
+    time_tolerance_s: Option<f64>,
     input: EvaluationInput,
     sensors: &[SensorSettings],
     warnings: &mut Vec<String>,
 ) -> Result<(TfaReport, Vec<Artifact>), RunError> {
     // Without a recording nothing is known of sensors.
     let sensors = input.recording.map(|_| sensors);
-    let evaluation = TfaEvaluation::new(input, sensors, settings(spec)?)?;
+    let evaluation = TfaEvaluation::new(input, sensors, TfaSettings { time_tolerance_s, ..settings(spec)? })?;
     let mut files = Vec::new();
     match evaluation.automaton_file(MAX_TRANSITIONS) {
         Some(automaton) => {
@@ -130,5 +132,22 @@ fn settings(spec: &Value) -> Result<TfaSettings, RunError> {
         Search::DepthFirst => Order::DepthFirst,
     };
     let Wire { max_missed, tolerance, minimise, .. } = wire;
-    Ok(TfaSettings { symbols, decision, max_missed, tolerance, search, minimise })
+    Ok(TfaSettings { symbols, decision, max_missed, tolerance, search, minimise, time_tolerance_s: None })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::track::TrackSet;
+
+    #[test]
+    fn settings_that_are_not_given_are_those_of_the_comparison() {
+        let tracks = TrackSet::default();
+        let input = EvaluationInput { recording: None, truth: None, tracks: &tracks };
+        let spec = json!({"comparison": {"gate_m": 7.5, "alignment": {"method": "interpolate", "max_gap_s": 12.0}}});
+        let found = spec_of(&spec, &input).unwrap();
+        assert_eq!(found["symbols"], json!({"kind": "nearest_truth", "gate_m": 7.5, "max_gap_s": 12.0}));
+        let given = json!({"tfa": {"max_missed": 3}, "comparison": spec["comparison"]});
+        assert_eq!(spec_of(&given, &input).unwrap(), given["tfa"]);
+    }
 }

@@ -66,7 +66,8 @@ fn quiet(times_s: &[f64]) -> Recording {
 fn steps_at_which_both_are_empty_are_at_distance_zero() {
     let (scene, recording) = (Scene::new(&[], &[]), quiet(&[0.0, 1.0]));
     let input = EvaluationInput { recording: Some(&recording), ..scene.input() };
-    let settings = PointSettings { alignment: Alignment::Interpolate { max_gap_s: 5.0 }, gate_m: 10.0, reach_m: 10.0 };
+    let settings =
+        PointSettings { alignment: Alignment::Interpolate { max_gap_s: 5.0 }, gate_m: 10.0, reach_m: 10.0, time_tolerance_s: None };
     let comparison = Comparison::of_points(&input, &scene.truth, &settings);
     let events = EventLog::new(&comparison);
     let sequence = Sequence { comparison: &comparison, events: &events, input: Some(input) };
@@ -113,7 +114,7 @@ fn clocks_that_differ_meet_by_interpolation() {
     let truth = [(0.0, "a", 0.0, 0.0, 10.0, 0.0), (2.0, "a", 20.0, 0.0, 10.0, 0.0)];
     let tracks = [(0.5, "t", 5.0, 3.0, 10.0, 0.0), (1.5, "t", 15.0, -3.0, 10.0, 0.0)];
     let scene = Scene::new(&truth, &tracks);
-    assert!(scene.compare(10.0, 10.0).warnings[0].contains("share none of 2 times"));
+    assert!(scene.compare(10.0, 10.0).warnings[0].contains("share 0 of 2 times of tracks"));
     assert_close(scene.evaluate(10.0, gospa()).value, 3.0, "3 m off the line at both times");
     assert_close(scene.evaluate(10.0, siap()).quantity("position_accuracy"), 3.0, "3 m");
 }

@@ -31,7 +31,12 @@ impl Scene {
     }
 
     pub fn compare(&self, gate_m: f64, reach_m: f64) -> Comparison {
-        let settings = PointSettings { alignment: Alignment::Interpolate { max_gap_s: 5.0 }, gate_m, reach_m: reach_m.max(gate_m) };
+        let settings = PointSettings {
+            alignment: Alignment::Interpolate { max_gap_s: 5.0 },
+            gate_m,
+            reach_m: reach_m.max(gate_m),
+            time_tolerance_s: None,
+        };
         Comparison::of_points(&self.input(), &self.truth, &settings)
     }
 

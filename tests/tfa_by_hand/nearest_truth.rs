@@ -19,15 +19,23 @@ fn empty_scans(count: usize) -> Recording {
 #[test]
 fn truth_is_interpolated_between_its_points_up_to_a_gap() {
     let truth = truth_set(&[("A", &[(0.0, 0.0, 0.0), (20.0, 200.0, 0.0), (50.0, 500.0, 0.0)])]);
-    let tracks = tracks_at(&[("1", &[(0.0, 0.0, 3.0), (10.0, 100.0, 3.0), (20.0, 200.0, -3.0)])]);
+    let tracks = tracks_at(&[("1", &[(0.0, 0.0, 3.0), (10.0, 100.0, 3.0), (20.0, 200.0, -3.0), (50.0, 500.0, 0.0)])]);
     let report = evaluate(None, &truth, &tracks, 5.0, 20.0);
     assert_eq!(target(&report, "A"), "A correct; errors 0");
-    assert_eq!((report.targets[0].symbols, report.targets[0].log_probability), (3, Some(0.0)));
+    assert_eq!((report.targets[0].symbols, report.targets[0].log_probability), (4, Some(0.0)));
     assert_sets(&report, [1, 0, 0], [Some(1.0), Some(0.0), Some(0.0)]);
 
     let report = evaluate(None, &truth, &tracks, 5.0, 19.0);
-    assert_eq!(report.targets[0].symbols, 2, "the truth has no place at 10 s");
+    assert_eq!(report.targets[0].symbols, 3, "the truth has no place at 10 s");
     assert_eq!(target(&report, "A"), "A correct; errors 0", "nor has the track anything near it");
+}
+
+#[test]
+fn a_track_that_ends_before_its_target_is_not_correct() {
+    let truth = truth_set(&[("A", &[(0.0, 0.0, 0.0), (20.0, 200.0, 0.0), (50.0, 500.0, 0.0)])]);
+    let tracks = tracks_at(&[("1", &[(0.0, 0.0, 3.0), (10.0, 100.0, 3.0), (20.0, 200.0, -3.0)])]);
+    let report = evaluate(None, &truth, &tracks, 5.0, 20.0);
+    assert_eq!(target(&report, "A"), "A false at 4: expected A, took null (ended), track 1; errors 1");
 }
 
 #[test]

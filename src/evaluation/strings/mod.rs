@@ -18,6 +18,7 @@ use super::axis::Axis;
 use super::identities::Identities;
 use super::nearest_detection::NearestDetection;
 use super::nearest_truth::NearestTruth;
+use super::steps::Steps;
 use crate::model::fault::Fault;
 use crate::model::scan::Recording;
 use crate::model::sensor::SensorSettings;
@@ -54,6 +55,8 @@ pub struct StringRules<'r> {
     pub max_missed: u32,
     /// What is known of the recording's sensors, in its order; `None` is what the recording itself says.
     pub sensors: Option<&'r [SensorSettings]>,
+    /// Times nearer than this are one; `None` is what the data allow.
+    pub time_tolerance_s: Option<f64>,
 }
 
 /// Where the symbols of tracks come from.
@@ -102,7 +105,7 @@ impl Strings<'_> {
 pub fn write_strings<'a>(input: &EvaluationInput<'a>, rules: &StringRules) -> Result<Strings<'a>, Vec<Fault>> {
     check_places(input, rules.symbols)?;
     match rules.symbols {
-        SymbolRule::NearestTruth { gate_m, max_gap_s } => by_nearest_truth(input, gate_m, max_gap_s, rules.max_missed),
+        SymbolRule::NearestTruth { gate_m, max_gap_s } => by_nearest_truth(input, gate_m, max_gap_s, rules),
         SymbolRule::DetectionId => by_detection(input, None, rules),
         SymbolRule::NearestDetection { gate_m } => by_detection(input, Some(gate_m), rules),
     }
@@ -123,7 +126,7 @@ fn check_places(input: &EvaluationInput, rule: SymbolRule) -> Result<(), Vec<Fau
 
 /// Symbols are detections: those that tracks name, or the nearest within a gate.
 fn by_detection<'a>(input: &EvaluationInput<'a>, gate_m: Option<f64>, rules: &StringRules) -> Result<Strings<'a>, Vec<Fault>> {
-    let &StringRules { decision, max_missed, .. } = rules;
+    let &StringRules { decision, max_missed, time_tolerance_s, .. } = rules;
     let Some(recording) = input.recording else {
         return Err(vec![Fault::new("/detections", "missing", "'detections' is required when symbols are detections")]);
     };
@@ -133,9 +136,10 @@ fn by_detection<'a>(input: &EvaluationInput<'a>, gate_m: Option<f64>, rules: &St
     }
     let sensors = rules.sensors.unwrap_or(&recording.sensors);
     let nearest = gate_m.map(|gate_m| NearestDetection::new(recording, sensors, gate_m)).transpose()?;
-    let axis = Axis::of_recording(recording, input.tracks, max_missed);
+    let mut steps = Steps::new(Some(recording), None, input.tracks, time_tolerance_s);
+    let mut warnings = std::mem::take(&mut steps.warnings);
+    let axis = Axis::of_recording(recording, input.tracks, steps, max_missed);
     let mut identities = Identities::new(Some(recording), &input.tracks.detection_ids);
-    let mut warnings = Vec::new();
     if let Some(alone) = nearest.as_ref().map(|nearest| nearest.bearings_alone).filter(|&alone| alone > 0) {
         warnings
             .push(format!("{alone} detection(s) are bearings alone, which are near to nothing, and were left out as symbols of tracks"));
@@ -147,20 +151,22 @@ fn by_detection<'a>(input: &EvaluationInput<'a>, gate_m: Option<f64>, rules: &St
     Ok(Strings { axis, target_ids, truth, outputs, identities, warnings, symbols_are_targets: false })
 }
 
-fn by_nearest_truth<'a>(input: &EvaluationInput<'a>, gate_m: f64, max_gap_s: f64, max_missed: u32) -> Result<Strings<'a>, Vec<Fault>> {
+fn by_nearest_truth<'a>(input: &EvaluationInput<'a>, gate_m: f64, max_gap_s: f64, rules: &StringRules) -> Result<Strings<'a>, Vec<Fault>> {
+    let max_missed = rules.max_missed;
     let Some(truth) = input.truth else {
         return Err(vec![Fault::new("/truth", "missing", "'truth' is required when symbols are the nearest targets")]);
     };
+    let mut steps = Steps::new(input.recording, Some(truth), input.tracks, rules.time_tolerance_s);
+    let mut warnings = std::mem::take(&mut steps.warnings);
     let axis = match input.recording {
-        Some(recording) => Axis::of_recording(recording, input.tracks, max_missed),
-        None => Axis::of_tracks(input.tracks),
+        Some(recording) => Axis::of_recording(recording, input.tracks, steps, max_missed),
+        None => Axis::of_steps(steps),
     };
     let nearest = NearestTruth::new(truth, &axis, gate_m, max_gap_s, input.recording.is_none());
     let mut strings = StringSet::new(max_missed);
     for (target, scans) in nearest.scans_of_target.iter().enumerate() {
         strings.push_owner(scans.iter().map(|&scan| (axis.scans()[scan].position, Step::certain(target as u32))));
     }
-    let mut warnings = Vec::new();
     if nearest.never_watched > 0 {
         warnings.push(format!("{} target(s) exist at no scan of the recording and were left out", nearest.never_watched));
     }

@@ -43,8 +43,8 @@ impl<'a> TfaEvaluation<'a> {
     /// Settings that make no sense; what is missing or unfit in the inputs for the chosen symbols.
     pub fn new(input: EvaluationInput<'a>, sensors: Option<&[SensorSettings]>, settings: TfaSettings) -> Result<Self, Vec<Fault>> {
         settings.check()?;
-        let TfaSettings { symbols, decision, max_missed, .. } = settings;
-        let strings = strings::write_strings(&input, &StringRules { symbols, decision, max_missed, sensors })?;
+        let TfaSettings { symbols, decision, max_missed, time_tolerance_s, .. } = settings;
+        let strings = strings::write_strings(&input, &StringRules { symbols, decision, max_missed, sensors, time_tolerance_s })?;
         Ok(Self::of_strings(input, settings, strings))
     }
 

@@ -60,6 +60,8 @@ pub struct TfaSettings {
     pub search: Order,
     /// Whether to determinise and minimise the automaton.
     pub minimise: bool,
+    /// Times nearer than this are one; `None` is what the data allow.
+    pub time_tolerance_s: Option<f64>,
 }
 
 impl TfaSettings {
@@ -71,6 +73,7 @@ impl TfaSettings {
         tolerance: 5,
         search: Order::BreadthFirst,
         minimise: false,
+        time_tolerance_s: None,
     };
 
     /// # Errors
