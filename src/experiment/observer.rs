@@ -9,6 +9,7 @@ use std::ops::ControlFlow;
 pub enum Step {
     Load,
     Simulate,
+    Detect,
     Associate,
     Evaluate,
     Write,
@@ -19,6 +20,7 @@ impl Step {
         match self {
             Step::Load => "load",
             Step::Simulate => "simulate",
+            Step::Detect => "detect",
             Step::Associate => "associate",
             Step::Evaluate => "evaluate",
             Step::Write => "write",

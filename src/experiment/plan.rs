@@ -1,6 +1,6 @@
 //! From the body of a request to a plan: names and parameters checked, every fault reported, inputs named.
 
-use super::{associate, catalogue, presets, profiles, requests};
+use super::{associate, catalogue, detect, presets, profiles, requests};
 use crate::math::rng::Seed;
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
@@ -105,6 +105,7 @@ pub fn plan(kind: JobKind, body: &Value) -> Result<Plan, Vec<Fault>> {
         check_evaluate(&mut spec, &mut faults);
     }
     write_out_preset(&mut spec, &mut faults);
+    detect::check(&mut spec, matches!(kind, JobKind::Associate | JobKind::Evaluate), &mut faults);
     check_sensors(&spec, &mut faults);
     check_lifecycle(&spec, &mut faults);
     let estimate = check_scenario(&spec, &mut faults);
@@ -253,8 +254,13 @@ fn check_scenario(spec: &Value, faults: &mut Vec<Fault>) -> Estimate {
         let fault = Fault::new(pointer, "too_large", format!("the scenario makes about {detections:.0} detections"));
         faults.push(fault.allowing(format!("at most {} detections", requests::MAX_DETECTIONS)));
     }
-    // Measured: about 3 µs and 250 bytes a detection, from simulation to the written artefacts.
-    Estimate { detections: detections as u64, cost_s: detections * 3e-6, bytes: (detections * 250.0) as u64 }
+    let cells = scenario
+        .record
+        .as_ref()
+        .map_or(0.0, |record| crate::simulation::row_count(&scenario, record) as f64 * 360.0 / record.bearing_step_deg);
+    // Measured: about 3 µs and 250 bytes a detection, from simulation to the written artefacts; 0.2 µs and 15 bytes a cell.
+    let (cost_s, bytes) = (detections * 3e-6 + cells * 2e-7, detections * 250.0 + cells * 15.0);
+    Estimate { detections: detections as u64, cost_s, bytes: bytes as u64 }
 }
 
 /// The inputs to load. A job brings along what else it knows: the truth with its detections, both with its tracks.
@@ -268,8 +274,9 @@ fn inputs_of(spec: &Value, faults: &mut Vec<Fault>) -> Vec<InputRequest> {
     };
     let mut inputs = Vec::new();
     let mut known = Vec::new();
+    let is_record = spec.get("detector").is_some();
     for (name, pointer, role) in [
-        ("input", "/input", DatasetKind::Detections),
+        ("input", "/input", if is_record { DatasetKind::BearingTime } else { DatasetKind::Detections }),
         ("tracks", "/tracks", DatasetKind::Tracks),
         ("detections", "/detections", DatasetKind::Detections),
         ("truth", "/truth", DatasetKind::Truth),
@@ -278,6 +285,10 @@ fn inputs_of(spec: &Value, faults: &mut Vec<Fault>) -> Vec<InputRequest> {
             inputs.push(request(pointer, role, &source, false));
             known.push(role);
         }
+    }
+    if known.contains(&DatasetKind::BearingTime) {
+        // They are found in the record.
+        known.push(DatasetKind::Detections);
     }
     for (name, pointer) in [("input", "/input"), ("tracks", "/tracks")] {
         if let Some(source @ Source::Job { .. }) = source_at(spec.get(name)) {

@@ -248,6 +248,11 @@ pub static SCENARIO: Object = Object {
             "Which sensors see which targets; every sensor sees all in its field of view when absent.",
             Kind::Union(&COVERAGE),
         ),
+        optional(
+            "record",
+            "A bearing-time record of the sensor instead of its detections, as long as its scans; targets must be of the kind bearings. A detector finds the detections; what the sensor says of p_d, noise and clutter is what a tracker is told.",
+            Kind::Object(&crate::simulation::RECORD),
+        ),
     ],
 };
 
@@ -411,6 +416,11 @@ pub static TFA: Object = Object {
 
 const JOB_NAME: Field = optional("name", "A name for people.", NAME);
 const LABELS: Field = optional("labels", "Labels to find the job by, name to text.", Kind::TextMap { max_entries: 32, max_length: 100 });
+const DETECTOR: Field = optional(
+    "detector",
+    "Where the input is a bearing-time record: how detections are found in it; {} takes the defaults. Filled in where a scenario has one.",
+    Kind::Object(&crate::detection::DETECTOR),
+);
 const SEED: Field =
     default("seed", "Seed of every random number of the job.", Kind::Integer { min: 0, max: u32::MAX as i64, unit: "" }, "1");
 static ONE_SENSOR: Kind = Kind::Object(&SENSOR_SETTINGS);
@@ -430,7 +440,8 @@ pub static ASSOCIATE: Object = Object {
         JOB_NAME,
         LABELS,
         SEED,
-        required("input", "The detections.", Kind::Union(&INPUT)),
+        required("input", "The detections, or with detector a bearing-time record.", Kind::Union(&INPUT)),
+        DETECTOR,
         optional("truth", "Truth at which tracks begin (initiation truth), where the input does not know it.", Kind::Union(&DATA)),
         SENSORS,
         default("associator", "How detections are given to tracks.", Kind::Union(&ASSOCIATOR), DEFAULT_ASSOCIATOR),
@@ -516,7 +527,12 @@ pub static EVALUATE: Object = Object {
         JOB_NAME,
         LABELS,
         SEED,
-        optional("input", "Detections to track before the evaluation; instead of `tracks`.", Kind::Union(&INPUT)),
+        optional(
+            "input",
+            "Detections, or with detector a bearing-time record, to track before the evaluation; instead of `tracks`.",
+            Kind::Union(&INPUT),
+        ),
+        DETECTOR,
         SENSORS,
         optional("associator", "With `input`: how detections are given to tracks (default nearest_neighbour).", Kind::Union(&ASSOCIATOR)),
         optional("filter", "With `input`: how tracks are predicted and updated (default kalman).", Kind::Union(&FILTER)),

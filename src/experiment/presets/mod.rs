@@ -2,6 +2,7 @@
 
 pub mod cai_fuzzy;
 mod liang2009;
+mod wang_bat;
 
 use super::plan::JobKind;
 use serde_json::Value;
@@ -19,6 +20,7 @@ pub struct Preset {
 pub fn all() -> Vec<Preset> {
     let mut presets = liang2009::presets();
     presets.extend(cai_fuzzy::presets());
+    presets.extend(wang_bat::presets());
     presets
 }
 
