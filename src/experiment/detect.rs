@@ -76,10 +76,15 @@ pub(super) fn sensor_of(uploaded: &[SensorSettings], requested: &[SensorSettings
     SensorSettings::named(named.unwrap_or_else(|| UNNAMED.to_owned()))
 }
 
-/// Estimates the noise of bearings where nobody told it.
-pub(super) fn complete(sensors: &mut [SensorSettings], recording: &Recording, record: &BearingTimeRecord, warnings: &mut Vec<String>) {
+/// Estimates the noise of bearings where nobody told it; what is known of the sensors then stands in the recording too.
+pub(super) fn complete(
+    sensors: &mut [SensorSettings],
+    recording: Recording,
+    record: &BearingTimeRecord,
+    warnings: &mut Vec<String>,
+) -> Result<Recording, Vec<Fault>> {
     for sensor in sensors.iter_mut().filter(|sensor| sensor.sigma_bearing_deg.is_none()) {
-        let Some(sigma_rad) = estimated_sigma_rad(recording, record.cell_rad()) else { continue };
+        let Some(sigma_rad) = estimated_sigma_rad(&recording, record.cell_rad()) else { continue };
         let sigma_deg = sigma_rad.to_degrees();
         warnings.push(format!(
             "sensor '{}': the noise of its bearings is not known; {sigma_deg:.3} degrees is estimated from how they follow each other",
@@ -87,4 +92,7 @@ pub(super) fn complete(sensors: &mut [SensorSettings], recording: &Recording, re
         ));
         sensor.sigma_bearing_deg = Some(sigma_deg);
     }
+    let mut parts = recording.into_parts();
+    parts.sensors = sensors.to_vec();
+    Recording::new(parts)
 }

@@ -85,8 +85,8 @@ impl Scene {
         if let Some(recording) = &scene.recording {
             scene.sensors = sensors::known(recording, &uploaded, &requested_sensors(&plan.spec))?;
         }
-        if let (Some(record), Some(recording)) = (&scene.record, &scene.recording) {
-            detect::complete(&mut scene.sensors, recording, record, &mut scene.warnings);
+        if let (Some(record), Some(recording)) = (&scene.record, scene.recording.take()) {
+            scene.recording = Some(detect::complete(&mut scene.sensors, recording, record, &mut scene.warnings)?);
         }
         Ok(scene)
     }
@@ -129,7 +129,8 @@ impl Scene {
                 })
             }
             (None, Some(record)) => json!({
-                "sensors": 1, "scans": record.times_s.len(), "targets": targets, "cells": record.levels_db.len()
+                "sensors": 1, "scans": record.times_s.len(), "targets": targets, "detections": 0, "clutter": 0,
+                "cells": record.levels_db.len()
             }),
             (None, None) => Value::Null,
         }

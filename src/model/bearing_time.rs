@@ -69,6 +69,17 @@ impl BearingTimeRecord {
         &self.levels_db[index * self.width()..(index + 1) * self.width()]
     }
 
+    /// The first times of the record, one at least.
+    #[must_use]
+    pub fn head(&self, times: usize) -> BearingTimeRecord {
+        let times = times.clamp(1, self.times_s.len());
+        BearingTimeRecord(BearingTimeParts {
+            times_s: self.times_s[..times].to_vec(),
+            bearings_rad: self.bearings_rad.clone(),
+            levels_db: self.levels_db[..times * self.width()].to_vec(),
+        })
+    }
+
     /// Mean distance of neighbouring cells.
     pub fn cell_rad(&self) -> f64 {
         self.reach_rad() / (self.width() - 1) as f64

@@ -344,7 +344,8 @@ mod tests {
 
     #[test]
     fn one_more_target_changes_no_other_and_transients_come_as_often_as_asked() {
-        let plan = json!({"levels_db": [40.0], "noise_averages": 1000, "transients": {"per_minute": 30.0, "duration_s": 1.0, "level_db": 40.0}});
+        let plan =
+            json!({"levels_db": [40.0], "noise_averages": 1000, "transients": {"per_minute": 30.0, "duration_s": 1.0, "level_db": 40.0}});
         let (one, two) = (record(&scenario(&plan, &[(90.0, 0.0)])), record(&scenario(&plan, &[(90.0, 0.0), (270.0, 0.0)])));
         for row in 0..200 {
             assert_eq!(one.record.row(row)[80..100], two.record.row(row)[80..100]);

@@ -92,6 +92,7 @@ impl JobState {
 pub enum ProgressStep {
     Load,
     Simulate,
+    Detect,
     Associate,
     Evaluate,
     Write,
