@@ -105,6 +105,7 @@ fn scene(targets: u32) -> (Scenario, Recording) {
             speed_max_mps: 1000.0,
         }),
         coverage: None,
+        record: None,
     };
     recorded(scenario)
 }
@@ -181,7 +182,14 @@ fn dense_scene() -> (Scenario, Recording) {
         clutter_within_deg: None,
     };
     let targets = RandomTargets { count: 100, area_side_m: 2_000.0, speed_min_mps: 1.0, speed_max_mps: 15.0 };
-    recorded(Scenario { scans: 30, scan_period_s: 2.0, sensors: vec![sensor], targets: TargetPlan::Random(targets), coverage: None })
+    recorded(Scenario {
+        scans: 30,
+        scan_period_s: 2.0,
+        sensors: vec![sensor],
+        targets: TargetPlan::Random(targets),
+        coverage: None,
+        record: None,
+    })
 }
 
 fn report(name: &str, (scenario, recording): &(Scenario, Recording), u_ns: f64) {

@@ -3,13 +3,14 @@
 //! Layers, each using only those above it in this list:
 //!
 //! - [`model`], [`math`], [`registry`]: words and tools.
-//! - [`simulation`], [`filtering`], [`gating`], [`association`], [`correlation`], [`evaluation`], [`formats`]: the
+//! - [`simulation`], [`detection`], [`filtering`], [`gating`], [`association`], [`correlation`], [`evaluation`], [`formats`]: the
 //!   steps; siblings do not know each other.
 //! - [`tracking`]: a tracker composed of steps. [`experiment`]: whole jobs, pure.
 //! - `service`: HTTP, SQL, the queue, the command line; the only place with a clock, files and threads.
 
 pub mod association;
 pub mod correlation;
+pub mod detection;
 pub mod evaluation;
 pub mod experiment;
 pub mod filtering;

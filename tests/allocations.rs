@@ -87,7 +87,8 @@ fn scene(side: u32) -> (Scenario, Recording) {
         clutter_within_deg: None,
     };
     let targets = TargetPlan::Listed { targets: (0..side * side).map(target).collect() };
-    let scenario = Scenario { scans: (WARM_UP + COUNTED) as u32, scan_period_s: 2.0, sensors: vec![sensor], targets, coverage: None };
+    let scenario =
+        Scenario { scans: (WARM_UP + COUNTED) as u32, scan_period_s: 2.0, sensors: vec![sensor], targets, coverage: None, record: None };
     let simulated = trackloom::simulation::simulate(&scenario, Seed { seed: 1, run: 0 }, &mut |_| ControlFlow::Continue(()));
     let recording = simulated.unwrap().unwrap().recording;
     (scenario, with_amplitudes(recording))

@@ -9,6 +9,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("math", &["model"]),
     ("registry", &["model"]),
     ("simulation", BASE),
+    ("detection", BASE),
     ("filtering", BASE),
     ("gating", BASE),
     ("association", BASE),
@@ -20,8 +21,20 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("service", &["model", "math", "registry", "simulation", "evaluation", "formats", "tracking", "experiment"]),
 ];
 const BASE: &[&str] = &["model", "math", "registry"];
-const PURE: &[&str] =
-    &["model", "math", "registry", "simulation", "filtering", "gating", "association", "correlation", "evaluation", "formats", "tracking"];
+const PURE: &[&str] = &[
+    "model",
+    "math",
+    "registry",
+    "simulation",
+    "detection",
+    "filtering",
+    "gating",
+    "association",
+    "correlation",
+    "evaluation",
+    "formats",
+    "tracking",
+];
 
 /// What no layer below the service may contain.
 const IMPURE: &[&str] = &[

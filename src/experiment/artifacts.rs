@@ -10,7 +10,7 @@ use crate::model::sensor::SensorSettings;
 use crate::tracking::ScanOutcome;
 use std::io::{Error, Write};
 
-/// A dataset as canonical CSV: `detections.csv`, `truth.csv` or `tracks.csv`.
+/// A dataset as canonical CSV: `detections.csv`, `truth.csv`, `tracks.csv` or `bearing_time.csv`.
 pub(super) fn dataset(dataset: &Dataset, sensors: &[SensorSettings]) -> Result<Artifact, Error> {
     let mut bytes = Vec::new();
     formats::write_csv(dataset, &mut bytes)?;
@@ -18,6 +18,7 @@ pub(super) fn dataset(dataset: &Dataset, sensors: &[SensorSettings]) -> Result<A
         Dataset::Detections(_) => "detections.csv",
         Dataset::Truth(_) | Dataset::TruthBoxes(_) => "truth.csv",
         Dataset::Tracks(_) | Dataset::TrackBoxes(_) => "tracks.csv",
+        Dataset::BearingTime(_) => "bearing_time.csv",
     };
     Ok(Artifact { name, media_type: "text/csv", bytes, dataset: Some(dataset.summary()), sensors: sensors.to_vec() })
 }

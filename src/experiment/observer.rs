@@ -12,6 +12,7 @@ pub enum Step {
     /// The runs of a campaign, each with steps of its own.
     Run,
     Simulate,
+    Detect,
     Associate,
     Evaluate,
     Write,
@@ -23,6 +24,7 @@ impl Step {
             Step::Load => "load",
             Step::Run => "run",
             Step::Simulate => "simulate",
+            Step::Detect => "detect",
             Step::Associate => "associate",
             Step::Evaluate => "evaluate",
             Step::Write => "write",

@@ -1,13 +1,13 @@
 //! From the body of a request to a plan: names and parameters checked, every fault reported, inputs named.
 
-use super::{associate, campaign, catalogue, presets, profiles, requests};
-use crate::association::bat;
+use super::checks::{check_lifecycle, check_sensors, check_start};
+use super::{campaign, catalogue, detect, presets, profiles, requests};
 use crate::math::rng::Seed;
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
 use crate::model::scenario::Scenario;
 use crate::registry::{self, Kind};
-use crate::tracking::{Initiation, LIFECYCLE, Lifecycle};
+use crate::tracking::LIFECYCLE;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -115,6 +115,7 @@ pub fn plan(kind: JobKind, body: &Value) -> Result<Plan, Vec<Fault>> {
         check_evaluate(&mut spec, &mut faults);
     }
     write_out_preset(&mut spec, &mut faults);
+    detect::check(&mut spec, matches!(kind, JobKind::Associate | JobKind::Evaluate), &mut faults);
     check_sensors(&spec, &mut faults);
     check_lifecycle(&spec, &mut faults);
     let estimate = check_scenario(&spec, &mut faults);
@@ -189,85 +190,9 @@ fn write_out_preset(spec: &mut Value, faults: &mut Vec<Fault>) {
     }
 }
 
-/// Settings of one sensor stand in one place.
-fn check_sensors(spec: &Value, faults: &mut Vec<Fault>) {
-    let names: Vec<Option<&str>> =
-        spec.get("sensors").and_then(Value::as_array).into_iter().flatten().map(|sensor| sensor["sensor_id"].as_str()).collect();
-    for (index, name) in names.iter().enumerate() {
-        if let Some(name) = name.filter(|_| names[..index].contains(name)) {
-            let fault = Fault::new(format!("/sensors/{index}/sensor_id"), "duplicate", format!("sensor '{name}' is set twice"));
-            faults.push(fault.allowing("each sensor_id once"));
-        }
-    }
-}
-
-fn check_lifecycle(spec: &Value, faults: &mut Vec<Fault>) {
-    let Some(Ok(lifecycle)) = spec.get("tracker").map(Lifecycle::deserialize) else { return };
-    check_directions(spec, &lifecycle, faults);
-    if lifecycle.gate_probability == 1.0 {
-        check_without_gate(spec, &lifecycle, faults);
-    }
-    check_budget(spec, faults);
-    if lifecycle.confirm_hits > lifecycle.confirm_window {
-        let detail = format!("{} detections cannot be found in {} scans", lifecycle.confirm_hits, lifecycle.confirm_window);
-        let fault = Fault::new("/tracker/confirm_hits", "out_of_range", detail);
-        faults.push(fault.allowing(format!("[1, {}] (confirm_window)", lifecycle.confirm_window)));
-    }
-}
-
-/// Without a gate nothing is counted in it and no pair is out of its reach.
-fn check_without_gate(spec: &Value, lifecycle: &Lifecycle, faults: &mut Vec<Fault>) {
-    let mut refuse = |pointer: &str, detail: &str, allowed: &str| faults.push(Fault::new(pointer, "unsupported", detail).allowing(allowed));
-    if spec.pointer("/associator/clutter") == Some(&json!("nonparametric")) {
-        refuse("/associator/clutter", "the detections of a gate are counted, and gate_probability 1 is no gate", "parametric");
-    }
-    if let Initiation::TwoPoint { .. } = lifecycle.initiation {
-        refuse("/tracker/initiation/method", "two points are paired within a gate, and gate_probability 1 is no gate", "one_point, truth");
-    }
-}
-
-/// A search that would never end in a tracker is refused.
-fn check_budget(spec: &Value, faults: &mut Vec<Fault>) {
-    let number = |name: &str| spec["associator"][name].as_u64().unwrap_or(1);
-    let (population, iterations) = (number("population"), number("iterations"));
-    if spec["associator"]["method"] == "bat" && population * iterations > bat::MAX_MOVES {
-        let detail = format!("{population} bats that move {iterations} times are {} moves a cluster", population * iterations);
-        faults.push(
-            Fault::new("/associator/iterations", "too_large", detail).allowing(format!("population × iterations up to {}", bat::MAX_MOVES)),
-        );
-    }
-}
-
-/// Tracks that begin at the truth need it.
-fn check_start(spec: &Value, inputs: &[InputRequest], faults: &mut Vec<Fault>) {
-    if spec.pointer("/tracker/initiation/method") == Some(&json!("truth")) && !inputs.is_empty() && !knows_truth(spec, inputs) {
-        faults.push(
-            Fault::new("/truth", "missing", "'truth' is required where tracks begin at it").allowing("truth, or an input that knows it"),
-        );
-    }
-}
-
 /// Whether there will be truth, unless a job that may know it does not.
 pub(super) fn knows_truth(spec: &Value, inputs: &[InputRequest]) -> bool {
     spec.pointer("/input/scenario").is_some() || inputs.iter().any(|input| input.role == DatasetKind::Truth)
-}
-
-/// A filter of directions knows neither speeds nor positions.
-fn check_directions(spec: &Value, lifecycle: &Lifecycle, faults: &mut Vec<Fault>) {
-    let Some(name) = spec.pointer("/filter/method").and_then(Value::as_str) else { return };
-    if !associate::filter_of(spec).is_ok_and(|(filter, _)| filter.is_of_bearings()) {
-        return;
-    }
-    let mut refuse = |pointer: &str, needs: &str, allowed: &str| {
-        let detail = format!("this needs {needs}, which the filter '{name}' does not know");
-        faults.push(Fault::new(pointer, "unsupported", detail).allowing(allowed));
-    };
-    if let Initiation::TwoPoint { .. } = lifecycle.initiation {
-        refuse("/tracker/initiation/method", "speeds", "one_point, truth");
-    }
-    if lifecycle.max_position_sigma_m.is_some() {
-        refuse("/tracker/max_position_sigma_m", "positions", "no value");
-    }
 }
 
 /// The scenario of the request, and where it stands.
@@ -292,8 +217,13 @@ fn check_scenario(spec: &Value, faults: &mut Vec<Fault>) -> Estimate {
         let fault = Fault::new(pointer, "too_large", format!("the scenario makes about {detections:.0} detections"));
         faults.push(fault.allowing(format!("at most {} detections", requests::MAX_DETECTIONS)));
     }
-    // Measured: about 3 µs and 250 bytes a detection, from simulation to the written artefacts.
-    Estimate { detections: detections as u64, cost_s: detections * 3e-6, bytes: (detections * 250.0) as u64 }
+    let cells = scenario
+        .record
+        .as_ref()
+        .map_or(0.0, |record| crate::simulation::row_count(&scenario, record) as f64 * 360.0 / record.bearing_step_deg);
+    // Measured: about 3 µs and 250 bytes a detection, from simulation to the written artefacts; 0.2 µs and 15 bytes a cell.
+    let (cost_s, bytes) = (detections * 3e-6 + cells * 2e-7, detections * 250.0 + cells * 15.0);
+    Estimate { detections: detections as u64, cost_s, bytes: bytes as u64 }
 }
 
 /// The inputs to load. A job brings along what else it knows: the truth with its detections, both with its tracks.
@@ -307,8 +237,9 @@ fn inputs_of(spec: &Value, faults: &mut Vec<Fault>) -> Vec<InputRequest> {
     };
     let mut inputs = Vec::new();
     let mut known = Vec::new();
+    let is_record = spec.get("detector").is_some();
     for (name, pointer, role) in [
-        ("input", "/input", DatasetKind::Detections),
+        ("input", "/input", if is_record { DatasetKind::BearingTime } else { DatasetKind::Detections }),
         ("tracks", "/tracks", DatasetKind::Tracks),
         ("detections", "/detections", DatasetKind::Detections),
         ("truth", "/truth", DatasetKind::Truth),
@@ -317,6 +248,10 @@ fn inputs_of(spec: &Value, faults: &mut Vec<Fault>) -> Vec<InputRequest> {
             inputs.push(request(pointer, role, &source, false));
             known.push(role);
         }
+    }
+    if known.contains(&DatasetKind::BearingTime) {
+        // They are found in the record.
+        known.push(DatasetKind::Detections);
     }
     for (name, pointer) in [("input", "/input"), ("tracks", "/tracks")] {
         if let Some(source @ Source::Job { .. }) = source_at(spec.get(name)) {

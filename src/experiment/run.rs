@@ -8,7 +8,7 @@ use crate::model::dataset::{Dataset, DatasetSummary};
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
 use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::time::Duration;
 
 /// One loaded input.
@@ -96,8 +96,11 @@ pub fn run(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<O
     let mut decided = None;
     let mut parts = Vec::new();
     if plan.kind == JobKind::Simulate {
-        parts.push(("counts", simulation_counts(&scene)));
+        parts.push(("counts", scene.counts()));
         parts.push(("sensors", to_value(&scene.sensors)?));
+    }
+    if let Some(detection) = &scene.detection {
+        parts.push(("detection", to_value(detection)?));
     }
     let tracked = if plan.spec.get("associator").is_some() { Some(scene.track(plan, observer)?) } else { None };
     if let (Some(tracked), Some(recording)) = (&tracked, &scene.recording) {
@@ -128,15 +131,6 @@ pub fn run(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<O
     artifacts.append(&mut files);
     let result = parts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
     Ok(Outcome { result: Value::Object(result), warnings: scene.warnings, artifacts, decided, cell_times: Vec::new() })
-}
-
-fn simulation_counts(scene: &Scene) -> Value {
-    let Some(recording) = &scene.recording else { return Value::Null };
-    let clutter = recording.detections.iter().filter(|detection| detection.origin.is_none()).count();
-    json!({
-        "sensors": recording.sensors.len(), "scans": recording.scans.len(), "targets": recording.targets.len(),
-        "detections": recording.detections.len(), "clutter": clutter
-    })
 }
 
 pub(super) fn to_value<T: Serialize>(part: &T) -> Result<Value, RunError> {

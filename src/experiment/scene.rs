@@ -1,21 +1,26 @@
 //! The data of a job, and the steps that it takes on them.
 
 use super::associate::{self, Tracked};
+use super::detect::DetectionReport;
 use super::group::{self, Material};
 use super::judge::{self, Content, Judgement, Subject};
 use super::observer::{Observer, Step};
 use super::plan::{JobKind, Plan, scenario_of};
 use super::run::{Artifact, Decided, Inputs, RunError, to_value};
-use super::{artifacts, clutter, group_report, profiles, sensors, tfa};
+use super::{artifacts, clutter, detect, group_report, profiles, record_picture, sensors, tfa};
 use crate::evaluation::EvaluationInput;
+use crate::math::rng::Seed;
+use crate::model::bearing_time::BearingTimeRecord;
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use crate::model::scan::Recording;
+use crate::model::scenario::Scenario;
 use crate::model::sensor::SensorSettings;
 use crate::model::track::TrackSet;
 use crate::model::truth::TruthSet;
+use crate::simulation;
 use serde::Deserialize;
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::borrow::Cow;
 
 const OF_BEARINGS: &str = "directions (bearing_deg) are not compared in metres";
@@ -24,12 +29,16 @@ const OF_BEARINGS: &str = "directions (bearing_deg) are not compared in metres";
 #[derive(Default)]
 pub(super) struct Scene {
     pub recording: Option<Recording>,
+    /// What the detections are found in.
+    record: Option<BearingTimeRecord>,
     truth: Option<TruthSet>,
     tracks: Option<TrackSet>,
     /// Of each sequence, or the boxes of a job without sequences.
     sides: Vec<Sides>,
     pub sensors: Vec<SensorSettings>,
     pub warnings: Vec<String>,
+    /// The part `detection` of the report.
+    pub detection: Option<DetectionReport>,
 }
 
 /// Truth and tracks to compare.
@@ -60,19 +69,71 @@ impl Scene {
                 (None, Dataset::Tracks(tracks)) => scene.tracks = Some(tracks),
                 // Boxes always have a side.
                 (None, Dataset::TruthBoxes(_) | Dataset::TrackBoxes(_)) => {}
+                (None, Dataset::BearingTime(record)) => {
+                    scene.sensors = vec![detect::sensor_of(&input.sensors, &requested_sensors(&plan.spec))];
+                    scene.record = Some(record);
+                    uploaded = input.sensors;
+                }
             }
         }
         if let Some((scenario, _)) = scenario_of(&plan.spec) {
-            let total = u64::from(scenario.scans);
-            let mut progress = |done| observer.progress(Step::Simulate, done, total);
-            let simulated = crate::simulation::simulate(&scenario, plan.stream(), &mut progress)?.ok_or(RunError::Stopped)?;
-            scene.recording = Some(simulated.recording);
-            scene.truth.get_or_insert(simulated.truth);
+            scene.simulate(&scenario, plan.stream(), observer)?;
+        }
+        if plan.spec.get("detector").is_some() {
+            scene.detect(&plan.spec, observer)?;
         }
         if let Some(recording) = &scene.recording {
             scene.sensors = sensors::known(recording, &uploaded, &requested_sensors(&plan.spec))?;
         }
+        if let (Some(record), Some(recording)) = (&scene.record, scene.recording.take()) {
+            scene.recording = Some(detect::complete(&mut scene.sensors, recording, record, &mut scene.warnings)?);
+        }
         Ok(scene)
+    }
+
+    fn simulate(&mut self, scenario: &Scenario, seed: Seed, observer: &mut dyn Observer) -> Result<(), RunError> {
+        let total = scenario.record.as_ref().map_or(u64::from(scenario.scans), |record| simulation::row_count(scenario, record));
+        let mut progress = |done| observer.progress(Step::Simulate, done, total);
+        let truth = if scenario.record.is_some() {
+            let simulated = simulation::simulate_record(scenario, seed, &mut progress)?.ok_or(RunError::Stopped)?;
+            self.record = Some(simulated.record);
+            self.sensors = vec![simulated.sensor];
+            simulated.truth
+        } else {
+            let simulated = simulation::simulate(scenario, seed, &mut progress)?.ok_or(RunError::Stopped)?;
+            self.recording = Some(simulated.recording);
+            simulated.truth
+        };
+        self.truth.get_or_insert(truth);
+        Ok(())
+    }
+
+    fn detect(&mut self, spec: &Value, observer: &mut dyn Observer) -> Result<(), RunError> {
+        let (Some(record), Some(sensor)) = (&self.record, self.sensors.first()) else {
+            return Err(missing("/input", "bearing-time record"));
+        };
+        let (recording, report) = detect::detect(spec, record, sensor, self.truth.as_ref(), observer)?;
+        (self.recording, self.detection) = (Some(recording), Some(report));
+        Ok(())
+    }
+
+    /// What a simulation made.
+    pub fn counts(&self) -> Value {
+        let targets = self.truth.as_ref().map_or(0, |truth| truth.targets().len());
+        match (&self.recording, &self.record) {
+            (Some(recording), _) => {
+                let clutter = recording.detections.iter().filter(|detection| detection.origin.is_none()).count();
+                json!({
+                    "sensors": recording.sensors.len(), "scans": recording.scans.len(), "targets": recording.targets.len(),
+                    "detections": recording.detections.len(), "clutter": clutter
+                })
+            }
+            (None, Some(record)) => json!({
+                "sensors": 1, "scans": record.times_s.len(), "targets": targets, "detections": 0, "clutter": 0,
+                "cells": record.levels_db.len()
+            }),
+            (None, None) => Value::Null,
+        }
     }
 
     pub fn track(&mut self, plan: &Plan, observer: &mut dyn Observer) -> Result<Tracked, RunError> {
@@ -184,6 +245,13 @@ impl Scene {
             }
         }
         let tracks = tracked.map(|tracked| tracked.tracks).or(self.tracks.take());
+        if let Some(record) = self.record.take() {
+            files.push(record_picture::draw(&record, self.recording.as_ref(), tracks.as_ref()));
+            // A record that was loaded is there already.
+            if scenario_of(&plan.spec).is_some() {
+                files.push(artifacts::dataset(&Dataset::BearingTime(record), &self.sensors).map_err(unwritten)?);
+            }
+        }
         let datasets = [
             self.recording.take().map(Dataset::Detections),
             self.truth.take().map(Dataset::Truth),
@@ -245,7 +313,12 @@ fn missing(pointer: &str, what: &str) -> RunError {
 }
 
 fn wrong_kind(pointer: &str, wanted: DatasetKind, found: DatasetKind) -> Fault {
-    let detail = format!("expected a dataset of {}, found one of {}", wanted.name(), found.name());
+    let hint = match (wanted, found) {
+        (DatasetKind::Detections, DatasetKind::BearingTime) => "; give 'detector' to find detections in it ({} takes the defaults)",
+        (DatasetKind::BearingTime, DatasetKind::Detections) => "; leave out 'detector'",
+        _ => "",
+    };
+    let detail = format!("expected a dataset of {}, found one of {}{hint}", wanted.name(), found.name());
     Fault::new(pointer, "wrong_type", detail).allowing(wanted.name())
 }
 

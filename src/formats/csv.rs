@@ -2,7 +2,7 @@
 //! order mark and Windows line ends are accepted. Reads and writes row by row.
 
 use super::table::{self, FaultLog, Rows, Sink};
-use super::{Format, ReadOptions, ReadOutcome};
+use super::{Format, ReadOptions, ReadOutcome, bearing_time, refuse_columns};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use csv::{ErrorKind, ReaderBuilder, StringRecord, Terminator};
@@ -10,7 +10,7 @@ use std::io::{self, BufRead, Write};
 
 pub const FORMAT: Format = Format {
     name: "csv",
-    summary: "Canonical CSV: detections, truth or tracks, one row a line under a header",
+    summary: "Canonical CSV: detections, truth or tracks, one row a line under a header; or a bearing-time record as a matrix",
     media_type: "text/csv",
     kinds: &DatasetKind::ALL,
     read,
@@ -22,6 +22,14 @@ pub const FORMAT: Format = Format {
 /// Every fault, with line and column name.
 pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcome, Vec<Fault>> {
     let mut rows = CsvRows::open(input)?;
+    let is_record = match options.kind {
+        Some(kind) => kind == DatasetKind::BearingTime,
+        None => bearing_time::is_matrix(rows.names()),
+    };
+    if is_record {
+        refuse_columns(options)?;
+        return bearing_time::read(&mut rows);
+    }
     table::read(&mut rows, options, Vec::new())
 }
 
@@ -30,6 +38,9 @@ pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcom
 /// # Errors
 /// What the output says.
 pub fn write_csv(dataset: &Dataset, out: &mut dyn Write) -> io::Result<()> {
+    if let Dataset::BearingTime(record) = dataset {
+        return bearing_time::write(record, out);
+    }
     let mut sink = CsvSink { writer: csv::Writer::from_writer(out), number: String::new() };
     table::write(dataset, &mut sink)?;
     sink.writer.flush()

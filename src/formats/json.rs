@@ -3,7 +3,7 @@
 //! `kind` may be left out; `sensors` says what is known of the sensors of detections.
 
 use super::table::{self, FaultLog, Rows, Sink, pointer_token};
-use super::{Format, ReadOptions, ReadOutcome};
+use super::{Format, ReadOptions, ReadOutcome, TABLES};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
@@ -17,7 +17,7 @@ pub const FORMAT: Format = Format {
     name: "json",
     summary: "Canonical JSON: the columns of canonical CSV as arrays",
     media_type: "application/json",
-    kinds: &DatasetKind::ALL,
+    kinds: TABLES,
     read,
 };
 
@@ -49,7 +49,7 @@ pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcom
     faults.finish()?;
     let mut rows = JsonRows { names: document.columns.names, columns: document.columns.columns, next: 0 };
     let described = document.sensors.len();
-    let mut outcome = table::read(&mut rows, &ReadOptions { kind, columns: options.columns.clone() }, document.sensors)?;
+    let mut outcome = table::read(&mut rows, &ReadOptions { kind, ..options.clone() }, document.sensors)?;
     if described > 0 && outcome.dataset.kind() != DatasetKind::Detections {
         outcome.warnings.push("'sensors' is used for detections only".to_owned());
     }

@@ -1,9 +1,11 @@
 //! Bytes to datasets and back, one file a format. A new format is one file and one line of [`FORMATS`].
 
 pub mod autoferry;
+mod bearing_time;
 pub mod csv;
 pub mod json;
 pub mod mot;
+pub mod npy;
 mod table;
 
 pub use self::csv::write_csv;
@@ -12,6 +14,7 @@ pub use mot::write_mot;
 
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
+use npy::BearingTimeAxes;
 use std::collections::BTreeMap;
 use std::io::BufRead;
 
@@ -22,6 +25,8 @@ pub struct ReadOptions {
     pub kind: Option<DatasetKind>,
     /// The file's column name → the canonical one.
     pub columns: BTreeMap<String, String>,
+    /// Of a bearing-time record whose file does not have them.
+    pub bearing_time: Option<BearingTimeAxes>,
 }
 
 /// A dataset, and what the reader had to say about it.
@@ -45,7 +50,7 @@ pub struct Format {
 pub const MAX_FAULTS: usize = 100;
 
 /// Every format that trackloom reads.
-pub const FORMATS: &[Format] = &[csv::FORMAT, json::FORMAT, autoferry::FORMAT, mot::FORMAT];
+pub const FORMATS: &[Format] = &[csv::FORMAT, json::FORMAT, autoferry::FORMAT, mot::FORMAT, npy::FORMAT];
 
 /// The format of that name.
 pub fn format_named(name: &str) -> Option<&'static Format> {
@@ -53,8 +58,12 @@ pub fn format_named(name: &str) -> Option<&'static Format> {
 }
 
 /// The format of a file by its first bytes, or by its name where they say nothing: JSON starts with `{` (canonical) or
-/// `[` (autoferry), MOTChallenge text with a number; any other text is CSV. `None` for bytes that are no text.
+/// `[` (autoferry), MOTChallenge text with a number, NumPy arrays with their magic; any other text is CSV. `None` for other
+/// bytes that are no text.
 pub fn detect_format(file_name: &str, first_bytes: &[u8]) -> Option<&'static Format> {
+    if first_bytes.starts_with(npy::MAGIC) {
+        return format_named("npy");
+    }
     let text = first_bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(first_bytes).trim_ascii_start();
     match text.first() {
         Some(b'{') => format_named("json"),
@@ -64,6 +73,14 @@ pub fn detect_format(file_name: &str, first_bytes: &[u8]) -> Option<&'static For
         None if file_name.to_ascii_lowercase().ends_with(".json") => format_named("json"),
         _ => format_named("csv"),
     }
+}
+
+/// Kinds of datasets that are tables of named columns.
+const TABLES: &[DatasetKind] = &[DatasetKind::Detections, DatasetKind::Truth, DatasetKind::Tracks];
+
+/// Faults of a record as those of the file that it was read from.
+fn of_file(faults: Vec<Fault>) -> Vec<Fault> {
+    faults.into_iter().map(|fault| Fault { pointer: "/file".to_owned(), ..fault }).collect()
 }
 
 /// The fault of renaming columns where there are none.
@@ -96,6 +113,7 @@ mod tests {
         assert_eq!(detect("A.JSON", b""), Some("json"));
         assert_eq!(detect("gt.txt", b"1,1,399,182,121,229,1,-1,-1,-1"), Some("mot"));
         assert_eq!(detect("a", b""), Some("csv"));
+        assert_eq!(detect("a", b"\x93NUMPY\x01\x00"), Some("npy"));
         assert_eq!(detect("a.csv", b"PK\x03\x04\x00\x00"), None);
     }
 }

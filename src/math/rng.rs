@@ -18,6 +18,8 @@ pub enum Purpose {
     Associator = 4,
     /// The errors of a track that begins at the truth.
     TrackStart = 5,
+    /// Noise, levels and interference of a bearing-time record.
+    BearingTime = 6,
     /// The course of a formation, and place and phase of each of its targets.
     Formation = 7,
     /// Which targets all sensors see, and which one sees each of the others.

@@ -1,5 +1,6 @@
-//! A dataset: detections, truth or tracks, as read from a file or made by a job.
+//! A dataset: detections, truth, tracks or a bearing-time record, as read from a file or made by a job.
 
+use super::bearing_time::BearingTimeRecord;
 use super::boxes::BoxSet;
 use super::scan::Recording;
 use super::track::TrackSet;
@@ -12,16 +13,18 @@ pub enum DatasetKind {
     Detections,
     Truth,
     Tracks,
+    BearingTime,
 }
 
 impl DatasetKind {
-    pub const ALL: [DatasetKind; 3] = [DatasetKind::Detections, DatasetKind::Truth, DatasetKind::Tracks];
+    pub const ALL: [DatasetKind; 4] = [DatasetKind::Detections, DatasetKind::Truth, DatasetKind::Tracks, DatasetKind::BearingTime];
 
     pub fn name(self) -> &'static str {
         match self {
             DatasetKind::Detections => "detections",
             DatasetKind::Truth => "truth",
             DatasetKind::Tracks => "tracks",
+            DatasetKind::BearingTime => "bearing_time",
         }
     }
 }
@@ -36,6 +39,7 @@ pub enum Dataset {
     TruthBoxes(BoxSet),
     /// Tracks in the frames of a video.
     TrackBoxes(BoxSet),
+    BearingTime(BearingTimeRecord),
 }
 
 /// What a list of datasets shows of one: its kind, how much is in it, and when.
@@ -44,9 +48,9 @@ pub struct DatasetSummary {
     pub kind: DatasetKind,
     /// Names of the sensors that made the detections; empty where the file does not say.
     pub sensor_ids: Vec<String>,
-    /// Scans of a recording, frames of boxes; 0 for other truth and tracks.
+    /// Scans of a recording, frames of boxes, times of a bearing-time record; 0 for other truth and tracks.
     pub scans: u64,
-    /// Detections, truth points, track points or boxes.
+    /// Detections, truth points, track points, boxes or cells.
     pub rows: u64,
     /// Targets named by truth or origins, or tracks.
     pub objects: u64,
@@ -55,6 +59,11 @@ pub struct DatasetSummary {
     pub start_s: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub end_s: Option<f64>,
+    /// Centre of the first cell of a bearing-time record, and of the last.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub first_bearing_deg: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub last_bearing_deg: Option<f64>,
 }
 
 impl Dataset {
@@ -63,6 +72,7 @@ impl Dataset {
             Dataset::Detections(_) => DatasetKind::Detections,
             Dataset::Truth(_) | Dataset::TruthBoxes(_) => DatasetKind::Truth,
             Dataset::Tracks(_) | Dataset::TrackBoxes(_) => DatasetKind::Tracks,
+            Dataset::BearingTime(_) => DatasetKind::BearingTime,
         }
     }
 
@@ -86,6 +96,11 @@ impl Dataset {
             Dataset::TruthBoxes(set) | Dataset::TrackBoxes(set) => {
                 (Vec::new(), set.frames(), set.boxes().len(), set.object_ids().len(), Vec::new())
             }
+            Dataset::BearingTime(record) => (Vec::new(), record.times_s.len(), record.levels_db.len(), 0, record.times_s.clone()),
+        };
+        let bearings_deg = match self {
+            Dataset::BearingTime(record) => record.bearings_rad.first().zip(record.bearings_rad.last()),
+            _ => None,
         };
         DatasetSummary {
             kind: self.kind(),
@@ -95,6 +110,8 @@ impl Dataset {
             objects: objects as u64,
             start_s: times.iter().copied().reduce(f64::min),
             end_s: times.iter().copied().reduce(f64::max),
+            first_bearing_deg: bearings_deg.map(|(first, _)| first.to_degrees()),
+            last_bearing_deg: bearings_deg.map(|(_, last)| last.to_degrees()),
         }
     }
 }

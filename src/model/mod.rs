@@ -1,6 +1,7 @@
 //! The nouns every other layer speaks: sensors, scans, detections, truth, tracks, scenarios.
 //! Plain values whose constructors check; no algorithm, file, clock or random number lives here.
 
+pub mod bearing_time;
 pub mod boxes;
 pub mod dataset;
 pub mod fault;

@@ -12,6 +12,45 @@ pub struct Scenario {
     /// Every sensor sees every target in its field of view when absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coverage: Option<Coverage>,
+    /// With it the sensor makes no detections: a detector finds them in its record.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub record: Option<RecordPlan>,
+}
+
+/// How a bearing-time record is made. Levels are over the noise in a cell.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct RecordPlan {
+    pub time_step_s: f64,
+    pub bearing_step_deg: f64,
+    /// At half power.
+    pub beam_width_deg: f64,
+    /// Independent values of which the power in a cell is the mean.
+    pub noise_averages: u32,
+    /// One for all targets, or one each.
+    pub levels_db: Vec<f64>,
+    /// Standard deviation of a target's level, which wanders slowly.
+    pub fluctuation_db: f64,
+    pub fluctuation_time_s: f64,
+    #[serde(default)]
+    pub sectors: Vec<InterferenceSector>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub transients: Option<Transients>,
+}
+
+/// A sector with more noise.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct InterferenceSector {
+    pub centre_deg: f64,
+    pub width_deg: f64,
+    pub level_db: f64,
+}
+
+/// Short sounds at random times from random directions.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Transients {
+    pub per_minute: f64,
+    pub duration_s: f64,
+    pub level_db: f64,
 }
 
 /// Which sensors see which targets, besides what their fields of view allow.

@@ -1,10 +1,13 @@
 //! Plays a scenario: targets move, sensors detect them with noise, misses and clutter; true origins are known.
 
+mod bearing_time;
 mod coverage;
 mod radar;
 mod sensors;
 mod targets;
 mod weaving;
+
+pub use bearing_time::{RECORD, SimulatedRecord, row_count, simulate_record};
 
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
@@ -30,7 +33,7 @@ pub struct Simulated {
 pub fn check(scenario: &Scenario) -> Result<(), Vec<Fault>> {
     let sensor_ids = scenario.sensors.iter().map(|sensor| sensor.sensor_id.as_str());
     let mut faults = duplicate_faults("sensors", sensor_ids, |index| format!("/sensors/{index}/sensor_id"));
-    faults.extend(scenario.sensors.iter().enumerate().flat_map(|(index, sensor)| sensors::faults(index, sensor, &scenario.targets)));
+    faults.extend(scenario.sensors.iter().enumerate().flat_map(|(index, sensor)| sensors::faults(index, sensor, scenario)));
     match &scenario.targets {
         TargetPlan::Random(plan) if plan.speed_min_mps > plan.speed_max_mps => {
             let detail = format!("{} m/s is above speed_max_mps", plan.speed_min_mps);
@@ -45,6 +48,7 @@ pub fn check(scenario: &Scenario) -> Result<(), Vec<Fault>> {
         TargetPlan::Formation(_) => {}
     }
     faults.extend(coverage::fault(scenario));
+    faults.extend(scenario.record.iter().flat_map(|plan| bearing_time::faults(scenario, plan)));
     if faults.is_empty() { Ok(()) } else { Err(faults) }
 }
 

@@ -1,14 +1,17 @@
 //! The sensors of a scenario: whether what is told of one fits together and fits the targets, and what a tracker may know of it.
 
 use crate::model::fault::Fault;
-use crate::model::scenario::{ReportNoise, ScenarioSensor, TargetPlan};
+use crate::model::scenario::{ReportNoise, Scenario, ScenarioSensor, TargetPlan};
 use crate::model::sensor::SensorSettings;
 
 /// Noises that do not say what the sensor reports, places where targets have none, no field of view where they have, and
 /// clutter stated twice or of the wrong kind.
-pub(super) fn faults(index: usize, sensor: &ScenarioSensor, targets: &TargetPlan) -> Vec<Fault> {
+pub(super) fn faults(index: usize, sensor: &ScenarioSensor, scenario: &Scenario) -> Vec<Fault> {
+    let targets = &scenario.targets;
     let mut faults = Vec::new();
     match (sensor.noise(), targets) {
+        // The noise of what is found in a record need not be known.
+        (None, _) if scenario.record.is_some() && !has_noise(sensor) => {}
         (None, _) => faults.push(unclear_noise(index, sensor)),
         (Some(ReportNoise::Position { .. } | ReportNoise::RangeBearing { .. }), TargetPlan::Bearings(_)) => {
             let detail = format!("targets of bearings have no places, which sensor '{}' reports", sensor.sensor_id);
@@ -47,6 +50,11 @@ fn clutter_faults(index: usize, sensor: &ScenarioSensor) -> Vec<Fault> {
         refuse("clutter_within_deg", "missing", detail, "with clutter_per_deg");
     }
     faults
+}
+
+fn has_noise(sensor: &ScenarioSensor) -> bool {
+    let noises = [sensor.sigma_x_m, sensor.sigma_y_m, sensor.sigma_range_m, sensor.sigma_bearing_deg, sensor.sigma_range_rate_mps];
+    noises.iter().any(Option::is_some)
 }
 
 fn is_of_bearings(sensor: &ScenarioSensor) -> bool {

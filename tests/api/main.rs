@@ -4,6 +4,7 @@
 
 mod bad_files;
 mod bad_requests;
+mod bearing_time;
 mod catalogue;
 mod datasets;
 mod evaluations;

@@ -68,7 +68,7 @@ fn duplicate_columns_are_named_with_their_places() {
 fn a_renaming_must_fit_the_file_and_the_format() {
     let columns = [("t", "time_s"), ("id", "truth_id"), ("x_m", "east"), ("a/b", "y_m")];
     let columns = columns.into_iter().map(|(from, to)| (from.to_owned(), to.to_owned())).collect();
-    let options = ReadOptions { kind: None, columns };
+    let options = ReadOptions { columns, ..Default::default() };
     let faults = read_with("csv", "t,id,x_m,y_m\n1,a,2,3\n", &options).expect_err("the renaming is broken");
     let known = "time_s, truth_id, x_m, y_m, vx_mps, vy_mps, z_m, bearing_deg";
     assert_eq!(

@@ -77,7 +77,7 @@ fn amplitudes_are_read_where_there_are_any() {
 #[test]
 fn columns_are_renamed_and_others_reported() {
     let columns = [("t", "time_s"), ("east", "x_m"), ("north", "y_m")];
-    let options = ReadOptions { kind: None, columns: columns.map(|(from, to)| (from.to_owned(), to.to_owned())).into() };
+    let options = ReadOptions { columns: columns.map(|(from, to)| (from.to_owned(), to.to_owned())).into(), ..Default::default() };
     let text = "\u{feff}t, scan ,sensor_id,detection_id,east,north,sigma_x_m,elevation_deg,colour\r\n1,1,r,a,2,3,1,1,red\r\n";
     let outcome = read_with("csv", text, &options).expect("the file is sound");
     assert_eq!(

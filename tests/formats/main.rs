@@ -1,6 +1,7 @@
 //! Reading and writing datasets through the public doors of `formats`: exact faults, exact values, round trips.
 
 mod autoferry;
+mod bearing_time;
 mod bearings;
 mod csv_faults;
 mod csv_values;

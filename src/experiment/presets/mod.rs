@@ -3,6 +3,7 @@
 pub mod cai_fuzzy;
 mod liang2009;
 mod wang_bat;
+mod wang_bat_record;
 
 use super::plan::JobKind;
 use serde_json::Value;
@@ -21,6 +22,7 @@ pub fn all() -> Vec<Preset> {
     let mut presets = liang2009::presets();
     presets.extend(cai_fuzzy::presets());
     presets.extend(wang_bat::presets());
+    presets.extend(wang_bat_record::presets());
     presets
 }
 

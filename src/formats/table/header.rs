@@ -74,15 +74,18 @@ const BEARING_TRACKS: Schema = Schema {
 
 impl Schema {
     /// Truth and tracks are of places unless all that the columns have is a direction.
-    fn of(kind: DatasetKind, names: &[String]) -> &'static Schema {
+    /// `None` of what is no table.
+    fn of(kind: DatasetKind, names: &[String]) -> Option<&'static Schema> {
         let has = |name: &str| names.iter().any(|known| known == name);
-        match (kind, has("bearing_deg") && !has("x_m") && !has("y_m")) {
+        let schema = match (kind, has("bearing_deg") && !has("x_m") && !has("y_m")) {
+            (DatasetKind::BearingTime, _) => return None,
             (DatasetKind::Detections, _) => &DETECTIONS,
             (DatasetKind::Truth, false) => &TRUTH,
             (DatasetKind::Truth, true) => &TRUE_BEARINGS,
             (DatasetKind::Tracks, false) => &TRACKS,
             (DatasetKind::Tracks, true) => &BEARING_TRACKS,
-        }
+        };
+        Some(schema)
     }
 
     fn is_used(&self, name: &str) -> bool {
@@ -134,7 +137,7 @@ pub fn resolve(rows: &dyn Rows, options: &ReadOptions) -> Result<(DatasetKind, H
         faults.push(rows.header_fault(None, "missing", detail.to_owned()).allowing("tracks, detections, truth"));
         return Err(faults.finish().err().unwrap_or_default());
     };
-    let schema = Schema::of(kind, &names);
+    let schema = Schema::of(kind, &names).ok_or_else(|| vec![super::no_table()])?;
     check_renaming_target(schema, kind, options, &mut faults);
     check_duplicates(rows, &names, &mut faults);
     check_missing(rows, schema, kind, &names, &mut faults);

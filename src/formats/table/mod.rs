@@ -12,6 +12,7 @@ mod row;
 mod tracks;
 mod truth;
 
+pub use degrees::degrees;
 pub use fault_log::FaultLog;
 pub use header::pointer_token;
 
@@ -56,11 +57,16 @@ pub fn read(rows: &mut dyn Rows, options: &ReadOptions, sensors: Vec<SensorSetti
         DatasetKind::Detections => detections::read(rows, &header, sensors, &mut warnings)?,
         DatasetKind::Truth => truth::read(rows, &header)?,
         DatasetKind::Tracks => tracks::read(rows, &header)?,
+        DatasetKind::BearingTime => return Err(vec![no_table()]),
     };
     if empty {
         warnings.push(format!("there are columns of {} but no rows: the dataset is empty", kind.name()));
     }
     Ok(ReadOutcome { dataset, warnings })
+}
+
+fn no_table() -> Fault {
+    Fault::new("/kind", "unsupported", "a bearing-time record is a matrix, not a table of named columns").allowing("csv, npy")
 }
 
 /// Writes a whole table.
@@ -74,6 +80,7 @@ pub fn write(dataset: &Dataset, sink: &mut dyn Sink) -> io::Result<()> {
         Dataset::Tracks(set) => tracks::write(set, sink),
         Dataset::TruthBoxes(set) => boxes::write(set, "truth_id", sink),
         Dataset::TrackBoxes(set) => boxes::write(set, "track_id", sink),
+        Dataset::BearingTime(_) => Err(io::Error::new(io::ErrorKind::Unsupported, no_table().detail)),
     }
 }
 

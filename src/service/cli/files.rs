@@ -5,6 +5,7 @@
 
 use crate::experiment::plan::{JobKind, Plan, Source};
 use crate::experiment::run::{Input, Inputs};
+use crate::formats::npy::BearingTimeAxes;
 use crate::formats::{self, ReadOptions};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
@@ -32,6 +33,7 @@ struct FileSource {
     format: Option<String>,
     #[serde(default)]
     columns: BTreeMap<String, String>,
+    bearing_time: Option<BearingTimeAxes>,
     sensor_ids: Option<Vec<String>>,
 }
 
@@ -48,6 +50,12 @@ static FILE_SOURCE: Object = Object {
             name: "columns",
             summary: "The file's column name to the canonical one.",
             kind: Kind::TextMap { max_entries: 64, max_length: 100 },
+            presence: Presence::Optional,
+        },
+        Field {
+            name: "bearing_time",
+            summary: "The axes of a bearing-time record whose file does not have them.",
+            kind: Kind::Object(&formats::npy::AXES),
             presence: Presence::Optional,
         },
         Field {
@@ -106,6 +114,9 @@ impl JobFile {
             if !file.columns.is_empty() {
                 source["columns"] = json!(file.columns);
             }
+            if let Some(axes) = &file.bearing_time {
+                source["bearing_time"] = json!(axes);
+            }
             if let Some(sensor_ids) = &file.sensor_ids {
                 source["sensor_ids"] = json!(sensor_ids);
             }
@@ -150,7 +161,7 @@ impl JobFile {
         };
         let known = || formats::FORMATS.iter().map(|format| format.name).collect::<Vec<_>>().join(", ");
         let format = format.ok_or_else(|| vec![Fault::new("/format", "unknown_value", "the format is not known").allowing(known())])?;
-        let options = ReadOptions { kind: Some(role), columns: file.columns.clone() };
+        let options = ReadOptions { kind: Some(role), columns: file.columns.clone(), bearing_time: file.bearing_time };
         let read = (format.read)(&mut bytes.as_slice(), &options)?;
         warnings.extend(read.warnings.into_iter().map(|warning| format!("{}: {warning}", file.path)));
         let dataset = match (read.dataset, &file.sensor_ids) {

@@ -3,7 +3,8 @@
 
 use super::body::{JSON_LIMIT_BYTES, broken_off, checked, content_length, drain, media_type, parse_json, read_away, too_large};
 use crate::experiment::catalogue;
-use crate::formats::FORMATS;
+use crate::formats::npy::BearingTimeAxes;
+use crate::formats::{self, FORMATS};
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
@@ -42,12 +43,21 @@ pub static META: Object = Object {
     summary: "What is known of an uploaded file besides its content. Everything may be absent.",
     fields: &[
         optional("name", "A name for people; the file's name when absent.", Kind::Text { max_length: 200 }),
-        optional("kind", "What the file holds; told from its columns when absent.", Kind::Choice(&["detections", "truth", "tracks"])),
+        optional(
+            "kind",
+            "What the file holds; told from its columns when absent.",
+            Kind::Choice(&["detections", "truth", "tracks", "bearing_time"]),
+        ),
         optional("format", "How the file is written; told from its content when absent.", Kind::Choice(&FORMAT_NAMES)),
         optional(
             "columns",
             "The file's column name to the canonical one, where they differ.",
             Kind::TextMap { max_entries: 64, max_length: 100 },
+        ),
+        optional(
+            "bearing_time",
+            "The axes of a bearing-time record in a file that does not have them, such as a NumPy array.",
+            Kind::Object(&formats::npy::AXES),
         ),
         optional("sensors", "What is known of the sensors.", Kind::List { item: &SENSOR, min: 1, max: 64 }),
     ],
@@ -62,14 +72,15 @@ struct Meta {
     format: Option<String>,
     #[serde(default)]
     columns: BTreeMap<String, String>,
+    bearing_time: Option<BearingTimeAxes>,
     #[serde(default)]
     sensors: Vec<SensorSettings>,
 }
 
 impl From<Meta> for DatasetMeta {
     fn from(meta: Meta) -> Self {
-        let Meta { name, kind, format, columns, sensors } = meta;
-        DatasetMeta { name, kind, format, columns, sensors, file_name: None }
+        let Meta { name, kind, format, columns, bearing_time, sensors } = meta;
+        DatasetMeta { name, kind, format, columns, bearing_time, sensors, file_name: None }
     }
 }
 

@@ -3,7 +3,7 @@
 use super::inputs::read_file;
 use super::submit::sorted;
 use super::{DatasetFilter, DatasetMeta, Inner, JobsError, ReceivedFile, StoredFile};
-use crate::formats::{FORMATS, Format, ReadOutcome, detect_format, format_named};
+use crate::formats::{FORMATS, Format, ReadOptions, ReadOutcome, detect_format, format_named};
 use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
 use crate::service::storage::blobs::sha256_hex;
@@ -118,7 +118,8 @@ fn check(path: &Path, meta: &DatasetMeta) -> Result<(&'static Format, ReadOutcom
         let allowed = format.kinds.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ");
         return Err(JobsError::Invalid(vec![Fault::new("/kind", "unsupported", detail).allowing(allowed)]));
     }
-    Ok((format, read_file(path, format, meta.kind, &meta.columns)?))
+    let options = ReadOptions { kind: meta.kind, columns: meta.columns.clone(), bearing_time: meta.bearing_time };
+    Ok((format, read_file(path, format, &options)?))
 }
 
 fn unknown_format(detail: String) -> JobsError {
@@ -128,9 +129,12 @@ fn unknown_format(detail: String) -> JobsError {
 
 fn new_dataset(file: &ReceivedFile, meta: DatasetMeta, format: &Format, read: ReadOutcome) -> NewDataset {
     let summary = read.dataset.summary();
-    let said = json!({
+    let mut said = json!({
         "name": meta.name, "kind": summary.kind, "format": format.name, "columns": meta.columns, "sensors": meta.sensors
     });
+    if let Some(axes) = meta.bearing_time {
+        said["bearing_time"] = json!(axes);
+    }
     let name = meta.name.or_else(|| meta.file_name.clone()).unwrap_or_else(|| summary.kind.name().to_owned());
     NewDataset {
         name,
@@ -139,6 +143,7 @@ fn new_dataset(file: &ReceivedFile, meta: DatasetMeta, format: &Format, read: Re
         sha256: file.sha256.clone(),
         meta_sha256: sha256_hex(sorted(&said).to_string().as_bytes()),
         columns: meta.columns,
+        bearing_time: meta.bearing_time,
         summary,
         sensors: meta.sensors,
         warnings: read.warnings,

@@ -9,7 +9,6 @@ use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
 use crate::service::storage::{SourceId, SourceRef, StoredDataset};
 use anyhow::Context;
-use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
@@ -20,8 +19,7 @@ use uuid::Uuid;
 pub(super) struct Located {
     path: PathBuf,
     format: &'static Format,
-    kind: DatasetKind,
-    columns: BTreeMap<String, String>,
+    options: ReadOptions,
     sensors: Vec<SensorSettings>,
     sha256: String,
 }
@@ -76,20 +74,18 @@ impl Inner {
         Ok(Some(Located {
             path: self.blobs.path(&artifact.sha256),
             format: format_named("csv").context("the format csv is missing")?,
-            kind: role,
-            columns: BTreeMap::new(),
+            options: ReadOptions { kind: Some(role), ..ReadOptions::default() },
             sensors: sensors.into_iter().map(Into::into).collect(),
             sha256: artifact.sha256,
         }))
     }
 
     pub(super) fn located(&self, dataset: StoredDataset) -> anyhow::Result<Located> {
-        let StoredDataset { info, columns, .. } = dataset;
+        let StoredDataset { info, columns, bearing_time, .. } = dataset;
         Ok(Located {
             path: self.blobs.path(&info.sha256),
             format: format_named(&info.format).with_context(|| format!("a stored dataset has the unknown format {}", info.format))?,
-            kind: info.kind.into(),
-            columns,
+            options: ReadOptions { kind: Some(info.kind.into()), columns, bearing_time },
             sensors: info.sensors.into_iter().map(Into::into).collect(),
             sha256: info.sha256,
         })
@@ -109,21 +105,15 @@ fn absent(request: &InputRequest) -> Fault {
 }
 
 /// Reads one file. Blocks.
-pub(super) fn read_file(
-    path: &Path,
-    format: &Format,
-    kind: Option<DatasetKind>,
-    columns: &BTreeMap<String, String>,
-) -> Result<ReadOutcome, JobsError> {
+pub(super) fn read_file(path: &Path, format: &Format, options: &ReadOptions) -> Result<ReadOutcome, JobsError> {
     let file = File::open(path).with_context(|| format!("cannot open {}", path.display()))?;
-    let options = ReadOptions { kind, columns: columns.clone() };
-    (format.read)(&mut BufReader::with_capacity(1 << 16, file), &options).map_err(JobsError::Invalid)
+    (format.read)(&mut BufReader::with_capacity(1 << 16, file), options).map_err(JobsError::Invalid)
 }
 
 impl Located {
     /// Reads the whole file. Blocks.
     pub(super) fn read(&self) -> Result<Dataset, JobsError> {
-        Ok(read_file(&self.path, self.format, Some(self.kind), &self.columns)?.dataset)
+        Ok(read_file(&self.path, self.format, &self.options)?.dataset)
     }
 
     pub(super) fn sensors(&self) -> &[SensorSettings] {

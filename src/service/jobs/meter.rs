@@ -44,6 +44,7 @@ impl Meter {
         let place = match if done == 0 { self.last.1 } else { step } {
             Step::Load => &mut self.timing.load_s,
             Step::Simulate => &mut self.timing.simulate_s,
+            Step::Detect => &mut self.timing.detect_s,
             Step::Associate => &mut self.timing.associate_s,
             Step::Evaluate => &mut self.timing.evaluate_s,
             // Writing is not computing, and runs have all steps; both are in the total.
@@ -83,11 +84,11 @@ impl Observer for Meter {
 /// The share of the whole job that is done. Steps count by what they usually cost; one that does not occur is skipped.
 fn fraction(kind: JobKind, step: Step, done: u64, total: u64) -> f64 {
     let shares = match kind {
-        JobKind::Simulate => [0.0, 0.0, 0.8, 0.0, 0.0, 0.2],
-        JobKind::Associate => [0.1, 0.0, 0.1, 0.7, 0.0, 0.1],
-        JobKind::Evaluate => [0.1, 0.0, 0.1, 0.5, 0.2, 0.1],
-        JobKind::Group => [0.1, 0.0, 0.2, 0.5, 0.1, 0.1],
-        JobKind::Campaign => [0.02, 0.96, 0.0, 0.0, 0.0, 0.02],
+        JobKind::Simulate => [0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 0.2],
+        JobKind::Associate => [0.1, 0.0, 0.1, 0.05, 0.65, 0.0, 0.1],
+        JobKind::Evaluate => [0.1, 0.0, 0.1, 0.05, 0.45, 0.2, 0.1],
+        JobKind::Group => [0.1, 0.0, 0.2, 0.0, 0.5, 0.1, 0.1],
+        JobKind::Campaign => [0.02, 0.96, 0.0, 0.0, 0.0, 0.0, 0.02],
     };
     let index = step as usize;
     let before: f64 = shares[..index].iter().sum();
@@ -100,6 +101,7 @@ fn wire_step(step: Step) -> ProgressStep {
         Step::Load => ProgressStep::Load,
         Step::Run => ProgressStep::Run,
         Step::Simulate => ProgressStep::Simulate,
+        Step::Detect => ProgressStep::Detect,
         Step::Associate => ProgressStep::Associate,
         Step::Evaluate => ProgressStep::Evaluate,
         Step::Write => ProgressStep::Write,
@@ -112,11 +114,11 @@ mod tests {
 
     #[test]
     fn the_fraction_rises_through_the_steps_to_one() {
-        let steps = [Step::Load, Step::Run, Step::Simulate, Step::Associate, Step::Evaluate, Step::Write];
+        let steps = [Step::Load, Step::Run, Step::Simulate, Step::Detect, Step::Associate, Step::Evaluate, Step::Write];
         for kind in JobKind::ALL {
             let fractions: Vec<f64> = steps.iter().flat_map(|&step| [0, 5, 10].map(|done| fraction(kind, step, done, 10))).collect();
             assert!(fractions.is_sorted(), "{kind:?}: {fractions:?}");
-            assert!((fractions[17] - 1.0).abs() < 1e-12, "{kind:?} ends at {}", fractions[17]);
+            assert!((fractions[20] - 1.0).abs() < 1e-12, "{kind:?} ends at {}", fractions[20]);
         }
     }
 

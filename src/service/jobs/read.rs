@@ -117,6 +117,8 @@ impl Inner {
                     Dataset::Tracks(tracks) => layers.tracks = Some(tracks),
                     // Boxes live in a picture, not in the plane.
                     Dataset::TruthBoxes(_) | Dataset::TrackBoxes(_) => {}
+                    // The job has a picture of it.
+                    Dataset::BearingTime(_) => {}
                 }
             }
             Ok(layers)

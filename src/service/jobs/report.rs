@@ -13,6 +13,7 @@ use uuid::Uuid;
 pub struct Timing {
     pub load_s: f64,
     pub simulate_s: f64,
+    pub detect_s: f64,
     pub associate_s: f64,
     pub evaluate_s: f64,
     pub total_s: f64,

@@ -1,6 +1,7 @@
 //! What callers of the facade ask for, and what they get besides the wire types.
 
 use crate::experiment::plan::Estimate;
+use crate::formats::npy::BearingTimeAxes;
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
 use crate::model::scan::Recording;
@@ -47,6 +48,8 @@ pub struct DatasetMeta {
     pub format: Option<String>,
     /// The file's column name → the canonical one.
     pub columns: BTreeMap<String, String>,
+    /// The axes of a bearing-time record whose file does not have them.
+    pub bearing_time: Option<BearingTimeAxes>,
     pub sensors: Vec<SensorSettings>,
     pub file_name: Option<String>,
 }

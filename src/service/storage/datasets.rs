@@ -5,6 +5,7 @@ use super::filter::DatasetFilter;
 use super::life::{ClaimedJob, NewArtifact};
 use super::page::{Cursor, cut, push_page, push_search, row_limit};
 use super::{Storage, from_micros, now, to_micros};
+use crate::formats::npy::BearingTimeAxes;
 use crate::model::dataset::DatasetSummary;
 use crate::model::sensor::SensorSettings;
 use crate::service::types::{DatasetInfo, DatasetLinks, DatasetOrigin, JobOrigin, JobOriginKind, UploadOrigin, UploadOriginKind};
@@ -23,6 +24,7 @@ pub struct NewDataset {
     pub meta_sha256: String,
     /// The file's column name → the canonical one.
     pub columns: BTreeMap<String, String>,
+    pub bearing_time: Option<BearingTimeAxes>,
     pub summary: DatasetSummary,
     pub sensors: Vec<SensorSettings>,
     pub warnings: Vec<String>,
@@ -42,6 +44,7 @@ impl NewDataset {
             sha256: artifact.sha256.clone(),
             meta_sha256: String::new(),
             columns: BTreeMap::new(),
+            bearing_time: None,
             summary,
             sensors: artifact.sensors.clone(),
             warnings: Vec::new(),
@@ -56,12 +59,13 @@ impl NewDataset {
 pub struct StoredDataset {
     pub info: DatasetInfo,
     pub columns: BTreeMap<String, String>,
+    pub bearing_time: Option<BearingTimeAxes>,
     pub file_name: Option<String>,
     pub deleted: bool,
 }
 
-const COLUMNS: &str = "SELECT id, name, format, bytes, sha256, columns, summary, sensors, warnings, origin_job_id, file_name, created_at,
-    deleted_at IS NOT NULL AS deleted FROM datasets WHERE ";
+const COLUMNS: &str = "SELECT id, name, format, bytes, sha256, columns, bearing_time, summary, sensors, warnings, origin_job_id, file_name,
+    created_at, deleted_at IS NOT NULL AS deleted FROM datasets WHERE ";
 
 impl Storage {
     /// Keeps a dataset, or finds the upload that is the same; `true` when it is new.
@@ -155,8 +159,8 @@ pub(super) async fn active_users(connection: &mut SqliteConnection, source_kind:
 pub(super) async fn insert_dataset(connection: &mut SqliteConnection, new: &NewDataset) -> anyhow::Result<Uuid> {
     let id = Uuid::now_v7();
     sqlx::query(
-        "INSERT INTO datasets (id, name, kind, format, bytes, sha256, meta_sha256, columns, summary, sensors, warnings,
-             origin_job_id, file_name, created_at) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+        "INSERT INTO datasets (id, name, kind, format, bytes, sha256, meta_sha256, columns, bearing_time, summary, sensors, warnings,
+             origin_job_id, file_name, created_at) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
     )
     .bind(id.to_string())
     .bind(&new.name)
@@ -166,6 +170,7 @@ pub(super) async fn insert_dataset(connection: &mut SqliteConnection, new: &NewD
     .bind(&new.sha256)
     .bind(&new.meta_sha256)
     .bind(serde_json::to_string(&new.columns)?)
+    .bind(serde_json::to_string(&new.bearing_time)?)
     .bind(serde_json::to_string(&new.summary)?)
     .bind(serde_json::to_string(&new.sensors)?)
     .bind(serde_json::to_string(&new.warnings)?)
@@ -214,11 +219,19 @@ fn stored(row: &SqliteRow) -> anyhow::Result<StoredDataset> {
         objects: summary.objects,
         start_s: summary.start_s,
         end_s: summary.end_s,
+        first_bearing_deg: summary.first_bearing_deg,
+        last_bearing_deg: summary.last_bearing_deg,
         origin,
         warnings: serde_json::from_str(row.try_get("warnings")?)?,
         created_at: from_micros(row.try_get("created_at")?)?,
         sensors: sensors.into_iter().map(Into::into).collect(),
         links: DatasetLinks::of(id),
     };
-    Ok(StoredDataset { info, columns: serde_json::from_str(row.try_get("columns")?)?, file_name, deleted: row.try_get("deleted")? })
+    Ok(StoredDataset {
+        info,
+        columns: serde_json::from_str(row.try_get("columns")?)?,
+        bearing_time: serde_json::from_str(row.try_get("bearing_time")?)?,
+        file_name,
+        deleted: row.try_get("deleted")?,
+    })
 }

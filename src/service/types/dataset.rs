@@ -13,6 +13,7 @@ pub enum DatasetKind {
     Detections,
     Truth,
     Tracks,
+    BearingTime,
 }
 
 impl From<model::dataset::DatasetKind> for DatasetKind {
@@ -21,6 +22,7 @@ impl From<model::dataset::DatasetKind> for DatasetKind {
             model::dataset::DatasetKind::Detections => DatasetKind::Detections,
             model::dataset::DatasetKind::Truth => DatasetKind::Truth,
             model::dataset::DatasetKind::Tracks => DatasetKind::Tracks,
+            model::dataset::DatasetKind::BearingTime => DatasetKind::BearingTime,
         }
     }
 }
@@ -31,6 +33,7 @@ impl From<DatasetKind> for model::dataset::DatasetKind {
             DatasetKind::Detections => model::dataset::DatasetKind::Detections,
             DatasetKind::Truth => model::dataset::DatasetKind::Truth,
             DatasetKind::Tracks => model::dataset::DatasetKind::Tracks,
+            DatasetKind::BearingTime => model::dataset::DatasetKind::BearingTime,
         }
     }
 }
@@ -191,9 +194,9 @@ pub struct DatasetInfo {
     pub bytes: u64,
     pub sha256: String,
     pub sensor_ids: Vec<String>,
-    /// Scans of a recording; 0 for truth and tracks.
+    /// Scans of a recording, times of a bearing-time record; 0 for truth and tracks.
     pub scans: u64,
-    /// Detections, truth points or track points.
+    /// Detections, truth points, track points or cells.
     pub rows: u64,
     /// Targets or tracks.
     pub objects: u64,
@@ -203,6 +206,13 @@ pub struct DatasetInfo {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub end_s: Option<f64>,
+    /// Centre of the first cell of a bearing-time record, and of the last.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub first_bearing_deg: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub last_bearing_deg: Option<f64>,
     pub origin: DatasetOrigin,
     pub warnings: Vec<String>,
     #[schema(value_type = String, format = DateTime)]

@@ -97,6 +97,7 @@ pub enum ProgressStep {
     /// The runs of a campaign.
     Run,
     Simulate,
+    Detect,
     Associate,
     Evaluate,
     Write,

@@ -99,6 +99,7 @@ pub struct ReportInput {
 pub struct Timing {
     pub load_s: f64,
     pub simulate_s: f64,
+    pub detect_s: f64,
     pub associate_s: f64,
     pub evaluate_s: f64,
     pub total_s: f64,
@@ -121,10 +122,42 @@ pub struct SimulationCounts {
     pub detections: u64,
     /// Detections that no target made.
     pub clutter: u64,
+    /// Cells of the bearing-time record that was made instead of detections; then its times are the scans.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub cells: Option<u64>,
+}
+
+/// What a detector found in a bearing-time record.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct DetectionResult {
+    /// Share of the true bearings at the scans that have a detection; `null` where there are none, absent without truth.
+    pub p_d: Option<f64>,
+    /// Detections without a target, on average; absent without truth.
+    pub false_alarms_per_scan: Option<f64>,
+    /// Of detections with a target; absent without truth.
+    pub bearing_rmse_deg: Option<f64>,
+    /// Largest distance of a detection from the true bearing of its target; absent without truth.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub gate_deg: Option<f64>,
+    pub scans: u64,
+    pub detections: u64,
+    /// Times of the record.
+    pub rows: u64,
+    pub cells: u64,
+    /// Independent values in the power of a cell, given or estimated; `null` of a constant threshold.
+    pub noise_averages: Option<f64>,
+    /// Threshold over the mean of the training cells, of an interval of full length; `null` of a constant threshold.
+    pub threshold_over_mean_db: Option<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct AssociateResult {
+    /// Where the input was a bearing-time record.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub detection: Option<DetectionResult>,
     pub association: Association,
 }
 
@@ -178,6 +211,10 @@ pub struct TrackLine {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct EvaluateResult {
+    /// Where the input was a bearing-time record.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub detection: Option<DetectionResult>,
     /// Absent where the job judged tracks that it did not make.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]

@@ -27,13 +27,17 @@ pub fn of(dataset: &Dataset, limit: usize) -> Preview {
         Dataset::Tracks(set) => Dataset::Tracks(head_of_tracks(set, limit)),
         Dataset::TruthBoxes(set) => Dataset::TruthBoxes(set.head(limit)),
         Dataset::TrackBoxes(set) => Dataset::TrackBoxes(set.head(limit)),
+        Dataset::BearingTime(record) => Dataset::BearingTime(record.head(limit)),
     };
     let mut text = Vec::new();
     write_csv(&head, &mut text).expect("writing to memory does not fail");
     let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(text.as_slice());
     let mut rows = reader.records().filter_map(Result::ok).map(|row| row.iter().map(str::to_owned).collect());
     let columns = rows.next().unwrap_or_default();
-    Preview { columns, rows: rows.take(limit).collect(), total_rows: dataset.summary().rows }
+    let summary = dataset.summary();
+    // A row of a record is all the cells of one time.
+    let total_rows = if let Dataset::BearingTime(_) = dataset { summary.scans } else { summary.rows };
+    Preview { columns, rows: rows.take(limit).collect(), total_rows }
 }
 
 fn head_of_recording(recording: &Recording, limit: usize) -> Recording {
@@ -96,6 +100,13 @@ mod tests {
         assert_eq!(preview.columns, ["time_s", "truth_id", "x_m", "y_m"]);
         assert_eq!((preview.rows.len(), preview.total_rows), (2, 3));
         assert!(of(&dataset, 10).rows.iter().any(|row| row[1] == "b,c"));
+    }
+
+    #[test]
+    fn a_row_of_a_record_is_a_time() {
+        let preview = of(&read("time_s,0,10,20\n0,1,2,3\n1,4,5.5,6\n2,7,8,9\n"), 2);
+        assert_eq!((preview.columns.len(), preview.total_rows), (4, 3));
+        assert_eq!(preview.rows, [["0", "1", "2", "3"], ["1", "4", "5.5", "6"]]);
     }
 
     #[test]

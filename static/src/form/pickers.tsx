@@ -11,7 +11,7 @@ import type { FieldProps } from "./context";
 import { useAria } from "./inputs";
 import { fieldId } from "./schema";
 
-const KINDS = ["", "detections", "truth", "tracks"];
+const KINDS = ["", "detections", "truth", "tracks", "bearing_time"];
 /** What a field of a request reads, by the name of the field. */
 const ROLES: Record<string, Dataset["kind"]> = { input: "detections", detections: "detections", truth: "truth", tracks: "tracks" };
 const FORMATS = ["", "csv", "json", "autoferry", "mot"];
