@@ -5,6 +5,7 @@
 
 mod campaign;
 mod dataset;
+mod detection;
 mod event;
 mod grouping;
 mod job;
@@ -13,6 +14,7 @@ mod report;
 
 pub use campaign::*;
 pub use dataset::*;
+pub use detection::*;
 pub use event::*;
 pub use grouping::*;
 pub use job::*;
