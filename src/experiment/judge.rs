@@ -78,6 +78,7 @@ enum Aligned {
 /// Judges the subjects by the metrics of `spec`.
 pub(super) fn judge(spec: &Value, subjects: &[Subject], observer: &mut dyn Observer) -> Result<Judgement, RunError> {
     let metrics = metrics_of(spec)?;
+    refuse_mixtures(subjects)?;
     let comparisons = compare(spec, subjects, &metrics)?;
     let logs: Vec<EventLog> = comparisons.iter().map(EventLog::new).collect();
     let sequences: Vec<Sequence> = subjects
@@ -198,6 +199,22 @@ fn span_s(times_s: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
         None => Some((time_s, time_s)),
         Some((first, last)) => Some((f64::min(first, time_s), f64::max(last, time_s))),
     })
+}
+
+/// Numbers of boxes, of places and of directions have no common unit, so they make no number together.
+fn refuse_mixtures(subjects: &[Subject]) -> Result<(), RunError> {
+    let shape = |subject: &Subject| match &subject.content {
+        Content::Points { truth, .. } if truth.is_of_bearings() => "directions",
+        Content::Points { .. } => "points",
+        Content::Boxes { .. } => "boxes",
+    };
+    let Some(first) = subjects.first().map(shape) else { return Ok(()) };
+    let fault = |(index, other): (usize, &str)| {
+        let detail = format!("this sequence is of {other}, the first of {first}: they make no number together");
+        Fault::new(format!("/sequences/{index}"), "conflict", detail).allowing(format!("sequences of {first}"))
+    };
+    let faults: Vec<Fault> = subjects.iter().map(shape).enumerate().filter(|(_, other)| *other != first).map(fault).collect();
+    if faults.is_empty() { Ok(()) } else { Err(faults.into()) }
 }
 
 /// A metric of metres says nothing of boxes or directions.

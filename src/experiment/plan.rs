@@ -138,11 +138,15 @@ fn check_evaluate(spec: &mut Value, faults: &mut Vec<Fault>) {
     match given.as_slice() {
         ["input"] => fill_tracking_defaults(spec),
         ["tracks"] => {
-            refuse(spec, &["associator", "filter", "tracker", "sensors"], "needs 'input'; 'tracks' are judged as they are", faults);
+            let is_of_detections = spec.get("detections").is_some();
+            let sensors = if is_of_detections { None } else { Some("sensors") };
+            let names: Vec<&str> = ["associator", "filter", "tracker"].into_iter().chain(sensors).collect();
+            refuse(spec, &names, "needs 'input'; 'tracks' are judged as they are", faults);
         }
         [_] => {
             let names = ["associator", "filter", "tracker", "sensors", "truth", "detections", "tfa"];
             refuse(spec, &names, "does not go with 'sequences': each has its own truth and tracks, for metrics alone", faults);
+            check_sequences(spec, faults);
         }
         [] => faults.push(
             Fault::new("", "missing", "give 'input' to track first, or 'tracks' or 'sequences' to judge").allowing(SUBJECTS.join(", ")),
@@ -150,6 +154,21 @@ fn check_evaluate(spec: &mut Value, faults: &mut Vec<Fault>) {
         [first, second, ..] => {
             faults.push(Fault::new(format!("/{second}"), "conflict", format!("give either '{first}' or '{second}', not both")));
         }
+    }
+}
+
+/// Sequences are told apart by name, and only metrics judge them.
+fn check_sequences(spec: &Value, faults: &mut Vec<Fault>) {
+    let sequences = spec["sequences"].as_array().map_or(&[][..], Vec::as_slice);
+    for (index, sequence) in sequences.iter().enumerate() {
+        if let Some(name) = sequence["name"].as_str().filter(|name| sequences[..index].iter().any(|other| other["name"] == *name)) {
+            let fault = Fault::new(format!("/sequences/{index}/name"), "duplicate", format!("two sequences are called '{name}'"));
+            faults.push(fault.allowing("each name once"));
+        }
+    }
+    if spec["profile"] == "tfa" && spec["metrics"].as_array().is_none_or(Vec::is_empty) {
+        let fault = Fault::new("/profile", "unsupported", "the automaton does not judge sequences, so nothing would be judged");
+        faults.push(fault.allowing("tracking, vision, or metrics of your own"));
     }
 }
 
@@ -433,5 +452,23 @@ mod tests {
         let unknown = json!({"tracks": job, "profile": "radar", "metrics": [{"metric": "mota"}], "comparison": {"gate_m": 0}});
         let found: Vec<String> = pointers(JobKind::Evaluate, unknown).into_iter().map(|(pointer, _)| pointer).collect();
         assert_eq!(found, ["/profile", "/metrics/0/metric", "/comparison/gate_m"]);
+    }
+
+    #[test]
+    fn sequences_have_names_of_their_own_and_are_judged_by_metrics() {
+        let source = json!({"source": "dataset", "dataset_id": ID});
+        let sequence = json!({"name": "a", "truth": source, "tracks": source});
+        let body = json!({"sequences": [sequence, sequence], "profile": "tfa"});
+        let found = pointers(JobKind::Evaluate, body);
+        assert_eq!(found, [("/sequences/1/name".into(), "duplicate".into()), ("/profile".into(), "unsupported".into())]);
+    }
+
+    #[test]
+    fn sensors_go_with_tracks_where_detections_are_known() {
+        let source = json!({"source": "dataset", "dataset_id": ID});
+        let mut body = json!({"tracks": source, "truth": source, "sensors": [{"sensor_id": "radar", "x_m": 0.0, "y_m": 0.0}]});
+        assert_eq!(pointers(JobKind::Evaluate, body.clone()), [("/sensors".into(), "conflict".into())]);
+        body["detections"] = source;
+        assert!(plan(JobKind::Evaluate, &body).is_ok());
     }
 }

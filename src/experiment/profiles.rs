@@ -59,6 +59,14 @@ fn metrics_of(spec: &Value) -> Vec<Value> {
     bodies.iter().map(|body| registry::check_field(body, &ENTRY, "", &mut Vec::new())).collect()
 }
 
+/// What boxes are judged by where the plan, which has not seen them, took the metrics of `tracking`.
+pub(super) fn metrics_of_boxes(spec: &Value) -> Option<Value> {
+    let is_default = spec["profile"] == "tracking" && spec["metrics"] == Value::Array(metrics_of(spec));
+    let mut of_boxes = json!({"profile": "vision"});
+    of_boxes["comparison"] = spec["comparison"].clone();
+    is_default.then(|| Value::Array(metrics_of(&of_boxes)))
+}
+
 /// Whether the automaton is part of the job.
 pub(super) fn wants_automaton(spec: &Value) -> bool {
     spec.get("sequences").is_none() && (spec.get("tfa").is_some() || spec["profile"] != "vision")

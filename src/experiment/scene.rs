@@ -191,6 +191,10 @@ impl Scene {
             let detail = "the automaton reads tracks in the plane, not boxes";
             return Err(RunError::Faults(vec![Fault::new("/tfa", "unsupported", detail).allowing("metrics hota, clear, identity")]));
         }
+        if spec["profile"] == "tfa" && spec["metrics"].as_array().is_none_or(Vec::is_empty) {
+            let detail = "the automaton reads tracks in the plane, not boxes, so nothing would be judged";
+            return Err(RunError::Faults(vec![Fault::new("/profile", "unsupported", detail).allowing("vision")]));
+        }
         Ok(false)
     }
 
@@ -205,6 +209,11 @@ impl Scene {
         let mut subjects = Vec::with_capacity(self.sides.len());
         for (index, sides) in self.sides.iter().enumerate() {
             subjects.push(subject_of(names.get(index).copied(), index, sides)?);
+        }
+        let is_of_boxes = subjects.iter().any(|subject| matches!(subject.content, Content::Boxes { .. }));
+        if let Some(metrics) = profiles::metrics_of_boxes(&spec).filter(|_| is_of_boxes) {
+            self.warnings.push("the data are boxes, so the metrics are those of the profile vision".to_owned());
+            spec.to_mut()["metrics"] = metrics;
         }
         if subjects.is_empty() {
             let Some(truth) = &self.truth else {
