@@ -111,6 +111,7 @@ fn malformed(detail: impl Into<String>) -> Fault {
 }
 
 /// The text that describes the array. The length of it has two bytes in version 1 and four later.
+#[expect(clippy::result_large_err, reason = "a file has one such fault at most")]
 fn read_header(input: &mut dyn BufRead) -> Result<String, Fault> {
     let mut take = |count: usize| {
         let mut bytes = vec![0; count];
@@ -173,6 +174,7 @@ impl Layout {
     }
 
     /// The values, in the order of rows.
+    #[expect(clippy::result_large_err, reason = "a file has one such fault at most")]
     fn levels(&self, input: &mut dyn BufRead, cells: usize) -> Result<Vec<f32>, Fault> {
         let size = match self.number {
             Number::Whole2 => 2,
