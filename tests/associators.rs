@@ -11,44 +11,62 @@ use trackloom::math::rng::Seed;
 use trackloom::registry;
 
 /// Methods that answer 0 or 1 and nothing between.
-const HARD: [&str; 4] = ["nearest_neighbour", "strongest_neighbour", "global_nearest_neighbour", "oracle"];
+const HARD: [&str; 5] = ["nearest_neighbour", "strongest_neighbour", "global_nearest_neighbour", "fuzzy_c_means", "oracle"];
 
-/// A track: its candidates, P_D · P_G, and the clutter expected in its gate. Likelihoods are apart from ties.
+/// A track: its candidates, P_D · P_G, the clutter expected in its gate, and where it expects a detection. Likelihoods are apart
+/// from ties.
 #[derive(Debug, Clone)]
 struct Track {
     candidates: Vec<(usize, f64)>,
     found: f64,
     gate_clutter: f64,
+    place: [f64; 2],
 }
 
 #[derive(Debug, Clone)]
 struct Scene {
     tracks: Vec<Track>,
+    /// Of each detection.
     amplitudes: Vec<f64>,
+    places: Vec<[f64; 2]>,
 }
 
 /// Scenes of up to six tracks and six detections, the likelihood ratios from far below clutter to far above it.
 fn scenes() -> impl Strategy<Value = Scene> {
     let track = |detections: usize| {
         let candidates = prop::collection::btree_map(0..detections, 0.0..12.0f64, 0..=detections);
-        (candidates, 0.3..0.99f64, 0.01..5.0f64).prop_map(|(candidates, found, gate_clutter)| Track {
+        (candidates, 0.3..0.99f64, 0.01..5.0f64, place()).prop_map(|(candidates, found, gate_clutter, place)| Track {
             candidates: candidates.into_iter().collect(),
             found,
             gate_clutter,
+            place,
         })
     };
     (1..=6usize).prop_flat_map(move |detections| {
         let amplitudes = prop::collection::vec(0.0..100.0f64, detections);
-        (prop::collection::vec(track(detections), 0..=6), amplitudes).prop_map(|(tracks, amplitudes)| Scene { tracks, amplitudes })
+        let places = prop::collection::vec(place(), detections);
+        (prop::collection::vec(track(detections), 0..=6), amplitudes, places).prop_map(|(tracks, amplitudes, places)| Scene {
+            tracks,
+            amplitudes,
+            places,
+        })
     })
 }
+
+/// Metres and an angle.
+fn place() -> impl Strategy<Value = [f64; 2]> {
+    (-3.0..3.0f64, -3.1..3.1f64).prop_map(|(range, bearing)| [range, bearing])
+}
+
+/// Of what a track expects: S = [[2, 0.5], [0.5, 1]].
+const INVERSE: [f64; 4] = [1.0 / 1.75, -0.5 / 1.75, -0.5 / 1.75, 2.0 / 1.75];
 
 impl Scene {
     /// The tracks in another order, the detections under other numbers, the candidates listed in another order.
     fn permuted(&self, tracks: &[usize], detections: &[usize]) -> Scene {
-        let mut amplitudes = vec![0.0; self.amplitudes.len()];
+        let (mut amplitudes, mut places) = (self.amplitudes.clone(), self.places.clone());
         for (old, &new) in detections.iter().enumerate() {
-            amplitudes[new] = self.amplitudes[old];
+            (amplitudes[new], places[new]) = (self.amplitudes[old], self.places[old]);
         }
         let renumbered = |track: &Track| {
             let mut track = track.clone();
@@ -56,7 +74,7 @@ impl Scene {
             track.candidates.reverse();
             track
         };
-        Scene { tracks: tracks.iter().map(|&track| renumbered(&self.tracks[track])).collect(), amplitudes }
+        Scene { tracks: tracks.iter().map(|&track| renumbered(&self.tracks[track])).collect(), amplitudes, places }
     }
 
     /// The weights of each track: for every detection of the scan, then of none.
@@ -65,11 +83,13 @@ impl Scene {
         problem.begin(0, self.amplitudes.len());
         // One that is told origins gets the one right candidate at most.
         let limit = if associator.needs() == Needs::Origins { 1 } else { usize::MAX };
+        problem.set_measurements(2, Some(1), self.places.iter().map(|place| &place[..]));
         for track in &self.tracks {
             for &(detection, squared_distance) in track.candidates.iter().take(limit) {
                 let log_likelihood = 2.0 - squared_distance / 2.0;
                 problem.push_edge(Edge { detection: detection as u32, squared_distance, log_likelihood });
             }
+            problem.push_place(&track.place, &INVERSE);
             problem.end_row((1.0 - track.found).ln(), track.gate_clutter.ln());
         }
         problem.set_amplitudes(self.amplitudes.iter().copied());
@@ -86,7 +106,7 @@ impl Scene {
     }
 }
 
-/// Every method with its defaults, and PDA with the other clutter model.
+/// Every method with its defaults, PDA with the other clutter model, and fuzzy c-means with soft weights.
 fn associators() -> Vec<(&'static str, Box<dyn Associator>)> {
     let build = |name: &'static str, body: serde_json::Value| {
         let method = ASSOCIATORS.iter().find(|method| method.name == name).unwrap();
@@ -94,6 +114,7 @@ fn associators() -> Vec<(&'static str, Box<dyn Associator>)> {
     };
     let mut all: Vec<_> = ASSOCIATORS.iter().map(|method| build(method.name, json!({}))).collect();
     all.push(build("pda", json!({"clutter": "nonparametric"})));
+    all.push(("fuzzy_c_means, weighted", build("fuzzy_c_means", json!({"weights": "weighted"})).1));
     all
 }
 

@@ -154,3 +154,21 @@ fn settings_out_of_range_are_all_named() {
         ]
     );
 }
+
+#[test]
+fn fuzzy_c_means_tracks_the_thirty_targets_about_as_well_as_the_nearest_neighbour() {
+    let correct = |associator: Value| -> i64 {
+        let judge = |seed: u32| {
+            let mut preset = presets::find("liang2009-30").unwrap();
+            (preset.body["associator"], preset.body["seed"]) = (associator.clone(), json!(seed));
+            let outcome = run::run(&plan::plan(preset.kind, &preset.body).unwrap(), vec![], &mut Silent).unwrap();
+            outcome.result["tfa"]["counts"]["correct"].as_i64().unwrap()
+        };
+        (1..=4).map(judge).sum()
+    };
+    let nearest = correct(json!({"method": "nearest_neighbour"}));
+    for weights in ["hard", "weighted"] {
+        let found = correct(json!({"method": "fuzzy_c_means", "weights": weights}));
+        assert!(nearest > 60 && found >= nearest - 4, "{weights}: {found} of 120 correct, the nearest neighbour {nearest}");
+    }
+}

@@ -4,6 +4,7 @@ use crate::math::rng::Seed;
 use crate::registry::{Method, Union};
 
 pub mod bat;
+pub mod fuzzy_c_means;
 pub mod global_nearest_neighbour;
 mod greedy;
 pub mod jpda;
@@ -66,6 +67,7 @@ pub const ASSOCIATORS: &[Method<BuildAssociator>] = &[
     global_nearest_neighbour::METHOD,
     pda::METHOD,
     jpda::METHOD,
+    fuzzy_c_means::METHOD,
     bat::METHOD,
     oracle::METHOD,
 ];

@@ -1,7 +1,8 @@
 //! The objects, how far they are from a centre, and the centres that fit them best.
 //!
 //! # Symbols
-//! W_k inverse covariance of object k; w = u^q; δ_k = x_k − v, where an angle takes the shorter way round.
+//! W_k inverse covariance of object k; w = u^q; δ_k = x_k − v, where an angle takes the way round that makes the distance
+//! least: the shorter one, unless W_k ties the angle to an attribute that is far off.
 //!
 //! # Method
 //! The centre of a cluster minimises Σ_k w_k δ_kᵀ W_k δ_k.
@@ -9,12 +10,17 @@
 //! - An inverse covariance for each object: the information-weighted mean (Σ w W_k)⁻¹ Σ w W_k x_k. The plain mean would
 //!   not be the minimum, and J could rise.
 //! - Both are computed as a step from the present centre, v + (Σ w W_k)⁻¹ Σ w W_k δ_k. With angles this is the wrapped
-//!   mean about v, one round of it an iteration of the whole. Under one scale the quadratic with the turns of δ_k held
-//!   fixed is an upper bound of the true sum that touches it at v, so J cannot rise. Under covariances that tie an angle
-//!   to other attributes it may: the step, which points downhill, is then halved until it does not.
+//!   mean about v, one round of it an iteration of the whole: the quadratic with the turns of δ_k held fixed is an upper
+//!   bound of the true sum that touches it at v, so J cannot rise. Where covariances tie several angles to each other the
+//!   turns are chosen one after the other and need not be the least: there a step that would raise J is halved until it
+//!   does not.
 
 use super::{Fuzzifier, FuzzyError};
 use crate::math::angle::wrapped;
+use std::f64::consts::TAU;
+
+/// m at most.
+pub const MAX_ATTRIBUTES: usize = 16;
 
 /// How attributes of different kinds are made comparable.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,11 +49,11 @@ impl<'a> Objects<'a> {
     /// Values that are not finite, a σ that is not positive, a matrix that is no inverse covariance, wrong lengths.
     pub fn new(values: &'a [f64], angles: &'a [bool], metric: Metric<'a>) -> Result<Self, FuzzyError> {
         let attributes = angles.len();
-        if attributes == 0 || !values.len().is_multiple_of(attributes) {
+        if !(1..=MAX_ATTRIBUTES).contains(&attributes) || !values.len().is_multiple_of(attributes) {
             return Err(FuzzyError::Length {
                 field: "objects",
                 found: values.len(),
-                wanted: "a multiple of the attributes, which are 1 or more",
+                wanted: "a multiple of the attributes, which are 1 to 16",
             });
         }
         if let Some(place) = values.iter().position(|value| !value.is_finite()) {
@@ -136,16 +142,33 @@ impl<'a> Objects<'a> {
 
     /// δᵀ W δ; W is symmetric and positive definite, so less than 0 is rounding.
     pub(super) fn quadratic(&self, left: &[f64], right: &[f64], inverse: &[f64]) -> f64 {
+        let differences = self.turned(left, right, inverse);
         let mut sum = 0.0;
         for row in 0..self.attributes {
-            let first = self.difference(row, left[row], right[row]);
+            let first = differences[row];
             sum += inverse[row * self.attributes + row] * first * first;
             for column in row + 1..self.attributes {
-                let second = self.difference(column, left[column], right[column]);
-                sum += 2.0 * inverse[row * self.attributes + column] * first * second;
+                sum += 2.0 * inverse[row * self.attributes + column] * first * differences[column];
             }
         }
         sum.max(0.0)
+    }
+
+    /// δ. An angle gains the whole turns that bring it nearest to −(Σ_b W_ab δ_b) / W_aa, b ≠ a, where δᵀ W δ is least.
+    #[inline]
+    pub(super) fn turned(&self, left: &[f64], right: &[f64], inverse: &[f64]) -> [f64; MAX_ATTRIBUTES] {
+        let mut differences = [0.0; MAX_ATTRIBUTES];
+        for attribute in 0..self.attributes {
+            differences[attribute] = self.difference(attribute, left[attribute], right[attribute]);
+        }
+        if self.has_angles {
+            for angle in (0..self.attributes).filter(|&attribute| self.angles[attribute]) {
+                let row = &inverse[angle * self.attributes..][..self.attributes];
+                let slope: f64 = row.iter().zip(&differences).map(|(inverse, difference)| inverse * difference).sum();
+                differences[angle] -= TAU * (slope / row[angle] / TAU).round();
+            }
+        }
+        differences
     }
 
     /// d_ik² at `k * c + i`.
@@ -168,12 +191,14 @@ pub(super) struct CentreUpdate {
     factor: Vec<f64>,
     /// Σ w W_k δ_k, then the step.
     step: Vec<f64>,
-    differences: Vec<f64>,
     trial: Vec<f64>,
 }
 
 /// Halvings of a step that would raise J; after them the centre stays.
 const MOST_HALVINGS: u32 = 30;
+
+/// By how much a sum may seem to have risen, relative to itself, when it has not.
+const ROUNDING: f64 = 1e-13;
 
 impl CentreUpdate {
     /// Moves each centre to where it fits the memberships best, or with angles one round nearer.
@@ -213,7 +238,7 @@ impl CentreUpdate {
             return;
         }
         solve(&self.factor, objects.attributes, &mut self.step);
-        if !objects.has_angles {
+        if objects.angles.iter().filter(|&&is_angle| is_angle).count() < 2 {
             walk(objects, &self.step, 1.0, centre);
             return;
         }
@@ -223,7 +248,7 @@ impl CentreUpdate {
             self.trial.clear();
             self.trial.extend_from_slice(centre);
             walk(objects, &self.step, 0.5f64.powi(halvings as i32), &mut self.trial);
-            if cost(&self.trial) <= before {
+            if cost(&self.trial) <= before * (1.0 + ROUNDING) {
                 centre.copy_from_slice(&self.trial);
                 return;
             }
@@ -233,21 +258,19 @@ impl CentreUpdate {
     /// Σ w W_k and Σ w W_k δ_k.
     fn sum_information(&mut self, objects: &Objects, inverses: &[f64], weight: &impl Fn(usize) -> f64, centre: &[f64]) {
         let size = objects.attributes;
-        for (values, length) in [(&mut self.information, size * size), (&mut self.step, size), (&mut self.differences, size)] {
+        for (values, length) in [(&mut self.information, size * size), (&mut self.step, size)] {
             values.clear();
             values.resize(length, 0.0);
         }
         let inverse_of = |object: usize| &inverses[object * size * size..][..size * size];
         for object in 0..objects.len() {
             let (weight, inverse, values) = (weight(object), inverse_of(object), objects.object(object));
-            for attribute in 0..size {
-                self.differences[attribute] = objects.difference(attribute, values[attribute], centre[attribute]);
-            }
+            let differences = objects.turned(values, centre, inverse);
             for row in 0..size {
                 for column in 0..size {
                     let information = weight * inverse[row * size + column];
                     self.information[row * size + column] += information;
-                    self.step[row] += information * self.differences[column];
+                    self.step[row] += information * differences[column];
                 }
             }
         }
