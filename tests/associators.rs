@@ -153,7 +153,9 @@ proptest! {
             (Just(scene), tracks, detections)
         }),
     ) {
-        for (name, mut associator) in associators().into_iter().filter(|(name, _)| *name != "oracle") {
+        // A random search in another order is another search.
+        let are_equivariant = |(name, _): &(&str, _)| !["oracle", "bat"].contains(name);
+        for (name, mut associator) in associators().into_iter().filter(are_equivariant) {
             let plain = scene.weighed(associator.as_mut());
             let permuted = scene.permuted(&tracks, &detections).weighed(associator.as_mut());
             for (new, &old) in tracks.iter().enumerate() {

@@ -417,7 +417,8 @@ mod tests {
     fn sequences_are_judged_by_metrics_alone() {
         let data = json!({"source": "dataset", "dataset_id": ID});
         let sequence = json!({"name": "a", "truth": data, "tracks": data});
-        let body = json!({"sequences": [sequence, sequence], "profile": "vision"});
+        let other = json!({"name": "b", "truth": data, "tracks": data});
+        let body = json!({"sequences": [sequence, other], "profile": "vision"});
         use DatasetKind::{Tracks, Truth};
         let expected = [
             ("/sequences/0/truth", Truth),

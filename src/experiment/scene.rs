@@ -85,8 +85,10 @@ impl Scene {
         if let Some(recording) = &scene.recording {
             scene.sensors = sensors::known(recording, &uploaded, &requested_sensors(&plan.spec))?;
         }
-        if let (Some(record), Some(recording)) = (&scene.record, scene.recording.take()) {
-            scene.recording = Some(detect::complete(&mut scene.sensors, recording, record, &mut scene.warnings)?);
+        if let Some(record) = &scene.record {
+            let found = scene.recording.take();
+            let complete = |recording| detect::complete(&mut scene.sensors, recording, record, &mut scene.warnings);
+            scene.recording = found.map(complete).transpose()?;
         }
         Ok(scene)
     }

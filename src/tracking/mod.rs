@@ -6,6 +6,7 @@ mod history;
 mod initiation;
 mod lifecycle;
 mod outcome;
+mod terms;
 mod tracker;
 
 pub use confirmation::{Confirmation, ScoreRule};

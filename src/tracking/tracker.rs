@@ -5,6 +5,7 @@ use super::history::{Entry, History};
 use super::initiation::{Initiation, Initiator, Pair, PairRule, Point};
 use super::lifecycle::{Life, Lifecycle};
 use super::outcome::{Nis, ScanOutcome};
+use super::terms::Terms;
 use crate::association::global_nearest_neighbour::GlobalNearestNeighbour;
 use crate::association::problem::{Edge, ScanProblem, Weights};
 use crate::association::{Associator, Needs, Trace};
@@ -42,16 +43,6 @@ struct ActiveTrack<const N: usize> {
     state: GaussianState<N>,
     /// The target that the first detection came from; only the oracle looks at it.
     origin: Option<u32>,
-}
-
-/// What the likelihoods of a scan have in common.
-struct Terms {
-    /// ln λ.
-    log_clutter: f64,
-    /// ln(P_D / λ).
-    log_density: f64,
-    /// ln(1 − P_D P_G).
-    log_none: f64,
 }
 
 /// The detections of a scan, prepared for gating; memory is reused.
@@ -255,12 +246,7 @@ where
         self.problem.begin(2 * self.scans + part, self.view.measurements.len());
         self.edge_innovations.clear();
         self.posed.clear();
-        let sensor = &self.parts.sensors[scan.sensor];
-        Terms {
-            log_clutter: sensor.clutter_density.ln(),
-            log_density: (sensor.p_d / sensor.clutter_density).ln(),
-            log_none: (1.0 - sensor.p_d * self.parts.lifecycle.gate_probability).ln(),
-        }
+        Terms::of(&self.parts.sensors[scan.sensor], self.parts.lifecycle.gate_probability)
     }
 
     /// Gates one track and adds it to the problem.

@@ -47,7 +47,7 @@ async fn an_unknown_method_is_refused_with_the_known_ones() {
     let mut body = preset();
     body["associator"] = json!({"method": "owl"});
     let detail = "unknown method \"owl\"";
-    let fault = json!({"pointer": "/associator/method", "code": "unknown_value", "detail": detail, "allowed": "nearest_neighbour, strongest_neighbour, global_nearest_neighbour, pda, jpda, oracle"});
+    let fault = json!({"pointer": "/associator/method", "code": "unknown_value", "detail": detail, "allowed": "nearest_neighbour, strongest_neighbour, global_nearest_neighbour, pda, jpda, fuzzy_c_means, bat, oracle"});
     assert_eq!(refusal("associate", &body).await, validation(detail, json!([fault])));
 }
 
@@ -56,7 +56,7 @@ async fn a_parameter_out_of_range_is_refused_with_its_range() {
     let mut body = preset();
     body["tracker"] = json!({"gate_probability": 1.5});
     let detail = "1.5 is outside the allowed range";
-    let fault = out_of_range("/tracker/gate_probability", detail, "(0, 1)");
+    let fault = out_of_range("/tracker/gate_probability", detail, "(0, 1]");
     assert_eq!(refusal("associate", &body).await, validation(detail, json!([fault])));
 }
 
@@ -65,7 +65,7 @@ async fn an_unknown_field_is_refused_with_the_known_ones() {
     let mut body = preset();
     body["colour"] = json!("red");
     let detail = "unknown field 'colour'";
-    let allowed = "name, labels, seed, input, sensors, associator, filter, tracker";
+    let allowed = "name, labels, seed, input, detector, truth, sensors, associator, filter, tracker";
     let fault = json!({"pointer": "/colour", "code": "unknown_field", "detail": detail, "allowed": allowed});
     assert_eq!(refusal("associate", &body).await, validation(detail, json!([fault])));
 }
@@ -149,7 +149,7 @@ async fn a_check_tells_faults_as_its_answer_and_queues_nothing() {
     assert_eq!(bad, json!({"valid": false, "errors": [fault], "warnings": []}));
     let wrong = api.post("/v1/validate", &json!({"kind": "sing", "song": 1})).await;
     let faults = json!([
-        {"pointer": "/kind", "code": "unknown_value", "detail": "'kind' must name a kind of job", "allowed": "simulate, associate, evaluate"},
+        {"pointer": "/kind", "code": "unknown_value", "detail": "'kind' must name a kind of job", "allowed": "simulate, associate, evaluate, group, campaign"},
         {"pointer": "/spec", "code": "missing", "detail": "'spec' is required", "allowed": "the body of a job"},
         {"pointer": "/song", "code": "unknown_field", "detail": "unknown field 'song'", "allowed": "kind, spec"}
     ]);

@@ -85,9 +85,9 @@ async fn faults_of_the_parts_are_told_at_once() {
     let api = Api::start().await;
     let refused = api.upload(&json!({"kind": "stars", "colour": 1}), DETECTIONS).await;
     let faults = json!([
-        {"pointer": "/meta/kind", "code": "unknown_value", "detail": "unknown value \"stars\"", "allowed": "detections, truth, tracks"},
+        {"pointer": "/meta/kind", "code": "unknown_value", "detail": "unknown value \"stars\"", "allowed": "detections, truth, tracks, bearing_time"},
         {"pointer": "/meta/colour", "code": "unknown_field", "detail": "unknown field 'colour'",
-         "allowed": "name, kind, format, columns, sensors"}
+         "allowed": "name, kind, format, columns, bearing_time, sensors"}
     ]);
     assert_eq!(refused.problem(), validation("2 faults", faults));
     let missing = api.upload_form(Form::new().text("meta", "{}")).await;

@@ -55,9 +55,11 @@ fn times(count: std::ops::Range<usize>) -> impl Strategy<Value = Vec<f64>> {
 fn measurement() -> impl Strategy<Value = Measurement> {
     prop_oneof![
         (number(), number()).prop_map(|(x_m, y_m)| Measurement::Position { x_m, y_m }),
-        (number(), -400.0..400.0, prop::option::of(number())).prop_map(|(range_m, bearing, range_rate_mps): (f64, f64, Option<f64>)| {
-            Measurement::RangeBearing { range_m, bearing_rad: bearing.to_radians(), range_rate_mps }
-        }),
+        (number().prop_map(f64::abs), -400.0..400.0, prop::option::of(number())).prop_map(
+            |(range_m, bearing, range_rate_mps): (f64, f64, Option<f64>)| {
+                Measurement::RangeBearing { range_m, bearing_rad: bearing.to_radians(), range_rate_mps }
+            }
+        ),
         (-400.0..400.0).prop_map(|bearing: f64| Measurement::Bearing { bearing_rad: bearing.to_radians() }),
     ]
 }

@@ -130,7 +130,7 @@ mod tests {
         assert!(meter.progress(Step::Associate, 5, 10).is_continue());
         let first = told.borrow().clone().unwrap();
         assert_eq!((first.step, first.done, first.total, first.eta_s), (ProgressStep::Associate, 5, 10, None));
-        assert!((first.fraction - 0.55).abs() < 1e-12);
+        assert!((first.fraction - 0.575).abs() < 1e-12);
         assert!(meter.progress(Step::Associate, 6, 10).is_continue());
         assert_eq!(told.borrow().clone().unwrap().done, 5, "the second comes too soon to be told");
         stop.send_replace(Some(Stop::Canceled));

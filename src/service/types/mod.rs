@@ -11,6 +11,7 @@ mod grouping;
 mod job;
 mod problem;
 mod report;
+mod timing;
 
 pub use campaign::*;
 pub use dataset::*;
@@ -20,3 +21,4 @@ pub use grouping::*;
 pub use job::*;
 pub use problem::*;
 pub use report::*;
+pub use timing::*;

@@ -1,10 +1,11 @@
 //! Reports on the wire. The service stores and sends a report as bytes; these types say what is in it, to the API
 //! document and to Rust programs that read one.
 
-use super::campaign::{CampaignResult, CellTime};
+use super::campaign::CampaignResult;
 use super::dataset::{DatasetKind, SensorSettings};
 use super::detection::DetectionResult;
 use super::grouping::GroupResult;
+use super::timing::Timing;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -93,20 +94,6 @@ pub struct ReportInput {
     #[schema(nullable = false)]
     pub job_id: Option<String>,
     pub sha256: String,
-}
-
-/// Seconds that each step computed.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct Timing {
-    pub load_s: f64,
-    pub simulate_s: f64,
-    pub detect_s: f64,
-    pub associate_s: f64,
-    pub evaluate_s: f64,
-    pub total_s: f64,
-    /// Of a campaign.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub cells: Vec<CellTime>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
