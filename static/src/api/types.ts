@@ -7,8 +7,10 @@ type Schemas = components["schemas"];
 
 export type Artifact = Schemas["ArtifactInfo"];
 export type Association = Schemas["Association"];
+export type CampaignCell = Schemas["CampaignCell"];
 export type Dataset = Schemas["DatasetInfo"];
 export type Fault = Schemas["FaultItem"];
+export type Grouping = Schemas["GroupingSummary"];
 export type Job = Schemas["Job"];
 export type JobKind = Schemas["JobKind"];
 export type JobPage = Schemas["JobPage"];
@@ -31,7 +33,10 @@ export type Columns = Record<string, Cell[]>;
 
 /** What a report may hold, whatever its kind. */
 export interface ReportParts {
-  counts?: Record<string, number>;
+  counts?: Record<string, number | undefined>;
+  grouping?: Grouping;
+  cells?: CampaignCell[];
+  outcomes?: string[];
   association?: Association;
   tfa?: Tfa;
 }

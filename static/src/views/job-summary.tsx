@@ -1,14 +1,14 @@
 // The summary of a finished job: its numbers, warnings, inputs, timing, and what happened scan by scan.
 
 import type { JSX } from "preact";
-import { partsOf, type Job, type Report, type Tfa } from "../api/types";
+import { partsOf, type CampaignCell, type Grouping, type Job, type Report, type Tfa } from "../api/types";
 import { ScanCounts } from "../charts/scan-counts";
 import { Icon, Link, type IconName } from "../components/basics";
 import { capital, count, duration, number, probability, words } from "../format";
 import { hereHref, pageHref } from "../state/url";
 
 export function JobSummary({ job, report }: { job: Job; report: Report }): JSX.Element {
-  const { tfa, association, counts } = partsOf(report);
+  const { tfa, association, counts, grouping, cells, outcomes } = partsOf(report);
   const warnings = [...new Set([...job.warnings, ...report.warnings, ...(tfa?.warnings ?? [])])];
   return (
     <div class="summary">
@@ -22,7 +22,9 @@ export function JobSummary({ job, report }: { job: Job; report: Report }): JSX.E
         </ul>
       ) : null}
       {tfa ? <TfaNumbers tfa={tfa} /> : null}
+      {cells ? <Cells cells={cells} outcomes={outcomes ?? []} times={report.timing.cells ?? []} /> : null}
       <div class="panels">
+        {grouping ? <Groups grouping={grouping} /> : null}
         {tfa ? <OutputTracks tfa={tfa} /> : null}
         {association ? <Counts title={`Association, ${words(association.method)}`} counts={association.counts} /> : null}
         {counts ? <Counts title="Scene" counts={counts} /> : null}
@@ -85,7 +87,7 @@ function OutputTracks({ tfa }: { tfa: Tfa }): JSX.Element {
   );
 }
 
-function Counts({ title, counts }: { title: string; counts: Record<string, number> }): JSX.Element {
+function Counts({ title, counts }: { title: string; counts: Record<string, number | undefined> }): JSX.Element {
   return (
     <section class="panel">
       <h2>{capital(title)}</h2>
@@ -101,12 +103,74 @@ function Counts({ title, counts }: { title: string; counts: Record<string, numbe
   );
 }
 
+/** The cells of a campaign: the mean of each outcome with its interval, and the time of deciding. */
+function Cells({ cells, outcomes, times }: { cells: CampaignCell[]; outcomes: string[]; times: NonNullable<Report["timing"]["cells"]> }): JSX.Element {
+  return (
+    <section class="panel" style={{ overflowX: "auto" }} tabIndex={0} aria-label="Cells of the campaign">
+      <h2>Cells</h2>
+      <table>
+        <thead>
+          <tr>
+            {["Cell", ...outcomes, "µs a scan", "time ratio"].map((name) => (
+              <th scope="col">{name}</th>
+            ))}
+          </tr>
+        </thead>
+        <tbody>
+          {cells.map((cell) => (
+            <CellRow cell={cell} outcomes={outcomes} time={times.find((time) => time.cell === cell.name)} />
+          ))}
+        </tbody>
+      </table>
+    </section>
+  );
+}
+
+function CellRow({ cell, outcomes, time }: { cell: CampaignCell; outcomes: string[]; time: { decide_us_per_scan: number; ratio?: number | null } | undefined }): JSX.Element {
+  const text = (name: string): string => {
+    const summary = cell.outcomes[name];
+    const interval = summary?.interval;
+    return interval ? `${number(summary.mean)} [${number(interval.low)}, ${number(interval.high)}]` : number(summary?.mean);
+  };
+  return (
+    <tr>
+      <th scope="row">{cell.name}</th>
+      {outcomes.map((name) => (
+        <td>{text(name)}</td>
+      ))}
+      <td>{number(time?.decide_us_per_scan)}</td>
+      <td>{number(time?.ratio)}</td>
+    </tr>
+  );
+}
+
+function Groups({ grouping }: { grouping: Grouping }): JSX.Element {
+  const rows: [string, string][] = [
+    ["Accuracy", probability(grouping.accuracy)],
+    ["Precision", probability(grouping.precision)],
+    ["Recall", probability(grouping.recall)],
+  ];
+  return (
+    <section class="panel">
+      <h2>Grouping, {words(grouping.method)}</h2>
+      <dl class="facts">
+        {rows.map(([name, value]) => (
+          <>
+            <dt>{name}</dt>
+            <dd>{value}</dd>
+          </>
+        ))}
+      </dl>
+    </section>
+  );
+}
+
 function Timing({ timing }: { timing: Report["timing"] }): JSX.Element {
   return (
     <section class="panel">
       <h2>Computing time</h2>
       <dl class="facts">
-        {Object.entries(timing).map(([name, value]) => (
+        {Object.entries({ ...timing, cells: undefined }).filter(([, value]) => value !== undefined).map(([name, value]) => (
           <>
             <dt>{capital(words(name))}</dt>
             <dd>{duration(value)}</dd>
