@@ -52,16 +52,16 @@ fn mean(values: &[f64]) -> f64 {
 #[test]
 fn the_runs_are_the_jobs_and_the_differences_theirs() {
     let found = outcome(&campaign(json!({"outcomes": [
-        {"path": "tfa.probability.correct", "name": "correct"}, {"path": "metrics.gospa.quantities.mean"}
+        {"path": "tfa.probability.correct", "name": "correct"}, {"path": "metrics.gospa.quantities.gospa"}
     ]})));
     let gospa = |method| -> Vec<f64> {
-        let value = |number| single(method, number)["metrics"]["gospa"]["quantities"]["mean"]["value"].as_f64().unwrap();
+        let value = |number| single(method, number)["metrics"]["gospa"]["quantities"]["gospa"]["value"].as_f64().unwrap();
         (0..3).map(value).collect()
     };
     let (nearest, jpda) = (gospa("nearest_neighbour"), gospa("jpda"));
     let cells = &found.result["cells"];
     assert_eq!(cells[0]["name"], "nearest_neighbour");
-    let name = "metrics.gospa.quantities.mean";
+    let name = "metrics.gospa.quantities.gospa";
     assert_eq!(cells[0]["outcomes"][name]["mean"].as_f64(), Some(mean(&nearest)));
     assert_eq!(cells[1]["outcomes"][name]["mean"].as_f64(), Some(mean(&jpda)));
     let differences: Vec<f64> = jpda.iter().zip(&nearest).map(|(jpda, nearest)| jpda - nearest).collect();
@@ -73,7 +73,7 @@ fn the_runs_are_the_jobs_and_the_differences_theirs() {
 
     let text = |name: &str| String::from_utf8(found.artifacts.iter().find(|file| file.name == name).unwrap().bytes.clone()).unwrap();
     let runs = text("runs.csv");
-    assert_eq!(runs.lines().next(), Some("cell,run,seed,correct,metrics.gospa.quantities.mean"));
+    assert_eq!(runs.lines().next(), Some("cell,run,seed,correct,metrics.gospa.quantities.gospa"));
     assert_eq!(runs.lines().count(), 1 + 2 * 3);
     assert!(runs.lines().nth(1).unwrap().starts_with("nearest_neighbour,0,5,") && runs.contains(&nearest[0].to_string()));
     assert_eq!(text("cells.csv").lines().count(), 1 + 2 * 2);
@@ -178,6 +178,6 @@ fn what_cannot_be_run_is_refused() {
 fn scenario_base() -> Value {
     let mut base = base();
     base["input"] = presets::find("liang2009-100").unwrap().body["input"].take();
-    base["input"]["scenario"]["sensors"][0]["clutter_per_scan"] = json!(1000.0);
+    base["input"]["scenario"]["sensors"][0]["clutter_per_scan"] = json!(10_000.0);
     base
 }

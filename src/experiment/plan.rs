@@ -195,7 +195,7 @@ fn fill_tracking_defaults(spec: &mut Value) {
 }
 
 /// Replaces `{"source":"preset"}` by the preset's scenario, so that a stored spec says all.
-fn write_out_preset(spec: &mut Value, faults: &mut Vec<Fault>) {
+pub(super) fn write_out_preset(spec: &mut Value, faults: &mut Vec<Fault>) {
     let Some(name) = spec.pointer("/input/preset").and_then(Value::as_str) else { return };
     // The scenario of a campaign is that of its base.
     let places = ["/input/scenario", "/base/input/scenario"];

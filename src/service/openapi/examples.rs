@@ -84,7 +84,7 @@ fn campaign() -> Vec<(&'static str, Value)> {
             {"by": "values", "name": "P_D", "path": "/input/scenario/sensors/0/p_d", "values": [0.7, 0.9]},
             {"by": "variants", "name": "associator", "variants": methods}
         ],
-        "outcomes": [{"path": "tfa.probability.correct", "name": "correct"}, {"path": "metrics.gospa.quantities.mean"}]
+        "outcomes": [{"path": "tfa.probability.correct", "name": "correct"}, {"path": "metrics.gospa.quantities.gospa"}]
     });
     vec![("Three associators on the same scenes", body)]
 }
