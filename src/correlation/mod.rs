@@ -1,129 +1,57 @@
-//! Correlation: which reports of several sensors, made at one instant, are of one target. One file a grouper, one line of
-//! [`GROUPERS`].
+//! Correlation: which reports, or which tracks, of several sensors are of one target.
 //!
-//! Where the reports come from, and where the tracks come from that predict them, is not known here.
+//! [`grouping`] puts the reports of one instant together. The correlators put tracks together: a [`problem::Problem`] says
+//! what each tuple of tracks costs, a [`Correlator`] looks for the cheapest [`Solution`]. One file a correlator, one line of
+//! [`CORRELATORS`].
 
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
-use crate::model::state::{Position, PositionCovariance};
-use crate::registry::{Field, Kind, Method, Presence, Union};
+use crate::registry::{Method, Union};
+use problem::Problem;
 
-mod closest_pairs;
-pub mod constrained_hard_c_means;
-pub mod fuzzy_c_means;
-mod information;
-pub mod nearest_neighbour;
-pub mod sequential_nearest_neighbour;
-#[cfg(test)]
-mod tests;
+pub mod grouping;
+pub mod problem;
 
-/// A place, and how well it is known.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place {
-    pub position_m: Position,
-    pub covariance: PositionCovariance,
-}
-
-/// What one sensor reported of one target.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Report {
-    pub place: Place,
-    pub sensor: u32,
-}
-
-/// One instant: what all sensors reported, and where targets were expected.
-#[derive(Debug, Clone, Copy)]
-pub struct Snapshot<'a> {
-    /// Its number, from 0; a grouper that draws lots draws others at each.
-    pub number: u64,
-    /// Those of one sensor stand together.
-    pub reports: &'a [Report],
-    /// Empty for groupers that use none.
-    pub predictions: &'a [Place],
-}
-
-/// The reports of one instant in groups.
+/// The tracks of all sensors in tuples, and what was found on the way.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Grouping {
-    /// For each report its group. A grouper that uses predictions calls the group of prediction i by the number i; groups
-    /// beyond them, and those of groupers without predictions, have numbers of their own. Some numbers may stay empty.
-    pub group_of: Vec<usize>,
-    /// For each report how much it belongs to its group, where the grouper says.
-    pub memberships: Vec<Option<f64>>,
-    /// Rounds of a search.
-    pub iterations: Option<u32>,
-    /// What the search made as small as it could.
-    pub cost: Option<f64>,
-    /// Whether the search came to rest by itself.
-    pub converged: bool,
+pub struct Solution {
+    /// Every track is in exactly one tuple, alone in its own if it must; members in ascending order, tuples by their first.
+    pub tuples: Vec<Vec<u32>>,
+    /// J: the sum of the costs of the tuples.
+    pub cost: f64,
+    /// No solution costs less, where the correlator knows so.
+    pub dual_bound: Option<f64>,
+    pub search: Option<Search>,
 }
 
-impl Grouping {
-    /// Found without a search, and without memberships.
-    fn direct(group_of: Vec<usize>) -> Self {
-        Grouping { memberships: vec![None; group_of.len()], group_of, iterations: None, cost: None, converged: true }
-    }
-
-    /// Groups with members.
-    pub fn count(&self) -> usize {
-        let mut numbers = self.group_of.clone();
-        numbers.sort_unstable();
-        numbers.dedup();
-        numbers.len()
-    }
+/// How a correlator searched.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Search {
+    /// The cost of the best and of the mean solution of each generation or iteration, the first included.
+    pub best: Vec<f64>,
+    pub mean: Vec<f64>,
+    /// Solutions whose cost was computed.
+    pub evaluations: u64,
+    /// Why it ended: `generations`, `unchanged`, `optimal`.
+    pub stop: &'static str,
 }
 
-/// Puts the reports of one instant into groups.
-pub trait Grouper: Send {
-    /// Whether it needs [`Snapshot::predictions`].
-    fn uses_predictions(&self) -> bool;
-
-    /// Every report gets exactly one group.
-    ///
+/// Looks for the cheapest way to put tracks together.
+pub trait Correlator: Send {
     /// # Errors
-    /// What of its parameters does not fit these reports, with a pointer into the parameters.
-    fn group(&mut self, snapshot: &Snapshot) -> Result<Grouping, Vec<Fault>>;
-
-    /// What it wrote down step by step, if it was asked to.
-    fn trace(&self) -> Option<&fuzzy_c_means::History> {
-        None
-    }
+    /// What of its parameters or of the size of the problem it cannot work with, with a pointer into the parameters.
+    fn correlate(&mut self, problem: &Problem) -> Result<Solution, Vec<Fault>>;
 }
 
-/// Builds a grouper from its checked parameters and the seed of its random choices, if it makes any.
-pub type BuildGrouper = fn(&serde_json::Value, Seed) -> Result<Box<dyn Grouper>, serde_json::Error>;
+/// Builds a correlator from its checked parameters and the seed of its random choices, if it makes any.
+pub type BuildCorrelator = fn(&serde_json::Value, Seed) -> Result<Box<dyn Correlator>, serde_json::Error>;
 
-/// Every grouper.
-pub const GROUPERS: &[Method<BuildGrouper>] =
-    &[nearest_neighbour::METHOD, sequential_nearest_neighbour::METHOD, fuzzy_c_means::METHOD, constrained_hard_c_means::METHOD];
+/// Every correlator.
+pub const CORRELATORS: &[Method<BuildCorrelator>] = &[];
 
-pub static GROUPER: Union = Union {
-    name: "Grouper",
-    summary: "How reports of one instant are put together.",
+pub static CORRELATOR: Union = Union {
+    name: "Correlator",
+    summary: "How tracks of several sensors are put together.",
     tag: "method",
-    variants: || GROUPERS.iter().map(Method::variant).collect(),
+    variants: || CORRELATORS.iter().map(Method::variant).collect(),
 };
-
-const ONE_PER_SENSOR: Field = Field {
-    name: "one_per_sensor",
-    summary: "Whether a group has at most one report of each sensor.",
-    kind: Kind::Flag,
-    presence: Presence::Default("false"),
-};
-
-const MAX_ITERATIONS: Field = Field {
-    name: "max_iterations",
-    summary: "Iterations after which the search ends, at rest or not.",
-    kind: Kind::Integer { min: 1, max: 10_000, unit: "" },
-    presence: Presence::Default("100"),
-};
-
-/// The reports of each sensor, by their places in the list.
-fn by_sensor(reports: &[Report]) -> impl Iterator<Item = std::ops::Range<usize>> {
-    let mut first = 0;
-    reports.chunk_by(|left, right| left.sensor == right.sensor).map(move |chunk| {
-        let range = first..first + chunk.len();
-        first = range.end;
-        range
-    })
-}

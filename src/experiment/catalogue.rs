@@ -3,7 +3,7 @@
 use super::plan::JobKind;
 use super::requests;
 use crate::association::ASSOCIATOR;
-use crate::correlation::GROUPER;
+use crate::correlation::grouping::GROUPER;
 use crate::filtering::FILTER;
 use crate::registry::{Object, Union, Variant, standalone_schema};
 use serde_json::{Value, json};

@@ -6,8 +6,8 @@
 
 use super::observer::{Observer, Step};
 use super::run::{Decided, RunError};
-use crate::correlation::sequential_nearest_neighbour::SequentialNearestNeighbour;
-use crate::correlation::{GROUPERS, Grouper, Grouping, Place, Report, Snapshot};
+use crate::correlation::grouping::sequential_nearest_neighbour::SequentialNearestNeighbour;
+use crate::correlation::grouping::{GROUPERS, Grouper, Grouping, Place, Report, Snapshot};
 use crate::evaluation::grouping::{GroupedReport, GroupingCounts};
 use crate::filtering::kalman::Kalman;
 use crate::math::rng::Seed;
@@ -100,7 +100,7 @@ pub(super) struct Grouped {
     pub instants: Vec<(Instant, Grouping)>,
     /// Against the origins, where they are known.
     pub counts: Option<Vec<GroupingCounts>>,
-    pub history: Option<crate::correlation::fuzzy_c_means::History>,
+    pub history: Option<crate::correlation::grouping::fuzzy_c_means::History>,
     /// How long the grouper took, where the observer has a clock.
     pub decided: Option<Decided>,
 }

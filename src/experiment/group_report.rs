@@ -3,7 +3,7 @@
 use super::group::Grouped;
 use super::run::Artifact;
 use super::tables::Table;
-use crate::correlation::fuzzy_c_means::History;
+use crate::correlation::grouping::fuzzy_c_means::History;
 use crate::evaluation::grouping::GroupingCounts;
 use crate::model::scan::Recording;
 use serde::Serialize;
@@ -64,7 +64,7 @@ struct Line {
 
 pub(super) fn report(grouped: &Grouped, recording: &Recording) -> GroupingReport {
     let counts = grouped.counts.as_deref();
-    let line = |(index, (instant, grouping)): (usize, &(super::group::Instant, crate::correlation::Grouping))| {
+    let line = |(index, (instant, grouping)): (usize, &(super::group::Instant, crate::correlation::grouping::Grouping))| {
         let of_instant = counts.map(|counts| counts[index]);
         let (time_s, reports, groups) = (instant.time_s, instant.reports.len(), grouping.count());
         Line {

@@ -2,7 +2,7 @@
 
 use super::scenario_tables::SCENARIO;
 use crate::association::ASSOCIATOR;
-use crate::correlation::GROUPER;
+use crate::correlation::grouping::GROUPER;
 use crate::evaluation::metrics::METRIC;
 use crate::filtering::FILTER;
 use crate::registry::{Bound, Field, Kind, Object, Presence, Union, Variant};

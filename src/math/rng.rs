@@ -28,6 +28,8 @@ pub enum Purpose {
     Clustering = 9,
     /// The resamples of a bootstrap.
     Bootstrap = 11,
+    /// The choices of a correlator that searches.
+    Correlator = 12,
 }
 
 /// The seed of a job and the number of the run within it.
