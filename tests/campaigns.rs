@@ -181,3 +181,40 @@ fn scenario_base() -> Value {
     base["input"]["scenario"]["sensors"][0]["clutter_per_scan"] = json!(10_000.0);
     base
 }
+
+#[test]
+fn faults_of_the_table_and_of_the_base_are_told_together() {
+    let mut bad = base();
+    bad["inptu"] = json!(1);
+    let found: Vec<String> = faults(json!({"runs": 0, "base": bad})).into_iter().map(|fault| fault.0).collect();
+    assert_eq!(found, ["/runs", "/base/inptu"]);
+}
+
+#[test]
+fn each_outcome_has_a_name_of_its_own() {
+    let outcomes = json!([{"path": "tfa.counts.correct", "name": "n"}, {"path": "tfa.counts.missed", "name": "n"}]);
+    assert_eq!(
+        faults(json!({"outcomes": outcomes}))[0],
+        ("/outcomes/1".into(), "duplicate".into(), "each name once; 'name' sets it".into())
+    );
+}
+
+#[test]
+fn the_seed_is_the_campaigns() {
+    let grid = json!([{"by": "values", "path": "/seed", "values": [1, 2]}]);
+    let (pointer, code, _) = faults(json!({"grid": grid})).remove(0);
+    assert_eq!((&*pointer, &*code), ("/grid", "unknown_path"));
+}
+
+#[test]
+fn an_outcome_that_no_run_has_and_a_share_that_is_none_are_told() {
+    let found = outcome(&campaign(json!({"runs": 2, "outcomes": [
+        {"path": "tfa.counts.corect", "name": "mistyped"},
+        {"path": "tfa.counts.targets", "name": "targets", "interval": "wilson"}
+    ]})));
+    assert_eq!(found.warnings.len(), 2, "{:?}", found.warnings);
+    assert!(found.warnings[0].contains("'mistyped'") && found.warnings[0].contains("tfa.counts.corect"));
+    assert!(found.warnings[1].contains("'targets'"));
+    let targets = &found.result["cells"][0]["outcomes"]["targets"];
+    assert_eq!((&targets["mean"], &targets["interval"]), (&json!(10.0), &Value::Null));
+}

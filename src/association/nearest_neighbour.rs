@@ -59,7 +59,7 @@ enum Conflicts {
 struct NearestNeighbour {
     conflicts: Conflicts,
     greedy: Greedy,
-    /// For each detection of the scan, whether it is taken; between clusters nothing is.
+    /// For each detection of a scan, whether it is taken; nothing is between clusters.
     taken: Vec<bool>,
 }
 
@@ -69,13 +69,18 @@ impl NearestNeighbour {
     }
 
     fn in_turn(&mut self, problem: &Problem, weights: &mut Weights) {
-        self.taken.clear();
-        self.taken.resize(problem.detections() as usize, false);
+        if self.taken.len() < problem.detections() as usize {
+            self.taken.resize(problem.detections() as usize, false);
+        }
         for (index, row) in problem.rows() {
             if let Some(edge) = nearest(problem, row, |detection| !self.taken[detection as usize]) {
                 self.taken[problem.edge(edge).detection as usize] = true;
                 weights.choose(index, edge);
             }
+        }
+        // Only what this cluster can have taken: a scan has many clusters.
+        for (_, row) in problem.rows() {
+            row.edges().for_each(|edge| self.taken[problem.edge(edge).detection as usize] = false);
         }
     }
 }

@@ -26,7 +26,7 @@ pub(super) fn dataset(dataset: &Dataset, sensors: &[SensorSettings]) -> Result<A
 /// What the associator wrote down, as `association_trace.csv`.
 pub(super) fn trace(trace: &Trace) -> Artifact {
     let bytes = trace.text().as_bytes().to_vec();
-    Artifact { name: "association_trace.csv", media_type: "text/csv", bytes, dataset: None, sensors: Vec::new() }
+    Artifact::file("association_trace.csv", "text/csv", bytes)
 }
 
 /// What happened scan by scan, as `scans.csv`.
@@ -37,5 +37,5 @@ pub(super) fn scans(recording: &Recording, outcomes: &[ScanOutcome]) -> Result<A
         let ScanOutcome { tracks, confirmed, unused, .. } = outcome;
         writeln!(bytes, "{},{},{},{},{tracks},{confirmed},{unused}", scan.time_s, scan.number, quoted(sensor_id), scan.count)?;
     }
-    Ok(Artifact { name: "scans.csv", media_type: "text/csv", bytes, dataset: None, sensors: Vec::new() })
+    Ok(Artifact::file("scans.csv", "text/csv", bytes))
 }

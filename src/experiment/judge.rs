@@ -286,7 +286,7 @@ const MAX_BREAKS: usize = 1000;
 const TIME: &str = "time_s";
 
 fn text_file(name: &'static str, text: String) -> Artifact {
-    Artifact { name, media_type: "text/plain; charset=utf-8", bytes: (text + "\n").into_bytes(), dataset: None, sensors: Vec::new() }
+    Artifact::file(name, "text/plain; charset=utf-8", (text + "\n").into_bytes())
 }
 
 type Reports<'a> = Vec<(&'a str, MetricReport)>;

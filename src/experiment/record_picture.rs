@@ -48,7 +48,7 @@ pub(super) fn draw(record: &BearingTimeRecord, recording: Option<&Recording>, tr
     }
     add_legend(&mut svg, recording.is_some(), tracks.is_some());
     svg.push_str("</svg>\n");
-    Artifact { name: "record.svg", media_type: "image/svg+xml", bytes: svg.into_bytes(), dataset: None, sensors: Vec::new() }
+    Artifact::file("record.svg", "image/svg+xml", svg.into_bytes())
 }
 
 fn put(svg: &mut String, text: std::fmt::Arguments) {

@@ -37,6 +37,13 @@ pub struct Artifact {
     pub sensors: Vec<SensorSettings>,
 }
 
+impl Artifact {
+    /// A file that is no dataset.
+    pub fn file(name: &'static str, media_type: &'static str, bytes: Vec<u8>) -> Self {
+        Artifact { name, media_type, bytes, dataset: None, sensors: Vec::new() }
+    }
+}
+
 /// What a job found.
 #[derive(Debug, Clone)]
 pub struct Outcome {
@@ -76,6 +83,12 @@ pub enum RunError {
     /// The data and the request do not fit together.
     #[error("{} fault(s) in the inputs", .0.len())]
     Faults(Vec<Fault>),
+}
+
+impl From<std::io::Error> for RunError {
+    fn from(error: std::io::Error) -> Self {
+        RunError::Faults(vec![Fault::new("", "malformed", error.to_string())])
+    }
 }
 
 impl From<Vec<Fault>> for RunError {

@@ -247,7 +247,7 @@ impl Scene {
         step(observer, Step::Write, 0)?;
         let mut files = Vec::new();
         if let (Some(tracked), Some(recording)) = (&tracked, &self.recording) {
-            files.push(artifacts::scans(recording, &tracked.scans).map_err(unwritten)?);
+            files.push(artifacts::scans(recording, &tracked.scans)?);
             if let Some(trace) = &tracked.trace {
                 if trace.left_out() > 0 {
                     self.warnings.push(format!("association_trace.csv lacks the last {} rows", trace.left_out()));
@@ -260,7 +260,7 @@ impl Scene {
             files.push(record_picture::draw(&record, self.recording.as_ref(), tracks.as_ref()));
             // A record that was loaded is there already.
             if scenario_of(&plan.spec).is_some() {
-                files.push(artifacts::dataset(&Dataset::BearingTime(record), &self.sensors).map_err(unwritten)?);
+                files.push(artifacts::dataset(&Dataset::BearingTime(record), &self.sensors)?);
             }
         }
         let datasets = [
@@ -269,7 +269,7 @@ impl Scene {
             tracks.filter(|_| plan.kind != JobKind::Simulate).map(Dataset::Tracks),
         ];
         for dataset in datasets.into_iter().flatten() {
-            files.push(artifacts::dataset(&dataset, &self.sensors).map_err(unwritten)?);
+            files.push(artifacts::dataset(&dataset, &self.sensors)?);
         }
         step(observer, Step::Write, 1)?;
         Ok(files)
@@ -331,8 +331,4 @@ fn wrong_kind(pointer: &str, wanted: DatasetKind, found: DatasetKind) -> Fault {
     };
     let detail = format!("expected a dataset of {}, found one of {}{hint}", wanted.name(), found.name());
     Fault::new(pointer, "wrong_type", detail).allowing(wanted.name())
-}
-
-fn unwritten(error: std::io::Error) -> RunError {
-    RunError::Faults(vec![Fault::new("", "too_large", format!("an artefact could not be written: {error}"))])
 }

@@ -41,7 +41,7 @@ impl Table {
 
     pub fn artifact(mut self, name: &'static str) -> Artifact {
         self.write_header();
-        Artifact { name, media_type: "text/csv", bytes: self.bytes, dataset: None, sensors: Vec::new() }
+        Artifact::file(name, "text/csv", self.bytes)
     }
 
     fn write_header(&mut self) {

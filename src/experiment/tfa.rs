@@ -48,27 +48,17 @@ pub(super) fn judge(
     let mut files = Vec::new();
     match evaluation.automaton_file(MAX_TRANSITIONS) {
         Some(automaton) => {
-            let json = serde_json::to_vec(&automaton).map_err(|error| unwritten(&error))?;
-            files.push(artifact("automaton.json", "application/json", json));
-            files.push(artifact("automaton.dot", "text/vnd.graphviz", automaton.dot().into_bytes()));
+            let json = serde_json::to_vec(&automaton).map_err(std::io::Error::from)?;
+            files.push(Artifact::file("automaton.json", "application/json", json));
+            files.push(Artifact::file("automaton.dot", "text/vnd.graphviz", automaton.dot().into_bytes()));
         }
         None => warnings.push(format!("the automaton is not in a file: it has more than {MAX_TRANSITIONS} transitions")),
     }
     match evaluation.scan_probabilities(MAX_CURVE_ROWS) {
-        Some(curves) => {
-            files.push(artifact("truth_probability.csv", "text/csv", csv(&evaluation, &curves).map_err(|error| unwritten(&error))?))
-        }
+        Some(curves) => files.push(Artifact::file("truth_probability.csv", "text/csv", csv(&evaluation, &curves)?)),
         None => warnings.push(format!("the probabilities scan by scan are not in a file: they are more than {MAX_CURVE_ROWS} rows")),
     }
     Ok((evaluation.report(), files))
-}
-
-fn artifact(name: &'static str, media_type: &'static str, bytes: Vec<u8>) -> Artifact {
-    Artifact { name, media_type, bytes, dataset: None, sensors: Vec::new() }
-}
-
-fn unwritten(error: &dyn std::error::Error) -> RunError {
-    RunError::Faults(vec![Fault::new("", "malformed", error.to_string())])
 }
 
 /// The curves as a table; scans that no file names are left out.

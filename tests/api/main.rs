@@ -5,6 +5,7 @@
 mod bad_files;
 mod bad_requests;
 mod bearing_time;
+mod campaigns;
 mod catalogue;
 mod datasets;
 mod evaluations;

@@ -93,9 +93,7 @@ pub(super) fn cells_of(spec: &Value, axes: &[Axis]) -> Result<Vec<Cell>, Vec<Fau
         return Err(vec![fault.allowing(format!("at most {MAX_CELLS} cells"))]);
     }
     check_names(axes)?;
-    if let Err(faults) = plan(kind, &body) {
-        return Err(faults.into_iter().map(|fault| Fault { pointer: format!("/base{}", fault.pointer), ..fault }).collect());
-    }
+    plan(kind, &body).map_err(in_base)?;
     let (mut cells, mut faults) = (Vec::new(), Vec::new());
     for number in 0..count as usize {
         match cell(kind, &body, axes, number, &spec["seed"]) {
@@ -107,6 +105,17 @@ pub(super) fn cells_of(spec: &Value, axes: &[Axis]) -> Result<Vec<Cell>, Vec<Fau
         }
     }
     if faults.is_empty() { Ok(cells) } else { Err(faults) }
+}
+
+/// Every fault of the base, whatever the grid makes of it.
+pub(super) fn faults_of_base(spec: &Value) -> Vec<Fault> {
+    let found = base_of(spec).and_then(|(kind, body)| plan(kind, &body).map_err(in_base));
+    // What the table says of a base that is missing, it has said.
+    found.err().filter(|_| spec.get("base").is_some()).unwrap_or_default()
+}
+
+fn in_base(faults: Vec<Fault>) -> Vec<Fault> {
+    faults.into_iter().map(|fault| Fault { pointer: format!("/base{}", fault.pointer), ..fault }).collect()
 }
 
 /// Names tell axes and points apart.
@@ -175,6 +184,10 @@ fn cell(kind: JobKind, base: &Value, axes: &[Axis], number: usize, seed: &Value)
 /// Puts a value at a JSON pointer; objects on the way that are absent are made, for a field may have been left to its default.
 fn set(body: &mut Value, path: &str, value: &Value) -> Result<(), Box<Fault>> {
     let fault = |detail: String, allowed: String| Box::new(Fault::new(path, "unknown_path", detail).allowing(allowed));
+    if path == "/seed" {
+        let allowed = "'runs' for more scenes, or 'seed' of the campaign for others".to_owned();
+        return Err(fault("every cell has the seed of the campaign".to_owned(), allowed));
+    }
     let Some(steps) = path.strip_prefix('/') else {
         return Err(fault("a path begins with '/'".to_owned(), "a JSON pointer such as /associator".to_owned()));
     };

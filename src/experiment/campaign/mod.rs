@@ -27,12 +27,16 @@ const MAX_COST_S: f64 = 7.0 * 86_400.0;
 /// Numbers kept, over all cells, runs and outcomes.
 const MAX_NUMBERS: f64 = 50e6;
 
+/// Outcomes that are reckoned with where none are listed: about what all metrics together have.
+const UNLISTED_OUTCOMES: usize = 100;
+
 /// A checked campaign, from a spec that the table has checked already.
 ///
 /// # Errors
 /// All of `faults`, and every fault of base, grid and comparison.
 pub(super) fn plan(spec: Value, mut faults: Vec<Fault>) -> Result<Plan, Vec<Fault>> {
     if !faults.is_empty() {
+        faults.extend(cells::faults_of_base(&spec));
         return Err(faults);
     }
     let axes = cells::axes_of(&spec);
@@ -40,7 +44,7 @@ pub(super) fn plan(spec: Value, mut faults: Vec<Fault>) -> Result<Plan, Vec<Faul
     let runs = spec["runs"].as_u64().unwrap_or(1);
     let sum = |part: fn(&Estimate) -> f64| cells.iter().map(|cell| part(&cell.plan.estimate)).sum::<f64>() * runs as f64;
     let estimate = Estimate { detections: sum(|part| part.detections as f64) as u64, cost_s: sum(|part| part.cost_s), bytes: 0 };
-    let numbers = cells.len() as f64 * runs as f64 * spec["outcomes"].as_array().map_or(10, Vec::len) as f64;
+    let numbers = cells.len() as f64 * runs as f64 * spec["outcomes"].as_array().map_or(UNLISTED_OUTCOMES, Vec::len) as f64;
     if estimate.cost_s > MAX_COST_S || numbers > MAX_NUMBERS {
         let detail =
             format!("{} cells with {runs} runs each are about {:.0} s of work and {numbers:.0} numbers", cells.len(), estimate.cost_s);
@@ -49,6 +53,7 @@ pub(super) fn plan(spec: Value, mut faults: Vec<Fault>) -> Result<Plan, Vec<Faul
     if let Err(fault) = reference_point(&spec, &axes) {
         faults.push(*fault);
     }
+    faults.extend(outcomes::named_twice(&spec));
     let inputs = inputs_of(&cells, &mut faults);
     if !faults.is_empty() {
         return Err(faults);
@@ -111,18 +116,12 @@ pub(super) fn run(plan: &Plan, inputs: &Inputs, observer: &mut dyn Observer) -> 
     };
     let reports: Vec<_> = cells.iter().enumerate().map(report).collect();
     let names: Vec<&str> = harvest.outcomes.iter().map(Outcome::name).collect();
-    let artifacts = vec![
-        tables::runs(&cells, &names, &harvest.rows, plan.seed).map_err(unwritten)?,
-        tables::cells(&reports, &names).map_err(unwritten)?,
-        tables::markdown(&reports, &names),
-    ];
+    let artifacts =
+        vec![tables::runs(&cells, &names, &harvest.rows, plan.seed)?, tables::cells(&reports, &names)?, tables::markdown(&reports, &names)];
+    let warnings = outcomes::doubts(&harvest.outcomes, &harvest.rows);
     let result = json!({"outcomes": names, "confidence": confidence, "cells": to_value(&reports)?});
     let cell_times = times(&cells, &harvest.times_us, reference);
-    Ok(run::Outcome { result, warnings: Vec::new(), artifacts, decided: None, cell_times })
-}
-
-fn unwritten(error: std::io::Error) -> RunError {
-    RunError::Faults(vec![Fault::new("", "malformed", error.to_string())])
+    Ok(run::Outcome { result, warnings, artifacts, decided: None, cell_times })
 }
 
 fn gather(plan: &Plan, cells: &[Cell], inputs: &Inputs, observer: &mut dyn Observer) -> Result<Harvest, RunError> {

@@ -3,6 +3,7 @@
 use super::cells::{Axis, Cell};
 use crate::math::rng::{Purpose, Seed};
 use crate::math::stats::{self, Interval};
+use crate::model::fault::Fault;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -49,6 +50,37 @@ fn number_at(result: &Value, path: &str) -> Option<f64> {
 /// The outcomes that a checked spec lists.
 pub(super) fn listed(spec: &Value) -> Option<Vec<Outcome>> {
     spec.get("outcomes").and_then(|outcomes| Vec::deserialize(outcomes).ok())
+}
+
+/// A name that two outcomes have, for each is a column of the tables.
+pub(super) fn named_twice(spec: &Value) -> Vec<Fault> {
+    let outcomes = listed(spec).unwrap_or_default();
+    let is_second = |index: &usize| outcomes[..*index].iter().any(|outcome| outcome.name() == outcomes[*index].name());
+    let fault = |index: usize| {
+        let detail = format!("two outcomes are named '{}'", outcomes[index].name());
+        Fault::new(format!("/outcomes/{index}"), "duplicate", detail).allowing("each name once; 'name' sets it")
+    };
+    (0..outcomes.len()).filter(is_second).map(fault).collect()
+}
+
+/// What the reader of the tables should know: outcomes that no run has, and shares that are none.
+pub(super) fn doubts(outcomes: &[Outcome], rows: &[Rows]) -> Vec<String> {
+    let numbers = |number: usize| rows.iter().flat_map(move |cell| cell[number].iter().flatten().copied());
+    let mut doubts = Vec::new();
+    for (number, outcome) in outcomes.iter().enumerate() {
+        let (name, path) = (outcome.name(), &outcome.path);
+        if numbers(number).next().is_none() {
+            doubts.push(format!("no run has the outcome '{name}': there is no number at '{path}' in any result"));
+        }
+        if outcome.interval == Method::Wilson && !numbers(number).all(is_success_or_failure) {
+            doubts.push(format!("outcome '{name}' is not 0 or 1 in every run, so it has no Wilson interval"));
+        }
+    }
+    doubts
+}
+
+fn is_success_or_failure(number: f64) -> bool {
+    number == 0.0 || number == 1.0
 }
 
 /// What is kept when nothing is listed: every number of these parts of the result.
@@ -134,6 +166,7 @@ impl Judge<'_> {
         let method = self.outcomes[number].interval;
         let interval = match method {
             Method::T => stats::t_interval(&present, self.confidence),
+            Method::Wilson if !present.iter().copied().all(is_success_or_failure) => None,
             Method::Wilson => stats::wilson_interval(present.iter().sum(), present.len(), self.confidence),
             Method::Bootstrap => {
                 let mut draw = self.seed.stream(Purpose::Bootstrap, cell as u64, number as u64);

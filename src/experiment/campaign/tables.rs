@@ -6,10 +6,6 @@ use crate::experiment::run::Artifact;
 use crate::experiment::tables::quoted;
 use std::io::{Error, Write};
 
-fn artifact(name: &'static str, media_type: &'static str, bytes: Vec<u8>) -> Artifact {
-    Artifact { name, media_type, bytes, dataset: None, sensors: Vec::new() }
-}
-
 fn text_of(number: Option<f64>) -> String {
     number.map_or_else(String::new, |number| number.to_string())
 }
@@ -24,7 +20,7 @@ pub(super) fn runs(cells: &[Cell], names: &[&str], rows: &[Rows], seed: u32) -> 
             writeln!(bytes, "{name},{run},{seed},{numbers}")?;
         }
     }
-    Ok(artifact("runs.csv", "text/csv", bytes))
+    Ok(Artifact::file("runs.csv", "text/csv", bytes))
 }
 
 /// `cells.csv`: a line a cell and outcome.
@@ -51,7 +47,7 @@ pub(super) fn cells(reports: &[CellReport], names: &[&str]) -> Result<Artifact, 
             writeln!(bytes, "{},{},{},{},{numbers}", quoted(&report.name), quoted(name), summary.count, summary.missing)?;
         }
     }
-    Ok(artifact("cells.csv", "text/csv", bytes))
+    Ok(Artifact::file("cells.csv", "text/csv", bytes))
 }
 
 /// `cells.md`: a row a cell, a column an outcome, each with its interval.
@@ -64,7 +60,7 @@ pub(super) fn markdown(reports: &[CellReport], names: &[&str]) -> Artifact {
         let cells = names.iter().map(|&name| report.outcomes.get(name).map_or_else(String::new, with_interval)).collect::<Vec<_>>();
         text.push_str(&format!("| {} | {} |\n", escaped(&report.name), cells.join(" | ")));
     }
-    artifact("cells.md", "text/markdown", text.into_bytes())
+    Artifact::file("cells.md", "text/markdown", text.into_bytes())
 }
 
 /// `0.987 (0.978 to 0.993)`.

@@ -67,8 +67,11 @@ static FILE_SOURCE: Object = Object {
     ],
 };
 
-/// The JSON pointers of every place in a request that may name a source.
+/// The JSON pointers of every place in a request that may name a source; those of a campaign are in its base.
 fn source_pointers(body: &Value) -> Vec<String> {
+    if let Some(base) = body.get("base") {
+        return source_pointers(base).into_iter().map(|pointer| format!("/base{pointer}")).collect();
+    }
     let mut pointers = ["/input", "/truth", "/tracks", "/detections"].map(String::from).to_vec();
     let sequences = body["sequences"].as_array().map_or(0, Vec::len);
     pointers.extend((0..sequences).flat_map(|index| ["truth", "tracks"].map(|name| format!("/sequences/{index}/{name}"))));

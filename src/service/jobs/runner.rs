@@ -172,8 +172,7 @@ impl Inner {
     async fn keep(&self, product: Product) -> anyhow::Result<Ending> {
         let blobs = self.blobs.clone();
         let artifacts = tokio::task::spawn_blocking(move || {
-            let report =
-                Artifact { name: "report.json", media_type: "application/json", bytes: product.report, dataset: None, sensors: Vec::new() };
+            let report = Artifact::file("report.json", "application/json", product.report);
             let keep = |artifact: Artifact| {
                 let sha256 = blobs.put(&artifact.bytes)?;
                 let Artifact { name, media_type, bytes, dataset, sensors } = artifact;
