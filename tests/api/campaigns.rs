@@ -23,7 +23,9 @@ async fn a_campaign_answers_with_cells_intervals_and_files() {
     let report = api.get(&format!("/v1/jobs/{}/report", id(&job))).await.ok(200);
     let cells = report["result"]["cells"].as_array().unwrap();
     assert_eq!(cells.iter().map(|cell| cell["name"].as_str().unwrap()).collect::<Vec<_>>(), ["NN", "JPDA"]);
-    assert_eq!(cells[1]["outcomes"]["targets"]["mean"], 10.0);
+    // The same scenes: as many targets in every cell.
+    assert!(cells[1]["outcomes"]["targets"]["mean"].as_f64().unwrap() > 8.0);
+    assert_eq!(cells[1]["differences"]["targets"]["mean"], 0.0);
     assert_eq!(cells[1]["compared_with"], "NN");
     // The difference of the means is the mean of the differences.
     let mean = |cell: usize| cells[cell]["outcomes"]["correct"]["mean"].as_f64().unwrap();

@@ -1,0 +1,61 @@
+//! `cargo bench --bench sonar`: what deciding a scan costs on the scenes of bearings, in the yardstick u (one predict and update
+//! of a 4-state Kalman filter) measured in the same run, and as a ratio to JPDA with listed events. Each associator meets all
+//! problems of a run once more, alone between two looks at the clock; the figure is the median of the timed runs.
+
+#[path = "support/yardstick.rs"]
+mod yardstick;
+
+use serde_json::json;
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+use trackloom::experiment::observer::{Observer, Step};
+use trackloom::experiment::plan::plan;
+use trackloom::experiment::presets;
+use trackloom::experiment::run::run;
+use yardstick::kalman_rounds;
+
+/// Presets, and runs of each cell.
+const SCENES: [(&str, u32); 3] = [("wang-bat-2", 20), ("wang-bat-6", 20), ("wang-bat-6-ungated", 3)];
+
+struct Clock(Instant);
+
+impl Observer for Clock {
+    fn progress(&mut self, _: Step, _: u64, _: u64) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
+    fn now(&self) -> Option<Duration> {
+        Some(self.0.elapsed())
+    }
+}
+
+fn main() {
+    // `cargo test --benches` only wants to know that it starts.
+    if std::env::args().any(|argument| argument == "--test") {
+        return;
+    }
+    let u_us = yardstick_us();
+    println!("yardstick u = {:.1} ns\n", u_us * 1e3);
+    for (name, runs) in SCENES {
+        let mut preset = presets::find(name).expect("the preset exists");
+        preset.body["runs"] = json!(runs);
+        let plan = plan(preset.kind, &preset.body).expect("a preset is a plan");
+        let outcome = run(&plan, Vec::new(), &mut Clock(Instant::now())).expect("a preset runs");
+        println!("{name}");
+        for time in outcome.cell_times {
+            let (us, ratio) = (time.decide_us_per_scan, time.ratio.unwrap_or(1.0));
+            println!("  {:<34} {us:>9.2} µs a scan {:>9.1} u {ratio:>9.3}", time.cell, us / u_us);
+        }
+    }
+}
+
+/// The least of many: what other programs do only ever adds.
+fn yardstick_us() -> f64 {
+    const ROUNDS: u32 = 200_000;
+    let once = |_| {
+        let start = Instant::now();
+        kalman_rounds(ROUNDS);
+        start.elapsed().as_secs_f64() * 1e6 / f64::from(ROUNDS)
+    };
+    (0..15).map(once).fold(f64::INFINITY, f64::min)
+}
