@@ -4,15 +4,17 @@
 //! scenes of 100 to 100 000 targets of equal density the cost of the whole tracker for each track and scan under `oracle`
 //! (the filter alone) and under every other associator, in u, as a ratio to the oracle, and for each detection as a ratio to
 //! the smallest scene. Last, what JPDA costs in whole runs and how it found its marginals.
-//! `cargo bench --bench association -- 100 5000` runs only these sizes.
+//! `cargo bench --bench association -- 100 5000` runs only these sizes, `-- jpda` only the whole runs of JPDA.
 
+#[path = "support/flights.rs"]
+mod flights;
 #[path = "support/yardstick.rs"]
 mod yardstick;
 
 use serde_json::json;
 use std::hint::black_box;
 use std::time::Instant;
-use trackloom::association::ASSOCIATORS;
+use trackloom::association::{ASSOCIATORS, Associator};
 use trackloom::filtering::kalman::Kalman;
 use trackloom::math::rng::Seed;
 use trackloom::model::scan::Recording;
@@ -40,6 +42,10 @@ fn main() {
         "targets", "associator", "track-scans", "ns each", "u each", "/ oracle", "ns a detection", "/ smallest"
     );
     let chosen: Vec<u32> = std::env::args().filter_map(|argument| argument.parse().ok()).collect();
+    if std::env::args().any(|argument| argument == "jpda") {
+        jpda_scenes(u_ns);
+        return;
+    }
     let mut smallest = Vec::new();
     for &targets in if chosen.is_empty() { &SIZES[..] } else { &chosen } {
         let found = compare(targets, u_ns, &smallest);
@@ -118,15 +124,13 @@ fn recorded(scenario: Scenario) -> (Scenario, Recording) {
 
 /// Seconds for the whole tracker, and how many living tracks it carried through a scan, summed over the scans.
 fn tracked(method: &str, scenario: &Scenario, recording: &Recording) -> (f64, u64, Option<serde_json::Value>) {
-    let associator = ASSOCIATORS.iter().find(|entry| entry.name == method).expect("a name of the table");
-    let defaults = registry::check(&json!({}), associator.parameters).expect("every parameter has a default");
     let sensor = &scenario.sensors[0];
     // A scene of slow targets within 2 km is not tracked with the speeds of aircraft.
     let initial_speed_sigma_mps = if sensor.max_range_m < Some(10_000.0) { 10.0 } else { 430.0 };
     let Some(ReportNoise::Position { sigma_x_m, sigma_y_m }) = sensor.noise() else { panic!("the scenes have position reports") };
     let parts = TrackerParts {
         filter: Kalman { process_noise_m2ps3: 1.0 },
-        associator: (associator.build)(&defaults, Seed { seed: 1, run: 0 }).expect("defaults build"),
+        associator: associator(method, &json!({})),
         lifecycle: Lifecycle {
             gate_probability: 0.999,
             initiation: Initiation::OnePoint,
@@ -162,6 +166,34 @@ fn jpda_scenes(u_ns: f64) {
     report("30 targets", &scene(30), u_ns);
     report("100 targets", &scene(100), u_ns);
     report("dense", &dense_scene(), u_ns);
+    for scene in &flights::scenes() {
+        report_flights(scene, u_ns);
+    }
+}
+
+/// 30 targets whose gates hold each other's detections: the exact marginals beside the oracle, which costs the filter alone.
+fn report_flights(scene: &flights::Flights, u_ns: f64) {
+    let mut least_s = [f64::INFINITY; 2];
+    let mut diagnostics = None;
+    for _ in 0..RUNS {
+        for (least_s, name) in least_s.iter_mut().zip(["oracle", "jpda"]) {
+            let associator = associator(name, &if name == "jpda" { json!({"marginals": "exact"}) } else { json!({}) });
+            let start = Instant::now();
+            let tracker = scene.tracked(associator);
+            *least_s = least_s.min(start.elapsed().as_secs_f64());
+            diagnostics = tracker.diagnostics();
+            black_box(tracker.into_history());
+        }
+    }
+    let u = least_s.map(|seconds| seconds * 1e9 / u_ns);
+    println!("{:>12}: {:.3} ms = {:.0} u, of which {:.0} u are the oracle's", scene.name, least_s[1] * 1e3, u[1], u[0]);
+    println!("{}", diagnostics.map_or_else(String::new, |said| said.to_string()));
+}
+
+fn associator(method: &str, parameters: &serde_json::Value) -> Box<dyn Associator> {
+    let entry = ASSOCIATORS.iter().find(|entry| entry.name == method).expect("a name of the table");
+    let checked = registry::check(parameters, entry.parameters).expect("the parameters are right");
+    (entry.build)(&checked, Seed { seed: 1, run: 0 }).expect("checked parameters build")
 }
 
 /// 100 targets that start within 2 km, and 500 false detections a scan in the same 2 km.

@@ -79,6 +79,21 @@ fn noises_must_be_positive() {
 }
 
 #[test]
+fn caps_of_jpda_end_where_a_cluster_would_take_seconds() {
+    let jpda = with(body(), "/associator", json!({"method": "jpda"}));
+    let refused = |name: &str, value: Value, allowed: &str| {
+        refused(jpda.clone(), &format!("/associator/{name}"), value, "out_of_range", allowed);
+    };
+    refused("max_events", json!(100_000_001u64), "[1, 100000000]");
+    refused("max_states", json!(1 << 25), "[1, 16777216]");
+    refused("max_auto_cost", json!((1u64 << 25) + 1), "[1, 33554432]");
+    refused("max_iterations", json!(10_001), "[1, 10000]");
+    for tolerance in [0.0, 1e-300, 0.11] {
+        refused("tolerance", json!(tolerance), "[0.00000000000001, 0.1]");
+    }
+}
+
+#[test]
 fn a_life_cycle_that_cannot_be_is_refused() {
     let lives = |tracker: Value| plan(JobKind::Associate, &with(body(), "/tracker", tracker));
     let faults = lives(json!({"confirm_hits": 6, "confirm_window": 5})).unwrap_err();
@@ -154,10 +169,44 @@ fn detections_that_the_filter_cannot_use_are_named_with_those_it_can() {
     let bearings = "time_s,scan,sensor_id,detection_id,bearing_deg\n0,1,radar,a,45\n";
     let faults = found_in(&with(body(), "/filter/method", json!("extended")), Some(bearings));
     assert_eq!(told(&faults), [("/filter/method", "unsupported", "positions (x_m, y_m); ranges and bearings (range_m, bearing_deg)")]);
+}
 
-    let polar = json!([{"sensor_id": "a", "max_range_m": 10.0, "sigma_range_m": 1.0, "sigma_bearing_deg": 1.0}]);
-    let faults = found_in(&with(simulated(), "/input/scenario/sensors", polar), None);
-    assert_eq!(told(&faults), [("/filter/method", "unsupported", "positions (x_m, y_m)")]);
+#[test]
+fn what_a_scenario_will_report_is_tried_before_it_runs() {
+    let refused = |changes: &[(&str, Value)]| {
+        let body = changes.iter().fold(simulated(), |body, (pointer, value)| with(body, pointer, value.clone()));
+        let faults = plan(JobKind::Associate, &body).unwrap_err();
+        let told = told(&faults).into_iter().map(|(pointer, code, allowed)| format!("{pointer} {code}: {allowed}"));
+        told.collect::<Vec<_>>()
+    };
+    let sensor = |noise: Value| {
+        let mut sensor = json!({"sensor_id": "radar", "max_range_m": 10.0, "p_d": 0.9});
+        noise.as_object().unwrap().iter().for_each(|(name, value)| sensor[name] = value.clone());
+        ("/input/scenario/sensors", json!([sensor]))
+    };
+    let polar = sensor(json!({"sigma_range_m": 1.0, "sigma_bearing_deg": 1.0}));
+    let method = |name: &str| ("/associator", json!({"method": name}));
+    let positions = "/filter/method unsupported: positions (x_m, y_m)";
+    let amplitudes = "/associator/method unsupported: an 'amplitude' column without empty cells";
+    assert_eq!(refused(std::slice::from_ref(&polar)), [positions]);
+    assert_eq!(refused(&[method("strongest_neighbour")]), [amplitudes]);
+    assert_eq!(refused(&[polar.clone(), method("strongest_neighbour")]), [positions, amplitudes]);
+    let requested = |settings: Value| ("/sensors", json!([settings]));
+    let unknown = requested(json!({"sensor_id": "sonar", "p_d": 0.5}));
+    assert_eq!(refused(&[unknown]), ["/sensors/0/sensor_id unknown_value: radar"]);
+    let per_deg = requested(json!({"sensor_id": "radar", "clutter_per_deg": 0.5}));
+    assert_eq!(refused(&[per_deg]), ["/sensors/0/clutter_per_deg unsupported: clutter_per_m2"]);
+    let always = requested(json!({"sensor_id": "radar", "p_d": 1.0}));
+    let no_gate = ("/tracker", json!({"gate_probability": 1.0}));
+    assert_eq!(refused(&[always, no_gate]), ["/tracker/gate_probability conflict: below 1, or a P_D below 1"]);
+    // A filter of directions can use these bearings, but tracks of directions cannot begin at places.
+    let (directions, at_truth) = (("/filter", json!({"method": "bearing_only"})), ("/tracker", json!({"initiation": {"method": "truth"}})));
+    assert_eq!(refused(&[polar.clone(), directions, at_truth]), ["/truth unsupported: directions (bearing_deg)"]);
+    // What can be used is a plan, and so is the same scenario without a tracker.
+    let usable = with(with(simulated(), polar.0, polar.1.clone()), "/filter", json!({"method": "extended"}));
+    assert!(plan(JobKind::Associate, &usable).is_ok());
+    let alone = json!({"scenario": usable["input"]["scenario"]});
+    assert!(plan(JobKind::Simulate, &alone).is_ok());
 }
 
 #[test]

@@ -97,7 +97,8 @@ fn scores_confirm_no_more_false_tracks_than_they_may() {
 #[test]
 fn pairs_of_clutter_are_confirmed_no_more_than_they_may() {
     // Here α counts for the first points: every unused detection is one, or the second of a pair.
-    let lifecycle = Lifecycle { initiation: Initiation::TwoPoint { max_speed_mps: 20.0 }, confirmation: score(0.1), ..LIFE };
+    let lifecycle =
+        Lifecycle { initiation: Initiation::TwoPoint { max_speed_mps: 20.0, max_wait_scans: 1 }, confirmation: score(0.1), ..LIFE };
     let [started, unused, confirmed] = counts(&pure_clutter(1), "global_nearest_neighbour", lifecycle, 1e-4);
     println!("{confirmed} of {started} pairs and {unused} unused detections");
     assert!(2.0 * started < unused && confirmed > 10.0 && confirmed <= 0.1 / 0.95 * (unused - started));
@@ -190,7 +191,7 @@ fn names(tracks: &TrackSet, track: usize) -> Vec<&str> {
 
 #[test]
 fn two_points_start_a_track_with_a_speed_and_remember_both() {
-    let lifecycle = Lifecycle { initiation: Initiation::TwoPoint { max_speed_mps: 10.0 }, ..LIFE };
+    let lifecycle = Lifecycle { initiation: Initiation::TwoPoint { max_speed_mps: 10.0, max_wait_scans: 1 }, ..LIFE };
     let (outcomes, tracks) = tracked(&recording(&walk(4, &[])), "nearest_neighbour", lifecycle, 1e-6);
     assert_eq!(outcomes.iter().map(|outcome| (outcome.unused, outcome.started)).collect::<Vec<_>>(), [(1, 0), (1, 1), (0, 0), (0, 0)]);
     assert_eq!(names(&tracks, 0), ["1-1", "2-1", "3-1", "4-1"]);
@@ -209,6 +210,17 @@ fn two_points_start_a_track_with_a_speed_and_remember_both() {
     // A miss in the second scan: the first detection is forgotten.
     let (_, tracks) = tracked(&recording(&walk(5, &[2])), "nearest_neighbour", lifecycle, 1e-6);
     assert_eq!(names(&tracks, 0), ["3-1", "4-1", "5-1"]);
+    // Unless it may wait for two scans: the speed is that over two seconds, and the missed scan counts as one.
+    let patient = Lifecycle { initiation: Initiation::TwoPoint { max_speed_mps: 10.0, max_wait_scans: 2 }, ..LIFE };
+    let statuses = |missed: &[u32], hits: u32, window: u32| {
+        let lifecycle = Lifecycle { confirm_hits: hits, confirm_window: window, ..patient };
+        let (_, tracks) = tracked(&recording(&walk(6, missed)), "nearest_neighbour", lifecycle, 1e-6);
+        let initials = tracks.tracks[0].points.iter().map(|point| &point.status.unwrap().name()[..1]).collect::<String>();
+        (names(&tracks, 0).join(" "), tracks.tracks[0].points[1].estimate.plane().unwrap().state[2], initials)
+    };
+    assert_eq!(statuses(&[2], 3, 4), ("1-1 3-1 4-1 5-1 6-1".to_owned(), 5.0, "ttccc".to_owned()));
+    assert_eq!(statuses(&[2], 3, 3), ("1-1 3-1 4-1 5-1 6-1".to_owned(), 5.0, "tttcc".to_owned()));
+    assert_eq!(statuses(&[2, 3], 2, 2).0, "4-1 5-1 6-1");
 }
 
 #[test]

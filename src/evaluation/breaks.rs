@@ -25,6 +25,9 @@ pub enum BreakCause {
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Break {
+    /// Where several sequences are judged: the one that it happened in.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sequence: Option<String>,
     pub time_s: f64,
     pub truth_id: String,
     pub track_id: String,
@@ -54,6 +57,7 @@ pub fn explain(comparison: &Comparison, log: &EventLog, input: Option<&Evaluatio
                 (None, false) => BreakCause::Ended,
             };
             Some(Break {
+                sequence: None,
                 time_s: step.time_s,
                 truth_id: comparison.truth_ids[truth as usize].clone(),
                 track_id: comparison.track_ids[track as usize].clone(),

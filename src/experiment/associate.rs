@@ -83,11 +83,12 @@ pub(super) fn track(
     let (spec, seed) = (&plan.spec, plan.stream());
     let (filter, filter_name) = filter_of(spec)?;
     let (associator, method) = associator_of(spec, seed)?;
-    check_needs(&method, associator.needs(), recording)?;
+    if let Some(fault) = unmet_need(&method, associator.needs(), recording) {
+        return Err(vec![fault].into());
+    }
     let lifecycle = Lifecycle::deserialize(&spec["tracker"]).map_err(|_| unusable("/tracker"))?;
-    if lifecycle.gate_probability == 1.0 && sensors.iter().any(|sensor| sensor.p_d >= 1.0) {
-        let detail = "without a gate a target of P_D = 1 is never without a detection: no assignment could leave it alone";
-        return Err(vec![Fault::new("/tracker/gate_probability", "conflict", detail).allowing("below 1, or a P_D below 1")].into());
+    if let Some(fault) = endless_gate(&lifecycle, &sensors) {
+        return Err(vec![fault].into());
     }
     let has_rates = !sensors.is_empty() && sensors.iter().all(|sensor| sensor.report.range_rate().is_some());
     let starts = given::starts(&lifecycle, recording, truth, &sensors, (&filter, filter_name), seed)?;
@@ -161,21 +162,27 @@ where
     Some(Decided { spent: observer.now()?.checked_sub(begun)?, scans: scans as u64 })
 }
 
-/// Whether the recording knows of its detections what the associator needs.
-fn check_needs(method: &str, needs: Needs, recording: &Recording) -> Result<(), RunError> {
+/// A fault where a sensor never misses and nothing is outside a gate.
+pub(super) fn endless_gate(lifecycle: &Lifecycle, sensors: &[Sensor]) -> Option<Fault> {
+    if lifecycle.gate_probability < 1.0 || sensors.iter().all(|sensor| sensor.p_d < 1.0) {
+        return None;
+    }
+    let detail = "without a gate a target of P_D = 1 is never without a detection: no assignment could leave it alone";
+    Some(Fault::new("/tracker/gate_probability", "conflict", detail).allowing("below 1, or a P_D below 1"))
+}
+
+/// A fault where the recording does not know of its detections what the associator needs.
+pub(super) fn unmet_need(method: &str, needs: Needs, recording: &Recording) -> Option<Fault> {
     let (what, lacking, column) = match needs {
-        Needs::Nothing | Needs::Places => return Ok(()),
+        Needs::Nothing | Needs::Places => return None,
         Needs::Origins => ("origin", if recording.origins_known { 0 } else { recording.detections.len() }, "a 'truth_id' column"),
         Needs::Amplitudes => {
             let lacking = recording.detections.iter().filter(|detection| detection.amplitude.is_none()).count();
             ("amplitude", lacking, "an 'amplitude' column without empty cells")
         }
     };
-    if lacking == 0 {
-        return Ok(());
-    }
     let detail = format!("'{method}' needs the {what} of every detection; {lacking} of {} lack it", recording.detections.len());
-    Err(RunError::Faults(vec![Fault::new("/associator/method", "unsupported", detail).allowing(column)]))
+    (lacking > 0).then(|| Fault::new("/associator/method", "unsupported", detail).allowing(column))
 }
 
 /// The checked spec names only methods of the tables, with parameters that fit them; anything else is a fault of ours,
@@ -190,7 +197,7 @@ pub(super) fn filter_of(spec: &Value) -> Result<(Chosen, &'static str), RunError
     (entry.build)(&spec["filter"]).map(|filter| (filter, entry.name)).map_err(|_| unusable("/filter"))
 }
 
-fn associator_of(spec: &Value, seed: Seed) -> Result<(Box<dyn Associator>, String), RunError> {
+pub(super) fn associator_of(spec: &Value, seed: Seed) -> Result<(Box<dyn Associator>, String), RunError> {
     let entry = ASSOCIATORS.iter().find(|entry| spec["associator"]["method"] == entry.name).ok_or_else(|| unusable("/associator"))?;
     (entry.build)(&spec["associator"], seed).map(|associator| (associator, entry.name.to_owned())).map_err(|_| unusable("/associator"))
 }

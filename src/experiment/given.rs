@@ -58,11 +58,8 @@ pub(super) fn starts(
     let Some(truth) = truth else {
         return Err(refusal("missing", "no truth was found for this job, and its tracks begin at it", "truth"));
     };
-    if truth.is_of_bearings() != filter.is_of_bearings() {
-        let (found, wanted) =
-            if truth.is_of_bearings() { ("directions (bearing_deg)", "places (x_m, y_m)") } else { ("places", "directions (bearing_deg)") };
-        let detail = format!("the truth are {found}, and tracks of the filter '{filter_name}' cannot begin at them");
-        return Err(refusal("unsupported", &detail, wanted));
+    if let Some(fault) = unfit_truth(lifecycle, truth.is_of_bearings(), (filter, filter_name)) {
+        return Err(vec![fault].into());
     }
     let Some(scan) = recording.scans.first() else { return Ok(Vec::new()) };
     let sigma = if filter.is_of_bearings() { rate_sigma_degps.to_radians() } else { speed_sigma_mps };
@@ -79,6 +76,17 @@ pub(super) fn starts(
         })
     };
     Ok(truth.targets().iter().enumerate().filter_map(start).collect())
+}
+
+/// A fault where tracks begin at truth of another kind than theirs.
+pub(super) fn unfit_truth(lifecycle: &Lifecycle, is_of_bearings: bool, (filter, filter_name): (&Chosen, &str)) -> Option<Fault> {
+    if !matches!(lifecycle.initiation, Initiation::Truth { .. }) || is_of_bearings == filter.is_of_bearings() {
+        return None;
+    }
+    let (found, wanted) =
+        if is_of_bearings { ("directions (bearing_deg)", "places (x_m, y_m)") } else { ("places", "directions (bearing_deg)") };
+    let detail = format!("the truth are {found}, and tracks of the filter '{filter_name}' cannot begin at them");
+    Some(Fault::new("/truth", "unsupported", detail).allowing(wanted))
 }
 
 fn refusal(code: &str, detail: &str, allowed: &str) -> RunError {

@@ -107,7 +107,7 @@ pub(super) fn judge(spec: &Value, subjects: &[Subject], observer: &mut dyn Obser
         alone.push(reports);
     }
     let mut artifacts = files(subjects, &sequences, &together, &alone);
-    let mut parts = vec![("metrics", written(&together)), ("events", event_counts(&sequences))];
+    let mut parts = vec![("metrics", written(&together)), ("events", event_counts(subjects, &sequences))];
     if !alone.is_empty() {
         let sequence = |(subject, reports): (&Subject, &Vec<_>)| json!({"name": subject.name, "metrics": written(reports)});
         parts.push(("sequences", subjects.iter().zip(&alone).map(sequence).collect()));
@@ -177,27 +177,39 @@ pub(super) fn time_tolerance_s(spec: &Value) -> Option<f64> {
 
 /// Truth and tracks whose times do not meet: any number made of them would mislead.
 fn strangers(index: usize, (subject, comparison): (&Subject, &Comparison)) -> Option<Fault> {
-    let Content::Points { input, truth } = &subject.content else { return None };
-    let tracks_s = span_s(input.tracks.tracks.iter().flat_map(|track| &track.points).map(|point| point.time_s))?;
-    let truth_s = span_s(truth.targets().iter().flat_map(|target| &target.points).map(|point| point.time_s))?;
-    // Scans may well see the one after the other; without them the clocks alone tell.
-    let meet = match input.recording {
-        Some(_) => !comparison.truths.is_empty() && !comparison.tracks.is_empty(),
-        None => comparison.steps.iter().any(|step| !step.truths.is_empty() && !step.tracks.is_empty()),
+    let is_shared = || comparison.steps.iter().any(|step| !step.truths.is_empty() && !step.tracks.is_empty());
+    let (tracks_span, truth_span, meet) = match &subject.content {
+        Content::Points { input, truth } => {
+            let tracks_s = span(input.tracks.tracks.iter().flat_map(|track| &track.points).map(|point| point.time_s))?;
+            let truth_s = span(truth.targets().iter().flat_map(|target| &target.points).map(|point| point.time_s))?;
+            // Scans may well see the one after the other; without them the clocks alone tell.
+            let meet = match input.recording {
+                Some(_) => !comparison.truths.is_empty() && !comparison.tracks.is_empty(),
+                None => is_shared(),
+            };
+            (tracks_s, truth_s, meet)
+        }
+        Content::Boxes { truth, tracks } => {
+            let frames = |set: &BoxSet| span(set.boxes().iter().map(|one| f64::from(one.frame)));
+            (frames(tracks)?, frames(truth)?, is_shared())
+        }
     };
     if meet {
         return None;
     }
     let pointer = if subject.name.is_empty() { "/truth".to_owned() } else { format!("/sequences/{index}/truth") };
-    let detail =
-        format!("the times of truth ({} to {} s) and of tracks ({} to {} s) do not meet", truth_s.0, truth_s.1, tracks_s.0, tracks_s.1);
-    Some(Fault::new(pointer, "disjoint", detail).allowing("truth at the times of the tracks, on the same clock"))
+    let (what, unit, allowed) = match subject.content {
+        Content::Points { .. } => ("times", " s", "truth at the times of the tracks, on the same clock"),
+        Content::Boxes { .. } => ("frames", "", "truth in the frames of the tracks, counted alike"),
+    };
+    let spans = format!("({} to {}{unit}) and of tracks ({} to {}{unit})", truth_span.0, truth_span.1, tracks_span.0, tracks_span.1);
+    Some(Fault::new(pointer, "disjoint", format!("the {what} of truth {spans} do not meet")).allowing(allowed))
 }
 
-fn span_s(times_s: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
-    times_s.fold(None, |span, time_s| match span {
-        None => Some((time_s, time_s)),
-        Some((first, last)) => Some((f64::min(first, time_s), f64::max(last, time_s))),
+fn span(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    values.fold(None, |span, value| match span {
+        None => Some((value, value)),
+        Some((first, last)) => Some((f64::min(first, value), f64::max(last, value))),
     })
 }
 
@@ -261,15 +273,16 @@ fn quantity_value(quantity: &Quantity) -> Value {
     value
 }
 
-fn event_counts(sequences: &[Sequence]) -> Value {
+fn event_counts(subjects: &[Subject], sequences: &[Sequence]) -> Value {
     let count = |kind| sequences.iter().map(|sequence| sequence.events.count(kind)).sum::<usize>();
     let counts: Map<String, Value> = EventKind::ALL.into_iter().map(|(kind, name)| (name.to_owned(), json!(count(kind)))).collect();
     let total = |of: fn(&Comparison) -> usize| sequences.iter().map(|sequence| of(sequence.comparison)).sum::<usize>();
-    let breaks: Vec<Break> = sequences
-        .iter()
-        .flat_map(|sequence| breaks::explain(sequence.comparison, sequence.events, sequence.input.as_ref()))
-        .take(MAX_BREAKS)
-        .collect();
+    let named = |(subject, sequence): (&Subject, &Sequence)| {
+        let name = (sequences.len() > 1).then(|| subject.name.to_owned());
+        let breaks = breaks::explain(sequence.comparison, sequence.events, sequence.input.as_ref());
+        breaks.into_iter().map(move |found| Break { sequence: name.clone(), ..found })
+    };
+    let breaks: Vec<Break> = subjects.iter().zip(sequences).flat_map(named).take(MAX_BREAKS).collect();
     json!({
         "counts": counts,
         "breaks": breaks,

@@ -20,6 +20,7 @@ pub mod plan;
 pub mod presets;
 mod profiles;
 mod record_picture;
+mod rehearsal;
 mod requests;
 pub mod run;
 mod scenario_tables;

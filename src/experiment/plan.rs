@@ -1,7 +1,7 @@
 //! From the body of a request to a plan: names and parameters checked, every fault reported, inputs named.
 
 use super::checks::{check_lifecycle, check_sensors, check_start};
-use super::{campaign, catalogue, detect, presets, profiles, requests};
+use super::{campaign, catalogue, detect, presets, profiles, rehearsal, requests};
 use crate::math::rng::Seed;
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
@@ -118,7 +118,11 @@ pub fn plan(kind: JobKind, body: &Value) -> Result<Plan, Vec<Fault>> {
     detect::check(&mut spec, matches!(kind, JobKind::Associate | JobKind::Evaluate), &mut faults);
     check_sensors(&spec, &mut faults);
     check_lifecycle(&spec, &mut faults);
+    let faults_before = faults.len();
     let estimate = check_scenario(&spec, &mut faults);
+    if faults.len() == faults_before {
+        rehearsal::check(&spec, &mut faults);
+    }
     let inputs = inputs_of(&spec, &mut faults);
     check_start(&spec, &inputs, &mut faults);
     if kind == JobKind::Evaluate {

@@ -277,7 +277,7 @@ impl Scene {
 }
 
 /// What the request says of sensors.
-fn requested_sensors(spec: &Value) -> Vec<SensorSettings> {
+pub(super) fn requested_sensors(spec: &Value) -> Vec<SensorSettings> {
     spec.get("sensors").and_then(|value| Vec::deserialize(value).ok()).unwrap_or_default()
 }
 

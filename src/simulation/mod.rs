@@ -8,6 +8,7 @@ mod targets;
 mod weaving;
 
 pub use bearing_time::{RECORD, SimulatedRecord, row_count, simulate_record};
+pub use sensors::settings as sensor_settings;
 
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;

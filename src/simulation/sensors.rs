@@ -77,8 +77,8 @@ fn unclear_noise(index: usize, sensor: &ScenarioSensor) -> Fault {
         .allowing("sigma_x_m, sigma_y_m; or sigma_range_m, sigma_bearing_deg[, sigma_range_rate_mps]; or sigma_bearing_deg alone")
 }
 
-/// Clutter is stated over what the sensor reports: an area, or all directions.
-pub(super) fn settings(sensor: &ScenarioSensor) -> SensorSettings {
+/// What a recording says of a sensor. Clutter is stated over what it reports: an area, or all directions.
+pub fn settings(sensor: &ScenarioSensor) -> SensorSettings {
     let is_of_bearings = is_of_bearings(sensor);
     SensorSettings {
         sensor_id: sensor.sensor_id.clone(),

@@ -12,6 +12,7 @@
 //!
 //! # Method
 //! 1. L = 0 at the first detection. The second one of a pair adds ln(P_D / (λ V)): it could have been anywhere in V.
+//!    A scan of the sensor between the two adds what a miss does.
 //! 2. L ← L + ln Λ with Λ = Σ βⱼ P_D N(νⱼ; 0, S) / λ + β₀ (1 − P_D P_G). A hard association has one β of 1: ln(P_D N / λ) for
 //!    its detection, ln(1 − P_D P_G) for a miss. Soft weights give the mixture.
 //! 3. A tentative track is confirmed when L ≥ ln((1 − β) / α) and dropped when L ≤ ln(β / (1 − α)).

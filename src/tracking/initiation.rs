@@ -16,8 +16,8 @@
 //!    stays alone counts as the square of its reach. Each detection is in one pair at most.
 //! 3. x̂ = (z₂, Δ / T); P has the blocks R₂, R₂ / T and (R₁ + R₂) / T² + q T / 3.
 //!
-//! The first points are those of the sensor's last scan: what finds no partner in the next one is forgotten, what is new and
-//! alone waits in its turn. Ranges and bearings are turned into places for this; range rates are left to the first update.
+//! The first points are those of the sensor's last `max_wait_scans` scans that have no partner yet, each with a reach of its own
+//! T; what is new and alone waits in its turn. Ranges and bearings are turned into places for this; range rates are left to the first update.
 
 use crate::association::Associator;
 use crate::association::global_nearest_neighbour::GlobalNearestNeighbour;
@@ -36,6 +36,7 @@ pub enum Initiation {
     OnePoint,
     TwoPoint {
         max_speed_mps: f64,
+        max_wait_scans: u32,
     },
     /// The sigmas are of the rates of the given tracks, which others make.
     Truth {
@@ -52,13 +53,21 @@ static ONE_POINT: Object = Object {
 
 static TWO_POINT: Object = Object {
     name: "TwoPointInitiation",
-    summary: "Two unused detections of successive scans of a sensor start a track; their difference is its velocity.",
-    fields: &[Field {
-        name: "max_speed_mps",
-        summary: "Highest speed of a target: two detections further apart, noise allowed for, are not a pair.",
-        kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e5), unit: "m/s" },
-        presence: Presence::Required,
-    }],
+    summary: "Two unused detections of near scans of a sensor start a track; their difference is its velocity.",
+    fields: &[
+        Field {
+            name: "max_speed_mps",
+            summary: "Highest speed of a target: two detections further apart, noise allowed for, are not a pair.",
+            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e5), unit: "m/s" },
+            presence: Presence::Required,
+        },
+        Field {
+            name: "max_wait_scans",
+            summary: "How many further scans of its sensor a first detection waits for a second one: 1 for the next scan alone, more where targets are missed often, at the price of more false tracks.",
+            kind: Kind::Integer { min: 1, max: 10, unit: "scans" },
+            presence: Presence::Default("1"),
+        },
+    ],
 };
 
 static TRUTH: Object = Object {
@@ -114,12 +123,16 @@ pub(super) struct Pair<const N: usize> {
     pub state: GaussianState<N>,
     /// Volume of the places within the first point's reach.
     pub log_reach_volume: f64,
+    /// Scans of the sensor between the two.
+    pub missed: u32,
 }
 
 /// What makes two points a pair.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PairRule {
     pub max_speed_mps: f64,
+    /// Scans for which a first point waits.
+    pub max_wait_scans: u32,
     /// γ.
     pub gate_threshold: f64,
     /// q.
@@ -128,11 +141,18 @@ pub(super) struct PairRule {
     pub by_origin: bool,
 }
 
+/// A first point, and how many scans of its sensor passed without a second one.
+#[derive(Debug, Clone, Copy)]
+struct Waiting<const N: usize> {
+    point: Point<N>,
+    missed: u32,
+}
+
 /// The points that wait for a second one; memory is reused.
 #[derive(Debug)]
 pub(super) struct Initiator<const N: usize> {
-    /// Those of each sensor's last scan.
-    waiting: Vec<Vec<Point<N>>>,
+    /// Those of each sensor, the longest waiting first.
+    waiting: Vec<Vec<Waiting<N>>>,
     /// Those of the current scan.
     fresh: Vec<Point<N>>,
     places: Vec<SVector<f64, N>>,
@@ -182,8 +202,8 @@ impl<const N: usize> Initiator<N> {
         self.problem.for_each_cluster(|cluster| solver.associate(cluster, weights));
         self.conclude(sensor, rule);
         let waiting = &mut self.waiting[sensor];
-        waiting.clear();
-        waiting.extend(self.fresh.iter().zip(&self.is_paired).filter(|(_, is_paired)| !**is_paired).map(|(point, _)| *point));
+        let alone = self.fresh.iter().zip(&self.is_paired).filter(|(_, is_paired)| !**is_paired);
+        waiting.extend(alone.map(|(&point, _)| Waiting { point, missed: 0 }));
         self.fresh.clear();
     }
 
@@ -194,7 +214,7 @@ impl<const N: usize> Initiator<N> {
         self.places.extend(self.fresh.iter().map(|point| point.state.mean));
         self.grid.rebuild(&self.places);
         let largest_noise = self.fresh.iter().map(|point| noise(&point.state)).fold(0.0, f64::max);
-        for first in &self.waiting[sensor] {
+        for Waiting { point: first, .. } in &self.waiting[sensor] {
             let Some(dt_s) = self.fresh.first().map(|second| second.time_s - first.time_s) else { break };
             // Noise along Δ is at most that of all coordinates together.
             let farthest = rule.max_speed_mps * dt_s + (rule.gate_threshold * (noise(&first.state) + largest_noise)).sqrt();
@@ -210,21 +230,28 @@ impl<const N: usize> Initiator<N> {
         }
     }
 
-    /// Step 3 for the pairs that step 2 chose.
+    /// Step 3 for the pairs that step 2 chose; of the other first points only those go on waiting that may.
     fn conclude(&mut self, sensor: usize, rule: &PairRule) {
         self.is_paired.clear();
         self.is_paired.resize(self.fresh.len(), false);
         self.pairs.clear();
-        for (row, first) in self.problem.rows().iter().zip(&self.waiting[sensor]) {
-            let Some(edge) = row.edges().find(|&edge| self.weights.edges[edge] > 0.0) else { continue };
+        let mut rows = self.problem.rows().iter();
+        self.waiting[sensor].retain_mut(|Waiting { point: first, missed }| {
+            // A scan without an unused detection poses no problem.
+            let pair = rows.next().and_then(|row| row.edges().find(|&edge| self.weights.edges[edge] > 0.0));
+            let Some(edge) = pair else {
+                *missed += 1;
+                return *missed < rule.max_wait_scans;
+            };
             let index = self.problem.edges()[edge].detection as usize;
             let second = &self.fresh[index];
             self.is_paired[index] = true;
             let axes = (N / 2) as u32;
             let log_reach_volume = log_unit_ball(axes) + f64::from(axes) * reach(first, second, rule).ln();
             let state = difference(first, second, rule.spectral_density);
-            self.pairs.push(Pair { first: *first, second: *second, state, log_reach_volume });
-        }
+            self.pairs.push(Pair { first: *first, second: *second, state, log_reach_volume, missed: *missed });
+            false
+        });
     }
 }
 
@@ -281,7 +308,8 @@ mod tests {
     use super::*;
     use crate::model::state::{Covariance, State};
 
-    const RULE: PairRule = PairRule { max_speed_mps: 10.0, gate_threshold: 9.0, spectral_density: 6.0, by_origin: false };
+    const RULE: PairRule =
+        PairRule { max_speed_mps: 10.0, max_wait_scans: 1, gate_threshold: 9.0, spectral_density: 6.0, by_origin: false };
 
     /// A point with R = [xx, xy; xy, yy] that knows nothing of its speed.
     fn point(time_s: f64, [x, y]: [f64; 2], [xx, xy, yy]: [f64; 3]) -> Point<4> {
@@ -349,6 +377,37 @@ mod tests {
         assert_eq!(scan(0, &[exact(2.0, [2.0, 0.0])]), 0, "what became a track is no first point any more");
         assert_eq!(scan(0, &[exact(3.0, [51.0, 0.0])]), 0, "and what stayed alone for a scan is forgotten");
         assert_eq!(scan(1, &[exact(3.0, [20.0, 0.0])]), 1, "successive scans of one sensor may be far apart");
+    }
+
+    #[test]
+    fn a_point_waits_as_long_as_it_is_allowed_to() {
+        // Seen at 0 s and missed at 1, 2, … s: paired at 2 s with two scans to wait, at 3 s only with three.
+        let paired_at = |max_wait_scans: u32, seen_again_s: u32| {
+            let (mut initiator, rule) = (Initiator::default(), PairRule { max_wait_scans, ..RULE });
+            initiator.push(exact(0.0, [0.0, 0.0]));
+            initiator.pair(0, &rule);
+            for time_s in 1..=seen_again_s {
+                if time_s == seen_again_s {
+                    initiator.push(exact(f64::from(time_s), [9.0 * f64::from(time_s), 0.0]));
+                }
+                initiator.pair(0, &rule);
+            }
+            initiator.pairs().iter().map(|pair| (pair.missed, pair.state.mean[2])).collect::<Vec<_>>()
+        };
+        assert_eq!([paired_at(1, 1), paired_at(1, 2)], [vec![(0, 9.0)], vec![]]);
+        assert_eq!([paired_at(2, 2), paired_at(2, 3)], [vec![(1, 9.0)], vec![]]);
+        assert_eq!([paired_at(3, 3), paired_at(3, 4)], [vec![(2, 9.0)], vec![]]);
+        // With clutter in between that is out of reach, too; and who found a partner waits no longer.
+        let (mut initiator, rule) = (Initiator::default(), PairRule { max_wait_scans: 2, ..RULE });
+        let mut scan = |time_s: f64, places: &[f64]| {
+            places.iter().for_each(|&x| initiator.push(exact(time_s, [x, 0.0])));
+            initiator.pair(0, &rule);
+            initiator.pairs().iter().map(|pair| (pair.first.state.mean[0], pair.second.state.mean[0])).collect::<Vec<_>>()
+        };
+        assert_eq!(scan(0.0, &[0.0]), []);
+        assert_eq!(scan(1.0, &[100.0]), []);
+        assert_eq!(scan(2.0, &[18.0, 119.0]), [(0.0, 18.0)]);
+        assert_eq!(scan(3.0, &[5.0, 118.0]), [(119.0, 118.0)], "1 + 20² (100 alone) is less than 18² + 10² (119 alone)");
     }
 
     #[test]

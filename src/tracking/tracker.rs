@@ -363,6 +363,8 @@ where
         let (sensor, lifecycle) = (&self.parts.sensors[scan.sensor], self.parts.lifecycle);
         let log_ratio = (sensor.p_d / sensor.clutter_density).ln() - pair.log_reach_volume;
         let mut life = lifecycle.start();
+        let log_none = Terms::of(sensor, lifecycle.gate_probability).log_none;
+        (0..pair.missed).for_each(|_| lifecycle.advance(&mut life, false, log_none));
         let was_confirmed = life.is_confirmed();
         lifecycle.advance(&mut life, true, log_ratio);
         if life.is_over() {
@@ -383,9 +385,10 @@ where
 
 /// What makes two points a pair, where tracks begin with two.
 fn pair_rule<F: Filter<N, D>, const N: usize, const D: usize>(parts: &TrackerParts<F>) -> Option<PairRule> {
-    let Initiation::TwoPoint { max_speed_mps } = parts.lifecycle.initiation else { return None };
+    let Initiation::TwoPoint { max_speed_mps, max_wait_scans } = parts.lifecycle.initiation else { return None };
     Some(PairRule {
         max_speed_mps,
+        max_wait_scans,
         gate_threshold: gate_threshold(parts.lifecycle.gate_probability, (N / 2) as u32),
         spectral_density: parts.filter.motion().spectral_density,
         by_origin: parts.associator.needs() == Needs::Origins,

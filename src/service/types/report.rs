@@ -284,6 +284,10 @@ pub enum BreakCause {
 /// A target that was followed, and at this time is not.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct TrackBreak {
+    /// Where several sequences are judged: the one that it happened in.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub sequence: Option<String>,
     pub time_s: f64,
     pub truth_id: String,
     pub track_id: String,
