@@ -162,6 +162,14 @@ impl Cluster {
         entries.iter().map(|&code| self.code(code).gain).sum()
     }
 
+    /// What no assignment exceeds: every row has its largest gain. Summed in the order of [`Self::value_of`], so that an
+    /// assignment which has them all is worth exactly this.
+    pub(super) fn bound(&self) -> f64 {
+        // None gains 0, and a likelihood is never below that.
+        let largest = |row: usize| self.codes_of(row).map(|code| self.code(code).gain).fold(0.0, f64::max);
+        (0..self.rows.len()).map(largest).sum()
+    }
+
     /// The optimum of the first row alone: its first largest gain, none when that is better and may be.
     pub(super) fn best_of_first(&self) -> u32 {
         let least = if self.none_draws == 1 { 0.0 } else { f64::NEG_INFINITY };

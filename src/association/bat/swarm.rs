@@ -43,7 +43,8 @@ pub(super) struct Step {
 }
 
 impl Swarm {
-    /// Looks for the best assignment; `watch` is called with the swarm at the start and after each iteration.
+    /// Looks for the best assignment; `watch` is called with the swarm at the start and after each iteration. It ends early
+    /// when every row has the best of its candidates, for then no later bat is better; not where what is visited counts.
     pub(super) fn search(
         &mut self,
         cluster: &Cluster,
@@ -54,7 +55,11 @@ impl Swarm {
     ) {
         self.start(cluster, settings, visited.as_deref_mut(), dice);
         watch(self, 0);
+        let enough = if visited.is_none() { cluster.bound() } else { f64::INFINITY };
         for iteration in 1..=settings.iterations {
+            if self.best_value() >= enough {
+                break;
+            }
             let returned = -(-settings.gamma * f64::from(iteration)).exp_m1();
             for bat in 0..self.population {
                 self.fly(cluster, bat, visited.as_deref_mut(), dice);
