@@ -48,6 +48,7 @@ struct RequestSchemas {
     associate: JsonSchema,
     evaluate: JsonSchema,
     group: JsonSchema,
+    correlate: JsonSchema,
     campaign: JsonSchema,
 }
 
