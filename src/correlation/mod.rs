@@ -9,8 +9,15 @@ use crate::model::fault::Fault;
 use crate::registry::{Method, Union};
 use problem::Problem;
 
+pub mod alignment;
+mod candidates;
+pub mod cross_covariance;
+pub mod estimates;
+pub mod evidence;
+pub mod fusion;
 pub mod grouping;
 pub mod problem;
+pub mod statistic;
 
 /// The tracks of all sensors in tuples, and what was found on the way.
 #[derive(Debug, Clone, Default, PartialEq)]

@@ -3,6 +3,7 @@
 use super::plan::JobKind;
 use super::requests;
 use crate::association::ASSOCIATOR;
+use crate::correlation::CORRELATOR;
 use crate::correlation::grouping::GROUPER;
 use crate::filtering::FILTER;
 use crate::registry::{Object, Union, Variant, standalone_schema};
@@ -19,6 +20,7 @@ pub const FAMILIES: &[Family] = &[
     Family { name: "associator", union: &ASSOCIATOR },
     Family { name: "filter", union: &FILTER },
     Family { name: "grouper", union: &GROUPER },
+    Family { name: "correlator", union: &CORRELATOR },
 ];
 
 impl Family {
@@ -45,6 +47,7 @@ pub fn request_object(kind: JobKind) -> &'static Object {
         JobKind::Associate => &requests::ASSOCIATE,
         JobKind::Evaluate => &requests::EVALUATE,
         JobKind::Group => &requests::GROUP,
+        JobKind::Correlate => &super::correlate::CORRELATE,
         JobKind::Campaign => &super::campaign::CAMPAIGN,
     }
 }

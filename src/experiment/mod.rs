@@ -9,6 +9,7 @@ pub mod campaign;
 pub mod catalogue;
 mod checks;
 mod clutter;
+mod correlate;
 mod detect;
 mod extent;
 mod given;

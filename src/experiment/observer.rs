@@ -14,6 +14,7 @@ pub enum Step {
     Simulate,
     Detect,
     Associate,
+    Correlate,
     Evaluate,
     Write,
 }
@@ -26,6 +27,7 @@ impl Step {
             Step::Simulate => "simulate",
             Step::Detect => "detect",
             Step::Associate => "associate",
+            Step::Correlate => "correlate",
             Step::Evaluate => "evaluate",
             Step::Write => "write",
         }

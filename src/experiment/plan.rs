@@ -1,7 +1,11 @@
 //! From the body of a request to a plan: names and parameters checked, every fault reported, inputs named.
 
 use super::checks::{check_lifecycle, check_sensors, check_start};
+<<<<<<< HEAD
 use super::{campaign, catalogue, detect, presets, profiles, rehearsal, requests};
+=======
+use super::{campaign, catalogue, correlate, detect, presets, profiles, requests};
+>>>>>>> tracks
 use crate::math::rng::Seed;
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
@@ -18,11 +22,13 @@ pub enum JobKind {
     Associate,
     Evaluate,
     Group,
+    Correlate,
     Campaign,
 }
 
 impl JobKind {
-    pub const ALL: [JobKind; 5] = [JobKind::Simulate, JobKind::Associate, JobKind::Evaluate, JobKind::Group, JobKind::Campaign];
+    pub const ALL: [JobKind; 6] =
+        [JobKind::Simulate, JobKind::Associate, JobKind::Evaluate, JobKind::Group, JobKind::Correlate, JobKind::Campaign];
 
     pub fn name(self) -> &'static str {
         match self {
@@ -30,6 +36,7 @@ impl JobKind {
             JobKind::Associate => "associate",
             JobKind::Evaluate => "evaluate",
             JobKind::Group => "group",
+            JobKind::Correlate => "correlate",
             JobKind::Campaign => "campaign",
         }
     }
@@ -111,18 +118,25 @@ pub fn plan(kind: JobKind, body: &Value) -> Result<Plan, Vec<Fault>> {
         return campaign::plan(spec, faults);
     }
     // What follows reads of the spec only what is right, so that one request shows all its faults.
-    if kind == JobKind::Evaluate {
-        check_evaluate(&mut spec, &mut faults);
+    match kind {
+        JobKind::Evaluate => check_evaluate(&mut spec, &mut faults),
+        JobKind::Correlate => correlate::check(&mut spec, &mut faults),
+        _ => {}
     }
     write_out_preset(&mut spec, &mut faults);
     detect::check(&mut spec, matches!(kind, JobKind::Associate | JobKind::Evaluate), &mut faults);
     check_sensors(&spec, &mut faults);
     check_lifecycle(&spec, &mut faults);
+<<<<<<< HEAD
     let faults_before = faults.len();
     let estimate = check_scenario(&spec, &mut faults);
     if faults.len() == faults_before {
         rehearsal::check(&spec, &mut faults);
     }
+=======
+    let of_scenario = check_scenario(&spec, &mut faults);
+    let estimate = correlate::estimate(&spec, &mut faults).unwrap_or(of_scenario);
+>>>>>>> tracks
     let inputs = inputs_of(&spec, &mut faults);
     check_start(&spec, &inputs, &mut faults);
     if kind == JobKind::Evaluate {
@@ -176,13 +190,13 @@ fn check_sequences(spec: &Value, faults: &mut Vec<Fault>) {
     }
 }
 
-fn refuse(spec: &Value, names: &[&str], why: &str, faults: &mut Vec<Fault>) {
+pub(super) fn refuse(spec: &Value, names: &[&str], why: &str, faults: &mut Vec<Fault>) {
     for name in names.iter().filter(|name| spec.get(**name).is_some()) {
         faults.push(Fault::new(format!("/{name}"), "conflict", format!("'{name}' {why}")));
     }
 }
 
-fn fill_tracking_defaults(spec: &mut Value) {
+pub(super) fn fill_tracking_defaults(spec: &mut Value) {
     static TRACKER: Kind = Kind::Object(&LIFECYCLE);
     static ASSOCIATOR: Kind = Kind::Union(&crate::association::ASSOCIATOR);
     let defaults: [(&str, &str, &'static Kind); 3] = [
@@ -272,6 +286,8 @@ fn inputs_of(spec: &Value, faults: &mut Vec<Fault>) -> Vec<InputRequest> {
             known.push(role);
         }
     }
+    let sets: Vec<Source> = spec["sets"].as_array().into_iter().flatten().filter_map(|set| source_at(Some(set))).collect();
+    inputs.extend(sets.iter().enumerate().map(|(index, source)| request(&format!("/sets/{index}"), DatasetKind::Tracks, source, false)));
     if known.contains(&DatasetKind::BearingTime) {
         // They are found in the record.
         known.push(DatasetKind::Detections);
@@ -285,6 +301,10 @@ fn inputs_of(spec: &Value, faults: &mut Vec<Fault>) -> Vec<InputRequest> {
                 }
             }
         }
+    }
+    // One job among the sets may know the truth behind all of them.
+    if let Some(index) = sets.iter().position(|set| matches!(set, Source::Job { .. })).filter(|_| !known.contains(&DatasetKind::Truth)) {
+        inputs.push(request(&format!("/sets/{index}"), DatasetKind::Truth, &sets[index], true));
     }
     check_symbols(spec, &known, faults);
     inputs.extend(sequence_inputs(spec));

@@ -64,20 +64,17 @@ static SOURCE_PRESET: Object = Object {
     fields: &[required("preset", "Name of the preset.", NAME)],
 };
 
-static INPUT: Union = Union {
-    name: "InputSource",
-    summary: "Where detections come from.",
-    tag: "source",
-    variants: || {
-        let mut variants = data_sources();
-        variants.push(Variant { tag: "scenario", object: &SOURCE_SCENARIO });
-        variants.push(Variant { tag: "preset", object: &SOURCE_PRESET });
-        variants
-    },
-};
+static INPUT: Union = Union { name: "InputSource", summary: "Where detections come from.", tag: "source", variants: input_sources };
 
-static DATA: Union =
+pub(super) static DATA: Union =
     Union { name: "DataSource", summary: "Where recorded or computed data come from.", tag: "source", variants: data_sources };
+
+pub(super) fn input_sources() -> Vec<Variant> {
+    let mut variants = data_sources();
+    variants.push(Variant { tag: "scenario", object: &SOURCE_SCENARIO });
+    variants.push(Variant { tag: "preset", object: &SOURCE_PRESET });
+    variants
+}
 
 fn data_sources() -> Vec<Variant> {
     vec![Variant { tag: "dataset", object: &SOURCE_DATASET }, Variant { tag: "job", object: &SOURCE_JOB }]
@@ -206,7 +203,7 @@ const DETECTOR: Field = optional(
 pub(super) const SEED: Field =
     default("seed", "Seed of every random number of the job.", Kind::Integer { min: 0, max: u32::MAX as i64, unit: "" }, "1");
 static ONE_SENSOR: Kind = Kind::Object(&SENSOR_SETTINGS);
-const SENSORS: Field =
+pub(super) const SENSORS: Field =
     optional("sensors", "Settings of the recording's sensors, by name.", Kind::List { item: &ONE_SENSOR, min: 1, max: 64 });
 
 pub static SIMULATE: Object = Object {

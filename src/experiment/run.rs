@@ -8,7 +8,7 @@ use crate::model::dataset::{Dataset, DatasetSummary};
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
 use serde::Serialize;
-use serde_json::Value;
+use serde_json::{Map, Value};
 use std::time::Duration;
 
 /// One loaded input.
@@ -108,6 +108,7 @@ pub fn run(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<O
     let mut scene = Scene::gather(plan, inputs, observer)?;
     let mut decided = None;
     let mut parts = Vec::new();
+    let mut of_tuples = Map::new();
     if plan.kind == JobKind::Simulate {
         parts.push(("counts", scene.counts()));
         parts.push(("sensors", to_value(&scene.sensors)?));
@@ -115,7 +116,8 @@ pub fn run(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<O
     if let Some(detection) = &scene.detection {
         parts.push(("detection", to_value(detection)?));
     }
-    let tracked = if plan.spec.get("associator").is_some() { Some(scene.track(plan, observer)?) } else { None };
+    let tracked =
+        if plan.spec.get("associator").is_some() && plan.kind != JobKind::Correlate { Some(scene.track(plan, observer)?) } else { None };
     if let (Some(tracked), Some(recording)) = (&tracked, &scene.recording) {
         decided = tracked.decided;
         parts.push(("association", to_value(&associate::report(tracked, recording, &scene.sensors))?));
@@ -140,9 +142,16 @@ pub fn run(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<O
         parts.push(("grouping", report));
         files = of_groups;
     }
+    if plan.kind == JobKind::Correlate {
+        let (report, of_correlation, spent) = scene.correlate(plan, observer)?;
+        decided = spent;
+        of_tuples = report;
+        files = of_correlation;
+    }
     let mut artifacts = if plan.wants_files { scene.artifacts(plan, tracked, observer)? } else { Vec::new() };
     artifacts.append(&mut files);
-    let result = parts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
+    let mut result: Map<String, Value> = parts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
+    result.extend(of_tuples);
     Ok(Outcome { result: Value::Object(result), warnings: scene.warnings, artifacts, decided, cell_times: Vec::new() })
 }
 

@@ -1,13 +1,15 @@
 //! The data of a job, and the steps that it takes on them.
 
 use super::associate::{self, Tracked};
+use super::correlate::{self, Material, Nodes};
 use super::detect::DetectionReport;
-use super::group::{self, Material};
+use super::group;
 use super::judge::{self, Content, Judgement, Subject};
 use super::observer::{Observer, Step};
 use super::plan::{JobKind, Plan, scenario_of};
 use super::run::{Artifact, Decided, Inputs, RunError, to_value};
 use super::{artifacts, clutter, detect, group_report, profiles, record_picture, sensors, tfa};
+use crate::correlation::alignment::Node;
 use crate::evaluation::EvaluationInput;
 use crate::math::rng::Seed;
 use crate::model::bearing_time::BearingTimeRecord;
@@ -20,7 +22,7 @@ use crate::model::track::TrackSet;
 use crate::model::truth::TruthSet;
 use crate::simulation;
 use serde::Deserialize;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 
 const OF_BEARINGS: &str = "directions (bearing_deg) are not compared in metres";
@@ -33,6 +35,8 @@ pub(super) struct Scene {
     record: Option<BearingTimeRecord>,
     truth: Option<TruthSet>,
     tracks: Option<TrackSet>,
+    /// The tracks of each sensor, of a job that puts them together.
+    sets: Vec<TrackSet>,
     /// Of each sequence, or the boxes of a job without sequences.
     sides: Vec<Sides>,
     pub sensors: Vec<SensorSettings>,
@@ -66,6 +70,7 @@ impl Scene {
                     uploaded = input.sensors;
                 }
                 (None, Dataset::Truth(truth)) => scene.truth = Some(truth),
+                (None, Dataset::Tracks(tracks)) if request.pointer.starts_with("/sets/") => scene.sets.push(tracks),
                 (None, Dataset::Tracks(tracks)) => scene.tracks = Some(tracks),
                 // Boxes always have a side.
                 (None, Dataset::TruthBoxes(_) | Dataset::TrackBoxes(_)) => {}
@@ -159,13 +164,57 @@ impl Scene {
     /// The part `grouping` of the report, and its files.
     pub fn group(&mut self, plan: &Plan, observer: &mut dyn Observer) -> Result<(Value, Vec<Artifact>, Option<Decided>), RunError> {
         let recording = self.recording.as_ref().ok_or_else(|| missing("/input", "detections"))?;
-        let material = Material { recording, settings: &self.sensors, truth: self.truth.as_ref() };
+        let material = group::Material { recording, settings: &self.sensors, truth: self.truth.as_ref() };
         let grouped = group::group(&plan.spec, plan.stream(), &material, observer)?;
         if let Some(left_out) = grouped.history.as_ref().map(|history| history.left_out).filter(|count| *count > 0) {
             self.warnings.push(format!("grouping_trace.csv lacks the last {left_out} iterations"));
         }
         let files = if plan.wants_files { group_report::artifacts(&grouped, recording) } else { Vec::new() };
         Ok((to_value(&group_report::report(&grouped, recording))?, files, grouped.decided))
+    }
+
+    /// The result of a job that puts tracks together, and its files.
+    pub fn correlate(
+        &mut self,
+        plan: &Plan,
+        observer: &mut dyn Observer,
+    ) -> Result<(Map<String, Value>, Vec<Artifact>, Option<Decided>), RunError> {
+        let nodes = match correlate::drawn(plan)? {
+            Some((nodes, truth)) => {
+                self.truth = Some(truth);
+                nodes
+            }
+            None if plan.spec.get("sets").is_some() => correlate::of_sets(std::mem::take(&mut self.sets)),
+            None => self.track_by_sensor(plan, observer)?,
+        };
+        let sensors = if self.sensors.is_empty() { requested_sensors(&plan.spec) } else { self.sensors.clone() };
+        let material = Material { nodes, truth: self.truth.as_ref(), sensors: &sensors };
+        let correlated = correlate::correlate(plan, material, &mut self.warnings, observer)?;
+        let files = if plan.wants_files { correlate::artifacts(&correlated).map_err(unwritten)? } else { Vec::new() };
+        match to_value(&correlate::report(&correlated))? {
+            Value::Object(report) => Ok((report, files, correlated.decided)),
+            _ => Err(RunError::Faults(vec![Fault::new("", "malformed", "the report is no object")])),
+        }
+    }
+
+    /// The tracks of each sensor by itself.
+    fn track_by_sensor(&mut self, plan: &Plan, observer: &mut dyn Observer) -> Result<Nodes, RunError> {
+        let all = self.recording.take().ok_or_else(|| missing("/input", "detections"))?;
+        let settings = self.sensors.clone();
+        let mut nodes = Nodes { truth_ids: all.targets.clone(), ..Nodes::default() };
+        let mut origins = Vec::new();
+        for settings in &settings {
+            self.recording = Some(all.only_sensors(std::slice::from_ref(&settings.sensor_id))?);
+            self.sensors = vec![settings.clone()];
+            let tracked = self.track(plan, observer)?;
+            if let Some(recording) = &self.recording {
+                origins.extend(correlate::by_detections(&tracked.tracks, recording));
+            }
+            nodes.nodes.push(Node { sensor_id: settings.sensor_id.clone(), tracks: tracked.tracks });
+        }
+        nodes.origins = all.origins_known.then_some(origins);
+        (self.recording, self.sensors) = (Some(all), settings);
+        Ok(nodes)
     }
 
     /// The part `tfa` of the report, and its files.

@@ -59,6 +59,28 @@ pub fn metrics(result: &Value) -> Option<String> {
     Some(table(&header, &rows))
 }
 
+/// The tuples of a result: the track of each sensor, cost and p-value, below J, its bound and the gap. `None` when the result has
+/// no tuples.
+pub fn correlation(result: &Value) -> Option<String> {
+    let tuples = result["tuples"].as_array()?;
+    let sensors: Vec<&str> = result["sensors"].as_array()?.iter().filter_map(|sensor| sensor["sensor_id"].as_str()).collect();
+    let mut header = vec!["system track"];
+    header.extend(&sensors);
+    header.extend(["cost", "b", "Q", "degrees", "p-value"]);
+    let row = |tuple: &Value| {
+        let tracks = tuple["tracks"].as_array().into_iter().flatten().map(cell);
+        let numbers = ["cost", "b", "statistic", "degrees_of_freedom", "p_value"].map(|name| cell(&tuple[name]));
+        std::iter::once(cell(&tuple["system_track_id"])).chain(tracks).chain(numbers).collect::<Vec<_>>()
+    };
+    let head = ["cost", "dual_bound", "gap"].map(|name| format!("{} {}", name.replace('_', " "), cell(&result[name]))).join(", ");
+    Some(format!(
+        "{} by {}: {head}\n{}",
+        cell(&result["statistic"]),
+        cell(&result["correlator"]),
+        table(&header, &tuples.iter().map(row).collect::<Vec<_>>())
+    ))
+}
+
 /// The cells of a campaign's report: each outcome's mean with its interval, and how long deciding took beside the cell that
 /// it is compared with. `None` when there are no cells.
 pub fn campaign(report: &Value) -> Option<String> {

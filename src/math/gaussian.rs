@@ -93,6 +93,11 @@ pub fn chi_square_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
     chi_square.inverse_cdf(probability)
 }
 
+/// The probability that a chi-square variable is above a value: the p-value of a sum of squared distances.
+pub fn chi_square_tail(value: f64, degrees_of_freedom: f64) -> f64 {
+    ChiSquared::new(degrees_of_freedom).expect("a positive number of degrees of freedom is valid").sf(value)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -146,6 +151,15 @@ mod tests {
             assert!(close(gate_threshold(probability, 2), -2.0 * (1.0 - probability).ln()), "{probability}");
         }
         assert_eq!([1, 2, 3].map(|dimensions| gate_threshold(1.0, dimensions)), [f64::INFINITY; 3]);
+    }
+
+    #[test]
+    fn the_tail_is_what_lies_beyond_a_quantile() {
+        for (probability, degrees) in [(0.99, 2.0), (0.5, 4.0), (0.999, 80.0)] {
+            assert!(close(chi_square_tail(chi_square_quantile(probability, degrees), degrees), 1.0 - probability));
+        }
+        // Two degrees of freedom: exp(−d²/2).
+        assert!(close(chi_square_tail(3.0, 2.0), (-1.5f64).exp()));
     }
 
     #[test]

@@ -30,6 +30,8 @@ pub enum Purpose {
     Bootstrap = 11,
     /// The choices of a correlator that searches.
     Correlator = 12,
+    /// Layout, errors, order and false tracks of tracks that are drawn without detections.
+    LocalTracks = 13,
 }
 
 /// The seed of a job and the number of the run within it.

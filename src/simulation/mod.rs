@@ -2,12 +2,14 @@
 
 mod bearing_time;
 mod coverage;
+mod local_tracks;
 mod radar;
 mod sensors;
 mod targets;
 mod weaving;
 
 pub use bearing_time::{RECORD, SimulatedRecord, row_count, simulate_record};
+pub use local_tracks::{LOCAL_TRACKS, LocalTracks, SensorTracks, simulate_local_tracks};
 pub use sensors::settings as sensor_settings;
 
 use crate::math::rng::Seed;

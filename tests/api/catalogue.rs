@@ -8,7 +8,7 @@ async fn methods_come_with_their_parameters() {
     let api = Api::start().await;
     let catalogue = api.get("/v1/methods").await.ok(200);
     let families: Vec<&str> = catalogue["families"].as_array().unwrap().iter().map(|family| family["family"].as_str().unwrap()).collect();
-    assert_eq!(families, ["associator", "filter", "grouper"]);
+    assert_eq!(families, ["associator", "filter", "grouper", "correlator"]);
     for kind in ["simulate", "associate", "evaluate"] {
         assert_eq!(catalogue["requests"][kind]["additionalProperties"], false, "{kind}");
     }

@@ -144,7 +144,7 @@ def look(client, job):
     assert [event.seq for event in history.events] == list(range(1, len(history.events) + 1))
     assert typed(history.events[-1], DoneEvent).data.state == JobState.SUCCEEDED
     assert typed(get_preset.sync(client=client, name="liang2009-10").name, str) == "liang2009-10"
-    assert [family.family for family in list_methods.sync(client=client).families] == ["associator", "filter", "grouper"]
+    assert [family.family for family in list_methods.sync(client=client).families] == ["associator", "filter", "grouper", "correlator"]
 
 
 def be_refused(client, detections):

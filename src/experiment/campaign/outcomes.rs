@@ -86,7 +86,9 @@ fn is_success_or_failure(number: f64) -> bool {
 /// What is kept when nothing is listed: every number of these parts of the result.
 pub(super) fn found_in(result: &Value) -> Vec<Outcome> {
     let mut paths = Vec::new();
-    for part in ["counts", "tfa.counts", "tfa.probability", "grouping.accuracy", "grouping.precision", "grouping.recall"] {
+    for part in
+        ["counts", "tfa.counts", "tfa.probability", "grouping.accuracy", "grouping.precision", "grouping.recall", "cost", "gap", "truth"]
+    {
         match part.split('.').try_fold(result, |place, step| place.get(step)) {
             Some(Value::Object(fields)) => paths.extend(fields.keys().map(|name| format!("{part}.{name}"))),
             Some(_) => paths.push(part.to_owned()),

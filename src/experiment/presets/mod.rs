@@ -1,6 +1,7 @@
 //! Presets: complete job bodies, ready to run or to change. One file an origin, one line of [`all`].
 
 pub mod cai_fuzzy;
+mod huo2008;
 mod liang2009;
 mod wang_bat;
 mod wang_bat_record;
@@ -21,6 +22,7 @@ pub struct Preset {
 pub fn all() -> Vec<Preset> {
     let mut presets = liang2009::presets();
     presets.extend(cai_fuzzy::presets());
+    presets.extend(huo2008::presets());
     presets.extend(wang_bat::presets());
     presets.extend(wang_bat_record::presets());
     presets

@@ -74,6 +74,8 @@ fn source_pointers(body: &Value) -> Vec<String> {
     }
     let mut pointers = ["/input", "/truth", "/tracks", "/detections"].map(String::from).to_vec();
     let sequences = body["sequences"].as_array().map_or(0, Vec::len);
+    let sets = body["sets"].as_array().map_or(0, Vec::len);
+    pointers.extend((0..sets).map(|index| format!("/sets/{index}")));
     pointers.extend((0..sequences).flat_map(|index| ["truth", "tracks"].map(|name| format!("/sequences/{index}/{name}"))));
     pointers
 }

@@ -1,6 +1,6 @@
 //! The report of a job for the terminal.
 
-use crate::experiment::text::{campaign, cell, metrics, table};
+use crate::experiment::text::{campaign, cell, correlation, metrics, table};
 use serde_json::Value;
 
 /// The lines of a report that people read first.
@@ -13,7 +13,8 @@ pub(super) fn summary(report: &Value) -> String {
         }
     };
     for (part, name) in [
-        ("/counts", "simulation"),
+        ("/counts", if result.get("tuples").is_some() { "correlation" } else { "simulation" }),
+        ("/truth", "truth"),
         ("/association/counts", "association"),
         ("/tfa/counts", "tfa"),
         ("/tfa/probability", "tfa probability"),
@@ -29,6 +30,9 @@ pub(super) fn summary(report: &Value) -> String {
     let mut text = table(&["quantity", "value"], &rows);
     if let Some(metrics) = metrics(result) {
         text = format!("{text}\n\n{metrics}");
+    }
+    if let Some(correlation) = correlation(result) {
+        text = format!("{text}\n\n{correlation}");
     }
     if let Some(campaign) = campaign(report) {
         text = format!("{text}\n\n{campaign}");

@@ -48,6 +48,7 @@ struct RequestSchemas {
     associate: JsonSchema,
     evaluate: JsonSchema,
     group: JsonSchema,
+    correlate: JsonSchema,
     campaign: JsonSchema,
 }
 
@@ -107,6 +108,7 @@ async fn list_methods(_: NoParams) -> ApiResult {
         associate: schema(plan::JobKind::Associate),
         evaluate: schema(plan::JobKind::Evaluate),
         group: schema(plan::JobKind::Group),
+        correlate: schema(plan::JobKind::Correlate),
         campaign: schema(plan::JobKind::Campaign),
     };
     Ok(Json(MethodCatalogue { families: catalogue::FAMILIES.iter().map(family).collect(), requests }).into_response())

@@ -60,12 +60,13 @@ impl Inner {
         Ok(dataset.map(|dataset| self.located(dataset)).transpose()?)
     }
 
-    /// The artefact `<role>.csv` of the job.
+    /// The artefact `<role>.csv` of the job; the tracks of a job that put tracks together are `system_tracks.csv`.
     pub(super) async fn locate_artifact(&self, job_id: &str, role: DatasetKind) -> Result<Option<Located>, JobsError> {
         let Ok(id) = Uuid::try_parse(job_id) else { return Ok(None) };
         let name = format!("{}.csv", role.name());
         let artifacts = self.storage.artifacts(id).await?;
-        let Some(artifact) = artifacts.into_iter().find(|artifact| artifact.name == name) else { return Ok(None) };
+        let is_of_role = |known: &str| known == name || role == DatasetKind::Tracks && known == "system_tracks.csv";
+        let Some(artifact) = artifacts.into_iter().find(|artifact| is_of_role(&artifact.name)) else { return Ok(None) };
         let sensors = match artifact.dataset_id {
             // The row stays when the dataset is deleted, and the artefact keeps the file.
             Some(dataset_id) => self.storage.dataset(dataset_id).await?.map(|dataset| dataset.info.sensors).unwrap_or_default(),

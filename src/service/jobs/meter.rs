@@ -46,6 +46,7 @@ impl Meter {
             Step::Simulate => &mut self.timing.simulate_s,
             Step::Detect => &mut self.timing.detect_s,
             Step::Associate => &mut self.timing.associate_s,
+            Step::Correlate => &mut self.timing.correlate_s,
             Step::Evaluate => &mut self.timing.evaluate_s,
             // Writing is not computing, and runs have all steps; both are in the total.
             Step::Run | Step::Write => return self.last = (now, step),
@@ -84,11 +85,12 @@ impl Observer for Meter {
 /// The share of the whole job that is done. Steps count by what they usually cost; one that does not occur is skipped.
 fn fraction(kind: JobKind, step: Step, done: u64, total: u64) -> f64 {
     let shares = match kind {
-        JobKind::Simulate => [0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 0.2],
-        JobKind::Associate => [0.1, 0.0, 0.1, 0.05, 0.65, 0.0, 0.1],
-        JobKind::Evaluate => [0.1, 0.0, 0.1, 0.05, 0.45, 0.2, 0.1],
-        JobKind::Group => [0.1, 0.0, 0.2, 0.0, 0.5, 0.1, 0.1],
-        JobKind::Campaign => [0.02, 0.96, 0.0, 0.0, 0.0, 0.0, 0.02],
+        JobKind::Simulate => [0.0, 0.0, 0.8, 0.0, 0.0, 0.0, 0.0, 0.2],
+        JobKind::Associate => [0.1, 0.0, 0.1, 0.05, 0.65, 0.0, 0.0, 0.1],
+        JobKind::Evaluate => [0.1, 0.0, 0.1, 0.05, 0.45, 0.0, 0.2, 0.1],
+        JobKind::Group => [0.1, 0.0, 0.2, 0.0, 0.5, 0.0, 0.1, 0.1],
+        JobKind::Correlate => [0.1, 0.0, 0.1, 0.0, 0.2, 0.4, 0.1, 0.1],
+        JobKind::Campaign => [0.02, 0.96, 0.0, 0.0, 0.0, 0.0, 0.0, 0.02],
     };
     let index = step as usize;
     let before: f64 = shares[..index].iter().sum();
@@ -103,6 +105,7 @@ fn wire_step(step: Step) -> ProgressStep {
         Step::Simulate => ProgressStep::Simulate,
         Step::Detect => ProgressStep::Detect,
         Step::Associate => ProgressStep::Associate,
+        Step::Correlate => ProgressStep::Correlate,
         Step::Evaluate => ProgressStep::Evaluate,
         Step::Write => ProgressStep::Write,
     }

@@ -15,6 +15,7 @@ pub fn job_examples(kind: JobKind) -> Vec<(&'static str, Value)> {
         JobKind::Associate => associate(),
         JobKind::Evaluate => evaluate(),
         JobKind::Group => group(),
+        JobKind::Correlate => correlate(),
         JobKind::Campaign => campaign(),
     }
 }
@@ -72,6 +73,12 @@ fn group() -> Vec<(&'static str, Value)> {
     let mut examples = vec![("An uploaded recording of several sensors", uploaded)];
     examples.extend(preset.map(|preset| ("A preset: simulate and group in one job", preset.body)));
     examples
+}
+
+/// The preset, where there is a correlator.
+fn correlate() -> Vec<(&'static str, Value)> {
+    let preset = presets::all().into_iter().find(|preset| preset.kind == JobKind::Correlate);
+    preset.into_iter().map(|preset| ("A preset: draw tracks of three sensors and put them together", preset.body)).collect()
 }
 
 fn campaign() -> Vec<(&'static str, Value)> {

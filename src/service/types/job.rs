@@ -16,11 +16,13 @@ pub enum JobKind {
     Associate,
     Evaluate,
     Group,
+    Correlate,
     Campaign,
 }
 
 impl JobKind {
-    pub const ALL: [JobKind; 5] = [JobKind::Simulate, JobKind::Associate, JobKind::Evaluate, JobKind::Group, JobKind::Campaign];
+    pub const ALL: [JobKind; 6] =
+        [JobKind::Simulate, JobKind::Associate, JobKind::Evaluate, JobKind::Group, JobKind::Correlate, JobKind::Campaign];
 
     pub fn name(self) -> &'static str {
         plan::JobKind::from(self).name()
@@ -38,6 +40,7 @@ impl From<JobKind> for plan::JobKind {
             JobKind::Associate => plan::JobKind::Associate,
             JobKind::Evaluate => plan::JobKind::Evaluate,
             JobKind::Group => plan::JobKind::Group,
+            JobKind::Correlate => plan::JobKind::Correlate,
             JobKind::Campaign => plan::JobKind::Campaign,
         }
     }
@@ -50,6 +53,7 @@ impl From<plan::JobKind> for JobKind {
             plan::JobKind::Associate => JobKind::Associate,
             plan::JobKind::Evaluate => JobKind::Evaluate,
             plan::JobKind::Group => JobKind::Group,
+            plan::JobKind::Correlate => JobKind::Correlate,
             plan::JobKind::Campaign => JobKind::Campaign,
         }
     }
@@ -99,6 +103,7 @@ pub enum ProgressStep {
     Simulate,
     Detect,
     Associate,
+    Correlate,
     Evaluate,
     Write,
 }

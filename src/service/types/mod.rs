@@ -4,6 +4,7 @@
 //! whose type has one value, so that every client generator understands them.
 
 mod campaign;
+mod correlation;
 mod dataset;
 mod detection;
 mod event;
@@ -14,6 +15,7 @@ mod report;
 mod timing;
 
 pub use campaign::*;
+pub use correlation::*;
 pub use dataset::*;
 pub use detection::*;
 pub use event::*;

@@ -2,6 +2,7 @@
 //! document and to Rust programs that read one.
 
 use super::campaign::CampaignResult;
+use super::correlation::CorrelateResult;
 use super::dataset::{DatasetKind, SensorSettings};
 use super::detection::DetectionResult;
 use super::grouping::GroupResult;
@@ -63,6 +64,12 @@ report!(
     GroupResult
 );
 report!(
+    /// Which tracks are of one target.
+    CorrelateReport,
+    CorrelateReportKind::Correlate,
+    CorrelateResult
+);
+report!(
     /// What many runs gave.
     CampaignReport,
     CampaignReportKind::Campaign,
@@ -78,6 +85,7 @@ pub enum Report {
     Associate(AssociateReport),
     Evaluate(EvaluateReport),
     Group(GroupReport),
+    Correlate(CorrelateReport),
     Campaign(CampaignReport),
 }
 

@@ -11,6 +11,7 @@ pub struct Timing {
     pub simulate_s: f64,
     pub detect_s: f64,
     pub associate_s: f64,
+    pub correlate_s: f64,
     pub evaluate_s: f64,
     pub total_s: f64,
     /// Of a campaign.

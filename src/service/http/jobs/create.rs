@@ -24,6 +24,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(create_associate_job))
         .routes(routes!(create_evaluate_job))
         .routes(routes!(create_group_job))
+        .routes(routes!(create_correlate_job))
         .routes(routes!(create_campaign_job))
         .routes(routes!(validate_job))
 }
@@ -69,6 +70,12 @@ create!(
     ///
     /// Queues a job that groups what several sensors reported of one target at one instant.
     create_group_job, "/v1/jobs/group", "createGroupJob", JobKind::Group
+);
+create!(
+    /// Put together tracks of several sensors
+    ///
+    /// Queues a job that finds which tracks of several sensors are of one target, and fuses them to system tracks.
+    create_correlate_job, "/v1/jobs/correlate", "createCorrelateJob", JobKind::Correlate
 );
 
 create!(

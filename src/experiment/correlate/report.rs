@@ -1,0 +1,265 @@
+//! What a job that correlates tracks reports, and its files.
+
+use super::super::run::Artifact;
+use super::super::tables::Table;
+use super::Correlated;
+use crate::correlation::evidence::Evidence;
+use crate::correlation::statistic::p_value;
+use crate::evaluation::grouping::{GroupedReport, GroupingCounts};
+use crate::formats;
+use crate::model::dataset::Dataset;
+use serde::Serialize;
+use std::io::Error;
+
+/// Tuples and lone tracks that the report lists; all of them are in `tuples.csv`.
+const MAX_LINES: usize = 1000;
+
+/// The result of the job.
+#[derive(Debug, Serialize)]
+pub(in super::super) struct CorrelationReport {
+    correlator: &'static str,
+    statistic: &'static str,
+    /// In this order tracks stand in a tuple.
+    sensors: Vec<SensorLine>,
+    counts: Counts,
+    /// J of the last decision.
+    cost: f64,
+    /// No way to put the tracks together costs less; null where the correlator does not know.
+    dual_bound: Option<f64>,
+    /// How far J may be above the least cost there is, as a share of the bound; null without one.
+    gap: Option<f64>,
+    /// Of the chain statistic: the least cost there is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    optimum: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    search: Option<SearchReport>,
+    confirm: ConfirmReport,
+    tuples: Vec<TupleLine>,
+    tuples_left_out: usize,
+    unassociated: Vec<TrackName>,
+    unassociated_left_out: usize,
+    /// Null where nobody knows what the tracks are of.
+    truth: Option<TruthReport>,
+}
+
+#[derive(Debug, Serialize)]
+struct SensorLine {
+    sensor_id: String,
+    tracks: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct Counts {
+    sensors: usize,
+    tracks: usize,
+    common_times: usize,
+    /// Numbers of a state that are compared.
+    dimensions: usize,
+    links: usize,
+    tuples: usize,
+    unassociated: usize,
+    system_tracks: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct SearchReport {
+    best: Vec<f64>,
+    mean: Vec<f64>,
+    generations: usize,
+    evaluations: u64,
+    stop: &'static str,
+}
+
+#[derive(Debug, Serialize)]
+struct ConfirmReport {
+    found: u32,
+    of: u32,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct TupleLine {
+    /// The system track made of it.
+    system_track_id: String,
+    /// The track of each sensor; null where the sensor has none.
+    tracks: Vec<Option<String>>,
+    /// Null for a tuple that could not be made at the last time.
+    cost: Option<f64>,
+    /// b of the paper: the sum of λ over neighbours; null where two of them have no common time.
+    b: Option<f64>,
+    /// Q.
+    statistic: f64,
+    degrees_of_freedom: usize,
+    p_value: Option<f64>,
+    /// Decisions that found it.
+    found: u32,
+    /// The target of most of its tracks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    truth_id: Option<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct TrackName {
+    sensor_id: String,
+    track_id: String,
+}
+
+/// Against what the tracks are really of.
+#[derive(Debug, Serialize)]
+struct TruthReport {
+    /// Targets of which two sensors or more have tracks.
+    tuples: u64,
+    /// Those whose tracks, all of them and nothing else, are one tuple.
+    tuples_right: u64,
+    share_right: Option<f64>,
+    pairwise_precision: Option<f64>,
+    pairwise_recall: Option<f64>,
+    /// Tracks of no target.
+    false_tracks: usize,
+}
+
+pub(in super::super) fn report(correlated: &Correlated) -> CorrelationReport {
+    let (estimates, solution) = (&correlated.correlation.estimates, &correlated.solution);
+    let mut tuples = lines(correlated);
+    let sensors = estimates.sensor_ids.iter().zip(&estimates.tracks_of);
+    let sensors_of_tracks = estimates.sensors_of_tracks();
+    let name = |&track: &u32| TrackName {
+        sensor_id: estimates.sensor_ids[sensors_of_tracks[track as usize]].clone(),
+        track_id: estimates.track_ids[track as usize].clone(),
+    };
+    CorrelationReport {
+        correlator: correlated.correlator,
+        statistic: correlated.correlation.statistic.name(),
+        sensors: sensors.map(|(sensor_id, &tracks)| SensorLine { sensor_id: sensor_id.clone(), tracks }).collect(),
+        counts: Counts {
+            sensors: estimates.tracks_of.len(),
+            tracks: estimates.tracks(),
+            common_times: estimates.times(),
+            dimensions: estimates.dimensions(),
+            links: correlated.links,
+            tuples: tuples.len(),
+            unassociated: correlated.alone.len(),
+            system_tracks: correlated.system_tracks.tracks.len(),
+        },
+        cost: solution.cost,
+        dual_bound: solution.dual_bound,
+        gap: solution.dual_bound.or(correlated.optimum).map(|bound| (solution.cost - bound) / bound.abs().max(1e-12)),
+        optimum: correlated.optimum,
+        search: solution.search.as_ref().map(|search| SearchReport {
+            best: search.best.clone(),
+            mean: search.mean.clone(),
+            generations: search.best.len(),
+            evaluations: search.evaluations,
+            stop: search.stop,
+        }),
+        confirm: ConfirmReport { found: correlated.confirm.found, of: correlated.confirm.of },
+        tuples_left_out: tuples.len().saturating_sub(MAX_LINES),
+        unassociated: correlated.alone.iter().take(MAX_LINES).map(name).collect(),
+        unassociated_left_out: correlated.alone.len().saturating_sub(MAX_LINES),
+        truth: truth(correlated),
+        tuples: {
+            tuples.truncate(MAX_LINES);
+            tuples
+        },
+    }
+}
+
+fn lines(correlated: &Correlated) -> Vec<TupleLine> {
+    let correlation = &correlated.correlation;
+    let until = correlation.estimates.times();
+    let (evidence, problem) = (correlation.evidence(until), correlation.problem(until));
+    let sensors = correlation.estimates.sensors_of_tracks();
+    let line = |(index, (tuple, found)): (usize, &(Vec<u32>, u32))| {
+        let spread = evidence.spread(tuple);
+        let mut tracks = vec![None; correlation.estimates.tracks_of.len()];
+        tuple.iter().for_each(|&track| tracks[sensors[track as usize]] = Some(correlation.estimates.track_ids[track as usize].clone()));
+        TupleLine {
+            system_track_id: (index + 1).to_string(),
+            tracks,
+            cost: problem.cost(tuple),
+            b: chain(&evidence, tuple),
+            statistic: spread.q,
+            degrees_of_freedom: spread.degrees_of_freedom,
+            p_value: p_value(&spread),
+            found: *found,
+            truth_id: truth_of(correlated, tuple),
+        }
+    };
+    correlated.tuples.iter().enumerate().map(line).collect()
+}
+
+/// b: Σ λ over neighbours.
+fn chain(evidence: &Evidence, tuple: &[u32]) -> Option<f64> {
+    tuple.windows(2).map(|pair| evidence.pair(pair[0], pair[1]).map(|pair| pair.lambda)).sum()
+}
+
+/// The target of most of the tracks; the first of equals.
+fn truth_of(correlated: &Correlated, tuple: &[u32]) -> Option<String> {
+    let origins: Vec<u32> = tuple.iter().filter_map(|&track| correlated.origins.as_ref()?[track as usize]).collect();
+    let count = |origin: &u32| origins.iter().filter(|other| *other == origin).count();
+    let most = origins.iter().map(count).max()?;
+    let origin = origins.iter().filter(|origin| count(origin) == most).min()?;
+    correlated.truth_ids.get(*origin as usize).cloned()
+}
+
+fn truth(correlated: &Correlated) -> Option<TruthReport> {
+    let origins = correlated.origins.as_ref()?;
+    let sensors = correlated.correlation.estimates.sensors_of_tracks();
+    let mut group_of = vec![0; origins.len()];
+    let groups = correlated.tuples.iter().map(|(tuple, _)| tuple.as_slice()).chain(correlated.alone.chunks(1));
+    groups.enumerate().for_each(|(group, tuple)| tuple.iter().for_each(|&track| group_of[track as usize] = group));
+    let report = |(track, &origin): (usize, &Option<u32>)| GroupedReport { sensor: sensors[track] as u32, origin, group: group_of[track] };
+    let reports: Vec<GroupedReport> = origins.iter().enumerate().map(report).collect();
+    let counts = GroupingCounts::of(&reports);
+    Some(TruthReport {
+        tuples: counts.duplicates,
+        tuples_right: counts.exact,
+        share_right: counts.accuracy(),
+        pairwise_precision: counts.precision(),
+        pairwise_recall: counts.recall(),
+        false_tracks: origins.iter().filter(|origin| origin.is_none()).count(),
+    })
+}
+
+/// `tuples.csv` and `system_tracks.csv`.
+pub(in super::super) fn artifacts(correlated: &Correlated) -> Result<Vec<Artifact>, Error> {
+    let mut bytes = Vec::new();
+    let dataset = Dataset::Tracks(correlated.system_tracks.clone());
+    formats::write_csv(&dataset, &mut bytes)?;
+    let tracks =
+        Artifact { name: "system_tracks.csv", media_type: "text/csv", bytes, dataset: Some(dataset.summary()), sensors: Vec::new() };
+    Ok(vec![tracks, table(correlated)])
+}
+
+/// A row a tuple, the tracks that are alone below them, with the track of each sensor.
+fn table(correlated: &Correlated) -> Artifact {
+    let estimates = &correlated.correlation.estimates;
+    let mut table = Table::new(false, &["system_track_id", "cost", "b", "statistic", "degrees_of_freedom", "p_value", "found", "truth_id"]);
+    table.columns(estimates.sensor_ids.iter().map(|sensor_id| format!("track_of_{sensor_id}")));
+    let text = |number: Option<f64>| number.map_or_else(String::new, |number| number.to_string());
+    for line in lines(correlated) {
+        let mut cells = vec![
+            line.system_track_id,
+            text(line.cost),
+            text(line.b),
+            line.statistic.to_string(),
+            line.degrees_of_freedom.to_string(),
+            text(line.p_value),
+            line.found.to_string(),
+            line.truth_id.unwrap_or_default(),
+        ];
+        cells.extend(line.tracks.into_iter().map(Option::unwrap_or_default));
+        table.row(&cells);
+    }
+    let sensors = estimates.sensors_of_tracks();
+    for (index, &track) in correlated.alone.iter().enumerate() {
+        let id = if correlated.keeps_alone { (correlated.tuples.len() + index + 1).to_string() } else { String::new() };
+        let truth_id = truth_of(correlated, &[track]).unwrap_or_default();
+        let mut cells = vec![id, "0".to_owned(), String::new(), String::new(), "0".to_owned(), String::new(), String::new(), truth_id];
+        cells.extend(
+            (0..estimates.tracks_of.len())
+                .map(|sensor| if sensor == sensors[track as usize] { estimates.track_ids[track as usize].clone() } else { String::new() }),
+        );
+        table.row(&cells);
+    }
+    table.artifact("tuples.csv")
+}

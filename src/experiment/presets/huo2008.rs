@@ -1,0 +1,72 @@
+//! The setting of Huo Liang et al. 2008, three sensors and ten targets, and grids around it: spacing, missing tracks, false tracks,
+//! bias and size, every correlator on the same tracks.
+//!
+//! The paper gives the coding of three sensors and ten targets and no numbers: spacing, noise and times are chosen here.
+
+use super::Preset;
+use crate::correlation::CORRELATORS;
+use crate::experiment::plan::JobKind;
+use serde_json::{Value, json};
+
+pub(super) fn presets() -> Vec<Preset> {
+    // Without a correlator there is nothing to preset.
+    let Some(first) = CORRELATORS.iter().find(|method| method.name == "genetic").or(CORRELATORS.first()) else { return Vec::new() };
+    let body = json!({
+        "name": "huo2008",
+        "seed": 1,
+        "input": {"source": "local_tracks", "tracks": {"sensors": 3, "targets": 10}},
+        "correlator": {"method": first.name}
+    });
+    let mut presets = vec![Preset {
+        name: "huo2008".to_owned(),
+        summary: "Huo et al. 2008: tracks of three sensors and ten targets, put together by the genetic algorithm.".to_owned(),
+        kind: JobKind::Correlate,
+        body: body.clone(),
+    }];
+    let path = |field: &str| format!("/input/tracks/{field}");
+    let values = |name: &str, field: &str, values: Value| json!({"by": "values", "name": name, "path": path(field), "values": values});
+    let size = |sensors: u32, targets: u32| {
+        json!({"name": format!("{sensors} × {targets}"), "set": [
+            {"path": path("sensors"), "value": sensors}, {"path": path("targets"), "value": targets}, {"path": path("p_d"), "value": 0.9}
+        ]})
+    };
+    let sizes = [(3, 10), (3, 50), (5, 50), (10, 50), (10, 200)].map(|(sensors, targets)| size(sensors, targets));
+    let grids = [
+        ("spacing", 20, values("spacing (m)", "spacing_m", json!([150.0, 250.0, 500.0]))),
+        ("p-d", 20, values("P_D", "p_d", json!([0.7, 0.9, 1.0]))),
+        ("false-tracks", 20, values("false tracks", "false_tracks", json!([0.0, 2.0, 5.0]))),
+        ("bias", 20, values("bias (m)", "bias_m", json!([0.0, 100.0, 200.0]))),
+        ("size", 1, json!({"by": "variants", "name": "sensors × targets", "variants": sizes})),
+    ];
+    presets.extend(grids.into_iter().map(|(name, runs, axis)| grid(&body, name, runs, &axis)));
+    presets
+}
+
+fn grid(body: &Value, name: &str, runs: u32, axis: &Value) -> Preset {
+    let mut base = body.clone();
+    base["kind"] = json!("correlate");
+    let methods: Vec<Value> = CORRELATORS
+        .iter()
+        .map(|method| json!({"name": method.name, "set": [{"path": "/correlator", "value": {"method": method.name}}]}))
+        .collect();
+    let outcome = |name: &str, path: &str| json!({"name": name, "path": path});
+    Preset {
+        name: format!("huo2008-{name}"),
+        summary: format!("Every correlator on the tracks of huo2008 over a grid: {name}."),
+        kind: JobKind::Campaign,
+        body: json!({
+            "name": format!("huo2008-{name}"),
+            "seed": 1,
+            "base": base,
+            "grid": [axis, {"by": "variants", "name": "correlator", "variants": methods}],
+            "runs": runs,
+            "outcomes": [
+                outcome("tuples right", "truth.share_right"),
+                outcome("precision", "truth.pairwise_precision"),
+                outcome("recall", "truth.pairwise_recall"),
+                outcome("J", "cost"),
+                outcome("gap", "gap")
+            ]
+        }),
+    }
+}

@@ -1,0 +1,195 @@
+//! Tracks of several sensors without the sensors: the truth with the errors that their covariances tell. Cheap, and exact in what
+//! is true, which is what comparing correlators needs.
+//!
+//! # Symbols
+//! P = diag(σ², σ², σ_v², σ_v²) covariance of every estimate; ρ correlation of a track's errors from one time to the next.
+//!
+//! # Method
+//! 1. Targets stand row by row in a square, each displaced at random, and move on one course that is drawn.
+//! 2. Each sensor has a track of each target with probability P_D; its errors are e ← ρ e + √(1 − ρ²) w with w from N(0, P), white in
+//!    time for ρ = 0, and all its tracks are displaced by its bias, in a direction of its own.
+//! 3. A Poisson number of false tracks a sensor lies anywhere in the square, on the same course.
+//! 4. The tracks of a sensor are in a random order.
+
+use crate::math::rng::{Purpose, Seed};
+use crate::model::state::{Covariance, Position, State};
+use crate::model::track::{Estimate, PlaneEstimate, Track, TrackPoint, TrackSet};
+use crate::model::truth::{Target, TruthPoint, TruthSet};
+use crate::registry::{Bound, Field, Kind, Object, Presence};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Poisson, StandardNormal};
+use serde::Deserialize;
+use std::f64::consts::TAU;
+
+const fn field(name: &'static str, summary: &'static str, kind: Kind, value: &'static str) -> Field {
+    Field { name, summary, kind, presence: Presence::Default(value) }
+}
+
+const LENGTH: Kind = Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e9), unit: "m" };
+const SHARE: Kind = Kind::Number { min: Bound::Including(0.0), max: Bound::Excluding(1.0), unit: "" };
+
+pub static LOCAL_TRACKS: Object = Object {
+    name: "LocalTracks",
+    summary: "Tracks of several sensors, drawn: the truth with errors of known covariance, without detections and trackers.",
+    fields: &[
+        field("sensors", "Sensors.", Kind::Integer { min: 1, max: 64, unit: "" }, "3"),
+        field("targets", "Targets.", Kind::Integer { min: 1, max: 100_000, unit: "" }, "10"),
+        field("spacing_m", "Distance between neighbouring targets of the square in which they move.", LENGTH, "500.0"),
+        field("jitter", "Largest displacement of a target from its place along each axis, in spacings.", SHARE, "0.3"),
+        field(
+            "speed_mps",
+            "Speed of all targets, on one course.",
+            Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e5), unit: "m/s" },
+            "200.0",
+        ),
+        field("sigma_m", "Standard deviation of x and of y.", LENGTH, "100.0"),
+        field(
+            "sigma_mps",
+            "Standard deviation of each component of the velocity.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e5), unit: "m/s" },
+            "10.0",
+        ),
+        field(
+            "p_d",
+            "Probability that a sensor has a track of a target.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1.0), unit: "" },
+            "1.0",
+        ),
+        field(
+            "false_tracks",
+            "Mean number of tracks of a sensor that are of no target.",
+            Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e5), unit: "" },
+            "0.0",
+        ),
+        field(
+            "bias_m",
+            "Displacement of all tracks of a sensor, in a direction of its own.",
+            Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e9), unit: "m" },
+            "0.0",
+        ),
+        field("correlation", "Correlation of a track's errors from one time to the next; 0 is white.", SHARE, "0.0"),
+        field("times", "Times at which every track says something.", Kind::Integer { min: 1, max: 10_000, unit: "" }, "4"),
+        field("period_s", "Time between them.", Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "s" }, "2.0"),
+    ],
+};
+
+/// A checked [`LOCAL_TRACKS`].
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct LocalTracks {
+    pub sensors: u32,
+    pub targets: u32,
+    pub spacing_m: f64,
+    pub jitter: f64,
+    pub speed_mps: f64,
+    pub sigma_m: f64,
+    pub sigma_mps: f64,
+    pub p_d: f64,
+    pub false_tracks: f64,
+    pub bias_m: f64,
+    pub correlation: f64,
+    pub times: u32,
+    pub period_s: f64,
+}
+
+/// The tracks of one sensor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SensorTracks {
+    pub sensor_id: String,
+    pub tracks: TrackSet,
+    /// For each track the target that it is of, by its place in the truth.
+    pub origins: Vec<Option<u32>>,
+}
+
+impl LocalTracks {
+    /// Points of tracks to expect.
+    pub fn points(&self) -> f64 {
+        f64::from(self.sensors) * (f64::from(self.targets) * self.p_d + self.false_tracks) * f64::from(self.times)
+    }
+
+    fn side(&self) -> u32 {
+        f64::from(self.targets).sqrt().ceil() as u32
+    }
+
+    fn covariance(&self) -> Covariance {
+        let (position, velocity) = (self.sigma_m.powi(2), self.sigma_mps.powi(2));
+        Covariance::from_diagonal(&State::new(position, position, velocity, velocity))
+    }
+}
+
+/// Draws the tracks of all sensors, and the truth behind them.
+///
+/// # Errors
+/// Those of [`TruthSet::new`]: times or places that are not finite.
+pub fn simulate_local_tracks(plan: &LocalTracks, seed: Seed) -> Result<(Vec<SensorTracks>, TruthSet), Vec<crate::model::fault::Fault>> {
+    let heading_rad = TAU * seed.stream(Purpose::LocalTracks, 0, 0).random::<f64>();
+    let course_mps = Position::new(heading_rad.sin(), heading_rad.cos()) * plan.speed_mps;
+    let starts_m: Vec<Position> = (0..plan.targets).map(|target| place(plan, target, seed)).collect();
+    let sensors = (0..plan.sensors).map(|sensor| tracks_of(plan, sensor, &starts_m, course_mps, seed)).collect();
+    let target = |(index, start_m): (usize, &Position)| {
+        let point = |time: u32| {
+            let time_s = f64::from(time) * plan.period_s;
+            TruthPoint::in_plane(time_s, start_m + course_mps * time_s, Some(course_mps))
+        };
+        Target { truth_id: (index + 1).to_string(), points: (0..plan.times).map(point).collect() }
+    };
+    Ok((sensors, TruthSet::new(starts_m.iter().enumerate().map(target).collect())?))
+}
+
+/// Where a target begins; the stream of entity k draws the k-th.
+fn place(plan: &LocalTracks, target: u32, seed: Seed) -> Position {
+    let mut draw = seed.stream(Purpose::LocalTracks, u64::from(target) + 1, 0);
+    let side = plan.side();
+    let mut along = |number: u32| plan.spacing_m * (f64::from(number) + plan.jitter * (2.0 * draw.random::<f64>() - 1.0));
+    Position::new(along(target % side), along(target / side))
+}
+
+fn tracks_of(plan: &LocalTracks, sensor: u32, starts_m: &[Position], course_mps: Position, seed: Seed) -> SensorTracks {
+    let entity = u64::from(sensor + 1) << 32;
+    let mut draw = seed.stream(Purpose::LocalTracks, entity, 0);
+    let bias_rad = TAU * draw.random::<f64>();
+    let bias_m = Position::new(bias_rad.sin(), bias_rad.cos()) * plan.bias_m;
+    let false_tracks = Poisson::new(plan.false_tracks).map_or(0.0, |count| count.sample(&mut draw)) as u64;
+    let mut found: Vec<(u64, Option<u32>, Track)> = Vec::new();
+    for (target, start_m) in starts_m.iter().enumerate() {
+        let mut draw = seed.stream(Purpose::LocalTracks, entity + target as u64 + 1, 0);
+        if draw.random::<f64>() < plan.p_d {
+            found.push((draw.random(), Some(target as u32), track(plan, start_m + bias_m, course_mps, &mut draw)));
+        }
+    }
+    for number in 0..false_tracks {
+        let mut draw = seed.stream(Purpose::LocalTracks, entity + number + 1, 1);
+        let mut anywhere = || plan.spacing_m * (f64::from(plan.side()) * draw.random::<f64>() - 0.5);
+        let start_m = Position::new(anywhere(), anywhere());
+        found.push((draw.random(), None, track(plan, start_m + bias_m, course_mps, &mut draw)));
+    }
+    found.sort_by_key(|(order, ..)| *order);
+    let origins = found.iter().map(|(_, origin, _)| *origin).collect();
+    let named = |(index, (.., track)): (usize, (u64, Option<u32>, Track))| Track { track_id: (index + 1).to_string(), ..track };
+    let sensor_id = (sensor + 1).to_string();
+    let tracks =
+        TrackSet { tracks: found.into_iter().enumerate().map(named).collect(), sensor_ids: vec![sensor_id.clone()], ..TrackSet::default() };
+    SensorTracks { sensor_id, tracks, origins }
+}
+
+fn track(plan: &LocalTracks, start_m: Position, course_mps: Position, draw: &mut ChaCha8Rng) -> Track {
+    let covariance = plan.covariance();
+    let mut white = || {
+        State::from_fn(|row, _| {
+            let normal: f64 = StandardNormal.sample(draw);
+            normal * covariance[(row, row)].sqrt()
+        })
+    };
+    let mut error = white();
+    let mut point = |time: u32| {
+        if time > 0 {
+            error = error * plan.correlation + white() * (1.0 - plan.correlation.powi(2)).sqrt();
+        }
+        let time_s = f64::from(time) * plan.period_s;
+        let position_m = start_m + course_mps * time_s;
+        let state = State::new(position_m[0], position_m[1], course_mps[0], course_mps[1]) + error;
+        let estimate = Estimate::Plane(PlaneEstimate { state, has_velocity: true, covariance: Some(covariance) });
+        TrackPoint { time_s, sensor: Some(0), estimate, status: None, nis: None, first_candidate: 0, candidates: 0 }
+    };
+    Track { track_id: String::new(), points: (0..plan.times).map(&mut point).collect() }
+}
