@@ -11,13 +11,20 @@ use problem::Problem;
 
 pub mod alignment;
 mod candidates;
+mod cluster;
 pub mod cross_covariance;
 pub mod estimates;
 pub mod evidence;
+mod exact;
 pub mod fusion;
+mod genetic;
 pub mod grouping;
+mod improve;
+mod nearest;
+mod partition;
 pub mod problem;
 pub mod statistic;
+mod weighted;
 
 /// The tracks of all sensors in tuples, and what was found on the way.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -29,6 +36,19 @@ pub struct Solution {
     /// No solution costs less, where the correlator knows so.
     pub dual_bound: Option<f64>,
     pub search: Option<Search>,
+}
+
+impl Solution {
+    /// From tuples without a track in common; tracks in none of them are alone.
+    fn of(problem: &Problem, mut tuples: Vec<Vec<u32>>) -> Self {
+        let mut is_in_one = vec![false; problem.tracks()];
+        tuples.iter().flatten().for_each(|&track| is_in_one[track as usize] = true);
+        tuples.extend((0..problem.tracks() as u32).filter(|&track| !is_in_one[track as usize]).map(|track| vec![track]));
+        tuples.sort_unstable();
+        let cost_of = |tuple: &Vec<u32>| problem.cost(tuple).expect("correlators build only tuples that exist");
+        let cost = tuples.iter().map(cost_of).sum();
+        Solution { tuples, cost, dual_bound: None, search: None }
+    }
 }
 
 /// How a correlator searched.
@@ -54,7 +74,8 @@ pub trait Correlator: Send {
 pub type BuildCorrelator = fn(&serde_json::Value, Seed) -> Result<Box<dyn Correlator>, serde_json::Error>;
 
 /// Every correlator.
-pub const CORRELATORS: &[Method<BuildCorrelator>] = &[];
+pub const CORRELATORS: &[Method<BuildCorrelator>] =
+    &[nearest::METHOD, weighted::METHOD, weighted::MODIFIED, genetic::METHOD, exact::METHOD];
 
 pub static CORRELATOR: Union = Union {
     name: "Correlator",

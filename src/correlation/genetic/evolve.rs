@@ -1,0 +1,129 @@
+//! The generations: selection, offspring, the end. What an individual is, its coding knows.
+//!
+//! # Method
+//! Individuals stand in the order of their costs. Selection by rank: of two drawn at random the better one, so that the
+//! chance of rank r of n (the best is 0) falls linearly, (2(n − r) − 1) / n².
+//! 1. The next generation takes over what the generation gap leaves of the present one: the elite, then others by rank.
+//! 2. Pairs by rank beget the rest, by crossover at its rate, else as copies; each child mutates at its rate.
+//! 3. It ends after the given generations, or when the best cost has changed by no more than ε in each of G′ generations, or
+//!    when the best cost is one that nothing undercuts.
+
+use super::Settings;
+use crate::correlation::cluster::LEAST_GAIN;
+use rand::RngExt;
+use rand::rngs::Xoshiro256PlusPlus;
+
+/// What an individual is, and what is done to it.
+pub(super) trait Coding {
+    type Individual: Clone;
+
+    fn create(&mut self, number: usize, dice: &mut Xoshiro256PlusPlus) -> Self::Individual;
+
+    /// Both become children.
+    fn cross(&mut self, left: &mut Self::Individual, right: &mut Self::Individual, dice: &mut Xoshiro256PlusPlus);
+
+    fn mutate(&mut self, individual: &mut Self::Individual, dice: &mut Xoshiro256PlusPlus);
+
+    /// J; a coding may improve the individual first.
+    fn cost(&mut self, individual: &mut Self::Individual) -> f64;
+}
+
+/// What came of it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Evolution<Individual> {
+    pub(super) best: Individual,
+    /// Best and mean cost of each generation, the first included.
+    pub(super) best_costs: Vec<f64>,
+    pub(super) mean_costs: Vec<f64>,
+    pub(super) stop: &'static str,
+}
+
+struct Member<Individual> {
+    individual: Individual,
+    cost: f64,
+}
+
+/// Evolves; no individual can cost less than `least_cost`.
+pub(super) fn evolve<C: Coding>(
+    coding: &mut C,
+    settings: &Settings,
+    least_cost: f64,
+    dice: &mut Xoshiro256PlusPlus,
+) -> Evolution<C::Individual> {
+    let mut members: Vec<Member<C::Individual>> = Vec::new();
+    while members.len() < settings.population && !is_least(&members, least_cost) {
+        let individual = coding.create(members.len(), dice);
+        members.push(measured(coding, individual));
+    }
+    sort(&mut members);
+    let (mut best_costs, mut mean_costs) = (vec![members[0].cost], vec![mean(&members)]);
+    let mut unchanged = 0;
+    let stop = loop {
+        if is_least(&members, least_cost) {
+            break "optimal";
+        } else if unchanged >= settings.stop_after {
+            break "unchanged";
+        } else if best_costs.len() > settings.generations {
+            break "generations";
+        }
+        members = next_generation(coding, settings, members, dice);
+        let change = best_costs[best_costs.len() - 1] - members[0].cost;
+        unchanged = if change <= settings.epsilon { unchanged + 1 } else { 0 };
+        best_costs.push(members[0].cost);
+        mean_costs.push(mean(&members));
+    };
+    Evolution { best: members.swap_remove(0).individual, best_costs, mean_costs, stop }
+}
+
+fn next_generation<C: Coding>(
+    coding: &mut C,
+    settings: &Settings,
+    members: Vec<Member<C::Individual>>,
+    dice: &mut Xoshiro256PlusPlus,
+) -> Vec<Member<C::Individual>> {
+    let population = members.len();
+    let elite = settings.elite.min(population);
+    let kept = (((1.0 - settings.generation_gap) * population as f64).round() as usize).max(elite);
+    let mut next: Vec<Member<C::Individual>> = Vec::with_capacity(population + 1);
+    for place in 0..kept {
+        let Member { individual, cost } = &members[if place < elite { place } else { ranked(population, dice) }];
+        next.push(Member { individual: individual.clone(), cost: *cost });
+    }
+    while next.len() < population {
+        let mut children = [(); 2].map(|()| members[ranked(population, dice)].individual.clone());
+        let [left, right] = &mut children;
+        if dice.random_bool(settings.crossover_rate) {
+            coding.cross(left, right, dice);
+        }
+        for mut child in children.into_iter().take(population - next.len()) {
+            if dice.random_bool(settings.mutation_rate) {
+                coding.mutate(&mut child, dice);
+            }
+            next.push(measured(coding, child));
+        }
+    }
+    sort(&mut next);
+    next
+}
+
+fn measured<C: Coding>(coding: &mut C, mut individual: C::Individual) -> Member<C::Individual> {
+    let cost = coding.cost(&mut individual);
+    Member { individual, cost }
+}
+
+fn is_least<Individual>(members: &[Member<Individual>], least_cost: f64) -> bool {
+    members.iter().any(|member| member.cost <= least_cost + LEAST_GAIN)
+}
+
+fn sort<Individual>(members: &mut [Member<Individual>]) {
+    members.sort_by(|left, right| left.cost.total_cmp(&right.cost));
+}
+
+fn mean<Individual>(members: &[Member<Individual>]) -> f64 {
+    members.iter().map(|member| member.cost).sum::<f64>() / members.len() as f64
+}
+
+/// A place among so many, by rank.
+fn ranked(population: usize, dice: &mut Xoshiro256PlusPlus) -> usize {
+    dice.random_range(0..population).min(dice.random_range(0..population))
+}

@@ -1,0 +1,203 @@
+//! The genetic algorithm: a population of ways to put the tracks together is crossed and mutated, and the cheaper ones have
+//! more offspring. One variant is the paper's; the other searches cluster by cluster and improves every individual.
+//!
+//! # Reference
+//! Huo L., Zhang Z., Bai P., Song Y., Xiong X., A sort of model of multi-sensor multi-object flight path connection based on
+//! GA, J. Air Force Engineering University (Natural Science Edition) 9(3), 2008, 28–31. For the improved variant P. Galinier,
+//! J.-K. Hao, Hybrid evolutionary algorithms for graph coloring, J. Combinatorial Optimization 3, 1999, 379–397 (individuals
+//! are partitions at rest under local search; crossover hands down whole parts).
+//!
+//! # Symbols
+//! J the cost, which is the fitness (smaller is fitter); P_c, P_m rates of crossover and mutation, P_r of reproduction;
+//! G generations; G′, ε the end when the best cost stays.
+//!
+//! # Method
+//! Selection, generations and the end: [`evolve`]; the share P_r of a generation that lives on is 1 less the generation gap.
+//! - `paper`: one chromosome for the whole problem ([`paper`]), partially matched crossover and swap ([`permutation`]),
+//!   a random first population.
+//! - `improved`: each cluster by itself ([`improved`]). A cluster whose cost no solution can undercut, because each track has
+//!   its best link to each sensor, is done at once.
+//!
+//! The random choices of a cluster come from the stream named after its first track and the number of the call.
+
+mod evolve;
+mod improved;
+mod paper;
+mod permutation;
+#[cfg(test)]
+mod tests;
+
+use super::cluster::{Cluster, clusters};
+use super::improve::Improver;
+use super::nearest::nearest_tuples;
+use super::partition::Partition;
+use super::problem::Problem;
+use super::weighted::weighted_tuples;
+use super::{BuildCorrelator, Correlator, Search, Solution};
+use crate::math::rng::{Purpose, Seed};
+use crate::model::fault::Fault;
+use crate::registry::{Bound, Field, Kind, Method, Object, Presence};
+use evolve::{Evolution, evolve};
+use improved::Partitions;
+use paper::Chromosomes;
+use rand::SeedableRng;
+use rand::rngs::Xoshiro256PlusPlus;
+use serde::Deserialize;
+
+pub const METHOD: Method<BuildCorrelator> = Method {
+    name: "genetic",
+    parameters: &PARAMETERS,
+    build: |spec, seed| Ok(Box::new(Genetic { settings: Settings::deserialize(spec)?, seed, occasion: 0 })),
+};
+
+static PARAMETERS: Object = Object {
+    name: "GeneticCorrelator",
+    summary: "A genetic algorithm: partitions of the tracks are crossed and mutated, the cheaper ones have more offspring.",
+    fields: &[
+        Field {
+            name: "variant",
+            summary: "improved: cluster by cluster, whole tuples are handed down, every individual is improved by local search; paper: one \
+                      chromosome of permutations, partially matched crossover and swap, as published.",
+            kind: Kind::Choice(&["improved", "paper"]),
+            presence: Presence::Default("\"improved\""),
+        },
+        Field {
+            name: "population",
+            summary: "Individuals.",
+            kind: Kind::Integer { min: 2, max: 10_000, unit: "" },
+            presence: Presence::Default("20"),
+        },
+        Field {
+            name: "generations",
+            summary: "G, generations after the first population.",
+            kind: Kind::Integer { min: 1, max: 100_000, unit: "" },
+            presence: Presence::Default("200"),
+        },
+        Field {
+            name: "crossover_rate",
+            summary: "P_c, probability that a pair is crossed.",
+            kind: SHARE,
+            presence: Presence::Default("0.8"),
+        },
+        Field { name: "mutation_rate", summary: "P_m, probability that a child mutates.", kind: SHARE, presence: Presence::Default("0.3") },
+        Field {
+            name: "generation_gap",
+            summary: "Share of a generation that is new; the others live on (P_r = 1 less the gap).",
+            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1.0), unit: "" },
+            presence: Presence::Default("0.5"),
+        },
+        Field {
+            name: "elite",
+            summary: "Fittest individuals that live on in any case.",
+            kind: Kind::Integer { min: 1, max: 10_000, unit: "" },
+            presence: Presence::Default("2"),
+        },
+        Field {
+            name: "stop_after",
+            summary: "G', generations in a row with the best cost unchanged after which the search ends.",
+            kind: Kind::Integer { min: 1, max: 100_000, unit: "" },
+            presence: Presence::Default("10"),
+        },
+        Field {
+            name: "epsilon",
+            summary: "A change of the best cost by no more than this counts as none.",
+            kind: Kind::Number { min: Bound::Including(0.0), max: Bound::None, unit: "" },
+            presence: Presence::Default("1e-9"),
+        },
+    ],
+};
+
+const SHARE: Kind = Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1.0), unit: "" };
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Variant {
+    Improved,
+    Paper,
+}
+
+/// The parameters of [`PARAMETERS`].
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+struct Settings {
+    variant: Variant,
+    population: usize,
+    generations: usize,
+    crossover_rate: f64,
+    mutation_rate: f64,
+    generation_gap: f64,
+    elite: usize,
+    stop_after: usize,
+    epsilon: f64,
+}
+
+#[derive(Debug)]
+struct Genetic {
+    settings: Settings,
+    seed: Seed,
+    /// Calls so far.
+    occasion: u64,
+}
+
+impl Correlator for Genetic {
+    fn correlate(&mut self, problem: &Problem) -> Result<Solution, Vec<Fault>> {
+        self.occasion += 1;
+        Ok(match self.settings.variant {
+            Variant::Paper => self.evolve_chromosomes(problem),
+            Variant::Improved => self.evolve_clusters(problem),
+        })
+    }
+}
+
+impl Genetic {
+    fn dice(&self, name: u64) -> Xoshiro256PlusPlus {
+        Xoshiro256PlusPlus::from_rng(&mut self.seed.stream(Purpose::Correlator, name, self.occasion - 1))
+    }
+
+    fn evolve_chromosomes(&self, problem: &Problem) -> Solution {
+        let mut coding = Chromosomes::new(problem);
+        let Evolution { best, best_costs, mean_costs, stop } = evolve(&mut coding, &self.settings, f64::NEG_INFINITY, &mut self.dice(0));
+        let tuples = coding.tuples(&best);
+        let search = Search { best: best_costs, mean: mean_costs, evaluations: coding.evaluations, stop };
+        Solution { search: Some(search), ..Solution::of(problem, tuples) }
+    }
+
+    fn evolve_clusters(&self, problem: &Problem) -> Solution {
+        let seeds = [nearest_tuples(problem), weighted_tuples(problem)];
+        let (mut tuples, mut searches) = (Vec::new(), Vec::new());
+        let mut improver = Improver::default();
+        for cluster in clusters(problem) {
+            let seeds = seeds.iter().map(|tuples| seed_of(&cluster, tuples)).collect();
+            let before = improver.evaluations;
+            let mut coding = Partitions::new(&cluster, seeds, improver);
+            let found = evolve(&mut coding, &self.settings, cluster.least_cost(), &mut self.dice(cluster.name()));
+            improver = coding.into_improver();
+            tuples.extend(found.best.tuples().map(|tuple| tuple.iter().map(|&track| cluster.name_of(track)).collect::<Vec<u32>>()));
+            let Evolution { best_costs, mean_costs, stop, .. } = found;
+            searches.push(Search { best: best_costs, mean: mean_costs, evaluations: improver.evaluations - before, stop });
+        }
+        Solution { search: Some(summed(&searches)), ..Solution::of(problem, tuples) }
+    }
+}
+
+/// What others answer for a cluster.
+fn seed_of(cluster: &Cluster, tuples: &[Vec<u32>]) -> Partition {
+    let here: Vec<Vec<u32>> = tuples.iter().map(|tuple| tuple.iter().filter_map(|&track| cluster.number_of(track)).collect()).collect();
+    Partition::from_tuples(cluster, here.iter().map(Vec::as_slice))
+}
+
+/// The searches of all clusters as one: those that have ended stay where they are.
+fn summed(searches: &[Search]) -> Search {
+    let generations = searches.iter().map(|search| search.best.len()).max().unwrap_or(1);
+    let sum = |costs: fn(&Search) -> &[f64]| -> Vec<f64> {
+        let at = |generation: usize| searches.iter().map(|search| costs(search)[generation.min(costs(search).len() - 1)]).sum();
+        (0..generations).map(at).collect()
+    };
+    let stops = ["generations", "unchanged"];
+    let stop = stops.into_iter().find(|stop| searches.iter().any(|search| search.stop == *stop)).unwrap_or("optimal");
+    Search {
+        best: sum(|search| &search.best),
+        mean: sum(|search| &search.mean),
+        evaluations: searches.iter().map(|search| search.evaluations).sum(),
+        stop,
+    }
+}

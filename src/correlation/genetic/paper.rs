@@ -1,0 +1,180 @@
+//! The paper's coding: a chromosome has for each sensor but the first a permutation of its tracks, which stand against the
+//! tracks of the first sensor in their fixed order. A row of the chromosome is one position of all of them.
+//!
+//! # Method
+//! - Padding: there are as many rows as tracks in all. A permutation has more values than its sensor has tracks; those
+//!   beyond are "absent", and so is the first sensor beyond its own tracks. Each track can have a row for itself, so
+//!   every partition into tuples has a chromosome.
+//! - A row is one tuple as long as its links pay. In a chain it is cut wherever the link of neighbours is missing or costs
+//!   more than nothing. Otherwise its tracks, in the order of their sensors, each join the tuple of the row whose cost
+//!   they lower most, or begin one.
+//! - Fitness: J of the tuples so made. Crossover: PMX, a cut for each permutation. Mutation: in one permutation, drawn at
+//!   random, two positions change their values.
+
+use super::evolve::Coding;
+use super::permutation::Crossover;
+use crate::correlation::problem::{Costs, Problem};
+use rand::RngExt;
+use rand::rngs::Xoshiro256PlusPlus;
+use rand::seq::SliceRandom;
+use std::ops::Range;
+
+pub(super) struct Chromosomes<'a> {
+    problem: &'a Problem,
+    rows: usize,
+    crossover: Crossover,
+    row: Vec<u32>,
+    /// Chromosomes whose cost was computed.
+    pub(super) evaluations: u64,
+}
+
+impl<'a> Chromosomes<'a> {
+    pub(super) fn new(problem: &'a Problem) -> Self {
+        Chromosomes { problem, rows: problem.tracks(), crossover: Crossover::default(), row: Vec::new(), evaluations: 0 }
+    }
+
+    pub(super) fn tuples(&mut self, chromosome: &[u32]) -> Vec<Vec<u32>> {
+        let mut tuples = Vec::new();
+        self.decode(chromosome, |tuple, _| tuples.push(tuple.to_vec()));
+        tuples
+    }
+
+    /// Shows every tuple with its cost.
+    fn decode(&mut self, chromosome: &[u32], mut show: impl FnMut(&[u32], f64)) {
+        let problem = self.problem;
+        let mut row = std::mem::take(&mut self.row);
+        for number in 0..self.rows {
+            row.clear();
+            let first = problem.of_sensor(0);
+            row.extend((number < first.len()).then_some(number as u32));
+            for (permutation, sensor) in chromosome.chunks_exact(self.rows).zip(1..) {
+                let tracks = problem.of_sensor(sensor);
+                let value = permutation[number];
+                row.extend(((value as usize) < tracks.len()).then_some(tracks.start + value));
+            }
+            match problem.costs {
+                Costs::Chain => cut_chain(problem, &row, &mut show),
+                Costs::AllPairs | Costs::Joint(_) => split(problem, &row, &mut show),
+            }
+        }
+        self.row = row;
+    }
+
+    fn permutation_of(&self, number: usize) -> Range<usize> {
+        number * self.rows..(number + 1) * self.rows
+    }
+}
+
+fn cut_chain(problem: &Problem, row: &[u32], show: &mut impl FnMut(&[u32], f64)) {
+    let (mut first, mut cost) = (0, 0.0);
+    for place in 1..row.len() {
+        match problem.link(row[place - 1], row[place]).filter(|cost| *cost < 0.0) {
+            Some(of_link) => cost += of_link,
+            None => {
+                show(&row[first..place], cost);
+                (first, cost) = (place, 0.0);
+            }
+        }
+    }
+    if first < row.len() {
+        show(&row[first..], cost);
+    }
+}
+
+fn split(problem: &Problem, row: &[u32], show: &mut impl FnMut(&[u32], f64)) {
+    let mut tuples: Vec<(Vec<u32>, f64)> = Vec::new();
+    for &track in row {
+        let mut best = (0.0, None);
+        for (number, (tuple, cost)) in tuples.iter_mut().enumerate() {
+            let change = change_by(problem, tuple, *cost, track).unwrap_or(0.0);
+            if change < best.0 {
+                best = (change, Some(number));
+            }
+        }
+        match best {
+            (change, Some(number)) => {
+                tuples[number].0.push(track);
+                tuples[number].1 += change;
+            }
+            (_, None) => tuples.push((vec![track], 0.0)),
+        }
+    }
+    tuples.iter().for_each(|(tuple, cost)| show(tuple, *cost));
+}
+
+/// What a track of a later sensor adds to the cost of a tuple, where it may join.
+fn change_by(problem: &Problem, tuple: &mut Vec<u32>, cost: f64, track: u32) -> Option<f64> {
+    if let Costs::AllPairs = problem.costs {
+        return tuple.iter().map(|&member| problem.link(member, track)).sum();
+    }
+    tuple.push(track);
+    let grown = problem.cost(tuple);
+    tuple.pop();
+    grown.map(|grown| grown - cost)
+}
+
+impl Coding for Chromosomes<'_> {
+    type Individual = Vec<u32>;
+
+    fn create(&mut self, _: usize, dice: &mut Xoshiro256PlusPlus) -> Vec<u32> {
+        let permutations = self.problem.sensors().saturating_sub(1);
+        let mut chromosome: Vec<u32> = (0..permutations).flat_map(|_| 0..self.rows as u32).collect();
+        chromosome.chunks_exact_mut(self.rows.max(1)).for_each(|permutation| permutation.shuffle(dice));
+        chromosome
+    }
+
+    fn cross(&mut self, left: &mut Vec<u32>, right: &mut Vec<u32>, dice: &mut Xoshiro256PlusPlus) {
+        for number in 0..left.len() / self.rows {
+            let (one, other) = (dice.random_range(0..=self.rows), dice.random_range(0..=self.rows));
+            let range = self.permutation_of(number);
+            self.crossover.cross(&mut left[range.clone()], &mut right[range], one.min(other)..one.max(other));
+        }
+    }
+
+    fn mutate(&mut self, chromosome: &mut Vec<u32>, dice: &mut Xoshiro256PlusPlus) {
+        if chromosome.is_empty() {
+            return;
+        }
+        let range = self.permutation_of(dice.random_range(0..chromosome.len() / self.rows));
+        let permutation = &mut chromosome[range];
+        permutation.swap(dice.random_range(0..self.rows), dice.random_range(0..self.rows));
+    }
+
+    fn cost(&mut self, chromosome: &mut Vec<u32>) -> f64 {
+        self.evaluations += 1;
+        let mut sum = 0.0;
+        self.decode(chromosome, |_, cost| sum += cost);
+        sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn decoded(problem: &Problem, chromosome: &[u32]) -> (Vec<Vec<u32>>, f64) {
+        let mut coding = Chromosomes::new(problem);
+        (coding.tuples(chromosome), coding.cost(&mut chromosome.to_vec()))
+    }
+
+    #[test]
+    fn rows_are_cut_where_links_do_not_pay() {
+        // Sensors {0, 1}, {2}, {3}: four rows. Values 1 to 3 of the second and third sensor are "absent".
+        let pairs = [(0, 2, -3.0), (2, 3, 1.0), (0, 3, -2.0), (1, 3, -1.0)];
+        let chain = Problem::new(&[2, 1, 1], &pairs, Costs::Chain);
+        let in_one_row = [0, 1, 2, 3, 0, 2, 1, 3];
+        assert_eq!(decoded(&chain, &in_one_row), (vec![vec![0, 2], vec![3], vec![1]], -3.0));
+        // Two absent between 0 and 3 are skipped; 2 stands behind the rows of the first sensor.
+        assert_eq!(decoded(&chain, &[1, 2, 0, 3, 0, 2, 1, 3]), (vec![vec![0, 3], vec![1], vec![2]], -2.0));
+        // All pairs: 3 lowers the cost of (0, 2) by 1.
+        let all = Problem::new(&[2, 1, 1], &pairs, Costs::AllPairs);
+        assert_eq!(decoded(&all, &in_one_row), (vec![vec![0, 2, 3], vec![1]], -4.0));
+    }
+
+    #[test]
+    fn a_track_joins_the_tuple_of_its_row_that_gains_most() {
+        // 1 is not linked with 0 and begins a tuple of its own; 2 gains more with it than with 0.
+        let all = Problem::new(&[1, 1, 1], &[(0, 2, -1.0), (1, 2, -2.0)], Costs::AllPairs);
+        assert_eq!(decoded(&all, &[0, 1, 2, 0, 1, 2]), (vec![vec![0], vec![1, 2]], -2.0));
+    }
+}

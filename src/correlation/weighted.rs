@@ -1,0 +1,167 @@
+//! The weighted and the modified method: the tracks of the first sensor meet those of the second in the assignment of least
+//! cost, the tuples so made meet those of the third, and so on. For two sensors the assignment is the optimum; for more, no
+//! earlier choice is taken back.
+//!
+//! # Reference
+//! R. A. Singer, A. J. Kanyuck, Computer control of multiple site track correlation, Automatica 7, 1971, 455–463 (weighted:
+//! C = Pᵢ + Pⱼ); Y. Bar-Shalom, On the track-to-track correlation problem, IEEE Trans. Automatic Control 26, 1981, 571–572
+//! (modified: C = Pᵢ + Pⱼ − Pᵢⱼ − Pᵢⱼᵀ, for the process noise common to both tracks correlates their errors).
+//!
+//! # Symbols
+//! C covariance of the difference of two estimates, Pᵢⱼ their cross-covariance; T a tuple made so far, j a track of the
+//! next sensor; c(T, j) what j costs in T.
+//!
+//! # Method
+//! For each sensor in turn:
+//! 1. c(T, j): chain, the link of j with the last member of T; all pairs, the sum of its links with all members; else the
+//!    cost of T with j less that of T. `modified` takes the links' costs with cross-covariance, and their sum over all
+//!    members for a joint cost.
+//! 2. Assign the sensor's tracks to tuples at least total cost, none at 0 ([`crate::math::assignment`]). A track that gets
+//!    none begins a tuple.
+//!
+//! J is always stated in the costs of the problem.
+
+use super::problem::{Costs, Link, Problem};
+use super::{BuildCorrelator, Correlator, Solution};
+use crate::math::assignment::AssignmentSolver;
+use crate::model::fault::Fault;
+use crate::registry::{Method, Object};
+
+pub const METHOD: Method<BuildCorrelator> =
+    Method { name: "weighted", parameters: &WEIGHTED_PARAMETERS, build: |_, _| Ok(Box::new(Sequential { decides_by: Basis::Cost })) };
+
+pub const MODIFIED: Method<BuildCorrelator> = Method {
+    name: "modified",
+    parameters: &MODIFIED_PARAMETERS,
+    build: |_, _| Ok(Box::new(Sequential { decides_by: Basis::CostWithCrossCovariance })),
+};
+
+static WEIGHTED_PARAMETERS: Object = Object {
+    name: "WeightedCorrelator",
+    summary: "Sensor by sensor the assignment of least cost; the errors of two tracks count as independent.",
+    fields: &[],
+};
+
+static MODIFIED_PARAMETERS: Object = Object {
+    name: "ModifiedCorrelator",
+    summary: "As weighted, but decides with the cross-covariance of two tracks; without one it is the same.",
+    fields: &[],
+};
+
+/// What the decisions go by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Basis {
+    Cost,
+    CostWithCrossCovariance,
+}
+
+#[derive(Debug)]
+struct Sequential {
+    decides_by: Basis,
+}
+
+impl Correlator for Sequential {
+    fn correlate(&mut self, problem: &Problem) -> Result<Solution, Vec<Fault>> {
+        Ok(Solution::of(problem, sequential_tuples(problem, self.decides_by)))
+    }
+}
+
+/// The tuples of `weighted`.
+pub(super) fn weighted_tuples(problem: &Problem) -> Vec<Vec<u32>> {
+    sequential_tuples(problem, Basis::Cost)
+}
+
+fn sequential_tuples(problem: &Problem, basis: Basis) -> Vec<Vec<u32>> {
+    let mut tuples: Vec<Vec<u32>> = Vec::new();
+    let mut tuple_of = vec![0; problem.tracks()];
+    let mut solver = AssignmentSolver::default();
+    let mut joins = Vec::new();
+    for sensor in 0..problem.sensors() {
+        solver.clear();
+        for track in problem.of_sensor(sensor) {
+            costs_of_joining(problem, basis, track, &tuples, &tuple_of, &mut joins);
+            joins.iter().filter(|(_, cost)| *cost < 0.0).for_each(|&(tuple, cost)| solver.push_edge(tuple, cost));
+            solver.end_row(0.0);
+        }
+        let is_solved = solver.solve().is_some();
+        debug_assert!(is_solved, "tracks that may all begin a tuple have an assignment");
+        for (row, track) in problem.of_sensor(sensor).enumerate() {
+            let tuple = solver.column_of(row).unwrap_or(tuples.len() as u32);
+            if tuple as usize == tuples.len() {
+                tuples.push(Vec::new());
+            }
+            tuples[tuple as usize].push(track);
+            tuple_of[track as usize] = tuple;
+        }
+    }
+    tuples
+}
+
+/// c(T, j) for each tuple that a track may join.
+fn costs_of_joining(problem: &Problem, basis: Basis, track: u32, tuples: &[Vec<u32>], tuple_of: &[u32], joins: &mut Vec<(u32, f64)>) {
+    joins.clear();
+    let is_earlier = |link: &&Link| problem.sensor_of(link.track) < problem.sensor_of(track);
+    let mut links: Vec<(u32, f64, u32)> = problem
+        .links(track)
+        .iter()
+        .take_while(is_earlier)
+        .map(|link| {
+            let cost = if basis == Basis::Cost { link.cost } else { link.cost_with_cross_covariance };
+            (tuple_of[link.track as usize], cost, link.track)
+        })
+        .collect();
+    if matches!(problem.costs, Costs::Chain) {
+        let is_last = |&&(tuple, _, member): &&(u32, f64, u32)| tuples[tuple as usize].last() == Some(&member);
+        return joins.extend(links.iter().filter(is_last).map(|&(tuple, cost, _)| (tuple, cost)));
+    }
+    links.sort_unstable_by_key(|&(tuple, _, member)| (tuple, member));
+    for of_tuple in links.chunk_by(|left, right| left.0 == right.0) {
+        let number = of_tuple[0].0;
+        let tuple = &tuples[number as usize];
+        if of_tuple.len() < tuple.len() {
+            continue;
+        }
+        let cost = match (&problem.costs, basis) {
+            (Costs::Joint(_), Basis::Cost) => cost_of_growth(problem, tuple, track),
+            _ => of_tuple.iter().map(|link| link.1).sum(),
+        };
+        joins.push((number, cost));
+    }
+}
+
+fn cost_of_growth(problem: &Problem, tuple: &[u32], track: u32) -> f64 {
+    let cost = |tuple: &[u32]| problem.cost(tuple).unwrap_or(f64::INFINITY);
+    let grown = [tuple, &[track]].concat();
+    cost(&grown) - cost(tuple)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn correlated(problem: &Problem, decides_by: Basis) -> Solution {
+        Sequential { decides_by }.correlate(problem).unwrap()
+    }
+
+    #[test]
+    fn two_sensors_get_the_optimum_and_a_third_meets_what_was_made() {
+        // {0, 1}, {2, 3}, {4}: 0–3 and 1–2 cost −11, 0–2 and 1–3 only −9 − 0. Then 4 goes to the tuple of 0 and 3: −4 + 1 for
+        // all pairs; in a chain, where 0 and 4 are no neighbours, −4.
+        let pairs = [(0, 2, -9.0), (0, 3, -6.0), (1, 2, -5.0), (3, 4, -4.0), (0, 4, 1.0)];
+        let problem = |costs| Problem::new(&[2, 2, 1], &pairs, costs);
+        let tuples = vec![vec![0, 3, 4], vec![1, 2]];
+        let all = correlated(&problem(Costs::AllPairs), Basis::Cost);
+        assert_eq!((all.tuples, all.cost), (tuples.clone(), -14.0));
+        let chain = correlated(&problem(Costs::Chain), Basis::Cost);
+        assert_eq!((chain.tuples, chain.cost), (tuples, -15.0));
+    }
+
+    #[test]
+    fn cross_covariance_decides_but_the_cost_stays_the_problems() {
+        let mut problem = Problem::new(&[1, 2], &[(0, 1, -3.0), (0, 2, -2.0)], Costs::Chain);
+        problem.set_costs_with_cross_covariance(&[(0, 1, -1.0)]);
+        assert_eq!(correlated(&problem, Basis::Cost).tuples, [vec![0, 1], vec![2]]);
+        let modified = correlated(&problem, Basis::CostWithCrossCovariance);
+        assert_eq!((modified.tuples, modified.cost), (vec![vec![0, 2], vec![1]], -2.0));
+    }
+}
