@@ -1,7 +1,7 @@
 //! `cargo bench --bench correlation`: what each correlator costs, how far its answer is from the optimum or the best bound
 //! known, and what it takes, in u.
 //!
-//! Prints the yardstick u (one predict and update of a 4-state Kalman filter), then for chain and all-pairs costs and
+//! Prints the yardstick u (one predict and update of a 4-state Kalman filter), then for chain, all-pairs and fused costs and
 //! problems of 3 × 10, 5 × 50 and 10 × 200 sensors × targets (P_D 0.9, one false track to twenty targets) the mean cost J,
 //! the mean and the largest gap, the share of optima where the optimum is known, and the time of one call.
 
@@ -32,11 +32,15 @@ fn main() {
     }
     let u_ns = yardstick_ns();
     println!("yardstick u = {u_ns:.1} ns (4-state Kalman predict + update, nalgebra, fixed sizes)");
-    for statistic in ["chain", "all_pairs"] {
+    for statistic in ["chain", "all_pairs", "fused"] {
         for spacing in SPACINGS {
             for (sensors, targets, count) in SIZES {
                 let scene = Scene { sensors, targets, spacing, detection_probability: 0.9, false_share: 0.05 };
-                let problem = |number| if statistic == "chain" { scene.chain(number) } else { scene.all_pairs(number) };
+                let problem = |number| match statistic {
+                    "chain" => scene.chain(number),
+                    "all_pairs" => scene.all_pairs(number),
+                    _ => scene.fused(number),
+                };
                 println!("\n{statistic}, {sensors} x {targets}, spacing {spacing} sigma, {count} problems");
                 compare(&(0..count).map(problem).collect::<Vec<_>>(), u_ns);
             }

@@ -10,6 +10,7 @@ use crate::registry::{Method, Union};
 use problem::Problem;
 
 pub mod alignment;
+mod bound;
 mod candidates;
 mod cluster;
 pub mod cross_covariance;
@@ -20,10 +21,12 @@ pub mod fusion;
 mod genetic;
 pub mod grouping;
 mod improve;
+mod lagrangian;
 mod nearest;
 mod partition;
 pub mod problem;
 pub mod statistic;
+mod tuples;
 mod weighted;
 
 /// The tracks of all sensors in tuples, and what was found on the way.
@@ -47,14 +50,17 @@ impl Solution {
         tuples.sort_unstable();
         let cost_of = |tuple: &Vec<u32>| problem.cost(tuple).expect("correlators build only tuples that exist");
         let cost = tuples.iter().map(cost_of).sum();
-        Solution { tuples, cost, dual_bound: None, search: None }
+        // Rounding must not put the bound above what was found.
+        let dual_bound = bound::dual_bound(problem).map(|bound| bound.min(cost));
+        Solution { tuples, cost, dual_bound, search: None }
     }
 }
 
 /// How a correlator searched.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Search {
-    /// The cost of the best and of the mean solution of each generation or iteration, the first included.
+    /// The cost of the best and of the mean solution of each generation, the first included; of a relaxation, the cost of the
+    /// answer and the bound of each round.
     pub best: Vec<f64>,
     pub mean: Vec<f64>,
     /// Solutions whose cost was computed.
@@ -75,7 +81,7 @@ pub type BuildCorrelator = fn(&serde_json::Value, Seed) -> Result<Box<dyn Correl
 
 /// Every correlator.
 pub const CORRELATORS: &[Method<BuildCorrelator>] =
-    &[nearest::METHOD, weighted::METHOD, weighted::MODIFIED, genetic::METHOD, exact::METHOD];
+    &[nearest::METHOD, weighted::METHOD, weighted::MODIFIED, genetic::METHOD, lagrangian::METHOD, exact::METHOD];
 
 pub static CORRELATOR: Union = Union {
     name: "Correlator",

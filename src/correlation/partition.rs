@@ -36,8 +36,11 @@ impl Partition {
         partition
     }
 
-    pub(super) fn rows(&self) -> usize {
-        self.costs.len()
+    /// What the tuples of a whole problem are in this cluster.
+    pub(super) fn of_problem(cluster: &Cluster, tuples: &[Vec<u32>]) -> Self {
+        let here = |tuple: &Vec<u32>| tuple.iter().filter_map(|&track| cluster.number_of(track)).collect::<Vec<u32>>();
+        let here: Vec<Vec<u32>> = tuples.iter().map(here).collect();
+        Partition::from_tuples(cluster, here.iter().map(Vec::as_slice))
     }
 
     #[inline]

@@ -1,11 +1,7 @@
 //! From the body of a request to a plan: names and parameters checked, every fault reported, inputs named.
 
 use super::checks::{check_lifecycle, check_sensors, check_start};
-<<<<<<< HEAD
-use super::{campaign, catalogue, detect, presets, profiles, rehearsal, requests};
-=======
-use super::{campaign, catalogue, correlate, detect, presets, profiles, requests};
->>>>>>> tracks
+use super::{campaign, catalogue, correlate, detect, presets, profiles, rehearsal, requests};
 use crate::math::rng::Seed;
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
@@ -127,16 +123,12 @@ pub fn plan(kind: JobKind, body: &Value) -> Result<Plan, Vec<Fault>> {
     detect::check(&mut spec, matches!(kind, JobKind::Associate | JobKind::Evaluate), &mut faults);
     check_sensors(&spec, &mut faults);
     check_lifecycle(&spec, &mut faults);
-<<<<<<< HEAD
     let faults_before = faults.len();
-    let estimate = check_scenario(&spec, &mut faults);
+    let of_scenario = check_scenario(&spec, &mut faults);
     if faults.len() == faults_before {
         rehearsal::check(&spec, &mut faults);
     }
-=======
-    let of_scenario = check_scenario(&spec, &mut faults);
     let estimate = correlate::estimate(&spec, &mut faults).unwrap_or(of_scenario);
->>>>>>> tracks
     let inputs = inputs_of(&spec, &mut faults);
     check_start(&spec, &inputs, &mut faults);
     if kind == JobKind::Evaluate {

@@ -190,7 +190,7 @@ impl Scene {
         let sensors = if self.sensors.is_empty() { requested_sensors(&plan.spec) } else { self.sensors.clone() };
         let material = Material { nodes, truth: self.truth.as_ref(), sensors: &sensors };
         let correlated = correlate::correlate(plan, material, &mut self.warnings, observer)?;
-        let files = if plan.wants_files { correlate::artifacts(&correlated).map_err(unwritten)? } else { Vec::new() };
+        let files = if plan.wants_files { correlate::artifacts(&correlated)? } else { Vec::new() };
         match to_value(&correlate::report(&correlated))? {
             Value::Object(report) => Ok((report, files, correlated.decided)),
             _ => Err(RunError::Faults(vec![Fault::new("", "malformed", "the report is no object")])),

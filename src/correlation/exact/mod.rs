@@ -1,10 +1,17 @@
 //! The optimum itself, proven.
 
 mod chain;
+mod cover;
 
 pub(super) use chain::cheapest_chains;
 
+use super::cluster::{Cluster, clusters};
+use super::improve::Improver;
+use super::nearest::nearest_tuples;
+use super::partition::Partition;
 use super::problem::{Costs, Problem};
+use super::tuples::TooLarge;
+use super::weighted::weighted_tuples;
 use super::{BuildCorrelator, Correlator, Search, Solution};
 use crate::model::fault::Fault;
 use crate::registry::{Field, Kind, Method, Object, Presence};
@@ -31,14 +38,50 @@ struct Exact {
 
 impl Correlator for Exact {
     fn correlate(&mut self, problem: &Problem) -> Result<Solution, Vec<Fault>> {
-        match problem.costs {
-            Costs::Chain => {
-                let (tuples, bound) = cheapest_chains(problem);
-                Ok(proven(Solution::of(problem, tuples), bound))
-            }
-            Costs::AllPairs | Costs::Joint(_) => Err(vec![Fault::new("/max_nodes", "too_large", "the problem is too large")]),
-        }
+        let (tuples, bound) = match problem.costs {
+            Costs::Chain => cheapest_chains(problem),
+            Costs::AllPairs | Costs::Joint(_) => (self.cheapest_covers(problem)?, f64::INFINITY),
+        };
+        Ok(proven(Solution::of(problem, tuples), bound))
     }
+}
+
+impl Exact {
+    /// Cluster by cluster.
+    fn cheapest_covers(&self, problem: &Problem) -> Result<Vec<Vec<u32>>, Vec<Fault>> {
+        let known = [nearest_tuples(problem), weighted_tuples(problem)];
+        let mut improver = Improver::default();
+        let mut tuples = Vec::new();
+        for cluster in clusters(problem) {
+            let start = improved(&cluster, &known, &mut improver);
+            let mut nodes = self.max_nodes;
+            let found = cover::cheapest_cover(&cluster, start.cost(), &mut nodes).map_err(|TooLarge| {
+                let detail = format!(
+                    "a cluster of {} tracks of {} sensors needs more than {} nodes to prove its optimum",
+                    cluster.len(),
+                    cluster.sensors(),
+                    self.max_nodes
+                );
+                vec![Fault::new("/max_nodes", "too_large", detail).allowing("more nodes, or the correlator genetic")]
+            })?;
+            let best = found.unwrap_or_else(|| start.tuples().collect());
+            tuples.extend(best.iter().map(|tuple| tuple.iter().map(|&track| cluster.name_of(track)).collect::<Vec<u32>>()));
+        }
+        Ok(tuples)
+    }
+}
+
+/// The better of what others answer for a cluster, after local search.
+pub(super) fn improved(cluster: &Cluster, known: &[Vec<Vec<u32>>], improver: &mut Improver) -> Partition {
+    let improve = |tuples: &Vec<Vec<u32>>| {
+        let mut partition = Partition::of_problem(cluster, tuples);
+        improver.begin(cluster);
+        (0..cluster.len() as u32).for_each(|track| improver.note(track));
+        improver.improve(cluster, &mut partition);
+        partition
+    };
+    let partitions = known.iter().map(improve);
+    partitions.min_by(|left, right| left.cost().total_cmp(&right.cost())).expect("something is known")
 }
 
 fn proven(solution: Solution, bound: f64) -> Solution {

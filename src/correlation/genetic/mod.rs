@@ -15,7 +15,8 @@
 //! Selection, generations and the end: [`evolve`]; the share P_r of a generation that lives on is 1 less the generation gap.
 //! - `paper`: one chromosome for the whole problem ([`paper`]), partially matched crossover and swap ([`permutation`]),
 //!   a random first population.
-//! - `improved`: each cluster by itself ([`improved`]). A cluster whose cost no solution can undercut, because each track has
+//! - `improved`: each cluster by itself ([`improved`]); the answers of `nearest`, `weighted` and `lagrangian` are in the first
+//!   population. A cluster whose cost no solution can undercut, because each track has
 //!   its best link to each sensor, is done at once.
 //!
 //! The random choices of a cluster come from the stream named after its first track and the number of the call.
@@ -24,11 +25,10 @@ mod evolve;
 mod improved;
 mod paper;
 mod permutation;
-#[cfg(test)]
-mod tests;
 
-use super::cluster::{Cluster, clusters};
+use super::cluster::clusters;
 use super::improve::Improver;
+use super::lagrangian::relaxation;
 use super::nearest::nearest_tuples;
 use super::partition::Partition;
 use super::problem::Problem;
@@ -162,11 +162,12 @@ impl Genetic {
     }
 
     fn evolve_clusters(&self, problem: &Problem) -> Solution {
-        let seeds = [nearest_tuples(problem), weighted_tuples(problem)];
+        let relaxed = relaxation(problem);
+        let seeds = [nearest_tuples(problem), weighted_tuples(problem), relaxed.tuples];
         let (mut tuples, mut searches) = (Vec::new(), Vec::new());
         let mut improver = Improver::default();
         for cluster in clusters(problem) {
-            let seeds = seeds.iter().map(|tuples| seed_of(&cluster, tuples)).collect();
+            let seeds = seeds.iter().map(|tuples| Partition::of_problem(&cluster, tuples)).collect();
             let before = improver.evaluations;
             let mut coding = Partitions::new(&cluster, seeds, improver);
             let found = evolve(&mut coding, &self.settings, cluster.least_cost(), &mut self.dice(cluster.name()));
@@ -175,14 +176,10 @@ impl Genetic {
             let Evolution { best_costs, mean_costs, stop, .. } = found;
             searches.push(Search { best: best_costs, mean: mean_costs, evaluations: improver.evaluations - before, stop });
         }
-        Solution { search: Some(summed(&searches)), ..Solution::of(problem, tuples) }
+        let solution = Solution::of(problem, tuples);
+        let dual_bound = relaxed.dual_bound.map(|bound| bound.min(solution.cost));
+        Solution { dual_bound, search: Some(summed(&searches)), ..solution }
     }
-}
-
-/// What others answer for a cluster.
-fn seed_of(cluster: &Cluster, tuples: &[Vec<u32>]) -> Partition {
-    let here: Vec<Vec<u32>> = tuples.iter().map(|tuple| tuple.iter().filter_map(|&track| cluster.number_of(track)).collect()).collect();
-    Partition::from_tuples(cluster, here.iter().map(Vec::as_slice))
 }
 
 /// The searches of all clusters as one: those that have ended stay where they are.

@@ -1,0 +1,123 @@
+//! Lagrangian relaxation: that each track is in one tuple is given a price, the relaxed problem is solved again and again, and
+//! the prices say how good the best answer can be at most.
+//!
+//! # Method
+//! A chain is solved by its assignment, whose duals are the prices. Other costs, cluster by cluster:
+//! 1. Tuples and multipliers: [`super::tuples`].
+//! 2. Back to an answer: tuples in order of r(T) under the best multipliers, each taken where its members are free; then local
+//!    search ([`super::improve`]). The better of this and of the improved answers of `nearest` and `weighted` is the answer.
+//! 3. Σ of the best L of all clusters is the dual bound. A cluster with more tuples than `max_tuples` is not relaxed: its
+//!    answer is the local search's, and the bound is that of all pairs ([`super::bound`]), or none.
+
+use super::cluster::{Cluster, clusters};
+use super::exact::{cheapest_chains, improved};
+use super::improve::Improver;
+use super::nearest::nearest_tuples;
+use super::partition::Partition;
+use super::problem::{Costs, Problem};
+use super::tuples::{Relaxation, Tuple, listed, relaxed};
+use super::weighted::weighted_tuples;
+use super::{BuildCorrelator, Correlator, Search, Solution};
+use crate::model::fault::Fault;
+use crate::registry::{Field, Kind, Method, Object, Presence};
+use serde::Deserialize;
+
+pub const METHOD: Method<BuildCorrelator> =
+    Method { name: "lagrangian", parameters: &PARAMETERS, build: |spec, _| Ok(Box::new(Lagrangian::deserialize(spec)?)) };
+
+static PARAMETERS: Object = Object {
+    name: "LagrangianCorrelator",
+    summary: "Lagrangian relaxation: an answer, and a bound that no answer undercuts.",
+    fields: &[
+        Field {
+            name: "rounds",
+            summary: "Subgradient steps of a cluster.",
+            kind: Kind::Integer { min: 1, max: 100_000, unit: "" },
+            presence: Presence::Default("300"),
+        },
+        Field {
+            name: "max_tuples",
+            summary: "Tuples that may be looked at in a cluster; a larger one is left to local search.",
+            kind: Kind::Integer { min: 1, max: 100_000_000, unit: "" },
+            presence: Presence::Default("1000000"),
+        },
+    ],
+};
+
+#[derive(Debug, Deserialize)]
+struct Lagrangian {
+    rounds: usize,
+    max_tuples: u64,
+}
+
+/// The answer with the default settings, for others to begin with.
+pub(super) fn relaxation(problem: &Problem) -> Solution {
+    Lagrangian { rounds: 300, max_tuples: 1_000_000 }.solve_all(problem)
+}
+
+impl Correlator for Lagrangian {
+    fn correlate(&mut self, problem: &Problem) -> Result<Solution, Vec<Fault>> {
+        Ok(self.solve_all(problem))
+    }
+}
+
+impl Lagrangian {
+    fn solve_all(&self, problem: &Problem) -> Solution {
+        if matches!(problem.costs, Costs::Chain) {
+            return Solution::of(problem, cheapest_chains(problem).0);
+        }
+        let known = [nearest_tuples(problem), weighted_tuples(problem)];
+        let mut improver = Improver::default();
+        let (mut tuples, mut bound, mut bounds) = (Vec::new(), Some(0.0), Vec::new());
+        for cluster in clusters(problem) {
+            let (answer, relaxation) = self.solve(&cluster, &known, &mut improver);
+            tuples.extend(answer.tuples().map(|tuple| tuple.iter().map(|&track| cluster.name_of(track)).collect::<Vec<u32>>()));
+            bound = bound.zip(relaxation.as_ref()).map(|(sum, found)| sum + found.bound.min(answer.cost()));
+            bounds.extend(relaxation.map(|found| found.bounds));
+        }
+        let solution = Solution::of(problem, tuples);
+        let dual_bound = [solution.dual_bound, bound].into_iter().flatten().reduce(f64::max).map(|bound| bound.min(solution.cost));
+        Solution { dual_bound, search: Some(search_of(&bounds, &solution)), ..solution }
+    }
+
+    fn solve(&self, cluster: &Cluster, known: &[Vec<Vec<u32>>], improver: &mut Improver) -> (Partition, Option<Relaxation>) {
+        let start = improved(cluster, known, improver);
+        let Ok(tuples) = listed(cluster, &mut { self.max_tuples }) else { return (start, None) };
+        let relaxation = relaxed(&tuples, start.cost(), self.rounds);
+        let recovered = recovered(cluster, &tuples, &relaxation.multipliers, improver);
+        (if recovered.cost() < start.cost() { recovered } else { start }, Some(relaxation))
+    }
+}
+
+/// Step 2.
+fn recovered(cluster: &Cluster, tuples: &[Vec<Tuple>], multipliers: &[f64], improver: &mut Improver) -> Partition {
+    let reduced = |tuple: &Tuple| tuple.cost - tuple.members.iter().map(|&member| multipliers[member as usize]).sum::<f64>();
+    let mut order: Vec<(f64, &Tuple)> = tuples.iter().flatten().map(|tuple| (reduced(tuple), tuple)).collect();
+    order.sort_by(|left, right| left.0.total_cmp(&right.0));
+    let mut is_free = vec![true; cluster.len()];
+    let mut taken: Vec<&[u32]> = Vec::new();
+    for (_, tuple) in order {
+        if tuple.members.iter().all(|&member| is_free[member as usize]) {
+            tuple.members.iter().for_each(|&member| is_free[member as usize] = false);
+            taken.push(&tuple.members);
+        }
+    }
+    let mut partition = Partition::from_tuples(cluster, taken.into_iter());
+    improver.begin(cluster);
+    (0..cluster.len() as u32).for_each(|track| improver.note(track));
+    improver.improve(cluster, &mut partition);
+    partition
+}
+
+/// The bound round by round as the trace of the search, summed over clusters: those that have ended stay at their last.
+fn search_of(bounds: &[Vec<f64>], solution: &Solution) -> Search {
+    let rounds = bounds.iter().map(Vec::len).max().unwrap_or(0);
+    let at = |round: usize| bounds.iter().map(|of| of[round.min(of.len() - 1)]).sum();
+    let is_proven = solution.dual_bound.is_some_and(|bound| solution.cost - bound <= 1e-9);
+    Search {
+        best: vec![solution.cost; rounds],
+        mean: (0..rounds).map(at).collect(),
+        evaluations: bounds.iter().map(|of| of.len() as u64).sum(),
+        stop: if is_proven { "optimal" } else { "generations" },
+    }
+}
