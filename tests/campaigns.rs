@@ -164,7 +164,7 @@ fn what_cannot_be_run_is_refused() {
     let cells: Vec<Value> =
         (0..3).map(|axis| json!({"by": "values", "name": axis.to_string(), "path": "/seed", "values": wide[0]["values"]})).collect();
     assert_eq!(faults(json!({"grid": cells}))[0], ("/grid".into(), "too_large".into(), "at most 2000 cells".into()));
-    assert_eq!(faults(json!({"base": {"kind": "campaign"}}))[0].2, "simulate, associate, evaluate, group");
+    assert_eq!(faults(json!({"base": {"kind": "campaign"}}))[0].2, "simulate, associate, evaluate, group, correlate");
     assert_eq!(faults(json!({"base": {"kind": "evaluate", "inptu": 1}}))[0].0, "/base/inptu");
     assert_eq!(faults(json!({"base": 7}))[0].1, "wrong_type");
     assert_eq!(faults(json!({"compare": {"axis": "associator", "to": "pda"}}))[0].2, "nearest_neighbour, jpda");

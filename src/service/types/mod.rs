@@ -13,6 +13,7 @@ mod job;
 mod problem;
 mod report;
 mod timing;
+mod tracking_events;
 
 pub use campaign::*;
 pub use correlation::*;
@@ -24,3 +25,4 @@ pub use job::*;
 pub use problem::*;
 pub use report::*;
 pub use timing::*;
+pub use tracking_events::*;
