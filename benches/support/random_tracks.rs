@@ -81,9 +81,7 @@ pub fn problem(estimates: &[Vec<Estimate>], costs: Costs) -> Problem {
             }
         }
     }
-    let mut problem = Problem::new(&counts, &pairs, costs);
-    problem.set_positions(all.iter().map(|(_, track)| track.position).collect());
-    problem
+    Problem::new(&counts, &pairs, costs)
 }
 
 fn squared_distance(left: [f64; 2], right: [f64; 2]) -> f64 {

@@ -81,7 +81,7 @@ pub type BuildCorrelator = fn(&serde_json::Value, Seed) -> Result<Box<dyn Correl
 
 /// Every correlator.
 pub const CORRELATORS: &[Method<BuildCorrelator>] =
-    &[nearest::METHOD, weighted::METHOD, weighted::MODIFIED, genetic::METHOD, lagrangian::METHOD, exact::METHOD];
+    &[nearest::METHOD, weighted::METHOD, genetic::METHOD, lagrangian::METHOD, exact::METHOD];
 
 pub static CORRELATOR: Union = Union {
     name: "Correlator",

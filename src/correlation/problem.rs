@@ -12,8 +12,6 @@ pub struct Link {
     pub track: u32,
     /// What the two alone cost as a tuple.
     pub cost: f64,
-    /// The same with what common process noise does to the errors of both; `cost` unless it was set.
-    pub cost_with_cross_covariance: f64,
 }
 
 /// How the cost of a tuple comes from its members.
@@ -38,8 +36,6 @@ pub struct Problem {
     bounds: Vec<u32>,
     /// For each track the linked tracks of all other sensors, ascending.
     links: Vec<Vec<Link>>,
-    /// Where each track is in the plane; empty where nobody said so.
-    positions: Vec<[f64; 2]>,
     pub costs: Costs,
 }
 
@@ -52,35 +48,13 @@ impl Problem {
         }
         let mut links = vec![Vec::new(); bounds[tracks_of.len()] as usize];
         for &(a, b, cost) in pairs {
-            links[a as usize].push(Link { track: b, cost, cost_with_cross_covariance: cost });
-            links[b as usize].push(Link { track: a, cost, cost_with_cross_covariance: cost });
+            links[a as usize].push(Link { track: b, cost });
+            links[b as usize].push(Link { track: a, cost });
         }
         for of_track in &mut links {
             of_track.sort_unstable_by_key(|link| link.track);
         }
-        Problem { bounds, links, positions: Vec::new(), costs }
-    }
-
-    /// What linked pairs cost with cross-covariance, each pair once, in any order. Only `modified` decides by it.
-    pub fn set_costs_with_cross_covariance(&mut self, pairs: &[(u32, u32, f64)]) {
-        for &(a, b, cost) in pairs {
-            for (from, to) in [(a, b), (b, a)] {
-                let links = &mut self.links[from as usize];
-                if let Ok(place) = links.binary_search_by_key(&to, |link| link.track) {
-                    links[place].cost_with_cross_covariance = cost;
-                }
-            }
-        }
-    }
-
-    /// Where each track is, one position for each. Only `fuzzy` needs to know.
-    pub fn set_positions(&mut self, positions_m: Vec<[f64; 2]>) {
-        self.positions = positions_m;
-    }
-
-    /// Empty where nobody said.
-    pub fn positions(&self) -> &[[f64; 2]] {
-        &self.positions
+        Problem { bounds, links, costs }
     }
 
     pub fn sensors(&self) -> usize {
@@ -146,15 +120,6 @@ mod tests {
         let open = Problem::new(&[1, 1, 1], &pairs[..2], Costs::AllPairs);
         assert_eq!(open.cost(&[0, 1, 2]), None);
         assert_eq!((all.sensor_of(1), all.of_sensor(2), all.link(2, 0)), (1, 2..3, Some(4.0)));
-    }
-
-    #[test]
-    fn cross_covariance_changes_what_was_said_of_a_link_alone() {
-        let mut problem = Problem::new(&[1, 1, 1], &[(0, 1, -3.0), (1, 2, -2.0)], Costs::Chain);
-        problem.set_costs_with_cross_covariance(&[(1, 0, -1.0), (0, 2, -9.0)]);
-        assert_eq!(problem.cost(&[0, 1]), Some(-3.0));
-        let costs = |track: u32| problem.links(track).iter().map(|link| link.cost_with_cross_covariance).collect::<Vec<_>>();
-        assert_eq!((costs(0), costs(1), costs(2)), (vec![-1.0], vec![-1.0, -2.0], vec![-2.0]));
     }
 
     #[test]

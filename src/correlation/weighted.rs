@@ -1,11 +1,11 @@
-//! The weighted and the modified method: the tracks of the first sensor meet those of the second in the assignment of least
+//! The weighted method: the tracks of the first sensor meet those of the second in the assignment of least
 //! cost, the tuples so made meet those of the third, and so on. For two sensors the assignment is the optimum; for more, no
 //! earlier choice is taken back.
 //!
 //! # Reference
-//! R. A. Singer, A. J. Kanyuck, Computer control of multiple site track correlation, Automatica 7, 1971, 455–463 (weighted:
-//! C = Pᵢ + Pⱼ); Y. Bar-Shalom, On the track-to-track correlation problem, IEEE Trans. Automatic Control 26, 1981, 571–572
-//! (modified: C = Pᵢ + Pⱼ − Pᵢⱼ − Pᵢⱼᵀ, for the process noise common to both tracks correlates their errors).
+//! R. A. Singer, A. J. Kanyuck, Computer control of multiple site track correlation, Automatica 7, 1971, 455–463 (C = Pᵢ + Pⱼ).
+//! Where the costs of the problem know the cross-covariance of two tracks (C = Pᵢ + Pⱼ − Pᵢⱼ − Pᵢⱼᵀ) it is the modified method:
+//! Y. Bar-Shalom, On the track-to-track correlation problem, IEEE Trans. Automatic Control 26, 1981, 571–572.
 //!
 //! # Symbols
 //! C covariance of the difference of two estimates, Pᵢⱼ their cross-covariance; T a tuple made so far, j a track of the
@@ -14,8 +14,7 @@
 //! # Method
 //! For each sensor in turn:
 //! 1. c(T, j): chain, the link of j with the last member of T; all pairs, the sum of its links with all members; else the
-//!    cost of T with j less that of T. `modified` takes the links' costs with cross-covariance, and their sum over all
-//!    members for a joint cost.
+//!    cost of T with j less that of T.
 //! 2. Assign the sensor's tracks to tuples at least total cost, none at 0 ([`crate::math::assignment`]). A track that gets
 //!    none begins a tuple.
 //!
@@ -27,51 +26,25 @@ use crate::math::assignment::AssignmentSolver;
 use crate::model::fault::Fault;
 use crate::registry::{Method, Object};
 
-pub const METHOD: Method<BuildCorrelator> =
-    Method { name: "weighted", parameters: &WEIGHTED_PARAMETERS, build: |_, _| Ok(Box::new(Sequential { decides_by: Basis::Cost })) };
+pub const METHOD: Method<BuildCorrelator> = Method { name: "weighted", parameters: &PARAMETERS, build: |_, _| Ok(Box::new(Weighted)) };
 
-pub const MODIFIED: Method<BuildCorrelator> = Method {
-    name: "modified",
-    parameters: &MODIFIED_PARAMETERS,
-    build: |_, _| Ok(Box::new(Sequential { decides_by: Basis::CostWithCrossCovariance })),
-};
-
-static WEIGHTED_PARAMETERS: Object = Object {
+static PARAMETERS: Object = Object {
     name: "WeightedCorrelator",
     summary: "Sensor by sensor the assignment of least cost; the errors of two tracks count as independent.",
     fields: &[],
 };
 
-static MODIFIED_PARAMETERS: Object = Object {
-    name: "ModifiedCorrelator",
-    summary: "As weighted, but decides with the cross-covariance of two tracks; without one it is the same.",
-    fields: &[],
-};
-
-/// What the decisions go by.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Basis {
-    Cost,
-    CostWithCrossCovariance,
-}
-
 #[derive(Debug)]
-struct Sequential {
-    decides_by: Basis,
-}
+struct Weighted;
 
-impl Correlator for Sequential {
+impl Correlator for Weighted {
     fn correlate(&mut self, problem: &Problem) -> Result<Solution, Vec<Fault>> {
-        Ok(Solution::of(problem, sequential_tuples(problem, self.decides_by)))
+        Ok(Solution::of(problem, weighted_tuples(problem)))
     }
 }
 
-/// The tuples of `weighted`.
+/// The tuples, those of one track too.
 pub(super) fn weighted_tuples(problem: &Problem) -> Vec<Vec<u32>> {
-    sequential_tuples(problem, Basis::Cost)
-}
-
-fn sequential_tuples(problem: &Problem, basis: Basis) -> Vec<Vec<u32>> {
     let mut tuples: Vec<Vec<u32>> = Vec::new();
     let mut tuple_of = vec![0; problem.tracks()];
     let mut solver = AssignmentSolver::default();
@@ -79,7 +52,7 @@ fn sequential_tuples(problem: &Problem, basis: Basis) -> Vec<Vec<u32>> {
     for sensor in 0..problem.sensors() {
         solver.clear();
         for track in problem.of_sensor(sensor) {
-            costs_of_joining(problem, basis, track, &tuples, &tuple_of, &mut joins);
+            costs_of_joining(problem, track, &tuples, &tuple_of, &mut joins);
             joins.iter().filter(|(_, cost)| *cost < 0.0).for_each(|&(tuple, cost)| solver.push_edge(tuple, cost));
             solver.end_row(0.0);
         }
@@ -98,18 +71,11 @@ fn sequential_tuples(problem: &Problem, basis: Basis) -> Vec<Vec<u32>> {
 }
 
 /// c(T, j) for each tuple that a track may join.
-fn costs_of_joining(problem: &Problem, basis: Basis, track: u32, tuples: &[Vec<u32>], tuple_of: &[u32], joins: &mut Vec<(u32, f64)>) {
+fn costs_of_joining(problem: &Problem, track: u32, tuples: &[Vec<u32>], tuple_of: &[u32], joins: &mut Vec<(u32, f64)>) {
     joins.clear();
     let is_earlier = |link: &&Link| problem.sensor_of(link.track) < problem.sensor_of(track);
-    let mut links: Vec<(u32, f64, u32)> = problem
-        .links(track)
-        .iter()
-        .take_while(is_earlier)
-        .map(|link| {
-            let cost = if basis == Basis::Cost { link.cost } else { link.cost_with_cross_covariance };
-            (tuple_of[link.track as usize], cost, link.track)
-        })
-        .collect();
+    let mut links: Vec<(u32, f64, u32)> =
+        problem.links(track).iter().take_while(is_earlier).map(|link| (tuple_of[link.track as usize], link.cost, link.track)).collect();
     if matches!(problem.costs, Costs::Chain) {
         let is_last = |&&(tuple, _, member): &&(u32, f64, u32)| tuples[tuple as usize].last() == Some(&member);
         return joins.extend(links.iter().filter(is_last).map(|&(tuple, cost, _)| (tuple, cost)));
@@ -121,8 +87,8 @@ fn costs_of_joining(problem: &Problem, basis: Basis, track: u32, tuples: &[Vec<u
         if of_tuple.len() < tuple.len() {
             continue;
         }
-        let cost = match (&problem.costs, basis) {
-            (Costs::Joint(_), Basis::Cost) => cost_of_growth(problem, tuple, track),
+        let cost = match &problem.costs {
+            Costs::Joint(_) => cost_of_growth(problem, tuple, track),
             _ => of_tuple.iter().map(|link| link.1).sum(),
         };
         joins.push((number, cost));
@@ -139,10 +105,6 @@ fn cost_of_growth(problem: &Problem, tuple: &[u32], track: u32) -> f64 {
 mod tests {
     use super::*;
 
-    fn correlated(problem: &Problem, decides_by: Basis) -> Solution {
-        Sequential { decides_by }.correlate(problem).unwrap()
-    }
-
     #[test]
     fn two_sensors_get_the_optimum_and_a_third_meets_what_was_made() {
         // {0, 1}, {2, 3}, {4}: 0–3 and 1–2 cost −11, 0–2 and 1–3 only −9 − 0. Then 4 goes to the tuple of 0 and 3: −4 + 1 for
@@ -150,18 +112,9 @@ mod tests {
         let pairs = [(0, 2, -9.0), (0, 3, -6.0), (1, 2, -5.0), (3, 4, -4.0), (0, 4, 1.0)];
         let problem = |costs| Problem::new(&[2, 2, 1], &pairs, costs);
         let tuples = vec![vec![0, 3, 4], vec![1, 2]];
-        let all = correlated(&problem(Costs::AllPairs), Basis::Cost);
+        let all = Weighted.correlate(&problem(Costs::AllPairs)).unwrap();
         assert_eq!((all.tuples, all.cost), (tuples.clone(), -14.0));
-        let chain = correlated(&problem(Costs::Chain), Basis::Cost);
+        let chain = Weighted.correlate(&problem(Costs::Chain)).unwrap();
         assert_eq!((chain.tuples, chain.cost), (tuples, -15.0));
-    }
-
-    #[test]
-    fn cross_covariance_decides_but_the_cost_stays_the_problems() {
-        let mut problem = Problem::new(&[1, 2], &[(0, 1, -3.0), (0, 2, -2.0)], Costs::Chain);
-        problem.set_costs_with_cross_covariance(&[(0, 1, -1.0)]);
-        assert_eq!(correlated(&problem, Basis::Cost).tuples, [vec![0, 1], vec![2]]);
-        let modified = correlated(&problem, Basis::CostWithCrossCovariance);
-        assert_eq!((modified.tuples, modified.cost), (vec![vec![0, 2], vec![1]], -2.0));
     }
 }

@@ -25,6 +25,9 @@ use serde::Deserialize;
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 
+/// The parts of a result, its files, and what deciding took.
+type Correlation = (Map<String, Value>, Vec<Artifact>, Option<Decided>);
+
 const OF_BEARINGS: &str = "directions (bearing_deg) are not compared in metres";
 
 /// Everything a job works on.
@@ -174,11 +177,7 @@ impl Scene {
     }
 
     /// The result of a job that puts tracks together, and its files.
-    pub fn correlate(
-        &mut self,
-        plan: &Plan,
-        observer: &mut dyn Observer,
-    ) -> Result<(Map<String, Value>, Vec<Artifact>, Option<Decided>), RunError> {
+    pub fn correlate(&mut self, plan: &Plan, observer: &mut dyn Observer) -> Result<Correlation, RunError> {
         let nodes = match correlate::drawn(plan)? {
             Some((nodes, truth)) => {
                 self.truth = Some(truth);

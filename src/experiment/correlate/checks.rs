@@ -72,7 +72,7 @@ pub(super) fn too_few_times(of: usize, times: usize) -> Fault {
 pub(in super::super) fn estimate(spec: &Value, faults: &mut Vec<Fault>) -> Option<Estimate> {
     let plan = LocalTracks::deserialize(spec.pointer("/input/tracks")?).ok()?;
     let points = plan.points();
-    // Measured: about 2 µs and 700 bytes a point, from drawing to the written files.
+    // Reckoned with 2 µs and 700 bytes a point, from drawing to the written files.
     let estimate = Estimate { detections: points as u64, cost_s: points * 2e-6, bytes: (points * 700.0) as u64 };
     if points > MAX_ESTIMATES as f64 {
         faults.push(too_many_estimates("/input/tracks", points, estimate.cost_s));

@@ -37,8 +37,6 @@ pub(super) struct Correlated {
     pub solution: Solution,
     /// Links of its problem.
     pub links: usize,
-    /// The least cost there is, where the correlator is not the one that knows it.
-    pub optimum: Option<f64>,
     pub confirm: Confirm,
     /// Tuples of two tracks or more that stand, with how often each was found.
     pub tuples: Vec<(Vec<u32>, u32)>,
@@ -141,7 +139,6 @@ pub(super) fn correlate(
         correlator: entry.name,
         solution: decisions.solution,
         links: decisions.links,
-        optimum: None,
         confirm,
         tuples: decisions.tuples,
         alone: decisions.alone,

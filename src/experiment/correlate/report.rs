@@ -28,9 +28,6 @@ pub(in super::super) struct CorrelationReport {
     dual_bound: Option<f64>,
     /// How far J may be above the least cost there is, as a share of the bound; null without one.
     gap: Option<f64>,
-    /// Of the chain statistic: the least cost there is.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    optimum: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     search: Option<SearchReport>,
     confirm: ConfirmReport,
@@ -142,8 +139,7 @@ pub(in super::super) fn report(correlated: &Correlated) -> CorrelationReport {
         },
         cost: solution.cost,
         dual_bound: solution.dual_bound,
-        gap: solution.dual_bound.or(correlated.optimum).map(|bound| (solution.cost - bound) / bound.abs().max(1e-12)),
-        optimum: correlated.optimum,
+        gap: solution.dual_bound.map(|bound| (solution.cost - bound) / bound.abs().max(1e-12)),
         search: solution.search.as_ref().map(|search| SearchReport {
             best: search.best.clone(),
             mean: search.mean.clone(),
