@@ -13,6 +13,7 @@ const OPERATIONS: [&str; 34] = [
     "cancelJob",
     "createAssociateJob",
     "createCampaignJob",
+    "createCorrelateJob",
     "createEvaluateJob",
     "createGroupJob",
     "createSimulateJob",

@@ -149,7 +149,7 @@ async fn a_check_tells_faults_as_its_answer_and_queues_nothing() {
     assert_eq!(bad, json!({"valid": false, "errors": [fault], "warnings": []}));
     let wrong = api.post("/v1/validate", &json!({"kind": "sing", "song": 1})).await;
     let faults = json!([
-        {"pointer": "/kind", "code": "unknown_value", "detail": "'kind' must name a kind of job", "allowed": "simulate, associate, evaluate, group, campaign"},
+        {"pointer": "/kind", "code": "unknown_value", "detail": "'kind' must name a kind of job", "allowed": "simulate, associate, evaluate, group, correlate, campaign"},
         {"pointer": "/spec", "code": "missing", "detail": "'spec' is required", "allowed": "the body of a job"},
         {"pointer": "/song", "code": "unknown_field", "detail": "unknown field 'song'", "allowed": "kind, spec"}
     ]);

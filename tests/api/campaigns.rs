@@ -49,7 +49,8 @@ async fn a_campaign_that_cannot_run_is_refused_with_every_fault() {
     assert_eq!(pointers(refused.problem()), ["/runs", "/base/tracker/gate_probability"]);
     let mut long = campaign();
     long["runs"] = json!(1_000_000);
-    long["base"]["input"]["preset"] = json!("liang2009-100");
+    // More numbers than are kept.
+    long["outcomes"] = (0..30).map(|number| json!({"name": number.to_string(), "path": "tfa.counts.correct"})).collect();
     let refused = api.post("/v1/jobs/campaign", &long).await;
     assert_eq!(pointers(refused.problem()), ["/runs"]);
 }
