@@ -37,6 +37,8 @@ test("a preset is changed in the form, a fault is shown at its field, and the co
   const report = await api(`/v1/jobs/${id}/report`);
   assert.equal(report.spec.input.scenario.targets.count, 12);
   assert.equal(report.spec.name ?? "twelve targets", "twelve targets");
+  // The badge may come before the report.
+  await page.locator(".verdict-count").first().waitFor();
   const shown = await page.locator(".verdict-count").allInnerTexts();
   const counts = report.result.tfa.counts;
   assert.deepEqual(shown, [counts.correct, counts.missed, counts.false].map(String));
