@@ -22,7 +22,7 @@ use trackloom::model::scenario::{RandomTargets, ReportNoise, Scenario, ScenarioS
 use trackloom::model::sensor::{Report, Sensor};
 use trackloom::registry;
 use trackloom::tracking::{Confirmation, Initiation, Lifecycle, Tracker, TrackerParts};
-use yardstick::kalman_rounds;
+use yardstick::yardstick_ns;
 
 /// Every figure is the least of this many runs, the contenders taking turns: what other programs do only ever adds.
 const RUNS: usize = 15;
@@ -235,15 +235,4 @@ fn report(name: &str, (scenario, recording): &(Scenario, Recording), u_ns: f64) 
     }
     println!("{name:>12}: {:.3} ms = {:.0} u", least_s * 1e3, least_s * 1e9 / u_ns);
     println!("{}", diagnostics.map_or_else(String::new, |said| said.to_string()));
-}
-
-/// u in nanoseconds: the least of many runs.
-fn yardstick_ns() -> f64 {
-    const ROUNDS: u32 = 200_000;
-    let once = |_| {
-        let start = Instant::now();
-        kalman_rounds(ROUNDS);
-        start.elapsed().as_secs_f64() * 1e9 / f64::from(ROUNDS)
-    };
-    (0..RUNS).map(once).fold(f64::INFINITY, f64::min)
 }

@@ -17,7 +17,7 @@ use trackloom::correlation::problem::Problem;
 use trackloom::correlation::{CORRELATORS, Solution};
 use trackloom::math::rng::Seed;
 use trackloom::registry;
-use yardstick::kalman_rounds;
+use yardstick::yardstick_ns;
 
 /// Sensors, targets, problems.
 const SIZES: [(usize, usize, u32); 3] = [(3, 10, 200), (5, 50, 20), (10, 200, 3)];
@@ -46,16 +46,6 @@ fn main() {
             }
         }
     }
-}
-
-/// u, the least of several rounds.
-fn yardstick_ns() -> f64 {
-    let round = |_| {
-        let start = Instant::now();
-        kalman_rounds(100_000);
-        start.elapsed().as_secs_f64() * 1e9 / 100_000.0
-    };
-    (0..20).map(round).fold(f64::INFINITY, f64::min)
 }
 
 /// The correlators with their parameters.

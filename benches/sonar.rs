@@ -12,7 +12,7 @@ use trackloom::experiment::observer::{Observer, Step};
 use trackloom::experiment::plan::plan;
 use trackloom::experiment::presets;
 use trackloom::experiment::run::run;
-use yardstick::kalman_rounds;
+use yardstick::yardstick_ns;
 
 /// Presets, and runs of each cell.
 const SCENES: [(&str, u32); 3] = [("wang-bat-2", 20), ("wang-bat-6", 20), ("wang-bat-6-ungated", 3)];
@@ -34,7 +34,7 @@ fn main() {
     if std::env::args().any(|argument| argument == "--test") {
         return;
     }
-    let u_us = yardstick_us();
+    let u_us = yardstick_ns() / 1e3;
     println!("yardstick u = {:.1} ns\n", u_us * 1e3);
     for (name, runs) in SCENES {
         let mut preset = presets::find(name).expect("the preset exists");
@@ -47,15 +47,4 @@ fn main() {
             println!("  {:<34} {us:>9.2} µs a scan {:>9.1} u {ratio:>9.3}", time.cell, us / u_us);
         }
     }
-}
-
-/// The least of many: what other programs do only ever adds.
-fn yardstick_us() -> f64 {
-    const ROUNDS: u32 = 200_000;
-    let once = |_| {
-        let start = Instant::now();
-        kalman_rounds(ROUNDS);
-        start.elapsed().as_secs_f64() * 1e6 / f64::from(ROUNDS)
-    };
-    (0..15).map(once).fold(f64::INFINITY, f64::min)
 }

@@ -20,10 +20,9 @@ use trackloom::model::scan::{Detection, Measurement, Recording, RecordingParts, 
 use trackloom::model::sensor::SensorSettings;
 use trackloom::model::state::State;
 use trackloom::model::track::{Candidate, Estimate, PlaneEstimate, Track, TrackPoint, TrackSet, TrackStatus};
-use yardstick::kalman_rounds;
+use yardstick::yardstick_ns;
 
 const SCANS: usize = 30;
-const ROUNDS: u32 = 100_000;
 const SETTINGS: TfaSettings = TfaSettings::PAPER;
 const RULES: StringRules =
     StringRules { symbols: SETTINGS.symbols, decision: SETTINGS.decision, max_missed: 5, sensors: None, time_tolerance_s: None };
@@ -33,7 +32,7 @@ fn main() {
     if std::env::args().any(|argument| argument == "--test") {
         return;
     }
-    let u_ns = least_ns(|| kalman_rounds(ROUNDS)) / f64::from(ROUNDS);
+    let u_ns = yardstick_ns();
     println!("yardstick u = {u_ns:.1} ns (4-state Kalman predict + update, nalgebra, fixed sizes)\n");
     println!("{:>8} {:>10}  {:>16} {:>16} {:>16}", "targets", "symbols", "strings ns (u)", "automaton ns (u)", "whole ns (u)");
     let is_small = std::env::args().any(|argument| argument == "small");

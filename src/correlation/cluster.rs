@@ -129,6 +129,11 @@ impl<'a> Cluster<'a> {
         self.tracks[track as usize]
     }
 
+    /// What the problem calls the members of a tuple.
+    pub(super) fn names(&self, tuple: &[u32]) -> Vec<u32> {
+        tuple.iter().map(|&track| self.name_of(track)).collect()
+    }
+
     /// Its number here.
     pub(super) fn number_of(&self, name: u32) -> Option<u32> {
         self.tracks.binary_search(&name).ok().map(|track| track as u32)

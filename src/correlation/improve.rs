@@ -85,6 +85,13 @@ impl Improver {
         }
     }
 
+    /// Improves until no change around any track gains anything.
+    pub(super) fn improve_all(&mut self, cluster: &Cluster, partition: &mut Partition) {
+        self.begin(cluster);
+        (0..cluster.len() as u32).for_each(|track| self.note(track));
+        self.improve(cluster, partition);
+    }
+
     /// Improves until no change around the noted tracks, and those that changes touch, gains anything.
     pub(super) fn improve(&mut self, cluster: &Cluster, partition: &mut Partition) {
         while let Some(track) = self.waiting.pop() {

@@ -9,6 +9,7 @@
 //! 3. Σ of the best L of all clusters is the dual bound. A cluster with more tuples than `max_tuples` is not relaxed: its
 //!    answer is the local search's, and the bound is that of all pairs ([`super::bound`]), or none.
 
+use super::bound::dual_bound;
 use super::cluster::{Cluster, clusters};
 use super::exact::{cheapest_chains, improved};
 use super::improve::Improver;
@@ -50,34 +51,34 @@ struct Lagrangian {
     max_tuples: u64,
 }
 
-/// The answer with the default settings, for others to begin with.
-pub(super) fn relaxation(problem: &Problem) -> Solution {
-    Lagrangian { rounds: 300, max_tuples: 1_000_000 }.solve_all(problem)
+/// The answer with the default settings, for others to begin with; `known` are the answers that it begins with itself.
+pub(super) fn relaxation(problem: &Problem, known: &[Vec<Vec<u32>>]) -> Solution {
+    Lagrangian { rounds: 300, max_tuples: 1_000_000 }.solve_all(problem, known)
 }
 
 impl Correlator for Lagrangian {
     fn correlate(&mut self, problem: &Problem) -> Result<Solution, Vec<Fault>> {
-        Ok(self.solve_all(problem))
+        Ok(self.solve_all(problem, &[nearest_tuples(problem), weighted_tuples(problem)]))
     }
 }
 
 impl Lagrangian {
-    fn solve_all(&self, problem: &Problem) -> Solution {
+    fn solve_all(&self, problem: &Problem, known: &[Vec<Vec<u32>>]) -> Solution {
         if matches!(problem.costs, Costs::Chain) {
-            return Solution::of(problem, cheapest_chains(problem).0);
+            let (tuples, bound) = cheapest_chains(problem);
+            return Solution::of(problem, tuples).bounded(Some(bound));
         }
-        let known = [nearest_tuples(problem), weighted_tuples(problem)];
         let mut improver = Improver::default();
         let (mut tuples, mut bound, mut bounds) = (Vec::new(), Some(0.0), Vec::new());
         for cluster in clusters(problem) {
-            let (answer, relaxation) = self.solve(&cluster, &known, &mut improver);
-            tuples.extend(answer.tuples().map(|tuple| tuple.iter().map(|&track| cluster.name_of(track)).collect::<Vec<u32>>()));
+            let (answer, relaxation) = self.solve(&cluster, known, &mut improver);
+            tuples.extend(answer.tuples().map(|tuple| cluster.names(&tuple)));
             bound = bound.zip(relaxation.as_ref()).map(|(sum, found)| sum + found.bound.min(answer.cost()));
             bounds.extend(relaxation.map(|found| found.bounds));
         }
         let solution = Solution::of(problem, tuples);
-        let dual_bound = [solution.dual_bound, bound].into_iter().flatten().reduce(f64::max).map(|bound| bound.min(solution.cost));
-        Solution { dual_bound, search: Some(search_of(&bounds, &solution)), ..solution }
+        let solution = solution.bounded([dual_bound(problem), bound].into_iter().flatten().reduce(f64::max));
+        Solution { search: Some(search_of(&bounds, &solution)), ..solution }
     }
 
     fn solve(&self, cluster: &Cluster, known: &[Vec<Vec<u32>>], improver: &mut Improver) -> (Partition, Option<Relaxation>) {
@@ -103,9 +104,7 @@ fn recovered(cluster: &Cluster, tuples: &[Vec<Tuple>], multipliers: &[f64], impr
         }
     }
     let mut partition = Partition::from_tuples(cluster, taken.into_iter());
-    improver.begin(cluster);
-    (0..cluster.len() as u32).for_each(|track| improver.note(track));
-    improver.improve(cluster, &mut partition);
+    improver.improve_all(cluster, &mut partition);
     partition
 }
 

@@ -50,9 +50,12 @@ impl Solution {
         tuples.sort_unstable();
         let cost_of = |tuple: &Vec<u32>| problem.cost(tuple).expect("correlators build only tuples that exist");
         let cost = tuples.iter().map(cost_of).sum();
-        // Rounding must not put the bound above what was found.
-        let dual_bound = bound::dual_bound(problem).map(|bound| bound.min(cost));
-        Solution { tuples, cost, dual_bound, search: None }
+        Solution { tuples, cost, dual_bound: None, search: None }
+    }
+
+    /// With a bound; rounding must not put it above what was found.
+    fn bounded(self, bound: Option<f64>) -> Self {
+        Solution { dual_bound: bound.map(|bound| bound.min(self.cost)), ..self }
     }
 }
 

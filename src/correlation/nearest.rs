@@ -12,6 +12,7 @@
 //! 1. Order all links of negative cost, the cheapest first; of equals the one of the first tracks.
 //! 2. For each in turn put the tuples of its two tracks together, if the tuple exists.
 
+use super::bound::dual_bound;
 use super::problem::Problem;
 use super::{BuildCorrelator, Correlator, Solution};
 use crate::model::fault::Fault;
@@ -30,7 +31,7 @@ struct Nearest;
 
 impl Correlator for Nearest {
     fn correlate(&mut self, problem: &Problem) -> Result<Solution, Vec<Fault>> {
-        Ok(Solution::of(problem, nearest_tuples(problem)))
+        Ok(Solution::of(problem, nearest_tuples(problem)).bounded(dual_bound(problem)))
     }
 }
 

@@ -20,6 +20,7 @@
 //!
 //! J is always stated in the costs of the problem.
 
+use super::bound::dual_bound;
 use super::problem::{Costs, Link, Problem};
 use super::{BuildCorrelator, Correlator, Solution};
 use crate::math::assignment::AssignmentSolver;
@@ -39,7 +40,7 @@ struct Weighted;
 
 impl Correlator for Weighted {
     fn correlate(&mut self, problem: &Problem) -> Result<Solution, Vec<Fault>> {
-        Ok(Solution::of(problem, weighted_tuples(problem)))
+        Ok(Solution::of(problem, weighted_tuples(problem)).bounded(dual_bound(problem)))
     }
 }
 

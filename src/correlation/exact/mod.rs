@@ -65,7 +65,7 @@ impl Exact {
                 vec![Fault::new("/max_nodes", "too_large", detail).allowing("more nodes, or the correlator genetic")]
             })?;
             let best = found.unwrap_or_else(|| start.tuples().collect());
-            tuples.extend(best.iter().map(|tuple| tuple.iter().map(|&track| cluster.name_of(track)).collect::<Vec<u32>>()));
+            tuples.extend(best.iter().map(|tuple| cluster.names(tuple)));
         }
         Ok(tuples)
     }
@@ -75,9 +75,7 @@ impl Exact {
 pub(super) fn improved(cluster: &Cluster, known: &[Vec<Vec<u32>>], improver: &mut Improver) -> Partition {
     let improve = |tuples: &Vec<Vec<u32>>| {
         let mut partition = Partition::of_problem(cluster, tuples);
-        improver.begin(cluster);
-        (0..cluster.len() as u32).for_each(|track| improver.note(track));
-        improver.improve(cluster, &mut partition);
+        improver.improve_all(cluster, &mut partition);
         partition
     };
     let partitions = known.iter().map(improve);

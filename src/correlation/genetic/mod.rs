@@ -26,6 +26,7 @@ mod improved;
 mod paper;
 mod permutation;
 
+use super::bound::dual_bound;
 use super::cluster::clusters;
 use super::improve::Improver;
 use super::lagrangian::relaxation;
@@ -158,12 +159,13 @@ impl Genetic {
         let Evolution { best, best_costs, mean_costs, stop } = evolve(&mut coding, &self.settings, f64::NEG_INFINITY, &mut self.dice(0));
         let tuples = coding.tuples(&best);
         let search = Search { best: best_costs, mean: mean_costs, evaluations: coding.evaluations, stop };
-        Solution { search: Some(search), ..Solution::of(problem, tuples) }
+        Solution { search: Some(search), ..Solution::of(problem, tuples).bounded(dual_bound(problem)) }
     }
 
     fn evolve_clusters(&self, problem: &Problem) -> Solution {
-        let relaxed = relaxation(problem);
-        let seeds = [nearest_tuples(problem), weighted_tuples(problem), relaxed.tuples];
+        let mut seeds = vec![nearest_tuples(problem), weighted_tuples(problem)];
+        let relaxed = relaxation(problem, &seeds);
+        seeds.push(relaxed.tuples);
         let (mut tuples, mut searches) = (Vec::new(), Vec::new());
         let mut improver = Improver::default();
         for cluster in clusters(problem) {
@@ -172,13 +174,12 @@ impl Genetic {
             let mut coding = Partitions::new(&cluster, seeds, improver);
             let found = evolve(&mut coding, &self.settings, cluster.least_cost(), &mut self.dice(cluster.name()));
             improver = coding.into_improver();
-            tuples.extend(found.best.tuples().map(|tuple| tuple.iter().map(|&track| cluster.name_of(track)).collect::<Vec<u32>>()));
+            tuples.extend(found.best.tuples().map(|tuple| cluster.names(&tuple)));
             let Evolution { best_costs, mean_costs, stop, .. } = found;
             searches.push(Search { best: best_costs, mean: mean_costs, evaluations: improver.evaluations - before, stop });
         }
-        let solution = Solution::of(problem, tuples);
-        let dual_bound = relaxed.dual_bound.map(|bound| bound.min(solution.cost));
-        Solution { dual_bound, search: Some(summed(&searches)), ..solution }
+        let solution = Solution::of(problem, tuples).bounded(relaxed.dual_bound);
+        Solution { search: Some(summed(&searches)), ..solution }
     }
 }
 
