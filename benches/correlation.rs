@@ -52,6 +52,7 @@ fn main() {
 fn contenders() -> Vec<(&'static str, Value)> {
     let name = |method: &trackloom::registry::Method<_>| (method.name, json!({}));
     let mut contenders: Vec<_> = CORRELATORS.iter().map(name).collect();
+    contenders.push(("genetic", json!({"variant": "unseeded"})));
     contenders.push(("genetic", json!({"variant": "paper", "population": 100, "generations": 500, "stop_after": 100})));
     contenders
 }
@@ -88,7 +89,7 @@ fn run(name: &str, parameters: &Value, problems: &[Problem]) -> Figures {
         solutions.push(correlator.correlate(problem).ok());
         seconds.push(start.elapsed().as_secs_f64());
     }
-    let label = if parameters["variant"] == "paper" { "genetic (paper)".to_owned() } else { name.to_owned() };
+    let label = parameters["variant"].as_str().map_or(name.to_owned(), |variant| format!("{name}, {variant}"));
     Figures { label, solutions, seconds }
 }
 

@@ -3,8 +3,12 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use std::sync::Arc;
+use trackloom::correlation::estimates::Estimates;
+use trackloom::correlation::evidence::{Evidence, Times};
 use trackloom::correlation::problem::{Costs, JointCost, Problem};
 use trackloom::math::rng::{Purpose, Seed};
+use trackloom::model::state::{Covariance, GaussianState, State};
 
 /// δ, the 0.99 quantile of chi-square with 2 degrees of freedom; and the gate, beyond which 1e-6 of the true pairs lie.
 pub const DELTA: f64 = 9.210_340_371_976_184;
@@ -81,7 +85,18 @@ pub fn problem(estimates: &[Vec<Estimate>], costs: Costs) -> Problem {
             }
         }
     }
-    Problem::new(&counts, &pairs, costs)
+    Problem::new(&counts, &pairs, costs).with_evidence(evidence(estimates))
+}
+
+/// The same estimates for correlators that look at tracks: positions, at one time.
+fn evidence(estimates: &[Vec<Estimate>]) -> Evidence {
+    let named = estimates.iter().map(|tracks| (String::new(), vec![String::new(); tracks.len()])).collect();
+    let mut table = Estimates::new(named, vec![0.0], false);
+    for (track, estimate) in estimates.iter().flatten().enumerate() {
+        let mean = State::new(estimate.position[0], estimate.position[1], 0.0, 0.0);
+        table.set(track, 0, &GaussianState { mean, covariance: Covariance::identity() * estimate.variance });
+    }
+    Evidence { estimates: Arc::new(table), cross: None, times: Times::All, until: 1 }
 }
 
 fn squared_distance(left: [f64; 2], right: [f64; 2]) -> f64 {

@@ -98,7 +98,7 @@ impl Evidence {
     }
 
     /// The latest of the times at which most of the tuple say something.
-    fn fullest_time(&self, tuple: &[u32]) -> Option<usize> {
+    pub(super) fn fullest_time(&self, tuple: &[u32]) -> Option<usize> {
         let members = |time: usize| tuple.iter().filter(|&&track| self.estimates.at(track, time).is_some()).count();
         let mut best = None;
         for time in (0..self.until).rev() {

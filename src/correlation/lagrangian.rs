@@ -51,9 +51,10 @@ struct Lagrangian {
     max_tuples: u64,
 }
 
-/// The answer with the default settings, for others to begin with; `known` are the answers that it begins with itself.
-pub(super) fn relaxation(problem: &Problem, known: &[Vec<Vec<u32>>]) -> Solution {
-    Lagrangian { rounds: 300, max_tuples: 1_000_000 }.solve_all(problem, known)
+/// The answer for a cluster with the default settings and its bound, for others to begin with; `known` are answers to begin with.
+pub(super) fn relaxed_answer(cluster: &Cluster, known: &[Vec<Vec<u32>>], improver: &mut Improver) -> (Partition, Option<f64>) {
+    let (answer, relaxation) = Lagrangian { rounds: 300, max_tuples: 1_000_000 }.solve(cluster, known, improver);
+    (answer, relaxation.map(|found| found.bound))
 }
 
 impl Correlator for Lagrangian {

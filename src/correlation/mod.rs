@@ -9,6 +9,7 @@ use crate::model::fault::Fault;
 use crate::registry::{Method, Union};
 use problem::Problem;
 
+mod admissible;
 pub mod alignment;
 mod bound;
 mod candidates;
@@ -18,10 +19,12 @@ pub mod estimates;
 pub mod evidence;
 mod exact;
 pub mod fusion;
+mod fuzzy;
 mod genetic;
 pub mod grouping;
 mod improve;
 mod lagrangian;
+pub mod modified;
 mod nearest;
 mod partition;
 pub mod problem;
@@ -84,7 +87,7 @@ pub type BuildCorrelator = fn(&serde_json::Value, Seed) -> Result<Box<dyn Correl
 
 /// Every correlator.
 pub const CORRELATORS: &[Method<BuildCorrelator>] =
-    &[nearest::METHOD, weighted::METHOD, genetic::METHOD, lagrangian::METHOD, exact::METHOD];
+    &[nearest::METHOD, weighted::METHOD, modified::METHOD, fuzzy::METHOD, genetic::METHOD, lagrangian::METHOD, exact::METHOD];
 
 pub static CORRELATOR: Union = Union {
     name: "Correlator",

@@ -4,6 +4,7 @@
 //! Only pairs that may be of one target are linked. A tuple exists only where its links do (see [`Costs`]); the others are
 //! never thought of, and tracks without a path of links between them are problems of their own.
 
+use super::evidence::Evidence;
 use std::ops::Range;
 
 /// Another sensor's track that may be of the same target.
@@ -37,6 +38,8 @@ pub struct Problem {
     /// For each track the linked tracks of all other sensors, ascending.
     links: Vec<Vec<Link>>,
     pub costs: Costs,
+    evidence: Option<Evidence>,
+    independent: Option<Box<Problem>>,
 }
 
 impl Problem {
@@ -54,7 +57,27 @@ impl Problem {
         for of_track in &mut links {
             of_track.sort_unstable_by_key(|link| link.track);
         }
-        Problem { bounds, links, costs }
+        Problem { bounds, links, costs, evidence: None, independent: None }
+    }
+
+    /// With what the tracks say.
+    pub fn with_evidence(self, evidence: Evidence) -> Self {
+        Problem { evidence: Some(evidence), ..self }
+    }
+
+    /// With the same problem as it looks when errors are taken to be independent.
+    pub fn with_independent(self, independent: Problem) -> Self {
+        Problem { independent: Some(Box::new(independent)), ..self }
+    }
+
+    /// What the tracks say, for correlators that look at more than costs.
+    pub fn evidence(&self) -> Option<&Evidence> {
+        self.evidence.as_ref()
+    }
+
+    /// The same problem as it looks when errors are taken to be independent, where the costs take them to be correlated.
+    pub fn independent(&self) -> Option<&Problem> {
+        self.independent.as_deref()
     }
 
     pub fn sensors(&self) -> usize {

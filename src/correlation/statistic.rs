@@ -222,6 +222,15 @@ impl Correlation {
 
     pub fn problem(&self, until: usize) -> Problem {
         let evidence = self.evidence(until);
+        let problem = self.problem_of(evidence.clone());
+        if evidence.cross.is_none() {
+            return problem;
+        }
+        problem.with_independent(self.problem_of(Evidence { cross: None, ..evidence }))
+    }
+
+    fn problem_of(&self, evidence: Evidence) -> Problem {
+        let until = evidence.until;
         let links = self.links(&evidence);
         let costs = match self.statistic {
             Statistic::Chain { .. } => Costs::Chain,
@@ -229,11 +238,11 @@ impl Correlation {
             Statistic::Fused { alpha, .. } => {
                 let most = self.estimates.tracks_of.len().saturating_sub(1) * until;
                 let thresholds = Thresholds::new(alpha, self.estimates.dimensions(), most);
-                Costs::Joint(Box::new(Fused { evidence, thresholds }))
+                Costs::Joint(Box::new(Fused { evidence: evidence.clone(), thresholds }))
             }
-            Statistic::LikelihoodRatio { .. } => Costs::Joint(Box::new(self.likelihood_ratio(evidence))),
+            Statistic::LikelihoodRatio { .. } => Costs::Joint(Box::new(self.likelihood_ratio(evidence.clone()))),
         };
-        Problem::new(&self.estimates.tracks_of, &links, costs)
+        Problem::new(&self.estimates.tracks_of, &links, costs).with_evidence(evidence)
     }
 
     /// The linked pairs with their costs.

@@ -3,13 +3,11 @@
 //! earlier choice is taken back.
 //!
 //! # Reference
-//! R. A. Singer, A. J. Kanyuck, Computer control of multiple site track correlation, Automatica 7, 1971, 455–463 (C = Pᵢ + Pⱼ).
-//! Where the costs of the problem know the cross-covariance of two tracks (C = Pᵢ + Pⱼ − Pᵢⱼ − Pᵢⱼᵀ) it is the modified method:
-//! Y. Bar-Shalom, On the track-to-track correlation problem, IEEE Trans. Automatic Control 26, 1981, 571–572.
+//! R. A. Singer, A. J. Kanyuck, Computer control of multiple site track correlation, Automatica 7, 1971, 455–463.
 //!
 //! # Symbols
-//! C covariance of the difference of two estimates, Pᵢⱼ their cross-covariance; T a tuple made so far, j a track of the
-//! next sensor; c(T, j) what j costs in T.
+//! C = Pᵢ + Pⱼ covariance of the difference of two estimates, their errors taken to be independent; T a tuple made so far, j a
+//! track of the next sensor; c(T, j) what j costs in T.
 //!
 //! # Method
 //! For each sensor in turn:
@@ -18,8 +16,10 @@
 //! 2. Assign the sensor's tracks to tuples at least total cost, none at 0 ([`crate::math::assignment`]). A track that gets
 //!    none begins a tuple.
 //!
-//! J is always stated in the costs of the problem.
+//! Where the costs of the problem know of correlated errors, the tuples are looked for without ([`super::modified`] looks for them
+//! with); those that do not exist or do not pay in the problem itself are divided, and J is stated in its costs.
 
+use super::admissible::divided;
 use super::bound::dual_bound;
 use super::problem::{Costs, Link, Problem};
 use super::{BuildCorrelator, Correlator, Solution};
@@ -40,7 +40,11 @@ struct Weighted;
 
 impl Correlator for Weighted {
     fn correlate(&mut self, problem: &Problem) -> Result<Solution, Vec<Fault>> {
-        Ok(Solution::of(problem, weighted_tuples(problem)).bounded(dual_bound(problem)))
+        let tuples = match problem.independent() {
+            None => weighted_tuples(problem),
+            Some(independent) => divided(problem, &weighted_tuples(independent)),
+        };
+        Ok(Solution::of(problem, tuples).bounded(dual_bound(problem)))
     }
 }
 
@@ -104,7 +108,20 @@ fn cost_of_growth(problem: &Problem, tuple: &[u32], track: u32) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::modified;
     use super::*;
+
+    #[test]
+    fn weighted_does_not_see_what_errors_have_in_common_and_modified_does() {
+        // With the correlation 1 is the partner of 2, which 0 seems to be without.
+        let seen = Problem::new(&[2, 1], &[(0, 2, -9.0), (1, 2, -8.0)], Costs::AllPairs);
+        let problem = Problem::new(&[2, 1], &[(1, 2, -7.0)], Costs::AllPairs).with_independent(seen);
+        let found = Weighted.correlate(&problem).unwrap();
+        assert_eq!((found.tuples, found.cost), (vec![vec![0], vec![1], vec![2]], 0.0));
+        let modified = (modified::METHOD.build)(&serde_json::json!({}), crate::math::rng::Seed { seed: 0, run: 0 }).unwrap().correlate(&problem);
+        let found = modified.unwrap();
+        assert_eq!((found.tuples, found.cost), (vec![vec![0], vec![1, 2]], -7.0));
+    }
 
     #[test]
     fn two_sensors_get_the_optimum_and_a_third_meets_what_was_made() {

@@ -2,12 +2,14 @@
 //! is true, which is what comparing correlators needs.
 //!
 //! # Symbols
-//! P = diag(σ², σ², σ_v², σ_v²) covariance of every estimate; ρ correlation of a track's errors from one time to the next.
+//! P = diag(σ², σ², σ_v², σ_v²) covariance of every estimate; ρ correlation of a track's errors from one time to the next; γ
+//! correlation of the errors of two sensors' tracks of one target.
 //!
 //! # Method
 //! 1. Targets stand row by row in a square, each displaced at random, and move on one course that is drawn.
 //! 2. Each sensor has a track of each target with probability P_D; its errors are e ← ρ e + √(1 − ρ²) w with w from N(0, P), white in
-//!    time for ρ = 0, and all its tracks are displaced by its bias, in a direction of its own.
+//!    time for ρ = 0, and all its tracks are displaced by its bias, in a direction of its own. w = √γ c + √(1 − γ) v with c drawn
+//!    once for all sensors: P_ij = γ P, as filters have it that meet one manoeuvre.
 //! 3. A Poisson number of false tracks a sensor lies anywhere in the square, on the same course.
 //! 4. The tracks of a sensor are in a random order.
 
@@ -69,6 +71,7 @@ pub static LOCAL_TRACKS: Object = Object {
             "0.0",
         ),
         field("correlation", "Correlation of a track's errors from one time to the next; 0 is white.", SHARE, "0.0"),
+        field("cross_correlation", "Correlation of the errors of two sensors' tracks of one target.", SHARE, "0.0"),
         field("times", "Times at which every track says something.", Kind::Integer { min: 1, max: 10_000, unit: "" }, "4"),
         field("period_s", "Time between them.", Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "s" }, "2.0"),
     ],
@@ -88,6 +91,7 @@ pub struct LocalTracks {
     pub false_tracks: f64,
     pub bias_m: f64,
     pub correlation: f64,
+    pub cross_correlation: f64,
     pub times: u32,
     pub period_s: f64,
 }
@@ -154,14 +158,18 @@ fn tracks_of(plan: &LocalTracks, sensor: u32, starts_m: &[Position], course_mps:
     for (target, start_m) in starts_m.iter().enumerate() {
         let mut draw = seed.stream(Purpose::LocalTracks, entity + target as u64 + 1, 0);
         if draw.random::<f64>() < plan.p_d {
-            found.push((draw.random(), Some(target as u32), track(plan, start_m + bias_m, course_mps, &mut draw)));
+            let order = draw.random();
+            let mut common = seed.stream(Purpose::LocalTracks, target as u64 + 1, 1);
+            found.push((order, Some(target as u32), track(plan, start_m + bias_m, course_mps, &mut draw, &mut common)));
         }
     }
     for number in 0..false_tracks {
         let mut draw = seed.stream(Purpose::LocalTracks, entity + number + 1, 1);
         let mut anywhere = || plan.spacing_m * (f64::from(plan.side()) * draw.random::<f64>() - 0.5);
         let start_m = Position::new(anywhere(), anywhere());
-        found.push((draw.random(), None, track(plan, start_m + bias_m, course_mps, &mut draw)));
+        let order = draw.random();
+        let mut common = seed.stream(Purpose::LocalTracks, entity + number + 1, 2);
+        found.push((order, None, track(plan, start_m + bias_m, course_mps, &mut draw, &mut common)));
     }
     found.sort_by_key(|(order, ..)| *order);
     let origins = found.iter().map(|(_, origin, _)| *origin).collect();
@@ -172,13 +180,14 @@ fn tracks_of(plan: &LocalTracks, sensor: u32, starts_m: &[Position], course_mps:
     SensorTracks { sensor_id, tracks, origins }
 }
 
-fn track(plan: &LocalTracks, start_m: Position, course_mps: Position, draw: &mut ChaCha8Rng) -> Track {
+/// `draw` is the track's own stream, `common` that of all tracks of its target.
+fn track(plan: &LocalTracks, start_m: Position, course_mps: Position, draw: &mut ChaCha8Rng, common: &mut ChaCha8Rng) -> Track {
     let covariance = plan.covariance();
+    let normal = |stream: &mut ChaCha8Rng| State::from_fn(|_, _| StandardNormal.sample(stream));
     let mut white = || {
-        State::from_fn(|row, _| {
-            let normal: f64 = StandardNormal.sample(draw);
-            normal * covariance[(row, row)].sqrt()
-        })
+        let shared = if plan.cross_correlation > 0.0 { normal(common) * plan.cross_correlation.sqrt() } else { State::zeros() };
+        let mixed = shared + normal(draw) * (1.0 - plan.cross_correlation).sqrt();
+        mixed.component_mul(&covariance.map_diagonal(f64::sqrt))
     };
     let mut error = white();
     let mut point = |time: u32| {

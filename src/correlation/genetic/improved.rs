@@ -1,7 +1,7 @@
 //! The improved coding: an individual is a partition of one cluster into tuples, at rest under local search.
 //!
 //! # Method
-//! - The first individuals are the answers of `nearest` and `weighted`; the others begin with every track alone. All are
+//! - The first individuals are the answers of others, if there are; the rest begin with every track alone. All are
 //!   improved ([`crate::correlation::improve`]), the tracks in random order.
 //! - Crossover takes over whole tuples. From a random track on, by links, a random number of tuples of the one parent is
 //!   gathered; they replace, in a copy of the other, the tuples that their tracks were in. What is left of those stays

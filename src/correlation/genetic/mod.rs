@@ -15,9 +15,10 @@
 //! Selection, generations and the end: [`evolve`]; the share P_r of a generation that lives on is 1 less the generation gap.
 //! - `paper`: one chromosome for the whole problem ([`paper`]), partially matched crossover and swap ([`permutation`]),
 //!   a random first population.
-//! - `improved`: each cluster by itself ([`improved`]); the answers of `nearest`, `weighted` and `lagrangian` are in the first
-//!   population. A cluster whose cost no solution can undercut, because each track has
+//! - `improved`: each cluster by itself ([`improved`]); the answers of `lagrangian`, `nearest` and `weighted` are in the first
+//!   population, of a chain its optimum. A cluster whose cost is proven to be least, by the relaxation or because each track has
 //!   its best link to each sensor, is done at once.
+//! - `unseeded`: the same without those answers, to see what the search alone is worth.
 //!
 //! The random choices of a cluster come from the stream named after its first track and the number of the call.
 
@@ -27,12 +28,13 @@ mod paper;
 mod permutation;
 
 use super::bound::dual_bound;
-use super::cluster::clusters;
+use super::cluster::{Cluster, clusters};
+use super::exact::cheapest_chains;
 use super::improve::Improver;
-use super::lagrangian::relaxation;
+use super::lagrangian::relaxed_answer;
 use super::nearest::nearest_tuples;
 use super::partition::Partition;
-use super::problem::Problem;
+use super::problem::{Costs, Problem};
 use super::weighted::weighted_tuples;
 use super::{BuildCorrelator, Correlator, Search, Solution};
 use crate::math::rng::{Purpose, Seed};
@@ -57,9 +59,10 @@ static PARAMETERS: Object = Object {
     fields: &[
         Field {
             name: "variant",
-            summary: "improved: cluster by cluster, whole tuples are handed down, every individual is improved by local search; paper: one \
-                      chromosome of permutations, partially matched crossover and swap, as published.",
-            kind: Kind::Choice(&["improved", "paper"]),
+            summary: "improved: cluster by cluster, whole tuples are handed down, every individual is improved by local search, the first \
+                      of them the answers of other correlators; unseeded: the same from every track alone; paper: one chromosome of \
+                      permutations, partially matched crossover and swap, as published.",
+            kind: Kind::Choice(&["improved", "unseeded", "paper"]),
             presence: Presence::Default("\"improved\""),
         },
         Field {
@@ -114,6 +117,7 @@ const SHARE: Kind = Kind::Number { min: Bound::Including(0.0), max: Bound::Inclu
 #[serde(rename_all = "snake_case")]
 enum Variant {
     Improved,
+    Unseeded,
     Paper,
 }
 
@@ -144,7 +148,7 @@ impl Correlator for Genetic {
         self.occasion += 1;
         Ok(match self.settings.variant {
             Variant::Paper => self.evolve_chromosomes(problem),
-            Variant::Improved => self.evolve_clusters(problem),
+            Variant::Improved | Variant::Unseeded => self.evolve_clusters(problem),
         })
     }
 }
@@ -163,23 +167,50 @@ impl Genetic {
     }
 
     fn evolve_clusters(&self, problem: &Problem) -> Solution {
-        let mut seeds = vec![nearest_tuples(problem), weighted_tuples(problem)];
-        let relaxed = relaxation(problem, &seeds);
-        seeds.push(relaxed.tuples);
-        let (mut tuples, mut searches) = (Vec::new(), Vec::new());
+        let start = (self.settings.variant == Variant::Improved).then(|| Start::new(problem));
+        let (mut tuples, mut searches, mut bound) = (Vec::new(), Vec::new(), Some(0.0));
         let mut improver = Improver::default();
         for cluster in clusters(problem) {
-            let seeds = seeds.iter().map(|tuples| Partition::of_problem(&cluster, tuples)).collect();
             let before = improver.evaluations;
+            let (seeds, of_cluster) = start.as_ref().map_or((Vec::new(), None), |start| start.of_cluster(&cluster, &mut improver));
+            let least_cost = of_cluster.map_or(cluster.least_cost(), |bound| bound.max(cluster.least_cost()));
             let mut coding = Partitions::new(&cluster, seeds, improver);
-            let found = evolve(&mut coding, &self.settings, cluster.least_cost(), &mut self.dice(cluster.name()));
+            let found = evolve(&mut coding, &self.settings, least_cost, &mut self.dice(cluster.name()));
             improver = coding.into_improver();
             tuples.extend(found.best.tuples().map(|tuple| cluster.names(&tuple)));
+            bound = bound.zip(of_cluster).map(|(sum, of_cluster)| sum + of_cluster.min(found.best.cost()));
             let Evolution { best_costs, mean_costs, stop, .. } = found;
             searches.push(Search { best: best_costs, mean: mean_costs, evaluations: improver.evaluations - before, stop });
         }
-        let solution = Solution::of(problem, tuples).bounded(relaxed.dual_bound);
-        Solution { search: Some(summed(&searches)), ..solution }
+        let bound = [bound, dual_bound(problem)].into_iter().flatten().reduce(f64::max);
+        Solution { search: Some(summed(&searches)), ..Solution::of(problem, tuples).bounded(bound) }
+    }
+}
+
+/// What others answer, to begin with.
+struct Start {
+    /// The optimum of a chain; else the answers of `nearest` and `weighted`.
+    answers: Vec<Vec<Vec<u32>>>,
+    is_chain: bool,
+}
+
+impl Start {
+    fn new(problem: &Problem) -> Self {
+        let is_chain = matches!(problem.costs, Costs::Chain);
+        let answers = if is_chain { vec![cheapest_chains(problem).0] } else { vec![nearest_tuples(problem), weighted_tuples(problem)] };
+        Start { answers, is_chain }
+    }
+
+    /// The first individuals of a cluster, and what no other undercuts, where that is known.
+    fn of_cluster(&self, cluster: &Cluster, improver: &mut Improver) -> (Vec<Partition>, Option<f64>) {
+        let mut seeds: Vec<Partition> = self.answers.iter().map(|tuples| Partition::of_problem(cluster, tuples)).collect();
+        if self.is_chain {
+            let bound = seeds[0].cost();
+            return (seeds, Some(bound));
+        }
+        let (answer, bound) = relaxed_answer(cluster, &self.answers, improver);
+        seeds.insert(0, answer);
+        (seeds, bound)
     }
 }
 

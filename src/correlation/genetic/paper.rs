@@ -5,15 +5,14 @@
 //! - Padding: there are as many rows as tracks in all. A permutation has more values than its sensor has tracks; those
 //!   beyond are "absent", and so is the first sensor beyond its own tracks. Each track can have a row for itself, so
 //!   every partition into tuples has a chromosome.
-//! - A row is one tuple as long as its links pay. In a chain it is cut wherever the link of neighbours is missing or costs
-//!   more than nothing. Otherwise its tracks, in the order of their sensors, each join the tuple of the row whose cost
-//!   they lower most, or begin one.
+//! - A row is one tuple as long as its links pay, else several ([`crate::correlation::admissible`]).
 //! - Fitness: J of the tuples so made. Crossover: PMX, a cut for each permutation. Mutation: in one permutation, drawn at
 //!   random, two positions change their values.
 
 use super::evolve::Coding;
 use super::permutation::Crossover;
-use crate::correlation::problem::{Costs, Problem};
+use crate::correlation::admissible::divide;
+use crate::correlation::problem::Problem;
 use rand::RngExt;
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::seq::SliceRandom;
@@ -52,10 +51,7 @@ impl<'a> Chromosomes<'a> {
                 let value = permutation[number];
                 row.extend(((value as usize) < tracks.len()).then_some(tracks.start + value));
             }
-            match problem.costs {
-                Costs::Chain => cut_chain(problem, &row, &mut show),
-                Costs::AllPairs | Costs::Joint(_) => split(problem, &row, &mut show),
-            }
+            divide(problem, &row, &mut show);
         }
         self.row = row;
     }
@@ -63,54 +59,6 @@ impl<'a> Chromosomes<'a> {
     fn permutation_of(&self, number: usize) -> Range<usize> {
         number * self.rows..(number + 1) * self.rows
     }
-}
-
-fn cut_chain(problem: &Problem, row: &[u32], show: &mut impl FnMut(&[u32], f64)) {
-    let (mut first, mut cost) = (0, 0.0);
-    for place in 1..row.len() {
-        match problem.link(row[place - 1], row[place]).filter(|cost| *cost < 0.0) {
-            Some(of_link) => cost += of_link,
-            None => {
-                show(&row[first..place], cost);
-                (first, cost) = (place, 0.0);
-            }
-        }
-    }
-    if first < row.len() {
-        show(&row[first..], cost);
-    }
-}
-
-fn split(problem: &Problem, row: &[u32], show: &mut impl FnMut(&[u32], f64)) {
-    let mut tuples: Vec<(Vec<u32>, f64)> = Vec::new();
-    for &track in row {
-        let mut best = (0.0, None);
-        for (number, (tuple, cost)) in tuples.iter_mut().enumerate() {
-            let change = change_by(problem, tuple, *cost, track).unwrap_or(0.0);
-            if change < best.0 {
-                best = (change, Some(number));
-            }
-        }
-        match best {
-            (change, Some(number)) => {
-                tuples[number].0.push(track);
-                tuples[number].1 += change;
-            }
-            (_, None) => tuples.push((vec![track], 0.0)),
-        }
-    }
-    tuples.iter().for_each(|(tuple, cost)| show(tuple, *cost));
-}
-
-/// What a track of a later sensor adds to the cost of a tuple, where it may join.
-fn change_by(problem: &Problem, tuple: &mut Vec<u32>, cost: f64, track: u32) -> Option<f64> {
-    if let Costs::AllPairs = problem.costs {
-        return tuple.iter().map(|&member| problem.link(member, track)).sum();
-    }
-    tuple.push(track);
-    let grown = problem.cost(tuple);
-    tuple.pop();
-    grown.map(|grown| grown - cost)
 }
 
 impl Coding for Chromosomes<'_> {
@@ -151,6 +99,7 @@ impl Coding for Chromosomes<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::correlation::problem::Costs;
 
     fn decoded(problem: &Problem, chromosome: &[u32]) -> (Vec<Vec<u32>>, f64) {
         let mut coding = Chromosomes::new(problem);
@@ -169,12 +118,5 @@ mod tests {
         // All pairs: 3 lowers the cost of (0, 2) by 1.
         let all = Problem::new(&[2, 1, 1], &pairs, Costs::AllPairs);
         assert_eq!(decoded(&all, &in_one_row), (vec![vec![0, 2, 3], vec![1]], -4.0));
-    }
-
-    #[test]
-    fn a_track_joins_the_tuple_of_its_row_that_gains_most() {
-        // 1 is not linked with 0 and begins a tuple of its own; 2 gains more with it than with 0.
-        let all = Problem::new(&[1, 1, 1], &[(0, 2, -1.0), (1, 2, -2.0)], Costs::AllPairs);
-        assert_eq!(decoded(&all, &[0, 1, 2, 0, 1, 2]), (vec![vec![0], vec![1, 2]], -2.0));
     }
 }

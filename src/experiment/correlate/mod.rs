@@ -264,6 +264,9 @@ fn warn(correlation: &Correlation, spec: &Value, warnings: &mut Vec<String>) {
                 .to_owned(),
         );
     }
+    if spec["correlator"]["method"] == "modified" && correlation.cross.is_none() {
+        warnings.push("cross_covariance is none: the correlator 'modified' does what 'weighted' does".to_owned());
+    }
     if let Some((target_density, false_density)) = correlation.densities() {
         warnings
             .push(format!("likelihood ratio: β_T = {target_density:.3e} and β_F = {false_density:.3e} per unit of the space of states"));

@@ -1,5 +1,5 @@
 //! The setting of Huo Liang et al. 2008, three sensors and ten targets, and grids around it: spacing, missing tracks, false tracks,
-//! bias and size, every correlator on the same tracks.
+//! errors in common, bias and size, every correlator on the same tracks.
 //!
 //! The paper gives the coding of three sensors and ten targets and no numbers: spacing, noise and times are chosen here.
 
@@ -35,11 +35,25 @@ pub(super) fn presets() -> Vec<Preset> {
         ("spacing", 20, values("spacing (m)", "spacing_m", json!([150.0, 250.0, 500.0]))),
         ("p-d", 20, values("P_D", "p_d", json!([0.7, 0.9, 1.0]))),
         ("false-tracks", 20, values("false tracks", "false_tracks", json!([0.0, 2.0, 5.0]))),
+        ("cross-correlation", 20, cross_correlations()),
         ("bias", 20, values("bias (m)", "bias_m", json!([0.0, 100.0, 200.0]))),
         ("size", 1, json!({"by": "variants", "name": "sensors × targets", "variants": sizes})),
     ];
     presets.extend(grids.into_iter().map(|(name, runs, axis)| grid(&body, name, runs, &axis)));
     presets
+}
+
+/// Errors that the sensors have in common, and costs that know of them.
+fn cross_correlations() -> Value {
+    let variant = |coefficient: f64| {
+        json!({"name": coefficient.to_string(), "set": [
+            {"path": "/input/tracks/cross_correlation", "value": coefficient},
+            {"path": "/input/tracks/spacing_m", "value": 250.0},
+            {"path": "/cross_covariance", "value": {"kind": "coefficient", "coefficient": coefficient}}
+        ]})
+    };
+    let variants = [0.25, 0.5, 0.75].map(variant);
+    json!({"by": "variants", "name": "cross-correlation", "variants": variants})
 }
 
 fn grid(body: &Value, name: &str, runs: u32, axis: &Value) -> Preset {
