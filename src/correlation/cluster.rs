@@ -208,6 +208,19 @@ impl<'a> Cluster<'a> {
         }
     }
 
+    /// For each track and sensor the costs of the track's best links to that sensor and those behind it, summed; a sensor without a
+    /// link of negative cost counts 0. `sensors + 1` numbers a track.
+    pub(super) fn best_links(&self) -> Vec<f64> {
+        let mut sums = vec![0.0; self.len() * (self.sensors + 1)];
+        for (track, sums) in sums.chunks_exact_mut(self.sensors + 1).enumerate() {
+            for sensor in (0..self.sensors).rev() {
+                let edges = self.edges_to(track as u32, sensor).iter();
+                sums[sensor] = sums[sensor + 1] + edges.fold(0.0, |least: f64, edge| least.min(edge.cost));
+            }
+        }
+        sums
+    }
+
     /// What no solution undercuts, at first sight: each track has one partner of each sensor at most (all pairs), one
     /// before and one after it (chain). Nothing is known of joint costs.
     pub(super) fn least_cost(&self) -> f64 {

@@ -3,11 +3,12 @@
 //!
 //! # Method
 //! A chain is solved by its assignment, whose duals are the prices. Other costs, cluster by cluster:
-//! 1. Tuples and multipliers: [`super::tuples`].
+//! 1. Tuples and multipliers: [`super::tuples`]; where there are too many tuples to list, and costs are sums over all pairs,
+//!    [`super::pricing`].
 //! 2. Back to an answer: tuples in order of r(T) under the best multipliers, each taken where its members are free; then local
 //!    search ([`super::improve`]). The better of this and of the improved answers of `nearest` and `weighted` is the answer.
-//! 3. Σ of the best L of all clusters is the dual bound. A cluster with more tuples than `max_tuples` is not relaxed: its
-//!    answer is the local search's, and the bound is that of all pairs ([`super::bound`]), or none.
+//! 3. Σ of the best L of all clusters is the dual bound. A cluster that `max_nodes` are not enough for is not relaxed: its answer
+//!    is the local search's, and the bound is that of all pairs ([`super::bound`]), or none.
 
 use super::bound::dual_bound;
 use super::cluster::{Cluster, clusters};
@@ -15,8 +16,9 @@ use super::exact::{cheapest_chains, improved};
 use super::improve::Improver;
 use super::nearest::nearest_tuples;
 use super::partition::Partition;
+use super::pricing::priced;
 use super::problem::{Costs, Problem};
-use super::tuples::{Relaxation, Tuple, listed, relaxed};
+use super::tuples::{Relaxation, TooLarge, Tuple, listed, relaxed};
 use super::weighted::weighted_tuples;
 use super::{BuildCorrelator, Correlator, Search, Solution};
 use crate::model::fault::Fault;
@@ -25,6 +27,9 @@ use serde::Deserialize;
 
 pub const METHOD: Method<BuildCorrelator> =
     Method { name: "lagrangian", parameters: &PARAMETERS, build: |spec, _| Ok(Box::new(Lagrangian::deserialize(spec)?)) };
+
+/// Nodes that listing may take; where that is not enough, tuples are looked for as prices ask for them.
+const MAX_LISTED: u64 = 50_000;
 
 static PARAMETERS: Object = Object {
     name: "LagrangianCorrelator",
@@ -37,10 +42,10 @@ static PARAMETERS: Object = Object {
             presence: Presence::Default("300"),
         },
         Field {
-            name: "max_tuples",
-            summary: "Tuples that may be looked at in a cluster; a larger one is left to local search.",
-            kind: Kind::Integer { min: 1, max: 100_000_000, unit: "" },
-            presence: Presence::Default("1000000"),
+            name: "max_nodes",
+            summary: "Beginnings of tuples that may be looked at in a cluster; one that needs more for a bound is left to local search.",
+            kind: Kind::Integer { min: 1, max: 1_000_000_000, unit: "" },
+            presence: Presence::Default("10000000"),
         },
     ],
 };
@@ -48,12 +53,12 @@ static PARAMETERS: Object = Object {
 #[derive(Debug, Deserialize)]
 struct Lagrangian {
     rounds: usize,
-    max_tuples: u64,
+    max_nodes: u64,
 }
 
 /// The answer for a cluster with the default settings and its bound, for others to begin with; `known` are answers to begin with.
 pub(super) fn relaxed_answer(cluster: &Cluster, known: &[Vec<Vec<u32>>], improver: &mut Improver) -> (Partition, Option<f64>) {
-    let (answer, relaxation) = Lagrangian { rounds: 300, max_tuples: 1_000_000 }.solve(cluster, known, improver);
+    let (answer, relaxation) = Lagrangian { rounds: 300, max_nodes: 2_000_000 }.solve(cluster, known, improver);
     (answer, relaxation.map(|found| found.bound))
 }
 
@@ -84,10 +89,20 @@ impl Lagrangian {
 
     fn solve(&self, cluster: &Cluster, known: &[Vec<Vec<u32>>], improver: &mut Improver) -> (Partition, Option<Relaxation>) {
         let start = improved(cluster, known, improver);
-        let Ok(tuples) = listed(cluster, &mut { self.max_tuples }) else { return (start, None) };
-        let relaxation = relaxed(&tuples, start.cost(), self.rounds);
+        let Some((relaxation, tuples)) = self.relaxed(cluster, &start) else { return (start, None) };
         let recovered = recovered(cluster, &tuples, &relaxation.multipliers, improver);
         (if recovered.cost() < start.cost() { recovered } else { start }, Some(relaxation))
+    }
+}
+
+impl Lagrangian {
+    /// Step 1.
+    fn relaxed(&self, cluster: &Cluster, start: &Partition) -> Option<(Relaxation, Vec<Vec<Tuple>>)> {
+        match listed(cluster, &mut self.max_nodes.min(MAX_LISTED)) {
+            Ok(tuples) => Some((relaxed(&tuples, start.cost(), self.rounds), tuples)),
+            Err(TooLarge) if cluster.is_pairwise() => priced(cluster, start, self.max_nodes),
+            Err(TooLarge) => None,
+        }
     }
 }
 

@@ -27,6 +27,7 @@ mod lagrangian;
 pub mod modified;
 mod nearest;
 mod partition;
+mod pricing;
 pub mod problem;
 pub mod statistic;
 mod tuples;
@@ -71,7 +72,7 @@ pub struct Search {
     pub mean: Vec<f64>,
     /// Solutions whose cost was computed.
     pub evaluations: u64,
-    /// Why it ended: `generations`, `unchanged`, `optimal`.
+    /// Why it ended: `evaluations`, `generations`, `unchanged`, `optimal`.
     pub stop: &'static str,
 }
 

@@ -6,14 +6,20 @@
 //! Validation of subgradient optimization, Mathematical Programming 6, 1974, 62–88 (the step).
 //!
 //! # Symbols
-//! c(T) cost of a tuple; u(t) ≤ 0 price of a track; r(T) = c(T) − Σ u(t) over its members; L(u) = Σ u(t) + Σ min(0, r(T)).
+//! c(T) cost of a tuple; u(t) ≤ 0 price of a track; r(T) = c(T) − Σ u(t) over its members; r*(t) the least r(T) of all T whose lowest
+//! member is t; L(u) = Σ u(t) + Σ min(0, r*(t)).
 //!
 //! # Method
-//! 1. Every tuple of two members or more with c(T) < 0 is listed; another is worth no more than its tracks alone.
-//! 2. That each track is in one tuple is relaxed with u as multipliers: no division costs less than L(u).
-//! 3. Start at u(t) = min c(T) / |T|, where no r(T) is negative. Then, round after round, take every T with r(T) < 0, count how
+//! 1. Every tuple of two members or more with c(T) < 0 is listed; another is worth no more than its tracks alone. Where c(T) is
+//!    the sum over all pairs, a tuple is not listed either that costs no less than without one of its members, whose links to
+//!    the others sum to 0 or more. What cannot grow into a tuple to be listed is not grown: a member's links to the sensors yet
+//!    to come are at best its best ones.
+//! 2. That each track is in one tuple is relaxed with u as multipliers, but for this: it is the lowest of one at most. No division
+//!    costs less than L(u).
+//! 3. Start at u(t) = min c(T) / |T|, where no r(T) is negative. Then, round after round, take the T of each r*(t) < 0, count how
 //!    often each track is taken, n(t), and step: u(t) += θ (known − L) / Σ (1 − n)² · (1 − n(t)), at most 0. θ begins at 1 and is
-//!    halved when ten rounds have brought nothing. The best L counts.
+//!    halved when ten rounds have brought nothing. The best L counts. A tuple with L + r(T) ≥ known is in no answer that costs
+//!    less than the one known, and is looked at no more: the best L bounds what undercuts that.
 //! 4. The u of the best L, lowered until no r(T) is negative and then raised track by track as far as it goes, are prices
 //!    whose sum over any set of tracks bounds what that set can cost.
 
@@ -31,38 +37,102 @@ pub(super) struct Tuple {
 
 /// Step 1; by lowest member, the cheapest first.
 pub(super) fn listed(cluster: &Cluster, nodes: &mut u64) -> Result<Vec<Vec<Tuple>>, TooLarge> {
-    let mut row = vec![NONE; cluster.sensors()];
-    let mut tuples = Vec::with_capacity(cluster.len());
-    for first in 0..cluster.len() as u32 {
-        let sensor = cluster.sensor_of(first);
-        row[sensor] = first;
-        let mut found = Vec::new();
-        grow(cluster, &mut row, sensor + 1, &mut found, nodes)?;
-        row[sensor] = NONE;
-        found.sort_by(|left: &Tuple, right: &Tuple| left.cost.total_cmp(&right.cost));
-        tuples.push(found);
-    }
-    Ok(tuples)
+    let mut listing = Listing::new(cluster, nodes);
+    (0..cluster.len() as u32).map(|first| listing.of_lowest(first)).collect()
 }
 
-/// Every tuple that begins as `row` does and goes on with sensors from `next`.
-fn grow(cluster: &Cluster, row: &mut [u32], next: usize, found: &mut Vec<Tuple>, nodes: &mut u64) -> Result<(), TooLarge> {
-    *nodes = nodes.checked_sub(1).ok_or(TooLarge)?;
-    let members: Vec<u32> = row.iter().copied().filter(|&track| track != NONE).collect();
-    for sensor in next..cluster.sensors() {
-        for edge in cluster.edges_to(members[0], sensor) {
-            if members[1..].iter().all(|&member| cluster.link(member, edge.track).is_some()) {
-                row[sensor] = edge.track;
-                grow(cluster, row, sensor + 1, found, nodes)?;
-                row[sensor] = NONE;
+struct Listing<'a> {
+    cluster: &'a Cluster<'a>,
+    nodes: &'a mut u64,
+    members: Vec<u32>,
+    /// For each number of members what the links of each to the others sum to, one stretch behind the other.
+    sums: Vec<f64>,
+    /// [`Cluster::best_links`].
+    rests: Vec<f64>,
+    row: Vec<u32>,
+    found: Vec<Tuple>,
+}
+
+impl<'a> Listing<'a> {
+    fn new(cluster: &'a Cluster, nodes: &'a mut u64) -> Self {
+        let (rests, row) = (cluster.best_links(), vec![NONE; cluster.sensors()]);
+        Listing { cluster, nodes, members: Vec::new(), sums: Vec::new(), rests, row, found: Vec::new() }
+    }
+
+    fn of_lowest(&mut self, first: u32) -> Result<Vec<Tuple>, TooLarge> {
+        let next = self.cluster.sensor_of(first) + 1;
+        self.members.push(first);
+        self.sums.push(0.0);
+        let is_whole = if self.cluster.is_pairwise() { self.grow_pairs(next, 0.0) } else { self.grow(next) };
+        self.members.clear();
+        self.sums.clear();
+        is_whole?;
+        self.found.sort_by(|left, right| left.cost.total_cmp(&right.cost));
+        Ok(std::mem::take(&mut self.found))
+    }
+
+    /// The tuples that begin with the members and go on with sensors from `next`, of any cost.
+    fn grow(&mut self, next: usize) -> Result<(), TooLarge> {
+        *self.nodes = self.nodes.checked_sub(1).ok_or(TooLarge)?;
+        if self.members.len() > 1 {
+            self.row.fill(NONE);
+            self.members.iter().for_each(|&member| self.row[self.cluster.sensor_of(member)] = member);
+            self.take(self.cluster.cost(&self.row));
+        }
+        for sensor in next..self.cluster.sensors() {
+            for edge in self.cluster.edges_to(self.members[0], sensor) {
+                if self.members[1..].iter().all(|&member| self.cluster.link(member, edge.track).is_some()) {
+                    self.members.push(edge.track);
+                    self.grow(sensor + 1)?;
+                    self.members.pop();
+                }
             }
         }
+        Ok(())
     }
-    let cost = cluster.cost(row);
-    if members.len() > 1 && cost < 0.0 {
-        found.push(Tuple { members, cost });
+
+    /// The same where the cost is the sum over all pairs.
+    fn grow_pairs(&mut self, next: usize, cost: f64) -> Result<(), TooLarge> {
+        *self.nodes = self.nodes.checked_sub(1).ok_or(TooLarge)?;
+        let begin = self.sums.len() - self.members.len();
+        let stride = self.cluster.sensors() + 1;
+        let with_rest = |(&member, sum): (&u32, &f64)| sum + self.rests[member as usize * stride + next];
+        if self.members.iter().zip(&self.sums[begin..]).map(with_rest).any(|least| least >= 0.0) {
+            return Ok(());
+        }
+        if self.sums[begin..].iter().all(|&sum| sum < 0.0) {
+            self.take(cost);
+        }
+        for sensor in next..self.cluster.sensors() {
+            for edge in self.cluster.edges_to(self.members[0], sensor) {
+                if let Some(added) = self.push(begin, edge.track) {
+                    self.grow_pairs(sensor + 1, cost + added)?;
+                    self.members.pop();
+                }
+                self.sums.truncate(begin + self.members.len());
+            }
+        }
+        Ok(())
     }
-    Ok(())
+
+    /// Adds a member with its sums behind those that begin there, and tells its own; `None` where a link is missing.
+    fn push(&mut self, begin: usize, track: u32) -> Option<f64> {
+        let mut added = 0.0;
+        for place in 0..self.members.len() {
+            let cost = self.cluster.link(self.members[place], track)?;
+            self.sums.push(self.sums[begin + place] + cost);
+            added += cost;
+        }
+        self.sums.push(added);
+        self.members.push(track);
+        Some(added)
+    }
+
+    fn take(&mut self, cost: f64) {
+        if cost < 0.0 {
+            self.found.push(Tuple { members: self.members.clone(), cost });
+        }
+    }
 }
 
 /// What a relaxation found.
@@ -77,20 +147,27 @@ pub(super) struct Relaxation {
 
 /// Steps 2 and 3; `known` is what some division costs. It ends after `rounds`, or where L has reached `known`.
 pub(super) fn relaxed(tuples: &[Vec<Tuple>], known: f64, rounds: usize) -> Relaxation {
-    let mut prices = shares(tuples);
+    relaxed_from(shares(tuples), tuples, known, rounds)
+}
+
+/// The same from other prices.
+pub(super) fn relaxed_from(mut prices: Vec<f64>, tuples: &[Vec<Tuple>], known: f64, rounds: usize) -> Relaxation {
     let mut counts = vec![0.0; prices.len()];
-    let first = count_taken(tuples, &prices, &mut counts);
-    let mut found = Relaxation { bound: first, multipliers: prices.clone(), bounds: vec![first] };
+    let mut open = Open::new(tuples);
+    let mut value = open.count_taken(&prices, &mut counts);
+    let mut found = Relaxation { bound: value, multipliers: prices.clone(), bounds: vec![value] };
     let (mut theta, mut idle) = (1.0, 0);
-    let mut value = first;
-    for _ in 0..rounds {
+    for round in 1..=rounds {
         let squares: f64 = counts.iter().map(|count| (1.0 - count) * (1.0 - count)).sum();
         if squares == 0.0 || known - found.bound <= 1e-9 {
             break;
         }
+        if round % 16 == 0 {
+            open.close(known - value);
+        }
         let step = theta * (known - value).max(1e-9) / squares;
         prices.iter_mut().zip(&counts).for_each(|(price, count)| *price = (*price + step * (1.0 - count)).min(0.0));
-        value = count_taken(tuples, &prices, &mut counts);
+        value = open.count_taken(&prices, &mut counts);
         found.bounds.push(value);
         idle += 1;
         if value > found.bound {
@@ -101,6 +178,73 @@ pub(super) fn relaxed(tuples: &[Vec<Tuple>], known: f64, rounds: usize) -> Relax
         }
     }
     found
+}
+
+/// The tuples that may be in an answer better than the one known, by lowest member, one behind the other.
+struct Open {
+    members: Vec<u32>,
+    /// Where each tuple's members end.
+    ends: Vec<usize>,
+    costs: Vec<f64>,
+    /// r(T) under the last prices.
+    rests: Vec<f64>,
+}
+
+impl Open {
+    fn new(tuples: &[Vec<Tuple>]) -> Self {
+        let mut open = Open { members: Vec::new(), ends: Vec::new(), costs: Vec::new(), rests: Vec::new() };
+        for tuple in tuples.iter().flatten() {
+            open.members.extend_from_slice(&tuple.members);
+            open.ends.push(open.members.len());
+            open.costs.push(tuple.cost);
+        }
+        open.rests = open.costs.clone();
+        open
+    }
+
+    /// L, and n(t). A track whose price is 0 may as well stay alone, which counts it once.
+    fn count_taken(&mut self, prices: &[f64], counts: &mut [f64]) -> f64 {
+        counts.fill(0.0);
+        let mut value: f64 = prices.iter().sum();
+        let (mut begin, mut least) = (0, (0.0, 0..0));
+        for index in 0..self.ends.len() {
+            let range = begin..self.ends[index];
+            begin = range.end;
+            let rest = self.costs[index] - self.members[range.clone()].iter().map(|&member| prices[member as usize]).sum::<f64>();
+            self.rests[index] = rest;
+            if rest < least.0 {
+                least = (rest, range.clone());
+            }
+            let is_last = self.members.get(begin).is_none_or(|next| *next != self.members[range.start]);
+            if is_last {
+                value += least.0;
+                self.members[least.1].iter().for_each(|&member| counts[member as usize] += 1.0);
+                least = (0.0, 0..0);
+            }
+        }
+        let may_be_alone = |(count, price): &(&mut f64, &f64)| **count == 0.0 && **price == 0.0;
+        counts.iter_mut().zip(prices).filter(may_be_alone).for_each(|(count, _)| *count = 1.0);
+        value
+    }
+
+    /// Drops the tuples whose r(T) is that much or more.
+    fn close(&mut self, most: f64) {
+        let (mut begin, mut kept, mut length) = (0, 0, 0);
+        for index in 0..self.ends.len() {
+            let end = self.ends[index];
+            if self.rests[index] < most {
+                self.members.copy_within(begin..end, length);
+                length += end - begin;
+                (self.ends[kept], self.costs[kept], self.rests[kept]) = (length, self.costs[index], self.rests[index]);
+                kept += 1;
+            }
+            begin = end;
+        }
+        self.members.truncate(length);
+        self.ends.truncate(kept);
+        self.costs.truncate(kept);
+        self.rests.truncate(kept);
+    }
 }
 
 /// min c(T) / |T|, at most 0.
@@ -116,22 +260,6 @@ fn shares(tuples: &[Vec<Tuple>]) -> Vec<f64> {
 
 fn reduced(tuple: &Tuple, prices: &[f64]) -> f64 {
     tuple.cost - tuple.members.iter().map(|&member| prices[member as usize]).sum::<f64>()
-}
-
-/// L, and n(t). A track whose price is 0 may as well stay alone, which counts it once.
-fn count_taken(tuples: &[Vec<Tuple>], prices: &[f64], counts: &mut [f64]) -> f64 {
-    counts.fill(0.0);
-    let mut value: f64 = prices.iter().sum();
-    for tuple in tuples.iter().flatten() {
-        let rest = reduced(tuple, prices);
-        if rest < 0.0 {
-            value += rest;
-            tuple.members.iter().for_each(|&member| counts[member as usize] += 1.0);
-        }
-    }
-    let may_be_alone = |(count, price): &(&mut f64, &f64)| **count == 0.0 && **price == 0.0;
-    counts.iter_mut().zip(prices).filter(may_be_alone).for_each(|(count, _)| *count = 1.0);
-    value
 }
 
 /// Step 4.

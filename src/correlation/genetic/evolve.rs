@@ -5,7 +5,7 @@
 //! chance of rank r of n (the best is 0) falls linearly, (2(n − r) − 1) / n².
 //! 1. The next generation takes over what the generation gap leaves of the present one: the elite, then others by rank.
 //! 2. Pairs by rank beget the rest, by crossover at its rate, else as copies; each child mutates at its rate.
-//! 3. It ends after the given generations, or when the best cost has changed by no more than ε in each of G′ generations, or
+//! 3. It ends after the given generations or evaluations, or when the best cost has changed by no more than ε in each of G′ generations, or
 //!    when the best cost is one that nothing undercuts.
 
 use super::Settings;
@@ -26,6 +26,9 @@ pub(super) trait Coding {
 
     /// J; a coding may improve the individual first.
     fn cost(&mut self, individual: &mut Self::Individual) -> f64;
+
+    /// Solutions whose cost was computed so far.
+    fn evaluations(&self) -> u64;
 }
 
 /// What came of it.
@@ -51,7 +54,8 @@ pub(super) fn evolve<C: Coding>(
     dice: &mut Xoshiro256PlusPlus,
 ) -> Evolution<C::Individual> {
     let mut members: Vec<Member<C::Individual>> = Vec::new();
-    while members.len() < settings.population && !is_least(&members, least_cost) {
+    let is_spent = |coding: &C| coding.evaluations() >= settings.max_evaluations;
+    while members.len() < settings.population && !is_least(&members, least_cost) && (members.len() < 2 || !is_spent(coding)) {
         let individual = coding.create(members.len(), dice);
         members.push(measured(coding, individual));
     }
@@ -65,6 +69,8 @@ pub(super) fn evolve<C: Coding>(
             break "unchanged";
         } else if best_costs.len() > settings.generations {
             break "generations";
+        } else if is_spent(coding) {
+            break "evaluations";
         }
         members = next_generation(coding, settings, members, dice);
         let change = best_costs[best_costs.len() - 1] - members[0].cost;

@@ -1,7 +1,8 @@
 //! The improved coding: an individual is a partition of one cluster into tuples, at rest under local search.
 //!
 //! # Method
-//! - The first individuals are the answers of others, if there are; the rest begin with every track alone. All are
+//! - The first individuals are the answers of others, if there are; the rest begin with every track alone, or in large clusters, for
+//!   which that takes long, as one of those answers after many mutations. All are
 //!   improved ([`crate::correlation::improve`]), the tracks in random order.
 //! - Crossover takes over whole tuples. From a random track on, by links, a random number of tuples of the one parent is
 //!   gathered; they replace, in a copy of the other, the tuples that their tracks were in. What is left of those stays
@@ -16,12 +17,20 @@ use rand::RngExt;
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::seq::SliceRandom;
 
+/// Tracks of a cluster in which individuals begin with every track alone, though there are answers of others.
+const MAX_FROM_NOTHING: usize = 100;
+
+/// In a larger one there is one mutation of a first individual for so many tracks.
+const TRACKS_A_MUTATION: usize = 20;
+
 pub(super) struct Partitions<'a> {
     cluster: &'a Cluster<'a>,
     seeds: Vec<Partition>,
     improver: Improver,
     region: Region,
     row: Vec<u32>,
+    /// Evaluations of the improver before this cluster.
+    before: u64,
 }
 
 /// Rows of one parent that links hold together.
@@ -35,7 +44,8 @@ impl<'a> Partitions<'a> {
     /// `seeds` in the numbers of the cluster.
     pub(super) fn new(cluster: &'a Cluster, seeds: Vec<Partition>, mut improver: Improver) -> Self {
         improver.begin(cluster);
-        Partitions { cluster, seeds, improver, region: Region::default(), row: Vec::new() }
+        let before = improver.evaluations;
+        Partitions { cluster, seeds, improver, region: Region::default(), row: Vec::new(), before }
     }
 
     pub(super) fn into_improver(self) -> Improver {
@@ -108,6 +118,11 @@ impl Coding for Partitions<'_> {
     type Individual = Partition;
 
     fn create(&mut self, number: usize, dice: &mut Xoshiro256PlusPlus) -> Partition {
+        if number >= self.seeds.len() && !self.seeds.is_empty() && self.cluster.len() > MAX_FROM_NOTHING {
+            let mut partition = self.seeds[number % self.seeds.len()].clone();
+            (0..self.cluster.len() / TRACKS_A_MUTATION).for_each(|_| self.mutate(&mut partition, dice));
+            return partition;
+        }
         let mut partition = self.seeds.get(number).cloned().unwrap_or_else(|| Partition::singles(self.cluster));
         let mut tracks: Vec<u32> = (0..self.cluster.len() as u32).collect();
         self.improve(&mut tracks, &mut partition, dice);
@@ -145,5 +160,9 @@ impl Coding for Partitions<'_> {
 
     fn cost(&mut self, partition: &mut Partition) -> f64 {
         partition.cost()
+    }
+
+    fn evaluations(&self) -> u64 {
+        self.improver.evaluations - self.before
     }
 }

@@ -40,7 +40,7 @@ use super::{BuildCorrelator, Correlator, Search, Solution};
 use crate::math::rng::{Purpose, Seed};
 use crate::model::fault::Fault;
 use crate::registry::{Bound, Field, Kind, Method, Object, Presence};
-use evolve::{Evolution, evolve};
+use evolve::{Coding, Evolution, evolve};
 use improved::Partitions;
 use paper::Chromosomes;
 use rand::SeedableRng;
@@ -103,6 +103,12 @@ static PARAMETERS: Object = Object {
             presence: Presence::Default("10"),
         },
         Field {
+            name: "max_evaluations",
+            summary: "Solutions, or changes of one, whose cost is computed in a cluster before the search ends.",
+            kind: Kind::Integer { min: 1, max: 1_000_000_000_000, unit: "" },
+            presence: Presence::Default("300000"),
+        },
+        Field {
             name: "epsilon",
             summary: "A change of the best cost by no more than this counts as none.",
             kind: Kind::Number { min: Bound::Including(0.0), max: Bound::None, unit: "" },
@@ -132,6 +138,7 @@ struct Settings {
     generation_gap: f64,
     elite: usize,
     stop_after: usize,
+    max_evaluations: u64,
     epsilon: f64,
 }
 
@@ -162,7 +169,7 @@ impl Genetic {
         let mut coding = Chromosomes::new(problem);
         let Evolution { best, best_costs, mean_costs, stop } = evolve(&mut coding, &self.settings, f64::NEG_INFINITY, &mut self.dice(0));
         let tuples = coding.tuples(&best);
-        let search = Search { best: best_costs, mean: mean_costs, evaluations: coding.evaluations, stop };
+        let search = Search { best: best_costs, mean: mean_costs, evaluations: coding.evaluations(), stop };
         Solution { search: Some(search), ..Solution::of(problem, tuples).bounded(dual_bound(problem)) }
     }
 
@@ -221,7 +228,7 @@ fn summed(searches: &[Search]) -> Search {
         let at = |generation: usize| searches.iter().map(|search| costs(search)[generation.min(costs(search).len() - 1)]).sum();
         (0..generations).map(at).collect()
     };
-    let stops = ["generations", "unchanged"];
+    let stops = ["evaluations", "generations", "unchanged"];
     let stop = stops.into_iter().find(|stop| searches.iter().any(|search| search.stop == *stop)).unwrap_or("optimal");
     Search {
         best: sum(|search| &search.best),

@@ -24,7 +24,7 @@ pub(super) struct Chromosomes<'a> {
     crossover: Crossover,
     row: Vec<u32>,
     /// Chromosomes whose cost was computed.
-    pub(super) evaluations: u64,
+    evaluations: u64,
 }
 
 impl<'a> Chromosomes<'a> {
@@ -93,6 +93,10 @@ impl Coding for Chromosomes<'_> {
         let mut sum = 0.0;
         self.decode(chromosome, |_, cost| sum += cost);
         sum
+    }
+
+    fn evaluations(&self) -> u64 {
+        self.evaluations
     }
 }
 
