@@ -20,7 +20,7 @@ use trackloom::registry;
 use yardstick::yardstick_ns;
 
 /// Sensors, targets, problems.
-const SIZES: [(usize, usize, u32); 3] = [(3, 10, 200), (5, 50, 20), (10, 200, 3)];
+const SIZES: [(usize, usize, u32); 3] = [(3, 10, 1000), (5, 50, 20), (10, 200, 3)];
 
 /// Mean distances of targets, in standard deviations of a track.
 const SPACINGS: [f64; 2] = [6.0, 3.0];

@@ -56,9 +56,9 @@ struct Lagrangian {
     max_nodes: u64,
 }
 
-/// The answer for a cluster with the default settings and its bound, for others to begin with; `known` are answers to begin with.
-pub(super) fn relaxed_answer(cluster: &Cluster, known: &[Vec<Vec<u32>>], improver: &mut Improver) -> (Partition, Option<f64>) {
-    let (answer, relaxation) = Lagrangian { rounds: 300, max_nodes: 2_000_000 }.solve(cluster, known, improver);
+/// An answer for a cluster and its bound, for others to begin with; `start` is one at rest under local search.
+pub(super) fn relaxed_answer(cluster: &Cluster, start: Partition, improver: &mut Improver) -> (Partition, Option<f64>) {
+    let (answer, relaxation) = Lagrangian { rounds: 300, max_nodes: 1_000_000 }.solve(cluster, start, improver);
     (answer, relaxation.map(|found| found.bound))
 }
 
@@ -77,7 +77,8 @@ impl Lagrangian {
         let mut improver = Improver::default();
         let (mut tuples, mut bound, mut bounds) = (Vec::new(), Some(0.0), Vec::new());
         for cluster in clusters(problem) {
-            let (answer, relaxation) = self.solve(&cluster, known, &mut improver);
+            let start = improved(&cluster, known, &mut improver).swap_remove(0);
+            let (answer, relaxation) = self.solve(&cluster, start, &mut improver);
             tuples.extend(answer.tuples().map(|tuple| cluster.names(&tuple)));
             bound = bound.zip(relaxation.as_ref()).map(|(sum, found)| sum + found.bound.min(answer.cost()));
             bounds.extend(relaxation.map(|found| found.bounds));
@@ -87,8 +88,8 @@ impl Lagrangian {
         Solution { search: Some(search_of(&bounds, &solution)), ..solution }
     }
 
-    fn solve(&self, cluster: &Cluster, known: &[Vec<Vec<u32>>], improver: &mut Improver) -> (Partition, Option<Relaxation>) {
-        let start = improved(cluster, known, improver);
+    /// From an answer at rest under local search.
+    fn solve(&self, cluster: &Cluster, start: Partition, improver: &mut Improver) -> (Partition, Option<Relaxation>) {
         let Some((relaxation, tuples)) = self.relaxed(cluster, &start) else { return (start, None) };
         let recovered = recovered(cluster, &tuples, &relaxation.multipliers, improver);
         (if recovered.cost() < start.cost() { recovered } else { start }, Some(relaxation))

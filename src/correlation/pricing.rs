@@ -105,7 +105,16 @@ impl Candidates {
 impl<'a> Search<'a> {
     fn new(cluster: &'a Cluster<'a>, prices: Vec<f64>) -> Self {
         let levels = vec![Candidates::default(); cluster.sensors() + 1];
-        Search { cluster, prices, rests: cluster.best_links(), members: Vec::new(), levels, least: 0.0, found: Vec::new(), found_ends: Vec::new() }
+        Search {
+            cluster,
+            prices,
+            rests: cluster.best_links(),
+            members: Vec::new(),
+            levels,
+            least: 0.0,
+            found: Vec::new(),
+            found_ends: Vec::new(),
+        }
     }
 
     /// Step 2 for every track: L. The tuples found join those known.
@@ -174,11 +183,18 @@ impl<'a> Search<'a> {
     /// What the sensors from one on can bring at best.
     fn at_best(&self, next: usize) -> f64 {
         let (level, stride) = (&self.levels[self.members.len()], self.cluster.sensors() + 1);
-        let of_sensor = |sensor: usize| {
-            let at_best = |edge: &Edge| edge.cost + 0.5 * self.rests[edge.track as usize * stride + next];
-            level.of_sensor(sensor).iter().map(at_best).fold(0.0, f64::min)
-        };
-        (next..self.cluster.sensors()).map(of_sensor).sum()
+        let mut begin = if next == 0 { 0 } else { level.ends[next - 1] };
+        let mut sum = 0.0;
+        for &end in &level.ends[next..] {
+            let mut least = 0.0;
+            for edge in &level.edges[begin..end] {
+                let at_best = edge.cost + 0.5 * self.rests[edge.track as usize * stride + next];
+                least = if at_best < least { at_best } else { least };
+            }
+            sum += least;
+            begin = end;
+        }
+        sum
     }
 
     /// The candidates when a track of a sensor joins.

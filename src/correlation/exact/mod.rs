@@ -53,7 +53,7 @@ impl Exact {
         let mut improver = Improver::default();
         let mut tuples = Vec::new();
         for cluster in clusters(problem) {
-            let start = improved(&cluster, &known, &mut improver);
+            let start = improved(&cluster, &known, &mut improver).swap_remove(0);
             let mut nodes = self.max_nodes;
             let found = cover::cheapest_cover(&cluster, start.cost(), &mut nodes).map_err(|TooLarge| {
                 let detail = format!(
@@ -71,15 +71,16 @@ impl Exact {
     }
 }
 
-/// The better of what others answer for a cluster, after local search.
-pub(super) fn improved(cluster: &Cluster, known: &[Vec<Vec<u32>>], improver: &mut Improver) -> Partition {
+/// What others answer for a cluster, after local search, the better first.
+pub(super) fn improved(cluster: &Cluster, known: &[Vec<Vec<u32>>], improver: &mut Improver) -> Vec<Partition> {
     let improve = |tuples: &Vec<Vec<u32>>| {
         let mut partition = Partition::of_problem(cluster, tuples);
         improver.improve_all(cluster, &mut partition);
         partition
     };
-    let partitions = known.iter().map(improve);
-    partitions.min_by(|left, right| left.cost().total_cmp(&right.cost())).expect("something is known")
+    let mut partitions: Vec<Partition> = known.iter().map(improve).collect();
+    partitions.sort_by(|left, right| left.cost().total_cmp(&right.cost()));
+    partitions
 }
 
 fn proven(solution: Solution, bound: f64) -> Solution {

@@ -21,7 +21,7 @@ use rand::seq::SliceRandom;
 const MAX_FROM_NOTHING: usize = 100;
 
 /// In a larger one there is one mutation of a first individual for so many tracks.
-const TRACKS_A_MUTATION: usize = 20;
+const TRACKS_A_MUTATION: usize = 100;
 
 pub(super) struct Partitions<'a> {
     cluster: &'a Cluster<'a>,
@@ -41,7 +41,7 @@ struct Region {
 }
 
 impl<'a> Partitions<'a> {
-    /// `seeds` in the numbers of the cluster.
+    /// `seeds` at rest under local search.
     pub(super) fn new(cluster: &'a Cluster, seeds: Vec<Partition>, mut improver: Improver) -> Self {
         improver.begin(cluster);
         let before = improver.evaluations;
@@ -118,12 +118,15 @@ impl Coding for Partitions<'_> {
     type Individual = Partition;
 
     fn create(&mut self, number: usize, dice: &mut Xoshiro256PlusPlus) -> Partition {
-        if number >= self.seeds.len() && !self.seeds.is_empty() && self.cluster.len() > MAX_FROM_NOTHING {
+        if let Some(seed) = self.seeds.get(number) {
+            return seed.clone();
+        }
+        if !self.seeds.is_empty() && self.cluster.len() > MAX_FROM_NOTHING {
             let mut partition = self.seeds[number % self.seeds.len()].clone();
             (0..self.cluster.len() / TRACKS_A_MUTATION).for_each(|_| self.mutate(&mut partition, dice));
             return partition;
         }
-        let mut partition = self.seeds.get(number).cloned().unwrap_or_else(|| Partition::singles(self.cluster));
+        let mut partition = Partition::singles(self.cluster);
         let mut tracks: Vec<u32> = (0..self.cluster.len() as u32).collect();
         self.improve(&mut tracks, &mut partition, dice);
         partition

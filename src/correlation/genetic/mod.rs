@@ -29,7 +29,7 @@ mod permutation;
 
 use super::bound::dual_bound;
 use super::cluster::{Cluster, clusters};
-use super::exact::cheapest_chains;
+use super::exact::{cheapest_chains, improved};
 use super::improve::Improver;
 use super::lagrangian::relaxed_answer;
 use super::nearest::nearest_tuples;
@@ -106,7 +106,7 @@ static PARAMETERS: Object = Object {
             name: "max_evaluations",
             summary: "Solutions, or changes of one, whose cost is computed in a cluster before the search ends.",
             kind: Kind::Integer { min: 1, max: 1_000_000_000_000, unit: "" },
-            presence: Presence::Default("300000"),
+            presence: Presence::Default("100000"),
         },
         Field {
             name: "epsilon",
@@ -208,14 +208,15 @@ impl Start {
         Start { answers, is_chain }
     }
 
-    /// The first individuals of a cluster, and what no other undercuts, where that is known.
+    /// The first individuals of a cluster, at rest under local search, and what no other undercuts, where that is known.
     fn of_cluster(&self, cluster: &Cluster, improver: &mut Improver) -> (Vec<Partition>, Option<f64>) {
-        let mut seeds: Vec<Partition> = self.answers.iter().map(|tuples| Partition::of_problem(cluster, tuples)).collect();
         if self.is_chain {
-            let bound = seeds[0].cost();
-            return (seeds, Some(bound));
+            let optimum = Partition::of_problem(cluster, &self.answers[0]);
+            let bound = optimum.cost();
+            return (vec![optimum], Some(bound));
         }
-        let (answer, bound) = relaxed_answer(cluster, &self.answers, improver);
+        let mut seeds = improved(cluster, &self.answers, improver);
+        let (answer, bound) = relaxed_answer(cluster, seeds[0].clone(), improver);
         seeds.insert(0, answer);
         (seeds, bound)
     }

@@ -104,6 +104,7 @@ impl Coding for Chromosomes<'_> {
 mod tests {
     use super::*;
     use crate::correlation::problem::Costs;
+    use rand::SeedableRng;
 
     fn decoded(problem: &Problem, chromosome: &[u32]) -> (Vec<Vec<u32>>, f64) {
         let mut coding = Chromosomes::new(problem);
@@ -122,5 +123,26 @@ mod tests {
         // All pairs: 3 lowers the cost of (0, 2) by 1.
         let all = Problem::new(&[2, 1, 1], &pairs, Costs::AllPairs);
         assert_eq!(decoded(&all, &in_one_row), (vec![vec![0, 2, 3], vec![1]], -4.0));
+    }
+
+    #[test]
+    fn the_fitness_is_the_sum_over_the_tuples() {
+        let mut dice = Xoshiro256PlusPlus::seed_from_u64(9);
+        let counts = [4, 3, 5];
+        let sensor_of = |track: u32| [4, 7, 12].iter().position(|&end| track < end);
+        for number in 0..200 {
+            let all = (0..12).flat_map(|a| (a + 1..12).map(move |b| (a, b))).filter(|&(a, b)| sensor_of(a) != sensor_of(b));
+            let pairs: Vec<(u32, u32, f64)> =
+                all.filter(|_| dice.random_bool(0.6)).map(|(a, b)| (a, b, f64::from(a * 7 + b * 5) % 11.0 - 7.0)).collect();
+            let costs = if number % 2 == 0 { Costs::Chain } else { Costs::AllPairs };
+            let problem = Problem::new(&counts, &pairs, costs);
+            let mut coding = Chromosomes::new(&problem);
+            let mut chromosome = coding.create(0, &mut dice);
+            coding.mutate(&mut chromosome, &mut dice);
+            let tuples = coding.tuples(&chromosome);
+            let sum: f64 = tuples.iter().map(|tuple| problem.cost(tuple).expect("a row is made of tuples that exist")).sum();
+            assert!((coding.cost(&mut chromosome) - sum).abs() < 1e-9);
+            assert_eq!(tuples.iter().map(Vec::len).sum::<usize>(), 12);
+        }
     }
 }
