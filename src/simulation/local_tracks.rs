@@ -69,7 +69,12 @@ pub static LOCAL_TRACKS: Object = Object {
         default("correlation", "Correlation of a track's errors from one time to the next; 0 is white.", SHARE, "0.0"),
         default("cross_correlation", "Correlation of the errors of two sensors' tracks of one target.", SHARE, "0.0"),
         default("times", "Times at which every track says something.", Kind::Integer { min: 1, max: 10_000, unit: "" }, "4"),
-        default("period_s", "Time between them.", Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "s" }, "2.0"),
+        default(
+            "period_s",
+            "Time between them.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "s" },
+            "2.0",
+        ),
     ],
 };
 
