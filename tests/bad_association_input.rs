@@ -79,6 +79,17 @@ fn noises_must_be_positive() {
 }
 
 #[test]
+fn noises_and_densities_of_directions_have_their_own_ranges() {
+    let body = with(body(), "/filter", json!({"method": "bearing_only"}));
+    let refused = |pointer: &str, value: f64, allowed: &str| refused(body.clone(), pointer, json!(value), "out_of_range", allowed);
+    for density in [0.0, -1.0, 1e7] {
+        refused("/sensors/0/clutter_per_deg", density, "(0, 1000000] 1/deg");
+    }
+    refused("/filter/process_noise_deg2ps3", -1e-9, "[0, 1000000] deg²/s³");
+    refused("/filter/initial_rate_sigma_degps", 0.0, "(0, 360] deg/s");
+}
+
+#[test]
 fn caps_of_jpda_end_where_a_cluster_would_take_seconds() {
     let jpda = with(body(), "/associator", json!({"method": "jpda"}));
     let refused = |name: &str, value: Value, allowed: &str| {
@@ -169,6 +180,13 @@ fn detections_that_the_filter_cannot_use_are_named_with_those_it_can() {
     let bearings = "time_s,scan,sensor_id,detection_id,bearing_deg\n0,1,radar,a,45\n";
     let faults = found_in(&with(body(), "/filter/method", json!("extended")), Some(bearings));
     assert_eq!(told(&faults), [("/filter/method", "unsupported", "positions (x_m, y_m); ranges and bearings (range_m, bearing_deg)")]);
+
+    let both = "time_s,scan,sensor_id,detection_id,x_m,y_m,bearing_deg\n0,1,radar,a,1,2,\n0,1,camera,b,,,45\n";
+    let faults = found_in(&body(), Some(both));
+    assert_eq!(told(&faults), [("/filter/method", "unsupported", "positions (x_m, y_m)")]);
+    let detail =
+        "sensor 'camera' reports bearings without ranges, which the filter 'kalman' cannot use; 'sensor_ids' of the input can leave it out";
+    assert_eq!(faults[0].detail, detail);
 }
 
 #[test]
@@ -224,4 +242,9 @@ fn a_singular_covariance_in_a_file_of_tracks_is_refused() {
     let allowed = "a positive definite matrix: every variance > 0, every correlation within (-1, 1); or all its cells empty";
     assert_eq!(told(&faults), [("/file", "out_of_range", allowed)]);
     assert_eq!((faults[0].line, faults[0].column.as_deref()), (Some(2), Some("p_xx")));
+
+    let csv = "time_s,track_id,bearing_deg,bearing_rate_degps,p_bb,p_bbr,p_brbr\n0,T,10,0,4,2,1\n";
+    let faults = (formats::format_named("csv").unwrap().read)(&mut csv.as_bytes(), &Default::default()).unwrap_err();
+    assert_eq!(told(&faults), [("/file", "out_of_range", allowed)]);
+    assert_eq!((faults[0].line, faults[0].column.as_deref()), (Some(2), Some("p_bb")));
 }

@@ -1,7 +1,7 @@
 //! A break is explained by what became of the track and by what the sensors saw.
 
 use trackloom::evaluation::EvaluationInput;
-use trackloom::evaluation::breaks::{BreakCause, explain};
+use trackloom::evaluation::breaks::{Break, BreakCause, explain};
 use trackloom::evaluation::comparison::{Alignment, Comparison, PointSettings};
 use trackloom::evaluation::events::EventLog;
 use trackloom::formats::{ReadOptions, format_named};
@@ -28,7 +28,8 @@ fn a_break_says_what_became_of_the_track_and_whether_the_target_was_seen() {
     let settings =
         PointSettings { alignment: Alignment::Interpolate { max_gap_s: 1.0 }, gate_m: 10.0, reach_m: 10.0, time_tolerance_s: None };
     let comparison = Comparison::of_points(&input, &truth, &settings);
-    let breaks = explain(&comparison, &EventLog::new(&comparison), Some(&input));
+    let log = EventLog::new(&comparison);
+    let breaks: Vec<Break> = explain(&comparison, &log, Some(&input)).collect();
     let brief: Vec<_> = breaks.iter().map(|b| (b.time_s, b.truth_id.as_str(), b.track_id.as_str(), b.cause)).collect();
     assert_eq!(brief, [(2.0, "A", "1", BreakCause::TookOtherTarget), (4.0, "A", "3", BreakCause::LeftGate)]);
     assert_eq!(

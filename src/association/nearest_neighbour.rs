@@ -21,7 +21,7 @@
 use super::greedy::Greedy;
 use super::problem::{Problem, Row, Weights};
 use super::{Associator, BuildAssociator};
-use crate::registry::{Field, Kind, Method, Object, Presence};
+use crate::registry::{Kind, Method, Object, default};
 use serde::Deserialize;
 
 pub const METHOD: Method<BuildAssociator> = Method {
@@ -33,13 +33,13 @@ pub const METHOD: Method<BuildAssociator> = Method {
 static PARAMETERS: Object = Object {
     name: "NearestNeighbour",
     summary: "Each track takes its nearest detection.",
-    fields: &[Field {
-        name: "conflicts",
-        summary: "When tracks want one detection. closest_pair: the closest pair of all goes first, the others choose among what is left; \
+    fields: &[default(
+        "conflicts",
+        "When tracks want one detection. closest_pair: the closest pair of all goes first, the others choose among what is left; \
                   in_turn: the oldest track goes first; shared: all take it.",
-        kind: Kind::Choice(&["shared", "in_turn", "closest_pair"]),
-        presence: Presence::Default("\"closest_pair\""),
-    }],
+        Kind::Choice(&["shared", "in_turn", "closest_pair"]),
+        "\"closest_pair\"",
+    )],
 };
 
 #[derive(Debug, Clone, Copy, Deserialize)]

@@ -15,7 +15,7 @@
 
 use super::problem::{Problem, Row, Weights};
 use super::{Associator, BuildAssociator};
-use crate::registry::{Field, Kind, Method, Object, Presence};
+use crate::registry::{Kind, Method, Object, default};
 use serde::Deserialize;
 
 pub const METHOD: Method<BuildAssociator> =
@@ -24,12 +24,12 @@ pub const METHOD: Method<BuildAssociator> =
 static PARAMETERS: Object = Object {
     name: "Pda",
     summary: "Probabilistic data association: each track averages over the detections in its gate.",
-    fields: &[Field {
-        name: "clutter",
-        summary: "parametric: clutter has the sensor's given density; nonparametric: the density of the detections in the gate.",
-        kind: Kind::Choice(&["parametric", "nonparametric"]),
-        presence: Presence::Default("\"parametric\""),
-    }],
+    fields: &[default(
+        "clutter",
+        "parametric: clutter has the sensor's given density; nonparametric: the density of the detections in the gate.",
+        Kind::Choice(&["parametric", "nonparametric"]),
+        "\"parametric\"",
+    )],
 };
 
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]

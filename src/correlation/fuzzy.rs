@@ -29,7 +29,7 @@ use crate::math::assignment::AssignmentSolver;
 use crate::math::fuzzy_c_means::{Fuzzifier, largest_change};
 use crate::model::fault::Fault;
 use crate::model::state::{Covariance, State};
-use crate::registry::{Bound, Field, Kind, Method, Object, Presence};
+use crate::registry::{Bound, Kind, Method, Object, default};
 use serde::Deserialize;
 
 pub const METHOD: Method<BuildCorrelator> = Method {
@@ -46,24 +46,24 @@ static PARAMETERS: Object = Object {
     name: "FuzzyCorrelator",
     summary: "Fuzzy c-means: targets are clusters, and the tracks of each sensor go to those to which they belong most.",
     fields: &[
-        Field {
-            name: "fuzzifier",
-            summary: "q: the larger, the fuzzier.",
-            kind: Kind::Number { min: Bound::Excluding(1.0), max: Bound::Including(100.0), unit: "" },
-            presence: Presence::Default("2.0"),
-        },
-        Field {
-            name: "tolerance",
-            summary: "The search is at rest when no membership changes by more.",
-            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Excluding(1.0), unit: "" },
-            presence: Presence::Default("1e-4"),
-        },
-        Field {
-            name: "max_iterations",
-            summary: "Iterations after which a search ends that is not at rest.",
-            kind: Kind::Integer { min: 1, max: 100_000, unit: "" },
-            presence: Presence::Default("100"),
-        },
+        default(
+            "fuzzifier",
+            "q: the larger, the fuzzier.",
+            Kind::Number { min: Bound::Excluding(1.0), max: Bound::Including(100.0), unit: "" },
+            "2.0",
+        ),
+        default(
+            "tolerance",
+            "The search is at rest when no membership changes by more.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Excluding(1.0), unit: "" },
+            "1e-4",
+        ),
+        default(
+            "max_iterations",
+            "Iterations after which a search ends that is not at rest.",
+            Kind::Integer { min: 1, max: 100_000, unit: "" },
+            "100",
+        ),
     ],
 };
 

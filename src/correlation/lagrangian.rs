@@ -22,7 +22,7 @@ use super::tuples::{Relaxation, TooLarge, Tuple, listed, relaxed};
 use super::weighted::weighted_tuples;
 use super::{BuildCorrelator, Correlator, Search, Solution};
 use crate::model::fault::Fault;
-use crate::registry::{Field, Kind, Method, Object, Presence};
+use crate::registry::{Kind, Method, Object, default};
 use serde::Deserialize;
 
 pub const METHOD: Method<BuildCorrelator> =
@@ -35,18 +35,13 @@ static PARAMETERS: Object = Object {
     name: "LagrangianCorrelator",
     summary: "Lagrangian relaxation: an answer, and a bound that no answer undercuts.",
     fields: &[
-        Field {
-            name: "rounds",
-            summary: "Subgradient steps of a cluster.",
-            kind: Kind::Integer { min: 1, max: 100_000, unit: "" },
-            presence: Presence::Default("300"),
-        },
-        Field {
-            name: "max_nodes",
-            summary: "Beginnings of tuples that may be looked at in a cluster; one that needs more for a bound is left to local search.",
-            kind: Kind::Integer { min: 1, max: 1_000_000_000, unit: "" },
-            presence: Presence::Default("10000000"),
-        },
+        default("rounds", "Subgradient steps of a cluster.", Kind::Integer { min: 1, max: 100_000, unit: "" }, "300"),
+        default(
+            "max_nodes",
+            "Beginnings of tuples that may be looked at in a cluster; one that needs more for a bound is left to local search.",
+            Kind::Integer { min: 1, max: 1_000_000_000, unit: "" },
+            "10000000",
+        ),
     ],
 };
 

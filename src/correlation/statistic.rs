@@ -27,7 +27,7 @@ use super::estimates::Estimates;
 use super::evidence::{Evidence, Spread, Times};
 use super::problem::{Costs, JointCost, Problem};
 use crate::math::gaussian::{chi_square_quantile, chi_square_tail};
-use crate::registry::{Bound, Field, Kind, Object, Presence, Union, Variant};
+use crate::registry::{Bound, Field, Kind, Object, Union, Variant, default, optional};
 use serde::Deserialize;
 use std::sync::Arc;
 
@@ -37,30 +37,30 @@ pub const MAX_PAIRS: usize = 500_000;
 /// Times that tracks are compared at, over all pairs.
 pub const MAX_COMPARISONS: usize = 20_000_000;
 
-const ALPHA: Field = Field {
-    name: "alpha",
-    summary: "α: share of the tracks of one target that are taken apart when errors are as their covariances say and white in time.",
-    kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Excluding(1.0), unit: "" },
-    presence: Presence::Default("0.01"),
-};
+const ALPHA: Field = default(
+    "alpha",
+    "α: share of the tracks of one target that are taken apart when errors are as their covariances say and white in time.",
+    Kind::Number { min: Bound::Excluding(0.0), max: Bound::Excluding(1.0), unit: "" },
+    "0.01",
+);
 
-const K: Field = Field {
-    name: "k",
-    summary: "all: sum over all common times, sound when errors are white in time; latest: the latest common time alone.",
-    kind: Kind::Choice(&["all", "latest"]),
-    presence: Presence::Default("\"all\""),
-};
+const K: Field = default(
+    "k",
+    "all: sum over all common times, sound when errors are white in time; latest: the latest common time alone.",
+    Kind::Choice(&["all", "latest"]),
+    "\"all\"",
+);
 
-const GATE: Field = Field {
-    name: "gate_probability",
-    summary: "A pair is linked when its mean squared distance a time is below the chi-square quantile of this probability.",
-    kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Excluding(1.0), unit: "" },
-    presence: Presence::Default("0.9999"),
-};
+const GATE: Field = default(
+    "gate_probability",
+    "A pair is linked when its mean squared distance a time is below the chi-square quantile of this probability.",
+    Kind::Number { min: Bound::Excluding(0.0), max: Bound::Excluding(1.0), unit: "" },
+    "0.9999",
+);
 
 const fn density(name: &'static str, summary: &'static str) -> Field {
     let kind = Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e12), unit: "" };
-    Field { name, summary, kind, presence: Presence::Optional }
+    optional(name, summary, kind)
 }
 
 static CHAIN: Object = Object {
@@ -84,12 +84,12 @@ static LIKELIHOOD_RATIO: Object = Object {
     fields: &[
         K,
         GATE,
-        Field {
-            name: "p_d",
-            summary: "Probability that a sensor has a track of a target, for sensors whose settings do not say.",
-            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Excluding(1.0), unit: "" },
-            presence: Presence::Default("0.9"),
-        },
+        default(
+            "p_d",
+            "Probability that a sensor has a track of a target, for sensors whose settings do not say.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Excluding(1.0), unit: "" },
+            "0.9",
+        ),
         density(
             "target_density",
             "β_T: targets per unit of the space of states, 1/(m²·(m/s)²), or 1/m² where tracks have no velocity; told from the tracks when absent.",

@@ -29,7 +29,7 @@ use crate::model::bearing_time::BearingTimeRecord;
 use crate::model::fault::Fault;
 use crate::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
 use crate::model::sensor::SensorSettings;
-use crate::registry::{Bound, Field, Kind, Object, Presence};
+use crate::registry::{Bound, Kind, Object, default};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
@@ -40,24 +40,19 @@ pub static DETECTOR: Object = Object {
     name: "Detector",
     summary: "How detections are found in a bearing-time record: peaks of the power, averaged over an interval, above a threshold.",
     fields: &[
-        Field {
-            name: "threshold",
-            summary: "What a cell must exceed.",
-            kind: Kind::Union(&threshold::THRESHOLD),
-            presence: Presence::Default(r#"{"kind":"cell_averaging"}"#),
-        },
-        Field {
-            name: "every_s",
-            summary: "Interval of which each makes one scan of the mean power.",
-            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "s" },
-            presence: Presence::Default("10.0"),
-        },
-        Field {
-            name: "gate_deg",
-            summary: "Where truth is known: a detection at most this far from a true bearing is that of the target.",
-            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(90.0), unit: "deg" },
-            presence: Presence::Default("2.0"),
-        },
+        default("threshold", "What a cell must exceed.", Kind::Union(&threshold::THRESHOLD), r#"{"kind":"cell_averaging"}"#),
+        default(
+            "every_s",
+            "Interval of which each makes one scan of the mean power.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "s" },
+            "10.0",
+        ),
+        default(
+            "gate_deg",
+            "Where truth is known: a detection at most this far from a true bearing is that of the target.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(90.0), unit: "deg" },
+            "2.0",
+        ),
     ],
 };
 

@@ -21,7 +21,7 @@
 use super::Tuning;
 use crate::model::bearing_time::BearingTimeRecord;
 use crate::model::fault::Fault;
-use crate::registry::{Bound, Field, Kind, Object, Presence, Union, Variant};
+use crate::registry::{Bound, Kind, Object, Union, Variant, default, optional, required};
 use serde::Deserialize;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use std::collections::BTreeMap;
@@ -36,42 +36,35 @@ pub(super) static THRESHOLD: Union = Union {
 static CONSTANT: Object = Object {
     name: "ConstantThreshold",
     summary: "One level for all cells.",
-    fields: &[Field {
-        name: "level_db",
-        summary: "The level, on the scale of the record.",
-        kind: Kind::Number { min: Bound::Including(-300.0), max: Bound::Including(300.0), unit: "dB" },
-        presence: Presence::Required,
-    }],
+    fields: &[required(
+        "level_db",
+        "The level, on the scale of the record.",
+        Kind::Number { min: Bound::Including(-300.0), max: Bound::Including(300.0), unit: "dB" },
+    )],
 };
 
 static CELL_AVERAGING: Object = Object {
     name: "CellAveragingThreshold",
     summary: "A multiple of the mean power of the cells around, for a constant rate of false alarms.",
     fields: &[
-        Field {
-            name: "guard_cells",
-            summary: "Cells on each side that are left out, because a target fills them too.",
-            kind: Kind::Integer { min: 0, max: 10_000, unit: "" },
-            presence: Presence::Default("4"),
-        },
-        Field {
-            name: "training_cells",
-            summary: "Cells on each side whose mean is taken.",
-            kind: Kind::Integer { min: 1, max: 10_000, unit: "" },
-            presence: Presence::Default("12"),
-        },
-        Field {
-            name: "false_alarm_probability",
-            summary: "Probability that a cell of noise alone exceeds its threshold in a scan.",
-            kind: Kind::Number { min: Bound::Including(1e-12), max: Bound::Including(0.5), unit: "" },
-            presence: Presence::Default("0.0001"),
-        },
-        Field {
-            name: "noise_averages",
-            summary: "Independent values of which the power in a cell of the record is the mean; estimated from the record when absent.",
-            kind: Kind::Number { min: Bound::Including(0.5), max: Bound::Including(1e6), unit: "" },
-            presence: Presence::Optional,
-        },
+        default(
+            "guard_cells",
+            "Cells on each side that are left out, because a target fills them too.",
+            Kind::Integer { min: 0, max: 10_000, unit: "" },
+            "4",
+        ),
+        default("training_cells", "Cells on each side whose mean is taken.", Kind::Integer { min: 1, max: 10_000, unit: "" }, "12"),
+        default(
+            "false_alarm_probability",
+            "Probability that a cell of noise alone exceeds its threshold in a scan.",
+            Kind::Number { min: Bound::Including(1e-12), max: Bound::Including(0.5), unit: "" },
+            "0.0001",
+        ),
+        optional(
+            "noise_averages",
+            "Independent values of which the power in a cell of the record is the mean; estimated from the record when absent.",
+            Kind::Number { min: Bound::Including(0.5), max: Bound::Including(1e6), unit: "" },
+        ),
     ],
 };
 

@@ -41,33 +41,35 @@ pub struct Break {
     pub last_detection_time_s: Option<f64>,
 }
 
-/// Every break, in order of time.
-pub fn explain(comparison: &Comparison, log: &EventLog, input: Option<&EvaluationInput>) -> Vec<Break> {
+/// Every break, in order of time, each explained when it is asked for.
+pub fn explain<'a>(
+    comparison: &'a Comparison,
+    log: &'a EventLog,
+    input: Option<&'a EvaluationInput<'a>>,
+) -> impl Iterator<Item = Break> + use<'a> {
     let recording = input.and_then(|input| input.recording);
     let recording = recording.filter(|recording| comparison.shape == Shape::Points && !recording.detections.is_empty());
     let breaks = log.events.iter().filter(|event| event.kind == EventKind::Break);
-    breaks
-        .filter_map(|event| {
-            let (truth, track) = (event.truth?, event.track?);
-            let step = &comparison.steps[event.step as usize];
-            let other = followed_by(&log.events[log.steps[event.step as usize].clone()], track);
-            let cause = match (other, is_there(comparison, step, track)) {
-                (Some(_), _) => BreakCause::TookOtherTarget,
-                (None, true) => BreakCause::LeftGate,
-                (None, false) => BreakCause::Ended,
-            };
-            Some(Break {
-                sequence: None,
-                time_s: step.time_s,
-                truth_id: comparison.truth_ids[truth as usize].clone(),
-                track_id: comparison.track_ids[track as usize].clone(),
-                cause,
-                other_truth_id: other.map(|truth| comparison.truth_ids[truth as usize].clone()),
-                unseen_scans: recording.map(|recording| unseen_scans(comparison, recording, event.step as usize, truth)),
-                last_detection_time_s: input.and_then(|input| last_detection_s(input.tracks, track, step.time_s)),
-            })
+    breaks.filter_map(move |event| {
+        let (truth, track) = (event.truth?, event.track?);
+        let step = &comparison.steps[event.step as usize];
+        let other = followed_by(&log.events[log.steps[event.step as usize].clone()], track);
+        let cause = match (other, is_there(comparison, step, track)) {
+            (Some(_), _) => BreakCause::TookOtherTarget,
+            (None, true) => BreakCause::LeftGate,
+            (None, false) => BreakCause::Ended,
+        };
+        Some(Break {
+            sequence: None,
+            time_s: step.time_s,
+            truth_id: comparison.truth_ids[truth as usize].clone(),
+            track_id: comparison.track_ids[track as usize].clone(),
+            cause,
+            other_truth_id: other.map(|truth| comparison.truth_ids[truth as usize].clone()),
+            unseen_scans: recording.map(|recording| unseen_scans(comparison, recording, event.step as usize, truth)),
+            last_detection_time_s: input.and_then(|input| last_detection_s(input.tracks, track, step.time_s)),
         })
-        .collect()
+    })
 }
 
 fn followed_by(events: &[Event], track: u32) -> Option<u32> {

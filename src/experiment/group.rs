@@ -16,7 +16,7 @@ use crate::model::scan::{Detection, Measurement, Recording, Scan};
 use crate::model::sensor::{self, Sensor, SensorSettings};
 use crate::model::state::{Position, PositionCovariance};
 use crate::model::truth::TruthSet;
-use crate::registry::{Bound, Field, Kind, Object, Presence};
+use crate::registry::{Bound, Kind, Object, default};
 use crate::tracking::GroupTracks;
 use serde::Deserialize;
 use serde_json::Value;
@@ -29,25 +29,25 @@ pub(super) static PREDICTIONS: Object = Object {
     name: "PredictionSettings",
     summary: "The constant-velocity Kalman tracks whose predictions a grouper may use. All begin at the first instant, which is then not grouped; none ends.",
     fields: &[
-        parameter(
+        default(
             "start",
             "truth: a track for each target, with its true reports, and its true velocity where truth is given; groups: one for each group of a sequential nearest neighbour within 4 σ.",
             Kind::Choice(&["truth", "groups"]),
             "\"truth\"",
         ),
-        parameter(
+        default(
             "loop",
             "open: tracks are updated with their true reports, so that every grouper meets the same predictions; closed: with the groups that were found.",
             Kind::Choice(&["open", "closed"]),
             "\"open\"",
         ),
-        parameter(
+        default(
             "process_noise_m2ps3",
             "Spectral density of the white-noise acceleration.",
             Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e9), unit: "m²/s³" },
             "100.0",
         ),
-        parameter(
+        default(
             "speed_sigma_mps",
             "Standard deviation of each component of a first velocity that is not known, around 0.",
             Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e5), unit: "m/s" },
@@ -55,10 +55,6 @@ pub(super) static PREDICTIONS: Object = Object {
         ),
     ],
 };
-
-const fn parameter(name: &'static str, summary: &'static str, kind: Kind, value: &'static str) -> Field {
-    Field { name, summary, kind, presence: Presence::Default(value) }
-}
 
 /// The parameters of `predictions`.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]

@@ -277,12 +277,9 @@ fn event_counts(subjects: &[Subject], sequences: &[Sequence]) -> Value {
     let count = |kind| sequences.iter().map(|sequence| sequence.events.count(kind)).sum::<usize>();
     let counts: Map<String, Value> = EventKind::ALL.into_iter().map(|(kind, name)| (name.to_owned(), json!(count(kind)))).collect();
     let total = |of: fn(&Comparison) -> usize| sequences.iter().map(|sequence| of(sequence.comparison)).sum::<usize>();
-    let named = |(subject, sequence): (&Subject, &Sequence)| {
-        let name = (sequences.len() > 1).then(|| subject.name.to_owned());
-        let breaks = breaks::explain(sequence.comparison, sequence.events, sequence.input.as_ref());
-        breaks.into_iter().map(move |found| Break { sequence: name.clone(), ..found })
-    };
-    let breaks: Vec<Break> = subjects.iter().zip(sequences).flat_map(named).take(MAX_BREAKS).collect();
+    let is_named = sequences.len() > 1;
+    let explained = subjects.iter().zip(sequences).flat_map(|(subject, sequence)| breaks_of(subject, sequence, is_named));
+    let breaks: Vec<Break> = explained.take(MAX_BREAKS).collect();
     json!({
         "counts": counts,
         "breaks": breaks,
@@ -290,6 +287,12 @@ fn event_counts(subjects: &[Subject], sequences: &[Sequence]) -> Value {
         "truth_points": total(|comparison| comparison.truths.len()),
         "track_points": total(|comparison| comparison.tracks.len())
     })
+}
+
+fn breaks_of<'a>(subject: &'a Subject, sequence: &'a Sequence, is_named: bool) -> impl Iterator<Item = Break> + use<'a> {
+    let name = is_named.then(|| subject.name.to_owned());
+    let breaks = breaks::explain(sequence.comparison, sequence.events, sequence.input.as_ref());
+    breaks.map(move |found| Break { sequence: name.clone(), ..found })
 }
 
 /// Breaks that the report explains; all of them are in the file of events.

@@ -5,7 +5,7 @@ use crate::association::ASSOCIATOR;
 use crate::correlation::grouping::GROUPER;
 use crate::evaluation::metrics::METRIC;
 use crate::filtering::FILTER;
-use crate::registry::{Bound, Field, Kind, Object, Presence, Union, Variant};
+use crate::registry::{Bound, Field, Kind, Object, Union, Variant, default, optional, required};
 use crate::tracking::LIFECYCLE;
 
 /// Limits that keep a job within one machine.
@@ -24,18 +24,6 @@ pub(super) const PROBABILITY: Kind = Kind::Number { min: Bound::Excluding(0.0), 
 pub(super) const SPEED: Kind = Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e5), unit: "m/s" };
 pub(super) const VELOCITY: Kind = Kind::Number { min: Bound::Including(-1e5), max: Bound::Including(1e5), unit: "m/s" };
 pub(super) const NAME: Kind = Kind::Text { max_length: 100 };
-
-pub(super) const fn required(name: &'static str, summary: &'static str, kind: Kind) -> Field {
-    Field { name, summary, kind, presence: Presence::Required }
-}
-
-pub(super) const fn optional(name: &'static str, summary: &'static str, kind: Kind) -> Field {
-    Field { name, summary, kind, presence: Presence::Optional }
-}
-
-pub(super) const fn default(name: &'static str, summary: &'static str, kind: Kind, value: &'static str) -> Field {
-    Field { name, summary, kind, presence: Presence::Default(value) }
-}
 
 const SENSOR_IDS: Field =
     optional("sensor_ids", "Only the scans of these sensors; all of them when absent.", Kind::List { item: &NAME, min: 1, max: 64 });

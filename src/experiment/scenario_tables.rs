@@ -1,10 +1,9 @@
 //! Scenarios, described field by field.
 
 use super::requests::{
-    BEARING, MAX_SCANS, MAX_TARGETS, NAME, PLACE, PROBABILITY, RANGE, SIGMA, SIGMA_BEARING, SIGMA_RATE, SPEED, VELOCITY, default, optional,
-    required,
+    BEARING, MAX_SCANS, MAX_TARGETS, NAME, PLACE, PROBABILITY, RANGE, SIGMA, SIGMA_BEARING, SIGMA_RATE, SPEED, VELOCITY,
 };
-use crate::registry::{Bound, Kind, Object, Union, Variant};
+use crate::registry::{Bound, Kind, Object, Union, Variant, default, optional, required};
 
 static SCENARIO_SENSOR: Object = Object {
     name: "ScenarioSensor",

@@ -142,7 +142,8 @@ fn usable_kind(
         _ => "positions (x_m, y_m); ranges and bearings (range_m, bearing_deg)",
     };
     let mut refuse = |what: &str| {
-        let detail = format!("sensor '{name}' reports {what}, which the filter '{filter_name}' cannot use");
+        let others = if recording.sensors.len() > 1 { "; 'sensor_ids' of the input can leave it out" } else { "" };
+        let detail = format!("sensor '{name}' reports {what}, which the filter '{filter_name}' cannot use{others}");
         faults.push(Fault::new("/filter/method", "unsupported", detail).allowing(usable));
         None
     };

@@ -1,6 +1,7 @@
 //! Tables in CSV for the files of a job.
 
 use super::run::Artifact;
+use std::borrow::Cow;
 
 /// Rows of cells under a header, for one sequence after another; the header comes from the first.
 pub(super) struct Table {
@@ -21,7 +22,7 @@ impl Table {
 
     /// The rows that follow belong to this sequence.
     pub fn begin(&mut self, name: &str) {
-        self.name = quoted(name);
+        self.name = quoted(name).into_owned();
     }
 
     /// More columns behind those of [`new`](Self::new); of the first sequence only, all others have the same.
@@ -33,9 +34,15 @@ impl Table {
 
     pub fn row(&mut self, cells: &[String]) {
         self.write_header();
-        let name = self.has_names.then(|| self.name.clone());
-        let line: Vec<String> = name.into_iter().chain(cells.iter().map(|cell| quoted(cell))).collect();
-        self.bytes.extend(line.join(",").bytes());
+        if self.has_names {
+            self.bytes.extend_from_slice(self.name.as_bytes());
+        }
+        for (index, cell) in cells.iter().enumerate() {
+            if index > 0 || self.has_names {
+                self.bytes.push(b',');
+            }
+            self.bytes.extend_from_slice(quoted(cell).as_bytes());
+        }
         self.bytes.push(b'\n');
     }
 
@@ -46,7 +53,7 @@ impl Table {
 
     fn write_header(&mut self) {
         if !std::mem::replace(&mut self.is_written, true) {
-            let names: Vec<String> = self.header.iter().map(|name| quoted(name)).collect();
+            let names: Vec<Cow<str>> = self.header.iter().map(|name| quoted(name)).collect();
             self.bytes.extend(names.join(",").bytes());
             self.bytes.push(b'\n');
         }
@@ -54,8 +61,8 @@ impl Table {
 }
 
 /// A CSV field, quoted where it must be.
-pub(super) fn quoted(text: &str) -> String {
-    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+pub(super) fn quoted(text: &str) -> Cow<'_, str> {
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")).into() } else { text.into() }
 }
 
 #[cfg(test)]

@@ -69,7 +69,7 @@ fn csv(evaluation: &TfaEvaluation, curves: &[ScanProbability]) -> std::io::Resul
         let Some(scan) = strings.axis.scan_at(row.position) else { continue };
         let truth_id = quoted(strings.target_ids[row.target as usize]);
         let expected = quoted(row.symbol.map_or(EPSILON, |symbol| strings.name_of(symbol)));
-        let track_id = row.track.map_or_else(String::new, |track| quoted(evaluation.track_id(track)));
+        let track_id = row.track.map_or_else(Default::default, |track| quoted(evaluation.track_id(track)));
         let log_probability = row.log_probability.map_or_else(String::new, |value| value.to_string());
         let (time_s, number, probability) = (scan.time_s, scan.number, row.probability);
         writeln!(bytes, "{truth_id},{time_s},{number},{expected},{track_id},{probability},{log_probability}")?;

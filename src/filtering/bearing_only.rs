@@ -19,7 +19,7 @@ use crate::model::motion::ConstantVelocity;
 use crate::model::scan::Measurement;
 use crate::model::sensor::{Report, Sensor};
 use crate::model::state::GaussianState;
-use crate::registry::{Bound, Field, Kind, Object, Presence};
+use crate::registry::{Bound, Kind, Object, default};
 use nalgebra::{Matrix1, Matrix2, Vector1, Vector2};
 use serde::Deserialize;
 
@@ -33,18 +33,18 @@ static PARAMETERS: Object = Object {
     name: "BearingOnlyFilter",
     summary: "Kalman filter on a bearing and its nearly constant rate, for sensors that report bearings; ranges are not used.",
     fields: &[
-        Field {
-            name: "process_noise_deg2ps3",
-            summary: "Spectral density q of the white noise that changes the rate, which wanders by about sqrt(q·T) in T seconds.",
-            kind: Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e6), unit: "deg²/s³" },
-            presence: Presence::Default("0.0001"),
-        },
-        Field {
-            name: "initial_rate_sigma_degps",
-            summary: "Standard deviation of the bearing rate of a new track, which starts at rest.",
-            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(360.0), unit: "deg/s" },
-            presence: Presence::Default("0.5"),
-        },
+        default(
+            "process_noise_deg2ps3",
+            "Spectral density q of the white noise that changes the rate, which wanders by about sqrt(q·T) in T seconds.",
+            Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e6), unit: "deg²/s³" },
+            "0.0001",
+        ),
+        default(
+            "initial_rate_sigma_degps",
+            "Standard deviation of the bearing rate of a new track, which starts at rest.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(360.0), unit: "deg/s" },
+            "0.5",
+        ),
     ],
 };
 

@@ -5,7 +5,7 @@ use crate::model::motion::ConstantVelocity;
 use crate::model::scan::Measurement;
 use crate::model::sensor::Sensor;
 use crate::model::state::GaussianState;
-use crate::registry::{Bound, Field, Kind, Method, Presence, Union};
+use crate::registry::{Bound, Field, Kind, Method, Union, default};
 use mixture::Expected;
 use nalgebra::SVector;
 
@@ -86,9 +86,9 @@ pub static FILTER: Union = Union {
 pub static FILTER_KIND: Kind = Kind::Union(&FILTER);
 
 /// The parameter of every filter in the plane.
-const PROCESS_NOISE: Field = Field {
-    name: "process_noise_m2ps3",
-    summary: "Spectral density q of the white-noise acceleration; the velocity wanders by about sqrt(q·T) in T seconds.",
-    kind: Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e9), unit: "m²/s³" },
-    presence: Presence::Default("1.0"),
-};
+const PROCESS_NOISE: Field = default(
+    "process_noise_m2ps3",
+    "Spectral density q of the white-noise acceleration; the velocity wanders by about sqrt(q·T) in T seconds.",
+    Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e9), unit: "m²/s³" },
+    "1.0",
+);

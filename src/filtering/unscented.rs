@@ -23,7 +23,7 @@ use crate::model::motion::ConstantVelocity;
 use crate::model::scan::Measurement;
 use crate::model::sensor::{Polar, Report, Sensor};
 use crate::model::state::{GaussianState, State};
-use crate::registry::{Bound, Field, Kind, Object, Presence};
+use crate::registry::{Bound, Kind, Object, default};
 use nalgebra::{Cholesky, SMatrix, SVector};
 use serde::Deserialize;
 
@@ -35,24 +35,24 @@ static PARAMETERS: Object = Object {
     summary: "Unscented Kalman filter for ranges and bearings, with or without range rates, and for positions; nearly constant velocity.",
     fields: &[
         PROCESS_NOISE,
-        Field {
-            name: "alpha",
-            summary: "Spread of the points around the mean; 1 keeps every weight positive.",
-            kind: Kind::Number { min: Bound::Including(1e-3), max: Bound::Including(1.0), unit: "" },
-            presence: Presence::Default("1.0"),
-        },
-        Field {
-            name: "beta",
-            summary: "What is known of the distribution's fourth moment; 2 is right for a Gaussian.",
-            kind: Kind::Number { min: Bound::Including(0.0), max: Bound::Including(10.0), unit: "" },
-            presence: Presence::Default("2.0"),
-        },
-        Field {
-            name: "kappa",
-            summary: "Second parameter of the spread.",
-            kind: Kind::Number { min: Bound::Including(0.0), max: Bound::Including(100.0), unit: "" },
-            presence: Presence::Default("0.0"),
-        },
+        default(
+            "alpha",
+            "Spread of the points around the mean; 1 keeps every weight positive.",
+            Kind::Number { min: Bound::Including(1e-3), max: Bound::Including(1.0), unit: "" },
+            "1.0",
+        ),
+        default(
+            "beta",
+            "What is known of the distribution's fourth moment; 2 is right for a Gaussian.",
+            Kind::Number { min: Bound::Including(0.0), max: Bound::Including(10.0), unit: "" },
+            "2.0",
+        ),
+        default(
+            "kappa",
+            "Second parameter of the spread.",
+            Kind::Number { min: Bound::Including(0.0), max: Bound::Including(100.0), unit: "" },
+            "0.0",
+        ),
     ],
 };
 

@@ -2,9 +2,9 @@
 //!
 //! Detections are an array of scans `{sensorID, ownshipPosition: [north, east], time, measurement}`. Radar (2) and lidar
 //! (1) report positions relative to the ferry: nothing, one flat pair `[north, east]`, or two rows, norths and easts.
-//! Infrared (3) and daylight (4) cameras report bearings only and are left out. Truth is an array with one list of
-//! `{targetID, position: [north, east, 0], time}` for each scan, so that a position occurs as often as scans fall
-//! between two of them.
+//! Infrared (3) and daylight (4) cameras report bearings (rad, from north through east) as the ferry sees them from where it
+//! is at that time: a list, or one bare number. Truth is an array with one list of `{targetID, position: [north, east, 0],
+//! time}` for each scan, so that a position occurs as often as scans fall between two of them.
 //!
 //! # Reference
 //! Helgesen et al.: Heterogeneous multi-sensor tracking for an autonomous surface vehicle in a
@@ -22,20 +22,38 @@ use crate::model::state::Position;
 use crate::model::truth::{Target, TruthPoint, TruthSet};
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 use std::io::BufRead;
 
 pub const FORMAT: Format = Format {
     name: "autoferry",
-    summary: "JSON of the autoferry recordings: radar and lidar detections, or truth",
+    summary: "JSON of the autoferry recordings: detections of radar, lidar and cameras (bearings), or truth",
     media_type: "application/json",
     kinds: &[DatasetKind::Detections, DatasetKind::Truth],
     read,
 };
 
-/// Number and name of each sensor that reports positions, in the order of their names.
-const POSITION_SENSORS: [(u64, &str); 2] = [(1, "lidar"), (2, "radar")];
-/// Infrared and daylight camera: bearings only.
-const BEARING_SENSORS: [u64; 2] = [3, 4];
+/// What is read of one scan's measurement; `None` where it has another shape.
+type ReadMeasurement = fn(&Value, [f64; 2]) -> Option<Vec<Measurement>>;
+
+struct FerrySensor {
+    number: u64,
+    name: &'static str,
+    read: ReadMeasurement,
+    /// The shapes that `read` knows.
+    expected: &'static str,
+}
+
+const POSITIONS: &str = "expected [], [north, east] or [[norths], [easts]] of equal length";
+const BEARINGS: &str = "expected a bearing in radians or a list of bearings";
+
+/// In the order of their names.
+const SENSORS: [FerrySensor; 4] = [
+    FerrySensor { number: 4, name: "daylight", read: bearings, expected: BEARINGS },
+    FerrySensor { number: 3, name: "infrared", read: bearings, expected: BEARINGS },
+    FerrySensor { number: 1, name: "lidar", read: positions, expected: POSITIONS },
+    FerrySensor { number: 2, name: "radar", read: positions, expected: POSITIONS },
+];
 
 /// Reads one file; an array of objects holds detections, an array of arrays truth.
 ///
@@ -63,58 +81,41 @@ pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcom
     }
 }
 
-/// One scan of a sensor that reports positions.
+/// One scan of a sensor.
 struct FerryScan {
+    /// Index into [`SENSORS`].
     sensor: usize,
     time_s: f64,
-    positions: Vec<Position>,
+    measurements: Vec<Measurement>,
     /// Its place in the file.
     item: usize,
 }
 
-/// Scans and bearings of the cameras, which are not read.
-#[derive(Default)]
-struct LeftOut {
-    scans: usize,
-    bearings: usize,
-}
-
 fn read_detections(items: &[Value]) -> Result<ReadOutcome, Vec<Fault>> {
     let mut faults = FaultLog::default();
-    let mut left_out = LeftOut::default();
-    let mut scans: Vec<FerryScan> = Vec::new();
-    for (item, scan) in items.iter().enumerate() {
-        scans.extend(read_scan(item, scan, &mut left_out, &mut faults));
-    }
+    let mut scans: Vec<FerryScan> = items.iter().enumerate().filter_map(|(item, scan)| read_scan(item, scan, &mut faults)).collect();
     scans.sort_by(|a, b| a.time_s.total_cmp(&b.time_s).then(a.sensor.cmp(&b.sensor)));
     for pair in scans.windows(2).filter(|pair| (pair[0].time_s, pair[0].sensor) == (pair[1].time_s, pair[1].sensor)) {
         let detail = format!("the {} has another scan at {} s: item {}", name(&pair[1]), pair[1].time_s, pair[0].item);
         faults.push(Fault::new(format!("/file/{}/time", pair[1].item), "conflict", detail));
     }
     faults.finish()?;
-    let warnings = left_out.warning().into_iter().collect();
-    Ok(ReadOutcome { dataset: Dataset::Detections(recording(&scans)?), warnings })
+    Ok(ReadOutcome { dataset: Dataset::Detections(recording(&scans)?), warnings: Vec::new() })
 }
 
 fn name(scan: &FerryScan) -> &'static str {
-    POSITION_SENSORS[scan.sensor].1
+    SENSORS[scan.sensor].name
 }
 
-/// One item of the file; `None` for a camera's scan and for faults.
-fn read_scan(item: usize, scan: &Value, left_out: &mut LeftOut, faults: &mut FaultLog) -> Option<FerryScan> {
+/// One item of the file; `None` for faults.
+fn read_scan(item: usize, scan: &Value, faults: &mut FaultLog) -> Option<FerryScan> {
     let pointer = |field: &str| format!("/file/{item}{field}");
-    let Some(sensor) = scan.get("sensorID").and_then(Value::as_u64) else {
+    let Some(number) = scan.get("sensorID").and_then(Value::as_u64) else {
         faults.push(Fault::new(pointer("/sensorID"), "wrong_type", "expected a sensor's number").allowing("1, 2, 3, 4"));
         return None;
     };
-    let measurement = scan.get("measurement").unwrap_or(&Value::Null);
-    if BEARING_SENSORS.contains(&sensor) {
-        left_out.scans += 1;
-        left_out.bearings += measurement.as_array().map_or(usize::from(measurement.is_number()), Vec::len);
-        return None;
-    }
-    let Some(sensor) = POSITION_SENSORS.iter().position(|known| known.0 == sensor) else {
-        let detail = format!("there is no sensor {sensor}");
+    let Some(sensor) = SENSORS.iter().position(|known| known.number == number) else {
+        let detail = format!("there is no sensor {number}");
         faults.push(Fault::new(pointer("/sensorID"), "unknown_value", detail).allowing("1, 2, 3, 4"));
         return None;
     };
@@ -126,57 +127,53 @@ fn read_scan(item: usize, scan: &Value, left_out: &mut LeftOut, faults: &mut Fau
     if ownship.is_none() {
         faults.push(Fault::new(pointer("/ownshipPosition"), "wrong_type", "expected [north, east]"));
     }
-    let relative = positions(measurement);
-    if relative.is_none() {
-        let detail = "expected [], [north, east] or [[norths], [easts]] of equal length";
-        faults.push(Fault::new(pointer("/measurement"), "wrong_type", detail));
+    let FerrySensor { read, expected, .. } = SENSORS[sensor];
+    let measurements = read(scan.get("measurement").unwrap_or(&Value::Null), ownship.as_deref().map_or([0.0; 2], |at| [at[0], at[1]]));
+    if measurements.is_none() {
+        faults.push(Fault::new(pointer("/measurement"), "wrong_type", expected));
     }
-    let (time_s, ownship, relative) = (time_s?, ownship?, relative?);
-    let positions = relative.into_iter().map(|[north, east]| Position::new(east + ownship[1], north + ownship[0])).collect();
-    Some(FerryScan { sensor, time_s, positions, item })
+    let (time_s, _, measurements) = (time_s?, ownship?, measurements?);
+    Some(FerryScan { sensor, time_s, measurements, item })
 }
 
 fn numbers(value: &Value) -> Option<Vec<f64>> {
     value.as_array()?.iter().map(Value::as_f64).collect()
 }
 
-/// The positions `[north, east]` of a measurement. A flat pair is one position, not two numbers of a row.
-fn positions(measurement: &Value) -> Option<Vec<[f64; 2]>> {
+/// The positions of a measurement made from `[north, east]`. A flat pair is one position, not two numbers of a row.
+fn positions(measurement: &Value, from: [f64; 2]) -> Option<Vec<Measurement>> {
+    let at = |north: f64, east: f64| Measurement::Position { x_m: east + from[1], y_m: north + from[0] };
     match measurement.as_array()?.as_slice() {
         [] => Some(Vec::new()),
-        [north, east] if north.is_number() => Some(vec![[north.as_f64()?, east.as_f64()?]]),
+        [north, east] if north.is_number() => Some(vec![at(north.as_f64()?, east.as_f64()?)]),
         [norths, easts] => {
             let (norths, easts) = (numbers(norths)?, numbers(easts)?);
-            (norths.len() == easts.len()).then(|| norths.into_iter().zip(easts).map(|(north, east)| [north, east]).collect())
+            (norths.len() == easts.len()).then(|| norths.into_iter().zip(easts).map(|(north, east)| at(north, east)).collect())
         }
         _ => None,
     }
 }
 
-impl LeftOut {
-    fn warning(&self) -> Option<String> {
-        let LeftOut { scans, bearings } = self;
-        (*scans > 0).then(|| {
-            format!("{scans} scans of infrared and daylight cameras with {bearings} bearings were left out: bearings alone are not read")
-        })
-    }
+/// The bearings of a measurement; from where they were taken is not in them.
+fn bearings(measurement: &Value, _from: [f64; 2]) -> Option<Vec<Measurement>> {
+    let bearings_rad = measurement.as_f64().map(|bearing_rad| vec![bearing_rad]).or_else(|| numbers(measurement))?;
+    Some(bearings_rad.into_iter().map(|bearing_rad| Measurement::Bearing { bearing_rad: bearing_rad.rem_euclid(TAU) }).collect())
 }
 
 fn recording(ferry_scans: &[FerryScan]) -> Result<Recording, Vec<Fault>> {
-    let present: Vec<usize> = (0..POSITION_SENSORS.len()).filter(|&sensor| ferry_scans.iter().any(|scan| scan.sensor == sensor)).collect();
-    let sensors = present.iter().map(|&sensor| SensorSettings::named(POSITION_SENSORS[sensor].1)).collect();
+    let present: Vec<usize> = (0..SENSORS.len()).filter(|&sensor| ferry_scans.iter().any(|scan| scan.sensor == sensor)).collect();
+    let sensors = present.iter().map(|&sensor| SensorSettings::named(SENSORS[sensor].name)).collect();
     let mut parts = RecordingParts { sensors, ..Default::default() };
-    let mut counts = [0; POSITION_SENSORS.len()];
+    let mut counts = [0; SENSORS.len()];
     for (index, scan) in ferry_scans.iter().enumerate() {
         counts[scan.sensor] += 1;
         let first = parts.detections.len();
-        for (nth, position) in scan.positions.iter().enumerate() {
+        for (nth, &measurement) in scan.measurements.iter().enumerate() {
             parts.detection_ids.push(format!("{}-{}-{}", name(scan), counts[scan.sensor], nth + 1));
-            let measurement = Measurement::Position { x_m: position.x, y_m: position.y };
             parts.detections.push(Detection { measurement, origin: None, amplitude: None });
         }
         let sensor = present.partition_point(|&sensor| sensor < scan.sensor);
-        parts.scans.push(Scan { number: index as u32 + 1, time_s: scan.time_s, sensor, first, count: scan.positions.len() });
+        parts.scans.push(Scan { number: index as u32 + 1, time_s: scan.time_s, sensor, first, count: scan.measurements.len() });
     }
     Recording::new(parts)
 }

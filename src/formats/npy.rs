@@ -8,7 +8,7 @@ use super::{Format, ReadOptions, ReadOutcome, of_file, refuse_columns};
 use crate::model::bearing_time::{BearingTimeParts, BearingTimeRecord, MAX_CELLS};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
-use crate::registry::{Bound, Field, Kind, Object, Presence};
+use crate::registry::{Bound, Kind, Object, default, required};
 use serde::{Deserialize, Serialize};
 use std::io::{BufRead, Read};
 
@@ -42,20 +42,18 @@ pub static AXES: Object = Object {
     name: "BearingTimeAxes",
     summary: "The axes of a bearing-time record whose file does not have them.",
     fields: &[
-        Field { name: "first_time_s", summary: "Time of the first row.", kind: TIME, presence: Presence::Default("0.0") },
-        Field {
-            name: "time_step_s",
-            summary: "Time from row to row.",
-            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "s" },
-            presence: Presence::Required,
-        },
-        Field { name: "first_bearing_deg", summary: "Centre of the first column.", kind: BEARING, presence: Presence::Required },
-        Field {
-            name: "bearing_step_deg",
-            summary: "From the centre of a column to that of the next.",
-            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(180.0), unit: "deg" },
-            presence: Presence::Required,
-        },
+        default("first_time_s", "Time of the first row.", TIME, "0.0"),
+        required(
+            "time_step_s",
+            "Time from row to row.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "s" },
+        ),
+        required("first_bearing_deg", "Centre of the first column.", BEARING),
+        required(
+            "bearing_step_deg",
+            "From the centre of a column to that of the next.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(180.0), unit: "deg" },
+        ),
     ],
 };
 

@@ -9,13 +9,19 @@ use std::ops::{Range, RangeInclusive};
 /// The grid of one scan.
 #[derive(Debug, Default)]
 pub struct Grid {
-    low: [f64; 2],
-    cells_per_unit: [f64; 2],
-    cells: [usize; 2],
+    axes: Axes,
     /// Detections of cell c: `order[first[c]..first[c + 1]]`.
     first: Vec<u32>,
     order: Vec<u32>,
     cell_of: Vec<u32>,
+}
+
+/// Where the cells lie.
+#[derive(Debug, Clone, Copy, Default)]
+struct Axes {
+    low: [f64; 2],
+    cells_per_unit: [f64; 2],
+    cells: [usize; 2],
 }
 
 /// A measurement with the index of its detection. Lying in the order of the cells, those that a gate looks at are neighbours
@@ -39,39 +45,34 @@ impl Grid {
         let (low, high) = bounds(measurements);
         let cells = measurements.len() as f64 / 2.0;
         let side = (if D == 1 { cells } else { cells.sqrt() }.ceil() as usize).clamp(1, 4096);
-        self.low = low;
-        self.cells = [side, if D == 1 { 1 } else { side }];
-        for axis in 0..2 {
-            let extent = high[axis] - low[axis];
-            self.cells_per_unit[axis] = if extent > 0.0 { side as f64 / extent } else { 0.0 };
-        }
+        let cells = [side, if D == 1 { 1 } else { side }];
+        let per_unit = |extent: f64| if extent > 0.0 { side as f64 / extent } else { 0.0 };
+        self.axes = Axes { low, cells_per_unit: [per_unit(high[0] - low[0]), per_unit(high[1] - low[1])], cells };
         self.sort_into_cells(measurements);
     }
 
     /// Counting sort of the detections by cell; inside a cell they keep their order.
     fn sort_into_cells<const D: usize>(&mut self, measurements: &[SVector<f64, D>]) {
+        let axes = self.axes;
         self.cell_of.clear();
+        self.cell_of.extend(measurements.iter().map(|measurement| axes.cell(plane(measurement))));
         self.first.clear();
-        self.first.resize(self.cells[0] * self.cells[1] + 1, 0);
-        for measurement in measurements {
-            let [x, y] = plane(measurement);
-            let cell = self.column(x, 0) + self.column(y, 1) * self.cells[0];
-            self.cell_of.push(cell as u32);
-            self.first[cell + 1] += 1;
+        self.first.resize(axes.cells[0] * axes.cells[1] + 1, 0);
+        for &cell in &self.cell_of {
+            self.first[cell as usize] += 1;
         }
-        for cell in 1..self.first.len() {
-            self.first[cell] += self.first[cell - 1];
+        let mut total = 0;
+        for end in &mut self.first {
+            total += *end;
+            *end = total;
         }
         self.order.clear();
         self.order.resize(measurements.len(), 0);
         // Filling backwards moves each cell's end to its start.
-        for cell in (1..self.first.len()).rev() {
-            self.first[cell] = self.first[cell - 1];
-        }
-        for (detection, &cell) in self.cell_of.iter().enumerate() {
-            let place = &mut self.first[cell as usize + 1];
+        for (detection, &cell) in self.cell_of.iter().enumerate().rev() {
+            let place = &mut self.first[cell as usize];
+            *place -= 1;
             self.order[*place as usize] = detection as u32;
-            *place += 1;
         }
     }
 
@@ -114,8 +115,8 @@ impl Grid {
     #[inline(always)]
     fn visit(&self, columns: RangeInclusive<usize>, rows: RangeInclusive<usize>, found: &mut impl FnMut(Range<usize>)) {
         for row in rows {
-            let from = self.first[row * self.cells[0] + columns.start()];
-            let to = self.first[row * self.cells[0] + columns.end() + 1];
+            let from = self.first[row * self.axes.cells[0] + columns.start()];
+            let to = self.first[row * self.axes.cells[0] + columns.end() + 1];
             found(from as usize..to as usize);
         }
     }
@@ -123,25 +124,32 @@ impl Grid {
     /// The cells along one axis that an interval touches.
     #[inline]
     fn span(&self, centre: f64, half: f64, axis: usize) -> RangeInclusive<usize> {
-        self.column(centre - half, axis)..=self.column(centre + half, axis)
+        self.axes.column(centre - half, axis)..=self.axes.column(centre + half, axis)
     }
 
     /// The same along an angle: an interval that crosses ±π has a second part on the other side. No cell is in both.
     fn spans_round(&self, centre: f64, half: f64, axis: usize) -> [Option<RangeInclusive<usize>>; 2] {
-        let last = self.cells[axis] - 1;
+        let last = self.axes.cells[axis] - 1;
         let direct = self.span(centre, half, axis);
         let (start, end) = (*direct.start(), *direct.end());
         if half >= PI {
             [Some(0..=last), None]
         } else if centre - half < -PI {
-            let other = self.column(centre - half + TAU, axis);
+            let other = self.axes.column(centre - half + TAU, axis);
             if other <= end { [Some(0..=last), None] } else { [Some(direct), Some(other..=last)] }
         } else if centre + half > PI {
-            let other = self.column(centre + half - TAU, axis);
+            let other = self.axes.column(centre + half - TAU, axis);
             if other >= start { [Some(0..=last), None] } else { [Some(direct), Some(0..=other)] }
         } else {
             [Some(direct), None]
         }
+    }
+}
+
+impl Axes {
+    #[inline]
+    fn cell(&self, [x, y]: [f64; 2]) -> u32 {
+        (self.column(x, 0) + self.column(y, 1) * self.cells[0]) as u32
     }
 
     /// The cell of a coordinate along one axis; places outside the grid belong to its edge.
@@ -162,8 +170,9 @@ fn bounds<const D: usize>(measurements: &[SVector<f64, D>]) -> ([f64; 2], [f64; 
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     for measurement in measurements {
         for (axis, value) in plane(measurement).into_iter().enumerate() {
-            low[axis] = low[axis].min(value);
-            high[axis] = high[axis].max(value);
+            // No value is NaN, of which `f64::min` would have to think.
+            low[axis] = if value < low[axis] { value } else { low[axis] };
+            high[axis] = if value > high[axis] { value } else { high[axis] };
         }
     }
     (low, high)

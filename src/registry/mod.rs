@@ -71,6 +71,21 @@ pub enum Bound {
     Excluding(f64),
 }
 
+/// A field that every object must have.
+pub const fn required(name: &'static str, summary: &'static str, kind: Kind) -> Field {
+    Field { name, summary, kind, presence: Presence::Required }
+}
+
+/// A field that may be absent.
+pub const fn optional(name: &'static str, summary: &'static str, kind: Kind) -> Field {
+    Field { name, summary, kind, presence: Presence::Optional }
+}
+
+/// A field with the value that it has when absent, as JSON text.
+pub const fn default(name: &'static str, summary: &'static str, kind: Kind, value: &'static str) -> Field {
+    Field { name, summary, kind, presence: Presence::Default(value) }
+}
+
 /// One of several objects, told apart by the text in the field `tag`.
 pub struct Union {
     pub name: &'static str,

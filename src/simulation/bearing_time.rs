@@ -23,15 +23,11 @@ use crate::model::fault::Fault;
 use crate::model::scenario::{RecordPlan, Scenario, TargetPlan};
 use crate::model::sensor::SensorSettings;
 use crate::model::truth::{Target, TruePlace, TruthPoint, TruthSet};
-use crate::registry::{Bound, Field, Kind, Object, Presence};
+use crate::registry::{Bound, Kind, Object, default, optional, required};
 use rand::RngExt;
 use rand_distr::{Distribution, Gamma, Poisson, StandardNormal};
 use std::f64::consts::{LN_2, TAU};
 use std::ops::ControlFlow;
-
-const fn field(name: &'static str, summary: &'static str, kind: Kind, presence: Presence) -> Field {
-    Field { name, summary, kind, presence }
-}
 
 const fn above_zero(max: f64, unit: &'static str) -> Kind {
     Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(max), unit }
@@ -45,35 +41,30 @@ pub static RECORD: Object = Object {
     name: "RecordPlan",
     summary: "The bearing-time record of a scene of bearings, in which a detector finds the detections: levels over the noise in cells all round.",
     fields: &[
-        field("time_step_s", "Time from row to row.", above_zero(1e4, "s"), Presence::Default("1.0")),
-        field("bearing_step_deg", "Width of a cell; a whole number of them is a turn.", above_zero(90.0, "deg"), Presence::Default("1.0")),
-        field("beam_width_deg", "Width of the beam at half power.", above_zero(90.0, "deg"), Presence::Default("3.0")),
-        field(
+        default("time_step_s", "Time from row to row.", above_zero(1e4, "s"), "1.0"),
+        default("bearing_step_deg", "Width of a cell; a whole number of them is a turn.", above_zero(90.0, "deg"), "1.0"),
+        default("beam_width_deg", "Width of the beam at half power.", above_zero(90.0, "deg"), "3.0"),
+        default(
             "noise_averages",
             "Independent values of which the power in a cell is the mean.",
             Kind::Integer { min: 1, max: 10_000, unit: "" },
-            Presence::Default("4"),
+            "4",
         ),
-        field(
+        default(
             "levels_db",
             "Mean level of each target over the noise in a cell; one value for all of them.",
             Kind::List { item: &LEVEL, min: 1, max: 20_000 },
-            Presence::Default("[10.0]"),
+            "[10.0]",
         ),
-        field(
+        default(
             "fluctuation_db",
             "Standard deviation of a target's level.",
             Kind::Number { min: Bound::Including(0.0), max: Bound::Including(30.0), unit: "dB" },
-            Presence::Default("2.0"),
+            "2.0",
         ),
-        field("fluctuation_time_s", "Time in which a level forgets what it was.", above_zero(1e6, "s"), Presence::Default("30.0")),
-        field(
-            "sectors",
-            "Broad interference that stands still.",
-            Kind::List { item: &Kind::Object(&SECTOR), min: 0, max: 100 },
-            Presence::Default("[]"),
-        ),
-        field("transients", "Short interference from random directions; none when absent.", Kind::Object(&TRANSIENTS), Presence::Optional),
+        default("fluctuation_time_s", "Time in which a level forgets what it was.", above_zero(1e6, "s"), "30.0"),
+        default("sectors", "Broad interference that stands still.", Kind::List { item: &Kind::Object(&SECTOR), min: 0, max: 100 }, "[]"),
+        optional("transients", "Short interference from random directions; none when absent.", Kind::Object(&TRANSIENTS)),
     ],
 };
 
@@ -81,9 +72,9 @@ static SECTOR: Object = Object {
     name: "InterferenceSector",
     summary: "A sector with more noise.",
     fields: &[
-        field("centre_deg", "Its middle.", BEARING, Presence::Required),
-        field("width_deg", "From edge to edge.", above_zero(360.0, "deg"), Presence::Required),
-        field("level_db", "Power that is added in each of its cells, over the noise.", LEVEL, Presence::Required),
+        required("centre_deg", "Its middle.", BEARING),
+        required("width_deg", "From edge to edge.", above_zero(360.0, "deg")),
+        required("level_db", "Power that is added in each of its cells, over the noise.", LEVEL),
     ],
 };
 
@@ -91,9 +82,9 @@ static TRANSIENTS: Object = Object {
     name: "Transients",
     summary: "Sounds of a Poisson number at uniform times and bearings.",
     fields: &[
-        field("per_minute", "Mean number of them.", above_zero(1e4, "1/min"), Presence::Required),
-        field("duration_s", "How long each lasts.", above_zero(1e6, "s"), Presence::Default("3.0")),
-        field("level_db", "Level over the noise.", LEVEL, Presence::Default("15.0")),
+        required("per_minute", "Mean number of them.", above_zero(1e4, "1/min")),
+        default("duration_s", "How long each lasts.", above_zero(1e6, "s"), "3.0"),
+        default("level_db", "Level over the noise.", LEVEL, "15.0"),
     ],
 };
 

@@ -17,16 +17,12 @@ use crate::math::rng::{Purpose, Seed};
 use crate::model::state::{Covariance, Position, State};
 use crate::model::track::{Estimate, PlaneEstimate, Track, TrackPoint, TrackSet};
 use crate::model::truth::{Target, TruthPoint, TruthSet};
-use crate::registry::{Bound, Field, Kind, Object, Presence};
+use crate::registry::{Bound, Kind, Object, default};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Poisson, StandardNormal};
 use serde::Deserialize;
 use std::f64::consts::TAU;
-
-const fn field(name: &'static str, summary: &'static str, kind: Kind, value: &'static str) -> Field {
-    Field { name, summary, kind, presence: Presence::Default(value) }
-}
 
 const LENGTH: Kind = Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e9), unit: "m" };
 const SHARE: Kind = Kind::Number { min: Bound::Including(0.0), max: Bound::Excluding(1.0), unit: "" };
@@ -35,45 +31,50 @@ pub static LOCAL_TRACKS: Object = Object {
     name: "LocalTracks",
     summary: "Tracks of several sensors, drawn: the truth with errors of known covariance, without detections and trackers.",
     fields: &[
-        field("sensors", "Sensors.", Kind::Integer { min: 1, max: 64, unit: "" }, "3"),
-        field("targets", "Targets.", Kind::Integer { min: 1, max: 100_000, unit: "" }, "10"),
-        field("spacing_m", "Distance between neighbouring targets of the square in which they move.", LENGTH, "500.0"),
-        field("jitter", "Largest displacement of a target from its place along each axis, in spacings.", SHARE, "0.3"),
-        field(
+        default("sensors", "Sensors.", Kind::Integer { min: 1, max: 64, unit: "" }, "3"),
+        default("targets", "Targets.", Kind::Integer { min: 1, max: 100_000, unit: "" }, "10"),
+        default("spacing_m", "Distance between neighbouring targets of the square in which they move.", LENGTH, "500.0"),
+        default("jitter", "Largest displacement of a target from its place along each axis, in spacings.", SHARE, "0.3"),
+        default(
             "speed_mps",
             "Speed of all targets, on one course.",
             Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e5), unit: "m/s" },
             "200.0",
         ),
-        field("sigma_m", "Standard deviation of x and of y.", LENGTH, "100.0"),
-        field(
+        default("sigma_m", "Standard deviation of x and of y.", LENGTH, "100.0"),
+        default(
             "sigma_mps",
             "Standard deviation of each component of the velocity.",
             Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e5), unit: "m/s" },
             "10.0",
         ),
-        field(
+        default(
             "p_d",
             "Probability that a sensor has a track of a target.",
             Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1.0), unit: "" },
             "1.0",
         ),
-        field(
+        default(
             "false_tracks",
             "Mean number of tracks of a sensor that are of no target.",
             Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e5), unit: "" },
             "0.0",
         ),
-        field(
+        default(
             "bias_m",
             "Displacement of all tracks of a sensor, in a direction of its own.",
             Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e9), unit: "m" },
             "0.0",
         ),
-        field("correlation", "Correlation of a track's errors from one time to the next; 0 is white.", SHARE, "0.0"),
-        field("cross_correlation", "Correlation of the errors of two sensors' tracks of one target.", SHARE, "0.0"),
-        field("times", "Times at which every track says something.", Kind::Integer { min: 1, max: 10_000, unit: "" }, "4"),
-        field("period_s", "Time between them.", Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "s" }, "2.0"),
+        default("correlation", "Correlation of a track's errors from one time to the next; 0 is white.", SHARE, "0.0"),
+        default("cross_correlation", "Correlation of the errors of two sensors' tracks of one target.", SHARE, "0.0"),
+        default("times", "Times at which every track says something.", Kind::Integer { min: 1, max: 10_000, unit: "" }, "4"),
+        default(
+            "period_s",
+            "Time between them.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "s" },
+            "2.0",
+        ),
     ],
 };
 

@@ -19,7 +19,7 @@
 //! 4. A confirmed track is deleted when L has fallen by `max_score_drop` below its highest value.
 
 use crate::association::problem::{ScanProblem, Weights};
-use crate::registry::{Bound, Field, Kind, Object, Presence, Union, Variant};
+use crate::registry::{Bound, Kind, Object, Union, Variant, default};
 use serde::Deserialize;
 
 /// When a track is confirmed.
@@ -45,24 +45,14 @@ static SCORE: Object = Object {
     name: "ScoreConfirmation",
     summary: "Sequential test of the track's log-likelihood ratio of target to clutter (Wald 1945; Blackman, Popoli 1999).",
     fields: &[
-        Field {
-            name: "false_track_probability",
-            summary: "α: share of the tracks started by clutter that may be confirmed.",
-            kind: HALF,
-            presence: Presence::Default("0.001"),
-        },
-        Field {
-            name: "missed_track_probability",
-            summary: "β: share of the tracks started by targets that may be dropped unconfirmed.",
-            kind: HALF,
-            presence: Presence::Default("0.05"),
-        },
-        Field {
-            name: "max_score_drop",
-            summary: "A confirmed track is deleted when its score (a natural logarithm) has fallen this far below its highest value.",
-            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1000.0), unit: "" },
-            presence: Presence::Default("10.0"),
-        },
+        default("false_track_probability", "α: share of the tracks started by clutter that may be confirmed.", HALF, "0.001"),
+        default("missed_track_probability", "β: share of the tracks started by targets that may be dropped unconfirmed.", HALF, "0.05"),
+        default(
+            "max_score_drop",
+            "A confirmed track is deleted when its score (a natural logarithm) has fallen this far below its highest value.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1000.0), unit: "" },
+            "10.0",
+        ),
     ],
 };
 

@@ -64,17 +64,20 @@ impl History {
     /// were given keep their names.
     pub fn into_tracks(mut self, recording: &Recording) -> TrackSet {
         self.confirmed.sort_unstable();
+        let mut lengths = vec![0; self.started as usize];
+        self.pieces.iter().flatten().for_each(|entry| lengths[entry.serial as usize] += 1);
         let mut number_of = vec![u32::MAX; self.started as usize];
         let mut tracks: Vec<Track> = Vec::with_capacity(self.confirmed.len());
         for (index, &serial) in self.confirmed.iter().enumerate() {
             number_of[serial as usize] = index as u32;
             let track_id = self.names.get(serial as usize).cloned().unwrap_or_else(|| (index + 1).to_string());
-            tracks.push(Track { track_id, points: Vec::new() });
+            tracks.push(Track { track_id, points: Vec::with_capacity(lengths[serial as usize]) });
         }
         let mut first_candidate = 0;
-        for entry in self.pieces.iter().flatten() {
+        // Each piece goes when it is read: the history of a large scene and its tracks need not be there together.
+        for entry in self.pieces.into_iter().flatten() {
             if let Some(track) = tracks.get_mut(number_of[entry.serial as usize] as usize) {
-                track.points.push(point(entry, first_candidate, (self.unpack)(&entry.state), recording));
+                track.points.push(point(&entry, first_candidate, (self.unpack)(&entry.state), recording));
             }
             first_candidate += entry.candidates as usize;
         }

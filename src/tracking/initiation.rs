@@ -25,7 +25,7 @@ use crate::association::problem::{Edge, ScanProblem, Weights};
 use crate::gating::grid::Grid;
 use crate::math::gaussian::log_unit_ball;
 use crate::model::state::GaussianState;
-use crate::registry::{Bound, Field, Kind, Object, Presence, Union, Variant};
+use crate::registry::{Bound, Kind, Object, Union, Variant, default, required};
 use nalgebra::SVector;
 use serde::Deserialize;
 
@@ -55,18 +55,17 @@ static TWO_POINT: Object = Object {
     name: "TwoPointInitiation",
     summary: "Two unused detections of near scans of a sensor start a track; their difference is its velocity.",
     fields: &[
-        Field {
-            name: "max_speed_mps",
-            summary: "Highest speed of a target: two detections further apart, noise allowed for, are not a pair.",
-            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e5), unit: "m/s" },
-            presence: Presence::Required,
-        },
-        Field {
-            name: "max_wait_scans",
-            summary: "How many further scans of its sensor a first detection waits for a second one: 1 for the next scan alone, more where targets are missed often, at the price of more false tracks.",
-            kind: Kind::Integer { min: 1, max: 10, unit: "scans" },
-            presence: Presence::Default("1"),
-        },
+        required(
+            "max_speed_mps",
+            "Highest speed of a target: two detections further apart, noise allowed for, are not a pair.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e5), unit: "m/s" },
+        ),
+        default(
+            "max_wait_scans",
+            "How many further scans of its sensor a first detection waits for a second one: 1 for the next scan alone, more where targets are missed often, at the price of more false tracks.",
+            Kind::Integer { min: 1, max: 10, unit: "scans" },
+            "1",
+        ),
     ],
 };
 
@@ -74,18 +73,18 @@ static TRUTH: Object = Object {
     name: "TruthInitiation",
     summary: "Tracks begin at the truth of the first scan, with noise; nothing else begins a track and these never end: for comparing associators alone. A track is called like its target. It needs truth with the input.",
     fields: &[
-        Field {
-            name: "speed_sigma_mps",
-            summary: "Standard deviation of each velocity component of a track in the plane; its position has the noise of one detection.",
-            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e5), unit: "m/s" },
-            presence: Presence::Default("0.1"),
-        },
-        Field {
-            name: "rate_sigma_degps",
-            summary: "Standard deviation of the bearing rate of a track of bearings; its bearing has the noise of one detection.",
-            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(360.0), unit: "deg/s" },
-            presence: Presence::Default("0.1"),
-        },
+        default(
+            "speed_sigma_mps",
+            "Standard deviation of each velocity component of a track in the plane; its position has the noise of one detection.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e5), unit: "m/s" },
+            "0.1",
+        ),
+        default(
+            "rate_sigma_degps",
+            "Standard deviation of the bearing rate of a track of bearings; its bearing has the noise of one detection.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(360.0), unit: "deg/s" },
+            "0.1",
+        ),
     ],
 };
 

@@ -14,7 +14,7 @@
 use super::confirmation::{CONFIRMATION, Confirmation, Score};
 use super::initiation::{INITIATION, Initiation};
 use crate::model::track::TrackStatus;
-use crate::registry::{Bound, Field, Kind, Object, Presence};
+use crate::registry::{Bound, Kind, Object, default, optional};
 use nalgebra::SMatrix;
 use serde::Deserialize;
 
@@ -22,54 +22,38 @@ pub static LIFECYCLE: Object = Object {
     name: "TrackerSettings",
     summary: "Gate, initiation, confirmation and deletion of tracks.",
     fields: &[
-        Field {
-            name: "gate_probability",
-            summary: "P_G: the probability that a true detection lies inside its track's gate; with 1 there is no gate, and every detection of a scan is a candidate of every track.",
-            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1.0), unit: "" },
-            presence: Presence::Default("0.99"),
-        },
-        Field {
-            name: "initiation",
-            summary: "How tracks begin.",
-            kind: Kind::Union(&INITIATION),
-            presence: Presence::Default(r#"{"method":"one_point"}"#),
-        },
-        Field {
-            name: "confirmation",
-            summary: "When a track is confirmed.",
-            kind: Kind::Union(&CONFIRMATION),
-            presence: Presence::Default(r#"{"rule":"m_of_n"}"#),
-        },
-        Field {
-            name: "confirm_hits",
-            summary: "M of the rule m_of_n: detections that confirm a track.",
-            kind: Kind::Integer { min: 1, max: 64, unit: "" },
-            presence: Presence::Default("3"),
-        },
-        Field {
-            name: "confirm_window",
-            summary: "N of the rule m_of_n: the last scans among which the M detections are counted; at least M.",
-            kind: Kind::Integer { min: 1, max: 64, unit: "scans" },
-            presence: Presence::Default("5"),
-        },
-        Field {
-            name: "max_missed",
-            summary: "Scans in a row without a detection that delete a track, under every rule of confirmation.",
-            kind: Kind::Integer { min: 1, max: 1000, unit: "scans" },
-            presence: Presence::Default("5"),
-        },
-        Field {
-            name: "max_position_sigma_m",
-            summary: "A track is deleted when the largest standard deviation of its position exceeds this; no limit when absent.",
-            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e9), unit: "m" },
-            presence: Presence::Optional,
-        },
-        Field {
-            name: "initial_speed_sigma_mps",
-            summary: "Standard deviation of each velocity component of a track of one point, which starts at rest.",
-            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e5), unit: "m/s" },
-            presence: Presence::Default("10.0"),
-        },
+        default(
+            "gate_probability",
+            "P_G: the probability that a true detection lies inside its track's gate; with 1 there is no gate, and every detection of a scan is a candidate of every track.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1.0), unit: "" },
+            "0.99",
+        ),
+        default("initiation", "How tracks begin.", Kind::Union(&INITIATION), r#"{"method":"one_point"}"#),
+        default("confirmation", "When a track is confirmed.", Kind::Union(&CONFIRMATION), r#"{"rule":"m_of_n"}"#),
+        default("confirm_hits", "M of the rule m_of_n: detections that confirm a track.", Kind::Integer { min: 1, max: 64, unit: "" }, "3"),
+        default(
+            "confirm_window",
+            "N of the rule m_of_n: the last scans among which the M detections are counted; at least M.",
+            Kind::Integer { min: 1, max: 64, unit: "scans" },
+            "5",
+        ),
+        default(
+            "max_missed",
+            "Scans in a row without a detection that delete a track, under every rule of confirmation.",
+            Kind::Integer { min: 1, max: 1000, unit: "scans" },
+            "5",
+        ),
+        optional(
+            "max_position_sigma_m",
+            "A track is deleted when the largest standard deviation of its position exceeds this; no limit when absent.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e9), unit: "m" },
+        ),
+        default(
+            "initial_speed_sigma_mps",
+            "Standard deviation of each velocity component of a track of one point, which starts at rest.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e5), unit: "m/s" },
+            "10.0",
+        ),
     ],
 };
 

@@ -3,7 +3,7 @@
 use crate::*;
 use std::path::{Path, PathBuf};
 use trackloom::formats::{detect_format, write_csv};
-use trackloom::model::scan::{Measurement, Scan};
+use trackloom::model::scan::{Detection, Measurement, Scan};
 use trackloom::model::state::Position;
 
 fn example(file: &str) -> Vec<u8> {
@@ -21,17 +21,20 @@ fn counts(recording: &Recording, sensor_id: &str) -> (usize, usize) {
 #[test]
 fn the_example_has_its_scans_and_detections() {
     let outcome = read("autoferry", example("detections.json")).expect("the example is sound");
-    let left_out = "1603 scans of infrared and daylight cameras with 3390 bearings were left out: bearings alone are not read";
-    assert_eq!(outcome.warnings, [left_out]);
-    let recording = recording(outcome);
-    assert_eq!(recording.sensors.iter().map(|sensor| sensor.sensor_id.as_str()).collect::<Vec<_>>(), ["lidar", "radar"]);
+    assert_eq!(outcome.warnings, Vec::<String>::new());
+    let all = recording(outcome);
+    let names: Vec<&str> = all.sensors.iter().map(|sensor| sensor.sensor_id.as_str()).collect();
+    assert_eq!(names, ["daylight", "infrared", "lidar", "radar"]);
+    assert_eq!((counts(&all, "daylight"), counts(&all, "infrared")), ((591, 1944), (1012, 1446)));
+    let recording = all.only_sensors(&["lidar".to_owned(), "radar".to_owned()]).expect("both are there");
     assert_eq!(counts(&recording, "radar"), (70, 437));
     assert_eq!(counts(&recording, "lidar"), (234, 412));
     assert!(!recording.origins_known);
-    let first = Scan { number: 1, time_s: 1620114892.18751, sensor: 0, first: 0, count: 0 };
-    assert_eq!(recording.scans[0], first);
+    let numberless = |scan: Scan| Scan { number: 0, ..scan };
+    let first = Scan { number: 0, time_s: 1620114892.18751, sensor: 0, first: 0, count: 0 };
+    assert_eq!(numberless(recording.scans[0]), first);
     // The fourth scan is one flat pair [99.17898933497725, 33.99357416508701] from [-16.73468391505537, -391.2043895947745].
-    assert_eq!(recording.scans[3], Scan { number: 4, time_s: 1620114893.197112, sensor: 0, first: 3, count: 1 });
+    assert_eq!(numberless(recording.scans[3]), Scan { number: 0, time_s: 1620114893.197112, sensor: 0, first: 3, count: 1 });
     assert_eq!(recording.detection_ids[3], "lidar-3-1");
     assert_close(recording.detections[3].measurement, -357.2108154296875, 82.44430541992188);
     // The twelfth radar scan has norths -111.2628…, 76.4863… and easts -176.5955…, 7.0700… from [-17.6414…, -399.1834…].
@@ -39,6 +42,25 @@ fn the_example_has_its_scans_and_detections() {
     assert_close(recording.detections[index].measurement, -575.7789916992188, -128.9042510986328);
     assert_eq!(recording.detection_ids[index + 1], "radar-12-2");
     assert_eq!(recording.scans[50].range(), index..index + 2);
+}
+
+#[test]
+fn a_camera_reports_one_bare_bearing_or_a_list_all_round() {
+    let text = r#"[{"sensorID": 3, "ownshipPosition": [5, 7], "time": 1, "measurement": 0.5},
+        {"sensorID": 4, "ownshipPosition": [5, 7], "time": 1, "measurement": [-0.25, 3]},
+        {"sensorID": 4, "ownshipPosition": [5, 7], "time": 2, "measurement": []}]"#;
+    let recording = recording(read("autoferry", text).expect("sound"));
+    let bearings: Vec<f64> = recording.detections.iter().filter_map(|detection| bearing_rad(&detection.measurement)).collect();
+    assert_eq!(bearings, [std::f64::consts::TAU - 0.25, 3.0, 0.5]);
+    assert_eq!(recording.detection_ids, ["daylight-1-1", "daylight-1-2", "infrared-1-1"]);
+    assert_eq!(recording.scans.iter().map(|scan| (scan.sensor, scan.count)).collect::<Vec<_>>(), [(0, 2), (1, 1), (0, 0)]);
+    let positions = r#"[{"sensorID": 4, "ownshipPosition": [0, 0], "time": 1, "measurement": [[1], [2]]}]"#;
+    let expected = Fault::new("/file/0/measurement", "wrong_type", "expected a bearing in radians or a list of bearings");
+    assert_eq!(fault("autoferry", positions), expected);
+}
+
+fn bearing_rad(measurement: &Measurement) -> Option<f64> {
+    if let Measurement::Bearing { bearing_rad } = *measurement { Some(bearing_rad) } else { None }
 }
 
 fn assert_close(measurement: Measurement, x_m: f64, y_m: f64) {
@@ -120,30 +142,38 @@ fn other_documents_are_refused() {
     assert_eq!(faults, [Fault::new("/meta/kind", "conflict", "the file holds truth, not detections")]);
 }
 
-/// Radar and lidar scans and detections of every recording in `$TRACKLOOM_DATA/autoferry`.
+/// Scans and detections of every recording in `$TRACKLOOM_DATA/autoferry`.
 #[test]
 fn more_recordings_have_their_scans_and_detections() {
     let Some(folder) = std::env::var_os("TRACKLOOM_DATA").map(|folder| PathBuf::from(folder).join("autoferry")) else {
         println!("skipped: TRACKLOOM_DATA names no folder with recordings");
         return;
     };
-    for (scenario, lidar, radar) in [
-        (2, (234, 412), (70, 437)),
-        (3, (259, 407), (78, 394)),
-        (4, (197, 392), (59, 277)),
-        (5, (276, 375), (83, 443)),
-        (6, (302, 667), (91, 495)),
-        (17, (157, 102), (48, 191)),
+    for (scenario, lidar, radar, infrared, daylight) in [
+        (2, (234, 412), (70, 437), (1012, 1446), (591, 1944)),
+        (3, (259, 407), (78, 394), (1117, 1529), (653, 996)),
+        (4, (197, 392), (59, 277), (851, 652), (497, 953)),
+        (5, (276, 375), (83, 443), (2197, 3587), (694, 1267)),
+        (6, (302, 667), (91, 495), (1303, 1323), (761, 1241)),
+        (17, (157, 102), (48, 191), (680, 3672), (397, 6224)),
     ] {
         let load = |what: &str| std::fs::read(folder.join(format!("scenario{scenario}_{what}.json"))).expect("the folder has the file");
         let bytes = load("detections");
         assert_eq!(detect_format("detections.json", &bytes[..100]).map(|format| format.name), Some("autoferry"));
         let outcome = read("autoferry", bytes).expect("the recording is sound");
+        let all = recording(outcome);
+        let counted = ["lidar", "radar", "infrared", "daylight"].map(|sensor_id| counts(&all, sensor_id));
+        assert_eq!(counted, [lidar, radar, infrared, daylight], "scenario {scenario}");
         let mut csv = Vec::new();
-        write_csv(&outcome.dataset, &mut csv).expect("a Vec takes any bytes");
-        assert_eq!(read("csv", csv).expect("what is written can be read").dataset, outcome.dataset);
-        let recording = recording(outcome);
-        assert_eq!((counts(&recording, "lidar"), counts(&recording, "radar")), (lidar, radar), "scenario {scenario}");
+        write_csv(&Dataset::Detections(all.clone()), &mut csv).expect("a Vec takes any bytes");
+        let again = self::recording(read("csv", csv).expect("what is written can be read"));
+        // Bearings are written in degrees, which rounds them.
+        let is_kept = |(written, found): (&Detection, &Detection)| match (written.measurement, found.measurement) {
+            (Measurement::Bearing { bearing_rad: written }, Measurement::Bearing { bearing_rad: found }) => (written - found).abs() < 1e-14,
+            (written, found) => written == found,
+        };
+        assert!(all.detections.iter().zip(&again.detections).all(is_kept), "scenario {scenario}");
+        assert!((&all.scans, &all.detection_ids) == (&again.scans, &again.detection_ids), "scenario {scenario}");
         assert_eq!(truth(read("autoferry", load("groundTruth")).expect("sound")).targets().len(), 2);
     }
 }

@@ -40,7 +40,7 @@ mod visited;
 use super::problem::{Problem, Weights};
 use super::{Associator, BuildAssociator, Trace};
 use crate::math::rng::{Purpose, Seed};
-use crate::registry::{Bound, Field, Kind, Method, Object, Presence};
+use crate::registry::{Bound, Kind, Method, Object, default};
 use cluster::Cluster;
 use dice::Dice;
 use judge::Judge;
@@ -58,63 +58,53 @@ static PARAMETERS: Object = Object {
     name: "Bat",
     summary: "Bat algorithm data association: a swarm searches the assignment of largest total likelihood.",
     fields: &[
-        Field {
-            name: "population",
-            summary: "Bats. Population times iterations is at most 1000000.",
-            kind: Kind::Integer { min: 1, max: 10_000, unit: "bats" },
-            presence: Presence::Default("20"),
-        },
-        Field {
-            name: "iterations",
-            summary: "Times that every bat moves.",
-            kind: Kind::Integer { min: 1, max: 10_000, unit: "" },
-            presence: Presence::Default("15"),
-        },
-        Field {
-            name: "objective",
-            summary: "likelihood_sum: the sum of the pairs' likelihoods, as in the paper, which takes a detection wherever the gate has one; \
+        default(
+            "population",
+            "Bats. Population times iterations is at most 1000000.",
+            Kind::Integer { min: 1, max: 10_000, unit: "bats" },
+            "20",
+        ),
+        default("iterations", "Times that every bat moves.", Kind::Integer { min: 1, max: 10_000, unit: "" }, "15"),
+        default(
+            "objective",
+            "likelihood_sum: the sum of the pairs' likelihoods, as in the paper, which takes a detection wherever the gate has one; \
                       log_likelihood_ratio: the probability of the joint event, misses and clutter weighed.",
-            kind: Kind::Choice(&["likelihood_sum", "log_likelihood_ratio"]),
-            presence: Presence::Default("\"likelihood_sum\""),
-        },
-        Field {
-            name: "candidates",
-            summary: "gated: a target draws among the detections in its gate; all: among all of the scan, where those outside its gate \
+            Kind::Choice(&["likelihood_sum", "log_likelihood_ratio"]),
+            "\"likelihood_sum\"",
+        ),
+        default(
+            "candidates",
+            "gated: a target draws among the detections in its gate; all: among all of the scan, where those outside its gate \
                       count nothing and are refused at the update.",
-            kind: Kind::Choice(&["gated", "all"]),
-            presence: Presence::Default("\"gated\""),
-        },
-        Field {
-            name: "weights",
-            summary: "best: the best bat's detections, as in the paper; visited: weights as JPDA's, summed over the distinct assignments \
+            Kind::Choice(&["gated", "all"]),
+            "\"gated\"",
+        ),
+        default(
+            "weights",
+            "best: the best bat's detections, as in the paper; visited: weights as JPDA's, summed over the distinct assignments \
                       that the swarm has looked at.",
-            kind: Kind::Choice(&["best", "visited"]),
-            presence: Presence::Default("\"best\""),
-        },
-        Field {
-            name: "loudness",
-            summary: "Loudness A at the start: below 1, better bats are refused at random.",
-            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(2.0), unit: "" },
-            presence: Presence::Default("1"),
-        },
-        Field {
-            name: "alpha",
-            summary: "Factor of the loudness when a bat is accepted as the best.",
-            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1.0), unit: "" },
-            presence: Presence::Default("0.98"),
-        },
-        Field {
-            name: "gamma",
-            summary: "Speed at which the pulse rate returns to its first value.",
-            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(100.0), unit: "" },
-            presence: Presence::Default("0.98"),
-        },
-        Field {
-            name: "trace",
-            summary: "Whether to write down every iteration of every cluster (association_trace.csv).",
-            kind: Kind::Flag,
-            presence: Presence::Default("false"),
-        },
+            Kind::Choice(&["best", "visited"]),
+            "\"best\"",
+        ),
+        default(
+            "loudness",
+            "Loudness A at the start: below 1, better bats are refused at random.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(2.0), unit: "" },
+            "1",
+        ),
+        default(
+            "alpha",
+            "Factor of the loudness when a bat is accepted as the best.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1.0), unit: "" },
+            "0.98",
+        ),
+        default(
+            "gamma",
+            "Speed at which the pulse rate returns to its first value.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(100.0), unit: "" },
+            "0.98",
+        ),
+        default("trace", "Whether to write down every iteration of every cluster (association_trace.csv).", Kind::Flag, "false"),
     ],
 };
 

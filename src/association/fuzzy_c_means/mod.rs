@@ -33,7 +33,7 @@ use super::problem::{Problem, Weights};
 use super::{Associator, BuildAssociator, Needs, Trace};
 use crate::math::assignment::AssignmentSolver;
 use crate::math::fuzzy_c_means::{Fuzzifier, FuzzyError};
-use crate::registry::{Bound, Field, Kind, Method, Object, Presence};
+use crate::registry::{Bound, Kind, Method, Object, default};
 use clustering::Clustering;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -51,37 +51,37 @@ static PARAMETERS: Object = Object {
     name: "FuzzyCMeans",
     summary: "Fuzzy c-means: tracks are clusters, and each detection is of the track to which it belongs most.",
     fields: &[
-        Field {
-            name: "weights",
-            summary: "hard: each track takes one detection at most, by the largest total membership; weighted: each track averages over \
+        default(
+            "weights",
+            "hard: each track takes one detection at most, by the largest total membership; weighted: each track averages over \
                       its detections by their memberships.",
-            kind: Kind::Choice(&["hard", "weighted"]),
-            presence: Presence::Default("\"hard\""),
-        },
-        Field {
-            name: "fuzzifier",
-            summary: "q: the larger, the fuzzier.",
-            kind: Kind::Number { min: Bound::Excluding(1.0), max: Bound::Including(100.0), unit: "" },
-            presence: Presence::Default("2.0"),
-        },
-        Field {
-            name: "tolerance",
-            summary: "The clustering is at rest when no membership changes by more.",
-            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Excluding(1.0), unit: "" },
-            presence: Presence::Default("1e-4"),
-        },
-        Field {
-            name: "max_iterations",
-            summary: "Iterations after which a cluster ends, at rest or not; those that are not are counted.",
-            kind: Kind::Integer { min: 1, max: 10_000, unit: "" },
-            presence: Presence::Default("100"),
-        },
-        Field {
-            name: "trace",
-            summary: "Whether to write down J, memberships and centres of every iteration (association_trace.csv).",
-            kind: Kind::Flag,
-            presence: Presence::Default("false"),
-        },
+            Kind::Choice(&["hard", "weighted"]),
+            "\"hard\"",
+        ),
+        default(
+            "fuzzifier",
+            "q: the larger, the fuzzier.",
+            Kind::Number { min: Bound::Excluding(1.0), max: Bound::Including(100.0), unit: "" },
+            "2.0",
+        ),
+        default(
+            "tolerance",
+            "The clustering is at rest when no membership changes by more.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Excluding(1.0), unit: "" },
+            "1e-4",
+        ),
+        default(
+            "max_iterations",
+            "Iterations after which a cluster ends, at rest or not; those that are not are counted.",
+            Kind::Integer { min: 1, max: 10_000, unit: "" },
+            "100",
+        ),
+        default(
+            "trace",
+            "Whether to write down J, memberships and centres of every iteration (association_trace.csv).",
+            Kind::Flag,
+            "false",
+        ),
     ],
 };
 

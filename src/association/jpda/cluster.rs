@@ -36,6 +36,14 @@ pub(super) struct Sides<'a> {
     pub(super) element_of: &'a [u32],
 }
 
+impl Sides<'_> {
+    /// How many of an element's nodes others want, too.
+    pub(super) fn shared_nodes(&self, element: usize) -> usize {
+        let is_shared = |&&edge: &&u32| self.others.edges_of(self.other_of[edge as usize] as usize).len() > 1;
+        self.elements.edges_of(element).iter().filter(is_shared).count()
+    }
+}
+
 /// Which side is taken in turn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Turn {

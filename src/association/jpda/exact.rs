@@ -21,7 +21,7 @@
 
 use super::cluster::{Cluster, Turn};
 use super::number::{Number, Wide};
-use super::plan::{Choice, Limits, PRIVATE, Plan, Step};
+use super::plan::{self, Choice, Limits, PRIVATE, Plan, Step};
 
 #[derive(Debug, Default)]
 pub(super) struct Exact {
@@ -51,7 +51,7 @@ impl Exact {
             return Some(self.planned(Turn::Detections));
         }
         let cheaper = Limits { cost: first.unwrap_or(limits.cost), ..limits };
-        if self.make(cluster, Turn::Tracks, cheaper).is_some() {
+        if plan::least_cost(cluster.sides(Turn::Tracks)) <= cheaper.cost && self.make(cluster, Turn::Tracks, cheaper).is_some() {
             return Some(self.planned(Turn::Tracks));
         }
         first.map(|_| self.planned(Turn::Detections))
@@ -211,35 +211,68 @@ fn cell_without(half: usize, index: usize) -> usize {
 
 /// to\[S∪j\] += w · from\[S\] for every S without j.
 fn add_used<T: Number>(from: &[T], to: &mut [T], bit: u8, weight: T) {
-    let half = 1 << bit;
-    if half < SMALL_BLOCK {
-        for cell in (0..from.len() / 2).map(|index| cell_without(half, index)) {
-            to[cell + half] = to[cell + half] + weight * from[cell];
+    match bit {
+        0 => add_used_small::<T, 1>(from, to, weight),
+        1 => add_used_small::<T, 2>(from, to, weight),
+        2 => add_used_small::<T, 4>(from, to, weight),
+        _ => {
+            let half = 1 << bit;
+            for (from, to) in from.chunks_exact(2 * half).zip(to.chunks_exact_mut(2 * half)) {
+                for (to, &from) in to[half..].iter_mut().zip(&from[..half]) {
+                    *to = *to + weight * from;
+                }
+            }
         }
-        return;
     }
-    for (from, to) in from.chunks_exact(2 * half).zip(to.chunks_exact_mut(2 * half)) {
-        for (to, &from) in to[half..].iter_mut().zip(&from[..half]) {
-            *to = *to + weight * from;
+}
+
+/// The same for the lowest bits: in stretches of eight cells, whose places are known to the compiler.
+fn add_used_small<T: Number, const HALF: usize>(from: &[T], to: &mut [T], weight: T) {
+    let (whole, rest) = (from.chunks_exact(SMALL_BLOCK), from.len() / SMALL_BLOCK * SMALL_BLOCK);
+    for (from, to) in whole.zip(to.chunks_exact_mut(SMALL_BLOCK)) {
+        for cell in (0..SMALL_BLOCK / 2).map(|index| cell_without(HALF, index)) {
+            to[cell + HALF] = to[cell + HALF] + weight * from[cell];
         }
+    }
+    for cell in (0..(from.len() - rest) / 2).map(|index| rest + cell_without(HALF, index)) {
+        to[cell + HALF] = to[cell + HALF] + weight * from[cell];
     }
 }
 
 /// before\[S\] += w · after\[S∪j\] for every S without j; returns Σ F\[S\] w · after\[S∪j\].
 fn add_unused<T: Number>(forward: &[T], after: &[T], before: &mut [T], bit: u8, weight: T) -> T {
-    let half = 1 << bit;
-    let mut mass = T::default();
-    if half < SMALL_BLOCK {
-        for cell in (0..forward.len() / 2).map(|index| cell_without(half, index)) {
-            let gain = weight * after[cell + half];
-            before[cell] = before[cell] + gain;
-            mass = mass + forward[cell] * gain;
+    match bit {
+        0 => add_unused_small::<T, 1>(forward, after, before, weight),
+        1 => add_unused_small::<T, 2>(forward, after, before, weight),
+        2 => add_unused_small::<T, 4>(forward, after, before, weight),
+        _ => {
+            let half = 1 << bit;
+            let blocks = forward.chunks_exact(2 * half).zip(after.chunks_exact(2 * half)).zip(before.chunks_exact_mut(2 * half));
+            blocks.fold(T::default(), |mass, ((forward, after), before)| {
+                mass + add_gain(&forward[..half], &after[half..], &mut before[..half], weight)
+            })
         }
-        return mass;
     }
-    let blocks = forward.chunks_exact(2 * half).zip(after.chunks_exact(2 * half)).zip(before.chunks_exact_mut(2 * half));
-    for ((forward, after), before) in blocks {
-        mass = mass + add_gain(&forward[..half], &after[half..], &mut before[..half], weight);
+}
+
+/// The same for the lowest bits.
+fn add_unused_small<T: Number, const HALF: usize>(forward: &[T], after: &[T], before: &mut [T], weight: T) -> T {
+    let mut sums = [T::default(); SMALL_BLOCK / 2];
+    let rest = before.len() / SMALL_BLOCK * SMALL_BLOCK;
+    let whole = forward.chunks_exact(SMALL_BLOCK).zip(after.chunks_exact(SMALL_BLOCK)).zip(before.chunks_exact_mut(SMALL_BLOCK));
+    for ((forward, after), before) in whole {
+        for (lane, sum) in sums.iter_mut().enumerate() {
+            let cell = cell_without(HALF, lane);
+            let gain = weight * after[cell + HALF];
+            before[cell] = before[cell] + gain;
+            *sum = *sum + forward[cell] * gain;
+        }
+    }
+    let mut mass = (sums[0] + sums[1]) + (sums[2] + sums[3]);
+    for cell in (0..(before.len() - rest) / 2).map(|index| rest + cell_without(HALF, index)) {
+        let gain = weight * after[cell + HALF];
+        before[cell] = before[cell] + gain;
+        mass = mass + forward[cell] * gain;
     }
     mass
 }

@@ -30,7 +30,7 @@ mod tests;
 
 use super::problem::{Problem, Weights};
 use super::{Associator, BuildAssociator};
-use crate::registry::{Bound, Field, Kind, Method, Object, Presence};
+use crate::registry::{Bound, Kind, Method, Object, default};
 use belief_propagation::BeliefPropagation;
 use cluster::Cluster;
 use diagnostics::Diagnostics;
@@ -46,48 +46,48 @@ static PARAMETERS: Object = Object {
     name: "Jpda",
     summary: "Joint probabilistic data association: every detection in the gate counts by its probability.",
     fields: &[
-        Field {
-            name: "marginals",
-            summary: "How the probabilities of a cluster are summed: auto picks the cheapest exact way and approximates only where \
+        default(
+            "marginals",
+            "How the probabilities of a cluster are summed: auto picks the cheapest exact way and approximates only where \
                       none is within the caps; enumerate lists joint events as the papers do; exact sums them without listing; \
                       belief_propagation approximates.",
-            kind: Kind::Choice(&["auto", "exact", "enumerate", "belief_propagation"]),
-            presence: Presence::Default("\"auto\""),
-        },
-        Field {
-            name: "max_events",
-            summary: "Joint events of a cluster that enumerate lists; a cluster with more is left to auto, and counted. A hundred \
+            Kind::Choice(&["auto", "exact", "enumerate", "belief_propagation"]),
+            "\"auto\"",
+        ),
+        default(
+            "max_events",
+            "Joint events of a cluster that enumerate lists; a cluster with more is left to auto, and counted. A hundred \
                       million take about a second.",
-            kind: Kind::Integer { min: 1, max: 100_000_000, unit: "events" },
-            presence: Presence::Default("1000000"),
-        },
-        Field {
-            name: "max_states",
-            summary: "Cells of one table of exact; a cluster that needs more goes to belief propagation, and is counted.",
-            kind: Kind::Integer { min: 1, max: 16_777_216, unit: "states" },
-            presence: Presence::Default("65536"),
-        },
-        Field {
-            name: "max_auto_cost",
-            summary: "Cells that auto lets an exact sum visit, over all its tables; a cluster that needs more goes to belief \
+            Kind::Integer { min: 1, max: 100_000_000, unit: "events" },
+            "1000000",
+        ),
+        default(
+            "max_states",
+            "Cells of one table of exact; a cluster that needs more goes to belief propagation, and is counted.",
+            Kind::Integer { min: 1, max: 16_777_216, unit: "states" },
+            "65536",
+        ),
+        default(
+            "max_auto_cost",
+            "Cells that auto lets an exact sum visit, over all its tables; a cluster that needs more goes to belief \
                       propagation, and is counted. A million take a few milliseconds.",
-            kind: Kind::Integer { min: 1, max: MAX_EXACT_COST as i64, unit: "cells" },
-            presence: Presence::Default("200000"),
-        },
-        Field {
-            name: "tolerance",
-            summary: "Belief propagation ends when no message changes by more than this, relative to itself; below 1e-14 rounding \
+            Kind::Integer { min: 1, max: MAX_EXACT_COST as i64, unit: "cells" },
+            "200000",
+        ),
+        default(
+            "tolerance",
+            "Belief propagation ends when no message changes by more than this, relative to itself; below 1e-14 rounding \
                       alone would keep it from ending.",
-            kind: Kind::Number { min: Bound::Including(1e-14), max: Bound::Including(0.1), unit: "" },
-            presence: Presence::Default("1e-9"),
-        },
-        Field {
-            name: "max_iterations",
-            summary: "Belief propagation ends after this many rounds of messages; a cluster that has not settled is counted. Ten \
+            Kind::Number { min: Bound::Including(1e-14), max: Bound::Including(0.1), unit: "" },
+            "1e-9",
+        ),
+        default(
+            "max_iterations",
+            "Belief propagation ends after this many rounds of messages; a cluster that has not settled is counted. Ten \
                       thousand rounds of a cluster with 30 000 edges take a few seconds.",
-            kind: Kind::Integer { min: 1, max: 10_000, unit: "" },
-            presence: Presence::Default("1000"),
-        },
+            Kind::Integer { min: 1, max: 10_000, unit: "" },
+            "1000",
+        ),
     ],
 };
 

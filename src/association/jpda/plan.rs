@@ -46,6 +46,8 @@ pub(super) struct Plan {
     pub(super) frontier: u32,
     /// For each node of the other side, how many elements to come want it.
     wanted: Vec<u32>,
+    /// Exclusive or of their numbers: of the last one, its number.
+    wanted_by: Vec<u32>,
     /// For each node of the other side, its bit.
     bit_of: Vec<u8>,
     /// Nodes in the frontier, by bit.
@@ -53,6 +55,17 @@ pub(super) struct Plan {
     /// Elements to come that want a node of the frontier.
     fringe: Vec<u32>,
     state: Vec<Seen>,
+    /// For each element to come, what it would do to the frontier.
+    effects: Vec<Effect>,
+}
+
+/// What taking an element does to the frontier; the smaller, the better.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Effect {
+    /// Nodes that enter less nodes that leave.
+    growth: i32,
+    /// Nodes that enter.
+    fresh: i32,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -73,6 +86,12 @@ pub(super) struct Limits {
     pub(super) cost: u64,
 }
 
+/// No order costs less: every element's table has at least the nodes that others want, too.
+pub(super) fn least_cost(sides: Sides) -> u64 {
+    let cost = |element: usize| (sides.elements.edges_of(element).len() as u64 + 2) << sides.shared_nodes(element).min(40);
+    (0..sides.elements.len()).map(cost).fold(0, u64::saturating_add)
+}
+
 impl Plan {
     /// Finds the order; false when it would break a limit.
     pub(super) fn make(&mut self, sides: Sides, limits: Limits) -> bool {
@@ -83,7 +102,7 @@ impl Plan {
             if !self.take(sides, element as u32, limits) {
                 return false;
             }
-            next = self.fringe.iter().min_by_key(|&&element| self.rank(sides, element)).map(|&element| element as usize);
+            next = self.fringe.iter().min_by_key(|&&element| (self.effects[element as usize], element)).map(|&element| element as usize);
         }
         true
     }
@@ -101,32 +120,26 @@ impl Plan {
         self.bit_of.resize(sides.others.len(), ABSENT);
         self.state.clear();
         self.state.resize(sides.elements.len(), Seen::No);
-    }
-
-    /// Growth of the frontier by an element, the nodes it brings, the element itself.
-    fn rank(&self, sides: Sides, element: u32) -> (i32, i32, u32) {
-        let (mut fresh, mut leaving) = (0, 0);
-        for &edge in sides.elements.edges_of(element as usize) {
-            let node = sides.other_of[edge as usize] as usize;
-            let is_last = self.wanted[node] == 1;
-            if self.bit_of[node] != ABSENT {
-                leaving += i32::from(is_last);
-            } else {
-                fresh += i32::from(!is_last);
-            }
-        }
-        (fresh - leaving, fresh, element)
+        let wanted_by = |node| sides.others.edges_of(node).iter().fold(0, |all, &edge| all ^ sides.element_of[edge as usize]);
+        self.wanted_by.clear();
+        self.wanted_by.extend((0..sides.others.len()).map(wanted_by));
+        self.effects.clear();
+        self.effects.extend((0..sides.elements.len()).map(|element| {
+            let fresh = sides.shared_nodes(element) as i32;
+            Effect { growth: fresh, fresh }
+        }));
     }
 
     /// Adds the step of an element; false when it would break a limit.
     fn take(&mut self, sides: Sides, element: u32, limits: Limits) -> bool {
         let edges = sides.elements.edges_of(element as usize);
         let width = self.frontier_nodes.len() as u32;
+        self.state[element as usize] = Seen::Taken;
+        self.fringe.retain(|&other| other != element);
         for &edge in edges {
             let node = sides.other_of[edge as usize];
-            let bit = if self.bit_of[node as usize] == ABSENT && self.wanted[node as usize] == 1 { PRIVATE } else { self.enter(node) };
+            let bit = self.use_node(sides, element, node);
             self.choices.push(Choice { edge, bit });
-            self.wanted[node as usize] -= 1;
         }
         let full = self.frontier_nodes.len() as u32;
         self.frontier = self.frontier.max(full);
@@ -137,17 +150,40 @@ impl Plan {
         self.leave();
         let (choices_end, leaving_end) = (self.choices.len() as u32, self.leaving.len() as u32);
         self.steps.push(Step { element, width, fresh: full - width, choices_end, leaving_end });
-        self.widen_fringe(sides, element);
         self.cost <= limits.cost
     }
 
-    /// The bit of a node that is in the frontier from now on, if it was not before.
-    fn enter(&mut self, node: u32) -> u8 {
-        if self.bit_of[node as usize] == ABSENT {
-            self.bit_of[node as usize] = self.frontier_nodes.len().min(usize::from(ABSENT) - 1) as u8;
-            self.frontier_nodes.push(node);
+    /// An element that wants a node is taken: the bit of the node, which is in the frontier from now on unless nobody else
+    /// wants it.
+    fn use_node(&mut self, sides: Sides, element: u32, node: u32) -> u8 {
+        let place = node as usize;
+        self.wanted[place] -= 1;
+        self.wanted_by[place] ^= element;
+        if self.bit_of[place] == ABSENT {
+            if self.wanted[place] == 0 {
+                return PRIVATE;
+            }
+            self.enter(sides, node);
         }
-        self.bit_of[node as usize]
+        if self.wanted[place] == 1 {
+            self.effects[self.wanted_by[place] as usize].growth -= 1;
+        }
+        self.bit_of[place]
+    }
+
+    /// A node enters the frontier: to others that want it, it is not new any more, and they are in the fringe.
+    fn enter(&mut self, sides: Sides, node: u32) {
+        self.bit_of[node as usize] = self.frontier_nodes.len().min(usize::from(ABSENT) - 1) as u8;
+        self.frontier_nodes.push(node);
+        for &edge in sides.others.edges_of(node as usize) {
+            let other = sides.element_of[edge as usize];
+            let effect = &mut self.effects[other as usize];
+            *effect = Effect { growth: effect.growth - 1, fresh: effect.fresh - 1 };
+            if self.state[other as usize] == Seen::No {
+                self.state[other as usize] = Seen::Fringe;
+                self.fringe.push(other);
+            }
+        }
     }
 
     /// Takes the nodes that nobody wants any more out of the frontier; the bits above them move down.
@@ -160,21 +196,6 @@ impl Plan {
         }
         for (bit, &node) in self.frontier_nodes.iter().enumerate() {
             self.bit_of[node as usize] = bit as u8;
-        }
-    }
-
-    /// Takes the element out of the fringe, and what wants its nodes in.
-    fn widen_fringe(&mut self, sides: Sides, element: u32) {
-        self.state[element as usize] = Seen::Taken;
-        self.fringe.retain(|&other| other != element);
-        for &edge in sides.elements.edges_of(element as usize) {
-            for &other_edge in sides.others.edges_of(sides.other_of[edge as usize] as usize) {
-                let other = sides.element_of[other_edge as usize];
-                if self.state[other as usize] == Seen::No {
-                    self.state[other as usize] = Seen::Fringe;
-                    self.fringe.push(other);
-                }
-            }
         }
     }
 }

@@ -14,7 +14,7 @@ use super::tuples::TooLarge;
 use super::weighted::weighted_tuples;
 use super::{BuildCorrelator, Correlator, Search, Solution};
 use crate::model::fault::Fault;
-use crate::registry::{Field, Kind, Method, Object, Presence};
+use crate::registry::{Kind, Method, Object, default};
 use serde::Deserialize;
 
 pub const METHOD: Method<BuildCorrelator> =
@@ -23,12 +23,12 @@ pub const METHOD: Method<BuildCorrelator> =
 static PARAMETERS: Object = Object {
     name: "ExactCorrelator",
     summary: "The optimum, proven: a chain by one assignment at any size, other costs by branch and bound.",
-    fields: &[Field {
-        name: "max_nodes",
-        summary: "Nodes that branch and bound may look at in a cluster before the problem is refused.",
-        kind: Kind::Integer { min: 1, max: 1_000_000_000, unit: "" },
-        presence: Presence::Default("10000000"),
-    }],
+    fields: &[default(
+        "max_nodes",
+        "Nodes that branch and bound may look at in a cluster before the problem is refused.",
+        Kind::Integer { min: 1, max: 1_000_000_000, unit: "" },
+        "10000000",
+    )],
 };
 
 #[derive(Debug, Deserialize)]

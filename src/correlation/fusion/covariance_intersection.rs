@@ -16,18 +16,18 @@
 use super::{BuildFusion, Fusion, Members};
 use crate::math::gaussian::Gaussian;
 use crate::model::state::{Covariance, GaussianState};
-use crate::registry::{Field, Kind, Method, Object, Presence};
+use crate::registry::{Kind, Method, Object, default};
 use serde::Deserialize;
 
 static PARAMETERS: Object = Object {
     name: "CovarianceIntersectionFusion",
     summary: "Sound under unknown correlation of the errors of the tracks; claims less than the weighted mean.",
-    fields: &[Field {
-        name: "criterion",
-        summary: "What of the covariance is made least: determinant, which does not depend on units, or trace.",
-        kind: Kind::Choice(&["determinant", "trace"]),
-        presence: Presence::Default("\"determinant\""),
-    }],
+    fields: &[default(
+        "criterion",
+        "What of the covariance is made least: determinant, which does not depend on units, or trace.",
+        Kind::Choice(&["determinant", "trace"]),
+        "\"determinant\"",
+    )],
 };
 
 pub(super) const METHOD: Method<BuildFusion> = Method {

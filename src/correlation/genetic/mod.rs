@@ -39,7 +39,7 @@ use super::weighted::weighted_tuples;
 use super::{BuildCorrelator, Correlator, Search, Solution};
 use crate::math::rng::{Purpose, Seed};
 use crate::model::fault::Fault;
-use crate::registry::{Bound, Field, Kind, Method, Object, Presence};
+use crate::registry::{Bound, Kind, Method, Object, default};
 use evolve::{Coding, Evolution, evolve};
 use improved::Partitions;
 use paper::Chromosomes;
@@ -57,63 +57,43 @@ static PARAMETERS: Object = Object {
     name: "GeneticCorrelator",
     summary: "A genetic algorithm: partitions of the tracks are crossed and mutated, the cheaper ones have more offspring.",
     fields: &[
-        Field {
-            name: "variant",
-            summary: "improved: cluster by cluster, whole tuples are handed down, every individual is improved by local search, the first \
+        default(
+            "variant",
+            "improved: cluster by cluster, whole tuples are handed down, every individual is improved by local search, the first \
                       of them the answers of other correlators; unseeded: the same from every track alone; paper: one chromosome of \
                       permutations, partially matched crossover and swap, as published.",
-            kind: Kind::Choice(&["improved", "unseeded", "paper"]),
-            presence: Presence::Default("\"improved\""),
-        },
-        Field {
-            name: "population",
-            summary: "Individuals.",
-            kind: Kind::Integer { min: 2, max: 10_000, unit: "" },
-            presence: Presence::Default("20"),
-        },
-        Field {
-            name: "generations",
-            summary: "G, generations after the first population.",
-            kind: Kind::Integer { min: 1, max: 100_000, unit: "" },
-            presence: Presence::Default("200"),
-        },
-        Field {
-            name: "crossover_rate",
-            summary: "P_c, probability that a pair is crossed.",
-            kind: SHARE,
-            presence: Presence::Default("0.8"),
-        },
-        Field { name: "mutation_rate", summary: "P_m, probability that a child mutates.", kind: SHARE, presence: Presence::Default("0.3") },
-        Field {
-            name: "generation_gap",
-            summary: "Share of a generation that is new; the others live on (P_r = 1 less the gap).",
-            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1.0), unit: "" },
-            presence: Presence::Default("0.5"),
-        },
-        Field {
-            name: "elite",
-            summary: "Fittest individuals that live on in any case.",
-            kind: Kind::Integer { min: 1, max: 10_000, unit: "" },
-            presence: Presence::Default("2"),
-        },
-        Field {
-            name: "stop_after",
-            summary: "G', generations in a row with the best cost unchanged after which the search ends.",
-            kind: Kind::Integer { min: 1, max: 100_000, unit: "" },
-            presence: Presence::Default("10"),
-        },
-        Field {
-            name: "max_evaluations",
-            summary: "Solutions, or changes of one, whose cost is computed in a cluster before the search ends.",
-            kind: Kind::Integer { min: 1, max: 1_000_000_000_000, unit: "" },
-            presence: Presence::Default("100000"),
-        },
-        Field {
-            name: "epsilon",
-            summary: "A change of the best cost by no more than this counts as none.",
-            kind: Kind::Number { min: Bound::Including(0.0), max: Bound::None, unit: "" },
-            presence: Presence::Default("1e-9"),
-        },
+            Kind::Choice(&["improved", "unseeded", "paper"]),
+            "\"improved\"",
+        ),
+        default("population", "Individuals.", Kind::Integer { min: 2, max: 10_000, unit: "" }, "20"),
+        default("generations", "G, generations after the first population.", Kind::Integer { min: 1, max: 100_000, unit: "" }, "200"),
+        default("crossover_rate", "P_c, probability that a pair is crossed.", SHARE, "0.8"),
+        default("mutation_rate", "P_m, probability that a child mutates.", SHARE, "0.3"),
+        default(
+            "generation_gap",
+            "Share of a generation that is new; the others live on (P_r = 1 less the gap).",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1.0), unit: "" },
+            "0.5",
+        ),
+        default("elite", "Fittest individuals that live on in any case.", Kind::Integer { min: 1, max: 10_000, unit: "" }, "2"),
+        default(
+            "stop_after",
+            "G', generations in a row with the best cost unchanged after which the search ends.",
+            Kind::Integer { min: 1, max: 100_000, unit: "" },
+            "10",
+        ),
+        default(
+            "max_evaluations",
+            "Solutions, or changes of one, whose cost is computed in a cluster before the search ends.",
+            Kind::Integer { min: 1, max: 1_000_000_000_000, unit: "" },
+            "100000",
+        ),
+        default(
+            "epsilon",
+            "A change of the best cost by no more than this counts as none.",
+            Kind::Number { min: Bound::Including(0.0), max: Bound::None, unit: "" },
+            "1e-9",
+        ),
     ],
 };
 

@@ -24,7 +24,7 @@ use crate::math::fuzzy_c_means::{FuzzyCMeans, FuzzyError, Metric, Objects, Outco
 use crate::math::gaussian::Gaussian;
 use crate::math::rng::{Purpose, Seed};
 use crate::model::fault::Fault;
-use crate::registry::{Bound, Field, Kind, Method, Object, Presence, Union, Variant};
+use crate::registry::{Bound, Field, Kind, Method, Object, Union, Variant, default, required};
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -34,32 +34,22 @@ static PARAMETERS: Object = Object {
     name: "FuzzyCMeansGrouper",
     summary: "Each report goes to the cluster to which it belongs most.",
     fields: &[
-        Field {
-            name: "initial",
-            summary: "Where the first centres come from.",
-            kind: Kind::Union(&INITIAL),
-            presence: Presence::Default(r#"{"from":"predictions"}"#),
-        },
-        Field {
-            name: "fuzzifier",
-            summary: "q: the larger, the fuzzier.",
-            kind: Kind::Number { min: Bound::Excluding(1.0), max: Bound::Including(100.0), unit: "" },
-            presence: Presence::Default("2.0"),
-        },
-        Field {
-            name: "tolerance",
-            summary: "The search is at rest when no membership changes by more.",
-            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Excluding(1.0), unit: "" },
-            presence: Presence::Default("1e-4"),
-        },
+        default("initial", "Where the first centres come from.", Kind::Union(&INITIAL), r#"{"from":"predictions"}"#),
+        default(
+            "fuzzifier",
+            "q: the larger, the fuzzier.",
+            Kind::Number { min: Bound::Excluding(1.0), max: Bound::Including(100.0), unit: "" },
+            "2.0",
+        ),
+        default(
+            "tolerance",
+            "The search is at rest when no membership changes by more.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Excluding(1.0), unit: "" },
+            "1e-4",
+        ),
         super::MAX_ITERATIONS,
         super::ONE_PER_SENSOR,
-        Field {
-            name: "trace",
-            summary: "Whether to keep costs, centres and memberships of every iteration for a file.",
-            kind: Kind::Flag,
-            presence: Presence::Default("false"),
-        },
+        default("trace", "Whether to keep costs, centres and memberships of every iteration for a file.", Kind::Flag, "false"),
     ],
 };
 
@@ -92,37 +82,16 @@ static GENETIC: Object = Object {
     summary: "The best of a population of centres, each driven to its optimum before it is crossed and mutated. The cost is (generations + 1) · population runs.",
     fields: &[
         CLUSTERS,
-        Field {
-            name: "population",
-            summary: "Individuals.",
-            kind: Kind::Integer { min: 2, max: 1000, unit: "" },
-            presence: Presence::Default("10"),
-        },
-        Field {
-            name: "generations",
-            summary: "Generations after the first population.",
-            kind: Kind::Integer { min: 0, max: 1000, unit: "" },
-            presence: Presence::Default("10"),
-        },
-        Field {
-            name: "crossover_rate",
-            summary: "Probability that a child has two parents.",
-            kind: SHARE,
-            presence: Presence::Default("0.8"),
-        },
-        Field {
-            name: "mutation_rate",
-            summary: "Probability that a centre of a child becomes a random report.",
-            kind: SHARE,
-            presence: Presence::Default("0.15"),
-        },
+        default("population", "Individuals.", Kind::Integer { min: 2, max: 1000, unit: "" }, "10"),
+        default("generations", "Generations after the first population.", Kind::Integer { min: 0, max: 1000, unit: "" }, "10"),
+        default("crossover_rate", "Probability that a child has two parents.", SHARE, "0.8"),
+        default("mutation_rate", "Probability that a centre of a child becomes a random report.", SHARE, "0.15"),
     ],
 };
 
 const SHARE: Kind = Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1.0), unit: "" };
 
-const CLUSTERS: Field =
-    Field { name: "clusters", summary: "c, the number of clusters.", kind: Kind::Union(&CLUSTER_COUNT), presence: Presence::Required };
+const CLUSTERS: Field = required("clusters", "c, the number of clusters.", Kind::Union(&CLUSTER_COUNT));
 
 static CLUSTER_COUNT: Union = Union {
     name: "ClusterCount",
@@ -131,24 +100,20 @@ static CLUSTER_COUNT: Union = Union {
     variants: || vec![Variant { tag: "count", object: &COUNT }, Variant { tag: "validity", object: &VALIDITY }],
 };
 
-static COUNT: Object = Object {
-    name: "GivenClusterCount",
-    summary: "It is given.",
-    fields: &[Field { name: "count", summary: "c.", kind: NUMBER, presence: Presence::Required }],
-};
+static COUNT: Object = Object { name: "GivenClusterCount", summary: "It is given.", fields: &[required("count", "c.", NUMBER)] };
 
 static VALIDITY: Object = Object {
     name: "ValidClusterCount",
     summary: "Fuzzy c-means runs for each number of a range; the one with the best validity index stays.",
     fields: &[
-        Field {
-            name: "index",
-            summary: "xie_beni: compact clusters far apart; partition_coefficient: memberships near 0 or 1.",
-            kind: Kind::Choice(&["xie_beni", "partition_coefficient"]),
-            presence: Presence::Default("\"xie_beni\""),
-        },
-        Field { name: "min", summary: "Smallest c.", kind: NUMBER, presence: Presence::Default("2") },
-        Field { name: "max", summary: "Largest c.", kind: NUMBER, presence: Presence::Required },
+        default(
+            "index",
+            "xie_beni: compact clusters far apart; partition_coefficient: memberships near 0 or 1.",
+            Kind::Choice(&["xie_beni", "partition_coefficient"]),
+            "\"xie_beni\"",
+        ),
+        default("min", "Smallest c.", NUMBER, "2"),
+        required("max", "Largest c.", NUMBER),
     ],
 };
 

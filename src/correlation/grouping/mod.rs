@@ -6,7 +6,7 @@
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
 use crate::model::state::{Position, PositionCovariance};
-use crate::registry::{Field, Kind, Method, Presence, Union};
+use crate::registry::{Field, Kind, Method, Union, default};
 
 mod closest_pairs;
 pub mod constrained_hard_c_means;
@@ -104,19 +104,14 @@ pub static GROUPER: Union = Union {
     variants: || GROUPERS.iter().map(Method::variant).collect(),
 };
 
-const ONE_PER_SENSOR: Field = Field {
-    name: "one_per_sensor",
-    summary: "Whether a group has at most one report of each sensor.",
-    kind: Kind::Flag,
-    presence: Presence::Default("false"),
-};
+const ONE_PER_SENSOR: Field = default("one_per_sensor", "Whether a group has at most one report of each sensor.", Kind::Flag, "false");
 
-const MAX_ITERATIONS: Field = Field {
-    name: "max_iterations",
-    summary: "Iterations after which the search ends, at rest or not.",
-    kind: Kind::Integer { min: 1, max: 10_000, unit: "" },
-    presence: Presence::Default("100"),
-};
+const MAX_ITERATIONS: Field = default(
+    "max_iterations",
+    "Iterations after which the search ends, at rest or not.",
+    Kind::Integer { min: 1, max: 10_000, unit: "" },
+    "100",
+);
 
 /// The reports of each sensor, by their places in the list.
 fn by_sensor(reports: &[Report]) -> impl Iterator<Item = std::ops::Range<usize>> {

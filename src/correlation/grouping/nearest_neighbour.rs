@@ -19,7 +19,7 @@ use super::information::squared_distance;
 use super::{BuildGrouper, Grouper, Grouping, Snapshot, by_sensor};
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
-use crate::registry::{Bound, Field, Kind, Method, Object, Presence};
+use crate::registry::{Bound, Kind, Method, Object, optional};
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -29,12 +29,7 @@ static PARAMETERS: Object = Object {
     name: "NearestNeighbourGrouper",
     summary: "Each report goes to the nearest prediction within the gate, or is a group of its own.",
     fields: &[
-        Field {
-            name: "gate_sigmas",
-            summary: "Largest distance of a report from its prediction, in σ; without a gate when absent.",
-            kind: SIGMAS,
-            presence: Presence::Optional,
-        },
+        optional("gate_sigmas", "Largest distance of a report from its prediction, in σ; without a gate when absent.", SIGMAS),
         super::ONE_PER_SENSOR,
     ],
 };

@@ -21,7 +21,7 @@ use super::nearest_neighbour::SIGMAS;
 use super::{BuildGrouper, Grouper, Grouping, Place, Report, Snapshot, by_sensor};
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
-use crate::registry::{Field, Method, Object, Presence};
+use crate::registry::{Method, Object, default};
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -30,15 +30,7 @@ pub const METHOD: Method<BuildGrouper> = Method { name: "sequential_nearest_neig
 static PARAMETERS: Object = Object {
     name: "SequentialNearestNeighbourGrouper",
     summary: "Sensor by sensor, without tracks: each report joins the nearest group of the sensors before, or founds one.",
-    fields: &[
-        Field {
-            name: "gate_sigmas",
-            summary: "Largest distance of a report from a group, in σ.",
-            kind: SIGMAS,
-            presence: Presence::Default("4.0"),
-        },
-        super::ONE_PER_SENSOR,
-    ],
+    fields: &[default("gate_sigmas", "Largest distance of a report from a group, in σ.", SIGMAS, "4.0"), super::ONE_PER_SENSOR],
 };
 
 fn build(parameters: &Value, _: Seed) -> Result<Box<dyn Grouper>, serde_json::Error> {

@@ -18,7 +18,7 @@
 
 use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence};
 use crate::evaluation::comparison::{Comparison, Shape, Step};
-use crate::registry::{Bound, Field, Kind, Method, Object, Presence};
+use crate::registry::{Bound, Kind, Method, Object, optional};
 use serde::Deserialize;
 use serde_json::json;
 
@@ -28,12 +28,11 @@ pub const METHOD: Method<BuildMetric> =
 static PARAMETERS: Object = Object {
     name: "AssignmentMetrics",
     summary: "Establishment and breaks of each truth; swaps, divergence, redundancy and falsehood of each track.",
-    fields: &[Field {
-        name: "divergence_gate",
-        summary: "A track keeps its truth up to this distance (m, or 1 - intersection over union of boxes); default: the gate.",
-        kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::None, unit: "" },
-        presence: Presence::Optional,
-    }],
+    fields: &[optional(
+        "divergence_gate",
+        "A track keeps its truth up to this distance (m, or 1 - intersection over union of boxes); default: the gate.",
+        Kind::Number { min: Bound::Excluding(0.0), max: Bound::None, unit: "" },
+    )],
 };
 
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]

@@ -19,7 +19,7 @@
 use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence};
 use crate::evaluation::comparison::Shape;
 use crate::evaluation::events::EventKind;
-use crate::registry::{Field, Kind, Method, Object, Presence};
+use crate::registry::{Kind, Method, Object, default};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
@@ -29,12 +29,12 @@ pub const METHOD: Method<BuildMetric> =
 static PARAMETERS: Object = Object {
     name: "Clear",
     summary: "MOTA and its parts: misses, false positives, identity switches, fragmentation, mostly tracked and mostly lost.",
-    fields: &[Field {
-        name: "mostly_tracked",
-        summary: "at_least: a truth matched at exactly 80 % of its steps is mostly tracked; above: it is not.",
-        kind: Kind::Choice(&["at_least", "above"]),
-        presence: Presence::Default("\"at_least\""),
-    }],
+    fields: &[default(
+        "mostly_tracked",
+        "at_least: a truth matched at exactly 80 % of its steps is mostly tracked; above: it is not.",
+        Kind::Choice(&["at_least", "above"]),
+        "\"at_least\"",
+    )],
 };
 
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]

@@ -9,25 +9,20 @@
 
 use crate::evaluation::comparison::{Comparison, Pair, Step};
 use crate::math::assignment::AssignmentSolver;
-use crate::registry::{Bound, Field, Kind, Presence};
+use crate::registry::{Bound, Field, Kind, default};
 use serde::Deserialize;
 
 /// Distances of targets, from a millimetre to ten thousand kilometres: no power of them overflows.
 pub const METRES: Kind = Kind::Number { min: Bound::Including(1e-3), max: Bound::Including(1e7), unit: "m" };
 
-pub const CUTOFF_M: Field = Field {
-    name: "cutoff_m",
-    summary: "The distance c at which a track is as bad as none.",
-    kind: METRES,
-    presence: Presence::Default("100.0"),
-};
+pub const CUTOFF_M: Field = default("cutoff_m", "The distance c at which a track is as bad as none.", METRES, "100.0");
 
-pub const ORDER: Field = Field {
-    name: "p",
-    summary: "The order: the larger, the more one large error counts against many small ones.",
-    kind: Kind::Number { min: Bound::Including(1.0), max: Bound::Including(10.0), unit: "" },
-    presence: Presence::Default("2.0"),
-};
+pub const ORDER: Field = default(
+    "p",
+    "The order: the larger, the more one large error counts against many small ones.",
+    Kind::Number { min: Bound::Including(1.0), max: Bound::Including(10.0), unit: "" },
+    "2.0",
+);
 
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub struct Cutoff {

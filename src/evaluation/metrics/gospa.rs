@@ -18,7 +18,7 @@
 use super::cutoff::{CUTOFF_M, Cutoff, Matcher, ORDER};
 use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence, Series};
 use crate::evaluation::comparison::{Comparison, Shape, Step};
-use crate::registry::{Bound, Field, Kind, Method, Object, Presence};
+use crate::registry::{Bound, Kind, Method, Object, default};
 use serde::Deserialize;
 use serde_json::json;
 
@@ -31,12 +31,12 @@ static PARAMETERS: Object = Object {
     fields: &[
         CUTOFF_M,
         ORDER,
-        Field {
-            name: "switch_penalty_m",
-            summary: "What a truth's change of track costs at a step; 0 leaves changes out.",
-            kind: Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e7), unit: "m" },
-            presence: Presence::Default("0.0"),
-        },
+        default(
+            "switch_penalty_m",
+            "What a truth's change of track costs at a step; 0 leaves changes out.",
+            Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e7), unit: "m" },
+            "0.0",
+        ),
     ],
 };
 

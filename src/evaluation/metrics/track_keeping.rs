@@ -22,7 +22,7 @@ use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence, Series}
 use crate::evaluation::comparison::{Comparison, Presence, Shape, Step};
 use crate::model::sensor::SensorSettings;
 use crate::model::state::Position;
-use crate::registry::{self, Bound, Field, Kind, Method, Object};
+use crate::registry::{Bound, Field, Kind, Method, Object, default, optional};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -34,21 +34,20 @@ static PARAMETERS: Object = Object {
     name: "TrackKeeping",
     summary: "Whether each track stays with the target whose name it carries: tracks that began at the truth, places or directions.",
     fields: &[
-        Field {
-            name: "sigma",
-            summary: "Standard deviation of a measurement, in degrees of directions, else in metres; that of the sensors when absent (the largest, of bearings or of x and y).",
-            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "deg or m" },
-            presence: registry::Presence::Optional,
-        },
+        optional(
+            "sigma",
+            "Standard deviation of a measurement, in degrees of directions, else in metres; that of the sensors when absent (the largest, of bearings or of x and y).",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "deg or m" },
+        ),
         factor("apart_sigmas", "Beyond this many sigmas from all others a target must be the nearest one to its track.", "6.0"),
         factor("lost_sigmas", "An error of more sigmas than this has lost the target.", "10.0"),
         factor("stay_sigmas", "The largest error, in sigmas, of a track that stays with its target.", "5.0"),
     ],
 };
 
-const fn factor(name: &'static str, summary: &'static str, default: &'static str) -> Field {
+const fn factor(name: &'static str, summary: &'static str, value: &'static str) -> Field {
     let kind = Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "" };
-    Field { name, summary, kind, presence: registry::Presence::Default(default) }
+    default(name, summary, kind, value)
 }
 
 #[derive(Deserialize)]

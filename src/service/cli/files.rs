@@ -9,7 +9,7 @@ use crate::formats::npy::BearingTimeAxes;
 use crate::formats::{self, ReadOptions};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
-use crate::registry::{self, Field, Kind, Object, Presence};
+use crate::registry::{self, Kind, Object, optional, required};
 use crate::service::storage::blobs::sha256_hex;
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -43,27 +43,12 @@ static FILE_SOURCE: Object = Object {
     name: "FileSource",
     summary: "A file, relative to the job file.",
     fields: &[
-        Field { name: "source", summary: "file", kind: Kind::Choice(&["file"]), presence: Presence::Required },
-        Field { name: "path", summary: "Where the file is.", kind: TEXT, presence: Presence::Required },
-        Field { name: "format", summary: "Its format; told from the file when absent.", kind: TEXT, presence: Presence::Optional },
-        Field {
-            name: "columns",
-            summary: "The file's column name to the canonical one.",
-            kind: Kind::TextMap { max_entries: 64, max_length: 100 },
-            presence: Presence::Optional,
-        },
-        Field {
-            name: "bearing_time",
-            summary: "The axes of a bearing-time record whose file does not have them.",
-            kind: Kind::Object(&formats::npy::AXES),
-            presence: Presence::Optional,
-        },
-        Field {
-            name: "sensor_ids",
-            summary: "Only these sensors.",
-            kind: Kind::List { item: &TEXT, min: 1, max: 64 },
-            presence: Presence::Optional,
-        },
+        required("source", "file", Kind::Choice(&["file"])),
+        required("path", "Where the file is.", TEXT),
+        optional("format", "Its format; told from the file when absent.", TEXT),
+        optional("columns", "The file's column name to the canonical one.", Kind::TextMap { max_entries: 64, max_length: 100 }),
+        optional("bearing_time", "The axes of a bearing-time record whose file does not have them.", Kind::Object(&formats::npy::AXES)),
+        optional("sensor_ids", "Only these sensors.", Kind::List { item: &TEXT, min: 1, max: 64 }),
     ],
 };
 

@@ -8,7 +8,7 @@ use crate::formats::{self, FORMATS};
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
-use crate::registry::{Field, Kind, Object, Presence};
+use crate::registry::{Kind, Object, optional};
 use crate::service::error::ApiError;
 use crate::service::jobs::{DatasetMeta, ReceivedFile};
 use crate::service::storage::blobs::hex;
@@ -32,10 +32,6 @@ const FORMAT_NAMES: [&str; FORMATS.len()] = {
     }
     names
 };
-
-const fn optional(name: &'static str, summary: &'static str, kind: Kind) -> Field {
-    Field { name, summary, kind, presence: Presence::Optional }
-}
 
 /// The part `meta` of an upload.
 pub static META: Object = Object {

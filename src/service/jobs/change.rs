@@ -3,7 +3,7 @@
 use super::control::Stop;
 use super::datasets::listed;
 use super::{Inner, JobPatch, JobsError};
-use crate::registry::{self, Field, Kind, Object, Presence};
+use crate::registry::{self, Kind, Object, optional};
 use crate::service::storage::{Cancellation, Changed, Deletion};
 use crate::service::types::Job;
 use serde_json::{Map, json};
@@ -14,18 +14,8 @@ pub static JOB_PATCH: Object = Object {
     name: "JobPatch",
     summary: "What to change of a job; absent members stay as they are.",
     fields: &[
-        Field {
-            name: "name",
-            summary: "A name for people; an empty one removes it.",
-            kind: Kind::Text { max_length: 100 },
-            presence: Presence::Optional,
-        },
-        Field {
-            name: "labels",
-            summary: "All labels from now on.",
-            kind: Kind::TextMap { max_entries: 32, max_length: 100 },
-            presence: Presence::Optional,
-        },
+        optional("name", "A name for people; an empty one removes it.", Kind::Text { max_length: 100 }),
+        optional("labels", "All labels from now on.", Kind::TextMap { max_entries: 32, max_length: 100 }),
     ],
 };
 

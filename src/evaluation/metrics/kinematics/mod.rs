@@ -22,7 +22,7 @@ use crate::evaluation::comparison::{Presence, Shape};
 use crate::evaluation::events::EventKind;
 use crate::model::state::Position;
 use crate::model::track::TrackPoint;
-use crate::registry::{self, Bound, Field, Kind, Method, Object};
+use crate::registry::{Bound, Kind, Method, Object, default};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -33,18 +33,18 @@ static PARAMETERS: Object = Object {
     name: "Kinematics",
     summary: "Errors of position and velocity, along and across the course, and their consistency with the covariances.",
     fields: &[
-        Field {
-            name: "confidence",
-            summary: "Probability with which a consistent filter lies within the chi-square bounds.",
-            kind: Kind::Number { min: Bound::Including(0.5), max: Bound::Including(0.9999), unit: "" },
-            presence: registry::Presence::Default("0.95"),
-        },
-        Field {
-            name: "measurement_dimensions",
-            summary: "How many numbers a measurement has, for the bounds of the NIS: 1 of bearings alone, 2 of positions.",
-            kind: Kind::Integer { min: 1, max: 6, unit: "" },
-            presence: registry::Presence::Default("2"),
-        },
+        default(
+            "confidence",
+            "Probability with which a consistent filter lies within the chi-square bounds.",
+            Kind::Number { min: Bound::Including(0.5), max: Bound::Including(0.9999), unit: "" },
+            "0.95",
+        ),
+        default(
+            "measurement_dimensions",
+            "How many numbers a measurement has, for the bounds of the NIS: 1 of bearings alone, 2 of positions.",
+            Kind::Integer { min: 1, max: 6, unit: "" },
+            "2",
+        ),
     ],
 };
 

@@ -22,7 +22,7 @@ use self::following::{Following, follow};
 use self::numbers::{Numbers, numbers};
 use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence, Series};
 use crate::evaluation::comparison::{Comparison, Presence, Shape, Step};
-use crate::registry::{self, Field, Kind, Method, Object};
+use crate::registry::{Kind, Method, Object, default};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -33,24 +33,24 @@ static PARAMETERS: Object = Object {
     name: "Siap",
     summary: "Completeness, ambiguity, spuriousness, accuracy and continuity of the picture.",
     fields: &[
-        Field {
-            name: "confirm_steps",
-            summary: "Steps in a row in which a target must be a track's nearest within the gate, for the track to follow it.",
-            kind: Kind::Integer { min: 1, max: 1000, unit: "" },
-            presence: registry::Presence::Default("3"),
-        },
-        Field {
-            name: "end_steps",
-            summary: "Steps in a row in which it is not, for the track to follow it no longer.",
-            kind: Kind::Integer { min: 1, max: 1000, unit: "" },
-            presence: registry::Presence::Default("2"),
-        },
-        Field {
-            name: "siap_compat",
-            summary: "none: distances up to the gate match, segments are unbroken. stonesoup: counts as Stone Soup does.",
-            kind: Kind::Choice(&["none", "stonesoup"]),
-            presence: registry::Presence::Default("\"none\""),
-        },
+        default(
+            "confirm_steps",
+            "Steps in a row in which a target must be a track's nearest within the gate, for the track to follow it.",
+            Kind::Integer { min: 1, max: 1000, unit: "" },
+            "3",
+        ),
+        default(
+            "end_steps",
+            "Steps in a row in which it is not, for the track to follow it no longer.",
+            Kind::Integer { min: 1, max: 1000, unit: "" },
+            "2",
+        ),
+        default(
+            "siap_compat",
+            "none: distances up to the gate match, segments are unbroken. stonesoup: counts as Stone Soup does.",
+            Kind::Choice(&["none", "stonesoup"]),
+            "\"none\"",
+        ),
     ],
 };
 

@@ -23,7 +23,7 @@ use self::problem::{Tally, clusters};
 use super::cutoff::{CUTOFF_M, Cutoff, ORDER};
 use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence};
 use crate::evaluation::comparison::{Comparison, Shape};
-use crate::registry::{Bound, Field, Kind, Method, Object, Presence};
+use crate::registry::{Bound, Kind, Method, Object, default};
 use serde::Deserialize;
 use serde_json::json;
 
@@ -36,12 +36,12 @@ static PARAMETERS: Object = Object {
     fields: &[
         CUTOFF_M,
         ORDER,
-        Field {
-            name: "switch_penalty_m",
-            summary: "The penalty gamma of a truth's change of track.",
-            kind: Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e7), unit: "m" },
-            presence: Presence::Default("20.0"),
-        },
+        default(
+            "switch_penalty_m",
+            "The penalty gamma of a truth's change of track.",
+            Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e7), unit: "m" },
+            "20.0",
+        ),
     ],
 };
 

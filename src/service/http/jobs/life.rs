@@ -6,7 +6,7 @@ use super::super::headers::preferred_wait;
 use super::super::query::NoParams;
 use super::super::state::AppState;
 use super::create::answer;
-use crate::registry::{Field, Kind, Object, Presence};
+use crate::registry::{Kind, Object, optional};
 use crate::service::error::ApiResult;
 use crate::service::jobs::JobPatch;
 use crate::service::types::Job;
@@ -28,18 +28,8 @@ pub static PATCH: Object = Object {
     name: "JobPatch",
     summary: "What to change of a job; absent members stay.",
     fields: &[
-        Field {
-            name: "name",
-            summary: "The name from now on; an empty one removes it.",
-            kind: Kind::Text { max_length: 100 },
-            presence: Presence::Optional,
-        },
-        Field {
-            name: "labels",
-            summary: "All labels from now on.",
-            kind: Kind::TextMap { max_entries: 32, max_length: 100 },
-            presence: Presence::Optional,
-        },
+        optional("name", "The name from now on; an empty one removes it.", Kind::Text { max_length: 100 }),
+        optional("labels", "All labels from now on.", Kind::TextMap { max_entries: 32, max_length: 100 }),
     ],
 };
 
