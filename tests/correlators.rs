@@ -6,6 +6,9 @@ mod random_tracks;
 
 use random_tracks::Scene;
 use serde_json::{Value, json};
+use std::sync::Arc;
+use trackloom::correlation::estimates::Estimates;
+use trackloom::correlation::evidence::{Evidence, Times};
 use trackloom::correlation::problem::Problem;
 use trackloom::correlation::{CORRELATORS, Solution};
 use trackloom::math::rng::Seed;
@@ -123,12 +126,18 @@ fn the_papers_variant_finds_most_optima_of_three_by_ten() {
     assert!((0.0..0.5).contains(&mean), "a mean gap of {mean}");
 }
 
+/// Tracks that say nothing.
+fn silent(counts: &[usize]) -> Evidence {
+    let named = counts.iter().map(|&count| (String::new(), vec![String::new(); count])).collect();
+    Evidence { estimates: Arc::new(Estimates::new(named, vec![0.0], false)), cross: None, times: Times::All, until: 1 }
+}
+
 #[test]
 fn problems_without_links_tracks_or_rivals_have_answers() {
     use trackloom::correlation::problem::Costs;
     for entry in CORRELATORS {
         for counts in [&[][..], &[0, 0], &[3], &[2, 0, 1]] {
-            let problem = Problem::new(counts, &[], Costs::AllPairs);
+            let problem = Problem::new(counts, &[], Costs::AllPairs).with_evidence(silent(counts));
             let solution = solved(entry.name, json!({}), &problem);
             check(&problem, &solution);
             assert_eq!((solution.cost, solution.tuples.len()), (0.0, problem.tracks()), "{} {counts:?}", entry.name);

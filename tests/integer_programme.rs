@@ -61,7 +61,7 @@ fn solved(method: &str, problem: &Problem) -> Solution {
 #[test]
 fn the_optimum_is_that_of_an_integer_programme() {
     let mut compared = [0; 3];
-    for number in 0..150 {
+    for number in 0..200 {
         for (kind, problem) in [SCENE.chain(number), SCENE.all_pairs(number), SCENE.fused(number)].into_iter().enumerate() {
             let Some(least) = least_cost(&problem) else { continue };
             let exact = solved("exact", &problem);

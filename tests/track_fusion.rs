@@ -110,7 +110,11 @@ fn system_tracks_have_the_times_of_any_member() {
     }
     let evidence = Evidence { estimates: Arc::new(estimates), cross: None, times: Times::All, until: 3 };
     let tracks = system_tracks(&evidence, &[vec![0, 1], vec![2]], &*fusion("weighted")).tracks;
-    let x_m = |track: &Track| track.points.iter().map(|point| (point.time_s, point.estimate.plane().unwrap().state[0])).collect::<Vec<_>>();
+    let rounded = |x_m: f64| (x_m * 1e9).round() / 1e9;
+    let x_m = |track: &Track| {
+        let points = track.points.iter().map(|point| (point.time_s, rounded(point.estimate.plane().unwrap().state[0])));
+        points.collect::<Vec<_>>()
+    };
     assert_eq!((x_m(&tracks[0]), x_m(&tracks[1])), (vec![(0.0, 0.0), (1.0, 1.0)], vec![(2.0, 7.0)]));
     assert_eq!(tracks.iter().map(|track| &*track.track_id).collect::<Vec<_>>(), ["1", "2"]);
 }
@@ -185,5 +189,5 @@ fn the_recursion_finds_what_two_filters_have_in_common() {
         assert!(difference < 1e-8 * expected.abs().max().max(1.0), "at {time}: {difference}");
     }
     // It settles far from nothing: the filters meet the same manoeuvres.
-    assert!(expected[TIMES - 1][(0, 0)] > 5.0, "{}", expected[TIMES - 1]);
+    assert!(expected[TIMES - 1][(0, 0)] > 3.0, "{}", expected[TIMES - 1]);
 }

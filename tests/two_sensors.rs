@@ -9,11 +9,23 @@ use trackloom::experiment::observer::Silent;
 use trackloom::experiment::plan::{self, JobKind};
 use trackloom::experiment::run::{self, Input, Outcome};
 use trackloom::formats::{ReadOptions, format_named};
-use trackloom::model::dataset::DatasetKind;
+use trackloom::model::dataset::{Dataset, DatasetKind};
 
 const DOCUMENT: &str = "docs/correlation.md";
 const BEGIN: &str = "<!-- the table below is written by tests/two_sensors.rs -->\n";
 const END: &str = "<!-- end of the table -->\n";
+
+/// The detections of some sensors.
+fn detections(sensor_ids: &[&str]) -> Option<Input> {
+    let input = recording("detections.json", DatasetKind::Detections)?;
+    let Dataset::Detections(recording) = input.dataset else { panic!("detections") };
+    let sensor_ids: Vec<String> = sensor_ids.iter().map(|name| (*name).to_owned()).collect();
+    Some(Input { dataset: Dataset::Detections(recording.only_sensors(&sensor_ids).unwrap()), sensors: input.sensors, sha256: input.sha256 })
+}
+
+fn truth() -> Option<Input> {
+    recording("groundTruth.json", DatasetKind::Truth)
+}
 
 fn recording(name: &str, kind: DatasetKind) -> Option<Input> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/data/autoferry-scenario2").join(name);
@@ -77,11 +89,7 @@ fn fused(fusion: &str) -> (Option<Input>, Value) {
     body["statistic"] = json!({"kind": "chain", "k": "latest", "alpha": 1e-4});
     body["correlator"] = json!({"method": "genetic"});
     body["fusion"] = json!({"method": fusion});
-    let outcome = done(
-        JobKind::Correlate,
-        &body,
-        vec![recording("detections.json", DatasetKind::Detections), recording("groundTruth.json", DatasetKind::Truth)],
-    );
+    let outcome = done(JobKind::Correlate, &body, vec![detections(&["radar", "lidar"]), truth()]);
     let file = outcome.artifacts.iter().find(|file| file.name == "system_tracks.csv").unwrap();
     let read = (format_named("csv").unwrap().read)(&mut file.bytes.as_slice(), &ReadOptions::default()).unwrap();
     (Some(Input { dataset: read.dataset, sensors: Vec::new(), sha256: String::new() }), outcome.result)
@@ -89,14 +97,13 @@ fn fused(fusion: &str) -> (Option<Input>, Value) {
 
 #[test]
 fn explore() {
-    let inputs = || vec![recording("detections.json", DatasetKind::Detections), recording("groundTruth.json", DatasetKind::Truth)];
     for sensor in ["radar", "lidar"] {
-        print!("{}", line(sensor, &judged(tracked(&[sensor]), inputs())));
+        print!("{}", line(sensor, &judged(tracked(&[sensor]), vec![detections(&[sensor]), truth()])));
     }
     for fusion in ["weighted", "covariance_intersection", "best_sensor"] {
         let (tracks, result) = fused(fusion);
         println!("{} {}", result["counts"], result["truth"]);
         let body = json!({"truth": dataset("truth"), "tracks": dataset("tracks")});
-        print!("{}", line(fusion, &judged(body, vec![recording("groundTruth.json", DatasetKind::Truth), tracks])));
+        print!("{}", line(fusion, &judged(body, vec![tracks, truth()])));
     }
 }

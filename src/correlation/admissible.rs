@@ -2,7 +2,8 @@
 //!
 //! # Method
 //! In a chain a row of tracks is cut wherever the link of neighbours is missing or costs more than nothing. Otherwise its tracks,
-//! in the order of their sensors, each join the tuple of the row whose cost they lower most, or begin one.
+//! in the order of their sensors, each join the tuple of the row whose cost they lower most, or begin one. A joint cost may be such
+//! that no track by itself lowers it, but all together do: there the whole row stays one tuple where that costs less.
 
 use super::problem::{Costs, Problem};
 
@@ -55,7 +56,12 @@ fn split(problem: &Problem, row: &[u32], show: &mut impl FnMut(&[u32], f64)) {
             (_, None) => tuples.push((vec![track], 0.0)),
         }
     }
-    tuples.iter().for_each(|(tuple, cost)| show(tuple, *cost));
+    let sum: f64 = tuples.iter().map(|(_, cost)| cost).sum();
+    let whole = if let Costs::Joint(_) = problem.costs { problem.cost(row).filter(|cost| *cost < sum) } else { None };
+    match whole {
+        Some(cost) => show(row, cost),
+        None => tuples.iter().for_each(|(tuple, cost)| show(tuple, *cost)),
+    }
 }
 
 /// What a track of a later sensor adds to the cost of a tuple, where it may join.

@@ -85,17 +85,17 @@ impl Lagrangian {
 
     /// From an answer at rest under local search.
     fn solve(&self, cluster: &Cluster, start: Partition, improver: &mut Improver) -> (Partition, Option<Relaxation>) {
-        let Some((relaxation, tuples)) = self.relaxed(cluster, &start) else { return (start, None) };
-        let recovered = recovered(cluster, &tuples, &relaxation.multipliers, improver);
+        let Some(relaxation) = self.relaxed(cluster, &start) else { return (start, None) };
+        let recovered = recovered(cluster, &relaxation, improver);
         (if recovered.cost() < start.cost() { recovered } else { start }, Some(relaxation))
     }
 }
 
 impl Lagrangian {
     /// Step 1.
-    fn relaxed(&self, cluster: &Cluster, start: &Partition) -> Option<(Relaxation, Vec<Vec<Tuple>>)> {
+    fn relaxed(&self, cluster: &Cluster, start: &Partition) -> Option<Relaxation> {
         match listed(cluster, &mut self.max_nodes.min(MAX_LISTED)) {
-            Ok(tuples) => Some((relaxed(&tuples, start.cost(), self.rounds), tuples)),
+            Ok(tuples) => Some(relaxed(&tuples, start.cost(), self.rounds)),
             Err(TooLarge) if cluster.is_pairwise() => priced(cluster, start, self.max_nodes),
             Err(TooLarge) => None,
         }
@@ -103,9 +103,10 @@ impl Lagrangian {
 }
 
 /// Step 2.
-fn recovered(cluster: &Cluster, tuples: &[Vec<Tuple>], multipliers: &[f64], improver: &mut Improver) -> Partition {
-    let reduced = |tuple: &Tuple| tuple.cost - tuple.members.iter().map(|&member| multipliers[member as usize]).sum::<f64>();
-    let mut order: Vec<(f64, &Tuple)> = tuples.iter().flatten().map(|tuple| (reduced(tuple), tuple)).collect();
+fn recovered(cluster: &Cluster, relaxation: &Relaxation, improver: &mut Improver) -> Partition {
+    let price = |&member: &u32| relaxation.multipliers[member as usize];
+    let reduced = |tuple: &Tuple| tuple.cost - tuple.members.iter().map(price).sum::<f64>();
+    let mut order: Vec<(f64, &Tuple)> = relaxation.tuples.iter().flatten().map(|tuple| (reduced(tuple), tuple)).collect();
     order.sort_by(|left, right| left.0.total_cmp(&right.0));
     let mut is_free = vec![true; cluster.len()];
     let mut taken: Vec<&[u32]> = Vec::new();

@@ -16,7 +16,7 @@
 
 use super::cluster::{Cluster, Edge};
 use super::partition::Partition;
-use super::tuples::{Relaxation, TooLarge, Tuple, relaxed_from};
+use super::tuples::{Relaxation, TooLarge, Tuple, better_prices};
 
 /// Subgradient steps on the tuples known, from one search to the next.
 const STEPS: usize = 150;
@@ -27,14 +27,14 @@ const SEARCHES: usize = 30;
 /// Above this r(T) is not negative but rounded.
 const ROUNDING: f64 = -1e-9;
 
-/// Prices with their bound, and the tuples that were found, by lowest member. `nodes` is what may be looked at; `None` where they do
-/// not suffice for a bound.
-pub(super) fn priced(cluster: &Cluster, known: &Partition, mut nodes: u64) -> Option<(Relaxation, Vec<Vec<Tuple>>)> {
+/// Prices with their bound, and the tuples that were found. `nodes` is what may be looked at; `None` where they do not suffice for a
+/// bound.
+pub(super) fn priced(cluster: &Cluster, known: &Partition, mut nodes: u64) -> Option<Relaxation> {
     let mut search = Search::new(cluster, shared(cluster, known));
     let mut tuples: Vec<Vec<Tuple>> = (0..cluster.len()).map(|_| Vec::new()).collect();
     known.tuples().filter(|tuple| tuple.len() > 1).for_each(|members| add(cluster, &members, &mut tuples));
     let known = known.cost();
-    let mut found = Relaxation { bound: f64::NEG_INFINITY, multipliers: search.prices.clone(), bounds: Vec::new() };
+    let mut found = Relaxation { bound: f64::NEG_INFINITY, multipliers: search.prices.clone(), bounds: Vec::new(), tuples: Vec::new() };
     while found.bounds.len() < SEARCHES && known - found.bound > 1e-9 * known.abs() {
         let Ok(value) = search.find(&mut nodes, &mut tuples) else { break };
         found.bounds.push(value);
@@ -42,9 +42,9 @@ pub(super) fn priced(cluster: &Cluster, known: &Partition, mut nodes: u64) -> Op
             found.bound = value;
             found.multipliers.copy_from_slice(&search.prices);
         }
-        search.prices = relaxed_from(search.prices.clone(), &tuples, known, STEPS).multipliers;
+        search.prices = better_prices(search.prices.clone(), &tuples, known, STEPS);
     }
-    (found.bound > f64::NEG_INFINITY).then_some((found, tuples))
+    (found.bound > f64::NEG_INFINITY).then_some(Relaxation { tuples, ..found })
 }
 
 /// Puts a tuple among those known, unless it is there.

@@ -20,8 +20,8 @@
 //!    often each track is taken, n(t), and step: u(t) += θ (known − L) / Σ (1 − n)² · (1 − n(t)), at most 0. θ begins at 1 and is
 //!    halved when ten rounds have brought nothing. The best L counts. A tuple with L + r(T) ≥ known is in no answer that costs
 //!    less than the one known, and is looked at no more: the best L bounds what undercuts that.
-//! 4. The u of the best L, lowered until no r(T) is negative and then raised track by track as far as it goes, are prices
-//!    whose sum over any set of tracks bounds what that set can cost.
+//! 4. The u of the best L, each lowered by its r*(t), so that no r(T) is negative, and then raised track by track as far as it
+//!    goes, are prices whose sum over any set of tracks bounds what that set can cost.
 
 use super::cluster::{Cluster, NONE};
 
@@ -143,19 +143,27 @@ pub(super) struct Relaxation {
     pub(super) multipliers: Vec<f64>,
     /// L round by round, the first included.
     pub(super) bounds: Vec<f64>,
+    /// The tuples that may be in an answer better than the one known, by lowest member, the cheapest first.
+    pub(super) tuples: Vec<Vec<Tuple>>,
 }
 
 /// Steps 2 and 3; `known` is what some division costs. It ends after `rounds`, or where L has reached `known`.
 pub(super) fn relaxed(tuples: &[Vec<Tuple>], known: f64, rounds: usize) -> Relaxation {
-    relaxed_from(shares(tuples), tuples, known, rounds)
+    let mut open = Open::new(tuples);
+    let found = improved(shares(tuples), &mut open, known, rounds);
+    Relaxation { tuples: open.listed(tuples.len()), ..found }
 }
 
-/// The same from other prices.
-pub(super) fn relaxed_from(mut prices: Vec<f64>, tuples: &[Vec<Tuple>], known: f64, rounds: usize) -> Relaxation {
+/// Better prices, from others on.
+pub(super) fn better_prices(prices: Vec<f64>, tuples: &[Vec<Tuple>], known: f64, rounds: usize) -> Vec<f64> {
+    improved(prices, &mut Open::new(tuples), known, rounds).multipliers
+}
+
+/// Step 3.
+fn improved(mut prices: Vec<f64>, open: &mut Open, known: f64, rounds: usize) -> Relaxation {
     let mut counts = vec![0.0; prices.len()];
-    let mut open = Open::new(tuples);
     let mut value = open.count_taken(&prices, &mut counts);
-    let mut found = Relaxation { bound: value, multipliers: prices.clone(), bounds: vec![value] };
+    let mut found = Relaxation { bound: value, multipliers: prices.clone(), bounds: vec![value], tuples: Vec::new() };
     let (mut theta, mut idle) = (1.0, 0);
     for round in 1..=rounds {
         let squares: f64 = counts.iter().map(|count| (1.0 - count) * (1.0 - count)).sum();
@@ -227,6 +235,18 @@ impl Open {
         value
     }
 
+    /// The tuples by lowest member, of so many tracks.
+    fn listed(&self, tracks: usize) -> Vec<Vec<Tuple>> {
+        let mut tuples: Vec<Vec<Tuple>> = (0..tracks).map(|_| Vec::new()).collect();
+        let mut begin = 0;
+        for (&end, &cost) in self.ends.iter().zip(&self.costs) {
+            let members = self.members[begin..end].to_vec();
+            tuples[members[0] as usize].push(Tuple { members, cost });
+            begin = end;
+        }
+        tuples
+    }
+
     /// Drops the tuples whose r(T) is that much or more.
     fn close(&mut self, most: f64) {
         let (mut begin, mut kept, mut length) = (0, 0, 0);
@@ -264,11 +284,8 @@ fn reduced(tuple: &Tuple, prices: &[f64]) -> f64 {
 
 /// Step 4.
 pub(super) fn prices(tuples: &[Vec<Tuple>], multipliers: &[f64]) -> Vec<f64> {
-    let mut prices = multipliers.to_vec();
-    for tuple in tuples.iter().flatten() {
-        let rest = reduced(tuple, &prices).min(0.0) / tuple.members.len() as f64;
-        tuple.members.iter().for_each(|&member| prices[member as usize] += rest);
-    }
+    let least = |of_lowest: &Vec<Tuple>| of_lowest.iter().map(|tuple| reduced(tuple, multipliers)).fold(0.0, f64::min);
+    let mut prices: Vec<f64> = multipliers.iter().zip(tuples).map(|(price, of_lowest)| price + least(of_lowest)).collect();
     let mut room: Vec<f64> = prices.iter().map(|price| -price).collect();
     for track in 0..prices.len() {
         // Only the tuples of this track limit it; those are few, and known by their lowest member.

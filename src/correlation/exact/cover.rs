@@ -1,4 +1,5 @@
-//! Costs that are no chain: all tuples worth having are listed, and branch and bound divides the tracks of a cluster among them.
+//! Costs that are no chain: all tuples worth having are listed, and branch and bound divides the tracks of a cluster among those that
+//! the relaxation leaves.
 //!
 //! # Symbols
 //! c(T) cost of a tuple; u(t) ≤ 0 price of a track ([`crate::correlation::tuples`]): tracks that are left cost Σ u(t) at least.
@@ -10,7 +11,7 @@
 //!    The first best answer is a local search's.
 
 use crate::correlation::cluster::{Cluster, LEAST_GAIN};
-use crate::correlation::tuples::{TooLarge, Tuple, listed, prices, relaxed};
+use crate::correlation::tuples::{Relaxation, TooLarge, Tuple, listed, prices, relaxed};
 
 /// Rounds of the relaxation that gives the prices.
 const ROUNDS: usize = 200;
@@ -29,8 +30,8 @@ struct Cover {
 
 /// The cheapest tuples of a cluster, numbered as it does, if they cost less than `known`. `nodes` is what may yet be looked at.
 pub(super) fn cheapest_cover(cluster: &Cluster, known: f64, nodes: &mut u64) -> Result<Option<Vec<Vec<u32>>>, TooLarge> {
-    let tuples = listed(cluster, nodes)?;
-    let prices = prices(&tuples, &relaxed(&tuples, known, ROUNDS).multipliers);
+    let Relaxation { tuples, multipliers, .. } = relaxed(&listed(cluster, nodes)?, known, ROUNDS);
+    let prices = prices(&tuples, &multipliers);
     let rest = prices.iter().sum();
     let is_free = vec![true; cluster.len()];
     let mut cover = Cover { tuples, prices, is_free, chosen: Vec::new(), best_cost: known, best: None };
