@@ -82,28 +82,52 @@ fn line(name: &str, result: &Value) -> String {
     )
 }
 
-/// The system tracks of a job that puts both sensors' tracks together.
-fn fused(fusion: &str) -> (Option<Input>, Value) {
+/// The system tracks of a job that puts both sensors' tracks together, all or those that both have.
+fn fused(fusion: &str, keeps_alone: bool) -> (Option<Input>, Value) {
     let mut body = tracked(&["radar", "lidar"]);
     body["alignment"] = json!({"period_s": 1.0, "max_gap_s": 3.0, "process_noise_m2ps3": 0.05});
     body["statistic"] = json!({"kind": "chain", "k": "latest", "alpha": 1e-4});
     body["correlator"] = json!({"method": "genetic"});
     body["fusion"] = json!({"method": fusion});
+    body["keep_unassociated"] = json!(keeps_alone);
     let outcome = done(JobKind::Correlate, &body, vec![detections(&["radar", "lidar"]), truth()]);
     let file = outcome.artifacts.iter().find(|file| file.name == "system_tracks.csv").unwrap();
     let read = (format_named("csv").unwrap().read)(&mut file.bytes.as_slice(), &ReadOptions::default()).unwrap();
     (Some(Input { dataset: read.dataset, sensors: Vec::new(), sha256: String::new() }), outcome.result)
 }
 
-#[test]
-fn explore() {
+fn table() -> String {
+    let mut table =
+        "| tracks of | tracks | mean GOSPA (m) | MOTA | recall | position RMSE (m) | breaks |\n|---|---|---|---|---|---|---|\n".to_owned();
     for sensor in ["radar", "lidar"] {
-        print!("{}", line(sensor, &judged(tracked(&[sensor]), vec![detections(&[sensor]), truth()])));
+        table += &line(sensor, &judged(tracked(&[sensor]), vec![detections(&[sensor]), truth()]));
     }
-    for fusion in ["weighted", "covariance_intersection", "best_sensor"] {
-        let (tracks, result) = fused(fusion);
-        println!("{} {}", result["counts"], result["truth"]);
-        let body = json!({"truth": dataset("truth"), "tracks": dataset("tracks")});
-        print!("{}", line(fusion, &judged(body, vec![tracks, truth()])));
+    for (keeps_alone, which) in [(true, "both, with what one alone has"), (false, "both, what both have")] {
+        for fusion in ["weighted", "covariance_intersection", "best_sensor"] {
+            let body = json!({"truth": dataset("truth"), "tracks": dataset("tracks")});
+            table += &line(&format!("{which}: `{fusion}`"), &judged(body, vec![fused(fusion, keeps_alone).0, truth()]));
+        }
     }
+    table
+}
+
+#[test]
+fn the_table_of_two_sensors_is_what_the_jobs_do() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(DOCUMENT);
+    let document = std::fs::read_to_string(&path).unwrap();
+    let (head, rest) = document.split_once(BEGIN).expect("the document has the line before its table");
+    let (written, tail) = rest.split_once(END).expect("the document has the line after its table");
+    let made = table();
+    if std::env::var_os("TRACKLOOM_WRITE_TABLES").is_some() {
+        std::fs::write(&path, format!("{head}{BEGIN}\n{made}\n{END}{tail}")).unwrap();
+        return;
+    }
+    assert_eq!(written.trim(), made.trim(), "write it anew with TRACKLOOM_WRITE_TABLES=1 and look at what changed");
+}
+
+#[test]
+fn nothing_is_put_together_that_is_of_different_boats() {
+    let result = fused("weighted", true).1;
+    assert_eq!(result["truth"]["pairwise_precision"], 1.0);
+    assert_eq!((&result["counts"]["tuples"], &result["gap"]), (&json!(2), &json!(0.0)));
 }

@@ -1,5 +1,5 @@
 //! The setting of Huo Liang et al. 2008, three sensors and ten targets, and grids around it: spacing, missing tracks, false tracks,
-//! errors in common, bias and size, every correlator on the same tracks.
+//! errors in common, costs, bias and size, every correlator on the same tracks.
 //!
 //! The paper gives the coding of three sensors and ten targets and no numbers: spacing, noise and times are chosen here.
 
@@ -36,6 +36,7 @@ pub(super) fn presets() -> Vec<Preset> {
         ("p-d", 20, values("P_D", "p_d", json!([0.7, 0.9, 1.0]))),
         ("false-tracks", 20, values("false tracks", "false_tracks", json!([0.0, 2.0, 5.0]))),
         ("cross-correlation", 20, cross_correlations()),
+        ("statistic", 20, statistics()),
         ("bias", 20, values("bias (m)", "bias_m", json!([0.0, 100.0, 200.0]))),
         ("size", 1, json!({"by": "variants", "name": "sensors × targets", "variants": sizes})),
     ];
@@ -54,6 +55,20 @@ fn cross_correlations() -> Value {
     };
     let variants = [0.25, 0.5, 0.75].map(variant);
     json!({"by": "variants", "name": "cross-correlation", "variants": variants})
+}
+
+/// Close targets, missing and false tracks under every cost of a tuple.
+fn statistics() -> Value {
+    let variant = |kind: &str| {
+        json!({"name": kind, "set": [
+            {"path": "/statistic", "value": {"kind": kind}},
+            {"path": "/input/tracks/spacing_m", "value": 250.0},
+            {"path": "/input/tracks/p_d", "value": 0.9},
+            {"path": "/input/tracks/false_tracks", "value": 1.0}
+        ]})
+    };
+    let variants = ["chain", "all_pairs", "fused", "likelihood_ratio"].map(variant);
+    json!({"by": "variants", "name": "statistic", "variants": variants})
 }
 
 fn grid(body: &Value, name: &str, runs: u32, axis: &Value) -> Preset {
