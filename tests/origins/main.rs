@@ -1,6 +1,7 @@
 //! Every number of the metrics can be followed to the files of its job: it is made again from their text, as the report says.
 
 mod files;
+mod jobs;
 mod scenes;
 
 use files::{Files, Metric, Scope};

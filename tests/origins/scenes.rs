@@ -1,41 +1,12 @@
 //! Jobs of all kinds whose numbers are made again.
 
+use crate::jobs::Texts;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
 use std::fmt::Write;
-use trackloom::experiment::observer::Silent;
-use trackloom::experiment::plan::{JobKind, Source, plan};
 use trackloom::experiment::presets;
-use trackloom::experiment::run::{Input, Outcome, run};
-use trackloom::formats::{ReadOptions, format_named};
-use trackloom::model::dataset::DatasetKind;
-
-/// Datasets as texts; each is called by its number.
-#[derive(Default)]
-struct Texts(Vec<String>);
-
-impl Texts {
-    fn dataset(&mut self, text: &str) -> Value {
-        self.0.push(text.to_owned());
-        json!({"source": "dataset", "dataset_id": (self.0.len() - 1).to_string()})
-    }
-}
-
-/// The job `body` on its datasets; `format` reads them.
-fn judged(body: &Value, texts: &Texts, format: &str) -> Outcome {
-    let plan = plan(JobKind::Evaluate, body).unwrap();
-    let read = |text: &str, kind: DatasetKind| {
-        let options = ReadOptions { kind: Some(kind), ..ReadOptions::default() };
-        let dataset = (format_named(format).unwrap().read)(&mut text.as_bytes(), &options).unwrap().dataset;
-        Some(Input { dataset, sensors: Vec::new(), sha256: String::new() })
-    };
-    let inputs = plan.inputs.iter().map(|input| match &input.source {
-        Source::Dataset { dataset_id, .. } => read(&texts.0[dataset_id.parse::<usize>().unwrap()], input.role),
-        Source::Job { .. } => panic!("no job is named"),
-    });
-    run(&plan, inputs.collect(), &mut Silent).unwrap()
-}
+use trackloom::experiment::run::Outcome;
 
 const POINTS: [&str; 7] = ["siap", "clear", "identity", "hota", "assignment", "kinematics", "t_gospa"];
 
@@ -56,10 +27,10 @@ fn all_metrics() -> Value {
 }
 
 pub fn two_targets() -> Outcome {
-    let mut texts = Texts::default();
+    let mut texts = Texts::of("csv");
     let truth = texts.dataset(include_str!("../../examples/data/two-targets/truth.csv"));
     let tracks = texts.dataset(include_str!("../../examples/data/two-targets/tracks.csv"));
-    judged(&json!({"truth": truth, "tracks": tracks, "comparison": {"gate_m": 10.0}, "metrics": all_metrics()}), &texts, "csv")
+    texts.judge(&json!({"truth": truth, "tracks": tracks, "comparison": {"gate_m": 10.0}, "metrics": all_metrics()})).unwrap()
 }
 
 /// Liang's scene with 30 targets, tracked by a tracker that tells covariances and NIS.
@@ -67,19 +38,19 @@ pub fn tracked() -> Outcome {
     let mut body = presets::find("liang2009-30").unwrap().body;
     body["comparison"] = json!({"gate_m": 200.0});
     body["metrics"] = all_metrics();
-    judged(&body, &Texts::default(), "csv")
+    Texts::of("csv").judge(&body).unwrap()
 }
 
 pub fn bearings() -> Outcome {
     let mut body = presets::find("wang-bat-2").unwrap().body["base"].take();
     body.as_object_mut().unwrap().shift_remove("kind");
-    judged(&body, &Texts::default(), "csv")
+    Texts::of("csv").judge(&body).unwrap()
 }
 
 /// Boxes in rows of a field, followed by tracks that now and then are late, change their names or see nothing.
 pub fn boxes() -> Outcome {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
-    let mut texts = Texts::default();
+    let mut texts = Texts::of("mot");
     let mut sequence = |name: &str| {
         let (mut truth, mut tracks) = (String::new(), String::new());
         for object in 1..=6 {
@@ -98,7 +69,7 @@ pub fn boxes() -> Outcome {
     };
     let sequences = ["one", "two, quoted", "three"].map(&mut sequence);
     let metrics = ["hota", "clear", "identity", "assignment"].map(|name| json!({"metric": name}));
-    judged(&json!({"sequences": sequences, "metrics": metrics}), &texts, "mot")
+    texts.judge(&json!({"sequences": sequences, "metrics": metrics})).unwrap()
 }
 
 const PLACES: &str = "time_s,track_id,x_m,y_m\n";
@@ -110,11 +81,11 @@ pub fn uneven_sequences() -> Outcome {
     let plain = format!("{PLACES}{}", rows(&|t| format!("{t},{},{},1\n", if t < 5 { "T" } else { "U" }, 10 * t + 1)));
     let full = format!("{WITH_COVARIANCE}{}", rows(&|t| format!("{t},T,{},2,9,0,4,0,0,0,4,0,0,1,0,1\n", 10 * t)));
     let none = "time_s,truth_id,x_m,y_m\n";
-    let mut texts = Texts::default();
+    let mut texts = Texts::of("csv");
     let mut sequence =
         |name: &str, truth: &str, tracks: &str| json!({"name": name, "truth": texts.dataset(truth), "tracks": texts.dataset(tracks)});
     let sequences = [sequence("empty", none, &plain), sequence("plain", &truth, &plain), sequence("full", &truth, &full)];
-    judged(&json!({"sequences": sequences, "comparison": {"gate_m": 10.0}, "metrics": all_metrics()}), &texts, "csv")
+    texts.judge(&json!({"sequences": sequences, "comparison": {"gate_m": 10.0}, "metrics": all_metrics()})).unwrap()
 }
 
 /// A crowd in which everybody is near everybody.
@@ -129,7 +100,7 @@ pub fn entangled() -> Outcome {
         }
     }
     let metrics = [json!({"metric": "t_gospa", "cutoff_m": 100.0, "switch_penalty_m": 25.0}), json!({"metric": "gospa"})];
-    let mut texts = Texts::default();
+    let mut texts = Texts::of("csv");
     let body = json!({"truth": texts.dataset(&truth), "tracks": texts.dataset(&tracks), "metrics": metrics});
-    judged(&body, &texts, "csv")
+    texts.judge(&body).unwrap()
 }

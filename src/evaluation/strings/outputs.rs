@@ -128,10 +128,29 @@ impl Reader<'_, '_> {
     /// The step of a track at one scan, from all its points there (more than one only in careless files).
     fn read_scan(&mut self, index: u32, track: &Track, points: &[(usize, usize)]) {
         let (scan, first) = points[0];
-        let place_m = |point: usize| place_of(&track.points[point]);
         self.choices.clear();
+        let alone = if let [(_, point)] = points { self.only_candidate(&track.points[*point]) } else { None };
+        let decision = match alone {
+            Some(one) => Step { symbol: one.detection.map(|name| self.identify(index, scan, name)), weight: one.probability },
+            None => self.decide_of_many(index, scan, track, points),
+        };
+        if let Some(detection) = decision.symbol {
+            self.outputs.decisions.push(Consumed { track: index, scan: scan as u32, detection });
+        }
+        let step = match self.source {
+            Source::NearestTruth(nearest) => {
+                let place_m = place_of(&track.points[first]);
+                Step { symbol: place_m.and_then(|place_m| nearest.symbol(scan, &place_m)), weight: 1.0 }
+            }
+            _ => decision,
+        };
+        self.outputs.strings.push_step(self.axis.scans()[scan].position, step, &self.choices);
+    }
+
+    /// What a track decides among the candidates of all its points at a scan.
+    fn decide_of_many(&mut self, index: u32, scan: usize, track: &Track, points: &[(usize, usize)]) -> Step {
         self.gather(index, scan, points.iter().map(|&(_, point)| &track.points[point]));
-        let decision = match self.source {
+        match self.source {
             Source::Candidates(DecisionPolicy::AllGated { min_weight }) => {
                 allow(&self.at_scan, min_weight, &mut self.choices);
                 decide(self.choices.iter().map(|step| Candidate { detection: step.symbol, probability: step.weight }))
@@ -141,19 +160,19 @@ impl Reader<'_, '_> {
                 decide(self.at_scan.iter().copied())
             }
             Source::NearestDetection(nearest) => {
-                Step { symbol: place_m(first).and_then(|place_m| nearest.nearest(scan, &place_m)), weight: 1.0 }
+                let place_m = points.first().and_then(|&(_, first)| place_of(&track.points[first]));
+                Step { symbol: place_m.and_then(|place_m| nearest.nearest(scan, &place_m)), weight: 1.0 }
             }
-        };
-        if let Some(detection) = decision.symbol {
-            self.outputs.decisions.push(Consumed { track: index, scan: scan as u32, detection });
         }
-        let step = match self.source {
-            Source::NearestTruth(nearest) => {
-                Step { symbol: place_m(first).and_then(|place_m| nearest.symbol(scan, &place_m)), weight: 1.0 }
-            }
-            _ => decision,
-        };
-        self.outputs.strings.push_step(self.axis.scans()[scan].position, step, &self.choices);
+    }
+
+    /// The candidate of a point that has no other, where it is the decision as it stands: nearly every point of a tracker that
+    /// decides hard, so it is not copied about.
+    fn only_candidate(&self, point: &TrackPoint) -> Option<Candidate> {
+        match (self.source, self.tracks.candidates_of(point)) {
+            (Source::Candidates(DecisionPolicy::MostProbable) | Source::NearestTruth(_), [one]) if !one.probability.is_nan() => Some(*one),
+            _ => None,
+        }
     }
 
     /// Collects the candidates of points, with identities.
