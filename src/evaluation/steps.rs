@@ -80,6 +80,14 @@ impl Steps {
         steps
     }
 
+    /// The scans of a recording, to which only points at exactly their times belong. Where that is all points, it is what
+    /// [`new`](Self::new) finds, without a look at them.
+    pub fn exactly(recording: &Recording) -> Steps {
+        let mut steps = Steps::default();
+        steps.take_scans(&sorted(recording.scans.iter().map(|scan| scan.time_s)), &[]);
+        steps
+    }
+
     /// Method, 1; no steps yet.
     fn with_tolerance(tolerance_s: Option<f64>, shortest_s: f64) -> Steps {
         let tolerance_s = tolerance_s.unwrap_or((shortest_s * TOLERANCE_SHARE).min(LARGEST_TOLERANCE_S));

@@ -39,6 +39,8 @@ pub struct Outputs {
     pub crowded: Vec<Crowded>,
     /// Identities that are not among the detections of their scan; empty without a recording.
     pub unknown: Vec<Consumed>,
+    /// Track points that belong to no scan.
+    pub lost: usize,
 }
 
 const EXAMPLES: usize = 3;
@@ -57,10 +59,16 @@ pub fn read<'a>(
     let points: usize = tracks.tracks.iter().map(|track| track.points.len()).sum();
     let mut strings = StringSet::weighted(max_missed, with_choices);
     strings.reserve(points, tracks.tracks.len());
-    let outputs =
-        Outputs { strings, empty_tracks: Vec::new(), decisions: Vec::with_capacity(points), crowded: Vec::new(), unknown: Vec::new() };
+    let outputs = Outputs {
+        strings,
+        empty_tracks: Vec::new(),
+        decisions: Vec::with_capacity(points),
+        crowded: Vec::new(),
+        unknown: Vec::new(),
+        lost: 0,
+    };
     let (at_scan, choices, lost_points) = (Vec::new(), Vec::new(), Vec::new());
-    let mut reader = Reader { tracks, axis, identities, source, outputs, at_scan, choices, lost_points, lost: 0, never_confirmed: 0 };
+    let mut reader = Reader { tracks, axis, identities, source, outputs, at_scan, choices, lost_points, never_confirmed: 0 };
     let mut points = Vec::new();
     for (index, track) in tracks.tracks.iter().enumerate() {
         reader.read_track(index as u32, track, &mut points);
@@ -80,7 +88,6 @@ struct Reader<'r, 'a> {
     choices: Vec<Step>,
     /// The first points that belong to no scan, in words.
     lost_points: Vec<String>,
-    lost: usize,
     never_confirmed: usize,
 }
 
@@ -113,7 +120,7 @@ impl Reader<'_, '_> {
                     guess = scan + 1;
                 }
                 None => {
-                    self.lost += 1;
+                    self.outputs.lost += 1;
                     if self.lost_points.len() < EXAMPLES {
                         self.lost_points.push(format!("track '{}' at {} s", track.track_id, point.time_s));
                     }
@@ -215,9 +222,9 @@ impl Reader<'_, '_> {
     }
 
     fn warn(&self, warnings: &mut Vec<String>) {
-        if self.lost > 0 {
+        if self.outputs.lost > 0 {
             let examples = self.lost_points.join(", ");
-            warnings.push(format!("{} track point(s) belong to no scan and were left out, first: {examples}", self.lost));
+            warnings.push(format!("{} track point(s) belong to no scan and were left out, first: {examples}", self.outputs.lost));
         }
         if self.never_confirmed > 0 {
             warnings.push(format!("{} track(s) were never confirmed and are not output tracks", self.never_confirmed));
