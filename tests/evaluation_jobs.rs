@@ -315,7 +315,8 @@ fn noise_of_clocks_changes_no_count() {
         &exact,
         &[("clear.fn", Some(4.0)), ("clear.fp", Some(3.0)), ("clear.idsw", Some(2.0)), ("clear.mota", Some(51.0 / 60.0))],
     );
-    let clocks: [(&str, fn(u32) -> f64); 5] = [
+    type Clock = fn(u32) -> f64;
+    let clocks: [(&str, Clock); 5] = [
         ("rounding", |t| [1e-9, -1e-9, 3e-10][t as usize % 3]),
         ("a float's noise", |t| f64::from(t) * 1e-15),
         ("late", |_| 1e-3),
