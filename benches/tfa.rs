@@ -3,7 +3,7 @@
 //! Prints the yardstick u (one predict and update of a 4-state Kalman filter with nalgebra's fixed sizes), then for scenes
 //! of 10³ to 10⁷ symbols what a symbol costs: reading the strings from the tracks, the automaton alone (build, and
 //! the verdict on every target), and the whole evaluation with its report. A symbol is a scan of a truth string or of
-//! an output string, and a figure is the least of several batches in time on the processor. The last line is 100 000 targets over 30 scans. `cargo bench --bench tfa small` stops at 10⁶.
+//! an output string, and a figure is the least of several batches in time on the processor. The last line is 100 000 targets over 30 scans. `cargo bench --bench tfa -- 18 1800` measures scenes of so many targets.
 
 #[path = "support/yardstick.rs"]
 mod yardstick;
@@ -35,8 +35,8 @@ fn main() {
     let u_ns = yardstick_ns();
     println!("yardstick u = {u_ns:.1} ns (4-state Kalman predict + update, nalgebra, fixed sizes)\n");
     println!("{:>8} {:>10}  {:>16} {:>16} {:>16}", "targets", "symbols", "strings ns (u)", "automaton ns (u)", "whole ns (u)");
-    let is_small = std::env::args().any(|argument| argument == "small");
-    for targets in [18, 180, 1_800, 18_000, 180_000, 100_000].into_iter().take(if is_small { 4 } else { 6 }) {
+    let named: Vec<usize> = std::env::args().filter_map(|argument| argument.parse().ok()).collect();
+    for &targets in if named.is_empty() { &[18, 180, 1_800, 18_000, 180_000, 100_000] } else { &named[..] } {
         measure(targets, u_ns);
     }
 }

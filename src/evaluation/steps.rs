@@ -17,8 +17,8 @@
 //!    sensors which take turns are not taken for silence; that of truth where tracks have fewer than four gaps.
 
 use crate::model::scan::Recording;
-use crate::model::track::TrackSet;
-use crate::model::truth::TruthSet;
+use crate::model::track::{TrackPoint, TrackSet};
+use crate::model::truth::{Target, TruthSet};
 
 /// The largest tolerance that is taken without being asked for.
 const LARGEST_TOLERANCE_S: f64 = 0.01;
@@ -52,25 +52,50 @@ pub struct Steps {
 impl Steps {
     /// `truth` may be absent with a recording.
     pub fn new(recording: Option<&Recording>, truth: Option<&TruthSet>, tracks: &TrackSet, tolerance_s: Option<f64>) -> Steps {
-        let of_tracks = gaps_of(tracks.tracks.iter().map(|track| track.points.iter().map(|point| point.time_s)));
         let targets = truth.map_or(&[][..], TruthSet::targets);
-        let of_truth = gaps_of(targets.iter().map(|target| target.points.iter().map(|point| point.time_s)));
-        let shortest_s = of_tracks.first().copied().unwrap_or(f64::INFINITY).min(of_truth.first().copied().unwrap_or(f64::INFINITY));
+        match recording {
+            Some(recording) => Steps::of_scans(recording, targets, tracks, tolerance_s),
+            None => Steps::of_points(targets, tracks, tolerance_s),
+        }
+    }
+
+    fn of_scans(recording: &Recording, targets: &[Target], tracks: &TrackSet, tolerance_s: Option<f64>) -> Steps {
+        let times_s = sorted(recording.scans.iter().map(|scan| scan.time_s));
+        let of_truth_s = gaps_of(targets.iter().map(|target| target.points.iter().map(|point| point.time_s)));
+        let (of_tracks_s, others_s) = beside_scans(tracks, &times_s);
+        let mut steps = Steps::with_tolerance(tolerance_s, of_truth_s.fold(of_tracks_s, f64::min));
+        steps.take_scans(&times_s, &sorted(others_s.into_iter()));
+        steps
+    }
+
+    fn of_points(targets: &[Target], tracks: &TrackSet, tolerance_s: Option<f64>) -> Steps {
+        let of_truth = rising(gaps_of(targets.iter().map(|target| target.points.iter().map(|point| point.time_s))));
+        let of_tracks = rising(gaps_of(tracks.tracks.iter().map(|track| track.points.iter().map(|point| point.time_s))));
+        let shortest_s = of_tracks.iter().chain(&of_truth).copied().fold(f64::INFINITY, f64::min);
+        let mut steps = Steps::with_tolerance(tolerance_s, shortest_s);
+        let truth_times_s = targets.iter().flat_map(|target| &target.points).map(|point| point.time_s);
+        let track_times_s = tracks.tracks.iter().flat_map(|track| &track.points).map(|point| point.time_s);
+        let groups = steps.groups(truth_times_s, track_times_s);
+        steps.take_groups(&groups, &of_truth, &of_tracks);
+        steps
+    }
+
+    /// The scans of a recording, to which only points at exactly their times belong. Where that is all points, it is what
+    /// [`new`](Self::new) finds, without a look at them.
+    pub fn exactly(recording: &Recording) -> Steps {
+        let mut steps = Steps::default();
+        steps.take_scans(&sorted(recording.scans.iter().map(|scan| scan.time_s)), &[]);
+        steps
+    }
+
+    /// Method, 1; no steps yet.
+    fn with_tolerance(tolerance_s: Option<f64>, shortest_s: f64) -> Steps {
         let tolerance_s = tolerance_s.unwrap_or((shortest_s * TOLERANCE_SHARE).min(LARGEST_TOLERANCE_S));
         let mut steps = Steps { tolerance_s, ..Steps::default() };
         if tolerance_s >= shortest_s {
             let tell =
                 format!("a tolerance of {tolerance_s} s makes one step of points of one target or track that are {shortest_s} s apart");
             steps.warnings.push(tell);
-        }
-        let track_times_s = tracks.tracks.iter().flat_map(|track| &track.points).map(|point| point.time_s);
-        match recording {
-            Some(recording) => steps.take_scans(recording, track_times_s),
-            None => {
-                let truth_times_s = targets.iter().flat_map(|target| &target.points).map(|point| point.time_s);
-                let groups = steps.groups(truth_times_s, track_times_s);
-                steps.take_groups(&groups, &of_truth, &of_tracks);
-            }
         }
         steps
     }
@@ -107,9 +132,8 @@ impl Steps {
         self.windows.partition_point(|window| window.time_s < time_s)
     }
 
-    /// Method, 2.
-    fn take_scans(&mut self, recording: &Recording, track_times_s: impl Iterator<Item = f64>) {
-        let times_s = sorted(recording.scans.iter().map(|scan| scan.time_s));
+    /// Method, 2. `others_s` are the times of tracks that are no scan's, rising.
+    fn take_scans(&mut self, times_s: &[f64], others_s: &[f64]) {
         let reach = |gap_s: f64| self.tolerance_s.min(0.5 * gap_s);
         let window = |(index, &time_s): (usize, &f64)| {
             let before_s = index.checked_sub(1).map_or(f64::INFINITY, |before| time_s - times_s[before]);
@@ -117,8 +141,7 @@ impl Steps {
             Window { time_s, from_s: time_s - reach(before_s), to_s: time_s + reach(after_s) }
         };
         self.windows = times_s.iter().enumerate().map(window).collect();
-        let moved = sorted(track_times_s).into_iter().filter_map(|time_s| Some((self.time_s(self.at(time_s)?) - time_s).abs()));
-        let moved: Vec<f64> = moved.filter(|&by_s| by_s > 0.0).collect();
+        let moved: Vec<f64> = others_s.iter().filter_map(|&time_s| Some((self.time_s(self.at(time_s)?) - time_s).abs())).collect();
         if let Some(most_s) = moved.iter().copied().reduce(f64::max) {
             self.tell_moved(moved.len(), times_s.len(), most_s, "tracks and scans");
         }
@@ -228,13 +251,39 @@ impl Group {
     }
 }
 
-/// The gaps of all paths, rising.
-fn gaps_of(paths: impl Iterator<Item = impl Iterator<Item = f64> + Clone>) -> Vec<f64> {
-    let gaps = |times_s: &mut dyn Iterator<Item = (f64, f64)>| times_s.map(|(last_s, next_s)| next_s - last_s).collect::<Vec<f64>>();
-    let all = paths.flat_map(|times_s| gaps(&mut times_s.clone().zip(times_s.skip(1))));
-    let mut gaps_s: Vec<f64> = all.filter(|&gap_s| gap_s > SAME_TIME_S && gap_s.is_finite()).collect();
-    gaps_s.sort_unstable_by(f64::total_cmp);
-    gaps_s
+/// The gaps of all paths.
+fn gaps_of<P: Iterator<Item = f64>>(paths: impl Iterator<Item = P>) -> impl Iterator<Item = f64> {
+    let gaps = |times_s: P| times_s.scan(f64::NAN, |last_s, next_s| Some(next_s - std::mem::replace(last_s, next_s)));
+    paths.flat_map(gaps).filter(|&gap_s| gap_s > SAME_TIME_S && gap_s.is_finite())
+}
+
+fn rising(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_unstable_by(f64::total_cmp);
+    values
+}
+
+/// The shortest gap of the tracks, and all their times that are no scan's; in one pass, for points are many and large.
+fn beside_scans(tracks: &TrackSet, times_s: &[f64]) -> (f64, Vec<f64>) {
+    let (mut shortest_s, mut others_s) = (f64::INFINITY, Vec::new());
+    for track in &tracks.tracks {
+        let (mut last_s, mut guess) = (f64::NAN, 0);
+        for TrackPoint { time_s, .. } in &track.points {
+            let gap_s = time_s - std::mem::replace(&mut last_s, *time_s);
+            if gap_s > SAME_TIME_S {
+                shortest_s = shortest_s.min(gap_s);
+            }
+            if times_s.get(guess) != Some(time_s) {
+                guess = times_s.partition_point(|scan_s| scan_s < time_s);
+                if times_s.get(guess) != Some(time_s) {
+                    others_s.push(*time_s);
+                    continue;
+                }
+            }
+            guess += 1;
+        }
+    }
+    (shortest_s, others_s)
 }
 
 /// The smallest gap that at least this share of all do not exceed.
@@ -244,8 +293,7 @@ fn quantile(gaps_s: &[f64], share: f64) -> Option<f64> {
 }
 
 fn sorted(times_s: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut times_s: Vec<f64> = times_s.filter(|time_s| time_s.is_finite()).collect();
-    times_s.sort_unstable_by(f64::total_cmp);
+    let mut times_s = rising(times_s.filter(|time_s| time_s.is_finite()));
     times_s.dedup();
     times_s
 }

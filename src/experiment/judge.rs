@@ -1,15 +1,15 @@
 //! Metrics of a job: truth and tracks of each sequence put side by side, the log of events, every metric over all
 //! sequences together and over each alone, and the files that say more than the report.
 
+use super::metric_files::{self, MAX_PAIRS, Reports, TIME};
 use super::observer::{Observer, Step};
 use super::run::{Artifact, RunError};
-use super::tables::Table;
 use super::text;
 use crate::evaluation::EvaluationInput;
 use crate::evaluation::breaks::{self, Break};
 use crate::evaluation::comparison::{Alignment, Comparison, PointSettings, Shape};
 use crate::evaluation::events::{EventKind, EventLog};
-use crate::evaluation::metrics::{METRICS, Metric, MetricReport, Quantity, Sequence, Series};
+use crate::evaluation::metrics::{METRICS, Metric, MetricReport, Quantity, Sequence};
 use crate::model::boxes::BoxSet;
 use crate::model::fault::Fault;
 use crate::model::truth::TruthSet;
@@ -75,8 +75,8 @@ enum Aligned {
     Nearest { max_gap_s: f64 },
 }
 
-/// Judges the subjects by the metrics of `spec`.
-pub(super) fn judge(spec: &Value, subjects: &[Subject], observer: &mut dyn Observer) -> Result<Judgement, RunError> {
+/// Judges the subjects by the metrics of `spec`; makes files where they are wanted.
+pub(super) fn judge(spec: &Value, subjects: &[Subject], wants_files: bool, observer: &mut dyn Observer) -> Result<Judgement, RunError> {
     let metrics = metrics_of(spec)?;
     refuse_mixtures(subjects)?;
     let comparisons = compare(spec, subjects, &metrics)?;
@@ -106,21 +106,25 @@ pub(super) fn judge(spec: &Value, subjects: &[Subject], observer: &mut dyn Obser
         }
         alone.push(reports);
     }
-    let mut artifacts = files(subjects, &sequences, &together, &alone);
-    let mut parts = vec![("metrics", written(&together)), ("events", event_counts(subjects, &sequences))];
+    let of_each: Vec<&Reports> = if alone.is_empty() { vec![&together] } else { alone.iter().collect() };
+    let names: Vec<&str> = subjects.iter().map(|subject| subject.name).collect();
+    let mut parts =
+        vec![("metrics", with_origins(written(&together), &together, &of_each)), ("events", event_counts(subjects, &sequences))];
     if !alone.is_empty() {
         let sequence = |(subject, reports): (&Subject, &Vec<_>)| json!({"name": subject.name, "metrics": written(reports)});
         parts.push(("sequences", subjects.iter().zip(&alone).map(sequence).collect()));
     }
+    let (mut artifacts, pairs) = if wants_files { metric_files::files(&names, &sequences, &of_each) } else { Default::default() };
     let result: Map<String, Value> = parts.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
-    if let Some(text) = text::metrics(&Value::Object(result)) {
+    if let Some(text) = text::metrics(&Value::Object(result)).filter(|_| wants_files) {
         artifacts.push(text_file("metrics.txt", text));
     }
     let warnings = subjects.iter().zip(&comparisons).flat_map(|(subject, comparison)| {
         let place = if subject.name.is_empty() { String::new() } else { format!("{}: ", subject.name) };
         comparison.warnings.iter().map(move |warning| format!("{place}{warning}"))
     });
-    Ok(Judgement { parts, artifacts, warnings: warnings.collect() })
+    let too_many = (pairs > MAX_PAIRS).then(|| format!("pairs.csv is left out: {pairs} pairs are more than {MAX_PAIRS}"));
+    Ok(Judgement { parts, artifacts, warnings: warnings.chain(too_many).collect() })
 }
 
 /// Builds the metrics. The second of one kind is called `gospa_2`, and so on.
@@ -249,6 +253,15 @@ fn written(reports: &[(&str, MetricReport)]) -> Value {
     reports.iter().map(|(name, report)| ((*name).to_owned(), report_value(report))).collect::<Map<_, _>>().into()
 }
 
+/// Adds how the numbers of each metric are made; what a sequence says is made of its own rows in the same way.
+fn with_origins(mut metrics: Value, together: &Reports, of_each: &[&Reports]) -> Value {
+    for (place, (name, report)) in together.iter().enumerate() {
+        let alone: Vec<&MetricReport> = of_each.iter().map(|reports| &reports[place].1).collect();
+        metrics[*name]["from"] = metric_files::origins(name, report, &alone);
+    }
+    metrics
+}
+
 /// A metric in the report. Series over time and the lines of truths and tracks are in files.
 fn report_value(report: &MetricReport) -> Value {
     let mut value = json!({
@@ -298,90 +311,8 @@ fn breaks_of<'a>(subject: &'a Subject, sequence: &'a Sequence, is_named: bool) -
 /// Breaks that the report explains; all of them are in the file of events.
 const MAX_BREAKS: usize = 1000;
 
-/// Axis of the series that have one value for each step of the comparison.
-const TIME: &str = "time_s";
-
 fn text_file(name: &'static str, text: String) -> Artifact {
     Artifact::file(name, "text/plain; charset=utf-8", (text + "\n").into_bytes())
-}
-
-type Reports<'a> = Vec<(&'a str, MetricReport)>;
-
-/// Every event, every series over time, and what the metrics say of each truth and each track.
-fn files(subjects: &[Subject], sequences: &[Sequence], together: &Reports, alone: &[Reports]) -> Vec<Artifact> {
-    let of_each: Vec<&Reports> = if alone.is_empty() { vec![together] } else { alone.iter().collect() };
-    let has_names = !alone.is_empty();
-    let mut events = Table::new(has_names, &["step", "time_s", "event", "truth_id", "track_id", "distance"]);
-    let mut series = Table::new(has_names, &["time_s"]);
-    let mut truths = Table::new(has_names, &["truth_id"]);
-    let mut tracks = Table::new(has_names, &["track_id"]);
-    for ((subject, sequence), reports) in subjects.iter().zip(sequences).zip(of_each) {
-        events.begin(subject.name);
-        add_events(&mut events, sequence);
-        series.begin(subject.name);
-        add_series(&mut series, sequence.comparison, reports);
-        truths.begin(subject.name);
-        add_lines(&mut truths, &sequence.comparison.truth_ids, reports, |report| &report.per_truth);
-        tracks.begin(subject.name);
-        add_lines(&mut tracks, &sequence.comparison.track_ids, reports, |report| &report.per_track);
-    }
-    vec![
-        events.artifact("events.csv"),
-        series.artifact("metric-series.csv"),
-        truths.artifact("metric-truths.csv"),
-        tracks.artifact("metric-tracks.csv"),
-    ]
-}
-
-fn add_events(table: &mut Table, sequence: &Sequence) {
-    let comparison = sequence.comparison;
-    let name = |ids: &[String], index: Option<u32>| index.map(|index| ids[index as usize].clone()).unwrap_or_default();
-    for event in &sequence.events.events {
-        table.row(&[
-            (event.step + 1).to_string(),
-            comparison.steps[event.step as usize].time_s.to_string(),
-            event.kind.name().to_owned(),
-            name(&comparison.truth_ids, event.truth),
-            name(&comparison.track_ids, event.track),
-            number(event.distance),
-        ]);
-    }
-}
-
-fn add_series(table: &mut Table, comparison: &Comparison, reports: &Reports) {
-    let listed: Vec<(String, &Series)> = reports
-        .iter()
-        .flat_map(|(name, report)| report.series.iter().map(move |series| (format!("{name}.{}", series.name), series)))
-        .filter(|(_, series)| series.axis == TIME)
-        .collect();
-    table.columns(listed.iter().map(|(name, series)| labelled(name, series.unit)));
-    for (index, step) in comparison.steps.iter().enumerate() {
-        let mut cells = vec![step.time_s.to_string()];
-        cells.extend(listed.iter().map(|(_, series)| number(series.values.get(index).copied().flatten())));
-        table.row(&cells);
-    }
-}
-
-fn add_lines(table: &mut Table, ids: &[String], reports: &Reports, of: fn(&MetricReport) -> &Vec<crate::evaluation::metrics::Line>) {
-    let listed: Vec<_> = reports.iter().filter(|(_, report)| of(report).len() == ids.len() && !ids.is_empty()).collect();
-    table.columns(listed.iter().flat_map(|(name, report)| {
-        of(report)[0].quantities.iter().map(move |quantity| labelled(&format!("{name}.{}", quantity.name), quantity.unit))
-    }));
-    for (index, id) in ids.iter().enumerate() {
-        let mut cells = vec![id.clone()];
-        cells.extend(listed.iter().flat_map(|(_, report)| of(report)[index].quantities.iter().map(|quantity| number(quantity.value))));
-        table.row(&cells);
-    }
-}
-
-/// A column's name with its unit: `gospa.localisation [m]`.
-fn labelled(name: &str, unit: &str) -> String {
-    if unit.is_empty() { name.to_owned() } else { format!("{name} [{unit}]") }
-}
-
-/// An absent number is an empty cell.
-fn number(value: Option<f64>) -> String {
-    value.map(|value| value.to_string()).unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ mod given;
 mod group;
 mod group_report;
 mod judge;
+mod metric_files;
 pub mod observer;
 pub mod plan;
 pub mod presets;

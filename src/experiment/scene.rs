@@ -279,7 +279,7 @@ impl Scene {
             let input = EvaluationInput { recording: self.recording.as_ref(), truth: Some(truth), tracks };
             subjects.push(Subject { name: "", content: Content::Points { input, truth } });
         }
-        judge::judge(&spec, &subjects, observer).map(Some)
+        judge::judge(&spec, &subjects, plan.wants_files, observer).map(Some)
     }
 
     fn keep_side(&mut self, index: usize, dataset: Dataset) {

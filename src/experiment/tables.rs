@@ -9,6 +9,7 @@ pub(super) struct Table {
     /// The name of the sequence is the first column.
     has_names: bool,
     is_written: bool,
+    has_columns: bool,
     name: String,
     bytes: Vec<u8>,
 }
@@ -17,7 +18,7 @@ impl Table {
     pub fn new(has_names: bool, header: &[&str]) -> Table {
         let names = has_names.then_some("sequence");
         let header = names.iter().chain(header).map(|&name| name.to_owned()).collect();
-        Table { header, has_names, is_written: false, name: String::new(), bytes: Vec::new() }
+        Table { header, has_names, is_written: false, has_columns: false, name: String::new(), bytes: Vec::new() }
     }
 
     /// The rows that follow belong to this sequence.
@@ -25,9 +26,9 @@ impl Table {
         self.name = quoted(name).into_owned();
     }
 
-    /// More columns behind those of [`new`](Self::new); of the first sequence only, all others have the same.
+    /// More columns behind those of [`new`](Self::new); only the first time, as all sequences have the same.
     pub fn columns(&mut self, names: impl Iterator<Item = String>) {
-        if !self.is_written {
+        if !std::mem::replace(&mut self.has_columns, true) {
             self.header.extend(names);
         }
     }

@@ -69,10 +69,17 @@ async fn the_files_of_a_job_say_more_than_its_report() {
     let base = format!("/v1/jobs/{}", id(&job));
     let file = async |name: &str| api.get(&format!("{base}/artifacts/{name}")).await.text;
     let events = file("events.csv").await;
-    assert_eq!(events.lines().next(), Some("step,time_s,event,truth_id,track_id,distance"));
+    assert_eq!(events.lines().next(), Some("step,time_s,event,truth_id,track_id,distance,similarity"));
     let counted: u64 = result["events"]["counts"].as_object().unwrap().values().map(|count| count.as_u64().unwrap()).sum();
     assert_eq!(events.lines().count() as u64, counted + 1);
-    assert!(events.contains("\n7,6,break,A,T1,\n"), "{events}");
+    assert!(events.contains("\n7,6,break,A,T1,,\n"), "{events}");
+    // 16 matches: what the report says of `tp` is what the rows hold.
+    let from = result["metrics"]["clear"]["from"].as_array().unwrap();
+    let of_tp = from.iter().find(|entry| entry["quantity"] == "tp").unwrap();
+    assert_eq!(*of_tp, json!({"quantity": "tp", "statistic": "count", "file": "events.csv", "filter": {"event": ["match"]}}));
+    assert_eq!(events.lines().filter(|line| line.contains(",match,")).count(), 16);
+    let pairs = file("pairs.csv").await;
+    assert!(pairs.starts_with("step,time_s,truth_id,track_id,distance,similarity,gospa.power [m^p],ospa.power [m^p],"), "{pairs}");
     let series = api.get(&format!("{base}/series/metrics")).await.ok(200);
     assert_eq!(series["columns"]["time_s"].as_array().unwrap().len(), 10);
     close(&series["columns"]["values"]["gospa.gospa"][0], 2.23606797749979);

@@ -69,7 +69,7 @@ async fn reports_and_files_have_strong_tags_and_ranges() {
     let list: ArtifactList = serde_json::from_value(api.get(&format!("{base}/artifacts")).await.ok(200)).unwrap();
     let names: Vec<&str> = list.items.iter().map(|item| item.name.as_str()).collect();
     let of_automaton = ["automaton.json", "automaton.dot", "truth_probability.csv"];
-    let of_metrics = ["events.csv", "metric-series.csv", "metric-truths.csv", "metric-tracks.csv", "metrics.txt"];
+    let of_metrics = ["events.csv", "pairs.csv", "metric-series.csv", "metric-truths.csv", "metric-tracks.csv", "metrics.txt"];
     let datasets = ["scans.csv", "detections.csv", "truth.csv", "tracks.csv"];
     assert_eq!(names, [&datasets[..], &of_automaton, &of_metrics, &["report.json"]].concat());
     for item in &list.items {

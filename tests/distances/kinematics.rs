@@ -86,12 +86,12 @@ fn nis_is_what_the_tracks_say_within_the_bounds_of_their_measurements() {
         point.nis = Some(nis);
     }
     let report = scene.evaluate(50.0, json!({"metric": "kinematics", "measurement_dimensions": 1}));
-    assert_close(report.quantity("nis"), 2.5, "mean");
+    assert_close(report.quantity("nis_of_matches"), 2.5, "mean");
     // χ²(2; 0.025) = 0.0506356, χ²(2; 0.975) = 7.3777589, halved for two samples of one number.
-    assert!((report.quantity("nis_lower").unwrap() - 0.0253178).abs() < 1e-6);
-    assert!((report.quantity("nis_upper").unwrap() - 3.6888795).abs() < 1e-6);
-    assert_close(report.quantity("nis_steps_within"), 1.0, "both below 5.02");
-    assert_eq!(reason(&northbound().evaluate(50.0, spec()), "nis"), "no matched track says the NIS of its updates");
+    assert!((report.quantity("nis_of_matches_lower").unwrap() - 0.0253178).abs() < 1e-6);
+    assert!((report.quantity("nis_of_matches_upper").unwrap() - 3.6888795).abs() < 1e-6);
+    assert_close(report.quantity("nis_of_matches_steps_within"), 1.0, "both below 5.02");
+    assert_eq!(reason(&northbound().evaluate(50.0, spec()), "nis_of_matches"), "no matched track says the NIS of its updates");
 }
 
 #[test]

@@ -16,6 +16,7 @@
 //!
 //! Inside coverage are the steps at which the truth exists: what no sensor can see must not be among the truth.
 
+use super::origin::{Origin, PAIRS, PairColumn, Statistic, TRACKS, TRUTH_POINTS, TRUTHS};
 use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence};
 use crate::evaluation::comparison::{Comparison, Shape, Step};
 use crate::registry::{Bound, Kind, Method, Object, optional};
@@ -51,12 +52,14 @@ impl Metric for Assignment {
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
         let (mut truths, mut tracks) = (Vec::new(), Vec::new());
-        let (mut per_truth, mut per_track) = (Vec::new(), Vec::new());
+        let (mut per_truth, mut per_track, mut pairs) = (Vec::new(), Vec::new(), Vec::new());
         for &Sequence { comparison, .. } in sequences {
             let walk = Walk::new(comparison, self.divergence_gate(comparison.gate));
             if sequences.len() == 1 {
                 per_truth = lines(&comparison.truth_ids, &walk.truths, TruthLife::quantities);
                 per_track = lines(&comparison.track_ids, &walk.tracks, TrackLife::quantities);
+                pairs.push(PairColumn::new("associated", "", walk.associated_pairs));
+                pairs.push(PairColumn::new("redundant", "", walk.redundant_pairs));
             }
             truths.extend(walk.truths.into_iter().filter(|truth| truth.steps > 0));
             tracks.extend(walk.tracks.into_iter().filter(|track| track.steps > 0));
@@ -64,9 +67,30 @@ impl Metric for Assignment {
         let gate = sequences.first().map(|sequence| sequence.comparison.gate);
         let parameters = json!({"gate": gate, "divergence_gate": gate.map(|gate| self.divergence_gate(gate))});
         let report = MetricReport::new("associated_share", true, parameters, totals(&truths, &tracks));
-        MetricReport { per_truth, per_track, ..report }
+        MetricReport { per_truth, per_track, pairs, origins: FROM.to_vec(), ..report }
     }
 }
+
+const FROM: &[Origin] = &[
+    TRUTH_POINTS,
+    Origin::rows("associated", Statistic::Count, PAIRS, "associated"),
+    Origin::ratio("associated_share", &["associated"], &["truth_points"]),
+    Origin::rows("truths", Statistic::CountPositive, TRUTHS, "steps_inside_coverage"),
+    Origin::rows("truths_established", Statistic::Sum, TRUTHS, "established"),
+    Origin::ratio("truths_established_share", &["truths_established"], &["truths"]),
+    Origin::rows("mean_establishment_length", Statistic::Mean, TRUTHS, "establishment_length"),
+    Origin::sum("breaks", TRUTHS),
+    Origin::sum("break_length", TRUTHS),
+    Origin::rows("tracks", Statistic::CountPositive, TRACKS, "length"),
+    Origin::sum("swaps", TRACKS),
+    Origin::sum("divergences", TRACKS),
+    Origin::sum("divergence_length", TRACKS),
+    Origin::sum("redundancies", TRACKS),
+    Origin::rows("redundancy_length", Statistic::Count, PAIRS, "redundant"),
+    Origin::rows("false_tracks", Statistic::Sum, TRACKS, "false"),
+    Origin::ratio("false_tracks_share", &["false_tracks"], &["tracks"]),
+    Origin::rows("false_track_length", Statistic::Sum, TRACKS, "false_length"),
+];
 
 impl Assignment {
     fn divergence_gate(self, gate: f64) -> f64 {
@@ -114,6 +138,9 @@ struct Walk<'a> {
     nearest: Vec<Option<(f64, u32)>>,
     /// For each truth of the step: the track associated with it.
     associated: Vec<Option<u32>>,
+    /// Who was associated with whom and who was redundant to whom, as [`PairColumn`] has it.
+    associated_pairs: Vec<(u32, u32, f64)>,
+    redundant_pairs: Vec<(u32, u32, f64)>,
 }
 
 impl<'a> Walk<'a> {
@@ -126,6 +153,8 @@ impl<'a> Walk<'a> {
             kept: Vec::new(),
             nearest: Vec::new(),
             associated: Vec::new(),
+            associated_pairs: Vec::new(),
+            redundant_pairs: Vec::new(),
         };
         for (index, step) in comparison.steps.iter().enumerate() {
             walk.look_around(step);
@@ -188,10 +217,14 @@ impl<'a> Walk<'a> {
                 self.associated[place] = Some(presence.id);
             }
         }
-        for presence in &comparison.tracks[step.tracks.clone()] {
+        for (offset, presence) in comparison.tracks[step.tracks.clone()].iter().enumerate() {
             let track = &mut self.tracks[presence.id as usize];
-            let of_truth = track.truth.and_then(place).and_then(|place| self.associated[place]);
-            let is_redundant = of_truth.is_some_and(|associated| associated != presence.id);
+            let place = track.truth.and_then(place);
+            let is_redundant = place.is_some_and(|place| self.associated[place] != Some(presence.id));
+            if let Some(place) = place {
+                let pairs = if is_redundant { &mut self.redundant_pairs } else { &mut self.associated_pairs };
+                pairs.push(((step.truths.start + place) as u32, (step.tracks.start + offset) as u32, 1.0));
+            }
             track.redundancies += u32::from(is_redundant && !track.was_redundant);
             track.redundancy_length += u32::from(is_redundant);
             track.was_redundant = is_redundant;
@@ -233,7 +266,7 @@ impl TruthLife {
 
 impl TrackLife {
     fn is_false(&self) -> bool {
-        self.last_truth.is_none()
+        self.steps > 0 && self.last_truth.is_none()
     }
 
     fn quantities(&self) -> Vec<Quantity> {

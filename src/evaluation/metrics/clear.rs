@@ -16,6 +16,7 @@
 //! 4. `frag` counts the interruptions of a truth's being matched, over the steps at which it exists. `frag_trackeval` is
 //!    TrackEval's count: over the steps that have both truths and tracks, whether or not this truth exists.
 
+use super::origin::{EVENTS, Origin, STEPS, Source, Statistic, TRUTHS};
 use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence};
 use crate::evaluation::comparison::Shape;
 use crate::evaluation::events::EventKind;
@@ -69,9 +70,8 @@ struct Counts {
     similarity: f64,
     distance: f64,
     frag_trackeval: u64,
-    mostly_tracked: u64,
-    partly_tracked: u64,
-    mostly_lost: u64,
+    /// Truths mostly tracked, partly tracked, mostly lost.
+    classes: [u64; 3],
 }
 
 impl Metric for Clear {
@@ -84,9 +84,10 @@ impl Metric for Clear {
         let (mut per_truth, mut per_track) = (Vec::new(), Vec::new());
         for sequence in sequences {
             let lives = counts.add(sequence);
-            lives.iter().for_each(|life| self.class(life, &mut counts));
+            let classes: Vec<[u64; 3]> = lives.iter().map(|life| self.class(life)).collect();
+            classes.iter().flat_map(|class| class.iter().enumerate()).for_each(|(place, one)| counts.classes[place] += one);
             if sequences.len() == 1 {
-                per_truth = truth_lines(sequence, &lives);
+                per_truth = truth_lines(sequence, &lives, &classes);
                 per_track = track_lines(sequence);
             }
         }
@@ -99,23 +100,61 @@ impl Metric for Clear {
             "mostly_lost_share": 0.2,
         });
         let report = MetricReport::new("mota", true, parameters, counts.quantities(unit));
-        MetricReport { per_truth, per_track, ..report }
+        MetricReport { per_truth, per_track, origins: FROM.to_vec(), ..report }
     }
 }
 
+const FALSE: &[&str] = &["false_alarm", "redundant", "divergence"];
+
+/// A statistic of a column of the matches in the log.
+const fn of_matches(quantity: &'static str, statistic: Statistic, column: &'static str) -> Origin {
+    Origin { quantity, statistic, source: Source::Rows { file: EVENTS, column: Some(column), events: &["match"] } }
+}
+
+const FROM: &[Origin] = &[
+    Origin::events("tp", &["match"]),
+    Origin::events("fn", &["miss"]),
+    Origin::events("fp", FALSE),
+    Origin::events("fp_false_alarm", &["false_alarm"]),
+    Origin::events("fp_redundant", &["redundant"]),
+    Origin::events("fp_divergence", &["divergence"]),
+    Origin::events("idsw", &["switch"]),
+    Origin::events("frag", &["reacquisition"]),
+    of_matches("similarity_sum", Statistic::Sum, "similarity"),
+    of_matches("motp_similarity", Statistic::Mean, "similarity"),
+    of_matches("motp_distance", Statistic::Mean, "distance"),
+    Origin::ratio("mota", &["tp", "-fp", "-idsw"], &["tp", "fn"]),
+    Origin::ratio("moda", &["tp", "-fp"], &["tp", "fn"]),
+    Origin::ratio("smota", &["similarity_sum", "-fp", "-idsw"], &["tp", "fn"]),
+    Origin::numbers("log10_idsw", Statistic::Log10, &["idsw"]),
+    Origin::ratio("motal", &["tp", "-fp", "-log10_idsw"], &["tp", "fn"]),
+    Origin::ratio("recall", &["tp"], &["tp", "fn"]),
+    Origin::ratio("precision", &["tp"], &["tp", "fp"]),
+    Origin::ratio("f1", &["tp", "tp"], &["tp", "tp", "fn", "fp"]),
+    STEPS,
+    Origin::ratio("fp_per_step", &["fp"], &["steps"]),
+    Origin::sum("frag_trackeval", TRUTHS),
+    Origin::sum("mt", TRUTHS),
+    Origin::sum("pt", TRUTHS),
+    Origin::sum("ml", TRUTHS),
+    Origin::ratio("mt_share", &["mt"], &["mt", "pt", "ml"]),
+    Origin::ratio("pt_share", &["pt"], &["mt", "pt", "ml"]),
+    Origin::ratio("ml_share", &["ml"], &["mt", "pt", "ml"]),
+];
+
 impl Clear {
-    /// In whole numbers, so that 80 % is 80 %.
-    fn class(self, life: &Life, counts: &mut Counts) {
+    /// 1 for mostly tracked, partly tracked or mostly lost; in whole numbers, so that 80 % is 80 %.
+    fn class(self, life: &Life) -> [u64; 3] {
         let (five_matched, steps) = (5 * u64::from(life.matched), u64::from(life.steps));
         let is_tracked = match self.mostly_tracked {
             Boundary::AtLeast => five_matched >= 4 * steps,
             Boundary::Above => five_matched > 4 * steps,
         };
         match steps {
-            0 => {}
-            _ if is_tracked => counts.mostly_tracked += 1,
-            _ if five_matched < steps => counts.mostly_lost += 1,
-            _ => counts.partly_tracked += 1,
+            0 => [0, 0, 0],
+            _ if is_tracked => [1, 0, 0],
+            _ if five_matched < steps => [0, 0, 1],
+            _ => [0, 1, 0],
         }
     }
 }
@@ -163,11 +202,12 @@ impl Counts {
         let fp: f64 = parts.iter().sum();
         let truth_points = tp + missed;
         let log_switches = if switches > 0.0 { switches.log10() } else { 0.0 };
-        let truths = (self.mostly_tracked + self.partly_tracked + self.mostly_lost) as f64;
+        let truths = self.classes.iter().sum::<u64>() as f64;
+        let [mostly_tracked, partly_tracked, mostly_lost] = self.classes.map(|truths| truths as f64);
         let count = |name, count: f64| Quantity::new(name, count, "");
         let of_truth = |name, over: f64| Quantity::ratio(name, over, truth_points, "", "no truth at any step");
         let of_matches = |name, over: f64, unit| Quantity::ratio(name, over, tp, unit, "nothing was matched");
-        let of_truths = |name, over: u64| Quantity::ratio(name, over as f64, truths, "", "no truth at any step");
+        let of_truths = |name, over: f64| Quantity::ratio(name, over, truths, "", "no truth at any step");
         vec![
             of_truth("mota", tp - fp - switches),
             of_truth("moda", tp - fp),
@@ -188,18 +228,18 @@ impl Counts {
             count("idsw", switches),
             count("frag", self.of(EventKind::Reacquisition)),
             count("frag_trackeval", self.frag_trackeval as f64),
-            count("mt", self.mostly_tracked as f64),
-            count("pt", self.partly_tracked as f64),
-            count("ml", self.mostly_lost as f64),
-            of_truths("mt_share", self.mostly_tracked),
-            of_truths("pt_share", self.partly_tracked),
-            of_truths("ml_share", self.mostly_lost),
+            count("mt", mostly_tracked),
+            count("pt", partly_tracked),
+            count("ml", mostly_lost),
+            of_truths("mt_share", mostly_tracked),
+            of_truths("pt_share", partly_tracked),
+            of_truths("ml_share", mostly_lost),
         ]
     }
 }
 
-fn truth_lines(sequence: &Sequence, lives: &[Life]) -> Vec<Line> {
-    let line = |(id, life): (&String, &Life)| {
+fn truth_lines(sequence: &Sequence, lives: &[Life], classes: &[[u64; 3]]) -> Vec<Line> {
+    let line = |((id, life), class): ((&String, &Life), &[u64; 3])| {
         let count = |name, count: u32| Quantity::new(name, f64::from(count), "");
         let (matched, steps) = (f64::from(life.matched), f64::from(life.steps));
         let quantities = vec![
@@ -210,10 +250,13 @@ fn truth_lines(sequence: &Sequence, lives: &[Life]) -> Vec<Line> {
             count("idsw", life.switches),
             count("frag", life.interruptions),
             count("frag_trackeval", life.interruptions_trackeval),
+            Quantity::new("mt", class[0] as f64, ""),
+            Quantity::new("pt", class[1] as f64, ""),
+            Quantity::new("ml", class[2] as f64, ""),
         ];
         Line { id: id.clone(), quantities }
     };
-    sequence.comparison.truth_ids.iter().zip(lives).map(line).collect()
+    sequence.comparison.truth_ids.iter().zip(lives).zip(classes).map(line).collect()
 }
 
 fn track_lines(sequence: &Sequence) -> Vec<Line> {
@@ -293,6 +336,9 @@ mod tests {
             ("idsw", Some(1.0)),
             ("frag", Some(1.0)),
             ("frag_trackeval", Some(1.0)),
+            ("mt", Some(1.0)),
+            ("pt", Some(0.0)),
+            ("ml", Some(0.0)),
         ];
         assert_eq!(line(&report.per_truth, "A"), truth);
         assert_eq!(

@@ -16,6 +16,7 @@
 //! 3. The headline is the mean over all steps of all sequences. The parts are p-th powers, summed over steps.
 
 use super::cutoff::{CUTOFF_M, Cutoff, Matcher, ORDER};
+use super::origin::{Origin, PAIRS, PairColumn, SERIES, STEPS, Statistic, TRACK_POINTS, TRUTH_POINTS};
 use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence, Series};
 use crate::evaluation::comparison::{Comparison, Shape, Step};
 use crate::registry::{Bound, Kind, Method, Object, default};
@@ -58,6 +59,9 @@ struct Parts {
     switches: f64,
 }
 
+/// dᵖ of each matched pair, by its truth and its track.
+type Powers = Vec<(u32, u32, f64)>;
+
 /// The track of each truth at the step before, and whether it ever had one.
 struct Memory {
     track: Vec<Option<u32>>,
@@ -76,10 +80,13 @@ impl Metric for Gospa {
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
-        let steps: Vec<Parts> = sequences.iter().flat_map(|sequence| self.steps(sequence.comparison)).collect();
+        let mut powers = Vec::new();
+        let steps: Vec<Parts> = sequences.iter().flat_map(|sequence| self.steps(sequence.comparison, &mut powers)).collect();
         let mut report = MetricReport::new("gospa", false, self.parameters(), self.quantities(&steps));
+        report.origins = self.origins();
         if sequences.len() == 1 {
             report.series = self.series(&steps);
+            report.pairs = vec![PairColumn::new("power", "m^p", powers)];
         }
         report
     }
@@ -91,21 +98,22 @@ impl Gospa {
         json!({"cutoff_m": cutoff_m, "p": p, "alpha": 2.0, "switch_penalty_m": self.switch_penalty_m})
     }
 
-    fn steps(&self, comparison: &Comparison) -> Vec<Parts> {
+    fn steps(&self, comparison: &Comparison, powers: &mut Powers) -> Vec<Parts> {
         let truths = comparison.truth_ids.len();
         let mut memory = Memory { track: vec![None; truths], was_tracked: vec![false; truths], now: Vec::new() };
         let mut matcher = Matcher::default();
-        comparison.steps.iter().map(|step| self.step(&mut matcher, &mut memory, comparison, step)).collect()
+        comparison.steps.iter().map(|step| self.step((&mut matcher, &mut memory, powers), comparison, step)).collect()
     }
 
     /// Steps 1 and 2.
-    fn step(&self, matcher: &mut Matcher, memory: &mut Memory, comparison: &Comparison, step: &Step) -> Parts {
+    fn step(&self, (matcher, memory, powers): (&mut Matcher, &mut Memory, &mut Powers), comparison: &Comparison, step: &Step) -> Parts {
         let mut parts = Parts::default();
         memory.now.clear();
         memory.now.resize(step.truths.len(), None);
         matcher.assign(comparison, step, self.cutoff, |pair, share| {
             parts.localisation += share;
             parts.matched += 1;
+            powers.push((pair.truth, pair.track, self.cutoff.powers(share)));
             memory.now[pair.truth as usize - step.truths.start] = Some(comparison.tracks[pair.track as usize].id);
         });
         parts.missed = step.truths.len() - parts.matched;
@@ -137,12 +145,42 @@ impl Gospa {
         quantities
     }
 
+    fn origins(&self) -> Vec<Origin> {
+        let (sum, half, penalty) =
+            (Statistic::Sum, 0.5 * self.cutoff.powers(1.0), self.cutoff.powers(self.cutoff.share_of(self.switch_penalty_m)));
+        let parts = ["localisation", "missed", "false", "switching"];
+        let totals = ["localisation_sum", "missed_sum", "false_sum", "switching_sum"];
+        let mut origins = vec![Origin::rows("gospa", Statistic::Mean, SERIES, "gospa")];
+        origins.extend(totals.into_iter().zip(parts).map(|(total, part)| Origin::rows(total, sum, SERIES, part)));
+        origins.extend([
+            Origin::ratio("localisation_mean", &["localisation_sum"], &["steps"]),
+            Origin::ratio("missed_mean", &["missed_sum"], &["steps"]),
+            Origin::ratio("false_mean", &["false_sum"], &["steps"]),
+            Origin::ratio("switching_mean", &["switching_sum"], &["steps"]),
+            Origin::rows("matched", Statistic::Count, PAIRS, "power"),
+            Origin::terms("missed", &["truth_points", "-matched"]),
+            Origin::terms("false", &["track_points", "-matched"]),
+            Origin::sum("switches", SERIES),
+            STEPS,
+            TRUTH_POINTS,
+            TRACK_POINTS,
+            Origin::rows("series.localisation", sum, PAIRS, "power"),
+            Origin::terms("series.missed", &["series.truth_points", "-series.matched"]).times(half),
+            Origin::terms("series.false", &["series.track_points", "-series.matched"]).times(half),
+            Origin::terms("series.switching", &["series.switches"]).times(penalty),
+            Origin::terms("series.gospa", &["series.localisation", "series.missed", "series.false", "series.switching"])
+                .root(self.cutoff.p),
+        ]);
+        origins
+    }
+
     fn series(&self, steps: &[Parts]) -> Vec<Series> {
         let mut series = vec![Series::over_time("gospa", "m", steps.iter().map(|step| Some(step.distance_m)))];
         series.extend(PARTS.map(|(name, of)| {
             let values = steps.iter().map(|step| Some(self.cutoff.powers(of(self, step))));
             Series::over_time(name, "m^p", values)
         }));
+        series.push(Series::over_time("switches", "", steps.iter().map(|step| Some(step.switches))));
         series
     }
 }

@@ -19,6 +19,7 @@
 //! As TrackEval has it, at an α without a match the parts of association count as 0 and LocA as 1. Several sequences add
 //! their counts and sums at each α, so that association is weighted by TP.
 
+use super::origin::{Origin, PAIRS, PairColumn, Statistic, TRACK_POINTS, TRUTH_POINTS};
 use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence, Series};
 use crate::evaluation::acquaintances::Acquaintances;
 use crate::evaluation::comparison::{Comparison, Pair, Presence, Shape};
@@ -56,6 +57,8 @@ fn alphas_reached(similarity: f64) -> usize {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hota;
 
+type Matches = (Vec<[u32; ALPHAS + 1]>, Vec<(u32, u32, f64)>);
+
 /// Sums at each α, over one sequence or several.
 #[derive(Debug, Clone, Default)]
 struct Sums {
@@ -79,9 +82,9 @@ impl Metric for Hota {
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
-        let mut sums = Sums::default();
+        let (mut sums, mut reached) = (Sums::default(), Vec::new());
         for sequence in sequences {
-            sums.add(sequence.comparison);
+            reached = sums.add(sequence.comparison);
         }
         let first = sequences.first().map(|sequence| sequence.comparison);
         let similarity = match first.map(|comparison| comparison.shape) {
@@ -97,27 +100,66 @@ impl Metric for Hota {
             let values = values.into_iter().map(|value| Some(value).filter(|_| sums.is_defined())).collect();
             Series { name, unit: "", axis: "alpha", at: alphas.clone(), values }
         };
-        MetricReport { series: curves.into_iter().chain(sums.counts()).map(over_alpha).collect(), ..report }
+        let pairs = if sequences.len() == 1 { vec![PairColumn::new("thresholds", "", reached)] } else { Vec::new() };
+        let series = curves.into_iter().chain(sums.counts()).map(over_alpha).collect();
+        MetricReport { series, pairs, origins: FROM.to_vec(), ..report }
     }
 }
 
+/// A number at each threshold, of the matches that reach it.
+const fn reaching(curve: &'static str, statistic: Statistic) -> Origin {
+    Origin::rows(curve, statistic, PAIRS, "thresholds")
+}
+
+const FROM: &[Origin] = &[
+    TRUTH_POINTS,
+    TRACK_POINTS,
+    reaching("curves.tp", Statistic::CountReaching),
+    Origin::terms("curves.fn", &["truth_points", "-curves.tp"]),
+    Origin::terms("curves.fp", &["track_points", "-curves.tp"]),
+    Origin::ratio("curves.det_a", &["curves.tp"], &["curves.tp", "curves.fn", "curves.fp"]),
+    Origin::ratio("curves.det_re", &["curves.tp"], &["curves.tp", "curves.fn"]),
+    Origin::ratio("curves.det_pr", &["curves.tp"], &["curves.tp", "curves.fp"]),
+    reaching("curves.ass_a", Statistic::AssociationJaccard),
+    reaching("curves.ass_re", Statistic::AssociationRecall),
+    reaching("curves.ass_pr", Statistic::AssociationPrecision),
+    reaching("curves.loc_a", Statistic::MeanReaching),
+    Origin::numbers("curves.hota", Statistic::GeometricMean, &["curves.det_a", "curves.ass_a"]),
+    Origin::numbers("curves.owta", Statistic::GeometricMean, &["curves.det_re", "curves.ass_a"]),
+    Origin::numbers("hota", Statistic::MeanOfCurve, &["curves.hota"]),
+    Origin::numbers("det_a", Statistic::MeanOfCurve, &["curves.det_a"]),
+    Origin::numbers("ass_a", Statistic::MeanOfCurve, &["curves.ass_a"]),
+    Origin::numbers("loc_a", Statistic::MeanOfCurve, &["curves.loc_a"]),
+    Origin::numbers("det_re", Statistic::MeanOfCurve, &["curves.det_re"]),
+    Origin::numbers("det_pr", Statistic::MeanOfCurve, &["curves.det_pr"]),
+    Origin::numbers("ass_re", Statistic::MeanOfCurve, &["curves.ass_re"]),
+    Origin::numbers("ass_pr", Statistic::MeanOfCurve, &["curves.ass_pr"]),
+    Origin::numbers("owta", Statistic::MeanOfCurve, &["curves.owta"]),
+    Origin::numbers("hota_0", Statistic::FirstOfCurve, &["curves.hota"]),
+    Origin::numbers("loc_a_0", Statistic::FirstOfCurve, &["curves.loc_a"]),
+    Origin::numbers("hota_loc_a_0", Statistic::Product, &["hota_0", "loc_a_0"]),
+];
+
 impl Sums {
-    fn add(&mut self, comparison: &Comparison) {
+    /// Adds a sequence; says of each match how many thresholds it reaches.
+    fn add(&mut self, comparison: &Comparison) -> Vec<(u32, u32, f64)> {
         let acquaintances = Acquaintances::new(comparison);
         let (truth_points, track_points) =
             (points(&comparison.truths, &comparison.truth_ids), points(&comparison.tracks, &comparison.track_ids));
         let points_of = |(truth, track): (u32, u32)| (truth_points[truth as usize], track_points[track as usize]);
         let alignment = alignment(comparison, &acquaintances, points_of);
-        let matches = self.matches(comparison, &acquaintances, &alignment);
-        for (&ids, reached) in acquaintances.ids.iter().zip(&matches) {
-            self.add_acquaintance(points_of(ids), reached);
+        let (matches, reached) = self.matches(comparison, &acquaintances, &alignment);
+        for (&ids, matches) in acquaintances.ids.iter().zip(&matches) {
+            self.add_acquaintance(points_of(ids), matches);
         }
         self.truth_points += comparison.truths.len() as f64;
         self.track_points += comparison.tracks.len() as f64;
+        reached
     }
 
-    /// Step 2: for each acquaintance how many of its matches reach exactly 0, 1, 2 … thresholds.
-    fn matches(&mut self, comparison: &Comparison, acquaintances: &Acquaintances, alignment: &[f64]) -> Vec<[u32; ALPHAS + 1]> {
+    /// Step 2: for each acquaintance how many of its matches reach exactly 0, 1, 2 … thresholds, and how many each match does.
+    fn matches(&mut self, comparison: &Comparison, acquaintances: &Acquaintances, alignment: &[f64]) -> Matches {
+        let mut of_each = Vec::with_capacity(comparison.truths.len());
         let mut matches = vec![[0; ALPHAS + 1]; acquaintances.ids.len()];
         let mut similarity = [0.0; ALPHAS + 1];
         let mut matcher = StepMatcher::default();
@@ -128,6 +170,7 @@ impl Sums {
                 let reached = alphas_reached(pair.similarity);
                 matches[acquaintances.of_pair[index as usize] as usize][reached] += 1;
                 similarity[reached] += pair.similarity;
+                of_each.push((pair.truth, pair.track, reached as f64));
             }
         }
         let mut sum = 0.0;
@@ -135,7 +178,7 @@ impl Sums {
             sum += similarity[index + 1];
             self.similarity[index] += sum;
         }
-        matches
+        (matches, of_each)
     }
 
     /// Step 3 for one truth and one track.

@@ -11,9 +11,10 @@
 //! 3. IDFN and IDFP are the other points of truths and tracks; IDR = IDTP / (IDTP + IDFN), IDP = IDTP / (IDTP + IDFP),
 //!    IDF1 = IDTP / (IDTP + (IDFN + IDFP) / 2).
 
+use super::origin::{Origin, PAIRS, PairColumn, Statistic, TRACK_POINTS, TRUTH_POINTS};
 use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence};
 use crate::evaluation::acquaintances::Acquaintances;
-use crate::evaluation::comparison::{Comparison, Presence, Shape};
+use crate::evaluation::comparison::{Comparison, Pair, Presence, Shape};
 use crate::math::assignment::AssignmentSolver;
 use crate::registry::{Method, Object};
 use serde_json::json;
@@ -33,7 +34,7 @@ impl Metric for Identity {
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
         let mut total = [0u64; 3];
-        let (mut per_truth, mut per_track) = (Vec::new(), Vec::new());
+        let (mut per_truth, mut per_track, mut pairs) = (Vec::new(), Vec::new(), Vec::new());
         for sequence in sequences {
             let comparison = sequence.comparison;
             let explained = Explained::new(comparison);
@@ -43,18 +44,32 @@ impl Metric for Identity {
             if sequences.len() == 1 {
                 per_truth = lines(&comparison.truth_ids, &comparison.truths, &explained.of_truth, "idfn");
                 per_track = lines(&comparison.track_ids, &comparison.tracks, &explained.of_track, "idfp");
+                pairs = vec![PairColumn::new("explained", "", explained.pairs(comparison))];
             }
         }
         let parameters = json!({"gate": sequences.first().map(|sequence| sequence.comparison.gate)});
         let report = MetricReport::new("idf1", true, parameters, quantities(total.map(|count| count as f64)));
-        MetricReport { per_truth, per_track, ..report }
+        MetricReport { per_truth, per_track, pairs, origins: FROM.to_vec(), ..report }
     }
 }
+
+const FROM: &[Origin] = &[
+    Origin::rows("idtp", Statistic::Count, PAIRS, "explained"),
+    Origin::terms("idfn", &["truth_points", "-idtp"]),
+    Origin::terms("idfp", &["track_points", "-idtp"]),
+    TRUTH_POINTS,
+    TRACK_POINTS,
+    Origin::ratio("idf1", &["idtp", "idtp"], &["truth_points", "track_points"]),
+    Origin::ratio("idp", &["idtp"], &["track_points"]),
+    Origin::ratio("idr", &["idtp"], &["truth_points"]),
+];
 
 /// How many points of each truth and of each track its partner explains.
 struct Explained {
     of_truth: Vec<u32>,
     of_track: Vec<u32>,
+    /// Of each truth its partner.
+    partner: Vec<Option<u32>>,
 }
 
 impl Explained {
@@ -79,14 +94,24 @@ impl Explained {
         }
         let is_solved = solver.solve().is_some();
         debug_assert!(is_solved, "an assignment in which everyone may stay alone exists");
-        let mut explained = Explained { of_truth: vec![0; rows.len()], of_track: vec![0; comparison.track_ids.len()] };
+        let mut explained =
+            Explained { of_truth: vec![0; rows.len()], of_track: vec![0; comparison.track_ids.len()], partner: vec![None; rows.len()] };
         for (truth, first) in rows.into_iter().enumerate() {
             if let Some(edge) = solver.edge_of(truth) {
+                let track = acquaintances.ids[first + edge].1;
                 explained.of_truth[truth] = meetings[first + edge];
-                explained.of_track[acquaintances.ids[first + edge].1 as usize] = meetings[first + edge];
+                explained.of_track[track as usize] = meetings[first + edge];
+                explained.partner[truth] = Some(track);
             }
         }
         explained
+    }
+
+    /// The pairs of partners within the gate.
+    fn pairs(&self, comparison: &Comparison) -> Vec<(u32, u32, f64)> {
+        let ids = |pair: &Pair| (comparison.truths[pair.truth as usize].id, comparison.tracks[pair.track as usize].id);
+        let is_explained = |pair: &&Pair| pair.distance <= comparison.gate && self.partner[ids(pair).0 as usize] == Some(ids(pair).1);
+        comparison.pairs.iter().filter(is_explained).map(|pair| (pair.truth, pair.track, 1.0)).collect()
     }
 }
 

@@ -10,11 +10,13 @@ mod gospa;
 pub mod hota;
 pub mod identity;
 mod kinematics;
+pub mod origin;
 mod ospa;
 mod siap;
 mod t_gospa;
 mod track_keeping;
 
+use self::origin::{Origin, PairColumn};
 use super::EvaluationInput;
 use super::comparison::{Comparison, Shape};
 use super::events::EventLog;
@@ -103,6 +105,12 @@ pub struct MetricReport {
     pub per_track: Vec<Line>,
     /// Over time: of a single sequence only.
     pub series: Vec<Series>,
+    /// What pairs contribute: of a single sequence only.
+    #[serde(skip)]
+    pub pairs: Vec<PairColumn>,
+    /// How its numbers are made.
+    #[serde(skip)]
+    pub origins: Vec<Origin>,
     /// What it says besides numbers: of a single sequence only, and `null` where there is nothing.
     #[serde(skip_serializing_if = "Value::is_null")]
     pub findings: Value,
@@ -116,8 +124,22 @@ impl MetricReport {
             None => (None, "", Some("not computed")),
         };
         let parameters = if let Value::Object(map) = parameters { map } else { Map::new() };
-        let (per_truth, per_track, series, findings) = Default::default();
-        MetricReport { value, unit, reason, higher_is_better, parameters, quantities, per_truth, per_track, series, findings }
+        let (per_truth, per_track, series, pairs) = Default::default();
+        let (origins, findings) = Default::default();
+        MetricReport {
+            value,
+            unit,
+            reason,
+            higher_is_better,
+            parameters,
+            quantities,
+            per_truth,
+            per_track,
+            series,
+            pairs,
+            origins,
+            findings,
+        }
     }
 
     /// The value of a quantity, by name.

@@ -14,6 +14,7 @@
 //! 2. The headline is the mean over all steps of all sequences.
 
 use super::cutoff::{CUTOFF_M, Cutoff, Matcher, ORDER};
+use super::origin::{Origin, PAIRS, PairColumn, SERIES, STEPS, Statistic, TRACK_POINTS, TRUTH_POINTS};
 use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence, Series};
 use crate::evaluation::comparison::{Comparison, Shape, Step};
 use crate::registry::{Method, Object};
@@ -49,9 +50,9 @@ impl Metric for Ospa {
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
-        let mut matcher = Matcher::default();
+        let (mut matcher, mut powers) = (Matcher::default(), Vec::new());
         let steps = sequences.iter().flat_map(|sequence| sequence.comparison.steps.iter().map(|step| (sequence.comparison, step)));
-        let parts: Vec<Parts> = steps.map(|(comparison, step)| self.step(&mut matcher, comparison, step)).collect();
+        let parts: Vec<Parts> = steps.map(|(comparison, step)| self.step(&mut matcher, comparison, step, &mut powers)).collect();
         let mean =
             |name, of: fn(&Parts) -> f64| Quantity::ratio(name, parts.iter().map(of).sum(), parts.len() as f64, "m", "there is no step");
         let quantities = vec![
@@ -62,6 +63,7 @@ impl Metric for Ospa {
         ];
         let parameters = json!({"cutoff_m": self.0.cutoff_m, "p": self.0.p});
         let mut report = MetricReport::new("ospa", false, parameters, quantities);
+        report.origins = self.origins();
         if sequences.len() == 1 {
             let series = |name, of: fn(&Parts) -> f64| Series::over_time(name, "m", parts.iter().map(|parts| Some(of(parts))));
             report.series = vec![
@@ -69,22 +71,41 @@ impl Metric for Ospa {
                 series("localisation", |parts| parts.localisation_m),
                 series("cardinality", |parts| parts.cardinality_m),
             ];
+            report.pairs = vec![PairColumn::new("power", "m^p", powers)];
         }
         report
     }
 }
 
 impl Ospa {
+    fn origins(&self) -> Vec<Origin> {
+        let mean = |name| Origin::rows(name, Statistic::Mean, SERIES, name);
+        vec![
+            mean("ospa"),
+            mean("localisation"),
+            mean("cardinality"),
+            STEPS,
+            TRUTH_POINTS,
+            TRACK_POINTS,
+            Origin::rows("powers", Statistic::Sum, PAIRS, "power"),
+            Origin::rows("matched", Statistic::Count, PAIRS, "power"),
+            Origin::numbers("series.larger_set", Statistic::Largest, &["series.truth_points", "series.track_points"]),
+            Origin::terms("series.unmatched_powers", &["series.larger_set", "-series.matched"]).times(self.0.powers(1.0)),
+            Origin::ratio("series.ospa", &["series.powers", "series.unmatched_powers"], &["series.larger_set"]).root(self.0.p),
+        ]
+    }
+
     /// Step 1. A member of the smaller set without a pair within the cutoff costs c as part of the localisation.
-    fn step(&self, matcher: &mut Matcher, comparison: &Comparison, step: &Step) -> Parts {
+    fn step(&self, matcher: &mut Matcher, comparison: &Comparison, step: &Step, powers: &mut Vec<(u32, u32, f64)>) -> Parts {
         let (fewer, more) = (step.truths.len().min(step.tracks.len()), step.truths.len().max(step.tracks.len()));
         if more == 0 {
             return Parts::default();
         }
         let (mut pairs, mut sum) = (0, 0.0);
-        matcher.assign(comparison, step, self.0, |_, share| {
+        matcher.assign(comparison, step, self.0, |pair, share| {
             pairs += 1;
             sum += share;
+            powers.push((pair.truth, pair.track, self.0.powers(share)));
         });
         let localisation = sum + (fewer - pairs) as f64;
         let cardinality = (more - fewer) as f64;

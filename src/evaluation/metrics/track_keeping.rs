@@ -18,6 +18,7 @@
 //! 5. A target is lost at the first step that breaks its identity; it was swapped with the target nearest to its track then, if
 //!    that is another one.
 
+use super::origin::{Origin, PAIRS, PairColumn, Statistic, TRUTH_POINTS, TRUTHS};
 use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence, Series};
 use crate::evaluation::comparison::{Comparison, Presence, Shape, Step};
 use crate::model::sensor::SensorSettings;
@@ -77,6 +78,8 @@ struct Run {
     targets: Vec<Kept>,
     /// Sum and number of the errors at each step.
     errors: Vec<(f64, usize)>,
+    /// The error of each target and its track, as [`PairColumn`] has it.
+    pairs: Vec<(u32, u32, f64)>,
 }
 
 const NO_SIGMA: &str = "sigma is not given, and no sensor of a recording tells it";
@@ -98,12 +101,14 @@ impl Metric for TrackKeeping {
             "lost_sigmas": self.lost_sigmas, "stay_sigmas": self.stay_sigmas,
         });
         let mut report = MetricReport::new("identity", true, parameters, quantities);
+        report.origins = FROM.to_vec();
         if let ([sequence], [run]) = (sequences, &runs[..]) {
             let is_defined = undefined(sequences, &sigmas).is_none();
             let lines = sequence.comparison.truth_ids.iter().zip(&run.targets);
             report.per_truth = lines.map(|(id, kept)| line(id, kept, sequence.comparison, is_defined, unit)).collect();
             let means = run.errors.iter().map(|&(sum, count)| (count > 0).then(|| sum / count as f64));
             report.series = vec![Series::over_time("mean_absolute_error", unit, means)];
+            report.pairs = vec![PairColumn::new("error", unit, run.pairs.clone())];
             if is_defined {
                 report.findings = findings(sequence.comparison, run);
             }
@@ -111,6 +116,16 @@ impl Metric for TrackKeeping {
         report
     }
 }
+
+const FROM: &[Origin] = &[
+    Origin::rows("mean_absolute_error", Statistic::Mean, PAIRS, "error"),
+    Origin::rows("targets_identity", Statistic::Sum, TRUTHS, "identity"),
+    Origin::rows("targets_stay", Statistic::Sum, TRUTHS, "stay"),
+    Origin::all_rows("targets", TRUTHS),
+    TRUTH_POINTS,
+    Origin::rows("followed_points", Statistic::Count, PAIRS, "error"),
+    Origin::terms("missing_points", &["truth_points", "-followed_points"]),
+];
 
 fn unit_of(sequences: &[Sequence]) -> &'static str {
     let is_of_bearings = sequences.first().is_some_and(|sequence| sequence.comparison.shape == Shape::Bearings);
@@ -147,19 +162,23 @@ impl TrackKeeping {
         let comparison = sequence.comparison;
         let track_of = track_of_each(comparison);
         let start = Kept { identity: true, stay: true, lost: None, swapped_with: None, error_sum: 0.0, errors: 0, missing: 0 };
-        let mut run = Run { targets: vec![start; comparison.truth_ids.len()], errors: vec![(0.0, 0); comparison.steps.len()] };
+        let mut run =
+            Run { targets: vec![start; comparison.truth_ids.len()], errors: vec![(0.0, 0); comparison.steps.len()], pairs: Vec::new() };
         for (index, step) in comparison.steps.iter().enumerate() {
             let places = Places::new(comparison, step);
-            for truth in &comparison.truths[step.truths.clone()] {
-                let track = track_of[truth.id as usize].and_then(|id| found(&comparison.tracks[step.tracks.clone()], id));
+            for truth_place in step.truths.clone() {
+                let truth = &comparison.truths[truth_place];
+                let track = track_of[truth.id as usize].and_then(|id| found(&comparison.tracks, step, id));
                 let kept = &mut run.targets[truth.id as usize];
-                let Some(track) = track else {
+                let Some(track_place) = track else {
                     kept.missing += 1;
                     kept.stay = false;
                     kept.lose(index, None);
                     continue;
                 };
+                let track = &comparison.tracks[track_place];
                 let error = comparison.shape.distance(&track.position_m, &truth.position_m);
+                run.pairs.push((truth_place as u32, track_place as u32, error));
                 kept.error_sum += error;
                 kept.errors += 1;
                 run.errors[index].0 += error;
@@ -196,8 +215,8 @@ fn track_of_each(comparison: &Comparison) -> Vec<Option<u32>> {
     comparison.truth_ids.iter().map(|name| ids.get(name.as_str()).copied()).collect()
 }
 
-fn found(presences: &[Presence], id: u32) -> Option<&Presence> {
-    presences.binary_search_by_key(&id, |presence| presence.id).ok().map(|place| &presences[place])
+fn found(tracks: &[Presence], step: &Step, id: u32) -> Option<usize> {
+    tracks[step.tracks.clone()].binary_search_by_key(&id, |presence| presence.id).ok().map(|place| step.tracks.start + place)
 }
 
 /// The targets of a step, in order of x.

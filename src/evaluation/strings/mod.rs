@@ -126,7 +126,6 @@ fn check_places(input: &EvaluationInput, rule: SymbolRule) -> Result<(), Vec<Fau
 
 /// Symbols are detections: those that tracks name, or the nearest within a gate.
 fn by_detection<'a>(input: &EvaluationInput<'a>, gate_m: Option<f64>, rules: &StringRules) -> Result<Strings<'a>, Vec<Fault>> {
-    let &StringRules { decision, max_missed, time_tolerance_s, .. } = rules;
     let Some(recording) = input.recording else {
         return Err(vec![Fault::new("/detections", "missing", "'detections' is required when symbols are detections")]);
     };
@@ -136,19 +135,34 @@ fn by_detection<'a>(input: &EvaluationInput<'a>, gate_m: Option<f64>, rules: &St
     }
     let sensors = rules.sensors.unwrap_or(&recording.sensors);
     let nearest = gate_m.map(|gate_m| NearestDetection::new(recording, sensors, gate_m)).transpose()?;
-    let mut steps = Steps::new(Some(recording), None, input.tracks, time_tolerance_s);
+    // Nearly all tracks are at the times of the scans exactly; then nobody has to go through their times beforehand.
+    let exact = rules.time_tolerance_s.is_none().then(|| on_scans(input, recording, Steps::exactly(recording), nearest.as_ref(), rules));
+    Ok(exact.filter(|strings| strings.outputs.lost == 0).unwrap_or_else(|| {
+        on_scans(input, recording, Steps::new(Some(recording), None, input.tracks, rules.time_tolerance_s), nearest.as_ref(), rules)
+    }))
+}
+
+/// Strings on the scans of a recording; `steps` are their times.
+fn on_scans<'a>(
+    input: &EvaluationInput<'a>,
+    recording: &'a Recording,
+    mut steps: Steps,
+    nearest: Option<&NearestDetection>,
+    rules: &StringRules,
+) -> Strings<'a> {
+    let &StringRules { decision, max_missed, .. } = rules;
     let mut warnings = std::mem::take(&mut steps.warnings);
     let axis = Axis::of_recording(recording, input.tracks, steps, max_missed);
     let mut identities = Identities::new(Some(recording), &input.tracks.detection_ids);
-    if let Some(alone) = nearest.as_ref().map(|nearest| nearest.bearings_alone).filter(|&alone| alone > 0) {
+    if let Some(alone) = nearest.map(|nearest| nearest.bearings_alone).filter(|&alone| alone > 0) {
         warnings
             .push(format!("{alone} detection(s) are bearings alone, which are near to nothing, and were left out as symbols of tracks"));
     }
     let target_ids = targets_of(recording, input.truth);
     let truth = truth_strings(recording, &axis, target_ids.len(), max_missed, &mut warnings);
-    let source = nearest.as_ref().map_or(Source::Candidates(decision), Source::NearestDetection);
+    let source = nearest.map_or(Source::Candidates(decision), Source::NearestDetection);
     let outputs = outputs::read(input.tracks, &axis, &mut identities, source, max_missed, &mut warnings);
-    Ok(Strings { axis, target_ids, truth, outputs, identities, warnings, symbols_are_targets: false })
+    Strings { axis, target_ids, truth, outputs, identities, warnings, symbols_are_targets: false }
 }
 
 fn by_nearest_truth<'a>(input: &EvaluationInput<'a>, gate_m: f64, max_gap_s: f64, rules: &StringRules) -> Result<Strings<'a>, Vec<Fault>> {

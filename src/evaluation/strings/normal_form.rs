@@ -68,7 +68,8 @@ pub struct StringSet {
     first_of_owner: Vec<usize>,
     /// ε since the last real symbol of the open string.
     pending: Vec<Step>,
-    is_open: bool,
+    /// The string at hand, which is not among `strings` yet.
+    open: Option<TrackString>,
 }
 
 impl StringSet {
@@ -83,7 +84,7 @@ impl StringSet {
             choices: None,
             first_of_owner: vec![0],
             pending: Vec::new(),
-            is_open: false,
+            open: None,
         }
     }
 
@@ -115,15 +116,12 @@ impl StringSet {
     /// where it may have been real does not count as missed.
     #[inline]
     pub fn push_step(&mut self, position: usize, step: Step, choices: &[Step]) {
-        if self.is_open {
-            self.pass_gap(position);
+        if let Some(end) = self.open.as_ref().map(TrackString::end) {
+            self.pass_gap(position - end);
         }
         if step.symbol.is_some() || choices.iter().any(|choice| choice.symbol.is_some()) {
-            if !self.is_open {
-                self.open_string(position);
-            }
-            self.append(step, choices);
-        } else if self.is_open {
+            self.append(position, step, choices);
+        } else if self.open.is_some() {
             self.pending.push(step);
         }
     }
@@ -133,11 +131,9 @@ impl StringSet {
         self.first_of_owner.push(self.strings.len());
     }
 
-    /// Fills the places before `position` with ε, or ends the open string when they are too many.
+    /// Fills so many places since the last real symbol with ε, or ends the open string when they are too many.
     #[inline]
-    fn pass_gap(&mut self, position: usize) {
-        let last = &self.strings[self.strings.len() - 1];
-        let missed = position - last.end();
+    fn pass_gap(&mut self, missed: usize) {
         if missed >= self.max_missed {
             self.close_string();
         } else if missed > self.pending.len() {
@@ -145,36 +141,34 @@ impl StringSet {
         }
     }
 
-    fn open_string(&mut self, start: usize) {
+    fn open_string(&self, start: usize) -> TrackString {
         let owner = self.first_of_owner.len() - 1;
         let part = self.strings.len() - self.first_of_owner[owner];
-        let first_step = self.symbols.len();
-        self.strings.push(TrackString { owner: owner as u32, part: part as u32, start, first_step, len: 0, real: 0 });
-        self.is_open = true;
+        TrackString { owner: owner as u32, part: part as u32, start, first_step: self.symbols.len(), len: 0, real: 0 }
     }
 
     fn close_string(&mut self) {
         self.pending.clear();
-        if self.is_open {
+        if let Some(string) = self.open.take() {
+            self.strings.push(string);
             self.write(Step { symbol: Some(END), weight: 0.0 }, &[]);
-            self.is_open = false;
         }
     }
 
+    /// Adds a step and what is pending to the open string, or opens one.
     #[inline]
-    fn append(&mut self, step: Step, choices: &[Step]) {
-        let added = self.pending.len() + 1;
-        if added > 1 {
+    fn append(&mut self, position: usize, step: Step, choices: &[Step]) {
+        let mut open = self.open.take().unwrap_or_else(|| self.open_string(position));
+        open.len += self.pending.len() + 1;
+        open.real += usize::from(step.symbol.is_some());
+        self.open = Some(open);
+        if !self.pending.is_empty() {
             for index in 0..self.pending.len() {
                 self.write(self.pending[index], &[]);
             }
             self.pending.clear();
         }
         self.write(step, choices);
-        if let Some(open) = self.strings.last_mut() {
-            open.len += added;
-            open.real += usize::from(step.symbol.is_some());
-        }
     }
 
     #[inline]

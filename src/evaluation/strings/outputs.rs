@@ -39,6 +39,8 @@ pub struct Outputs {
     pub crowded: Vec<Crowded>,
     /// Identities that are not among the detections of their scan; empty without a recording.
     pub unknown: Vec<Consumed>,
+    /// Track points that belong to no scan.
+    pub lost: usize,
 }
 
 const EXAMPLES: usize = 3;
@@ -57,10 +59,16 @@ pub fn read<'a>(
     let points: usize = tracks.tracks.iter().map(|track| track.points.len()).sum();
     let mut strings = StringSet::weighted(max_missed, with_choices);
     strings.reserve(points, tracks.tracks.len());
-    let outputs =
-        Outputs { strings, empty_tracks: Vec::new(), decisions: Vec::with_capacity(points), crowded: Vec::new(), unknown: Vec::new() };
+    let outputs = Outputs {
+        strings,
+        empty_tracks: Vec::new(),
+        decisions: Vec::with_capacity(points),
+        crowded: Vec::new(),
+        unknown: Vec::new(),
+        lost: 0,
+    };
     let (at_scan, choices, lost_points) = (Vec::new(), Vec::new(), Vec::new());
-    let mut reader = Reader { tracks, axis, identities, source, outputs, at_scan, choices, lost_points, lost: 0, never_confirmed: 0 };
+    let mut reader = Reader { tracks, axis, identities, source, outputs, at_scan, choices, lost_points, never_confirmed: 0 };
     let mut points = Vec::new();
     for (index, track) in tracks.tracks.iter().enumerate() {
         reader.read_track(index as u32, track, &mut points);
@@ -80,7 +88,6 @@ struct Reader<'r, 'a> {
     choices: Vec<Step>,
     /// The first points that belong to no scan, in words.
     lost_points: Vec<String>,
-    lost: usize,
     never_confirmed: usize,
 }
 
@@ -113,7 +120,7 @@ impl Reader<'_, '_> {
                     guess = scan + 1;
                 }
                 None => {
-                    self.lost += 1;
+                    self.outputs.lost += 1;
                     if self.lost_points.len() < EXAMPLES {
                         self.lost_points.push(format!("track '{}' at {} s", track.track_id, point.time_s));
                     }
@@ -128,10 +135,29 @@ impl Reader<'_, '_> {
     /// The step of a track at one scan, from all its points there (more than one only in careless files).
     fn read_scan(&mut self, index: u32, track: &Track, points: &[(usize, usize)]) {
         let (scan, first) = points[0];
-        let place_m = |point: usize| place_of(&track.points[point]);
         self.choices.clear();
+        let alone = if let [(_, point)] = points { self.only_candidate(&track.points[*point]) } else { None };
+        let decision = match alone {
+            Some(one) => Step { symbol: one.detection.map(|name| self.identify(index, scan, name)), weight: one.probability },
+            None => self.decide_of_many(index, scan, track, points),
+        };
+        if let Some(detection) = decision.symbol {
+            self.outputs.decisions.push(Consumed { track: index, scan: scan as u32, detection });
+        }
+        let step = match self.source {
+            Source::NearestTruth(nearest) => {
+                let place_m = place_of(&track.points[first]);
+                Step { symbol: place_m.and_then(|place_m| nearest.symbol(scan, &place_m)), weight: 1.0 }
+            }
+            _ => decision,
+        };
+        self.outputs.strings.push_step(self.axis.scans()[scan].position, step, &self.choices);
+    }
+
+    /// What a track decides among the candidates of all its points at a scan.
+    fn decide_of_many(&mut self, index: u32, scan: usize, track: &Track, points: &[(usize, usize)]) -> Step {
         self.gather(index, scan, points.iter().map(|&(_, point)| &track.points[point]));
-        let decision = match self.source {
+        match self.source {
             Source::Candidates(DecisionPolicy::AllGated { min_weight }) => {
                 allow(&self.at_scan, min_weight, &mut self.choices);
                 decide(self.choices.iter().map(|step| Candidate { detection: step.symbol, probability: step.weight }))
@@ -141,19 +167,19 @@ impl Reader<'_, '_> {
                 decide(self.at_scan.iter().copied())
             }
             Source::NearestDetection(nearest) => {
-                Step { symbol: place_m(first).and_then(|place_m| nearest.nearest(scan, &place_m)), weight: 1.0 }
+                let place_m = points.first().and_then(|&(_, first)| place_of(&track.points[first]));
+                Step { symbol: place_m.and_then(|place_m| nearest.nearest(scan, &place_m)), weight: 1.0 }
             }
-        };
-        if let Some(detection) = decision.symbol {
-            self.outputs.decisions.push(Consumed { track: index, scan: scan as u32, detection });
         }
-        let step = match self.source {
-            Source::NearestTruth(nearest) => {
-                Step { symbol: place_m(first).and_then(|place_m| nearest.symbol(scan, &place_m)), weight: 1.0 }
-            }
-            _ => decision,
-        };
-        self.outputs.strings.push_step(self.axis.scans()[scan].position, step, &self.choices);
+    }
+
+    /// The candidate of a point that has no other, where it is the decision as it stands: nearly every point of a tracker that
+    /// decides hard, so it is not copied about.
+    fn only_candidate(&self, point: &TrackPoint) -> Option<Candidate> {
+        match (self.source, self.tracks.candidates_of(point)) {
+            (Source::Candidates(DecisionPolicy::MostProbable) | Source::NearestTruth(_), [one]) if !one.probability.is_nan() => Some(*one),
+            _ => None,
+        }
     }
 
     /// Collects the candidates of points, with identities.
@@ -196,9 +222,9 @@ impl Reader<'_, '_> {
     }
 
     fn warn(&self, warnings: &mut Vec<String>) {
-        if self.lost > 0 {
+        if self.outputs.lost > 0 {
             let examples = self.lost_points.join(", ");
-            warnings.push(format!("{} track point(s) belong to no scan and were left out, first: {examples}", self.lost));
+            warnings.push(format!("{} track point(s) belong to no scan and were left out, first: {examples}", self.outputs.lost));
         }
         if self.never_confirmed > 0 {
             warnings.push(format!("{} track(s) were never confirmed and are not output tracks", self.never_confirmed));

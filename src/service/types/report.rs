@@ -224,6 +224,10 @@ pub struct MetricReport {
     pub parameters: Value,
     /// Everything it says in numbers, by name; the headline too.
     pub quantities: BTreeMap<String, Quantity>,
+    /// How its numbers are made of the rows of the job's files; of the metrics over everything.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub from: Option<Vec<NumberOrigin>>,
     /// Values over another axis than time.
     pub curves: Vec<Curve>,
     /// What it says besides numbers, target by target; only of metrics that have it.
@@ -240,6 +244,40 @@ pub struct Quantity {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub reason: Option<String>,
+}
+
+/// How a number is made: a statistic of rows of a `file`, or of other numbers of the metric (`over`, `under`).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct NumberOrigin {
+    /// One of the quantities, or a step on the way to them; `series.x` is over time, `curves.x` along a curve.
+    pub quantity: String,
+    pub statistic: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub file: Option<String>,
+    /// Of the file: the rows in which it is filled.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub column: Option<String>,
+    /// The values that a column of the rows must have.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub filter: Option<BTreeMap<String, Vec<String>>>,
+    /// Numbers that are added; those after `-` are subtracted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub over: Option<Vec<String>>,
+    /// Their sum is what is divided by.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub under: Option<Vec<String>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub factor: Option<f64>,
+    /// The order of the root that is taken.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub root: Option<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

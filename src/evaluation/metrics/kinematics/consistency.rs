@@ -13,6 +13,7 @@
 //! 4. The share of steps at which the mean over the targets of that step is within the bounds for their number.
 
 use super::Sample;
+use crate::evaluation::metrics::origin::{Origin, PAIRS, SERIES, Statistic};
 use crate::evaluation::metrics::{Quantity, Series};
 use crate::math::gaussian::{Gaussian, chi_square_quantile};
 use crate::model::state::{Covariance, Position, PositionCovariance, State};
@@ -75,16 +76,34 @@ const FAMILIES: [Family; 3] = [
         of: |sample| sample.normalised.state,
     },
     Family {
-        mean: "nis",
-        lower: "nis_lower",
-        upper: "nis_upper",
-        within: "nis_steps_within",
-        samples: "nis_samples",
+        mean: "nis_of_matches",
+        lower: "nis_of_matches_lower",
+        upper: "nis_of_matches_upper",
+        within: "nis_of_matches_steps_within",
+        samples: "nis_of_matches_samples",
         dimensions: None,
         reason: "no matched track says the NIS of its updates",
         of: |sample| sample.normalised.innovation.filter(|nis| nis.is_finite()),
     },
 ];
+
+/// Means, numbers and shares of steps; the bounds are quantiles of the numbers of samples.
+pub const FROM: &[Origin] = &[
+    Origin::rows("nees_position", Statistic::Mean, PAIRS, "nees_position"),
+    Origin::rows("nees_position_samples", Statistic::Count, PAIRS, "nees_position"),
+    Origin::rows("nees_position_steps_within", Statistic::ShareWithin, SERIES, "nees_position"),
+    Origin::rows("nees_state", Statistic::Mean, PAIRS, "nees_state"),
+    Origin::rows("nees_state_samples", Statistic::Count, PAIRS, "nees_state"),
+    Origin::rows("nees_state_steps_within", Statistic::ShareWithin, SERIES, "nees_state"),
+    Origin::rows("nis_of_matches", Statistic::Mean, PAIRS, "nis_of_matches"),
+    Origin::rows("nis_of_matches_samples", Statistic::Count, PAIRS, "nis_of_matches"),
+    Origin::rows("nis_of_matches_steps_within", Statistic::ShareWithin, SERIES, "nis_of_matches"),
+];
+
+/// The kinds of normalised errors, and what a match says of each.
+pub fn families() -> impl Iterator<Item = (&'static str, fn(&Sample) -> Option<f64>)> {
+    FAMILIES.iter().map(|family| (family.mean, family.of))
+}
 
 const NO_COVARIANCE: &str = "no matched track has a covariance that can be inverted";
 
@@ -142,7 +161,7 @@ impl Consistency {
         ]
     }
 
-    /// Mean and bounds at each step, of the families that have any.
+    /// Mean and bounds at each step.
     pub fn series(&mut self, samples: &[Sample], steps: usize) -> Vec<Series> {
         let mut series = Vec::new();
         for family in &FAMILIES {
@@ -151,10 +170,8 @@ impl Consistency {
                 let (lower, upper) = self.bounds(family, count);
                 values[step] = [mean, lower, upper].map(Some);
             }
-            if values.iter().any(|step| step[0].is_some()) {
-                let names = [family.mean, family.lower, family.upper].into_iter().enumerate();
-                series.extend(names.map(|(place, name)| Series::over_time(name, "", values.iter().map(|step| step[place]))));
-            }
+            let names = [family.mean, family.lower, family.upper].into_iter().enumerate();
+            series.extend(names.map(|(place, name)| Series::over_time(name, "", values.iter().map(|step| step[place]))));
         }
         series
     }

@@ -17,6 +17,7 @@
 mod consistency;
 
 use self::consistency::{Consistency, Normalised};
+use super::origin::{Origin, PAIRS, PairColumn, Statistic};
 use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence, Series};
 use crate::evaluation::comparison::{Presence, Shape};
 use crate::evaluation::events::EventKind;
@@ -25,6 +26,7 @@ use crate::model::track::TrackPoint;
 use crate::registry::{Bound, Kind, Method, Object, default};
 use serde::Deserialize;
 use serde_json::{Value, json};
+use std::ops::Range;
 
 pub const METHOD: Method<BuildMetric> =
     Method { name: "kinematics", parameters: &PARAMETERS, build: |spec| Ok(Box::new(Kinematics::deserialize(spec)?)) };
@@ -58,6 +60,8 @@ struct Kinematics {
 struct Sample {
     step: usize,
     truth: u32,
+    /// Indices into the truths and tracks of the comparison.
+    places: (u32, u32),
     error_m: Position,
     error_mps: Option<Position>,
     /// Along and across the course.
@@ -81,14 +85,51 @@ impl Metric for Kinematics {
         let mut quantities = errors(&all);
         quantities.extend(consistency.summary(&by_sequence));
         let mut report = MetricReport::new("position_rmse", false, self.parameters(sequences), quantities);
+        report.origins = FROM.iter().chain(consistency::FROM).copied().collect();
         if let ([sequence], [samples]) = (sequences, &by_sequence[..]) {
             let steps = sequence.comparison.steps.len();
             report.per_truth = truth_lines(sequence, samples, &mut consistency);
             report.series = vec![position_series(samples, steps)];
             report.series.extend(consistency.series(samples, steps));
+            report.pairs = pair_columns(samples);
         }
         report
     }
+}
+
+const fn rows(quantity: &'static str, statistic: Statistic, column: &'static str) -> Origin {
+    Origin::rows(quantity, statistic, PAIRS, column)
+}
+
+const FROM: &[Origin] = &[
+    rows("matches", Statistic::Count, "position_error"),
+    rows("position_rmse", Statistic::RootMeanSquare, "position_error"),
+    rows("position_95", Statistic::NearestRank95, "position_error"),
+    rows("velocity_rmse", Statistic::RootMeanSquare, "velocity_error"),
+    rows("along_rmse", Statistic::RootMeanSquare, "along_error"),
+    rows("across_rmse", Statistic::RootMeanSquare, "across_error"),
+    rows("along_bias", Statistic::Mean, "along_error"),
+    rows("across_bias", Statistic::Mean, "across_error"),
+    rows("x_bias", Statistic::Mean, "x_error"),
+    rows("y_bias", Statistic::Mean, "y_error"),
+];
+
+/// What each match says.
+fn pair_columns(samples: &[Sample]) -> Vec<PairColumn> {
+    let column = |name, unit, of: &dyn Fn(&Sample) -> Option<f64>| {
+        let cell = |sample: &Sample| of(sample).map(|value| (sample.places.0, sample.places.1, value));
+        PairColumn::new(name, unit, samples.iter().filter_map(cell).collect())
+    };
+    let mut columns = vec![
+        column("position_error", "m", &|sample| Some(sample.error_m.norm())),
+        column("x_error", "m", &|sample| Some(sample.error_m.x)),
+        column("y_error", "m", &|sample| Some(sample.error_m.y)),
+        column("along_error", "m", &|sample| sample.on_course_m.map(|(along_m, _)| along_m)),
+        column("across_error", "m", &|sample| sample.on_course_m.map(|(_, across_m)| across_m)),
+        column("velocity_error", "m/s", &|sample| sample.error_mps.map(|error_mps| error_mps.norm())),
+    ];
+    columns.extend(consistency::families().map(|(name, of)| column(name, "", &of)));
+    columns
 }
 
 impl Kinematics {
@@ -106,8 +147,9 @@ fn samples(sequence: &Sequence) -> Vec<Sample> {
     let comparison = sequence.comparison;
     let sample = |event: &crate::evaluation::events::Event| {
         let step = &comparison.steps[event.step as usize];
-        let truth = find(&comparison.truths[step.truths.clone()], event.truth?)?;
-        let track = find(&comparison.tracks[step.tracks.clone()], event.track?)?;
+        let places = (find(&comparison.truths, &step.truths, event.truth?)?, find(&comparison.tracks, &step.tracks, event.track?)?);
+        let (truth, track) = (&comparison.truths[places.0], &comparison.tracks[places.1]);
+        let places = (places.0 as u32, places.1 as u32);
         let error_m = track.position_m - truth.position_m;
         let error_mps = track.velocity_mps.zip(truth.velocity_mps).map(|(track, truth)| track - truth);
         let point = point_of(sequence, track);
@@ -115,14 +157,15 @@ fn samples(sequence: &Sequence) -> Vec<Sample> {
         let innovation = point.and_then(|point| point.nis);
         let normalised = Normalised { innovation, ..Normalised::new(error_m, error_mps, covariance) };
         let on_course_m = truth.velocity_mps.and_then(|velocity_mps| on_course(error_m, velocity_mps));
-        Some(Sample { step: event.step as usize, truth: truth.id, error_m, error_mps, on_course_m, normalised })
+        Some(Sample { step: event.step as usize, truth: truth.id, places, error_m, error_mps, on_course_m, normalised })
     };
     let matches = sequence.events.events.iter().filter(|event| event.kind == EventKind::Match);
     matches.filter_map(sample).collect()
 }
 
-fn find(presences: &[Presence], id: u32) -> Option<&Presence> {
-    presences.binary_search_by_key(&id, |presence| presence.id).ok().map(|place| &presences[place])
+/// The index of one among those of a step.
+fn find(presences: &[Presence], step: &Range<usize>, id: u32) -> Option<usize> {
+    presences[step.clone()].binary_search_by_key(&id, |presence| presence.id).ok().map(|place| step.start + place)
 }
 
 /// The point of the input that a presence was made of.

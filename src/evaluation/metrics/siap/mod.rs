@@ -20,6 +20,7 @@ mod numbers;
 
 use self::following::{Following, follow};
 use self::numbers::{Numbers, numbers};
+use super::origin::{Origin, PAIRS, PairColumn, Statistic, TRACK_POINTS, TRUTH_POINTS, TRUTHS};
 use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence, Series};
 use crate::evaluation::comparison::{Comparison, Presence, Shape, Step};
 use crate::registry::{Kind, Method, Object, default};
@@ -91,10 +92,11 @@ impl Metric for Siap {
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
         let mut steps = Vec::new();
         let mut all = Vec::new();
-        let (mut per_truth, mut per_track) = (Vec::new(), Vec::new());
+        let (mut per_truth, mut per_track, mut pairs) = (Vec::new(), Vec::new(), Vec::new());
         for comparison in sequences.iter().map(|sequence| sequence.comparison) {
             let following = follow(comparison, &self.0);
             steps.extend(comparison.steps.iter().map(|step| Counts::of(comparison, step, &following)));
+            pairs = pair_columns(comparison, &following);
             let truths = numbers(comparison, &following, self.0.siap_compat);
             per_truth.extend(comparison.truth_ids.iter().zip(&truths).map(|(id, numbers)| truth_line(id, numbers)));
             per_track.extend(track_lines(comparison, &following));
@@ -103,13 +105,32 @@ impl Metric for Siap {
         let mut quantities = Counts::sum(&steps).quantities().to_vec();
         quantities.extend(continuity(&all));
         let mut report = MetricReport::new("completeness", true, self.parameters(sequences), quantities);
+        report.origins = FROM.to_vec();
         if sequences.len() == 1 {
-            (report.per_truth, report.per_track) = (per_truth, per_track);
+            (report.per_truth, report.per_track, report.pairs) = (per_truth, per_track, pairs);
             report.series = series(&steps);
         }
         report
     }
 }
+
+const FROM: &[Origin] = &[
+    TRUTH_POINTS,
+    TRACK_POINTS,
+    Origin::rows("tracked", Statistic::Count, PAIRS, "tracked"),
+    Origin::rows("following", Statistic::Count, PAIRS, "position_error"),
+    Origin::ratio("completeness", &["tracked"], &["truth_points"]),
+    Origin::ratio("ambiguity", &["following"], &["tracked"]),
+    Origin::ratio("spuriousness", &["track_points", "-following"], &["track_points"]),
+    Origin::rows("position_accuracy", Statistic::Mean, PAIRS, "position_error"),
+    Origin::rows("velocity_accuracy", Statistic::Mean, PAIRS, "velocity_error"),
+    Origin::sum("track_number_changes", TRUTHS),
+    Origin::sum("tracked_time", TRUTHS),
+    Origin::ratio("track_number_change_rate", &["track_number_changes"], &["tracked_time"]),
+    Origin::sum("longest_segment_time", TRUTHS),
+    Origin::sum("life_time", TRUTHS),
+    Origin::ratio("longest_segment", &["longest_segment_time"], &["life_time"]),
+];
 
 impl Siap {
     fn parameters(&self, sequences: &[Sequence]) -> Value {
@@ -127,25 +148,17 @@ impl Counts {
     fn of(comparison: &Comparison, step: &Step, following: &Following) -> Counts {
         let truths = &comparison.truths[step.truths.clone()];
         let mut counts = Counts { targets: truths.len() as f64, tracks: step.tracks.len() as f64, ..Counts::default() };
-        let mut is_tracked = vec![false; truths.len()];
-        for index in step.tracks.clone() {
-            let Some(truth) = following.truth_of[index] else { continue };
-            let Ok(place) = truths.binary_search_by_key(&truth, |presence| presence.id) else { continue };
-            if !std::mem::replace(&mut is_tracked[place], true) {
-                counts.tracked += 1.0;
+        for_each_following(comparison, step, following, |truth, track, is_first| {
+            counts.tracked += f64::from(u8::from(is_first));
+            counts.following += 1.0;
+            let (truth, track) = (&comparison.truths[truth], &comparison.tracks[track]);
+            counts.position_m += position_error_m(truth, track);
+            if let Some(error_mps) = velocity_error_mps(truth, track) {
+                counts.with_velocity += 1.0;
+                counts.velocity_mps += error_mps;
             }
-            counts.add(&truths[place], &comparison.tracks[index]);
-        }
+        });
         counts
-    }
-
-    fn add(&mut self, truth: &Presence, track: &Presence) {
-        self.following += 1.0;
-        self.position_m += (track.position_m - truth.position_m).norm();
-        if let (Some(of_truth), Some(of_track)) = (truth.velocity_mps, track.velocity_mps) {
-            self.with_velocity += 1.0;
-            self.velocity_mps += (of_track - of_truth).norm();
-        }
     }
 
     fn sum(steps: &[Counts]) -> Counts {
@@ -177,6 +190,46 @@ impl Counts {
     }
 }
 
+/// Calls back with each target and track at a step of which the track follows the target, by their indices in the
+/// comparison, and whether it is the first track of that target.
+fn for_each_following(comparison: &Comparison, step: &Step, following: &Following, mut found: impl FnMut(usize, usize, bool)) {
+    let truths = &comparison.truths[step.truths.clone()];
+    let mut is_tracked = vec![false; truths.len()];
+    for index in step.tracks.clone() {
+        let Some(truth) = following.truth_of[index] else { continue };
+        let Ok(place) = truths.binary_search_by_key(&truth, |presence| presence.id) else { continue };
+        found(step.truths.start + place, index, !std::mem::replace(&mut is_tracked[place], true));
+    }
+}
+
+fn position_error_m(truth: &Presence, track: &Presence) -> f64 {
+    (track.position_m - truth.position_m).norm()
+}
+
+/// `None` where either velocity is unknown.
+fn velocity_error_mps(truth: &Presence, track: &Presence) -> Option<f64> {
+    Some((track.velocity_mps? - truth.velocity_mps?).norm())
+}
+
+/// The errors of every following track, and which of them is the one by which its target counts as tracked.
+fn pair_columns(comparison: &Comparison, following: &Following) -> Vec<PairColumn> {
+    let (mut tracked, mut position, mut velocity) = (Vec::new(), Vec::new(), Vec::new());
+    for step in &comparison.steps {
+        for_each_following(comparison, step, following, |truth_place, track_place, is_first| {
+            let (truth, track) = (&comparison.truths[truth_place], &comparison.tracks[track_place]);
+            let cell = |value: f64| (truth_place as u32, track_place as u32, value);
+            tracked.extend(is_first.then(|| cell(1.0)));
+            position.push(cell(position_error_m(truth, track)));
+            velocity.extend(velocity_error_mps(truth, track).map(cell));
+        });
+    }
+    vec![
+        PairColumn::new("position_error", "m", position),
+        PairColumn::new("velocity_error", "m/s", velocity),
+        PairColumn::new("tracked", "", tracked),
+    ]
+}
+
 /// Steps 3 and 4 over targets.
 fn continuity(truths: &[Numbers]) -> [Quantity; 2] {
     let sum = |of: fn(&Numbers) -> f64| truths.iter().map(of).sum::<f64>();
@@ -204,6 +257,8 @@ fn truth_line(id: &str, numbers: &Numbers) -> Line {
         Quantity::new("track_number_changes", numbers.changes as f64, ""),
         Quantity::new("tracked_time", numbers.tracked_s, "s"),
         Quantity::ratio("longest_segment", numbers.longest_s, numbers.life_s, "", "the target exists at fewer than two steps"),
+        Quantity::new("longest_segment_time", numbers.longest_s, "s"),
+        Quantity::new("life_time", numbers.life_s, "s"),
     ];
     Line { id: id.to_owned(), quantities }
 }

@@ -19,7 +19,8 @@
 //!
 //! It gives up when labels or the work of comparing them grow beyond bounds.
 
-use super::problem::{Cluster, Near, Tally};
+use super::problem::{Cluster, Near, Solution, Tally};
+use super::trace::{NO_TRACE, Traces};
 use std::collections::BTreeMap;
 
 /// Most labels of a group, most labels that one step may make of them, most comparisons of labels in a cluster.
@@ -32,17 +33,19 @@ const FRESH: usize = usize::MAX;
 const ALONE: usize = usize::MAX - 1;
 
 /// The least cost with its parts; `None` when the doubts are too many.
-pub fn solve(cluster: &Cluster, penalty: f64) -> Option<Tally> {
+pub fn solve(cluster: &Cluster, penalty: f64) -> Option<Solution> {
     let mut search = Search::new(cluster, penalty);
     for step in &cluster.steps {
         search.step(step)?;
     }
-    let mut total = search.settled;
+    let mut solution = search.settled;
     for group in search.groups.into_iter().flatten() {
-        let best = group.labels.into_iter().min_by(|one, other| one.cost.total_cmp(&other.cost));
-        total += best.map(|label| label.tally).unwrap_or_default();
+        if let Some(best) = group.labels.into_iter().min_by(|one, other| one.cost.total_cmp(&other.cost)) {
+            solution.tally += best.tally;
+            search.traces.tell(best.trace, &mut solution);
+        }
     }
-    Some(total)
+    Some(solution)
 }
 
 #[derive(Debug, Clone)]
@@ -51,6 +54,16 @@ struct Label {
     cost: f64,
     /// Of each member of the group: its partner, [`ALONE`] or [`FRESH`]. Tracks are numbered on from the truths.
     states: Vec<usize>,
+    /// What it assigned and switched so far, if that is not settled.
+    trace: usize,
+    /// Switches of this step alone.
+    new_switches: f64,
+}
+
+impl Label {
+    fn of_states(states: Vec<usize>) -> Label {
+        Label { tally: Tally::default(), cost: 0.0, states, trace: NO_TRACE, new_switches: 0.0 }
+    }
 }
 
 #[derive(Debug)]
@@ -71,7 +84,8 @@ struct Search {
     worth: Vec<f64>,
     /// Of each of them the other one.
     partner: Vec<usize>,
-    settled: Tally,
+    settled: Solution,
+    traces: Traces,
     comparisons: usize,
 }
 
@@ -90,11 +104,12 @@ impl Search {
             place_of: vec![0; members],
             worth: vec![0.0; members],
             partner: (0..members).collect(),
-            settled: Tally::default(),
+            settled: Solution::default(),
+            traces: Traces::default(),
             comparisons: 0,
         };
         for member in 0..members {
-            search.store(vec![member], vec![Label { tally: Tally::default(), cost: 0.0, states: vec![FRESH] }]);
+            search.store(vec![member], vec![Label::of_states(vec![FRESH])]);
         }
         search
     }
@@ -114,7 +129,7 @@ impl Search {
         for pair in near {
             let track = self.truths + pair.track;
             if self.is_sure(pair) {
-                self.keep(pair.truth, track, pair.gain);
+                self.keep(pair);
             } else if self.group_of[pair.truth] == self.group_of[track] {
                 of_group.entry(self.group_of[track]).or_default().push(*pair);
             }
@@ -186,12 +201,17 @@ impl Search {
     }
 
     /// Counts a sure pair; two singles become a settled pair by it.
-    fn keep(&mut self, truth: usize, track: usize, gain: f64) {
-        self.settled += Tally { gain, matched: 1.0, switches: 0.0 };
+    fn keep(&mut self, near: &Near) {
+        let (truth, track) = (near.truth, self.truths + near.track);
+        self.settled.tally += Tally { gain: near.gain, matched: 1.0, switches: 0.0 };
+        self.settled.shares.push((near.pair, 1.0));
         if let (Some(one), Some(other)) = (self.single_state(truth), self.single_state(track)) {
-            self.settled.switches += if one == FRESH && other == FRESH { 0.0 } else { 0.5 };
+            if one != FRESH || other != FRESH {
+                self.settled.tally.switches += 0.5;
+                self.settled.switches.push((near.pair, 0.5));
+            }
             self.groups[self.group_of[track]] = None;
-            self.store(vec![truth, track], vec![Label { tally: Tally::default(), cost: 0.0, states: vec![track, truth] }]);
+            self.store(vec![truth, track], vec![Label::of_states(vec![track, truth])]);
         }
     }
 
@@ -213,7 +233,12 @@ impl Search {
                 return None;
             }
         }
-        let labels = self.undominated(&group.members, successors)?;
+        let mut labels = self.undominated(&group.members, successors)?;
+        for label in &mut labels {
+            let is_held = |pair: &&Near| label.states[self.place_of[pair.truth]] == self.truths + pair.track;
+            let assigned = near.iter().filter(is_held).map(|pair| pair.pair).collect();
+            label.trace = self.traces.go_on(label.trace, near[0].pair, assigned, label.new_switches);
+        }
         self.split(group.members, labels);
         Some(())
     }
@@ -232,7 +257,8 @@ impl Search {
             let mut tally = left.tally;
             tally += right.tally;
             let states = left.states.iter().chain(&right.states).copied().collect();
-            labels.push(Label { tally, cost: tally.cost(self.penalty), states });
+            let trace = self.traces.join(left.trace, right.trace);
+            labels.push(Label { tally, cost: tally.cost(self.penalty), states, trace, new_switches: 0.0 });
         }
         for &member in one.members.iter().chain(&other.members) {
             (self.worth[member], self.worth[self.partner[member]]) = (0.0, 0.0);
@@ -277,8 +303,9 @@ impl Search {
     /// Method 4, second half.
     fn split(&mut self, members: Vec<usize>, mut labels: Vec<Label>) {
         if let [label] = &mut labels[..] {
-            self.settled += std::mem::take(&mut label.tally);
+            self.settled.tally += std::mem::take(&mut label.tally);
             label.cost = 0.0;
+            self.traces.tell(std::mem::replace(&mut label.trace, NO_TRACE), &mut self.settled);
         }
         let agreed: Vec<Option<usize>> = (0..members.len())
             .map(|place| {
@@ -286,7 +313,7 @@ impl Search {
                 labels.iter().all(|label| label.states[place] == state).then_some(state)
             })
             .collect();
-        let single = |states| vec![Label { tally: Tally::default(), cost: 0.0, states }];
+        let single = |states| vec![Label::of_states(states)];
         for (&member, state) in members.iter().zip(&agreed) {
             match *state {
                 Some(partner) if is_held(partner) && member < partner => self.store(vec![member, partner], single(vec![partner, member])),
@@ -313,7 +340,9 @@ struct Expansion<'a> {
 
 impl<'a> Expansion<'a> {
     fn new(search: &'a Search, rows: &'a [&'a [Near]], label: &Label) -> Expansion<'a> {
-        Expansion { search, rows, label: label.clone(), is_taken: vec![false; label.states.len()] }
+        let is_taken = vec![false; label.states.len()];
+        let label = Label { new_switches: 0.0, ..label.clone() };
+        Expansion { search, rows, label, is_taken }
     }
 
     /// Decides the truths from `row` on; `improvement` is what the takings so far gain at this step beyond what they break.
@@ -378,6 +407,7 @@ impl<'a> Expansion<'a> {
         self.label.states[truth_place] = track;
         self.label.states[track_place] = truth;
         self.label.tally.switches += 0.5 * halves as f64;
+        self.label.new_switches += 0.5 * halves as f64;
         broken
     }
 

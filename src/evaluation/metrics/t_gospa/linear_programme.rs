@@ -12,7 +12,7 @@
 //! 3. A cluster of very many pairs and steps is cut into blocks of steps. Switches between blocks then are free, which
 //!    leaves a lower bound.
 
-use super::problem::{Near, Tally};
+use super::problem::{Near, Solution};
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};
 use std::collections::BTreeMap;
@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 const MAX_SHARES: usize = 8192;
 
 pub struct Bound {
-    pub tally: Tally,
+    pub solution: Solution,
     /// Whether it is the exact value.
     pub is_exact: bool,
 }
@@ -29,14 +29,14 @@ pub struct Bound {
 /// `None` when the solver finds no solution, which a programme of sound numbers always has.
 pub fn solve(steps: &[Vec<Near>], penalty: f64) -> Option<Bound> {
     let pairs = pairs_of(steps).len();
-    let mut bound = Bound { tally: Tally::default(), is_exact: true };
+    let mut bound = Bound { solution: Solution::default(), is_exact: true };
     let blocks = steps.chunks((MAX_SHARES / pairs.max(1)).max(1));
     let is_cut = blocks.len() > 1;
     for block in blocks {
         let programme = Programme::new(block, penalty);
         let shares = programme.solve()?;
         bound.is_exact &= !is_cut && shares.iter().all(|share| share.fract() == 0.0);
-        bound.tally += programme.tally(&shares);
+        bound.solution.add(programme.solution(&shares));
     }
     Some(bound)
 }
@@ -145,21 +145,46 @@ impl<'a> Programme<'a> {
         if shares.iter().all(|share| (share - share.round()).abs() < 1e-5) {
             shares.iter_mut().for_each(|share| *share = share.round());
         }
+        self.keep_within_one(&mut shares);
         Some(shares)
     }
 
-    fn tally(&self, shares: &[f64]) -> Tally {
-        let mut tally = Tally::default();
+    /// The solver keeps its constraints to a tolerance; this keeps them exactly.
+    fn keep_within_one(&self, shares: &mut [f64]) {
+        for at_step in shares.chunks_mut(self.pairs.len().max(1)) {
+            let (mut of_truth, mut of_track) = (BTreeMap::<usize, f64>::new(), BTreeMap::<usize, f64>::new());
+            for (&(truth, track), &pair) in &self.pairs {
+                at_step[pair] = at_step[pair].max(0.0);
+                *of_truth.entry(truth).or_default() += at_step[pair];
+                *of_track.entry(track).or_default() += at_step[pair];
+            }
+            for (&(truth, track), &pair) in &self.pairs {
+                at_step[pair] /= of_truth[&truth].max(of_track[&track]).max(1.0);
+            }
+        }
+    }
+
+    fn solution(&self, shares: &[f64]) -> Solution {
+        let mut solution = Solution::default();
         for (step, near) in self.steps.iter().enumerate() {
             for pair in near {
                 let share = shares[self.share(step, self.pairs[&(pair.truth, pair.track)])];
-                tally.gain += share * pair.gain;
-                tally.matched += share;
+                solution.tally.gain += share * pair.gain;
+                solution.tally.matched += share;
+                if share != 0.0 {
+                    solution.shares.push((pair.pair, share));
+                }
             }
         }
-        let later = &shares[self.pairs.len()..];
-        tally.switches = shares.iter().zip(later).map(|(now, next)| 0.5 * (next - now).abs()).sum();
-        tally
+        let by_step: Vec<&[f64]> = shares.chunks(self.pairs.len().max(1)).collect();
+        for (step, change) in by_step.windows(2).enumerate() {
+            let switches = change[0].iter().zip(change[1]).map(|(now, next)| 0.5 * (next - now).abs()).sum();
+            solution.tally.switches += switches;
+            if let Some(pair) = self.steps[step + 1].first().filter(|_| switches != 0.0) {
+                solution.switches.push((pair.pair, switches));
+            }
+        }
+        solution
     }
 }
 
@@ -177,7 +202,7 @@ mod tests {
         let mut step = || {
             let is_near = |_: &&(usize, usize)| rng.random_bool(0.6);
             let near: Vec<(usize, usize)> = pairs.iter().filter(is_near).copied().collect();
-            near.into_iter().map(|(truth, track)| Near { truth, track, gain: rng.random_range(0.01..1.0) }).collect()
+            near.into_iter().map(|(truth, track)| Near { truth, track, gain: rng.random_range(0.01..1.0), pair: 0 }).collect()
         };
         Cluster { truths, tracks, steps: (0..6).map(|_| step()).collect() }
     }
@@ -189,9 +214,9 @@ mod tests {
         for case in 0..200 {
             let cluster = random(&mut rng);
             let penalty = [0.0, 0.1, 0.4, 1.5][case % 4];
-            let exact = exact::solve(&cluster, penalty).unwrap().cost(penalty);
+            let exact = exact::solve(&cluster, penalty).unwrap().tally.cost(penalty);
             let bound = solve(&cluster.steps, penalty).unwrap();
-            let cost = bound.tally.cost(penalty);
+            let cost = bound.solution.tally.cost(penalty);
             assert!(cost <= exact + 1e-7, "case {case}: {cost} above {exact}");
             if bound.is_exact {
                 integral += 1;
@@ -204,13 +229,13 @@ mod tests {
     #[test]
     fn blocks_leave_out_the_switches_between_them() {
         // Truth 0 has track 0 and track 1 by turns, each for half of very many steps: one switch, in the middle.
-        let near = |track| vec![Near { truth: 0, track, gain: 0.5 }];
+        let near = |track| vec![Near { truth: 0, track, gain: 0.5, pair: 0 }];
         let half = MAX_SHARES / 4 + 100;
         let steps: Vec<Vec<Near>> = (0..2 * half).map(|step| near(usize::from(step >= half))).collect();
         let bound = solve(&steps, 0.2).unwrap();
         assert!(!bound.is_exact);
         let exact = 0.2 - 0.5 * 2.0 * half as f64;
-        assert!(bound.tally.cost(0.2) <= exact + 1e-6, "{} {exact}", bound.tally.cost(0.2));
-        assert!(bound.tally.cost(0.2) >= exact - 0.2 - 1e-6);
+        assert!(bound.solution.tally.cost(0.2) <= exact + 1e-6, "{} {exact}", bound.solution.tally.cost(0.2));
+        assert!(bound.solution.tally.cost(0.2) >= exact - 0.2 - 1e-6);
     }
 }

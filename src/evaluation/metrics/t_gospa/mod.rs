@@ -18,10 +18,12 @@
 mod exact;
 mod linear_programme;
 mod problem;
+mod trace;
 
-use self::problem::{Tally, clusters};
+use self::problem::{Solution, Tally, clusters};
 use super::cutoff::{CUTOFF_M, Cutoff, ORDER};
-use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence};
+use super::origin::{Origin, PAIRS, PairColumn, SERIES, STEPS, Statistic, TRACK_POINTS, TRUTH_POINTS};
+use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence, Series};
 use crate::evaluation::comparison::{Comparison, Shape};
 use crate::registry::{Bound, Kind, Method, Object, default};
 use serde::Deserialize;
@@ -55,7 +57,7 @@ struct TGospa {
 /// Over all sequences.
 #[derive(Default)]
 struct Total {
-    tally: Tally,
+    solution: Solution,
     truths: f64,
     tracks: f64,
     steps: f64,
@@ -87,11 +89,59 @@ impl Metric for TGospa {
             "switch_penalty_m": self.switch_penalty_m,
             "method": total.method(),
         });
-        MetricReport::new("t_gospa", false, parameters, self.quantities(&total))
+        let mut report = MetricReport::new("t_gospa", false, parameters, self.quantities(&total));
+        report.origins = self.origins();
+        if let [sequence] = sequences {
+            report.pairs = self.pair_columns(sequence.comparison, &total.solution);
+            report.series = vec![switches_over_time(sequence.comparison, &total.solution)];
+        }
+        report
     }
 }
 
+/// Switches paid at each step.
+fn switches_over_time(comparison: &Comparison, solution: &Solution) -> Series {
+    let mut switches = vec![0.0; comparison.steps.len()];
+    for &(pair, count) in &solution.switches {
+        switches[comparison.steps.partition_point(|step| step.pairs.end <= pair as usize)] += count;
+    }
+    Series::over_time("switches", "", switches.into_iter().map(Some))
+}
+
 impl TGospa {
+    fn origins(&self) -> Vec<Origin> {
+        let half = 0.5 * self.cutoff.powers(1.0);
+        const PARTS: &[&str] = &["localisation", "missed", "false", "switching"];
+        vec![
+            TRUTH_POINTS,
+            TRACK_POINTS,
+            STEPS,
+            Origin::rows("matched_points", Statistic::Sum, PAIRS, "share"),
+            Origin::terms("missed_points", &["truth_points", "-matched_points"]),
+            Origin::terms("false_points", &["track_points", "-matched_points"]),
+            Origin::sum("switches", SERIES),
+            Origin::rows("localisation", Statistic::Sum, PAIRS, "power"),
+            Origin::terms("missed", &["missed_points"]).times(half),
+            Origin::terms("false", &["false_points"]).times(half),
+            Origin::terms("switching", &["switches"]).times(self.cutoff.powers(self.penalty())),
+            Origin::terms("t_gospa", PARTS).root(self.cutoff.p),
+            Origin::ratio("t_gospa_per_step", PARTS, &["steps"]).root(self.cutoff.p),
+        ]
+    }
+
+    /// The share to which each near pair is assigned, and so much of its dᵖ.
+    fn pair_columns(&self, comparison: &Comparison, solution: &Solution) -> Vec<PairColumn> {
+        let column = |name, unit, of: &dyn Fn(f64, f64) -> f64| {
+            let cell = |&(pair, share): &(u32, f64)| {
+                let pair = &comparison.pairs[pair as usize];
+                (pair.truth, pair.track, of(share, pair.distance))
+            };
+            PairColumn::new(name, unit, solution.shares.iter().map(cell).collect())
+        };
+        let power = |share: f64, distance_m: f64| share * self.cutoff.powers(self.cutoff.share_of(distance_m));
+        vec![column("share", "", &|share, _| share), column("power", "m^p", &power)]
+    }
+
     fn penalty(&self) -> f64 {
         self.cutoff.share_of(self.switch_penalty_m)
     }
@@ -101,14 +151,14 @@ impl TGospa {
         total.tracks += comparison.tracks.len() as f64;
         total.steps += comparison.steps.len() as f64;
         for cluster in clusters(comparison, self.cutoff) {
-            if let Some(tally) = exact::solve(&cluster, self.penalty()) {
-                total.tally += tally;
+            if let Some(solution) = exact::solve(&cluster, self.penalty()) {
+                total.solution.add(solution);
                 total.exact += 1;
                 continue;
             }
             match linear_programme::solve(&cluster.steps, self.penalty()) {
                 Some(bound) => {
-                    total.tally += bound.tally;
+                    total.solution.add(bound.solution);
                     *if bound.is_exact { &mut total.whole } else { &mut total.bounded } += 1;
                 }
                 None => total.is_unsolved = true,
@@ -119,7 +169,7 @@ impl TGospa {
     fn quantities(&self, total: &Total) -> Vec<Quantity> {
         let reason = if total.is_unsolved { "the linear programme has no solution" } else { "there is no step" };
         let (has_value, cutoff) = (!total.is_unsolved && total.steps > 0.0, self.cutoff);
-        let Tally { gain, matched, switches } = total.tally;
+        let Tally { gain, matched, switches } = total.solution.tally;
         let (missed, unwanted) = (total.truths - matched, total.tracks - matched);
         // Rounding may leave a part just below 0 where it is none.
         let parts = [matched - gain, 0.5 * missed, 0.5 * unwanted, switches * self.penalty()].map(|part: f64| part.max(0.0));

@@ -16,6 +16,8 @@ pub struct Near {
     pub truth: usize,
     pub track: usize,
     pub gain: f64,
+    /// Its index among the pairs of the comparison.
+    pub pair: u32,
 }
 
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -26,7 +28,25 @@ pub struct Cluster {
     pub steps: Vec<Vec<Near>>,
 }
 
-/// What a solution of one or more clusters adds up to.
+/// A solution of one or more clusters, with what it is made of.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Solution {
+    pub tally: Tally,
+    /// Near pairs that are assigned, by their index among the pairs of the comparison, and to which share (0 to 1).
+    pub shares: Vec<(u32, f64)>,
+    /// Switches, each at the step of a pair of the comparison.
+    pub switches: Vec<(u32, f64)>,
+}
+
+impl Solution {
+    pub fn add(&mut self, other: Solution) {
+        self.tally += other.tally;
+        self.shares.extend(other.shares);
+        self.switches.extend(other.switches);
+    }
+}
+
+/// What a solution adds up to.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Tally {
     pub gain: f64,
@@ -55,12 +75,16 @@ pub fn clusters(comparison: &Comparison, cutoff: Cutoff) -> Vec<Cluster> {
     let truths = comparison.truth_ids.len();
     let mut roots: Vec<usize> = (0..truths + comparison.track_ids.len()).collect();
     let near = |step: &crate::evaluation::comparison::Step| {
-        let of_pair = |pair: &crate::evaluation::comparison::Pair| Near {
-            truth: comparison.truths[pair.truth as usize].id as usize,
-            track: comparison.tracks[pair.track as usize].id as usize,
-            gain: 1.0 - cutoff.share_of(pair.distance),
+        let of_pair = |index: usize| {
+            let pair = &comparison.pairs[index];
+            Near {
+                truth: comparison.truths[pair.truth as usize].id as usize,
+                track: comparison.tracks[pair.track as usize].id as usize,
+                gain: 1.0 - cutoff.share_of(pair.distance),
+                pair: index as u32,
+            }
         };
-        comparison.pairs[step.pairs.clone()].iter().map(of_pair).filter(|near| near.gain > 0.0).collect::<Vec<Near>>()
+        step.pairs.clone().map(of_pair).filter(|near| near.gain > 0.0).collect::<Vec<Near>>()
     };
     let steps: Vec<Vec<Near>> = comparison.steps.iter().map(near).collect();
     for pair in steps.iter().flatten() {
@@ -93,7 +117,7 @@ fn gather(steps: &[Vec<Near>], truths: usize, roots: &mut [usize]) -> Vec<Cluste
             if std::mem::replace(&mut last_step[cluster], index) != index {
                 clusters[cluster].steps.push(Vec::new());
             }
-            let near = Near { truth: place_of[pair.truth], track: place_of[truths + pair.track], gain: pair.gain };
+            let near = Near { truth: place_of[pair.truth], track: place_of[truths + pair.track], ..*pair };
             clusters[cluster].steps.last_mut().expect("pushed above").push(near);
         }
     }
