@@ -1,0 +1,43 @@
+// The grid of a campaign: its axes with their points in order, and the cells they make.
+
+import type { CampaignCell } from "../api/types";
+
+export interface Axis {
+  name: string;
+  points: string[];
+}
+
+interface GridEntry {
+  by?: string;
+  name?: string;
+  path?: string;
+  values?: unknown[];
+  variants?: { name: string }[];
+}
+
+const textOf = (value: unknown): string => (typeof value === "string" ? value : JSON.stringify(value));
+
+/** As the service names axes and points. */
+export function axesOf(spec: Record<string, unknown>): Axis[] {
+  const grid = (Array.isArray(spec["grid"]) ? spec["grid"] : []) as GridEntry[];
+  return grid.map((entry) => ({
+    name: entry.name ?? entry.path ?? "",
+    points: entry.by === "variants" ? (entry.variants ?? []).map((variant) => variant.name) : (entry.values ?? []).map(textOf),
+  }));
+}
+
+/** Every combination of the points of some axes, the last running fastest. */
+export function combinations(axes: Axis[]): string[][] {
+  return axes.reduce<string[][]>((before, axis) => before.flatMap((points) => axis.points.map((point) => [...points, point])), [[]]);
+}
+
+export function isNumeric(axis: Axis): boolean {
+  return axis.points.length > 1 && axis.points.every((point) => point.trim() !== "" && Number.isFinite(Number(point)));
+}
+
+/** The cell with these points, by axis. */
+export function cellAt(cells: CampaignCell[], axes: Axis[], points: Record<string, string>): CampaignCell | undefined {
+  return cells.find((cell) => axes.every((axis) => cell.parameters[axis.name] === points[axis.name]));
+}
+
+export const pointsOf = (axes: Axis[], points: string[]): Record<string, string> => Object.fromEntries(axes.map((axis, index) => [axis.name, points[index] ?? ""]));
