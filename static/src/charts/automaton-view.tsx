@@ -13,7 +13,7 @@ import { EPSILON, wayOf, type Automaton, type Expected, type Step, type Way } fr
 import { ChartFrame } from "./frame";
 import type { KeyMark } from "./picture";
 
-const LEFT = 86;
+const LEFT = 104;
 const RIGHT = 20;
 const LEAST_STEP_PX = 18;
 const LABELLED_STEP_PX = 40;

@@ -45,7 +45,7 @@ function seriesOf(tuples: CorrelationTuple[], group: Group, palette: Palette): o
 
 function threshold(alpha: number | undefined, palette: Palette): object[] {
   if (alpha === undefined) return [];
-  const label = { show: true, formatter: `α = ${alpha}`, position: "insideEndBottom", color: palette.selected, fontSize: 11 };
+  const label = { show: true, formatter: `α = ${alpha}`, position: "insideEndTop", color: palette.selected, fontSize: 11 };
   const markLine = { silent: true, symbol: "none", animation: false, label, lineStyle: { color: palette.selected, type: "dashed", width: 1.5 }, data: [{ yAxis: alpha }] };
   return [{ type: "scatter", name: "threshold", data: [], markLine }];
 }

@@ -197,7 +197,7 @@ function Head({ comparison, first }: { comparison: Comparison; first: string }):
   );
 }
 
-const OVER = { runs: "runs of a cell", steps: "times" } as const;
+const OVER = { runs: "runs", steps: "steps" } as const;
 
 function pairedTable(comparison: Comparison, rows: Comparison["paired"]): TableData {
   const lines = rows.flatMap((row) =>

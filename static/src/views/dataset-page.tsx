@@ -126,7 +126,9 @@ function Provenance({ dataset }: { dataset: Dataset }): JSX.Element {
         <dt>Size</dt>
         <dd>{bytes(dataset.bytes)}</dd>
         <dt>sha256</dt>
-        <dd class="mono">{dataset.sha256}</dd>
+        <dd class="mono" title={dataset.sha256}>
+          {dataset.sha256.slice(0, 16)}…
+        </dd>
       </dl>
     </section>
   );

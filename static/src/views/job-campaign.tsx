@@ -217,7 +217,9 @@ function Differences({ campaign, outcome }: { campaign: Campaign; outcome: strin
               <th scope="col" class="num">
                 Mean difference
               </th>
-              <th scope="col">Interval</th>
+              <th scope="col" class="num">
+                Interval
+              </th>
               <th scope="col">
                 <span class="visually-hidden">Picture</span>
               </th>

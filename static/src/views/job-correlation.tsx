@@ -44,13 +44,22 @@ function placeOf(tuple: CorrelationTuple): string {
   return hereHref({ tab: "plan", track: tuple.system_track_id, truth: tuple.truth_id ?? null, centre: "selection", span: null, time: null });
 }
 
+/** Sums of costs are rounded: a gap below this is none. */
+const ROUNDING = 1e-9;
+
+function gapFigure(gap: number | null | undefined): Figure {
+  if (gap === null || gap === undefined) return { name: "Gap", value: "not known", note: "without a bound" };
+  if (Math.abs(gap) < ROUNDING) return { name: "Gap", value: "0 %", note: "proved to be the least" };
+  return { name: "Gap", value: `${number(gap * 100)} %`, note: "at most, above the least" };
+}
+
 function figures(result: CorrelateResult): Figure[] {
   const { counts, truth, gap } = result;
   const known = (value: number | null | undefined) => (value === null || value === undefined ? "not known" : number(value));
   const list: Figure[] = [
     { name: "Cost J", value: number(result.cost), note: `${words(result.correlator)}, ${words(result.statistic)}` },
     { name: "Dual bound", value: known(result.dual_bound), note: "no division costs less" },
-    { name: "Gap", value: gap === null || gap === undefined ? "not known" : `${number(gap * 100)} %`, note: gap !== null && gap !== undefined && gap < 1e-9 ? "proved to be the least" : "at most, above the least" },
+    gapFigure(gap),
     { name: "Tuples", value: count(counts.tuples), note: `of ${count(counts.tracks)} tracks of ${count(counts.sensors)} sensors` },
     { name: "Alone", value: count(counts.unassociated), note: `${count(counts.system_tracks)} system tracks in all` },
     { name: "Common times", value: count(counts.common_times), note: `${count(counts.dimensions)} numbers, ${count(counts.links)} links` },

@@ -1,7 +1,7 @@
 // Everything that the metrics say: each quantity with its unit and parameters, the metrics over time, and the events behind the counts.
 
 import type { JSX } from "preact";
-import { useMemo } from "preact/hooks";
+import { useEffect, useMemo, useRef } from "preact/hooks";
 import { getMetricSeries } from "../api/client";
 import { partsOf, type Cell, type Job, type MetricReport, type MetricsSeries, type Report } from "../api/types";
 import { timeAxisName, timeOrigin, timeText } from "../charts/axes";
@@ -145,7 +145,7 @@ function Value({ name, text, unit }: { name: string; text: string; unit: string 
   const shown = unit ? `${text} ${unit}` : text;
   if (!kinds) return <>{shown}</>;
   return (
-    <Link href={`${hereHref({ event: kinds })}#events`} label={`${shown}: show the events`}>
+    <Link href={hereHref({ event: kinds })} label={`${shown}: show the events`}>
       {shown}
     </Link>
   );
@@ -332,12 +332,18 @@ function LaneView({ log, sequence, file }: { log: EventLog; sequence: string; fi
 }
 
 function EventTable({ log, sequence, file }: { log: EventLog; sequence: string; file: string }): JSX.Element {
+  const head = useRef<HTMLDivElement>(null);
+  const chosen = param("event");
+  useEffect(() => {
+    // Who comes by the link of a number wants to see its events.
+    if (chosen) head.current?.scrollIntoView({ block: "nearest" });
+  }, [chosen]);
   const kinds = [...new Set(log.entries.map((entry) => entry.kind))].sort();
-  const asked = (param("event") ?? "switch,break").split(",");
+  const asked = (chosen ?? "switch,break").split(",");
   const found = log.entries.filter((entry) => entry.sequence === sequence && asked.includes(entry.kind));
   const table = (): TableData => ({ columns: ["step", "time_s", "event", "truth_id", "track_id", "distance"], rows: found.map((entry): Cell[] => [entry.step, entry.time, entry.kind, entry.truth || null, entry.track || null, entry.distance]) });
   const tools = (
-    <div class="filters frame-filters" id="events">
+    <div class="filters frame-filters" ref={head}>
       <label>
         <span>Events</span>
         <select value={asked.join(",")} onChange={(event) => setParams({ event: event.currentTarget.value })}>

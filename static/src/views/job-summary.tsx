@@ -137,7 +137,7 @@ function Events({ events }: { events: EventCounts }): JSX.Element {
           <>
             <dt>{capital(words(name))}</dt>
             <dd>
-              <Link href={hereHref({ tab: "metrics", event: name })} label={`${value} events: ${words(name)}`}>
+              <Link href={hereHref({ tab: "metrics", event: name })} label={`${count(value)} events: ${words(name)}`}>
                 {count(value)}
               </Link>
             </dd>
