@@ -1,6 +1,7 @@
 // A browser at the service, and pages that note everything they should not do.
 
 import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
 import { chromium } from "playwright-core";
 
 export const BASE = process.env.TRACKLOOM_URL;
@@ -164,4 +165,23 @@ export function shown(value) {
   const size = Math.abs(value);
   if (size !== 0 && (size < 1e-3 || size >= 1e7)) return value.toExponential(3);
   return String(Number(value.toPrecision(size >= 1000 ? 7 : 4)));
+}
+
+/** Presses a button that saves a file; answers its name and content. */
+export async function saved(page, button) {
+  const [download] = await Promise.all([page.waitForEvent("download"), button.click()]);
+  return { name: download.suggestedFilename(), bytes: await readFile(await download.path()) };
+}
+
+/** Waits until the chart in a frame is drawn: that happens when it comes into view. */
+export async function drawn(frame) {
+  await frame.scrollIntoViewIfNeeded();
+  await frame.locator("canvas").first().waitFor();
+}
+
+/** Browsers note every refused request as an error; these were asked for. */
+export function allowRefusals(page, status, times) {
+  const asked = page.faults.filter((fault) => fault.includes(`status of ${status}`));
+  assert.equal(asked.length, times, `refusals with ${status}`);
+  page.faults = page.faults.filter((fault) => !asked.includes(fault));
 }

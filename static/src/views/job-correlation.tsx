@@ -143,8 +143,11 @@ function Matrix({ result, alpha, file, badge }: { result: CorrelateResult; alpha
 function Row({ tuple, result, alpha }: { tuple: CorrelationTuple; result: CorrelateResult; alpha: number | undefined }): JSX.Element {
   const show = () => go(placeOf(tuple));
   const below = isBelow(tuple, alpha);
+  const pressed = (event: MouseEvent) => {
+    if (!(event.target as HTMLElement).closest("button")) show();
+  };
   return (
-    <tr class="selectable" onClick={show}>
+    <tr class="selectable" onClick={pressed}>
       <td>
         <button type="button" class="link" onClick={show} aria-label={`Show system track ${tuple.system_track_id} in the plan view`}>
           {tuple.system_track_id}
