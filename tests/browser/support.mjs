@@ -185,3 +185,13 @@ export function allowRefusals(page, status, times) {
   assert.equal(asked.length, times, `refusals with ${status}`);
   page.faults = page.faults.filter((fault) => !asked.includes(fault));
 }
+
+/** Uploads a file of this content; answers the data set. */
+export async function uploaded(name, text, meta = {}) {
+  const form = new FormData();
+  form.append("meta", new Blob([JSON.stringify(meta)], { type: "application/json" }));
+  form.append("file", new Blob([text]), name);
+  const answer = await fetch(`${BASE}/v1/datasets`, { method: "POST", body: form });
+  assert.ok(answer.ok, `upload of ${name}: ${await answer.clone().text()}`);
+  return answer.json();
+}
