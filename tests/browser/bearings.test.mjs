@@ -34,6 +34,13 @@ test("bearings run down the time with truth and tracks over them, up to the cloc
   const first = await limitOf();
   assert.equal((await csv()).length, upTo(first));
   assert.ok(upTo(first) < series.columns.time_s.length / 10);
+  const levels = frame.getByRole("button", { name: /^levels, .* dB$/ });
+  const shaded = await frame.locator("canvas").first().screenshot();
+  await levels.click();
+  assert.equal(await levels.getAttribute("aria-pressed"), "false");
+  await page.waitForTimeout(300);
+  assert.ok(!shaded.equals(await frame.locator("canvas").first().screenshot()), "the record lies under the bearings");
+  await levels.click();
   await frame.getByRole("button", { name: "truth", exact: true }).click();
   assert.equal(parameters(page).get("hide"), "truth");
   await closePage(page);
@@ -50,7 +57,7 @@ test("a track of bearings is chosen and its facts are those of the series", asyn
   assert.ok(text.includes(`${shown(columns.bearing_deg[last])}°`), text);
   assert.ok(text.includes(`${shown(columns.bearing_rate_degps[last])}°/s`), text);
   await page.getByRole("heading", { name: `Association probability, ${track_id}` }).waitFor();
-  await page.getByText("The record itself").click();
+  await page.getByText("The record as the service drew it").click();
   await page.locator(".record img").waitFor();
   await page.waitForFunction(() => document.querySelector(".record img")?.naturalWidth > 0);
   await closePage(page);

@@ -53,6 +53,10 @@ test("the metrics over time are drawn and exported as the service has them", asy
   await frame.getByLabel("Metric").selectOption("gospa");
   assert.equal(parameters(page).get("over"), "gospa");
   await page.getByRole("heading", { name: "gospa over time" }).waitFor();
+  await drawn(page.locator(".chart-frame", { hasText: "over time" }));
+  await page.locator(".chart-frame", { hasText: "over time" }).locator("canvas").first().click({ position: { x: 400, y: 100 } });
+  await page.waitForFunction(() => new URLSearchParams(location.search).has("time"));
+  assert.ok(series.columns.time_s.includes(Number(parameters(page).get("time"))), "the clock stands at a time of the series");
   await closePage(page);
 });
 

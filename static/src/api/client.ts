@@ -94,6 +94,11 @@ export interface DatasetFilter {
 export const pageOfDatasets = (query: DatasetFilter): Promise<DatasetPage> => taken(client.GET("/v1/datasets", { params: { query } }));
 export const previewDataset = (id: string, limit: number): Promise<DatasetPreview> => taken(client.GET("/v1/datasets/{id}/preview", { params: { path: { id }, query: { limit } } }));
 
+/** The text of a data set as it was uploaded. */
+export async function getDatasetText(id: string): Promise<string> {
+  return (await taken(client.GET("/v1/datasets/{id}/content", { ...path(id), parseAs: "text" }))) as unknown as string;
+}
+
 export async function deleteDataset(id: string): Promise<void> {
   const { error, response } = await client.DELETE("/v1/datasets/{id}", path(id));
   if (!response.ok) await taken(Promise.resolve({ error, response }));

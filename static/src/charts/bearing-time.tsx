@@ -13,6 +13,7 @@ import { unwrapped, type BearingLine, type BearingScene } from "./bearing-scene"
 import { ChartCanvas } from "./chart";
 import type { Chart } from "./echarts";
 import { ChartFrame, reducedBadge } from "./frame";
+import { shades, type Levels } from "./levels";
 import type { KeyMark } from "./picture";
 import { momentOf } from "./plan-view";
 
@@ -24,6 +25,21 @@ interface Props {
   series: BearingTime;
   scene: BearingScene;
   clock: Clock;
+  /** The record behind them, where it is not too large. */
+  levels: Levels | undefined;
+}
+
+/** The record as shades under everything else, moved and cut with the axes. */
+function levelSeries({ levels, clock }: Props, moment: Moment, palette: Palette): object[] {
+  if (!levels || moment.hidden.has("levels")) return [];
+  const image = shades(levels, palette.text);
+  const origin = timeOrigin(clock.times);
+  const renderItem = (_: unknown, api: { coord: (at: [number, number]) => [number, number] }) => {
+    const [left, top] = api.coord([levels.fromBearing, levels.fromTime - origin]);
+    const [right, bottom] = api.coord([levels.toBearing, levels.toTime - origin]);
+    return { type: "image", style: { image, x: left, y: top, width: right - left, height: bottom - top } };
+  };
+  return [{ type: "custom", id: "levels", data: [[0, 0]], renderItem, silent: true, clip: true, animation: false, z: 1 }];
 }
 
 type Moment = ReturnType<typeof momentOf>;
@@ -32,7 +48,8 @@ function lines(all: Iterable<BearingLine>, moment: Moment, origin: number): [num
   return [...all].flatMap((line) => unwrapped(line, moment.from, moment.now, origin));
 }
 
-function seriesOf({ scene, clock }: Props, moment: Moment, palette: Palette): object[] {
+function seriesOf(props: Props, moment: Moment, palette: Palette): object[] {
+  const { scene, clock } = props;
   const origin = timeOrigin(clock.times);
   const line = (id: string, data: unknown[], color: string, width: number, z: number) => ({ type: "line", id, data, showSymbol: false, silent: true, animation: false, z, lineStyle: { color, width } });
   const dots = scene.detections.flatMap(({ time, bearing }, row) => (time >= moment.from - 1e-9 && time <= moment.now + 1e-9 ? [[bearing, time - origin, row]] : []));
@@ -40,6 +57,7 @@ function seriesOf({ scene, clock }: Props, moment: Moment, palette: Palette): ob
   const cursor = { silent: true, symbol: "none", label: { show: false }, animation: false, lineStyle: { color: palette.selected, width: 1.2, type: "dashed" }, data: [{ yAxis: moment.now - origin }] };
   const chosen = [scene.truths.get(moment.truth ?? ""), scene.tracks.get(moment.track ?? "")];
   return [
+    ...levelSeries(props, moment, palette),
     { type: "scatter", id: "detections", data: shown("d") ? dots : [], symbol: "circle", symbolSize: dots.length > LARGE ? 2.5 : 3.5, large: dots.length > LARGE, itemStyle: { color: palette.sensors[0], opacity: 0.75 }, animation: false, progressive: 0, z: 2, markLine: cursor },
     line("truth", shown("truth") ? lines(scene.truths.values(), moment, origin) : [], palette.truth, 1.4, 3),
     line("tracks", shown("tracks") ? lines(scene.tracks.values(), moment, origin) : [], palette.track, 1.8, 4),
@@ -107,7 +125,7 @@ function tableOf({ scene }: Props, moment: Moment): TableData {
 }
 
 export function BearingTimeChart(props: Props): JSX.Element {
-  const { jobId, series, scene, clock } = props;
+  const { jobId, series, scene, clock, levels } = props;
   const chart = useRef<Chart | undefined>(undefined);
   const moment = momentOf(clock);
   const pressed = (made: Chart) => {
@@ -118,6 +136,7 @@ export function BearingTimeChart(props: Props): JSX.Element {
     return () => made.getZr().off("click", press);
   };
   const key = (palette: Palette): KeyMark[] => [
+    ...(levels && !moment.hidden.has("levels") ? [{ name: `levels, ${number(levels.low)} to ${number(levels.high)} dB`, color: palette.muted, look: "dot" } as const] : []),
     { name: "detections", color: palette.sensors[0] ?? palette.text, look: "dot" },
     { name: "truth", color: palette.truth, look: "solid" },
     { name: "tracks", color: palette.track, look: "solid" },
@@ -125,11 +144,11 @@ export function BearingTimeChart(props: Props): JSX.Element {
   ];
   const label = `Bearings over time up to ${timeText(moment.now, clock.times)}: ${scene.truths.size} truth lines, ${scene.tracks.size} tracks, ${scene.detections.length} detections. The table shows the same points.`;
   return (
-    <ChartFrame title="Bearing–time" file={`bearing-time-${jobId.slice(-12)}`} badge={reducedBadge([{ ...series, name: "bearings" }])} table={() => tableOf(props, momentOf(clock))} chart={() => chart.current} pictureKey={key} tools={<Layers scene={scene} />} class="plan">
+    <ChartFrame title="Bearing–time" file={`bearing-time-${jobId.slice(-12)}`} badge={reducedBadge([{ ...series, name: "bearings" }])} table={() => tableOf(props, momentOf(clock))} chart={() => chart.current} pictureKey={key} tools={<Layers scene={scene} levels={levels} />} class="plan">
       <ChartCanvas
         class="plan-canvas"
         label={label}
-        keys={[scene, moment.from, moment.now, param("hide"), moment.truth, moment.track, theme.value]}
+        keys={[scene, levels, moment.from, moment.now, param("hide"), moment.truth, moment.track, theme.value]}
         draw={(made) => {
           chart.current = made;
           draw(made, props, momentOf(clock));
@@ -140,13 +159,14 @@ export function BearingTimeChart(props: Props): JSX.Element {
   );
 }
 
-function Layers({ scene }: { scene: BearingScene }): JSX.Element {
+function Layers({ scene, levels }: { scene: BearingScene; levels: Levels | undefined }): JSX.Element {
   const hidden = (param("hide") ?? "").split(",").filter(Boolean);
   const toggle = (layer: string) => () => setParams({ hide: (hidden.includes(layer) ? hidden.filter((name) => name !== layer) : [...hidden, layer]).join(",") });
   const entries: [string, string, string, boolean][] = [
     ["truth", "truth", "mark-truth", scene.truths.size > 0],
     ["tracks", "tracks", "mark-track", scene.tracks.size > 0],
     ["d", "detections", "mark-sensor-1", scene.detections.length > 0],
+    ["levels", levels ? `levels, ${number(levels.low)} to ${number(levels.high)} dB` : "", "mark-levels", levels !== undefined],
   ];
   return (
     <div class="legend" role="group" aria-label="Layers">
@@ -154,7 +174,7 @@ function Layers({ scene }: { scene: BearingScene }): JSX.Element {
         there ? (
           <button type="button" class="legend-entry" aria-pressed={!hidden.includes(layer)} onClick={toggle(layer)}>
             <svg class={`mark ${kind}`} viewBox="0 0 24 16" aria-hidden="true">
-              <path d={layer === "d" ? "M12 5a3 3 0 1 0 0 6 3 3 0 0 0 0-6Z" : "M1 8h22"} />
+              <path d={layer === "levels" ? "M4 3h16v10H4Z" : layer === "d" ? "M12 5a3 3 0 1 0 0 6 3 3 0 0 0 0-6Z" : "M1 8h22"} />
             </svg>
             {name}
           </button>

@@ -7,7 +7,7 @@ import { Link } from "../components/basics";
 import type { TableData } from "../components/table";
 import { number } from "../format";
 import { readPalette, theme, type Palette } from "../state/theme";
-import { hereHref } from "../state/url";
+import { hereHref, param } from "../state/url";
 import type { Lane } from "./event-log";
 import { ChartFrame } from "./frame";
 import type { KeyMark } from "./picture";
@@ -62,6 +62,8 @@ export function Lanes({ lanes, total, file, badge }: Props): JSX.Element {
   const [from, to] = [Math.min(...lanes.map((lane) => lane.from)), Math.max(...lanes.map((lane) => lane.to))];
   const origin = Math.abs(from) > 1e6 ? from : 0;
   const x = (time: number) => LEFT_PX + ((time - from) / (to - from || 1)) * (width - LEFT_PX - RIGHT_PX);
+  const asked = param("time");
+  const now = asked === null || Number(asked) < from || Number(asked) > to ? null : Number(asked);
   const height = TOP_PX + lanes.length * LANE_PX + AXIS_PX;
   const key = (of: Palette): KeyMark[] => [
     { name: "target there, not followed", color: of.line, look: "solid" },
@@ -83,6 +85,7 @@ export function Lanes({ lanes, total, file, badge }: Props): JSX.Element {
     <ChartFrame title="Who followed whom" file={file} badge={badge ?? (lanes.length < total ? `Shown: ${lanes.length} of ${total} targets` : undefined)} table={() => tableOf(lanes)} chart={() => drawing.current ?? undefined} pictureKey={key} tools={note}>
       <div class="lanes" ref={box}>
         <svg ref={drawing} class="drawing" width={width} height={height} viewBox={`0 0 ${width} ${height}`} role="group" aria-label={`Lanes of ${lanes.length} targets over time. The table shows the same.`}>
+          {now === null ? null : <path class="drawing-now" d={`M${x(now)} ${TOP_PX}V${height - AXIS_PX}`} />}
           <Axis from={from} to={to} origin={origin} x={x} height={height} width={width} />
           {lanes.map((lane, row) => (
             <LaneRow key={lane.truth} lane={lane} y={TOP_PX + row * LANE_PX} x={x} palette={palette} />

@@ -52,7 +52,19 @@ interface Props {
   xText?: (x: number) => string;
   /** A line at this x. */
   cursor?: number | undefined;
-  created?: (chart: Chart) => () => void;
+  /** Told where on the x axis the chart was clicked. */
+  pick?: (x: number) => void;
+}
+
+/** Tells where a click inside the axes was. */
+function whenPicked(chart: Chart, pick: (x: number) => void): () => void {
+  const pressed = (event: { offsetX: number; offsetY: number }) => {
+    if (!chart.containPixel("grid", [event.offsetX, event.offsetY])) return;
+    const [x] = chart.convertFromPixel("grid", [event.offsetX, event.offsetY]) as unknown as number[];
+    if (x !== undefined) pick(x);
+  };
+  chart.getZr().on("click", pressed);
+  return () => chart.getZr().off("click", pressed);
 }
 
 const MARKS_UP_TO = 60;
@@ -143,6 +155,8 @@ function draw(chart: Chart, props: Props): void {
 
 export function Lines(props: Props): JSX.Element {
   const chart = useRef<Chart | undefined>(undefined);
+  const latest = useRef(props);
+  latest.current = props;
   const { title, file, label, curves, table, badge, tools } = props;
   const key = (palette: Palette): KeyMark[] => curves.map((curve) => ({ name: curve.name, color: curve.color(palette), look: curve.look }));
   return (
@@ -155,7 +169,7 @@ export function Lines(props: Props): JSX.Element {
           chart.current = made;
           draw(made, props);
         }}
-        created={(made) => props.created?.(made) ?? (() => undefined)}
+        created={(made) => whenPicked(made, (x) => latest.current.pick?.(x))}
       />
     </ChartFrame>
   );

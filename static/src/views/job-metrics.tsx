@@ -216,6 +216,10 @@ function choicesOf(shown: Shown, metrics: Record<string, MetricReport>): Choice[
   return [...choices.values()];
 }
 
+function nearestTime(times: number[], to: number): number {
+  return times.reduce((best, time) => (Math.abs(time - to) < Math.abs(best - to) ? time : best), times[0] ?? 0);
+}
+
 interface OverTimeProps {
   jobId: string;
   metrics: Record<string, MetricReport>;
@@ -250,7 +254,8 @@ function OverTime({ jobId, metrics, names, sequence, file }: OverTimeProps): JSX
       </label>
       <p class="muted small">
         {parameters}
-        {choice.stack ? `. The height is ${choice.metric}; it is split as its parts add up to its p-th power.` : ""}
+        {parameters ? ". " : ""}A click moves the clock of all views.
+        {choice.stack ? ` The height is ${choice.metric}; it is split as its parts add up to its p-th power.` : ""}
       </p>
     </div>
   );
@@ -263,6 +268,8 @@ function OverTime({ jobId, metrics, names, sequence, file }: OverTimeProps): JSX
       xName={timeAxisName(shown.times)}
       yName={choice.unit ? `${choice.metric} (${choice.unit})` : choice.metric}
       xText={(time) => timeText(time + timeOrigin(shown.times), shown.times)}
+      cursor={param("time") === null ? undefined : Number(param("time")) - timeOrigin(shown.times)}
+      pick={(x) => setParams({ time: nearestTime(shown.times, x + timeOrigin(shown.times)) })}
       table={table}
       badge={reducedBadge([{ ...series.data, name: "times" }])}
       tools={tools}

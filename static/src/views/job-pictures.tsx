@@ -2,12 +2,13 @@
 
 import type { JSX } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
-import { getArtifactText, getBearingTime, getPlan, listArtifacts } from "../api/client";
-import { partsOf, type BearingTime, type Job, type Plan, type Report, type TargetVerdict, type Tfa } from "../api/types";
+import { getArtifactText, getBearingTime, getDataset, getDatasetText, getPlan, listArtifacts } from "../api/client";
+import { partsOf, type Artifact, type BearingTime, type Job, type Plan, type Report, type TargetVerdict, type Tfa } from "../api/types";
 import { timeText } from "../charts/axes";
 import { bearingScene, type BearingScene } from "../charts/bearing-scene";
 import { BearingTimeChart } from "../charts/bearing-time";
 import { ClockBar } from "../charts/clock-bar";
+import { readLevels, type Levels } from "../charts/levels";
 import { PlanView } from "../charts/plan-view";
 import { ProbabilityChart } from "../charts/probability";
 import { at, memberName, sceneOf, type LocalPoint, type Scene } from "../charts/scene";
@@ -26,18 +27,32 @@ interface Drawn {
   locals: LocalPoint[];
   /** Of jobs that know directions. */
   bearings: BearingTime | undefined;
+  levels: Levels | undefined;
   /** Whether the job left a picture of its bearing-time record. */
   hasRecord: boolean;
+}
+
+/** Larger records are looked at in the picture that the service draws. */
+const MOST_RECORD_BYTES = 30e6;
+
+/** The record that the job made or read, where it is a table of a size for a browser. */
+async function levelsOf(job: Job, report: Report, files: Artifact[]): Promise<Levels | undefined> {
+  const made = files.find((file) => file.name === "bearing_time.csv");
+  if (made) return made.bytes <= MOST_RECORD_BYTES ? readLevels(await getArtifactText(job.id, made.name)) : undefined;
+  const read = report.inputs.find((input) => input.role === "bearing_time")?.dataset_id;
+  if (!read) return undefined;
+  const set = await getDataset(read);
+  return set.format === "csv" && set.bytes <= MOST_RECORD_BYTES ? readLevels(await getDatasetText(read)) : undefined;
 }
 
 const RECORD = "record.svg";
 
 /** The plan, and the tracks that were put together where the job did that. */
-async function load(job: Job): Promise<Drawn> {
+async function load(job: Job, report: Report): Promise<Drawn> {
   const [plan, locals] = await Promise.all([getPlan(job.id), job.kind === "correlate" ? getArtifactText(job.id, "local_tracks.csv") : ""]);
   const hasBearings = plan.notes.length > 0 || plan.detections.columns.x_m.some((x) => x === null);
   const [bearings, files] = hasBearings ? await Promise.all([getBearingTime(job.id), listArtifacts(job.id)]) : [undefined, []];
-  return { plan, locals: localPoints(parseCsv(locals, MOST_LOCAL_POINTS)), bearings, hasRecord: files.some((file) => file.name === RECORD) };
+  return { plan, locals: localPoints(parseCsv(locals, MOST_LOCAL_POINTS)), bearings, levels: await levelsOf(job, report, files).catch(() => undefined), hasRecord: files.some((file) => file.name === RECORD) };
 }
 
 function localPoints(table: CsvTable): LocalPoint[] {
@@ -54,7 +69,7 @@ function membersOf(report: Report): Map<string, Set<string>> {
 }
 
 export function JobPictures({ job, report }: { job: Job; report: Report }): JSX.Element {
-  const drawn = useResource(() => load(job), [job.id]);
+  const drawn = useResource(() => load(job, report), [job.id]);
   if (drawn.error) return <ProblemBox error={drawn.error} retry={drawn.reload} />;
   if (!drawn.data) return <Loading what="the plan" />;
   return <Pictures job={job} drawn={drawn.data} report={report} />;
@@ -72,7 +87,7 @@ function Pictures({ job, drawn, report }: { job: Job; drawn: Drawn; report: Repo
   return (
     <div class="pictures">
       <div class="pictures-main">
-        {bearings && directions ? <BearingTimeChart jobId={job.id} series={bearings} scene={directions} clock={clock} /> : null}
+        {bearings && directions ? <BearingTimeChart jobId={job.id} series={bearings} scene={directions} clock={clock} levels={drawn.levels} /> : null}
         {bearings && !hasPlaces ? null : <PlanView jobId={job.id} plan={plan} scene={scene} clock={clock} />}
         <ClockBar clock={clock} />
         {drawn.hasRecord ? <RecordPicture id={job.id} /> : null}
@@ -109,7 +124,7 @@ function RecordPicture({ id }: { id: string }): JSX.Element {
   const address = `/v1/jobs/${encodeURIComponent(id)}/artifacts/${RECORD}`;
   return (
     <details class="panel record">
-      <summary>The record itself: levels with detections and tracks</summary>
+      <summary>The record as the service drew it</summary>
       <a href={address} target="_blank" rel="noreferrer">
         <img src={address} loading="lazy" alt="Bearing-time record: levels as shades, time downwards, with detections and tracks over it" />
       </a>
