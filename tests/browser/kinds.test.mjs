@@ -65,7 +65,7 @@ test("reports of several sensors put together, with the memberships of each inst
   const body = (await preset("cai-fuzzy-cv-10")).base;
   const { kind: _, ...base } = body;
   const grouped = await finished("group", { ...base, grouper: { ...base.grouper, method: "fuzzy_c_means", trace: true } });
-  assert.deepEqual(await tabsOf(grouped.job.id), ["Summary", "Plan view", "Search", "Request and files"]);
+  assert.deepEqual(await tabsOf(grouped.job.id), ["Summary", "Plan view", "Method", "Request and files"]);
   const page = await openPage(browser, `?view=job&job=${grouped.job.id}&tab=search`);
   await page.getByRole("heading", { name: "Memberships" }).waitFor();
   await closePage(page);

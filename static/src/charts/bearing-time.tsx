@@ -124,6 +124,12 @@ function tableOf({ scene }: Props, moment: Moment): TableData {
   return { columns: ["layer", "id", "time_s", "bearing_deg", "bearing_rate_degps", "sigma_bearing_deg"], rows: [...ofLines("truth", scene.truths.values()), ...dots, ...ofLines("track", scene.tracks.values())] };
 }
 
+function badgeOf(series: BearingTime, levels: Levels | undefined): string | undefined {
+  const bearings = reducedBadge([{ ...series, name: "bearings" }]);
+  const blocks = levels && levels.perBlock > 1 ? `levels are means of ${levels.perBlock} cells` : undefined;
+  return [bearings, blocks].filter(Boolean).join("; ") || undefined;
+}
+
 export function BearingTimeChart(props: Props): JSX.Element {
   const { jobId, series, scene, clock, levels } = props;
   const chart = useRef<Chart | undefined>(undefined);
@@ -144,7 +150,7 @@ export function BearingTimeChart(props: Props): JSX.Element {
   ];
   const label = `Bearings over time up to ${timeText(moment.now, clock.times)}: ${scene.truths.size} truth lines, ${scene.tracks.size} tracks, ${scene.detections.length} detections. The table shows the same points.`;
   return (
-    <ChartFrame title="Bearing–time" file={`bearing-time-${jobId.slice(-12)}`} badge={reducedBadge([{ ...series, name: "bearings" }])} table={() => tableOf(props, momentOf(clock))} chart={() => chart.current} pictureKey={key} tools={<Layers scene={scene} levels={levels} />} class="plan">
+    <ChartFrame title="Bearing–time" file={`bearing-time-${jobId.slice(-12)}`} badge={badgeOf(series, levels)} table={() => tableOf(props, momentOf(clock))} chart={() => chart.current} pictureKey={key} tools={<Layers scene={scene} levels={levels} />} class="plan">
       <ChartCanvas
         class="plan-canvas"
         label={label}

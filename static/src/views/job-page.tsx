@@ -165,7 +165,7 @@ function tabsOf(report: Report): [TabName, string][] {
     ["plan", "Plan view", cells === undefined],
     ["verdicts", "Verdicts", tfa !== undefined],
     ["metrics", "Metrics", metrics !== undefined],
-    ["search", "Search", hasTrace(report)],
+    ["search", "Method", hasTrace(report)],
     ["spec", "Request and files", true],
   ];
   return tabs.flatMap(([name, title, there]) => (there ? [[name, title]] : []));

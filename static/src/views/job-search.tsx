@@ -34,7 +34,7 @@ export function JobSearch({ job, report }: { job: Job; report: Report }): JSX.El
       {trace.error ? <ProblemBox error={trace.error} retry={trace.reload} /> : null}
       {trace.data === undefined && !trace.error ? <Loading what="the trace" /> : null}
       {trace.data === null ? (
-        <Empty title="The search was not written down.">
+        <Empty title="There is no trace of a search.">
           <p>A job whose method has the setting “trace” on keeps every iteration of every search.</p>
         </Empty>
       ) : null}
