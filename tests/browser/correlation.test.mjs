@@ -80,6 +80,8 @@ test("a tuple leads to the plan view, where its system track and the local track
   await page.keyboard.press("Enter");
   await page.locator(".plan canvas").first().waitFor();
   assert.equal(parameters(page).get("track"), wrong.system_track_id);
+  const note = await page.locator(".panel", { hasText: `Tuple ${wrong.system_track_id}` }).innerText();
+  assert.ok(note.includes("wrong") && note.includes(shown(wrong.p_value)) && note.includes(shown(wrong.cost)), note);
   for (const { sensor_id } of result.sensors) await page.getByRole("button", { name: `tracks of ${sensor_id}` }).waitFor();
   const csv = (await saved(page, page.locator(".plan").getByRole("button", { name: "CSV" }))).bytes.toString().trim().split("\r\n").slice(1);
   const ofLayer = (name) => csv.filter((line) => line.startsWith(`${name},`)).map((line) => line.split(",")[1]);

@@ -41,3 +41,8 @@ export function cellAt(cells: CampaignCell[], axes: Axis[], points: Record<strin
 }
 
 export const pointsOf = (axes: Axis[], points: string[]): Record<string, string> => Object.fromEntries(axes.map((axis, index) => [axis.name, points[index] ?? ""]));
+
+/** Rows are the points of all axes but the last, columns those of the last. */
+export function rowsAndColumns(axes: Axis[]): { rows: Axis[]; columns: Axis } {
+  return { rows: axes.slice(0, -1), columns: axes.at(-1) ?? { name: "", points: ["all"] } };
+}

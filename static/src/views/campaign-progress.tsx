@@ -5,8 +5,7 @@ import { getSpec } from "../api/client";
 import type { Job } from "../api/types";
 import { useResource } from "../components/resource";
 import { count } from "../format";
-import { axesOf, combinations } from "./campaign-axes";
-import { rowsAndColumns } from "./job-campaign";
+import { axesOf, combinations, rowsAndColumns } from "./campaign-axes";
 
 export function CampaignProgress({ job }: { job: Job }): JSX.Element | null {
   const spec = useResource(() => getSpec(job.id), [job.id]);
