@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { api, campaign, closePage, drawn, ended, finished, openPage, parameters, saved, shown, startBrowser } from "./support.mjs";
+import { api, BASE, campaign, closePage, drawn, ended, finished, openPage, parameters, preset, saved, shown, startBrowser } from "./support.mjs";
 
 let browser;
 let job;
@@ -83,6 +83,21 @@ test("the table of all outcomes is exported as CSV, Markdown and LaTeX", async (
   assert.match(latex, /^\\begin\{tabular\}\{/);
   assert.ok(latex.includes("P\\_D"), "underscores are escaped");
   assert.equal(latex.split("\n").filter((line) => line.endsWith("\\\\")).length, cells.length + 1);
+  await closePage(page);
+});
+
+test("points that are whole numbers with a point, as other programs write them, are found", async () => {
+  const body = { ...(await preset("huo2008-spacing")), runs: 2 };
+  const text = JSON.stringify(body).replace(/"values":\[[\d.,]+\]/, '"values":[150.0,250.0]');
+  const answer = await fetch(`${BASE}/v1/jobs/campaign`, { method: "POST", headers: { "content-type": "application/json" }, body: text });
+  const { id } = await answer.json();
+  assert.equal((await ended(id)).state, "succeeded");
+  const { result } = await api(`/v1/jobs/${id}/report`);
+  assert.ok(result.cells.every((cell) => /^\d+\.0$/.test(cell.parameters["spacing (m)"])), "the service keeps the point");
+  const page = await openPage(browser, `?view=job&job=${id}&outcome=J`);
+  const cells = await frameOf(page, "Cells: J").locator(".grid-cell b").allInnerTexts();
+  assert.deepEqual(cells, result.cells.map((cell) => shown(cell.outcomes.J.mean)));
+  await drawn(frameOf(page, "J over spacing (m)"));
   await closePage(page);
 });
 

@@ -26,11 +26,14 @@ export interface Curve {
   step?: boolean;
 }
 
-/** The colour, dash and shape of the n-th of several curves: no two of the first ten look alike without colour. */
+const SIX = 6;
+
+/** Colour, dash and shape of the n-th of several curves. No two of the first 18 are alike, and neighbours differ without colour. */
 export function lookOf(index: number): Pick<Curve, "color" | "look" | "symbol"> {
+  const turned = index + Math.floor(index / SIX);
   const color = (palette: Palette) => [palette.track, ...palette.sensors][index % (palette.sensors.length + 1)] ?? palette.track;
   const looks: KeyMark["look"][] = ["solid", "dashed", "dotted"];
-  return { color, look: looks[index % 3] ?? "solid", symbol: ["circle", "rect", "triangle", "diamond", "emptyCircle", "emptyRect"][index % 6] ?? "circle" };
+  return { color, look: looks[turned % looks.length] ?? "solid", symbol: ["circle", "rect", "triangle", "diamond", "emptyCircle", "emptyRect"][turned % SIX] ?? "circle" };
 }
 
 interface Props {
@@ -69,7 +72,10 @@ function whenPicked(chart: Chart, pick: (x: number) => void): () => void {
 
 const MARKS_UP_TO = 60;
 
-function seriesOf(curve: Curve, palette: Palette, cursor: number | undefined): object[] {
+/** Bands over each other must not become one dark field. */
+const bandOpacity = (bands: number): number => Math.max(0.04, Math.min(0.16, 0.4 / Math.max(bands, 1)));
+
+function seriesOf(curve: Curve, palette: Palette, cursor: number | undefined, bands: number): object[] {
   const color = curve.color(palette);
   const type = curve.look === "dot" ? "solid" : curve.look;
   const mark = cursor === undefined ? {} : { markLine: { silent: true, symbol: "none", label: { show: false }, animation: false, lineStyle: { color: palette.selected, width: 1.5, type: "solid" }, data: [{ xAxis: cursor }] } };
@@ -98,7 +104,7 @@ function seriesOf(curve: Curve, palette: Palette, cursor: number | undefined): o
   const none = { opacity: 0, width: 0 };
   return [
     { ...limits, name: `${curve.name} low`, data: low, stack, lineStyle: none, stackStrategy: "all" },
-    { ...limits, name: `${curve.name} band`, data: height, stack, lineStyle: none, areaStyle: { color, opacity: 0.16 }, stackStrategy: "all" },
+    { ...limits, name: `${curve.name} band`, data: height, stack, lineStyle: none, areaStyle: { color, opacity: bandOpacity(bands) }, stackStrategy: "all" },
     line,
   ];
 }
@@ -147,7 +153,7 @@ function draw(chart: Chart, props: Props): void {
       xAxis: xAxis(props, palette),
       yAxis: valueAxis(props.yName, palette, { ...(props.logY ? { type: "log" } : {}), scale: true, nameGap: 50, axisLabel: { color: palette.muted, fontSize: 11, formatter, hideOverlap: true } }),
       dataZoom: [{ type: "inside", filterMode: "none", zoomOnMouseWheel: "ctrl" }],
-      series: props.curves.flatMap((curve) => seriesOf(curve, palette, props.cursor)),
+      series: props.curves.flatMap((curve) => seriesOf(curve, palette, props.cursor, props.curves.length)),
     },
     { replaceMerge: ["series"] },
   );

@@ -17,13 +17,15 @@ interface GridEntry {
 
 const textOf = (value: unknown): string => (typeof value === "string" ? value : JSON.stringify(value));
 
-/** As the service names axes and points. */
-export function axesOf(spec: Record<string, unknown>): Axis[] {
+/** Axes in the order of the request. The cells say what the points are called: 150.0 of a request is 150 to a browser. */
+export function axesOf(spec: Record<string, unknown>, cells: CampaignCell[] = []): Axis[] {
   const grid = (Array.isArray(spec["grid"]) ? spec["grid"] : []) as GridEntry[];
-  return grid.map((entry) => ({
-    name: entry.name ?? entry.path ?? "",
-    points: entry.by === "variants" ? (entry.variants ?? []).map((variant) => variant.name) : (entry.values ?? []).map(textOf),
-  }));
+  return grid.map((entry) => {
+    const name = entry.name ?? entry.path ?? "";
+    const asked = entry.by === "variants" ? (entry.variants ?? []).map((variant) => variant.name) : (entry.values ?? []).map(textOf);
+    const named = [...new Set(cells.map((cell) => cell.parameters[name] ?? ""))];
+    return { name, points: cells.length ? named : asked };
+  });
 }
 
 /** Every combination of the points of some axes, the last running fastest. */

@@ -14,7 +14,7 @@ import { CURVES_UP_TO, Differences, Times, type Campaign } from "./campaign-part
 
 function campaignOf(job: Job, report: Report): Campaign {
   const { cells = [], outcomes = [], confidence = 0.95 } = partsOf(report);
-  return { axes: axesOf(report.spec as Record<string, unknown>), cells, outcomes, confidence, times: report.timing.cells ?? [], file: job.id.slice(-12) };
+  return { axes: axesOf(report.spec as Record<string, unknown>, cells), cells, outcomes, confidence, times: report.timing.cells ?? [], file: job.id.slice(-12) };
 }
 
 export function JobCampaign({ job, report }: { job: Job; report: Report }): JSX.Element {
