@@ -95,6 +95,7 @@ test("points that are whole numbers with a point, as other programs write them, 
   const { result } = await api(`/v1/jobs/${id}/report`);
   assert.ok(result.cells.every((cell) => /^\d+\.0$/.test(cell.parameters["spacing (m)"])), "the service keeps the point");
   const page = await openPage(browser, `?view=job&job=${id}&outcome=J`);
+  await page.locator(".grid-cell").first().waitFor();
   const cells = await frameOf(page, "Cells: J").locator(".grid-cell b").allInnerTexts();
   assert.deepEqual(cells, result.cells.map((cell) => shown(cell.outcomes.J.mean)));
   await drawn(frameOf(page, "J over spacing (m)"));
