@@ -36,7 +36,7 @@ pub struct Side {
     pub runs: Option<Vec<u8>>,
 }
 
-/// Values of one name: by cell and by what is paired.
+/// Values of one name, by what they are paired over.
 type Values = BTreeMap<String, f64>;
 
 /// `baseline` is the place of the job that the others are compared with.
@@ -86,8 +86,13 @@ fn numbers(sides: &[Side]) -> Vec<ComparedNumber> {
     paths.into_iter().filter_map(number).collect()
 }
 
-/// A column to be paired: its cell (of campaigns), its name, its unit, and its values by what they are paired over, in order.
-type Columns = BTreeMap<(Option<String>, String), (String, Vec<(String, f64)>)>;
+/// A column to be paired: its cell (of campaigns) and its name.
+type Key = (Option<String>, String);
+
+/// Its unit, and its values by what they are paired over, in order.
+type Column = (String, Vec<(String, f64)>);
+
+type Columns = BTreeMap<Key, Column>;
 
 fn runs_of(side: &Side) -> Columns {
     let mut columns = Columns::new();
@@ -115,7 +120,7 @@ fn steps_of(side: &Side) -> Columns {
 }
 
 fn paired(sides: &[Columns], baseline: usize, confidence: f64, over: PairedOver) -> Vec<PairedNumber> {
-    let number = |(key, (unit, theirs)): (&(Option<String>, String), &(String, Vec<(String, f64)>))| {
+    let number = |(key, (unit, theirs)): (&Key, &Column)| {
         let theirs: Values = theirs.iter().cloned().collect();
         let difference = |(index, side): (usize, &Columns)| {
             let (_, ours) = side.get(key).filter(|_| index != baseline)?;

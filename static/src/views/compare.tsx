@@ -104,7 +104,9 @@ function Jobs({ comparison, ids }: { comparison: Comparison; ids: string[] }): J
             const verdict = verdicts.get(job.id);
             return (
               <tr>
-                <th scope="row">{letter(index)}</th>
+                <th scope="row" class="letter">
+                  {letter(index)}
+                </th>
                 <td class="wrap">
                   <Link href={pageHref({ view: "job", job: job.id })}>{job.name || job.id}</Link>
                 </td>

@@ -56,7 +56,7 @@ function Diagnostics({ report }: { report: Report }): JSX.Element {
   const method = association?.method ?? grouping?.method ?? "";
   return (
     <section class="panel diagnostics">
-      <h2>{capital(words(method))}: of its own work</h2>
+      <h2>What {words(method)} says of its own work</h2>
       <dl class="facts">
         {leaves(told).map(([name, value]) => (
           <>
