@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { api, closePage, evaluated, finished, openPage, parameters, preset, saved, shown, startBrowser } from "./support.mjs";
+import { api, closePage, drawn, evaluated, finished, openPage, parameters, preset, saved, shown, startBrowser } from "./support.mjs";
 
 let browser;
 let jobs;
@@ -70,6 +70,18 @@ test("paired differences turn their sign with the baseline", async () => {
   assert.equal(parameters(page).get("baseline"), jobs[1].id);
   const turned = await line("gospa.gospa");
   assert.deepEqual([turned[0], turned[2]], ["A", shown(-difference.mean)]);
+  await closePage(page);
+});
+
+test("a metric of every job over time is drawn in one chart", async () => {
+  const page = await open("&over=ospa.ospa");
+  const frame = frameOf(page, "ospa.ospa of every job");
+  await drawn(frame);
+  const csv = (await saved(page, frame.getByRole("button", { name: "CSV" }))).bytes.toString().trim().split("\r\n").slice(1);
+  const series = await Promise.all(jobs.map(({ id }) => api(`/v1/jobs/${id}/series/metrics`)));
+  assert.deepEqual(csv.map((line) => Number(line.split(",").at(-1))), series.flatMap(({ columns }) => columns.values["ospa.ospa"]));
+  await frame.getByRole("combobox", { name: "Metric" }).selectOption("gospa.gospa");
+  assert.equal(parameters(page).get("over"), "gospa.gospa");
   await closePage(page);
 });
 

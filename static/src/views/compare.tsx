@@ -10,6 +10,7 @@ import type { TableData } from "../components/table";
 import { TableFrame } from "../components/table-frame";
 import { count, duration, moment, number } from "../format";
 import { pageHref, param, setParams } from "../state/url";
+import { Overlay } from "./compare-overlay";
 
 const MOST_JOBS = 20;
 const LISTED = 200;
@@ -77,6 +78,7 @@ function Result({ ids }: { ids: string[] }): JSX.Element {
       <Jobs comparison={comparison} ids={ids} />
       <Numbers comparison={comparison} />
       <Differences comparison={comparison} />
+      <Overlay comparison={comparison} names={comparison.jobs.map((_, index) => named(comparison, index))} />
       <Requests comparison={comparison} />
     </div>
   );
