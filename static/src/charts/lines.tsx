@@ -143,7 +143,8 @@ function xAxis(props: Props, palette: Palette): object {
 
 function draw(chart: Chart, props: Props): void {
   const palette = readPalette();
-  const formatter = (value: number) => number(value);
+  // Long numbers would reach into the name of the axis.
+  const formatter = (value: number) => (Math.abs(value) >= 1e5 ? value.toExponential().replace("e+", "e") : number(value));
   chart.setOption(
     {
       animation: false,

@@ -27,9 +27,16 @@ function columnsOf(sides: Side[]): string[] {
   return first.filter((name) => sides.filter((side) => side.series.columns.values[name]).length > 1);
 }
 
+/** `gospa.gospa`: what the metric is called after. */
+function isHeadline(column: string): boolean {
+  const [metric, quantity] = column.split(".");
+  return metric === quantity;
+}
+
 function curvesOf(sides: Side[], column: string, origin: number): Curve[] {
-  return sides.map(({ name, series }, index) => {
-    const values = series.columns.values[column] ?? [];
+  return sides.flatMap(({ name, series }, index) => {
+    const values = series.columns.values[column];
+    if (!values) return [];
     return { name, points: series.columns.time_s.map((time, row): Point => [time - origin, values[row] ?? null]), ...lookOf(index) };
   });
 }
@@ -37,7 +44,7 @@ function curvesOf(sides: Side[], column: string, origin: number): Curve[] {
 export function Overlay({ comparison, names }: { comparison: Comparison; names: string[] }): JSX.Element | null {
   const sides = useResource(() => load(comparison, names), [comparison]);
   const columns = useMemo(() => (sides.data ? columnsOf(sides.data) : []), [sides.data]);
-  const column = columns.find((name) => name === param("over")) ?? columns[0];
+  const column = columns.find((name) => name === param("over")) ?? columns.find(isHeadline) ?? columns[0];
   const times = sides.data?.[0]?.series.columns.time_s ?? [];
   const origin = timeOrigin(times);
   const curves = useMemo(() => (sides.data && column ? curvesOf(sides.data, column, origin) : []), [sides.data, column]);
