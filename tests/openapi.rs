@@ -9,8 +9,9 @@ use trackloom::experiment::plan::{JobKind, plan};
 use trackloom::service::openapi;
 
 /// Clients have these names in their code: one may be added, none may change.
-const OPERATIONS: [&str; 35] = [
+const OPERATIONS: [&str; 36] = [
     "cancelJob",
+    "compareJobs",
     "createAssociateJob",
     "createCampaignJob",
     "createCorrelateJob",

@@ -5,16 +5,22 @@ import { useEffect } from "preact/hooks";
 import { Empty, Link } from "./components/basics";
 import { chooseTheme, themeChoice, type ThemeChoice } from "./state/theme";
 import { pageHref, param } from "./state/url";
+import { Compare } from "./views/compare";
+import { DatasetPage } from "./views/dataset-page";
+import { Datasets } from "./views/datasets";
 import { JobList } from "./views/job-list";
 import { JobPage } from "./views/job-page";
 import { NewJob } from "./views/new-job";
 
-const TITLES: Record<string, string> = { jobs: "Jobs", new: "New job", job: "Job" };
+const TITLES: Record<string, string> = { jobs: "Jobs", new: "New job", job: "Job", compare: "Compare", datasets: "Data sets", dataset: "Data set" };
 
 function view(name: string): JSX.Element {
   if (name === "jobs") return <JobList />;
   if (name === "new") return <NewJob />;
   if (name === "job") return <JobPage key={param("job") ?? ""} id={param("job") ?? ""} />;
+  if (name === "compare") return <Compare />;
+  if (name === "datasets") return <Datasets />;
+  if (name === "dataset") return <DatasetPage key={param("dataset") ?? ""} id={param("dataset") ?? ""} />;
   return (
     <Empty title="There is no such page.">
       <Link href={pageHref({})}>Go to the jobs</Link>
@@ -70,6 +76,9 @@ export function App(): JSX.Element {
           </Link>
           <Link href={pageHref({ view: "new" })} current={name === "new"}>
             New job
+          </Link>
+          <Link href={pageHref({ view: "datasets" })} current={name === "datasets" || name === "dataset"}>
+            Data
           </Link>
           <a href="/docs">API</a>
         </nav>

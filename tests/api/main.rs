@@ -7,6 +7,7 @@ mod bad_requests;
 mod bearing_time;
 mod campaigns;
 mod catalogue;
+mod comparison;
 mod datasets;
 mod evaluations;
 mod events;

@@ -1,9 +1,8 @@
 // The job page: clock, selection, verdicts, links that show the same again, exports, themes.
 
 import assert from "node:assert/strict";
-import { readFile } from "node:fs/promises";
 import { after, before, test } from "node:test";
-import { closePage, evaluated, openPage, parameters, startBrowser } from "./support.mjs";
+import { closePage, evaluated, openPage, parameters, saved, startBrowser } from "./support.mjs";
 
 /** The address is written when the hand rests; a busy machine may rest in the middle of a drag. */
 const AT_REST_MS = 700;
@@ -149,11 +148,6 @@ test("legend, selection and trail are in the address", async () => {
   assert.equal(parameters(page).get("trail"), "5");
   await closePage(page);
 });
-
-async function saved(page, button) {
-  const [download] = await Promise.all([page.waitForEvent("download"), button.click()]);
-  return { name: download.suggestedFilename(), bytes: await readFile(await download.path()) };
-}
 
 test("a chart is exported as PNG and CSV, and has a table twin with the same rows", async () => {
   const page = await openPlan("&time=0");

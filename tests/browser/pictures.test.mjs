@@ -1,48 +1,103 @@
-// Every view, light and dark, wide and narrow: a picture for people, and nothing wider than the window.
+// Every view, light and dark, wide and narrow: a picture for people, nothing wider than the window, and no serious finding of axe.
 
-import { mkdir } from "node:fs/promises";
+import assert from "node:assert/strict";
+import { mkdir, readFile } from "node:fs/promises";
+import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { assertNothingSticksOut, closePage, evaluated, NARROW, openPage, startBrowser, WIDE } from "./support.mjs";
+import { api, assertNothingSticksOut, bearingsTracked, campaign, clustered, closePage, correlated, evaluated, finished, NARROW, openPage, preset, startBrowser, WIDE } from "./support.mjs";
 
 const FOLDER = process.env.TRACKLOOM_SCREENSHOTS ?? join(tmpdir(), "trackloom-pictures");
-const SETTLE_MS = 700;
+/** Names of views to draw, divided by commas; all when absent. */
+const ONLY = (process.env.TRACKLOOM_VIEWS ?? "").split(",").filter(Boolean);
+const SETTLE_MS = 300;
 
 let browser;
 let views;
+let axe;
 before(async () => {
   browser = await startBrowser();
+  axe = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
   await mkdir(FOLDER, { recursive: true });
   const { job, report } = await evaluated();
+  const other = await preset("liang2009-100");
+  other.name = "browser scene, JPDA";
+  other.associator = { method: "jpda" };
+  const [second, tuples, bearings, grid, fuzzy] = [await finished("evaluate", other), await correlated(), await bearingsTracked(), await finished("campaign", await campaign()), await clustered()];
   const target = report.result.tfa.targets.find((entry) => entry.verdict === "false");
   const chosen = `&time=${target.at_time_s}&truth=${target.truth_id}&track=${target.track_id}&centre=selection`;
+  const wrong = tuples.report.result.tuples.find((tuple) => !tuple.right) ?? tuples.report.result.tuples[0];
+  const track = bearings.report.result.association.tracks[0].track_id;
+  const sets = (await api("/v1/datasets?kind=detections&limit=1")).items;
   views = {
-    jobs: "?",
+    jobs: `?ticked=${job.id},${second.job.id}`,
     "jobs-none": "?state=failed&kind=simulate&q=nothing",
     presets: "?view=new",
     form: "?view=new&preset=liang2009-10",
+    "form-correlate": "?view=new&preset=huo2008",
     json: "?view=new&preset=liang2009-10&as=json",
     summary: `?view=job&job=${job.id}`,
     plan: `?view=job&job=${job.id}&tab=plan`,
     "plan-selected": `?view=job&job=${job.id}&tab=plan${chosen}`,
-    verdicts: `?view=job&job=${job.id}&tab=verdicts`,
+    verdicts: `?view=job&job=${job.id}&tab=verdicts&truth=${target.truth_id}`,
+    metrics: `?view=job&job=${job.id}&tab=metrics`,
     request: `?view=job&job=${job.id}&tab=spec`,
+    correlation: `?view=job&job=${tuples.job.id}&tab=correlation`,
+    "correlation-plan": `?view=job&job=${tuples.job.id}&tab=plan&track=${wrong.system_track_id}&centre=selection`,
+    campaign: `?view=job&job=${grid.job.id}`,
+    bearings: `?view=job&job=${bearings.job.id}&tab=plan&track=${track}`,
+    search: `?view=job&job=${bearings.job.id}&tab=search`,
+    memberships: `?view=job&job=${fuzzy.job.id}&tab=search`,
+    compare: `?view=compare&jobs=${job.id},${second.job.id}`,
+    "compare-none": "?view=compare",
+    datasets: "?view=datasets&upload=1",
+    dataset: `?view=dataset&dataset=${sets[0].id}`,
   };
 });
 after(() => browser.close());
 
-for (const theme of ["light", "dark"]) {
-  for (const [width, viewport] of [["wide", WIDE], ["narrow", NARROW]]) {
-    test(`pictures, ${theme}, ${width}`, async () => {
-      for (const [name, query] of Object.entries(views)) {
-        const page = await openPage(browser, `${query}&theme=${theme}`, viewport);
-        await page.waitForLoadState("networkidle").catch(() => undefined);
-        await page.waitForTimeout(SETTLE_MS);
-        await assertNothingSticksOut(page, `${name} at ${viewport.width} px`);
-        await page.screenshot({ path: join(FOLDER, `${name}-${theme}-${width}.png`) });
-        await closePage(page);
-      }
-    });
+/** Charts are drawn when they come into view. */
+async function seeAll(page) {
+  const height = await page.evaluate(() => document.documentElement.scrollHeight);
+  for (let y = 0; y < height; y += page.viewportSize().height / 2) {
+    await page.evaluate((to) => window.scrollTo(0, to), y);
+    await page.waitForTimeout(60);
   }
+  await page.evaluate(() => window.scrollTo(0, 0));
+  await page.waitForTimeout(SETTLE_MS);
+}
+
+/** Rules of axe that fail seriously, with where. */
+async function findings(page) {
+  // The page allows no inline script; axe comes in through the protocol of the browser.
+  await page.evaluate(axe);
+  const { violations } = await page.evaluate(() => globalThis.axe.run());
+  return violations.filter((rule) => ["serious", "critical"].includes(rule.impact)).map((rule) => `${rule.id}: ${rule.nodes.slice(0, 3).map((node) => `${node.target.join(" ")} (${node.any[0]?.message ?? node.all[0]?.message ?? ""})`).join("; ")}`);
+}
+
+async function picture(page, name, theme, width) {
+  await seeAll(page);
+  await assertNothingSticksOut(page, `${name}, ${width}`);
+  await page.screenshot({ path: join(FOLDER, `${name}-${theme}-${width}.png`), fullPage: true });
+}
+
+for (const theme of ["light", "dark"]) {
+  test(`pictures, ${theme}`, async () => {
+    const found = {};
+    for (const [name, query] of Object.entries(views).filter(([name]) => !ONLY.length || ONLY.includes(name))) {
+      const page = await openPage(browser, `${query}&theme=${theme}`, WIDE);
+      await page.locator("h1").first().waitFor();
+      await page.waitForFunction(() => !document.querySelector(".loading"));
+      await picture(page, name, theme, "wide");
+      // What axe looks at is the same at any width.
+      const bad = await findings(page);
+      if (bad.length) found[name] = bad;
+      await page.setViewportSize(NARROW);
+      await page.waitForTimeout(SETTLE_MS);
+      await picture(page, name, theme, "narrow");
+      await closePage(page);
+    }
+    assert.deepEqual(found, {});
+  });
 }

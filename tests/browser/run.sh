@@ -36,7 +36,7 @@ done
 [ -n "$address" ] || { echo "the service did not start within 15 s" >&2; cat "$scratch/log" >&2; exit 1; }
 
 status=0
-TRACKLOOM_URL=$address TRACKLOOM_SCREENSHOTS=$pictures node --test --test-concurrency=1 . || status=$?
+TRACKLOOM_URL=$address TRACKLOOM_BIN=$bin TRACKLOOM_SCREENSHOTS=$pictures node --test --test-concurrency=1 . || status=$?
 [ "$status" = 0 ] || { echo "--- log of the service" >&2; tail -50 "$scratch/log" >&2; }
 echo "pictures of every view: $pictures"
 exit "$status"

@@ -1,6 +1,7 @@
 // A browser at the service, and pages that note everything they should not do.
 
 import assert from "node:assert/strict";
+import { readFile } from "node:fs/promises";
 import { chromium } from "playwright-core";
 
 export const BASE = process.env.TRACKLOOM_URL;
@@ -94,3 +95,103 @@ export function parameters(page) {
 }
 
 export const byPointer = (page, pointer) => page.locator(`[data-pointer="${pointer}"]`);
+
+/** Runs a job to its end and answers it with its report. */
+export async function finished(kind, body) {
+  const job = await ended((await api(`/v1/jobs/${kind}`, body)).id);
+  assert.equal(job.state, "succeeded", JSON.stringify(job.error));
+  return { job, report: await api(`/v1/jobs/${job.id}/report`) };
+}
+
+/** Tracks of three sensors put together; false tracks and close targets make some tuples wrong. */
+export async function correlated() {
+  const body = await preset("huo2008");
+  body.name = "browser tuples";
+  Object.assign(body.input.tracks, { spacing_m: 150, false_tracks: 3, p_d: 0.8 });
+  body.statistic = { kind: "all_pairs" };
+  return finished("correlate", body);
+}
+
+/** Targets of directions in a bearing-time record, tracked by the bat algorithm, whose search is written down. */
+export async function bearingsTracked() {
+  const body = await preset("wang-bat-record");
+  body.name = "browser bearings";
+  body.associator = { ...body.associator, trace: true };
+  return finished("evaluate", body);
+}
+
+/** A small grid of two axes, with times. */
+export async function campaign(runs = 4) {
+  const base = await preset("liang2009-10");
+  delete base.name;
+  delete base.seed;
+  return {
+    name: "browser grid",
+    seed: 3,
+    base: { kind: "evaluate", ...base },
+    grid: [
+      { by: "values", name: "P_D", path: "/input/scenario/sensors/0/p_d", values: [0.7, 0.8, 0.95] },
+      {
+        by: "variants",
+        name: "associator",
+        variants: [
+          { name: "NN", set: [{ path: "/associator", value: { method: "nearest_neighbour" } }] },
+          { name: "JPDA", set: [{ path: "/associator", value: { method: "jpda" } }] },
+        ],
+      },
+    ],
+    runs,
+    timed_runs: 2,
+    outcomes: [
+      { name: "P correct", path: "tfa.probability.correct" },
+      { name: "GOSPA", path: "metrics.gospa.quantities.gospa" },
+      { name: "all right", path: "tfa.consistent", interval: "wilson" },
+    ],
+  };
+}
+
+/** Fuzzy c-means over tracks, with its trace. */
+export async function clustered() {
+  const body = await preset("liang2009-30");
+  body.name = "browser memberships";
+  body.input.scenario.targets.count = 60;
+  body.associator = { method: "fuzzy_c_means", trace: true };
+  return finished("evaluate", body);
+}
+
+/** A number as the dashboard prints it. */
+export function shown(value) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return "–";
+  const size = Math.abs(value);
+  if (size !== 0 && (size < 1e-3 || size >= 1e7)) return value.toExponential(3);
+  return String(Number(value.toPrecision(size >= 1000 ? 7 : 4)));
+}
+
+/** Presses a button that saves a file; answers its name and content. */
+export async function saved(page, button) {
+  const [download] = await Promise.all([page.waitForEvent("download"), button.click()]);
+  return { name: download.suggestedFilename(), bytes: await readFile(await download.path()) };
+}
+
+/** Waits until the chart in a frame is drawn: that happens when it comes into view. */
+export async function drawn(frame) {
+  await frame.scrollIntoViewIfNeeded();
+  await frame.locator("canvas").first().waitFor();
+}
+
+/** Browsers note every refused request as an error; these were asked for. */
+export function allowRefusals(page, status, times) {
+  const asked = page.faults.filter((fault) => fault.includes(`status of ${status}`));
+  assert.equal(asked.length, times, `refusals with ${status}`);
+  page.faults = page.faults.filter((fault) => !asked.includes(fault));
+}
+
+/** Uploads a file of this content; answers the data set. */
+export async function uploaded(name, text, meta = {}) {
+  const form = new FormData();
+  form.append("meta", new Blob([JSON.stringify(meta)], { type: "application/json" }));
+  form.append("file", new Blob([text]), name);
+  const answer = await fetch(`${BASE}/v1/datasets`, { method: "POST", body: form });
+  assert.ok(answer.ok, `upload of ${name}: ${await answer.clone().text()}`);
+  return answer.json();
+}

@@ -32,6 +32,8 @@ use std::sync::Arc;
 /// Everything that a job found.
 pub(super) struct Correlated {
     pub correlator: &'static str,
+    /// The tracks of each sensor, as they came.
+    pub nodes: Vec<Node>,
     pub correlation: Correlation,
     /// Of the last decision.
     pub solution: Solution,
@@ -137,6 +139,7 @@ pub(super) fn correlate(
     told(observer, Step::Evaluate, 1, 1)?;
     Ok(Correlated {
         correlator: entry.name,
+        nodes,
         solution: decisions.solution,
         links: decisions.links,
         confirm,

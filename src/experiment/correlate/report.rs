@@ -3,6 +3,7 @@
 use super::super::run::Artifact;
 use super::super::tables::Table;
 use super::Correlated;
+use crate::correlation::alignment::Node;
 use crate::correlation::evidence::Evidence;
 use crate::correlation::statistic::p_value;
 use crate::evaluation::grouping::{GroupedReport, GroupingCounts};
@@ -92,6 +93,9 @@ struct TupleLine {
     /// The target of most of its tracks.
     #[serde(skip_serializing_if = "Option::is_none")]
     truth_id: Option<String>,
+    /// Whether its tracks are all the tracks of one target and nothing else; absent where nobody knows.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    right: Option<bool>,
 }
 
 #[derive(Debug, Serialize)]
@@ -178,9 +182,18 @@ fn lines(correlated: &Correlated) -> Vec<TupleLine> {
             p_value: p_value(&spread),
             found: *found,
             truth_id: truth_of(correlated, tuple),
+            right: is_right(correlated, tuple),
         }
     };
     correlated.tuples.iter().enumerate().map(line).collect()
+}
+
+/// Whether these are all the tracks of one target, and nothing else.
+fn is_right(correlated: &Correlated, tuple: &[u32]) -> Option<bool> {
+    let origins = correlated.origins.as_ref()?;
+    let Some(target) = origins[tuple[0] as usize] else { return Some(false) };
+    let of_target = origins.iter().filter(|origin| **origin == Some(target)).count();
+    Some(of_target == tuple.len() && tuple.iter().all(|&track| origins[track as usize] == Some(target)))
 }
 
 /// b: Σ λ over neighbours.
@@ -216,14 +229,29 @@ fn truth(correlated: &Correlated) -> Option<TruthReport> {
     })
 }
 
-/// `tuples.csv` and `system_tracks.csv`.
+/// `tuples.csv`, `system_tracks.csv` and `local_tracks.csv`.
 pub(in super::super) fn artifacts(correlated: &Correlated) -> Result<Vec<Artifact>, Error> {
     let mut bytes = Vec::new();
     let dataset = Dataset::Tracks(correlated.system_tracks.clone());
     formats::write_csv(&dataset, &mut bytes)?;
     let tracks =
         Artifact { name: "system_tracks.csv", media_type: "text/csv", bytes, dataset: Some(dataset.summary()), sensors: Vec::new() };
-    Ok(vec![tracks, table(correlated)])
+    Ok(vec![tracks, table(correlated), local_tracks(&correlated.nodes)])
+}
+
+/// The tracks that were put together, sensor by sensor, for pictures.
+fn local_tracks(nodes: &[Node]) -> Artifact {
+    let mut table = Table::new(false, &["time_s", "sensor_id", "track_id", "x_m", "y_m"]);
+    for node in nodes {
+        for track in &node.tracks.tracks {
+            let placed = track.points.iter().filter_map(|point| Some((point.time_s, point.estimate.plane()?.position_m())));
+            for (time_s, place_m) in placed {
+                let (x_m, y_m) = (place_m.x.to_string(), place_m.y.to_string());
+                table.row(&[time_s.to_string(), node.sensor_id.clone(), track.track_id.clone(), x_m, y_m]);
+            }
+        }
+    }
+    table.artifact("local_tracks.csv")
 }
 
 /// A row a tuple, the tracks that are alone below them, with the track of each sensor.

@@ -3,6 +3,7 @@
 
 mod body;
 mod catalogue;
+mod compare;
 pub(super) mod conditional;
 mod datasets;
 mod extract;
@@ -24,7 +25,12 @@ use utoipa_axum::router::OpenApiRouter;
 
 /// Every documented route.
 pub fn routes() -> OpenApiRouter<AppState> {
-    OpenApiRouter::new().merge(jobs::routes()).merge(datasets::routes()).merge(catalogue::routes()).merge(system::routes())
+    OpenApiRouter::new()
+        .merge(jobs::routes())
+        .merge(compare::routes())
+        .merge(datasets::routes())
+        .merge(catalogue::routes())
+        .merge(system::routes())
 }
 
 /// The whole application without its layers.

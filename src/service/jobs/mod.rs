@@ -1,6 +1,7 @@
 //! Submitting, running, waiting for and cancelling jobs, and keeping datasets: the facade of everything behind HTTP.
 
 mod change;
+mod compare;
 pub(in crate::service) mod control;
 mod datasets;
 mod error;
@@ -22,7 +23,7 @@ use super::config::Config;
 use super::engine::{Engine, Handler};
 use super::storage::blobs::Blobs;
 use super::storage::{Changed, Storage};
-use super::types::{ArtifactList, DatasetInfo, DatasetPage, Event, EventPage, Job, JobKind, JobPage, JobState};
+use super::types::{ArtifactList, Comparison, DatasetInfo, DatasetPage, Event, EventPage, Job, JobKind, JobPage, JobState};
 use crate::model::dataset::Dataset;
 use anyhow::{Context, bail};
 use control::{Running, Stop};
@@ -181,6 +182,11 @@ impl Jobs {
     /// The data behind the pictures of a job.
     pub async fn load_job_layers(&self, id: Uuid) -> Result<JobLayers, JobsError> {
         self.0.layers(id).await
+    }
+
+    /// Jobs side by side; `baseline` is the place of the one that the others are compared with.
+    pub async fn compare(&self, ids: &[Uuid], baseline: usize, confidence: f64) -> Result<Comparison, JobsError> {
+        self.0.compare(ids, baseline, confidence).await
     }
 
     /// Checks a received file and keeps it. The same content with the same meta gives the dataset that exists, and `false`.

@@ -82,7 +82,7 @@ impl Inner {
     }
 
     /// Refuses a job that has no results.
-    async fn ended_well(&self, id: Uuid) -> Result<(), JobsError> {
+    pub(super) async fn ended_well(&self, id: Uuid) -> Result<(), JobsError> {
         match self.job(id).await?.state {
             JobState::Succeeded => Ok(()),
             state @ (JobState::Queued | JobState::Running) => {
@@ -128,7 +128,7 @@ impl Inner {
 }
 
 /// The file from which the series `metrics` comes.
-const METRIC_SERIES: &str = "metric-series.csv";
+pub(super) const METRIC_SERIES: &str = "metric-series.csv";
 
 /// Where a reader of live events is.
 struct Reading {

@@ -94,6 +94,10 @@ pub struct CorrelationTuple {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub truth_id: Option<String>,
+    /// Whether its tracks are all the tracks of one target and nothing else; absent where nobody knows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub right: Option<bool>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]

@@ -4,6 +4,7 @@
 //! whose type has one value, so that every client generator understands them.
 
 mod campaign;
+mod comparison;
 mod correlation;
 mod dataset;
 mod detection;
@@ -16,6 +17,7 @@ mod timing;
 mod tracking_events;
 
 pub use campaign::*;
+pub use comparison::*;
 pub use correlation::*;
 pub use dataset::*;
 pub use detection::*;

@@ -2,6 +2,7 @@
 //! and always saying so.
 
 pub mod bearing_time;
+pub mod compare;
 pub mod metrics;
 pub mod plan;
 pub mod preview;

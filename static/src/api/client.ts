@@ -2,7 +2,7 @@
 
 import createClient from "openapi-fetch";
 import type { components, paths } from "../../generated/api";
-import type { Artifact, Dataset, Job, JobKind, JobPage, Methods, Plan, Preset, Problem, Report, ScanCounts, TrackProbability, Validation } from "./types";
+import type { Artifact, BearingTime, Comparison, Dataset, DatasetPage, DatasetPreview, Job, JobKind, JobPage, Methods, MetricsSeries, Plan, Preset, Problem, Report, ScanCounts, TrackProbability, Validation } from "./types";
 
 const client = createClient<paths>({ baseUrl: location.origin, cache: "no-cache" });
 
@@ -60,16 +60,48 @@ export async function listArtifacts(id: string): Promise<Artifact[]> {
   return (await taken(client.GET("/v1/jobs/{id}/artifacts", path(id)))).items;
 }
 
+/** The text of a file of a job. */
+export async function getArtifactText(id: string, name: string): Promise<string> {
+  const at = { params: { path: { id, name } }, parseAs: "text" as const };
+  return (await taken(client.GET("/v1/jobs/{id}/artifacts/{name}", at))) as unknown as string;
+}
+
 /** The series of one name has one shape, which the path cannot say. */
 function series<T>(id: string, name: string, query: { track?: string }): Promise<T> {
   return taken(client.GET("/v1/jobs/{id}/series/{name}", { params: { path: { id, name }, query } })) as Promise<T>;
 }
 
 export const getTrackProbability = (id: string, track: string): Promise<TrackProbability> => series(id, "track_probability", { track });
+export const getMetricSeries = (id: string): Promise<MetricsSeries> => series(id, "metrics", {});
+export const getBearingTime = (id: string): Promise<BearingTime> => series(id, "bearing_time", {});
 export const getScanCounts = (id: string): Promise<ScanCounts> => series(id, "scan_counts", {});
 
 export async function listPresets(): Promise<Preset[]> {
   return (await taken(client.GET("/v1/presets"))).items;
+}
+
+export function compareJobs(job: string[], baseline: string | undefined): Promise<Comparison> {
+  return taken(client.GET("/v1/compare", { params: { query: { job, ...(baseline ? { baseline } : {}) } } }));
+}
+
+export interface DatasetFilter {
+  kind?: string;
+  q?: string;
+  cursor?: string;
+  limit?: number;
+}
+
+export const pageOfDatasets = (query: DatasetFilter): Promise<DatasetPage> => taken(client.GET("/v1/datasets", { params: { query } }));
+export const previewDataset = (id: string, limit: number): Promise<DatasetPreview> => taken(client.GET("/v1/datasets/{id}/preview", { params: { path: { id }, query: { limit } } }));
+
+/** The text of a data set as it was uploaded. */
+export async function getDatasetText(id: string): Promise<string> {
+  return (await taken(client.GET("/v1/datasets/{id}/content", { ...path(id), parseAs: "text" }))) as unknown as string;
+}
+
+export async function deleteDataset(id: string): Promise<void> {
+  const { error, response } = await client.DELETE("/v1/datasets/{id}", path(id));
+  if (!response.ok) await taken(Promise.resolve({ error, response }));
 }
 
 export const getDataset = (id: string): Promise<Dataset> => taken(client.GET("/v1/datasets/{id}", path(id)));
@@ -87,7 +119,7 @@ export function createJob(kind: JobKind, body: Record<string, unknown>): Promise
 }
 
 /** The meta part goes first, so that the service can read the file as it comes. */
-export function uploadDataset(meta: Record<string, string>, file: File): Promise<Dataset> {
+export function uploadDataset(meta: object, file: File): Promise<Dataset> {
   const form = new FormData();
   form.append("meta", new Blob([JSON.stringify(meta)], { type: "application/json" }));
   form.append("file", file, file.name);

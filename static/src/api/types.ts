@@ -8,13 +8,22 @@ type Schemas = components["schemas"];
 export type Artifact = Schemas["ArtifactInfo"];
 export type Association = Schemas["Association"];
 export type CampaignCell = Schemas["CampaignCell"];
+export type Comparison = Schemas["Comparison"];
+export type CorrelationTuple = Schemas["CorrelationTuple"];
+export type CorrelateResult = Schemas["CorrelateResult"];
 export type Dataset = Schemas["DatasetInfo"];
+export type DatasetPage = Schemas["DatasetPage"];
+export type DatasetPreview = Schemas["DatasetPreview"];
+export type EventCounts = Schemas["EventCounts"];
 export type Fault = Schemas["FaultItem"];
 export type Grouping = Schemas["GroupingSummary"];
 export type Job = Schemas["Job"];
 export type JobKind = Schemas["JobKind"];
 export type JobPage = Schemas["JobPage"];
 export type JobState = Schemas["JobState"];
+export type BearingTime = Schemas["BearingTimeSeries"];
+export type MetricReport = Schemas["MetricReport"];
+export type MetricsSeries = Schemas["MetricsSeries"];
 export type Plan = Schemas["PlanView"];
 export type Progress = Schemas["Progress"];
 export type Report = Schemas["Report"];
@@ -32,10 +41,16 @@ export type Cell = number | string | null;
 export type Columns = Record<string, Cell[]>;
 
 /** What a report may hold, whatever its kind. */
-export interface ReportParts {
-  counts?: Record<string, number | undefined>;
+export interface ReportParts extends Partial<Omit<CorrelateResult, "counts" | "sensors">> {
+  sensors?: { sensor_id: string }[];
+  counts?: object;
   grouping?: Grouping;
+  metrics?: Record<string, MetricReport>;
+  events?: EventCounts;
+  sequences?: Schemas["SequenceMetrics"][];
+  detection?: Schemas["DetectionResult"];
   cells?: CampaignCell[];
+  confidence?: number;
   outcomes?: string[];
   association?: Association;
   tfa?: Tfa;

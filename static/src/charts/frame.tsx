@@ -7,8 +7,7 @@ import { saveText } from "../components/save";
 import { DataTable, toCsv, type TableData } from "../components/table";
 import { count } from "../format";
 import { readPalette, type Palette } from "../state/theme";
-import type { Chart } from "./echarts";
-import { savePng, type KeyMark } from "./picture";
+import { savePng, saveSvg, type KeyMark, type Source } from "./picture";
 
 interface FrameProps {
   title: string;
@@ -17,7 +16,7 @@ interface FrameProps {
   badge?: string | undefined;
   /** The data as drawn now. */
   table: () => TableData;
-  chart: () => Chart | undefined;
+  chart: () => Source | undefined;
   /** What the colours and lines mean, for the saved picture. */
   pictureKey: (palette: Palette) => KeyMark[];
   /** What the saved picture is of; the title alone when absent. */
@@ -36,9 +35,10 @@ export function reducedBadge(parts: { name: string; source_points: number; retur
 
 export function ChartFrame({ title, file, badge, table, chart, pictureKey, pictureTitle, tools, children, ...rest }: FrameProps): JSX.Element {
   const [asTable, setAsTable] = useState(false);
-  const saveAsPng = () => {
+  const save = (as: "png" | "svg") => () => {
     const drawn = chart();
-    if (drawn) savePng(drawn, pictureTitle ?? title, pictureKey(readPalette()), `${file}.png`);
+    const write = as === "png" ? savePng : saveSvg;
+    if (drawn) void write(drawn, pictureTitle ?? title, pictureKey(readPalette()), `${file}.${as}`);
   };
   return (
     <section class={`chart-frame ${rest.class ?? ""}`} aria-label={title}>
@@ -53,9 +53,14 @@ export function ChartFrame({ title, file, badge, table, chart, pictureKey, pictu
             <Icon name="download" /> CSV
           </button>
           {asTable ? null : (
-            <button type="button" class="quiet" onClick={saveAsPng}>
-              <Icon name="download" /> PNG
-            </button>
+            <>
+              <button type="button" class="quiet" onClick={save("png")}>
+                <Icon name="download" /> PNG
+              </button>
+              <button type="button" class="quiet" onClick={save("svg")}>
+                <Icon name="download" /> SVG
+              </button>
+            </>
           )}
         </div>
       </div>

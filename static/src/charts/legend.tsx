@@ -37,8 +37,9 @@ function entries(scene: Scene, sensors: SensorSettings[]): Entry[] {
   const list: Entry[] = [];
   if (scene.truths.size) list.push({ layer: "truth", name: "truth", mark: stroke("mark-truth", "M1 8h22") });
   if (sensors.some((sensor) => sensor.max_range_m)) list.push({ layer: "rings", name: "sensor range", mark: stroke("mark-ring", "M1 8h22") });
-  if (scene.tracks.size) list.push({ layer: "tracks", name: "tracks", mark: stroke("mark-track", "M1 8h22") });
-  return [...list, ...marks];
+  if (scene.tracks.size) list.push({ layer: "tracks", name: scene.locals.length ? "system tracks" : "tracks", mark: stroke("mark-track", "M1 8h22") });
+  const locals = scene.locals.map(({ sensor }, order) => ({ layer: `l:${sensor}`, name: `tracks of ${sensor}`, mark: stroke(`mark-local mark-local-${(order % 5) + 1} mark-dash-${order % 3}`, "M1 8h22") }));
+  return [...list, ...locals, ...marks];
 }
 
 export function Legend({ scene, sensors }: { scene: Scene; sensors: SensorSettings[] }): JSX.Element {
@@ -55,7 +56,7 @@ export function Legend({ scene, sensors }: { scene: Scene; sensors: SensorSettin
           {entry.name}
         </button>
       ))}
-      {scene.tracks.size ? (
+      {scene.tracks.size && !scene.locals.length ? (
         <span class="legend-note">
           {stroke("mark-track mark-dashed", "M1 8h22")} coasted {stroke("mark-tentative", "M1 8h22")} tentative
         </span>

@@ -72,10 +72,77 @@ function compose(drawing: HTMLCanvasElement, title: string, key: KeyMark[], pale
   return sheet;
 }
 
-export function savePng(chart: Chart, title: string, key: KeyMark[], name: string): void {
+/** What a saved picture is made from: a chart of the library, or a drawing of our own. */
+export type Source = Chart | SVGSVGElement;
+
+const INLINED = ["fill", "stroke", "stroke-width", "stroke-dasharray", "opacity", "fill-opacity", "font-size", "font-family", "font-weight", "text-anchor", "dominant-baseline"];
+
+/** A drawing with the looks that the style sheet gives it written into it, so that it stands alone. */
+function standalone(drawing: SVGSVGElement): { text: string; width: number; height: number } {
+  const { width, height } = drawing.getBoundingClientRect();
+  const copy = drawing.cloneNode(true) as SVGSVGElement;
+  const [from, to] = [drawing, copy].map((root) => [root, ...root.querySelectorAll<SVGElement>("*")]) as [SVGElement[], SVGElement[]];
+  from.forEach((element, index) => {
+    const style = getComputedStyle(element);
+    to[index]?.setAttribute("style", INLINED.map((name) => `${name}:${style.getPropertyValue(name)}`).join(";"));
+  });
+  copy.setAttribute("xmlns", "http://www.w3.org/2000/svg");
+  copy.setAttribute("width", String(width));
+  copy.setAttribute("height", String(height));
+  return { text: new XMLSerializer().serializeToString(copy), width, height };
+}
+
+async function asSvg(source: Source): Promise<{ text: string; width: number; height: number }> {
+  if (source instanceof SVGSVGElement) return standalone(source);
+  const [width, height] = [source.getWidth(), source.getHeight()];
+  const { drawSvg } = await import("./echarts-svg");
+  return { text: drawSvg(source, width, height), width, height };
+}
+
+async function asCanvas(source: Source, palette: Palette): Promise<HTMLCanvasElement> {
+  if (!(source instanceof SVGSVGElement)) return source.renderToCanvas({ pixelRatio: SCALE, backgroundColor: palette.surface });
+  const { text, width, height } = standalone(source);
+  const image = new Image();
+  image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(text)}`;
+  await image.decode();
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = [width * SCALE, height * SCALE];
+  canvas.getContext("2d")?.drawImage(image, 0, 0, canvas.width, canvas.height);
+  return canvas;
+}
+
+export async function savePng(source: Source, title: string, key: KeyMark[], name: string): Promise<void> {
   const palette = readPalette();
-  const drawing = chart.renderToCanvas({ pixelRatio: SCALE, backgroundColor: palette.surface });
-  compose(drawing, title, key, palette).toBlob((blob) => {
+  compose(await asCanvas(source, palette), title, key, palette).toBlob((blob) => {
     if (blob) saveBlob(blob, name);
   }, "image/png");
+}
+
+const escaped = (text: string) => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll('"', "&quot;");
+
+function markSvg({ color, look }: KeyMark, x: number, y: number): string {
+  if (look === "dot") return `<rect x="${x + MARK_WIDTH / 2 - 3}" y="${y - 3}" width="6" height="6" fill="${color}"/>`;
+  const dashes = { solid: "", dashed: ' stroke-dasharray="5 3"', dotted: ' stroke-dasharray="2 3"' }[look];
+  return `<path d="M${x} ${y}h${MARK_WIDTH}" stroke="${color}" stroke-width="2"${dashes}/>`;
+}
+
+export async function saveSvg(source: Source, title: string, key: KeyMark[], name: string): Promise<void> {
+  const palette = readPalette();
+  const { text, width, height } = await asSvg(source);
+  const pen = document.createElement("canvas").getContext("2d");
+  if (pen) pen.font = `12px ${FONT}`;
+  const places = pen ? placed(pen, key, width) : [];
+  const head = TITLE_HEIGHT + ((places.at(-1)?.row ?? -1) + 1) * ROW_HEIGHT;
+  const marks = places.map(({ mark, x, row }) => {
+    const y = TITLE_HEIGHT + row * ROW_HEIGHT + ROW_HEIGHT / 2;
+    return `${markSvg(mark, x, y)}<text x="${x + MARK_WIDTH + 6}" y="${y}" font-size="12" dominant-baseline="middle">${escaped(mark.name)}</text>`;
+  });
+  const sheet = [
+    `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height + head}" viewBox="0 0 ${width} ${height + head}" font-family="${escaped(FONT)}" fill="${palette.text}">`,
+    `<title>${escaped(title)}</title><rect width="100%" height="100%" fill="${palette.surface}"/>`,
+    `<text x="${MARGIN}" y="${TITLE_HEIGHT / 2 + 2}" font-size="14" font-weight="600" dominant-baseline="middle">${escaped(title)}</text>`,
+    ...marks,
+    `<g transform="translate(0 ${head})">${text}</g></svg>`,
+  ];
+  saveBlob(new Blob([sheet.join("\n")], { type: "image/svg+xml" }), name);
 }

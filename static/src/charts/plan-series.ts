@@ -3,7 +3,7 @@
 import type { SensorSettings } from "../api/types";
 import type { Palette } from "../state/theme";
 import type { SeriesOption } from "./echarts";
-import { at, within, type Cloud, type Line, type Scene, type TrackLine } from "./scene";
+import { at, memberName, within, type Cloud, type Line, type Scene, type TrackLine } from "./scene";
 
 export const SHAPES = ["circle", "rect", "triangle", "diamond", "pin"];
 const CIRCLE_POINTS = 96;
@@ -176,6 +176,20 @@ function selection(scene: Scene, moment: Moment, palette: Palette): SeriesOption
   ];
 }
 
+const DASHES = ["dashed", "dotted", "solid"] as const;
+
+/** The tracks of each sensor, thin; those of the selected system track bold. */
+function localTracks(scene: Scene, moment: Moment, palette: Palette): SeriesOption[] {
+  const members = scene.members.get(moment.track ?? "");
+  return scene.locals.flatMap(({ sensor, lines }, order) => {
+    if (moment.hidden.has(`l:${sensor}`)) return [];
+    const color = palette.sensors[order % palette.sensors.length] ?? palette.text;
+    const type = DASHES[order % DASHES.length] ?? "solid";
+    const drawn = (chosen: boolean) => joined(lines.filter((line) => (members?.has(memberName(sensor, line.id)) ?? false) === chosen).map((line) => points(line, moment.from, moment.now)));
+    return [lineSeries(`local:${sensor}`, drawn(false), color, { width: 1, type, opacity: members ? 0.45 : 0.85, z: 3 }), lineSeries(`local:${sensor}:chosen`, drawn(true), color, { width: 2.6, type, z: 6 })];
+  });
+}
+
 export function planSeries(scene: Scene, sensors: SensorSettings[], moment: Moment, palette: Palette): SeriesOption[] {
   const shown = (layer: string) => !moment.hidden.has(layer);
   const truth = joined([...scene.truths.values()].map((line) => points(line, moment.from, moment.now)));
@@ -183,6 +197,7 @@ export function planSeries(scene: Scene, sensors: SensorSettings[], moment: Mome
     ...(shown("rings") ? rings(sensors, palette) : []),
     ...(shown("truth") ? [lineSeries("truth", truth, palette.truth, { width: 1.4, opacity: 0.65 })] : []),
     ...scene.clouds.flatMap((cloud, order) => (shown(`d:${cloud.sensor}`) ? [detections(cloud, order, moment, palette)] : [])),
+    ...localTracks(scene, moment, palette),
     ...(shown("tracks") ? tracks(scene, moment, palette) : []),
     ...selection(scene, moment, palette),
   ];

@@ -101,6 +101,9 @@ function drawn(scene: Scene, moment: Moment): TableData {
   for (const cloud of scene.clouds) {
     if (!moment.hidden.has(`d:${cloud.sensor}`)) add("detection", cloud, (row) => cloud.id[row] ?? null, () => cloud.sensor);
   }
+  for (const { sensor, lines } of scene.locals) {
+    if (!moment.hidden.has(`l:${sensor}`)) for (const line of lines) add("local track", line, () => line.id, () => sensor);
+  }
   if (!moment.hidden.has("tracks")) for (const line of scene.tracks.values()) add("track", line, () => line.id, (row) => line.status[row] ?? null);
   return { columns: ["layer", "id", "time_s", "x_m", "y_m", "detail"], rows };
 }
@@ -112,6 +115,10 @@ function pictureKey(scene: Scene, moment: Moment, palette: Palette): KeyMark[] {
   if (shown("tracks", scene.tracks.size > 0)) {
     key.push({ name: "track", color: palette.track, look: "solid" }, { name: "coasted", color: palette.track, look: "dashed" }, { name: "tentative", color: palette.tentative, look: "solid" });
   }
+  scene.locals.forEach(({ sensor }, order) => {
+    const look = (["dashed", "dotted", "solid"] as const)[order % 3] ?? "solid";
+    if (shown(`l:${sensor}`, true)) key.push({ name: `tracks of ${sensor}`, color: palette.sensors[order % palette.sensors.length] ?? palette.text, look });
+  });
   scene.clouds.forEach(({ sensor }, order) => {
     const color = palette.sensors[order % palette.sensors.length] ?? palette.text;
     if (shown(`d:${sensor}`, true)) key.push({ name: `detections, ${sensor}`, color, look: "dot" });

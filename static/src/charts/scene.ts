@@ -24,6 +24,12 @@ export interface Cloud {
   truth: (string | null)[];
 }
 
+/** The tracks of one sensor before they were put together. */
+export interface LocalTracks {
+  sensor: string;
+  lines: Line[];
+}
+
 export interface Extent {
   xMin: number;
   xMax: number;
@@ -35,6 +41,10 @@ export interface Scene {
   truths: Map<string, Line>;
   tracks: Map<string, TrackLine>;
   clouds: Cloud[];
+  /** Of jobs that put tracks together; else empty. */
+  locals: LocalTracks[];
+  /** The local tracks of a system track, as `sensor track`. */
+  members: Map<string, Set<string>>;
   extent: Extent;
   /** Times of the scans, each once, in order. */
   times: number[];
@@ -111,14 +121,37 @@ function extentOf(plan: Plan): Extent {
   return { xMin: given.x_min_m ?? -1, xMax: given.x_max_m ?? 1, yMin: given.y_min_m ?? -1, yMax: given.y_max_m ?? 1 };
 }
 
-export function sceneOf(plan: Plan): Scene {
+/** A row of the file of local tracks. */
+export interface LocalPoint {
+  time: number;
+  sensor: string;
+  track: string;
+  x: number;
+  y: number;
+}
+
+function localTracks(points: LocalPoint[]): LocalTracks[] {
+  const bySensor = new Map<string, Map<string, Line>>();
+  for (const { time, sensor, track, x, y } of points) {
+    const lines = entry(bySensor, sensor, () => new Map<string, Line>());
+    const line = entry(lines, track, (): Line => ({ id: track, time: [], x: [], y: [] }));
+    line.time.push(time);
+    line.x.push(x);
+    line.y.push(y);
+  }
+  return [...bySensor].map(([sensor, lines]) => ({ sensor, lines: [...lines.values()] }));
+}
+
+export const memberName = (sensor: string, track: string): string => `${sensor}\u0000${track}`;
+
+export function sceneOf(plan: Plan, locals: LocalPoint[] = [], members = new Map<string, Set<string>>()): Scene {
   const truths = truthLines(plan.truth.columns);
   const tracks = trackLines(plan.tracks.columns);
   const numberAt = new Map(plan.scans.map((scan) => [scan.time_s, scan.number]));
   const known = numberAt.size ? [...numberAt.keys()] : [...truths.values(), ...tracks.values()].flatMap((line) => line.time);
   const times = [...new Set(known)].sort((a, b) => a - b);
   const numbers = times.map((time, index) => numberAt.get(time) ?? index + 1);
-  return { truths, tracks, clouds: clouds(plan.detections.columns), extent: extentOf(plan), times, numbers, silence_s: silence(plan, times) };
+  return { truths, tracks, clouds: clouds(plan.detections.columns), locals: localTracks(locals), members, extent: extentOf(plan), times, numbers, silence_s: silence(plan, times) };
 }
 
 function silence(plan: Plan, times: number[]): number {

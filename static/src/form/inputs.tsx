@@ -47,7 +47,7 @@ export function ChoiceInput({ schema, value, pointer, required, change }: FieldP
   const pick = (event: TargetedEvent<HTMLSelectElement>) => change(event.currentTarget.value === "" ? undefined : event.currentTarget.value);
   return (
     <select {...useAria(pointer)} value={typeof value === "string" ? value : ""} onChange={pick}>
-      {required && value !== undefined ? null : <option value="">not set</option>}
+      {required && value !== undefined ? null : <option value="">{typeof schema.default === "string" ? `${schema.default} (default)` : "not set"}</option>}
       {(schema.enum ?? []).map((choice) => (
         <option value={choice}>{choice}</option>
       ))}
@@ -55,6 +55,6 @@ export function ChoiceInput({ schema, value, pointer, required, change }: FieldP
   );
 }
 
-export function FlagInput({ value, pointer, change }: FieldProps): JSX.Element {
-  return <input {...useAria(pointer)} type="checkbox" checked={value === true} onChange={(event) => change(event.currentTarget.checked)} />;
+export function FlagInput({ schema, value, pointer, change }: FieldProps): JSX.Element {
+  return <input {...useAria(pointer)} type="checkbox" checked={(value ?? schema.default) === true} onChange={(event) => change(event.currentTarget.checked)} />;
 }

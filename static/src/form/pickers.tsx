@@ -2,19 +2,18 @@
 
 import type { JSX } from "preact";
 import { useState } from "preact/hooks";
-import { getDataset, listDatasets, listJobs, uploadDataset } from "../api/client";
+import { getDataset, listDatasets, listJobs } from "../api/client";
 import type { Dataset } from "../api/types";
-import { Icon, ProblemBox } from "../components/basics";
+import { ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import { count, moment } from "../format";
 import type { FieldProps } from "./context";
 import { useAria } from "./inputs";
 import { fieldId } from "./schema";
+import { Upload } from "./upload";
 
-const KINDS = ["", "detections", "truth", "tracks", "bearing_time"];
 /** What a field of a request reads, by the name of the field. */
 const ROLES: Record<string, Dataset["kind"]> = { input: "detections", detections: "detections", truth: "truth", tracks: "tracks" };
-const FORMATS = ["", "csv", "json", "autoferry", "mot"];
 
 function describe(dataset: Dataset): string {
   return `${dataset.name} · ${dataset.kind} · ${count(dataset.rows)} rows, ${count(dataset.scans)} scans`;
@@ -62,55 +61,6 @@ function Group({ label, sets }: { label: string; sets: Dataset[] }): JSX.Element
         </option>
       ))}
     </optgroup>
-  );
-}
-
-function options(values: string[]): JSX.Element[] {
-  return values.map((value) => <option value={value}>{value || "from the file"}</option>);
-}
-
-function Upload({ id, role, done }: { id: string; role: Dataset["kind"] | undefined; done: (dataset: Dataset) => void }): JSX.Element {
-  const [file, setFile] = useState<File>();
-  const [kind, setKind] = useState<string>(role ?? "");
-  const [format, setFormat] = useState("");
-  const [error, setError] = useState<unknown>();
-  const [busy, setBusy] = useState(false);
-  const send = async () => {
-    if (!file) return;
-    setBusy(true);
-    setError(undefined);
-    try {
-      const meta = Object.fromEntries(Object.entries({ name: file.name, kind, format }).filter(([, value]) => value !== ""));
-      done(await uploadDataset(meta, file));
-    } catch (failure) {
-      setError(failure);
-    } finally {
-      setBusy(false);
-    }
-  };
-  return (
-    <div class="upload">
-      <label>
-        <span>File</span>
-        <input type="file" data-upload={id} accept=".csv,.json" onChange={(event) => setFile(event.currentTarget.files?.[0])} />
-      </label>
-      <label>
-        <span>Kind</span>
-        <select value={kind} onChange={(event) => setKind(event.currentTarget.value)}>
-          {options(KINDS)}
-        </select>
-      </label>
-      <label>
-        <span>Format</span>
-        <select value={format} onChange={(event) => setFormat(event.currentTarget.value)}>
-          {options(FORMATS)}
-        </select>
-      </label>
-      <button type="button" class="primary" disabled={!file || busy} onClick={() => void send()}>
-        <Icon name={busy ? "running" : "plus"} /> {busy ? "Uploading…" : "Upload"}
-      </button>
-      {error ? <ProblemBox error={error} /> : null}
-    </div>
   );
 }
 

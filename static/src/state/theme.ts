@@ -52,6 +52,9 @@ export interface Palette {
   track: string;
   tentative: string;
   selected: string;
+  good: string;
+  bad: string;
+  odd: string;
   sensors: string[];
 }
 
@@ -67,6 +70,9 @@ export function readPalette(): Palette {
     track: read("--chart-track"),
     tentative: read("--chart-tentative"),
     selected: read("--chart-selected"),
+    good: read("--good"),
+    bad: read("--bad"),
+    odd: read("--odd"),
     sensors: [1, 2, 3, 4, 5].map((number) => read(`--chart-sensor-${number}`)),
   };
 }

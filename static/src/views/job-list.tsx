@@ -9,10 +9,12 @@ import { asProblem, Empty, Icon, Link, Loading, ProblemBox, ProgressBar, StateBa
 import { duration, moment, seconds } from "../format";
 import { isActive, poll } from "../state/live";
 import { pageHref, param, setParams } from "../state/url";
+import { compareHref } from "./compare";
 
 const STATES = ["queued", "running", "succeeded", "failed", "canceled"];
-const KINDS = ["simulate", "associate", "evaluate", "group", "campaign"];
+const KINDS = ["simulate", "associate", "evaluate", "group", "correlate", "campaign"];
 const PAGE = 50;
+const MOST_COMPARED = 20;
 const LIVE_MS = 1000;
 const QUIET_MS = 5000;
 
@@ -55,10 +57,35 @@ function Filters(): JSX.Element {
   );
 }
 
+function ticked(): string[] {
+  return (param("ticked") ?? "").split(",").filter(Boolean);
+}
+
+function Tick({ job }: { job: Job }): JSX.Element {
+  const ids = ticked();
+  const isOn = ids.includes(job.id);
+  const change = () => setParams({ ticked: (isOn ? ids.filter((id) => id !== job.id) : [...ids, job.id]).join(",") });
+  return <input type="checkbox" checked={isOn} disabled={!isOn && ids.length >= MOST_COMPARED} aria-label={`Compare ${job.name || job.id}`} onChange={change} />;
+}
+
+function CompareBar(): JSX.Element | null {
+  const ids = ticked();
+  if (!ids.length) return null;
+  return (
+    <p class="compare-bar">
+      {ids.length === 1 ? <span class="muted">One job is ticked; another one makes a comparison.</span> : <Link class="button primary" href={compareHref(ids)}>Compare {ids.length} jobs</Link>}
+      <button type="button" class="quiet" onClick={() => setParams({ ticked: null })}>
+        Untick all
+      </button>
+    </p>
+  );
+}
+
 function JobRow({ job, cancel }: { job: Job; cancel: (job: Job) => void }): JSX.Element {
   const live = isActive(job);
   return (
     <tr class={`row-${job.state}`}>
+      <td class="cell-tick">{job.state === "succeeded" ? <Tick job={job} /> : null}</td>
       <td class="cell-name">
         <Link href={pageHref({ view: "job", job: job.id })}>{job.name || <span class="mono">{job.id}</span>}</Link>
         {job.name ? <span class="mono muted id">{job.id.slice(-12)}</span> : null}
@@ -112,6 +139,9 @@ function Rows({ jobs, cancel }: { jobs: Job[]; cancel: (job: Job) => void }): JS
       <table class="jobs">
         <thead>
           <tr>
+            <th scope="col">
+              <span class="visually-hidden">Compare</span>
+            </th>
             <th scope="col">Name</th>
             <th scope="col">Kind</th>
             <th scope="col">State</th>
@@ -186,6 +216,7 @@ export function JobList(): JSX.Element {
         </Link>
       </div>
       <Filters />
+      <CompareBar />
       <Body listing={listing.value} error={error.value} again={again} cancel={cancel} more={more} />
     </section>
   );

@@ -10,12 +10,16 @@ import { useResource } from "../components/resource";
 import { duration, moment, seconds } from "../format";
 import { followJob, isActive } from "../state/live";
 import { go, hereHref, pageHref, param } from "../state/url";
+import { CampaignProgress } from "./campaign-progress";
+import { JobCorrelation } from "./job-correlation";
+import { JobMetrics } from "./job-metrics";
 import { JobPictures } from "./job-pictures";
+import { hasTrace, JobSearch } from "./job-search";
 import { JobSpec } from "./job-spec";
 import { JobSummary } from "./job-summary";
 import { JobVerdicts } from "./job-verdicts";
 
-type TabName = "summary" | "plan" | "verdicts" | "spec";
+type TabName = "summary" | "correlation" | "plan" | "verdicts" | "metrics" | "search" | "spec";
 
 /** What leaves the address when a tab changes: the rest (clock, selection) is the same in every tab. */
 const TAB_RESET = { page: null };
@@ -116,7 +120,14 @@ function Head({ job, failed, changed }: HeadProps): JSX.Element {
 }
 
 function Outcome({ job }: { job: Job }): JSX.Element {
-  if (isActive(job)) return <Waiting job={job} />;
+  if (isActive(job)) {
+    return (
+      <>
+        <Waiting job={job} />
+        {job.kind === "campaign" ? <CampaignProgress job={job} /> : null}
+      </>
+    );
+  }
   if (job.state === "succeeded") return <Result job={job} />;
   if (job.state === "canceled") return <Empty title="This job was canceled. It left no result." />;
   const problem = job.error ?? { type: "about:blank", title: "The job failed", status: 0, code: "failed" };
@@ -147,12 +158,17 @@ function Waiting({ job }: { job: Job }): JSX.Element {
 }
 
 function tabsOf(report: Report): [TabName, string][] {
-  const tabs: [TabName, string][] = [
-    ["summary", "Summary"],
-    ["plan", "Plan view"],
+  const { cells, tuples, tfa, metrics } = partsOf(report);
+  const tabs: [TabName, string, boolean][] = [
+    ["summary", "Summary", true],
+    ["correlation", "Correlation", tuples !== undefined],
+    ["plan", "Plan view", cells === undefined],
+    ["verdicts", "Verdicts", tfa !== undefined],
+    ["metrics", "Metrics", metrics !== undefined],
+    ["search", "Method", hasTrace(report)],
+    ["spec", "Request and files", true],
   ];
-  if (partsOf(report).tfa) tabs.push(["verdicts", "Verdicts"]);
-  return [...tabs, ["spec", "Request and files"]];
+  return tabs.flatMap(([name, title, there]) => (there ? [[name, title]] : []));
 }
 
 function Result({ job }: { job: Job }): JSX.Element {
@@ -160,7 +176,8 @@ function Result({ job }: { job: Job }): JSX.Element {
   const tabs = useMemo(() => (report.data ? tabsOf(report.data) : []), [report.data]);
   if (report.error) return <ProblemBox error={report.error} retry={report.reload} />;
   if (!report.data) return <Loading what="the report" />;
-  const { tfa } = partsOf(report.data);
+  const parts = partsOf(report.data);
+  const { tfa } = parts;
   const asked = param("tab") ?? "summary";
   const tab = tabs.find(([name]) => name === asked)?.[0] ?? "summary";
   return (
@@ -173,8 +190,11 @@ function Result({ job }: { job: Job }): JSX.Element {
         ))}
       </nav>
       {tab === "summary" ? <JobSummary job={job} report={report.data} /> : null}
-      {tab === "plan" ? <JobPictures job={job} tfa={tfa} /> : null}
-      {tab === "verdicts" && tfa ? <JobVerdicts tfa={tfa} /> : null}
+      {tab === "correlation" ? <JobCorrelation job={job} report={report.data} /> : null}
+      {tab === "plan" ? <JobPictures job={job} report={report.data} /> : null}
+      {tab === "verdicts" && tfa ? <JobVerdicts job={job} tfa={tfa} /> : null}
+      {tab === "metrics" ? <JobMetrics job={job} report={report.data} /> : null}
+      {tab === "search" ? <JobSearch job={job} report={report.data} /> : null}
       {tab === "spec" ? <JobSpec job={job} report={report.data} /> : null}
     </>
   );

@@ -1,14 +1,18 @@
 // The summary of a finished job: its numbers, warnings, inputs, timing, and what happened scan by scan.
 
 import type { JSX } from "preact";
-import { partsOf, type CampaignCell, type Grouping, type Job, type Report, type Tfa } from "../api/types";
+import { partsOf, type EventCounts, type Grouping, type Job, type MetricReport, type Report, type Tfa } from "../api/types";
 import { ScanCounts } from "../charts/scan-counts";
 import { Icon, Link, type IconName } from "../components/basics";
 import { capital, count, duration, number, probability, words } from "../format";
 import { hereHref, pageHref } from "../state/url";
+import { JobCampaign } from "./job-campaign";
+
+/** Jobs of these kinds leave no scans. */
+const SCANLESS = ["campaign", "correlate"];
 
 export function JobSummary({ job, report }: { job: Job; report: Report }): JSX.Element {
-  const { tfa, association, counts, grouping, cells, outcomes } = partsOf(report);
+  const { tfa, association, counts, grouping, cells, metrics, events } = partsOf(report);
   const warnings = [...new Set([...job.warnings, ...report.warnings, ...(tfa?.warnings ?? [])])];
   return (
     <div class="summary">
@@ -22,16 +26,18 @@ export function JobSummary({ job, report }: { job: Job; report: Report }): JSX.E
         </ul>
       ) : null}
       {tfa ? <TfaNumbers tfa={tfa} /> : null}
-      {cells ? <Cells cells={cells} outcomes={outcomes ?? []} times={report.timing.cells ?? []} /> : null}
+      {cells ? <JobCampaign job={job} report={report} /> : null}
       <div class="panels">
         {grouping ? <Groups grouping={grouping} /> : null}
         {tfa ? <OutputTracks tfa={tfa} /> : null}
         {association ? <Counts title={`Association, ${words(association.method)}`} counts={association.counts} /> : null}
-        {counts ? <Counts title="Scene" counts={counts} /> : null}
+        {counts ? <Counts title="Scene" counts={counts as Record<string, number>} /> : null}
+        {metrics ? <Headlines metrics={metrics} /> : null}
+        {events ? <Events events={events} /> : null}
         <Timing timing={report.timing} />
         <Inputs report={report} />
       </div>
-      <ScanCounts jobId={job.id} />
+      {SCANLESS.includes(job.kind) ? null : <ScanCounts jobId={job.id} />}
     </div>
   );
 }
@@ -103,44 +109,42 @@ function Counts({ title, counts }: { title: string; counts: Record<string, numbe
   );
 }
 
-/** The cells of a campaign: the mean of each outcome with its interval, and the time of deciding. */
-function Cells({ cells, outcomes, times }: { cells: CampaignCell[]; outcomes: string[]; times: NonNullable<Report["timing"]["cells"]> }): JSX.Element {
+/** The headline of each metric; the tab has everything that it says. */
+function Headlines({ metrics }: { metrics: Record<string, MetricReport> }): JSX.Element {
   return (
-    <section class="panel" style={{ overflowX: "auto" }} tabIndex={0} aria-label="Cells of the campaign">
-      <h2>Cells</h2>
-      <table>
-        <thead>
-          <tr>
-            {["Cell", ...outcomes, "µs a scan", "time ratio"].map((name) => (
-              <th scope="col">{name}</th>
-            ))}
-          </tr>
-        </thead>
-        <tbody>
-          {cells.map((cell) => (
-            <CellRow cell={cell} outcomes={outcomes} time={times.find((time) => time.cell === cell.name)} />
-          ))}
-        </tbody>
-      </table>
+    <section class="panel">
+      <h2>
+        <Link href={hereHref({ tab: "metrics" })}>Metrics</Link>
+      </h2>
+      <dl class="facts">
+        {Object.entries(metrics).map(([name, { value, unit }]) => (
+          <>
+            <dt>{name}</dt>
+            <dd>{value === null || value === undefined ? "undefined" : `${number(value)} ${unit}`}</dd>
+          </>
+        ))}
+      </dl>
     </section>
   );
 }
 
-function CellRow({ cell, outcomes, time }: { cell: CampaignCell; outcomes: string[]; time: { decide_us_per_scan: number; ratio?: number | null } | undefined }): JSX.Element {
-  const text = (name: string): string => {
-    const summary = cell.outcomes[name];
-    const interval = summary?.interval;
-    return interval ? `${number(summary.mean)} [${number(interval.low)}, ${number(interval.high)}]` : number(summary?.mean);
-  };
+function Events({ events }: { events: EventCounts }): JSX.Element {
   return (
-    <tr>
-      <th scope="row">{cell.name}</th>
-      {outcomes.map((name) => (
-        <td>{text(name)}</td>
-      ))}
-      <td>{number(time?.decide_us_per_scan)}</td>
-      <td>{number(time?.ratio)}</td>
-    </tr>
+    <section class="panel">
+      <h2>Events</h2>
+      <dl class="facts">
+        {Object.entries(events.counts).map(([name, value]) => (
+          <>
+            <dt>{capital(words(name))}</dt>
+            <dd>
+              <Link href={hereHref({ tab: "metrics", event: name })} label={`${count(value)} events: ${words(name)}`}>
+                {count(value)}
+              </Link>
+            </dd>
+          </>
+        ))}
+      </dl>
+    </section>
   );
 }
 
@@ -190,7 +194,7 @@ function Inputs({ report }: { report: Report }): JSX.Element {
         {report.inputs.map((input) => (
           <li>
             <b>{input.role}</b> from {input.source} {input.job_id ? <Link href={pageHref({ view: "job", job: input.job_id })}>{input.job_id.slice(-12)}</Link> : null}
-            {input.dataset_id ? <a href={`/v1/datasets/${input.dataset_id}/content`}>{input.dataset_id.slice(-12)}</a> : null}
+            {input.dataset_id ? <Link href={pageHref({ view: "dataset", dataset: input.dataset_id })}>{input.dataset_id.slice(-12)}</Link> : null}
             <span class="sub mono" title={input.sha256}>
               sha256 {input.sha256.slice(0, 16)}…
             </span>

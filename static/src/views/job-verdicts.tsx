@@ -1,14 +1,19 @@
 // The verdicts of the temporal automaton, one row a target; a row leads to the scan where its track went wrong.
 
 import type { JSX } from "preact";
-import type { TargetVerdict, Tfa } from "../api/types";
-import { Empty, Icon, type IconName } from "../components/basics";
+import { useMemo } from "preact/hooks";
+import type { Job, TargetVerdict, Tfa } from "../api/types";
+import { readTfaFiles } from "../charts/automaton";
+import { AutomatonView } from "../charts/automaton-view";
+import { Lines, type Curve } from "../charts/lines";
+import { Empty, Icon, Link, Loading, ProblemBox, type IconName } from "../components/basics";
+import { useResource } from "../components/resource";
 import { saveText } from "../components/save";
 import { toCsv } from "../components/table";
-import { count, number } from "../format";
+import { count, number, probability } from "../format";
 import { hereHref, go, param, setParams } from "../state/url";
 import { TfaNumbers } from "./job-summary";
-import { placeOf, took, tookKind } from "./verdicts";
+import { placeOf, sentence, took, tookKind } from "./verdicts";
 
 const PAGE = 200;
 
@@ -121,7 +126,7 @@ function Filter({ tfa, rows }: { tfa: Tfa; rows: TargetVerdict[] }): JSX.Element
   );
 }
 
-export function JobVerdicts({ tfa }: { tfa: Tfa }): JSX.Element {
+export function JobVerdicts({ job, tfa }: { job: Job; tfa: Tfa }): JSX.Element {
   const rows = filtered(tfa.targets);
   const pages = Math.max(1, Math.ceil(rows.length / PAGE));
   const page = Math.min(Math.max(Number(param("page")) || 1, 1), pages);
@@ -129,6 +134,9 @@ export function JobVerdicts({ tfa }: { tfa: Tfa }): JSX.Element {
   return (
     <section class="verdicts">
       <TfaNumbers tfa={tfa} />
+      <Sets tfa={tfa} />
+      <WayOfTarget job={job} tfa={tfa} />
+      <Tolerance tfa={tfa} file={job.id.slice(-12)} />
       <Filter tfa={tfa} rows={rows} />
       {rows.length ? (
         <div class="table-scroll">
@@ -166,4 +174,76 @@ export function JobVerdicts({ tfa }: { tfa: Tfa }): JSX.Element {
       ) : null}
     </section>
   );
+}
+
+const SETS = ["correct", "missed", "false"] as const;
+const CHIPS = 40;
+
+/** The three sets, target by target. */
+function Sets({ tfa }: { tfa: Tfa }): JSX.Element {
+  return (
+    <div class="sets">
+      {SETS.map((name) => {
+        const targets = tfa.targets.filter((target) => target.verdict === name);
+        return (
+          <section class={`panel set-${name}`} aria-label={`Targets: ${name}`}>
+            <h2>
+              <Icon name={name} /> {name} <span class="muted">{count(targets.length)}</span>
+            </h2>
+            {targets.length ? null : <p class="muted">None.</p>}
+            <ul class="chips">
+              {targets.slice(0, CHIPS).map((target) => (
+                <li>
+                  <Link class={`chip${param("truth") === target.truth_id ? " chosen" : ""}`} href={hereHref({ truth: target.truth_id })} label={`Way of target ${target.truth_id}`}>
+                    {target.truth_id}
+                  </Link>
+                </li>
+              ))}
+            </ul>
+            {targets.length > CHIPS ? (
+              <p class="small">
+                <Link href={hereHref({ verdict: name, page: null })}>{count(targets.length - CHIPS)} more in the table</Link>
+              </p>
+            ) : null}
+          </section>
+        );
+      })}
+    </div>
+  );
+}
+
+/** The way of the chosen target; without a choice, of the first that went wrong. */
+function WayOfTarget({ job, tfa }: { job: Job; tfa: Tfa }): JSX.Element | null {
+  const files = useResource(() => readTfaFiles(job.id), [job.id]);
+  const chosen = tfa.targets.find((target) => target.truth_id === param("truth")) ?? tfa.targets.find((target) => target.verdict === "false") ?? tfa.targets[0];
+  if (!chosen) return null;
+  if (files.error) return <ProblemBox error={files.error} retry={files.reload} />;
+  if (!files.data) return <Loading what="the automaton" />;
+  const { automaton, expected } = files.data;
+  const steps = expected.get(chosen.truth_id);
+  if (!automaton || !steps) return <p class="muted">{automaton ? `Target ${chosen.truth_id} has no string: ${sentence(chosen)}` : "The automaton was too large for a file, so that it is not drawn."}</p>;
+  return (
+    <div class="way-of-target">
+      <p>
+        <span class={`badge verdict-${chosen.verdict}`}>
+          <Icon name={chosen.verdict as IconName} /> {chosen.verdict}
+        </span>{" "}
+        <b>{chosen.truth_id}</b> {sentence(chosen)} <Link href={hereHref(placeOf(chosen))}>Show in the plan view</Link>
+      </p>
+      <AutomatonView key={chosen.truth_id} verdict={chosen} expected={steps} automaton={automaton} file={`way-${chosen.truth_id}-${job.id.slice(-12)}`} />
+    </div>
+  );
+}
+
+function Tolerance({ tfa, file }: { tfa: Tfa; file: string }): JSX.Element | null {
+  const curves = useMemo((): Curve[] => [{ name: "correct when up to k errors are forgiven", points: tfa.tolerance.map(({ k, correct }) => [k, correct]), color: (palette) => palette.good, look: "solid", symbol: "circle", step: true }], [tfa]);
+  if (tfa.tolerance.length < 2) return null;
+  const table = () => ({ columns: ["k", "correct targets", "P correct"], rows: tfa.tolerance.map(({ k, correct, probability: share }) => [k, correct, share ?? null]) });
+  const [first, last] = [tfa.tolerance[0], tfa.tolerance.at(-1)];
+  const note = (
+    <p class="muted small frame-note">
+      P correct is {probability(first?.probability)} without errors and {probability(last?.probability)} when {last?.k} are forgiven.
+    </p>
+  );
+  return <Lines title="Tolerance" file={`tolerance-${file}`} label={`Correct targets over forgiven errors, 0 to ${last?.k}.`} curves={curves} xName="forgiven errors k" yName="correct targets" table={table} tools={note} />;
 }

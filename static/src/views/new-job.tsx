@@ -20,6 +20,7 @@ const BLANK: { kind: JobKind; summary: string; parts: string[] }[] = [
   { kind: "associate", summary: "Turn detections into tracks.", parts: [] },
   { kind: "evaluate", summary: "Associate and judge against the truth, or judge tracks you already have.", parts: ["input", "truth", "associator", "filter", "tracker"] },
   { kind: "campaign", summary: "Run a job many times over a grid of its parameters.", parts: [] },
+  { kind: "correlate", summary: "Put the tracks of several sensors together that are of one target, and fuse them.", parts: ["input"] },
   { kind: "group", summary: "Put together what several sensors report of one target.", parts: [] },
 ];
 const VALIDATE_AFTER_MS = 300;

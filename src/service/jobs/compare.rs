@@ -1,0 +1,58 @@
+//! Reading what a comparison of jobs needs.
+
+use super::read::METRIC_SERIES;
+use super::{Inner, JobsError};
+use crate::service::types::{ComparedJob, Comparison, Job};
+use crate::service::views::compare::{self, Side};
+use crate::service::views::metrics::MetricTable;
+use anyhow::Context;
+use serde_json::Value;
+use std::path::PathBuf;
+use uuid::Uuid;
+
+/// Where the files of one job are.
+struct Files {
+    job: Job,
+    report: PathBuf,
+    metrics: Option<PathBuf>,
+    runs: Option<PathBuf>,
+}
+
+impl Inner {
+    pub(super) async fn compare(&self, ids: &[Uuid], baseline: usize, confidence: f64) -> Result<Comparison, JobsError> {
+        let mut files = Vec::new();
+        for &id in ids {
+            files.push(self.files_of(id).await?);
+        }
+        let work = move || -> Result<Comparison, JobsError> {
+            let sides = files.into_iter().map(side).collect::<anyhow::Result<Vec<Side>>>()?;
+            Ok(compare::of(&sides, baseline, confidence))
+        };
+        tokio::task::spawn_blocking(work).await.context("comparing jobs panicked")?
+    }
+
+    async fn files_of(&self, id: Uuid) -> Result<Files, JobsError> {
+        self.ended_well(id).await?;
+        let artifacts = self.storage.artifacts(id).await?;
+        let named = |name: &str| artifacts.iter().find(|artifact| artifact.name == name).map(|artifact| self.blobs.path(&artifact.sha256));
+        let report = named("report.json").ok_or(JobsError::NotFound("report"))?;
+        Ok(Files { job: self.job(id).await?, report, metrics: named(METRIC_SERIES), runs: named("runs.csv") })
+    }
+}
+
+fn side(files: Files) -> anyhow::Result<Side> {
+    let read = |path: PathBuf| std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()));
+    let mut report: Value = serde_json::from_slice(&read(files.report)?).context("a report is damaged")?;
+    let metrics = match files.metrics {
+        Some(path) => MetricTable::read(&read(path)?).with_context(|| format!("{METRIC_SERIES} is damaged"))?,
+        None => MetricTable::default(),
+    };
+    let Job { id, kind, name, seed, .. } = files.job;
+    Ok(Side {
+        job: ComparedJob { id, kind, name, seed, total_s: report["timing"]["total_s"].as_f64().unwrap_or(0.0) },
+        spec: report["spec"].take(),
+        result: report["result"].take(),
+        metrics,
+        runs: files.runs.map(read).transpose()?,
+    })
+}

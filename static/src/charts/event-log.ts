@@ -1,0 +1,71 @@
+// The events of an evaluation, read from its file: what happened to each target and track at each step.
+
+import { getArtifactText } from "../api/client";
+import { parseCsv, reader } from "../components/csv";
+
+export interface LogEntry {
+  sequence: string;
+  step: number;
+  time: number;
+  kind: string;
+  truth: string;
+  track: string;
+  distance: number | null;
+}
+
+export interface EventLog {
+  entries: LogEntry[];
+  /** Not all of the file was read. */
+  isCut: boolean;
+}
+
+const MOST_ENTRIES = 300_000;
+
+export async function readEvents(jobId: string): Promise<EventLog> {
+  const table = parseCsv(await getArtifactText(jobId, "events.csv"), MOST_ENTRIES);
+  const field = (name: string) => reader(table, name);
+  const [sequence, step, time, kind, truth, track, distance] = ["sequence", "step", "time_s", "event", "truth_id", "track_id", "distance"].map(field) as [Field, Field, Field, Field, Field, Field, Field];
+  const entry = (row: string[]): LogEntry => ({ sequence: sequence(row), step: Number(step(row)), time: Number(time(row)), kind: kind(row), truth: truth(row), track: track(row), distance: distance(row) === "" ? null : Number(distance(row)) });
+  return { entries: table.rows.map(entry), isCut: table.rows.length === MOST_ENTRIES };
+}
+
+type Field = (row: string[]) => string;
+
+/** A stretch in which one track followed a target. */
+export interface Run {
+  track: string;
+  from: number;
+  to: number;
+}
+
+/** What became of one target. */
+export interface Lane {
+  truth: string;
+  sequence: string;
+  from: number;
+  to: number;
+  runs: Run[];
+  marks: { kind: "switch" | "break" | "reacquisition"; time: number; track: string }[];
+}
+
+/** One lane a target, in the order in which targets appear; `sequence` keeps those of one sequence. */
+export function lanesOf(entries: LogEntry[], sequence: string): Lane[] {
+  const lanes = new Map<string, Lane>();
+  for (const { truth, sequence: of, time, kind, track } of entries) {
+    if (truth === "" || of !== sequence) continue;
+    let lane = lanes.get(truth);
+    if (!lane) lanes.set(truth, (lane = { truth, sequence, from: time, to: time, runs: [], marks: [] }));
+    if (kind === "match" || kind === "miss") lane.to = Math.max(lane.to, time);
+    if (kind === "match") follow(lane, track, time);
+    if (kind === "miss") lane.runs.push({ track: "", from: time, to: time });
+    if (kind === "switch" || kind === "break" || kind === "reacquisition") lane.marks.push({ kind, time, track });
+  }
+  for (const lane of lanes.values()) lane.runs = lane.runs.filter((run) => run.track !== "");
+  return [...lanes.values()];
+}
+
+function follow(lane: Lane, track: string, time: number): void {
+  const last = lane.runs.at(-1);
+  if (last && last.track === track) last.to = time;
+  else lane.runs.push({ track, from: time, to: time });
+}

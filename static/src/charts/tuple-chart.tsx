@@ -1,0 +1,122 @@
+// How well the tracks of each tuple agree: its p-value over the threshold of the statistic, right and wrong told apart.
+
+import type { JSX } from "preact";
+import { useMemo, useRef } from "preact/hooks";
+import type { CorrelationTuple } from "../api/types";
+import type { TableData } from "../components/table";
+import { number } from "../format";
+import { readPalette, theme, type Palette } from "../state/theme";
+import { GRID, textStyle, tipContent, tooltip, valueAxis } from "./axes";
+import { ChartCanvas } from "./chart";
+import type { Chart } from "./echarts";
+import { ChartFrame } from "./frame";
+import type { KeyMark } from "./picture";
+
+/** Smaller probabilities are drawn here. */
+const LEAST_P = 1e-12;
+
+type Group = "right" | "wrong" | "unknown";
+
+const SYMBOLS: Record<Group, string> = { right: "circle", wrong: "diamond", unknown: "circle" };
+const NAMES: Record<Group, string> = { right: "right", wrong: "wrong", unknown: "tuple" };
+
+function colorOf(group: Group, palette: Palette): string {
+  return { right: palette.good, wrong: palette.bad, unknown: palette.track }[group];
+}
+
+function groupOf(tuple: CorrelationTuple): Group {
+  if (tuple.right === undefined) return "unknown";
+  return tuple.right ? "right" : "wrong";
+}
+
+interface Props {
+  tuples: CorrelationTuple[];
+  alpha: number | undefined;
+  file: string;
+  table: () => TableData;
+  badge?: string | undefined;
+  pick: (tuple: CorrelationTuple) => void;
+}
+
+function seriesOf(tuples: CorrelationTuple[], group: Group, palette: Palette): object {
+  const data = tuples.flatMap((tuple, index) => (groupOf(tuple) === group && typeof tuple.p_value === "number" ? [[index + 1, Math.max(tuple.p_value, LEAST_P), index]] : []));
+  return { type: "scatter", name: NAMES[group], data, symbol: SYMBOLS[group], symbolSize: group === "wrong" ? 12 : 9, itemStyle: { color: colorOf(group, palette) }, animation: false, cursor: "pointer" };
+}
+
+function threshold(alpha: number | undefined, palette: Palette): object[] {
+  if (alpha === undefined) return [];
+  const label = { show: true, formatter: `α = ${alpha}`, position: "insideEndTop", color: palette.selected, fontSize: 11 };
+  const markLine = { silent: true, symbol: "none", animation: false, label, lineStyle: { color: palette.selected, type: "dashed", width: 1.5 }, data: [{ yAxis: alpha }] };
+  return [{ type: "scatter", name: "threshold", data: [], markLine }];
+}
+
+function tip(tuple: CorrelationTuple | undefined): HTMLElement | string {
+  if (!tuple) return "";
+  const right = tuple.right === undefined ? "not known" : tuple.right ? "right" : "wrong";
+  return tipContent(`System track ${tuple.system_track_id}`, [
+    ["tracks", tuple.tracks.map((track) => track ?? "–").join(", ")],
+    ["Q", `${number(tuple.statistic)} with ${tuple.degrees_of_freedom} d.o.f.`],
+    ["p-value", number(tuple.p_value)],
+    ["is", right],
+  ]);
+}
+
+function draw(chart: Chart, { tuples, alpha }: Props, groups: Group[]): void {
+  const palette = readPalette();
+  const least = Math.min(alpha ?? 1, ...tuples.map((tuple) => Math.max(tuple.p_value ?? 1, LEAST_P)));
+  const formatter = (value: number) => (value >= 0.01 ? String(value) : value.toExponential(0));
+  chart.setOption(
+    {
+      animation: false,
+      textStyle: textStyle(palette),
+      grid: { ...GRID, left: 66 },
+      tooltip: { trigger: "item", ...tooltip(palette), formatter: (item: { data?: unknown }) => (Array.isArray(item.data) ? tip(tuples[Number(item.data[2])]) : "") },
+      xAxis: valueAxis("system track", palette, { min: 0, max: tuples.length + 1, minInterval: 1, nameGap: 26, axisLabel: { color: palette.muted, fontSize: 11, showMinLabel: false, showMaxLabel: false } }),
+      yAxis: valueAxis("p-value", palette, { type: "log", min: 10 ** Math.floor(Math.log10(least) - 0.2), max: 1, nameGap: 48, axisLabel: { color: palette.muted, fontSize: 11, formatter, hideOverlap: true } }),
+      series: [...groups.map((group) => seriesOf(tuples, group, palette)), ...threshold(alpha, palette)],
+    },
+    { replaceMerge: ["series"] },
+  );
+}
+
+export function TupleChart(props: Props): JSX.Element {
+  const { tuples, alpha, file, table, badge } = props;
+  const chart = useRef<Chart | undefined>(undefined);
+  const groups = useMemo(() => [...new Set(tuples.map(groupOf))], [tuples]);
+  const key = (palette: Palette): KeyMark[] => [
+    ...groups.map((group): KeyMark => ({ name: NAMES[group], color: colorOf(group, palette), look: "dot" })),
+    ...(alpha === undefined ? [] : [{ name: `threshold α = ${alpha}`, color: palette.selected, look: "dashed" } as const]),
+  ];
+  const pressed = (item: { data?: unknown }) => {
+    const tuple = Array.isArray(item.data) ? tuples[Number(item.data[2])] : undefined;
+    if (tuple) props.pick(tuple);
+  };
+  return (
+    <ChartFrame title="How well the tracks of each tuple agree" file={file} badge={badge} table={table} chart={() => chart.current} pictureKey={key} tools={<Key groups={groups} alpha={alpha} />}>
+      <ChartCanvas
+        class="lines-canvas"
+        label={`p-values of ${tuples.length} tuples${alpha === undefined ? "" : ` over the threshold ${alpha}`}. The table shows the same numbers.`}
+        keys={[tuples, theme.value]}
+        draw={(made) => {
+          chart.current = made;
+          draw(made, props, groups);
+        }}
+        created={(made) => {
+          made.on("click", pressed);
+          return () => made.off("click", pressed);
+        }}
+      />
+    </ChartFrame>
+  );
+}
+
+function Key({ groups, alpha }: { groups: Group[]; alpha: number | undefined }): JSX.Element {
+  return (
+    <p class="legend legend-note">
+      {groups.map((group) => (
+        <span class={`key key-tuple key-tuple-${group}`}>{NAMES[group]}</span>
+      ))}
+      {alpha === undefined ? null : <span class="key key-threshold">threshold α = {alpha}</span>}
+    </p>
+  );
+}

@@ -1,0 +1,155 @@
+// What a campaign says besides its means: differences run by run, and what deciding cost.
+
+import type { JSX } from "preact";
+import { useMemo } from "preact/hooks";
+import type { CampaignCell, Report } from "../api/types";
+import { Lines, lookOf, type Curve, type Point } from "../charts/lines";
+import { IntervalBar, scaleOf, type Span } from "../components/interval-bar";
+import type { TableData } from "../components/table";
+import { TableFrame } from "../components/table-frame";
+import { count, number } from "../format";
+import { cellAt, combinations, isNumeric, pointsOf, type Axis } from "./campaign-axes";
+
+/** Curves that can be told apart. */
+export const CURVES_UP_TO = 12;
+
+export interface Campaign {
+  axes: Axis[];
+  cells: CampaignCell[];
+  outcomes: string[];
+  confidence: number;
+  times: NonNullable<Report["timing"]["cells"]>;
+  file: string;
+}
+
+export function Differences({ campaign, outcome }: { campaign: Campaign; outcome: string }): JSX.Element | null {
+  const compared = campaign.cells.filter((cell) => cell.differences[outcome]);
+  if (!compared.length) return null;
+  const spans = compared.flatMap((cell) => cell.differences[outcome]?.interval ?? []);
+  const scale = scaleOf(spans);
+  const table = (): TableData => ({
+    columns: ["cell", "compared with", "pairs", "mean difference", "low", "high"],
+    rows: compared.map((cell) => {
+      const difference = cell.differences[outcome];
+      return [cell.name, cell.compared_with ?? null, difference?.pairs ?? 0, difference?.mean ?? null, difference?.interval?.low ?? null, difference?.interval?.high ?? null];
+    }),
+  });
+  const note = (
+    <p class="muted small frame-note">
+      Run by run on the same scenes; {number(campaign.confidence * 100)} % interval of the mean difference. A filled bar does not touch zero.
+    </p>
+  );
+  return (
+    <TableFrame title={`Paired differences: ${outcome}`} file={`differences-${campaign.file}`} table={table} tools={note}>
+      <div class="table-scroll tall" tabIndex={0} role="region" aria-label={`Paired differences of ${outcome}`}>
+        <table class="data">
+          <thead>
+            <tr>
+              <th scope="col">Cell</th>
+              <th scope="col">Less</th>
+              <th scope="col" class="num">
+                Pairs
+              </th>
+              <th scope="col" class="num">
+                Mean difference
+              </th>
+              <th scope="col" class="num">
+                Interval
+              </th>
+              <th scope="col">
+                <span class="visually-hidden">Picture</span>
+              </th>
+            </tr>
+          </thead>
+          <tbody>
+            {compared.map((cell) => (
+              <Difference cell={cell} outcome={outcome} scale={scale} />
+            ))}
+          </tbody>
+        </table>
+      </div>
+    </TableFrame>
+  );
+}
+
+function Difference({ cell, outcome, scale }: { cell: CampaignCell; outcome: string; scale: ReturnType<typeof scaleOf> }): JSX.Element {
+  const difference = cell.differences[outcome];
+  const span: Span | undefined = difference?.interval ?? undefined;
+  return (
+    <tr>
+      <td>{cell.name}</td>
+      <td>{cell.compared_with ?? "–"}</td>
+      <td class="num">{count(difference?.pairs)}</td>
+      <td class="num">{number(difference?.mean)}</td>
+      <td class="num">{span ? `[${number(span.low)}, ${number(span.high)}]` : "–"}</td>
+      <td class="interval-cell">{span && typeof difference?.mean === "number" ? <IntervalBar mean={difference.mean} span={span} scale={scale} /> : null}</td>
+    </tr>
+  );
+}
+
+/** The slope of log y over log x by least squares. */
+export function slope(points: [number, number][]): number | null {
+  const logs = points.filter(([x, y]) => x > 0 && y > 0).map(([x, y]) => [Math.log(x), Math.log(y)] as const);
+  if (logs.length < 2) return null;
+  const mean = (of: (point: readonly [number, number]) => number) => logs.reduce((sum, point) => sum + of(point), 0) / logs.length;
+  const [x, y] = [mean((point) => point[0]), mean((point) => point[1])];
+  const spread = mean((point) => (point[0] - x) ** 2);
+  return spread === 0 ? null : mean((point) => (point[0] - x) * (point[1] - y)) / spread;
+}
+
+function timeCurves(campaign: Campaign, x: Axis): Curve[] {
+  const others = campaign.axes.filter((axis) => axis !== x);
+  const known = new Map(campaign.times.map((time) => [time.cell, time.decide_us_per_scan]));
+  const numeric = isNumeric(x);
+  return combinations(others).map((points, order) => {
+    const cells = x.points.map((point) => cellAt(campaign.cells, campaign.axes, { ...pointsOf(others, points), [x.name]: point }));
+    const list = cells.map((cell, index): Point => [numeric ? Number(x.points[index]) : index, known.get(cell?.name ?? "") ?? null]).sort((a, b) => a[0] - b[0]);
+    const steep = numeric ? slope(list.filter((point): point is [number, number] => point[1] !== null)) : null;
+    const name = points.join(", ") || "all";
+    return { name: steep === null ? name : `${name} (slope ${steep.toFixed(2)})`, points: list, ...lookOf(order) };
+  });
+}
+
+export function Times({ campaign, x }: { campaign: Campaign; x: Axis | undefined }): JSX.Element {
+  const table = (): TableData => ({
+    columns: ["cell", "µs a scan", "ratio", "timed runs"],
+    rows: campaign.times.map((time) => [time.cell, time.decide_us_per_scan, time.ratio ?? null, time.timed_runs]),
+  });
+  const curves = useMemo(() => (x && x.points.length > 1 ? timeCurves(campaign, x).slice(0, CURVES_UP_TO) : []), [campaign, x]);
+  const positive = x !== undefined && isNumeric(x) && x.points.every((point) => Number(point) > 0);
+  return (
+    <>
+      <TableFrame title="Time of deciding" file={`times-${campaign.file}`} table={table}>
+        <div class="table-scroll tall" tabIndex={0} role="region" aria-label="Time of deciding">
+          <table class="data">
+            <thead>
+              <tr>
+                <th scope="col">Cell</th>
+                <th scope="col" class="num">
+                  µs a scan
+                </th>
+                <th scope="col" class="num">
+                  Ratio
+                </th>
+                <th scope="col" class="num">
+                  Timed runs
+                </th>
+              </tr>
+            </thead>
+            <tbody>
+              {campaign.times.map((time) => (
+                <tr>
+                  <td>{time.cell}</td>
+                  <td class="num">{number(time.decide_us_per_scan)}</td>
+                  <td class="num">{number(time.ratio)}</td>
+                  <td class="num">{count(time.timed_runs)}</td>
+                </tr>
+              ))}
+            </tbody>
+          </table>
+        </div>
+      </TableFrame>
+      {curves.length && x ? <Lines title={`Time of deciding over ${x.name}`} file={`time-curves-${campaign.file}`} label={`Microseconds a scan over ${x.name}.`} curves={curves} xName={x.name} yName="time (µs a scan)" categories={isNumeric(x) ? undefined : x.points} logX={positive} logY table={table} /> : null}
+    </>
+  );
+}

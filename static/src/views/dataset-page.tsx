@@ -1,0 +1,162 @@
+// One data set: what it holds, where it came from, what its reader had to say, and its first rows.
+
+import { useSignal } from "@preact/signals";
+import type { JSX } from "preact";
+import { deleteDataset, getDataset, previewDataset } from "../api/client";
+import type { Cell, Dataset, DatasetPreview, SensorSettings } from "../api/types";
+import { Empty, Icon, Link, Loading, ProblemBox } from "../components/basics";
+import { cellOf } from "../components/csv";
+import { useResource } from "../components/resource";
+import { DataTable } from "../components/table";
+import { TableFrame } from "../components/table-frame";
+import { bytes, count, number, words } from "../format";
+import { go, pageHref } from "../state/url";
+
+const PREVIEW_ROWS = 100;
+
+export function DatasetPage({ id }: { id: string }): JSX.Element {
+  const dataset = useResource(() => getDataset(id), [id]);
+  if (dataset.error) {
+    return (
+      <>
+        <h1>Data set</h1>
+        <ProblemBox error={dataset.error} retry={dataset.reload} />
+        <Link href={pageHref({ view: "datasets" })}>All data sets</Link>
+      </>
+    );
+  }
+  if (!dataset.data) return <Loading what="the data set" />;
+  return <Found dataset={dataset.data} />;
+}
+
+function Found({ dataset }: { dataset: Dataset }): JSX.Element {
+  const failure = useSignal<unknown>(undefined);
+  const remove = () => {
+    if (!window.confirm(`Delete “${dataset.name}”? Jobs that read it keep their results.`)) return;
+    deleteDataset(dataset.id).then(
+      () => go(pageHref({ view: "datasets" })),
+      (error: unknown) => (failure.value = error),
+    );
+  };
+  return (
+    <article>
+      <header class="job-head">
+        <p class="crumbs">
+          <Link href={pageHref({ view: "datasets" })}>Data sets</Link> <span class="muted">/</span> <span class="mono">{dataset.id}</span>
+        </p>
+        <div class="title-row">
+          <h1>{dataset.name}</h1>
+          <span class="badge">{dataset.kind}</span>
+          <div class="actions">
+            <a class="button" href={dataset.links.content} download={dataset.name}>
+              <Icon name="download" /> Download
+            </a>
+            <button type="button" onClick={remove}>
+              Delete
+            </button>
+          </div>
+        </div>
+      </header>
+      {failure.value ? <ProblemBox error={failure.value} /> : null}
+      <div class="summary">
+        {dataset.warnings.length ? (
+          <ul class="warnings">
+            {dataset.warnings.map((warning) => (
+              <li>
+                <Icon name="warning" /> {warning}
+              </li>
+            ))}
+          </ul>
+        ) : null}
+        <div class="panels">
+          <Contents dataset={dataset} />
+          <Provenance dataset={dataset} />
+          {dataset.sensors.length ? <Sensors sensors={dataset.sensors} /> : null}
+        </div>
+        <Preview dataset={dataset} />
+      </div>
+    </article>
+  );
+}
+
+function Facts({ title, rows }: { title: string; rows: [string, string][] }): JSX.Element {
+  return (
+    <section class="panel">
+      <h2>{title}</h2>
+      <dl class="facts">
+        {rows.map(([name, value]) => (
+          <>
+            <dt>{name}</dt>
+            <dd>{value}</dd>
+          </>
+        ))}
+      </dl>
+    </section>
+  );
+}
+
+function Contents({ dataset }: { dataset: Dataset }): JSX.Element {
+  const { start_s, end_s } = dataset;
+  const rows: [string, string][] = [
+    ["Kind", words(dataset.kind)],
+    ["Rows", count(dataset.rows)],
+    ["Scans", dataset.scans ? count(dataset.scans) : "–"],
+    ["Targets or tracks", count(dataset.objects)],
+    ["From", start_s === undefined ? "–" : `${number(start_s)} s`],
+    ["To", end_s === undefined ? "–" : `${number(end_s)} s`],
+    ["Lasts", start_s === undefined || end_s === undefined ? "–" : `${number(end_s - start_s)} s`],
+    ["Sensors", dataset.sensor_ids.join(", ") || "–"],
+  ];
+  if (dataset.first_bearing_deg !== undefined) rows.push(["Bearings", `${number(dataset.first_bearing_deg)}° to ${number(dataset.last_bearing_deg)}°`]);
+  return <Facts title="Contents" rows={rows} />;
+}
+
+function Provenance({ dataset }: { dataset: Dataset }): JSX.Element {
+  const { origin } = dataset;
+  return (
+    <section class="panel">
+      <h2>Provenance</h2>
+      <dl class="facts">
+        <dt>Origin</dt>
+        <dd>{origin.kind === "job" ? <Link href={pageHref({ view: "job", job: origin.job_id })}>job {origin.job_id.slice(-12)}</Link> : `upload${origin.file_name ? ` of ${origin.file_name}` : ""}`}</dd>
+        <dt>Created</dt>
+        <dd>{dataset.created_at}</dd>
+        <dt>Format</dt>
+        <dd>{dataset.format}</dd>
+        <dt>Size</dt>
+        <dd>{bytes(dataset.bytes)}</dd>
+        <dt>sha256</dt>
+        <dd class="mono" title={dataset.sha256}>
+          {dataset.sha256.slice(0, 16)}…
+        </dd>
+      </dl>
+    </section>
+  );
+}
+
+function Sensors({ sensors }: { sensors: SensorSettings[] }): JSX.Element {
+  const rows = sensors.flatMap((sensor): [string, string][] => {
+    const known = Object.entries(sensor).filter(([name, value]) => name !== "sensor_id" && value !== null && value !== undefined);
+    return known.length ? known.map(([name, value]) => [`${sensor.sensor_id}: ${name}`, number(Number(value))]) : [[sensor.sensor_id, "nothing is known"]];
+  });
+  return <Facts title="What is known of the sensors" rows={rows} />;
+}
+
+function Preview({ dataset }: { dataset: Dataset }): JSX.Element {
+  const preview = useResource(() => previewDataset(dataset.id, PREVIEW_ROWS), [dataset.id]);
+  if (preview.error) return <ProblemBox error={preview.error} retry={preview.reload} />;
+  if (!preview.data) return <Loading what="the first rows" />;
+  const { columns, rows, total_rows } = preview.data satisfies DatasetPreview;
+  if (!rows.length) return <Empty title="The data set has no rows." />;
+  const table = { columns, rows: rows.map((row): Cell[] => row.map(cellOf)) };
+  const note = (
+    <p class="muted small frame-note">
+      {count(rows.length)} of {count(total_rows)} rows; all are in the file.
+    </p>
+  );
+  return (
+    <TableFrame title="First rows" file={`preview-${dataset.id.slice(-12)}`} table={() => table} tools={note}>
+      <DataTable table={table} caption="First rows" />
+    </TableFrame>
+  );
+}

@@ -1,0 +1,148 @@
+// The data sets: what was uploaded and what jobs made, with a place to upload more.
+
+import { useSignal } from "@preact/signals";
+import type { JSX, TargetedEvent } from "preact";
+import { useEffect } from "preact/hooks";
+import { pageOfDatasets, type DatasetFilter } from "../api/client";
+import type { Dataset } from "../api/types";
+import { Empty, Icon, Link, Loading, ProblemBox } from "../components/basics";
+import { Upload } from "../form/upload";
+import { bytes, count, moment } from "../format";
+import { go, pageHref, param, setParams } from "../state/url";
+
+const KINDS = ["detections", "truth", "tracks", "bearing_time"];
+const PAGE = 50;
+
+interface Listing {
+  sets: Dataset[];
+  next?: string | null | undefined;
+}
+
+function query(): DatasetFilter {
+  const [kind, q] = [param("kind"), param("q")];
+  return { limit: PAGE, ...(kind ? { kind } : {}), ...(q ? { q } : {}) };
+}
+
+export function Datasets(): JSX.Element {
+  const listing = useSignal<Listing | undefined>(undefined);
+  const error = useSignal<unknown>(undefined);
+  const round = useSignal(0);
+  const asked = query();
+  const key = JSON.stringify(asked);
+  useEffect(() => {
+    let current = true;
+    listing.value = undefined;
+    error.value = undefined;
+    pageOfDatasets(asked).then(
+      (page) => current && (listing.value = { sets: page.items, next: page.next_cursor }),
+      (failure: unknown) => current && (error.value = failure),
+    );
+    return () => {
+      current = false;
+    };
+  }, [key, round.value]);
+  const more = async () => {
+    const before = listing.peek();
+    if (!before?.next) return;
+    try {
+      const page = await pageOfDatasets({ ...asked, cursor: before.next });
+      listing.value = { sets: [...before.sets, ...page.items], next: page.next_cursor };
+    } catch (failure) {
+      error.value = failure;
+    }
+  };
+  const uploading = param("upload") === "1";
+  return (
+    <section>
+      <div class="title-row">
+        <h1>Data sets</h1>
+        <button type="button" class="primary" aria-expanded={uploading} onClick={() => setParams({ upload: uploading ? null : "1" })}>
+          <Icon name="plus" /> Upload a file
+        </button>
+      </div>
+      {uploading ? <Upload id="upload" role={undefined} done={(dataset) => go(pageHref({ view: "dataset", dataset: dataset.id }))} /> : null}
+      <Filters />
+      {error.value ? <ProblemBox error={error.value} retry={() => (round.value += 1)} /> : null}
+      {listing.value ? <List listing={listing.value} more={() => void more()} /> : error.value ? null : <Loading what="data sets" />}
+    </section>
+  );
+}
+
+function Filters(): JSX.Element {
+  const choose = (event: TargetedEvent<HTMLSelectElement>) => setParams({ kind: event.currentTarget.value });
+  return (
+    <form class="filters" role="search" onSubmit={(event) => event.preventDefault()}>
+      <label>
+        <span>Kind</span>
+        <select value={param("kind") ?? ""} onChange={choose}>
+          <option value="">all</option>
+          {KINDS.map((kind) => (
+            <option value={kind}>{kind}</option>
+          ))}
+        </select>
+      </label>
+      <label class="grow">
+        <span>Name or id</span>
+        <input type="search" data-filter value={param("q") ?? ""} placeholder="Press / to filter" onInput={(event) => setParams({ q: event.currentTarget.value })} />
+      </label>
+    </form>
+  );
+}
+
+function List({ listing, more }: { listing: Listing; more: () => void }): JSX.Element {
+  if (!listing.sets.length) {
+    return (
+      <Empty title={param("kind") || param("q") ? "No data set matches these filters." : "No data sets yet."}>
+        <p>Upload a recording, or run a job: what it makes is kept here, too.</p>
+      </Empty>
+    );
+  }
+  const heads = ["Name", "Kind", "Rows", "Scans", "Size", "Origin", "Created"];
+  return (
+    <>
+      <div class="table-scroll" tabIndex={0} role="region" aria-label="Data sets">
+        <table class="data">
+          <thead>
+            <tr>
+              {heads.map((name) => (
+                <th scope="col" class={["Rows", "Scans", "Size", "Created"].includes(name) ? "num" : undefined}>
+                  {name}
+                </th>
+              ))}
+            </tr>
+          </thead>
+          <tbody>
+            {listing.sets.map((set) => (
+              <tr key={set.id}>
+                <td class="wrap">
+                  <Link href={pageHref({ view: "dataset", dataset: set.id })}>{set.name}</Link>
+                  {set.warnings.length ? (
+                    <span class="sub">
+                      {count(set.warnings.length)} {set.warnings.length === 1 ? "warning" : "warnings"}
+                    </span>
+                  ) : null}
+                </td>
+                <td>{set.kind}</td>
+                <td class="num">{count(set.rows)}</td>
+                <td class="num">{set.scans ? count(set.scans) : "–"}</td>
+                <td class="num">{bytes(set.bytes)}</td>
+                <td>{set.origin.kind === "job" ? <Link href={pageHref({ view: "job", job: set.origin.job_id })}>job {set.origin.job_id.slice(-12)}</Link> : "upload"}</td>
+                <td class="num">
+                  <time dateTime={set.created_at}>{moment(set.created_at)}</time>
+                </td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </div>
+      {listing.next ? (
+        <p class="more">
+          <button type="button" onClick={more}>
+            Load more
+          </button>
+          <span class="muted">{count(listing.sets.length)} shown</span>
+        </p>
+      ) : null}
+    </>
+  );
+}

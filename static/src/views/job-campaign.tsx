@@ -1,0 +1,220 @@
+// A campaign: every cell of its grid, curves over an axis, differences run by run, and what deciding cost.
+
+import type { JSX } from "preact";
+import { useMemo } from "preact/hooks";
+import { partsOf, type CampaignCell, type Cell, type Job, type Report } from "../api/types";
+import { Lines, lookOf, type Curve, type Point } from "../charts/lines";
+import { Empty } from "../components/basics";
+import type { TableData } from "../components/table";
+import { TableFrame } from "../components/table-frame";
+import { count, number } from "../format";
+import { param, setParams } from "../state/url";
+import { axesOf, cellAt, combinations, isNumeric, pointsOf, rowsAndColumns, type Axis } from "./campaign-axes";
+import { CURVES_UP_TO, Differences, Times, type Campaign } from "./campaign-parts";
+
+function campaignOf(job: Job, report: Report): Campaign {
+  const { cells = [], outcomes = [], confidence = 0.95 } = partsOf(report);
+  return { axes: axesOf(report.spec as Record<string, unknown>, cells), cells, outcomes, confidence, times: report.timing.cells ?? [], file: job.id.slice(-12) };
+}
+
+export function JobCampaign({ job, report }: { job: Job; report: Report }): JSX.Element {
+  const campaign = useMemo(() => campaignOf(job, report), [job.id, report]);
+  const outcome = campaign.outcomes.find((name) => name === param("outcome")) ?? campaign.outcomes[0];
+  if (!outcome) return <Empty title="No run gave a number." />;
+  const x = campaign.axes.find((axis) => axis.name === param("x")) ?? campaign.axes.find(isNumeric) ?? campaign.axes[0];
+  return (
+    <div class="summary">
+      <Choices campaign={campaign} outcome={outcome} x={x} />
+      <Grid campaign={campaign} outcome={outcome} />
+      {x && x.points.length > 1 ? <Curves campaign={campaign} outcome={outcome} x={x} /> : null}
+      <Differences campaign={campaign} outcome={outcome} />
+      {campaign.times.length ? <Times campaign={campaign} x={x} /> : null}
+      <Everything campaign={campaign} />
+    </div>
+  );
+}
+
+function Choices({ campaign, outcome, x }: { campaign: Campaign; outcome: string; x: Axis | undefined }): JSX.Element {
+  const select = (name: string, label: string, values: string[], value: string) => (
+    <label>
+      <span>{label}</span>
+      <select value={value} onChange={(event) => setParams({ [name]: event.currentTarget.value })}>
+        {values.map((each) => (
+          <option value={each}>{each}</option>
+        ))}
+      </select>
+    </label>
+  );
+  return (
+    <div class="filters">
+      {select("outcome", "Outcome", campaign.outcomes, outcome)}
+      {campaign.axes.length > 1 && x ? select("x", "Over", campaign.axes.map((axis) => axis.name), x.name) : null}
+      {x && isNumeric(x) && x.points.every((point) => Number(point) > 0) ? (
+        <label class="check-label">
+          <input type="checkbox" checked={param("log") === "1"} onChange={(event) => setParams({ log: event.currentTarget.checked ? "1" : null })} /> logarithmic axis
+        </label>
+      ) : null}
+    </div>
+  );
+}
+
+function meanOf(cell: CampaignCell | undefined, outcome: string): number | null {
+  return cell?.outcomes[outcome]?.mean ?? null;
+}
+
+function Grid({ campaign, outcome }: { campaign: Campaign; outcome: string }): JSX.Element {
+  const { rows, columns } = rowsAndColumns(campaign.axes);
+  const means = campaign.cells.map((cell) => meanOf(cell, outcome)).filter((mean) => mean !== null);
+  const [low, high] = [Math.min(...means), Math.max(...means)];
+  const shade = (mean: number | null) => (mean === null || high === low ? 0 : (mean - low) / (high - low));
+  const table = (): TableData => ({
+    columns: [...rows.map((axis) => axis.name), ...columns.points],
+    rows: combinations(rows).map((points) => [...points, ...columns.points.map((point) => meanOf(find(points, point), outcome))]),
+  });
+  const find = (points: string[], point: string) => (campaign.axes.length ? cellAt(campaign.cells, campaign.axes, { ...pointsOf(rows, points), [columns.name]: point }) : campaign.cells[0]);
+  return (
+    <TableFrame title={`Cells: ${outcome}`} file={`grid-${campaign.file}`} table={table}>
+      <div class="table-scroll tall" tabIndex={0} role="region" aria-label={`Mean of ${outcome} in every cell`}>
+        <table class="grid">
+          <thead>
+            <tr>
+              {rows.map((axis) => (
+                <th scope="col">{axis.name}</th>
+              ))}
+              {columns.points.map((point) => (
+                <th scope="col" class="num">
+                  {columns.name ? <span class="sub">{columns.name}</span> : null}
+                  {point}
+                </th>
+              ))}
+            </tr>
+          </thead>
+          <tbody>
+            {combinations(rows).map((points) => (
+              <tr>
+                {points.map((point) => (
+                  <th scope="row">{point}</th>
+                ))}
+                {columns.points.map((point) => (
+                  <GridCell cell={find(points, point)} outcome={outcome} shade={shade} />
+                ))}
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </div>
+    </TableFrame>
+  );
+}
+
+function GridCell({ cell, outcome, shade }: { cell: CampaignCell | undefined; outcome: string; shade: (mean: number | null) => number }): JSX.Element {
+  const summary = cell?.outcomes[outcome];
+  if (!cell || !summary) return <td class="num muted">no run</td>;
+  const { mean, interval, missing, method } = summary;
+  return (
+    <td class="num grid-cell" style={{ "--shade": shade(mean ?? null).toFixed(3) }} title={`${cell.name}: ${method} interval of ${summary.count} runs`}>
+      <b>{number(mean)}</b>
+      <span class="sub">{interval ? `[${number(interval.low)}, ${number(interval.high)}]` : "no interval"}</span>
+      <span class="sub">
+        {count(summary.count)} {summary.count === 1 ? "run" : "runs"}
+        {missing ? `, ${count(missing)} without` : ""}
+      </span>
+    </td>
+  );
+}
+
+function curvesOf(campaign: Campaign, outcome: string, x: Axis): Curve[] {
+  const others = campaign.axes.filter((axis) => axis !== x);
+  const numeric = isNumeric(x);
+  return combinations(others).map((points, order) => {
+    const cells = x.points.map((point) => cellAt(campaign.cells, campaign.axes, { ...pointsOf(others, points), [x.name]: point }));
+    const place = (index: number) => (numeric ? Number(x.points[index]) : index);
+    const sorted = cells.map((_, index) => index).sort((a, b) => place(a) - place(b));
+    return {
+      name: points.join(", ") || outcome,
+      points: sorted.map((index): Point => [place(index), meanOf(cells[index], outcome)]),
+      band: sorted.map((index) => {
+        const interval = cells[index]?.outcomes[outcome]?.interval;
+        return interval ? ([interval.low, interval.high] as [number, number]) : null;
+      }),
+      ...lookOf(order),
+    };
+  });
+}
+
+function curveTable(curves: Curve[], x: Axis): TableData {
+  const rows = curves.flatMap((curve) => curve.points.map(([at, mean], index): Cell[] => [curve.name, isNumeric(x) ? at : (x.points[at] ?? null), mean, curve.band?.[index]?.[0] ?? null, curve.band?.[index]?.[1] ?? null]));
+  return { columns: ["curve", x.name, "mean", "low", "high"], rows };
+}
+
+function Curves({ campaign, outcome, x }: { campaign: Campaign; outcome: string; x: Axis }): JSX.Element {
+  const all = useMemo(() => curvesOf(campaign, outcome, x), [campaign, outcome, x]);
+  const curves = useMemo(() => all.slice(0, CURVES_UP_TO), [all]);
+  const badge = all.length > curves.length ? `Shown: ${curves.length} of ${all.length} curves; the table below has all` : undefined;
+  const percent = number(campaign.confidence * 100);
+  return (
+    <Lines
+      title={`${outcome} over ${x.name}`}
+      file={`curves-${campaign.file}`}
+      label={`${outcome} over ${x.name}: ${curves.length} curves with ${percent} % bands.`}
+      curves={curves}
+      xName={x.name}
+      yName={outcome}
+      categories={isNumeric(x) ? undefined : x.points}
+      logX={param("log") === "1"}
+      table={() => curveTable(all, x)}
+      badge={badge}
+      tools={<p class="muted small frame-note">Mean of the runs of a cell; the band is its {percent} % interval.</p>}
+      class="curves-canvas"
+    />
+  );
+}
+
+function Everything({ campaign }: { campaign: Campaign }): JSX.Element {
+  const { axes, cells, outcomes } = campaign;
+  const table = (): TableData => ({
+    columns: [...(axes.length ? axes.map((axis) => axis.name) : ["cell"]), "runs", ...outcomes.flatMap((name) => [name, `${name} low`, `${name} high`])],
+    rows: cells.map((cell) => [
+      ...(axes.length ? axes.map((axis) => cell.parameters[axis.name] ?? null) : [cell.name]),
+      cell.runs,
+      ...outcomes.flatMap((name): Cell[] => {
+        const summary = cell.outcomes[name];
+        return [summary?.mean ?? null, summary?.interval?.low ?? null, summary?.interval?.high ?? null];
+      }),
+    ]),
+  });
+  return (
+    <TableFrame title="All outcomes" file={`cells-${campaign.file}`} table={table}>
+      <div class="table-scroll tall" tabIndex={0} role="region" aria-label="All cells and outcomes">
+        <table class="data">
+          <thead>
+            <tr>
+              {["Cell", "Runs", ...outcomes].map((name, index) => (
+                <th scope="col" class={index ? "num" : undefined}>
+                  {name}
+                </th>
+              ))}
+            </tr>
+          </thead>
+          <tbody>
+            {cells.map((cell) => (
+              <tr>
+                <th scope="row">{cell.name}</th>
+                <td class="num">{count(cell.runs)}</td>
+                {outcomes.map((name) => {
+                  const interval = cell.outcomes[name]?.interval;
+                  return (
+                    <td class="num">
+                      {number(cell.outcomes[name]?.mean)}
+                      {interval ? <span class="sub">{`[${number(interval.low)}, ${number(interval.high)}]`}</span> : null}
+                    </td>
+                  );
+                })}
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </div>
+    </TableFrame>
+  );
+}

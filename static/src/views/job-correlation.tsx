@@ -1,0 +1,236 @@
+// Which tracks were put together: the cost and how far it may be above the least, every tuple with its statistic, and the search.
+
+import type { JSX } from "preact";
+import { useMemo } from "preact/hooks";
+import type { Cell, CorrelationTuple, CorrelateResult, Job, Report } from "../api/types";
+import { Lines, type Curve, type Point } from "../charts/lines";
+import { TupleChart } from "../charts/tuple-chart";
+import { Empty, Icon } from "../components/basics";
+import { Figures, type Figure } from "../components/figures";
+import type { TableData } from "../components/table";
+import { TableFrame } from "../components/table-frame";
+import { capital, count, number, probability, words } from "../format";
+import type { Palette } from "../state/theme";
+import { go, hereHref, param, setParams } from "../state/url";
+
+const ROWS = 200;
+const FILTERS = ["all", "right", "wrong", "below the threshold"];
+
+export function JobCorrelation({ job, report }: { job: Job; report: Report }): JSX.Element {
+  const result = report.result as CorrelateResult;
+  const { alpha } = ((report.spec as Record<string, unknown>)["statistic"] ?? {}) as { alpha?: number };
+  const file = job.id.slice(-12);
+  const badge = result.tuples_left_out ? `Shown: ${count(result.tuples.length)} of ${count(result.counts.tuples)} tuples; all are in tuples.csv` : undefined;
+  const table = () => tupleTable(result, result.tuples);
+  return (
+    <div class="summary">
+      <Figures label="Cost and quality" figures={figures(result)} />
+      {result.tuples.length ? (
+        <>
+          <Matrix result={result} alpha={alpha} file={file} badge={badge} />
+          <TupleChart tuples={result.tuples} alpha={alpha} file={`tuples-${file}`} table={table} badge={badge} pick={(tuple) => go(placeOf(tuple))} />
+        </>
+      ) : (
+        <Empty title="No two tracks were put together." />
+      )}
+      {result.search ? <Search result={result} file={file} /> : <NoSearch result={result} />}
+      <Alone result={result} />
+    </div>
+  );
+}
+
+/** Where the plan view shows a tuple. */
+function placeOf(tuple: CorrelationTuple): string {
+  return hereHref({ tab: "plan", track: tuple.system_track_id, truth: tuple.truth_id ?? null, centre: "selection", span: null, time: null });
+}
+
+/** Sums of costs are rounded: a gap below this is none. */
+const ROUNDING = 1e-9;
+
+function gapFigure(gap: number | null | undefined): Figure {
+  if (gap === null || gap === undefined) return { name: "Gap", value: "not known", note: "without a bound" };
+  if (Math.abs(gap) < ROUNDING) return { name: "Gap", value: "0 %", note: "proved to be the least" };
+  return { name: "Gap", value: `${number(gap * 100)} %`, note: "at most, above the least" };
+}
+
+function figures(result: CorrelateResult): Figure[] {
+  const { counts, truth, gap } = result;
+  const known = (value: number | null | undefined) => (value === null || value === undefined ? "not known" : number(value));
+  const list: Figure[] = [
+    { name: "Cost J", value: number(result.cost), note: `${words(result.correlator)}, ${words(result.statistic)}` },
+    { name: "Dual bound", value: known(result.dual_bound), note: "no division costs less" },
+    gapFigure(gap),
+    { name: "Tuples", value: count(counts.tuples), note: `of ${count(counts.tracks)} tracks of ${count(counts.sensors)} sensors` },
+    { name: "Alone", value: count(counts.unassociated), note: `${count(counts.system_tracks)} system tracks in all` },
+    { name: "Common times", value: count(counts.common_times), note: `${count(counts.dimensions)} numbers, ${count(counts.links)} links` },
+  ];
+  if (!truth) return list;
+  return [
+    ...list,
+    { name: "Tuples right", value: `${count(truth.tuples_right)} of ${count(truth.tuples)}`, note: `share ${probability(truth.share_right)}` },
+    { name: "Pairs", value: probability(truth.pairwise_precision), note: `precision; recall ${probability(truth.pairwise_recall)}` },
+    { name: "False tracks", value: count(truth.false_tracks), note: "of no target" },
+  ];
+}
+
+function columnsOf(result: CorrelateResult): string[] {
+  const known = result.truth ? ["truth", "right"] : [];
+  return ["system track", ...result.sensors.map((sensor) => `track of ${sensor.sensor_id}`), "cost", "b", "Q", "d.o.f.", "p-value", "found", ...known];
+}
+
+function rowOf(result: CorrelateResult, tuple: CorrelationTuple): Cell[] {
+  const known = result.truth ? [tuple.truth_id ?? null, tuple.right ? "right" : "wrong"] : [];
+  return [tuple.system_track_id, ...tuple.tracks, tuple.cost ?? null, tuple.b ?? null, tuple.statistic, tuple.degrees_of_freedom, tuple.p_value ?? null, tuple.found, ...known];
+}
+
+function tupleTable(result: CorrelateResult, tuples: CorrelationTuple[]): TableData {
+  return { columns: columnsOf(result), rows: tuples.map((tuple) => rowOf(result, tuple)) };
+}
+
+function isBelow(tuple: CorrelationTuple, alpha: number | undefined): boolean {
+  return alpha !== undefined && typeof tuple.p_value === "number" && tuple.p_value < alpha;
+}
+
+function kept(tuples: CorrelationTuple[], alpha: number | undefined): CorrelationTuple[] {
+  const filter = param("tuples");
+  if (filter === "right") return tuples.filter((tuple) => tuple.right === true);
+  if (filter === "wrong") return tuples.filter((tuple) => tuple.right === false);
+  return filter === "below the threshold" ? tuples.filter((tuple) => isBelow(tuple, alpha)) : tuples;
+}
+
+function Matrix({ result, alpha, file, badge }: { result: CorrelateResult; alpha: number | undefined; file: string; badge: string | undefined }): JSX.Element {
+  const tuples = kept(result.tuples, alpha);
+  const tools = (
+    <div class="filters frame-filters">
+      <label>
+        <span>Tuples</span>
+        <select value={param("tuples") ?? "all"} onChange={(event) => setParams({ tuples: event.currentTarget.value === "all" ? null : event.currentTarget.value })}>
+          {FILTERS.map((name) => (
+            <option value={name}>{name}</option>
+          ))}
+        </select>
+      </label>
+      <p class="muted small">
+        {count(Math.min(tuples.length, ROWS))} of {count(result.counts.tuples)} shown{alpha === undefined ? "" : ` · p below α = ${alpha} is marked`}
+        {badge ? ` · ${badge}` : ""}
+      </p>
+    </div>
+  );
+  return (
+    <TableFrame title="Tuples" file={`tuples-${file}`} table={() => tupleTable(result, tuples)} tools={tools}>
+      <div class="table-scroll tall" tabIndex={0} role="region" aria-label="Tuples and sensors">
+        <table class="data tuples">
+          <thead>
+            <tr>
+              {columnsOf(result).map((name, column) => (
+                <th scope="col" class={column > result.sensors.length && !["truth", "right"].includes(name) ? "num" : undefined}>
+                  {name}
+                </th>
+              ))}
+            </tr>
+          </thead>
+          <tbody>
+            {tuples.slice(0, ROWS).map((tuple) => (
+              <Row key={tuple.system_track_id} tuple={tuple} result={result} alpha={alpha} />
+            ))}
+          </tbody>
+        </table>
+      </div>
+    </TableFrame>
+  );
+}
+
+function Row({ tuple, result, alpha }: { tuple: CorrelationTuple; result: CorrelateResult; alpha: number | undefined }): JSX.Element {
+  const show = () => go(placeOf(tuple));
+  const below = isBelow(tuple, alpha);
+  const pressed = (event: MouseEvent) => {
+    if (!(event.target as HTMLElement).closest("button")) show();
+  };
+  return (
+    <tr class="selectable" onClick={pressed}>
+      <td>
+        <button type="button" class="link" onClick={show} aria-label={`Show system track ${tuple.system_track_id} in the plan view`}>
+          {tuple.system_track_id}
+        </button>
+      </td>
+      {tuple.tracks.map((track) => (
+        <td class={track === null ? "absent-track" : "mono"}>{track ?? "absent"}</td>
+      ))}
+      <td class="num">{number(tuple.cost)}</td>
+      <td class="num">{number(tuple.b)}</td>
+      <td class="num">{number(tuple.statistic)}</td>
+      <td class="num">{tuple.degrees_of_freedom}</td>
+      <td class={`num${below ? " below" : ""}`}>
+        {below ? <span class="visually-hidden">below the threshold: </span> : null}
+        {below ? "▾ " : ""}
+        {number(tuple.p_value)}
+      </td>
+      <td class="num">
+        {tuple.found}/{result.confirm.of}
+      </td>
+      {result.truth ? (
+        <>
+          <td>{tuple.truth_id ?? "none"}</td>
+          <td>
+            <span class={`badge verdict-${tuple.right ? "correct" : "missed"}`}>
+              <Icon name={tuple.right ? "correct" : "false"} /> {tuple.right ? "right" : "wrong"}
+            </span>
+          </td>
+        </>
+      ) : null}
+    </tr>
+  );
+}
+
+const muted = (palette: Palette) => palette.muted;
+const track = (palette: Palette) => palette.track;
+const chosen = (palette: Palette) => palette.selected;
+
+function searchCurves(result: CorrelateResult): Curve[] {
+  const { search, dual_bound } = result;
+  const points = (values: number[]): Point[] => values.map((value, index) => [index + 1, value]);
+  const curves: Curve[] = [
+    { name: "best", points: points(search?.best ?? []), color: track, look: "solid", symbol: "circle" },
+    { name: "mean", points: points(search?.mean ?? []), color: muted, look: "dashed", symbol: "triangle" },
+  ];
+  if (dual_bound === null || dual_bound === undefined) return curves;
+  const ends = [1, Math.max(search?.generations ?? 1, 2)];
+  return [...curves, { name: "dual bound", points: ends.map((x): Point => [x, dual_bound]), color: chosen, look: "dotted" }];
+}
+
+function Search({ result, file }: { result: CorrelateResult; file: string }): JSX.Element {
+  const curves = useMemo(() => searchCurves(result), [result]);
+  const { search } = result;
+  if (!search) return <NoSearch result={result} />;
+  const rows = search.best.map((best, index): Cell[] => [index + 1, best, search.mean[index] ?? null]);
+  const note = (
+    <p class="muted small frame-note">
+      {count(search.generations)} generations, {count(search.evaluations)} solutions evaluated; it ended because: {words(search.stop)}.
+    </p>
+  );
+  return <Lines title="Search" file={`search-${file}`} label={`Best and mean cost of ${search.generations} generations.`} curves={curves} xName="generation" yName="cost J" table={() => ({ columns: ["generation", "best", "mean"], rows })} tools={note} />;
+}
+
+function NoSearch({ result }: { result: CorrelateResult }): JSX.Element {
+  return <p class="muted">{capital(words(result.correlator))} does not search by generations: there is no trace.</p>;
+}
+
+function Alone({ result }: { result: CorrelateResult }): JSX.Element | null {
+  if (!result.unassociated.length) return null;
+  const left = result.unassociated_left_out;
+  return (
+    <details class="panel">
+      <summary>
+        {count(result.counts.unassociated)} {result.counts.unassociated === 1 ? "track is" : "tracks are"} alone
+      </summary>
+      <ul class="chips">
+        {result.unassociated.map(({ sensor_id, track_id }) => (
+          <li class="chip">
+            {sensor_id} <b>{track_id}</b>
+          </li>
+        ))}
+      </ul>
+      {left ? <p class="muted small">{count(left)} more are in tuples.csv.</p> : null}
+    </details>
+  );
+}

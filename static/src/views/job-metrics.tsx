@@ -1,0 +1,162 @@
+// Everything that the metrics say: each quantity with its unit and parameters, over time and over other axes, and what happened.
+
+import type { JSX } from "preact";
+import { partsOf, type Cell, type Job, type MetricReport, type Report } from "../api/types";
+import { Lines, lookOf, type Point } from "../charts/lines";
+import { Empty, Link } from "../components/basics";
+import type { TableData } from "../components/table";
+import { TableFrame } from "../components/table-frame";
+import { number, words } from "../format";
+import { hereHref, param, setParams } from "../state/url";
+import { EventViews } from "./metric-events";
+import { OverTime, parametersText } from "./metrics-over-time";
+
+/** The events behind a count: of CLEAR, whose numbers are counts of the one log. */
+const EVENTS_OF: Record<string, string> = {
+  "clear.tp": "match",
+  "clear.fn": "miss",
+  "clear.fp": "false_alarm,redundant,divergence",
+  "clear.fp_false_alarm": "false_alarm",
+  "clear.fp_redundant": "redundant",
+  "clear.fp_divergence": "divergence",
+  "clear.idsw": "switch",
+  "clear.frag": "reacquisition",
+};
+
+export function JobMetrics({ job, report }: { job: Job; report: Report }): JSX.Element {
+  const { metrics = {}, sequences, events } = partsOf(report);
+  const file = job.id.slice(-12);
+  const names = (sequences ?? []).map((sequence) => sequence.name);
+  const sequence = names.find((name) => name === param("sequence"));
+  const shown = sequences?.find((entry) => entry.name === sequence)?.metrics ?? metrics;
+  return (
+    <div class="summary">
+      {names.length ? <SequenceChoice names={names} chosen={sequence} /> : null}
+      <MetricTable metrics={shown} file={file} />
+      <OverTime jobId={job.id} metrics={metrics} names={names} sequence={sequence} file={file} />
+      <MetricCurves metrics={shown} file={file} />
+      {events ? <EventViews job={job} sequence={names.length ? (sequence ?? names[0] ?? "") : ""} file={file} /> : null}
+    </div>
+  );
+}
+
+function SequenceChoice({ names, chosen }: { names: string[]; chosen: string | undefined }): JSX.Element {
+  return (
+    <div class="filters">
+      <label>
+        <span>Sequence</span>
+        <select value={chosen ?? ""} onChange={(event) => setParams({ sequence: event.currentTarget.value })}>
+          <option value="">all together</option>
+          {names.map((name) => (
+            <option value={name}>{name}</option>
+          ))}
+        </select>
+      </label>
+    </div>
+  );
+}
+
+function metricRows(metrics: Record<string, MetricReport>): Cell[][] {
+  return Object.entries(metrics).flatMap(([name, metric]) => {
+    const parameters = parametersText(metric);
+    return Object.entries(metric.quantities).map(([quantity, { value, unit, reason }]): Cell[] => [name, quantity, value ?? null, unit, reason ?? null, parameters]);
+  });
+}
+
+function MetricTable({ metrics, file }: { metrics: Record<string, MetricReport>; file: string }): JSX.Element {
+  const find = (param("find") ?? "").toLowerCase();
+  const table = (): TableData => ({ columns: ["metric", "quantity", "value", "unit", "reason", "parameters"], rows: metricRows(metrics) });
+  const tools = (
+    <div class="filters frame-filters" role="search">
+      <label class="grow">
+        <span>Metric or quantity</span>
+        <input type="search" data-filter value={param("find") ?? ""} placeholder="Press / to filter" onInput={(event) => setParams({ find: event.currentTarget.value })} />
+      </label>
+    </div>
+  );
+  const groups = Object.entries(metrics).flatMap(([name, metric]) => {
+    const kept = Object.entries(metric.quantities).filter(([quantity]) => !find || `${name} ${quantity}`.includes(find));
+    return kept.length ? [{ name, metric, kept }] : [];
+  });
+  return (
+    <TableFrame title="Metrics" file={`metrics-${file}`} table={table} tools={tools}>
+      {groups.length ? (
+        <div class="metric-groups">
+          {groups.map(({ name, metric, kept }) => (
+            <MetricGroup key={name} name={name} metric={metric} kept={kept} />
+          ))}
+        </div>
+      ) : (
+        <Empty title="No quantity matches this filter." />
+      )}
+    </TableFrame>
+  );
+}
+
+type Quantities = [string, MetricReport["quantities"][string]][];
+
+function MetricGroup({ name, metric, kept }: { name: string; metric: MetricReport; kept: Quantities }): JSX.Element {
+  return (
+    <section class="metric-group" aria-label={name}>
+      <h3>
+        {name}
+        <span class="metric-headline">
+          {metric.value === null || metric.value === undefined ? "undefined" : number(metric.value)} {metric.unit}
+        </span>
+      </h3>
+      <p class="muted small">
+        {metric.higher_is_better ? "higher is better" : "lower is better"}
+        {parametersText(metric) ? ` · ${parametersText(metric)}` : ""}
+        {metric.reason ? ` · ${metric.reason}` : ""}
+      </p>
+      <dl class="facts">
+        {kept.map(([quantity, { value, unit, reason }]) => (
+          <>
+            <dt title={quantity}>{quantity.replaceAll("_", " ")}</dt>
+            <dd>
+              {value === null || value === undefined ? (
+                <span class="muted">{reason ?? "undefined"}</span>
+              ) : (
+                <Value name={`${name}.${quantity}`} text={number(value)} unit={unit} />
+              )}
+            </dd>
+          </>
+        ))}
+      </dl>
+    </section>
+  );
+}
+
+function Value({ name, text, unit }: { name: string; text: string; unit: string }): JSX.Element {
+  const kinds = EVENTS_OF[name];
+  const shown = unit ? `${text} ${unit}` : text;
+  if (!kinds) return <>{shown}</>;
+  return (
+    <Link href={hereHref({ event: kinds })} label={`${shown}: show the events`}>
+      {shown}
+    </Link>
+  );
+}
+
+function MetricCurves({ metrics, file }: { metrics: Record<string, MetricReport>; file: string }): JSX.Element {
+  const groups = Object.entries(metrics).flatMap(([name, metric]) => {
+    const axes = [...new Set(metric.curves.map((curve) => curve.axis))];
+    return axes.map((axis) => ({ name, axis, curves: metric.curves.filter((curve) => curve.axis === axis) }));
+  });
+  return (
+    <>
+      {groups.map(({ name, axis, curves }) => (
+        <Lines
+          key={`${name} ${axis}`}
+          title={`${name} over ${words(axis)}`}
+          file={`${name}-${axis}-${file}`}
+          label={`${curves.length} curves of ${name} over ${axis}.`}
+          curves={curves.map((curve, index) => ({ name: curve.name, points: curve.at.map((at, row): Point => [at, curve.values[row] ?? null]), ...lookOf(index) }))}
+          xName={axis}
+          yName={curves[0]?.unit ? `${name} (${curves[0].unit})` : name}
+          table={() => ({ columns: [axis, ...curves.map((curve) => curve.name)], rows: (curves[0]?.at ?? []).map((at, row): Cell[] => [at, ...curves.map((curve) => curve.values[row] ?? null)]) })}
+        />
+      ))}
+    </>
+  );
+}

@@ -1,0 +1,120 @@
+// What happened to targets and tracks: who followed whom, and the events behind the counts, each with its moment.
+
+import type { JSX } from "preact";
+import { useEffect, useMemo, useRef } from "preact/hooks";
+import type { Cell, Job } from "../api/types";
+import { lanesOf, readEvents, type EventLog } from "../charts/event-log";
+import { Lanes, placeOf } from "../charts/lanes";
+import { Empty, Link, Loading, ProblemBox } from "../components/basics";
+import { useResource } from "../components/resource";
+import type { TableData } from "../components/table";
+import { TableFrame } from "../components/table-frame";
+import { capital, count, number, words } from "../format";
+import { param, setParams } from "../state/url";
+
+const LANES_AT_ONCE = 40;
+const EVENTS_AT_ONCE = 200;
+
+export function EventViews({ job, sequence, file }: { job: Job; sequence: string; file: string }): JSX.Element {
+  const log = useResource(() => readEvents(job.id), [job.id]);
+  if (log.error) return <ProblemBox error={log.error} retry={log.reload} />;
+  if (!log.data) return <Loading what="the events" />;
+  return (
+    <>
+      <LaneView log={log.data} sequence={sequence} file={file} />
+      <EventTable log={log.data} sequence={sequence} file={file} />
+    </>
+  );
+}
+
+function LaneView({ log, sequence, file }: { log: EventLog; sequence: string; file: string }): JSX.Element | null {
+  const all = useMemo(() => lanesOf(log.entries, sequence).sort((a, b) => b.marks.length - a.marks.length), [log, sequence]);
+  const from = Math.max(Number(param("lanes")) || 0, 0);
+  if (!all.length) return null;
+  const lanes = all.slice(from, from + LANES_AT_ONCE);
+  const turn = (to: number) => () => setParams({ lanes: to || null });
+  return (
+    <div>
+      <Lanes lanes={lanes} total={all.length} file={`lanes-${file}`} />
+      {all.length > LANES_AT_ONCE ? (
+        <p class="more">
+          <button type="button" disabled={from === 0} onClick={turn(Math.max(from - LANES_AT_ONCE, 0))}>
+            Previous
+          </button>
+          <span class="muted">
+            targets {from + 1} to {from + lanes.length} of {count(all.length)}, those with most marks first
+          </span>
+          <button type="button" disabled={from + LANES_AT_ONCE >= all.length} onClick={turn(from + LANES_AT_ONCE)}>
+            Next
+          </button>
+        </p>
+      ) : null}
+    </div>
+  );
+}
+
+function EventTable({ log, sequence, file }: { log: EventLog; sequence: string; file: string }): JSX.Element {
+  const head = useRef<HTMLDivElement>(null);
+  const chosen = param("event");
+  useEffect(() => {
+    // Who comes by the link of a number wants to see its events.
+    if (chosen) head.current?.scrollIntoView({ block: "nearest" });
+  }, [chosen]);
+  const kinds = [...new Set(log.entries.map((entry) => entry.kind))].sort();
+  const asked = (chosen ?? "switch,break").split(",");
+  const found = log.entries.filter((entry) => entry.sequence === sequence && asked.includes(entry.kind));
+  const table = (): TableData => ({ columns: ["step", "time_s", "event", "truth_id", "track_id", "distance"], rows: found.map((entry): Cell[] => [entry.step, entry.time, entry.kind, entry.truth || null, entry.track || null, entry.distance]) });
+  const tools = (
+    <div class="filters frame-filters" ref={head}>
+      <label>
+        <span>Events</span>
+        <select value={asked.join(",")} onChange={(event) => setParams({ event: event.currentTarget.value })}>
+          {kinds.includes(asked.join(",")) ? null : <option value={asked.join(",")}>{asked.map(words).join(", ")}</option>}
+          {kinds.map((kind) => (
+            <option value={kind}>{words(kind)}</option>
+          ))}
+        </select>
+      </label>
+      <p class="muted small">
+        {count(found.length)} events, {count(Math.min(found.length, EVENTS_AT_ONCE))} shown
+        {log.isCut ? "; the file has more than were read here" : ""}
+      </p>
+    </div>
+  );
+  return (
+    <TableFrame title="Events" file={`events-${file}`} table={table} tools={tools}>
+      {found.length ? (
+        <div class="table-scroll tall" tabIndex={0} role="region" aria-label="Events">
+          <table class="data">
+            <thead>
+              <tr>
+                {["Time (s)", "Event", "Truth", "Track", "Distance"].map((name) => (
+                  <th scope="col" class={name === "Time (s)" || name === "Distance" ? "num" : undefined}>
+                    {name}
+                  </th>
+                ))}
+              </tr>
+            </thead>
+            <tbody>
+              {found.slice(0, EVENTS_AT_ONCE).map((entry) => (
+                <tr>
+                  <td class="num">
+                    <Link href={placeOf(entry.truth, entry.track, entry.time)} label={`Show ${words(entry.kind)} at ${number(entry.time)} s in the plan view`}>
+                      {number(entry.time)}
+                    </Link>
+                  </td>
+                  <td>{capital(words(entry.kind))}</td>
+                  <td class="mono">{entry.truth || "–"}</td>
+                  <td class="mono">{entry.track || "–"}</td>
+                  <td class="num">{number(entry.distance)}</td>
+                </tr>
+              ))}
+            </tbody>
+          </table>
+        </div>
+      ) : (
+        <Empty title="There is no such event." />
+      )}
+    </TableFrame>
+  );
+}
