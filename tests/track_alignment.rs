@@ -72,8 +72,11 @@ fn what_is_assumed_takes_the_place_of_missing_covariances() {
     assert_eq!(estimates.dimensions(), 2);
 }
 
-/// Errors of all tracks: sensor, target, time by time.
-fn drawn(settings: Value) -> (Vec<SensorTracks>, Vec<(usize, u32, Vec<State>)>) {
+/// Sensor and target of a track, and its errors time by time.
+type Errors = (usize, u32, Vec<State>);
+
+/// Drawn tracks with their errors.
+fn drawn(settings: Value) -> (Vec<SensorTracks>, Vec<Errors>) {
     let settings = LocalTracks::deserialize(&registry::check(&settings, &LOCAL_TRACKS).unwrap()).unwrap();
     let (sensors, truth) = simulate_local_tracks(&settings, Seed { seed: 5, run: 0 }).unwrap();
     let mut errors = Vec::new();
@@ -104,7 +107,7 @@ fn drawn_tracks_have_the_errors_that_were_asked_for() {
     let lag = mean(errors.iter().map(|(_, _, of)| of[0][0] * of[1][0]));
     // 8 000 tracks: ± 3 % are four standard deviations.
     assert!((variance - 100.0).abs() < 6.5 && (lag - 80.0).abs() < 6.5, "{variance}, {lag}");
-    let between = |errors: &[(usize, u32, Vec<State>)]| {
+    let between = |errors: &[Errors]| {
         let of_sensor = |sensor: usize| {
             let mut found: Vec<_> = errors.iter().filter(|error| error.0 == sensor).map(|(_, target, of)| (*target, of[0][0])).collect();
             found.sort_by_key(|found| found.0);
