@@ -8,6 +8,7 @@ mod bearing_time;
 mod campaigns;
 mod catalogue;
 mod comparison;
+mod correlations;
 mod datasets;
 mod evaluations;
 mod events;

@@ -80,7 +80,7 @@ static PARAMETERS: Object = Object {
             "stop_after",
             "G', generations in a row with the best cost unchanged after which the search ends.",
             Kind::Integer { min: 1, max: 100_000, unit: "" },
-            "10",
+            "30",
         ),
         default(
             "max_evaluations",
