@@ -105,7 +105,16 @@ impl Candidates {
 impl<'a> Search<'a> {
     fn new(cluster: &'a Cluster<'a>, prices: Vec<f64>) -> Self {
         let levels = vec![Candidates::default(); cluster.sensors() + 1];
-        Search { cluster, prices, rests: cluster.best_links(), members: Vec::new(), levels, least: 0.0, found: Vec::new(), found_ends: Vec::new() }
+        Search {
+            cluster,
+            prices,
+            rests: cluster.best_links(),
+            members: Vec::new(),
+            levels,
+            least: 0.0,
+            found: Vec::new(),
+            found_ends: Vec::new(),
+        }
     }
 
     /// Step 2 for every track: L. The tuples found join those known.

@@ -118,7 +118,8 @@ mod tests {
         let problem = Problem::new(&[2, 1], &[(1, 2, -7.0)], Costs::AllPairs).with_independent(seen);
         let found = Weighted.correlate(&problem).unwrap();
         assert_eq!((found.tuples, found.cost), (vec![vec![0], vec![1], vec![2]], 0.0));
-        let modified = (modified::METHOD.build)(&serde_json::json!({}), crate::math::rng::Seed { seed: 0, run: 0 }).unwrap().correlate(&problem);
+        let modified =
+            (modified::METHOD.build)(&serde_json::json!({}), crate::math::rng::Seed { seed: 0, run: 0 }).unwrap().correlate(&problem);
         let found = modified.unwrap();
         assert_eq!((found.tuples, found.cost), (vec![vec![0], vec![1, 2]], -7.0));
     }

@@ -195,3 +195,25 @@ impl Judge<'_> {
         Difference { pairs: pairs.len(), mean: stats::mean(&pairs), interval: stats::t_interval(&pairs, self.confidence) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_paired_difference_by_hand() {
+        // Two methods on six scenes; the third scene has no number of the second. The differences are
+        // 1, 2, 3, 4, 5: mean 3, s² = 10/4, t(0.975; 4) = 2.77645, 3 ± 2.77645 · 1.58114 / 2.23607.
+        let ours = [11.0, 17.0, 99.0, 23.0, 29.0, 35.0].map(Some);
+        let theirs = [Some(10.0), Some(15.0), None, Some(20.0), Some(25.0), Some(30.0)];
+        let judge = Judge { outcomes: &[], axes: &[], confidence: 0.95, seed: Seed { seed: 1, run: 0 } };
+        let found = judge.difference(&ours, &theirs);
+        assert_eq!((found.pairs, found.mean), (5, Some(3.0)));
+        let interval = found.interval.unwrap();
+        assert!((interval.low - 1.036_757).abs() < 1e-5 && (interval.high - 4.963_243).abs() < 1e-5, "{interval:?}");
+        // The means alone, 23 and 20 over the same scenes, have intervals that overlap widely.
+        let alone = stats::t_interval(&[11.0, 17.0, 23.0, 29.0, 35.0], 0.95).unwrap();
+        assert!(alone.low < 20.0);
+        assert_eq!(judge.difference(&ours[2..3], &theirs[2..3]), Difference { pairs: 0, mean: None, interval: None });
+    }
+}

@@ -83,7 +83,11 @@ pub static CAMPAIGN: Object = Object {
         LABELS,
         SEED,
         required("base", "The job of each run: the body of a job of another kind, with its `kind`.", Kind::Json),
-        default("grid", "The axes; the cells are their product.", Kind::List { item: &Kind::Union(&AXIS), min: 0, max: 8 }, "[]"),
+        optional(
+            "grid",
+            "The axes; the cells are their product. When absent, the base is the one cell.",
+            Kind::List { item: &Kind::Union(&AXIS), min: 1, max: 8 },
+        ),
         default("runs", "Runs of each cell.", Kind::Integer { min: 1, max: MAX_RUNS, unit: "runs" }, "20"),
         default(
             "confidence",
