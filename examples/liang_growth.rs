@@ -1,8 +1,8 @@
-//! How the run time of Liang's experiment grows with the targets: median times of tracking and of the automaton over runs with seeds
-//! 1, 2, …, and the slope of log time over log targets with its 95 % interval (1 is linear).
+//! How the run time of Liang's experiment grows with the targets: times of tracking and of the automaton, medians over runs with seeds
+//! 1, 2, … of the least of five tries each, and the slope of log time over log targets with its 95 % interval (1 is linear).
 //!
 //! `cargo run --release --no-default-features --example liang_growth [-- RUNS [TARGETS …]]`; 20 runs of 10, 30, 50, 80 and 100 targets
-//! unless said otherwise. Up to 100 targets share the square of the paper; more have a larger square, radar and clutter, of the density
+//! unless said otherwise. Times of more than 100 targets are those on the processor, where Linux tells them. Up to 100 targets share the square of the paper; more have a larger square, radar and clutter, of the density
 //! of 100.
 
 use serde_json::json;
@@ -18,21 +18,33 @@ const ASSOCIATORS: [(&str, &str); 3] = [("NN", "nearest_neighbour"), ("PDA", "pd
 
 /// Books the time between two calls on the step of the second, or on that of the first where the second only begins.
 struct Watch {
-    last: (Instant, Step),
+    clock_s: fn(Instant) -> f64,
+    start: Instant,
+    last: (f64, Step),
     track_s: f64,
     judge_s: f64,
 }
 
+fn wall_s(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64()
+}
+
+/// Of this thread on a processor: told a few milliseconds late, and asking takes some microseconds, so for long steps only.
+fn processor_s(start: Instant) -> f64 {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
+    let spent_ns = text.and_then(|text| text.split(' ').next()?.parse::<f64>().ok());
+    spent_ns.map_or_else(|| wall_s(start), |spent_ns| spent_ns * 1e-9)
+}
+
 impl Observer for Watch {
     fn progress(&mut self, step: Step, done: u64, _: u64) -> ControlFlow<()> {
-        let now = Instant::now();
-        let spent_s = (now - self.last.0).as_secs_f64();
+        let now_s = (self.clock_s)(self.start);
         match if done == 0 { self.last.1 } else { step } {
-            Step::Associate => self.track_s += spent_s,
-            Step::Evaluate => self.judge_s += spent_s,
+            Step::Associate => self.track_s += now_s - self.last.0,
+            Step::Evaluate => self.judge_s += now_s - self.last.0,
             _ => {}
         }
-        self.last = (now, step);
+        self.last = (now_s, step);
         ControlFlow::Continue(())
     }
 }
@@ -56,14 +68,17 @@ fn job(targets: f64, method: &str) -> Plan {
     Plan { wants_files: false, ..job }
 }
 
-/// Milliseconds of tracking, of judging and of both: medians of the runs.
+/// Other programs only ever add time to a try.
+const TRIES: u32 = 5;
+
+/// Milliseconds of tracking, of judging and of both: medians over the runs.
 fn times_ms(targets: f64, method: &str, runs: u32) -> [f64; 3] {
-    let job = job(targets, method);
+    let (job, clock_s) = (job(targets, method), if targets > 100.0 { processor_s as fn(Instant) -> f64 } else { wall_s });
     let mut columns = [Vec::new(), Vec::new(), Vec::new()];
     for seed in 1..=runs {
-        let mut watch = Watch { last: (Instant::now(), Step::Load), track_s: 0.0, judge_s: 0.0 };
-        run(&Plan { seed, ..job.clone() }, Vec::new(), &mut watch).expect("the job succeeds");
-        for (column, spent_s) in columns.iter_mut().zip([watch.track_s, watch.judge_s, watch.track_s + watch.judge_s]) {
+        let tries = (0..TRIES).map(|_| try_s(&Plan { seed, ..job.clone() }, clock_s));
+        let least_s = tries.reduce(|[track, judge], next| [track.min(next[0]), judge.min(next[1])]).expect("there are tries");
+        for (column, spent_s) in columns.iter_mut().zip([least_s[0], least_s[1], least_s[0] + least_s[1]]) {
             column.push(spent_s * 1e3);
         }
     }
@@ -71,6 +86,14 @@ fn times_ms(targets: f64, method: &str, runs: u32) -> [f64; 3] {
         column.sort_by(f64::total_cmp);
         quantile(&column, 0.5).expect("there are runs")
     })
+}
+
+/// Seconds of tracking and of judging.
+fn try_s(job: &Plan, clock_s: fn(Instant) -> f64) -> [f64; 2] {
+    let start = Instant::now();
+    let mut watch = Watch { clock_s, start, last: (clock_s(start), Step::Load), track_s: 0.0, judge_s: 0.0 };
+    run(job, Vec::new(), &mut watch).expect("the job succeeds");
+    [watch.track_s, watch.judge_s]
 }
 
 fn grown(targets: &[f64], times_ms: impl Iterator<Item = f64>) -> String {

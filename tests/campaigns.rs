@@ -115,6 +115,60 @@ fn cells_are_the_product_of_the_axes_and_a_condition_chooses_runs() {
     assert_eq!(found.result["cells"][3]["compared_with"], "1.0, nearest_neighbour");
 }
 
+#[test]
+fn a_cell_ends_at_a_half_width_and_says_so() {
+    // The cells differ in how much their runs vary: every target is detected in each scan, or half of the time.
+    let axis = json!({"by": "values", "name": "P_D", "path": "/input/scenario/sensors/0/p_d", "values": [0.5, 1.0]});
+    let body = |changes: Value| {
+        let mut body = campaign(json!({
+            "base": small_base(), "grid": [axis], "runs": 45, "timed_runs": 0, "outcomes": [{"name": "n", "path": "tfa.counts.correct"}]
+        }));
+        body.as_object_mut().unwrap().extend(changes.as_object().unwrap().clone());
+        body
+    };
+    let all = outcome(&body(json!({})));
+    let cell = |found: &Outcome, index: usize| found.result["cells"][index].clone();
+    assert_eq!((&cell(&all, 0)["runs"], &cell(&all, 0)["ended"]), (&json!(45), &json!("runs")));
+    // What the first so many runs of each cell say by themselves.
+    let half_width = |runs: u32, index: usize| {
+        let interval = cell(&outcome(&body(json!({"runs": runs}))), index)["outcomes"]["n"]["interval"].take();
+        (interval["high"].as_f64().unwrap() - interval["low"].as_f64().unwrap()) / 2.0
+    };
+    let (ten, twenty) = ([half_width(10, 0), half_width(10, 1)], [half_width(20, 0), half_width(20, 1)]);
+    // One cell is narrow enough after ten runs, the other, if ever, later.
+    let wide = usize::from(ten[1] > ten[0]);
+    let found = outcome(&body(json!({"stop_at": {"outcome": "n", "half_width": (ten[0] + ten[1]) / 2.0}})));
+    let narrow = cell(&found, 1 - wide);
+    assert_eq!((&narrow["runs"], &narrow["ended"], &narrow["outcomes"]["n"]["count"]), (&json!(10), &json!("half_width"), &json!(10)));
+    let expected = if twenty[wide] <= (ten[0] + ten[1]) / 2.0 { 20 } else { 40 };
+    assert_eq!((&cell(&found, wide)["runs"], &cell(&found, wide)["ended"]), (&json!(expected), &json!("half_width")));
+    // Its numbers are those of the campaign that has only so many runs, and differences are of the runs that both have.
+    let alone = cell(&outcome(&body(json!({"runs": 10}))), 1 - wide);
+    assert_eq!(narrow["outcomes"], alone["outcomes"]);
+    assert_eq!(cell(&found, 1)["differences"]["n"]["pairs"], 10);
+    let runs = found.artifacts.iter().find(|file| file.name == "runs.csv").unwrap();
+    assert_eq!(String::from_utf8_lossy(&runs.bytes).lines().count(), 1 + 10 + expected);
+    // A half-width out of reach changes nothing but that it is asked for.
+    let never = outcome(&body(json!({"stop_at": {"outcome": "n", "half_width": 1e-9}})));
+    assert_eq!(never.result, all.result);
+}
+
+/// Runs of some hundred microseconds.
+fn small_base() -> Value {
+    let mut base = presets::find("liang2009-table1").unwrap().body["base"].take();
+    base["input"]["scenario"]["scans"] = json!(8);
+    base
+}
+
+#[test]
+fn what_ends_a_cell_is_one_of_its_outcomes() {
+    let outcomes = json!([{"path": "tfa.counts.correct", "name": "n"}, {"path": "tfa.counts.missed"}]);
+    let stop = |outcome: &str, half_width: f64| json!({"outcome": outcome, "half_width": half_width});
+    fault_is(json!({"outcomes": outcomes, "stop_at": stop("m", 1.0)}), "/stop_at/outcome", "unknown_value", "n, tfa.counts.missed");
+    fault_is(json!({"stop_at": stop("n", 1.0)}), "/stop_at/outcome", "unknown_value", "an outcome listed in 'outcomes'");
+    fault_is(json!({"outcomes": outcomes, "stop_at": stop("n", 0.0)}), "/stop_at/half_width", "out_of_range", &format!("(0, {}]", 1e300));
+}
+
 /// Has a clock that ticks a millisecond a look, and stops after some calls.
 struct Watch {
     looks: std::cell::Cell<u32>,

@@ -18,7 +18,7 @@ pub(super) fn presets() -> Vec<Preset> {
             "Cai et al.: six sensors, 25 {motion} targets, {duplicates} of them reported by every sensor; grouped by fuzzy c-means, \
              nearest neighbours and others. The paper gives no noise and no spacing: they are chosen for its nearest-neighbour column."
         );
-        campaign(format!("cai-fuzzy-{name}-{duplicates}"), summary, scenario(motion, duplicates), &[axis()])
+        campaign(format!("cai-fuzzy-{name}-{duplicates}"), summary, scenario(motion, duplicates), &[axis()], 5)
     };
     scenes.clone().map(preset).chain([tables(scenes.collect())]).collect()
 }
@@ -34,10 +34,10 @@ fn tables(scenes: Vec<((&str, &str), u32)>) -> Preset {
     };
     let summary = "Cai et al., Tables 1 and 2: the scenes of cai-fuzzy-{cv,weave}-{10,15} in one, every contender on each.".to_owned();
     let scenes = json!({"by": "variants", "name": "scene", "variants": scenes.iter().map(variant).collect::<Vec<_>>()});
-    campaign("cai-fuzzy-tables".to_owned(), summary, scenario("straight", 10), &[scenes, axis()])
+    campaign("cai-fuzzy-tables".to_owned(), summary, scenario("straight", 10), &[scenes, axis()], 25)
 }
 
-fn campaign(name: String, summary: String, scenario: Value, grid: &[Value]) -> Preset {
+fn campaign(name: String, summary: String, scenario: Value, grid: &[Value], runs: u32) -> Preset {
     Preset {
         summary,
         kind: JobKind::Campaign,
@@ -51,7 +51,7 @@ fn campaign(name: String, summary: String, scenario: Value, grid: &[Value]) -> P
                 "predictions": {"start": "truth", "loop": "open", "process_noise_m2ps3": 100.0}
             },
             "grid": grid,
-            "runs": 5,
+            "runs": runs,
             "timed_runs": 1000,
             "outcomes": [
                 {"name": "accuracy", "path": "grouping.accuracy"},

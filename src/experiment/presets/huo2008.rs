@@ -69,7 +69,7 @@ fn study(body: &Value) -> Preset {
         setting("5 × 50, P_D 0.9", json!({"sensors": 5, "targets": 50, "p_d": 0.9}), &[]),
     ];
     let mut preset = grid(body, "study", 20, &json!({"by": "variants", "name": "setting", "variants": settings}));
-    let published = json!({"method": "genetic", "variant": "paper", "generations": 500});
+    let published = json!({"method": "genetic", "variant": "paper", "population": 100, "generations": 500, "stop_after": 100});
     if let Some(variants) = preset.body["grid"][1]["variants"].as_array_mut() {
         variants.push(json!({"name": "genetic, as published", "set": [{"path": "/correlator", "value": published}]}));
     }

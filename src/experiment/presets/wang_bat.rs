@@ -53,7 +53,7 @@ pub(super) fn presets() -> Vec<Preset> {
             "two targets with noise 0.3° and 0.6°, and six targets, in one",
             &two,
             &[scenes(&two, &six(5.0)), contenders()],
-            100,
+            1000,
         ),
     ]
 }
