@@ -115,6 +115,60 @@ fn cells_are_the_product_of_the_axes_and_a_condition_chooses_runs() {
     assert_eq!(found.result["cells"][3]["compared_with"], "1.0, nearest_neighbour");
 }
 
+#[test]
+fn a_cell_ends_at_a_half_width_and_says_so() {
+    // The cells differ in how much their runs vary: every target is detected in each scan, or half of the time.
+    let axis = json!({"by": "values", "name": "P_D", "path": "/input/scenario/sensors/0/p_d", "values": [0.5, 1.0]});
+    let body = |changes: Value| {
+        let mut body = campaign(json!({
+            "base": small_base(), "grid": [axis], "runs": 45, "timed_runs": 0, "outcomes": [{"name": "n", "path": "tfa.counts.correct"}]
+        }));
+        body.as_object_mut().unwrap().extend(changes.as_object().unwrap().clone());
+        body
+    };
+    let all = outcome(&body(json!({})));
+    let cell = |found: &Outcome, index: usize| found.result["cells"][index].clone();
+    assert_eq!((&cell(&all, 0)["runs"], &cell(&all, 0)["ended"]), (&json!(45), &json!("runs")));
+    // What the first so many runs of each cell say by themselves.
+    let half_width = |runs: u32, index: usize| {
+        let interval = cell(&outcome(&body(json!({"runs": runs}))), index)["outcomes"]["n"]["interval"].take();
+        (interval["high"].as_f64().unwrap() - interval["low"].as_f64().unwrap()) / 2.0
+    };
+    let (ten, twenty) = ([half_width(10, 0), half_width(10, 1)], [half_width(20, 0), half_width(20, 1)]);
+    // One cell is narrow enough after ten runs, the other, if ever, later.
+    let wide = usize::from(ten[1] > ten[0]);
+    let found = outcome(&body(json!({"stop_at": {"outcome": "n", "half_width": (ten[0] + ten[1]) / 2.0}})));
+    let narrow = cell(&found, 1 - wide);
+    assert_eq!((&narrow["runs"], &narrow["ended"], &narrow["outcomes"]["n"]["count"]), (&json!(10), &json!("half_width"), &json!(10)));
+    let expected = if twenty[wide] <= (ten[0] + ten[1]) / 2.0 { 20 } else { 40 };
+    assert_eq!((&cell(&found, wide)["runs"], &cell(&found, wide)["ended"]), (&json!(expected), &json!("half_width")));
+    // Its numbers are those of the campaign that has only so many runs, and differences are of the runs that both have.
+    let alone = cell(&outcome(&body(json!({"runs": 10}))), 1 - wide);
+    assert_eq!(narrow["outcomes"], alone["outcomes"]);
+    assert_eq!(cell(&found, 1)["differences"]["n"]["pairs"], 10);
+    let runs = found.artifacts.iter().find(|file| file.name == "runs.csv").unwrap();
+    assert_eq!(String::from_utf8_lossy(&runs.bytes).lines().count(), 1 + 10 + expected);
+    // A half-width out of reach changes nothing but that it is asked for.
+    let never = outcome(&body(json!({"stop_at": {"outcome": "n", "half_width": 1e-9}})));
+    assert_eq!(never.result, all.result);
+}
+
+/// Runs of some hundred microseconds.
+fn small_base() -> Value {
+    let mut base = presets::find("liang2009-table1").unwrap().body["base"].take();
+    base["input"]["scenario"]["scans"] = json!(8);
+    base
+}
+
+#[test]
+fn what_ends_a_cell_is_one_of_its_outcomes() {
+    let outcomes = json!([{"path": "tfa.counts.correct", "name": "n"}, {"path": "tfa.counts.missed"}]);
+    let stop = |outcome: &str, half_width: f64| json!({"outcome": outcome, "half_width": half_width});
+    fault_is(json!({"outcomes": outcomes, "stop_at": stop("m", 1.0)}), "/stop_at/outcome", "unknown_value", "n, tfa.counts.missed");
+    fault_is(json!({"stop_at": stop("n", 1.0)}), "/stop_at/outcome", "unknown_value", "an outcome listed in 'outcomes'");
+    fault_is(json!({"outcomes": outcomes, "stop_at": stop("n", 0.0)}), "/stop_at/half_width", "out_of_range", &format!("(0, {}]", 1e300));
+}
+
 /// Has a clock that ticks a millisecond a look, and stops after some calls.
 struct Watch {
     looks: std::cell::Cell<u32>,
@@ -149,30 +203,102 @@ fn deciding_is_timed_by_the_observers_clock_and_a_campaign_can_be_stopped() {
     assert_eq!(run(&job, Vec::new(), &mut stopped).unwrap_err(), RunError::Stopped);
 }
 
+fn values(path: &str, values: Value) -> Value {
+    json!([{"by": "values", "path": path, "values": values}])
+}
+
+/// The one fault of a campaign that is refused: pointer, code, what is allowed.
+fn fault(changes: Value) -> (String, String, String) {
+    let mut found = faults(changes);
+    assert_eq!(found.len(), 1, "{found:?}");
+    found.remove(0)
+}
+
+fn fault_is(changes: Value, pointer: &str, code: &str, allowed: &str) {
+    assert_eq!(fault(changes), (pointer.to_owned(), code.to_owned(), allowed.to_owned()));
+}
+
 #[test]
-fn what_cannot_be_run_is_refused() {
-    let values = |path: &str| json!([{"by": "values", "path": path, "values": [1, 2]}]);
-    assert_eq!(faults(json!({"runs": 0}))[0].0, "/runs");
-    assert_eq!(faults(json!({"confidence": 1}))[0], ("/confidence".into(), "out_of_range".into(), "(0, 1)".into()));
-    let (pointer, code, allowed) = faults(json!({"grid": values("/trakcer/gate_probability")})).remove(0);
-    assert_eq!((&*pointer, &*code), ("/grid", "unknown_field"));
-    assert!(allowed.contains("tracker"), "{allowed}");
-    assert_eq!(faults(json!({"grid": values("input")}))[0].1, "unknown_path");
-    assert_eq!(faults(json!({"grid": values("/input/scenario/sensors/3/p_d"), "base": scenario_base()}))[0].2, "an index below 1");
-    let mut wide = values("/seed");
-    wide[0]["values"] = (0..1000).collect();
-    let cells: Vec<Value> =
-        (0..3).map(|axis| json!({"by": "values", "name": axis.to_string(), "path": "/seed", "values": wide[0]["values"]})).collect();
-    assert_eq!(faults(json!({"grid": cells}))[0], ("/grid".into(), "too_large".into(), "at most 2000 cells".into()));
-    assert_eq!(faults(json!({"base": {"kind": "campaign"}}))[0].2, "simulate, associate, evaluate, group, correlate");
+fn what_is_out_of_range_is_refused_with_its_range() {
+    fault_is(json!({"runs": 0}), "/runs", "out_of_range", "[1, 1000000]");
+    for confidence in [0.0, 1.0, 95.0] {
+        fault_is(json!({"confidence": confidence}), "/confidence", "out_of_range", "(0, 1)");
+    }
+    fault_is(json!({"grid": []}), "/grid", "out_of_range", "1 to 8 entries");
+    fault_is(json!({"grid": values("/seed", json!([]))}), "/grid/0/values", "out_of_range", "1 to 1000 entries");
+    let no_variants = json!([{"by": "variants", "name": "none", "variants": []}]);
+    fault_is(json!({"grid": no_variants}), "/grid/0/variants", "out_of_range", "1 to 1000 entries");
+}
+
+#[test]
+fn a_grid_too_large_and_a_campaign_too_long_are_refused_with_what_they_would_take() {
+    let detail = |changes: Value| plan(JobKind::Campaign, &campaign(changes)).unwrap_err().remove(0).detail;
+    let axis = |number: u32| json!({"by": "values", "name": number.to_string(), "path": "/input", "values": (0..1000).collect::<Vec<_>>()});
+    let billion = json!({"grid": [axis(0), axis(1), axis(2)]});
+    fault_is(billion.clone(), "/grid", "too_large", "at most 2000 cells");
+    assert_eq!(detail(billion), "the grid has 1000000000 cells");
+    // 10 000 false detections and 90 of targets a scan, 30 scans, 3 µs each: 0.9081 s a run; 2 cells, 1 000 000 runs.
+    let long = json!({"runs": 1_000_000, "base": scenario_base(), "outcomes": [{"path": "tfa.counts.correct"}]});
+    fault_is(long.clone(), "/runs", "too_large", "at most 604800 s and 50000000 numbers");
+    assert_eq!(detail(long), "2 cells with 1000000 runs each are about 1816200 s of work and 2000000 numbers");
+}
+
+#[test]
+fn an_unknown_path_is_refused_with_the_nearest_one() {
+    let refused = |path: &str| {
+        let faults = plan(JobKind::Campaign, &campaign(json!({"grid": values(path, json!([1, 2])), "base": scenario_base()}))).unwrap_err();
+        assert_eq!((faults.len(), &*faults[0].pointer), (1, "/grid/0/path"), "{faults:?}");
+        (faults[0].code.clone(), faults[0].allowed.clone().unwrap(), faults[0].detail.clone())
+    };
+    let (code, allowed, detail) = refused("/trakcer/gate_probability");
+    assert!(code == "unknown_field" && allowed.split(", ").any(|name| name == "tracker"), "{code} {allowed}");
+    assert!(detail.ends_with("unknown field 'trakcer'; the nearest path is '/tracker/gate_probability'"), "{detail}");
+    let (code, allowed, detail) = refused("/input/scenario/sensors/0/pd");
+    assert!(code == "unknown_field" && allowed.split(", ").any(|name| name == "p_d"), "{code} {allowed}");
+    assert!(detail.ends_with("the nearest path is '/input/scenario/sensors/0/p_d'"), "{detail}");
+    let (code, allowed, detail) = refused("/input/scenario/sensors/3/p_d");
+    assert_eq!((&*code, &*allowed), ("unknown_path", "an index below 1"));
+    assert!(detail.ends_with("there is no item '3'; the nearest path is '/input/scenario/sensors/0/p_d'"), "{detail}");
+    let (code, allowed, detail) = refused("input");
+    assert_eq!((&*code, &*allowed), ("unknown_path", "a JSON pointer such as /associator"));
+    assert!(detail.ends_with("the nearest path is '/input'"), "{detail}");
+    let (code, allowed, detail) = refused("/input/source/p_d");
+    assert_eq!((&*code, &*allowed), ("unknown_path", "a path to a field of the base"));
+    assert!(detail.contains("'p_d' is inside of a plain value; the nearest path is"), "{detail}");
+    let (code, allowed, detail) = refused("/seed");
+    assert_eq!((&*code, &*allowed), ("unknown_path", "'runs' for more scenes, or 'seed' of the campaign for others"));
+    assert!(detail.ends_with("every cell has the seed of the campaign"), "{detail}");
+}
+
+#[test]
+fn a_fault_of_a_value_is_told_once_and_where_the_value_stands() {
+    let gate = values("/tracker/gate_probability", json!([0.9, 2.0]));
+    let both = json!([gate[0], associators(&["jpda", "nearest_neighbour"])]);
+    fault_is(json!({"grid": both}), "/grid/0/values/1", "out_of_range", "(0, 1]");
+    let (pointer, code, allowed) = fault(json!({"grid": [associators(&["jpda", "jpta"])]}));
+    assert_eq!((&*pointer, &*code), ("/grid/0/variants/1/set/0/value/method", "unknown_value"));
+    assert!(allowed.split(", ").any(|name| name == "jpda"), "{allowed}");
+    let misspelt = json!([{"by": "variants", "name": "a", "variants": [{"name": "a", "set": [{"path": "/asociator", "value": {}}]}]}]);
+    let (pointer, code, _) = fault(json!({"grid": misspelt}));
+    assert_eq!((&*pointer, &*code), ("/grid/0/variants/0/set/0/path", "unknown_field"));
+}
+
+#[test]
+fn what_does_not_fit_together_is_refused() {
+    fault_is(json!({"base": {"kind": "campaign"}}), "/base/kind", "unknown_value", "simulate, associate, evaluate, group, correlate");
     assert_eq!(faults(json!({"base": {"kind": "evaluate", "inptu": 1}}))[0].0, "/base/inptu");
-    assert_eq!(faults(json!({"base": 7}))[0].1, "wrong_type");
-    assert_eq!(faults(json!({"compare": {"axis": "associator", "to": "pda"}}))[0].2, "nearest_neighbour, jpda");
-    assert_eq!(faults(json!({"compare": {"axis": "filter", "to": "pda"}}))[0].2, "associator");
-    assert_eq!(faults(json!({"grid": [associators(&["jpda", "jpda"])]}))[0].1, "duplicate");
-    assert_eq!(faults(json!({"runs": 1_000_000, "base": scenario_base()}))[0].1, "too_large");
-    let bad = faults(json!({"grid": [associators(&["jpda", "jpta"])]}));
-    assert!(bad.len() == 1 && bad[0].1 == "unknown_value" && bad[0].2.contains("jpda"), "{bad:?}");
+    fault_is(json!({"base": 7}), "/base", "wrong_type", "an object");
+    fault_is(json!({"compare": {"axis": "associator", "to": "pda"}}), "/compare/to", "unknown_value", "nearest_neighbour, jpda");
+    fault_is(json!({"compare": {"axis": "filter", "to": "pda"}}), "/compare/axis", "unknown_value", "associator");
+    fault_is(json!({"grid": [associators(&["jpda", "jpda"])]}), "/grid/0/1", "duplicate", "each name once");
+}
+
+#[test]
+fn without_a_grid_the_base_is_the_one_cell() {
+    let mut body = campaign(json!({"runs": 2}));
+    body.as_object_mut().unwrap().remove("grid");
+    let cells = outcome(&body).result["cells"].take();
+    assert_eq!((cells.as_array().unwrap().len(), &cells[0]["name"], &cells[0]["runs"]), (1, &json!("all"), &json!(2)));
 }
 
 fn scenario_base() -> Value {
@@ -197,13 +323,6 @@ fn each_outcome_has_a_name_of_its_own() {
         faults(json!({"outcomes": outcomes}))[0],
         ("/outcomes/1".into(), "duplicate".into(), "each name once; 'name' sets it".into())
     );
-}
-
-#[test]
-fn the_seed_is_the_campaigns() {
-    let grid = json!([{"by": "values", "path": "/seed", "values": [1, 2]}]);
-    let (pointer, code, _) = faults(json!({"grid": grid})).remove(0);
-    assert_eq!((&*pointer, &*code), ("/grid", "unknown_path"));
 }
 
 #[test]

@@ -87,14 +87,14 @@ pub fn campaign(report: &Value) -> Option<String> {
     let cells = report["result"]["cells"].as_array()?;
     let names: Vec<&str> = report["result"]["outcomes"].as_array()?.iter().filter_map(Value::as_str).collect();
     let times = report["timing"]["cells"].as_array().map(Vec::as_slice).unwrap_or_default();
-    let mut header = vec!["cell"];
+    let mut header = vec!["cell", "runs"];
     header.extend(&names);
     header.extend(["µs a scan", "time ratio"]);
     let row = |line: &Value| {
         let time = times.iter().find(|time| time["cell"] == line["name"]).unwrap_or(&Value::Null);
         let outcomes = names.iter().map(|&name| with_interval(&line["outcomes"][name]));
         let times = [&time["decide_us_per_scan"], &time["ratio"]].map(cell);
-        std::iter::once(cell(&line["name"])).chain(outcomes).chain(times).collect::<Vec<_>>()
+        [&line["name"], &line["runs"]].map(cell).into_iter().chain(outcomes).chain(times).collect::<Vec<_>>()
     };
     Some(table(&header, &cells.iter().map(row).collect::<Vec<_>>()))
 }

@@ -3,10 +3,13 @@
 //! # Reference
 //! Student, The probable error of a mean, Biometrika 6, 1908; E. B. Wilson, Probable inference, the law of succession, and
 //! statistical inference, J. American Statistical Association 22, 1927; B. Efron, R. J. Tibshirani, An Introduction to the
-//! Bootstrap, 1993, section 13.3 (percentile interval).
+//! Bootstrap, 1993, section 13.3 (percentile interval); T. C. Hesterberg, What teachers should know about the bootstrap, The American
+//! Statistician 69, 2015, section 4 (percentiles farther out for few values); N. R. Draper, H. Smith, Applied Regression Analysis,
+//! 1998, section 1.4 (interval of a slope).
 //!
 //! # Symbols
-//! n values, x̄ their mean, s their standard deviation (n − 1); p̂ a share; z, t quantiles at (1 + confidence) / 2.
+//! n values, x̄ their mean, s their standard deviation (n − 1); p̂ a share; Φ the normal distribution; z, t quantiles at
+//! (1 + confidence) / 2.
 
 use rand::RngExt;
 use serde::Serialize;
@@ -54,15 +57,37 @@ pub fn wilson_interval(successes: f64, n: usize, confidence: f64) -> Option<Inte
 /// Resamples of a bootstrap.
 const RESAMPLES: usize = 2000;
 
-/// The quantiles of the means of 2 000 resamples drawn with replacement. `None` of fewer than two values.
+/// The quantiles of the means of 2 000 resamples drawn with replacement, at Φ(∓t √(n/(n − 1))) instead of (1 ∓ confidence) / 2: resamples
+/// of few values vary too little, by √((n − 1)/n) and by what t is above z. `None` of fewer than two values.
 pub fn bootstrap_interval(values: &[f64], confidence: f64, draw: &mut impl RngExt) -> Option<Interval> {
-    if values.len() < 2 {
-        return None;
-    }
+    let degrees = values.len().checked_sub(1)? as f64;
+    let students = StudentsT::new(0.0, 1.0, degrees).ok()?;
+    let tail = Normal::standard().cdf(-students.inverse_cdf(0.5 + confidence / 2.0) * (values.len() as f64 / degrees).sqrt());
     let resampled = |_| (0..values.len()).map(|_| values[draw.random_range(0..values.len())]).sum::<f64>() / values.len() as f64;
     let mut means: Vec<f64> = (0..RESAMPLES).map(resampled).collect();
     means.sort_by(f64::total_cmp);
-    Some(Interval { low: quantile(&means, 0.5 - confidence / 2.0)?, high: quantile(&means, 0.5 + confidence / 2.0)? })
+    Some(Interval { low: quantile(&means, tail)?, high: quantile(&means, 1.0 - tail)? })
+}
+
+/// The slope of a line through points.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Slope {
+    pub slope: f64,
+    pub interval: Interval,
+}
+
+/// b = Σ(x − x̄)(y − ȳ) / Σ(x − x̄)² of the least-squares line through points (x, y), b ± t √(Σ residual² / (n − 2) / Σ(x − x̄)²) with n − 2
+/// degrees of freedom. `None` of fewer than three points, and where all have one x.
+pub fn slope(points: &[(f64, f64)], confidence: f64) -> Option<Slope> {
+    let degrees = points.len().checked_sub(2)? as f64;
+    let students = StudentsT::new(0.0, 1.0, degrees).ok()?;
+    let column = |of: fn(&(f64, f64)) -> f64| mean(&points.iter().map(of).collect::<Vec<_>>());
+    let (mean_x, mean_y) = (column(|point| point.0)?, column(|point| point.1)?);
+    let spread: f64 = points.iter().map(|(x, _)| (x - mean_x).powi(2)).sum();
+    let slope = points.iter().map(|(x, y)| (x - mean_x) * (y - mean_y)).sum::<f64>() / spread;
+    let residuals: f64 = points.iter().map(|(x, y)| (y - mean_y - slope * (x - mean_x)).powi(2)).sum();
+    let half = students.inverse_cdf(0.5 + confidence / 2.0) * (residuals / degrees / spread).sqrt();
+    (spread > 0.0).then_some(Slope { slope, interval: Interval { low: slope - half, high: slope + half } })
 }
 
 /// The quantile of sorted values, on the line between its two neighbours; `None` of none.
@@ -76,7 +101,8 @@ pub fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::math::rng::{Purpose, Seed};
-    use rand_distr::{Distribution, StandardNormal};
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, Exp1, StandardNormal};
 
     fn assert_interval(found: Option<Interval>, low: f64, high: f64) {
         let found = found.unwrap();
@@ -96,28 +122,80 @@ mod tests {
     }
 
     #[test]
-    fn a_t_interval_of_a_normal_mean_covers_it_as_often_as_it_says() {
+    fn the_slope_of_a_line_by_hand() {
+        // x 1 … 5, y 2, 4, 5, 4, 5: x̄ = 3, ȳ = 4, Σ(x − x̄)(y − ȳ) = 6, Σ(x − x̄)² = 10, so 0.6; residuals −0.8, 0.6, 1, −0.6, −0.2, their
+        // squares 2.4; t(0.975; 3) = 3.18245, √(2.4 / 3 / 10) = 0.282843: 0.6 ± 0.900131.
+        let points = [(1.0, 2.0), (2.0, 4.0), (3.0, 5.0), (4.0, 4.0), (5.0, 5.0)];
+        let found = slope(&points, 0.95).unwrap();
+        assert!((found.slope - 0.6).abs() < 1e-12);
+        assert_interval(Some(found.interval), -0.300_131, 1.500_131);
+        assert_eq!((slope(&points[..2], 0.95), slope(&[(1.0, 2.0); 4], 0.95)), (None, None));
+    }
+
+    /// How often intervals of 95 % of `count` values hold the mean that they are drawn around.
+    fn coverage(
+        repetitions: u32,
+        count: usize,
+        value: impl Fn(&mut ChaCha8Rng) -> f64,
+        mean: f64,
+        interval: impl Fn(&[f64], &mut ChaCha8Rng) -> Option<Interval>,
+    ) -> f64 {
         let mut draw = Seed { seed: 1, run: 0 }.stream(Purpose::Bootstrap, 0, 0);
-        let mut covered = 0;
-        for _ in 0..20_000 {
-            let values: [f64; 30] = std::array::from_fn(|_| StandardNormal.sample(&mut draw));
-            covered += u32::from(t_interval(&values, 0.95).is_some_and(|interval| interval.low <= 0.0 && 0.0 <= interval.high));
-        }
-        let share = f64::from(covered) / 20_000.0;
-        assert!((0.945..0.955).contains(&share), "{share}");
+        let covers = |_: &u32| {
+            let values: Vec<f64> = (0..count).map(|_| value(&mut draw)).collect();
+            interval(&values, &mut draw).is_some_and(|interval| interval.low <= mean && mean <= interval.high)
+        };
+        (0..repetitions).filter(covers).count() as f64 / f64::from(repetitions)
+    }
+
+    fn normal(draw: &mut ChaCha8Rng) -> f64 {
+        StandardNormal.sample(draw)
+    }
+
+    fn exponential(draw: &mut ChaCha8Rng) -> f64 {
+        Exp1.sample(draw)
+    }
+
+    fn assert_nominal(share: f64) {
+        assert!((0.94..=0.96).contains(&share), "{share}");
     }
 
     #[test]
-    fn a_bootstrap_of_a_normal_mean_covers_it_nearly_as_often() {
-        let mut draw = Seed { seed: 2, run: 0 }.stream(Purpose::Bootstrap, 0, 0);
-        let mut covered = 0;
-        for _ in 0..400 {
-            let values: [f64; 40] = std::array::from_fn(|_| StandardNormal.sample(&mut draw));
-            let interval = bootstrap_interval(&values, 0.95, &mut draw).unwrap();
-            covered += u32::from(interval.low <= 0.0 && 0.0 <= interval.high);
+    fn t_intervals_cover_a_mean_as_often_as_they_say() {
+        let interval = |values: &[f64], _: &mut ChaCha8Rng| t_interval(values, 0.95);
+        // A standard deviation of these shares is 0.2 points.
+        assert_nominal(coverage(10_000, 5, normal, 0.0, interval));
+        assert_nominal(coverage(10_000, 30, normal, 0.0, interval));
+        assert_nominal(coverage(10_000, 30, |draw| draw.random(), 0.5, interval));
+        // Of values far from normal it takes many.
+        assert_nominal(coverage(10_000, 200, exponential, 1.0, interval));
+    }
+
+    #[test]
+    fn a_t_interval_of_the_differences_of_pairs_covers_the_difference_of_their_means() {
+        // Two values of a pair have a large part in common, as two methods on one scene have.
+        let pair = |draw: &mut ChaCha8Rng| {
+            let scene = 10.0 * normal(draw);
+            (scene + normal(draw) + 0.3) - (scene + normal(draw))
+        };
+        assert_nominal(coverage(10_000, 20, pair, 0.3, |values, _| t_interval(values, 0.95)));
+    }
+
+    #[test]
+    fn bootstraps_cover_a_mean_as_often_as_they_say() {
+        let interval = |values: &[f64], draw: &mut ChaCha8Rng| bootstrap_interval(values, 0.95, draw);
+        // A standard deviation of these shares is 0.4 points.
+        assert_nominal(coverage(3_000, 15, normal, 0.0, interval));
+        assert_nominal(coverage(3_000, 15, |draw| draw.random(), 0.5, interval));
+    }
+
+    #[test]
+    fn wilson_intervals_cover_a_probability_as_often_as_they_say() {
+        let flips = |p: f64| move |draw: &mut ChaCha8Rng| f64::from(u8::from(draw.random_bool(p)));
+        let interval = |values: &[f64], _: &mut ChaCha8Rng| wilson_interval(values.iter().sum(), values.len(), 0.95);
+        for p in [0.3, 0.5, 0.9] {
+            assert_nominal(coverage(10_000, 200, flips(p), p, interval));
         }
-        // The percentile interval of 40 values is a little too narrow: about 94 %; four standard deviations are 4.5 points.
-        assert!((0.89..0.985).contains(&(f64::from(covered) / 400.0)), "{covered}");
     }
 
     #[test]

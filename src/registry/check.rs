@@ -209,7 +209,7 @@ fn expect_type(value: &Value, is_right: bool, wanted: &str, pointer: &str, fault
 }
 
 /// `pointer` with one more step, escaped as RFC 6901 says.
-fn join(pointer: &str, step: &str) -> String {
+pub(super) fn join(pointer: &str, step: &str) -> String {
     format!("{pointer}/{}", step.replace('~', "~0").replace('/', "~1"))
 }
 

@@ -5,9 +5,11 @@
 
 mod check;
 mod export;
+mod paths;
 
 pub use check::{check, check_field, check_into};
 pub use export::{Components, json_schema, standalone_schema};
+pub use paths::nearest_path;
 
 /// A JSON object with known fields; any other field is a fault.
 pub struct Object {

@@ -1,12 +1,16 @@
 //! The cells of a campaign: the product of its axes, each with the job body of its runs.
 
+use super::super::catalogue::request_object;
 use super::super::plan::{JobKind, Plan, plan, write_out_preset};
 use crate::model::fault::Fault;
+use crate::registry::nearest_path;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
 /// Cells of one campaign.
 const MAX_CELLS: u128 = 2000;
+
+const WHOLE_GRID: &str = "/grid";
 
 #[derive(Debug, Clone, Deserialize)]
 struct Change {
@@ -32,11 +36,22 @@ enum Wire {
 pub(super) struct Axis {
     pub name: String,
     points: Vec<Variant>,
+    /// Whether the spec gives one path for all points.
+    has_one_path: bool,
 }
 
 impl Axis {
     pub fn point_named(&self, name: &str) -> Option<usize> {
         self.points.iter().position(|point| point.name == name)
+    }
+
+    /// Where the spec gives the path and the value of a change of a point.
+    fn pointers(&self, point: usize, change: usize) -> (String, String) {
+        if self.has_one_path {
+            ("/path".to_owned(), format!("/values/{point}"))
+        } else {
+            (format!("/variants/{point}/set/{change}/path"), format!("/variants/{point}/set/{change}/value"))
+        }
     }
 
     pub fn point_names(&self) -> String {
@@ -65,10 +80,11 @@ impl Cell {
 /// The axes of a checked grid.
 pub(super) fn axes_of(spec: &Value) -> Vec<Axis> {
     let axis = |wire: Wire| match wire {
-        Wire::Variants { name, variants } => Axis { name, points: variants },
+        Wire::Variants { name, variants } => Axis { name, points: variants, has_one_path: false },
         Wire::Values { name, path, values } => {
             let point = |value: Value| Variant { name: text_of(&value), set: vec![Change { path: path.clone(), value }] };
-            Axis { name: name.unwrap_or_else(|| path.clone()), points: values.into_iter().map(point).collect() }
+            let points = values.into_iter().map(point).collect();
+            Axis { name: name.unwrap_or_else(|| path.clone()), points, has_one_path: true }
         }
     };
     let wires = spec["grid"].as_array().into_iter().flatten();
@@ -98,7 +114,12 @@ pub(super) fn cells_of(spec: &Value, axes: &[Axis]) -> Result<Vec<Cell>, Vec<Fau
     for number in 0..count as usize {
         match cell(kind, &body, axes, number, &spec["seed"]) {
             Ok(cell) => cells.push(cell),
-            Err(found) => faults.extend(found),
+            // Every cell at a point has the faults of the point.
+            Err(found) => found.into_iter().for_each(|fault| {
+                if fault.pointer == WHOLE_GRID || !faults.iter().any(|known: &Fault| is_same(known, &fault)) {
+                    faults.push(fault);
+                }
+            }),
         }
         if faults.len() >= 100 {
             break;
@@ -112,6 +133,10 @@ pub(super) fn faults_of_base(spec: &Value) -> Vec<Fault> {
     let found = base_of(spec).and_then(|(kind, body)| plan(kind, &body).map_err(in_base));
     // What the table says of a base that is missing, it has said.
     found.err().filter(|_| spec.get("base").is_some()).unwrap_or_default()
+}
+
+fn is_same(known: &Fault, fault: &Fault) -> bool {
+    (&known.pointer, &known.code) == (&fault.pointer, &fault.code)
 }
 
 fn in_base(faults: Vec<Fault>) -> Vec<Fault> {
@@ -156,6 +181,29 @@ fn base_of(spec: &Value) -> Result<(JobKind, Value), Vec<Fault>> {
     }
 }
 
+/// A change that a cell makes to the base, and where the spec gives its path and its value.
+struct Made<'a> {
+    change: &'a Change,
+    path_pointer: String,
+    value_pointer: String,
+}
+
+fn changes_at<'a>(axes: &'a [Axis], points: &[usize]) -> Vec<Made<'a>> {
+    let mut made = Vec::new();
+    for (number, (axis, &point)) in axes.iter().zip(points).enumerate() {
+        made.extend(axis.points[point].set.iter().enumerate().map(|(index, change)| {
+            let (path, value) = axis.pointers(point, index);
+            Made { change, path_pointer: format!("/grid/{number}{path}"), value_pointer: format!("/grid/{number}{value}") }
+        }));
+    }
+    made
+}
+
+/// The way from the place `outer` to `inner`, where that is the same or inside of it.
+fn within<'a>(inner: &'a str, outer: &str) -> Option<&'a str> {
+    inner.strip_prefix(outer).filter(|rest| rest.is_empty() || rest.starts_with('/'))
+}
+
 fn cell(kind: JobKind, base: &Value, axes: &[Axis], number: usize, seed: &Value) -> Result<Cell, Vec<Fault>> {
     let mut points = vec![0; axes.len()];
     let mut rest = number;
@@ -168,17 +216,39 @@ fn cell(kind: JobKind, base: &Value, axes: &[Axis], number: usize, seed: &Value)
         [] => "all".to_owned(),
         _ => chosen().map(|point| point.name.as_str()).collect::<Vec<_>>().join(", "),
     };
-    let placed = |fault: Fault| {
-        let detail = format!("cell '{name}': {}: {}", fault.pointer, fault.detail);
-        Fault { pointer: "/grid".to_owned(), detail, ..fault }
-    };
+    let made = changes_at(axes, &points);
     let mut body = base.clone();
-    for change in chosen().flat_map(|point| &point.set) {
-        set(&mut body, &change.path, &change.value).map_err(|fault| vec![placed(*fault)])?;
+    for Made { change, path_pointer, .. } in &made {
+        let unknown = |fault: Box<Fault>| {
+            let detail = format!("cell '{name}': {}: {}", change.path, fault.detail);
+            vec![near(Fault { pointer: path_pointer.clone(), detail, ..*fault }, &change.path, base, kind)]
+        };
+        set(&mut body, &change.path, &change.value).map_err(unknown)?;
     }
     body["seed"] = seed.clone();
+    let placed = |fault: Fault| placed(fault, &name, &made, &body, kind);
     let plan = plan(kind, &body).map_err(|faults| faults.into_iter().map(placed).collect::<Vec<_>>())?;
     Ok(Cell { name, points, plan: Plan { wants_files: false, ..plan } })
+}
+
+/// A fault of a cell's body at the change that made it: at its path where the body has no such place, else in its value; at the grid
+/// where it is in no change, such as what two of them contradict.
+fn placed(fault: Fault, name: &str, made: &[Made], body: &Value, kind: JobKind) -> Fault {
+    let detail = format!("cell '{name}': {}: {}", fault.pointer, fault.detail);
+    let is_unknown = |made: &&Made| fault.code == "unknown_field" && within(&made.change.path, &fault.pointer).is_some();
+    if let Some(made) = made.iter().rev().find(is_unknown) {
+        return near(Fault { pointer: made.path_pointer.clone(), detail, ..fault }, &made.change.path, body, kind);
+    }
+    let in_value = |made: &Made| within(&fault.pointer, &made.change.path).map(|rest| format!("{}{rest}", made.value_pointer));
+    let pointer = made.iter().rev().find_map(in_value).unwrap_or_else(|| WHOLE_GRID.to_owned());
+    Fault { pointer, detail, ..fault }
+}
+
+/// The fault, with the known path that is nearest to the unknown one.
+fn near(fault: Fault, path: &str, body: &Value, kind: JobKind) -> Fault {
+    let nearest = nearest_path(path, body, request_object(kind)).filter(|nearest| nearest != path);
+    let hint = nearest.map_or_else(String::new, |nearest| format!("; the nearest path is '{nearest}'"));
+    Fault { detail: fault.detail + &hint, ..fault }
 }
 
 /// Puts a value at a JSON pointer; objects on the way that are absent are made, for a field may have been left to its default.

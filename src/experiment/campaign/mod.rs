@@ -6,6 +6,7 @@
 mod cells;
 mod outcomes;
 mod requests;
+mod stop;
 mod tables;
 
 pub use requests::CAMPAIGN;
@@ -13,6 +14,7 @@ pub use requests::CAMPAIGN;
 use super::observer::{Observer, Step};
 use super::plan::{Estimate, InputRequest, JobKind, Plan};
 use super::run::{self, CellTime, Decided, Inputs, RunError, to_value};
+use crate::math::rng::Seed;
 use crate::math::stats;
 use crate::model::fault::Fault;
 use cells::{Axis, Cell};
@@ -20,6 +22,7 @@ use outcomes::{Judge, Outcome, Rows};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
 use std::time::Duration;
+use stop::{Ended, Stop};
 
 /// Longer campaigns are refused.
 const MAX_COST_S: f64 = 7.0 * 86_400.0;
@@ -54,11 +57,12 @@ pub(super) fn plan(spec: Value, mut faults: Vec<Fault>) -> Result<Plan, Vec<Faul
         faults.push(*fault);
     }
     faults.extend(outcomes::named_twice(&spec));
+    let seed = spec["seed"].as_u64().and_then(|seed| u32::try_from(seed).ok()).unwrap_or_default();
+    faults.extend(Stop::of(&spec, Seed { seed, run: 0 }).err().map(|fault| *fault));
     let inputs = inputs_of(&cells, &mut faults);
     if !faults.is_empty() {
         return Err(faults);
     }
-    let seed = spec["seed"].as_u64().and_then(|seed| u32::try_from(seed).ok()).unwrap_or_default();
     Ok(Plan { kind: JobKind::Campaign, spec, seed, run: 0, wants_files: true, is_timed: false, inputs, estimate })
 }
 
@@ -96,6 +100,7 @@ struct Harvest {
     /// By cell.
     rows: Vec<Rows>,
     times_us: Vec<Vec<f64>>,
+    ended: Vec<Ended>,
 }
 
 /// Does the work of a campaign.
@@ -112,7 +117,7 @@ pub(super) fn run(plan: &Plan, inputs: &Inputs, observer: &mut dyn Observer) -> 
     let judge = Judge { outcomes: &harvest.outcomes, axes: &axes, confidence, seed: plan.stream() };
     let report = |(index, cell): (usize, &Cell)| {
         let other = reference(index).filter(|&other| other != index).map(|other| (&cells[other], &harvest.rows[other]));
-        judge.report(cell, index, &harvest.rows[index], other)
+        judge.report(cell, index, (&harvest.rows[index], harvest.ended[index]), other)
     };
     let reports: Vec<_> = cells.iter().enumerate().map(report).collect();
     let names: Vec<&str> = harvest.outcomes.iter().map(Outcome::name).collect();
@@ -130,9 +135,11 @@ fn gather(plan: &Plan, cells: &[Cell], inputs: &Inputs, observer: &mut dyn Obser
     let mut outcomes = outcomes::listed(&plan.spec);
     let mut rows: Vec<Rows> = vec![Vec::new(); cells.len()];
     let mut times_us = vec![Vec::new(); cells.len()];
+    let stop = Stop::of(&plan.spec, plan.stream()).map_err(|fault| vec![*fault])?;
+    let mut ended = vec![None; cells.len()];
     let mut inner = Inner { observer, done: 0, total: u64::from(runs) * cells.len() as u64 };
     for run in 0..runs {
-        for (index, cell) in cells.iter().enumerate() {
+        for (index, cell) in cells.iter().enumerate().filter(|(index, _)| ended[*index].is_none()) {
             let job = Plan { run, is_timed: run < timed_runs, ..cell.plan.clone() };
             let outcome = run::run(&job, inputs.clone(), &mut inner).map_err(|error| placed(error, cell, run))?;
             let kept = outcomes.get_or_insert_with(|| outcomes::found_in(&outcome.result));
@@ -146,8 +153,20 @@ fn gather(plan: &Plan, cells: &[Cell], inputs: &Inputs, observer: &mut dyn Obser
                 return Err(RunError::Stopped);
             }
         }
+        let left = runs - run - 1;
+        for stop in stop.iter().filter(|_| left > 0 && stop::looks_after(run + 1)) {
+            let reached = |index: &usize| ended[*index].is_none() && stop.is_reached(*index, &rows[*index]);
+            for index in (0..cells.len()).filter(reached).collect::<Vec<_>>() {
+                ended[index] = Some(Ended::HalfWidth);
+                inner.done += u64::from(left);
+            }
+        }
+        if ended.iter().all(Option::is_some) {
+            break;
+        }
     }
-    Ok(Harvest { outcomes: outcomes.unwrap_or_default(), rows, times_us })
+    let ended = ended.into_iter().map(|ended| ended.unwrap_or(Ended::Runs)).collect();
+    Ok(Harvest { outcomes: outcomes.unwrap_or_default(), rows, times_us, ended })
 }
 
 fn us_per_scan(decided: Decided) -> f64 {

@@ -1,9 +1,11 @@
 //! The numbers that a campaign keeps of each run, and what it says of them cell by cell.
 
 use super::cells::{Axis, Cell};
+use super::stop::Ended;
 use crate::math::rng::{Purpose, Seed};
 use crate::math::stats::{self, Interval};
 use crate::model::fault::Fault;
+use rand::RngExt;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -34,6 +36,16 @@ impl Outcome {
     pub fn of(&self, result: &Value) -> Option<f64> {
         let counts = self.only_where.as_ref().is_none_or(|path| number_at(result, path) == Some(1.0));
         number_at(result, &self.path).filter(|number| counts && number.is_finite())
+    }
+
+    /// The interval that it asks for, of the numbers that runs have; `draw` makes the resamples of a bootstrap.
+    pub fn interval_of(&self, present: &[f64], confidence: f64, mut draw: impl RngExt) -> Option<Interval> {
+        match self.interval {
+            Method::T => stats::t_interval(present, confidence),
+            Method::Wilson if !present.iter().copied().all(is_success_or_failure) => None,
+            Method::Wilson => stats::wilson_interval(present.iter().sum(), present.len(), confidence),
+            Method::Bootstrap => stats::bootstrap_interval(present, confidence, &mut draw),
+        }
     }
 }
 
@@ -110,6 +122,8 @@ pub(super) struct CellReport {
     pub name: String,
     pub parameters: Map<String, Value>,
     pub runs: usize,
+    /// Why it has no more.
+    pub ended: Ended,
     pub outcomes: BTreeMap<String, Summary>,
     /// To the cell that it is compared with; none of that cell itself.
     pub differences: BTreeMap<String, Difference>,
@@ -148,7 +162,7 @@ pub(super) struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    pub fn report(&self, cell: &Cell, index: usize, rows: &Rows, reference: Option<(&Cell, &Rows)>) -> CellReport {
+    pub fn report(&self, cell: &Cell, index: usize, (rows, ended): (&Rows, Ended), reference: Option<(&Cell, &Rows)>) -> CellReport {
         let named = |number: usize| self.outcomes[number].name().to_owned();
         let summary = |number: usize| (named(number), self.summary(number, index, &rows[number]));
         let difference = |theirs: &Rows, number: usize| (named(number), self.difference(&rows[number], &theirs[number]));
@@ -157,6 +171,7 @@ impl Judge<'_> {
             name: cell.name.clone(),
             parameters: cell.parameters(self.axes),
             runs: rows.first().map_or(0, Vec::len),
+            ended,
             outcomes: numbers().map(summary).collect(),
             differences: reference.iter().flat_map(|(_, theirs)| numbers().map(|number| difference(theirs, number))).collect(),
             compared_with: reference.map(|(cell, _)| cell.name.clone()),
@@ -166,15 +181,8 @@ impl Judge<'_> {
     fn summary(&self, number: usize, cell: usize, values: &[Option<f64>]) -> Summary {
         let mut present: Vec<f64> = values.iter().flatten().copied().collect();
         let method = self.outcomes[number].interval;
-        let interval = match method {
-            Method::T => stats::t_interval(&present, self.confidence),
-            Method::Wilson if !present.iter().copied().all(is_success_or_failure) => None,
-            Method::Wilson => stats::wilson_interval(present.iter().sum(), present.len(), self.confidence),
-            Method::Bootstrap => {
-                let mut draw = self.seed.stream(Purpose::Bootstrap, cell as u64, number as u64);
-                stats::bootstrap_interval(&present, self.confidence, &mut draw)
-            }
-        };
+        let draw = self.seed.stream(Purpose::Bootstrap, cell as u64, number as u64);
+        let interval = self.outcomes[number].interval_of(&present, self.confidence, draw);
         let (mean, standard_deviation) = (stats::mean(&present), stats::standard_deviation(&present));
         present.sort_by(f64::total_cmp);
         Summary {
@@ -193,5 +201,27 @@ impl Judge<'_> {
     fn difference(&self, ours: &[Option<f64>], theirs: &[Option<f64>]) -> Difference {
         let pairs: Vec<f64> = ours.iter().zip(theirs).filter_map(|(ours, theirs)| Some((*ours)? - (*theirs)?)).collect();
         Difference { pairs: pairs.len(), mean: stats::mean(&pairs), interval: stats::t_interval(&pairs, self.confidence) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_paired_difference_by_hand() {
+        // Two methods on six scenes; the third scene has no number of the second. The differences are
+        // 1, 2, 3, 4, 5: mean 3, s² = 10/4, t(0.975; 4) = 2.77645, 3 ± 2.77645 · 1.58114 / 2.23607.
+        let ours = [11.0, 17.0, 99.0, 23.0, 29.0, 35.0].map(Some);
+        let theirs = [Some(10.0), Some(15.0), None, Some(20.0), Some(25.0), Some(30.0)];
+        let judge = Judge { outcomes: &[], axes: &[], confidence: 0.95, seed: Seed { seed: 1, run: 0 } };
+        let found = judge.difference(&ours, &theirs);
+        assert_eq!((found.pairs, found.mean), (5, Some(3.0)));
+        let interval = found.interval.unwrap();
+        assert!((interval.low - 1.036_757).abs() < 1e-5 && (interval.high - 4.963_243).abs() < 1e-5, "{interval:?}");
+        // The means alone, 23 and 20 over the same scenes, have intervals that overlap widely.
+        let alone = stats::t_interval(&[11.0, 17.0, 23.0, 29.0, 35.0], 0.95).unwrap();
+        assert!(alone.low < 20.0);
+        assert_eq!(judge.difference(&ours[2..3], &theirs[2..3]), Difference { pairs: 0, mean: None, interval: None });
     }
 }

@@ -75,6 +75,19 @@ static COMPARE: Object = Object {
     ],
 };
 
+static STOP: Object = Object {
+    name: "CampaignStop",
+    summary: "A cell ends when the interval of an outcome is narrow enough; looked at after 10, 20, 40, 80, … runs.",
+    fields: &[
+        required("outcome", "Name of one of the listed outcomes.", NAME),
+        required(
+            "half_width",
+            "Half of the length of its interval, in the unit of the outcome, at which it is narrow enough.",
+            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e300), unit: "" },
+        ),
+    ],
+};
+
 pub static CAMPAIGN: Object = Object {
     name: "CampaignRequest",
     summary: "Run a job many times over a grid of its parameters. Run r of every cell has the same scene.",
@@ -83,8 +96,17 @@ pub static CAMPAIGN: Object = Object {
         LABELS,
         SEED,
         required("base", "The job of each run: the body of a job of another kind, with its `kind`.", Kind::Json),
-        default("grid", "The axes; the cells are their product.", Kind::List { item: &Kind::Union(&AXIS), min: 0, max: 8 }, "[]"),
-        default("runs", "Runs of each cell.", Kind::Integer { min: 1, max: MAX_RUNS, unit: "runs" }, "20"),
+        optional(
+            "grid",
+            "The axes; the cells are their product. When absent, the base is the one cell.",
+            Kind::List { item: &Kind::Union(&AXIS), min: 1, max: 8 },
+        ),
+        default(
+            "runs",
+            "Runs of each cell, the most where `stop_at` may end it before.",
+            Kind::Integer { min: 1, max: MAX_RUNS, unit: "runs" },
+            "20",
+        ),
         default(
             "confidence",
             "Confidence of the intervals.",
@@ -97,6 +119,7 @@ pub static CAMPAIGN: Object = Object {
             Kind::List { item: &Kind::Object(&OUTCOME), min: 1, max: 100 },
         ),
         optional("compare", "When absent, the first point of the last axis.", Kind::Object(&COMPARE)),
+        optional("stop_at", "When absent, every cell has all its runs.", Kind::Object(&STOP)),
         default(
             "timed_runs",
             "In the first so many runs of a cell the associator or grouper is timed by itself.",

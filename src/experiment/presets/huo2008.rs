@@ -41,7 +41,44 @@ pub(super) fn presets() -> Vec<Preset> {
         ("size", 1, json!({"by": "variants", "name": "sensors × targets", "variants": sizes})),
     ];
     presets.extend(grids.into_iter().map(|(name, runs, axis)| grid(&body, name, runs, &axis)));
+    presets.push(study(&body));
     presets
+}
+
+/// The setting of the paper and one change of it at a time, every correlator and the paper's own coding, all against the optimum.
+fn study(body: &Value) -> Preset {
+    let setting = |name: &str, tracks: Value, more: &[(&str, Value)]| {
+        let of_tracks = tracks.as_object().into_iter().flatten().map(|(field, value)| (format!("/input/tracks/{field}"), value.clone()));
+        let of_job = more.iter().map(|(path, value)| ((*path).to_owned(), value.clone()));
+        let set: Vec<Value> = of_tracks.chain(of_job).map(|(path, value)| json!({"path": path, "value": value})).collect();
+        json!({"name": name, "set": set})
+    };
+    let in_common = [("/cross_covariance", json!({"kind": "coefficient", "coefficient": 0.5}))];
+    let settings = [
+        setting("3 × 10", json!({}), &[]),
+        setting("spacing 250 m", json!({"spacing_m": 250.0}), &[]),
+        setting("spacing 150 m", json!({"spacing_m": 150.0}), &[]),
+        setting("P_D 0.9", json!({"p_d": 0.9}), &[]),
+        setting("P_D 0.7", json!({"p_d": 0.7}), &[]),
+        setting("2 false tracks", json!({"false_tracks": 2.0}), &[]),
+        setting("5 false tracks", json!({"false_tracks": 5.0}), &[]),
+        setting("bias 100 m", json!({"bias_m": 100.0}), &[]),
+        setting("bias 200 m", json!({"bias_m": 200.0}), &[]),
+        setting("errors in common, 250 m", json!({"cross_correlation": 0.5, "spacing_m": 250.0}), &in_common),
+        setting("all pairs, 250 m, P_D 0.9", json!({"spacing_m": 250.0, "p_d": 0.9}), &[("/statistic", json!({"kind": "all_pairs"}))]),
+        setting("3 × 50, P_D 0.9", json!({"targets": 50, "p_d": 0.9}), &[]),
+        setting("5 × 50, P_D 0.9", json!({"sensors": 5, "targets": 50, "p_d": 0.9}), &[]),
+    ];
+    let mut preset = grid(body, "study", 20, &json!({"by": "variants", "name": "setting", "variants": settings}));
+    let published = json!({"method": "genetic", "variant": "paper", "population": 100, "generations": 500, "stop_after": 100});
+    if let Some(variants) = preset.body["grid"][1]["variants"].as_array_mut() {
+        variants.push(json!({"name": "genetic, as published", "set": [{"path": "/correlator", "value": published}]}));
+    }
+    preset.body["compare"] = json!({"axis": "correlator", "to": "exact"});
+    preset.summary = "Huo et al. 2008: three sensors and ten targets and one change of that at a time, every correlator and the genetic \
+                      algorithm as published, against the optimum."
+        .to_owned();
+    preset
 }
 
 /// Errors that the sensors have in common, and costs that know of them.

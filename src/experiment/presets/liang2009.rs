@@ -1,5 +1,6 @@
 //! The scenes of J. Liang, Y. Liu, 2009, Table 1: one radar of 50 km range at the centre, 10 to 100 targets with constant
-//! velocity, 30 scans 8 s apart, five false detections a scan on average.
+//! velocity, 30 scans 8 s apart, five false detections a scan on average; and the campaign over all of them that answers what
+//! the paper says of its figures.
 
 use super::Preset;
 use crate::experiment::plan::JobKind;
@@ -16,8 +17,7 @@ pub(super) fn presets() -> Vec<Preset> {
     let cartesian = TARGETS.iter().map(|&count| {
         let summary =
             format!("Liang & Liu 2009: {count} targets, one radar, 30 scans; tracked by nearest neighbour and judged by the automaton.");
-        let scenario = scenario(count, json!({"sigma_x_m": 15.0, "sigma_y_m": 5.2}));
-        preset(format!("liang2009-{count}"), summary, "kalman", json!({"method": "one_point"}), scenario)
+        preset(format!("liang2009-{count}"), summary, "kalman", json!({"method": "one_point"}), scenario_of_paper(count))
     });
     let polar = TARGETS.iter().map(|&count| {
         let summary = format!(
@@ -28,7 +28,44 @@ pub(super) fn presets() -> Vec<Preset> {
         let initiation = json!({"method": "two_point", "max_speed_mps": MAX_SPEED_MPS});
         preset(format!("liang2009-polar-{count}"), summary, "converted", initiation, scenario(count, noise))
     });
-    cartesian.chain(polar).collect()
+    cartesian.chain(polar).chain([table1()]).collect()
+}
+
+/// Targets by associators, judged by the automaton alone.
+fn table1() -> Preset {
+    let name = "liang2009-table1".to_owned();
+    let mut base = preset(String::new(), String::new(), "kalman", json!({"method": "one_point"}), scenario_of_paper(TARGETS[0])).body;
+    (base["kind"], base["profile"]) = (json!("evaluate"), json!("tfa"));
+    let variant = |(name, method): (&str, &str)| json!({"name": name, "set": [{"path": "/associator", "value": {"method": method}}]});
+    let associators = [("NN", "nearest_neighbour"), ("PDA", "pda"), ("JPDA", "jpda")].map(variant);
+    Preset {
+        summary: "Liang & Liu 2009, Table 1 and Figures 1 and 2: nearest neighbour, PDA and JPDA with 10 to 100 targets, judged by the \
+                  automaton; means with intervals, and JPDA and PDA against nearest neighbour on the same scenes."
+            .to_owned(),
+        kind: JobKind::Campaign,
+        body: json!({
+            "name": name,
+            "seed": 1,
+            "base": base,
+            "grid": [
+                {"by": "values", "name": "targets", "path": "/input/scenario/targets/count", "values": TARGETS},
+                {"by": "variants", "name": "associator", "variants": associators}
+            ],
+            "runs": 200,
+            "outcomes": [
+                {"name": "P correct", "path": "tfa.probability.correct"},
+                {"name": "P missed", "path": "tfa.probability.missed"},
+                {"name": "correct per target", "path": "tfa.ratios.correct_per_target"},
+                {"name": "tracks per target", "path": "tfa.ratios.output_tracks_per_target"}
+            ],
+            "compare": {"axis": "associator", "to": "NN"}
+        }),
+        name,
+    }
+}
+
+fn scenario_of_paper(count: u32) -> Value {
+    scenario(count, json!({"sigma_x_m": 15.0, "sigma_y_m": 5.2}))
 }
 
 fn preset(name: String, summary: String, filter: &str, initiation: Value, scenario: Value) -> Preset {

@@ -18,6 +18,9 @@ pub struct Preset {
     pub body: Value,
 }
 
+/// The campaigns that compute what four papers claim.
+pub const PAPERS: [&str; 4] = ["liang2009-table1", "cai-fuzzy-tables", "huo2008-study", "wang-bat-tables"];
+
 /// Every preset.
 pub fn all() -> Vec<Preset> {
     let mut presets = liang2009::presets();

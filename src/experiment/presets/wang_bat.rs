@@ -48,21 +48,45 @@ pub(super) fn presets() -> Vec<Preset> {
             &[ungated()],
             5,
         ),
+        preset(
+            "wang-bat-tables",
+            "two targets with noise 0.3° and 0.6°, and six targets, in one",
+            &two,
+            &[scenes(&two, &six(5.0)), contenders()],
+            1000,
+        ),
     ]
+}
+
+/// The scenes of the tables as an axis.
+fn scenes(two: &Scene, six: &Scene) -> Value {
+    let variant = |name: &str, scene: &Scene, sigma_deg: f64| {
+        let mut scenario = scenario(scene);
+        scenario["sensors"][0]["sigma_bearing_deg"] = json!(sigma_deg);
+        json!({"name": name, "set": [
+            {"path": "/input/scenario", "value": scenario}, {"path": "/filter/process_noise_deg2ps3", "value": scene.process_noise}
+        ]})
+    };
+    let variants = [variant("two, 0.3°", two, 0.3), variant("two, 0.6°", two, 0.6), variant("six, 0.35°", six, six.sigma_deg)];
+    json!({"by": "variants", "name": "scene", "variants": variants})
+}
+
+fn scenario(scene: &Scene) -> Value {
+    json!({
+        "scans": scene.scans,
+        "scan_period_s": 1.0,
+        "sensors": [{
+            "sensor_id": "sonar", "p_d": 0.95, "sigma_bearing_deg": scene.sigma_deg, "clutter_per_deg": 0.1,
+            "clutter_within_deg": scene.clutter_within_deg
+        }],
+        "targets": {"kind": "bearings", "crossings": scene.crossings}
+    })
 }
 
 fn preset(name: &str, summary: &str, scene: &Scene, grid: &[Value], runs: u32) -> Preset {
     let base = json!({
         "kind": "evaluate",
-        "input": {"source": "scenario", "scenario": {
-            "scans": scene.scans,
-            "scan_period_s": 1.0,
-            "sensors": [{
-                "sensor_id": "sonar", "p_d": 0.95, "sigma_bearing_deg": scene.sigma_deg, "clutter_per_deg": 0.1,
-                "clutter_within_deg": scene.clutter_within_deg
-            }],
-            "targets": {"kind": "bearings", "crossings": scene.crossings}
-        }},
+        "input": {"source": "scenario", "scenario": scenario(scene)},
         "filter": {"method": "bearing_only", "process_noise_deg2ps3": scene.process_noise},
         "tracker": {"gate_probability": FIVE_SIGMA, "initiation": {"method": "truth", "rate_sigma_degps": 0.1}},
         "profile": "vision",

@@ -26,7 +26,7 @@ pub(super) struct RunArguments {
     /// A job file: the body of a request with its `kind`; `trackloom presets NAME` prints one
     #[arg(required_unless_present = "preset", conflicts_with = "preset")]
     job: Option<PathBuf>,
-    /// Run this preset
+    /// Run this preset; `papers` runs every campaign that computes the claims of a paper, one after the other
     #[arg(long)]
     preset: Option<String>,
     /// Seed instead of the job's own
@@ -35,7 +35,7 @@ pub(super) struct RunArguments {
     /// Runs of each cell of a campaign instead of the job's own
     #[arg(long)]
     runs: Option<u32>,
-    /// Write report.json and the artefacts into this directory
+    /// Write report.json and the artefacts into this directory; of `papers`, each campaign's into one of its own
     #[arg(long)]
     out: Option<PathBuf>,
     /// What to print
@@ -103,7 +103,20 @@ fn fault_line(fault: &Fault) -> String {
 }
 
 fn finish(arguments: &RunArguments) -> Result<(), Trouble> {
-    let mut job = read_job(arguments)?;
+    match (&arguments.job, arguments.preset.as_deref().unwrap_or_default()) {
+        (Some(path), _) => {
+            let job = JobFile::new(read_json(path)?, path.parent().unwrap_or(Path::new(".")))?;
+            finish_job(job, arguments, arguments.out.as_deref())
+        }
+        (None, "papers") => presets::PAPERS.into_iter().try_for_each(|name| {
+            let out = arguments.out.as_ref().map(|folder| folder.join(name));
+            finish_job(preset_job(name)?, arguments, out.as_deref())
+        }),
+        (None, name) => finish_job(preset_job(name)?, arguments, arguments.out.as_deref()),
+    }
+}
+
+fn finish_job(mut job: JobFile, arguments: &RunArguments, out: Option<&Path>) -> Result<(), Trouble> {
     if let Some(seed) = arguments.seed {
         job.body["seed"] = json!(seed);
     }
@@ -112,24 +125,20 @@ fn finish(arguments: &RunArguments) -> Result<(), Trouble> {
     }
     let plan = plan::plan(job.kind, &job.body)?;
     let (report, outcome) = compute(&job, plan)?;
-    if let Some(folder) = &arguments.out {
+    if let Some(folder) = out {
         write_out(folder, &report, &outcome.artifacts)?;
     }
     print(&report, arguments.format)?;
     Ok(())
 }
 
-fn read_job(arguments: &RunArguments) -> Result<JobFile, Trouble> {
-    let (body, folder) = match (&arguments.job, &arguments.preset) {
-        (Some(path), _) => (read_json(path)?, path.parent().unwrap_or(Path::new(".")).to_owned()),
-        (None, name) => {
-            let name = name.as_deref().unwrap_or_default();
-            let known = || presets::all().into_iter().map(|preset| preset.name).collect::<Vec<_>>().join(", ");
-            let unknown = || vec![Fault::new("--preset", "unknown_value", format!("there is no preset '{name}'")).allowing(known())];
-            (catalogue::job_file(&presets::find(name).ok_or_else(unknown)?), PathBuf::from("."))
-        }
+fn preset_job(name: &str) -> Result<JobFile, Trouble> {
+    let unknown = || {
+        let known: Vec<String> = presets::all().into_iter().map(|preset| preset.name).chain(["papers".to_owned()]).collect();
+        vec![Fault::new("--preset", "unknown_value", format!("there is no preset '{name}'")).allowing(known.join(", "))]
     };
-    Ok(JobFile::new(body, &folder)?)
+    let body = catalogue::job_file(&presets::find(name).ok_or_else(unknown)?);
+    Ok(JobFile::new(body, Path::new("."))?)
 }
 
 fn read_json(path: &Path) -> Result<Value, Vec<Fault>> {

@@ -20,6 +20,8 @@ pub struct CampaignCell {
     /// Its point on each axis.
     pub parameters: BTreeMap<String, String>,
     pub runs: u64,
+    /// Why it has no more: `runs` (all are done) or `half_width` (of `stop_at`, reached).
+    pub ended: String,
     pub outcomes: BTreeMap<String, OutcomeSummary>,
     /// Run by run to the cell it is compared with.
     pub differences: BTreeMap<String, OutcomeDifference>,

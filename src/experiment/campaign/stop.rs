@@ -1,0 +1,89 @@
+//! When a cell has runs enough before all are done: the interval of one outcome is narrow enough at 10, 20, 40, 80, … runs.
+//!
+//! It is looked at so rarely because each look is one more chance to stop at an interval that is narrow by luck, and at fixed numbers of
+//! runs so that the answer depends on the spec alone.
+
+use super::outcomes::{Outcome, Rows, listed};
+use crate::math::rng::{Purpose, Seed};
+use crate::model::fault::Fault;
+use serde::Serialize;
+use serde_json::Value;
+
+/// Runs before the first look; each later one is at twice as many.
+const FIRST_LOOK: u32 = 10;
+
+/// Why a cell has no more runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Ended {
+    Runs,
+    HalfWidth,
+}
+
+pub(super) struct Stop {
+    number: usize,
+    outcome: Outcome,
+    half_width: f64,
+    confidence: f64,
+    seed: Seed,
+}
+
+/// Whether the intervals are looked at after so many runs.
+pub(super) fn looks_after(runs: u32) -> bool {
+    runs.is_multiple_of(FIRST_LOOK) && (runs / FIRST_LOOK).is_power_of_two()
+}
+
+impl Stop {
+    /// The rule of a checked spec, where it has one.
+    ///
+    /// # Errors
+    /// It names an outcome that is not listed.
+    pub fn of(spec: &Value, seed: Seed) -> Result<Option<Stop>, Box<Fault>> {
+        let Some(rule) = spec.get("stop_at") else { return Ok(None) };
+        let (name, outcomes) = (rule["outcome"].as_str().unwrap_or_default(), listed(spec).unwrap_or_default());
+        let Some(number) = outcomes.iter().position(|outcome| outcome.name() == name) else {
+            let known = outcomes.iter().map(Outcome::name).collect::<Vec<_>>().join(", ");
+            let allowed = if known.is_empty() { "an outcome listed in 'outcomes'".to_owned() } else { known };
+            let detail = format!("there is no outcome '{name}' in the list of outcomes");
+            return Err(Box::new(Fault::new("/stop_at/outcome", "unknown_value", detail).allowing(allowed)));
+        };
+        let half_width = rule["half_width"].as_f64().unwrap_or_default();
+        let confidence = spec["confidence"].as_f64().unwrap_or(0.95);
+        Ok(Some(Stop { number, outcome: outcomes[number].clone(), half_width, confidence, seed }))
+    }
+
+    /// Whether the numbers of a cell tell enough. What varies not at all in the first runs tells nothing of how much it may, but by Wilson.
+    pub fn is_reached(&self, cell: usize, rows: &Rows) -> bool {
+        let present: Vec<f64> = rows[self.number].iter().flatten().copied().collect();
+        let draw = self.seed.stream(Purpose::Bootstrap, cell as u64, self.number as u64);
+        let half_width = self.outcome.interval_of(&present, self.confidence, draw).map(|interval| (interval.high - interval.low) / 2.0);
+        half_width.is_some_and(|half_width| 0.0 < half_width && half_width <= self.half_width)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn intervals_are_looked_at_after_ten_runs_and_each_doubling() {
+        let looks: Vec<u32> = (0..=1000).filter(|&runs| looks_after(runs)).collect();
+        assert_eq!(looks, [10, 20, 40, 80, 160, 320, 640]);
+    }
+
+    #[test]
+    fn a_half_width_by_hand_is_reached_or_not() {
+        // 1 … 5: ± 1.963243 (t); 10 of 10 by Wilson: 0.722467 to 1, ± 0.138766.
+        let stop = |interval: &str, half_width: f64| {
+            let outcome = json!({"path": "a", "name": "n", "interval": interval});
+            let spec = json!({"outcomes": [outcome], "stop_at": {"outcome": "n", "half_width": half_width}, "confidence": 0.95});
+            Stop::of(&spec, Seed { seed: 1, run: 0 }).unwrap().unwrap()
+        };
+        let numbers = vec![[1.0, 2.0, 3.0, 4.0, 5.0].map(Some).to_vec()];
+        assert_eq!((stop("t", 1.9633).is_reached(0, &numbers), stop("t", 1.9632).is_reached(0, &numbers)), (true, false));
+        let ones = vec![vec![Some(1.0); 10]];
+        assert_eq!((stop("wilson", 0.1388).is_reached(0, &ones), stop("wilson", 0.1387).is_reached(0, &ones)), (true, false));
+        assert!(!stop("t", 1.0).is_reached(0, &ones) && !stop("t", 1.0).is_reached(0, &vec![vec![None; 10]]));
+    }
+}
