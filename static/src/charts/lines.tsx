@@ -138,7 +138,9 @@ function xAxis(props: Props, palette: Palette): object {
   }
   const range = { min: Math.min(...xs), max: Math.max(...xs) };
   const label = { color: palette.muted, fontSize: 11, hideOverlap: true };
-  return valueAxis(props.xName, palette, { ...(props.logX ? { type: "log" } : {}), ...(xs.length ? range : {}), nameGap: 26, axisLabel: label });
+  // Iterations and errors are counted in whole numbers.
+  const least = xs.every(Number.isInteger) ? { minInterval: 1 } : {};
+  return valueAxis(props.xName, palette, { ...least, ...(props.logX ? { type: "log" } : {}), ...(xs.length ? range : {}), nameGap: 26, axisLabel: label });
 }
 
 function draw(chart: Chart, props: Props): void {

@@ -202,6 +202,13 @@ function Search({ result, file }: { result: CorrelateResult; file: string }): JS
   const curves = useMemo(() => searchCurves(result), [result]);
   const { search } = result;
   if (!search) return <NoSearch result={result} />;
+  if (search.generations < 2) {
+    return (
+      <p class="muted">
+        The search ended with its first answers ({words(search.stop)}): best {number(search.best[0])}, mean {number(search.mean[0])} of {count(search.evaluations)} solutions.
+      </p>
+    );
+  }
   const rows = search.best.map((best, index): Cell[] => [index + 1, best, search.mean[index] ?? null]);
   const note = (
     <p class="muted small frame-note">
