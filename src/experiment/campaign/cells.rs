@@ -115,9 +115,10 @@ pub(super) fn cells_of(spec: &Value, axes: &[Axis]) -> Result<Vec<Cell>, Vec<Fau
         match cell(kind, &body, axes, number, &spec["seed"]) {
             Ok(cell) => cells.push(cell),
             // Every cell at a point has the faults of the point.
-            Err(found) => found.into_iter().for_each(|fault| {
-                if fault.pointer == WHOLE_GRID || !faults.iter().any(|known: &Fault| is_same(known, &fault)) {
-                    faults.push(fault);
+            Err(found) => found.into_iter().for_each(|misfit| {
+                let is_known = |known: &Fault| (&known.pointer, &known.code) == (&misfit.fault.pointer, &misfit.fault.code);
+                if misfit.fault.pointer == WHOLE_GRID || !faults.iter().any(is_known) {
+                    faults.push(misfit.told(kind));
                 }
             }),
         }
@@ -133,10 +134,6 @@ pub(super) fn faults_of_base(spec: &Value) -> Vec<Fault> {
     let found = base_of(spec).and_then(|(kind, body)| plan(kind, &body).map_err(in_base));
     // What the table says of a base that is missing, it has said.
     found.err().filter(|_| spec.get("base").is_some()).unwrap_or_default()
-}
-
-fn is_same(known: &Fault, fault: &Fault) -> bool {
-    (&known.pointer, &known.code) == (&fault.pointer, &fault.code)
 }
 
 fn in_base(faults: Vec<Fault>) -> Vec<Fault> {
@@ -204,7 +201,22 @@ fn within<'a>(inner: &'a str, outer: &str) -> Option<&'a str> {
     inner.strip_prefix(outer).filter(|rest| rest.is_empty() || rest.starts_with('/'))
 }
 
-fn cell(kind: JobKind, base: &Value, axes: &[Axis], number: usize, seed: &Value) -> Result<Cell, Vec<Fault>> {
+/// A fault of a cell, and the path that no field has with the body that has none.
+struct Misfit {
+    fault: Fault,
+    unknown: Option<(String, Value)>,
+}
+
+impl Misfit {
+    /// The fault, with the known path that is nearest to the unknown one: looking for it takes a while, so once for each.
+    fn told(self, kind: JobKind) -> Fault {
+        let nearest = |(path, body): (String, Value)| nearest_path(&path, &body, request_object(kind)).filter(|nearest| *nearest != path);
+        let hint = self.unknown.and_then(nearest).map_or_else(String::new, |nearest| format!("; the nearest path is '{nearest}'"));
+        Fault { detail: self.fault.detail + &hint, ..self.fault }
+    }
+}
+
+fn cell(kind: JobKind, base: &Value, axes: &[Axis], number: usize, seed: &Value) -> Result<Cell, Vec<Misfit>> {
     let mut points = vec![0; axes.len()];
     let mut rest = number;
     for (point, axis) in points.iter_mut().zip(axes).rev() {
@@ -221,34 +233,29 @@ fn cell(kind: JobKind, base: &Value, axes: &[Axis], number: usize, seed: &Value)
     for Made { change, path_pointer, .. } in &made {
         let unknown = |fault: Box<Fault>| {
             let detail = format!("cell '{name}': {}: {}", change.path, fault.detail);
-            vec![near(Fault { pointer: path_pointer.clone(), detail, ..*fault }, &change.path, base, kind)]
+            let fault = Fault { pointer: path_pointer.clone(), detail, ..*fault };
+            vec![Misfit { fault, unknown: Some((change.path.clone(), base.clone())) }]
         };
         set(&mut body, &change.path, &change.value).map_err(unknown)?;
     }
     body["seed"] = seed.clone();
-    let placed = |fault: Fault| placed(fault, &name, &made, &body, kind);
+    let placed = |fault: Fault| placed(fault, &name, &made, &body);
     let plan = plan(kind, &body).map_err(|faults| faults.into_iter().map(placed).collect::<Vec<_>>())?;
     Ok(Cell { name, points, plan: Plan { wants_files: false, ..plan } })
 }
 
 /// A fault of a cell's body at the change that made it: at its path where the body has no such place, else in its value; at the grid
 /// where it is in no change, such as what two of them contradict.
-fn placed(fault: Fault, name: &str, made: &[Made], body: &Value, kind: JobKind) -> Fault {
+fn placed(fault: Fault, name: &str, made: &[Made], body: &Value) -> Misfit {
     let detail = format!("cell '{name}': {}: {}", fault.pointer, fault.detail);
     let is_unknown = |made: &&Made| fault.code == "unknown_field" && within(&made.change.path, &fault.pointer).is_some();
     if let Some(made) = made.iter().rev().find(is_unknown) {
-        return near(Fault { pointer: made.path_pointer.clone(), detail, ..fault }, &made.change.path, body, kind);
+        let fault = Fault { pointer: made.path_pointer.clone(), detail, ..fault };
+        return Misfit { fault, unknown: Some((made.change.path.clone(), body.clone())) };
     }
     let in_value = |made: &Made| within(&fault.pointer, &made.change.path).map(|rest| format!("{}{rest}", made.value_pointer));
     let pointer = made.iter().rev().find_map(in_value).unwrap_or_else(|| WHOLE_GRID.to_owned());
-    Fault { pointer, detail, ..fault }
-}
-
-/// The fault, with the known path that is nearest to the unknown one.
-fn near(fault: Fault, path: &str, body: &Value, kind: JobKind) -> Fault {
-    let nearest = nearest_path(path, body, request_object(kind)).filter(|nearest| nearest != path);
-    let hint = nearest.map_or_else(String::new, |nearest| format!("; the nearest path is '{nearest}'"));
-    Fault { detail: fault.detail + &hint, ..fault }
+    Misfit { fault: Fault { pointer, detail, ..fault }, unknown: None }
 }
 
 /// Puts a value at a JSON pointer; objects on the way that are absent are made, for a field may have been left to its default.

@@ -56,7 +56,9 @@ fn table1() -> Preset {
                 {"name": "P correct", "path": "tfa.probability.correct"},
                 {"name": "P missed", "path": "tfa.probability.missed"},
                 {"name": "correct per target", "path": "tfa.ratios.correct_per_target"},
-                {"name": "tracks per target", "path": "tfa.ratios.output_tracks_per_target"}
+                {"name": "tracks per target", "path": "tfa.ratios.output_tracks_per_target"},
+                {"name": "targets", "path": "tfa.counts.targets"},
+                {"name": "targets with a track", "path": "tfa.counts.matched_tracks"}
             ],
             "compare": {"axis": "associator", "to": "NN"}
         }),
