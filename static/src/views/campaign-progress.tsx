@@ -14,6 +14,7 @@ export function CampaignProgress({ job }: { job: Job }): JSX.Element | null {
   const { rows, columns } = rowsAndColumns(axes);
   const cells = combinations(axes).length;
   const runs = Number(spec.data["runs"] ?? 1);
+  if (spec.data["stop_at"]) return <p class="muted">A cell ends as soon as its interval is narrow enough: {count(cells)} cells have {count(runs)} runs at most.</p>;
   const done = job.progress?.step === "run" ? job.progress.done : job.progress ? (job.progress.step === "write" ? cells * runs : 0) : 0;
   const doneIn = (index: number) => Math.floor(done / cells) + (index < done % cells ? 1 : 0);
   return (

@@ -118,6 +118,7 @@ function GridCell({ cell, outcome, shade }: { cell: CampaignCell | undefined; ou
       <span class="sub">
         {count(summary.count)} {summary.count === 1 ? "run" : "runs"}
         {missing ? `, ${count(missing)} without` : ""}
+        {cell.ended === "half_width" ? ", narrow enough" : ""}
       </span>
     </td>
   );
