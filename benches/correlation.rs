@@ -105,14 +105,15 @@ fn print_line(of: &Figures, bounds: &[f64], u_ns: f64) {
     let gaps: Vec<f64> = solved.iter().map(|(cost, bound)| (cost - bound) / bound.abs().max(1e-9)).collect();
     let at_bound = gaps.iter().filter(|gap| **gap < 1e-9).count();
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let share = |gap: f64| if gap.is_finite() { format!("{:.4}%", 100.0 * gap) } else { "–".to_owned() };
     let mut times: Vec<f64> = of.seconds.iter().map(|seconds| seconds * 1e9 / u_ns).collect();
     times.sort_by(f64::total_cmp);
     println!(
-        "{:<18} {:>12.3} {:>8.4}% {:>8.4}% {:>8} {:>12.0} {:>12.0}",
+        "{:<18} {:>12.3} {:>9} {:>9} {:>8} {:>12.0} {:>12.0}",
         of.label,
         mean(&solved.iter().map(|(cost, _)| *cost).collect::<Vec<_>>()),
-        100.0 * mean(&gaps),
-        100.0 * gaps.iter().fold(0.0, |largest: f64, gap| largest.max(*gap)),
+        share(mean(&gaps)),
+        share(gaps.iter().fold(0.0, |largest: f64, gap| if gap.is_finite() { largest.max(*gap) } else { f64::INFINITY })),
         at_bound,
         times[times.len() / 2],
         times[times.len() - 1],

@@ -41,6 +41,18 @@ pub(super) struct Evolution<Individual> {
     pub(super) stop: &'static str,
 }
 
+impl<Individual> Evolution<Individual> {
+    /// With another search behind it: the better of both, and the costs of the generations one after the other.
+    pub(super) fn then(mut self, other: Self) -> Self {
+        let cost = self.best_costs[self.best_costs.len() - 1];
+        let of_other = other.best_costs[other.best_costs.len() - 1];
+        self.best_costs.extend(other.best_costs.iter().map(|found| found.min(cost)));
+        self.mean_costs.extend(other.mean_costs);
+        let best = if of_other < cost { other.best } else { self.best };
+        Evolution { best, stop: other.stop, ..self }
+    }
+}
+
 struct Member<Individual> {
     individual: Individual,
     cost: f64,

@@ -2,7 +2,7 @@
 //!
 //! # Method
 //! - The first individuals are the answers of others, if there are; the rest begin with every track alone, or in large clusters, for
-//!   which that takes long, as one of those answers after many mutations. All are
+//!   which that takes long, as one of those answers after many mutations, if a relaxation has made them. All are
 //!   improved ([`crate::correlation::improve`]), the tracks in random order.
 //! - Crossover takes over whole tuples. From a random track on, by links, a random number of tuples of the one parent is
 //!   gathered; they replace, in a copy of the other, the tuples that their tracks were in. What is left of those stays
@@ -26,6 +26,7 @@ const TRACKS_A_MUTATION: usize = 100;
 pub(super) struct Partitions<'a> {
     cluster: &'a Cluster<'a>,
     seeds: Vec<Partition>,
+    is_bounded: bool,
     improver: Improver,
     region: Region,
     row: Vec<u32>,
@@ -41,11 +42,16 @@ struct Region {
 }
 
 impl<'a> Partitions<'a> {
-    /// `seeds` at rest under local search.
-    pub(super) fn new(cluster: &'a Cluster, seeds: Vec<Partition>, mut improver: Improver) -> Self {
+    /// `seeds` at rest under local search, of which a relaxation knows how good they are, if they are bounded.
+    pub(super) fn new(cluster: &'a Cluster, seeds: Vec<Partition>, is_bounded: bool, mut improver: Improver) -> Self {
         improver.begin(cluster);
         let before = improver.evaluations;
-        Partitions { cluster, seeds, improver, region: Region::default(), row: Vec::new(), before }
+        Partitions { cluster, seeds, is_bounded, improver, region: Region::default(), row: Vec::new(), before }
+    }
+
+    /// From now on individuals begin without the answers of others.
+    pub(super) fn forget_seeds(&mut self) {
+        self.seeds.clear();
     }
 
     pub(super) fn into_improver(self) -> Improver {
@@ -121,7 +127,7 @@ impl Coding for Partitions<'_> {
         if let Some(seed) = self.seeds.get(number) {
             return seed.clone();
         }
-        if !self.seeds.is_empty() && self.cluster.len() > MAX_FROM_NOTHING {
+        if self.is_bounded && !self.seeds.is_empty() && self.cluster.len() > MAX_FROM_NOTHING {
             let mut partition = self.seeds[number % self.seeds.len()].clone();
             (0..self.cluster.len() / TRACKS_A_MUTATION).for_each(|_| self.mutate(&mut partition, dice));
             return partition;

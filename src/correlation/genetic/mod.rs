@@ -18,6 +18,8 @@
 //! - `improved`: each cluster by itself ([`improved`]); the answers of `lagrangian`, `nearest` and `weighted` are in the first
 //!   population, of a chain its optimum. A cluster whose cost is proven to be least, by the relaxation or because each track has
 //!   its best link to each sensor, is done at once.
+//!   One whose search ends above its bound is searched again from other individuals, each with every track alone, up to four times
+//!   in all.
 //! - `unseeded`: the same without those answers, to see what the search alone is worth.
 //!
 //! The random choices of a cluster come from the stream named after its first track and the number of the call.
@@ -99,6 +101,9 @@ static PARAMETERS: Object = Object {
 
 const SHARE: Kind = Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1.0), unit: "" };
 
+/// Searches of a cluster whose answer is not proven.
+const ISLANDS: usize = 4;
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Variant {
@@ -161,8 +166,16 @@ impl Genetic {
             let before = improver.evaluations;
             let (seeds, of_cluster) = start.as_ref().map_or((Vec::new(), None), |start| start.of_cluster(&cluster, &mut improver));
             let least_cost = of_cluster.map_or(cluster.least_cost(), |bound| bound.max(cluster.least_cost()));
-            let mut coding = Partitions::new(&cluster, seeds, improver);
-            let found = evolve(&mut coding, &self.settings, least_cost, &mut self.dice(cluster.name()));
+            let mut coding = Partitions::new(&cluster, seeds, of_cluster.is_some(), improver);
+            let mut dice = self.dice(cluster.name());
+            let mut found = evolve(&mut coding, &self.settings, least_cost, &mut dice);
+            for _ in 1..ISLANDS {
+                if of_cluster.is_none() || found.stop != "unchanged" {
+                    break;
+                }
+                coding.forget_seeds();
+                found = found.then(evolve(&mut coding, &self.settings, least_cost, &mut dice));
+            }
             improver = coding.into_improver();
             tuples.extend(found.best.tuples().map(|tuple| cluster.names(&tuple)));
             bound = bound.zip(of_cluster).map(|(sum, of_cluster)| sum + of_cluster.min(found.best.cost()));
