@@ -162,7 +162,8 @@ impl<'a> Cluster<'a> {
         self.edges_to(a, self.sensor_of(b)).iter().find(|edge| edge.track == b).map(|edge| edge.cost)
     }
 
-    /// The cost of a row; infinite where its tuple does not exist. A chain is cut where a link is missing.
+    /// The cost of a row, or of a tuple, which is a row without gaps; infinite where it does not exist. A chain is cut where a link is
+    /// missing.
     #[inline]
     pub(super) fn cost(&self, row: &[u32]) -> f64 {
         match &self.problem.costs {

@@ -23,13 +23,14 @@ use super::admissible::divided;
 use super::bound::dual_bound;
 use super::cluster::{Cluster, clusters};
 use super::evidence::{Evidence, Times};
+use super::grouping::{FUZZIFIER, TOLERANCE};
 use super::problem::Problem;
 use super::{BuildCorrelator, Correlator, Solution};
 use crate::math::assignment::AssignmentSolver;
 use crate::math::fuzzy_c_means::{Fuzzifier, largest_change};
 use crate::model::fault::Fault;
 use crate::model::state::{Covariance, State};
-use crate::registry::{Bound, Kind, Method, Object, default};
+use crate::registry::{Kind, Method, Object, default};
 use serde::Deserialize;
 
 pub const METHOD: Method<BuildCorrelator> = Method {
@@ -46,18 +47,8 @@ static PARAMETERS: Object = Object {
     name: "FuzzyCorrelator",
     summary: "Fuzzy c-means: targets are clusters, and the tracks of each sensor go to those to which they belong most.",
     fields: &[
-        default(
-            "fuzzifier",
-            "q: the larger, the fuzzier.",
-            Kind::Number { min: Bound::Excluding(1.0), max: Bound::Including(100.0), unit: "" },
-            "2.0",
-        ),
-        default(
-            "tolerance",
-            "The search is at rest when no membership changes by more.",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Excluding(1.0), unit: "" },
-            "1e-4",
-        ),
+        FUZZIFIER,
+        TOLERANCE,
         default(
             "max_iterations",
             "Iterations after which a search ends that is not at rest.",

@@ -51,7 +51,7 @@ pub(super) fn priced(cluster: &Cluster, known: &Partition, mut nodes: u64) -> Op
 fn add(cluster: &Cluster, members: &[u32], tuples: &mut [Vec<Tuple>]) {
     let of_lowest = &mut tuples[members[0] as usize];
     if of_lowest.iter().all(|tuple| tuple.members != members) {
-        of_lowest.push(Tuple { members: members.to_vec(), cost: cost_of_pairs(cluster, members) });
+        of_lowest.push(Tuple { members: members.to_vec(), cost: cluster.cost(members) });
     }
 }
 
@@ -65,11 +65,6 @@ fn shared(cluster: &Cluster, known: &Partition) -> Vec<f64> {
         }
     }
     prices
-}
-
-fn cost_of_pairs(cluster: &Cluster, members: &[u32]) -> f64 {
-    let pairs = members.iter().enumerate().flat_map(|(place, &left)| members[place + 1..].iter().map(move |&right| (left, right)));
-    pairs.filter_map(|(left, right)| cluster.link(left, right)).sum()
 }
 
 /// The search for r*(t).

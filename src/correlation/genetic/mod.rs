@@ -182,7 +182,8 @@ impl Genetic {
             let Evolution { best_costs, mean_costs, stop, .. } = found;
             searches.push(Search { best: best_costs, mean: mean_costs, evaluations: improver.evaluations - before, stop });
         }
-        let bound = [bound, dual_bound(problem)].into_iter().flatten().reduce(f64::max);
+        let of_problem = start.and_then(|start| start.least_of_chain).or_else(|| dual_bound(problem));
+        let bound = [bound, of_problem].into_iter().flatten().reduce(f64::max);
         Solution { search: Some(summed(&searches)), ..Solution::of(problem, tuples).bounded(bound) }
     }
 }
@@ -191,19 +192,22 @@ impl Genetic {
 struct Start {
     /// The optimum of a chain; else the answers of `nearest` and `weighted`.
     answers: Vec<Vec<Vec<u32>>>,
-    is_chain: bool,
+    /// The least cost of a chain.
+    least_of_chain: Option<f64>,
 }
 
 impl Start {
     fn new(problem: &Problem) -> Self {
-        let is_chain = matches!(problem.costs, Costs::Chain);
-        let answers = if is_chain { vec![cheapest_chains(problem).0] } else { vec![nearest_tuples(problem), weighted_tuples(problem)] };
-        Start { answers, is_chain }
+        if let Costs::Chain = problem.costs {
+            let (tuples, least) = cheapest_chains(problem);
+            return Start { answers: vec![tuples], least_of_chain: Some(least) };
+        }
+        Start { answers: vec![nearest_tuples(problem), weighted_tuples(problem)], least_of_chain: None }
     }
 
     /// The first individuals of a cluster, at rest under local search, and what no other undercuts, where that is known.
     fn of_cluster(&self, cluster: &Cluster, improver: &mut Improver) -> (Vec<Partition>, Option<f64>) {
-        if self.is_chain {
+        if self.least_of_chain.is_some() {
             let optimum = Partition::of_problem(cluster, &self.answers[0]);
             let bound = optimum.cost();
             return (vec![optimum], Some(bound));

@@ -35,18 +35,8 @@ static PARAMETERS: Object = Object {
     summary: "Each report goes to the cluster to which it belongs most.",
     fields: &[
         default("initial", "Where the first centres come from.", Kind::Union(&INITIAL), r#"{"from":"predictions"}"#),
-        default(
-            "fuzzifier",
-            "q: the larger, the fuzzier.",
-            Kind::Number { min: Bound::Excluding(1.0), max: Bound::Including(100.0), unit: "" },
-            "2.0",
-        ),
-        default(
-            "tolerance",
-            "The search is at rest when no membership changes by more.",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Excluding(1.0), unit: "" },
-            "1e-4",
-        ),
+        super::FUZZIFIER,
+        super::TOLERANCE,
         super::MAX_ITERATIONS,
         super::ONE_PER_SENSOR,
         default("trace", "Whether to keep costs, centres and memberships of every iteration for a file.", Kind::Flag, "false"),

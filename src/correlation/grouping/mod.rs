@@ -6,7 +6,7 @@
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
 use crate::model::state::{Position, PositionCovariance};
-use crate::registry::{Field, Kind, Method, Union, default};
+use crate::registry::{Bound, Field, Kind, Method, Union, default};
 
 mod closest_pairs;
 pub mod constrained_hard_c_means;
@@ -105,6 +105,22 @@ pub static GROUPER: Union = Union {
 };
 
 const ONE_PER_SENSOR: Field = default("one_per_sensor", "Whether a group has at most one report of each sensor.", Kind::Flag, "false");
+
+/// Of fuzzy c-means, as a grouper and as a correlator.
+pub(super) const FUZZIFIER: Field = default(
+    "fuzzifier",
+    "q: the larger, the fuzzier.",
+    Kind::Number { min: Bound::Excluding(1.0), max: Bound::Including(100.0), unit: "" },
+    "2.0",
+);
+
+/// The same.
+pub(super) const TOLERANCE: Field = default(
+    "tolerance",
+    "The search is at rest when no membership changes by more.",
+    Kind::Number { min: Bound::Excluding(0.0), max: Bound::Excluding(1.0), unit: "" },
+    "1e-4",
+);
 
 const MAX_ITERATIONS: Field = default(
     "max_iterations",
