@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
+use trackloom::experiment::campaign::{Next, Order, Piece};
 use trackloom::experiment::observer::{Observer, Silent, Step};
 use trackloom::experiment::plan::{JobKind, Plan, plan};
 use trackloom::experiment::presets;
@@ -198,7 +199,8 @@ fn deciding_is_timed_by_the_observers_clock_and_a_campaign_can_be_stopped() {
     let times: Vec<(&str, f64, Option<f64>, u32)> =
         found.cell_times.iter().map(|time| (&*time.cell, time.decide_us_per_scan, time.ratio, time.timed_runs)).collect();
     assert_eq!(times, [("nearest_neighbour", 1000.0 / 30.0, Some(1.0), 2), ("jpda", 1000.0 / 30.0, Some(1.0), 2)]);
-    assert_eq!(watch.looks.get(), 8);
+    // Two for each of four timed runs, one at the start, one after each of six runs.
+    assert_eq!(watch.looks.get(), 8 + 1 + 6);
     let mut stopped = Watch { looks: std::cell::Cell::new(0), calls: 0, last: 40 };
     assert_eq!(run(&job, Vec::new(), &mut stopped).unwrap_err(), RunError::Stopped);
 }
@@ -337,4 +339,78 @@ fn an_outcome_that_no_run_has_and_a_share_that_is_none_are_told() {
     let targets = &found.result["cells"][0]["outcomes"]["targets"];
     let each: Vec<f64> = (0..2).map(|number| single("jpda", number)["tfa"]["counts"]["targets"].as_f64().unwrap()).collect();
     assert_eq!((&targets["mean"], &targets["interval"]), (&json!(mean(&each)), &Value::Null));
+}
+
+/// A clock that goes on by a millisecond with each look.
+#[derive(Default)]
+struct Ticks(std::cell::Cell<u64>);
+
+impl Observer for Ticks {
+    fn progress(&mut self, _: Step, _: u64, _: u64) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
+    fn now(&self) -> Option<std::time::Duration> {
+        self.0.set(self.0.get() + 1);
+        Some(std::time::Duration::from_millis(self.0.get()))
+    }
+}
+
+/// All runs, made in lots of about `lot` by what the first took, the lots in another order.
+fn in_lots(body: &Value, lot: std::time::Duration) -> (Outcome, usize) {
+    let plan = plan(JobKind::Campaign, body).unwrap();
+    let campaign = plan.campaign.as_ref().unwrap();
+    let (mut pieces, mut outcomes) = (Vec::new(), None);
+    while let Next::Runs { items, .. } = campaign.next(&pieces) {
+        let is_first = pieces.is_empty();
+        let mut lots = if is_first { vec![items] } else { campaign.cut(items, &pieces, lot) };
+        lots.reverse();
+        for items in lots {
+            // The first runs are few: the clock says at once that it is enough.
+            let enough = is_first.then_some(std::time::Duration::ZERO);
+            let order = Order { items, outcomes: outcomes.take(), enough, done: 0, total: campaign.total() };
+            let (piece, found) = campaign.make(order, &Vec::new(), &mut Ticks::default()).unwrap();
+            let text = serde_json::to_string(&piece).unwrap();
+            pieces.push(serde_json::from_str::<Piece>(&text).unwrap());
+            assert_eq!(pieces.last(), Some(&piece), "a piece is the same after it was stored");
+            outcomes = Some(found);
+        }
+    }
+    (campaign.report(&pieces, &outcomes.unwrap()).unwrap(), pieces.len())
+}
+
+#[test]
+fn the_result_does_not_depend_on_how_runs_are_cut_into_pieces_and_in_which_order_they_are_made() {
+    let unlisted = campaign(json!({"runs": 12}));
+    let bootstrapped = campaign(json!({"runs": 45, "outcomes": [
+        {"path": "tfa.probability.correct", "name": "correct", "interval": "bootstrap"}, {"path": "tfa.counts.false", "name": "false"}
+    ], "stop_at": {"outcome": "correct", "half_width": 0.03}}));
+    for (body, at_least) in [(&unlisted, 5), (&bootstrapped, 8)] {
+        let expected = outcome(body);
+        // Each look at the clock is a millisecond, so that a run takes one to three.
+        let (found, pieces) = in_lots(body, std::time::Duration::from_millis(5));
+        assert!(pieces >= at_least, "{pieces} pieces");
+        assert_eq!(found.result.to_string(), expected.result.to_string());
+        let files = |outcome: &Outcome| outcome.artifacts.iter().map(|file| (file.name, file.bytes.clone())).collect::<Vec<_>>();
+        assert_eq!(files(&found), files(&expected));
+        assert_eq!(found.warnings, expected.warnings);
+    }
+}
+
+#[test]
+fn lots_take_about_the_time_that_the_first_runs_tell() {
+    let body = campaign(json!({"runs": 50, "timed_runs": 0}));
+    let plan = plan(JobKind::Campaign, &body).unwrap();
+    let campaign = plan.campaign.unwrap();
+    let order = Order { items: vec![0..4], outcomes: None, enough: None, done: 0, total: 100 };
+    let (piece, _) = campaign.make(order, &Vec::new(), &mut Ticks::default()).unwrap();
+    // One look a run: each took a millisecond.
+    assert_eq!((piece.len(), piece.spent()), (4, std::time::Duration::from_millis(4)));
+    let pieces = [piece];
+    let Next::Runs { items, spared } = campaign.next(&pieces) else { panic!("there is more to do") };
+    assert_eq!((&items, spared), (&vec![4..100], 0));
+    assert_eq!(campaign.cost(&items, &pieces), std::time::Duration::from_millis(96));
+    let lots = campaign.cut(items, &pieces, std::time::Duration::from_millis(40));
+    assert_eq!(lots, [vec![4..44], vec![44..84], vec![84..100]]);
+    assert_eq!(campaign.name_of(45), "cell 'jpda', run 22");
 }

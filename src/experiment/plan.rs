@@ -10,6 +10,7 @@ use crate::registry::{self, Kind};
 use crate::tracking::LIFECYCLE;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
+use std::sync::Arc;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -82,6 +83,8 @@ pub struct Plan {
     pub is_timed: bool,
     pub inputs: Vec<InputRequest>,
     pub estimate: Estimate,
+    /// Of a campaign: its cells and runs.
+    pub campaign: Option<Arc<campaign::Campaign>>,
 }
 
 impl Plan {
@@ -138,7 +141,7 @@ pub fn plan(kind: JobKind, body: &Value) -> Result<Plan, Vec<Fault>> {
         return Err(faults);
     }
     let seed = spec["seed"].as_u64().and_then(|seed| u32::try_from(seed).ok()).unwrap_or_default();
-    Ok(Plan { kind, spec, seed, run: 0, wants_files: true, is_timed: false, inputs, estimate })
+    Ok(Plan { kind, spec, seed, run: 0, wants_files: true, is_timed: false, inputs, estimate, campaign: None })
 }
 
 /// `evaluate` tracks `input` first, or takes `tracks` or `sequences`: exactly one of them, with the settings that go with it.

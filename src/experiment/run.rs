@@ -102,8 +102,8 @@ impl From<Vec<Fault>> for RunError {
 /// # Errors
 /// [`RunError::Stopped`] as soon as the observer says so; [`RunError::Faults`] when the inputs do not fit.
 pub fn run(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<Outcome, RunError> {
-    if plan.kind == JobKind::Campaign {
-        return campaign::run(plan, &inputs, observer);
+    if let Some(campaign) = &plan.campaign {
+        return campaign::run(campaign, &inputs, observer);
     }
     let mut scene = Scene::gather(plan, inputs, observer)?;
     let mut decided = None;

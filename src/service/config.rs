@@ -13,6 +13,8 @@ pub struct Config {
     pub max_upload_bytes: u64,
     /// Everything the service keeps is below this directory; one process at a time may use it.
     pub data_dir: PathBuf,
+    /// PostgreSQL that several processes share; a file in the data directory when absent.
+    pub database_url: Option<String>,
     /// Jobs that run at the same time.
     pub slots: usize,
     /// Jobs that may be queued before a new one is refused.
@@ -30,6 +32,7 @@ impl Config {
             listen: SocketAddr::from(([127, 0, 0, 1], 8080)),
             max_upload_bytes: 1 << 30,
             data_dir: data_dir.into(),
+            database_url: None,
             slots: std::thread::available_parallelism().map_or(1, usize::from),
             queue_limit: 10_000,
             job_time_limit: Duration::from_secs(3600),

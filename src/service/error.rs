@@ -74,6 +74,7 @@ impl From<JobsError> for ApiError {
             JobsError::InvalidCursor => ApiError::new("invalid_cursor", detail),
             JobsError::IdempotencyMismatch => ApiError::new("idempotency_mismatch", detail),
             JobsError::QueueFull => ApiError::new("queue_full", detail).retry_after(RETRY_BUSY_S),
+            JobsError::Unavailable => ApiError::new("unavailable", detail).retry_after(RETRY_BUSY_S),
             JobsError::ShuttingDown => ApiError::new("shutting_down", detail).retry_after(RETRY_BUSY_S),
             JobsError::Internal(error) => ApiError::internal(format!("{error:#}")),
         }

@@ -48,6 +48,22 @@ pub async fn serve_jobs(config: Config, jobs: Jobs) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Runs the jobs of a service that others ask, until the process is told to stop.
+///
+/// # Errors
+/// When the database or the data directory cannot be used.
+pub async fn work(config: Config) -> anyhow::Result<()> {
+    let slots = config.slots;
+    let jobs = Jobs::open(config).await?;
+    println!("trackloom worker with {slots} slots");
+    told_to_stop().await;
+    tracing::info!("stopping");
+    if timeout(WORKERS, jobs.shutdown()).await.is_err() {
+        tracing::warn!("work did not stop in time; another process takes it up");
+    }
+    Ok(())
+}
+
 /// A service that answers at [`Server::address`] until [`Server::stop`].
 pub struct Server {
     address: SocketAddr,

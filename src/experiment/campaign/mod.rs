@@ -2,26 +2,33 @@
 //!
 //! Run r of every cell draws from the same named streams, so cells that differ in the method alone see the same scenes, and
 //! their differences are taken run by run. The runs of all cells take turns, so that times compare as well.
+//!
+//! The runs are made in pieces, anywhere and in any order: what is to be made next, and in the end the result, depends on the pieces alone.
 
 mod cells;
 mod outcomes;
+mod pieces;
 mod requests;
+mod stages;
 mod stop;
 mod tables;
 
+pub use outcomes::Outcome;
+pub use pieces::{Items, Order, Piece};
 pub use requests::CAMPAIGN;
+pub use stages::Next;
 
-use super::observer::{Observer, Step};
+use super::observer::Observer;
 use super::plan::{Estimate, InputRequest, JobKind, Plan};
-use super::run::{self, CellTime, Decided, Inputs, RunError, to_value};
+use super::run::{self, CellTime, Inputs, RunError, to_value};
 use crate::math::rng::Seed;
 use crate::math::stats;
 use crate::model::fault::Fault;
 use cells::{Axis, Cell};
-use outcomes::{Judge, Outcome, Rows};
+use outcomes::Judge;
+use pieces::Harvest;
 use serde_json::{Value, json};
-use std::ops::ControlFlow;
-use std::time::Duration;
+use std::sync::Arc;
 use stop::{Ended, Stop};
 
 /// Longer campaigns are refused.
@@ -53,17 +60,43 @@ pub(super) fn plan(spec: Value, mut faults: Vec<Fault>) -> Result<Plan, Vec<Faul
             format!("{} cells with {runs} runs each are about {:.0} s of work and {numbers:.0} numbers", cells.len(), estimate.cost_s);
         faults.push(Fault::new("/runs", "too_large", detail).allowing(format!("at most {MAX_COST_S} s and {MAX_NUMBERS} numbers")));
     }
-    if let Err(fault) = reference_point(&spec, &axes) {
-        faults.push(*fault);
-    }
+    let compared = reference_point(&spec, &axes).map_err(|fault| faults.push(*fault)).ok().flatten();
     faults.extend(outcomes::named_twice(&spec));
     let seed = spec["seed"].as_u64().and_then(|seed| u32::try_from(seed).ok()).unwrap_or_default();
-    faults.extend(Stop::of(&spec, Seed { seed, run: 0 }).err().map(|fault| *fault));
+    let stop = Stop::of(&spec, Seed { seed, run: 0 }).map_err(|fault| faults.push(*fault)).ok().flatten();
     let inputs = inputs_of(&cells, &mut faults);
     if !faults.is_empty() {
         return Err(faults);
     }
-    Ok(Plan { kind: JobKind::Campaign, spec, seed, run: 0, wants_files: true, is_timed: false, inputs, estimate })
+    let campaign = Campaign {
+        cells,
+        axes,
+        compared,
+        stop,
+        outcomes: outcomes::listed(&spec),
+        runs: spec["runs"].as_u64().unwrap_or(1) as u32,
+        timed_runs: spec["timed_runs"].as_u64().unwrap_or(0) as u32,
+        confidence: spec["confidence"].as_f64().unwrap_or(0.95),
+        seed,
+    };
+    let campaign = Some(Arc::new(campaign));
+    Ok(Plan { kind: JobKind::Campaign, spec, seed, run: 0, wants_files: true, is_timed: false, inputs, estimate, campaign })
+}
+
+/// A checked campaign with its cells.
+#[derive(Debug)]
+pub struct Campaign {
+    cells: Vec<Cell>,
+    axes: Vec<Axis>,
+    /// The axis along which cells are compared, and its point that the others are compared with.
+    compared: Option<(usize, usize)>,
+    stop: Option<Stop>,
+    /// The outcomes that the request lists; else the first run tells what there is.
+    outcomes: Option<Vec<Outcome>>,
+    runs: u32,
+    timed_runs: u32,
+    confidence: f64,
+    seed: u32,
 }
 
 /// What is loaded once for all runs: every cell needs the same.
@@ -94,83 +127,58 @@ fn reference_point(spec: &Value, axes: &[Axis]) -> Result<Option<(usize, usize)>
     Ok(Some((axis, point)))
 }
 
-/// Everything that the runs give.
-struct Harvest {
-    outcomes: Vec<Outcome>,
-    /// By cell.
-    rows: Vec<Rows>,
-    times_us: Vec<Vec<f64>>,
-    ended: Vec<Ended>,
-}
-
-/// Does the work of a campaign.
+/// Makes all runs one after the other.
 ///
 /// # Errors
 /// As [`run::run`]; a fault names the cell and the run that has it.
-pub(super) fn run(plan: &Plan, inputs: &Inputs, observer: &mut dyn Observer) -> Result<run::Outcome, RunError> {
-    let axes = cells::axes_of(&plan.spec);
-    let cells = cells::cells_of(&plan.spec, &axes)?;
-    let harvest = gather(plan, &cells, inputs, observer)?;
-    let compared = reference_point(&plan.spec, &axes).map_err(|fault| vec![*fault])?;
-    let reference = |index: usize| compared.and_then(|(axis, point)| reference_of(&cells, index, axis, point));
-    let confidence = plan.spec["confidence"].as_f64().unwrap_or(0.95);
-    let judge = Judge { outcomes: &harvest.outcomes, axes: &axes, confidence, seed: plan.stream() };
-    let report = |(index, cell): (usize, &Cell)| {
-        let other = reference(index).filter(|&other| other != index).map(|other| (&cells[other], &harvest.rows[other]));
-        judge.report(cell, index, (&harvest.rows[index], harvest.ended[index]), other)
-    };
-    let reports: Vec<_> = cells.iter().enumerate().map(report).collect();
-    let names: Vec<&str> = harvest.outcomes.iter().map(Outcome::name).collect();
-    let artifacts =
-        vec![tables::runs(&cells, &names, &harvest.rows, plan.seed)?, tables::cells(&reports, &names)?, tables::markdown(&reports, &names)];
-    let warnings = outcomes::doubts(&harvest.outcomes, &harvest.rows);
-    let result = json!({"outcomes": names, "confidence": confidence, "cells": to_value(&reports)?});
-    let cell_times = times(&cells, &harvest.times_us, reference);
-    Ok(run::Outcome { result, warnings, artifacts, decided: None, cell_times })
-}
-
-fn gather(plan: &Plan, cells: &[Cell], inputs: &Inputs, observer: &mut dyn Observer) -> Result<Harvest, RunError> {
-    let runs = plan.spec["runs"].as_u64().unwrap_or(1) as u32;
-    let timed_runs = plan.spec["timed_runs"].as_u64().unwrap_or(0) as u32;
-    let mut outcomes = outcomes::listed(&plan.spec);
-    let mut rows: Vec<Rows> = vec![Vec::new(); cells.len()];
-    let mut times_us = vec![Vec::new(); cells.len()];
-    let stop = Stop::of(&plan.spec, plan.stream()).map_err(|fault| vec![*fault])?;
-    let mut ended = vec![None; cells.len()];
-    let mut inner = Inner { observer, done: 0, total: u64::from(runs) * cells.len() as u64 };
-    for run in 0..runs {
-        for (index, cell) in cells.iter().enumerate().filter(|(index, _)| ended[*index].is_none()) {
-            let job = Plan { run, is_timed: run < timed_runs, ..cell.plan.clone() };
-            let outcome = run::run(&job, inputs.clone(), &mut inner).map_err(|error| placed(error, cell, run))?;
-            let kept = outcomes.get_or_insert_with(|| outcomes::found_in(&outcome.result));
-            rows[index].resize_with(kept.len(), Vec::new);
-            for (column, wanted) in rows[index].iter_mut().zip(kept.iter()) {
-                column.push(wanted.of(&outcome.result));
+pub(super) fn run(campaign: &Campaign, inputs: &Inputs, observer: &mut dyn Observer) -> Result<run::Outcome, RunError> {
+    let (mut pieces, mut outcomes, mut made) = (Vec::new(), None, 0);
+    loop {
+        match campaign.next(&pieces) {
+            Next::Runs { items, spared } => {
+                let order = Order { items, outcomes: outcomes.take(), enough: None, done: made + spared, total: campaign.total() };
+                let (piece, found) = campaign.make(order, inputs, observer)?;
+                made += piece.len() as u64;
+                pieces.push(piece);
+                outcomes = Some(found);
             }
-            times_us[index].extend(outcome.decided.filter(|_| job.is_timed).map(us_per_scan));
-            inner.done += 1;
-            if inner.progress(Step::Run, 0, 0).is_break() {
-                return Err(RunError::Stopped);
-            }
-        }
-        let left = runs - run - 1;
-        for stop in stop.iter().filter(|_| left > 0 && stop::looks_after(run + 1)) {
-            let reached = |index: &usize| ended[*index].is_none() && stop.is_reached(*index, &rows[*index]);
-            for index in (0..cells.len()).filter(reached).collect::<Vec<_>>() {
-                ended[index] = Some(Ended::HalfWidth);
-                inner.done += u64::from(left);
-            }
-        }
-        if ended.iter().all(Option::is_some) {
-            break;
+            Next::Result => return campaign.report(&pieces, &outcomes.unwrap_or_default()),
         }
     }
-    let ended = ended.into_iter().map(|ended| ended.unwrap_or(Ended::Runs)).collect();
-    Ok(Harvest { outcomes: outcomes.unwrap_or_default(), rows, times_us, ended })
 }
 
-fn us_per_scan(decided: Decided) -> f64 {
-    decided.spent.as_secs_f64() * 1e6 / decided.scans.max(1) as f64
+impl Campaign {
+    /// Runs of all cells, where none ends before.
+    pub fn total(&self) -> u64 {
+        u64::from(self.runs) * self.cells.len() as u64
+    }
+
+    /// The result of a campaign whose runs are all made: [`Campaign::next`] has said so.
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    pub fn report(&self, pieces: &[Piece], outcomes: &[Outcome]) -> Result<run::Outcome, RunError> {
+        let harvest = Harvest::of(self, pieces, outcomes.len());
+        let reference = |index: usize| self.compared.and_then(|(axis, point)| reference_of(&self.cells, index, axis, point));
+        let judge = Judge { outcomes, axes: &self.axes, confidence: self.confidence, seed: Seed { seed: self.seed, run: 0 } };
+        let report = |(index, cell): (usize, &Cell)| {
+            let other = reference(index).filter(|&other| other != index).map(|other| (&self.cells[other], &harvest.rows[other]));
+            let has_all = harvest.runs[index] == self.runs;
+            let ended = if has_all { Ended::Runs } else { Ended::HalfWidth };
+            judge.report(cell, index, (&harvest.rows[index], ended), other)
+        };
+        let reports: Vec<_> = self.cells.iter().enumerate().map(report).collect();
+        let names: Vec<&str> = outcomes.iter().map(Outcome::name).collect();
+        let artifacts = vec![
+            tables::runs(&self.cells, &names, &harvest.rows, self.seed)?,
+            tables::cells(&reports, &names)?,
+            tables::markdown(&reports, &names),
+        ];
+        let warnings = outcomes::doubts(outcomes, &harvest.rows);
+        let result = json!({"outcomes": names, "confidence": self.confidence, "cells": to_value(&reports)?});
+        let cell_times = times(&self.cells, &harvest.decided_us, reference);
+        Ok(run::Outcome { result, warnings, artifacts, decided: None, cell_times })
+    }
 }
 
 /// The cell at the same points but for that of one axis.
@@ -178,19 +186,6 @@ fn reference_of(cells: &[Cell], index: usize, axis: usize, point: usize) -> Opti
     let mut wanted = cells[index].points.clone();
     wanted[axis] = point;
     cells.iter().position(|cell| cell.points == wanted)
-}
-
-fn placed(error: RunError, cell: &Cell, run: u32) -> RunError {
-    let name = &cell.name;
-    let place = |fault: Fault| Fault {
-        detail: format!("cell '{name}', run {run}: {}", fault.detail),
-        pointer: format!("/base{}", fault.pointer),
-        ..fault
-    };
-    match error {
-        RunError::Faults(faults) => RunError::Faults(faults.into_iter().map(place).collect()),
-        RunError::Stopped => RunError::Stopped,
-    }
 }
 
 /// The middle of each cell's times, and its ratio to that of the cell it is compared with.
@@ -206,21 +201,4 @@ fn times(cells: &[Cell], times_us: &[Vec<f64>], reference: impl Fn(usize) -> Opt
         Some(CellTime { cell: cell.name.clone(), decide_us_per_scan, ratio, timed_runs: times_us[index].len() as u32 })
     };
     cells.iter().enumerate().filter_map(line).collect()
-}
-
-/// Tells of runs whatever the steps inside them are.
-struct Inner<'a> {
-    observer: &'a mut dyn Observer,
-    done: u64,
-    total: u64,
-}
-
-impl Observer for Inner<'_> {
-    fn progress(&mut self, _: Step, _: u64, _: u64) -> ControlFlow<()> {
-        self.observer.progress(Step::Run, self.done, self.total)
-    }
-
-    fn now(&self) -> Option<Duration> {
-        self.observer.now()
-    }
 }

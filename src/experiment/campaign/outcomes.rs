@@ -12,14 +12,15 @@ use std::collections::BTreeMap;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum Method {
+pub enum Method {
     T,
     Wilson,
     Bootstrap,
 }
 
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-pub(super) struct Outcome {
+/// A number that a campaign keeps of each run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Outcome {
     path: String,
     name: Option<String>,
     interval: Method,
@@ -28,18 +29,19 @@ pub(super) struct Outcome {
 }
 
 impl Outcome {
+    /// Its name in the tables.
     pub fn name(&self) -> &str {
         self.name.as_deref().unwrap_or(&self.path)
     }
 
     /// The number in a result; `None` where it is null, absent, or the run is not one of those that count.
-    pub fn of(&self, result: &Value) -> Option<f64> {
+    pub(super) fn of(&self, result: &Value) -> Option<f64> {
         let counts = self.only_where.as_ref().is_none_or(|path| number_at(result, path) == Some(1.0));
         number_at(result, &self.path).filter(|number| counts && number.is_finite())
     }
 
     /// The interval that it asks for, of the numbers that runs have; `draw` makes the resamples of a bootstrap.
-    pub fn interval_of(&self, present: &[f64], confidence: f64, mut draw: impl RngExt) -> Option<Interval> {
+    pub(super) fn interval_of(&self, present: &[f64], confidence: f64, mut draw: impl RngExt) -> Option<Interval> {
         match self.interval {
             Method::T => stats::t_interval(present, confidence),
             Method::Wilson if !present.iter().copied().all(is_success_or_failure) => None,

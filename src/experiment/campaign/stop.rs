@@ -20,6 +20,7 @@ pub(super) enum Ended {
     HalfWidth,
 }
 
+#[derive(Debug)]
 pub(super) struct Stop {
     number: usize,
     outcome: Outcome,
@@ -28,9 +29,10 @@ pub(super) struct Stop {
     seed: Seed,
 }
 
-/// Whether the intervals are looked at after so many runs.
-pub(super) fn looks_after(runs: u32) -> bool {
-    runs.is_multiple_of(FIRST_LOOK) && (runs / FIRST_LOOK).is_power_of_two()
+/// After how many of at most `runs` runs the intervals are looked at, and at last `runs`.
+pub(super) fn looks(runs: u32) -> impl Iterator<Item = u32> {
+    let doubled = std::iter::successors(Some(FIRST_LOOK), |look| look.checked_mul(2));
+    doubled.take_while(move |&look| look < runs).chain([runs])
 }
 
 impl Stop {
@@ -52,9 +54,9 @@ impl Stop {
         Ok(Some(Stop { number, outcome: outcomes[number].clone(), half_width, confidence, seed }))
     }
 
-    /// Whether the numbers of a cell tell enough. What varies not at all in the first runs tells nothing of how much it may, but by Wilson.
-    pub fn is_reached(&self, cell: usize, rows: &Rows) -> bool {
-        let present: Vec<f64> = rows[self.number].iter().flatten().copied().collect();
+    /// Whether the numbers of the first `runs` runs of a cell tell enough. What varies not at all in the first runs tells nothing of how much it may, but by Wilson.
+    pub fn is_reached(&self, cell: usize, rows: &Rows, runs: usize) -> bool {
+        let present: Vec<f64> = rows[self.number].iter().take(runs).flatten().copied().collect();
         let draw = self.seed.stream(Purpose::Bootstrap, cell as u64, self.number as u64);
         let half_width = self.outcome.interval_of(&present, self.confidence, draw).map(|interval| (interval.high - interval.low) / 2.0);
         half_width.is_some_and(|half_width| 0.0 < half_width && half_width <= self.half_width)
@@ -68,8 +70,9 @@ mod tests {
 
     #[test]
     fn intervals_are_looked_at_after_ten_runs_and_each_doubling() {
-        let looks: Vec<u32> = (0..=1000).filter(|&runs| looks_after(runs)).collect();
-        assert_eq!(looks, [10, 20, 40, 80, 160, 320, 640]);
+        let all = |runs: u32| looks(runs).collect::<Vec<_>>();
+        assert_eq!(all(1000), [10, 20, 40, 80, 160, 320, 640, 1000]);
+        assert_eq!((all(3), all(10), all(11)), (vec![3], vec![10], vec![10, 11]));
     }
 
     #[test]
@@ -81,9 +84,9 @@ mod tests {
             Stop::of(&spec, Seed { seed: 1, run: 0 }).unwrap().unwrap()
         };
         let numbers = vec![[1.0, 2.0, 3.0, 4.0, 5.0].map(Some).to_vec()];
-        assert_eq!((stop("t", 1.9633).is_reached(0, &numbers), stop("t", 1.9632).is_reached(0, &numbers)), (true, false));
+        assert_eq!((stop("t", 1.9633).is_reached(0, &numbers, 5), stop("t", 1.9632).is_reached(0, &numbers, 5)), (true, false));
         let ones = vec![vec![Some(1.0); 10]];
-        assert_eq!((stop("wilson", 0.1388).is_reached(0, &ones), stop("wilson", 0.1387).is_reached(0, &ones)), (true, false));
-        assert!(!stop("t", 1.0).is_reached(0, &ones) && !stop("t", 1.0).is_reached(0, &vec![vec![None; 10]]));
+        assert_eq!((stop("wilson", 0.1388).is_reached(0, &ones, 10), stop("wilson", 0.1387).is_reached(0, &ones, 10)), (true, false));
+        assert!(!stop("t", 1.0).is_reached(0, &ones, 10) && !stop("t", 1.0).is_reached(0, &vec![vec![None; 10]], 10));
     }
 }

@@ -24,6 +24,8 @@ struct Arguments {
 enum Command {
     /// Run the service with its dashboard and its workers
     Serve(ServeArguments),
+    /// Run the jobs of a service as a further process, on any machine that reaches its database
+    Worker(WorkerArguments),
     /// Run one job without a server
     Run(run::RunArguments),
     /// Run the tour: a simulated scene and a radar recording, judged; then serve the dashboard with both
@@ -65,6 +67,9 @@ struct ServeArguments {
     /// Directory of everything that is kept
     #[arg(long, env = "TRACKLOOM_DATA_DIR", default_value = "trackloom-data")]
     data: PathBuf,
+    /// PostgreSQL for jobs, shared with other processes, such as postgres://user:password@host/database; a file in the directory when absent
+    #[arg(long, env = "TRACKLOOM_DATABASE_URL", hide_env_values = true)]
+    database_url: Option<String>,
     /// Jobs that run at the same time; as many as there are processors when absent
     #[arg(long, env = "TRACKLOOM_WORKERS", value_parser = clap::value_parser!(u16).range(1..=256))]
     workers: Option<u16>,
@@ -78,8 +83,33 @@ impl ServeArguments {
         let mut config = Config::new(&self.data);
         config.listen = self.listen;
         config.max_upload_bytes = self.max_upload_bytes;
+        config.database_url.clone_from(&self.database_url);
         if let Some(workers) = self.workers {
             config.slots = usize::from(workers);
+        }
+        config
+    }
+}
+
+#[derive(Args)]
+struct WorkerArguments {
+    /// PostgreSQL of the service, such as postgres://user:password@host/database
+    #[arg(long, env = "TRACKLOOM_DATABASE_URL", hide_env_values = true)]
+    database_url: String,
+    /// Jobs that run at the same time; as many as there are processors when absent
+    #[arg(long, env = "TRACKLOOM_SLOTS", value_parser = clap::value_parser!(u16).range(1..=256))]
+    slots: Option<u16>,
+    /// The data directory of the service, which both must reach
+    #[arg(long, env = "TRACKLOOM_DATA_DIR", default_value = "trackloom-data")]
+    data: PathBuf,
+}
+
+impl WorkerArguments {
+    fn config(&self) -> Config {
+        let mut config = Config::new(&self.data);
+        config.database_url = Some(self.database_url.clone());
+        if let Some(slots) = self.slots {
+            config.slots = usize::from(slots);
         }
         config
     }
@@ -92,6 +122,7 @@ const BAD_INPUT: u8 = 2;
 pub fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Serve(arguments) => blocking(crate::service::server::serve(arguments.config())),
+        Command::Worker(arguments) => blocking(crate::service::server::work(arguments.config())),
         Command::Run(arguments) => return run::run(&arguments),
         Command::Demo { serve, once } => blocking(demo::demo(serve.config(), once)),
         Command::Methods => catalogue::print_methods(),

@@ -1,15 +1,18 @@
-//! The queue: it says "look at this job now", at least once, to as many handlers as there are slots.
+//! The queue: it says "look at this now", at least once, to as many handlers as there are slots.
 //!
-//! Nothing else knows apalis. The queue has a file of its own, and nothing of value is in it: the tables of `storage`
-//! know every job, so the file is made anew at each start and the jobs that can run are put in again.
+//! Nothing else knows apalis. Nothing of value is in the queue: the tables of `storage` know every job and chunk. One process alone has
+//! a file for it, made anew at each start; many processes share a schema of their PostgreSQL database, where the entries of one that
+//! died are given to another.
 
+use crate::service::storage::{Database, Ready};
 use anyhow::Context;
 use apalis::prelude::*;
-use apalis_sqlite::queries::push_tasks;
-use apalis_sqlite::{Config, SqliteStorage};
+use apalis_postgres::{PgPool, PostgresStorage};
+use apalis_sqlite::SqliteStorage;
 use futures::future::BoxFuture;
 use serde::{Deserialize, Serialize};
 use sqlx::SqlitePool;
+use sqlx::postgres::PgPoolOptions;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous};
 use std::io::ErrorKind;
 use std::path::Path;
@@ -19,17 +22,17 @@ use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
 use uuid::Uuid;
 
-/// Looks at one job. An error puts the job into the queue again.
+/// Looks at one entry. An error puts it into the queue again.
 #[derive(Clone)]
-pub struct Handler(Arc<dyn Fn(Uuid) -> BoxFuture<'static, anyhow::Result<()>> + Send + Sync>);
+pub struct Handler(Arc<dyn Fn(Entry) -> BoxFuture<'static, anyhow::Result<()>> + Send + Sync>);
 
 impl Handler {
-    pub fn new(look: impl Fn(Uuid) -> BoxFuture<'static, anyhow::Result<()>> + Send + Sync + 'static) -> Self {
+    pub fn new(look: impl Fn(Entry) -> BoxFuture<'static, anyhow::Result<()>> + Send + Sync + 'static) -> Self {
         Handler(Arc::new(look))
     }
 
-    fn look(&self, job_id: Uuid) -> BoxFuture<'static, anyhow::Result<()>> {
-        (self.0)(job_id)
+    fn look(&self, entry: Entry) -> BoxFuture<'static, anyhow::Result<()>> {
+        (self.0)(entry)
     }
 }
 
@@ -39,64 +42,83 @@ const HEARTBEAT: Duration = Duration::from_secs(5);
 const MISSED_HEARTBEATS: usize = 3;
 /// Without it an empty queue is only looked at with each heartbeat.
 const POLL: Duration = Duration::from_millis(50);
+/// The same where many workers ask one database.
+const SHARED_POLL: Duration = Duration::from_millis(200);
 /// A stop may not take longer than it takes for a worker to be called dead.
 const STOP_LIMIT: Duration = Duration::from_secs(10);
+/// Entries put in at once.
+const BATCH: usize = 1000;
 
-/// One entry of the queue.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-struct Entry {
-    job_id: Uuid,
+/// One entry of the queue: a job, or a chunk of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Entry {
+    /// Of this entry alone: one that comes again comes because its worker is dead.
+    pub id: Uuid,
+    pub job_id: Uuid,
+    pub chunk: Option<u32>,
+}
+
+#[derive(Clone)]
+enum Queue {
+    Sqlite(SqlitePool),
+    Postgres(PgPool),
 }
 
 /// The queue and its worker.
 pub struct Engine {
-    pool: SqlitePool,
+    queue: Queue,
     slots: usize,
     stop: CancellationToken,
     worker: Mutex<Option<JoinHandle<()>>>,
 }
 
 impl Engine {
-    /// Starts with an empty queue.
-    pub async fn open(path: &Path, slots: usize) -> anyhow::Result<Engine> {
-        for suffix in ["", "-wal", "-shm"] {
-            let file = format!("{}{suffix}", path.display());
-            match std::fs::remove_file(&file) {
-                Err(error) if error.kind() != ErrorKind::NotFound => return Err(error).with_context(|| format!("cannot remove {file}")),
-                _ => {}
-            }
-        }
-        let options = SqliteConnectOptions::new()
-            .filename(path)
-            .create_if_missing(true)
-            .journal_mode(SqliteJournalMode::Wal)
-            .synchronous(SqliteSynchronous::Off)
-            .busy_timeout(Duration::from_secs(30));
-        let pool = SqlitePoolOptions::new().max_connections(4).connect_with(options).await?;
-        SqliteStorage::setup(&pool).await.context("cannot set the queue up")?;
-        Ok(Engine { pool, slots, stop: CancellationToken::new(), worker: Mutex::new(None) })
+    /// Opens the queue beside these tables. That of one process starts empty.
+    ///
+    /// # Errors
+    /// When the file cannot be made anew, or the database does not let us make a schema.
+    pub async fn open(database: &Database, slots: usize) -> anyhow::Result<Engine> {
+        let queue = match database {
+            Database::Sqlite(tables) => Queue::Sqlite(open_file(&tables.with_file_name("queue.db")).await?),
+            Database::Postgres(url) => Queue::Postgres(open_schema(url).await?),
+        };
+        Ok(Engine { queue, slots, stop: CancellationToken::new(), worker: Mutex::new(None) })
     }
 
-    pub async fn enqueue(&self, jobs: &[Uuid]) -> anyhow::Result<()> {
-        let tasks = jobs
-            .iter()
-            .map(|&job_id| Ok(TaskBuilder::new(serde_json::to_vec(&Entry { job_id })?).build()))
-            .collect::<anyhow::Result<Vec<_>>>()?;
-        let mut transaction = self.pool.begin().await?;
-        push_tasks(&mut *transaction, QUEUE, &tasks).await?;
-        transaction.commit().await?;
+    pub async fn enqueue(&self, ready: &[Ready]) -> anyhow::Result<()> {
+        for ready in ready.chunks(BATCH) {
+            let tasks = ready.iter().map(task).collect::<anyhow::Result<Vec<_>>>()?;
+            match &self.queue {
+                Queue::Sqlite(pool) => {
+                    let mut transaction = pool.begin().await?;
+                    apalis_sqlite::queries::push_tasks(&mut *transaction, QUEUE, &tasks).await?;
+                    transaction.commit().await?;
+                }
+                Queue::Postgres(pool) => apalis_postgres::queries::push_tasks(&mut *pool.acquire().await?, QUEUE, tasks).await?,
+            }
+        }
         Ok(())
     }
 
     /// Starts to call the handler.
     pub fn run(&self, handler: Handler) {
-        let worker = tokio::spawn(keep_working(self.pool.clone(), self.slots, handler, self.stop.clone()));
+        let worker = tokio::spawn(keep_working(self.queue.clone(), self.slots, handler, self.stop.clone()));
         *self.worker.lock().unwrap_or_else(PoisonError::into_inner) = Some(worker);
     }
 
     /// Forgets the entries that are done with.
     pub async fn sweep(&self) -> anyhow::Result<()> {
-        sqlx::query("DELETE FROM Jobs WHERE status IN ('Done', 'Killed')").execute(&self.pool).await?;
+        match &self.queue {
+            Queue::Sqlite(pool) => {
+                sqlx::query("DELETE FROM Jobs WHERE status IN ('Done', 'Killed')").execute(pool).await?;
+            }
+            Queue::Postgres(pool) => {
+                sqlx::query("DELETE FROM apalis.jobs WHERE status IN ('Done', 'Killed')").execute(pool).await?;
+                sqlx::query("DELETE FROM apalis.workers WHERE last_seen < now() - interval '1 day' AND id NOT IN (SELECT lock_by FROM apalis.jobs WHERE lock_by IS NOT NULL)")
+                    .execute(pool)
+                    .await?;
+            }
+        }
         Ok(())
     }
 
@@ -111,31 +133,91 @@ impl Engine {
                 abort.abort();
             }
         }
-        self.pool.close().await;
+        match &self.queue {
+            Queue::Sqlite(pool) => pool.close().await,
+            Queue::Postgres(pool) => pool.close().await,
+        }
     }
 }
 
+async fn open_file(path: &Path) -> anyhow::Result<SqlitePool> {
+    for suffix in ["", "-wal", "-shm"] {
+        let file = format!("{}{suffix}", path.display());
+        match std::fs::remove_file(&file) {
+            Err(error) if error.kind() != ErrorKind::NotFound => return Err(error).with_context(|| format!("cannot remove {file}")),
+            _ => {}
+        }
+    }
+    let options = SqliteConnectOptions::new()
+        .filename(path)
+        .create_if_missing(true)
+        .journal_mode(SqliteJournalMode::Wal)
+        .synchronous(SqliteSynchronous::Off)
+        .busy_timeout(Duration::from_secs(30));
+    let pool = SqlitePoolOptions::new().max_connections(4).connect_with(options).await?;
+    SqliteStorage::setup(&pool).await.context("cannot set the queue up")?;
+    Ok(pool)
+}
+
+async fn open_schema(url: &str) -> anyhow::Result<PgPool> {
+    let pool = PgPoolOptions::new().max_connections(4).acquire_timeout(Duration::from_secs(60)).connect(url).await?;
+    PostgresStorage::setup(&pool).await.context(
+        "cannot set the queue up: the database's user must be allowed to make a schema and the extension hstore, which is in the \
+         package of PostgreSQL's contributed modules",
+    )?;
+    Ok(pool)
+}
+
+fn task(ready: &Ready) -> anyhow::Result<Task<Vec<u8>>> {
+    let entry = Entry { id: Uuid::now_v7(), job_id: ready.job_id, chunk: ready.chunk };
+    Ok(TaskBuilder::new(serde_json::to_vec(&entry)?).priority(usize::try_from(ready.priority)?).build())
+}
+
 /// A worker that lost its heartbeat is dead for good; another takes its place under a new name.
-async fn keep_working(pool: SqlitePool, slots: usize, handler: Handler, stop: CancellationToken) {
+async fn keep_working(queue: Queue, slots: usize, handler: Handler, stop: CancellationToken) {
     while !stop.is_cancelled() {
-        let config = Config::default().queue(QUEUE).batch_size(slots).heartbeat_interval(HEARTBEAT).missed_heartbeats(MISSED_HEARTBEATS);
-        let backend = SqliteStorage::<Entry>::new(&pool).with_config(config).poll_with_interval(POLL);
-        let worker = WorkerBuilder::new(Uuid::now_v7().to_string()).backend(backend).data(handler.clone()).concurrency(slots).build(look);
-        let stopped = stop.clone();
-        let signal = async move {
-            stopped.cancelled().await;
-            Ok::<(), std::io::Error>(())
+        let ended = match &queue {
+            Queue::Sqlite(pool) => {
+                let config = apalis_sqlite::Config::default()
+                    .queue(QUEUE)
+                    .batch_size(slots)
+                    .heartbeat_interval(HEARTBEAT)
+                    .missed_heartbeats(MISSED_HEARTBEATS);
+                let backend = SqliteStorage::<Entry>::new(pool).with_config(config).poll_with_interval(POLL);
+                let worker = WorkerBuilder::new(name()).backend(backend).data(handler.clone()).concurrency(slots).build(look);
+                worker.run_until(stopped(stop.clone())).await
+            }
+            Queue::Postgres(pool) => {
+                let config = apalis_postgres::Config::default()
+                    .queue(QUEUE)
+                    .batch_size(slots)
+                    .heartbeat_interval(HEARTBEAT)
+                    .missed_heartbeats(MISSED_HEARTBEATS);
+                let backend = PostgresStorage::<Entry>::new(pool).with_config(config).poll_with_interval(SHARED_POLL);
+                let worker = WorkerBuilder::new(name()).backend(backend).data(handler.clone()).concurrency(slots).build(look);
+                worker.run_until(stopped(stop.clone())).await
+            }
         };
-        if let Err(error) = worker.run_until(signal).await {
+        if let Err(error) = ended {
             tracing::error!(%error, "the queue's worker ended; starting another");
             tokio::time::sleep(Duration::from_secs(1)).await;
         }
     }
 }
 
+/// No two workers have the same name, so that none is taken for one that died.
+fn name() -> String {
+    Uuid::now_v7().to_string()
+}
+
+async fn stopped(stop: CancellationToken) -> std::io::Result<()> {
+    stop.cancelled().await;
+    Ok(())
+}
+
 /// The handler runs in a task of its own, so that it lives on when its worker dies.
 async fn look(entry: Entry, handler: Data<Handler>) -> Result<(), BoxDynError> {
-    tokio::spawn(handler.look(entry.job_id)).await??;
+    tokio::spawn(handler.look(entry)).await??;
     Ok(())
 }
 
@@ -147,8 +229,23 @@ mod tests {
     use std::time::Instant;
     use tokio::sync::mpsc;
 
+    fn database(directory: &tempfile::TempDir) -> Database {
+        Database::Sqlite(directory.path().join("app.db"))
+    }
+
+    fn job(job_id: Uuid) -> Ready {
+        Ready { job_id, chunk: None, priority: 0 }
+    }
+
+    fn file(engine: &Engine) -> &SqlitePool {
+        match &engine.queue {
+            Queue::Sqlite(pool) => pool,
+            Queue::Postgres(_) => panic!("it is a file"),
+        }
+    }
+
     fn telling(sender: mpsc::UnboundedSender<Uuid>) -> Handler {
-        Handler::new(move |id| {
+        Handler::new(move |Entry { job_id: id, .. }| {
             let told = sender.send(id).map_err(anyhow::Error::from);
             async move { told }.boxed()
         })
@@ -157,14 +254,14 @@ mod tests {
     #[tokio::test(flavor = "multi_thread")]
     async fn an_idle_queue_notices_a_new_entry_at_once_and_stops_quickly() {
         let directory = tempfile::tempdir().unwrap();
-        let engine = Engine::open(&directory.path().join("queue.db"), 2).await.unwrap();
+        let engine = Engine::open(&database(&directory), 2).await.unwrap();
         let (sender, mut told) = mpsc::unbounded_channel();
         engine.run(telling(sender));
         let mut quickest = Duration::MAX;
         for _ in 0..5 {
             tokio::time::sleep(Duration::from_millis(120)).await;
             let (id, since) = (Uuid::now_v7(), Instant::now());
-            engine.enqueue(&[id]).await.unwrap();
+            engine.enqueue(&[job(id)]).await.unwrap();
             assert_eq!(told.recv().await, Some(id));
             quickest = quickest.min(since.elapsed());
         }
@@ -178,16 +275,16 @@ mod tests {
     #[tokio::test(flavor = "multi_thread")]
     async fn a_worker_that_lost_its_heartbeat_is_replaced() {
         let directory = tempfile::tempdir().unwrap();
-        let engine = Engine::open(&directory.path().join("queue.db"), 1).await.unwrap();
+        let engine = Engine::open(&database(&directory), 1).await.unwrap();
         let (sender, mut told) = mpsc::unbounded_channel();
         engine.run(telling(sender));
         tokio::time::sleep(Duration::from_millis(500)).await;
-        assert_eq!(sqlx::query("DELETE FROM Workers").execute(&engine.pool).await.unwrap().rows_affected(), 1);
+        assert_eq!(sqlx::query("DELETE FROM Workers").execute(file(&engine)).await.unwrap().rows_affected(), 1);
         tokio::time::sleep(HEARTBEAT + Duration::from_secs(2)).await;
-        let names: Vec<String> = sqlx::query_scalar("SELECT id FROM Workers").fetch_all(&engine.pool).await.unwrap();
+        let names: Vec<String> = sqlx::query_scalar("SELECT id FROM Workers").fetch_all(file(&engine)).await.unwrap();
         assert_eq!(names.len(), 1, "another worker has taken over");
         let id = Uuid::now_v7();
-        engine.enqueue(&[id]).await.unwrap();
+        engine.enqueue(&[job(id)]).await.unwrap();
         assert_eq!(tokio::time::timeout(Duration::from_secs(5), told.recv()).await.unwrap(), Some(id));
         engine.stop().await;
     }
@@ -195,11 +292,11 @@ mod tests {
     #[tokio::test(flavor = "multi_thread")]
     async fn no_more_handlers_run_than_there_are_slots_and_a_failed_one_is_called_again() {
         let directory = tempfile::tempdir().unwrap();
-        let engine = Engine::open(&directory.path().join("queue.db"), 2).await.unwrap();
+        let engine = Engine::open(&database(&directory), 2).await.unwrap();
         let (sender, mut told) = mpsc::unbounded_channel();
         let running = Arc::new(AtomicUsize::new(0));
         let failed = Arc::new(AtomicBool::new(false));
-        engine.run(Handler::new(move |id| {
+        engine.run(Handler::new(move |Entry { job_id: id, .. }| {
             let (sender, running, failed) = (sender.clone(), running.clone(), failed.clone());
             async move {
                 let at_once = running.fetch_add(1, Ordering::SeqCst) + 1;
@@ -211,7 +308,7 @@ mod tests {
             .boxed()
         }));
         let ids: Vec<Uuid> = (0..10).map(|_| Uuid::now_v7()).collect();
-        engine.enqueue(&ids).await.unwrap();
+        engine.enqueue(&ids.iter().copied().map(job).collect::<Vec<_>>()).await.unwrap();
         let (mut seen, mut most) = (Vec::new(), 0);
         while seen.len() < ids.len() {
             let (id, at_once) = told.recv().await.unwrap();
@@ -220,6 +317,23 @@ mod tests {
         }
         seen.sort();
         assert_eq!((seen, most), (ids, 2));
+        engine.stop().await;
+    }
+
+    #[tokio::test(flavor = "multi_thread")]
+    async fn the_urgent_goes_first() {
+        let directory = tempfile::tempdir().unwrap();
+        let engine = Engine::open(&database(&directory), 1).await.unwrap();
+        let ids: Vec<Uuid> = (0..5).map(|_| Uuid::now_v7()).collect();
+        let ready: Vec<Ready> = ids.iter().zip([3, 50, 3, 100, 0]).map(|(&id, priority)| Ready { priority, ..job(id) }).collect();
+        engine.enqueue(&ready).await.unwrap();
+        let (sender, mut told) = mpsc::unbounded_channel();
+        engine.run(telling(sender));
+        let mut seen = Vec::new();
+        while seen.len() < ids.len() {
+            seen.push(told.recv().await.unwrap());
+        }
+        assert_eq!(seen, [ids[3], ids[1], ids[0], ids[2], ids[4]]);
         engine.stop().await;
     }
 }

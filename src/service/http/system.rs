@@ -64,6 +64,7 @@ async fn get_readiness(State(app): State<AppState>, _: NoParams) -> ApiResult<Js
     if app.jobs.is_shutting_down() {
         return Err(ApiError::new("shutting_down", "the service is shutting down"));
     }
+    app.jobs.check().await?;
     Ok(Json(Health { status: "ok" }))
 }
 

@@ -34,7 +34,10 @@ impl Inner {
     pub(super) async fn cancel(&self, id: Uuid) -> Result<Job, JobsError> {
         self.job(id).await?;
         match self.storage.cancel(id).await? {
-            Cancellation::Canceled(changed) => self.publish(changed).await,
+            Cancellation::Canceled(changed) => {
+                self.running.stop(id, Stop::Canceled);
+                self.publish(changed).await;
+            }
             Cancellation::Requested(changed) => {
                 self.running.stop(id, Stop::Canceled);
                 self.publish(changed).await;

@@ -45,32 +45,46 @@ impl Control {
     }
 }
 
-/// Every job that runs in this process.
+/// A job, or a chunk of one.
+pub(super) type Work = (Uuid, Option<u32>);
+
+/// Everything that runs in this process.
 #[derive(Default)]
-pub(super) struct Running(Mutex<HashMap<Uuid, Arc<Control>>>);
+pub(super) struct Running(Mutex<HashMap<Work, Arc<Control>>>);
 
 impl Running {
-    pub(super) fn register(&self, id: Uuid) -> Arc<Control> {
+    pub(super) fn register(&self, work: Work) -> Arc<Control> {
         let control = Arc::new(Control(watch::Sender::new(None)));
-        self.lock().insert(id, control.clone());
+        self.lock().insert(work, control.clone());
         control
     }
 
-    pub(super) fn unregister(&self, id: Uuid) {
-        self.lock().remove(&id);
+    pub(super) fn unregister(&self, work: Work) {
+        self.lock().remove(&work);
     }
 
+    pub(super) fn has(&self, work: Work) -> bool {
+        self.lock().contains_key(&work)
+    }
+
+    /// The jobs of which something runs.
+    pub(super) fn jobs(&self) -> Vec<Uuid> {
+        let mut jobs: Vec<Uuid> = self.lock().keys().map(|&(job_id, _)| job_id).collect();
+        jobs.sort_unstable();
+        jobs.dedup();
+        jobs
+    }
+
+    /// Stops a job and every chunk of it.
     pub(super) fn stop(&self, id: Uuid, reason: Stop) {
-        if let Some(control) = self.lock().get(&id) {
-            control.stop(reason);
-        }
+        self.lock().iter().filter(|((job_id, _), _)| *job_id == id).for_each(|(_, control)| control.stop(reason));
     }
 
     pub(super) fn stop_all(&self, reason: Stop) {
         self.lock().values().for_each(|control| control.stop(reason));
     }
 
-    fn lock(&self) -> std::sync::MutexGuard<'_, HashMap<Uuid, Arc<Control>>> {
+    fn lock(&self) -> std::sync::MutexGuard<'_, HashMap<Work, Arc<Control>>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

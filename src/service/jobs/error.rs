@@ -21,12 +21,35 @@ pub enum JobsError {
     QueueFull,
     #[error("the service is shutting down")]
     ShuttingDown,
+    #[error("the database does not answer")]
+    Unavailable,
     #[error(transparent)]
-    Internal(#[from] anyhow::Error),
+    Internal(anyhow::Error),
 }
 
 impl JobsError {
     pub(super) fn conflict(code: &'static str, detail: impl Into<String>) -> Self {
         JobsError::Conflict { code, detail: detail.into() }
+    }
+}
+
+/// Whether the database was not there: the same may succeed later.
+pub(super) fn is_unavailable(error: &anyhow::Error) -> bool {
+    use sqlx::Error::{Io, PoolClosed, PoolTimedOut, Protocol, WorkerCrashed};
+    error.chain().filter_map(|cause| cause.downcast_ref::<sqlx::Error>()).any(|error| match error {
+        Io(_) | PoolClosed | PoolTimedOut | Protocol(_) | WorkerCrashed => true,
+        // Classes 08 and 57P: the connection was lost; the server stops or starts.
+        sqlx::Error::Database(error) => error.code().is_some_and(|code| code.starts_with("08") || code.starts_with("57P")),
+        _ => false,
+    })
+}
+
+impl From<anyhow::Error> for JobsError {
+    fn from(error: anyhow::Error) -> Self {
+        if is_unavailable(&error) {
+            tracing::warn!(error = format!("{error:#}"), "the database does not answer");
+            return JobsError::Unavailable;
+        }
+        JobsError::Internal(error)
     }
 }

@@ -23,6 +23,12 @@ impl Hub {
         channels.entry(id).or_default().subscribe()
     }
 
+    /// Anything may have happened.
+    pub(super) fn wake_all(&self) {
+        let mut channels = self.channels.lock().unwrap_or_else(PoisonError::into_inner);
+        channels.retain(|_, sender| sender.send(()).is_ok());
+    }
+
     pub(super) fn wake(&self, ids: &[Uuid]) {
         let mut channels = self.channels.lock().unwrap_or_else(PoisonError::into_inner);
         for id in ids {

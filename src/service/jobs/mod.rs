@@ -1,5 +1,6 @@
 //! Submitting, running, waiting for and cancelling jobs, and keeping datasets: the facade of everything behind HTTP.
 
+mod campaign;
 mod change;
 mod compare;
 pub(in crate::service) mod control;
@@ -20,12 +21,14 @@ pub use error::JobsError;
 pub use request::*;
 
 use super::config::Config;
-use super::engine::{Engine, Handler};
+use super::engine::{Engine, Entry, Handler};
 use super::storage::blobs::Blobs;
-use super::storage::{Changed, Storage};
+use super::storage::notices::{Notice, Notices};
+use super::storage::{Changed, Database, Storage};
 use super::types::{ArtifactList, Comparison, DatasetInfo, DatasetPage, Event, EventPage, Job, JobKind, JobPage, JobState};
 use crate::model::dataset::Dataset;
 use anyhow::{Context, bail};
+use campaign::Campaigns;
 use control::{Running, Stop};
 use futures::{FutureExt, Stream};
 use hub::Hub;
@@ -43,6 +46,8 @@ use uuid::Uuid;
 /// How often the service looks after itself, and how often it sweeps.
 const UPKEEP: Duration = Duration::from_secs(5);
 const SWEEP: Duration = Duration::from_secs(3600);
+/// A database that takes longer for nothing is not there.
+const ANSWER: Duration = Duration::from_secs(2);
 /// An idempotency key is remembered for a day.
 const KEY_AGE: Duration = Duration::from_secs(24 * 3600);
 
@@ -57,6 +62,7 @@ struct Inner {
     engine: Engine,
     hub: Hub,
     running: Running,
+    campaigns: Campaigns,
     /// Jobs that may compute at the same time.
     slots: Arc<Semaphore>,
     /// Held for reading while files wait for their row, for writing while unused files are removed.
@@ -64,8 +70,8 @@ struct Inner {
     closing: CancellationToken,
     /// Some ready job may be missing in the queue.
     must_requeue: AtomicBool,
-    /// Locked while the directory is in use; the system unlocks it when the process ends.
-    lock: File,
+    /// Locked while the directory is in use by one process; the system unlocks it when the process ends.
+    lock: Option<File>,
 }
 
 impl Jobs {
@@ -76,14 +82,20 @@ impl Jobs {
     pub async fn open(config: Config) -> anyhow::Result<Jobs> {
         let directory = &config.data_dir;
         std::fs::create_dir_all(directory).with_context(|| format!("cannot make {}", directory.display()))?;
-        let lock = lock(directory)?;
+        let database = match &config.database_url {
+            None => Database::Sqlite(directory.join("app.db")),
+            Some(url) => Database::Postgres(url.clone()),
+        };
+        let lock = if config.database_url.is_none() { Some(lock(directory)?) } else { None };
         let slots = config.slots.max(1);
+        let storage = Storage::open(&database).await?;
         let inner = Arc::new(Inner {
-            storage: Storage::open(&directory.join("app.db")).await?,
             blobs: Blobs::open(directory)?,
-            engine: Engine::open(&directory.join("queue.db"), slots).await?,
+            engine: Engine::open(&database, slots).await?,
+            storage,
             hub: Hub::default(),
             running: Running::default(),
+            campaigns: Campaigns::default(),
             slots: Arc::new(Semaphore::new(slots)),
             sweeping: RwLock::new(()),
             closing: CancellationToken::new(),
@@ -91,8 +103,13 @@ impl Jobs {
             config: Config { slots, ..config },
             lock,
         });
-        inner.storage.recover().await?;
-        inner.engine.enqueue(&inner.storage.ready_jobs().await?).await?;
+        if let Some(url) = &inner.config.database_url {
+            let notices = Notices::listen(url).await.context("cannot listen to the database")?;
+            tokio::spawn(hear(notices, Arc::downgrade(&inner), inner.closing.clone()));
+        } else {
+            inner.storage.recover().await?;
+        }
+        inner.enqueue_ready(inner.lock.is_none()).await?;
         inner.engine.run(handler(Arc::downgrade(&inner)));
         tokio::spawn(keep_up(Arc::downgrade(&inner), inner.closing.clone()));
         Ok(Jobs(inner))
@@ -216,6 +233,14 @@ impl Jobs {
         self.0.load_dataset(id).await
     }
 
+    /// Whether the database answers soon.
+    pub async fn check(&self) -> Result<(), JobsError> {
+        match tokio::time::timeout(ANSWER, self.0.storage.check()).await {
+            Ok(answered) => Ok(answered?),
+            Err(_) => Err(JobsError::Unavailable),
+        }
+    }
+
     /// Whether [`Self::shutdown`] has begun.
     pub fn is_shutting_down(&self) -> bool {
         self.0.closing.is_cancelled()
@@ -227,34 +252,62 @@ impl Jobs {
         self.0.running.stop_all(Stop::ShuttingDown);
         self.0.engine.stop().await;
         self.0.storage.close().await;
-        if let Err(error) = self.0.lock.unlock() {
+        if let Some(Err(error)) = self.0.lock.as_ref().map(File::unlock) {
             tracing::warn!(%error, "the data directory was not unlocked");
         }
     }
 }
 
 impl Inner {
-    /// Lets everybody know of a committed change, and queues what can run now.
+    /// Lets everybody know of a committed change, and queues what can be done now.
     async fn publish(&self, changed: Changed) {
-        self.hub.wake(&changed.touched);
+        self.announce(&changed.touched).await;
         if changed.ready.is_empty() {
             return;
         }
-        if let Err(error) = self.engine.enqueue(&changed.ready).await {
+        let queued = match self.engine.enqueue(&changed.ready).await {
+            Ok(()) => self.storage.note_enqueued(&changed.ready).await,
+            Err(error) => Err(error),
+        };
+        if let Err(error) = queued {
             tracing::error!(error = format!("{error:#}"), "jobs were not queued; trying again soon");
             self.must_requeue.store(true, Ordering::Release);
         }
     }
 
-    /// Queues every job that could run, in case one is missing. A job that is queued twice runs once.
+    /// Wakes whoever waits for news of these jobs, here and in other processes.
+    async fn announce(&self, ids: &[Uuid]) {
+        self.hub.wake(ids);
+        if let Err(error) = self.storage.notify(ids).await {
+            tracing::warn!(error = format!("{error:#}"), "other processes were not told of a change");
+        }
+    }
+
+    /// Queues what could be done, in case it is missing: all of it, or what is not known to be in the queue. What is queued twice is
+    /// done once.
+    async fn enqueue_ready(&self, is_missing: bool) -> anyhow::Result<()> {
+        let ready = self.storage.ready(is_missing).await?;
+        self.engine.enqueue(&ready).await?;
+        self.storage.note_enqueued(&ready).await
+    }
+
     async fn requeue_if_needed(&self) -> anyhow::Result<()> {
-        if self.must_requeue.swap(false, Ordering::AcqRel) {
-            let queued = match self.storage.ready_jobs().await {
-                Ok(ready) => self.engine.enqueue(&ready).await,
-                Err(error) => Err(error),
-            };
-            self.must_requeue.fetch_or(queued.is_err(), Ordering::AcqRel);
+        let must = self.must_requeue.swap(false, Ordering::AcqRel);
+        if must || self.lock.is_none() {
+            let queued = self.enqueue_ready(!must).await;
+            self.must_requeue.fetch_or(must && queued.is_err(), Ordering::AcqRel);
             queued?;
+        }
+        Ok(())
+    }
+
+    /// Stops what runs here of jobs that have ended, or are to end, elsewhere.
+    async fn stop_unwanted(&self, ids: &[Uuid]) -> anyhow::Result<()> {
+        for &id in ids {
+            let stored = self.storage.job(id).await?;
+            if stored.is_none_or(|stored| stored.job.state.is_terminal() || stored.job.cancel_requested_at.is_some()) {
+                self.running.stop(id, Stop::Canceled);
+            }
         }
         Ok(())
     }
@@ -278,11 +331,11 @@ fn lock(directory: &Path) -> anyhow::Result<File> {
 
 /// What the queue calls; it does not keep the service alive.
 fn handler(inner: Weak<Inner>) -> Handler {
-    Handler::new(move |id| {
+    Handler::new(move |entry: Entry| {
         let inner = inner.upgrade();
         async move {
-            let Some(inner) = inner else { return Ok(()) };
-            let looked = inner.clone().look(id).await;
+            let Some(inner) = inner else { bail!("the service has stopped") };
+            let looked = inner.clone().look(entry).await;
             if looked.is_err() {
                 inner.must_requeue.store(true, Ordering::Release);
             }
@@ -301,12 +354,45 @@ async fn keep_up(inner: Weak<Inner>, closing: CancellationToken) {
         }
         let Some(inner) = inner.upgrade() else { return };
         let mut done = inner.requeue_if_needed().await;
+        if done.is_ok() && inner.lock.is_none() {
+            // In case a notice was lost.
+            done = inner.stop_unwanted(&inner.running.jobs()).await;
+        }
         if done.is_ok() && swept.elapsed() > SWEEP {
             swept = Instant::now();
             done = inner.sweep_tables().await;
         }
         if let Err(error) = done {
             tracing::error!(error = format!("{error:#}"), "upkeep failed");
+        }
+    }
+}
+
+/// Listens to the processes that share the database.
+async fn hear(mut notices: Notices, inner: Weak<Inner>, closing: CancellationToken) {
+    loop {
+        let heard = tokio::select! {
+            heard = notices.next() => heard,
+            () = closing.cancelled() => return,
+        };
+        let Some(inner) = inner.upgrade() else { return };
+        let concerned = match heard {
+            Ok(Notice::Changed(ids)) => {
+                inner.hub.wake(&ids);
+                inner.running.jobs().into_iter().filter(|id| ids.contains(id)).collect()
+            }
+            Ok(Notice::Anything) => {
+                inner.hub.wake_all();
+                inner.running.jobs()
+            }
+            Err(error) => {
+                tracing::warn!(error = format!("{error:#}"), "news of other processes were not heard; trying again");
+                tokio::time::sleep(Duration::from_secs(1)).await;
+                Vec::new()
+            }
+        };
+        if let Err(error) = inner.stop_unwanted(&concerned).await {
+            tracing::warn!(error = format!("{error:#}"), "the state of running jobs was not read");
         }
     }
 }

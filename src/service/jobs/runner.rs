@@ -1,35 +1,39 @@
-//! What happens when the queue says "look at this job": claim it, run it on a thread of its own, write how it ended.
+//! What happens when the queue says "look at this": claim it, run it on a thread of its own, write how it ended.
 
 use super::control::{CLOSING_GRACE, Control, Stop};
+use super::error::is_unavailable;
 use super::inputs::Located;
 use super::meter::Meter;
 use super::report::{self, ReportInput};
 use super::{Inner, JobsError};
 use crate::experiment::observer::{Observer, Step};
-use crate::experiment::plan::{self, Plan};
-use crate::experiment::run::{self, Artifact, Inputs, RunError};
+use crate::experiment::plan::{self, JobKind, Plan};
+use crate::experiment::run::{self, Artifact, Inputs};
 use crate::model::fault::Fault;
-use crate::service::storage::{Claim, ClaimedJob, Ending, NewArtifact};
+use crate::service::engine::Entry;
+use crate::service::storage::{Changed, Claim, ClaimedJob, Ending, NewArtifact};
 use crate::service::types::{Problem, Progress};
-use anyhow::{Context, anyhow};
+use anyhow::{Context, anyhow, bail};
+use futures::FutureExt;
+use futures::future::BoxFuture;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
 use uuid::Uuid;
 
-/// Writing the end of a job is tried this often, one second apart.
-const WRITE_TRIES: u32 = 5;
+/// Writing the end of a job is tried this often, one second apart: longer than a database takes to start again.
+const WRITE_TRIES: u32 = 60;
 
 /// What a job made, before it is kept.
-struct Product {
-    artifacts: Vec<Artifact>,
-    report: Vec<u8>,
-    warnings: Vec<String>,
+pub(super) struct Product {
+    pub artifacts: Vec<Artifact>,
+    pub report: Vec<u8>,
+    pub warnings: Vec<String>,
 }
 
 /// Why a job made nothing.
-enum Failure {
+pub(super) enum Failure {
     Stopped,
     Faults(Vec<Fault>),
     Internal(anyhow::Error),
@@ -46,27 +50,47 @@ impl From<JobsError> for Failure {
 }
 
 impl Inner {
-    /// Runs the job if it is still to be run. Extra calls for the same job do nothing.
-    pub(super) async fn look(self: Arc<Self>, id: Uuid) -> anyhow::Result<()> {
-        // A job that was running when a process died runs alone, so that it cannot take others with it.
-        let is_suspect = self.storage.crashes(id).await? > 0;
-        let slots = if is_suspect { self.config.slots } else { 1 };
+    /// Works off the entry if that is still to be done. Extra calls for the same work do nothing.
+    pub(super) async fn look(self: Arc<Self>, entry: Entry) -> anyhow::Result<()> {
+        // What was running when a process died runs alone, so that it cannot take others with it.
+        let crashes = match entry.chunk {
+            None => self.storage.crashes(entry.job_id).await?,
+            Some(number) => self.storage.chunk_crashes(entry.job_id, number).await?,
+        };
+        let slots = if crashes > 0 { self.config.slots } else { 1 };
         let permit = tokio::select! {
             permit = self.slots.clone().acquire_many_owned(u32::try_from(slots)?) => permit?,
-            () = self.closing.cancelled() => return Ok(()),
+            // An error leaves the entry to another process.
+            () = self.closing.cancelled() => bail!("the service stops"),
         };
-        match self.storage.claim(id, self.config.crash_limit).await? {
-            Claim::NotNow => {}
-            Claim::Refused(changed) => self.publish(changed).await,
+        if self.running.has((entry.job_id, entry.chunk)) {
+            // The queue took this process for dead and gives the entry out again.
+            return Ok(());
+        }
+        match entry.chunk {
+            None => self.look_at_job(entry, permit).await,
+            Some(number) => self.look_at_chunk(entry, number, permit).await,
+        }
+    }
+
+    async fn look_at_job(&self, entry: Entry, permit: OwnedSemaphorePermit) -> anyhow::Result<()> {
+        let id = entry.job_id;
+        match self.storage.claim(id, entry.id, self.config.crash_limit).await? {
+            Claim::NotNow => Ok(()),
+            Claim::Refused(changed) => {
+                self.publish(changed).await;
+                Ok(())
+            }
+            Claim::Run(job) if job.kind == JobKind::Campaign => self.start_campaign(&job).await,
             Claim::Run(job) => {
-                self.hub.wake(&[id]);
-                let control = self.running.register(id);
+                self.announce(&[id]).await;
+                let control = self.running.register((id, None));
                 let made = self.attend(&job, &control, permit).await;
-                self.conclude(&job, &control, made).await;
-                self.running.unregister(id);
+                let written = self.conclude(&job, &control, made).await;
+                self.running.unregister((id, None));
+                written
             }
         }
-        Ok(())
     }
 
     /// Makes what the job makes, with an ear for wishes that came before the stop sign was up.
@@ -81,30 +105,41 @@ impl Inner {
         self.make(job, control, permit).await
     }
 
-    /// Keeps what was made, and writes how the job ended.
-    async fn conclude(&self, job: &ClaimedJob, control: &Control, made: Result<Product, Failure>) {
+    /// Keeps what was made, and writes how the job ended; an error means that somebody has to run it again.
+    async fn conclude(&self, job: &ClaimedJob, control: &Control, made: Result<Product, Failure>) -> anyhow::Result<()> {
         // Until the end is written, the files belong to nobody; nobody may sweep them up meanwhile.
         let _no_sweeping = self.sweeping.read().await;
         let kept = match made {
             Ok(product) => self.keep(product).await.map_err(Failure::Internal),
             Err(failure) => Err(failure),
         };
-        let ending = kept.map_or_else(|failure| self.ending_of(job, control, failure), Some);
-        self.write_end(job, ending).await;
+        let ending = kept.map_or_else(|failure| self.ending_of(job.id, control, failure), Some);
+        let changed = self
+            .written(job.id, || match &ending {
+                Some(ending) => self.storage.finish(job, ending).boxed(),
+                None => self.storage.release(job).boxed(),
+            })
+            .await?;
+        self.publish(changed).await;
+        Ok(())
     }
 
-    /// `None` hands the job back to the queue.
-    fn ending_of(&self, job: &ClaimedJob, control: &Control, failure: Failure) -> Option<Ending> {
+    /// `None` hands the work back to the queue.
+    pub(super) fn ending_of(&self, job_id: Uuid, control: &Control, failure: Failure) -> Option<Ending> {
         match (failure, control.reason()) {
             (Failure::Stopped, Some(Stop::ShuttingDown)) => None,
             (Failure::Stopped, Some(Stop::TimeLimit)) => {
-                let detail = format!("the job ran longer than {} s", self.config.job_time_limit.as_secs_f64());
+                let detail = format!("it ran longer than {} s", self.config.job_time_limit.as_secs_f64());
                 Some(Ending::Failed(Problem::new("time_limit", detail)))
             }
             (Failure::Stopped, _) => Some(Ending::Canceled),
             (Failure::Faults(faults), _) => Some(Ending::Failed(Problem::validation(faults))),
+            (Failure::Internal(error), _) if is_unavailable(&error) => {
+                tracing::warn!(%job_id, error = format!("{error:#}"), "the database did not answer; the work is queued again");
+                None
+            }
             (Failure::Internal(error), _) => {
-                tracing::error!(job_id = %job.id, error = format!("{error:#}"), "a job failed inside the service");
+                tracing::error!(%job_id, error = format!("{error:#}"), "a job failed inside the service");
                 Some(Ending::Failed(Problem::new("internal", "the job failed inside the service; its log says why")))
             }
         }
@@ -113,28 +148,43 @@ impl Inner {
     async fn make(&self, job: &ClaimedJob, control: &Arc<Control>, permit: OwnedSemaphorePermit) -> Result<Product, Failure> {
         let plan = plan::plan(job.kind, &job.spec).map_err(Failure::Faults)?;
         let located = self.locate(&plan).await?;
-        let (news, told) = watch::channel(None);
-        let meter = Meter::new(job.kind, control.sign(), news);
-        let (sender, receiver) = oneshot::channel();
         let id = job.id;
+        let work = move |meter: Meter| work(id, &plan, located, meter);
+        self.on_thread(id, job.kind, control, permit, work, |progress| self.tell(job, progress).boxed()).await
+    }
+
+    /// Does `work` on a thread of its own, and `tell`s how far it is.
+    pub(super) async fn on_thread<'a, T: Send + 'static>(
+        &self,
+        job_id: Uuid,
+        kind: JobKind,
+        control: &Arc<Control>,
+        permit: OwnedSemaphorePermit,
+        work: impl FnOnce(Meter) -> Result<T, Failure> + Send + 'static,
+        tell: impl Fn(Option<Progress>) -> BoxFuture<'a, ()> + Send + Sync,
+    ) -> Result<T, Failure> {
+        let (news, told) = watch::channel(None);
+        let meter = Meter::new(kind, control.sign(), news);
+        let (sender, made) = oneshot::channel();
         let work = move || {
             // The slot is free again when the thread has really ended, also when nobody waits for it any more.
             let _permit = permit;
-            let made = catch_unwind(AssertUnwindSafe(|| work(id, &plan, located, meter)));
+            let made = catch_unwind(AssertUnwindSafe(|| work(meter)));
             let _ = sender.send(made.unwrap_or_else(|_| Err(Failure::Internal(anyhow!("the job panicked")))));
         };
         // A thread of its own, not one of the runtime's: the process can end without waiting for it.
         std::thread::Builder::new().name("job".to_owned()).spawn(work).context("cannot start a thread").map_err(Failure::Internal)?;
-        self.watch_over(job, control, receiver, told).await
+        self.watch_over(job_id, control, made, told, tell).await
     }
 
-    async fn watch_over(
+    async fn watch_over<'a, T>(
         &self,
-        job: &ClaimedJob,
+        job_id: Uuid,
         control: &Control,
-        mut made: oneshot::Receiver<Result<Product, Failure>>,
+        mut made: oneshot::Receiver<Result<T, Failure>>,
         mut told: watch::Receiver<Option<Progress>>,
-    ) -> Result<Product, Failure> {
+        tell: impl Fn(Option<Progress>) -> BoxFuture<'a, ()> + Send + Sync,
+    ) -> Result<T, Failure> {
         let limit = tokio::time::sleep(self.config.job_time_limit);
         let grace_over = async {
             tokio::select! {
@@ -147,13 +197,13 @@ impl Inner {
             tokio::select! {
                 made = &mut made => return made.unwrap_or_else(|_| Err(Failure::Internal(anyhow!("the job's thread vanished")))),
                 () = &mut grace_over => {
-                    tracing::warn!(job_id = %job.id, "a job did not stop when asked; leaving it to itself");
+                    tracing::warn!(%job_id, "a job did not stop when asked; leaving it to itself");
                     return Err(Failure::Stopped);
                 }
                 () = &mut limit, if control.reason().is_none() => control.stop(Stop::TimeLimit),
                 Ok(()) = told.changed() => {
                     let progress = told.borrow_and_update().clone();
-                    self.tell(job, progress).await;
+                    tell(progress).await;
                 }
             }
         }
@@ -163,13 +213,13 @@ impl Inner {
     async fn tell(&self, job: &ClaimedJob, progress: Option<Progress>) {
         let Some(progress) = progress else { return };
         match self.storage.progress(job.id, job.attempt, &progress).await {
-            Ok(changed) => self.hub.wake(&changed.unwrap_or_default().touched),
+            Ok(changed) => self.announce(&changed.unwrap_or_default().touched).await,
             Err(error) => tracing::warn!(job_id = %job.id, %error, "progress was not written"),
         }
     }
 
     /// Puts the files in place.
-    async fn keep(&self, product: Product) -> anyhow::Result<Ending> {
+    pub(super) async fn keep(&self, product: Product) -> anyhow::Result<Ending> {
         let blobs = self.blobs.clone();
         let artifacts = tokio::task::spawn_blocking(move || {
             let report = Artifact::file("report.json", "application/json", product.report);
@@ -184,17 +234,27 @@ impl Inner {
         Ok(Ending::Succeeded { artifacts: artifacts.await??, warnings: product.warnings })
     }
 
-    /// Writes the end of the job, however often that takes; a job must not stay `running` when nobody runs it.
-    async fn write_end(&self, job: &ClaimedJob, ending: Option<Ending>) {
-        for _ in 0..WRITE_TRIES {
-            let written = match &ending {
-                Some(ending) => self.storage.finish(job, ending).await,
-                None => self.storage.release(job).await,
-            };
-            match written {
-                Ok(Some(changed)) => return self.publish(changed).await,
-                Ok(None) => return tracing::warn!(job_id = %job.id, "another copy of the job has already ended it; this one is dropped"),
-                Err(error) => tracing::error!(job_id = %job.id, error = format!("{error:#}"), "the end of a job was not written"),
+    /// Writes, however often that takes: nothing must stay `running` when nobody runs it.
+    pub(super) async fn written<'a>(
+        &self,
+        job_id: Uuid,
+        write: impl Fn() -> BoxFuture<'a, anyhow::Result<Option<Changed>>> + Send + Sync,
+    ) -> anyhow::Result<Changed> {
+        let mut tries = 0;
+        loop {
+            match write().await {
+                Ok(Some(changed)) => return Ok(changed),
+                Ok(None) => {
+                    tracing::warn!(%job_id, "it has ended already, by another copy or a wish; what this one made is dropped");
+                    return Ok(Changed::default());
+                }
+                Err(error) => {
+                    tracing::error!(%job_id, error = format!("{error:#}"), "the end of a piece of work was not written");
+                    tries += 1;
+                    if tries == WRITE_TRIES {
+                        return Err(error);
+                    }
+                }
             }
             tokio::time::sleep(Duration::from_secs(1)).await;
         }
@@ -204,15 +264,12 @@ impl Inner {
 /// Loads, runs and reports. Blocks, and stops soon after the stop sign is up.
 fn work(id: Uuid, plan: &Plan, located: Vec<Option<Located>>, mut meter: Meter) -> Result<Product, Failure> {
     let (inputs, read) = load(plan, located, &mut meter)?;
-    let outcome = run::run(plan, inputs, &mut meter).map_err(|error| match error {
-        RunError::Stopped => Failure::Stopped,
-        RunError::Faults(faults) => Failure::Faults(faults),
-    })?;
+    let outcome = run::run(plan, inputs, &mut meter)?;
     let report = report::build(id, plan, &read, &outcome, meter.timing()).map_err(|error| Failure::Internal(error.into()))?;
     Ok(Product { artifacts: outcome.artifacts, report, warnings: outcome.warnings })
 }
 
-fn load(plan: &Plan, located: Vec<Option<Located>>, meter: &mut Meter) -> Result<(Inputs, Vec<ReportInput>), Failure> {
+pub(super) fn load(plan: &Plan, located: Vec<Option<Located>>, meter: &mut Meter) -> Result<(Inputs, Vec<ReportInput>), Failure> {
     let total = located.len() as u64;
     let (mut inputs, mut read) = (Vec::new(), Vec::new());
     for (done, (request, located)) in plan.inputs.iter().zip(located).enumerate() {

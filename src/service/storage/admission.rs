@@ -1,14 +1,14 @@
 //! Letting a job in: its sources exist, its idempotency key is free, the queue has room; then row, key, dependencies and
 //! first event in one transaction.
 
-use super::change::{Changed, append_state, dependency_failed, end_job, parse_id, unfinished_dependencies};
+use super::change::{Changed, append_state, dependency_failed, end_job, parse_id, ready_job, unfinished_dependencies};
 use super::jobs::write_labels;
 use super::{Storage, now, to_micros};
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
 use crate::service::types::{JobKind, JobState};
 use anyhow::Context;
-use sqlx::{Row, SqliteConnection};
+use sqlx::{AnyConnection, Row};
 use std::collections::BTreeMap;
 use std::time::Duration;
 use uuid::Uuid;
@@ -45,6 +45,8 @@ pub struct NewJob {
     pub spec: String,
     pub spec_sha256: String,
     pub seed: u32,
+    /// Greater goes first.
+    pub priority: i64,
     pub engine_version: &'static str,
     pub sources: Vec<SourceRef>,
     pub rerun_of: Option<Uuid>,
@@ -65,7 +67,7 @@ pub enum Admission {
 
 impl Storage {
     pub async fn admit(&self, new: &NewJob, queue_limit: u64) -> anyhow::Result<Admission> {
-        let mut transaction = self.write.begin().await?;
+        let mut transaction = self.begin().await?;
         if let Some(key) = &new.idempotency
             && let Some(admission) = remembered(&mut transaction, key).await?
         {
@@ -99,14 +101,14 @@ impl Storage {
 
     pub async fn forget_keys(&self, older_than: Duration) -> anyhow::Result<()> {
         let age_micros = i64::try_from(older_than.as_micros())?;
-        sqlx::query("DELETE FROM idempotency_keys WHERE created_at < ?").bind(to_micros(now()) - age_micros).execute(&self.write).await?;
+        sqlx::query("DELETE FROM idempotency_keys WHERE created_at < $1").bind(to_micros(now()) - age_micros).execute(&self.write).await?;
         Ok(())
     }
 }
 
-async fn remembered(connection: &mut SqliteConnection, key: &IdempotencyKey) -> anyhow::Result<Option<Admission>> {
+async fn remembered(connection: &mut AnyConnection, key: &IdempotencyKey) -> anyhow::Result<Option<Admission>> {
     let row =
-        sqlx::query("SELECT request_sha256, job_id FROM idempotency_keys WHERE key = ?").bind(&key.key).fetch_optional(connection).await?;
+        sqlx::query("SELECT request_sha256, job_id FROM idempotency_keys WHERE key = $1").bind(&key.key).fetch_optional(connection).await?;
     let Some(row) = row else { return Ok(None) };
     if row.try_get::<&str, _>("request_sha256")? != key.request_sha256 {
         return Ok(Some(Admission::Mismatch));
@@ -114,7 +116,7 @@ async fn remembered(connection: &mut SqliteConnection, key: &IdempotencyKey) -> 
     Ok(Some(Admission::Replayed(parse_id(row.try_get("job_id")?)?)))
 }
 
-async fn missing_sources(connection: &mut SqliteConnection, sources: &[SourceRef]) -> anyhow::Result<Vec<Fault>> {
+async fn missing_sources(connection: &mut AnyConnection, sources: &[SourceRef]) -> anyhow::Result<Vec<Fault>> {
     let mut faults: Vec<Fault> = Vec::new();
     for source in sources {
         let fault = match &source.id {
@@ -126,9 +128,9 @@ async fn missing_sources(connection: &mut SqliteConnection, sources: &[SourceRef
     Ok(faults)
 }
 
-async fn dataset_fault(connection: &mut SqliteConnection, source: &SourceRef, id: &str) -> anyhow::Result<Option<Fault>> {
+async fn dataset_fault(connection: &mut AnyConnection, source: &SourceRef, id: &str) -> anyhow::Result<Option<Fault>> {
     let pointer = format!("{}/dataset_id", source.pointer);
-    let kind: Option<String> = sqlx::query_scalar("SELECT kind FROM datasets WHERE id = ? AND deleted_at IS NULL")
+    let kind: Option<String> = sqlx::query_scalar("SELECT kind FROM datasets WHERE id = $1 AND deleted_at IS NULL")
         .bind(id.to_lowercase())
         .fetch_optional(connection)
         .await?;
@@ -142,8 +144,8 @@ async fn dataset_fault(connection: &mut SqliteConnection, source: &SourceRef, id
     })
 }
 
-async fn job_fault(connection: &mut SqliteConnection, source: &SourceRef, id: &str) -> anyhow::Result<Option<Fault>> {
-    let known: i64 = sqlx::query_scalar("SELECT count(*) FROM jobs WHERE id = ? AND deleted_at IS NULL")
+async fn job_fault(connection: &mut AnyConnection, source: &SourceRef, id: &str) -> anyhow::Result<Option<Fault>> {
+    let known: i64 = sqlx::query_scalar("SELECT count(*) FROM jobs WHERE id = $1 AND deleted_at IS NULL")
         .bind(id.to_lowercase())
         .fetch_one(connection)
         .await?;
@@ -151,12 +153,12 @@ async fn job_fault(connection: &mut SqliteConnection, source: &SourceRef, id: &s
     Ok((known == 0).then(fault))
 }
 
-async fn insert(connection: &mut SqliteConnection, new: &NewJob) -> anyhow::Result<Uuid> {
+async fn insert(connection: &mut AnyConnection, new: &NewJob) -> anyhow::Result<Uuid> {
     let (id, at) = (Uuid::now_v7(), to_micros(now()));
     sqlx::query(
-        "INSERT INTO jobs (id, kind, state, name, spec, spec_sha256, seed, engine_version, created_at, queued_at, rerun_of, duplicate_of)
-         VALUES (?1, ?2, 'queued', ?3, ?4, ?5, ?6, ?7, ?8, ?8, ?9,
-             (SELECT id FROM jobs WHERE spec_sha256 = ?5 AND kind = ?2 AND state = 'succeeded' AND deleted_at IS NULL
+        "INSERT INTO jobs (id, kind, state, name, spec, spec_sha256, seed, engine_version, created_at, queued_at, rerun_of, priority, duplicate_of)
+         VALUES ($1, $2, 'queued', $3, $4, $5, $6, $7, $8, $8, $9, $10,
+             (SELECT id FROM jobs WHERE spec_sha256 = $5 AND kind = $2 AND state = 'succeeded' AND deleted_at IS NULL
               ORDER BY created_at LIMIT 1))",
     )
     .bind(id.to_string())
@@ -164,10 +166,11 @@ async fn insert(connection: &mut SqliteConnection, new: &NewJob) -> anyhow::Resu
     .bind(&new.name)
     .bind(&new.spec)
     .bind(&new.spec_sha256)
-    .bind(new.seed)
+    .bind(i64::from(new.seed))
     .bind(new.engine_version)
     .bind(at)
     .bind(new.rerun_of.map(|id| id.to_string()))
+    .bind(new.priority)
     .execute(&mut *connection)
     .await?;
     write_labels(connection, id, &new.labels).await?;
@@ -176,7 +179,7 @@ async fn insert(connection: &mut SqliteConnection, new: &NewJob) -> anyhow::Resu
             SourceId::Dataset(id) => ("dataset", id),
             SourceId::Job(id) => ("job", id),
         };
-        sqlx::query("INSERT OR IGNORE INTO job_dependencies (job_id, source_kind, source_id) VALUES (?, ?, ?)")
+        sqlx::query("INSERT INTO job_dependencies (job_id, source_kind, source_id) VALUES ($1, $2, $3) ON CONFLICT DO NOTHING")
             .bind(id.to_string())
             .bind(kind)
             .bind(source_id.to_lowercase())
@@ -184,7 +187,7 @@ async fn insert(connection: &mut SqliteConnection, new: &NewJob) -> anyhow::Resu
             .await?;
     }
     if let Some(IdempotencyKey { key, request_sha256 }) = &new.idempotency {
-        sqlx::query("INSERT INTO idempotency_keys (key, request_sha256, job_id, created_at) VALUES (?, ?, ?, ?)")
+        sqlx::query("INSERT INTO idempotency_keys (key, request_sha256, job_id, created_at) VALUES ($1, $2, $3, $4)")
             .bind(key)
             .bind(request_sha256)
             .bind(id.to_string())
@@ -196,12 +199,12 @@ async fn insert(connection: &mut SqliteConnection, new: &NewJob) -> anyhow::Resu
 }
 
 /// The first event; a job that needs one that has already failed fails at once.
-async fn start(connection: &mut SqliteConnection, id: Uuid) -> anyhow::Result<Changed> {
+async fn start(connection: &mut AnyConnection, id: Uuid) -> anyhow::Result<Changed> {
     let at = now();
     append_state(connection, id, at, JobState::Queued).await?;
     let failed = sqlx::query(
         "SELECT jobs.id, state FROM job_dependencies JOIN jobs ON jobs.id = source_id
-         WHERE source_kind = 'job' AND job_id = ? AND state IN ('failed', 'canceled') ORDER BY jobs.id LIMIT 1",
+         WHERE source_kind = 'job' AND job_id = $1 AND state IN ('failed', 'canceled') ORDER BY jobs.id LIMIT 1",
     )
     .bind(id.to_string())
     .fetch_optional(&mut *connection)
@@ -211,6 +214,6 @@ async fn start(connection: &mut SqliteConnection, id: Uuid) -> anyhow::Result<Ch
         let problem = dependency_failed(parse_id(row.try_get("id")?)?, state);
         return end_job(connection, id, at, JobState::Failed, Some(problem)).await;
     }
-    let ready = if unfinished_dependencies(connection, id).await? == 0 { vec![id] } else { Vec::new() };
+    let ready = if unfinished_dependencies(connection, id).await? == 0 { vec![ready_job(connection, id).await?] } else { Vec::new() };
     Ok(Changed { touched: vec![id], ready })
 }

@@ -3,7 +3,7 @@
 use super::to_micros;
 use crate::service::types::{EventData, JobEnd, JobState, Problem, StateChange};
 use jiff::Timestamp;
-use sqlx::{Row, SqliteConnection};
+use sqlx::{AnyConnection, Row};
 use uuid::Uuid;
 
 /// What the rest of the service has to know of a committed change.
@@ -11,8 +11,17 @@ use uuid::Uuid;
 pub struct Changed {
     /// Jobs that have new events.
     pub touched: Vec<Uuid>,
-    /// Jobs that can run now.
-    pub ready: Vec<Uuid>,
+    /// What can be done now.
+    pub ready: Vec<Ready>,
+}
+
+/// A job, or a chunk of a campaign, that can be done now.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Ready {
+    pub job_id: Uuid,
+    pub chunk: Option<u32>,
+    /// Greater goes first.
+    pub priority: i64,
 }
 
 impl Changed {
@@ -21,18 +30,18 @@ impl Changed {
     }
 }
 
-pub(super) async fn append_event(connection: &mut SqliteConnection, id: Uuid, at: Timestamp, data: &EventData) -> anyhow::Result<()> {
+pub(super) async fn append_event(connection: &mut AnyConnection, id: Uuid, at: Timestamp, data: &EventData) -> anyhow::Result<()> {
     let json = match data {
         EventData::State(data) => serde_json::to_string(data),
         EventData::Progress(data) => serde_json::to_string(data),
         EventData::Log(data) => serde_json::to_string(data),
         EventData::Done(data) => serde_json::to_string(data),
     }?;
-    let seq: i64 = sqlx::query_scalar("UPDATE jobs SET last_seq = last_seq + 1 WHERE id = ? RETURNING last_seq")
+    let seq: i64 = sqlx::query_scalar("UPDATE jobs SET last_seq = last_seq + 1 WHERE id = $1 RETURNING last_seq")
         .bind(id.to_string())
         .fetch_one(&mut *connection)
         .await?;
-    sqlx::query("INSERT INTO job_events (job_id, seq, type, at, data) VALUES (?, ?, ?, ?, ?)")
+    sqlx::query("INSERT INTO job_events (job_id, seq, type, at, data) VALUES ($1, $2, $3, $4, $5)")
         .bind(id.to_string())
         .bind(seq)
         .bind(data.type_name())
@@ -44,14 +53,15 @@ pub(super) async fn append_event(connection: &mut SqliteConnection, id: Uuid, at
 }
 
 /// Tells the job's present state as an event.
-pub(super) async fn append_state(connection: &mut SqliteConnection, id: Uuid, at: Timestamp, state: JobState) -> anyhow::Result<()> {
-    let attempt: u32 = sqlx::query_scalar("SELECT attempt FROM jobs WHERE id = ?").bind(id.to_string()).fetch_one(&mut *connection).await?;
-    append_event(connection, id, at, &EventData::State(StateChange { state, attempt })).await
+pub(super) async fn append_state(connection: &mut AnyConnection, id: Uuid, at: Timestamp, state: JobState) -> anyhow::Result<()> {
+    let attempt: i64 =
+        sqlx::query_scalar("SELECT attempt FROM jobs WHERE id = $1").bind(id.to_string()).fetch_one(&mut *connection).await?;
+    append_event(connection, id, at, &EventData::State(StateChange { state, attempt: u32::try_from(attempt)? })).await
 }
 
 /// Ends a job, and with it every job that needed its result and now cannot have it.
 pub(super) async fn end_job(
-    connection: &mut SqliteConnection,
+    connection: &mut AnyConnection,
     id: Uuid,
     at: Timestamp,
     state: JobState,
@@ -78,29 +88,26 @@ pub(super) fn dependency_failed(id: Uuid, state: JobState) -> Problem {
     Problem::new("dependency_failed", format!("job {id}, whose result this job needs, {how}"))
 }
 
-async fn write_end(
-    connection: &mut SqliteConnection,
-    id: Uuid,
-    at: Timestamp,
-    state: JobState,
-    error: Option<Problem>,
-) -> anyhow::Result<()> {
+async fn write_end(connection: &mut AnyConnection, id: Uuid, at: Timestamp, state: JobState, error: Option<Problem>) -> anyhow::Result<()> {
     let json = error.as_ref().map(serde_json::to_string).transpose()?;
-    sqlx::query("UPDATE jobs SET state = ?, finished_at = ?, error = ? WHERE id = ?")
+    sqlx::query("UPDATE jobs SET state = $1, finished_at = $2, error = $3 WHERE id = $4")
         .bind(state.name())
         .bind(to_micros(at))
         .bind(json)
         .bind(id.to_string())
         .execute(&mut *connection)
         .await?;
+    // What is left of a campaign: nobody makes it any more, and the runs of one that succeeded are in its files.
+    let kept = if state == JobState::Succeeded { "" } else { "done" };
+    sqlx::query("DELETE FROM chunks WHERE job_id = $1 AND state <> $2").bind(id.to_string()).bind(kept).execute(&mut *connection).await?;
     append_state(connection, id, at, state).await?;
     append_event(connection, id, at, &EventData::Done(JobEnd { state, error })).await
 }
 
-async fn queued_dependents(connection: &mut SqliteConnection, id: Uuid) -> anyhow::Result<Vec<Uuid>> {
+async fn queued_dependents(connection: &mut AnyConnection, id: Uuid) -> anyhow::Result<Vec<Uuid>> {
     let rows = sqlx::query(
         "SELECT jobs.id FROM job_dependencies JOIN jobs ON jobs.id = job_id
-         WHERE source_kind = 'job' AND source_id = ? AND state = 'queued' ORDER BY created_at, jobs.id",
+         WHERE source_kind = 'job' AND source_id = $1 AND state = 'queued' ORDER BY created_at, jobs.id",
     )
     .bind(id.to_string())
     .fetch_all(connection)
@@ -109,20 +116,29 @@ async fn queued_dependents(connection: &mut SqliteConnection, id: Uuid) -> anyho
 }
 
 /// The queued jobs that needed this one and now miss nothing.
-async fn ready_dependents(connection: &mut SqliteConnection, id: Uuid) -> anyhow::Result<Vec<Uuid>> {
+async fn ready_dependents(connection: &mut AnyConnection, id: Uuid) -> anyhow::Result<Vec<Ready>> {
     let mut ready = Vec::new();
     for waiting in queued_dependents(connection, id).await? {
         if unfinished_dependencies(connection, waiting).await? == 0 {
-            ready.push(waiting);
+            ready.push(ready_job(connection, waiting).await?);
         }
     }
     Ok(ready)
 }
 
-pub(super) async fn unfinished_dependencies(connection: &mut SqliteConnection, id: Uuid) -> anyhow::Result<i64> {
+/// The job as something to be done.
+pub(super) async fn ready_job(connection: &mut AnyConnection, job_id: Uuid) -> anyhow::Result<Ready> {
+    Ok(Ready { job_id, chunk: None, priority: priority_of(connection, job_id).await? })
+}
+
+pub(super) async fn priority_of(connection: &mut AnyConnection, id: Uuid) -> anyhow::Result<i64> {
+    Ok(sqlx::query_scalar("SELECT priority FROM jobs WHERE id = $1").bind(id.to_string()).fetch_one(connection).await?)
+}
+
+pub(super) async fn unfinished_dependencies(connection: &mut AnyConnection, id: Uuid) -> anyhow::Result<i64> {
     let count = sqlx::query_scalar(
         "SELECT count(*) FROM job_dependencies JOIN jobs ON jobs.id = source_id
-         WHERE source_kind = 'job' AND job_id = ? AND state <> 'succeeded'",
+         WHERE source_kind = 'job' AND job_id = $1 AND state <> 'succeeded'",
     )
     .bind(id.to_string())
     .fetch_one(connection)

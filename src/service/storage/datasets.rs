@@ -4,13 +4,14 @@ use super::change::parse_id;
 use super::filter::DatasetFilter;
 use super::life::{ClaimedJob, NewArtifact};
 use super::page::{Cursor, cut, push_page, push_search, row_limit};
+use super::statement::Statement;
 use super::{Storage, from_micros, now, to_micros};
 use crate::formats::npy::BearingTimeAxes;
 use crate::model::dataset::DatasetSummary;
 use crate::model::sensor::SensorSettings;
 use crate::service::types::{DatasetInfo, DatasetLinks, DatasetOrigin, JobOrigin, JobOriginKind, UploadOrigin, UploadOriginKind};
-use sqlx::sqlite::SqliteRow;
-use sqlx::{QueryBuilder, Row, Sqlite, SqliteConnection};
+use sqlx::any::AnyRow;
+use sqlx::{AnyConnection, Row};
 use std::collections::BTreeMap;
 use uuid::Uuid;
 
@@ -65,14 +66,14 @@ pub struct StoredDataset {
 }
 
 const COLUMNS: &str = "SELECT id, name, format, bytes, sha256, columns, bearing_time, summary, sensors, warnings, origin_job_id, file_name,
-    created_at, deleted_at IS NOT NULL AS deleted FROM datasets WHERE ";
+    created_at, CASE WHEN deleted_at IS NULL THEN 0 ELSE 1 END AS deleted FROM datasets WHERE ";
 
 impl Storage {
     /// Keeps a dataset, or finds the upload that is the same; `true` when it is new.
     pub async fn add_dataset(&self, new: &NewDataset) -> anyhow::Result<(Uuid, bool)> {
-        let mut transaction = self.write.begin().await?;
+        let mut transaction = self.begin().await?;
         let known: Option<String> = sqlx::query_scalar(
-            "SELECT id FROM datasets WHERE sha256 = ? AND meta_sha256 = ? AND deleted_at IS NULL AND origin_job_id IS NULL",
+            "SELECT id FROM datasets WHERE sha256 = $1 AND meta_sha256 = $2 AND deleted_at IS NULL AND origin_job_id IS NULL",
         )
         .bind(&new.sha256)
         .bind(&new.meta_sha256)
@@ -87,9 +88,9 @@ impl Storage {
     }
 
     pub async fn dataset(&self, id: Uuid) -> anyhow::Result<Option<StoredDataset>> {
-        let mut query = QueryBuilder::<Sqlite>::new(COLUMNS);
-        query.push("id = ").push_bind(id.to_string());
-        query.build().fetch_optional(&self.read).await?.as_ref().map(stored).transpose()
+        let mut query = Statement::new(COLUMNS);
+        query.push("id = ").bind(id.to_string());
+        query.query().fetch_optional(&self.read).await?.as_ref().map(stored).transpose()
     }
 
     /// One page, the cursor of the next, and the count if it was asked for.
@@ -99,17 +100,17 @@ impl Storage {
         cursor: Option<Cursor>,
     ) -> anyhow::Result<(Vec<DatasetInfo>, Option<String>, Option<u64>)> {
         let total = if filter.count {
-            let mut query = QueryBuilder::<Sqlite>::new("SELECT count(*) FROM datasets WHERE ");
+            let mut query = Statement::new("SELECT count(*) FROM datasets WHERE ");
             push_filter(&mut query, filter);
-            Some(query.build_query_scalar::<i64>().fetch_one(&self.read).await?.cast_unsigned())
+            Some(query.count().fetch_one(&self.read).await?.cast_unsigned())
         } else {
             None
         };
         let limit = row_limit(filter.limit);
-        let mut query = QueryBuilder::<Sqlite>::new(COLUMNS);
+        let mut query = Statement::new(COLUMNS);
         push_filter(&mut query, filter);
         push_page(&mut query, filter.sort, cursor, limit);
-        let rows = query.build().fetch_all(&self.read).await?;
+        let rows = query.query().fetch_all(&self.read).await?;
         let items = rows.iter().map(|row| Ok(stored(row)?.info)).collect::<anyhow::Result<Vec<_>>>()?;
         let (items, next) = cut(items, limit, |info| Cursor::new(filter.sort, info.created_at, info.id));
         Ok((items, next, total))
@@ -117,10 +118,10 @@ impl Storage {
 
     /// Deletes a dataset; gives the jobs that still need it instead if there are any.
     pub async fn delete_dataset(&self, id: Uuid) -> anyhow::Result<Vec<Uuid>> {
-        let mut transaction = self.write.begin().await?;
+        let mut transaction = self.begin().await?;
         let users = active_users(&mut transaction, "dataset", id).await?;
         if users.is_empty() {
-            sqlx::query("UPDATE datasets SET deleted_at = ? WHERE id = ?")
+            sqlx::query("UPDATE datasets SET deleted_at = $1 WHERE id = $2")
                 .bind(to_micros(now()))
                 .bind(id.to_string())
                 .execute(&mut *transaction)
@@ -133,8 +134,8 @@ impl Storage {
     /// Whether a dataset or an artefact still has this content.
     pub async fn blob_is_used(&self, sha256: &str) -> anyhow::Result<bool> {
         let uses: i64 = sqlx::query_scalar(
-            "SELECT (SELECT count(*) FROM datasets WHERE sha256 = ?1 AND deleted_at IS NULL)
-                  + (SELECT count(*) FROM artifacts WHERE sha256 = ?1)",
+            "SELECT (SELECT count(*) FROM datasets WHERE sha256 = $1 AND deleted_at IS NULL)
+                  + (SELECT count(*) FROM artifacts WHERE sha256 = $1)",
         )
         .bind(sha256)
         .fetch_one(&self.write)
@@ -144,10 +145,10 @@ impl Storage {
 }
 
 /// Queued and running jobs that read this source.
-pub(super) async fn active_users(connection: &mut SqliteConnection, source_kind: &str, id: Uuid) -> anyhow::Result<Vec<Uuid>> {
+pub(super) async fn active_users(connection: &mut AnyConnection, source_kind: &str, id: Uuid) -> anyhow::Result<Vec<Uuid>> {
     let rows = sqlx::query(
         "SELECT jobs.id FROM job_dependencies JOIN jobs ON jobs.id = job_id
-         WHERE source_kind = ? AND source_id = ? AND state IN ('queued', 'running') ORDER BY created_at, jobs.id",
+         WHERE source_kind = $1 AND source_id = $2 AND state IN ('queued', 'running') ORDER BY created_at, jobs.id",
     )
     .bind(source_kind)
     .bind(id.to_string())
@@ -156,11 +157,11 @@ pub(super) async fn active_users(connection: &mut SqliteConnection, source_kind:
     rows.iter().map(|row| parse_id(row.try_get(0)?)).collect()
 }
 
-pub(super) async fn insert_dataset(connection: &mut SqliteConnection, new: &NewDataset) -> anyhow::Result<Uuid> {
+pub(super) async fn insert_dataset(connection: &mut AnyConnection, new: &NewDataset) -> anyhow::Result<Uuid> {
     let id = Uuid::now_v7();
     sqlx::query(
         "INSERT INTO datasets (id, name, kind, format, bytes, sha256, meta_sha256, columns, bearing_time, summary, sensors, warnings,
-             origin_job_id, file_name, created_at) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+             origin_job_id, file_name, created_at) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15)",
     )
     .bind(id.to_string())
     .bind(&new.name)
@@ -182,22 +183,17 @@ pub(super) async fn insert_dataset(connection: &mut SqliteConnection, new: &NewD
     Ok(id)
 }
 
-fn push_filter(query: &mut QueryBuilder<Sqlite>, filter: &DatasetFilter) {
+fn push_filter(query: &mut Statement, filter: &DatasetFilter) {
     query.push("deleted_at IS NULL");
     if !filter.kinds.is_empty() {
-        query.push(" AND kind IN (");
-        let mut kinds = query.separated(", ");
-        filter.kinds.iter().for_each(|kind| {
-            kinds.push_bind(kind.name());
-        });
-        query.push(")");
+        query.push(" AND kind IN ").bind_list(filter.kinds.iter().map(|kind| kind.name().to_owned()));
     }
     if let Some(q) = &filter.q {
         push_search(query, q);
     }
 }
 
-fn stored(row: &SqliteRow) -> anyhow::Result<StoredDataset> {
+fn stored(row: &AnyRow) -> anyhow::Result<StoredDataset> {
     let id = parse_id(row.try_get("id")?)?;
     let summary: DatasetSummary = serde_json::from_str(row.try_get("summary")?)?;
     let sensors: Vec<SensorSettings> = serde_json::from_str(row.try_get("sensors")?)?;
@@ -232,6 +228,6 @@ fn stored(row: &SqliteRow) -> anyhow::Result<StoredDataset> {
         columns: serde_json::from_str(row.try_get("columns")?)?,
         bearing_time: serde_json::from_str(row.try_get("bearing_time")?)?,
         file_name,
-        deleted: row.try_get("deleted")?,
+        deleted: row.try_get::<i64, _>("deleted")? != 0,
     })
 }

@@ -4,7 +4,7 @@ use super::{Storage, from_micros};
 use crate::service::types::{Event, EventData};
 use anyhow::bail;
 use sqlx::Row;
-use sqlx::sqlite::SqliteRow;
+use sqlx::any::AnyRow;
 use uuid::Uuid;
 
 /// Events read at once.
@@ -13,7 +13,7 @@ const BATCH: i64 = 500;
 impl Storage {
     /// The events after number `after`, at most a batch of them.
     pub async fn events(&self, id: Uuid, after: u64) -> anyhow::Result<Vec<Event>> {
-        let rows = sqlx::query("SELECT seq, type, at, data FROM job_events WHERE job_id = ? AND seq > ? ORDER BY seq LIMIT ?")
+        let rows = sqlx::query("SELECT seq, type, at, data FROM job_events WHERE job_id = $1 AND seq > $2 ORDER BY seq LIMIT $3")
             .bind(id.to_string())
             .bind(i64::try_from(after).unwrap_or(i64::MAX))
             .bind(BATCH)
@@ -23,7 +23,7 @@ impl Storage {
     }
 }
 
-fn event(id: Uuid, row: &SqliteRow) -> anyhow::Result<Event> {
+fn event(id: Uuid, row: &AnyRow) -> anyhow::Result<Event> {
     let json: &str = row.try_get("data")?;
     let data = match row.try_get("type")? {
         "state" => EventData::State(serde_json::from_str(json)?),

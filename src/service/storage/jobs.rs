@@ -4,17 +4,18 @@ use super::change::{Changed, append_event, end_job, parse_id};
 use super::datasets::active_users;
 use super::filter::JobFilter;
 use super::page::{Cursor, cut, push_page, push_search, row_limit};
+use super::statement::Statement;
 use super::{Storage, from_micros, now, to_micros};
 use crate::service::types::{EventData, Job, JobKind, JobLinks, JobState, LogLine};
 use anyhow::Context;
-use sqlx::sqlite::SqliteRow;
-use sqlx::{QueryBuilder, Row, Sqlite, SqliteConnection};
+use sqlx::any::AnyRow;
+use sqlx::{AnyConnection, Row};
 use std::collections::BTreeMap;
 use uuid::Uuid;
 
 const COLUMNS: &str = "SELECT id, kind, state, attempt, name, labels, created_at, queued_at, started_at, finished_at, cancel_requested_at,
-    deleted_at IS NOT NULL AS deleted, progress, error, warnings, seed, engine_version, spec_sha256, duplicate_of, rerun_of,
-    (SELECT json_group_array(source_id) FROM job_dependencies WHERE job_id = jobs.id AND source_kind = 'job') AS depends_on
+    CASE WHEN deleted_at IS NULL THEN 0 ELSE 1 END AS deleted, progress, error, warnings, seed, engine_version, spec_sha256, duplicate_of, rerun_of,
+    (SELECT string_agg(source_id, ',' ORDER BY source_id) FROM job_dependencies WHERE job_id = jobs.id AND source_kind = 'job') AS depends_on
     FROM jobs WHERE ";
 
 /// A job, and whether it has been deleted.
@@ -27,7 +28,7 @@ pub struct StoredJob {
 /// What came of asking a job to stop.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cancellation {
-    /// It was queued and is now canceled.
+    /// It is canceled. Whoever makes a part of it has to be told.
     Canceled(Changed),
     /// It runs; whoever runs it has to be told.
     Requested(Changed),
@@ -56,31 +57,31 @@ pub struct StoredArtifact {
 
 impl Storage {
     pub async fn job(&self, id: Uuid) -> anyhow::Result<Option<StoredJob>> {
-        let mut query = QueryBuilder::<Sqlite>::new(COLUMNS);
-        query.push("id = ").push_bind(id.to_string());
-        query.build().fetch_optional(&self.read).await?.as_ref().map(stored).transpose()
+        let mut query = Statement::new(COLUMNS);
+        query.push("id = ").bind(id.to_string());
+        query.query().fetch_optional(&self.read).await?.as_ref().map(stored).transpose()
     }
 
     /// The job's request as normalised.
     pub async fn spec(&self, id: Uuid) -> anyhow::Result<serde_json::Value> {
-        let json: String = sqlx::query_scalar("SELECT spec FROM jobs WHERE id = ?").bind(id.to_string()).fetch_one(&self.read).await?;
+        let json: String = sqlx::query_scalar("SELECT spec FROM jobs WHERE id = $1").bind(id.to_string()).fetch_one(&self.read).await?;
         serde_json::from_str(&json).context("a stored spec is not JSON")
     }
 
     /// One page, the cursor of the next, and the count if it was asked for.
     pub async fn jobs(&self, filter: &JobFilter, cursor: Option<Cursor>) -> anyhow::Result<(Vec<Job>, Option<String>, Option<u64>)> {
         let total = if filter.count {
-            let mut query = QueryBuilder::<Sqlite>::new("SELECT count(*) FROM jobs WHERE ");
+            let mut query = Statement::new("SELECT count(*) FROM jobs WHERE ");
             push_filter(&mut query, filter);
-            Some(query.build_query_scalar::<i64>().fetch_one(&self.read).await?.cast_unsigned())
+            Some(query.count().fetch_one(&self.read).await?.cast_unsigned())
         } else {
             None
         };
         let limit = row_limit(filter.limit);
-        let mut query = QueryBuilder::<Sqlite>::new(COLUMNS);
+        let mut query = Statement::new(COLUMNS);
         push_filter(&mut query, filter);
         push_page(&mut query, filter.sort, cursor, limit);
-        let rows = query.build().fetch_all(&self.read).await?;
+        let rows = query.query().fetch_all(&self.read).await?;
         let items = rows.iter().map(|row| Ok(stored(row)?.job)).collect::<anyhow::Result<Vec<_>>>()?;
         let (items, next) = cut(items, limit, |job| Cursor::new(filter.sort, job.created_at, job.id));
         Ok((items, next, total))
@@ -98,9 +99,9 @@ impl Storage {
 
     /// Renames; an empty name removes the name, and labels replace all labels.
     pub async fn patch_job(&self, id: Uuid, name: Option<&str>, labels: Option<&BTreeMap<String, String>>) -> anyhow::Result<()> {
-        let mut transaction = self.write.begin().await?;
+        let mut transaction = self.begin().await?;
         if let Some(name) = name {
-            sqlx::query("UPDATE jobs SET name = nullif(?, '') WHERE id = ?")
+            sqlx::query("UPDATE jobs SET name = nullif($1, '') WHERE id = $2")
                 .bind(name)
                 .bind(id.to_string())
                 .execute(&mut *transaction)
@@ -113,22 +114,27 @@ impl Storage {
         Ok(())
     }
 
-    /// Cancels a queued job at once; notes the wish on a running one.
+    /// Cancels a queued job or a campaign at once; notes the wish on another that runs.
     pub async fn cancel(&self, id: Uuid) -> anyhow::Result<Cancellation> {
-        let mut transaction = self.write.begin().await?;
+        let mut transaction = self.begin().await?;
         let at = now();
         let state: String =
-            sqlx::query_scalar("SELECT state FROM jobs WHERE id = ?").bind(id.to_string()).fetch_one(&mut *transaction).await?;
+            sqlx::query_scalar("SELECT state FROM jobs WHERE id = $1").bind(id.to_string()).fetch_one(&mut *transaction).await?;
         let state = JobState::from_name(&state).context("a stored job has an unknown state")?;
         if state.is_terminal() {
             return Ok(Cancellation::AlreadyEnded(state));
         }
-        let asked = sqlx::query("UPDATE jobs SET cancel_requested_at = ? WHERE id = ? AND cancel_requested_at IS NULL")
+        let asked = sqlx::query("UPDATE jobs SET cancel_requested_at = $1 WHERE id = $2 AND cancel_requested_at IS NULL")
             .bind(to_micros(at))
             .bind(id.to_string())
             .execute(&mut *transaction)
             .await?;
-        let outcome = if state == JobState::Queued {
+        let is_campaign: i64 = sqlx::query_scalar("SELECT count(*) FROM campaigns WHERE job_id = $1")
+            .bind(id.to_string())
+            .fetch_one(&mut *transaction)
+            .await?;
+        // A running campaign is in nobody's hands as a whole; who makes a chunk of it finds that it has ended.
+        let outcome = if state == JobState::Queued || is_campaign > 0 {
             Cancellation::Canceled(end_job(&mut transaction, id, at, JobState::Canceled, None).await?)
         } else {
             if asked.rows_affected() == 1 {
@@ -143,9 +149,9 @@ impl Storage {
 
     /// Deletes a job that has ended; its row stays as a sign that it was here.
     pub async fn delete_job(&self, id: Uuid) -> anyhow::Result<Deletion> {
-        let mut transaction = self.write.begin().await?;
+        let mut transaction = self.begin().await?;
         let key = id.to_string();
-        let state: String = sqlx::query_scalar("SELECT state FROM jobs WHERE id = ?").bind(&key).fetch_one(&mut *transaction).await?;
+        let state: String = sqlx::query_scalar("SELECT state FROM jobs WHERE id = $1").bind(&key).fetch_one(&mut *transaction).await?;
         let state = JobState::from_name(&state).context("a stored job has an unknown state")?;
         if !state.is_terminal() {
             return Ok(Deletion::StillActive(state));
@@ -154,11 +160,15 @@ impl Storage {
         if !users.is_empty() {
             return Ok(Deletion::NeededBy(users));
         }
-        let contents = sqlx::query_scalar("SELECT sha256 FROM artifacts WHERE job_id = ?").bind(&key).fetch_all(&mut *transaction).await?;
-        sqlx::query("UPDATE jobs SET deleted_at = ? WHERE id = ?").bind(to_micros(now())).bind(&key).execute(&mut *transaction).await?;
-        for statement in
-            ["DELETE FROM artifacts WHERE job_id = ?", "DELETE FROM job_events WHERE job_id = ?", "DELETE FROM job_labels WHERE job_id = ?"]
-        {
+        let contents = sqlx::query_scalar("SELECT sha256 FROM artifacts WHERE job_id = $1").bind(&key).fetch_all(&mut *transaction).await?;
+        sqlx::query("UPDATE jobs SET deleted_at = $1 WHERE id = $2").bind(to_micros(now())).bind(&key).execute(&mut *transaction).await?;
+        for statement in [
+            "DELETE FROM artifacts WHERE job_id = $1",
+            "DELETE FROM job_events WHERE job_id = $1",
+            "DELETE FROM job_labels WHERE job_id = $1",
+            "DELETE FROM chunks WHERE job_id = $1",
+            "DELETE FROM campaigns WHERE job_id = $1",
+        ] {
             sqlx::query(statement).bind(&key).execute(&mut *transaction).await?;
         }
         transaction.commit().await?;
@@ -167,7 +177,7 @@ impl Storage {
 
     /// The files of a job, in the order in which it made them.
     pub async fn artifacts(&self, id: Uuid) -> anyhow::Result<Vec<StoredArtifact>> {
-        let rows = sqlx::query("SELECT name, media_type, bytes, sha256, dataset_id FROM artifacts WHERE job_id = ? ORDER BY position")
+        let rows = sqlx::query("SELECT name, media_type, bytes, sha256, dataset_id FROM artifacts WHERE job_id = $1 ORDER BY position")
             .bind(id.to_string())
             .fetch_all(&self.read)
             .await?;
@@ -175,7 +185,7 @@ impl Storage {
     }
 }
 
-fn artifact(row: &SqliteRow) -> anyhow::Result<StoredArtifact> {
+fn artifact(row: &AnyRow) -> anyhow::Result<StoredArtifact> {
     Ok(StoredArtifact {
         name: row.try_get("name")?,
         media_type: row.try_get("media_type")?,
@@ -186,16 +196,16 @@ fn artifact(row: &SqliteRow) -> anyhow::Result<StoredArtifact> {
 }
 
 /// Writes the labels twice: on the row to be read, and by value to be searched.
-pub(super) async fn write_labels(connection: &mut SqliteConnection, id: Uuid, labels: &BTreeMap<String, String>) -> anyhow::Result<()> {
+pub(super) async fn write_labels(connection: &mut AnyConnection, id: Uuid, labels: &BTreeMap<String, String>) -> anyhow::Result<()> {
     let key = id.to_string();
-    sqlx::query("UPDATE jobs SET labels = ? WHERE id = ?")
+    sqlx::query("UPDATE jobs SET labels = $1 WHERE id = $2")
         .bind(serde_json::to_string(labels)?)
         .bind(&key)
         .execute(&mut *connection)
         .await?;
-    sqlx::query("DELETE FROM job_labels WHERE job_id = ?").bind(&key).execute(&mut *connection).await?;
+    sqlx::query("DELETE FROM job_labels WHERE job_id = $1").bind(&key).execute(&mut *connection).await?;
     for (label, value) in labels {
-        sqlx::query("INSERT INTO job_labels (job_id, key, value) VALUES (?, ?, ?)")
+        sqlx::query("INSERT INTO job_labels (job_id, key, value) VALUES ($1, $2, $3)")
             .bind(&key)
             .bind(label)
             .bind(value)
@@ -205,38 +215,33 @@ pub(super) async fn write_labels(connection: &mut SqliteConnection, id: Uuid, la
     Ok(())
 }
 
-fn push_filter(query: &mut QueryBuilder<Sqlite>, filter: &JobFilter) {
+fn push_filter(query: &mut Statement, filter: &JobFilter) {
     query.push("deleted_at IS NULL");
     push_names(query, "state", filter.states.iter().map(|state| state.name()));
     push_names(query, "kind", filter.kinds.iter().map(|kind| kind.name()));
     for (key, value) in &filter.labels {
-        query.push(" AND id IN (SELECT job_id FROM job_labels WHERE key = ").push_bind(key.clone());
-        query.push(" AND value = ").push_bind(value.clone()).push(")");
+        query.push(" AND id IN (SELECT job_id FROM job_labels WHERE key = ").bind(key.clone());
+        query.push(" AND value = ").bind(value.clone()).push(")");
     }
     if let Some(after) = filter.created_after {
-        query.push(" AND created_at > ").push_bind(to_micros(after));
+        query.push(" AND created_at > ").bind(to_micros(after));
     }
     if let Some(before) = filter.created_before {
-        query.push(" AND created_at < ").push_bind(to_micros(before));
+        query.push(" AND created_at < ").bind(to_micros(before));
     }
     if let Some(q) = &filter.q {
         push_search(query, q);
     }
 }
 
-fn push_names(query: &mut QueryBuilder<Sqlite>, column: &str, names: impl ExactSizeIterator<Item = &'static str>) {
+fn push_names(query: &mut Statement, column: &'static str, names: impl ExactSizeIterator<Item = &'static str>) {
     if names.len() == 0 {
         return;
     }
-    query.push(" AND ").push(column).push(" IN (");
-    let mut list = query.separated(", ");
-    names.for_each(|name| {
-        list.push_bind(name);
-    });
-    query.push(")");
+    query.push(" AND ").push(column).push(" IN ").bind_list(names.map(str::to_owned));
 }
 
-fn stored(row: &SqliteRow) -> anyhow::Result<StoredJob> {
+fn stored(row: &AnyRow) -> anyhow::Result<StoredJob> {
     let id = parse_id(row.try_get("id")?)?;
     let state = JobState::from_name(row.try_get("state")?).context("a stored job has an unknown state")?;
     let time = |column: &str| row.try_get::<Option<i64>, _>(column).map_err(anyhow::Error::from)?.map(from_micros).transpose();
@@ -246,7 +251,7 @@ fn stored(row: &SqliteRow) -> anyhow::Result<StoredJob> {
         id,
         kind: JobKind::from_name(row.try_get("kind")?).context("a stored job has an unknown kind")?,
         state,
-        attempt: row.try_get("attempt")?,
+        attempt: u32::try_from(row.try_get::<i64, _>("attempt")?)?,
         name: row.try_get("name")?,
         labels: serde_json::from_str(row.try_get("labels")?)?,
         created_at: from_micros(row.try_get("created_at")?)?,
@@ -258,13 +263,18 @@ fn stored(row: &SqliteRow) -> anyhow::Result<StoredJob> {
         progress: row.try_get::<Option<&str>, _>("progress")?.map(serde_json::from_str).transpose()?,
         error: row.try_get::<Option<&str>, _>("error")?.map(serde_json::from_str).transpose()?,
         warnings: serde_json::from_str(row.try_get("warnings")?)?,
-        depends_on: serde_json::from_str(row.try_get("depends_on")?)?,
-        seed: row.try_get("seed")?,
+        depends_on: row
+            .try_get::<Option<&str>, _>("depends_on")?
+            .into_iter()
+            .flat_map(|ids| ids.split(','))
+            .map(parse_id)
+            .collect::<anyhow::Result<_>>()?,
+        seed: u32::try_from(row.try_get::<i64, _>("seed")?)?,
         engine_version: row.try_get("engine_version")?,
         spec_sha256: row.try_get("spec_sha256")?,
         duplicate_of: optional_id("duplicate_of")?,
         rerun_of: optional_id("rerun_of")?,
         links: JobLinks::of(id),
     };
-    Ok(StoredJob { job, deleted: row.try_get("deleted")? })
+    Ok(StoredJob { job, deleted: row.try_get::<i64, _>("deleted")? != 0 })
 }

@@ -3,7 +3,8 @@
 //! Claiming, running and ending are three steps; only the first and the last touch the tables. A claim takes effect for
 //! one caller, and an end only for the attempt that was claimed, so a second copy of the same work changes nothing.
 
-use super::change::{Changed, append_event, append_state, end_job, parse_id, unfinished_dependencies};
+use super::change::{Changed, append_event, append_state, end_job, parse_id, ready_job, unfinished_dependencies};
+use super::chunks::recover_chunks;
 use super::datasets::{NewDataset, insert_dataset};
 use super::{Storage, now, to_micros};
 use crate::experiment::plan::JobKind as PlanKind;
@@ -12,7 +13,7 @@ use crate::model::sensor::SensorSettings;
 use crate::service::types::{EventData, JobKind, JobState, LogLine, Problem, Progress, ProgressStep};
 use anyhow::Context;
 use serde_json::Value;
-use sqlx::{Row, SqliteConnection};
+use sqlx::{AnyConnection, Row};
 use uuid::Uuid;
 
 /// A job that this caller, and nobody else, now runs.
@@ -56,29 +57,37 @@ pub enum Ending {
 }
 
 impl Storage {
-    /// Takes a queued job to run it, unless `crash_limit` processes have already died of it.
-    pub async fn claim(&self, id: Uuid, crash_limit: u32) -> anyhow::Result<Claim> {
-        let mut transaction = self.write.begin().await?;
+    /// Takes a queued job to run it, unless `crash_limit` processes have already died of it. `entry` is the queue's entry: one that
+    /// comes again while the job runs through it comes because whoever ran the job is dead.
+    pub async fn claim(&self, id: Uuid, entry: Uuid, crash_limit: u32) -> anyhow::Result<Claim> {
+        let mut transaction = self.begin().await?;
         let at = now();
         if unfinished_dependencies(&mut transaction, id).await? > 0 {
             return Ok(Claim::NotNow);
         }
-        let row = sqlx::query("SELECT kind, name, spec, attempt, crashes FROM jobs WHERE id = ? AND state = 'queued'")
-            .bind(id.to_string())
-            .fetch_optional(&mut *transaction)
-            .await?;
+        let row = sqlx::query(
+            "SELECT kind, name, spec, attempt, state, crashes FROM jobs
+             WHERE id = $1 AND (state = 'queued' OR state = 'running' AND entry = $2) AND id NOT IN (SELECT job_id FROM campaigns)",
+        )
+        .bind(id.to_string())
+        .bind(entry.to_string())
+        .fetch_optional(&mut *transaction)
+        .await?;
         let Some(row) = row else { return Ok(Claim::NotNow) };
-        if row.try_get::<u32, _>("crashes")? >= crash_limit {
+        let crashes = row.try_get::<i64, _>("crashes")? + i64::from(row.try_get::<&str, _>("state")? == "running");
+        if crashes >= i64::from(crash_limit) {
             let detail = format!("the process ended {crash_limit} times while it ran this job");
             let changed = end_job(&mut transaction, id, at, JobState::Failed, Some(Problem::new("crashed", detail))).await?;
             transaction.commit().await?;
             return Ok(Claim::Refused(changed));
         }
         let kind = JobKind::from_name(row.try_get("kind")?).context("a stored job has an unknown kind")?;
-        let attempt = row.try_get::<u32, _>("attempt")? + 1;
-        sqlx::query("UPDATE jobs SET state = 'running', attempt = ?, started_at = ? WHERE id = ?")
-            .bind(attempt)
+        let attempt = u32::try_from(row.try_get::<i64, _>("attempt")?)? + 1;
+        sqlx::query("UPDATE jobs SET state = 'running', attempt = $1, started_at = $2, entry = $3, crashes = $4 WHERE id = $5")
+            .bind(i64::from(attempt))
             .bind(to_micros(at))
+            .bind(entry.to_string())
+            .bind(crashes)
             .bind(id.to_string())
             .execute(&mut *transaction)
             .await?;
@@ -89,18 +98,19 @@ impl Storage {
     }
 
     /// How often the process died while it ran the job.
-    pub async fn crashes(&self, id: Uuid) -> anyhow::Result<u32> {
-        let crashes = sqlx::query_scalar("SELECT crashes FROM jobs WHERE id = ?").bind(id.to_string()).fetch_optional(&self.read).await?;
+    pub async fn crashes(&self, id: Uuid) -> anyhow::Result<i64> {
+        let crashes: Option<i64> =
+            sqlx::query_scalar("SELECT crashes FROM jobs WHERE id = $1").bind(id.to_string()).fetch_optional(&self.read).await?;
         Ok(crashes.unwrap_or(0))
     }
 
     /// Writes how far the claimed attempt is; `None` when it is no longer running.
     pub async fn progress(&self, id: Uuid, attempt: u32, progress: &Progress) -> anyhow::Result<Option<Changed>> {
-        let mut transaction = self.write.begin().await?;
-        let done = sqlx::query("UPDATE jobs SET progress = ? WHERE id = ? AND attempt = ? AND state = 'running'")
+        let mut transaction = self.begin().await?;
+        let done = sqlx::query("UPDATE jobs SET progress = $1 WHERE id = $2 AND attempt = $3 AND state = 'running'")
             .bind(serde_json::to_string(progress)?)
             .bind(id.to_string())
-            .bind(attempt)
+            .bind(i64::from(attempt))
             .execute(&mut *transaction)
             .await?;
         if done.rows_affected() == 0 {
@@ -113,118 +123,114 @@ impl Storage {
 
     /// Ends the claimed attempt, with its results. `None`: that attempt is no longer running, and nothing was written.
     pub async fn finish(&self, job: &ClaimedJob, ending: &Ending) -> anyhow::Result<Option<Changed>> {
-        let mut transaction = self.write.begin().await?;
+        let mut transaction = self.begin().await?;
         if !is_running(&mut transaction, job).await? {
             return Ok(None);
         }
-        let at = now();
-        let changed = match ending {
-            Ending::Succeeded { artifacts, warnings } => {
-                for (position, artifact) in artifacts.iter().enumerate() {
-                    insert_artifact(&mut transaction, job, position, artifact).await?;
-                }
-                let complete = Progress { step: ProgressStep::Write, done: 1, total: 1, fraction: 1.0, eta_s: None };
-                sqlx::query("UPDATE jobs SET warnings = ?, progress = ? WHERE id = ?")
-                    .bind(serde_json::to_string(warnings)?)
-                    .bind(serde_json::to_string(&complete)?)
-                    .bind(job.id.to_string())
-                    .execute(&mut *transaction)
-                    .await?;
-                end_job(&mut transaction, job.id, at, JobState::Succeeded, None).await?
-            }
-            Ending::Failed(problem) => end_job(&mut transaction, job.id, at, JobState::Failed, Some(problem.clone())).await?,
-            Ending::Canceled => end_job(&mut transaction, job.id, at, JobState::Canceled, None).await?,
-        };
+        let changed = end_with(&mut transaction, job, ending).await?;
         transaction.commit().await?;
         Ok(Some(changed))
     }
 
     /// Hands the claimed attempt back to the queue, because the service stops.
     pub async fn release(&self, job: &ClaimedJob) -> anyhow::Result<Option<Changed>> {
-        let mut transaction = self.write.begin().await?;
+        let mut transaction = self.begin().await?;
         if !is_running(&mut transaction, job).await? {
             return Ok(None);
         }
         requeue(&mut transaction, job.id, false).await?;
+        let ready = vec![ready_job(&mut transaction, job.id).await?];
         transaction.commit().await?;
-        Ok(Some(Changed::touch(job.id)))
+        Ok(Some(Changed { touched: vec![job.id], ready }))
     }
 
-    /// Puts every job that an earlier process left running back into the queue, or ends it if it was to be canceled.
+    /// Puts every job and chunk that an earlier process left running back into the queue, or ends the job if it was to be canceled.
+    /// Only for a process that has the tables for itself.
     pub async fn recover(&self) -> anyhow::Result<()> {
-        let mut transaction = self.write.begin().await?;
-        let rows =
-            sqlx::query("SELECT id, cancel_requested_at IS NOT NULL AS cancel FROM jobs WHERE state = 'running' ORDER BY created_at")
-                .fetch_all(&mut *transaction)
-                .await?;
+        let mut transaction = self.begin().await?;
+        let rows = sqlx::query(
+            "SELECT id, CASE WHEN cancel_requested_at IS NULL THEN 0 ELSE 1 END AS cancel FROM jobs
+             WHERE state = 'running' AND id NOT IN (SELECT job_id FROM campaigns) ORDER BY created_at",
+        )
+        .fetch_all(&mut *transaction)
+        .await?;
         for row in rows {
             let id = parse_id(row.try_get("id")?)?;
-            if row.try_get("cancel")? {
+            if row.try_get::<i64, _>("cancel")? != 0 {
                 end_job(&mut transaction, id, now(), JobState::Canceled, None).await?;
             } else {
                 requeue(&mut transaction, id, true).await?;
             }
         }
+        recover_chunks(&mut transaction).await?;
         transaction.commit().await?;
         Ok(())
     }
+}
 
-    /// Every queued job that waits for nothing but a free slot, oldest first.
-    pub async fn ready_jobs(&self) -> anyhow::Result<Vec<Uuid>> {
-        let rows = sqlx::query(
-            "SELECT id FROM jobs WHERE state = 'queued' AND deleted_at IS NULL AND NOT EXISTS (
-                 SELECT 1 FROM job_dependencies JOIN jobs AS needed ON needed.id = source_id
-                 WHERE source_kind = 'job' AND job_id = jobs.id AND needed.state <> 'succeeded')
-             ORDER BY created_at, id",
-        )
-        .fetch_all(&self.read)
-        .await?;
-        rows.iter().map(|row| parse_id(row.try_get(0)?)).collect()
+/// Writes what a job made, and its end.
+pub(super) async fn end_with(connection: &mut AnyConnection, job: &ClaimedJob, ending: &Ending) -> anyhow::Result<Changed> {
+    let at = now();
+    match ending {
+        Ending::Succeeded { artifacts, warnings } => {
+            for (position, artifact) in artifacts.iter().enumerate() {
+                insert_artifact(connection, job, position, artifact).await?;
+            }
+            let complete = Progress { step: ProgressStep::Write, done: 1, total: 1, fraction: 1.0, eta_s: None };
+            sqlx::query("UPDATE jobs SET warnings = $1, progress = $2 WHERE id = $3")
+                .bind(serde_json::to_string(warnings)?)
+                .bind(serde_json::to_string(&complete)?)
+                .bind(job.id.to_string())
+                .execute(&mut *connection)
+                .await?;
+            end_job(connection, job.id, at, JobState::Succeeded, None).await
+        }
+        Ending::Failed(problem) => end_job(connection, job.id, at, JobState::Failed, Some(problem.clone())).await,
+        Ending::Canceled => end_job(connection, job.id, at, JobState::Canceled, None).await,
     }
 }
 
-async fn is_running(connection: &mut SqliteConnection, job: &ClaimedJob) -> anyhow::Result<bool> {
-    let running: i64 = sqlx::query_scalar("SELECT count(*) FROM jobs WHERE id = ? AND attempt = ? AND state = 'running'")
+async fn is_running(connection: &mut AnyConnection, job: &ClaimedJob) -> anyhow::Result<bool> {
+    let running: i64 = sqlx::query_scalar("SELECT count(*) FROM jobs WHERE id = $1 AND attempt = $2 AND state = 'running'")
         .bind(job.id.to_string())
-        .bind(job.attempt)
+        .bind(i64::from(job.attempt))
         .fetch_one(connection)
         .await?;
     Ok(running == 1)
 }
 
-async fn requeue(connection: &mut SqliteConnection, id: Uuid, crashed: bool) -> anyhow::Result<()> {
+async fn requeue(connection: &mut AnyConnection, id: Uuid, crashed: bool) -> anyhow::Result<()> {
     let at = now();
-    sqlx::query("UPDATE jobs SET state = 'queued', queued_at = ?, started_at = NULL, progress = NULL, crashes = crashes + ? WHERE id = ?")
-        .bind(to_micros(at))
-        .bind(i64::from(crashed))
-        .bind(id.to_string())
-        .execute(&mut *connection)
-        .await?;
+    sqlx::query(
+        "UPDATE jobs SET state = 'queued', queued_at = $1, started_at = NULL, progress = NULL, enqueued_at = NULL, crashes = crashes + $2 WHERE id = $3",
+    )
+    .bind(to_micros(at))
+    .bind(i64::from(crashed))
+    .bind(id.to_string())
+    .execute(&mut *connection)
+    .await?;
     append_state(connection, id, at, JobState::Queued).await?;
     let message = if crashed { "the process ended while it ran the job; queued again" } else { "the service stopped; queued again" };
     append_event(connection, id, at, &EventData::Log(LogLine { message: message.to_owned() })).await
 }
 
-async fn insert_artifact(
-    connection: &mut SqliteConnection,
-    job: &ClaimedJob,
-    position: usize,
-    artifact: &NewArtifact,
-) -> anyhow::Result<()> {
+async fn insert_artifact(connection: &mut AnyConnection, job: &ClaimedJob, position: usize, artifact: &NewArtifact) -> anyhow::Result<()> {
     let dataset_id = match NewDataset::from_job(job, artifact) {
         Some(dataset) => Some(insert_dataset(connection, &dataset).await?),
         None => None,
     };
-    sqlx::query("INSERT INTO artifacts (job_id, name, position, media_type, bytes, sha256, dataset_id) VALUES (?, ?, ?, ?, ?, ?, ?)")
-        .bind(job.id.to_string())
-        .bind(&artifact.name)
-        .bind(i64::try_from(position)?)
-        .bind(&artifact.media_type)
-        .bind(i64::try_from(artifact.bytes)?)
-        .bind(&artifact.sha256)
-        .bind(dataset_id.map(|id| id.to_string()))
-        .execute(connection)
-        .await?;
+    sqlx::query(
+        "INSERT INTO artifacts (job_id, name, position, media_type, bytes, sha256, dataset_id) VALUES ($1, $2, $3, $4, $5, $6, $7)",
+    )
+    .bind(job.id.to_string())
+    .bind(&artifact.name)
+    .bind(i64::try_from(position)?)
+    .bind(&artifact.media_type)
+    .bind(i64::try_from(artifact.bytes)?)
+    .bind(&artifact.sha256)
+    .bind(dataset_id.map(|id| id.to_string()))
+    .execute(connection)
+    .await?;
     Ok(())
 }
 
@@ -232,11 +238,11 @@ async fn insert_artifact(
 mod tests {
     use super::*;
     use crate::model::dataset::DatasetKind;
-    use crate::service::storage::{Admission, NewJob, SourceId, SourceRef};
+    use crate::service::storage::{Admission, Database, NewJob, Ready, SourceId, SourceRef};
 
     async fn storage() -> (Storage, tempfile::TempDir) {
         let directory = tempfile::tempdir().unwrap();
-        (Storage::open(&directory.path().join("app.db")).await.unwrap(), directory)
+        (Storage::open(&Database::Sqlite(directory.path().join("app.db"))).await.unwrap(), directory)
     }
 
     async fn admit(storage: &Storage, needs: &[Uuid]) -> (Uuid, Changed) {
@@ -248,6 +254,7 @@ mod tests {
             spec: "{}".into(),
             spec_sha256: "x".into(),
             seed: 1,
+            priority: 7,
             engine_version: "0",
             sources: needs.iter().map(source).collect(),
             rerun_of: None,
@@ -259,8 +266,12 @@ mod tests {
         }
     }
 
+    fn ready(job_id: Uuid) -> Ready {
+        Ready { job_id, chunk: None, priority: 7 }
+    }
+
     async fn claimed(storage: &Storage, id: Uuid) -> Option<ClaimedJob> {
-        match storage.claim(id, 3).await.unwrap() {
+        match storage.claim(id, Uuid::now_v7(), 3).await.unwrap() {
             Claim::Run(job) => Some(job),
             _ => None,
         }
@@ -282,7 +293,7 @@ mod tests {
     async fn of_many_who_claim_a_job_one_gets_it() {
         let (storage, _directory) = storage().await;
         let (id, changed) = admit(&storage, &[]).await;
-        assert_eq!(changed, Changed { touched: vec![id], ready: vec![id] });
+        assert_eq!(changed, Changed { touched: vec![id], ready: vec![ready(id)] });
         let claims = futures::future::join_all((0..10).map(|_| claimed(&storage, id))).await;
         assert_eq!(claims.iter().flatten().map(|job| job.attempt).collect::<Vec<_>>(), [1]);
         assert!(claimed(&storage, Uuid::now_v7()).await.is_none());
@@ -313,9 +324,9 @@ mod tests {
         let ((one, _), (two, _)) = (admit(&storage, &[]).await, admit(&storage, &[]).await);
         let (both, changed) = admit(&storage, &[one, two]).await;
         assert_eq!(changed, Changed { touched: vec![both], ready: vec![] });
-        assert_eq!(storage.ready_jobs().await.unwrap(), [one, two]);
+        assert_eq!(storage.ready(false).await.unwrap(), [ready(one), ready(two)]);
         assert!(claimed(&storage, both).await.is_none(), "it cannot be had before");
-        for (id, ready) in [(one, vec![]), (two, vec![both])] {
+        for (id, ready) in [(one, vec![]), (two, vec![self::ready(both)])] {
             let job = claimed(&storage, id).await.unwrap();
             assert_eq!(storage.finish(&job, &done()).await.unwrap(), Some(Changed { touched: vec![id], ready }));
         }

@@ -1,20 +1,28 @@
-//! Where datasets and jobs are kept: `app.db`, and a directory of blobs named by their content.
+//! Where datasets and jobs are kept: tables in a SQLite file or a PostgreSQL database, and blobs named by their content.
 //!
-//! This is the truth about every job; the queue only repeats it. Each change is one short transaction on the single
-//! writing connection, so that two changes never meet half-way; reading has its own connections.
+//! This is the truth about every job; the queue only repeats it. Each change is one short transaction, one at a time, so
+//! that two changes never meet half-way: SQLite has a single writing connection, PostgreSQL a table that writers lock. The
+//! SQL is the same for both: ids and JSON are text, times and counts are 64-bit integers, parameters are numbered.
 
 mod admission;
 pub mod blobs;
 mod change;
+mod chunks;
+mod database;
 mod datasets;
 mod events;
 mod filter;
 mod jobs;
 mod life;
+pub mod notices;
+mod outbox;
 mod page;
+mod statement;
 
 pub use admission::{Admission, IdempotencyKey, NewJob, SourceId, SourceRef};
-pub use change::Changed;
+pub use change::{Changed, Ready};
+pub use chunks::{Chunk, ChunkKind, ChunkResult, ClaimedChunk, NewChunk};
+pub use database::{Database, Storage};
 pub use datasets::{NewDataset, StoredDataset};
 pub use filter::{DatasetFilter, JobFilter, Sort};
 pub use jobs::{Cancellation, Deletion, StoredArtifact};
@@ -23,46 +31,6 @@ pub use page::Cursor;
 
 use anyhow::Context;
 use jiff::Timestamp;
-use sqlx::migrate::Migrator;
-use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous};
-use std::path::Path;
-use std::time::Duration;
-
-static MIGRATIONS: Migrator = sqlx::migrate!("src/service/storage/migrations");
-
-/// Connections that may read at the same time.
-const READERS: u32 = 4;
-
-/// The tables of one data directory.
-#[derive(Debug, Clone)]
-pub struct Storage {
-    read: SqlitePool,
-    write: SqlitePool,
-}
-
-impl Storage {
-    /// Opens the file, making it and bringing its tables up to date where needed.
-    pub async fn open(path: &Path) -> anyhow::Result<Storage> {
-        // FULL: what was answered is on the disk, also when the power fails.
-        let options = SqliteConnectOptions::new()
-            .filename(path)
-            .create_if_missing(true)
-            .journal_mode(SqliteJournalMode::Wal)
-            .synchronous(SqliteSynchronous::Full)
-            .foreign_keys(true)
-            .busy_timeout(Duration::from_secs(30));
-        let pool = |size| SqlitePoolOptions::new().max_connections(size).acquire_timeout(Duration::from_secs(60));
-        let write = pool(1).connect_with(options.clone()).await.with_context(|| format!("cannot open {}", path.display()))?;
-        MIGRATIONS.run(&write).await.with_context(|| format!("cannot bring {} up to date", path.display()))?;
-        let read = pool(READERS).connect_with(options.read_only(true).create_if_missing(false)).await?;
-        Ok(Storage { read, write })
-    }
-
-    /// Writes nothing from now on; reading goes on until the last reader has gone.
-    pub async fn close(&self) {
-        self.write.close().await;
-    }
-}
 
 fn to_micros(time: Timestamp) -> i64 {
     time.as_microsecond()

@@ -1,9 +1,9 @@
 //! Keyset paging: a cursor names the last row of a page by its time and id, so that rows added meanwhile move nothing.
 
 use super::filter::Sort;
+use super::statement::Statement;
 use super::to_micros;
 use jiff::Timestamp;
-use sqlx::{QueryBuilder, Sqlite};
 use uuid::Uuid;
 
 /// Rows of a page when the caller does not say, and at most.
@@ -43,23 +43,23 @@ pub(super) fn row_limit(asked: u32) -> u32 {
 }
 
 /// Restricts to the rows after the cursor, in order, one more than a page holds.
-pub(super) fn push_page(query: &mut QueryBuilder<Sqlite>, sort: Sort, cursor: Option<Cursor>, limit: u32) {
+pub(super) fn push_page(query: &mut Statement, sort: Sort, cursor: Option<Cursor>, limit: u32) {
     let (order, beyond) = match sort {
         Sort::NewestFirst => (" DESC", " < ("),
         Sort::OldestFirst => (" ASC", " > ("),
     };
     if let Some(cursor) = cursor {
-        query.push(" AND (created_at, id)").push(beyond).push_bind(cursor.created_micros);
-        query.push(", ").push_bind(cursor.id.to_string()).push(")");
+        query.push(" AND (created_at, id)").push(beyond).bind(cursor.created_micros);
+        query.push(", ").bind(cursor.id.to_string()).push(")");
     }
-    query.push(" ORDER BY created_at").push(order).push(", id").push(order).push(" LIMIT ").push_bind(i64::from(limit) + 1);
+    query.push(" ORDER BY created_at").push(order).push(", id").push(order).push(" LIMIT ").bind(i64::from(limit) + 1);
 }
 
 /// Restricts to rows whose name holds `q`, or whose id starts with it.
-pub(super) fn push_search(query: &mut QueryBuilder<Sqlite>, q: &str) {
-    let needle = q.to_lowercase();
-    query.push(" AND (instr(lower(coalesce(name, '')), ").push_bind(needle.clone());
-    query.push(") > 0 OR instr(id, ").push_bind(needle).push(") = 1)");
+pub(super) fn push_search(query: &mut Statement, q: &str) {
+    let needle = q.to_lowercase().replace('\\', "\\\\").replace('%', "\\%").replace('_', "\\_");
+    query.push(" AND (lower(coalesce(name, '')) LIKE ").bind(format!("%{needle}%"));
+    query.push(" ESCAPE '\\' OR id LIKE ").bind(format!("{needle}%")).push(" ESCAPE '\\')");
 }
 
 /// Cuts the surplus row off; its presence means that there is a next page.

@@ -28,6 +28,7 @@ pub const PROBLEMS: &[(&str, u16, &str)] = &[
     ("crashed", 500, "The job ended the process that ran it, too often"),
     ("queue_full", 503, "The queue is full"),
     ("shutting_down", 503, "The service is shutting down"),
+    ("unavailable", 503, "The database does not answer"),
     ("time_limit", 503, "The job ran longer than it may"),
 ];
 

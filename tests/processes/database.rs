@@ -1,0 +1,90 @@
+//! A database that is not there, goes away, or is not the right one; and two servers that want the same file.
+
+use crate::postgres::Postgres;
+use crate::process::{Process, Server, refused, trackloom};
+use crate::single::body;
+use std::time::{Duration, Instant};
+
+#[tokio::test(flavor = "multi_thread")]
+async fn jobs_of_a_server_are_run_by_a_worker_and_heard_of_at_once() {
+    let Some(postgres) = Postgres::start() else { return };
+    let (url, data) = (postgres.url(), tempfile::tempdir().unwrap());
+    let server = Server::start(data.path(), &["--database-url", &url, "--workers", "1"]);
+    // The server's own slot is taken, so that the worker has to run what follows.
+    let long = server.submit("simulate", &body(100_000, 1)).await;
+    server.until("running", 1).await;
+    let worker = Process::worker(&url, data.path(), 1);
+    let id = server.submit("simulate", &body(200, 2)).await;
+    let waited = server.client.get(format!("{}/v1/jobs/{id}/events", server.url)).send().await.unwrap().text().await.unwrap();
+    assert!(waited.contains("\"state\":\"succeeded\""), "{waited}");
+    let report = server.get(&format!("/v1/jobs/{id}/report")).await;
+    assert_eq!(report["seed"], 2);
+    // A wish reaches the process that runs the job.
+    let since = Instant::now();
+    server.ask(&long, "cancel").await;
+    assert_eq!(server.ended(&long).await["state"], "canceled");
+    assert!(since.elapsed() < Duration::from_secs(5), "{:?}", since.elapsed());
+    // The worker that runs it may also be another process than the one that is asked.
+    let long = [server.submit("simulate", &body(100_000, 3)).await, server.submit("simulate", &body(2_000_000, 4)).await];
+    server.until("running", 2).await;
+    for id in &long {
+        server.ask(id, "cancel").await;
+        assert_eq!(server.ended(id).await["state"], "canceled");
+    }
+    assert_eq!(worker.terminate().0, Some(0));
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_database_that_goes_away_is_told_of_and_waited_for() {
+    let Some(postgres) = Postgres::start() else { return };
+    let (url, data) = (postgres.url(), tempfile::tempdir().unwrap());
+    let server = Server::start(data.path(), &["--database-url", &url]);
+    let id = server.submit("simulate", &body(200, 1)).await;
+    let before = server.result(&id).await;
+    postgres.down();
+    let ready = server.client.get(format!("{}/readyz", server.url)).send().await.unwrap();
+    assert_eq!(ready.status(), 503);
+    let problem: serde_json::Value = ready.json().await.unwrap();
+    assert_eq!(problem["code"], "unavailable", "{problem}");
+    postgres.up();
+    server.get("/readyz").await;
+    assert_eq!(server.result(&id).await, before);
+    let next = server.submit("simulate", &body(200, 2)).await;
+    server.result(&next).await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn what_cannot_be_used_is_refused_with_the_reason() {
+    let data = tempfile::tempdir().unwrap();
+    let (said, code) = refused(data.path(), &["--database-url", "mysql://me:secret@localhost/db"]);
+    assert_eq!(code, Some(1));
+    assert!(
+        said.contains("mysql://localhost/db") && said.contains("postgres://user:password@host/database") && !said.contains("secret"),
+        "{said}"
+    );
+    let (said, code) = refused(data.path(), &["--database-url", "postgres://me:secret@127.0.0.1:1/db"]);
+    assert_eq!(code, Some(1));
+    assert!(
+        said.contains("cannot use the database postgres://127.0.0.1:1/db") && said.contains("tried for 20 s") && !said.contains("secret"),
+        "{said}"
+    );
+
+    let server = Server::start(data.path(), &[]);
+    let (said, code) = refused(data.path(), &[]);
+    assert_eq!(code, Some(1));
+    assert!(said.contains("is in use by another trackloom"), "{said}");
+    drop(server);
+
+    let Some(postgres) = Postgres::start() else { return };
+    let url = postgres.url();
+    drop(Server::start(data.path(), &["--database-url", &url]));
+    postgres
+        .execute("INSERT INTO _sqlx_migrations (version, description, success, checksum, execution_time) VALUES (99, 'later', true, '', 0)")
+        .await;
+    let (said, code) = refused(data.path(), &["--database-url", &url]);
+    assert_eq!(code, Some(1));
+    assert!(said.contains("version 99") && said.contains("a newer trackloom has written it"), "{said}");
+    let worker = trackloom().args(["worker", "--database-url", &url, "--data"]).arg(data.path()).output().unwrap();
+    assert_eq!(worker.status.code(), Some(1));
+    assert!(String::from_utf8(worker.stderr).unwrap().contains("version 99"));
+}
