@@ -1,5 +1,6 @@
 //! What can be set, with its defaults.
 
+use super::storage::blobs::BucketUrl;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -13,6 +14,8 @@ pub struct Config {
     pub max_upload_bytes: u64,
     /// Everything the service keeps is below this directory; one process at a time may use it.
     pub data_dir: PathBuf,
+    /// Where the files of datasets and jobs are kept instead of in `data_dir`.
+    pub artifacts: Option<BucketUrl>,
     /// Jobs that run at the same time.
     pub slots: usize,
     /// Jobs that may be queued before a new one is refused.
@@ -30,6 +33,7 @@ impl Config {
             listen: SocketAddr::from(([127, 0, 0, 1], 8080)),
             max_upload_bytes: 1 << 30,
             data_dir: data_dir.into(),
+            artifacts: None,
             slots: std::thread::available_parallelism().map_or(1, usize::from),
             queue_limit: 10_000,
             job_time_limit: Duration::from_secs(3600),

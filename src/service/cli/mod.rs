@@ -7,10 +7,14 @@ mod run;
 mod table;
 
 use crate::service::config::Config;
+use crate::service::storage::blobs::BucketUrl;
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::io::IsTerminal;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use tracing::level_filters::LevelFilter;
+use tracing_subscriber::EnvFilter;
 
 /// Data association, track correlation and track evaluation: service, dashboard and command line.
 #[derive(Parser)]
@@ -65,6 +69,11 @@ struct ServeArguments {
     /// Directory of everything that is kept
     #[arg(long, env = "TRACKLOOM_DATA_DIR", default_value = "trackloom-data")]
     data: PathBuf,
+    /// Keep the files of datasets and jobs in this S3-compatible bucket, s3://BUCKET or s3://BUCKET/PREFIX, instead of in
+    /// the directory; the variables AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY, AWS_ENDPOINT, AWS_REGION and AWS_ALLOW_HTTP
+    /// say how to reach it. Needs a program built with the feature s3
+    #[arg(long, env = "TRACKLOOM_ARTIFACTS", value_name = "URL")]
+    artifacts: Option<BucketUrl>,
     /// Jobs that run at the same time; as many as there are processors when absent
     #[arg(long, env = "TRACKLOOM_WORKERS", value_parser = clap::value_parser!(u16).range(1..=256))]
     workers: Option<u16>,
@@ -77,6 +86,7 @@ impl ServeArguments {
     fn config(&self) -> Config {
         let mut config = Config::new(&self.data);
         config.listen = self.listen;
+        config.artifacts.clone_from(&self.artifacts);
         config.max_upload_bytes = self.max_upload_bytes;
         if let Some(workers) = self.workers {
             config.slots = usize::from(workers);
@@ -107,7 +117,15 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Runs a future on a runtime of its own.
-fn blocking(future: impl Future<Output = anyhow::Result<()>>) -> anyhow::Result<()> {
-    tokio::runtime::Builder::new_multi_thread().enable_all().build()?.block_on(future)
+/// What the service says of itself goes to stderr, as much as `RUST_LOG` asks for.
+fn log() {
+    let level = EnvFilter::builder().with_default_directive(LevelFilter::INFO.into()).from_env_lossy();
+    let stderr = std::io::stderr;
+    tracing_subscriber::fmt().with_env_filter(level).with_writer(stderr).with_ansi(stderr().is_terminal()).init();
+}
+
+/// Runs the service on a runtime of its own.
+fn blocking(service: impl Future<Output = anyhow::Result<()>>) -> anyhow::Result<()> {
+    log();
+    tokio::runtime::Builder::new_multi_thread().enable_all().build()?.block_on(service)
 }

@@ -80,7 +80,7 @@ impl Jobs {
         let slots = config.slots.max(1);
         let inner = Arc::new(Inner {
             storage: Storage::open(&directory.join("app.db")).await?,
-            blobs: Blobs::open(directory)?,
+            blobs: Blobs::open(directory, config.artifacts.as_ref()).await?,
             engine: Engine::open(&directory.join("queue.db"), slots).await?,
             hub: Hub::default(),
             running: Running::default(),
