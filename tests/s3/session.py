@@ -29,7 +29,8 @@ BUCKET, PREFIX = "tracks", "lab/one"
 URL = f"s3://{BUCKET}/{PREFIX}"
 KEYS = {"AWS_ACCESS_KEY_ID": "the-id", "AWS_SECRET_ACCESS_KEY": "the-secret", "AWS_REGION": "us-east-1"}
 SENSORS = {"sensors": [{"sensor_id": "radar", "p_d": 0.9, "clutter_per_m2": 1e-9, "sigma_x_m": 5, "sigma_y_m": 5}]}
-RADAR = {"sensor_id": "radar", "x_m": 0, "y_m": 0, "max_range_m": 20000, "p_d": 0.9, "sigma_x_m": 10, "sigma_y_m": 10, "clutter_per_scan": 3}
+NOISE = {"p_d": 0.9, "sigma_x_m": 10, "sigma_y_m": 10, "clutter_per_scan": 3}
+RADAR = {"sensor_id": "radar", "x_m": 0, "y_m": 0, "max_range_m": 20000, **NOISE}
 TARGETS = {"kind": "random", "count": 5, "area_side_m": 10000, "speed_min_mps": 5, "speed_max_mps": 20}
 SCENE = {"seed": 7, "scenario": {"scans": 20, "scan_period_s": 1, "sensors": [RADAR], "targets": TARGETS}}
 
@@ -142,7 +143,9 @@ def sha256(content):
 
 
 def detections(scans):
-    rows = (f"{scan},{scan + 1},radar,{name}{scan},{x + 10 * scan},{y},{name}" for scan in range(scans) for name, x, y in (("A", 0, 0), ("B", 0, 5000)))
+    rows = (
+        f"{scan},{scan + 1},radar,{name}{scan},{10 * scan},{y},{name}" for scan in range(scans) for name, y in (("A", 0), ("B", 5000))
+    )
     return ("time_s,scan,sensor_id,detection_id,x_m,y_m,truth_id\n" + "\n".join(rows) + "\n").encode()
 
 
@@ -229,12 +232,14 @@ def damage(store, service, dataset):
 
 def large(store, service, reach):
     """A file that is sent and fetched in parts."""
-    content = detections(200_000)
+    content = detections(250_000)
     assert len(content) > 2 * (8 << 20)
     status, dataset = service.upload("large.csv", content, name="large")
     assert status == 201, (status, dataset, service.logged())
     dataset = json.loads(dataset)
     assert store.objects()[sha256(content)] == content and store.unfinished() == []
+    key = f"{PREFIX}/{sha256(content)[:2]}/{sha256(content)}"
+    assert store.client.head_object(Bucket=BUCKET, Key=key)["ETag"].endswith('-3"'), "not in three parts"
     service.stop()
     service = without_cache(service.data, reach)
     path = f"/v1/datasets/{dataset['id']}"

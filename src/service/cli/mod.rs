@@ -13,7 +13,6 @@ use std::io::IsTerminal;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use tracing::level_filters::LevelFilter;
 use tracing_subscriber::EnvFilter;
 
 /// Data association, track correlation and track evaluation: service, dashboard and command line.
@@ -119,7 +118,7 @@ pub fn main() -> ExitCode {
 
 /// What the service says of itself goes to stderr, as much as `RUST_LOG` asks for.
 fn log() {
-    let level = EnvFilter::builder().with_default_directive(LevelFilter::INFO.into()).from_env_lossy();
+    let level = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("warn,trackloom=info"));
     let stderr = std::io::stderr;
     tracing_subscriber::fmt().with_env_filter(level).with_writer(stderr).with_ansi(stderr().is_terminal()).init();
 }

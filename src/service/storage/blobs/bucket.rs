@@ -4,11 +4,11 @@
 use super::cache::Cache;
 use super::directory::shard;
 use super::{BucketUrl, hex};
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use object_store::aws::{AmazonS3Builder, AmazonS3ConfigKey};
 use object_store::buffered::{BufReader, BufWriter};
 use object_store::client::ClientConfigKey;
-use object_store::{ObjectStore, ObjectStoreExt, RetryConfig};
+use object_store::{BackoffConfig, ObjectStore, ObjectStoreExt, RetryConfig};
 use sha2::{Digest, Sha256};
 use std::fs;
 use std::io::ErrorKind;
@@ -28,6 +28,10 @@ const PARTS_AT_ONCE: usize = 2;
 /// How long a request is tried again while the store answers with errors or not at all; at the start it is known sooner.
 const PATIENCE: Duration = Duration::from_secs(20);
 const PATIENCE_AT_START: Duration = Duration::from_secs(5);
+/// A request that is answered at all may take this many times as long: a part, on a slow line.
+const SLOWNESS: u64 = 3;
+/// The longest pause between two tries.
+const BACKOFF_MAX: Duration = Duration::from_secs(2);
 
 /// One bucket, or the part of it below a prefix. All calls but `open` block, outside the threads of the runtime.
 #[derive(Debug)]
@@ -60,7 +64,7 @@ impl Bucket {
     /// Writes the object, then keeps the file as its local copy.
     pub fn adopt(&self, received: &Path, sha256: &str) -> anyhow::Result<()> {
         let sent = self.runtime.block_on(self.send(received, sha256));
-        sent.with_context(|| format!("cannot write blob {sha256} to {}", self.url))?;
+        sent.map_err(shortened).with_context(|| format!("cannot write blob {sha256} to {}", self.url))?;
         self.cache.adopt(received, sha256)?;
         Ok(())
     }
@@ -73,7 +77,7 @@ impl Bucket {
         // Removed with its name unless the cache has taken it over.
         let received = tempfile::NamedTempFile::new_in(&self.temporary).context("cannot make a file for a blob")?.into_temp_path();
         let fetched = self.runtime.block_on(self.fetch(sha256, &received));
-        match fetched.with_context(|| format!("cannot read blob {sha256} from {}", self.url))? {
+        match fetched.map_err(shortened).with_context(|| format!("cannot read blob {sha256} from {}", self.url))? {
             None => {
                 tracing::warn!(sha256, bucket = %self.url, "there is no such blob");
                 Ok(self.cache.path(sha256))
@@ -99,8 +103,8 @@ impl Bucket {
         match self.runtime.block_on(self.remove_objects(blobs)) {
             Ok(()) => fs::remove_file(&self.removals).context("cannot strike out what has been removed"),
             Err(error) => {
-                let error = format!("{:#}", anyhow::Error::from(error));
-                tracing::warn!(bucket = %self.url, error, "blobs were not removed; trying again with the next that are");
+                let error = shortened(error.into());
+                tracing::warn!(bucket = %self.url, %error, "blobs were not removed; trying again with the next that are");
                 Ok(())
             }
         }
@@ -158,10 +162,18 @@ impl Bucket {
 }
 
 fn store(builder: AmazonS3Builder, patience: Duration) -> anyhow::Result<Arc<dyn ObjectStore>> {
-    let retry = RetryConfig { retry_timeout: patience, ..RetryConfig::default() };
+    let backoff = BackoffConfig { max_backoff: BACKOFF_MAX, ..BackoffConfig::default() };
+    // Time ends it, not a count: ten tries may be over within two seconds, and there is no time for a thousand.
+    let retry = RetryConfig { backoff, max_retries: 1000, retry_timeout: patience };
     let timeout = AmazonS3ConfigKey::Client(ClientConfigKey::Timeout);
-    let store = builder.with_retry(retry).with_config(timeout, format!("{} seconds", patience.as_secs())).build();
+    let store = builder.with_retry(retry).with_config(timeout, format!("{} seconds", SLOWNESS * patience.as_secs())).build();
     Ok(Arc::new(store.context("the AWS_* variables cannot be used")?))
+}
+
+/// What happened and why; each error of the store tells all that is behind it but the last.
+fn shortened(error: anyhow::Error) -> anyhow::Error {
+    let (told, cause) = (error.to_string(), error.root_cause().to_string());
+    if told.contains(&cause) { anyhow!(told) } else { anyhow!("{told}: {cause}") }
 }
 
 /// Writes, reads and removes an object.
@@ -183,6 +195,6 @@ async fn try_out(builder: AmazonS3Builder, url: &BucketUrl) -> anyhow::Result<()
             }
             _ => "the object store cannot be used; AWS_ENDPOINT, AWS_REGION and AWS_ALLOW_HTTP say where it is and how it is reached",
         };
-        anyhow::Error::from(error).context(reason)
+        shortened(error.into()).context(reason)
     })
 }
