@@ -1,5 +1,6 @@
 //! What can be set, with its defaults.
 
+use super::storage::blobs::BucketUrl;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -15,6 +16,8 @@ pub struct Config {
     pub data_dir: PathBuf,
     /// PostgreSQL that several processes share; a file in the data directory when absent.
     pub database_url: Option<String>,
+    /// Where the files of datasets and jobs are kept instead of in `data_dir`.
+    pub artifacts: Option<BucketUrl>,
     /// Jobs that run at the same time.
     pub slots: usize,
     /// Jobs that may be queued before a new one is refused.
@@ -33,6 +36,7 @@ impl Config {
             max_upload_bytes: 1 << 30,
             data_dir: data_dir.into(),
             database_url: None,
+            artifacts: None,
             slots: std::thread::available_parallelism().map_or(1, usize::from),
             queue_limit: 10_000,
             job_time_limit: Duration::from_secs(3600),

@@ -7,10 +7,13 @@ mod run;
 mod table;
 
 use crate::service::config::Config;
+use crate::service::storage::blobs::BucketUrl;
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::io::IsTerminal;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use tracing_subscriber::EnvFilter;
 
 /// Data association, track correlation and track evaluation: service, dashboard and command line.
 #[derive(Parser)]
@@ -70,6 +73,11 @@ struct ServeArguments {
     /// PostgreSQL for jobs, shared with other processes, such as postgres://user:password@host/database; a file in the directory when absent
     #[arg(long, env = "TRACKLOOM_DATABASE_URL", hide_env_values = true)]
     database_url: Option<String>,
+    /// Keep the files of datasets and jobs in this S3-compatible bucket, s3://BUCKET or s3://BUCKET/PREFIX, instead of in
+    /// the directory; the variables AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY, AWS_ENDPOINT, AWS_REGION and AWS_ALLOW_HTTP
+    /// say how to reach it. Needs a program built with the feature s3
+    #[arg(long, env = "TRACKLOOM_ARTIFACTS", value_name = "URL")]
+    artifacts: Option<BucketUrl>,
     /// Jobs that run at the same time; as many as there are processors when absent
     #[arg(long, env = "TRACKLOOM_WORKERS", value_parser = clap::value_parser!(u16).range(1..=256))]
     workers: Option<u16>,
@@ -82,6 +90,7 @@ impl ServeArguments {
     fn config(&self) -> Config {
         let mut config = Config::new(&self.data);
         config.listen = self.listen;
+        config.artifacts.clone_from(&self.artifacts);
         config.max_upload_bytes = self.max_upload_bytes;
         config.database_url.clone_from(&self.database_url);
         if let Some(workers) = self.workers {
@@ -99,15 +108,19 @@ struct WorkerArguments {
     /// Jobs that run at the same time; as many as there are processors when absent
     #[arg(long, env = "TRACKLOOM_SLOTS", value_parser = clap::value_parser!(u16).range(1..=256))]
     slots: Option<u16>,
-    /// The data directory of the service, which both must reach
+    /// The data directory of the service, which both must reach; with a bucket, any directory
     #[arg(long, env = "TRACKLOOM_DATA_DIR", default_value = "trackloom-data")]
     data: PathBuf,
+    /// The bucket of the service, if it keeps files in one
+    #[arg(long, env = "TRACKLOOM_ARTIFACTS", value_name = "URL")]
+    artifacts: Option<BucketUrl>,
 }
 
 impl WorkerArguments {
     fn config(&self) -> Config {
         let mut config = Config::new(&self.data);
         config.database_url = Some(self.database_url.clone());
+        config.artifacts.clone_from(&self.artifacts);
         if let Some(slots) = self.slots {
             config.slots = usize::from(slots);
         }
@@ -138,7 +151,15 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Runs a future on a runtime of its own.
-fn blocking(future: impl Future<Output = anyhow::Result<()>>) -> anyhow::Result<()> {
-    tokio::runtime::Builder::new_multi_thread().enable_all().build()?.block_on(future)
+/// What the service says of itself goes to stderr, as much as `RUST_LOG` asks for.
+fn log() {
+    let level = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("warn,trackloom=info"));
+    let stderr = std::io::stderr;
+    tracing_subscriber::fmt().with_env_filter(level).with_writer(stderr).with_ansi(stderr().is_terminal()).init();
+}
+
+/// Runs the service on a runtime of its own.
+fn blocking(service: impl Future<Output = anyhow::Result<()>>) -> anyhow::Result<()> {
+    log();
+    tokio::runtime::Builder::new_multi_thread().enable_all().build()?.block_on(service)
 }

@@ -2,20 +2,20 @@
 
 use super::read::METRIC_SERIES;
 use super::{Inner, JobsError};
+use crate::service::storage::blobs::Blobs;
 use crate::service::types::{ComparedJob, Comparison, Job};
 use crate::service::views::compare::{self, Side};
 use crate::service::views::metrics::MetricTable;
 use anyhow::Context;
 use serde_json::Value;
-use std::path::PathBuf;
 use uuid::Uuid;
 
-/// Where the files of one job are.
+/// The files of one job, by their SHA-256.
 struct Files {
     job: Job,
-    report: PathBuf,
-    metrics: Option<PathBuf>,
-    runs: Option<PathBuf>,
+    report: String,
+    metrics: Option<String>,
+    runs: Option<String>,
 }
 
 impl Inner {
@@ -24,8 +24,9 @@ impl Inner {
         for &id in ids {
             files.push(self.files_of(id).await?);
         }
+        let blobs = self.blobs.clone();
         let work = move || -> Result<Comparison, JobsError> {
-            let sides = files.into_iter().map(side).collect::<anyhow::Result<Vec<Side>>>()?;
+            let sides = files.into_iter().map(|files| side(&blobs, files)).collect::<anyhow::Result<Vec<Side>>>()?;
             Ok(compare::of(&sides, baseline, confidence))
         };
         tokio::task::spawn_blocking(work).await.context("comparing jobs panicked")?
@@ -34,17 +35,21 @@ impl Inner {
     async fn files_of(&self, id: Uuid) -> Result<Files, JobsError> {
         self.ended_well(id).await?;
         let artifacts = self.storage.artifacts(id).await?;
-        let named = |name: &str| artifacts.iter().find(|artifact| artifact.name == name).map(|artifact| self.blobs.path(&artifact.sha256));
+        let named = |name: &str| artifacts.iter().find(|artifact| artifact.name == name).map(|artifact| artifact.sha256.clone());
         let report = named("report.json").ok_or(JobsError::NotFound("report"))?;
         Ok(Files { job: self.job(id).await?, report, metrics: named(METRIC_SERIES), runs: named("runs.csv") })
     }
 }
 
-fn side(files: Files) -> anyhow::Result<Side> {
-    let read = |path: PathBuf| std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()));
+/// Blocks.
+fn side(blobs: &Blobs, files: Files) -> anyhow::Result<Side> {
+    let read = |sha256: String| {
+        let path = blobs.local(&sha256)?;
+        std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))
+    };
     let mut report: Value = serde_json::from_slice(&read(files.report)?).context("a report is damaged")?;
     let metrics = match files.metrics {
-        Some(path) => MetricTable::read(&read(path)?).with_context(|| format!("{METRIC_SERIES} is damaged"))?,
+        Some(sha256) => MetricTable::read(&read(sha256)?).with_context(|| format!("{METRIC_SERIES} is damaged"))?,
         None => MetricTable::default(),
     };
     let Job { id, kind, name, seed, .. } = files.job;

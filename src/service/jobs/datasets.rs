@@ -13,7 +13,7 @@ use anyhow::Context;
 use serde_json::json;
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use tokio::task::spawn_blocking;
 use uuid::Uuid;
 
@@ -69,7 +69,7 @@ impl Inner {
         let StoredDataset { info, file_name, .. } = self.stored_dataset(id).await?;
         let media_type = format_named(&info.format).map_or("application/octet-stream", |format| format.media_type);
         Ok(StoredFile {
-            path: self.blobs.path(&info.sha256),
+            path: self.local(&info.sha256).await?,
             media_type: media_type.to_owned(),
             bytes: info.bytes,
             sha256: info.sha256,
@@ -83,15 +83,23 @@ impl Inner {
         spawn_blocking(move || located.read()).await.context("reading a dataset panicked")?
     }
 
+    /// A local file of the content.
+    pub(super) async fn local(&self, sha256: &str) -> Result<PathBuf, JobsError> {
+        let (blobs, sha256) = (self.blobs.clone(), sha256.to_owned());
+        Ok(spawn_blocking(move || blobs.local(&sha256)).await.context("fetching a file panicked")??)
+    }
+
     /// Removes contents that nothing has any more.
     pub(super) async fn sweep(&self, contents: Vec<String>) -> Result<(), JobsError> {
         let _alone = self.sweeping.write().await;
-        for sha256 in contents {
+        let mut unused = Vec::new();
+        for sha256 in contents.into_iter().chain(self.blobs.left_over()?) {
             if !self.storage.blob_is_used(&sha256).await? {
-                self.blobs.remove(&sha256)?;
+                unused.push(sha256);
             }
         }
-        Ok(())
+        let blobs = self.blobs.clone();
+        Ok(spawn_blocking(move || blobs.remove(&unused)).await.context("removing files panicked")??)
     }
 }
 

@@ -7,17 +7,18 @@ use crate::formats::{Format, ReadOptions, ReadOutcome, format_named};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
+use crate::service::storage::blobs::Blobs;
 use crate::service::storage::{SourceId, SourceRef, StoredDataset};
 use anyhow::Context;
 use std::fs::File;
 use std::io::BufReader;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use uuid::Uuid;
 
-/// A file to read an input from.
+/// What to read an input from.
 #[derive(Clone)]
 pub(super) struct Located {
-    path: PathBuf,
+    blobs: Blobs,
     format: &'static Format,
     options: ReadOptions,
     sensors: Vec<SensorSettings>,
@@ -73,7 +74,7 @@ impl Inner {
             None => Vec::new(),
         };
         Ok(Some(Located {
-            path: self.blobs.path(&artifact.sha256),
+            blobs: self.blobs.clone(),
             format: format_named("csv").context("the format csv is missing")?,
             options: ReadOptions { kind: Some(role), ..ReadOptions::default() },
             sensors: sensors.into_iter().map(Into::into).collect(),
@@ -84,7 +85,7 @@ impl Inner {
     pub(super) fn located(&self, dataset: StoredDataset) -> anyhow::Result<Located> {
         let StoredDataset { info, columns, bearing_time, .. } = dataset;
         Ok(Located {
-            path: self.blobs.path(&info.sha256),
+            blobs: self.blobs.clone(),
             format: format_named(&info.format).with_context(|| format!("a stored dataset has the unknown format {}", info.format))?,
             options: ReadOptions { kind: Some(info.kind.into()), columns, bearing_time },
             sensors: info.sensors.into_iter().map(Into::into).collect(),
@@ -114,7 +115,7 @@ pub(super) fn read_file(path: &Path, format: &Format, options: &ReadOptions) -> 
 impl Located {
     /// Reads the whole file. Blocks.
     pub(super) fn read(&self) -> Result<Dataset, JobsError> {
-        Ok(read_file(&self.path, self.format, &self.options)?.dataset)
+        Ok(read_file(&self.blobs.local(&self.sha256)?, self.format, &self.options)?.dataset)
     }
 
     pub(super) fn sensors(&self) -> &[SensorSettings] {

@@ -90,7 +90,7 @@ impl Jobs {
         let slots = config.slots.max(1);
         let storage = Storage::open(&database).await?;
         let inner = Arc::new(Inner {
-            blobs: Blobs::open(directory)?,
+            blobs: Blobs::open(directory, config.artifacts.as_ref()).await?,
             engine: Engine::open(&database, slots).await?,
             storage,
             hub: Hub::default(),

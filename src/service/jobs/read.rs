@@ -78,7 +78,7 @@ impl Inner {
         self.ended_well(id).await?;
         let artifact = self.storage.artifacts(id).await?.into_iter().find(|artifact| artifact.name == name);
         let StoredArtifact { name, media_type, bytes, sha256, .. } = artifact.ok_or(JobsError::NotFound("artifact"))?;
-        Ok(StoredFile { path: self.blobs.path(&sha256), media_type, bytes, sha256, file_name: name })
+        Ok(StoredFile { path: self.local(&sha256).await?, media_type, bytes, sha256, file_name: name })
     }
 
     /// Refuses a job that has no results.
@@ -100,10 +100,12 @@ impl Inner {
             files.extend(self.locate_artifact(&id.to_string(), kind).await?);
         }
         let artifacts = self.storage.artifacts(id).await?;
-        let metrics = artifacts.iter().find(|artifact| artifact.name == METRIC_SERIES).map(|artifact| self.blobs.path(&artifact.sha256));
+        let metrics = artifacts.into_iter().find(|artifact| artifact.name == METRIC_SERIES);
+        let blobs = self.blobs.clone();
         let read = move || -> Result<JobLayers, JobsError> {
             let mut layers = JobLayers::default();
-            if let Some(path) = metrics {
+            if let Some(artifact) = metrics {
+                let path = blobs.local(&artifact.sha256)?;
                 let bytes = std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
                 layers.metrics = MetricTable::read(&bytes).with_context(|| format!("{METRIC_SERIES} is damaged"))?;
             }
