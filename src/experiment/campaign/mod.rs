@@ -5,6 +5,8 @@
 
 mod cells;
 mod outcomes;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod requests;
 mod stop;
 mod tables;
@@ -121,8 +123,13 @@ pub(super) fn run(plan: &Plan, inputs: &Inputs, observer: &mut dyn Observer) -> 
     };
     let reports: Vec<_> = cells.iter().enumerate().map(report).collect();
     let names: Vec<&str> = harvest.outcomes.iter().map(Outcome::name).collect();
-    let artifacts =
-        vec![tables::runs(&cells, &names, &harvest.rows, plan.seed)?, tables::cells(&reports, &names)?, tables::markdown(&reports, &names)];
+    let artifacts = Vec::from([
+        tables::runs(&cells, &names, &harvest.rows, plan.seed)?,
+        tables::cells(&reports, &names)?,
+        tables::markdown(&reports, &names),
+        #[cfg(feature = "parquet")]
+        parquet::runs(&cells.iter().map(|cell| cell.name.as_str()).collect::<Vec<_>>(), &names, &harvest.rows, plan.seed)?,
+    ]);
     let warnings = outcomes::doubts(&harvest.outcomes, &harvest.rows);
     let result = json!({"outcomes": names, "confidence": confidence, "cells": to_value(&reports)?});
     let cell_times = times(&cells, &harvest.times_us, reference);
