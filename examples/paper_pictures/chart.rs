@@ -144,8 +144,11 @@ fn draw_legend(area: &DrawingArea<SVGBackend, Shift>, series: &[Series], width: 
         let colour = if *drawn == Drawn::Rule { GREY } else { COLOURS[*look] };
         let [has_line, has_marker] = parts(*drawn);
         if has_line {
-            let (dash, gap) = DASHES[*look];
-            area.draw(&DashedPathElement::new([(left, middle), (left + 40, middle)], dash, gap, colour.stroke_width(2)))?;
+            let (line, style) = ([(left, middle), (left + 40, middle)], colour.stroke_width(2));
+            match DASHES[*look] {
+                (_, 0) => area.draw(&PathElement::new(line, style))?,
+                (dash, gap) => area.draw(&DashedPathElement::new(line, dash, gap, style))?,
+            }
         }
         if has_marker {
             draw_marker(area, *look, (left + 20, middle), *drawn == Drawn::Published)?;
@@ -166,9 +169,12 @@ fn add(chart: &mut Chart, series: &Series) -> Result<(), Box<dyn Error>> {
     let [has_line, has_marker] = parts(drawn);
     if has_line {
         let line: Vec<(f64, f64)> = points.iter().map(|point| (point.x, point.y)).collect();
-        let (dash, gap) = DASHES[look];
         let width = if drawn == Drawn::Rule { 1 } else { 2 };
-        chart.draw_series(DashedLineSeries::new(line, dash, gap, colour.stroke_width(width)))?;
+        let style = colour.stroke_width(width);
+        match DASHES[look] {
+            (_, 0) => chart.draw_series(LineSeries::new(line, style))?,
+            (dash, gap) => chart.draw_series(DashedLineSeries::new(line, dash, gap, style))?,
+        };
     }
     if drawn == Drawn::Dots {
         let bars = points.iter().map(|point| PathElement::new(vec![(point.x, point.low), (point.x, point.high)], colour.stroke_width(2)));

@@ -176,7 +176,7 @@ fn growth(folder: &Path, out: &Path) -> Result<(), Box<dyn Error>> {
         &folder.join("growth.md"),
         "10 to 100 targets in one square",
         log_axis("targets", [9.0, 112.0], &[10.0, 20.0, 30.0, 50.0, 100.0]),
-        log_axis(time, [0.1, 3.0], &[0.1, 0.2, 0.5, 1.0, 2.0]),
+        log_axis(time, [0.08, 1.2], &[0.1, 0.2, 0.5, 1.0]),
     )?;
     let large = growth_panel(
         &folder.join("growth-large.md"),
@@ -234,7 +234,7 @@ fn wang(out: &Path) -> Result<(), Box<dyn Error>> {
     let cells = Cells::of(&table.bytes)?;
     let panel = |title: &'static str, kept: &str| -> Result<Panel, Box<dyn Error>> {
         let of = |(look, name): (usize, &&str)| {
-            cells.series(name, (look, Drawn::Curve), (kept, 100.0), noises_deg.iter().map(|noise| (*noise, format!("{noise}, {name}"))))
+            cells.series(name, (look, Drawn::Curve), (kept, 100.0), noises_deg.iter().map(|noise| (*noise, format!("{noise:?}, {name}"))))
         };
         let series = names.iter().enumerate().map(of).collect::<Result<_, _>>()?;
         let x = axis("standard deviation of a bearing (°)", [0.1, 1.05], &[0.2, 0.4, 0.6, 0.8, 1.0]);
@@ -257,9 +257,9 @@ fn huo(folder: &Path, out: &Path) -> Result<(), Box<dyn Error>> {
         let series = methods.iter().enumerate().map(of).collect::<Result<_, _>>()?;
         Ok(Panel { title, x: named_axis("sensors × targets, P_D 0.9", &["3 × 10", "3 × 50", "5 × 50"]), y, series })
     };
-    let cost = panel("Cost above the least (chain)", "gap", axis("(J − J*) / |J*| (%)", [-3.0, 85.0], &[0.0, 20.0, 40.0, 60.0, 80.0]))?;
+    let cost = panel("Cost above the least (chain)", "gap", axis("(J − J*) / |J*| (%)", [-4.0, 85.0], &[0.0, 20.0, 40.0, 60.0, 80.0]))?;
     let right =
-        panel("Tuples that are right", "tuples right", axis("share of targets (%)", [0.0, 103.0], &[0.0, 20.0, 40.0, 60.0, 80.0, 100.0]))?;
+        panel("Tuples that are right", "tuples right", axis("share of targets (%)", [-4.0, 104.0], &[0.0, 20.0, 40.0, 60.0, 80.0, 100.0]))?;
     draw(&out.join("huo-size.svg"), &[cost, right])
 }
 
