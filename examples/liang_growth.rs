@@ -2,8 +2,8 @@
 //! 1, 2, … of the least of five tries each, and the slope of log time over log targets with its 95 % interval (1 is linear).
 //!
 //! `cargo run --release --no-default-features --example liang_growth [-- RUNS [TARGETS …]]`; 20 runs of 10, 30, 50, 80 and 100 targets
-//! unless said otherwise. Times of more than 100 targets are those on the processor, where Linux tells them. Up to 100 targets share the square of the paper; more have a larger square, radar and clutter, of the density
-//! of 100.
+//! unless said otherwise. Times of more than 100 targets are those on the processor, where Linux tells them. Up to 100 targets
+//! share the square of the paper; more have a larger square, radar and clutter, of the density of 100.
 
 use serde_json::json;
 use std::ops::ControlFlow;
@@ -29,8 +29,10 @@ fn wall_s(start: Instant) -> f64 {
     start.elapsed().as_secs_f64()
 }
 
-/// Of this thread on a processor: told a few milliseconds late, and asking takes some microseconds, so for long steps only.
+/// Of this thread on a processor, which is booked up to now when the thread offers to step aside; asking takes some microseconds, so for
+/// long steps only.
 fn processor_s(start: Instant) -> f64 {
+    std::thread::yield_now();
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
     let spent_ns = text.and_then(|text| text.split(' ').next()?.parse::<f64>().ok());
     spent_ns.map_or_else(|| wall_s(start), |spent_ns| spent_ns * 1e-9)

@@ -115,9 +115,9 @@ pub(super) fn judge(spec: &Value, subjects: &[Subject], wants_files: bool, obser
         parts.push(("sequences", subjects.iter().zip(&alone).map(sequence).collect()));
     }
     let (mut artifacts, pairs) = if wants_files { metric_files::files(&names, &sequences, &of_each) } else { Default::default() };
-    let result: Map<String, Value> = parts.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
-    if let Some(text) = text::metrics(&Value::Object(result)).filter(|_| wants_files) {
-        artifacts.push(text_file("metrics.txt", text));
+    if wants_files {
+        let result: Map<String, Value> = parts.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect();
+        artifacts.extend(text::metrics(&Value::Object(result)).map(|text| text_file("metrics.txt", text)));
     }
     let warnings = subjects.iter().zip(&comparisons).flat_map(|(subject, comparison)| {
         let place = if subject.name.is_empty() { String::new() } else { format!("{}: ", subject.name) };

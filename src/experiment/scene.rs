@@ -189,8 +189,9 @@ impl Scene {
         let sensors = if self.sensors.is_empty() { requested_sensors(&plan.spec) } else { self.sensors.clone() };
         let material = Material { nodes, truth: self.truth.as_ref(), sensors: &sensors };
         let correlated = correlate::correlate(plan, material, &mut self.warnings, observer)?;
-        let files = if plan.wants_files { correlate::artifacts(&correlated)? } else { Vec::new() };
-        match to_value(&correlate::report(&correlated))? {
+        let lines = correlate::tuple_lines(&correlated);
+        let files = if plan.wants_files { correlate::artifacts(&correlated, &lines)? } else { Vec::new() };
+        match to_value(&correlate::report(&correlated, lines))? {
             Value::Object(report) => Ok((report, files, correlated.decided)),
             _ => Err(RunError::Faults(vec![Fault::new("", "malformed", "the report is no object")])),
         }
@@ -226,10 +227,11 @@ impl Scene {
         step(observer, Step::Evaluate, 0)?;
         let tracks = tracked.or(self.tracks.as_ref()).ok_or_else(|| missing("/tracks", "tracks"))?;
         let input = EvaluationInput { recording: self.recording.as_ref(), truth: self.truth.as_ref(), tracks };
-        let (report, files) =
-            tfa::judge(&tfa::spec_of(&plan.spec, &input)?, judge::time_tolerance_s(&plan.spec), input, &self.sensors, &mut self.warnings)?;
+        let spec = tfa::spec_of(&plan.spec, &input)?;
+        let evaluation = tfa::evaluation(&spec, judge::time_tolerance_s(&plan.spec), input, &self.sensors)?;
+        let files = if plan.wants_files { tfa::artifacts(&evaluation, &mut self.warnings)? } else { Vec::new() };
         step(observer, Step::Evaluate, 1)?;
-        Ok((to_value(&report)?, files))
+        Ok((to_value(&evaluation.report())?, files))
     }
 
     /// Whether there is a string to read: boxes have none.

@@ -5,7 +5,7 @@ use super::run::{Artifact, RunError};
 use super::tables::quoted;
 use crate::evaluation::temporal_automaton::weighted::ScanProbability;
 use crate::evaluation::temporal_automaton::{Order, TfaEvaluation, report::EPSILON};
-use crate::evaluation::{DecisionPolicy, EvaluationInput, SymbolRule, TfaReport, TfaSettings};
+use crate::evaluation::{DecisionPolicy, EvaluationInput, SymbolRule, TfaSettings};
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
 use crate::registry;
@@ -33,18 +33,20 @@ pub(super) fn spec_of(spec: &Value, input: &EvaluationInput) -> Result<Value, Ru
     Ok(registry::check(&json!({"symbols": symbols}), &requests::TFA)?)
 }
 
-/// Judges tracks as the checked description `spec` says: the report, and `automaton.json`, `automaton.dot` and
-/// `truth_probability.csv` where they are not too large.
-pub(super) fn judge(
+/// Judges tracks as the checked description `spec` says.
+pub(super) fn evaluation<'a>(
     spec: &Value,
     time_tolerance_s: Option<f64>,
-    input: EvaluationInput,
+    input: EvaluationInput<'a>,
     sensors: &[SensorSettings],
-    warnings: &mut Vec<String>,
-) -> Result<(TfaReport, Vec<Artifact>), RunError> {
+) -> Result<TfaEvaluation<'a>, RunError> {
     // Without a recording nothing is known of sensors.
     let sensors = input.recording.map(|_| sensors);
-    let evaluation = TfaEvaluation::new(input, sensors, TfaSettings { time_tolerance_s, ..settings(spec)? })?;
+    Ok(TfaEvaluation::new(input, sensors, TfaSettings { time_tolerance_s, ..settings(spec)? })?)
+}
+
+/// `automaton.json`, `automaton.dot` and `truth_probability.csv`, where they are not too large.
+pub(super) fn artifacts(evaluation: &TfaEvaluation, warnings: &mut Vec<String>) -> Result<Vec<Artifact>, RunError> {
     let mut files = Vec::new();
     match evaluation.automaton_file(MAX_TRANSITIONS) {
         Some(automaton) => {
@@ -55,10 +57,10 @@ pub(super) fn judge(
         None => warnings.push(format!("the automaton is not in a file: it has more than {MAX_TRANSITIONS} transitions")),
     }
     match evaluation.scan_probabilities(MAX_CURVE_ROWS) {
-        Some(curves) => files.push(Artifact::file("truth_probability.csv", "text/csv", csv(&evaluation, &curves)?)),
+        Some(curves) => files.push(Artifact::file("truth_probability.csv", "text/csv", csv(evaluation, &curves)?)),
         None => warnings.push(format!("the probabilities scan by scan are not in a file: they are more than {MAX_CURVE_ROWS} rows")),
     }
-    Ok((evaluation.report(), files))
+    Ok(files)
 }
 
 /// The curves as a table; scans that no file names are left out.

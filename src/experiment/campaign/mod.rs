@@ -7,6 +7,8 @@
 
 mod cells;
 mod outcomes;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod pieces;
 mod requests;
 mod stages;
@@ -169,11 +171,13 @@ impl Campaign {
         };
         let reports: Vec<_> = self.cells.iter().enumerate().map(report).collect();
         let names: Vec<&str> = outcomes.iter().map(Outcome::name).collect();
-        let artifacts = vec![
+        let artifacts = Vec::from([
             tables::runs(&self.cells, &names, &harvest.rows, self.seed)?,
             tables::cells(&reports, &names)?,
             tables::markdown(&reports, &names),
-        ];
+            #[cfg(feature = "parquet")]
+            parquet::runs(&self.cells.iter().map(|cell| cell.name.as_str()).collect::<Vec<_>>(), &names, &harvest.rows, self.seed)?,
+        ]);
         let warnings = outcomes::doubts(outcomes, &harvest.rows);
         let result = json!({"outcomes": names, "confidence": self.confidence, "cells": to_value(&reports)?});
         let cell_times = times(&self.cells, &harvest.decided_us, reference);

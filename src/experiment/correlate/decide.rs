@@ -14,9 +14,9 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 pub(super) struct Decisions {
-    /// The last.
+    /// The last, and its problem.
     pub solution: Solution,
-    pub links: usize,
+    pub problem: Problem,
     /// Those that stand, with how often each was found.
     pub tuples: Vec<(Vec<u32>, u32)>,
     pub alone: Vec<u32>,
@@ -53,9 +53,8 @@ pub(super) fn decide(
     let mut is_alone = vec![true; problem.tracks()];
     tuples.iter().flat_map(|(tuple, _)| tuple).for_each(|&track| is_alone[track as usize] = false);
     let alone = (0..problem.tracks() as u32).filter(|&track| is_alone[track as usize]).collect();
-    let links = (0..problem.tracks() as u32).map(|track| problem.links(track).len()).sum::<usize>() / 2;
     let decided = spent.map(|spent| Decided { spent, scans: total });
-    Ok(Decisions { solution, links, tuples, alone, decided })
+    Ok(Decisions { solution, problem, tuples, alone, decided })
 }
 
 /// Tuples without a track in common, the most frequent first chosen; in the order of their first tracks.

@@ -8,7 +8,7 @@ mod requests;
 
 pub(super) use checks::{check, estimate};
 pub(super) use nodes::{Nodes, by_detections, drawn, of_sets};
-pub(super) use report::{artifacts, report};
+pub(super) use report::{artifacts, report, tuple_lines};
 pub use requests::CORRELATE;
 
 use super::observer::{Observer, Step};
@@ -19,6 +19,7 @@ use crate::correlation::cross_covariance::CrossTable;
 use crate::correlation::estimates::Estimates;
 use crate::correlation::evidence::Times;
 use crate::correlation::fusion::{FUSIONS, system_tracks};
+use crate::correlation::problem::Problem;
 use crate::correlation::statistic::{Correlation, Statistic, pairs_of};
 use crate::correlation::{CORRELATORS, Solution};
 use crate::model::fault::Fault;
@@ -35,10 +36,9 @@ pub(super) struct Correlated {
     /// The tracks of each sensor, as they came.
     pub nodes: Vec<Node>,
     pub correlation: Correlation,
-    /// Of the last decision.
+    /// The last decision, and its problem.
     pub solution: Solution,
-    /// Links of its problem.
-    pub links: usize,
+    pub problem: Problem,
     pub confirm: Confirm,
     /// Tuples of two tracks or more that stand, with how often each was found.
     pub tuples: Vec<(Vec<u32>, u32)>,
@@ -141,7 +141,7 @@ pub(super) fn correlate(
         correlator: entry.name,
         nodes,
         solution: decisions.solution,
-        links: decisions.links,
+        problem: decisions.problem,
         confirm,
         tuples: decisions.tuples,
         alone: decisions.alone,

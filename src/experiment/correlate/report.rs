@@ -74,8 +74,9 @@ struct ConfirmReport {
     of: u32,
 }
 
-#[derive(Debug, Clone, Serialize)]
-struct TupleLine {
+/// A tuple as it is told, in the report and in `tuples.csv`.
+#[derive(Debug, Serialize)]
+pub(in super::super) struct TupleLine {
     /// The system track made of it.
     system_track_id: String,
     /// The track of each sensor; null where the sensor has none.
@@ -118,11 +119,13 @@ struct TruthReport {
     false_tracks: usize,
 }
 
-pub(in super::super) fn report(correlated: &Correlated) -> CorrelationReport {
+/// The report; `tuples` are those of [`tuple_lines`].
+pub(in super::super) fn report(correlated: &Correlated, mut tuples: Vec<TupleLine>) -> CorrelationReport {
     let (estimates, solution) = (&correlated.correlation.estimates, &correlated.solution);
-    let mut tuples = lines(correlated);
     let sensors = estimates.sensor_ids.iter().zip(&estimates.tracks_of);
     let sensors_of_tracks = estimates.sensors_of_tracks();
+    let problem = &correlated.problem;
+    let links = (0..problem.tracks() as u32).map(|track| problem.links(track).len()).sum::<usize>() / 2;
     let name = |&track: &u32| TrackName {
         sensor_id: estimates.sensor_ids[sensors_of_tracks[track as usize]].clone(),
         track_id: estimates.track_ids[track as usize].clone(),
@@ -136,7 +139,7 @@ pub(in super::super) fn report(correlated: &Correlated) -> CorrelationReport {
             tracks: estimates.tracks(),
             common_times: estimates.times(),
             dimensions: estimates.dimensions(),
-            links: correlated.links,
+            links,
             tuples: tuples.len(),
             unassociated: correlated.alone.len(),
             system_tracks: correlated.system_tracks.tracks.len(),
@@ -163,10 +166,10 @@ pub(in super::super) fn report(correlated: &Correlated) -> CorrelationReport {
     }
 }
 
-fn lines(correlated: &Correlated) -> Vec<TupleLine> {
+/// Every tuple that stands.
+pub(in super::super) fn tuple_lines(correlated: &Correlated) -> Vec<TupleLine> {
     let correlation = &correlated.correlation;
-    let until = correlation.estimates.times();
-    let (evidence, problem) = (correlation.evidence(until), correlation.problem(until));
+    let evidence = correlation.evidence(correlation.estimates.times());
     let sensors = correlation.estimates.sensors_of_tracks();
     let line = |(index, (tuple, found)): (usize, &(Vec<u32>, u32))| {
         let spread = evidence.spread(tuple);
@@ -175,7 +178,7 @@ fn lines(correlated: &Correlated) -> Vec<TupleLine> {
         TupleLine {
             system_track_id: (index + 1).to_string(),
             tracks,
-            cost: problem.cost(tuple),
+            cost: correlated.problem.cost(tuple),
             b: chain(&evidence, tuple),
             statistic: spread.q,
             degrees_of_freedom: spread.degrees_of_freedom,
@@ -230,13 +233,13 @@ fn truth(correlated: &Correlated) -> Option<TruthReport> {
 }
 
 /// `tuples.csv`, `system_tracks.csv` and `local_tracks.csv`.
-pub(in super::super) fn artifacts(correlated: &Correlated) -> Result<Vec<Artifact>, Error> {
+pub(in super::super) fn artifacts(correlated: &Correlated, tuples: &[TupleLine]) -> Result<Vec<Artifact>, Error> {
     let mut bytes = Vec::new();
     let dataset = Dataset::Tracks(correlated.system_tracks.clone());
     formats::write_csv(&dataset, &mut bytes)?;
     let tracks =
         Artifact { name: "system_tracks.csv", media_type: "text/csv", bytes, dataset: Some(dataset.summary()), sensors: Vec::new() };
-    Ok(vec![tracks, table(correlated), local_tracks(&correlated.nodes)])
+    Ok(vec![tracks, table(correlated, tuples), local_tracks(&correlated.nodes)])
 }
 
 /// The tracks that were put together, sensor by sensor, for pictures.
@@ -255,23 +258,23 @@ fn local_tracks(nodes: &[Node]) -> Artifact {
 }
 
 /// A row a tuple, the tracks that are alone below them, with the track of each sensor.
-fn table(correlated: &Correlated) -> Artifact {
+fn table(correlated: &Correlated, tuples: &[TupleLine]) -> Artifact {
     let estimates = &correlated.correlation.estimates;
     let mut table = Table::new(false, &["system_track_id", "cost", "b", "statistic", "degrees_of_freedom", "p_value", "found", "truth_id"]);
     table.columns(estimates.sensor_ids.iter().map(|sensor_id| format!("track_of_{sensor_id}")));
     let text = |number: Option<f64>| number.map_or_else(String::new, |number| number.to_string());
-    for line in lines(correlated) {
+    for line in tuples {
         let mut cells = vec![
-            line.system_track_id,
+            line.system_track_id.clone(),
             text(line.cost),
             text(line.b),
             line.statistic.to_string(),
             line.degrees_of_freedom.to_string(),
             text(line.p_value),
             line.found.to_string(),
-            line.truth_id.unwrap_or_default(),
+            line.truth_id.clone().unwrap_or_default(),
         ];
-        cells.extend(line.tracks.into_iter().map(Option::unwrap_or_default));
+        cells.extend(line.tracks.iter().map(|track| track.clone().unwrap_or_default()));
         table.row(&cells);
     }
     let sensors = estimates.sensors_of_tracks();
