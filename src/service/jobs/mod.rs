@@ -9,6 +9,7 @@ mod hub;
 mod inputs;
 pub(in crate::service) mod meter;
 mod read;
+mod recent;
 pub(in crate::service) mod report;
 mod request;
 mod runner;
@@ -29,6 +30,7 @@ use anyhow::{Context, bail};
 use control::{Running, Stop};
 use futures::{FutureExt, Stream};
 use hub::Hub;
+use recent::Recent;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs::{File, TryLockError};
@@ -56,6 +58,7 @@ struct Inner {
     blobs: Blobs,
     engine: Engine,
     hub: Hub,
+    recent: Recent,
     running: Running,
     /// Jobs that may compute at the same time.
     slots: Arc<Semaphore>,
@@ -83,6 +86,7 @@ impl Jobs {
             blobs: Blobs::open(directory)?,
             engine: Engine::open(&directory.join("queue.db"), slots).await?,
             hub: Hub::default(),
+            recent: Recent::default(),
             running: Running::default(),
             slots: Arc::new(Semaphore::new(slots)),
             sweeping: RwLock::new(()),
@@ -180,7 +184,7 @@ impl Jobs {
     }
 
     /// The data behind the pictures of a job.
-    pub async fn load_job_layers(&self, id: Uuid) -> Result<JobLayers, JobsError> {
+    pub async fn load_job_layers(&self, id: Uuid) -> Result<Arc<JobLayers>, JobsError> {
         self.0.layers(id).await
     }
 

@@ -2,7 +2,7 @@
 
 import createClient from "openapi-fetch";
 import type { components, paths } from "../../generated/api";
-import type { Artifact, BearingTime, Comparison, Dataset, DatasetPage, DatasetPreview, Job, JobKind, JobPage, Methods, MetricsSeries, Plan, Preset, Problem, Report, ScanCounts, TrackProbability, Validation } from "./types";
+import type { Artifact, BearingTime, Comparison, Dataset, DatasetPage, DatasetPreview, Gates, Job, JobKind, JobPage, Methods, MetricsSeries, Plan, Preset, Problem, Report, ScanCounts, TrackProbability, Validation } from "./types";
 
 const client = createClient<paths>({ baseUrl: location.origin, cache: "no-cache" });
 
@@ -49,6 +49,8 @@ export const cancelJob = (id: string): Promise<Job> => taken(client.POST("/v1/jo
 export const rerunJob = (id: string): Promise<Job> => taken(client.POST("/v1/jobs/{id}/rerun", path(id)));
 export const getReport = (id: string): Promise<Report> => taken(client.GET("/v1/jobs/{id}/report", path(id)));
 export const getPlan = (id: string): Promise<Plan> => taken(client.GET("/v1/jobs/{id}/plan", path(id)));
+/** Only what was there at one time. */
+export const getPlanAt = (id: string, time_s: number): Promise<Plan> => taken(client.GET("/v1/jobs/{id}/plan", { params: { path: { id }, query: { from: time_s, to: time_s } } }));
 export const getSpec = (id: string): Promise<Record<string, unknown>> => taken(client.GET("/v1/jobs/{id}/spec", path(id)));
 
 /** The schemas in it are free JSON to the API document; here they are read as what they are. */
@@ -72,6 +74,7 @@ function series<T>(id: string, name: string, query: { track?: string }): Promise
 }
 
 export const getTrackProbability = (id: string, track: string): Promise<TrackProbability> => series(id, "track_probability", { track });
+export const getGates = (id: string, track: string): Promise<Gates> => series(id, "gates", { track });
 export const getMetricSeries = (id: string): Promise<MetricsSeries> => series(id, "metrics", {});
 export const getBearingTime = (id: string): Promise<BearingTime> => series(id, "bearing_time", {});
 export const getScanCounts = (id: string): Promise<ScanCounts> => series(id, "scan_counts", {});
