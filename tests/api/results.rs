@@ -149,7 +149,7 @@ async fn gates_are_where_the_tracks_were_expected() {
     let plan = api.get(&format!("{base}/plan")).await.ok(200);
     let gates = api.get(&format!("{base}/series/gates?track=1&from=16&to=32")).await.ok(200);
     assert_eq!(columns_agree(&gates), 3, "scans at 16, 24 and 32 s");
-    assert!((gates["threshold"].as_f64().unwrap() - -2.0 * 0.01f64.ln()).abs() < 1e-9, "{}", gates["threshold"]);
+    assert!((gates["threshold"].as_f64().unwrap() - -2.0 * 0.001f64.ln()).abs() < 1e-9, "{}", gates["threshold"]);
     assert_eq!((&gates["units"]["s_xx"], &gates["columns"]["range_m"]), (&json!("m²"), &json!([null, null, null])));
     // A constant velocity from the point before, 8 s earlier.
     let columns = &plan["tracks"]["columns"];

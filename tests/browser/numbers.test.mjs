@@ -70,7 +70,7 @@ test("the summary of an evaluation", async () => {
     "output tracks",
   );
   assertSame(await factsOf(panelOf(page, `Association, ${words(association.method)}`)), Object.entries(association.counts).map(([name, value]) => [capital(words(name)), count(value)]), "association");
-  assertSame(await factsOf(panelOf(page, "Metrics")), Object.entries(metrics).map(([name, { value, unit }]) => [name, `${shown(value)} ${unit}`]), "headlines");
+  assertSame(await factsOf(panelOf(page, "Metrics")), Object.entries(metrics).map(([name, { value, unit }]) => [name, `${shown(value)} ${unit}`.trim()]), "headlines");
   assertSame(await factsOf(panelOf(page, "Events")), Object.entries(events.counts).map(([name, value]) => [capital(words(name)), count(value)]), "events");
   assertSame(await twinOf(page, "Scan by scan"), printed((await api(`/v1/jobs/${job.id}/series/scan_counts`)).columns), "scan by scan");
   await closePage(page);
@@ -102,14 +102,17 @@ test("the metrics, quantity by quantity, over time, and the events", async () =>
   }
   const { columns } = await api(`/v1/jobs/${job.id}/series/metrics`);
   const frame = page.locator(".chart-frame", { has: page.getByRole("combobox", { name: "Metric", exact: true }) }).first();
-  const twin = frame.getByRole("button", { name: "Table" });
-  await twin.click();
-  const heads = await frame.locator("thead th").allInnerTexts();
-  const rows = await rowsOf(frame);
-  const of = heads.map((head) => Object.keys(columns.values).find((name) => head === name || head.startsWith(`${name} `)));
-  assert.ok(of.filter(Boolean).length > 0, `columns of the twin: ${heads}`);
-  const wanted = columns.time_s.map((time, row) => of.map((name, column) => (name ? shown(columns.values[name][row]) : column === 0 ? shown(time) : rows[row]?.[column])));
-  assertSame(rows, wanted.slice(0, rows.length), "over time");
+  await frame.getByRole("button", { name: "Table" }).click();
+  const compared = new Set();
+  const choice = frame.getByRole("combobox", { name: "Metric", exact: true });
+  for (const name of await choice.locator("option").allInnerTexts()) {
+    await choice.selectOption(name);
+    const heads = (await frame.locator("thead th").allInnerTexts()).slice(1).map((head) => head.replace(/ \(.*\)$/, ""));
+    const wanted = columns.time_s.map((time, row) => [shown(time), ...heads.map((head) => shown(columns.values[head][row]))]);
+    assertSame(await rowsOf(frame), wanted, `${name} over time`);
+    for (const head of heads) compared.add(head);
+  }
+  assert.deepEqual([...compared].sort(), Object.keys(columns.values).sort(), "every column is in one of the charts");
   await closePage(page);
 });
 
