@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { api, campaign, closePage, clustered, correlated, evaluated, finished, openPage, preset, shown, startBrowser } from "./support.mjs";
+import { api, BASE, campaign, closePage, clustered, correlated, evaluated, finished, grouped, openPage, preset, shown, startBrowser } from "./support.mjs";
 
 let browser;
 before(async () => (browser = await startBrowser()));
@@ -42,6 +42,16 @@ async function twinOf(page, name) {
 
 /** Rows of columns, as a twin prints them. */
 const printed = (columns) => Object.values(columns)[0].map((_, row) => Object.values(columns).map((column) => (typeof column[row] === "number" ? shown(column[row]) : (column[row] ?? "–"))));
+
+/** Every number of what a method says of itself, with the names on the way to it. */
+const leaves = (value, path = []) => (typeof value === "object" && value !== null ? Object.entries(value).flatMap(([name, inner]) => leaves(inner, [...path, words(name)])) : [[capital(path.join(", ")), typeof value === "number" ? shown(value) : value === null ? "–" : String(value)]]);
+
+/** The rows of a trace, by the names of its columns. */
+async function traceOf(job, file) {
+  const csv = await (await fetch(`${BASE}/v1/jobs/${job.id}/artifacts/${file}`)).text();
+  const [head, ...lines] = csv.trim().split("\n").map((line) => line.split(","));
+  return lines.map((line) => Object.fromEntries(head.map((name, index) => [name, line[index]])));
+}
 
 function assertSame(found, wanted, what) {
   assert.ok(wanted.length > 0, `${what}: there is something to compare`);
@@ -213,11 +223,8 @@ test("a comparison: every number that differs, every paired difference", async (
 test("a clustering: what the method says, memberships and centres", async () => {
   const { job, report } = await clustered();
   const page = await open(`?view=job&job=${job.id}&tab=search`, "table.grid");
-  const leaves = (value, path = []) => (typeof value === "object" && value !== null ? Object.entries(value).flatMap(([name, inner]) => leaves(inner, [...path, words(name)])) : [[capital(path.join(", ")), typeof value === "number" ? shown(value) : value === null ? "–" : String(value)]]);
   assertSame(await factsOf(page.locator(".diagnostics")), leaves(report.result.association.diagnostics), "diagnostics");
-  const csv = await (await fetch(`${new URL(page.url()).origin}/v1/jobs/${job.id}/artifacts/association_trace.csv`)).text();
-  const [head, ...lines] = csv.trim().split("\n").map((line) => line.split(","));
-  const trace = lines.map((line) => Object.fromEntries(head.map((name, index) => [name, line[index]])));
+  const trace = await traceOf(job, "association_trace.csv");
   const chosen = await page.getByRole("combobox", { name: "Search" }).inputValue();
   const [, occasion, cluster] = /occasion (\d+), cluster (\d+)/.exec(chosen);
   const own = trace.filter((row) => row.occasion === occasion && row.cluster === cluster);
@@ -231,5 +238,29 @@ test("a clustering: what the method says, memberships and centres", async () => 
   const first = Math.min(...own.map((row) => Number(row.iteration)));
   const centres = (await rowsOf(frameOf(page, "Centres"))).map((row) => row.slice(0, 3));
   assertSame(centres, centres.map(([track]) => [track, centre(track, first).map(shown).join(", "), centre(track, last).map(shown).join(", ")]), "centres");
+  await closePage(page);
+});
+
+test("a grouping: its quality, what the method says, memberships and the ways of the centres", async () => {
+  const { job, report } = await grouped();
+  const { grouping } = report.result;
+  const summary = await open(`?view=job&job=${job.id}`, ".panel");
+  assertSame(await factsOf(panelOf(summary, `Grouping, ${words(grouping.method)}`)), [["Accuracy", share(grouping.accuracy)], ["Precision", share(grouping.precision)], ["Recall", share(grouping.recall)]], "quality");
+  await closePage(summary);
+  const page = await open(`?view=job&job=${job.id}&tab=search`, "table.grid");
+  assertSame(await factsOf(page.locator(".diagnostics")), leaves(grouping.search), "diagnostics");
+  const instant = parseFloat(await page.getByRole("combobox", { name: "Search" }).inputValue());
+  const own = (await traceOf(job, "grouping_trace.csv")).filter((row) => Number(row.time_s) === instant);
+  const value = (row) => Number(row.value);
+  const last = Math.max(...own.map((row) => Number(row.iteration)));
+  const memberships = own.filter((row) => Number(row.iteration) === last && row.quantity === "membership").map((row) => share(value(row)));
+  assertSame((await rowsOf(frameOf(page, "Memberships"))).flatMap((row) => row.slice(1)), memberships, "memberships");
+  const { detection_id, x_m, y_m } = (await api(`/v1/jobs/${job.id}/plan?from=${instant}&to=${instant}`)).detections.columns;
+  const ways = await twinOf(page, `Ways of the centres, ${instant} s`);
+  assertSame(ways.filter((row) => row[0] === "detection"), detection_id.map((id, row) => ["detection", id, "–", shown(x_m[row]), shown(y_m[row])]), "detections among the centres");
+  const centre = (name) => own.filter((row) => row.quantity === name).map((row) => [row.iteration, row.group, shown(value(row))].join(" "));
+  const drawn = (column) => ways.filter((row) => row[0] === "centre").map((row) => [row[2], row[1], row[column]].join(" "));
+  assertSame(drawn(3).sort(), centre("centre_x_m").sort(), "centres, east");
+  assertSame(drawn(4).sort(), centre("centre_y_m").sort(), "centres, north");
   await closePage(page);
 });

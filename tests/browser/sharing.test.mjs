@@ -58,6 +58,37 @@ test("two tabs at one job have one event stream, and the second goes on when the
   await context.close();
 });
 
+/** The page believes that it is hidden, or seen again. */
+const hide = (page, hidden) =>
+  page.evaluate((is) => {
+    Object.defineProperty(document, "hidden", { configurable: true, get: () => is });
+    document.dispatchEvent(new Event("visibilitychange"));
+  }, hidden);
+
+test("a hidden page leaves the stream and asks now and then with its tag; seen again it streams", async () => {
+  const { id } = await api("/v1/jobs/campaign", { ...(await campaign(100_000)), name: "a page out of sight" });
+  const before = await streams();
+  const context = await browser.newContext();
+  const page = await open(context, id);
+  await comesBeyond(page, await runsOn(page));
+  await hide(page, true);
+  await page.waitForTimeout(1500);
+  const [asked, shown] = [page.asked, await runsOn(page)];
+  await page.waitForTimeout(3000);
+  assert.deepEqual([page.asked, await runsOn(page)], [asked, shown], "nothing moves that nobody sees");
+  const next = await page.waitForRequest((request) => new URL(request.url()).pathname === `/v1/jobs/${id}`, { timeout: 20_000 });
+  assert.match((await next.allHeaders())["if-none-match"] ?? "", /^W\/"/);
+  await comesBeyond(page, shown);
+  assert.equal((await streams()) - before, 1);
+  await hide(page, false);
+  const again = await runsOn(page);
+  await comesBeyond(page, again + 1);
+  await page.waitForTimeout(500);
+  assert.equal((await streams()) - before, 2, "the stream is opened once more");
+  await api(`/v1/jobs/${id}/cancel`, {});
+  await context.close();
+});
+
 test("without shared workers a page has a stream of its own", async () => {
   const { id } = await api("/v1/jobs/campaign", { ...(await campaign(100_000)), name: "a browser without shared workers" });
   const before = await streams();

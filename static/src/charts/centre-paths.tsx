@@ -75,7 +75,7 @@ function draw(chart: Chart, props: Props): void {
       textStyle: textStyle(palette),
       tooltip: { trigger: "item", ...tooltip(palette), formatter: tip },
       xAxis: valueAxis(props.xName, palette, { min: xMin, max: xMax, nameGap: 26, splitNumber: 5, axisLabel: label }),
-      yAxis: valueAxis(props.yName, palette, { min: yMin, max: yMax, nameGap: 42, splitNumber: 5, axisLabel: label }),
+      yAxis: valueAxis(props.yName, palette, { min: yMin, max: yMax, nameGap: 46, splitNumber: 5, axisLabel: label }),
       series: seriesOf(props, palette),
     },
     { replaceMerge: ["series"] },

@@ -6,8 +6,9 @@ export type Density = NonNullable<Plan["density"]>;
 
 /** Pixels of the picture along a cell, so that its edges stay sharp when it is stretched. */
 const PIXELS_A_CELL = 4;
-/** Shade of a cell with one detection, so that a lone one is seen, and of the fullest. */
+/** Shade of the emptiest tenth of the cells that hold anything, so that a lone detection is seen, and of the fullest. */
 const [PALEST, DARKEST] = [40, 230];
+const EMPTIEST = 0.1;
 
 const drawn = new WeakMap<Density, { color: string; image: HTMLCanvasElement }>();
 
@@ -16,7 +17,7 @@ export function sides({ columns }: Density): { east: number; north: number } {
   return { east: most(columns.east), north: most(columns.north) };
 }
 
-/** Shades of one colour by the logarithm of the count; north is up. */
+/** Shades of one colour by the logarithm of the count, from that of the usual clutter; north is up. */
 export function picture(density: Density, color: string): HTMLCanvasElement {
   const before = drawn.get(density);
   if (before?.color === color) return before.image;
@@ -25,11 +26,12 @@ export function picture(density: Density, color: string): HTMLCanvasElement {
   const image = document.createElement("canvas");
   [image.width, image.height] = [east * PIXELS_A_CELL, north * PIXELS_A_CELL];
   const pen = image.getContext("2d");
-  const greatest = columns.count.reduce((most, count) => Math.max(most, count), 1);
+  const sorted = [...columns.count].sort((a, b) => a - b);
+  const [low, high] = [sorted[Math.floor(EMPTIEST * (sorted.length - 1))], sorted.at(-1)].map((count) => Math.log(count ?? 1)) as [number, number];
   if (pen) {
     pen.fillStyle = color;
     columns.count.forEach((count, index) => {
-      const share = greatest > 1 ? Math.log(count) / Math.log(greatest) : 1;
+      const share = high > low ? Math.max((Math.log(count) - low) / (high - low), 0) : 1;
       pen.globalAlpha = (PALEST + share * (DARKEST - PALEST)) / 255;
       pen.fillRect((columns.east[index] ?? 0) * PIXELS_A_CELL, (north - 1 - (columns.north[index] ?? 0)) * PIXELS_A_CELL, PIXELS_A_CELL, PIXELS_A_CELL);
     });

@@ -33,9 +33,17 @@ function joined(lines: Point[][]): Point[] {
   return lines.filter((line) => line.length).flatMap((line) => [...line, BREAK]);
 }
 
+/** Points one after the other: the chart copies such a list in one go, and a list of lists piece by piece. Its types know lists only. */
+function packed(rows: readonly (readonly number[])[]): number[][] {
+  const width = rows[0]?.length ?? 0;
+  const values = new Float64Array(rows.length * width);
+  rows.forEach((row, index) => values.set(row, index * width));
+  return values as unknown as number[][];
+}
+
 function lineSeries(id: string, data: Point[], color: string, style: { width: number; type?: "solid" | "dashed" | "dotted"; opacity?: number; z?: number }): SeriesOption {
   const { width, type = "solid", opacity = 1, z = 2 } = style;
-  return { type: "line", id, data, showSymbol: false, silent: true, animation: false, z, lineStyle: { color, width, type, opacity } };
+  return { type: "line", id, dimensions: ["x", "y"], data: packed(data), showSymbol: false, silent: true, animation: false, z, lineStyle: { color, width, type, opacity } };
 }
 
 /** The runs of a track that have one status; each begins where the one before ended. */
@@ -100,7 +108,8 @@ function detections(cloud: Cloud, order: number, moment: Moment, palette: Palett
   return {
     type: "scatter",
     id: `detections:${cloud.sensor}`,
-    data,
+    dimensions: ["x", "y", "row"],
+    data: packed(data),
     symbol: SHAPES[order % SHAPES.length] ?? "circle",
     symbolSize: data.length > ONE_BY_ONE_UP_TO ? 3 : 4.5,
     // Beyond that the whole cloud is one shape: a shape a point takes seconds to draw.

@@ -5,7 +5,7 @@ import type { JSX } from "preact";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Gates, Plan } from "../api/types";
 import { Icon } from "../components/basics";
-import { metres } from "../format";
+import { count, metres } from "../format";
 import type { Clock } from "../state/clock";
 import { readPalette, theme, type Palette } from "../state/theme";
 import { param, setParams } from "../state/url";
@@ -25,7 +25,9 @@ import { RulerPanel } from "./ruler-panel";
 import type { Scene } from "./scene";
 
 const REACH_PX = 14;
+/** Spans, and places far from the origin while not looked at too closely, are said in kilometres. */
 const KILOMETRES_FROM_M = 10_000;
+const CLOSE_M = 1000;
 const ADDRESS_AFTER_MS = 250;
 /** Cells of a density wider than this show their detections too. */
 const CELL_PX = 10;
@@ -64,14 +66,15 @@ function addressed(scene: Scene, size: Size): Camera {
 
 function axes(camera: Camera, size: Size, palette: Palette): Record<string, object> {
   const view = bounds(camera, size);
-  const kilometres = camera.span >= KILOMETRES_FROM_M;
+  const isFar = Math.max(...Object.values(view).map(Math.abs)) >= KILOMETRES_FROM_M && camera.span >= CLOSE_M;
+  const kilometres = isFar || camera.span >= KILOMETRES_FROM_M;
   const unit = kilometres ? "km" : "m";
   const digits = Math.max(0, Math.ceil(1 - Math.log10(camera.span / (kilometres ? 1000 : 1) / 10)));
   const label = { color: palette.muted, fontSize: 11, showMinLabel: false, showMaxLabel: false, hideOverlap: true };
   const formatter = (value: number) => String(Number((kilometres ? value / 1000 : value).toFixed(Math.min(digits, 6))));
   const axis = (name: string, min: number, max: number, nameGap: number, pixels: number) =>
     valueAxis(`${name} (${unit})`, palette, { min, max, nameGap, splitNumber: Math.max(2, Math.round(pixels / 90)), axisLabel: { ...label, formatter } });
-  return { xAxis: axis("x, east", view.xMin, view.xMax, 26, size.width), yAxis: axis("y, north", view.yMin, view.yMax, 42, size.height) };
+  return { xAxis: axis("x, east", view.xMin, view.xMax, 26, size.width), yAxis: axis("y, north", view.yMin, view.yMax, 46, size.height) };
 }
 
 interface TipItem {
@@ -243,13 +246,13 @@ export function PlanView(props: PlanViewProps): JSX.Element {
   const gateCount = gatesAt(gates, moment.track, moment.now).length;
   const badge = reducedBadge([
     { name: "truth", ...plan.truth },
-    { name: "detections", ...plan.detections },
+    ...(density ? [] : [{ name: "detections", ...plan.detections }]),
     { name: "tracks", ...plan.tracks },
   ]);
   const zoom = (factor: number) => () => drawing.move(zoomed(drawing.look(), factor));
   const keys = [camera.value, moment.from, moment.now, param("hide"), moment.truth, moment.track, theme.value, address.value, ruler && rulerText(ruler), gateCount];
   return (
-    <ChartFrame title="Plan view" file={`plan-${props.jobId.slice(-12)}`} badge={badge} table={() => drawnTable(content, momentOf(clock))} chart={() => drawing.chart} pictureKey={(palette) => pictureKey(content, moment, palette)} pictureTitle={`Plan view at ${timeText(moment.now, scene.times)}`} tools={<Legend scene={scene} sensors={plan.sensors} hasGate={gateCount > 0} />} class="plan">
+    <ChartFrame title="Plan view" file={`plan-${props.jobId.slice(-12)}`} badge={[badge, density ? `density of all ${count(density.source_points)} detections` : undefined].filter(Boolean).join("; ") || undefined} table={() => drawnTable(content, momentOf(clock))} chart={() => drawing.chart} pictureKey={(palette) => pictureKey(content, moment, palette)} pictureTitle={`Plan view at ${timeText(moment.now, scene.times)}`} tools={<Legend scene={scene} sensors={plan.sensors} hasGate={gateCount > 0} />} class="plan">
       {plan.notes.map((note) => (
         <p key={note} class="muted">
           {note}

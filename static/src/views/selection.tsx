@@ -1,6 +1,7 @@
 // What is chosen in the pictures of a job: a truth, a track, how its verdict was decided, how its tuple was made.
 
 import type { JSX } from "preact";
+import { useState } from "preact/hooks";
 import { partsOf, type Gates, type Report, type TargetVerdict, type Tfa } from "../api/types";
 import { timeText } from "../charts/axes";
 import type { BearingScene } from "../charts/bearing-scene";
@@ -12,7 +13,35 @@ import type { Clock } from "../state/clock";
 import { hereHref, param, setParams } from "../state/url";
 import { placeOf, sentence } from "./verdicts";
 
+/** Beyond this many the names are found by typing: a list of thousands takes long to make and longer to read. */
+const LISTED_UP_TO = 500;
+const SUGGESTED = 50;
+
+function Find({ name, label, ids }: { name: "track" | "truth"; label: string; ids: string[] }): JSX.Element {
+  const [text, setText] = useState("");
+  const suggested = ids.filter((id) => id.includes(text)).slice(0, SUGGESTED);
+  return (
+    <label>
+      <span>{label}</span>
+      <input
+        type="search"
+        list={`ids-${name}`}
+        value={param(name) ?? ""}
+        placeholder={`one of ${ids.length}`}
+        onInput={(event) => setText(event.currentTarget.value)}
+        onChange={(event) => setParams({ [name]: event.currentTarget.value }, "push")}
+      />
+      <datalist id={`ids-${name}`}>
+        {suggested.map((id) => (
+          <option value={id} />
+        ))}
+      </datalist>
+    </label>
+  );
+}
+
 function Pick({ name, label, ids }: { name: "track" | "truth"; label: string; ids: string[] }): JSX.Element {
+  if (ids.length > LISTED_UP_TO) return <Find name={name} label={label} ids={ids} />;
   return (
     <label>
       <span>{label}</span>
