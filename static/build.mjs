@@ -73,21 +73,27 @@ function output(metafile, entry, ending) {
 
 rmSync(dist, { recursive: true, force: true });
 mkdirSync(join(dist, "assets"), { recursive: true });
-const { metafile } = await build({
+const shared = {
   absWorkingDir: here,
-  entryPoints: ["src/main.tsx", "src/styles/main.css"],
   bundle: true,
-  splitting: true,
-  format: "esm",
   target: ["es2022"],
   minify: true,
   outdir: "dist/assets",
   entryNames: "[name]-[hash]",
-  chunkNames: "[name]-[hash]",
   metafile: true,
   legalComments: "none",
-  define: { "process.env.NODE_ENV": '"production"' },
   logLevel: "warning",
+};
+// A script of its own, whose name the page has to know.
+const worker = await build({ ...shared, entryPoints: ["src/state/stream-worker.ts"], format: "iife" });
+const workerPath = `/${output(worker.metafile, "src/state/stream-worker.ts", ".js")}`;
+const { metafile } = await build({
+  ...shared,
+  entryPoints: ["src/main.tsx", "src/styles/main.css"],
+  splitting: true,
+  format: "esm",
+  chunkNames: "[name]-[hash]",
+  define: { "process.env.NODE_ENV": '"production"', STREAM_WORKER: JSON.stringify(workerPath) },
 });
 writeFileSync(join(dist, "index.html"), page(output(metafile, "src/main.tsx", ".js"), output(metafile, "src/styles/main.css", ".css")));
 writeFileSync(join(dist, "licenses.txt"), licences(metafile));

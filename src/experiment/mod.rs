@@ -12,6 +12,7 @@ mod clutter;
 mod correlate;
 mod detect;
 mod extent;
+pub mod gates;
 mod given;
 mod group;
 mod group_report;

@@ -112,6 +112,9 @@ async fn the_plan_view_holds_all_layers_and_says_when_it_is_reduced() {
         assert_eq!(reduced[layer]["method"], "every_nth");
         assert_eq!(reduced[layer]["source_points"], plan[layer]["source_points"]);
     }
+    let counts: Vec<u64> = serde_json::from_value(reduced["density"]["columns"]["count"].clone()).unwrap();
+    assert_eq!(json!(counts.iter().sum::<u64>()), plan["detections"]["source_points"], "the density counts all detections");
+    assert_eq!((&reduced["density"]["source_points"], plan.get("density")), (&plan["detections"]["source_points"], None));
     let window = api.get(&format!("{base}/plan?from=16&to=24&track=1")).await.ok(200);
     let times: Vec<f64> = serde_json::from_value(window["detections"]["columns"]["time_s"].clone()).unwrap();
     assert!(!times.is_empty() && times.iter().all(|time_s| [16.0, 24.0].contains(time_s)));
@@ -137,6 +140,24 @@ async fn series_are_columns_with_units() {
     let detections: Vec<u64> = serde_json::from_value(counts["columns"]["detections"].clone()).unwrap();
     let plan = api.get(&format!("{base}/plan")).await.ok(200);
     assert_eq!(json!(detections.iter().sum::<u64>()), plan["detections"]["source_points"]);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn gates_are_where_the_tracks_were_expected() {
+    let api = Api::start().await;
+    let base = evaluated(&api).await;
+    let plan = api.get(&format!("{base}/plan")).await.ok(200);
+    let gates = api.get(&format!("{base}/series/gates?track=1&from=16&to=32")).await.ok(200);
+    assert_eq!(columns_agree(&gates), 3, "scans at 16, 24 and 32 s");
+    assert!((gates["threshold"].as_f64().unwrap() - -2.0 * 0.001f64.ln()).abs() < 1e-9, "{}", gates["threshold"]);
+    assert_eq!((&gates["units"]["s_xx"], &gates["columns"]["range_m"]), (&json!("m²"), &json!([null, null, null])));
+    // A constant velocity from the point before, 8 s earlier.
+    let columns = &plan["tracks"]["columns"];
+    let row = (0..).find(|&row| columns["track_id"][row] == "1" && columns["time_s"][row] == 8.0).unwrap();
+    let value = |name: &str| columns[name][row].as_f64().unwrap();
+    assert!((gates["columns"]["x_m"][0].as_f64().unwrap() - (value("x_m") + 8.0 * value("vx_mps"))).abs() < 1e-6);
+    assert!((gates["columns"]["y_m"][0].as_f64().unwrap() - (value("y_m") + 8.0 * value("vy_mps"))).abs() < 1e-6);
+    assert!(gates["columns"]["s_xx"][0].as_f64().unwrap() > value("p_xx"), "the innovation is less certain than the track");
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -173,7 +194,7 @@ async fn windows_and_series_that_make_no_sense_are_refused() {
     let api = Api::start().await;
     let base = evaluated(&api).await;
     let answer: Answer = api.get(&format!("{base}/series/happiness")).await;
-    let detail = "there is no series 'happiness'; there are track_probability, scan_counts, bearing_time, metrics";
+    let detail = "there is no series 'happiness'; there are track_probability, scan_counts, bearing_time, gates, metrics";
     assert_eq!(answer.problem(), problem("not_found", 404, "There is no such thing", detail));
     let answer = api.get(&format!("{base}/plan?from=9&to=3&max_points=1")).await;
     let faults = json!([

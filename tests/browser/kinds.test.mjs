@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { api, assertNothingSticksOut, closePage, finished, NARROW, openPage, preset, startBrowser, uploaded } from "./support.mjs";
+import { api, assertNothingSticksOut, closePage, drawn, finished, grouped, NARROW, openPage, preset, startBrowser, uploaded } from "./support.mjs";
 
 const TRUTH = "time_s,truth_id,x_m,y_m\n0,A,0,0\n1,A,10,0\n2,A,20,0\n0,B,0,50\n1,B,10,50\n2,B,20,50\n";
 const TRACKS = "time_s,track_id,x_m,y_m\n0,1,0,1\n1,1,10,1\n2,2,20,1\n";
@@ -62,12 +62,12 @@ test("tracks that were judged by metrics alone, of points and of boxes, and in s
 });
 
 test("reports of several sensors put together, with the memberships of each instant", async () => {
-  const body = (await preset("cai-fuzzy-cv-10")).base;
-  const { kind: _, ...base } = body;
-  const grouped = await finished("group", { ...base, grouper: { ...base.grouper, method: "fuzzy_c_means", trace: true } });
-  assert.deepEqual(await tabsOf(grouped.job.id), ["Summary", "Plan view", "Method", "Request and files"]);
-  const page = await openPage(browser, `?view=job&job=${grouped.job.id}&tab=search`);
+  const { job } = await grouped();
+  assert.deepEqual(await tabsOf(job.id), ["Summary", "Plan view", "Method", "Request and files"]);
+  const page = await openPage(browser, `?view=job&job=${job.id}&tab=search`);
   await page.getByRole("heading", { name: "Memberships" }).waitFor();
+  const ways = page.locator(".chart-frame", { has: page.getByRole("heading", { name: /^Ways of the centres/ }) });
+  await drawn(ways);
   await closePage(page);
 });
 

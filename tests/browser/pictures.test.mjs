@@ -6,7 +6,7 @@ import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { api, assertNothingSticksOut, bearingsTracked, campaign, clustered, closePage, correlated, evaluated, finished, NARROW, openPage, preset, startBrowser, WIDE } from "./support.mjs";
+import { api, assertNothingSticksOut, bearingsTracked, campaign, clustered, closePage, correlated, evaluated, finished, grouped, NARROW, openPage, preset, startBrowser, WIDE } from "./support.mjs";
 
 const FOLDER = process.env.TRACKLOOM_SCREENSHOTS ?? join(tmpdir(), "trackloom-pictures");
 /** Names of views to draw, divided by commas; all when absent. */
@@ -24,11 +24,15 @@ before(async () => {
   const other = await preset("liang2009-100");
   other.name = "browser scene, JPDA";
   other.associator = { method: "jpda" };
-  const [second, tuples, bearings, grid, fuzzy] = [await finished("evaluate", other), await correlated(), await bearingsTracked(), await finished("campaign", await campaign()), await clustered()];
+  const [second, tuples, bearings, grid, fuzzy, groups] = [await finished("evaluate", other), await correlated(), await bearingsTracked(), await finished("campaign", await campaign()), await clustered(), await grouped()];
   const target = report.result.tfa.targets.find((entry) => entry.verdict === "false");
   const chosen = `&time=${target.at_time_s}&truth=${target.truth_id}&track=${target.track_id}&centre=selection`;
   const wrong = tuples.report.result.tuples.find((tuple) => !tuple.right) ?? tuples.report.result.tuples[0];
   const track = bearings.report.result.association.tracks[0].track_id;
+  const followed = report.result.association.tracks.find((line) => line.points > 10).track_id;
+  const { x_m, y_m, time_s } = (await api(`/v1/jobs/${job.id}/plan?track=${followed}`)).tracks.columns;
+  const [x, y] = [Math.round(x_m.at(-1)), Math.round(y_m.at(-1))];
+  const measured = `&track=${followed}&time=${time_s.at(-1)}&centre=selection&ruler=${x},${y},${x + 1500},${y + 2000}`;
   const sets = (await api("/v1/datasets?kind=detections&limit=1")).items;
   views = {
     jobs: `?ticked=${job.id},${second.job.id}`,
@@ -40,6 +44,7 @@ before(async () => {
     summary: `?view=job&job=${job.id}`,
     plan: `?view=job&job=${job.id}&tab=plan`,
     "plan-selected": `?view=job&job=${job.id}&tab=plan${chosen}`,
+    "plan-measured": `?view=job&job=${job.id}&tab=plan${measured}`,
     verdicts: `?view=job&job=${job.id}&tab=verdicts&truth=${target.truth_id}`,
     metrics: `?view=job&job=${job.id}&tab=metrics`,
     request: `?view=job&job=${job.id}&tab=spec`,
@@ -49,6 +54,7 @@ before(async () => {
     bearings: `?view=job&job=${bearings.job.id}&tab=plan&track=${track}`,
     search: `?view=job&job=${bearings.job.id}&tab=search`,
     memberships: `?view=job&job=${fuzzy.job.id}&tab=search`,
+    groups: `?view=job&job=${groups.job.id}&tab=search`,
     compare: `?view=compare&jobs=${job.id},${second.job.id}`,
     "compare-none": "?view=compare",
     datasets: "?view=datasets&upload=1",

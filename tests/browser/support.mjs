@@ -161,6 +161,12 @@ export async function clustered() {
   return finished("evaluate", body);
 }
 
+/** Reports of the same instants put into groups by fuzzy c-means, with its trace. */
+export async function grouped() {
+  const { kind: _, ...base } = (await preset("cai-fuzzy-cv-10")).base;
+  return finished("group", { ...base, name: "browser groups", grouper: { ...base.grouper, method: "fuzzy_c_means", trace: true } });
+}
+
 /** A number as the dashboard prints it. */
 export function shown(value) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";

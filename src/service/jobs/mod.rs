@@ -10,6 +10,7 @@ mod hub;
 mod inputs;
 pub(in crate::service) mod meter;
 mod read;
+mod recent;
 pub(in crate::service) mod report;
 mod request;
 mod runner;
@@ -32,6 +33,7 @@ use campaign::Campaigns;
 use control::{Running, Stop};
 use futures::{FutureExt, Stream};
 use hub::Hub;
+use recent::Recent;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs::{File, TryLockError};
@@ -61,6 +63,7 @@ struct Inner {
     blobs: Blobs,
     engine: Engine,
     hub: Hub,
+    recent: Recent,
     running: Running,
     campaigns: Campaigns,
     /// Jobs that may compute at the same time.
@@ -94,6 +97,7 @@ impl Jobs {
             engine: Engine::open(&database, slots).await?,
             storage,
             hub: Hub::default(),
+            recent: Recent::default(),
             running: Running::default(),
             campaigns: Campaigns::default(),
             slots: Arc::new(Semaphore::new(slots)),
@@ -197,7 +201,7 @@ impl Jobs {
     }
 
     /// The data behind the pictures of a job.
-    pub async fn load_job_layers(&self, id: Uuid) -> Result<JobLayers, JobsError> {
+    pub async fn load_job_layers(&self, id: Uuid) -> Result<Arc<JobLayers>, JobsError> {
         self.0.layers(id).await
     }
 

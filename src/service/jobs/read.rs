@@ -1,13 +1,16 @@
 //! Looking at jobs: one, many, their files, and what happens to them while someone waits.
 
+use super::inputs::Located;
 use super::{Inner, JobFilter, JobLayers, JobsError, StoredFile};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::service::storage::{Cursor, StoredArtifact};
 use crate::service::types::{ArtifactInfo, ArtifactList, Event, EventPage, Job, JobPage, JobState};
 use crate::service::views::metrics::MetricTable;
-use anyhow::Context;
+use anyhow::{Context, anyhow};
 use futures::Stream;
+use serde_json::Value;
 use std::collections::VecDeque;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::watch;
@@ -93,40 +96,58 @@ impl Inner {
         }
     }
 
-    pub(super) async fn layers(&self, id: Uuid) -> Result<JobLayers, JobsError> {
+    /// The data behind the pictures of a job that ended well.
+    pub(super) async fn layers(&self, id: Uuid) -> Result<Arc<JobLayers>, JobsError> {
         self.ended_well(id).await?;
+        let artifacts = self.storage.artifacts(id).await?;
+        let bytes = artifacts.iter().filter(|artifact| artifact.dataset_id.is_some()).map(|artifact| artifact.bytes).sum();
+        self.recent.get(id, bytes, || self.read_layers(id, artifacts)).await
+    }
+
+    async fn read_layers(&self, id: Uuid, artifacts: Vec<StoredArtifact>) -> Result<JobLayers, JobsError> {
         let mut files = Vec::new();
-        for kind in DatasetKind::ALL {
+        // Of a bearing-time record the job has a picture.
+        for kind in [DatasetKind::Detections, DatasetKind::Truth, DatasetKind::Tracks] {
             files.extend(self.locate_artifact(&id.to_string(), kind).await?);
         }
-        let artifacts = self.storage.artifacts(id).await?;
+        let spec = self.storage.spec(id).await?;
         let metrics = artifacts.into_iter().find(|artifact| artifact.name == METRIC_SERIES);
         let blobs = self.blobs.clone();
-        let read = move || -> Result<JobLayers, JobsError> {
-            let mut layers = JobLayers::default();
-            if let Some(artifact) = metrics {
-                let path = blobs.local(&artifact.sha256)?;
-                let bytes = std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
-                layers.metrics = MetricTable::read(&bytes).with_context(|| format!("{METRIC_SERIES} is damaged"))?;
-            }
-            for file in files {
-                match file.read()? {
-                    Dataset::Detections(recording) => {
-                        layers.detections = Some(recording);
-                        layers.sensors = file.sensors().to_vec();
-                    }
-                    Dataset::Truth(truth) => layers.truth = Some(truth),
-                    Dataset::Tracks(tracks) => layers.tracks = Some(tracks),
-                    // Boxes live in a picture, not in the plane.
-                    Dataset::TruthBoxes(_) | Dataset::TrackBoxes(_) => {}
-                    // The job has a picture of it.
-                    Dataset::BearingTime(_) => {}
-                }
-            }
-            Ok(layers)
+        let read = move || {
+            let metrics = metrics.map(|artifact| blobs.local(&artifact.sha256)).transpose()?;
+            read_files(spec, &files, metrics)
         };
         tokio::task::spawn_blocking(read).await.context("reading a job's files panicked")?
     }
+}
+
+/// Reads the files side by side. Blocks.
+fn read_files(spec: Value, files: &[Located], metrics: Option<PathBuf>) -> Result<JobLayers, JobsError> {
+    let mut layers = JobLayers { spec, ..JobLayers::default() };
+    if let Some(path) = metrics {
+        let bytes = std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        layers.metrics = MetricTable::read(&bytes).with_context(|| format!("{METRIC_SERIES} is damaged"))?;
+    }
+    let datasets = std::thread::scope(|scope| {
+        let readers: Vec<_> = files.iter().map(|file| scope.spawn(|| file.read())).collect();
+        readers
+            .into_iter()
+            .map(|reader| reader.join().map_err(|_| anyhow!("reading a file panicked"))?)
+            .collect::<Result<Vec<_>, JobsError>>()
+    })?;
+    for (file, dataset) in files.iter().zip(datasets) {
+        match dataset {
+            Dataset::Detections(recording) => {
+                layers.detections = Some(recording);
+                layers.sensors = file.sensors().to_vec();
+            }
+            Dataset::Truth(truth) => layers.truth = Some(truth),
+            Dataset::Tracks(tracks) => layers.tracks = Some(tracks),
+            // Boxes live in a picture, not in the plane.
+            Dataset::TruthBoxes(_) | Dataset::TrackBoxes(_) | Dataset::BearingTime(_) => {}
+        }
+    }
+    Ok(layers)
 }
 
 /// The file from which the series `metrics` comes.

@@ -10,6 +10,7 @@ use crate::model::track::TrackSet;
 use crate::model::truth::TruthSet;
 use crate::service::types::Job;
 use crate::service::views::metrics::MetricTable;
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -84,4 +85,6 @@ pub struct JobLayers {
     pub metrics: MetricTable,
     /// What is known of the sensors behind them.
     pub sensors: Vec<SensorSettings>,
+    /// The request of the job.
+    pub spec: Value,
 }

@@ -73,7 +73,13 @@ fn split_unit(label: &str) -> (String, String, Vec<Option<f64>>) {
 
 pub fn over_time(table: &MetricTable, window: &Window) -> MetricsSeries {
     let rows: Vec<usize> = (0..table.time_s.len()).filter(|&row| window.holds(table.time_s[row])).collect();
-    let kept = Reduced::every_nth(rows.len(), window.max_points);
+    let of_rows = |(_, _, values): &(String, String, Vec<Option<f64>>)| rows.iter().map(|&row| values[row].unwrap_or(f64::NAN)).collect();
+    let known: Vec<Vec<f64>> = table.columns.iter().map(of_rows).collect();
+    let kept = if known.is_empty() {
+        Reduced::every_nth(rows.len(), window.max_points)
+    } else {
+        Reduced::min_max(&known.iter().map(Vec::as_slice).collect::<Vec<_>>(), window.max_points)
+    };
     let values = table.columns.iter().map(|(name, _, values)| (name.clone(), kept.column(|row| values[rows[row]])));
     let columns = MetricsColumns {
         time_s: kept.column(|row| table.time_s[rows[row]]),

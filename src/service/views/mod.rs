@@ -3,13 +3,14 @@
 
 pub mod bearing_time;
 pub mod compare;
+pub mod gates;
 pub mod metrics;
 pub mod plan;
 pub mod preview;
 mod reduction;
 pub mod series;
 
-pub use reduction::{DEFAULT_MAX_POINTS, Method, Reduced};
+pub use reduction::{DEFAULT_MAX_POINTS, Density, Method, Reduced};
 
 use crate::model::scan::{Measurement, Recording, Scan};
 use crate::model::track::{Candidate, TrackPoint, TrackSet};

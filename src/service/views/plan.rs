@@ -1,6 +1,6 @@
 //! The plan view: truth, detections and tracks in the plane, with the scans to step through.
 
-use super::{Method, Reduced, Window, detection_id, most_probable, place, points, scans};
+use super::{Density, Method, Reduced, Window, detection_id, most_probable, place, points, scans};
 use crate::model::scan::{Detection, Recording};
 use crate::model::track::TrackSet;
 use crate::model::truth::TruthSet;
@@ -16,6 +16,10 @@ use utoipa::ToSchema;
 pub struct Plan {
     pub truth: TruthLayer,
     pub detections: DetectionLayer,
+    /// Where all detections are, when not all are returned.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub density: Option<Density>,
     pub tracks: TrackLayer,
     pub extent: Extent,
     pub scans: Vec<PlanScan>,
@@ -156,13 +160,15 @@ pub fn of(layers: &JobLayers, window: &Window) -> Plan {
     let recording = layers.detections.as_ref().unwrap_or(&empty.1);
     let tracks = layers.tracks.as_ref().unwrap_or(&empty.2);
     let mut extent = Extent::default();
+    let (detections, density) = detection_layer(recording, layers, window, &mut extent);
     let without_place = [("truth", truth.is_of_bearings()), ("tracks", tracks.is_of_bearings())];
     let note =
         |name: &str| format!("the {name} are directions (bearing_deg), which have no place in the plane: see the series bearing_time");
     Plan {
         notes: without_place.iter().filter(|(_, is_of_bearings)| *is_of_bearings).map(|(name, _)| note(name)).collect(),
         truth: truth_layer(truth, window, &mut extent),
-        detections: detection_layer(recording, layers, window, &mut extent),
+        detections,
+        density,
         tracks: track_layer(tracks, window, &mut extent),
         extent,
         scans: scans(recording, window)
@@ -187,7 +193,7 @@ fn truth_layer(truth: &TruthSet, window: &Window, extent: &mut Extent) -> TruthL
     TruthLayer::new(columns, &kept)
 }
 
-fn detection_layer(recording: &Recording, layers: &JobLayers, window: &Window, extent: &mut Extent) -> DetectionLayer {
+fn detection_layer(recording: &Recording, layers: &JobLayers, window: &Window, extent: &mut Extent) -> (DetectionLayer, Option<Density>) {
     let sensors_m = sensor_places(recording, layers);
     let rows: Vec<_> = scans(recording, window).flat_map(|scan| scan.range().map(move |index| (scan, index))).collect();
     let places: Vec<_> = rows.iter().map(|(scan, index)| place(recording.detections[*index].measurement, sensors_m[scan.sensor])).collect();
@@ -203,7 +209,9 @@ fn detection_layer(recording: &Recording, layers: &JobLayers, window: &Window, e
         y_m: kept.column(|row| places[row].map(|place| place.1)),
         truth_id: kept.column(|row| truth_id(&recording.detections[rows[row].1])),
     };
-    DetectionLayer::new(columns, &kept)
+    let is_reduced = kept.method != Method::All;
+    let density = is_reduced.then(|| places.iter().flatten().copied().collect::<Vec<_>>()).and_then(|places| Density::of(&places));
+    (DetectionLayer::new(columns, &kept), density)
 }
 
 /// Where each sensor of the recording stands: as the job knows it, else as the recording does, else at the origin.

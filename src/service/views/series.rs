@@ -1,6 +1,7 @@
-//! Series over time: the probability of each candidate of each track, what each scan held, and bearings.
+//! Series over time: the probability of each candidate of each track, what each scan held, gates and bearings.
 
 use super::bearing_time::{self, BearingTimeSeries};
+use super::gates::{self, GatesSeries};
 use super::metrics::{MetricsSeries, over_time};
 use super::{Method, Reduced, Window, detection_id, points, scans};
 use crate::model::scan::Recording;
@@ -14,10 +15,11 @@ use utoipa::ToSchema;
 pub type MakeSeries = fn(&JobLayers, &Window) -> Series;
 
 /// Every series, by name.
-pub const SERIES: [(&str, MakeSeries); 4] = [
+pub const SERIES: [(&str, MakeSeries); 5] = [
     ("track_probability", |layers, window| Series::TrackProbability(track_probability(layers, window))),
     ("scan_counts", |layers, window| Series::ScanCounts(scan_counts(layers, window))),
     ("bearing_time", |layers, window| Series::BearingTime(bearing_time::of(layers, window))),
+    ("gates", |layers, window| Series::Gates(gates::of(layers, window))),
     ("metrics", |layers, window| Series::Metrics(over_time(&layers.metrics, window))),
 ];
 
@@ -28,6 +30,7 @@ pub enum Series {
     TrackProbability(TrackProbabilitySeries),
     ScanCounts(ScanCountsSeries),
     BearingTime(BearingTimeSeries),
+    Gates(GatesSeries),
     Metrics(MetricsSeries),
 }
 
@@ -107,7 +110,7 @@ fn track_probability(layers: &JobLayers, window: &Window) -> TrackProbabilitySer
         .flat_map(|(track_id, point)| set.candidates_of(point).iter().map(move |candidate| (track_id, point, candidate)))
         .collect();
     let probabilities: Vec<f64> = rows.iter().map(|(.., candidate)| candidate.probability).collect();
-    let kept = Reduced::min_max(&probabilities, window.max_points);
+    let kept = Reduced::min_max(&[&probabilities], window.max_points);
     let scan_of = |row: usize| {
         let point = rows[row].1;
         let sensor_id = point.sensor.map(|index| set.sensor_ids[index as usize].as_str());
@@ -144,22 +147,26 @@ fn scan_numbers(recording: &Recording) -> BTreeMap<(u64, Option<&str>), u32> {
 fn scan_counts(layers: &JobLayers, window: &Window) -> ScanCountsSeries {
     let empty = Recording::default();
     let recording = layers.detections.as_ref().unwrap_or(&empty);
-    let alive = layers.tracks.as_ref().map(|set| tracks_alive(set, window)).unwrap_or_default();
+    let tracks_alive = layers.tracks.as_ref().map(|set| tracks_alive(set, window)).unwrap_or_default();
     let rows: Vec<_> = scans(recording, window).collect();
-    let kept = Reduced::every_nth(rows.len(), window.max_points);
     let alive_at = |row: usize| {
         let time = rows[row].time_s.to_bits();
         let sensor_id = recording.sensors[rows[row].sensor].sensor_id.as_str();
-        let counts = [Some(sensor_id), None].map(|sensor| alive.get(&(time, sensor)).copied().unwrap_or_default());
+        let counts = [Some(sensor_id), None].map(|sensor| tracks_alive.get(&(time, sensor)).copied().unwrap_or_default());
         (counts[0].0 + counts[1].0, counts[0].1 + counts[1].1)
     };
+    let counts = (0..rows.len()).map(|row| (rows[row].count as f64, alive_at(row)));
+    let (detections, alive): (Vec<f64>, Vec<(u32, u32)>) = counts.unzip();
+    let (tracks, confirmed): (Vec<f64>, Vec<f64>) =
+        alive.iter().map(|(tracks, confirmed)| (f64::from(*tracks), f64::from(*confirmed))).unzip();
+    let kept = Reduced::min_max(&[&detections, &tracks, &confirmed], window.max_points);
     let columns = ScanCountsColumns {
         time_s: kept.column(|row| rows[row].time_s),
         scan: kept.column(|row| rows[row].number),
         sensor_id: kept.column(|row| recording.sensors[rows[row].sensor].sensor_id.clone()),
         detections: kept.column(|row| rows[row].count),
-        tracks: kept.column(|row| alive_at(row).0),
-        confirmed: kept.column(|row| alive_at(row).1),
+        tracks: kept.column(|row| alive[row].0),
+        confirmed: kept.column(|row| alive[row].1),
     };
     ScanCountsSeries {
         name: ScanCountsName::ScanCounts,

@@ -2,7 +2,7 @@
 
 import createClient from "openapi-fetch";
 import type { components, paths } from "../../generated/api";
-import type { Artifact, BearingTime, Comparison, Dataset, DatasetPage, DatasetPreview, Job, JobKind, JobPage, Methods, MetricsSeries, Plan, Preset, Problem, Report, ScanCounts, TrackProbability, Validation } from "./types";
+import type { Artifact, BearingTime, Comparison, Dataset, DatasetPage, DatasetPreview, Gates, Job, JobKind, JobPage, Methods, MetricsSeries, Plan, Preset, Problem, Report, ScanCounts, TrackProbability, Validation } from "./types";
 
 const client = createClient<paths>({ baseUrl: location.origin, cache: "no-cache" });
 
@@ -48,7 +48,23 @@ export const getJob = (id: string): Promise<Job> => taken(client.GET("/v1/jobs/{
 export const cancelJob = (id: string): Promise<Job> => taken(client.POST("/v1/jobs/{id}/cancel", path(id)));
 export const rerunJob = (id: string): Promise<Job> => taken(client.POST("/v1/jobs/{id}/rerun", path(id)));
 export const getReport = (id: string): Promise<Report> => taken(client.GET("/v1/jobs/{id}/report", path(id)));
-export const getPlan = (id: string): Promise<Plan> => taken(client.GET("/v1/jobs/{id}/plan", path(id)));
+
+const KEPT = 4;
+const kept = new Map<string, Promise<unknown>>();
+
+/** The answer to a question whose answer never changes; the last few are kept, so that they can be asked ahead of their view. */
+function once<T>(question: string, ask: () => Promise<T>): Promise<T> {
+  const answer = (kept.get(question) as Promise<T> | undefined) ?? ask();
+  kept.delete(question);
+  kept.set(question, answer);
+  answer.catch(() => kept.delete(question));
+  for (const oldest of [...kept.keys()].slice(0, -KEPT)) kept.delete(oldest);
+  return answer;
+}
+
+export const getPlan = (id: string): Promise<Plan> => once(`plan ${id}`, () => taken(client.GET("/v1/jobs/{id}/plan", path(id))));
+/** Only what was there at one time. */
+export const getPlanAt = (id: string, time_s: number): Promise<Plan> => taken(client.GET("/v1/jobs/{id}/plan", { params: { path: { id }, query: { from: time_s, to: time_s } } }));
 export const getSpec = (id: string): Promise<Record<string, unknown>> => taken(client.GET("/v1/jobs/{id}/spec", path(id)));
 
 /** The schemas in it are free JSON to the API document; here they are read as what they are. */
@@ -72,9 +88,10 @@ function series<T>(id: string, name: string, query: { track?: string }): Promise
 }
 
 export const getTrackProbability = (id: string, track: string): Promise<TrackProbability> => series(id, "track_probability", { track });
+export const getGates = (id: string, track: string): Promise<Gates> => series(id, "gates", { track });
 export const getMetricSeries = (id: string): Promise<MetricsSeries> => series(id, "metrics", {});
 export const getBearingTime = (id: string): Promise<BearingTime> => series(id, "bearing_time", {});
-export const getScanCounts = (id: string): Promise<ScanCounts> => series(id, "scan_counts", {});
+export const getScanCounts = (id: string): Promise<ScanCounts> => once(`scan_counts ${id}`, () => series(id, "scan_counts", {}));
 
 export async function listPresets(): Promise<Preset[]> {
   return (await taken(client.GET("/v1/presets"))).items;

@@ -16,6 +16,7 @@ export type DatasetPage = Schemas["DatasetPage"];
 export type DatasetPreview = Schemas["DatasetPreview"];
 export type EventCounts = Schemas["EventCounts"];
 export type Fault = Schemas["FaultItem"];
+export type Gates = Schemas["GatesSeries"];
 export type Grouping = Schemas["GroupingSummary"];
 export type Job = Schemas["Job"];
 export type JobKind = Schemas["JobKind"];

@@ -19,6 +19,8 @@ export function valueAxis(name: string, palette: Palette, more: object): object 
     type: "value",
     name,
     nameLocation: "middle",
+    // A name that gives way to long numbers leaves the picture.
+    nameMoveOverlap: false,
     nameTextStyle: { color: palette.muted, fontSize: 11.5 },
     axisLine: { show: true, onZero: false, lineStyle: { color: palette.line } },
     axisTick: { show: true, lineStyle: { color: palette.line } },

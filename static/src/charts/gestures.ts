@@ -1,7 +1,10 @@
 // Pointer, wheel and keys over a plan: dragging pans, the wheel and two fingers zoom, a still press is a click.
 
 export interface Gestures {
-  pan(dx: number, dy: number): void;
+  /** One finger moved from `before` to `now`, having gone down at `start`. */
+  drag(start: Spot, before: Spot, now: Spot): void;
+  /** It was lifted there. */
+  dropped(start: Spot, at: Spot): void;
   /** By `factor` of the metres shown, about a point of the box. */
   zoom(factor: number, x: number, y: number): void;
   click(x: number, y: number): void;
@@ -9,7 +12,7 @@ export interface Gestures {
 
 const STILL_PX = 4;
 
-interface Spot {
+export interface Spot {
   x: number;
   y: number;
 }
@@ -17,13 +20,14 @@ interface Spot {
 export function listen(box: HTMLElement, gestures: Gestures): () => void {
   const fingers = new Map<number, Spot>();
   let moved = 0;
+  let start: Spot = { x: 0, y: 0 };
   const place = (event: PointerEvent | WheelEvent): Spot => {
     const frame = box.getBoundingClientRect();
     return { x: event.clientX - frame.left, y: event.clientY - frame.top };
   };
   const down = (event: PointerEvent) => {
     if (event.button !== 0) return;
-    if (fingers.size === 0) moved = 0;
+    if (fingers.size === 0) [moved, start] = [0, place(event)];
     fingers.set(event.pointerId, place(event));
   };
   const move = (event: PointerEvent) => {
@@ -35,7 +39,7 @@ export function listen(box: HTMLElement, gestures: Gestures): () => void {
     const other = [...fingers.entries()].find(([id]) => id !== event.pointerId)?.[1];
     fingers.set(event.pointerId, now);
     if (other) pinch(other, before, now);
-    else if (moved > STILL_PX) gestures.pan(now.x - before.x, now.y - before.y);
+    else if (moved > STILL_PX) gestures.drag(start, before, now);
   };
   const pinch = (other: Spot, before: Spot, now: Spot) => {
     const was = Math.hypot(before.x - other.x, before.y - other.y);
@@ -45,7 +49,9 @@ export function listen(box: HTMLElement, gestures: Gestures): () => void {
   const up = (event: PointerEvent) => {
     const spot = fingers.get(event.pointerId);
     fingers.delete(event.pointerId);
-    if (spot && moved <= STILL_PX && event.type === "pointerup") gestures.click(spot.x, spot.y);
+    if (!spot || fingers.size > 0) return;
+    if (moved > STILL_PX) gestures.dropped(start, spot);
+    else if (event.type === "pointerup") gestures.click(spot.x, spot.y);
   };
   const wheel = (event: WheelEvent) => {
     event.preventDefault();

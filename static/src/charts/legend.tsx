@@ -28,7 +28,7 @@ function stroke(kind: string, path: string): JSX.Element {
   );
 }
 
-function entries(scene: Scene, sensors: SensorSettings[]): Entry[] {
+function entries(scene: Scene, sensors: SensorSettings[], hasGate: boolean): Entry[] {
   const marks = scene.clouds.map((cloud, order) => ({
     layer: `d:${cloud.sensor}`,
     name: `detections, ${cloud.sensor}`,
@@ -38,11 +38,12 @@ function entries(scene: Scene, sensors: SensorSettings[]): Entry[] {
   if (scene.truths.size) list.push({ layer: "truth", name: "truth", mark: stroke("mark-truth", "M1 8h22") });
   if (sensors.some((sensor) => sensor.max_range_m)) list.push({ layer: "rings", name: "sensor range", mark: stroke("mark-ring", "M1 8h22") });
   if (scene.tracks.size) list.push({ layer: "tracks", name: scene.locals.length ? "system tracks" : "tracks", mark: stroke("mark-track", "M1 8h22") });
+  if (hasGate) list.push({ layer: "gate", name: "gate", mark: stroke("mark-gate mark-dashed", "M1 8h22") });
   const locals = scene.locals.map(({ sensor }, order) => ({ layer: `l:${sensor}`, name: `tracks of ${sensor}`, mark: stroke(`mark-local mark-local-${(order % 5) + 1} mark-dash-${order % 3}`, "M1 8h22") }));
   return [...list, ...locals, ...marks];
 }
 
-export function Legend({ scene, sensors }: { scene: Scene; sensors: SensorSettings[] }): JSX.Element {
+export function Legend({ scene, sensors, hasGate }: { scene: Scene; sensors: SensorSettings[]; hasGate: boolean }): JSX.Element {
   const hidden = (param("hide") ?? "").split(",").filter(Boolean);
   const toggle = (layer: string) => {
     const next = hidden.includes(layer) ? hidden.filter((name) => name !== layer) : [...hidden, layer];
@@ -50,7 +51,7 @@ export function Legend({ scene, sensors }: { scene: Scene; sensors: SensorSettin
   };
   return (
     <div class="legend" role="group" aria-label="Layers">
-      {entries(scene, sensors).map((entry) => (
+      {entries(scene, sensors, hasGate).map((entry) => (
         <button type="button" class="legend-entry" aria-pressed={!hidden.includes(entry.layer)} onClick={() => toggle(entry.layer)}>
           {entry.mark}
           {entry.name}

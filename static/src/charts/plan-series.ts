@@ -1,8 +1,9 @@
 // What the plan view draws at one moment: rings, truth, detections, tracks, the selected one with its ellipses.
 
-import type { SensorSettings } from "../api/types";
+import type { Gates, SensorSettings } from "../api/types";
 import type { Palette } from "../state/theme";
 import type { SeriesOption } from "./echarts";
+import { gatesAt, outline } from "./gates";
 import { at, memberName, within, type Cloud, type Line, type Scene, type TrackLine } from "./scene";
 
 export const SHAPES = ["circle", "rect", "triangle", "diamond", "pin"];
@@ -32,9 +33,17 @@ function joined(lines: Point[][]): Point[] {
   return lines.filter((line) => line.length).flatMap((line) => [...line, BREAK]);
 }
 
+/** Points one after the other: the chart copies such a list in one go, and a list of lists piece by piece. Its types know lists only. */
+function packed(rows: readonly (readonly number[])[]): number[][] {
+  const width = rows[0]?.length ?? 0;
+  const values = new Float64Array(rows.length * width);
+  rows.forEach((row, index) => values.set(row, index * width));
+  return values as unknown as number[][];
+}
+
 function lineSeries(id: string, data: Point[], color: string, style: { width: number; type?: "solid" | "dashed" | "dotted"; opacity?: number; z?: number }): SeriesOption {
   const { width, type = "solid", opacity = 1, z = 2 } = style;
-  return { type: "line", id, data, showSymbol: false, silent: true, animation: false, z, lineStyle: { color, width, type, opacity } };
+  return { type: "line", id, dimensions: ["x", "y"], data: packed(data), showSymbol: false, silent: true, animation: false, z, lineStyle: { color, width, type, opacity } };
 }
 
 /** The runs of a track that have one status; each begins where the one before ended. */
@@ -99,7 +108,8 @@ function detections(cloud: Cloud, order: number, moment: Moment, palette: Palett
   return {
     type: "scatter",
     id: `detections:${cloud.sensor}`,
-    data,
+    dimensions: ["x", "y", "row"],
+    data: packed(data),
     symbol: SHAPES[order % SHAPES.length] ?? "circle",
     symbolSize: data.length > ONE_BY_ONE_UP_TO ? 3 : 4.5,
     // Beyond that the whole cloud is one shape: a shape a point takes seconds to draw.
@@ -151,17 +161,19 @@ function heads(scene: Scene, moment: Moment, palette: Palette): SeriesOption {
   };
 }
 
-function selection(scene: Scene, moment: Moment, palette: Palette): SeriesOption[] {
+function selection(scene: Scene, gates: Gates | undefined, moment: Moment, palette: Palette): SeriesOption[] {
   const truth = moment.hidden.has("truth") ? undefined : scene.truths.get(moment.truth ?? "");
   const track = scene.tracks.get(moment.track ?? "");
   const here = track && (track.time[0] ?? Infinity) <= moment.now ? at(track, moment.now) : undefined;
   const covariance = here && track?.covariance[here.index];
   const curves = here && covariance ? [1, 2, 3].map((sigma) => ellipse(here.x, here.y, covariance, sigma)) : [];
+  const edges = gates && !moment.hidden.has("gate") ? gatesAt(gates, moment.track, moment.now).map((row) => outline(gates, row)) : [];
   const ends = [truth, track].flatMap((line) => (line && (line.time[0] ?? Infinity) <= moment.now ? [at(line, moment.now)] : []));
   return [
     lineSeries("selected:truth", truth ? points(truth, moment.from, moment.now) : [], palette.truth, { width: 3, z: 6 }),
     lineSeries("selected:track", track ? points(track, moment.from, moment.now) : [], palette.selected, { width: 2.6, z: 7 }),
     lineSeries("selected:ellipses", joined(curves), palette.selected, { width: 1.2, z: 7 }),
+    lineSeries("selected:gate", joined(edges), palette.text, { width: 1.2, type: "dashed", z: 7 }),
     {
       type: "scatter",
       id: "selected:now",
@@ -190,16 +202,25 @@ function localTracks(scene: Scene, moment: Moment, palette: Palette): SeriesOpti
   });
 }
 
-export function planSeries(scene: Scene, sensors: SensorSettings[], moment: Moment, palette: Palette): SeriesOption[] {
+/** What belongs to the whole picture, whatever the moment. */
+export interface Surroundings {
+  scene: Scene;
+  sensors: SensorSettings[];
+  gates: Gates | undefined;
+  /** False where a density stands for the detections. */
+  dots: boolean;
+}
+
+export function planSeries({ scene, sensors, gates, dots }: Surroundings, moment: Moment, palette: Palette): SeriesOption[] {
   const shown = (layer: string) => !moment.hidden.has(layer);
   const truth = joined([...scene.truths.values()].map((line) => points(line, moment.from, moment.now)));
   return [
     ...(shown("rings") ? rings(sensors, palette) : []),
     ...(shown("truth") ? [lineSeries("truth", truth, palette.truth, { width: 1.4, opacity: 0.65 })] : []),
-    ...scene.clouds.flatMap((cloud, order) => (shown(`d:${cloud.sensor}`) ? [detections(cloud, order, moment, palette)] : [])),
+    ...scene.clouds.flatMap((cloud, order) => (dots && shown(`d:${cloud.sensor}`) ? [detections(cloud, order, moment, palette)] : [])),
     ...localTracks(scene, moment, palette),
     ...(shown("tracks") ? tracks(scene, moment, palette) : []),
-    ...selection(scene, moment, palette),
+    ...selection(scene, gates, moment, palette),
   ];
 }
 

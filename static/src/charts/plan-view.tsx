@@ -3,33 +3,42 @@
 import { useComputed, useSignal, type Signal } from "@preact/signals";
 import type { JSX } from "preact";
 import { useEffect, useMemo, useRef } from "preact/hooks";
-import type { Plan } from "../api/types";
+import type { Gates, Plan } from "../api/types";
 import { Icon } from "../components/basics";
-import type { TableData } from "../components/table";
-import { metres } from "../format";
+import { count, metres } from "../format";
 import type { Clock } from "../state/clock";
 import { readPalette, theme, type Palette } from "../state/theme";
 import { param, setParams } from "../state/url";
 import { GRID, MARGIN, textStyle, timeText, tipContent, tooltip, valueAxis } from "./axes";
 import { bounds, fit, fromText, lookAt, metresPerPixel, toText, zoomed, type Camera, type Size } from "./camera";
 import { ChartCanvas } from "./chart";
+import { densitySeries, type Density } from "./density";
 import type { Chart } from "./echarts";
 import { ChartFrame, reducedBadge } from "./frame";
+import { gatesAt } from "./gates";
 import { listen } from "./gestures";
 import { Legend } from "./legend";
-import type { KeyMark } from "./picture";
 import { nearest, planSeries, type Moment } from "./plan-series";
-import { within, type Scene } from "./scene";
+import { drawnTable, pictureKey } from "./plan-table";
+import { rulerOf, rulerSeries, rulerText, type Ruler } from "./ruler";
+import { RulerPanel } from "./ruler-panel";
+import type { Scene } from "./scene";
 
 const REACH_PX = 14;
+/** Spans, and places far from the origin while not looked at too closely, are said in kilometres. */
 const KILOMETRES_FROM_M = 10_000;
+const CLOSE_M = 1000;
 const ADDRESS_AFTER_MS = 250;
+/** Cells of a density wider than this show their detections too. */
+const CELL_PX = 10;
 
 export interface PlanViewProps {
   jobId: string;
   plan: Plan;
   scene: Scene;
   clock: Clock;
+  /** Of the selected track, where the job had gates. */
+  gates: Gates | undefined;
 }
 
 function hiddenLayers(): Set<string> {
@@ -57,14 +66,15 @@ function addressed(scene: Scene, size: Size): Camera {
 
 function axes(camera: Camera, size: Size, palette: Palette): Record<string, object> {
   const view = bounds(camera, size);
-  const kilometres = camera.span >= KILOMETRES_FROM_M;
+  const isFar = Math.max(...Object.values(view).map(Math.abs)) >= KILOMETRES_FROM_M && camera.span >= CLOSE_M;
+  const kilometres = isFar || camera.span >= KILOMETRES_FROM_M;
   const unit = kilometres ? "km" : "m";
   const digits = Math.max(0, Math.ceil(1 - Math.log10(camera.span / (kilometres ? 1000 : 1) / 10)));
   const label = { color: palette.muted, fontSize: 11, showMinLabel: false, showMaxLabel: false, hideOverlap: true };
   const formatter = (value: number) => String(Number((kilometres ? value / 1000 : value).toFixed(Math.min(digits, 6))));
   const axis = (name: string, min: number, max: number, nameGap: number, pixels: number) =>
     valueAxis(`${name} (${unit})`, palette, { min, max, nameGap, splitNumber: Math.max(2, Math.round(pixels / 90)), axisLabel: { ...label, formatter } });
-  return { xAxis: axis("x, east", view.xMin, view.xMax, 26, size.width), yAxis: axis("y, north", view.yMin, view.yMax, 42, size.height) };
+  return { xAxis: axis("x, east", view.xMin, view.xMax, 26, size.width), yAxis: axis("y, north", view.yMin, view.yMax, 46, size.height) };
 }
 
 interface TipItem {
@@ -90,51 +100,16 @@ function tip(scene: Scene, item: TipItem): HTMLElement | string {
   return layer === "sensors" ? tipContent(`Sensor ${item.name ?? ""}`, []) : "";
 }
 
-/** The data as drawn: one row a point, whatever its layer. */
-function drawn(scene: Scene, moment: Moment): TableData {
-  const rows: TableData["rows"] = [];
-  const add = (layer: string, line: { time: number[]; x: number[]; y: number[] }, id: (row: number) => string | null, detail: (row: number) => string | null) => {
-    const [first, end] = within(line.time, moment.from, moment.now);
-    for (let row = first; row < end; row++) rows.push([layer, id(row), line.time[row] ?? null, line.x[row] ?? null, line.y[row] ?? null, detail(row)]);
-  };
-  if (!moment.hidden.has("truth")) for (const line of scene.truths.values()) add("truth", line, () => line.id, () => null);
-  for (const cloud of scene.clouds) {
-    if (!moment.hidden.has(`d:${cloud.sensor}`)) add("detection", cloud, (row) => cloud.id[row] ?? null, () => cloud.sensor);
-  }
-  for (const { sensor, lines } of scene.locals) {
-    if (!moment.hidden.has(`l:${sensor}`)) for (const line of lines) add("local track", line, () => line.id, () => sensor);
-  }
-  if (!moment.hidden.has("tracks")) for (const line of scene.tracks.values()) add("track", line, () => line.id, (row) => line.status[row] ?? null);
-  return { columns: ["layer", "id", "time_s", "x_m", "y_m", "detail"], rows };
-}
-
-function pictureKey(scene: Scene, moment: Moment, palette: Palette): KeyMark[] {
-  const shown = (layer: string, there: boolean) => there && !moment.hidden.has(layer);
-  const key: KeyMark[] = [];
-  if (shown("truth", scene.truths.size > 0)) key.push({ name: "truth", color: palette.truth, look: "solid" });
-  if (shown("tracks", scene.tracks.size > 0)) {
-    key.push({ name: "track", color: palette.track, look: "solid" }, { name: "coasted", color: palette.track, look: "dashed" }, { name: "tentative", color: palette.tentative, look: "solid" });
-  }
-  scene.locals.forEach(({ sensor }, order) => {
-    const look = (["dashed", "dotted", "solid"] as const)[order % 3] ?? "solid";
-    if (shown(`l:${sensor}`, true)) key.push({ name: `tracks of ${sensor}`, color: palette.sensors[order % palette.sensors.length] ?? palette.text, look });
-  });
-  scene.clouds.forEach(({ sensor }, order) => {
-    const color = palette.sensors[order % palette.sensors.length] ?? palette.text;
-    if (shown(`d:${sensor}`, true)) key.push({ name: `detections, ${sensor}`, color, look: "dot" });
-  });
-  if (moment.truth || moment.track) key.push({ name: `selected ${[moment.truth, moment.track].filter(Boolean).join(", ")}`, color: palette.selected, look: "solid" });
-  return key;
-}
-
 class PlanDrawing {
   chart: Chart | undefined;
   private pending = 0;
   /** What the series on the chart show; while it is the same, a moved camera changes the axes alone. */
   private shown = "";
   constructor(
-    readonly props: PlanViewProps,
+    public props: PlanViewProps,
     readonly camera: Signal<Camera | undefined>,
+    /** While it is drawn by hand; afterwards the address has it. */
+    readonly stretched: Signal<Ruler | undefined>,
   ) {}
 
   size(): Size {
@@ -166,17 +141,48 @@ class PlanDrawing {
 
   listen(box: HTMLElement): () => void {
     return listen(box, {
-      pan: (dx, dy) => {
-        const camera = this.look();
-        const scale = metresPerPixel(camera, this.size());
-        this.move({ ...camera, x: camera.x - dx * scale, y: camera.y + dy * scale });
+      drag: (start, before, now) => {
+        if (param("ruler") !== null) this.stretched.value = { from: this.spot(start.x, start.y), to: this.spot(now.x, now.y) };
+        else this.pan(now.x - before.x, now.y - before.y);
+      },
+      dropped: () => {
+        if (this.stretched.peek()) this.lay(this.stretched.peek() ?? {});
       },
       zoom: (factor, x, y) => {
         const at = this.spot(x, y);
         this.move(zoomed(this.look(), factor, at.x, at.y));
       },
-      click: (x, y) => this.select(x, y),
+      click: (x, y) => (param("ruler") === null ? this.select(x, y) : this.lay(this.pointed(x, y))),
     });
+  }
+
+  private pan(dx: number, dy: number): void {
+    const camera = this.look();
+    const scale = metresPerPixel(camera, this.size());
+    this.move({ ...camera, x: camera.x - dx * scale, y: camera.y + dy * scale });
+  }
+
+  /** The first press is where the ruler begins, the second where it ends, the third begins anew. */
+  private pointed(x: number, y: number): Ruler {
+    const { from, to } = rulerOf(param("ruler")) ?? {};
+    const at = this.spot(x, y);
+    return from && !to ? { from, to: at } : { from: at };
+  }
+
+  private lay(ruler: Ruler): void {
+    this.stretched.value = undefined;
+    setParams({ ruler: rulerText(ruler) });
+  }
+
+  ruler(): Ruler | undefined {
+    return this.stretched.value ?? rulerOf(param("ruler"));
+  }
+
+  /** The density, while everything up to the end is shown and no layer of detections is hidden. */
+  density(moment: Moment): Density | undefined {
+    const { scene, plan } = this.props;
+    const whole = moment.from === -Infinity && moment.now >= (scene.times.at(-1) ?? 0);
+    return whole && scene.clouds.every((cloud) => !moment.hidden.has(`d:${cloud.sensor}`)) ? plan.density : undefined;
   }
 
   private select(x: number, y: number): void {
@@ -190,12 +196,17 @@ class PlanDrawing {
   draw(chart: Chart, moment: Moment): void {
     if (chart !== this.chart) this.shown = "";
     this.chart = chart;
-    const { scene, plan } = this.props;
+    const { scene, plan, gates } = this.props;
     const palette = readPalette();
     const view = axes(this.look(), this.size(), palette);
-    const content = JSON.stringify([moment.from, moment.now, [...moment.hidden], moment.truth, moment.track, theme.peek()]);
+    const density = this.density(moment);
+    // Where a cell is large on the screen, single detections say more.
+    const dots = !density || density.cell_m > CELL_PX * metresPerPixel(this.look(), this.size());
+    const ruler = rulerSeries(this.ruler(), palette);
+    const hasGates = gatesAt(gates, moment.track, moment.now).length;
+    const content = JSON.stringify([moment.from, moment.now, [...moment.hidden], moment.truth, moment.track, theme.peek(), dots, hasGates]);
     if (content === this.shown) {
-      chart.setOption(view);
+      chart.setOption({ ...view, series: ruler });
       return;
     }
     this.shown = content;
@@ -206,7 +217,7 @@ class PlanDrawing {
         textStyle: textStyle(palette),
         tooltip: { trigger: "item", ...tooltip(palette), formatter: (item: TipItem) => tip(scene, item) },
         ...view,
-        series: planSeries(scene, plan.sensors, moment, palette),
+        series: [...densitySeries(density, palette.sensors[0] ?? palette.text), ...planSeries({ scene, sensors: plan.sensors, gates, dots }, moment, palette), ...ruler],
       },
       { replaceMerge: ["series"] },
     );
@@ -214,9 +225,11 @@ class PlanDrawing {
 }
 
 export function PlanView(props: PlanViewProps): JSX.Element {
-  const { plan, scene, clock } = props;
+  const { plan, scene, clock, gates } = props;
   const camera = useSignal<Camera | undefined>(undefined);
-  const drawing = useMemo(() => new PlanDrawing(props, camera), [scene]);
+  const stretched = useSignal<Ruler | undefined>(undefined);
+  const drawing = useMemo(() => new PlanDrawing(props, camera, stretched), [scene]);
+  drawing.props = props;
   const box = useRef<HTMLDivElement>(null);
   const address = useComputed(() => `${param("centre") ?? ""} ${param("span") ?? ""}`);
   useEffect(() => {
@@ -227,22 +240,27 @@ export function PlanView(props: PlanViewProps): JSX.Element {
   useEffect(() => (box.current ? drawing.listen(box.current) : undefined), [drawing]);
   const moment = momentOf(clock);
   const label = `Plan view at ${timeText(moment.now, scene.times)}: ${scene.truths.size} truth lines, ${scene.tracks.size} tracks, ${scene.clouds.length} sensors. The table shows the same points.`;
+  const density = drawing.density(moment);
+  const ruler = drawing.ruler();
+  const content = { scene, gates, density };
+  const gateCount = gatesAt(gates, moment.track, moment.now).length;
   const badge = reducedBadge([
     { name: "truth", ...plan.truth },
-    { name: "detections", ...plan.detections },
+    ...(density ? [] : [{ name: "detections", ...plan.detections }]),
     { name: "tracks", ...plan.tracks },
   ]);
   const zoom = (factor: number) => () => drawing.move(zoomed(drawing.look(), factor));
-  const keys = [camera.value, moment.from, moment.now, param("hide"), moment.truth, moment.track, theme.value, address.value];
+  const keys = [camera.value, moment.from, moment.now, param("hide"), moment.truth, moment.track, theme.value, address.value, ruler && rulerText(ruler), gateCount];
   return (
-    <ChartFrame title="Plan view" file={`plan-${props.jobId.slice(-12)}`} badge={badge} table={() => drawn(scene, momentOf(clock))} chart={() => drawing.chart} pictureKey={(palette) => pictureKey(scene, moment, palette)} pictureTitle={`Plan view at ${timeText(moment.now, scene.times)}`} tools={<Legend scene={scene} sensors={plan.sensors} />} class="plan">
+    <ChartFrame title="Plan view" file={`plan-${props.jobId.slice(-12)}`} badge={[badge, density ? `density of all ${count(density.source_points)} detections` : undefined].filter(Boolean).join("; ") || undefined} table={() => drawnTable(content, momentOf(clock))} chart={() => drawing.chart} pictureKey={(palette) => pictureKey(content, moment, palette)} pictureTitle={`Plan view at ${timeText(moment.now, scene.times)}`} tools={<Legend scene={scene} sensors={plan.sensors} hasGate={gateCount > 0} />} class="plan">
       {plan.notes.map((note) => (
         <p key={note} class="muted">
           {note}
         </p>
       ))}
+      {ruler ? <RulerPanel ruler={ruler} /> : null}
       <div class="plan-box">
-        <div ref={box} class="plan-touch" tabIndex={0} role="group" aria-label="Plan view; plus and minus zoom, 0 shows everything, shift and arrows pan" onKeyDown={(event) => planKeys(event, drawing)}>
+        <div ref={box} class={ruler ? "plan-touch measuring" : "plan-touch"} tabIndex={0} role="group" aria-label="Plan view; plus and minus zoom, 0 shows everything, shift and arrows pan, r takes the ruler" onKeyDown={(event) => planKeys(event, drawing)}>
           <ChartCanvas label={label} keys={keys} draw={(chart) => drawing.draw(chart, moment)} class="plan-canvas" />
         </div>
         <div class="plan-zoom">
@@ -255,10 +273,18 @@ export function PlanView(props: PlanViewProps): JSX.Element {
           <button type="button" aria-label="Show everything" onClick={() => drawing.fitAll()}>
             <Icon name="fit" />
           </button>
+          <button type="button" aria-label="Ruler" aria-pressed={ruler !== undefined} title="Distance and bearing between two points" onClick={takeRuler}>
+            <Icon name="ruler" />
+          </button>
         </div>
       </div>
     </ChartFrame>
   );
+}
+
+/** Takes the ruler, or puts it away. */
+function takeRuler(): void {
+  setParams({ ruler: param("ruler") === null ? "on" : null });
 }
 
 const PAN_BY: Record<string, [number, number]> = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] };
@@ -270,6 +296,8 @@ function planKeys(event: KeyboardEvent, drawing: PlanDrawing): void {
   else if (event.key === "+" || event.key === "=") drawing.move(zoomed(camera, 1 / 1.5));
   else if (event.key === "-") drawing.move(zoomed(camera, 1.5));
   else if (event.key === "0") drawing.fitAll();
+  else if (event.key === "r" && !event.ctrlKey && !event.metaKey) takeRuler();
+  else if (event.key === "Escape" && param("ruler") !== null) setParams({ ruler: null });
   else return;
   event.preventDefault();
   event.stopPropagation();

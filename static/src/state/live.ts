@@ -1,7 +1,8 @@
-// Staying up to date: polling that rests while the tab is hidden, and the event stream of one job.
+// Staying up to date: polling that rests while the tab is hidden, and following one job.
 
 import { getJob } from "../api/client";
 import type { Job, Progress } from "../api/types";
+import { listenTo, type StreamEvent } from "./stream";
 
 /** Runs `task` at once and again after the milliseconds it answers (null: no more). Returns how to stop. */
 export function poll(task: () => Promise<number | null>): () => void {
@@ -40,54 +41,66 @@ interface Follower {
   failed(error: unknown): void;
 }
 
-const POLL_MS = 2000;
+/** Without a stream, with one, and while nobody looks. What has not changed costs a tag and no body. */
+const POLL_MS = { alone: 2000, streaming: 10_000, hidden: 15_000 };
 
-/** Follows one job until it ends: by its event stream, and by polling where the stream does not come through. */
+/**
+ * Follows one job until it ends: by its event stream while the page is looked at, and by asking now and then where the
+ * stream does not come through or the page is hidden.
+ */
 export function followJob(id: string, follower: Follower): () => void {
   let current: Job | undefined;
-  let stream: EventSource | undefined;
+  let isStreaming = false;
+  let stopListening: (() => void) | undefined;
+  let timer: number | undefined;
+  let stopped = false;
   const take = (job: Job) => follower.job((current = job));
-  const refresh = () => getJob(id).then(take, follower.failed);
-  const close = () => {
-    stream?.close();
-    stream = undefined;
+  const silence = () => {
+    stopListening?.();
+    stopListening = undefined;
+    isStreaming = false;
   };
-  const open = () => {
-    stream = new EventSource(`/v1/jobs/${encodeURIComponent(id)}/events`);
-    stream.addEventListener("progress", (event) => {
-      const progress = progressOf(event);
-      if (current && progress && isActive(current)) take({ ...current, progress });
-    });
-    stream.addEventListener("state", () => void refresh());
-    stream.addEventListener("done", () => {
-      close();
-      void refresh();
-    });
+  const heard = ({ type, data }: StreamEvent) => {
+    const progress = type === "progress" ? progressOf(data) : undefined;
+    if (current && progress && isActive(current)) take({ ...current, progress });
+    if (type !== "progress") void ask();
   };
-  const stopPolling = poll(async () => {
-    await refresh();
-    if (current && !isActive(current)) {
-      close();
-      return null;
-    }
-    if (current && !stream) open();
-    return POLL_MS;
-  });
-  const hide = () => {
-    if (document.hidden) close();
+  const opened = (isOpen: boolean) => {
+    if (isOpen === isStreaming) return;
+    isStreaming = isOpen;
+    // What happened before it was open, or while it is lost, is in the job.
+    void ask();
   };
-  document.addEventListener("visibilitychange", hide);
+  const ask = async () => {
+    window.clearTimeout(timer);
+    await getJob(id).then((job) => {
+      if (!stopped) take(job);
+    }, follower.failed);
+    if (stopped) return;
+    if (current && !isActive(current)) return silence();
+    if (document.hidden) silence();
+    else if (current) stopListening ??= listenTo(id, { opened, heard });
+    window.clearTimeout(timer);
+    timer = window.setTimeout(ask, document.hidden ? POLL_MS.hidden : isStreaming ? POLL_MS.streaming : POLL_MS.alone);
+  };
+  const seen = () => {
+    if (document.hidden) silence();
+    if (!current || isActive(current)) void ask();
+  };
+  document.addEventListener("visibilitychange", seen);
+  void ask();
   return () => {
-    stopPolling();
-    close();
-    document.removeEventListener("visibilitychange", hide);
+    stopped = true;
+    window.clearTimeout(timer);
+    silence();
+    document.removeEventListener("visibilitychange", seen);
   };
 }
 
-function progressOf(event: MessageEvent<string>): Progress | undefined {
+function progressOf(data: string): Progress | undefined {
   try {
-    return (JSON.parse(event.data) as { data: Progress }).data;
+    return (JSON.parse(data) as { data: Progress }).data;
   } catch {
-    return undefined; // the next poll brings the truth
+    return undefined; // the next answer brings the truth
   }
 }

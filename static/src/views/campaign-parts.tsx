@@ -87,14 +87,23 @@ function Difference({ cell, outcome, scale }: { cell: CampaignCell; outcome: str
   );
 }
 
-/** The slope of log y over log x by least squares. */
-export function slope(points: [number, number][]): number | null {
+/** The slope of log y over log x by least squares, and its standard error where more than two points tell of one. */
+export function slope(points: [number, number][]): { slope: number; error: number | null } | null {
   const logs = points.filter(([x, y]) => x > 0 && y > 0).map(([x, y]) => [Math.log(x), Math.log(y)] as const);
   if (logs.length < 2) return null;
   const mean = (of: (point: readonly [number, number]) => number) => logs.reduce((sum, point) => sum + of(point), 0) / logs.length;
   const [x, y] = [mean((point) => point[0]), mean((point) => point[1])];
   const spread = mean((point) => (point[0] - x) ** 2);
-  return spread === 0 ? null : mean((point) => (point[0] - x) * (point[1] - y)) / spread;
+  if (spread === 0) return null;
+  const steep = mean((point) => (point[0] - x) * (point[1] - y)) / spread;
+  const rest = mean((point) => (point[1] - y - steep * (point[0] - x)) ** 2);
+  return { slope: steep, error: logs.length > 2 ? Math.sqrt(rest / spread / (logs.length - 2)) : null };
+}
+
+function slopeText(points: [number, number][]): string {
+  const fit = slope(points);
+  if (!fit) return "";
+  return ` (slope ${fit.slope.toFixed(2)}${fit.error === null ? "" : ` ± ${fit.error.toFixed(2)}`})`;
 }
 
 function timeCurves(campaign: Campaign, x: Axis): Curve[] {
@@ -104,9 +113,8 @@ function timeCurves(campaign: Campaign, x: Axis): Curve[] {
   return combinations(others).map((points, order) => {
     const cells = x.points.map((point) => cellAt(campaign.cells, campaign.axes, { ...pointsOf(others, points), [x.name]: point }));
     const list = cells.map((cell, index): Point => [numeric ? Number(x.points[index]) : index, known.get(cell?.name ?? "") ?? null]).sort((a, b) => a[0] - b[0]);
-    const steep = numeric ? slope(list.filter((point): point is [number, number] => point[1] !== null)) : null;
-    const name = points.join(", ") || "all";
-    return { name: steep === null ? name : `${name} (slope ${steep.toFixed(2)})`, points: list, ...lookOf(order) };
+    const steep = numeric ? slopeText(list.filter((point): point is [number, number] => point[1] !== null)) : "";
+    return { name: `${points.join(", ") || "all"}${steep}`, points: list, ...lookOf(order) };
   });
 }
 
@@ -149,7 +157,7 @@ export function Times({ campaign, x }: { campaign: Campaign; x: Axis | undefined
           </table>
         </div>
       </TableFrame>
-      {curves.length && x ? <Lines title={`Time of deciding over ${x.name}`} file={`time-curves-${campaign.file}`} label={`Microseconds a scan over ${x.name}.`} curves={curves} xName={x.name} yName="time (µs a scan)" categories={isNumeric(x) ? undefined : x.points} logX={positive} logY table={table} /> : null}
+      {curves.length && x ? <Lines title={`Time of deciding over ${x.name}`} file={`time-curves-${campaign.file}`} label={`Microseconds a scan over ${x.name}.`} curves={curves} xName={x.name} yName="time (µs a scan)" categories={isNumeric(x) ? undefined : x.points} logX={positive} logY table={table} tools={positive ? <p class="muted small frame-note">The slope is that of the logarithms, by least squares, with its standard error where there are three points or more.</p> : null} /> : null}
     </>
   );
 }

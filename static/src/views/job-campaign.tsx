@@ -11,6 +11,7 @@ import { count, number } from "../format";
 import { param, setParams } from "../state/url";
 import { axesOf, cellAt, combinations, isNumeric, pointsOf, rowsAndColumns, type Axis } from "./campaign-axes";
 import { CURVES_UP_TO, Differences, Times, type Campaign } from "./campaign-parts";
+import { CellTable } from "./cell-table";
 
 function campaignOf(job: Job, report: Report): Campaign {
   const { cells = [], outcomes = [], confidence = 0.95 } = partsOf(report);
@@ -74,35 +75,7 @@ function Grid({ campaign, outcome }: { campaign: Campaign; outcome: string }): J
   const find = (points: string[], point: string) => (campaign.axes.length ? cellAt(campaign.cells, campaign.axes, { ...pointsOf(rows, points), [columns.name]: point }) : campaign.cells[0]);
   return (
     <TableFrame title={`Cells: ${outcome}`} file={`grid-${campaign.file}`} table={table}>
-      <div class="table-scroll tall" tabIndex={0} role="region" aria-label={`Mean of ${outcome} in every cell`}>
-        <table class="grid">
-          <thead>
-            <tr>
-              {rows.map((axis) => (
-                <th scope="col">{axis.name}</th>
-              ))}
-              {columns.points.map((point) => (
-                <th scope="col" class="num">
-                  {columns.name ? <span class="sub">{columns.name}</span> : null}
-                  {point}
-                </th>
-              ))}
-            </tr>
-          </thead>
-          <tbody>
-            {combinations(rows).map((points) => (
-              <tr>
-                {points.map((point) => (
-                  <th scope="row">{point}</th>
-                ))}
-                {columns.points.map((point) => (
-                  <GridCell cell={find(points, point)} outcome={outcome} shade={shade} />
-                ))}
-              </tr>
-            ))}
-          </tbody>
-        </table>
-      </div>
+      <CellTable axes={campaign.axes} label={`Mean of ${outcome} in every cell`} class="tall" cell={(points, point) => <GridCell cell={find(points, point)} outcome={outcome} shade={shade} />} />
     </TableFrame>
   );
 }

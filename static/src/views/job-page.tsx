@@ -3,7 +3,7 @@
 import { useSignal } from "@preact/signals";
 import type { JSX } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
-import { ApiError, cancelJob, getReport, rerunJob } from "../api/client";
+import { ApiError, cancelJob, getPlan, getReport, getScanCounts, rerunJob } from "../api/client";
 import { partsOf, type Job, type Report } from "../api/types";
 import { Empty, Link, Loading, ProblemBox, ProgressBar, StateBadge } from "../components/basics";
 import { useResource } from "../components/resource";
@@ -16,7 +16,7 @@ import { JobMetrics } from "./job-metrics";
 import { JobPictures } from "./job-pictures";
 import { hasTrace, JobSearch } from "./job-search";
 import { JobSpec } from "./job-spec";
-import { JobSummary } from "./job-summary";
+import { JobSummary, SCANLESS } from "./job-summary";
 import { JobVerdicts } from "./job-verdicts";
 
 type TabName = "summary" | "correlation" | "plan" | "verdicts" | "metrics" | "search" | "spec";
@@ -171,7 +171,17 @@ function tabsOf(report: Report): [TabName, string][] {
   return tabs.flatMap(([name, title, there]) => (there ? [[name, title]] : []));
 }
 
+/** Asks for what the tab will draw while the report is on its way. */
+function askAhead(job: Job): void {
+  if (job.kind === "campaign" || param("tab") === "spec") return;
+  void import("../charts/echarts");
+  // Who draws it says what went wrong.
+  const answer = param("tab") === "plan" ? getPlan(job.id) : param("tab") === null && !SCANLESS.includes(job.kind) ? getScanCounts(job.id) : undefined;
+  answer?.catch(() => undefined);
+}
+
 function Result({ job }: { job: Job }): JSX.Element {
+  useEffect(() => askAhead(job), [job.id]);
   const report = useResource(() => getReport(job.id), [job.id]);
   const tabs = useMemo(() => (report.data ? tabsOf(report.data) : []), [report.data]);
   if (report.error) return <ProblemBox error={report.error} retry={report.reload} />;

@@ -2,7 +2,7 @@
 
 import type { JSX } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
-import { getArtifactText, getBearingTime, getDataset, getDatasetText, getPlan, listArtifacts } from "../api/client";
+import { getArtifactText, getBearingTime, getDataset, getDatasetText, getGates, getPlan, listArtifacts } from "../api/client";
 import { partsOf, type Artifact, type BearingTime, type Job, type Plan, type Report } from "../api/types";
 import { bearingScene } from "../charts/bearing-scene";
 import { BearingTimeChart } from "../charts/bearing-time";
@@ -80,18 +80,20 @@ function Pictures({ job, drawn, report }: { job: Job; drawn: Drawn; report: Repo
   const clock = useMemo(() => createClock(scene.times, scene.numbers), [scene]);
   const directions = useMemo(() => (bearings ? bearingScene(bearings) : undefined), [bearings]);
   const hasPlaces = scene.truths.size + scene.tracks.size + scene.clouds.length > 0;
+  const track = param("track");
+  const gates = useResource(() => (track && scene.tracks.has(track) && !locals.length ? getGates(job.id, track) : Promise.resolve(undefined)), [job.id, track, scene]).data;
   useEffect(() => clock.dispose, [clock]);
   if (!scene.times.length) return <Empty title="There is nothing to draw: no scan, no truth, no track." />;
   return (
     <div class="pictures">
       <div class="pictures-main">
         {bearings && directions ? <BearingTimeChart jobId={job.id} series={bearings} scene={directions} clock={clock} levels={drawn.levels} /> : null}
-        {bearings && !hasPlaces ? null : <PlanView jobId={job.id} plan={plan} scene={scene} clock={clock} />}
+        {bearings && !hasPlaces ? null : <PlanView jobId={job.id} plan={plan} scene={scene} clock={clock} gates={gates} />}
         <ClockBar clock={clock} />
         {drawn.hasRecord ? <RecordPicture id={job.id} /> : null}
       </div>
       <aside class="pictures-side" aria-label="Selection">
-        <Selection scene={scene} directions={directions} clock={clock} tfa={tfa} />
+        <Selection scene={scene} directions={directions} clock={clock} tfa={tfa} gates={gates} />
         <TupleNote report={report} />
         {(scene.tracks.size || directions?.tracks.size) && job.kind !== "correlate" ? <ProbabilityChart jobId={job.id} track={param("track")} clock={clock} /> : null}
       </aside>

@@ -2,8 +2,9 @@
 
 import type { JSX, TargetedEvent } from "preact";
 import { useMemo } from "preact/hooks";
-import { getArtifactText, listArtifacts } from "../api/client";
+import { getArtifactText, getPlanAt, listArtifacts } from "../api/client";
 import { partsOf, type Cell, type Job, type Report } from "../api/types";
+import { CentrePaths, type CentrePath, type Place } from "../charts/centre-paths";
 import { Lines, type Curve, type Point } from "../charts/lines";
 import { Empty, Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
@@ -38,7 +39,7 @@ export function JobSearch({ job, report }: { job: Job; report: Report }): JSX.El
           <p>A job whose method has the setting “trace” on keeps every iteration of every search.</p>
         </Empty>
       ) : null}
-      {trace.data ? <Trace problems={trace.data.problems} isCut={trace.data.isCut} file={job.id.slice(-12)} /> : null}
+      {trace.data ? <Trace jobId={job.id} problems={trace.data.problems} isCut={trace.data.isCut} file={job.id.slice(-12)} /> : null}
     </div>
   );
 }
@@ -69,7 +70,7 @@ function Diagnostics({ report }: { report: Report }): JSX.Element {
   );
 }
 
-function Trace({ problems, isCut, file }: { problems: Problem[]; isCut: boolean; file: string }): JSX.Element {
+function Trace({ jobId, problems, isCut, file }: { jobId: string; problems: Problem[]; isCut: boolean; file: string }): JSX.Element {
   const longest = useMemo(() => problems.reduce<Problem | undefined>((best, problem) => (problem.iterations.length > (best?.iterations.length ?? 0) ? problem : best), undefined), [problems]);
   const chosen = problems.find((problem) => problem.name === param("problem")) ?? longest;
   if (!chosen) return <Empty title="No search was needed: every problem had one answer." />;
@@ -94,6 +95,7 @@ function Trace({ problems, isCut, file }: { problems: Problem[]; isCut: boolean;
       </div>
       <Convergence problem={chosen} file={file} at={iteration?.number} />
       {iteration?.memberships.size ? <Memberships iteration={iteration} at={at} last={last} file={file} /> : null}
+      {iteration?.centres.size ? <CentrePicture jobId={jobId} problem={chosen} at={at} file={file} /> : null}
       {iteration?.centres.size ? <Centres problem={chosen} file={file} /> : null}
     </>
   );
@@ -161,6 +163,32 @@ function Memberships({ iteration, at, last, file }: { iteration: Iteration; at: 
       </div>
     </TableFrame>
   );
+}
+
+/** Where the reports lie that were grouped then; of tracks only their measurements' space is known. */
+async function detectionsAt(jobId: string, problem: Problem): Promise<{ id: string; place: Place }[]> {
+  if (problem.time_s === undefined) return [];
+  const { detection_id, x_m, y_m } = (await getPlanAt(jobId, problem.time_s)).detections.columns;
+  return detection_id.flatMap((id, row) => (typeof x_m[row] === "number" && typeof y_m[row] === "number" ? [{ id, place: [x_m[row], y_m[row]] as Place }] : []));
+}
+
+function CentrePicture({ jobId, problem, at, file }: { jobId: string; problem: Problem; at: number; file: string }): JSX.Element | null {
+  const detections = useResource(() => detectionsAt(jobId, problem), [jobId, problem]).data;
+  const paths = useMemo(() => pathsOf(problem, at), [problem, at]);
+  const inPlane = problem.time_s !== undefined;
+  if (!detections || !paths.length) return null;
+  return <CentrePaths title={`Ways of the centres, ${problem.name}`} file={`ways-${file}`} paths={paths} detections={detections} xName={inPlane ? "x, east (m)" : "first value"} yName={inPlane ? "y, north (m)" : "second value"} />;
+}
+
+/** The ways up to an iteration; none where centres have one value, which is no place. */
+function pathsOf(problem: Problem, at: number): CentrePath[] {
+  const ways = new Map<string, Place[]>();
+  for (const { centres } of problem.iterations.slice(0, at + 1)) {
+    for (const [group, [first, second]] of centres) {
+      if (first !== undefined && second !== undefined) ways.set(group, [...(ways.get(group) ?? []), [first, second]]);
+    }
+  }
+  return [...ways].map(([group, places]) => ({ group, places }));
 }
 
 function Centres({ problem, file }: { problem: Problem; file: string }): JSX.Element {

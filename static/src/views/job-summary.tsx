@@ -9,7 +9,7 @@ import { hereHref, pageHref } from "../state/url";
 import { JobCampaign } from "./job-campaign";
 
 /** Jobs of these kinds leave no scans. */
-const SCANLESS = ["campaign", "correlate"];
+export const SCANLESS = ["campaign", "correlate"];
 
 export function JobSummary({ job, report }: { job: Job; report: Report }): JSX.Element {
   const { tfa, association, counts, grouping, cells, metrics, events } = partsOf(report);

@@ -16,6 +16,8 @@ export interface Iteration {
 /** One problem that was searched: a cluster of tracks at an occasion, or an instant of reports. */
 export interface Problem {
   name: string;
+  /** Of a grouping: the instant of its reports. */
+  time_s?: number;
   iterations: Iteration[];
 }
 
@@ -50,7 +52,8 @@ export function readTrace(text: string): { problems: Problem[]; isCut: boolean }
   }
   const ofGroups = table.columns.includes("group");
   const name = ofGroups ? (row: string[]) => `${field("time_s")(row)} s` : occasionOf(table);
-  return { problems: problemsBy(table, name, iteration, adderOf(field, ofGroups)), isCut };
+  const problems = problemsBy(table, name, iteration, adderOf(field, ofGroups));
+  return { problems: ofGroups ? problems.map((problem) => ({ ...problem, time_s: parseFloat(problem.name) })) : problems, isCut };
 }
 
 function occasionOf(table: CsvTable): Field {

@@ -1,9 +1,11 @@
 // What is chosen in the pictures of a job: a truth, a track, how its verdict was decided, how its tuple was made.
 
 import type { JSX } from "preact";
-import { partsOf, type Report, type TargetVerdict, type Tfa } from "../api/types";
+import { useState } from "preact/hooks";
+import { partsOf, type Gates, type Report, type TargetVerdict, type Tfa } from "../api/types";
 import { timeText } from "../charts/axes";
 import type { BearingScene } from "../charts/bearing-scene";
+import { gatesAt, innovationWords } from "../charts/gates";
 import { at, type Scene } from "../charts/scene";
 import { Icon, Link, type IconName } from "../components/basics";
 import { metres, number } from "../format";
@@ -11,7 +13,35 @@ import type { Clock } from "../state/clock";
 import { hereHref, param, setParams } from "../state/url";
 import { placeOf, sentence } from "./verdicts";
 
+/** Beyond this many the names are found by typing: a list of thousands takes long to make and longer to read. */
+const LISTED_UP_TO = 500;
+const SUGGESTED = 50;
+
+function Find({ name, label, ids }: { name: "track" | "truth"; label: string; ids: string[] }): JSX.Element {
+  const [text, setText] = useState("");
+  const suggested = ids.filter((id) => id.includes(text)).slice(0, SUGGESTED);
+  return (
+    <label>
+      <span>{label}</span>
+      <input
+        type="search"
+        list={`ids-${name}`}
+        value={param(name) ?? ""}
+        placeholder={`one of ${ids.length}`}
+        onInput={(event) => setText(event.currentTarget.value)}
+        onChange={(event) => setParams({ [name]: event.currentTarget.value }, "push")}
+      />
+      <datalist id={`ids-${name}`}>
+        {suggested.map((id) => (
+          <option value={id} />
+        ))}
+      </datalist>
+    </label>
+  );
+}
+
 function Pick({ name, label, ids }: { name: "track" | "truth"; label: string; ids: string[] }): JSX.Element {
+  if (ids.length > LISTED_UP_TO) return <Find name={name} label={label} ids={ids} />;
   return (
     <label>
       <span>{label}</span>
@@ -69,9 +99,10 @@ interface SelectionProps {
   directions: BearingScene | undefined;
   clock: Clock;
   tfa: Tfa | undefined;
+  gates: Gates | undefined;
 }
 
-export function Selection({ scene, directions, clock, tfa }: SelectionProps): JSX.Element {
+export function Selection({ scene, directions, clock, tfa, gates }: SelectionProps): JSX.Element {
   const track = param("track");
   const [truths, tracks] = [new Set([...scene.truths.keys(), ...(directions?.truths.keys() ?? [])]), new Set([...scene.tracks.keys(), ...(directions?.tracks.keys() ?? [])])];
   const verdict = verdictOf(tfa, param("truth"), track);
@@ -82,14 +113,14 @@ export function Selection({ scene, directions, clock, tfa }: SelectionProps): JS
         {truths.size ? <Pick name="truth" label="Truth" ids={[...truths]} /> : null}
         {tracks.size ? <Pick name="track" label="Track" ids={[...tracks]} /> : null}
       </div>
-      {track ? directions?.tracks.has(track) ? <BearingFacts scene={directions} track={track} clock={clock} /> : <TrackFacts scene={scene} track={track} clock={clock} /> : null}
+      {track ? directions?.tracks.has(track) ? <BearingFacts scene={directions} track={track} clock={clock} /> : <TrackFacts scene={scene} track={track} clock={clock} gates={gates} /> : null}
       {verdict ? <VerdictNote verdict={verdict} /> : null}
       {tfa ? <Failures tfa={tfa} current={verdict} /> : null}
     </section>
   );
 }
 
-function TrackFacts({ scene, track, clock }: { scene: Scene; track: string; clock: Clock }): JSX.Element {
+function TrackFacts({ scene, track, clock, gates }: { scene: Scene; track: string; clock: Clock; gates: Gates | undefined }): JSX.Element {
   const line = scene.tracks.get(track);
   if (!line) return <p class="muted">There is no track {track} here.</p>;
   const here = at(line, clock.time.value);
@@ -109,6 +140,15 @@ function TrackFacts({ scene, track, clock }: { scene: Scene; track: string; cloc
       <dd>{born && here ? `${metres(here.x)}, ${metres(here.y)} m` : "–"}</dd>
       <dt>1σ east, north</dt>
       <dd>{born && covariance ? `${metres(Math.sqrt(covariance[0]))}, ${metres(Math.sqrt(covariance[2]))} m` : "–"}</dd>
+      {gatesAt(gates, track, clock.time.value).map((row) => (
+        <>
+          <dt>Gate</dt>
+          <dd>
+            d² ≤ {number(gates?.threshold)}
+            <span class="sub">innovation 1σ {gates ? innovationWords(gates, row, metres) : ""}</span>
+          </dd>
+        </>
+      ))}
       {scene.locals.length ? null : (
         <>
           <dt>Detection</dt>

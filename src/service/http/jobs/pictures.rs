@@ -23,12 +23,13 @@ pub fn routes() -> OpenApiRouter<AppState> {
 ///
 /// `track_probability`: one row for each candidate of each track at each scan. `scan_counts`: one row for each scan.
 /// `bearing_time`: one row for each bearing of truth, detections and tracks.
+/// `gates`: one row for each track and scan, with what was expected and its covariance.
 /// `metrics`: one row for each time at which truth and tracks were compared.
 /// Above `max_points` rows the answer is reduced, and `method` says how.
 #[utoipa::path(get, path = "/v1/jobs/{id}/series/{name}", operation_id = "getJobSeries", tag = "results",
     params(
         ("id" = uuid::Uuid, Path, description = "Identity of the job."),
-        ("name" = String, Path, description = "`track_probability`, `scan_counts`, `bearing_time` or `metrics`."),
+        ("name" = String, Path, description = "`track_probability`, `scan_counts`, `bearing_time`, `gates` or `metrics`."),
         ("from" = Option<f64>, Query, description = "First time (s)."),
         ("to" = Option<f64>, Query, description = "Last time (s)."),
         ("track" = Option<String>, Query, description = "Only this track."),
@@ -47,7 +48,7 @@ async fn get_job_series(State(app): State<AppState>, IdAndName(id, name): IdAndN
 /// Get the plan view of a job
 ///
 /// Truth, detections and tracks in the plane, with the scans to step through. A layer of more than `max_points` points
-/// is reduced, and its `method` says how.
+/// is reduced, and its `method` says how; `density` then counts all detections over the plane.
 #[utoipa::path(get, path = "/v1/jobs/{id}/plan", operation_id = "getJobPlan", tag = "results",
     params(
         ("id" = uuid::Uuid, Path, description = "Identity of the job."),
