@@ -95,9 +95,9 @@ async fn a_chain_runs_in_order_and_each_job_reads_what_the_one_before_made() {
     assert_eq!(report["inputs"][0]["sha256"], tracks.sha256);
     assert_eq!(report["result"]["tfa"]["counts"]["targets"], 3);
     let layers = service.load_job_layers(evaluate.id).await.unwrap();
-    assert_eq!(layers.truth.unwrap().targets().len(), 3);
-    assert_eq!(layers.detections.unwrap().scans.len(), 10);
-    assert_eq!(layers.tracks.unwrap().tracks.len(), report["result"]["tfa"]["counts"]["output_tracks"].as_u64().unwrap() as usize);
+    assert_eq!(layers.truth.as_ref().unwrap().targets().len(), 3);
+    assert_eq!(layers.detections.as_ref().unwrap().scans.len(), 10);
+    assert_eq!(layers.tracks.as_ref().unwrap().tracks.len(), report["result"]["tfa"]["counts"]["output_tracks"].as_u64().unwrap() as usize);
     assert_eq!(layers.sensors[0].p_d, Some(0.9));
 }
 

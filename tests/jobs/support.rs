@@ -38,8 +38,19 @@ pub async fn start_with(change: impl FnOnce(&mut Config)) -> Service {
 pub async fn open(directory: &Path, change: impl FnOnce(&mut Config)) -> Jobs {
     let mut config = Config::new(directory);
     config.slots = 2;
+    config.database_url = new_database().await;
     change(&mut config);
     Jobs::open(config).await.unwrap()
+}
+
+/// A database of its own on the PostgreSQL that the environment names, so that the same tests are run on it; `None`: on a file.
+async fn new_database() -> Option<String> {
+    let server = std::env::var("TRACKLOOM_TEST_DATABASE_SERVER").ok()?;
+    let name = format!("jobs_{}", Uuid::now_v7().simple());
+    let pool = sqlx::PgPool::connect(&format!("{server}/postgres")).await.unwrap();
+    sqlx::query(sqlx::AssertSqlSafe(format!("CREATE DATABASE {name}"))).execute(&pool).await.unwrap();
+    pool.close().await;
+    Some(format!("{server}/{name}"))
 }
 
 impl Service {

@@ -88,3 +88,30 @@ async fn what_cannot_be_used_is_refused_with_the_reason() {
     assert_eq!(worker.status.code(), Some(1));
     assert!(String::from_utf8(worker.stderr).unwrap().contains("version 99"));
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn what_was_ready_and_never_queued_is_found_and_another_place_for_files_is_refused() {
+    let Some(postgres) = Postgres::start() else { return };
+    let (url, data, elsewhere) = (postgres.url(), tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let server = Server::start(data.path(), &["--database-url", &url, "--workers", "1"]);
+    let long = server.submit("simulate", &body(100_000, 1)).await;
+    server.until("running", 1).await;
+    let waiting = server.submit("simulate", &body(200, 2)).await;
+    // As if the process had died after it took the job in and before it queued it.
+    server.kill();
+    postgres.execute("DELETE FROM apalis.jobs WHERE status = 'Pending' OR status = 'Queued'").await;
+    postgres.execute("UPDATE jobs SET enqueued_at = NULL WHERE state = 'queued'").await;
+
+    let (said, code) = refused(elsewhere.path(), &["--database-url", &url]);
+    assert_eq!(code, Some(1));
+    assert!(said.contains("the files of this database are kept elsewhere"), "{said}");
+
+    let server = Server::start(data.path(), &["--database-url", &url, "--workers", "2"]);
+    server.result(&waiting).await;
+    // What the dead process ran is given out again when it has missed three heartbeats.
+    let since = Instant::now();
+    let job = server.job_until(&long, |job| job["attempt"] == 2).await;
+    assert!(since.elapsed() < Duration::from_secs(40), "{:?}", since.elapsed());
+    assert_eq!(job["state"], "running");
+    server.ask(&long, "cancel").await;
+}

@@ -6,7 +6,7 @@ use crate::process::{Process, Server};
 use std::time::Duration;
 
 /// Runs of each of the two cells: some twenty chunks.
-const RUNS: u32 = 2000;
+const RUNS: u32 = 1500;
 
 /// How often to do it all; more often to look for what happens rarely.
 fn rounds() -> u32 {

@@ -155,18 +155,41 @@ impl Campaign {
         u64::from(self.runs) * self.cells.len() as u64
     }
 
+    /// The result of a campaign whose runs are not all made yet, of as many runs of each cell as all cells have; and how many runs those
+    /// are.
+    ///
+    /// # Errors
+    /// When a file cannot be written.
+    pub fn report_so_far(&self, mut pieces: Vec<Piece>, outcomes: &[Outcome]) -> Result<(run::Outcome, u64), RunError> {
+        let (cells, mut goes_on) = (self.cells.len() as u64, vec![false; self.cells.len()]);
+        if let Next::Runs { items, .. } = self.next(&pieces) {
+            let first_missing = items.first().map_or(0, |range| range.start) / cells * cells;
+            pieces.iter_mut().for_each(|piece| piece.keep_before(first_missing));
+            items.into_iter().flatten().for_each(|item| goes_on[(item % cells) as usize] = true);
+        }
+        let runs = pieces.iter().map(|piece| piece.len() as u64).sum();
+        Ok((self.report_of(&pieces, outcomes, &goes_on)?, runs))
+    }
+
     /// The result of a campaign whose runs are all made: [`Campaign::next`] has said so.
     ///
     /// # Errors
     /// When a file cannot be written.
     pub fn report(&self, pieces: &[Piece], outcomes: &[Outcome]) -> Result<run::Outcome, RunError> {
+        self.report_of(pieces, outcomes, &vec![false; self.cells.len()])
+    }
+
+    fn report_of(&self, pieces: &[Piece], outcomes: &[Outcome], goes_on: &[bool]) -> Result<run::Outcome, RunError> {
         let harvest = Harvest::of(self, pieces, outcomes.len());
         let reference = |index: usize| self.compared.and_then(|(axis, point)| reference_of(&self.cells, index, axis, point));
         let judge = Judge { outcomes, axes: &self.axes, confidence: self.confidence, seed: Seed { seed: self.seed, run: 0 } };
         let report = |(index, cell): (usize, &Cell)| {
             let other = reference(index).filter(|&other| other != index).map(|other| (&self.cells[other], &harvest.rows[other]));
-            let has_all = harvest.runs[index] == self.runs;
-            let ended = if has_all { Ended::Runs } else { Ended::HalfWidth };
+            let ended = match harvest.runs[index] == self.runs {
+                _ if goes_on[index] => Ended::NotYet,
+                true => Ended::Runs,
+                false => Ended::HalfWidth,
+            };
             judge.report(cell, index, (&harvest.rows[index], ended), other)
         };
         let reports: Vec<_> = self.cells.iter().enumerate().map(report).collect();

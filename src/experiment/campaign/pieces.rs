@@ -60,6 +60,17 @@ impl Piece {
         Duration::from_micros(self.spent_us.iter().sum())
     }
 
+    /// Forgets the runs from an item on.
+    pub(super) fn keep_before(&mut self, item: u64) {
+        let kept: Vec<usize> = (0..self.items.len()).filter(|&place| self.items[place] < item).collect();
+        *self = Piece {
+            items: kept.iter().map(|&place| self.items[place]).collect(),
+            numbers: kept.iter().map(|&place| std::mem::take(&mut self.numbers[place])).collect(),
+            decided_us: kept.iter().map(|&place| self.decided_us[place]).collect(),
+            spent_us: kept.iter().map(|&place| self.spent_us[place]).collect(),
+        };
+    }
+
     pub(super) fn spent_us(&self) -> &[u64] {
         &self.spent_us
     }

@@ -18,6 +18,7 @@ const FIRST_LOOK: u32 = 10;
 pub(super) enum Ended {
     Runs,
     HalfWidth,
+    NotYet,
 }
 
 #[derive(Debug)]

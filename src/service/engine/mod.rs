@@ -160,7 +160,7 @@ async fn open_file(path: &Path) -> anyhow::Result<SqlitePool> {
 }
 
 async fn open_schema(url: &str) -> anyhow::Result<PgPool> {
-    let pool = PgPoolOptions::new().max_connections(4).acquire_timeout(Duration::from_secs(60)).connect(url).await?;
+    let pool = PgPoolOptions::new().max_connections(3).acquire_timeout(Duration::from_secs(60)).connect(url).await?;
     PostgresStorage::setup(&pool).await.context(
         "cannot set the queue up: the database's user must be allowed to make a schema and the extension hstore, which is in the \
          package of PostgreSQL's contributed modules",

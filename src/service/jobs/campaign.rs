@@ -1,29 +1,30 @@
 //! What happens to a chunk of a campaign: claimed, worked off on a thread of its own, and its result written once.
 
-use super::Inner;
 use super::control::{Control, Stop};
 use super::meter::Meter;
 use super::report::{self, ReportInput, Timing};
 use super::runner::{Failure, Product, load};
+use super::{Inner, JobsError};
 use crate::experiment::campaign::{Campaign, Items, Next, Order, Outcome, Piece};
 use crate::experiment::plan::{self, JobKind, Plan};
 use crate::experiment::run::{Inputs, RunError};
 use crate::service::engine::Entry;
 use crate::service::storage::{Chunk, ChunkKind, ChunkResult, ClaimedChunk, ClaimedJob, Ending, NewChunk};
-use crate::service::types::Problem;
+use crate::service::types::{CampaignResult, CampaignSoFar, JobState, Problem};
 use anyhow::Context;
 use futures::FutureExt;
+use serde::Deserialize;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
-use tokio::sync::OwnedSemaphorePermit;
+use tokio::sync::{OwnedSemaphorePermit, watch};
 use uuid::Uuid;
 
 /// The first runs take about this long, to tell how long the others will.
 const PILOT: Duration = Duration::from_secs(1);
 /// A chunk of runs takes about this long; in a campaign of very many, longer.
 const CHUNK: Duration = Duration::from_secs(2);
-const MOST_CHUNKS: u32 = 20_000;
+const MOST_CHUNKS: u32 = 10_000;
 /// Campaigns whose cells and data are kept between chunks.
 const KEPT: usize = 4;
 
@@ -57,6 +58,12 @@ impl Campaigns {
     pub(super) fn forget(&self, id: Uuid) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).retain(|(known, _)| *known != id);
     }
+}
+
+/// The part of a campaign's report that is read again.
+#[derive(Deserialize)]
+struct WithResult {
+    result: CampaignResult,
 }
 
 /// What a chunk made, before files are kept.
@@ -100,7 +107,7 @@ impl Inner {
     }
 
     async fn make_chunk(&self, chunk: &ClaimedChunk, control: &Arc<Control>, permit: OwnedSemaphorePermit) -> Result<Made, Failure> {
-        let loaded = self.loaded(chunk.job_id, control).await?;
+        let loaded = self.loaded(chunk.job_id, control.sign()).await?;
         let pieces = if chunk.kind == ChunkKind::Look { self.storage.pieces(chunk.job_id).await? } else { Vec::new() };
         let failed = if chunk.kind == ChunkKind::Look { self.storage.failed_chunks(chunk.job_id).await? } else { Vec::new() };
         let outcomes = if chunk.kind == ChunkKind::Look { self.storage.outcomes(chunk.job_id).await? } else { chunk.outcomes.clone() };
@@ -133,7 +140,7 @@ impl Inner {
     /// Writes what came of the chunk; an error means that somebody has to work it off again.
     async fn conclude_chunk(&self, chunk: &ClaimedChunk, control: &Control, made: Result<Made, Failure>) -> anyhow::Result<()> {
         // Until the end is written, the files belong to nobody; nobody may sweep them up meanwhile.
-        let _no_sweeping = self.sweeping.read().await;
+        let _no_sweeping = if let Ok(Made::Report(_)) = &made { Some(self.no_sweeping().await?) } else { None };
         let kept = match made {
             Ok(Made::Result(result)) => Ok(result),
             Ok(Made::Report(product)) => self.keep(product).await.map(ChunkResult::Ended).map_err(Failure::Internal),
@@ -157,8 +164,34 @@ impl Inner {
         Ok(())
     }
 
+    /// What the runs that are made say of the cells, while others are still being made or after they were given up.
+    pub(super) async fn cells_so_far(&self, id: Uuid) -> Result<CampaignSoFar, JobsError> {
+        let job = self.job(id).await?;
+        if job.kind != crate::service::types::JobKind::Campaign {
+            return Err(JobsError::NotFound("campaign"));
+        }
+        if job.state == JobState::Succeeded {
+            let path = self.artifact(id, "report.json").await?.path;
+            let read = move || anyhow::Ok(serde_json::from_slice::<WithResult>(&std::fs::read(&path)?)?.result);
+            let result = tokio::task::spawn_blocking(read).await.context("reading a report panicked")?.context("a report is damaged")?;
+            let runs = result.cells.iter().map(|cell| cell.runs).sum();
+            return Ok(CampaignSoFar { is_final: true, runs, result });
+        }
+        let Some(outcomes) = self.storage.outcomes(id).await? else {
+            return Err(JobsError::conflict("result_not_ready", format!("the job is {}, and no run has been made yet", job.state.name())));
+        };
+        let pieces = self.storage.pieces(id).await?;
+        let loaded = self.loaded(id, watch::channel(None).1).await.map_err(|_| anyhow::anyhow!("the campaign could not be loaded"))?;
+        let report = move || -> anyhow::Result<CampaignSoFar> {
+            let pieces = pieces.iter().map(|json| serde_json::from_str(json)).collect::<Result<Vec<Piece>, _>>()?;
+            let (outcome, runs) = loaded.campaign.report_so_far(pieces, &serde_json::from_str::<Vec<Outcome>>(&outcomes)?)?;
+            Ok(CampaignSoFar { is_final: false, runs, result: serde_json::from_value(outcome.result)? })
+        };
+        Ok(tokio::task::spawn_blocking(report).await.context("putting runs together panicked")??)
+    }
+
     /// The campaign with its data: kept from an earlier chunk, or planned and read.
-    async fn loaded(&self, id: Uuid, control: &Control) -> Result<Arc<Loaded>, Failure> {
+    async fn loaded(&self, id: Uuid, sign: watch::Receiver<Option<Stop>>) -> Result<Arc<Loaded>, Failure> {
         if let Some(loaded) = self.campaigns.get(id) {
             return Ok(loaded);
         }
@@ -166,7 +199,7 @@ impl Inner {
         let plan = tokio::task::spawn_blocking(move || plan::plan(JobKind::Campaign, &spec)).await.context("planning panicked")?;
         let plan = plan.map_err(Failure::Faults)?;
         let located = self.locate(&plan).await?;
-        let mut meter = Meter::new(JobKind::Campaign, control.sign(), tokio::sync::watch::Sender::new(None));
+        let mut meter = Meter::new(JobKind::Campaign, sign, watch::Sender::new(None));
         let read = move || -> Result<Loaded, Failure> {
             let (inputs, read) = load(&plan, located, &mut meter)?;
             let campaign = plan.campaign.clone().context("a campaign has no cells")?;

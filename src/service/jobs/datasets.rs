@@ -7,13 +7,14 @@ use crate::formats::{FORMATS, Format, ReadOptions, ReadOutcome, detect_format, f
 use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
 use crate::service::storage::blobs::sha256_hex;
-use crate::service::storage::{Cursor, NewDataset, StoredDataset};
+use crate::service::storage::{Cursor, NewDataset, NoSweeping, StoredDataset};
 use crate::service::types::{DatasetInfo, DatasetPage};
 use anyhow::Context;
 use serde_json::json;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use tokio::sync::RwLockReadGuard;
 use tokio::task::spawn_blocking;
 use uuid::Uuid;
 
@@ -31,7 +32,7 @@ impl Inner {
         };
         let (format, read) = spawn_blocking(check).await.context("reading an upload panicked")??;
         let new = new_dataset(&file, meta, format, read);
-        let _no_sweeping = self.sweeping.read().await;
+        let _no_sweeping = self.no_sweeping().await?;
         let adopt = {
             let (blobs, ReceivedFile { path, sha256, .. }) = (self.blobs.clone(), file);
             move || blobs.adopt(&path, &sha256)
@@ -89,9 +90,14 @@ impl Inner {
         Ok(spawn_blocking(move || blobs.local(&sha256)).await.context("fetching a file panicked")??)
     }
 
+    /// While the answer lives, nobody sweeps, here or in another process.
+    pub(super) async fn no_sweeping(&self) -> anyhow::Result<(RwLockReadGuard<'_, ()>, NoSweeping)> {
+        Ok((self.sweeping.read().await, self.storage.no_sweeping().await?))
+    }
+
     /// Removes contents that nothing has any more.
     pub(super) async fn sweep(&self, contents: Vec<String>) -> Result<(), JobsError> {
-        let _alone = self.sweeping.write().await;
+        let _alone = (self.sweeping.write().await, self.storage.sweeping().await?);
         let mut unused = Vec::new();
         for sha256 in contents.into_iter().chain(self.blobs.left_over()?) {
             if !self.storage.blob_is_used(&sha256).await? {

@@ -26,9 +26,9 @@ use super::engine::{Engine, Entry, Handler};
 use super::storage::blobs::Blobs;
 use super::storage::notices::{Notice, Notices};
 use super::storage::{Changed, Database, Storage};
-use super::types::{ArtifactList, Comparison, DatasetInfo, DatasetPage, Event, EventPage, Job, JobKind, JobPage, JobState};
+use super::types::{ArtifactList, CampaignSoFar, Comparison, DatasetInfo, DatasetPage, Event, EventPage, Job, JobKind, JobPage, JobState};
 use crate::model::dataset::Dataset;
-use anyhow::{Context, bail};
+use anyhow::{Context, bail, ensure};
 use campaign::Campaigns;
 use control::{Running, Stop};
 use futures::{FutureExt, Stream};
@@ -92,8 +92,15 @@ impl Jobs {
         let lock = if config.database_url.is_none() { Some(lock(directory)?) } else { None };
         let slots = config.slots.max(1);
         let storage = Storage::open(&database).await?;
+        let blobs = Blobs::open(directory, config.artifacts.as_ref(), lock.is_none()).await?;
+        let place = blobs.identity();
+        ensure!(
+            storage.agree_on("artifacts", place).await? == place,
+            "the files of this database are kept elsewhere: say --data with the directory that its server uses, which all must reach, \
+             or --artifacts with its bucket"
+        );
         let inner = Arc::new(Inner {
-            blobs: Blobs::open(directory, config.artifacts.as_ref()).await?,
+            blobs: blobs,
             engine: Engine::open(&database, slots).await?,
             storage,
             hub: Hub::default(),
@@ -203,6 +210,11 @@ impl Jobs {
     /// The data behind the pictures of a job.
     pub async fn load_job_layers(&self, id: Uuid) -> Result<Arc<JobLayers>, JobsError> {
         self.0.layers(id).await
+    }
+
+    /// What a campaign has found so far.
+    pub async fn cells(&self, id: Uuid) -> Result<CampaignSoFar, JobsError> {
+        self.0.cells_so_far(id).await
     }
 
     /// Jobs side by side; `baseline` is the place of the one that the others are compared with.
@@ -318,7 +330,9 @@ impl Inner {
 
     async fn sweep_tables(&self) -> anyhow::Result<()> {
         self.engine.sweep().await?;
-        self.storage.forget_keys(KEY_AGE).await
+        self.storage.forget_keys(KEY_AGE).await?;
+        // What a bucket that was out of reach still has.
+        Ok(self.sweep(Vec::new()).await?)
     }
 }
 

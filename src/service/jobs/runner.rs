@@ -108,7 +108,7 @@ impl Inner {
     /// Keeps what was made, and writes how the job ended; an error means that somebody has to run it again.
     async fn conclude(&self, job: &ClaimedJob, control: &Control, made: Result<Product, Failure>) -> anyhow::Result<()> {
         // Until the end is written, the files belong to nobody; nobody may sweep them up meanwhile.
-        let _no_sweeping = self.sweeping.read().await;
+        let _no_sweeping = self.no_sweeping().await?;
         let kept = match made {
             Ok(product) => self.keep(product).await.map_err(Failure::Internal),
             Err(failure) => Err(failure),

@@ -4,7 +4,7 @@ use anyhow::{Context, bail, ensure};
 use sqlx::AnyPool;
 use sqlx::any::{AnyConnectOptions, AnyPoolOptions};
 use sqlx::migrate::{MigrateError, Migrator};
-use sqlx::{Any, AnyConnection, Executor, Transaction};
+use sqlx::{Any, AnyConnection, Connection, Executor, Transaction};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::time::{Duration, Instant};
@@ -15,7 +15,9 @@ static POSTGRES_TABLES: Migrator = sqlx::migrate!("src/service/storage/migration
 /// SQLite connections that may read at the same time.
 const READERS: u32 = 4;
 /// Connections to PostgreSQL of one process.
-const CONNECTIONS: u32 = 8;
+const CONNECTIONS: u32 = 6;
+/// Connections that may hold a guard at the same time; others wait.
+const GUARDS: u32 = 2;
 /// A database that does not answer is asked again until this has passed: longer than a restart takes.
 const PATIENCE: Duration = Duration::from_secs(60);
 /// The same at the start, when somebody waits for a word.
@@ -39,7 +41,14 @@ pub struct Storage {
     pub(super) write: AnyPool,
     /// Whether other processes write as well.
     pub(super) is_shared: bool,
+    guards: AnyPool,
 }
+
+/// While it lives, no other process removes unused files.
+pub struct NoSweeping(#[allow(dead_code, reason = "held, not read")] Option<Transaction<'static, Any>>);
+
+/// While it lives, no other process keeps files, nor removes them.
+pub struct Sweeping(#[allow(dead_code, reason = "held, not read")] Option<Transaction<'static, Any>>);
 
 impl Storage {
     /// Opens the tables, making them and bringing them up to date where needed.
@@ -65,6 +74,42 @@ impl Storage {
         Ok(transaction)
     }
 
+    /// For whoever keeps files whose rows come later.
+    pub async fn no_sweeping(&self) -> anyhow::Result<NoSweeping> {
+        Ok(NoSweeping(self.guard("LOCK TABLE sweeping IN SHARE MODE").await?))
+    }
+
+    /// For whoever removes files that no row has.
+    pub async fn sweeping(&self) -> anyhow::Result<Sweeping> {
+        Ok(Sweeping(self.guard("LOCK TABLE sweeping IN EXCLUSIVE MODE").await?))
+    }
+
+    /// On connections of its own: whoever holds a guard needs another for the change itself.
+    async fn guard(&self, statement: &'static str) -> anyhow::Result<Option<Transaction<'static, Any>>> {
+        if !self.is_shared {
+            return Ok(None);
+        }
+        let mut transaction = self.guards.begin().await?;
+        sqlx::query(statement).execute(&mut *transaction).await?;
+        Ok(Some(transaction))
+    }
+
+    /// Sets what all processes have to agree on, unless one of them has done so; gives what is set.
+    pub async fn agree_on(&self, name: &str, value: &str) -> anyhow::Result<String> {
+        if !self.is_shared {
+            return Ok(value.to_owned());
+        }
+        let mut transaction = self.begin().await?;
+        sqlx::query("INSERT INTO settings (name, value) VALUES ($1, $2) ON CONFLICT DO NOTHING")
+            .bind(name)
+            .bind(value)
+            .execute(&mut *transaction)
+            .await?;
+        let set = sqlx::query_scalar("SELECT value FROM settings WHERE name = $1").bind(name).fetch_one(&mut *transaction).await?;
+        transaction.commit().await?;
+        Ok(set)
+    }
+
     /// Whether the database answers.
     pub async fn check(&self) -> anyhow::Result<()> {
         sqlx::query("SELECT 1").execute(&self.read).await?;
@@ -80,10 +125,14 @@ impl Storage {
 async fn open_sqlite(path: &Path) -> anyhow::Result<Storage> {
     // FULL: what was answered is on the disk, also when the power fails.
     let setup = "PRAGMA busy_timeout = 30000; PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON";
+    // A pool would try again and again where a file is not a database; one connection says so.
+    let mut first = AnyConnection::connect_with(&sqlite_options(path, "rwc")?).await?;
+    first.execute(sqlx::raw_sql(setup)).await?;
+    first.close().await?;
     let write = pool(1, setup).connect_with(sqlite_options(path, "rwc")?).await?;
     migrate(&SQLITE_TABLES, &write).await?;
     let read = pool(READERS, "PRAGMA busy_timeout = 30000").connect_with(sqlite_options(path, "ro")?).await?;
-    Ok(Storage { read, write, is_shared: false })
+    Ok(Storage { guards: read.clone(), read, write, is_shared: false })
 }
 
 fn sqlite_options(path: &Path, mode: &str) -> anyhow::Result<AnyConnectOptions> {
@@ -103,7 +152,8 @@ async fn open_postgres(url: &str) -> anyhow::Result<Storage> {
     let number: i64 = version.parse().unwrap_or(0);
     ensure!(number >= OLDEST_POSTGRES, "it is PostgreSQL {}; {} or newer is needed", number / 10_000, OLDEST_POSTGRES / 10_000);
     migrate(&POSTGRES_TABLES, &pool).await?;
-    Ok(Storage { read: pool.clone(), write: pool, is_shared: true })
+    let guards = self::pool(GUARDS, "").connect_lazy_with(AnyConnectOptions::from_str(url)?);
+    Ok(Storage { read: pool.clone(), write: pool, is_shared: true, guards })
 }
 
 /// Waits until the database answers, for it may be starting as well.

@@ -22,7 +22,7 @@ mod statement;
 pub use admission::{Admission, IdempotencyKey, NewJob, SourceId, SourceRef};
 pub use change::{Changed, Ready};
 pub use chunks::{Chunk, ChunkKind, ChunkResult, ClaimedChunk, NewChunk};
-pub use database::{Database, Storage};
+pub use database::{Database, NoSweeping, Storage};
 pub use datasets::{NewDataset, StoredDataset};
 pub use filter::{DatasetFilter, JobFilter, Sort};
 pub use jobs::{Cancellation, Deletion, StoredArtifact};

@@ -13,6 +13,16 @@ pub struct CampaignResult {
     pub cells: Vec<CampaignCell>,
 }
 
+/// What a campaign has found so far.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct CampaignSoFar {
+    /// Whether this is the result of the report.
+    pub is_final: bool,
+    /// Runs that are told of: as many of each cell as all cells have.
+    pub runs: u64,
+    pub result: CampaignResult,
+}
+
 /// What the runs of one cell gave. Each run by itself is in the file `runs.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct CampaignCell {
@@ -20,7 +30,7 @@ pub struct CampaignCell {
     /// Its point on each axis.
     pub parameters: BTreeMap<String, String>,
     pub runs: u64,
-    /// Why it has no more: `runs` (all are done) or `half_width` (of `stop_at`, reached).
+    /// Why it has no more: `runs` (all are done) or `half_width` (of `stop_at`, reached); `not_yet` while the campaign is running.
     pub ended: String,
     pub outcomes: BTreeMap<String, OutcomeSummary>,
     /// Run by run to the cell it is compared with.

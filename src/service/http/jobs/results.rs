@@ -5,7 +5,7 @@ use super::super::extract::{Id, IdAndName};
 use super::super::query::NoParams;
 use super::super::state::{AppState, FileContent};
 use crate::service::error::ApiResult;
-use crate::service::types::{ArtifactList, Report};
+use crate::service::types::{ArtifactList, CampaignSoFar, Report};
 use axum::Json;
 use axum::extract::State;
 use axum::http::HeaderMap;
@@ -14,7 +14,11 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 pub fn routes() -> OpenApiRouter<AppState> {
-    OpenApiRouter::new().routes(routes!(get_job_report)).routes(routes!(list_job_artifacts)).routes(routes!(download_job_artifact))
+    OpenApiRouter::new()
+        .routes(routes!(get_job_report))
+        .routes(routes!(list_job_artifacts))
+        .routes(routes!(download_job_artifact))
+        .routes(routes!(get_campaign_cells))
 }
 
 /// Get the report of a job
@@ -26,6 +30,17 @@ pub fn routes() -> OpenApiRouter<AppState> {
     responses((status = 200, description = "The report.", body = Report)))]
 async fn get_job_report(State(app): State<AppState>, Id(id): Id, _: NoParams, headers: HeaderMap) -> ApiResult {
     conditional::stored(&headers, app.jobs.report(id).await?, false).await
+}
+
+/// Get the cells of a campaign
+///
+/// What the runs that are made say of the cells, while others are still being made, and after a campaign failed or was canceled: of as many
+/// runs of each cell as all cells have. Refused with `result_not_ready` until there is a run. Another kind of job has none.
+#[utoipa::path(get, path = "/v1/jobs/{id}/cells", operation_id = "getCampaignCells", tag = "results",
+    params(("id" = uuid::Uuid, Path, description = "Identity of the job.")),
+    responses((status = 200, description = "The cells.", body = CampaignSoFar)))]
+async fn get_campaign_cells(State(app): State<AppState>, Id(id): Id, _: NoParams, headers: HeaderMap) -> ApiResult {
+    conditional::weakly_tagged(&headers, &app.jobs.cells(id).await?)
 }
 
 /// List the files of a job

@@ -19,6 +19,19 @@ impl Directory {
         Ok(Directory { root })
     }
 
+    /// A word that is in this directory and in no other.
+    pub fn identity(&self) -> anyhow::Result<String> {
+        let path = self.root.join("identity");
+        let ours = self.root.join(format!("identity-{}", uuid::Uuid::now_v7()));
+        if !path.exists() {
+            // Of several that begin at once, one leaves its word; linking fails where there is one.
+            fs::write(&ours, uuid::Uuid::now_v7().to_string()).with_context(|| format!("cannot write to {}", self.root.display()))?;
+            let _ = fs::hard_link(&ours, &path);
+            fs::remove_file(&ours).context("cannot remove a file of blobs")?;
+        }
+        fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))
+    }
+
     /// Where the blob is, or would be.
     pub fn path(&self, sha256: &str) -> PathBuf {
         self.root.join(shard(sha256)).join(sha256)

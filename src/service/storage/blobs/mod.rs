@@ -17,11 +17,16 @@ use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
+
+/// Nothing stays half-written so long.
+const OLD: Duration = Duration::from_secs(24 * 3600);
 
 /// The blobs of one data directory. All calls block, and belong on threads that may.
 #[derive(Debug, Clone)]
 pub struct Blobs {
     place: Place,
+    identity: String,
     temporary: PathBuf,
 }
 
@@ -32,21 +37,34 @@ enum Place {
 }
 
 impl Blobs {
-    /// Makes the directories, throws away what an earlier process left half-written, and tries the bucket if there is one.
+    /// Makes the directories, throws away what an earlier process left half-written, and tries the bucket if there is one. Where
+    /// other processes use the directory as well, this one has a place of its own for what is half-written.
     ///
     /// # Errors
     /// When a directory cannot be made, or the bucket cannot be written, read and removed from.
-    pub async fn open(data_dir: &Path, bucket: Option<&BucketUrl>) -> anyhow::Result<Blobs> {
-        let temporary = data_dir.join("tmp");
-        if temporary.exists() {
+    pub async fn open(data_dir: &Path, bucket: Option<&BucketUrl>, is_shared: bool) -> anyhow::Result<Blobs> {
+        let mut temporary = data_dir.join("tmp");
+        if is_shared {
+            remove_old(&temporary);
+            temporary.push(uuid::Uuid::now_v7().to_string());
+        } else if temporary.exists() {
             fs::remove_dir_all(&temporary).with_context(|| format!("cannot empty {}", temporary.display()))?;
         }
         fs::create_dir_all(&temporary).with_context(|| format!("cannot make {}", temporary.display()))?;
-        let place = match bucket {
-            None => Place::Directory(Directory::open(data_dir.join("blobs"))?),
-            Some(url) => Place::Bucket(Arc::new(Bucket::open(url, data_dir, &temporary).await?)),
+        let (place, identity) = match bucket {
+            None => {
+                let directory = Directory::open(data_dir.join("blobs"))?;
+                let identity = directory.identity()?;
+                (Place::Directory(directory), identity)
+            }
+            Some(url) => (Place::Bucket(Arc::new(Bucket::open(url, data_dir, &temporary).await?)), url.to_string()),
         };
-        Ok(Blobs { place, temporary })
+        Ok(Blobs { place, identity, temporary })
+    }
+
+    /// What tells this place from any other: the bucket's address, or a word that was left in the directory when it was made.
+    pub fn identity(&self) -> &str {
+        &self.identity
     }
 
     /// For files on their way in; on the same file system as what is kept here.
@@ -110,6 +128,17 @@ impl Blobs {
     }
 }
 
+/// Throws away what processes that are long gone have left half-written.
+fn remove_old(temporary: &Path) {
+    let is_old = |entry: &fs::DirEntry| {
+        let changed = entry.metadata().and_then(|data| data.modified()).ok();
+        changed.and_then(|changed| changed.elapsed().ok()).is_some_and(|age| age > OLD)
+    };
+    for entry in fs::read_dir(temporary).into_iter().flatten().flatten().filter(is_old) {
+        let _ = fs::remove_dir_all(entry.path());
+    }
+}
+
 /// SHA-256 in lower-case hex.
 pub fn sha256_hex(bytes: &[u8]) -> String {
     hex(&Sha256::digest(bytes))
@@ -127,7 +156,7 @@ mod tests {
     #[tokio::test]
     async fn the_same_bytes_are_one_file_under_their_published_hash() {
         let directory = tempfile::tempdir().unwrap();
-        let blobs = Blobs::open(directory.path(), None).await.unwrap();
+        let blobs = Blobs::open(directory.path(), None, false).await.unwrap();
         let sha256 = blobs.put(b"abc").unwrap();
         assert_eq!(sha256, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
         assert_eq!(blobs.put(b"abc").unwrap(), sha256);
@@ -144,17 +173,29 @@ mod tests {
     #[tokio::test]
     async fn opening_throws_away_half_written_files() {
         let directory = tempfile::tempdir().unwrap();
-        let blobs = Blobs::open(directory.path(), None).await.unwrap();
+        let blobs = Blobs::open(directory.path(), None, false).await.unwrap();
         fs::write(blobs.temporary().join("half"), b"x").unwrap();
-        Blobs::open(directory.path(), None).await.unwrap();
+        Blobs::open(directory.path(), None, false).await.unwrap();
         assert_eq!(fs::read_dir(blobs.temporary()).unwrap().count(), 0);
+    }
+
+    #[tokio::test]
+    async fn processes_that_share_a_directory_leave_each_others_files_alone_and_know_it_again() {
+        let (directory, other) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let first = Blobs::open(directory.path(), None, true).await.unwrap();
+        fs::write(first.temporary().join("half"), b"x").unwrap();
+        let second = Blobs::open(directory.path(), None, true).await.unwrap();
+        assert!(first.temporary().join("half").exists());
+        assert_eq!(first.identity(), second.identity());
+        let elsewhere = Blobs::open(other.path(), None, true).await.unwrap();
+        assert_ne!(first.identity(), elsewhere.identity());
     }
 
     #[cfg(not(feature = "s3"))]
     #[tokio::test]
     async fn a_bucket_is_refused_by_a_program_that_was_built_without() {
         let directory = tempfile::tempdir().unwrap();
-        let refused = Blobs::open(directory.path(), Some(&"s3://tracks/lab".parse().unwrap())).await.unwrap_err();
+        let refused = Blobs::open(directory.path(), Some(&"s3://tracks/lab".parse().unwrap()), false).await.unwrap_err();
         assert_eq!(
             refused.to_string(),
             "artefacts cannot be kept at s3://tracks/lab: this trackloom was built without the feature s3 \

@@ -4,6 +4,9 @@
 -- Whoever writes locks it, so that two changes never meet half-way.
 CREATE TABLE one_writer (nothing INTEGER);
 
+-- Locked for sharing while files wait for their rows, and for itself while unused files are removed.
+CREATE TABLE sweeping (nothing INTEGER);
+
 -- What all processes must agree on.
 CREATE TABLE settings (
     name  TEXT PRIMARY KEY,
