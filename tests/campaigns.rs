@@ -398,6 +398,7 @@ fn the_result_does_not_depend_on_how_runs_are_cut_into_pieces_and_in_which_order
 }
 
 #[test]
+#[expect(clippy::single_range_in_vec_init, reason = "lots are lists of ranges of runs")]
 fn lots_take_about_the_time_that_the_first_runs_tell() {
     let body = campaign(json!({"runs": 50, "timed_runs": 0}));
     let plan = plan(JobKind::Campaign, &body).unwrap();
