@@ -398,6 +398,7 @@ fn the_result_does_not_depend_on_how_runs_are_cut_into_pieces_and_in_which_order
 }
 
 #[test]
+#[expect(clippy::single_range_in_vec_init, reason = "lots are lists of ranges of runs")]
 fn lots_take_about_the_time_that_the_first_runs_tell() {
     let body = campaign(json!({"runs": 50, "timed_runs": 0}));
     let plan = plan(JobKind::Campaign, &body).unwrap();
@@ -413,4 +414,22 @@ fn lots_take_about_the_time_that_the_first_runs_tell() {
     let lots = campaign.cut(items, &pieces, std::time::Duration::from_millis(40));
     assert_eq!(lots, [vec![4..44], vec![44..84], vec![84..100]]);
     assert_eq!(campaign.name_of(45), "cell 'jpda', run 22");
+}
+
+#[test]
+fn a_run_makes_no_files_and_says_the_same() {
+    let jobs = [
+        (JobKind::Evaluate, base(), 10),
+        (JobKind::Correlate, presets::find("huo2008").unwrap().body, 3),
+        (JobKind::Group, presets::find("cai-fuzzy-cv-10").unwrap().body["base"].clone(), 1),
+    ];
+    for (kind, mut body, least_files) in jobs {
+        body.as_object_mut().unwrap().remove("kind");
+        let job = plan(kind, &body).unwrap();
+        let with_files = run(&job, Vec::new(), &mut Silent).unwrap();
+        let without = run(&Plan { wants_files: false, ..job }, Vec::new(), &mut Silent).unwrap();
+        assert!(with_files.artifacts.len() >= least_files, "{kind:?}: {}", with_files.artifacts.len());
+        assert_eq!(without.artifacts.len(), 0, "{kind:?}");
+        assert_eq!(without.result, with_files.result, "{kind:?}");
+    }
 }
