@@ -4,14 +4,15 @@ use super::control::{Control, Stop};
 use super::meter::Meter;
 use super::report::{self, ReportInput, Timing};
 use super::runner::{Failure, Product, load};
+use super::submit::planned;
 use super::{Inner, JobsError};
 use crate::experiment::campaign::{Campaign, Items, Next, Order, Outcome, Piece};
-use crate::experiment::plan::{self, JobKind, Plan};
+use crate::experiment::plan::{JobKind, Plan};
 use crate::experiment::run::{Inputs, RunError};
 use crate::service::engine::Entry;
 use crate::service::storage::{Chunk, ChunkKind, ChunkResult, ClaimedChunk, ClaimedJob, Ending, NewChunk};
 use crate::service::types::{CampaignResult, CampaignSoFar, JobState, Problem};
-use anyhow::Context;
+use anyhow::{Context, bail};
 use futures::FutureExt;
 use serde::Deserialize;
 use std::collections::VecDeque;
@@ -75,11 +76,11 @@ enum Made {
 impl Inner {
     /// Makes the claimed job a campaign: its chunks follow.
     pub(super) async fn start_campaign(&self, job: &ClaimedJob) -> anyhow::Result<()> {
-        let spec = job.spec.clone();
-        let planned = tokio::task::spawn_blocking(move || plan::plan(JobKind::Campaign, &spec)).await?;
-        let changed = match planned.map(|plan| plan.campaign.map_or(0, |campaign| campaign.total())) {
-            Ok(runs_total) => self.storage.start_campaign(job, runs_total).await?,
-            Err(faults) => self.storage.finish(job, &Ending::Failed(Problem::validation(faults))).await?,
+        let changed = match self.loaded(job.id, watch::channel(None).1).await {
+            Ok(loaded) => self.storage.start_campaign(job, loaded.campaign.total()).await?,
+            Err(Failure::Faults(faults)) => self.storage.finish(job, &Ending::Failed(Problem::validation(faults))).await?,
+            Err(Failure::Internal(error)) => return Err(error),
+            Err(Failure::Stopped) => bail!("nobody stops the reading of a campaign"),
         };
         self.publish(changed.unwrap_or_default()).await;
         Ok(())
@@ -196,8 +197,7 @@ impl Inner {
             return Ok(loaded);
         }
         let spec = self.storage.spec(id).await?;
-        let plan = tokio::task::spawn_blocking(move || plan::plan(JobKind::Campaign, &spec)).await.context("planning panicked")?;
-        let plan = plan.map_err(Failure::Faults)?;
+        let plan = planned(JobKind::Campaign, spec).await?.map_err(Failure::Faults)?;
         let located = self.locate(&plan).await?;
         let mut meter = Meter::new(JobKind::Campaign, sign, watch::Sender::new(None));
         let read = move || -> Result<Loaded, Failure> {

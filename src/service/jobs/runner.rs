@@ -5,9 +5,10 @@ use super::error::is_unavailable;
 use super::inputs::Located;
 use super::meter::Meter;
 use super::report::{self, ReportInput};
+use super::submit::planned;
 use super::{Inner, JobsError};
 use crate::experiment::observer::{Observer, Step};
-use crate::experiment::plan::{self, JobKind, Plan};
+use crate::experiment::plan::{JobKind, Plan};
 use crate::experiment::run::{self, Artifact, Inputs};
 use crate::model::fault::Fault;
 use crate::service::engine::Entry;
@@ -146,7 +147,7 @@ impl Inner {
     }
 
     async fn make(&self, job: &ClaimedJob, control: &Arc<Control>, permit: OwnedSemaphorePermit) -> Result<Product, Failure> {
-        let plan = plan::plan(job.kind, &job.spec).map_err(Failure::Faults)?;
+        let plan = planned(job.kind, job.spec.clone()).await?.map_err(Failure::Faults)?;
         let located = self.locate(&plan).await?;
         let id = job.id;
         let work = move |meter: Meter| work(id, &plan, located, meter);

@@ -8,6 +8,7 @@ use crate::model::fault::Fault;
 use crate::service::storage::blobs::sha256_hex;
 use crate::service::storage::{Admission, IdempotencyKey, NewJob};
 use crate::service::types::{Job, JobKind};
+use anyhow::Context;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use uuid::Uuid;
@@ -30,7 +31,7 @@ impl Inner {
         {
             return self.answer(admission).await;
         }
-        let plan = plan::plan(kind.into(), &body).map_err(JobsError::Invalid)?;
+        let plan = planned(kind.into(), body).await?.map_err(JobsError::Invalid)?;
         let new = new_job(kind, plan, rerun_of, idempotency)?;
         let admission = self.storage.admit(&new, self.config.queue_limit).await?;
         self.answer(admission).await
@@ -51,7 +52,7 @@ impl Inner {
 
     pub(super) async fn validate(&self, kind: JobKind, body: Value) -> Result<Validation, JobsError> {
         let refused = |faults| Validation { faults, warnings: Vec::new(), estimate: None };
-        let plan = match plan::plan(kind.into(), &body) {
+        let plan = match planned(kind.into(), body).await? {
             Ok(plan) => plan,
             Err(faults) => return Ok(refused(faults)),
         };
@@ -73,6 +74,11 @@ impl Inner {
         }
         Ok(self.submit(kind, body, None, Some(id)).await?.job)
     }
+}
+
+/// Checks a request. The cells of a large campaign take a second, too long for the threads that answer requests.
+pub(super) async fn planned(kind: plan::JobKind, body: Value) -> anyhow::Result<Result<Plan, Vec<Fault>>> {
+    tokio::task::spawn_blocking(move || plan::plan(kind, &body)).await.context("planning panicked")
 }
 
 fn new_job(kind: JobKind, plan: Plan, rerun_of: Option<Uuid>, idempotency: Option<IdempotencyKey>) -> Result<NewJob, JobsError> {
