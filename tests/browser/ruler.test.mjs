@@ -20,6 +20,8 @@ async function open(more = "") {
   return page;
 }
 
+/** Waits until the address has this many coordinates; a page behind another hears of a press a little later. */
+const pointsAre = (page, count) => page.waitForFunction((wanted) => new URLSearchParams(location.search).get("ruler").split(",").length === wanted, count);
 const result = (page) => page.locator(".ruler-result").innerText();
 
 test("two presses measure, in metres as the camera says, and the address shows the same elsewhere", async () => {
@@ -29,7 +31,9 @@ test("two presses measure, in metres as the camera says, and the address shows t
   const box = await page.locator(".plan canvas").first().boundingBox();
   const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
   await page.mouse.click(x, y);
+  await pointsAre(page, 2);
   await page.mouse.click(x + 100, y - 100);
+  await pointsAre(page, 4);
   const [x0, y0, x1, y1] = parameters(page).get("ruler").split(",").map(Number);
   // 10 000 m lie across the shorter side of the drawing area; margins are 72 px wide and 54 px high.
   const scale = 10_000 / Math.min(box.width - 72, box.height - 54);
@@ -42,7 +46,8 @@ test("two presses measure, in metres as the camera says, and the address shows t
   assert.equal(await result(again), await result(page));
   await closePage(again);
   await page.mouse.click(x - 50, y);
-  assert.equal(parameters(page).get("ruler").split(",").length, 2, "a third press begins anew");
+  // A third press begins anew.
+  await pointsAre(page, 2);
   await closePage(page);
 });
 
@@ -56,7 +61,7 @@ test("a drag measures and does not pan; the ruler is put away by key", async () 
   await page.mouse.down();
   await page.mouse.move(x, y + 120, { steps: 5 });
   await page.mouse.up();
-  await page.waitForFunction(() => new URLSearchParams(location.search).get("ruler").split(",").length === 4);
+  await pointsAre(page, 4);
   assert.match(await result(page), /, 180\.0°$/);
   assert.equal(parameters(page).get("centre"), "0,0");
   await page.locator(".plan-touch").focus();

@@ -19,7 +19,7 @@ pub const SERIES: [(&str, MakeSeries); 5] = [
     ("track_probability", |layers, window| Series::TrackProbability(track_probability(layers, window))),
     ("scan_counts", |layers, window| Series::ScanCounts(scan_counts(layers, window))),
     ("bearing_time", |layers, window| Series::BearingTime(bearing_time::of(layers, window))),
-    ("gates", |layers, window| Series::Gates(gates::of(layers, window))),
+    ("gates", |layers, window| Series::Gates(Box::new(gates::of(layers, window)))),
     ("metrics", |layers, window| Series::Metrics(over_time(&layers.metrics, window))),
 ];
 
@@ -30,7 +30,7 @@ pub enum Series {
     TrackProbability(TrackProbabilitySeries),
     ScanCounts(ScanCountsSeries),
     BearingTime(BearingTimeSeries),
-    Gates(GatesSeries),
+    Gates(Box<GatesSeries>),
     Metrics(MetricsSeries),
 }
 

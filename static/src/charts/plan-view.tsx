@@ -193,6 +193,11 @@ class PlanDrawing {
     setParams({ ...frozen, track: null, truth: null, ...found }, "push");
   }
 
+  /** Where a cell is large on the screen, single detections say more. */
+  hasDots(density: Density | undefined): boolean {
+    return !density || density.cell_m > CELL_PX * metresPerPixel(this.look(), this.size());
+  }
+
   draw(chart: Chart, moment: Moment): void {
     if (chart !== this.chart) this.shown = "";
     this.chart = chart;
@@ -200,8 +205,7 @@ class PlanDrawing {
     const palette = readPalette();
     const view = axes(this.look(), this.size(), palette);
     const density = this.density(moment);
-    // Where a cell is large on the screen, single detections say more.
-    const dots = !density || density.cell_m > CELL_PX * metresPerPixel(this.look(), this.size());
+    const dots = this.hasDots(density);
     const ruler = rulerSeries(this.ruler(), palette);
     const hasGates = gatesAt(gates, moment.track, moment.now).length;
     const content = JSON.stringify([moment.from, moment.now, [...moment.hidden], moment.truth, moment.track, theme.peek(), dots, hasGates]);
@@ -246,7 +250,7 @@ export function PlanView(props: PlanViewProps): JSX.Element {
   const gateCount = gatesAt(gates, moment.track, moment.now).length;
   const badge = reducedBadge([
     { name: "truth", ...plan.truth },
-    ...(density ? [] : [{ name: "detections", ...plan.detections }]),
+    ...(drawing.hasDots(density) ? [{ name: "detections", ...plan.detections }] : []),
     { name: "tracks", ...plan.tracks },
   ]);
   const zoom = (factor: number) => () => drawing.move(zoomed(drawing.look(), factor));

@@ -1,7 +1,7 @@
 // What is chosen in the pictures of a job: a truth, a track, how its verdict was decided, how its tuple was made.
 
 import type { JSX } from "preact";
-import { useState } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
 import { partsOf, type Gates, type Report, type TargetVerdict, type Tfa } from "../api/types";
 import { timeText } from "../charts/axes";
 import type { BearingScene } from "../charts/bearing-scene";
@@ -18,7 +18,9 @@ const LISTED_UP_TO = 500;
 const SUGGESTED = 50;
 
 function Find({ name, label, ids }: { name: "track" | "truth"; label: string; ids: string[] }): JSX.Element {
-  const [text, setText] = useState("");
+  const chosen = param(name) ?? "";
+  const [text, setText] = useState(chosen);
+  useEffect(() => setText(chosen), [chosen]);
   const suggested = ids.filter((id) => id.includes(text)).slice(0, SUGGESTED);
   return (
     <label>
@@ -26,7 +28,7 @@ function Find({ name, label, ids }: { name: "track" | "truth"; label: string; id
       <input
         type="search"
         list={`ids-${name}`}
-        value={param(name) ?? ""}
+        value={text}
         placeholder={`one of ${ids.length}`}
         onInput={(event) => setText(event.currentTarget.value)}
         onChange={(event) => setParams({ [name]: event.currentTarget.value }, "push")}
