@@ -9,7 +9,7 @@ use trackloom::experiment::plan::{JobKind, plan};
 use trackloom::service::openapi;
 
 /// Clients have these names in their code: one may be added, none may change.
-const OPERATIONS: [&str; 36] = [
+const OPERATIONS: [&str; 37] = [
     "cancelJob",
     "compareJobs",
     "createAssociateJob",
@@ -22,6 +22,7 @@ const OPERATIONS: [&str; 36] = [
     "deleteJob",
     "downloadDataset",
     "downloadJobArtifact",
+    "getCampaignCells",
     "getDataset",
     "getHealth",
     "getJob",

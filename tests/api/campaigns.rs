@@ -1,6 +1,6 @@
 //! Campaigns over HTTP: accepted, run, read, refused, canceled.
 
-use crate::helpers::{Api, id};
+use crate::helpers::{Api, id, send, small};
 use serde_json::{Value, json};
 
 fn campaign() -> Value {
@@ -53,4 +53,42 @@ async fn a_campaign_that_cannot_run_is_refused_with_every_fault() {
     long["outcomes"] = (0..30).map(|number| json!({"name": number.to_string(), "path": "tfa.counts.correct"})).collect();
     let refused = api.post("/v1/jobs/campaign", &long).await;
     assert_eq!(pointers(refused.problem()), ["/runs"]);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_cells_of_a_campaign_are_told_while_it_runs_after_it_was_canceled_and_when_it_has_ended() {
+    let api = Api::start().await;
+    let mut body = campaign();
+    // Some seconds of work, so that it is running while it is asked.
+    (body["runs"], body["timed_runs"]) = (json!(20_000), json!(0));
+    let job = api.post("/v1/jobs/campaign", &body).await.ok(202);
+    let path = format!("/v1/jobs/{}/cells", id(&job));
+    let so_far = loop {
+        let answer = api.get(&path).await;
+        if answer.status == 200 {
+            break answer.ok(200);
+        }
+        assert_eq!(answer.status, 409);
+        assert_eq!(answer.problem()["code"], "result_not_ready");
+        tokio::time::sleep(std::time::Duration::from_millis(50)).await;
+    };
+    assert_eq!(so_far["is_final"], false);
+    let cells = so_far["result"]["cells"].as_array().unwrap();
+    let runs = so_far["runs"].as_u64().unwrap();
+    assert!(runs > 0 && runs < 40_000, "{runs}");
+    assert_eq!(
+        cells.iter().map(|cell| (cell["runs"].as_u64(), cell["ended"].as_str())).collect::<Vec<_>>(),
+        [(Some(runs / 2), Some("not_yet")); 2]
+    );
+    assert_eq!(cells[1]["differences"]["targets"]["mean"], 0.0);
+    send(api.request(reqwest::Method::POST, &format!("/v1/jobs/{}/cancel", id(&job)))).await.ok(202);
+    let kept = api.get(&path).await.ok(200);
+    assert!(kept["runs"].as_u64() >= Some(runs) && kept["is_final"] == false);
+
+    let ended = api.run("campaign", &campaign()).await;
+    let all = api.get(&format!("/v1/jobs/{}/cells", id(&ended))).await.ok(200);
+    let report = api.get(&format!("/v1/jobs/{}/report", id(&ended))).await.ok(200);
+    assert_eq!((&all["is_final"], &all["runs"], &all["result"]), (&json!(true), &json!(8), &report["result"]));
+    let other = api.run("simulate", &small()).await;
+    assert_eq!(api.get(&format!("/v1/jobs/{}/cells", id(&other))).await.status, 404);
 }

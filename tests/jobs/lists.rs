@@ -98,7 +98,7 @@ async fn a_list_of_a_hundred_thousand_jobs_is_as_quick_as_a_short_one() {
     let service = service
         .restart(&["INSERT INTO jobs (id, kind, state, spec, spec_sha256, seed, engine_version, created_at, queued_at, last_seq)
              WITH RECURSIVE n (i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < 100000)
-             SELECT printf('%08x-0000-7000-8000-000000000000', i), 'associate', CASE i % 4 WHEN 0 THEN 'failed' ELSE 'succeeded' END,
+             SELECT (10000000 + i) || '-0000-7000-8000-000000000000', 'associate', CASE i % 4 WHEN 0 THEN 'failed' ELSE 'succeeded' END,
                  '{}', 'x', 1, '0', created_at + i, created_at, 0 FROM n, jobs"])
         .await;
     let recent = JobFilter::default();

@@ -3,7 +3,6 @@
 use futures::StreamExt;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
-use sqlx::sqlite::{SqliteConnectOptions, SqlitePoolOptions};
 use std::path::Path;
 use std::time::Duration;
 use tempfile::TempDir;
@@ -16,6 +15,7 @@ use uuid::Uuid;
 pub struct Service {
     pub jobs: Jobs,
     pub directory: TempDir,
+    database: Option<String>,
 }
 
 impl std::ops::Deref for Service {
@@ -31,14 +31,19 @@ pub async fn start() -> Service {
 
 pub async fn start_with(change: impl FnOnce(&mut Config)) -> Service {
     let directory = tempfile::tempdir().unwrap();
-    let jobs = open(directory.path(), change).await;
-    Service { jobs, directory }
+    let database = new_database().await;
+    let jobs = open_on(&database, directory.path(), change).await;
+    Service { jobs, directory, database }
 }
 
 pub async fn open(directory: &Path, change: impl FnOnce(&mut Config)) -> Jobs {
+    open_on(&None, directory, change).await
+}
+
+async fn open_on(database: &Option<String>, directory: &Path, change: impl FnOnce(&mut Config)) -> Jobs {
     let mut config = Config::new(directory);
     config.slots = 2;
-    config.database_url = new_database().await;
+    config.database_url.clone_from(database);
     change(&mut config);
     Jobs::open(config).await.unwrap()
 }
@@ -57,16 +62,16 @@ impl Service {
     /// Stops the service, lets `meanwhile` at its tables, and starts it again.
     pub async fn restart(self, meanwhile: &[&'static str]) -> Service {
         self.jobs.shutdown().await;
-        let Service { jobs, directory } = self;
+        let Service { jobs, directory, database } = self;
         drop(jobs);
-        let options = SqliteConnectOptions::new().filename(directory.path().join("app.db"));
-        let pool = SqlitePoolOptions::new().connect_with(options).await.unwrap();
+        let url = database.clone().unwrap_or_else(|| format!("sqlite://{}", directory.path().join("app.db").display()));
+        let pool = sqlx::AnyPool::connect(&url).await.unwrap();
         for statement in meanwhile {
             sqlx::query(*statement).execute(&pool).await.unwrap();
         }
         pool.close().await;
-        let jobs = open(directory.path(), |_| {}).await;
-        Service { jobs, directory }
+        let jobs = open_on(&database, directory.path(), |_| {}).await;
+        Service { jobs, directory, database }
     }
 
     pub async fn submit_ok(&self, kind: JobKind, body: Value) -> Job {

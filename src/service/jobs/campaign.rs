@@ -149,7 +149,7 @@ impl Inner {
         };
         let result = match kept {
             Ok(result) => Some(result),
-            Err(failure) => self.ending_of(chunk.job_id, control, failure).map(ChunkResult::Ended),
+            Err(failure) => self.ending_of(chunk.job_id, "a chunk of the campaign", control, failure).map(ChunkResult::Ended),
         };
         let changed = self
             .written(chunk.job_id, || match &result {

@@ -100,7 +100,7 @@ impl Jobs {
              or --artifacts with its bucket"
         );
         let inner = Arc::new(Inner {
-            blobs: blobs,
+            blobs,
             engine: Engine::open(&database, slots).await?,
             storage,
             hub: Hub::default(),

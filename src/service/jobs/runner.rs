@@ -114,7 +114,7 @@ impl Inner {
             Ok(product) => self.keep(product).await.map_err(Failure::Internal),
             Err(failure) => Err(failure),
         };
-        let ending = kept.map_or_else(|failure| self.ending_of(job.id, control, failure), Some);
+        let ending = kept.map_or_else(|failure| self.ending_of(job.id, "the job", control, failure), Some);
         let changed = self
             .written(job.id, || match &ending {
                 Some(ending) => self.storage.finish(job, ending).boxed(),
@@ -126,11 +126,11 @@ impl Inner {
     }
 
     /// `None` hands the work back to the queue.
-    pub(super) fn ending_of(&self, job_id: Uuid, control: &Control, failure: Failure) -> Option<Ending> {
+    pub(super) fn ending_of(&self, job_id: Uuid, what: &str, control: &Control, failure: Failure) -> Option<Ending> {
         match (failure, control.reason()) {
             (Failure::Stopped, Some(Stop::ShuttingDown)) => None,
             (Failure::Stopped, Some(Stop::TimeLimit)) => {
-                let detail = format!("it ran longer than {} s", self.config.job_time_limit.as_secs_f64());
+                let detail = format!("{what} ran longer than {} s", self.config.job_time_limit.as_secs_f64());
                 Some(Ending::Failed(Problem::new("time_limit", detail)))
             }
             (Failure::Stopped, _) => Some(Ending::Canceled),

@@ -102,7 +102,8 @@ impl Storage {
             .await?;
         let taken = take_over(&mut transaction, job.id).await?;
         let kind = if taken == 0 { ChunkKind::Pilot } else { ChunkKind::Look };
-        let items = if taken == 0 { vec![0..runs_total] } else { Vec::new() };
+        // A look needs none.
+        let items: Vec<Range<u64>> = (taken == 0).then_some(0..runs_total).into_iter().collect();
         let ready = vec![add_chunk(&mut transaction, job.id, kind, &items).await?];
         transaction.commit().await?;
         Ok(Some(Changed { touched: vec![job.id], ready }))

@@ -1,3 +1,5 @@
+#![expect(clippy::single_range_in_vec_init, reason = "a list of one range is meant")]
+
 use super::*;
 use crate::service::storage::change::parse_id;
 use crate::service::storage::{Admission, Cancellation, Claim, Database, NewJob};
