@@ -246,7 +246,7 @@ impl Inner {
             match write().await {
                 Ok(Some(changed)) => return Ok(changed),
                 Ok(None) => {
-                    tracing::warn!(%job_id, "it has ended already, by another copy or a wish; what this one made is dropped");
+                    tracing::info!(%job_id, "it has ended already, by another copy or a wish; what this one made is dropped");
                     return Ok(Changed::default());
                 }
                 Err(error) => {
