@@ -190,7 +190,7 @@ pub(super) async fn end_with(connection: &mut AnyConnection, job: &ClaimedJob, e
     }
 }
 
-async fn is_running(connection: &mut AnyConnection, job: &ClaimedJob) -> anyhow::Result<bool> {
+pub(super) async fn is_running(connection: &mut AnyConnection, job: &ClaimedJob) -> anyhow::Result<bool> {
     let running: i64 = sqlx::query_scalar("SELECT count(*) FROM jobs WHERE id = $1 AND attempt = $2 AND state = 'running'")
         .bind(job.id.to_string())
         .bind(i64::from(job.attempt))

@@ -11,7 +11,7 @@ pub(super) use rows::recover_chunks;
 
 use super::Storage;
 use super::change::{Changed, Ready, priority_of};
-use super::life::{ClaimedJob, Ending, end_with};
+use super::life::{ClaimedJob, Ending, end_with, is_running};
 use anyhow::Context;
 use rows::{
     add_chunk, campaign_of, count_runs, end_chunk, give_up, insert_chunk, is_wanted, look_if_all_done, next_number, ready_chunk, take_over,
@@ -87,12 +87,7 @@ impl Storage {
     pub async fn start_campaign(&self, job: &ClaimedJob, runs_total: u64) -> anyhow::Result<Option<Changed>> {
         let mut transaction = self.begin().await?;
         let id = job.id.to_string();
-        let is_running: i64 = sqlx::query_scalar("SELECT count(*) FROM jobs WHERE id = $1 AND attempt = $2 AND state = 'running'")
-            .bind(&id)
-            .bind(i64::from(job.attempt))
-            .fetch_one(&mut *transaction)
-            .await?;
-        if is_running == 0 {
+        if !is_running(&mut transaction, job).await? {
             return Ok(None);
         }
         sqlx::query("INSERT INTO campaigns (job_id, runs_total) VALUES ($1, $2) ON CONFLICT DO NOTHING")
