@@ -45,10 +45,14 @@ pub struct Storage {
 }
 
 /// While it lives, no other process removes unused files.
-pub struct NoSweeping(#[allow(dead_code, reason = "held, not read")] Option<Transaction<'static, Any>>);
+pub struct NoSweeping {
+    _held: Option<Transaction<'static, Any>>,
+}
 
 /// While it lives, no other process keeps files, nor removes them.
-pub struct Sweeping(#[allow(dead_code, reason = "held, not read")] Option<Transaction<'static, Any>>);
+pub struct Sweeping {
+    _held: Option<Transaction<'static, Any>>,
+}
 
 impl Storage {
     /// Opens the tables, making them and bringing them up to date where needed.
@@ -76,12 +80,12 @@ impl Storage {
 
     /// For whoever keeps files whose rows come later.
     pub async fn no_sweeping(&self) -> anyhow::Result<NoSweeping> {
-        Ok(NoSweeping(self.guard("LOCK TABLE sweeping IN SHARE MODE").await?))
+        Ok(NoSweeping { _held: self.guard("LOCK TABLE sweeping IN SHARE MODE").await? })
     }
 
     /// For whoever removes files that no row has.
     pub async fn sweeping(&self) -> anyhow::Result<Sweeping> {
-        Ok(Sweeping(self.guard("LOCK TABLE sweeping IN EXCLUSIVE MODE").await?))
+        Ok(Sweeping { _held: self.guard("LOCK TABLE sweeping IN EXCLUSIVE MODE").await? })
     }
 
     /// On connections of its own: whoever holds a guard needs another for the change itself.

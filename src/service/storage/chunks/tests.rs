@@ -1,3 +1,4 @@
+//! A campaign on its way from its first chunk to its end.
 #![expect(clippy::single_range_in_vec_init, reason = "a list of one range is meant")]
 
 use super::*;
