@@ -9,6 +9,7 @@ import { api, assertNothingSticksOut, campaign, cellTexts, closePage, drawn, end
 
 const FOLDER = process.env.TRACKLOOM_SCREENSHOTS ?? join(tmpdir(), "trackloom-pictures");
 const CELLS = 6;
+const SLOW_MS = 300;
 
 let browser;
 before(async () => {
@@ -43,6 +44,8 @@ test("while it runs, means, intervals, curves and differences grow; a hidden pag
   const id = await start(runs, "growing");
   const page = await openPage(browser, `?view=job&job=${id}&outcome=GOSPA&x=associator`);
   const asked = [];
+  // An answer that takes a while: the next question has to wait ten times as long.
+  await page.route("**/cells", (route) => new Promise((wake) => setTimeout(wake, SLOW_MS)).then(() => route.continue()));
   const isCells = (request) => new URL(request.url()).pathname === `/v1/jobs/${id}/cells`;
   page.on("request", (request) => isCells(request) && asked.push({ begun: performance.now() }));
   page.on("requestfinished", (request) => isCells(request) && (asked.at(-1).ended = performance.now()));
@@ -58,7 +61,7 @@ test("while it runs, means, intervals, curves and differences grow; a hidden pag
   assert.ok(later.cells.every((each, index) => each > early.cells[index]), `${later.cells} after ${early.cells}`);
   await growsBeyond(page, later.runs);
   assert.deepEqual([parameters(page).get("outcome"), parameters(page).get("x")], ["GOSPA", "associator"]);
-  for (const [index, { begun }] of asked.slice(1).entries()) assert.ok(begun - asked[index].ended > 900, `asked again ${begun - asked[index].ended} ms after the answer`);
+  for (const [index, { begun }] of asked.slice(1).entries()) assert.ok(begun - asked[index].ended > 10 * SLOW_MS - 100, `asked again ${begun - asked[index].ended} ms after the answer`);
 
   await hide(page, true);
   await page.waitForTimeout(1000);
@@ -111,6 +114,16 @@ test("canceled, its numbers stay; a rerun makes the other runs and ends with the
     await seen.screenshot({ path: join(FOLDER, `campaign-kept-${theme}.png`), fullPage: true });
     await closePage(seen);
   }
+
+  const crashed = await openPage(browser, "", WIDE);
+  const error = { type: "about:blank", title: "The job ended its process", status: 500, code: "crashed", detail: "Runs from the third on were given up." };
+  await crashed.route(`**/v1/jobs/${id}`, async (route) => route.fulfill({ json: { ...(await api(`/v1/jobs/${id}`)), state: "failed", error } }));
+  await crashed.goto(page.url());
+  await crashed.getByText(error.detail).waitFor();
+  await crashed.locator(".grid-cell").first().waitFor();
+  assert.deepEqual(await gridOf(crashed, "GOSPA"), cellTexts(kept.result, "GOSPA", runs));
+  assert.equal(await crashed.getByRole("button", { name: "Rerun: make the missing runs" }).count(), 1);
+  await closePage(crashed);
 
   await page.getByRole("button", { name: "Rerun: make the missing runs" }).click();
   await page.getByText("; the numbers still move.").waitFor();
