@@ -1,8 +1,8 @@
-// A campaign: it grows under the eye, its cells, curves, differences and times are the report's, and its tables go into papers.
+// A campaign that is made: its cells, curves, differences and times are the report's, and its tables go into papers.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { api, BASE, campaign, closePage, drawn, ended, finished, openPage, parameters, preset, saved, shown, startBrowser } from "./support.mjs";
+import { api, BASE, campaign, cellTexts, closePage, drawn, ended, finished, frameOf, gridOf, openPage, parameters, preset, saved, shown, startBrowser } from "./support.mjs";
 
 let browser;
 let job;
@@ -19,19 +19,12 @@ async function open(more = "") {
   return page;
 }
 
-const frameOf = (page, name) => page.locator(".chart-frame", { has: page.getByRole("heading", { name, exact: true }) });
-
 test("the grid holds mean, interval and runs of every cell, for the chosen outcome", async () => {
   const page = await open();
   for (const outcome of report.result.outcomes) {
     await page.getByRole("combobox", { name: "Outcome" }).selectOption(outcome);
     assert.equal(parameters(page).get("outcome") ?? report.result.outcomes[0], outcome);
-    const cells = await frameOf(page, `Cells: ${outcome}`).locator(".grid-cell").allInnerTexts();
-    const expected = report.result.cells.map((cell) => {
-      const { mean, interval, count } = cell.outcomes[outcome];
-      return [shown(mean), interval ? `[${shown(interval.low)}, ${shown(interval.high)}]` : "no interval", `${count} runs`].join("\n");
-    });
-    assert.deepEqual(cells.map((text) => text.replaceAll(/\n+/g, "\n")), expected);
+    assert.deepEqual(await gridOf(page, outcome), cellTexts(report.result, outcome));
   }
   await closePage(page);
 });
@@ -99,21 +92,5 @@ test("points that are whole numbers with a point, as other programs write them, 
   const cells = await frameOf(page, "Cells: J").locator(".grid-cell b").allInnerTexts();
   assert.deepEqual(cells, result.cells.map((cell) => shown(cell.outcomes.J.mean)));
   await drawn(frameOf(page, "J over spacing (m)"));
-  await closePage(page);
-});
-
-test("a campaign that runs shows the runs of every cell grow, and then its result", async () => {
-  const { id } = await api("/v1/jobs/campaign", { ...(await campaign(400)), name: "growing grid" });
-  const page = await openPage(browser, `?view=job&job=${id}`);
-  await page.locator(".grid-cell").first().waitFor();
-  const sum = () => page.evaluate(() => [...document.querySelectorAll(".grid-cell b")].reduce((total, cell) => total + Number(cell.textContent.replaceAll(",", "")), 0));
-  await page.waitForFunction(() => [...document.querySelectorAll(".grid-cell b")].some((cell) => Number(cell.textContent) > 0));
-  const before = await sum();
-  await page.waitForFunction((least) => [...document.querySelectorAll(".grid-cell b")].reduce((total, cell) => total + Number(cell.textContent), 0) > least, before);
-  const counts = await page.evaluate(() => [...document.querySelectorAll(".grid-cell b")].map((cell) => Number(cell.textContent)));
-  assert.ok(Math.max(...counts) - Math.min(...counts) <= 1, `cells take turns: ${counts}`);
-  assert.equal((await ended(id)).state, "succeeded");
-  await page.getByRole("heading", { name: "Cells: P correct" }).waitFor();
-  assert.equal(await page.locator(".grid-cell").first().locator(".sub").last().innerText(), "400 runs");
   await closePage(page);
 });

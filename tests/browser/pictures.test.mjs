@@ -1,12 +1,11 @@
 // Every view, light and dark, wide and narrow: a picture for people, nothing wider than the window, and no serious finding of axe.
 
 import assert from "node:assert/strict";
-import { mkdir, readFile } from "node:fs/promises";
-import { createRequire } from "node:module";
+import { mkdir } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { api, assertNothingSticksOut, bearingsTracked, campaign, clustered, closePage, correlated, evaluated, finished, grouped, NARROW, openPage, preset, startBrowser, WIDE } from "./support.mjs";
+import { api, assertNothingSticksOut, bearingsTracked, campaign, clustered, closePage, correlated, evaluated, findings, finished, grouped, NARROW, openPage, preset, seeAll, startBrowser, WIDE } from "./support.mjs";
 
 const FOLDER = process.env.TRACKLOOM_SCREENSHOTS ?? join(tmpdir(), "trackloom-pictures");
 /** Names of views to draw, divided by commas; all when absent. */
@@ -15,10 +14,8 @@ const SETTLE_MS = 300;
 
 let browser;
 let views;
-let axe;
 before(async () => {
   browser = await startBrowser();
-  axe = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
   await mkdir(FOLDER, { recursive: true });
   const { job, report } = await evaluated();
   const other = await preset("liang2009-100");
@@ -63,27 +60,8 @@ before(async () => {
 });
 after(() => browser.close());
 
-/** Charts are drawn when they come into view. */
-async function seeAll(page) {
-  const height = await page.evaluate(() => document.documentElement.scrollHeight);
-  for (let y = 0; y < height; y += page.viewportSize().height / 2) {
-    await page.evaluate((to) => window.scrollTo(0, to), y);
-    await page.waitForTimeout(60);
-  }
-  await page.evaluate(() => window.scrollTo(0, 0));
-  await page.waitForTimeout(SETTLE_MS);
-}
-
-/** Rules of axe that fail seriously, with where. */
-async function findings(page) {
-  // The page allows no inline script; axe comes in through the protocol of the browser.
-  await page.evaluate(axe);
-  const { violations } = await page.evaluate(() => globalThis.axe.run());
-  return violations.filter((rule) => ["serious", "critical"].includes(rule.impact)).map((rule) => `${rule.id}: ${rule.nodes.slice(0, 3).map((node) => `${node.target.join(" ")} (${node.any[0]?.message ?? node.all[0]?.message ?? ""})`).join("; ")}`);
-}
-
 async function picture(page, name, theme, width) {
-  await seeAll(page);
+  await seeAll(page, SETTLE_MS);
   await assertNothingSticksOut(page, `${name}, ${width}`);
   await page.screenshot({ path: join(FOLDER, `${name}-${theme}-${width}.png`), fullPage: true });
 }

@@ -2,6 +2,7 @@
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
+import { createRequire } from "node:module";
 import { chromium } from "playwright-core";
 
 export const BASE = process.env.TRACKLOOM_URL;
@@ -203,3 +204,47 @@ export async function uploaded(name, text, meta = {}) {
   assert.ok(answer.ok, `upload of ${name}: ${await answer.clone().text()}`);
   return answer.json();
 }
+
+/** A framed chart or table by its title. */
+export const frameOf = (page, name) => page.locator(".chart-frame", { has: page.getByRole("heading", { name, exact: true }) });
+
+/** What stands in the grid of a campaign, cell by cell, its lines divided by "\n". */
+export async function gridOf(page, outcome) {
+  const cells = await frameOf(page, `Cells: ${outcome}`).locator(".grid-cell").allInnerTexts();
+  return cells.map((text) => text.replaceAll(/\n+/g, "\n"));
+}
+
+/** What the grid should say; with the runs that a cell will have, where they are not all made yet. */
+export function cellTexts(result, outcome, planned) {
+  return result.cells.map(({ ended, runs, outcomes }) => {
+    const { mean, interval, count } = outcomes[outcome];
+    const made = ended === "not_yet" ? `${runs.toLocaleString("en-US")} of ${planned.toLocaleString("en-US")}` : count.toLocaleString("en-US");
+    return [shown(mean), interval ? `[${shown(interval.low)}, ${shown(interval.high)}]` : "no interval", `${made} runs`].join("\n");
+  });
+}
+
+/** Rules of axe that fail seriously, with where. */
+export async function findings(page) {
+  // The page allows no inline script; axe comes in through the protocol of the browser.
+  await page.evaluate(await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8"));
+  const { violations } = await page.evaluate(() => globalThis.axe.run());
+  return violations.filter((rule) => ["serious", "critical"].includes(rule.impact)).map((rule) => `${rule.id}: ${rule.nodes.slice(0, 3).map((node) => `${node.target.join(" ")} (${node.any[0]?.message ?? node.all[0]?.message ?? ""})`).join("; ")}`);
+}
+
+/** Charts are drawn when they come into view. */
+export async function seeAll(page, settle_ms = 300) {
+  const height = await page.evaluate(() => document.documentElement.scrollHeight);
+  for (let y = 0; y < height; y += page.viewportSize().height / 2) {
+    await page.evaluate((to) => window.scrollTo(0, to), y);
+    await page.waitForTimeout(60);
+  }
+  await page.evaluate(() => window.scrollTo(0, 0));
+  await page.waitForTimeout(settle_ms);
+}
+
+/** The page believes that it is hidden, or seen again. */
+export const hide = (page, hidden) =>
+  page.evaluate((is) => {
+    Object.defineProperty(document, "hidden", { configurable: true, get: () => is });
+    document.dispatchEvent(new Event("visibilitychange"));
+  }, hidden);

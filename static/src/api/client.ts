@@ -2,7 +2,7 @@
 
 import createClient from "openapi-fetch";
 import type { components, paths } from "../../generated/api";
-import type { Artifact, BearingTime, Comparison, Dataset, DatasetPage, DatasetPreview, Gates, Job, JobKind, JobPage, Methods, MetricsSeries, Plan, Preset, Problem, Report, ScanCounts, TrackProbability, Validation } from "./types";
+import type { Artifact, BearingTime, CampaignSoFar, Comparison, Dataset, DatasetPage, DatasetPreview, Gates, Job, JobKind, JobPage, Methods, MetricsSeries, Plan, Preset, Problem, Report, ScanCounts, TrackProbability, Validation } from "./types";
 
 const client = createClient<paths>({ baseUrl: location.origin, cache: "no-cache" });
 
@@ -48,6 +48,7 @@ export const getJob = (id: string): Promise<Job> => taken(client.GET("/v1/jobs/{
 export const cancelJob = (id: string): Promise<Job> => taken(client.POST("/v1/jobs/{id}/cancel", path(id)));
 export const rerunJob = (id: string): Promise<Job> => taken(client.POST("/v1/jobs/{id}/rerun", path(id)));
 export const getReport = (id: string): Promise<Report> => taken(client.GET("/v1/jobs/{id}/report", path(id)));
+export const getCampaignCells = (id: string): Promise<CampaignSoFar> => taken(client.GET("/v1/jobs/{id}/cells", path(id)));
 
 const KEPT = 4;
 const kept = new Map<string, Promise<unknown>>();

@@ -8,6 +8,7 @@ type Schemas = components["schemas"];
 export type Artifact = Schemas["ArtifactInfo"];
 export type Association = Schemas["Association"];
 export type CampaignCell = Schemas["CampaignCell"];
+export type CampaignSoFar = Schemas["CampaignSoFar"];
 export type Comparison = Schemas["Comparison"];
 export type CorrelationTuple = Schemas["CorrelationTuple"];
 export type CorrelateResult = Schemas["CorrelateResult"];

@@ -79,7 +79,7 @@ export function ProgressBar({ progress }: { progress: Progress }): JSX.Element {
   const left = progress.eta_s === null || progress.eta_s === undefined ? "" : ` · ${duration(progress.eta_s)} left`;
   return (
     <div class="progress">
-      <progress max={100} value={percent} aria-label={`${progress.step}, ${percent} percent`} />
+      <progress max={1} value={progress.fraction} aria-label={`${progress.step}, ${percent} percent`} />
       <span class="progress-text">
         {progress.step} {percent} %<span class="muted">{left}</span>
       </span>

@@ -32,6 +32,44 @@ export function poll(task: () => Promise<number | null>): () => void {
   };
 }
 
+/** Of the time that an answer takes, how many times as long the service is left alone after it; and how long at least, and after a failure. */
+const REST = { times: 10, least_ms: 1000, failed_ms: 5000 };
+
+/** Asks once there is news, but not while the page is hidden, and with a rest after each answer. What failed is asked again. */
+export function askOnNews(ask: () => Promise<unknown>): { news(): void; stop(): void } {
+  let isDue = false;
+  let isResting = false;
+  let stopped = false;
+  const run = async () => {
+    if (stopped || isResting || !isDue || document.hidden) return;
+    isDue = false;
+    isResting = true;
+    const begun = performance.now();
+    const answered = await ask().then(
+      () => true,
+      () => false,
+    );
+    isDue ||= !answered;
+    const rest_ms = answered ? Math.max(REST.least_ms, REST.times * (performance.now() - begun)) : REST.failed_ms;
+    window.setTimeout(() => {
+      isResting = false;
+      void run();
+    }, rest_ms);
+  };
+  const seen = () => void run();
+  document.addEventListener("visibilitychange", seen);
+  return {
+    news: () => {
+      isDue = true;
+      void run();
+    },
+    stop: () => {
+      stopped = true;
+      document.removeEventListener("visibilitychange", seen);
+    },
+  };
+}
+
 export function isActive(job: Job): boolean {
   return job.state === "queued" || job.state === "running";
 }

@@ -18,6 +18,8 @@ export interface Campaign {
   cells: CampaignCell[];
   outcomes: string[];
   confidence: number;
+  /** Of each cell, at most. */
+  runs: number;
   times: NonNullable<Report["timing"]["cells"]>;
   file: string;
 }

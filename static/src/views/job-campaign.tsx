@@ -2,24 +2,18 @@
 
 import type { JSX } from "preact";
 import { useMemo } from "preact/hooks";
-import { partsOf, type CampaignCell, type Cell, type Job, type Report } from "../api/types";
+import type { CampaignCell, Cell } from "../api/types";
 import { Lines, lookOf, type Curve, type Point } from "../charts/lines";
 import { Empty } from "../components/basics";
 import type { TableData } from "../components/table";
 import { TableFrame } from "../components/table-frame";
 import { count, number } from "../format";
 import { param, setParams } from "../state/url";
-import { axesOf, cellAt, combinations, isNumeric, pointsOf, rowsAndColumns, type Axis } from "./campaign-axes";
+import { cellAt, combinations, isNumeric, pointsOf, rowsAndColumns, type Axis } from "./campaign-axes";
 import { CURVES_UP_TO, Differences, Times, type Campaign } from "./campaign-parts";
 import { CellTable } from "./cell-table";
 
-function campaignOf(job: Job, report: Report): Campaign {
-  const { cells = [], outcomes = [], confidence = 0.95 } = partsOf(report);
-  return { axes: axesOf(report.spec as Record<string, unknown>, cells), cells, outcomes, confidence, times: report.timing.cells ?? [], file: job.id.slice(-12) };
-}
-
-export function JobCampaign({ job, report }: { job: Job; report: Report }): JSX.Element {
-  const campaign = useMemo(() => campaignOf(job, report), [job.id, report]);
+export function JobCampaign({ campaign }: { campaign: Campaign }): JSX.Element {
   const outcome = campaign.outcomes.find((name) => name === param("outcome")) ?? campaign.outcomes[0];
   if (!outcome) return <Empty title="No run gave a number." />;
   const x = campaign.axes.find((axis) => axis.name === param("x")) ?? campaign.axes.find(isNumeric) ?? campaign.axes[0];
@@ -75,12 +69,24 @@ function Grid({ campaign, outcome }: { campaign: Campaign; outcome: string }): J
   const find = (points: string[], point: string) => (campaign.axes.length ? cellAt(campaign.cells, campaign.axes, { ...pointsOf(rows, points), [columns.name]: point }) : campaign.cells[0]);
   return (
     <TableFrame title={`Cells: ${outcome}`} file={`grid-${campaign.file}`} table={table}>
-      <CellTable axes={campaign.axes} label={`Mean of ${outcome} in every cell`} class="tall" cell={(points, point) => <GridCell cell={find(points, point)} outcome={outcome} shade={shade} />} />
+      <CellTable axes={campaign.axes} label={`Mean of ${outcome} in every cell`} class="tall" cell={(points, point) => <GridCell cell={find(points, point)} outcome={outcome} shade={shade} planned={campaign.runs} />} />
     </TableFrame>
   );
 }
 
-function GridCell({ cell, outcome, shade }: { cell: CampaignCell | undefined; outcome: string; shade: (mean: number | null) => number }): JSX.Element {
+interface GridCellProps {
+  cell: CampaignCell | undefined;
+  outcome: string;
+  shade: (mean: number | null) => number;
+  planned: number;
+}
+
+function runsOf(cell: CampaignCell, withNumber: number, planned: number): string {
+  if (cell.ended === "not_yet") return `${count(cell.runs)} of ${count(planned)} runs`;
+  return `${count(withNumber)} ${withNumber === 1 ? "run" : "runs"}`;
+}
+
+function GridCell({ cell, outcome, shade, planned }: GridCellProps): JSX.Element {
   const summary = cell?.outcomes[outcome];
   if (!cell || !summary) return <td class="num muted">no run</td>;
   const { mean, interval, missing, method } = summary;
@@ -89,7 +95,7 @@ function GridCell({ cell, outcome, shade }: { cell: CampaignCell | undefined; ou
       <b>{number(mean)}</b>
       <span class="sub">{interval ? `[${number(interval.low)}, ${number(interval.high)}]` : "no interval"}</span>
       <span class="sub">
-        {count(summary.count)} {summary.count === 1 ? "run" : "runs"}
+        {runsOf(cell, summary.count, planned)}
         {missing ? `, ${count(missing)} without` : ""}
         {cell.ended === "half_width" ? ", narrow enough" : ""}
       </span>

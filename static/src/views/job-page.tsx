@@ -5,24 +5,20 @@ import type { JSX } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
 import { ApiError, cancelJob, getPlan, getReport, getScanCounts, rerunJob } from "../api/client";
 import { partsOf, type Job, type Report } from "../api/types";
-import { Empty, Link, Loading, ProblemBox, ProgressBar, StateBadge } from "../components/basics";
+import { Empty, Link, Loading, ProblemBox, StateBadge } from "../components/basics";
 import { useResource } from "../components/resource";
 import { duration, moment, seconds } from "../format";
 import { followJob, isActive } from "../state/live";
 import { go, hereHref, pageHref, param } from "../state/url";
-import { CampaignProgress } from "./campaign-progress";
+import { CampaignPage, leftRuns } from "./campaign-page";
 import { JobCorrelation } from "./job-correlation";
 import { JobMetrics } from "./job-metrics";
+import { Tabs, Waiting, type TabName } from "./job-parts";
 import { JobPictures } from "./job-pictures";
 import { hasTrace, JobSearch } from "./job-search";
 import { JobSpec } from "./job-spec";
 import { JobSummary, SCANLESS } from "./job-summary";
 import { JobVerdicts } from "./job-verdicts";
-
-type TabName = "summary" | "correlation" | "plan" | "verdicts" | "metrics" | "search" | "spec";
-
-/** What leaves the address when a tab changes: the rest (clock, selection) is the same in every tab. */
-const TAB_RESET = { page: null };
 
 export function JobPage({ id }: { id: string }): JSX.Element {
   const job = useSignal<Job | undefined>(undefined);
@@ -39,11 +35,16 @@ export function JobPage({ id }: { id: string }): JSX.Element {
     [id],
   );
   if (!job.value) return error.value ? <Lost error={error.value} /> : <Loading what="the job" />;
+  const failed = (failure: unknown) => (error.value = failure);
+  const { kind } = job.value;
+  // A campaign that goes on keeps what was chosen to look at.
+  const hrefOf = (fresh: Job) => (kind === "campaign" ? hereHref({ job: fresh.id, tab: null }) : pageHref({ view: "job", job: fresh.id }));
+  const rerun = () => void rerunJob(id).then((fresh) => go(hrefOf(fresh)), failed);
   return (
     <article>
-      <Head job={job.value} failed={(failure) => (error.value = failure)} changed={(fresh) => (job.value = fresh)} />
+      <Head job={job.value} rerun={rerun} failed={failed} changed={(fresh) => (job.value = fresh)} />
       {error.value ? <ProblemBox error={error.value} /> : null}
-      <Outcome job={job.value} />
+      {kind === "campaign" ? <CampaignPage key={job.value.id} job={job.value} rerun={rerun} /> : <Outcome job={job.value} />}
     </article>
   );
 }
@@ -60,12 +61,12 @@ function Lost({ error }: { error: unknown }): JSX.Element {
 
 interface HeadProps {
   job: Job;
+  rerun: () => void;
   failed: (error: unknown) => void;
   changed: (job: Job) => void;
 }
 
-function Head({ job, failed, changed }: HeadProps): JSX.Element {
-  const rerun = () => void rerunJob(job.id).then((fresh) => go(pageHref({ view: "job", job: fresh.id })), failed);
+function Head({ job, rerun, failed, changed }: HeadProps): JSX.Element {
   const cancel = () => void cancelJob(job.id).then(changed, failed);
   const canceling = isActive(job) && Boolean(job.cancel_requested_at);
   return (
@@ -87,9 +88,11 @@ function Head({ job, failed, changed }: HeadProps): JSX.Element {
               <Link class="button" href={pageHref({ view: "new", from: job.id })}>
                 Change and run
               </Link>
-              <button type="button" onClick={rerun}>
-                Rerun
-              </button>
+              {leftRuns(job) ? null : (
+                <button type="button" onClick={rerun}>
+                  Rerun
+                </button>
+              )}
             </>
           )}
         </div>
@@ -120,49 +123,19 @@ function Head({ job, failed, changed }: HeadProps): JSX.Element {
 }
 
 function Outcome({ job }: { job: Job }): JSX.Element {
-  if (isActive(job)) {
-    return (
-      <>
-        <Waiting job={job} />
-        {job.kind === "campaign" ? <CampaignProgress job={job} /> : null}
-      </>
-    );
-  }
+  if (isActive(job)) return <Waiting job={job} />;
   if (job.state === "succeeded") return <Result job={job} />;
   if (job.state === "canceled") return <Empty title="This job was canceled. It left no result." />;
   const problem = job.error ?? { type: "about:blank", title: "The job failed", status: 0, code: "failed" };
   return <ProblemBox error={new ApiError(problem)} />;
 }
 
-function waitingFor(job: Job): string {
-  if (job.state === "running") return "Starting…";
-  return job.depends_on.length ? "Waiting for the job it reads from." : "Waiting for a free worker.";
-}
-
-function Waiting({ job }: { job: Job }): JSX.Element {
-  return (
-    <section class="waiting" aria-live="polite">
-      {job.progress ? <ProgressBar progress={job.progress} /> : <p class="muted">{waitingFor(job)}</p>}
-      {job.progress ? (
-        <p class="muted">
-          Step {job.progress.step}: {job.progress.done} of {job.progress.total}
-        </p>
-      ) : null}
-      {job.depends_on.map((id) => (
-        <p>
-          <Link href={pageHref({ view: "job", job: id })}>{id}</Link>
-        </p>
-      ))}
-    </section>
-  );
-}
-
 function tabsOf(report: Report): [TabName, string][] {
-  const { cells, tuples, tfa, metrics } = partsOf(report);
+  const { tuples, tfa, metrics } = partsOf(report);
   const tabs: [TabName, string, boolean][] = [
     ["summary", "Summary", true],
     ["correlation", "Correlation", tuples !== undefined],
-    ["plan", "Plan view", cells === undefined],
+    ["plan", "Plan view", true],
     ["verdicts", "Verdicts", tfa !== undefined],
     ["metrics", "Metrics", metrics !== undefined],
     ["search", "Method", hasTrace(report)],
@@ -173,7 +146,7 @@ function tabsOf(report: Report): [TabName, string][] {
 
 /** Asks for what the tab will draw while the report is on its way. */
 function askAhead(job: Job): void {
-  if (job.kind === "campaign" || param("tab") === "spec") return;
+  if (param("tab") === "spec") return;
   void import("../charts/echarts");
   // Who draws it says what went wrong.
   const answer = param("tab") === "plan" ? getPlan(job.id) : param("tab") === null && !SCANLESS.includes(job.kind) ? getScanCounts(job.id) : undefined;
@@ -192,13 +165,7 @@ function Result({ job }: { job: Job }): JSX.Element {
   const tab = tabs.find(([name]) => name === asked)?.[0] ?? "summary";
   return (
     <>
-      <nav class="tabs" aria-label="Result">
-        {tabs.map(([name, title]) => (
-          <Link href={hereHref({ ...TAB_RESET, tab: name === "summary" ? null : name })} current={name === tab}>
-            {title}
-          </Link>
-        ))}
-      </nav>
+      <Tabs tabs={tabs} chosen={tab} />
       {tab === "summary" ? <JobSummary job={job} report={report.data} /> : null}
       {tab === "correlation" ? <JobCorrelation job={job} report={report.data} /> : null}
       {tab === "plan" ? <JobPictures job={job} report={report.data} /> : null}

@@ -6,27 +6,16 @@ import { ScanCounts } from "../charts/scan-counts";
 import { Icon, Link, type IconName } from "../components/basics";
 import { capital, count, duration, number, probability, words } from "../format";
 import { hereHref, pageHref } from "../state/url";
-import { JobCampaign } from "./job-campaign";
 
 /** Jobs of these kinds leave no scans. */
-export const SCANLESS = ["campaign", "correlate"];
+export const SCANLESS = ["correlate"];
 
 export function JobSummary({ job, report }: { job: Job; report: Report }): JSX.Element {
-  const { tfa, association, counts, grouping, cells, metrics, events } = partsOf(report);
-  const warnings = [...new Set([...job.warnings, ...report.warnings, ...(tfa?.warnings ?? [])])];
+  const { tfa, association, counts, grouping, metrics, events } = partsOf(report);
   return (
     <div class="summary">
-      {warnings.length ? (
-        <ul class="warnings">
-          {warnings.map((warning) => (
-            <li>
-              <Icon name="warning" /> {warning}
-            </li>
-          ))}
-        </ul>
-      ) : null}
+      <Warnings all={[...job.warnings, ...report.warnings, ...(tfa?.warnings ?? [])]} />
       {tfa ? <TfaNumbers tfa={tfa} /> : null}
-      {cells ? <JobCampaign job={job} report={report} /> : null}
       <div class="panels">
         {grouping ? <Groups grouping={grouping} /> : null}
         {tfa ? <OutputTracks tfa={tfa} /> : null}
@@ -39,6 +28,19 @@ export function JobSummary({ job, report }: { job: Job; report: Report }): JSX.E
       </div>
       {SCANLESS.includes(job.kind) ? null : <ScanCounts jobId={job.id} />}
     </div>
+  );
+}
+
+export function Warnings({ all }: { all: string[] }): JSX.Element | null {
+  if (!all.length) return null;
+  return (
+    <ul class="warnings">
+      {[...new Set(all)].map((warning) => (
+        <li>
+          <Icon name="warning" /> {warning}
+        </li>
+      ))}
+    </ul>
   );
 }
 
@@ -169,7 +171,7 @@ function Groups({ grouping }: { grouping: Grouping }): JSX.Element {
   );
 }
 
-function Timing({ timing }: { timing: Report["timing"] }): JSX.Element {
+export function Timing({ timing }: { timing: Report["timing"] }): JSX.Element {
   return (
     <section class="panel">
       <h2>Computing time</h2>
@@ -185,7 +187,7 @@ function Timing({ timing }: { timing: Report["timing"] }): JSX.Element {
   );
 }
 
-function Inputs({ report }: { report: Report }): JSX.Element {
+export function Inputs({ report }: { report: Report }): JSX.Element {
   return (
     <section class="panel">
       <h2>Inputs</h2>
