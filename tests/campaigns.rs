@@ -363,7 +363,7 @@ fn in_lots(body: &Value, lot: std::time::Duration) -> (Outcome, usize) {
     let (mut pieces, mut outcomes) = (Vec::new(), None);
     while let Next::Runs { items, .. } = campaign.next(&pieces) {
         let is_first = pieces.is_empty();
-        let mut lots = if is_first { vec![items] } else { campaign.cut(items, &pieces, lot) };
+        let mut lots = if is_first { vec![items] } else { campaign.cut(items, &pieces, lot, lot) };
         lots.reverse();
         for items in lots {
             // The first runs are few: the clock says at once that it is enough.
@@ -411,8 +411,13 @@ fn lots_take_about_the_time_that_the_first_runs_tell() {
     let Next::Runs { items, spared } = campaign.next(&pieces) else { panic!("there is more to do") };
     assert_eq!((&items, spared), (&vec![4..100], 0));
     assert_eq!(campaign.cost(&items, &pieces), std::time::Duration::from_millis(96));
-    let lots = campaign.cut(items, &pieces, std::time::Duration::from_millis(40));
-    assert_eq!(lots, [vec![4..44], vec![44..84], vec![84..100]]);
+    let ms = std::time::Duration::from_millis;
+    assert_eq!(campaign.cut(items.clone(), &pieces, ms(40), ms(40)), [vec![4..44], vec![44..84], vec![84..100]]);
+    // Of 96 ms a sixteenth is 6, of 90 then 5.6, which is six runs as well, and so on down to two.
+    let lengths: Vec<u64> = campaign.cut(items, &pieces, ms(2), ms(40)).iter().map(|lot| lot[0].end - lot[0].start).collect();
+    assert_eq!(lengths[..4], [6, 6, 6, 5]);
+    assert!(lengths.is_sorted_by(|one, next| one >= next) && lengths.last() == Some(&2), "{lengths:?}");
+    assert_eq!(lengths.iter().sum::<u64>(), 96);
     assert_eq!(campaign.name_of(45), "cell 'jpda', run 22");
 }
 

@@ -7,6 +7,9 @@ use std::collections::HashSet;
 use std::ops::Range;
 use std::time::Duration;
 
+/// Of what is left, a lot is at most such a part.
+const LOTS_LEFT: f64 = 16.0;
+
 /// What is to be done when nothing is being made.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Next {
@@ -51,11 +54,13 @@ impl Campaign {
         if missing.is_empty() { Next::Result } else { Next::Runs { items: missing, spared } }
     }
 
-    /// Cuts runs into lots that take about `target` each, by what the runs made so far took: a cell without any is reckoned by its
-    /// estimate, as much too low or too high as those of the others were.
-    pub fn cut(&self, items: Vec<Items>, pieces: &[Piece], target: Duration) -> Vec<Vec<Items>> {
-        let (costs_s, target_s) = (self.costs_s(pieces), target.as_secs_f64());
-        let (mut lots, mut lot, mut cost_s) = (Vec::new(), Vec::<Items>::new(), 0.0);
+    /// Cuts runs into lots that take about `longest` each, towards the end less, down to `shortest`, so that nobody waits long for the last
+    /// one. What a run takes is what the runs made so far took: a cell without any is reckoned by its estimate, as much too low or too
+    /// high as those of the others were.
+    pub fn cut(&self, items: Vec<Items>, pieces: &[Piece], shortest: Duration, longest: Duration) -> Vec<Vec<Items>> {
+        let (costs_s, mut left_s) = (self.costs_s(pieces), self.cost(&items, pieces).as_secs_f64());
+        let target_of = |left_s: f64| (left_s / LOTS_LEFT).clamp(shortest.as_secs_f64(), longest.as_secs_f64());
+        let (mut lots, mut lot, mut cost_s, mut target_s) = (Vec::new(), Vec::<Items>::new(), 0.0, target_of(left_s));
         for item in items.into_iter().flatten() {
             match lot.last_mut() {
                 Some(range) if range.end == item => range.end += 1,
@@ -64,7 +69,8 @@ impl Campaign {
             cost_s += costs_s[(item % costs_s.len() as u64) as usize];
             if cost_s >= target_s {
                 lots.push(std::mem::take(&mut lot));
-                cost_s = 0.0;
+                left_s -= std::mem::take(&mut cost_s);
+                target_s = target_of(left_s);
             }
         }
         lots.extend(Some(lot).filter(|lot| !lot.is_empty()));

@@ -22,9 +22,10 @@ use tokio::sync::{OwnedSemaphorePermit, watch};
 use uuid::Uuid;
 
 /// The first runs take about this long, to tell how long the others will.
-const PILOT: Duration = Duration::from_secs(1);
-/// A chunk of runs takes about this long; in a campaign of very many, longer.
+const PILOT: Duration = Duration::from_millis(250);
+/// A chunk of runs takes about this long; in a campaign of very many longer, towards its end less.
 const CHUNK: Duration = Duration::from_secs(2);
+const SHORTEST_CHUNK: Duration = Duration::from_millis(250);
 const MOST_CHUNKS: u32 = 10_000;
 /// Campaigns whose cells and data are kept between chunks.
 const KEPT: usize = 4;
@@ -232,7 +233,7 @@ fn look(id: Uuid, loaded: &Loaded, pieces: &[Piece], outcomes: &[Outcome], meter
     let campaign = &loaded.campaign;
     if let Next::Runs { items, spared } = campaign.next(pieces) {
         let target = CHUNK.max(campaign.cost(&items, pieces) / MOST_CHUNKS);
-        let chunks = campaign.cut(items, pieces, target).into_iter().map(NewChunk).collect();
+        let chunks = campaign.cut(items, pieces, SHORTEST_CHUNK, target).into_iter().map(NewChunk).collect();
         return Ok(Made::Result(ChunkResult::More { chunks, runs_total: campaign.total() - spared }));
     }
     let outcome = campaign.report(pieces, outcomes)?;
