@@ -110,33 +110,22 @@ impl Inner {
 
     async fn make_chunk(&self, chunk: &ClaimedChunk, control: &Arc<Control>, permit: OwnedSemaphorePermit) -> Result<Made, Failure> {
         let loaded = self.loaded(chunk.job_id, control.sign()).await?;
-        let pieces = if chunk.kind == ChunkKind::Look { self.storage.pieces(chunk.job_id).await? } else { Vec::new() };
-        let failed = if chunk.kind == ChunkKind::Look { self.storage.failed_chunks(chunk.job_id).await? } else { Vec::new() };
-        let outcomes = if chunk.kind == ChunkKind::Look { self.storage.outcomes(chunk.job_id).await? } else { chunk.outcomes.clone() };
-        let crash_limit = self.config.crash_limit;
-        let (job_id, chunk) = (chunk.job_id, chunk.clone());
-        let work = move |mut meter: Meter| {
-            let outcomes: Option<Vec<Outcome>> =
-                outcomes.map(|json| serde_json::from_str(&json)).transpose().context("stored outcomes are damaged")?;
-            match chunk.kind {
-                ChunkKind::Look => {
-                    let pieces = pieces.iter().map(|json| serde_json::from_str(json)).collect::<Result<Vec<Piece>, _>>();
-                    let pieces = pieces.context("a stored piece is damaged")?;
-                    match failed.first() {
-                        Some(items) => Ok(Made::Result(ChunkResult::Ended(Ending::Failed(given_up(
-                            &loaded.campaign,
-                            items,
-                            failed.len(),
-                            crash_limit,
-                        ))))),
-                        None => look(chunk.job_id, &loaded, &pieces, &outcomes.unwrap_or_default(), &meter),
-                    }
-                }
-                ChunkKind::Pilot | ChunkKind::Runs => make_runs(&chunk, &loaded, outcomes, &mut meter),
-            }
-        };
         // Progress is told with each chunk that ends; a chunk is short.
-        self.on_thread(job_id, JobKind::Campaign, control, permit, work, |_| async {}.boxed()).await
+        let tell = |_| async {}.boxed();
+        if chunk.kind != ChunkKind::Look {
+            let (job_id, chunk) = (chunk.job_id, chunk.clone());
+            let work = move |mut meter: Meter| make_runs(&chunk, &loaded, &mut meter);
+            return self.on_thread(job_id, JobKind::Campaign, control, permit, work, tell).await;
+        }
+        let failed = self.storage.failed_chunks(chunk.job_id).await?;
+        if let Some(items) = failed.first() {
+            let problem = given_up(&loaded.campaign, items, failed.len(), self.config.crash_limit);
+            return Ok(Made::Result(ChunkResult::Ended(Ending::Failed(problem))));
+        }
+        let (pieces, outcomes) = (self.storage.pieces(chunk.job_id).await?, self.storage.outcomes(chunk.job_id).await?);
+        let id = chunk.job_id;
+        let work = move |meter: Meter| look(id, &loaded, &read_pieces(&pieces)?, &read_outcomes(outcomes.as_deref())?, &meter);
+        self.on_thread(id, JobKind::Campaign, control, permit, work, tell).await
     }
 
     /// Writes what came of the chunk; an error means that somebody has to work it off again.
@@ -185,8 +174,7 @@ impl Inner {
         let pieces = self.storage.pieces(id).await?;
         let loaded = self.loaded(id, watch::channel(None).1).await.map_err(|_| anyhow::anyhow!("the campaign could not be loaded"))?;
         let report = move || -> anyhow::Result<CampaignSoFar> {
-            let pieces = pieces.iter().map(|json| serde_json::from_str(json)).collect::<Result<Vec<Piece>, _>>()?;
-            let (outcome, runs) = loaded.campaign.report_so_far(pieces, &serde_json::from_str::<Vec<Outcome>>(&outcomes)?)?;
+            let (outcome, runs) = loaded.campaign.report_so_far(read_pieces(&pieces)?, &read_outcomes(Some(&outcomes))?)?;
             Ok(CampaignSoFar { is_final: false, runs, result: serde_json::from_value(outcome.result)? })
         };
         Ok(tokio::task::spawn_blocking(report).await.context("putting runs together panicked")??)
@@ -212,12 +200,21 @@ impl Inner {
     }
 }
 
-fn make_runs(chunk: &ClaimedChunk, loaded: &Loaded, outcomes: Option<Vec<Outcome>>, meter: &mut Meter) -> Result<Made, Failure> {
+fn read_pieces(pieces: &[String]) -> anyhow::Result<Vec<Piece>> {
+    pieces.iter().map(|json| serde_json::from_str(json)).collect::<Result<_, _>>().context("a stored piece is damaged")
+}
+
+fn read_outcomes(json: Option<&str>) -> anyhow::Result<Vec<Outcome>> {
+    json.map_or(Ok(Vec::new()), serde_json::from_str).context("stored outcomes are damaged")
+}
+
+fn make_runs(chunk: &ClaimedChunk, loaded: &Loaded, meter: &mut Meter) -> Result<Made, Failure> {
     let is_pilot = chunk.kind == ChunkKind::Pilot;
-    let items = match loaded.campaign.next(&[]) {
-        Next::Runs { items, .. } if is_pilot => items,
+    let items = match is_pilot.then(|| loaded.campaign.next(&[])) {
+        Some(Next::Runs { items, .. }) => items,
         _ => chunk.items.clone(),
     };
+    let outcomes = chunk.outcomes.as_deref().map(|json| read_outcomes(Some(json))).transpose()?;
     let order = Order { items, outcomes, enough: is_pilot.then_some(PILOT), done: chunk.runs_done, total: chunk.runs_total };
     let (piece, outcomes) = loaded.campaign.make(order, &loaded.inputs, meter)?;
     let json = |error: serde_json::Error| Failure::Internal(error.into());
