@@ -16,7 +16,7 @@ use sqlx::postgres::PgPoolOptions;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePoolOptions, SqliteSynchronous};
 use std::io::ErrorKind;
 use std::path::Path;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::Duration;
 use tokio::task::JoinHandle;
 use tokio_util::sync::CancellationToken;
@@ -87,6 +87,23 @@ pub struct Engine {
     slots: usize,
     stop: CancellationToken,
     worker: Mutex<Option<JoinHandle<()>>>,
+    former: Former,
+}
+
+/// Workers that died of a lost connection while what they had begun lives on, each with a sign of that life.
+#[derive(Clone, Default)]
+struct Former(Arc<Mutex<Vec<(String, Weak<()>)>>>);
+
+impl Former {
+    fn remember(&self, name: String, life: Weak<()>) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push((name, life));
+    }
+
+    fn alive(&self) -> Vec<String> {
+        let mut former = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        former.retain(|(_, life)| life.strong_count() > 0);
+        former.iter().map(|(name, _)| name.clone()).collect()
+    }
 }
 
 impl Engine {
@@ -99,7 +116,7 @@ impl Engine {
             Database::Sqlite(tables) => Queue::Sqlite(open_file(&tables.with_file_name("queue.db")).await?),
             Database::Postgres(url) => Queue::Postgres(open_schema(url).await?),
         };
-        Ok(Engine { queue, slots, stop: CancellationToken::new(), worker: Mutex::new(None) })
+        Ok(Engine { queue, slots, stop: CancellationToken::new(), worker: Mutex::new(None), former: Former::default() })
     }
 
     pub async fn enqueue(&self, ready: &[Ready]) -> anyhow::Result<()> {
@@ -108,8 +125,18 @@ impl Engine {
 
     /// Starts to call the handler.
     pub fn run(&self, handler: Handler) {
-        let worker = tokio::spawn(keep_working(self.queue.clone(), self.slots, handler, self.stop.clone()));
+        let worker = tokio::spawn(keep_working(self.queue.clone(), self.slots, handler, self.stop.clone(), self.former.clone()));
         *self.worker.lock().unwrap_or_else(PoisonError::into_inner) = Some(worker);
+    }
+
+    /// Says that work lives on although its worker died, so that it is not given to another process. To be called more often than a worker
+    /// is called dead.
+    pub async fn keep_alive(&self) -> anyhow::Result<()> {
+        let (alive, Queue::Postgres(pool)) = (self.former.alive(), &self.queue) else { return Ok(()) };
+        if !alive.is_empty() {
+            sqlx::query("UPDATE apalis.workers SET last_seen = now() WHERE id = ANY($1)").bind(alive).execute(pool).await?;
+        }
+        Ok(())
     }
 
     /// Forgets the entries that are done with.
@@ -191,13 +218,16 @@ fn task(ready: &Ready) -> anyhow::Result<Task<Vec<u8>>> {
     Ok(TaskBuilder::new(serde_json::to_vec(&entry)?).priority(usize::try_from(place(ready))?).build())
 }
 
-/// A worker that lost its heartbeat is dead for good; another takes its place under a new name.
-async fn keep_working(queue: Queue, slots: usize, handler: Handler, stop: CancellationToken) {
+/// A worker that lost its heartbeat is dead for good; another takes its place under a new name, which no other has, so that none is taken
+/// for one that died.
+async fn keep_working(queue: Queue, slots: usize, handler: Handler, stop: CancellationToken, former: Former) {
     while !stop.is_cancelled() {
         // An empty queue is not looked at a second time before the first heartbeat; after one entry it is.
         if let Err(error) = queue.push(&[NOTHING]).await {
             tracing::warn!(error = format!("{error:#}"), "the queue's worker begins with a wait");
         }
+        let (name, life) = (Uuid::now_v7().to_string(), Arc::new(()));
+        former.remember(name.clone(), Arc::downgrade(&life));
         let ended = match &queue {
             Queue::Sqlite(pool) => {
                 let config = apalis_sqlite::Config::default()
@@ -206,7 +236,8 @@ async fn keep_working(queue: Queue, slots: usize, handler: Handler, stop: Cancel
                     .heartbeat_interval(HEARTBEAT)
                     .missed_heartbeats(MISSED_HEARTBEATS);
                 let backend = SqliteStorage::<Entry>::new(pool).with_config(config).poll_with_interval(POLL);
-                let worker = WorkerBuilder::new(name()).backend(backend).data(handler.clone()).concurrency(slots).build(look);
+                let worker =
+                    WorkerBuilder::new(name).backend(backend).data(handler.clone()).data(Life(life)).concurrency(slots).build(look);
                 worker.run_until(stopped(stop.clone())).await
             }
             Queue::Postgres(pool) => {
@@ -216,7 +247,8 @@ async fn keep_working(queue: Queue, slots: usize, handler: Handler, stop: Cancel
                     .heartbeat_interval(HEARTBEAT)
                     .missed_heartbeats(MISSED_HEARTBEATS);
                 let backend = PostgresStorage::<Entry>::new(pool).with_config(config).poll_with_interval(SHARED_POLL);
-                let worker = WorkerBuilder::new(name()).backend(backend).data(handler.clone()).concurrency(slots).build(look);
+                let worker =
+                    WorkerBuilder::new(name).backend(backend).data(handler.clone()).data(Life(life)).concurrency(slots).build(look);
                 worker.run_until(stopped(stop.clone())).await
             }
         };
@@ -227,10 +259,9 @@ async fn keep_working(queue: Queue, slots: usize, handler: Handler, stop: Cancel
     }
 }
 
-/// No two workers have the same name, so that none is taken for one that died.
-fn name() -> String {
-    Uuid::now_v7().to_string()
-}
+/// What each handler that a worker began holds.
+#[derive(Clone)]
+struct Life(#[expect(dead_code, reason = "held, not read")] Arc<()>);
 
 async fn stopped(stop: CancellationToken) -> std::io::Result<()> {
     stop.cancelled().await;
@@ -238,9 +269,15 @@ async fn stopped(stop: CancellationToken) -> std::io::Result<()> {
 }
 
 /// The handler runs in a task of its own, so that it lives on when its worker dies.
-async fn look(entry: Entry, handler: Data<Handler>) -> Result<(), BoxDynError> {
+async fn look(entry: Entry, handler: Data<Handler>, life: Data<Life>) -> Result<(), BoxDynError> {
     if entry.job_id != NOTHING.job_id {
-        tokio::spawn(handler.look(entry)).await??;
+        let looking = handler.look(entry);
+        let held = (*life).clone();
+        tokio::spawn(async move {
+            let _held = held;
+            looking.await
+        })
+        .await??;
     }
     Ok(())
 }
@@ -268,6 +305,20 @@ mod tests {
         }
     }
 
+    /// Entries that are left; what is done with is acknowledged a moment later.
+    async fn swept(engine: &Engine) -> i64 {
+        let mut left = i64::MAX;
+        for _ in 0..100 {
+            engine.sweep().await.unwrap();
+            left = sqlx::query_scalar("SELECT count(*) FROM Jobs").fetch_one(file(engine)).await.unwrap();
+            if left == 0 {
+                break;
+            }
+            tokio::time::sleep(Duration::from_millis(20)).await;
+        }
+        left
+    }
+
     fn telling(sender: mpsc::UnboundedSender<Uuid>) -> Handler {
         Handler::new(move |Entry { job_id: id, .. }| {
             let told = sender.send(id).map_err(anyhow::Error::from);
@@ -292,17 +343,7 @@ mod tests {
         }
         assert!(quickest < 2 * POLL, "{quickest:?}");
         assert!(slowest < HEARTBEAT / 2, "the first does not wait for a heartbeat: {slowest:?}");
-        // What is done with is acknowledged a moment later.
-        let mut left = 6_i64;
-        for _ in 0..100 {
-            engine.sweep().await.unwrap();
-            left = sqlx::query_scalar("SELECT count(*) FROM Jobs").fetch_one(file(&engine)).await.unwrap();
-            if left == 0 {
-                break;
-            }
-            tokio::time::sleep(Duration::from_millis(20)).await;
-        }
-        assert_eq!(left, 0, "entries that are done with are forgotten");
+        assert_eq!(swept(&engine).await, 0, "entries that are done with are forgotten");
         let since = Instant::now();
         engine.stop().await;
         assert!(since.elapsed() < Duration::from_secs(1), "{:?}", since.elapsed());
@@ -315,6 +356,8 @@ mod tests {
         let (sender, mut told) = mpsc::unbounded_channel();
         engine.run(telling(sender));
         tokio::time::sleep(Duration::from_millis(500)).await;
+        // Its entries name the worker.
+        assert_eq!(swept(&engine).await, 0);
         assert_eq!(sqlx::query("DELETE FROM Workers").execute(file(&engine)).await.unwrap().rows_affected(), 1);
         tokio::time::sleep(HEARTBEAT + Duration::from_secs(2)).await;
         let names: Vec<String> = sqlx::query_scalar("SELECT id FROM Workers").fetch_all(file(&engine)).await.unwrap();

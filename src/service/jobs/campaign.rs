@@ -12,7 +12,7 @@ use crate::experiment::run::{Inputs, RunError};
 use crate::service::engine::Entry;
 use crate::service::storage::{Chunk, ChunkKind, ChunkResult, ClaimedChunk, ClaimedJob, Ending, NewChunk};
 use crate::service::types::{CampaignResult, CampaignSoFar, JobState, Problem};
-use anyhow::{Context, bail};
+use anyhow::Context;
 use futures::FutureExt;
 use serde::Deserialize;
 use std::collections::VecDeque;
@@ -77,13 +77,21 @@ enum Made {
 impl Inner {
     /// Makes the claimed job a campaign: its chunks follow.
     pub(super) async fn start_campaign(&self, job: &ClaimedJob) -> anyhow::Result<()> {
-        let changed = match self.loaded(job.id, watch::channel(None).1).await {
-            Ok(loaded) => self.storage.start_campaign(job, loaded.campaign.total()).await?,
-            Err(Failure::Faults(faults)) => self.storage.finish(job, &Ending::Failed(Problem::validation(faults))).await?,
-            Err(Failure::Internal(error)) => return Err(error),
-            Err(Failure::Stopped) => bail!("nobody stops the reading of a campaign"),
-        };
-        self.publish(changed.unwrap_or_default()).await;
+        let control = self.running.register((job.id, None));
+        if self.closing.is_cancelled() {
+            control.stop(Stop::ShuttingDown);
+        }
+        let runs_total = self.loaded(job.id, control.sign()).await.map(|loaded| loaded.campaign.total());
+        let begun = runs_total.map_err(|failure| self.ending_of(job.id, "the job", &control, failure));
+        let changed = self
+            .written(job.id, || match &begun {
+                Ok(runs_total) => self.storage.start_campaign(job, *runs_total).boxed(),
+                Err(Some(ending)) => self.storage.finish(job, ending).boxed(),
+                Err(None) => self.storage.release(job).boxed(),
+            })
+            .await;
+        self.running.unregister((job.id, None));
+        self.publish(changed?.unwrap_or_default()).await;
         Ok(())
     }
 
@@ -131,7 +139,7 @@ impl Inner {
     /// Writes what came of the chunk; an error means that somebody has to work it off again.
     async fn conclude_chunk(&self, chunk: &ClaimedChunk, control: &Control, made: Result<Made, Failure>) -> anyhow::Result<()> {
         // Until the end is written, the files belong to nobody; nobody may sweep them up meanwhile.
-        let _no_sweeping = if let Ok(Made::Report(_)) = &made { Some(self.no_sweeping().await?) } else { None };
+        let _no_sweeping = if let Ok(Made::Report(_)) = &made { Some(self.surely_no_sweeping().await?) } else { None };
         let kept = match made {
             Ok(Made::Result(result)) => Ok(result),
             Ok(Made::Report(product)) => self.keep(product).await.map(ChunkResult::Ended).map_err(Failure::Internal),
@@ -147,6 +155,7 @@ impl Inner {
                 None => self.storage.release_chunk(chunk).boxed(),
             })
             .await?;
+        let Some(changed) = changed else { return Ok(()) };
         if let Some(ChunkResult::Ended(_)) = result {
             self.campaigns.forget(chunk.job_id);
             self.running.stop(chunk.job_id, Stop::Canceled);

@@ -18,6 +18,9 @@ use tokio::sync::RwLockReadGuard;
 use tokio::task::spawn_blocking;
 use uuid::Uuid;
 
+/// Guards against sweeping in this process and in others.
+pub(super) type NoSweepingHere<'a> = (RwLockReadGuard<'a, ()>, NoSweeping);
+
 /// Bytes that are looked at to tell a format.
 const FIRST_BYTES: u64 = 4096;
 
@@ -91,7 +94,7 @@ impl Inner {
     }
 
     /// While the answer lives, nobody sweeps, here or in another process.
-    pub(super) async fn no_sweeping(&self) -> anyhow::Result<(RwLockReadGuard<'_, ()>, NoSweeping)> {
+    pub(super) async fn no_sweeping(&self) -> anyhow::Result<NoSweepingHere<'_>> {
         Ok((self.sweeping.read().await, self.storage.no_sweeping().await?))
     }
 

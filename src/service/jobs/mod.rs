@@ -371,7 +371,10 @@ async fn keep_up(inner: Weak<Inner>, closing: CancellationToken) {
             () = closing.cancelled() => return,
         }
         let Some(inner) = inner.upgrade() else { return };
-        let mut done = inner.requeue_if_needed().await;
+        let mut done = inner.engine.keep_alive().await;
+        if done.is_ok() {
+            done = inner.requeue_if_needed().await;
+        }
         if done.is_ok() && inner.lock.is_none() {
             // In case a notice was lost.
             done = inner.stop_unwanted(&inner.running.jobs()).await;

@@ -1,6 +1,7 @@
 //! What happens when the queue says "look at this": claim it, run it on a thread of its own, write how it ended.
 
 use super::control::{CLOSING_GRACE, Control, Stop};
+use super::datasets::NoSweepingHere;
 use super::error::is_unavailable;
 use super::inputs::Located;
 use super::meter::Meter;
@@ -14,7 +15,7 @@ use crate::model::fault::Fault;
 use crate::service::engine::Entry;
 use crate::service::storage::{Changed, Claim, ClaimedJob, Ending, NewArtifact};
 use crate::service::types::{Problem, Progress};
-use anyhow::{Context, anyhow, bail};
+use anyhow::{Context, anyhow, bail, ensure};
 use futures::FutureExt;
 use futures::future::BoxFuture;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -25,6 +26,9 @@ use uuid::Uuid;
 
 /// Writing the end of a job is tried this often, one second apart: longer than a database takes to start again.
 const WRITE_TRIES: u32 = 60;
+
+/// How often it is looked whether work that runs here has ended.
+const AGAIN: Duration = Duration::from_millis(200);
 
 /// What a job made, before it is kept.
 pub(super) struct Product {
@@ -45,6 +49,8 @@ impl From<JobsError> for Failure {
         match error {
             JobsError::Invalid(faults) => Failure::Faults(faults),
             JobsError::Internal(error) => Failure::Internal(error),
+            // Which of its errors it was is in the log.
+            JobsError::Unavailable => Failure::Internal(sqlx::Error::PoolTimedOut.into()),
             other => Failure::Internal(anyhow!(other)),
         }
     }
@@ -53,10 +59,19 @@ impl From<JobsError> for Failure {
 impl Inner {
     /// Works off the entry if that is still to be done. Extra calls for the same work do nothing.
     pub(super) async fn look(self: Arc<Self>, entry: Entry) -> anyhow::Result<()> {
+        let work = (entry.job_id, entry.chunk);
+        // The queue took this process for dead and gives the entry out again: what runs here goes on, and is waited for, since an entry
+        // that is answered is gone.
+        while self.running.has(work) {
+            tokio::select! {
+                () = tokio::time::sleep(AGAIN) => {}
+                () = self.closing.cancelled() => bail!("the service stops"),
+            }
+        }
         // What was running when a process died runs alone, so that it cannot take others with it.
         let crashes = match entry.chunk {
-            None => self.storage.crashes(entry.job_id).await?,
-            Some(number) => self.storage.chunk_crashes(entry.job_id, number).await?,
+            None => self.storage.crashes(entry.job_id, entry.id).await?,
+            Some(number) => self.storage.chunk_crashes(entry.job_id, number, entry.id).await?,
         };
         let slots = if crashes > 0 { self.config.slots } else { 1 };
         let permit = tokio::select! {
@@ -64,10 +79,7 @@ impl Inner {
             // An error leaves the entry to another process.
             () = self.closing.cancelled() => bail!("the service stops"),
         };
-        if self.running.has((entry.job_id, entry.chunk)) {
-            // The queue took this process for dead and gives the entry out again.
-            return Ok(());
-        }
+        ensure!(!self.running.has(work), "another entry has begun the same work meanwhile");
         match entry.chunk {
             None => self.look_at_job(entry, permit).await,
             Some(number) => self.look_at_chunk(entry, number, permit).await,
@@ -109,7 +121,7 @@ impl Inner {
     /// Keeps what was made, and writes how the job ended; an error means that somebody has to run it again.
     async fn conclude(&self, job: &ClaimedJob, control: &Control, made: Result<Product, Failure>) -> anyhow::Result<()> {
         // Until the end is written, the files belong to nobody; nobody may sweep them up meanwhile.
-        let _no_sweeping = self.no_sweeping().await?;
+        let _no_sweeping = if made.is_ok() { Some(self.surely_no_sweeping().await?) } else { None };
         let kept = match made {
             Ok(product) => self.keep(product).await.map_err(Failure::Internal),
             Err(failure) => Err(failure),
@@ -121,8 +133,23 @@ impl Inner {
                 None => self.storage.release(job).boxed(),
             })
             .await?;
-        self.publish(changed).await;
+        self.publish(changed.unwrap_or_default()).await;
         Ok(())
+    }
+
+    /// The guard, however often it has to be asked for: what was made is not thrown away.
+    pub(super) async fn surely_no_sweeping(&self) -> anyhow::Result<NoSweepingHere<'_>> {
+        let mut tries = 0;
+        loop {
+            match self.no_sweeping().await {
+                Err(error) if tries < WRITE_TRIES => {
+                    tracing::warn!(error = format!("{error:#}"), "files wait to be kept");
+                    tries += 1;
+                    tokio::time::sleep(Duration::from_secs(1)).await;
+                }
+                guard => return guard,
+            }
+        }
     }
 
     /// `None` hands the work back to the queue.
@@ -235,19 +262,19 @@ impl Inner {
         Ok(Ending::Succeeded { artifacts: artifacts.await??, warnings: product.warnings })
     }
 
-    /// Writes, however often that takes: nothing must stay `running` when nobody runs it.
+    /// Writes, however often that takes: nothing must stay `running` when nobody runs it. `None`: it had ended already.
     pub(super) async fn written<'a>(
         &self,
         job_id: Uuid,
         write: impl Fn() -> BoxFuture<'a, anyhow::Result<Option<Changed>>> + Send + Sync,
-    ) -> anyhow::Result<Changed> {
+    ) -> anyhow::Result<Option<Changed>> {
         let mut tries = 0;
         loop {
             match write().await {
-                Ok(Some(changed)) => return Ok(changed),
+                Ok(Some(changed)) => return Ok(Some(changed)),
                 Ok(None) => {
                     tracing::info!(%job_id, "it has ended already, by another copy or a wish; what this one made is dropped");
-                    return Ok(Changed::default());
+                    return Ok(None);
                 }
                 Err(error) => {
                     tracing::error!(%job_id, error = format!("{error:#}"), "the end of a piece of work was not written");

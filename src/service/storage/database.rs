@@ -17,7 +17,7 @@ const READERS: u32 = 4;
 /// Connections to PostgreSQL of one process.
 const CONNECTIONS: u32 = 6;
 /// Connections that may hold a guard at the same time; others wait.
-const GUARDS: u32 = 2;
+const GUARDS: u32 = 4;
 /// A database that does not answer is asked again until this has passed: longer than a restart takes.
 const PATIENCE: Duration = Duration::from_secs(60);
 /// The same at the start, when somebody waits for a word.

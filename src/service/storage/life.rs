@@ -97,10 +97,14 @@ impl Storage {
         Ok(Claim::Run(ClaimedJob { id, kind: kind.into(), name: row.try_get("name")?, spec, attempt }))
     }
 
-    /// How often the process died while it ran the job.
-    pub async fn crashes(&self, id: Uuid) -> anyhow::Result<i64> {
+    /// How often the process died while it ran the job, with the death that brings this entry again.
+    pub async fn crashes(&self, id: Uuid, entry: Uuid) -> anyhow::Result<i64> {
         let crashes: Option<i64> =
-            sqlx::query_scalar("SELECT crashes FROM jobs WHERE id = $1").bind(id.to_string()).fetch_optional(&self.read).await?;
+            sqlx::query_scalar("SELECT crashes + CASE WHEN state = 'running' AND entry = $2 THEN 1 ELSE 0 END FROM jobs WHERE id = $1")
+                .bind(id.to_string())
+                .bind(entry.to_string())
+                .fetch_optional(&self.read)
+                .await?;
         Ok(crashes.unwrap_or(0))
     }
 
@@ -306,7 +310,7 @@ mod tests {
         let first = claimed(&storage, id).await.unwrap();
         storage.recover().await.unwrap();
         let second = claimed(&storage, id).await.unwrap();
-        assert_eq!((first.attempt, second.attempt, storage.crashes(id).await.unwrap()), (1, 2, 1));
+        assert_eq!((first.attempt, second.attempt, storage.crashes(id, Uuid::now_v7()).await.unwrap()), (1, 2, 1));
         let progress = Progress { step: ProgressStep::Load, done: 1, total: 2, fraction: 0.5, eta_s: None };
         assert_eq!(storage.progress(id, first.attempt, &progress).await.unwrap(), None);
         assert_eq!(storage.finish(&first, &done()).await.unwrap(), None, "the first attempt was given up");

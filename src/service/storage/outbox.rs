@@ -4,9 +4,6 @@ use super::change::{Ready, parse_id};
 use super::{Storage, now, to_micros};
 use sqlx::Row;
 
-/// Entries noted at once.
-const BATCH: usize = 500;
-
 impl Storage {
     /// Every queued job and chunk that waits for nothing but a free slot, the most urgent and oldest first. `is_missing`: only those of
     /// which it is not known that they are in the queue.
@@ -36,19 +33,23 @@ impl Storage {
         if !self.is_shared {
             return Ok(());
         }
-        for entries in entries.chunks(BATCH) {
-            let mut transaction = self.begin().await?;
-            for entry in entries {
-                let query = match entry.chunk {
-                    None => sqlx::query("UPDATE jobs SET enqueued_at = $1 WHERE id = $2"),
-                    Some(_) => sqlx::query("UPDATE chunks SET enqueued_at = $1 WHERE job_id = $2 AND number = $3"),
-                };
-                let query = query.bind(to_micros(now())).bind(entry.job_id.to_string());
-                let query = if let Some(chunk) = entry.chunk { query.bind(i64::from(chunk)) } else { query };
-                query.execute(&mut *transaction).await?;
-            }
-            transaction.commit().await?;
+        let mut transaction = self.begin().await?;
+        for run in
+            entries.chunk_by(|one, next| one.job_id == next.job_id && one.chunk.is_some() && next.chunk == one.chunk.map(|it| it + 1))
+        {
+            let (first, last) = (run[0], run[run.len() - 1]);
+            let query = match first.chunk {
+                None => sqlx::query("UPDATE jobs SET enqueued_at = $1 WHERE id = $2"),
+                Some(_) => sqlx::query("UPDATE chunks SET enqueued_at = $1 WHERE job_id = $2 AND number BETWEEN $3 AND $4"),
+            };
+            let query = query.bind(to_micros(now())).bind(first.job_id.to_string());
+            let query = match (first.chunk, last.chunk) {
+                (Some(first), Some(last)) => query.bind(i64::from(first)).bind(i64::from(last)),
+                _ => query,
+            };
+            query.execute(&mut *transaction).await?;
         }
+        transaction.commit().await?;
         Ok(())
     }
 }

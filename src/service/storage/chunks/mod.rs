@@ -14,7 +14,8 @@ use super::change::{Changed, Ready, priority_of};
 use super::life::{ClaimedJob, Ending, end_with, is_running};
 use anyhow::Context;
 use rows::{
-    add_chunk, campaign_of, count_runs, end_chunk, give_up, insert_chunk, is_wanted, look_if_all_done, next_number, ready_chunk, take_over,
+    add_chunk, campaign_of, count_runs, end_chunk, give_up, insert_chunks, is_to_end, is_wanted, look_if_all_done, next_number,
+    ready_chunk, take_over,
 };
 use sqlx::Row;
 use std::ops::Range;
@@ -90,6 +91,11 @@ impl Storage {
         if !is_running(&mut transaction, job).await? {
             return Ok(None);
         }
+        if is_to_end(&mut transaction, job.id).await? {
+            let changed = end_with(&mut transaction, job, &Ending::Canceled).await?;
+            transaction.commit().await?;
+            return Ok(Some(changed));
+        }
         sqlx::query("INSERT INTO campaigns (job_id, runs_total) VALUES ($1, $2) ON CONFLICT DO NOTHING")
             .bind(&id)
             .bind(i64::try_from(runs_total)?)
@@ -151,13 +157,16 @@ impl Storage {
         }))
     }
 
-    /// How often a process died while it worked on the chunk.
-    pub async fn chunk_crashes(&self, job_id: Uuid, number: u32) -> anyhow::Result<i64> {
-        let crashes: Option<i64> = sqlx::query_scalar("SELECT crashes FROM chunks WHERE job_id = $1 AND number = $2")
-            .bind(job_id.to_string())
-            .bind(i64::from(number))
-            .fetch_optional(&self.read)
-            .await?;
+    /// How often a process died while it worked on the chunk, with the death that brings this entry again.
+    pub async fn chunk_crashes(&self, job_id: Uuid, number: u32, entry: Uuid) -> anyhow::Result<i64> {
+        let crashes: Option<i64> = sqlx::query_scalar(
+            "SELECT crashes + CASE WHEN state = 'running' AND entry = $3 THEN 1 ELSE 0 END FROM chunks WHERE job_id = $1 AND number = $2",
+        )
+        .bind(job_id.to_string())
+        .bind(i64::from(number))
+        .bind(entry.to_string())
+        .fetch_optional(&self.read)
+        .await?;
         Ok(crashes.unwrap_or(0))
     }
 
@@ -182,10 +191,9 @@ impl Storage {
                     .execute(&mut *transaction)
                     .await?;
                 let priority = priority_of(&mut transaction, job_id).await?;
-                for (number, NewChunk(items)) in (next_number(&mut transaction, job_id).await?..).zip(chunks) {
-                    insert_chunk(&mut transaction, (job_id, number), ChunkKind::Runs, items).await?;
-                    ready.push(Ready { job_id, chunk: Some(number), priority });
-                }
+                let first = next_number(&mut transaction, job_id).await?;
+                insert_chunks(&mut transaction, job_id, first, ChunkKind::Runs, chunks).await?;
+                ready.extend((first..).zip(chunks).map(|(number, _)| Ready { job_id, chunk: Some(number), priority }));
             }
             ChunkResult::Ended(ending) => {
                 let job = campaign_of(&mut transaction, job_id).await?;

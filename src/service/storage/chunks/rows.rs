@@ -1,8 +1,9 @@
 //! The parts that changes of chunks are made of.
 
-use super::{ChunkKind, ClaimedChunk};
+use super::{ChunkKind, ClaimedChunk, NewChunk};
 use crate::service::storage::change::{Changed, Ready, append_event, append_state, end_job, parse_id, priority_of};
 use crate::service::storage::life::ClaimedJob;
+use crate::service::storage::statement::Statement;
 use crate::service::storage::{from_micros, now, to_micros};
 use crate::service::types::{EventData, JobKind, JobState, LogLine, Problem, Progress, ProgressStep};
 use jiff::Timestamp;
@@ -16,6 +17,8 @@ use uuid::Uuid;
 const PAUSE: Duration = Duration::from_millis(250);
 const LONGEST_PAUSE: Duration = Duration::from_secs(5);
 const SHARE_OF_ELAPSED: u32 = 100;
+/// Chunks added with one statement.
+const ROWS: usize = 500;
 /// No estimate of the rest before this much is known.
 const ETA_AFTER: (f64, f64) = (0.5, 0.02);
 
@@ -63,20 +66,31 @@ pub(super) async fn next_number(connection: &mut AnyConnection, job_id: Uuid) ->
     Ok(last.map(u32::try_from).transpose()?.map_or(0, |last| last + 1))
 }
 
-pub(super) async fn insert_chunk(
+/// Adds chunks, numbered from `first` on; many in one statement, for nobody else writes meanwhile.
+pub(super) async fn insert_chunks(
     connection: &mut AnyConnection,
-    (job_id, number): (Uuid, u32),
+    job_id: Uuid,
+    first: u32,
     kind: ChunkKind,
-    items: &[Range<u64>],
+    chunks: &[NewChunk],
 ) -> anyhow::Result<()> {
-    sqlx::query("INSERT INTO chunks (job_id, number, kind, items, state) VALUES ($1, $2, $3, $4, 'queued')")
-        .bind(job_id.to_string())
-        .bind(i64::from(number))
-        .bind(kind.name())
-        .bind(serde_json::to_string(items)?)
-        .execute(connection)
-        .await?;
+    let numbered: Vec<(u32, &NewChunk)> = (first..).zip(chunks).collect();
+    for rows in numbered.chunks(ROWS) {
+        let mut statement = Statement::new("INSERT INTO chunks (job_id, number, kind, items, state) VALUES ");
+        for (index, (number, NewChunk(items))) in rows.iter().enumerate() {
+            statement.push(if index > 0 { ", (" } else { "(" }).bind(job_id.to_string()).push(", ").bind(i64::from(*number));
+            statement.push(", ").bind(kind.name().to_owned()).push(", ").bind(serde_json::to_string(items)?).push(", 'queued')");
+        }
+        statement.query().execute(&mut *connection).await?;
+    }
     Ok(())
+}
+
+/// Whether somebody wants the job to be canceled.
+pub(super) async fn is_to_end(connection: &mut AnyConnection, id: Uuid) -> anyhow::Result<bool> {
+    let asked: Option<i64> =
+        sqlx::query_scalar("SELECT cancel_requested_at FROM jobs WHERE id = $1").bind(id.to_string()).fetch_one(connection).await?;
+    Ok(asked.is_some())
 }
 
 /// One chunk more, ready to be done.
@@ -87,7 +101,7 @@ pub(super) async fn add_chunk(
     items: &[Range<u64>],
 ) -> anyhow::Result<Ready> {
     let number = next_number(connection, job_id).await?;
-    insert_chunk(connection, (job_id, number), kind, items).await?;
+    insert_chunks(connection, job_id, number, kind, &[NewChunk(items.to_vec())]).await?;
     ready_chunk(connection, job_id, number).await
 }
 

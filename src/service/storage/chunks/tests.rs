@@ -96,7 +96,7 @@ async fn of_many_who_claim_a_chunk_one_gets_it_and_only_its_result_counts() {
     // The queue gives the same entry out again when the first to have it is taken for dead.
     let entry: String = sqlx::query_scalar("SELECT entry FROM chunks").fetch_one(&storage.read).await.unwrap();
     let second = claimed(&storage, id, 0, parse_id(&entry).unwrap()).await.unwrap();
-    assert_eq!((second.attempt, storage.chunk_crashes(id, 0).await.unwrap()), (2, 1));
+    assert_eq!((second.attempt, storage.chunk_crashes(id, 0, Uuid::now_v7()).await.unwrap()), (2, 1));
     assert_eq!(storage.finish_chunk(&first, &piece(5)).await.unwrap(), None, "the first was given up");
     assert!(storage.finish_chunk(&second, &piece(5)).await.unwrap().is_some());
     assert_eq!(storage.finish_chunk(&second, &piece(5)).await.unwrap(), None, "it has ended");
