@@ -90,9 +90,12 @@ pub struct Engine {
     former: Former,
 }
 
-/// Workers that died of a lost connection while what they had begun lives on, each with a sign of that life.
+/// A worker's name, and a sign of life of what it began.
+type Worker = (String, Weak<()>);
+
+/// Workers of this process, also those that died of a lost connection while what they had begun lives on.
 #[derive(Clone, Default)]
-struct Former(Arc<Mutex<Vec<(String, Weak<()>)>>>);
+struct Former(Arc<Mutex<Vec<Worker>>>);
 
 impl Former {
     fn remember(&self, name: String, life: Weak<()>) {
