@@ -4,7 +4,7 @@ use crate::service::error::{ApiError, problem_of_status};
 use crate::service::types::Problem;
 use axum::Router;
 use axum::extract::{MatchedPath, Request};
-use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, header};
+use axum::http::{Extensions, HeaderMap, HeaderName, HeaderValue, Method, StatusCode, Version, header};
 use axum::middleware::{Next, from_fn};
 use axum::response::{IntoResponse, Response};
 use std::any::Any;
@@ -36,12 +36,19 @@ pub fn wrap(routes: Router) -> Router {
     routes
         .layer(CatchPanicLayer::custom(answer_panic))
         .layer(from_fn(measure))
+        // The dashboard's scripts and styles are fetched once and kept.
+        .layer(CompressionLayer::new().compress_when(is_script_or_style))
         // Level 1: answers of megabytes would wait longer for a better one than they save on the way.
         .layer(CompressionLayer::new().quality(CompressionLevel::Fastest))
         .layer(from_fn(finish))
         .layer(PropagateRequestIdLayer::new(REQUEST_ID))
         .layer(TraceLayer::new_for_http().make_span_with(span).on_response(DefaultOnResponse::new().level(Level::DEBUG)))
         .layer(SetRequestIdLayer::new(REQUEST_ID, NewRequestId))
+}
+
+fn is_script_or_style(_: StatusCode, _: Version, headers: &HeaderMap, _: &Extensions) -> bool {
+    let media_type = headers.get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok()).unwrap_or_default();
+    media_type.starts_with("text/javascript") || media_type.starts_with("text/css")
 }
 
 #[derive(Clone, Copy)]

@@ -95,7 +95,11 @@ async fn of_many_who_claim_a_chunk_one_gets_it_and_only_its_result_counts() {
     let first = claims.into_iter().flatten().next().unwrap();
     // The queue gives the same entry out again when the first to have it is taken for dead.
     let entry: String = sqlx::query_scalar("SELECT entry FROM chunks").fetch_one(&storage.read).await.unwrap();
-    let second = claimed(&storage, id, 0, parse_id(&entry).unwrap()).await.unwrap();
+    let entry = parse_id(&entry).unwrap();
+    // The death that brings it counts before it is claimed, so that it runs alone.
+    let crashes = async |entry| storage.chunk_crashes(id, 0, entry).await.unwrap();
+    assert_eq!((crashes(entry).await, crashes(Uuid::now_v7()).await), (1, 0));
+    let second = claimed(&storage, id, 0, entry).await.unwrap();
     assert_eq!((second.attempt, storage.chunk_crashes(id, 0, Uuid::now_v7()).await.unwrap()), (2, 1));
     assert_eq!(storage.finish_chunk(&first, &piece(5)).await.unwrap(), None, "the first was given up");
     assert!(storage.finish_chunk(&second, &piece(5)).await.unwrap().is_some());
@@ -151,4 +155,30 @@ async fn a_canceled_campaign_leaves_its_runs_to_the_one_that_runs_it_again() {
     assert_eq!(storage.pieces(again).await.unwrap(), ["piece of 3"]);
     let look = claimed(&storage, again, 1, Uuid::now_v7()).await.unwrap();
     assert_eq!((look.kind, look.runs_done, look.outcomes.as_deref()), (ChunkKind::Look, 3, Some("[]")));
+}
+
+#[tokio::test]
+async fn a_wish_to_cancel_that_comes_while_a_campaign_begins_ends_it() {
+    let (storage, _directory) = storage().await;
+    let id = admitted(&storage, None).await;
+    let Claim::Run(job) = storage.claim(id, Uuid::now_v7(), 3).await.unwrap() else { panic!("it is not claimed") };
+    assert!(matches!(storage.cancel(id).await.unwrap(), Cancellation::Requested(_)));
+    let changed = storage.start_campaign(&job, 10).await.unwrap().unwrap();
+    assert_eq!((changed.touched, changed.ready), (vec![id], vec![]));
+    assert_eq!(storage.job(id).await.unwrap().unwrap().job.state, JobState::Canceled);
+}
+
+#[tokio::test]
+async fn more_chunks_than_one_statement_takes_are_all_there() {
+    let (storage, _directory) = storage().await;
+    let (id, _) = started(&storage, None).await;
+    let pilot = claimed(&storage, id, 0, Uuid::now_v7()).await.unwrap();
+    storage.finish_chunk(&pilot, &piece(1)).await.unwrap();
+    let look = claimed(&storage, id, 1, Uuid::now_v7()).await.unwrap();
+    let chunks: Vec<NewChunk> = (1..1301).map(|item| NewChunk(vec![item..item + 1])).collect();
+    let more = ChunkResult::More { chunks, runs_total: 1301 };
+    let ready = storage.finish_chunk(&look, &more).await.unwrap().unwrap().ready;
+    assert_eq!(ready.iter().map(|ready| ready.chunk.unwrap()).collect::<Vec<_>>(), (2..1302).collect::<Vec<_>>());
+    assert_eq!(storage.ready(false).await.unwrap(), ready);
+    assert_eq!(claimed(&storage, id, 1301, Uuid::now_v7()).await.unwrap().items, [1300..1301]);
 }
