@@ -3,6 +3,7 @@
 use crate::campaigns::campaign;
 use crate::postgres::Postgres;
 use crate::process::{Process, Server};
+use std::path::Path;
 use std::time::Duration;
 
 /// Runs of each of the two cells: some twenty chunks.
@@ -20,16 +21,17 @@ async fn a_campaign_has_one_result_on_a_file_and_on_many_processes_that_are_kill
     let server = Server::start(alone.path(), &["--workers", "1"]);
     let expected = server.result(&server.submit("campaign", &campaign(RUNS)).await).await;
     drop(server);
+    let data = tempfile::tempdir().unwrap();
     for round in 1..=rounds() {
-        one_round(&postgres, &expected).await;
+        one_round(&postgres, data.path(), &expected).await;
         println!("round {round}: the same result");
     }
 }
 
-async fn one_round(postgres: &Postgres, expected: &str) {
-    let (url, data) = (postgres.url(), tempfile::tempdir().unwrap());
-    let server = Server::start(data.path(), &["--database-url", &url, "--workers", "1"]);
-    let [killed, stopped, _left] = [1, 1, 1].map(|slots| Process::worker(&url, data.path(), slots));
+async fn one_round(postgres: &Postgres, data: &Path, expected: &str) {
+    let url = postgres.url();
+    let server = Server::start(data, &["--database-url", &url, "--workers", "1"]);
+    let [killed, stopped, _left] = [1, 1, 1].map(|slots| Process::worker(&url, data, slots));
     let id = server.submit("campaign", &campaign(RUNS)).await;
     let has_done = |runs: u64| move |job: &serde_json::Value| job["progress"]["done"].as_u64() >= Some(runs);
     server.job_until(&id, has_done(200)).await;
