@@ -19,6 +19,14 @@ pub enum Next {
     Result,
 }
 
+/// Adds an item that is greater than all in the ranges.
+fn join(ranges: &mut Vec<Items>, item: u64) {
+    match ranges.last_mut() {
+        Some(range) if range.end == item => range.end += 1,
+        _ => ranges.push(item..item + 1),
+    }
+}
+
 impl Campaign {
     /// What is missing. It depends on the numbers of the runs alone, not on how the pieces were cut or who made them.
     pub fn next(&self, pieces: &[Piece]) -> Next {
@@ -46,10 +54,7 @@ impl Campaign {
         let made: HashSet<u64> = pieces.iter().flat_map(Piece::items).copied().filter(|item| (first..last).contains(item)).collect();
         let mut missing: Vec<Items> = Vec::new();
         for item in (first..last).filter(|item| !made.contains(item) && !has_ended((item % cells) as usize)) {
-            match missing.last_mut() {
-                Some(range) if range.end == item => range.end += 1,
-                _ => missing.push(item..item + 1),
-            }
+            join(&mut missing, item);
         }
         if missing.is_empty() { Next::Result } else { Next::Runs { items: missing, spared } }
     }
@@ -62,10 +67,7 @@ impl Campaign {
         let target_of = |left_s: f64| (left_s / LOTS_LEFT).clamp(shortest.as_secs_f64(), longest.as_secs_f64());
         let (mut lots, mut lot, mut cost_s, mut target_s) = (Vec::new(), Vec::<Items>::new(), 0.0, target_of(left_s));
         for item in items.into_iter().flatten() {
-            match lot.last_mut() {
-                Some(range) if range.end == item => range.end += 1,
-                _ => lot.push(item..item + 1),
-            }
+            join(&mut lot, item);
             cost_s += costs_s[(item % costs_s.len() as u64) as usize];
             if cost_s >= target_s {
                 lots.push(std::mem::take(&mut lot));

@@ -77,10 +77,7 @@ enum Made {
 impl Inner {
     /// Makes the claimed job a campaign: its chunks follow.
     pub(super) async fn start_campaign(&self, job: &ClaimedJob) -> anyhow::Result<()> {
-        let control = self.running.register((job.id, None));
-        if self.closing.is_cancelled() {
-            control.stop(Stop::ShuttingDown);
-        }
+        let control = self.begin((job.id, None));
         let runs_total = self.loaded(job.id, control.sign()).await.map(|loaded| loaded.campaign.total());
         let begun = runs_total.map_err(|failure| self.ending_of(job.id, "the job", &control, failure));
         let changed = self
@@ -104,10 +101,7 @@ impl Inner {
                 Ok(())
             }
             Chunk::Run(chunk) => {
-                let control = self.running.register((job_id, Some(number)));
-                if self.closing.is_cancelled() {
-                    control.stop(Stop::ShuttingDown);
-                }
+                let control = self.begin((job_id, Some(number)));
                 let made = self.make_chunk(&chunk, &control, permit).await;
                 let written = self.conclude_chunk(&chunk, &control, made).await;
                 self.running.unregister((job_id, Some(number)));

@@ -9,13 +9,6 @@ use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 use tokio::sync::watch;
 
-/// Progress is told at most this often, and ever less often in long jobs, so that its events stay few.
-const PAUSE: Duration = Duration::from_millis(250);
-const LONGEST_PAUSE: Duration = Duration::from_secs(5);
-const SHARE_OF_ELAPSED: u32 = 100;
-/// No estimate of the rest before this much is known.
-const ETA_AFTER: (Duration, f64) = (Duration::from_millis(500), 0.02);
-
 pub(in crate::service) struct Meter {
     kind: JobKind,
     sign: watch::Receiver<Option<Stop>>,
@@ -57,14 +50,13 @@ impl Meter {
 
     fn tell(&mut self, now: Instant, step: Step, done: u64, total: u64) {
         let elapsed = now.duration_since(self.started);
-        let pause = (elapsed / SHARE_OF_ELAPSED).clamp(PAUSE, LONGEST_PAUSE);
+        let pause = Progress::pause_after(elapsed);
         if self.told.is_some_and(|told| now.duration_since(told) < pause) {
             return;
         }
         self.told = Some(now);
         let fraction = fraction(self.kind, step, done, total);
-        let is_known = elapsed > ETA_AFTER.0 && fraction > ETA_AFTER.1;
-        let eta_s = is_known.then(|| elapsed.as_secs_f64() * (1.0 - fraction) / fraction);
+        let eta_s = Progress::left_s(elapsed, fraction);
         self.news.send_replace(Some(Progress { step: wire_step(step), done, total, fraction, eta_s }));
     }
 }

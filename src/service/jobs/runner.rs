@@ -1,6 +1,6 @@
 //! What happens when the queue says "look at this": claim it, run it on a thread of its own, write how it ended.
 
-use super::control::{CLOSING_GRACE, Control, Stop};
+use super::control::{CLOSING_GRACE, Control, Stop, Work};
 use super::datasets::NoSweepingHere;
 use super::error::is_unavailable;
 use super::inputs::Located;
@@ -97,7 +97,7 @@ impl Inner {
             Claim::Run(job) if job.kind == JobKind::Campaign => self.start_campaign(&job).await,
             Claim::Run(job) => {
                 self.announce(&[id]).await;
-                let control = self.running.register((id, None));
+                let control = self.begin((id, None));
                 let made = self.attend(&job, &control, permit).await;
                 let written = self.conclude(&job, &control, made).await;
                 self.running.unregister((id, None));
@@ -106,11 +106,17 @@ impl Inner {
         }
     }
 
-    /// Makes what the job makes, with an ear for wishes that came before the stop sign was up.
-    async fn attend(&self, job: &ClaimedJob, control: &Arc<Control>, permit: OwnedSemaphorePermit) -> Result<Product, Failure> {
+    /// Registers work; where the service stops already, its stop sign is up from the start.
+    pub(super) fn begin(&self, work: Work) -> Arc<Control> {
+        let control = self.running.register(work);
         if self.closing.is_cancelled() {
             control.stop(Stop::ShuttingDown);
         }
+        control
+    }
+
+    /// Makes what the job makes, with an ear for wishes that came before the stop sign was up.
+    async fn attend(&self, job: &ClaimedJob, control: &Arc<Control>, permit: OwnedSemaphorePermit) -> Result<Product, Failure> {
         let stored = self.storage.job(job.id).await.map_err(Failure::Internal)?;
         if stored.is_some_and(|stored| stored.job.cancel_requested_at.is_some()) {
             control.stop(Stop::Canceled);

@@ -5,6 +5,7 @@ use crate::experiment::plan;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::time::Duration;
 use utoipa::ToSchema;
 use uuid::Uuid;
 
@@ -123,6 +124,26 @@ pub struct Progress {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub eta_s: Option<f64>,
+}
+
+/// Progress is told at most this often, and ever less often in long jobs, so that its events stay few.
+const PAUSE: Duration = Duration::from_millis(250);
+const LONGEST_PAUSE: Duration = Duration::from_secs(5);
+const SHARE_OF_ELAPSED: u32 = 100;
+/// No estimate of the rest before this much is known.
+const ETA_AFTER: (Duration, f64) = (Duration::from_millis(500), 0.02);
+
+impl Progress {
+    /// How long nothing is told after something was.
+    pub fn pause_after(elapsed: Duration) -> Duration {
+        (elapsed / SHARE_OF_ELAPSED).clamp(PAUSE, LONGEST_PAUSE)
+    }
+
+    /// Seconds to the end, if the rest is made as fast as what is done; `None` while too little is known.
+    pub fn left_s(elapsed: Duration, fraction: f64) -> Option<f64> {
+        let is_known = elapsed > ETA_AFTER.0 && fraction > ETA_AFTER.1;
+        is_known.then(|| elapsed.as_secs_f64() * (1.0 - fraction) / fraction)
+    }
 }
 
 /// A job.

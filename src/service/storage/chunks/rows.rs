@@ -13,14 +13,8 @@ use std::ops::Range;
 use std::time::Duration;
 use uuid::Uuid;
 
-/// Progress becomes an event at most this often, and ever less often in long campaigns.
-const PAUSE: Duration = Duration::from_millis(250);
-const LONGEST_PAUSE: Duration = Duration::from_secs(5);
-const SHARE_OF_ELAPSED: u32 = 100;
 /// Chunks added with one statement.
 const ROWS: usize = 500;
-/// No estimate of the rest before this much is known.
-const ETA_AFTER: (f64, f64) = (0.5, 0.02);
 
 /// Takes the pieces of the job that this one runs again; gives how many.
 pub(super) async fn take_over(connection: &mut AnyConnection, id: Uuid) -> anyhow::Result<u64> {
@@ -168,24 +162,18 @@ pub(super) async fn count_runs(connection: &mut AnyConnection, job_id: Uuid, run
     let (done, total) = (row.try_get::<i64, _>("runs_done")?.cast_unsigned(), row.try_get::<i64, _>("runs_total")?.cast_unsigned());
     let (at, started_at) = (now(), from_micros(row.try_get("started_at")?)?);
     let elapsed = Duration::from_micros(u64::try_from(to_micros(at) - to_micros(started_at)).unwrap_or(0));
-    let progress = progress_of(done, total, elapsed.as_secs_f64());
+    let fraction = if total == 0 { 0.0 } else { (done as f64 / total as f64).min(1.0) };
+    let progress = Progress { step: ProgressStep::Run, done, total, fraction, eta_s: Progress::left_s(elapsed, fraction) };
     sqlx::query("UPDATE jobs SET progress = $1 WHERE id = $2")
         .bind(serde_json::to_string(&progress)?)
         .bind(job_id.to_string())
         .execute(&mut *connection)
         .await?;
-    let pause = (elapsed / SHARE_OF_ELAPSED).clamp(PAUSE, LONGEST_PAUSE);
-    if done == total || to_micros(at) - row.try_get::<i64, _>("told_at")? >= i64::try_from(pause.as_micros())? {
+    let pause = i64::try_from(Progress::pause_after(elapsed).as_micros())?;
+    if done == total || to_micros(at) - row.try_get::<i64, _>("told_at")? >= pause {
         tell(connection, job_id, at, progress).await?;
     }
     Ok(())
-}
-
-fn progress_of(done: u64, total: u64, elapsed_s: f64) -> Progress {
-    let fraction = if total == 0 { 0.0 } else { (done as f64 / total as f64).min(1.0) };
-    let is_known = elapsed_s > ETA_AFTER.0 && fraction > ETA_AFTER.1;
-    let eta_s = is_known.then(|| elapsed_s * (1.0 - fraction) / fraction);
-    Progress { step: ProgressStep::Run, done, total, fraction, eta_s }
 }
 
 pub(super) async fn tell(connection: &mut AnyConnection, job_id: Uuid, at: Timestamp, progress: Progress) -> anyhow::Result<()> {
