@@ -14,14 +14,14 @@ mod yardstick;
 use serde_json::json;
 use std::hint::black_box;
 use std::time::Instant;
-use trackloom::association::{ASSOCIATORS, Associator};
-use trackloom::filtering::kalman::Kalman;
-use trackloom::math::rng::Seed;
-use trackloom::model::scan::Recording;
-use trackloom::model::scenario::{RandomTargets, ReportNoise, Scenario, ScenarioSensor, TargetPlan};
-use trackloom::model::sensor::{Report, Sensor};
-use trackloom::registry;
-use trackloom::tracking::{Confirmation, Initiation, Lifecycle, Tracker, TrackerParts};
+use trackloom_domain::association::{ASSOCIATORS, Associator};
+use trackloom_domain::filtering::kalman::Kalman;
+use trackloom_domain::math::rng::Seed;
+use trackloom_domain::model::scan::Recording;
+use trackloom_domain::model::scenario::{RandomTargets, ReportNoise, Scenario, ScenarioSensor, TargetPlan};
+use trackloom_domain::model::sensor::{Report, Sensor};
+use trackloom_domain::registry;
+use trackloom_domain::tracking::{Confirmation, Initiation, Lifecycle, Tracker, TrackerParts};
 use yardstick::yardstick_ns;
 
 /// Every figure is the least of this many runs, the contenders taking turns: what other programs do only ever adds.
@@ -117,7 +117,8 @@ fn scene(targets: u32) -> (Scenario, Recording) {
 }
 
 fn recorded(scenario: Scenario) -> (Scenario, Recording) {
-    let simulated = trackloom::simulation::simulate(&scenario, Seed { seed: 1, run: 0 }, &mut |_| std::ops::ControlFlow::Continue(()));
+    let simulated =
+        trackloom_domain::simulation::simulate(&scenario, Seed { seed: 1, run: 0 }, &mut |_| std::ops::ControlFlow::Continue(()));
     let recording = simulated.expect("the scene is valid").expect("nobody stops it").recording;
     (scenario, recording)
 }

@@ -13,10 +13,10 @@ mod yardstick;
 use random_tracks::Scene;
 use serde_json::{Value, json};
 use std::time::Instant;
-use trackloom::correlation::problem::Problem;
-use trackloom::correlation::{CORRELATORS, Solution};
-use trackloom::math::rng::Seed;
-use trackloom::registry;
+use trackloom_domain::correlation::problem::Problem;
+use trackloom_domain::correlation::{CORRELATORS, Solution};
+use trackloom_domain::math::rng::Seed;
+use trackloom_domain::registry;
 use yardstick::yardstick_ns;
 
 /// Sensors, targets, problems.
@@ -52,7 +52,7 @@ fn main() {
 
 /// The correlators with their parameters.
 fn contenders() -> Vec<(&'static str, Value)> {
-    let name = |method: &trackloom::registry::Method<_>| (method.name, json!({}));
+    let name = |method: &trackloom_domain::registry::Method<_>| (method.name, json!({}));
     let mut contenders: Vec<_> = CORRELATORS.iter().map(name).collect();
     contenders.push(("genetic", json!({"variant": "unseeded"})));
     contenders.push(("genetic", json!({"variant": "paper", "population": 100, "generations": 500, "stop_after": 100})));

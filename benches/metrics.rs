@@ -10,13 +10,13 @@ use serde_json::json;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use trackloom::evaluation::comparison::Comparison;
-use trackloom::evaluation::events::EventLog;
-use trackloom::evaluation::metrics::{METRICS, Metric, Sequence};
-use trackloom::formats::{ReadOptions, format_named};
-use trackloom::model::boxes::{BoxSet, ObjectBox};
-use trackloom::model::dataset::{Dataset, DatasetKind};
-use trackloom::registry;
+use trackloom_domain::evaluation::comparison::Comparison;
+use trackloom_domain::evaluation::events::EventLog;
+use trackloom_domain::evaluation::metrics::{METRICS, Metric, Sequence};
+use trackloom_domain::formats::{ReadOptions, format_named};
+use trackloom_domain::model::boxes::{BoxSet, ObjectBox};
+use trackloom_domain::model::dataset::{Dataset, DatasetKind};
+use trackloom_domain::registry;
 
 const NAMES: [&str; 3] = ["clear", "identity", "hota"];
 /// As many runs as fit this time, but at least a few.

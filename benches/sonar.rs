@@ -8,10 +8,10 @@ mod yardstick;
 use serde_json::json;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
-use trackloom::experiment::observer::{Observer, Step};
-use trackloom::experiment::plan::plan;
-use trackloom::experiment::presets;
-use trackloom::experiment::run::run;
+use trackloom_domain::experiment::observer::{Observer, Step};
+use trackloom_domain::experiment::plan::plan;
+use trackloom_domain::experiment::presets;
+use trackloom_domain::experiment::run::run;
 use yardstick::yardstick_ns;
 
 /// Presets, and runs of each cell.

@@ -10,16 +10,16 @@ mod yardstick;
 
 use std::hint::black_box;
 use std::time::Instant;
-use trackloom::evaluation::strings::{self, StringRules, Strings};
-use trackloom::evaluation::temporal_automaton::births::Births;
-use trackloom::evaluation::temporal_automaton::paths::Paths;
-use trackloom::evaluation::temporal_automaton::search::{Order, Search};
-use trackloom::evaluation::temporal_automaton::verdict::{Sides, judge};
-use trackloom::evaluation::{EvaluationInput, TfaSettings, evaluate_temporal_automaton};
-use trackloom::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
-use trackloom::model::sensor::SensorSettings;
-use trackloom::model::state::State;
-use trackloom::model::track::{Candidate, Estimate, PlaneEstimate, Track, TrackPoint, TrackSet, TrackStatus};
+use trackloom_domain::evaluation::strings::{self, StringRules, Strings};
+use trackloom_domain::evaluation::temporal_automaton::births::Births;
+use trackloom_domain::evaluation::temporal_automaton::paths::Paths;
+use trackloom_domain::evaluation::temporal_automaton::search::{Order, Search};
+use trackloom_domain::evaluation::temporal_automaton::verdict::{Sides, judge};
+use trackloom_domain::evaluation::{EvaluationInput, TfaSettings, evaluate_temporal_automaton};
+use trackloom_domain::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
+use trackloom_domain::model::sensor::SensorSettings;
+use trackloom_domain::model::state::State;
+use trackloom_domain::model::track::{Candidate, Estimate, PlaneEstimate, Track, TrackPoint, TrackSet, TrackStatus};
 use yardstick::yardstick_ns;
 
 const SCANS: usize = 30;

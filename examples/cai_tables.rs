@@ -9,10 +9,10 @@ use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::time::Instant;
-use trackloom::experiment::observer::{Observer, Step};
-use trackloom::experiment::plan::{JobKind, plan};
-use trackloom::experiment::presets::{self, cai_fuzzy};
-use trackloom::experiment::run::run;
+use trackloom_domain::experiment::observer::{Observer, Step};
+use trackloom_domain::experiment::plan::{JobKind, plan};
+use trackloom_domain::experiment::presets::{self, cai_fuzzy};
+use trackloom_domain::experiment::run::run;
 
 const SCENES: [&str; 4] = ["cai-fuzzy-cv-10", "cai-fuzzy-cv-15", "cai-fuzzy-weave-10", "cai-fuzzy-weave-15"];
 

@@ -1,8 +1,8 @@
-//! `cargo run --release --no-default-features --example fuzzy_association`: the table of `docs/fuzzy.md`. Liang's scene of 30 targets as
+//! `cargo run --release -p trackloom-domain --example fuzzy_association`: the table of `docs/fuzzy.md`. Liang's scene of 30 targets as
 //! published, and 100 targets that start within 20 km, under fuzzy c-means and the associators beside it; twenty seeds each.
 
 use serde_json::{Value, json};
-use trackloom::experiment::{observer::Silent, plan, presets, run};
+use trackloom_domain::experiment::{observer::Silent, plan, presets, run};
 
 /// Scene, targets, and the side of the square in which they start.
 const SCENES: [(&str, u32, f64); 2] = [("30 targets, 100 km", 30, 100_000.0), ("100 targets, 20 km", 100, 20_000.0)];

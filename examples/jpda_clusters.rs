@@ -1,16 +1,16 @@
 //! The clusters of a scene of 30 targets that fly close together, for `benches/peers/enumerate.py`: each line one cluster, for
 //! each track its detections with the ratio of their weights to that of none.
 //!
-//! `cargo run --release --no-default-features --example jpda_clusters -- "in line" | python3 benches/peers/enumerate.py`
+//! `cargo run --release -p trackloom-domain --example jpda_clusters -- "in line" | python3 benches/peers/enumerate.py`
 
 #[path = "../benches/support/flights.rs"]
 mod flights;
 
 use serde_json::json;
-use trackloom::association::problem::{Problem, Weights};
-use trackloom::association::{ASSOCIATORS, Associator};
-use trackloom::math::rng::Seed;
-use trackloom::registry::check;
+use trackloom_domain::association::problem::{Problem, Weights};
+use trackloom_domain::association::{ASSOCIATORS, Associator};
+use trackloom_domain::math::rng::Seed;
+use trackloom_domain::registry::check;
 
 fn main() {
     let chosen = std::env::args().nth(1).unwrap_or_else(|| "in line".to_owned());

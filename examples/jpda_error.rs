@@ -1,13 +1,13 @@
 //! How far belief propagation is from the exact marginals: prints the table of `docs/jpda.md`.
 //!
-//! `cargo run --release --no-default-features --example jpda_error`
+//! `cargo run --release -p trackloom-domain --example jpda_error`
 
 use rand::{Rng, RngExt};
 use serde_json::json;
-use trackloom::association::problem::{Edge, ScanProblem, Weights};
-use trackloom::association::{ASSOCIATORS, Associator};
-use trackloom::math::rng::{Purpose, Seed};
-use trackloom::registry::check;
+use trackloom_domain::association::problem::{Edge, ScanProblem, Weights};
+use trackloom_domain::association::{ASSOCIATORS, Associator};
+use trackloom_domain::math::rng::{Purpose, Seed};
+use trackloom_domain::registry::check;
 
 const CLUSTERS: u32 = 300;
 /// Log-likelihood ratios are drawn from −spread to +spread.

@@ -1,18 +1,18 @@
 //! How the run time of Liang's experiment grows with the targets: times of tracking and of the automaton, medians over runs with seeds
 //! 1, 2, … of the least of five tries each, and the slope of log time over log targets with its 95 % interval (1 is linear).
 //!
-//! `cargo run --release --no-default-features --example liang_growth [-- RUNS [TARGETS …]]`; 20 runs of 10, 30, 50, 80 and 100 targets
+//! `cargo run --release -p trackloom-domain --example liang_growth [-- RUNS [TARGETS …]]`; 20 runs of 10, 30, 50, 80 and 100 targets
 //! unless said otherwise. Times of more than 100 targets are those on the processor, where Linux tells them. Up to 100 targets
 //! share the square of the paper; more have a larger square, radar and clutter, of the density of 100.
 
 use serde_json::json;
 use std::ops::ControlFlow;
 use std::time::Instant;
-use trackloom::experiment::observer::{Observer, Step};
-use trackloom::experiment::plan::{JobKind, Plan, plan};
-use trackloom::experiment::presets;
-use trackloom::experiment::run::run;
-use trackloom::math::stats::{quantile, slope};
+use trackloom_domain::experiment::observer::{Observer, Step};
+use trackloom_domain::experiment::plan::{JobKind, Plan, plan};
+use trackloom_domain::experiment::presets;
+use trackloom_domain::experiment::run::run;
+use trackloom_domain::math::stats::{quantile, slope};
 
 const ASSOCIATORS: [(&str, &str); 3] = [("NN", "nearest_neighbour"), ("PDA", "pda"), ("JPDA", "jpda")];
 

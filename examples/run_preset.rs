@@ -1,15 +1,15 @@
 //! Runs a preset through the library, without the service, and prints its result; a campaign as its table of cells with the
 //! time that deciding took.
 //!
-//! `cargo run --release --no-default-features --example run_preset -- PRESET [RUNS]`.
+//! `cargo run --release --example run_preset -- PRESET [RUNS]`.
 
 use serde_json::json;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
-use trackloom::experiment::observer::{Observer, Step};
-use trackloom::experiment::plan::plan;
-use trackloom::experiment::presets;
-use trackloom::experiment::run::run;
+use trackloom_domain::experiment::observer::{Observer, Step};
+use trackloom_domain::experiment::plan::plan;
+use trackloom_domain::experiment::presets;
+use trackloom_domain::experiment::run::run;
 
 /// Has a clock, and never stops.
 struct Clock(Instant);

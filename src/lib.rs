@@ -1,25 +1,10 @@
-//! trackloom: data association, track correlation and track evaluation.
+//! trackloom: data association, track correlation and track evaluation as a web service.
 //!
-//! Layers, each using only those above it in this list:
-//!
-//! - [`model`], [`math`], [`registry`]: words and tools.
-//! - [`simulation`], [`detection`], [`filtering`], [`gating`], [`association`], [`correlation`], [`evaluation`], [`formats`]: the
-//!   steps; siblings do not know each other.
-//! - [`tracking`]: a tracker composed of steps. [`experiment`]: whole jobs, pure.
-//! - `service`: HTTP, SQL, the queue, the command line; the only place with a clock, files and threads.
+//! The domain is a package of its own, `trackloom-domain`, which knows no service. Here stands the [`service`]: HTTP, SQL, the
+//! queue, the command line; the only place with a clock, files and threads.
 
-pub mod association;
-pub mod correlation;
-pub mod detection;
-pub mod evaluation;
-pub mod experiment;
-pub mod filtering;
-pub mod formats;
-pub mod gating;
-pub mod math;
-pub mod model;
-pub mod registry;
-#[cfg(feature = "service")]
+#![forbid(unsafe_code)]
+
+pub use trackloom_domain::{evaluation, experiment, formats, math, model, registry, simulation, tracking};
+
 pub mod service;
-pub mod simulation;
-pub mod tracking;

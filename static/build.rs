@@ -15,9 +15,6 @@ fn main() {
     for source in SOURCES {
         println!("cargo:rerun-if-changed={source}");
     }
-    if env::var_os("CARGO_FEATURE_SERVICE").is_none() {
-        return;
-    }
     if let Err(error) = fs::create_dir_all("static/dist") {
         println!("cargo:warning=static/dist cannot be created: {error}");
     }

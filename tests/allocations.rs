@@ -5,14 +5,14 @@ use serde_json::json;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
-use trackloom::association::ASSOCIATORS;
-use trackloom::filtering::kalman::Kalman;
-use trackloom::math::rng::Seed;
-use trackloom::model::scan::{Recording, RecordingParts};
-use trackloom::model::scenario::{ListedTarget, Scenario, ScenarioSensor, TargetPlan};
-use trackloom::model::sensor::{Report, Sensor};
-use trackloom::registry;
-use trackloom::tracking::{Confirmation, Initiation, Lifecycle, Tracker, TrackerParts};
+use trackloom_domain::association::ASSOCIATORS;
+use trackloom_domain::filtering::kalman::Kalman;
+use trackloom_domain::math::rng::Seed;
+use trackloom_domain::model::scan::{Recording, RecordingParts};
+use trackloom_domain::model::scenario::{ListedTarget, Scenario, ScenarioSensor, TargetPlan};
+use trackloom_domain::model::sensor::{Report, Sensor};
+use trackloom_domain::registry;
+use trackloom_domain::tracking::{Confirmation, Initiation, Lifecycle, Tracker, TrackerParts};
 
 /// Counts every request for memory.
 struct Counting;
@@ -89,7 +89,7 @@ fn scene(side: u32) -> (Scenario, Recording) {
     let targets = TargetPlan::Listed { targets: (0..side * side).map(target).collect() };
     let scenario =
         Scenario { scans: (WARM_UP + COUNTED) as u32, scan_period_s: 2.0, sensors: vec![sensor], targets, coverage: None, record: None };
-    let simulated = trackloom::simulation::simulate(&scenario, Seed { seed: 1, run: 0 }, &mut |_| ControlFlow::Continue(()));
+    let simulated = trackloom_domain::simulation::simulate(&scenario, Seed { seed: 1, run: 0 }, &mut |_| ControlFlow::Continue(()));
     let recording = simulated.unwrap().unwrap().recording;
     (scenario, with_amplitudes(recording))
 }

@@ -67,7 +67,7 @@ const MAX_FILE_LINES: usize = 500;
 
 struct Source {
     path: PathBuf,
-    /// The part of `src` it belongs to; empty for `lib.rs` and `main.rs`.
+    /// The part of `src` it belongs to; empty for `domain.rs`, `lib.rs` and `main.rs`.
     part: String,
     text: String,
 }
@@ -90,14 +90,19 @@ impl Source {
 }
 
 fn sources() -> Vec<Source> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    // The manifest of the domain lies in `src`.
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).to_owned();
     let mut files = Vec::new();
     collect(&root, &mut files);
     files.sort();
     let read = |path: PathBuf| {
         let inside = path.strip_prefix(&root).unwrap();
         let first = inside.components().next().unwrap().as_os_str().to_string_lossy().into_owned();
-        let part = if first.ends_with(".rs") { first.trim_end_matches(".rs").replace("lib", "").replace("main", "") } else { first };
+        let part = if first.ends_with(".rs") {
+            first.trim_end_matches(".rs").replace("lib", "").replace("main", "").replace("domain", "")
+        } else {
+            first
+        };
         Source { text: fs::read_to_string(&path).unwrap(), part, path: inside.to_owned() }
     };
     files.into_iter().map(read).collect()

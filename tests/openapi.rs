@@ -1,7 +1,5 @@
 //! The API document: the files agree with the program, names are frozen, references resolve, examples are accepted.
 //! `TRACKLOOM_WRITE_OPENAPI=1 cargo test --test openapi` writes the files.
-#![cfg(feature = "service")]
-
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::Path;

@@ -4,4 +4,4 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-${XDG_CACHE_HOME:-$HOME/.cache}/trackloom/target}
-TRACKLOOM_SOAK=${1:-50} cargo test --locked --features s3 --test processes many:: -- --nocapture
+TRACKLOOM_SOAK=${1:-50} cargo test --locked --features s3,parquet --test processes many:: -- --nocapture

@@ -14,5 +14,5 @@ mkdir -p "$cache"
 "$cache/peers-metrics/bin/pip" install --quiet 'motrics==0.3.0' 'trackeval==1.3.0' 'numpy==2.4.6' 'scipy==1.17.1'
 # One process, one thread on either side.
 export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE=1
-cargo bench --quiet --no-default-features --bench metrics -- "$folder" "${copies[@]}" |
+cargo bench --quiet -p trackloom-domain --bench metrics -- "$folder" "${copies[@]}" |
     "$cache/peers-metrics/bin/python" benches/peers/metrics.py "$folder" "${copies[@]}"

@@ -9,7 +9,7 @@ cache=${XDG_CACHE_HOME:-$HOME/.cache}/trackloom
 mkdir -p "$cache"
 [ -x "$cache/peers/bin/python" ] || python3 -m venv "$cache/peers"
 "$cache/peers/bin/pip" install --quiet 'stonesoup==1.9.1' 'numpy==2.4.6' 'scipy==1.17.1'
-bin=$(cargo bench --quiet --no-default-features --bench peers --no-run --message-format=json |
+bin=$(cargo bench --quiet -p trackloom-domain --bench peers --no-run --message-format=json |
     sed -n 's/.*"executable":"\([^"]*\)".*/\1/p' | tail -n 1)
 # One process, one thread on either side.
 export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 PYTHONDONTWRITEBYTECODE=1

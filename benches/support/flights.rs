@@ -2,14 +2,14 @@
 //! track is there from the start, so that a run is association alone.
 
 use std::ops::ControlFlow;
-use trackloom::association::Associator;
-use trackloom::filtering::kalman::Kalman;
-use trackloom::math::rng::Seed;
-use trackloom::model::scan::Recording;
-use trackloom::model::scenario::{ListedTarget, Scenario, ScenarioSensor, TargetPlan};
-use trackloom::model::sensor::{Report, Sensor};
-use trackloom::model::state::{Covariance, GaussianState, State};
-use trackloom::tracking::{Confirmation, Initiation, Lifecycle, Tracker, TrackerParts};
+use trackloom_domain::association::Associator;
+use trackloom_domain::filtering::kalman::Kalman;
+use trackloom_domain::math::rng::Seed;
+use trackloom_domain::model::scan::Recording;
+use trackloom_domain::model::scenario::{ListedTarget, Scenario, ScenarioSensor, TargetPlan};
+use trackloom_domain::model::sensor::{Report, Sensor};
+use trackloom_domain::model::state::{Covariance, GaussianState, State};
+use trackloom_domain::tracking::{Confirmation, Initiation, Lifecycle, Tracker, TrackerParts};
 
 const SIGMA_M: f64 = 10.0;
 const P_D: f64 = 0.9;
@@ -53,7 +53,7 @@ impl Flights {
         let targets: Vec<ListedTarget> = places.map(target).collect();
         let scenario = scenario(&targets, formation.clutter_square_m);
         let clutter_per_m2 = scenario.sensors[0].clutter_per_m2().expect("the sensor has a range");
-        let simulated = trackloom::simulation::simulate(&scenario, Seed { seed: 1, run: 0 }, &mut |_| ControlFlow::Continue(()));
+        let simulated = trackloom_domain::simulation::simulate(&scenario, Seed { seed: 1, run: 0 }, &mut |_| ControlFlow::Continue(()));
         let recording = simulated.expect("the scene is valid").expect("nobody stops it").recording;
         Flights { name, targets, clutter_per_m2, recording }
     }

@@ -4,11 +4,11 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::sync::Arc;
-use trackloom::correlation::estimates::Estimates;
-use trackloom::correlation::evidence::{Evidence, Times};
-use trackloom::correlation::problem::{Costs, JointCost, Problem};
-use trackloom::math::rng::{Purpose, Seed};
-use trackloom::model::state::{Covariance, GaussianState, State};
+use trackloom_domain::correlation::estimates::Estimates;
+use trackloom_domain::correlation::evidence::{Evidence, Times};
+use trackloom_domain::correlation::problem::{Costs, JointCost, Problem};
+use trackloom_domain::math::rng::{Purpose, Seed};
+use trackloom_domain::model::state::{Covariance, GaussianState, State};
 
 /// δ, the 0.99 quantile of chi-square with 2 degrees of freedom; and the gate, beyond which 1e-6 of the true pairs lie.
 pub const DELTA: f64 = 9.210_340_371_976_184;

@@ -2,9 +2,9 @@
 //!
 //! ```text
 //! trackloom run --preset papers --out papers
-//! cargo run --release --no-default-features --example liang_growth > papers/growth.md
-//! cargo run --release --no-default-features --example liang_growth -- 1 10 30 100 1000 3000 10000 30000 100000 > papers/growth-large.md
-//! cargo run --release --no-default-features --example paper_pictures -- papers docs/pictures
+//! cargo run --release -p trackloom-domain --example liang_growth > papers/growth.md
+//! cargo run --release -p trackloom-domain --example liang_growth -- 1 10 30 100 1000 3000 10000 30000 100000 > papers/growth-large.md
+//! cargo run --release -p trackloom-domain --example paper_pictures -- papers docs/pictures
 //! ```
 //!
 //! Bands and bars are 95 % intervals.
@@ -18,10 +18,10 @@ use std::error::Error;
 use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
-use trackloom::experiment::observer::{Observer, Step};
-use trackloom::experiment::plan::plan;
-use trackloom::experiment::presets;
-use trackloom::experiment::run::run;
+use trackloom_domain::experiment::observer::{Observer, Step};
+use trackloom_domain::experiment::plan::plan;
+use trackloom_domain::experiment::presets;
+use trackloom_domain::experiment::run::run;
 
 /// `cells.csv` of a campaign: mean and interval by cell and outcome.
 struct Cells(HashMap<(String, String), [f64; 3]>);
@@ -228,7 +228,7 @@ fn wang(out: &Path) -> Result<(), Box<dyn Error>> {
     if let Some(variants) = body["grid"][1]["variants"].as_array_mut() {
         variants.retain(|variant| names.iter().any(|name| variant["name"] == *name));
     }
-    let plan = plan(trackloom::experiment::plan::JobKind::Campaign, &body).map_err(|faults| format!("{faults:?}"))?;
+    let plan = plan(trackloom_domain::experiment::plan::JobKind::Campaign, &body).map_err(|faults| format!("{faults:?}"))?;
     let outcome = run(&plan, Vec::new(), &mut Patient)?;
     let table = outcome.artifacts.iter().find(|file| file.name == "cells.csv").ok_or("a campaign has cells.csv")?;
     let cells = Cells::of(&table.bytes)?;

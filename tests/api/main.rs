@@ -1,7 +1,5 @@
 //! The API through its front door: a real server on a free port with a directory of its own, asked over HTTP.
 //! One module for what a user does, mirroring the routes.
-#![cfg(feature = "service")]
-
 mod bad_files;
 mod bad_requests;
 mod bearing_time;

@@ -1,6 +1,4 @@
 //! Real processes: servers and workers that are killed, stopped and started again, on a file and on PostgreSQL.
-#![cfg(feature = "service")]
-
 mod campaigns;
 mod database;
 mod many;

@@ -1,0 +1,40 @@
+//! The tests of the domain: one program, so that it is linked once.
+
+#[path = "../../benches/support/flights.rs"]
+mod flights;
+#[path = "../../benches/support/random_tracks.rs"]
+mod random_tracks;
+
+mod associators;
+mod bad_association_input;
+mod bearing_time;
+mod bearings;
+mod breaks;
+#[cfg(feature = "parquet")]
+mod campaign_parquet;
+mod campaigns;
+mod correlate_jobs;
+mod correlators;
+mod determinism;
+mod distances;
+mod evaluation_jobs;
+mod filters;
+mod formations;
+mod formats;
+mod gates;
+mod grouping;
+mod integer_programme;
+mod liang_verdicts;
+mod lifecycle;
+mod oracle;
+mod origins;
+mod polar;
+mod recordings;
+mod shared_gates;
+mod sonar;
+mod tfa_by_hand;
+mod track_alignment;
+mod track_fusion;
+mod track_statistics;
+mod two_sensors;
+mod vision;
