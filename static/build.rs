@@ -1,4 +1,4 @@
-//! Builds the dashboard when Node.js and npm are there, so that the binary can carry it. Without them, or when
+//! Names the version with its revision, and builds the dashboard when Node.js and npm are there, so that the binary can carry it. Without them, or when
 //! `TRACKLOOM_SKIP_DASHBOARD` is set, the service still builds and says at `/` what is missing.
 
 use std::path::Path;
@@ -11,6 +11,7 @@ const SOURCES: [&str; 6] =
 
 fn main() {
     println!("cargo:rerun-if-changed=static/build.rs");
+    name_version();
     println!("cargo:rerun-if-env-changed=TRACKLOOM_SKIP_DASHBOARD");
     for source in SOURCES {
         println!("cargo:rerun-if-changed={source}");
@@ -26,6 +27,30 @@ fn main() {
         let _ = fs::remove_file("static/dist/index.html");
         println!("cargo:warning=built without the dashboard: {reason}");
     }
+}
+
+/// The revision of a release; a build for development would be made anew with each commit.
+fn name_version() {
+    let version = env::var("CARGO_PKG_VERSION").unwrap_or_default();
+    let is_release = env::var("PROFILE").is_ok_and(|profile| profile == "release");
+    let revision = if is_release { git(&["rev-parse", "--short=12", "HEAD"]) } else { None };
+    match revision {
+        Some(revision) => {
+            if let Some(log) = git(&["rev-parse", "--git-path", "logs/HEAD"]) {
+                println!("cargo:rerun-if-changed={log}");
+            }
+            println!("cargo:rustc-env=TRACKLOOM_VERSION={version}+{revision}");
+        }
+        None => println!("cargo:rustc-env=TRACKLOOM_VERSION={version}"),
+    }
+    let optional = [("CARGO_FEATURE_S3", "s3"), ("CARGO_FEATURE_PARQUET", "parquet")];
+    let built: Vec<&str> = optional.iter().filter(|(set, _)| env::var_os(set).is_some()).map(|(_, name)| *name).collect();
+    println!("cargo:rustc-env=TRACKLOOM_FEATURES={}", if built.is_empty() { "none".to_owned() } else { built.join(" ") });
+}
+
+fn git(arguments: &[&str]) -> Option<String> {
+    let output = Command::new("git").args(arguments).output().ok().filter(|output| output.status.success())?;
+    Some(String::from_utf8_lossy(&output.stdout).trim().to_owned())
 }
 
 fn build_dashboard(folder: &Path) -> Result<(), String> {

@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
-# tests/soak.sh [ROUNDS]: the campaign of many processes that are killed, stopped and cut off from their database, again and again (50 times when
-# not said), each time compared with the result of one process on a file. tests/run does it once.
+# tests/soak.sh [KILLS [KILLS_ON_POSTGRESQL]]: builds the program, then kills its processes without warning that often (100 and 20 when
+# not said) while jobs run: on a file, then as a server with two workers on a PostgreSQL of its own.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-${XDG_CACHE_HOME:-$HOME/.cache}/trackloom/target}
-TRACKLOOM_SOAK=${1:-50} cargo test --locked --features s3,parquet --test processes many:: -- --nocapture
+cargo build --locked --features s3,parquet
+tests/soak.py "$CARGO_TARGET_DIR/debug/trackloom" "${1:-100}"
+tests/soak.py "$CARGO_TARGET_DIR/debug/trackloom" "${2:-20}" postgres

@@ -6,6 +6,7 @@
 //! - `engine`: the queue, which only says "look at this job now"; nothing else knows apalis.
 //! - [`jobs`]: submitting, running, waiting, cancelling; the facade that HTTP and the command line call.
 
+pub mod build_info;
 pub mod cli;
 pub mod config;
 pub mod dashboard;

@@ -31,9 +31,11 @@ pub fn all() -> Vec<Preset> {
     presets
 }
 
-/// The preset with this name. `liang2009` and `liang2009-polar` alone are the largest scenes.
+/// Other names of presets: of a series of scenes, the largest.
+pub const ALIASES: [(&str, &str); 2] = [("liang2009", "liang2009-100"), ("liang2009-polar", "liang2009-polar-100")];
+
+/// The preset with this name or alias.
 pub fn find(name: &str) -> Option<Preset> {
-    let largest = format!("{name}-100");
-    let named = |wanted: &str| all().into_iter().find(|preset| preset.name == wanted);
-    named(name).or_else(|| named(&largest))
+    let name = ALIASES.iter().find(|(alias, _)| *alias == name).map_or(name, |(_, preset)| preset);
+    all().into_iter().find(|preset| preset.name == name)
 }

@@ -21,8 +21,28 @@ const RADAR_JOB: &str = include_str!("../../../examples/autoferry-scenario2.json
 /// A sonar that knows directions alone.
 const SONAR_JOB: &str = include_str!("../../../examples/bearing-crossing.json");
 
+/// What the columns of the tour's table mean.
+const LEGEND: &str = "\
+correct, missed, false: the automaton's verdicts. They forgive nothing: a target whose track begins one scan late is missed.
+P correct is of the tracks, P missed of the targets. Mean GOSPA is 0 for a perfect picture; each missed target and each false
+track adds to it.";
+
+/// What to do after the tour.
+const OWN_FILES: &str = "\
+Your own detections: a CSV with time_s, scan, sensor_id, detection_id, x_m, y_m; drop it on the dashboard, or begin with
+examples/autoferry-scenario2.json and `trackloom run JOB`.";
+
+/// A port that is taken is told before the tour, not after it.
+fn check_address(config: &Config) -> anyhow::Result<()> {
+    let taken = || format!("cannot listen on {}; choose another address with --listen", config.listen);
+    std::net::TcpListener::bind(config.listen).map(drop).with_context(taken)
+}
+
 /// The tour, then, unless `once`, the service until it is told to stop.
 pub(super) async fn demo(config: Config, once: bool) -> anyhow::Result<()> {
+    if !once {
+        check_address(&config)?;
+    }
     let jobs = Jobs::open(config.clone()).await?;
     if let Err(error) = tour(&jobs).await {
         jobs.shutdown().await;
@@ -30,9 +50,10 @@ pub(super) async fn demo(config: Config, once: bool) -> anyhow::Result<()> {
     }
     if once {
         jobs.shutdown().await;
+        println!("\n{OWN_FILES}\n`trackloom serve` shows these jobs in the dashboard.");
         return Ok(());
     }
-    println!("\nThe dashboard shows these jobs; end with Ctrl-C.");
+    println!("\n{OWN_FILES}\nThe dashboard shows these jobs; end with Ctrl-C.");
     server::serve_jobs(config, jobs).await
 }
 
@@ -40,11 +61,11 @@ async fn tour(jobs: &Jobs) -> anyhow::Result<()> {
     println!("trackloom tour: scenes and a recording, tracked and judged by the temporal automaton and by metrics\n");
     let preset = presets::find("liang2009-100").context("the preset of the tour is missing")?;
     let mut submitted = Vec::new();
-    for (method, name) in [("nearest_neighbour", "nearest neighbour"), ("pda", "PDA"), ("jpda", "JPDA")] {
+    for (method, name) in [("nearest_neighbour", "nearest neighbour"), ("jpda", "JPDA")] {
         let mut body = preset.body.clone();
         body["name"] = json!(format!("Liang 2009, {name}"));
         body["associator"] = json!({"method": method});
-        submitted.push((format!("Liang 2009, 100 targets, {name}"), submit(jobs, body).await?));
+        submitted.push((format!("Liang 2009, radar scene, {name}"), submit(jobs, body).await?));
     }
     submitted.push(("autoferry 2, radar, recorded".to_owned(), submit(jobs, radar_job(jobs).await?).await?));
     let mut sonar: Value = serde_json::from_str(SONAR_JOB)?;
@@ -68,7 +89,7 @@ async fn tour(jobs: &Jobs) -> anyhow::Result<()> {
         "mean GOSPA (m)",
         "seconds",
     ];
-    println!("{}", table(&header, &rows));
+    println!("{}\n\n{LEGEND}", table(&header, &rows));
     Ok(())
 }
 

@@ -94,6 +94,16 @@ impl JobFile {
         if faults.is_empty() { Ok(JobFile { kind, body, files, folder: folder.to_owned() }) } else { Err(faults) }
     }
 
+    /// A fault for each file that is not there, to be told with what else is wrong with the job.
+    pub(super) fn missing_files(&self) -> Vec<Fault> {
+        let absent = |(pointer, file): (&String, &FileSource)| {
+            let path = self.folder.join(&file.path);
+            let detail = format!("{}: there is no such file", path.display());
+            (!path.exists()).then(|| Fault::new(format!("{pointer}/path"), "not_found", detail))
+        };
+        self.files.iter().filter_map(absent).collect()
+    }
+
     /// Puts the file sources back into a normalised spec.
     pub(super) fn restore(&self, spec: &mut Value) {
         for (pointer, file) in &self.files {

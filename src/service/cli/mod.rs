@@ -6,6 +6,7 @@ mod files;
 mod run;
 mod table;
 
+use crate::service::build_info;
 use crate::service::config::Config;
 use crate::service::storage::blobs::BucketUrl;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -17,7 +18,7 @@ use tracing_subscriber::EnvFilter;
 
 /// Data association, track correlation and track evaluation: service, dashboard and command line.
 #[derive(Parser)]
-#[command(name = "trackloom", version)]
+#[command(name = "trackloom", version = build_info::LONG_VERSION)]
 struct Arguments {
     #[command(subcommand)]
     command: Command,
@@ -39,13 +40,10 @@ enum Command {
         #[arg(long)]
         once: bool,
     },
-    /// Print the catalogue of methods with their parameters, as JSON
-    Methods,
-    /// Print the presets as JSON, or one of them as a job file
-    Presets {
-        /// Only this one, as a job file for `trackloom run`
-        name: Option<String>,
-    },
+    /// List the methods, or the parameters of one
+    Methods(catalogue::MethodsArguments),
+    /// List the presets, or print one of them as a job file
+    Presets(catalogue::PresetsArguments),
     /// Print the OpenAPI document
     Openapi {
         /// Version of the OpenAPI specification
@@ -67,7 +65,7 @@ struct ServeArguments {
     /// Address to listen on; port 0 takes any free port
     #[arg(long, env = "TRACKLOOM_LISTEN", default_value = "127.0.0.1:8080")]
     listen: SocketAddr,
-    /// Directory of everything that is kept
+    /// Data directory: database, uploads, results
     #[arg(long, env = "TRACKLOOM_DATA_DIR", default_value = "trackloom-data")]
     data: PathBuf,
     /// PostgreSQL for jobs, shared with other processes, such as postgres://user:password@host/database; a file in the directory when absent
@@ -138,9 +136,9 @@ pub fn main() -> ExitCode {
         Command::Worker(arguments) => blocking(crate::service::server::work(arguments.config())),
         Command::Run(arguments) => return run::run(&arguments),
         Command::Demo { serve, once } => blocking(demo::demo(serve.config(), once)),
-        Command::Methods => catalogue::print_methods(),
-        Command::Presets { name } => return catalogue::print_presets(name.as_deref()),
-        Command::Openapi { version } => catalogue::print_openapi(matches!(version, OpenapiVersion::V30)),
+        Command::Methods(arguments) => return catalogue::print_methods(&arguments),
+        Command::Presets(arguments) => return catalogue::print_presets(&arguments),
+        Command::Openapi { version } => return catalogue::print_openapi(matches!(version, OpenapiVersion::V30)),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -3,7 +3,7 @@
 use super::files::JobFile;
 use super::{BAD_INPUT, catalogue, table};
 use crate::experiment::observer::{Observer, Step};
-use crate::experiment::plan::{self, Plan};
+use crate::experiment::plan::{self, JobKind, Plan};
 use crate::experiment::presets;
 use crate::experiment::run::{self, Artifact, Outcome, RunError};
 use crate::model::fault::Fault;
@@ -14,17 +14,17 @@ use anyhow::Context;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::{Value, json};
-use std::io::Write;
+use std::io::{IsTerminal, Read};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tokio::sync::watch;
 use uuid::Uuid;
 
 #[derive(Args)]
 pub(super) struct RunArguments {
-    /// A job file: the body of a request with its `kind`; `trackloom presets NAME` prints one
-    #[arg(required_unless_present = "preset", conflicts_with = "preset")]
+    /// A job file: the body of a request with its `kind`, - for standard input; `trackloom presets NAME` prints one. Or --preset
+    #[arg(value_name = "JOB", conflicts_with = "preset")]
     job: Option<PathBuf>,
     /// Run this preset; `papers` runs every campaign that computes the claims of a paper, one after the other
     #[arg(long)]
@@ -105,9 +105,12 @@ fn fault_line(fault: &Fault) -> String {
 fn finish(arguments: &RunArguments) -> Result<(), Trouble> {
     match (&arguments.job, arguments.preset.as_deref().unwrap_or_default()) {
         (Some(path), _) => {
-            let job = JobFile::new(read_json(path)?, path.parent().unwrap_or(Path::new(".")))?;
+            let is_stdin = path == Path::new("-");
+            let folder = if is_stdin { Path::new(".") } else { path.parent().unwrap_or(Path::new(".")) };
+            let job = JobFile::new(read_json(path, is_stdin)?, folder)?;
             finish_job(job, arguments, arguments.out.as_deref())
         }
+        (None, "") => Err(vec![Fault::new("JOB", "missing", "say which job: a job file, - for standard input, or --preset NAME")].into()),
         (None, "papers") => presets::PAPERS.into_iter().try_for_each(|name| {
             let out = arguments.out.as_ref().map(|folder| folder.join(name));
             finish_job(preset_job(name)?, arguments, out.as_deref())
@@ -121,12 +124,21 @@ fn finish_job(mut job: JobFile, arguments: &RunArguments, out: Option<&Path>) ->
         job.body["seed"] = json!(seed);
     }
     if let Some(runs) = arguments.runs {
+        if job.kind != JobKind::Campaign {
+            let detail = format!("a job of the kind '{}' is one run; --runs is of campaigns", job.kind.name());
+            return Err(vec![Fault::new("--runs", "unsupported", detail)].into());
+        }
         job.body["runs"] = json!(runs);
     }
-    let plan = plan::plan(job.kind, &job.body)?;
+    let plan = match (plan::plan(job.kind, &job.body), job.missing_files()) {
+        (Ok(plan), missing) if missing.is_empty() => plan,
+        (planned, missing) => return Err(planned.err().into_iter().flatten().chain(missing).collect::<Vec<_>>().into()),
+    };
     let (report, outcome) = compute(&job, plan)?;
     if let Some(folder) = out {
         write_out(folder, &report, &outcome.artifacts)?;
+        let names: Vec<&str> = outcome.artifacts.iter().map(|artifact| artifact.name).chain(["report.json"]).collect();
+        eprintln!("wrote {} into {}", names.join(", "), folder.display());
     }
     print(&report, arguments.format)?;
     Ok(())
@@ -134,17 +146,29 @@ fn finish_job(mut job: JobFile, arguments: &RunArguments, out: Option<&Path>) ->
 
 fn preset_job(name: &str) -> Result<JobFile, Trouble> {
     let unknown = || {
-        let known: Vec<String> = presets::all().into_iter().map(|preset| preset.name).chain(["papers".to_owned()]).collect();
+        let known: Vec<String> = presets::all()
+            .into_iter()
+            .map(|preset| preset.name)
+            .chain(presets::ALIASES.map(|(alias, _)| alias.to_owned()))
+            .chain(["papers".to_owned()])
+            .collect();
         vec![Fault::new("--preset", "unknown_value", format!("there is no preset '{name}'")).allowing(known.join(", "))]
     };
     let body = catalogue::job_file(&presets::find(name).ok_or_else(unknown)?);
     Ok(JobFile::new(body, Path::new("."))?)
 }
 
-fn read_json(path: &Path) -> Result<Value, Vec<Fault>> {
-    let fault = |code: &str, detail: String| vec![Fault::new(path.display().to_string(), code, detail)];
-    let bytes = std::fs::read(path).map_err(|error| fault("not_found", error.to_string()))?;
+fn read_json(path: &Path, is_stdin: bool) -> Result<Value, Vec<Fault>> {
+    let name = if is_stdin { "standard input".to_owned() } else { path.display().to_string() };
+    let fault = |code: &str, detail: String| vec![Fault::new(name.clone(), code, detail)];
+    let bytes = if is_stdin { read_stdin() } else { std::fs::read(path) }.map_err(|error| fault("not_found", error.to_string()))?;
     serde_json::from_slice(&bytes).map_err(|error| fault("malformed", error.to_string()))
+}
+
+fn read_stdin() -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    std::io::stdin().lock().read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 /// Loads, runs with a progress bar, and builds the report.
@@ -180,7 +204,10 @@ fn compute(job: &JobFile, mut plan: Plan) -> Result<(Vec<u8>, Outcome), Trouble>
     Ok((report, outcome))
 }
 
-/// A progress bar on stderr, shown only when that is a terminal.
+/// Without a terminal, progress is a line now and then.
+const LINE_EVERY: Duration = Duration::from_secs(10);
+
+/// Progress on stderr: a bar where that is a terminal, else lines.
 struct Bar {
     thread: std::thread::JoinHandle<()>,
 }
@@ -189,11 +216,18 @@ impl Bar {
     /// Shows what is told until the sender is gone.
     fn start(told: watch::Receiver<Option<Progress>>) -> Self {
         let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr());
-        let style = ProgressStyle::with_template("{msg:10} {bar:40} {percent:>3} % {eta}").unwrap_or_else(|_| ProgressStyle::default_bar());
+        let style =
+            ProgressStyle::with_template("{msg:10} {bar:40} {percent:>3} %  {eta} left").unwrap_or_else(|_| ProgressStyle::default_bar());
         bar.set_style(style);
         let thread = std::thread::spawn(move || {
+            let is_terminal = std::io::stderr().is_terminal();
+            let mut line_due = Instant::now() + LINE_EVERY;
             while told.has_changed().is_ok() {
                 if let Some(progress) = told.borrow().as_ref() {
+                    if !is_terminal && Instant::now() >= line_due {
+                        line_due += LINE_EVERY;
+                        eprintln!("{}", progress_line(progress));
+                    }
                     bar.set_message(format!("{:?}", progress.step).to_lowercase());
                     bar.set_position((progress.fraction * 1000.0) as u64);
                 }
@@ -208,6 +242,13 @@ impl Bar {
         // A bar that failed to draw is no reason to lose the job.
         let _ = self.thread.join();
     }
+}
+
+/// `associate  45 %  12 s left`
+fn progress_line(progress: &Progress) -> String {
+    let step = format!("{:?}", progress.step).to_lowercase();
+    let left = progress.eta_s.map_or_else(String::new, |eta_s| format!("  {eta_s:.0} s left"));
+    format!("{step}  {:.0} %{left}", 100.0 * progress.fraction)
 }
 
 /// Writes each file under another name first, so that none is ever half written.
@@ -227,8 +268,5 @@ fn print(report: &[u8], format: Format) -> anyhow::Result<()> {
         Format::Json => String::from_utf8(report.to_vec())?,
         Format::Text => table::summary(&serde_json::from_slice(report)?),
     };
-    match writeln!(std::io::stdout(), "{text}") {
-        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => Err(error.into()),
-        _ => Ok(()),
-    }
+    catalogue::print(&text)
 }

@@ -3,9 +3,9 @@
 use super::conditional;
 use super::query::NoParams;
 use super::state::AppState;
-use crate::service::dashboard;
 use crate::service::error::{ApiError, ApiResult};
 use crate::service::types::{JobState, PROBLEMS};
+use crate::service::{build_info, dashboard};
 use axum::extract::{Path, Request, State};
 use axum::http::{HeaderMap, Method, header};
 use axum::response::{IntoResponse, Response};
@@ -35,7 +35,10 @@ struct Health {
 #[derive(Serialize, ToSchema)]
 struct Version {
     name: &'static str,
+    /// With the revision it was built from, where that is known: `0.1.0+46dc801a2b3c`.
     version: &'static str,
+    /// Optional features it was built with.
+    features: Vec<&'static str>,
 }
 
 /// What a `code` of a problem means.
@@ -85,11 +88,11 @@ async fn get_metrics(State(app): State<AppState>, _: NoParams) -> ApiResult {
 
 /// Which program is this?
 ///
-/// Its name and version; reports name the version too.
+/// Its name, version, and optional features; reports name the version too.
 #[utoipa::path(get, path = "/v1/version", operation_id = "getVersion", tag = "system",
     responses((status = 200, description = "Name and version.", body = Version)))]
 async fn get_version(_: NoParams) -> Json<Version> {
-    Json(Version { name: env!("CARGO_PKG_NAME"), version: env!("CARGO_PKG_VERSION") })
+    Json(Version { name: env!("CARGO_PKG_NAME"), version: build_info::VERSION, features: build_info::features() })
 }
 
 /// What does a problem mean?

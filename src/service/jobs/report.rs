@@ -80,4 +80,4 @@ pub fn build(job_id: Uuid, plan: &Plan, inputs: &[ReportInput], outcome: &Outcom
 }
 
 /// Version of the program that makes the results.
-pub const ENGINE_VERSION: &str = env!("CARGO_PKG_VERSION");
+pub const ENGINE_VERSION: &str = crate::service::build_info::VERSION;

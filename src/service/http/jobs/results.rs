@@ -34,7 +34,7 @@ async fn get_job_report(State(app): State<AppState>, Id(id): Id, _: NoParams, he
 
 /// Get the cells of a campaign
 ///
-/// What the runs that are made say of the cells, while others are still being made, and after a campaign failed or was canceled: of as many
+/// Cell statistics of the runs completed so far, also after a campaign failed or was canceled: of as many
 /// runs of each cell as all cells have. Refused with `result_not_ready` until there is a run. Another kind of job has none.
 #[utoipa::path(get, path = "/v1/jobs/{id}/cells", operation_id = "getCampaignCells", tag = "results",
     params(("id" = uuid::Uuid, Path, description = "Identity of the job.")),
