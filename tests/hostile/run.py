@@ -137,7 +137,7 @@ def frames_with_an_object_each():
     return judged("".join(f"{frame},{frame},1,1,30,60,1,1,1\n" for frame in range(1, 1_000_001)), "mot", profile="vision")
 
 
-@case(REFUSED, "points of truth and tracks", 4000)
+@case(REFUSED, "points of truth", 4000)
 def truth_drawn_out_between_two_points():
     job = {"kind": "evaluate", "metrics": [{"metric": "clear"}]}
     truth = "".join(f"{time_s},{target},0,{target}\n" for target in range(3000) for time_s in (0, 10_000))
