@@ -9,6 +9,7 @@ mod associators;
 mod bad_association_input;
 mod bearing_time;
 mod bearings;
+mod bounds;
 mod breaks;
 #[cfg(feature = "parquet")]
 mod campaign_parquet;
@@ -26,6 +27,7 @@ mod grouping;
 mod integer_programme;
 mod liang_verdicts;
 mod lifecycle;
+mod mutations;
 mod oracle;
 mod origins;
 mod polar;
