@@ -5,7 +5,10 @@
 //! statistical inference, J. American Statistical Association 22, 1927; B. Efron, R. J. Tibshirani, An Introduction to the
 //! Bootstrap, 1993, section 13.3 (percentile interval); T. C. Hesterberg, What teachers should know about the bootstrap, The American
 //! Statistician 69, 2015, section 4 (percentiles farther out for few values); N. R. Draper, H. Smith, Applied Regression Analysis,
-//! 1998, section 1.4 (interval of a slope).
+//! 1998, section 1.4 (interval of a slope); E. L. Korn, B. I. Graubard, Confidence intervals for proportions with small expected number
+//! of positive counts estimated from survey data, Survey Methodology 24, 1998 (effective number of trials); C. Franco, R. J. A. Little,
+//! T. A. Louis, E. V. Slud, Comparative study of confidence intervals for proportions in complex sample surveys, J. Survey Statistics
+//! and Methodology 7, 2019 (Wilson's form with it).
 //!
 //! # Symbols
 //! n values, x̄ their mean, s their standard deviation (n − 1); p̂ a share; Φ the normal distribution; z, t quantiles at
@@ -39,6 +42,23 @@ pub fn t_interval(values: &[f64], confidence: f64) -> Option<Interval> {
     let students = StudentsT::new(0.0, 1.0, (values.len() - 1) as f64).ok()?;
     let half = students.inverse_cdf(0.5 + confidence / 2.0) * deviation / (values.len() as f64).sqrt();
     Some(Interval { low: mean - half, high: mean + half })
+}
+
+/// Of a mean that lies between two bounds: the t interval, and where that reaches beyond them Wilson's form with as many trials as would
+/// vary so: |p̂ − p| = t √(p(1 − p)/n*), n* = p̂(1 − p̂) n / s², over values scaled to 0 … 1. `None` of fewer than two.
+pub fn bounded_interval(values: &[f64], bounds: Interval, confidence: f64) -> Option<Interval> {
+    let plain = t_interval(values, confidence)?;
+    if plain.low >= bounds.low && plain.high <= bounds.high {
+        return Some(plain);
+    }
+    let length = bounds.high - bounds.low;
+    let share = ((plain.low + plain.high) / 2.0 - bounds.low) / length;
+    let variance = ((plain.high - plain.low) / 2.0 / length).powi(2);
+    let over_trials = variance / (share * (1.0 - share));
+    let centre = (share + over_trials / 2.0) / (1.0 + over_trials);
+    let half = (variance + over_trials * over_trials / 4.0).sqrt() / (1.0 + over_trials);
+    let place = |share: f64| (bounds.low + share * length).clamp(bounds.low, bounds.high);
+    Some(Interval { low: place(centre - half), high: place(centre + half) })
 }
 
 /// (p̂ + z²/2n ± z √(p̂(1 − p̂)/n + z²/4n²)) / (1 + z²/n): of the probability behind a share of `n` trials. `None` of none.
@@ -121,6 +141,32 @@ mod tests {
         assert_eq!((quantile(&values, 0.5), quantile(&values, 0.875), quantile(&[], 0.5)), (Some(3.0), Some(4.5), None));
     }
 
+    const SHARE: Interval = Interval { low: 0.0, high: 1.0 };
+
+    #[test]
+    fn an_interval_of_a_share_by_hand() {
+        // Mean 0.9, s² = 0.075/4, t(0.975; 4) = 2.776445: half² = 7.708647 · 0.01875/5 = 0.02890743, which reaches to 1.070022. As many
+        // trials vary so as 0.9 · 0.1 · 5/0.01875 = 24: half²/0.09 = 0.3211936, centre (0.9 + 0.1605968)/1.3211936 = 0.8027565, half
+        // √(0.02890743 + 0.02579134)/1.3211936 = 0.1770200.
+        let values = [1.0, 1.0, 1.0, 0.75, 0.75];
+        assert_interval(t_interval(&values, 0.95), 0.729_978, 1.070_022);
+        assert_interval(bounded_interval(&values, SHARE, 0.95), 0.625_737, 0.979_777);
+        // The limits are where the distance to the mean is t √(p(1 − p)/24).
+        for limit in [0.625_737_f64, 0.979_777] {
+            assert!(((0.9 - limit).abs() - 2.776_445 * (limit * (1.0 - limit) / 24.0).sqrt()).abs() < 1e-5);
+        }
+        // Mirrored, and on other bounds: the same interval, mirrored and stretched.
+        let mirrored = values.map(|value| 1.0 - value);
+        assert_interval(bounded_interval(&mirrored, SHARE, 0.95), 1.0 - 0.979_777, 1.0 - 0.625_737);
+        let stretched = values.map(|value| 2.0 * value - 1.0);
+        assert_interval(bounded_interval(&stretched, Interval { low: -1.0, high: 1.0 }, 0.95), 0.251_473, 0.959_553);
+        // Within the bounds it is the t interval; equal values have one of no length.
+        let inside = [0.4, 0.5, 0.6];
+        assert_eq!(bounded_interval(&inside, SHARE, 0.95), t_interval(&inside, 0.95));
+        assert_eq!(bounded_interval(&[1.0; 5], SHARE, 0.95), Some(Interval { low: 1.0, high: 1.0 }));
+        assert_eq!(bounded_interval(&[1.0], SHARE, 0.95), None);
+    }
+
     #[test]
     fn the_slope_of_a_line_by_hand() {
         // x 1 … 5, y 2, 4, 5, 4, 5: x̄ = 3, ȳ = 4, Σ(x − x̄)(y − ȳ) = 6, Σ(x − x̄)² = 10, so 0.6; residuals −0.8, 0.6, 1, −0.6, −0.2, their
@@ -187,6 +233,18 @@ mod tests {
         // A standard deviation of these shares is 0.4 points.
         assert_nominal(coverage(3_000, 15, normal, 0.0, interval));
         assert_nominal(coverage(3_000, 15, |draw| draw.random(), 0.5, interval));
+    }
+
+    #[test]
+    fn intervals_of_shares_cover_a_mean_near_the_bound_as_often_as_they_say() {
+        // A run gives the share of 50 targets; each is followed with a probability of 0.98.
+        let share = |draw: &mut ChaCha8Rng| (0..50).filter(|_| draw.random_bool(0.98)).count() as f64 / 50.0;
+        let interval = |values: &[f64], _: &mut ChaCha8Rng| bounded_interval(values, SHARE, 0.95);
+        assert_nominal(coverage(10_000, 10, share, 0.98, interval));
+        // Five runs can vary too little by chance.
+        let of_few = coverage(10_000, 5, share, 0.98, interval);
+        let of_t = coverage(10_000, 5, share, 0.98, |values, _| t_interval(values, 0.95));
+        assert!(of_few > 0.92 && of_few >= of_t, "{of_few} {of_t}");
     }
 
     #[test]

@@ -64,6 +64,7 @@ test("the summary of an evaluation", async () => {
   const page = await open(`?view=job&job=${job.id}`, ".verdict-card");
   for (const name of ["correct", "missed", "false"]) {
     const card = oneLine(await page.locator(`.verdict-card.verdict-${name}`).innerText());
+    if (name === "correct") assert.ok(card.endsWith(`correct per target ${share(tfa.ratios.correct_per_target)}, of ${count(tfa.counts.targets)}`), card);
     assert.ok(card.includes(` ${count(tfa.counts[name])} P = ${share(tfa.probability[name])} of ${count(name === "correct" ? tfa.counts.output_tracks : tfa.counts.targets)} `), card);
   }
   assertSame(
@@ -74,6 +75,7 @@ test("the summary of an evaluation", async () => {
       ["Redundant", count(tfa.counts.redundant_tracks)],
       ["False", count(tfa.counts.false_tracks)],
       ["Output tracks per target", shown(tfa.ratios.output_tracks_per_target)],
+      ["Correct per target", share(tfa.ratios.correct_per_target)],
       ["Missed, but taken up later", count(tfa.missed_with_matched_track)],
       ["Violations of one detection, one track", count(tfa.counts.violations)],
     ],
@@ -86,12 +88,25 @@ test("the summary of an evaluation", async () => {
   await closePage(page);
 });
 
+/** Why a target is not correct, in the words of the page. */
+function why({ verdict, start_scan, matched_track_id, at_scan, track_id, took_kind, took, took_truth_id, expected }) {
+  if (verdict === "correct") return "–";
+  if (verdict === "missed") {
+    if (!start_scan) return "The target was never detected.";
+    return `No track began with the target's first detection, at scan ${start_scan}.${matched_track_id ? ` Track ${matched_track_id} took it up later.` : ""}`;
+  }
+  const wanted = `; expected ${expected ?? "nothing, since the target had ended"}.`;
+  if (took_kind === "ended") return `Before scan ${at_scan} the string of track ${track_id} had ended${wanted}`;
+  const what = { epsilon: "no detection (ε)", target: `${took} of target ${took_truth_id}`, clutter: `${took}, which is clutter` }[took_kind];
+  return `At scan ${at_scan} track ${track_id} took ${what}${wanted}`;
+}
+
 test("the verdicts, target by target, and the tolerance", async () => {
   const { job, report } = await evaluated();
   const { tfa } = report.result;
   const page = await open(`?view=job&job=${job.id}&tab=verdicts`, ".verdict-row");
-  const took = (target) => (target.took_kind ? ({ ended: "the track had ended", epsilon: "ε (no detection)" }[target.took_kind] ?? target.took ?? "–") : "–");
-  const wanted = tfa.targets.map((target) => [target.truth_id, target.verdict, count(target.at_scan), target.expected ?? "–", took(target), count(target.errors), shown(target.log_probability), target.track_id ?? target.matched_track_id ?? "–"]);
+  const took = (target) => (target.took_kind ? ({ ended: "nothing", epsilon: "ε" }[target.took_kind] ?? target.took ?? "–") : "–");
+  const wanted = tfa.targets.map((target) => [target.truth_id, target.verdict, count(target.at_scan), target.expected ?? "–", took(target), count(target.errors), shown(target.log_probability), target.track_id ?? target.matched_track_id ?? "–", why(target)]);
   const rows = (await rowsOf(page.locator(".table-scroll", { has: page.locator(".verdict-row") }))).map((row) => row.filter((_, column) => column !== 5));
   const byName = (a, b) => (a[0] < b[0] ? -1 : 1);
   assertSame(rows.sort(byName), wanted.sort(byName), "verdicts");

@@ -248,3 +248,61 @@ export const hide = (page, hidden) =>
     Object.defineProperty(document, "hidden", { configurable: true, get: () => is });
     document.dispatchEvent(new Event("visibilitychange"));
   }, hidden);
+
+/** What an XML parser makes of a saved SVG: its first fault, else how many shapes of each colour and the texts there are. */
+export async function parsedSvg(page, bytes) {
+  return page.evaluate((text) => {
+    const sheet = new DOMParser().parseFromString(text, "image/svg+xml");
+    const fault = sheet.querySelector("parsererror")?.textContent;
+    if (fault) return { fault };
+    const shapes = [...sheet.querySelectorAll("path, rect, circle, line, polyline")];
+    const colors = {};
+    const places = {};
+    const count = (table, key, by) => (table[key] = (table[key] ?? 0) + by);
+    for (const shape of shapes.filter((each) => each.getAttribute("d") !== "")) {
+      for (const name of ["fill", "stroke"]) {
+        const color = shape.getAttribute(name) ?? shape.style[name];
+        if (!color || color === "none" || color === "transparent") continue;
+        count(colors, `${name} ${color.toLowerCase()}`, 1);
+        // One path may hold many marks: each begins with a move.
+        count(places, `${name} ${color.toLowerCase()}`, (shape.getAttribute("d")?.match(/m/gi) ?? [1]).length);
+      }
+    }
+    return { colors, places, texts: [...sheet.querySelectorAll("text")].map((node) => node.textContent) };
+  }, bytes.toString());
+}
+
+/** A saved PNG decoded: its size, how many pixels have the given colour, and how many are not the background. */
+export async function decodedPng(page, bytes, color) {
+  return page.evaluate(
+    async ([data, wanted]) => {
+      const image = new Image();
+      image.src = `data:image/png;base64,${data}`;
+      await image.decode();
+      const canvas = document.createElement("canvas");
+      [canvas.width, canvas.height] = [image.width, image.height];
+      const pen = canvas.getContext("2d");
+      pen.drawImage(image, 0, 0);
+      const { data: pixels } = pen.getImageData(0, 0, canvas.width, canvas.height);
+      const back = [pixels[0], pixels[1], pixels[2]];
+      const near = (at, [r, g, b], by) => Math.abs(pixels[at] - r) < by && Math.abs(pixels[at + 1] - g) < by && Math.abs(pixels[at + 2] - b) < by;
+      let [ink, colored] = [0, 0];
+      for (let at = 0; at < pixels.length; at += 4) {
+        if (!near(at, back, 6)) ink += 1;
+        if (wanted && near(at, wanted, 22)) colored += 1;
+      }
+      return { width: image.width, height: image.height, ink, colored };
+    },
+    [bytes.toString("base64"), color],
+  );
+}
+
+/** A colour of the page's palette, laid over its surface with an opacity. */
+export async function paletteColor(page, name, opacity = 1) {
+  const read = (of) => page.evaluate((each) => getComputedStyle(document.documentElement).getPropertyValue(each).trim(), of);
+  const parts = (hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16));
+  const [color, surface] = [parts(await read(name)), parts(await read("--surface"))];
+  return color.map((value, index) => Math.round(value * opacity + (surface[index] ?? 255) * (1 - opacity)));
+}
+
+export const hexOf = (page, name) => page.evaluate((each) => getComputedStyle(document.documentElement).getPropertyValue(each).trim().toLowerCase(), name);

@@ -11,6 +11,7 @@ mod outcomes;
 mod parquet;
 mod pieces;
 mod requests;
+mod shares;
 mod stages;
 mod stop;
 mod tables;

@@ -1,6 +1,7 @@
 //! The numbers that a campaign keeps of each run, and what it says of them cell by cell.
 
 use super::cells::{Axis, Cell};
+use super::shares::{DIFFERENCE, SHARE, is_share};
 use super::stop::Ended;
 use crate::math::rng::{Purpose, Seed};
 use crate::math::stats::{self, Interval};
@@ -40,9 +41,18 @@ impl Outcome {
         number_at(result, &self.path).filter(|number| counts && number.is_finite())
     }
 
+    /// The interval of the mean of differences run by run.
+    fn interval_of_differences(&self, pairs: &[f64], confidence: f64) -> Option<Interval> {
+        if is_share(&self.path) {
+            return stats::bounded_interval(pairs, DIFFERENCE, confidence);
+        }
+        stats::t_interval(pairs, confidence)
+    }
+
     /// The interval that it asks for, of the numbers that runs have; `draw` makes the resamples of a bootstrap.
     pub(super) fn interval_of(&self, present: &[f64], confidence: f64, mut draw: impl RngExt) -> Option<Interval> {
         match self.interval {
+            Method::T if is_share(&self.path) => stats::bounded_interval(present, SHARE, confidence),
             Method::T => stats::t_interval(present, confidence),
             Method::Wilson if !present.iter().copied().all(is_success_or_failure) => None,
             Method::Wilson => stats::wilson_interval(present.iter().sum(), present.len(), confidence),
@@ -167,7 +177,7 @@ impl Judge<'_> {
     pub fn report(&self, cell: &Cell, index: usize, (rows, ended): (&Rows, Ended), reference: Option<(&Cell, &Rows)>) -> CellReport {
         let named = |number: usize| self.outcomes[number].name().to_owned();
         let summary = |number: usize| (named(number), self.summary(number, index, &rows[number]));
-        let difference = |theirs: &Rows, number: usize| (named(number), self.difference(&rows[number], &theirs[number]));
+        let difference = |theirs: &Rows, number: usize| (named(number), self.difference(number, &rows[number], &theirs[number]));
         let numbers = || 0..self.outcomes.len();
         CellReport {
             name: cell.name.clone(),
@@ -200,9 +210,13 @@ impl Judge<'_> {
         }
     }
 
-    fn difference(&self, ours: &[Option<f64>], theirs: &[Option<f64>]) -> Difference {
+    fn difference(&self, number: usize, ours: &[Option<f64>], theirs: &[Option<f64>]) -> Difference {
         let pairs: Vec<f64> = ours.iter().zip(theirs).filter_map(|(ours, theirs)| Some((*ours)? - (*theirs)?)).collect();
-        Difference { pairs: pairs.len(), mean: stats::mean(&pairs), interval: stats::t_interval(&pairs, self.confidence) }
+        Difference {
+            pairs: pairs.len(),
+            mean: stats::mean(&pairs),
+            interval: self.outcomes[number].interval_of_differences(&pairs, self.confidence),
+        }
     }
 }
 
@@ -210,20 +224,40 @@ impl Judge<'_> {
 mod tests {
     use super::*;
 
+    fn outcome(path: &str) -> Outcome {
+        Outcome { path: path.to_owned(), name: None, interval: Method::T, only_where: None }
+    }
+
+    #[test]
+    fn the_interval_of_a_share_ends_within_0_and_1() {
+        // Mean 0.9, s² = 0.01875: ± 0.170022 by t; with Wilson's form of 24 trials (0.9 + 0.160597 ∓ …) / 1.321194.
+        let rows = vec![vec![Some(1.0), Some(1.0), Some(1.0), Some(0.75), Some(0.75)]; 2];
+        let outcomes = [outcome("tfa.probability.correct"), outcome("metrics.gospa.quantities.gospa")];
+        let judge = Judge { outcomes: &outcomes, axes: &[], confidence: 0.95, seed: Seed { seed: 1, run: 0 } };
+        let interval = |number: usize| judge.summary(number, 0, &rows[number]).interval.unwrap();
+        assert!((interval(0).low - 0.625_737).abs() < 1e-5 && (interval(0).high - 0.979_777).abs() < 1e-5, "{:?}", interval(0));
+        assert!((interval(1).high - 1.070_022).abs() < 1e-5, "{:?}", interval(1));
+        // Differences of shares end within −1 and 1: (0.9 + 1) / 2 = 0.95 of that length, ± 0.085011 by t, reaches to 1.035011.
+        let none = vec![Some(0.0); 5];
+        let difference = judge.difference(0, &rows[0], &none).interval.unwrap();
+        assert!((difference.low - 0.583125).abs() < 1e-5 && (difference.high - 0.979180).abs() < 1e-5, "{difference:?}");
+    }
+
     #[test]
     fn a_paired_difference_by_hand() {
         // Two methods on six scenes; the third scene has no number of the second. The differences are
         // 1, 2, 3, 4, 5: mean 3, s² = 10/4, t(0.975; 4) = 2.77645, 3 ± 2.77645 · 1.58114 / 2.23607.
         let ours = [11.0, 17.0, 99.0, 23.0, 29.0, 35.0].map(Some);
         let theirs = [Some(10.0), Some(15.0), None, Some(20.0), Some(25.0), Some(30.0)];
-        let judge = Judge { outcomes: &[], axes: &[], confidence: 0.95, seed: Seed { seed: 1, run: 0 } };
-        let found = judge.difference(&ours, &theirs);
+        let outcomes = [outcome("metrics.gospa.quantities.gospa")];
+        let judge = Judge { outcomes: &outcomes, axes: &[], confidence: 0.95, seed: Seed { seed: 1, run: 0 } };
+        let found = judge.difference(0, &ours, &theirs);
         assert_eq!((found.pairs, found.mean), (5, Some(3.0)));
         let interval = found.interval.unwrap();
         assert!((interval.low - 1.036_757).abs() < 1e-5 && (interval.high - 4.963_243).abs() < 1e-5, "{interval:?}");
         // The means alone, 23 and 20 over the same scenes, have intervals that overlap widely.
         let alone = stats::t_interval(&[11.0, 17.0, 23.0, 29.0, 35.0], 0.95).unwrap();
         assert!(alone.low < 20.0);
-        assert_eq!(judge.difference(&ours[2..3], &theirs[2..3]), Difference { pairs: 0, mean: None, interval: None });
+        assert_eq!(judge.difference(0, &ours[2..3], &theirs[2..3]), Difference { pairs: 0, mean: None, interval: None });
     }
 }

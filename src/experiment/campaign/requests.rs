@@ -58,7 +58,7 @@ static OUTCOME: Object = Object {
         optional("name", "Its name in the table; the path when absent.", NAME),
         default(
             "interval",
-            "t: of a mean; wilson: of a share, for what is 0 or 1 (or false and true) in a run; bootstrap: of a mean, by 2 000 resamples.",
+            "t: of a mean, within 0 and 1 where the number is a share or a probability; wilson: of a share, for what is 0 or 1 (or false and true) in a run; bootstrap: of a mean, by 2 000 resamples.",
             Kind::Choice(&["t", "wilson", "bootstrap"]),
             "\"t\"",
         ),

@@ -65,7 +65,9 @@ function once<T>(question: string, ask: () => Promise<T>): Promise<T> {
 
 export const getPlan = (id: string): Promise<Plan> => once(`plan ${id}`, () => taken(client.GET("/v1/jobs/{id}/plan", path(id))));
 /** Only what was there at one time. */
-export const getPlanAt = (id: string, time_s: number): Promise<Plan> => taken(client.GET("/v1/jobs/{id}/plan", { params: { path: { id }, query: { from: time_s, to: time_s } } }));
+export function getPlanAt(id: string, time_s: number): Promise<Plan> {
+  return taken(client.GET("/v1/jobs/{id}/plan", { params: { path: { id }, query: { from: time_s, to: time_s } } }));
+}
 export const getSpec = (id: string): Promise<Record<string, unknown>> => taken(client.GET("/v1/jobs/{id}/spec", path(id)));
 
 /** The schemas in it are free JSON to the API document; here they are read as what they are. */

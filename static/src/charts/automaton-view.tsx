@@ -3,15 +3,16 @@
 
 import type { JSX } from "preact";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
-import type { TargetVerdict } from "../api/types";
+import type { Cell, TargetVerdict } from "../api/types";
 import { Link } from "../components/basics";
 import type { TableData } from "../components/table";
-import { number, probability } from "../format";
+import { probability } from "../format";
 import type { Palette } from "../state/theme";
 import { go, hereHref } from "../state/url";
+import { NO_EVENT } from "./event-moment";
 import { EPSILON, wayOf, type Automaton, type Expected, type Step, type Way } from "./automaton";
 import { ChartFrame } from "./frame";
-import type { KeyMark } from "./picture";
+import { Key, type KeyMark } from "./marks";
 
 const LEFT = 104;
 const RIGHT = 20;
@@ -25,9 +26,11 @@ interface Props {
   expected: Expected[];
   automaton: Automaton;
   file: string;
+  /** Where the times count from. */
+  origin: number;
 }
 
-export function AutomatonView({ verdict, expected, automaton, file }: Props): JSX.Element {
+export function AutomatonView({ verdict, expected, automaton, file, origin }: Props): JSX.Element {
   const way = useMemo(() => wayOf(automaton, expected), [automaton, expected]);
   const box = useRef<HTMLDivElement>(null);
   const drawing = useRef<SVGSVGElement>(null);
@@ -47,14 +50,28 @@ export function AutomatonView({ verdict, expected, automaton, file }: Props): JS
   const step = Math.max((room - LEFT - RIGHT) / Math.max(scans.length - 0.5, 1), LEAST_STEP_PX);
   const width = LEFT + RIGHT + step * Math.max(scans.length - 0.5, 1);
   const x = (index: number) => LEFT + step * (index + 0.25);
-  const label = `Way of target ${verdict.truth_id} through the automaton over ${way.steps.length} scans${way.break_ === undefined ? ", accepted to its end" : `, broken at scan ${way.steps[way.break_]?.scan}`}. The table shows the same.`;
+  const end = way.break_ === undefined ? "accepted to its end" : `broken at scan ${way.steps[way.break_]?.scan}`;
+  const label = `Way of target ${verdict.truth_id} through the automaton over ${way.steps.length} scans, ${end}. The table shows the same.`;
   const seek = (event: MouseEvent) => {
     const index = Math.round((event.offsetX - LEFT) / step - 0.25);
     const time = timeAt(way, scans[Math.min(Math.max(index, 0), scans.length - 1)]);
     if (time !== undefined && !(event.target as Element).closest("a")) go(placeOf(verdict, time));
   };
+  const under = (
+    <>
+      <Key marks={pictureKey} />
+      {automaton.minimised ? <p class="muted small frame-note">Minimised: without weights.</p> : null}
+    </>
+  );
   return (
-    <ChartFrame title={`Target ${verdict.truth_id} in the automaton`} file={file} table={() => tableOf(way)} chart={() => drawing.current ?? undefined} pictureKey={pictureKey} tools={<Key minimised={automaton.minimised} />}>
+    <ChartFrame
+      title={`Target ${verdict.truth_id} in the automaton`}
+      file={file}
+      table={() => tableOf(way, origin)}
+      chart={() => drawing.current ?? undefined}
+      pictureKey={pictureKey}
+      tools={under}
+    >
       <div class="automaton" ref={box} tabIndex={0} role="region" aria-label={label}>
         <svg ref={drawing} class="drawing" width={width} height={HEIGHT} viewBox={`0 0 ${width} ${HEIGHT}`} role="group" aria-label={label} onClick={seek}>
           <Names broken={way.break_ !== undefined} />
@@ -68,7 +85,10 @@ export function AutomatonView({ verdict, expected, automaton, file }: Props): JS
   );
 }
 
-const placeOf = (verdict: TargetVerdict, time: number) => hereHref({ tab: "plan", time, truth: verdict.truth_id, track: verdict.track_id ?? verdict.matched_track_id ?? null, centre: "selection", span: null });
+function placeOf(verdict: TargetVerdict, time: number): string {
+  const track = verdict.track_id ?? verdict.matched_track_id ?? null;
+  return hereHref({ ...NO_EVENT, tab: "plan", time, truth: verdict.truth_id, track, centre: "selection", span: null });
+}
 
 /** Every scan of the target and of the track that goes on without it. */
 function scansOf(way: Way): number[] {
@@ -171,7 +191,10 @@ function Broken({ way, scans, x, step, verdict }: BrokenProps): JSX.Element {
   const rest = way.steps.slice(first);
   const at = x(scans.indexOf(way.steps[first]?.scan ?? 0));
   const before = first > 0 ? x(scans.indexOf(way.steps[first - 1]?.scan ?? 0)) : LEFT - step * 0.35;
-  const line = (entries: { scan: number }[], y: number) => `M${before} ${Y.way}${entries.map((entry, index) => `${index ? "H" : "L"}${x(scans.indexOf(entry.scan))}${index ? "" : ` ${y}`}`).join("")}`;
+  const line = (entries: { scan: number }[], y: number) => {
+    const places = entries.map((entry) => x(scans.indexOf(entry.scan)));
+    return `M${before} ${Y.way}${places.map((place, index) => (index ? `H${place}` : `L${place} ${y}`)).join("")}`;
+  };
   const label = `Break at scan ${way.steps[first]?.scan}: show it in the plan view`;
   return (
     <g>
@@ -225,33 +248,25 @@ function Weights({ way, x, step }: { way: Way; x: (index: number) => number; ste
   );
 }
 
-function tableOf(way: Way): TableData {
+function tableOf(way: Way, origin_s: number): TableData {
   const taken = new Map(way.taken.map((entry) => [entry.scan, entry.symbol]));
   const first = way.break_ ?? Infinity;
-  return {
-    columns: ["scan", "time_s", "expected", "took", "accepted", "weight of its own symbol", "also accepted"],
-    rows: way.steps.map((entry, index) => [entry.scan, Number(number(entry.time)), entry.symbol, index < first ? entry.symbol : (taken.get(entry.scan) ?? null), index < first ? "yes" : index === first ? "break" : "no", entry.probability, entry.others.join(" ") || null]),
+  const rowOf = (entry: Step, index: number): Cell[] => {
+    const took = index < first ? entry.symbol : (taken.get(entry.scan) ?? null);
+    const accepted = index < first ? "yes" : index === first ? "break" : "no";
+    return [entry.scan, entry.time, entry.symbol, took, accepted, entry.probability, entry.others.join(" ") || null];
   };
+  const columns = ["scan", "time_s", "expected", "took", "accepted", "weight of its own symbol", "also accepted"];
+  return { columns, rows: way.steps.map(rowOf), origin_s };
 }
 
 function pictureKey(palette: Palette): KeyMark[] {
   return [
-    { name: "accepted", color: palette.track, look: "solid" },
-    { name: "target after the break", color: palette.truth, look: "dashed" },
-    { name: "track after the break", color: palette.selected, look: "solid" },
+    { name: "accepted", color: palette.track, look: "solid", symbol: "circle" },
+    { name: "target after the break", color: palette.truth, look: "dashed", symbol: "circle" },
+    { name: "track after the break", color: palette.selected, look: "solid", symbol: "circle" },
+    { name: "ε, no detection", color: palette.muted, look: "dot", symbol: "emptyCircle" },
+    { name: "final state", color: palette.track, look: "dot", symbol: "ring" },
+    { name: "break", color: palette.bad, look: "dot", symbol: "cross" },
   ];
-}
-
-function Key({ minimised }: { minimised: boolean }): JSX.Element {
-  return (
-    <p class="legend legend-note">
-      <span class="key">accepted</span>
-      <span class="key key-truth-after">target after the break</span>
-      <span class="key key-track-after">track after the break</span>
-      <span>○ ε, no detection</span>
-      <span>◎ final state</span>
-      <span class="key-sign key-break">✕ break</span>
-      {minimised ? <span>minimised: without weights</span> : null}
-    </p>
-  );
 }

@@ -8,7 +8,8 @@ export const MARGIN = { left: 58, right: 14, top: 12, bottom: 42 };
 /** `outerBoundsMode` none: the drawing area must stay where it is put, or metres would not be equal on both axes. */
 export const GRID = { ...MARGIN, containLabel: false, outerBoundsMode: "none" as const };
 
-export const FONT = 'system-ui, -apple-system, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
+/** Without quotes: the chart library writes it into an attribute as it is. */
+export const FONT = "system-ui, -apple-system, Segoe UI, Roboto, DejaVu Sans, sans-serif";
 
 export function textStyle(palette: Palette): object {
   return { fontFamily: FONT, color: palette.text };
@@ -24,10 +25,42 @@ export function valueAxis(name: string, palette: Palette, more: object): object 
     nameTextStyle: { color: palette.muted, fontSize: 11.5 },
     axisLine: { show: true, onZero: false, lineStyle: { color: palette.line } },
     axisTick: { show: true, lineStyle: { color: palette.line } },
-    axisLabel: { color: palette.muted, fontSize: 11, hideOverlap: true },
+    axisLabel: axisLabel(palette),
     splitLine: { lineStyle: { color: palette.line, opacity: 0.5 } },
     ...more,
   };
+}
+
+/** Labels with few digits. */
+export function axisLabel(palette: Palette, more: object = {}): object {
+  return { color: palette.muted, fontSize: 11, hideOverlap: true, formatter: (value: number) => number(value), ...more };
+}
+
+/** The same along the lower edge, where the outer ones would stick out of the picture. */
+export function lowerLabel(palette: Palette, more: object = {}): object {
+  return axisLabel(palette, { alignMinLabel: "left", alignMaxLabel: "right", ...more });
+}
+
+export interface Rule {
+  color: string;
+  width?: number;
+  type?: "solid" | "dashed";
+  label?: object;
+}
+
+/** A line across a chart at one value of an axis, at that very value: the library would round it to hundredths. */
+export function ruleAt(place: { xAxis: number } | { yAxis: number }, { color, width = 1.5, type = "solid", label = { show: false } }: Rule): object {
+  const lineStyle = { color, width, type };
+  return { silent: true, symbol: "none", animation: false, precision: 20, label, lineStyle, data: [place] };
+}
+
+const ROUNDING = 1e-9;
+
+/** The ends of an axis of values that all lie from 0 to 1, as shares do: no such axis goes beyond. */
+export function shareRange(values: number[]): { min?: number; max?: number } {
+  const [least, greatest] = [Math.min(...values), Math.max(...values)];
+  if (!(least >= -ROUNDING && greatest <= 1 + ROUNDING)) return {};
+  return { ...(greatest > 0.8 ? { max: 1 } : {}), ...(least < 0.2 ? { min: 0 } : {}) };
 }
 
 export function tooltip(palette: Palette): object {
@@ -53,20 +86,4 @@ export function tipContent(heading: string, rows: [string, string][]): HTMLEleme
     box.append(row);
   }
   return box;
-}
-
-/** Where the time axis of a chart begins to count: a recording in seconds since 1970 counts from its first scan. */
-export function timeOrigin(times: number[]): number {
-  const start = times[0] ?? 0;
-  return Math.abs(start) > 1e6 ? start : 0;
-}
-
-export function timeAxisName(times: number[]): string {
-  return timeOrigin(times) === 0 ? "time (s)" : "time from the first scan (s)";
-}
-
-/** Seconds of the data, from the first scan when the clock of the recording starts far from zero. */
-export function timeText(time: number, times: number[]): string {
-  const origin = timeOrigin(times);
-  return origin === 0 ? `${number(time)} s` : `+${number(time - origin)} s`;
 }

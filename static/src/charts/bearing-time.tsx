@@ -4,17 +4,18 @@ import type { JSX } from "preact";
 import { useRef } from "preact/hooks";
 import type { BearingTime } from "../api/types";
 import type { TableData } from "../components/table";
-import { number } from "../format";
+import { number, plural } from "../format";
 import type { Clock } from "../state/clock";
 import { readPalette, theme, type Palette } from "../state/theme";
 import { param, setParams } from "../state/url";
-import { GRID, textStyle, timeAxisName, timeOrigin, timeText, tipContent, tooltip, valueAxis } from "./axes";
+import { timeAxisName, timeText } from "../times";
+import { axisLabel, GRID, lowerLabel, ruleAt, textStyle, tipContent, tooltip, valueAxis } from "./axes";
 import { unwrapped, type BearingLine, type BearingScene } from "./bearing-scene";
 import { ChartCanvas } from "./chart";
 import type { Chart } from "./echarts";
 import { ChartFrame, reducedBadge } from "./frame";
 import { shades, type Levels } from "./levels";
-import type { KeyMark } from "./picture";
+import type { KeyMark } from "./marks";
 import { momentOf } from "./plan-view";
 
 const REACH_PX = 14;
@@ -33,7 +34,7 @@ interface Props {
 function levelSeries({ levels, clock }: Props, moment: Moment, palette: Palette): object[] {
   if (!levels || moment.hidden.has("levels")) return [];
   const image = shades(levels, palette.text);
-  const origin = timeOrigin(clock.times);
+  const { origin } = clock;
   const renderItem = (_: unknown, api: { coord: (at: [number, number]) => [number, number] }) => {
     const [left, top] = api.coord([levels.fromBearing, levels.fromTime - origin]);
     const [right, bottom] = api.coord([levels.toBearing, levels.toTime - origin]);
@@ -48,34 +49,50 @@ function lines(all: Iterable<BearingLine>, moment: Moment, origin: number): [num
   return [...all].flatMap((line) => unwrapped(line, moment.from, moment.now, origin));
 }
 
+/** Detections as the chart draws them; of very many small squares, as one shape. */
+function dotLook(count: number): { symbol: string; symbolSize: number; large: boolean } {
+  const large = count > LARGE;
+  return { symbol: large ? "rect" : "circle", symbolSize: large ? 2.5 : 3.5, large };
+}
+
+function isWithin(time: number, { from, now }: Moment): boolean {
+  return time >= from - 1e-9 && time <= now + 1e-9;
+}
+
 function seriesOf(props: Props, moment: Moment, palette: Palette): object[] {
   const { scene, clock } = props;
-  const origin = timeOrigin(clock.times);
-  const line = (id: string, data: unknown[], color: string, width: number, z: number) => ({ type: "line", id, data, showSymbol: false, silent: true, animation: false, z, lineStyle: { color, width } });
-  const dots = scene.detections.flatMap(({ time, bearing }, row) => (time >= moment.from - 1e-9 && time <= moment.now + 1e-9 ? [[bearing, time - origin, row]] : []));
+  const { origin } = clock;
+  const line = (id: string, all: Iterable<BearingLine>, color: string, width: number, z: number) => {
+    const data = lines(all, moment, origin);
+    return { type: "line", id, data, showSymbol: false, silent: true, animation: false, z, lineStyle: { color, width } };
+  };
   const shown = (layer: string) => !moment.hidden.has(layer);
-  const cursor = { silent: true, symbol: "none", label: { show: false }, animation: false, lineStyle: { color: palette.selected, width: 1.2, type: "dashed" }, data: [{ yAxis: moment.now - origin }] };
-  const chosen = [scene.truths.get(moment.truth ?? ""), scene.tracks.get(moment.track ?? "")];
+  const dots = scene.detections.flatMap(({ time, bearing }, row) => (isWithin(time, moment) ? [[bearing, time - origin, row]] : []));
+  const color = palette.sensors[0] ?? palette.text;
+  const still = { itemStyle: { color, opacity: 0.75 }, animation: false, progressive: 0, largeThreshold: LARGE, z: 2 };
+  const cursor = ruleAt({ yAxis: moment.now - origin }, { color: palette.selected, width: 1.2, type: "dashed" });
+  const [truth, track] = [scene.truths.get(moment.truth ?? ""), scene.tracks.get(moment.track ?? "")];
   return [
     ...levelSeries(props, moment, palette),
-    { type: "scatter", id: "detections", data: shown("d") ? dots : [], symbol: "circle", symbolSize: dots.length > LARGE ? 2.5 : 3.5, large: dots.length > LARGE, itemStyle: { color: palette.sensors[0], opacity: 0.75 }, animation: false, progressive: 0, z: 2, markLine: cursor },
-    line("truth", shown("truth") ? lines(scene.truths.values(), moment, origin) : [], palette.truth, 1.4, 3),
-    line("tracks", shown("tracks") ? lines(scene.tracks.values(), moment, origin) : [], palette.track, 1.8, 4),
-    line("chosen-truth", chosen[0] ? lines([chosen[0]], moment, origin) : [], palette.truth, 3, 5),
-    line("chosen-track", chosen[1] ? lines([chosen[1]], moment, origin) : [], palette.selected, 3, 6),
+    { type: "scatter", id: "detections", data: shown("d") ? dots : [], ...dotLook(dots.length), ...still, markLine: cursor },
+    line("truth", shown("truth") ? scene.truths.values() : [], palette.truth, 1.4, 3),
+    line("tracks", shown("tracks") ? scene.tracks.values() : [], palette.track, 1.8, 4),
+    line("chosen-truth", truth ? [truth] : [], palette.truth, 3, 5),
+    line("chosen-track", track ? [track] : [], palette.selected, 3, 6),
   ];
 }
 
 function draw(chart: Chart, props: Props, moment: Moment): void {
   const palette = readPalette();
   const { clock, scene } = props;
-  const origin = timeOrigin(clock.times);
-  const label = { color: palette.muted, fontSize: 11, hideOverlap: true };
+  const { origin } = clock;
+  const range = { min: (clock.times[0] ?? 0) - origin, max: (clock.times.at(-1) ?? 1) - origin };
+  const degrees = { min: 0, max: 360, interval: 45, nameGap: 26, axisLabel: lowerLabel(palette) };
   const tip = (item: { seriesId?: string; data?: unknown }) => {
     const detection = item.seriesId === "detections" && Array.isArray(item.data) ? scene.detections[Number(item.data[2])] : undefined;
     if (!detection) return "";
     return tipContent(`Detection ${detection.id}`, [
-      ["time", timeText(detection.time, clock.times)],
+      ["time", timeText(detection.time, origin)],
       ["bearing", `${number(detection.bearing)}°`],
     ]);
   };
@@ -85,8 +102,8 @@ function draw(chart: Chart, props: Props, moment: Moment): void {
       textStyle: textStyle(palette),
       grid: GRID,
       tooltip: { trigger: "item", ...tooltip(palette), formatter: tip },
-      xAxis: valueAxis("bearing, clockwise from north (°)", palette, { min: 0, max: 360, interval: 45, nameGap: 26, axisLabel: label }),
-      yAxis: valueAxis(timeAxisName(clock.times), palette, { inverse: true, min: (clock.times[0] ?? 0) - origin, max: (clock.times.at(-1) ?? 1) - origin, nameGap: 42, axisLabel: label }),
+      xAxis: valueAxis("bearing, clockwise from north (°)", palette, degrees),
+      yAxis: valueAxis(timeAxisName(origin), palette, { inverse: true, ...range, nameGap: 42, axisLabel: axisLabel(palette) }),
       dataZoom: [
         { type: "inside", xAxisIndex: 0, filterMode: "none", zoomOnMouseWheel: "ctrl" },
         { type: "inside", yAxisIndex: 0, filterMode: "none", zoomOnMouseWheel: "ctrl" },
@@ -99,7 +116,7 @@ function draw(chart: Chart, props: Props, moment: Moment): void {
 
 /** The line whose drawn point is nearest to a pixel; tracks before truth. */
 function nearest(chart: Chart, { scene, clock }: Props, x: number, y: number): { track: string } | { truth: string } | undefined {
-  const origin = timeOrigin(clock.times);
+  const { origin } = clock;
   const closest = (all: Iterable<BearingLine>): string | undefined => {
     let best = { id: "", distance: REACH_PX };
     for (const line of all) {
@@ -117,11 +134,16 @@ function nearest(chart: Chart, { scene, clock }: Props, x: number, y: number): {
   return truth ? { truth } : undefined;
 }
 
-function tableOf({ scene }: Props, moment: Moment): TableData {
-  const within = (time: number) => time >= moment.from - 1e-9 && time <= moment.now + 1e-9;
-  const ofLines = (layer: string, all: Iterable<BearingLine>) => [...all].flatMap((line) => line.time.flatMap((time, row) => (within(time) ? [[layer, line.id, time, line.bearing[row] ?? null, line.rate[row] ?? null, line.sigma[row] ?? null]] : [])));
-  const dots = scene.detections.flatMap(({ id, time, bearing }) => (within(time) ? [["detection", id, time, bearing, null, null]] : []));
-  return { columns: ["layer", "id", "time_s", "bearing_deg", "bearing_rate_degps", "sigma_bearing_deg"], rows: [...ofLines("truth", scene.truths.values()), ...dots, ...ofLines("track", scene.tracks.values())] };
+function tableOf({ scene, clock }: Props, moment: Moment): TableData {
+  const rowsOf = (layer: string, line: BearingLine) =>
+    line.time.map((time, row) => [layer, line.id, time, line.bearing[row] ?? null, line.rate[row] ?? null, line.sigma[row] ?? null]);
+  const all = [
+    ...[...scene.truths.values()].flatMap((line) => rowsOf("truth", line)),
+    ...scene.detections.map(({ id, time, bearing }) => ["detection", id, time, bearing, null, null]),
+    ...[...scene.tracks.values()].flatMap((line) => rowsOf("track", line)),
+  ];
+  const columns = ["layer", "id", "time_s", "bearing_deg", "bearing_rate_degps", "sigma_bearing_deg"];
+  return { columns, rows: all.filter((row) => isWithin(Number(row[2]), moment)), origin_s: clock.origin };
 }
 
 function badgeOf(series: BearingTime, levels: Levels | undefined): string | undefined {
@@ -130,27 +152,46 @@ function badgeOf(series: BearingTime, levels: Levels | undefined): string | unde
   return [bearings, blocks].filter(Boolean).join("; ") || undefined;
 }
 
+function pictureKey({ scene, levels }: Props, moment: Moment, palette: Palette): KeyMark[] {
+  const shown = (layer: string, there: boolean) => there && !moment.hidden.has(layer);
+  const drawn = scene.detections.filter(({ time }) => isWithin(time, moment)).length;
+  const key: KeyMark[] = [];
+  if (levels && shown("levels", true)) {
+    key.push({ name: `levels, ${number(levels.low)} to ${number(levels.high)} dB`, color: palette.muted, look: "area" });
+  }
+  if (shown("d", drawn > 0)) key.push({ name: "detections", color: palette.sensors[0] ?? palette.text, look: "dot", symbol: dotLook(drawn).symbol });
+  if (shown("truth", scene.truths.size > 0)) key.push({ name: "truth", color: palette.truth, look: "solid" });
+  if (shown("tracks", scene.tracks.size > 0)) key.push({ name: "tracks", color: palette.track, look: "solid" });
+  if (scene.truths.has(moment.truth ?? "")) key.push({ name: `selected ${moment.truth}`, color: palette.truth, look: "solid" });
+  if (scene.tracks.has(moment.track ?? "")) key.push({ name: `selected ${moment.track}`, color: palette.selected, look: "solid" });
+  return key;
+}
+
 export function BearingTimeChart(props: Props): JSX.Element {
   const { jobId, series, scene, clock, levels } = props;
   const chart = useRef<Chart | undefined>(undefined);
   const moment = momentOf(clock);
   const pressed = (made: Chart) => {
-    const press = (event: { offsetX: number; offsetY: number }) => {
-      if (made.containPixel("grid", [event.offsetX, event.offsetY])) setParams({ track: null, truth: null, ...nearest(made, props, event.offsetX, event.offsetY) }, "push");
+    const press = ({ offsetX, offsetY }: { offsetX: number; offsetY: number }) => {
+      if (!made.containPixel("grid", [offsetX, offsetY])) return;
+      setParams({ track: null, truth: null, ...nearest(made, props, offsetX, offsetY) }, "push");
     };
     made.getZr().on("click", press);
     return () => made.getZr().off("click", press);
   };
-  const key = (palette: Palette): KeyMark[] => [
-    ...(levels && !moment.hidden.has("levels") ? [{ name: `levels, ${number(levels.low)} to ${number(levels.high)} dB`, color: palette.muted, look: "dot" } as const] : []),
-    { name: "detections", color: palette.sensors[0] ?? palette.text, look: "dot" },
-    { name: "truth", color: palette.truth, look: "solid" },
-    { name: "tracks", color: palette.track, look: "solid" },
-    ...(moment.track || moment.truth ? [{ name: `selected ${[moment.truth, moment.track].filter(Boolean).join(", ")}`, color: palette.selected, look: "solid" } as const] : []),
-  ];
-  const label = `Bearings over time up to ${timeText(moment.now, clock.times)}: ${scene.truths.size} truth lines, ${scene.tracks.size} tracks, ${scene.detections.length} detections. The table shows the same points.`;
+  const sizes = [plural(scene.truths.size, "truth line"), plural(scene.tracks.size, "track"), plural(scene.detections.length, "detection")];
+  const label = `Bearings over time up to ${timeText(moment.now, clock.origin)}: ${sizes.join(", ")}. The table shows the same points.`;
   return (
-    <ChartFrame title="Bearing–time" file={`bearing-time-${jobId.slice(-12)}`} badge={badgeOf(series, levels)} table={() => tableOf(props, momentOf(clock))} chart={() => chart.current} pictureKey={key} tools={<Layers scene={scene} levels={levels} />} class="plan">
+    <ChartFrame
+      title="Bearing–time"
+      file={`bearing-time-${jobId.slice(-12)}`}
+      badge={badgeOf(series, levels)}
+      table={() => tableOf(props, momentOf(clock))}
+      chart={() => chart.current}
+      pictureKey={(palette) => pictureKey(props, moment, palette)}
+      tools={<Layers scene={scene} levels={levels} />}
+      class="plan"
+    >
       <ChartCanvas
         class="plan-canvas"
         label={label}

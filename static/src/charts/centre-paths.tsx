@@ -11,7 +11,7 @@ import { ChartCanvas } from "./chart";
 import type { Chart } from "./echarts";
 import { ChartFrame } from "./frame";
 import { lookOf } from "./lines";
-import type { KeyMark } from "./picture";
+import type { KeyMark } from "./marks";
 
 export type Place = [number, number];
 
@@ -90,7 +90,7 @@ export function CentrePaths(props: Props): JSX.Element {
     rows: [...detections.map(({ id, place }) => ["detection", id, null, ...place]), ...paths.flatMap(({ group, places }) => places.map((place, iteration) => ["centre", group, iteration, ...place]))],
   });
   const key = (palette: Palette): KeyMark[] => [
-    ...(detections.length ? [{ name: "detections", color: palette.muted, look: "dot" } as const] : []),
+    ...(detections.length ? [{ name: "detections", color: palette.muted, look: "dot", symbol: "rect" } as const] : []),
     ...paths.map(({ group }, order) => ({ name: `centre ${group}`, color: lookOf(order).color(palette), look: lookOf(order).look })),
   ];
   const note = <p class="muted small frame-note">Hollow: where a centre began. Full: where it is now. Both axes have one scale.</p>;

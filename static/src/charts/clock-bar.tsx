@@ -5,7 +5,7 @@ import { useEffect } from "preact/hooks";
 import { Icon, type IconName } from "../components/basics";
 import { SPEEDS, type Clock } from "../state/clock";
 import { param, setParams } from "../state/url";
-import { timeText } from "./axes";
+import { timeText, utcText } from "../times";
 
 const TRAILS = [1, 2, 5, 10, 20, 50, 100];
 
@@ -40,7 +40,7 @@ export function ClockBar({ clock }: { clock: Clock }): JSX.Element {
   const last = Math.max(clock.times.length - 1, 0);
   const index = clock.index.value;
   const playing = clock.playing.value;
-  const text = `scan ${clock.numbers[index]} of ${clock.numbers.at(-1)}, ${timeText(clock.time.value, clock.times)}`;
+  const text = `scan ${clock.numbers[index]} of ${clock.numbers.at(-1)}, ${timeText(clock.time.value, clock.origin)}`;
   const drag = (event: TargetedEvent<HTMLInputElement>) => {
     clock.playing.value = false;
     clock.seek(Number(event.currentTarget.value));
@@ -56,7 +56,8 @@ export function ClockBar({ clock }: { clock: Clock }): JSX.Element {
       </div>
       <input class="clock-slider" type="range" min={0} max={last} step={1} value={index} aria-label="Scan" aria-valuetext={text} onInput={drag} />
       <output class="clock-text">
-        <b>{timeText(clock.time.value, clock.times)}</b> scan {clock.numbers[index]}/{clock.numbers.at(-1)}
+        <b>{timeText(clock.time.value, clock.origin)}</b> scan {clock.numbers[index]}/{clock.numbers.at(-1)}
+        {clock.origin ? <span class="sub">{utcText(clock.time.value)}</span> : null}
       </output>
       <label class="inline">
         Speed

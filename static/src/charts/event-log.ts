@@ -11,6 +11,8 @@ export interface LogEntry {
   truth: string;
   track: string;
   distance: number | null;
+  /** Of a switch: the track that followed the target before. */
+  before: string;
 }
 
 export interface EventLog {
@@ -24,9 +26,33 @@ const MOST_ENTRIES = 300_000;
 export async function readEvents(jobId: string): Promise<EventLog> {
   const table = parseCsv(await getArtifactText(jobId, "events.csv"), MOST_ENTRIES);
   const field = (name: string) => reader(table, name);
-  const [sequence, step, time, kind, truth, track, distance] = ["sequence", "step", "time_s", "event", "truth_id", "track_id", "distance"].map(field) as [Field, Field, Field, Field, Field, Field, Field];
-  const entry = (row: string[]): LogEntry => ({ sequence: sequence(row), step: Number(step(row)), time: Number(time(row)), kind: kind(row), truth: truth(row), track: track(row), distance: distance(row) === "" ? null : Number(distance(row)) });
-  return { entries: table.rows.map(entry), isCut: table.rows.length === MOST_ENTRIES };
+  const names = ["sequence", "step", "time_s", "event", "truth_id", "track_id", "distance"];
+  const [sequence, step, time, kind, truth, track, distance] = names.map(field) as [Field, Field, Field, Field, Field, Field, Field];
+  const entry = (row: string[]): LogEntry => ({
+    sequence: sequence(row),
+    step: Number(step(row)),
+    time: Number(time(row)),
+    kind: kind(row),
+    truth: truth(row),
+    track: track(row),
+    distance: distance(row) === "" ? null : Number(distance(row)),
+    before: "",
+  });
+  const entries = table.rows.map(entry);
+  noteFormerTracks(entries);
+  return { entries, isCut: table.rows.length === MOST_ENTRIES };
+}
+
+/** A switch is from the track that followed the target at its last match before that step. */
+function noteFormerTracks(entries: LogEntry[]): void {
+  const of = ({ sequence, truth }: LogEntry) => `${sequence}\u0000${truth}`;
+  const last = new Map<string, string>();
+  const former = new Map<string, string>();
+  for (const entry of entries.filter(({ kind }) => kind === "match")) {
+    former.set(`${of(entry)}\u0000${entry.step}`, last.get(of(entry)) ?? "");
+    last.set(of(entry), entry.track);
+  }
+  for (const entry of entries) if (entry.kind === "switch") entry.before = former.get(`${of(entry)}\u0000${entry.step}`) ?? "";
 }
 
 type Field = (row: string[]) => string;
@@ -45,20 +71,20 @@ export interface Lane {
   from: number;
   to: number;
   runs: Run[];
-  marks: { kind: "switch" | "break" | "reacquisition"; time: number; track: string }[];
+  marks: { kind: "switch" | "break" | "reacquisition"; time: number; track: string; before: string }[];
 }
 
 /** One lane a target, in the order in which targets appear; `sequence` keeps those of one sequence. */
 export function lanesOf(entries: LogEntry[], sequence: string): Lane[] {
   const lanes = new Map<string, Lane>();
-  for (const { truth, sequence: of, time, kind, track } of entries) {
+  for (const { truth, sequence: of, time, kind, track, before } of entries) {
     if (truth === "" || of !== sequence) continue;
     let lane = lanes.get(truth);
     if (!lane) lanes.set(truth, (lane = { truth, sequence, from: time, to: time, runs: [], marks: [] }));
     if (kind === "match" || kind === "miss") lane.to = Math.max(lane.to, time);
     if (kind === "match") follow(lane, track, time);
     if (kind === "miss") lane.runs.push({ track: "", from: time, to: time });
-    if (kind === "switch" || kind === "break" || kind === "reacquisition") lane.marks.push({ kind, time, track });
+    if (kind === "switch" || kind === "break" || kind === "reacquisition") lane.marks.push({ kind, time, track, before });
   }
   for (const lane of lanes.values()) lane.runs = lane.runs.filter((run) => run.track !== "");
   return [...lanes.values()];

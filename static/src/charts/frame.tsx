@@ -7,7 +7,8 @@ import { saveText } from "../components/save";
 import { DataTable, toCsv, type TableData } from "../components/table";
 import { count } from "../format";
 import { readPalette, type Palette } from "../state/theme";
-import { savePng, saveSvg, type KeyMark, type Source } from "./picture";
+import type { KeyMark } from "./marks";
+import { savePng, saveSvg, type Source } from "./picture";
 
 interface FrameProps {
   title: string;

@@ -3,7 +3,7 @@
 import type { JSX } from "preact";
 import type { SensorSettings } from "../api/types";
 import { param, setParams } from "../state/url";
-import { SHAPES } from "./plan-series";
+import { detectionSymbol, drawnDetections, type Moment } from "./plan-series";
 import type { Scene } from "./scene";
 
 interface Entry {
@@ -28,22 +28,35 @@ function stroke(kind: string, path: string): JSX.Element {
   );
 }
 
-function entries(scene: Scene, sensors: SensorSettings[], hasGate: boolean): Entry[] {
+function entries({ scene, sensors, hasGate, moment }: LegendProps): Entry[] {
   const marks = scene.clouds.map((cloud, order) => ({
     layer: `d:${cloud.sensor}`,
     name: `detections, ${cloud.sensor}`,
-    mark: stroke(`mark-sensor-${(order % 5) + 1}`, MARKS[SHAPES[order % SHAPES.length] ?? "circle"] ?? ""),
+    mark: stroke(`mark-sensor-${(order % 5) + 1}`, MARKS[detectionSymbol(drawnDetections(cloud, moment), order)] ?? ""),
   }));
   const list: Entry[] = [];
   if (scene.truths.size) list.push({ layer: "truth", name: "truth", mark: stroke("mark-truth", "M1 8h22") });
   if (sensors.some((sensor) => sensor.max_range_m)) list.push({ layer: "rings", name: "sensor range", mark: stroke("mark-ring", "M1 8h22") });
-  if (scene.tracks.size) list.push({ layer: "tracks", name: scene.locals.length ? "system tracks" : "tracks", mark: stroke("mark-track", "M1 8h22") });
+  const ofTracks = scene.locals.length ? "system tracks" : "tracks";
+  if (scene.tracks.size) list.push({ layer: "tracks", name: ofTracks, mark: stroke("mark-track", "M1 8h22") });
   if (hasGate) list.push({ layer: "gate", name: "gate", mark: stroke("mark-gate mark-dashed", "M1 8h22") });
-  const locals = scene.locals.map(({ sensor }, order) => ({ layer: `l:${sensor}`, name: `tracks of ${sensor}`, mark: stroke(`mark-local mark-local-${(order % 5) + 1} mark-dash-${order % 3}`, "M1 8h22") }));
+  const locals = scene.locals.map(({ sensor }, order) => ({
+    layer: `l:${sensor}`,
+    name: `tracks of ${sensor}`,
+    mark: stroke(`mark-local mark-local-${(order % 5) + 1} mark-dash-${order % 3}`, "M1 8h22"),
+  }));
   return [...list, ...locals, ...marks];
 }
 
-export function Legend({ scene, sensors, hasGate }: { scene: Scene; sensors: SensorSettings[]; hasGate: boolean }): JSX.Element {
+interface LegendProps {
+  scene: Scene;
+  sensors: SensorSettings[];
+  hasGate: boolean;
+  moment: Moment;
+}
+
+export function Legend(props: LegendProps): JSX.Element {
+  const { scene } = props;
   const hidden = (param("hide") ?? "").split(",").filter(Boolean);
   const toggle = (layer: string) => {
     const next = hidden.includes(layer) ? hidden.filter((name) => name !== layer) : [...hidden, layer];
@@ -51,7 +64,7 @@ export function Legend({ scene, sensors, hasGate }: { scene: Scene; sensors: Sen
   };
   return (
     <div class="legend" role="group" aria-label="Layers">
-      {entries(scene, sensors, hasGate).map((entry) => (
+      {entries(props).map((entry) => (
         <button type="button" class="legend-entry" aria-pressed={!hidden.includes(entry.layer)} onClick={() => toggle(entry.layer)}>
           {entry.mark}
           {entry.name}

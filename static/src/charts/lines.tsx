@@ -5,11 +5,11 @@ import { useRef } from "preact/hooks";
 import type { TableData } from "../components/table";
 import { number } from "../format";
 import { readPalette, theme, type Palette } from "../state/theme";
-import { GRID, textStyle, tipContent, tooltip, valueAxis } from "./axes";
+import { axisLabel, GRID, lowerLabel, ruleAt, shareRange, textStyle, tipContent, tooltip, valueAxis } from "./axes";
 import { ChartCanvas } from "./chart";
 import type { Chart } from "./echarts";
 import { ChartFrame } from "./frame";
-import type { KeyMark } from "./picture";
+import { Key, symbolLook, type KeyMark } from "./marks";
 
 export type Point = [number, number | null];
 
@@ -33,7 +33,8 @@ export function lookOf(index: number): Pick<Curve, "color" | "look" | "symbol"> 
   const turned = index + Math.floor(index / SIX);
   const color = (palette: Palette) => [palette.track, ...palette.sensors][index % (palette.sensors.length + 1)] ?? palette.track;
   const looks: KeyMark["look"][] = ["solid", "dashed", "dotted"];
-  return { color, look: looks[turned % looks.length] ?? "solid", symbol: ["circle", "rect", "triangle", "diamond", "emptyCircle", "emptyRect"][turned % SIX] ?? "circle" };
+  const symbols = ["circle", "rect", "triangle", "diamond", "emptyCircle", "emptyRect"];
+  return { color, look: looks[turned % looks.length] ?? "solid", symbol: symbols[turned % SIX] ?? "circle" };
 }
 
 interface Props {
@@ -44,8 +45,8 @@ interface Props {
   xName: string;
   yName: string;
   table: () => TableData;
-  /** Names of the values of x, where they are not numbers. */
-  categories?: string[] | undefined;
+  /** What the values are: the axis of shares has all of 0 to 1, that of counts begins at 0. */
+  values?: "shares" | "counts" | "values";
   logX?: boolean;
   logY?: boolean;
   badge?: string | undefined;
@@ -75,38 +76,44 @@ const MARKS_UP_TO = 60;
 /** Bands over each other must not become one dark field. */
 const bandOpacity = (bands: number): number => Math.max(0.04, Math.min(0.16, 0.4 / Math.max(bands, 1)));
 
-function seriesOf(curve: Curve, palette: Palette, cursor: number | undefined, bands: number): object[] {
+const hasSymbols = (curve: Curve): boolean => !curve.stack && curve.points.length <= MARKS_UP_TO;
+
+function lineOf(curve: Curve, palette: Palette, cursor: number | undefined): object {
   const color = curve.color(palette);
-  const type = curve.look === "dot" ? "solid" : curve.look;
-  const mark = cursor === undefined ? {} : { markLine: { silent: true, symbol: "none", label: { show: false }, animation: false, lineStyle: { color: palette.selected, width: 1.5, type: "solid" }, data: [{ xAxis: cursor }] } };
   const dots = curve.look === "dot";
-  const line = {
+  const lineStyle = { color, type: dots ? "solid" : curve.look, width: 1.8 };
+  return {
     type: dots ? "scatter" : "line",
     name: curve.name,
     animation: false,
     data: curve.points,
-    symbol: curve.symbol ?? "circle",
+    ...symbolLook(curve.symbol ?? "circle", color, palette.surface),
     symbolSize: dots ? 9 : 5,
-    showSymbol: curve.points.length <= MARKS_UP_TO,
+    showSymbol: hasSymbols(curve),
     step: curve.step ? "end" : undefined,
     connectNulls: false,
-    lineStyle: { color, type, width: 1.8 },
-    itemStyle: { color },
-    ...(curve.stack ? { stack: "parts", areaStyle: { color, opacity: 0.35 }, symbol: "none" } : {}),
-    ...mark,
+    lineStyle,
+    ...(curve.stack ? { stack: "parts", areaStyle: { color, opacity: 0.35 } } : {}),
+    ...(cursor === undefined ? {} : { markLine: ruleAt({ xAxis: cursor }, { color: palette.selected }) }),
   };
-  if (!curve.band) return [line];
+}
+
+/** A band is two lines that are not seen, the upper one stacked on the lower, with the colour between them. */
+function bandOf(curve: Curve, palette: Palette, bands: number): object[] {
   const edge = (side: 0 | 1) => curve.points.map(([x], index): Point => [x, curve.band?.[index]?.[side] ?? null]);
-  const limits = { type: "line", animation: false, silent: true, showSymbol: false, z: 1, tooltip: { show: false } };
   const low = edge(0);
   const height = edge(1).map(([x, high], index): Point => [x, high === null || low[index]?.[1] == null ? null : high - low[index][1]]);
-  const stack = `band ${curve.name}`;
-  const none = { opacity: 0, width: 0 };
+  const still = { type: "line", animation: false, silent: true, showSymbol: false, z: 1, tooltip: { show: false } };
+  const limits = { ...still, stack: `band ${curve.name}`, stackStrategy: "all", lineStyle: { opacity: 0, width: 0 } };
+  const areaStyle = { color: curve.color(palette), opacity: bandOpacity(bands) };
   return [
-    { ...limits, name: `${curve.name} low`, data: low, stack, lineStyle: none, stackStrategy: "all" },
-    { ...limits, name: `${curve.name} band`, data: height, stack, lineStyle: none, areaStyle: { color, opacity: bandOpacity(bands) }, stackStrategy: "all" },
-    line,
+    { ...limits, name: `${curve.name} low`, data: low },
+    { ...limits, name: `${curve.name} band`, data: height, areaStyle },
   ];
+}
+
+function seriesOf(curve: Curve, palette: Palette, cursor: number | undefined, bands: number): object[] {
+  return [...(curve.band ? bandOf(curve, palette, bands) : []), lineOf(curve, palette, cursor)];
 }
 
 interface TipItem {
@@ -125,28 +132,38 @@ function tip(items: TipItem[], props: Props): HTMLElement | string {
     const band = curve.band?.[at];
     return [[curve.name, band ? `${number(value)} [${number(band[0])}, ${number(band[1])}]` : number(value)]];
   });
-  const heading = props.categories?.[x] ?? props.xText?.(x) ?? `${props.xName.replace(/ \(.*\)$/, "")} ${number(x)}`;
+  const heading = props.xText?.(x) ?? `${props.xName.replace(/ \(.*\)$/, "")} ${number(x)}`;
   return tipContent(heading, rows);
 }
 
 function xAxis(props: Props, palette: Palette): object {
   const xs = props.curves.flatMap((curve) => curve.points.map(([x]) => x));
-  if (props.categories) {
-    const { categories } = props;
-    const formatter = (value: number) => (Number.isInteger(value) ? (categories[value] ?? "") : "");
-    return valueAxis(props.xName, palette, { min: -0.4, max: categories.length - 0.6, interval: 1, nameGap: 26, splitLine: { show: false }, axisLabel: { color: palette.muted, fontSize: 11, formatter, hideOverlap: true, width: 110, overflow: "truncate" } });
-  }
-  const range = { min: Math.min(...xs), max: Math.max(...xs) };
-  const label = { color: palette.muted, fontSize: 11, hideOverlap: true };
+  const range = xs.length ? { min: Math.min(...xs), max: Math.max(...xs) } : {};
   // Iterations and errors are counted in whole numbers.
   const least = xs.every(Number.isInteger) ? { minInterval: 1 } : {};
-  return valueAxis(props.xName, palette, { ...least, ...(props.logX ? { type: "log" } : {}), ...(xs.length ? range : {}), nameGap: 26, axisLabel: label });
+  return valueAxis(props.xName, palette, { ...least, ...(props.logX ? { type: "log" } : {}), ...range, nameGap: 26, axisLabel: lowerLabel(palette) });
+}
+
+/** The ends of the axis of values. */
+function valueRange({ curves, logY, values = "values" }: Props): object {
+  if (logY) return { type: "log" };
+  if (values === "shares") return { min: 0, max: 1 };
+  if (values === "counts") return { min: 0, minInterval: 1 };
+  const limits = (curve: Curve) => (curve.band ?? []).flatMap((limit) => limit ?? []);
+  const all = curves.flatMap((curve) => [...curve.points.flatMap(([, value]) => value ?? []), ...limits(curve)]);
+  return all.length && !curves.some((curve) => curve.stack) ? shareRange(all) : {};
+}
+
+function yAxis(props: Props, palette: Palette): object {
+  // Long numbers would reach into the name of the axis.
+  const formatter = (value: number) => (Math.abs(value) >= 1e5 ? value.toExponential().replace("e+", "e") : number(value));
+  const label = axisLabel(palette, { formatter });
+  return valueAxis(props.yName, palette, { scale: true, ...valueRange(props), nameGap: 50, axisLabel: label });
 }
 
 function draw(chart: Chart, props: Props): void {
   const palette = readPalette();
-  // Long numbers would reach into the name of the axis.
-  const formatter = (value: number) => (Math.abs(value) >= 1e5 ? value.toExponential().replace("e+", "e") : number(value));
+  const { curves, cursor } = props;
   chart.setOption(
     {
       animation: false,
@@ -154,12 +171,17 @@ function draw(chart: Chart, props: Props): void {
       grid: { ...GRID, left: 66 },
       tooltip: { trigger: "axis", ...tooltip(palette), formatter: (items: TipItem[]) => tip(items, props) },
       xAxis: xAxis(props, palette),
-      yAxis: valueAxis(props.yName, palette, { ...(props.logY ? { type: "log" } : {}), scale: true, nameGap: 50, axisLabel: { color: palette.muted, fontSize: 11, formatter, hideOverlap: true } }),
+      yAxis: yAxis(props, palette),
       dataZoom: [{ type: "inside", filterMode: "none", zoomOnMouseWheel: "ctrl" }],
-      series: props.curves.flatMap((curve) => seriesOf(curve, palette, props.cursor, props.curves.length)),
+      series: curves.flatMap((curve) => seriesOf(curve, palette, cursor, curves.length)),
     },
     { replaceMerge: ["series"] },
   );
+}
+
+function markOf(curve: Curve, palette: Palette): KeyMark {
+  const look = curve.stack ? "area" : curve.look;
+  return { name: curve.name, color: curve.color(palette), look, symbol: hasSymbols(curve) ? (curve.symbol ?? "circle") : undefined };
 }
 
 export function Lines(props: Props): JSX.Element {
@@ -167,9 +189,15 @@ export function Lines(props: Props): JSX.Element {
   const latest = useRef(props);
   latest.current = props;
   const { title, file, label, curves, table, badge, tools } = props;
-  const key = (palette: Palette): KeyMark[] => curves.map((curve) => ({ name: curve.name, color: curve.color(palette), look: curve.look }));
+  const key = (palette: Palette): KeyMark[] => curves.map((curve) => markOf(curve, palette));
+  const under = (
+    <>
+      {tools}
+      <Key marks={key} />
+    </>
+  );
   return (
-    <ChartFrame title={title} file={file} badge={badge} table={table} chart={() => chart.current} pictureKey={key} tools={<>{tools}<CurveKey curves={curves} /></>}>
+    <ChartFrame title={title} file={file} badge={badge} table={table} chart={() => chart.current} pictureKey={key} tools={under}>
       <ChartCanvas
         class={props.class ?? "lines-canvas"}
         label={`${label} The table shows the same numbers.`}
@@ -181,26 +209,5 @@ export function Lines(props: Props): JSX.Element {
         created={(made) => whenPicked(made, (x) => latest.current.pick?.(x))}
       />
     </ChartFrame>
-  );
-}
-
-const SYMBOLS: Record<string, string> = { circle: "M11 4.5a2.5 2.5 0 1 0 0 5 2.5 2.5 0 0 0 0-5Z", rect: "M8.6 4.6h4.8v4.8H8.6Z", triangle: "m11 3.8 3 5.6H8Z", diamond: "m11 3.5 3.2 3.5-3.2 3.5L7.8 7Z" };
-
-function CurveKey({ curves }: { curves: Curve[] }): JSX.Element {
-  void theme.value;
-  const palette = readPalette();
-  const dashes = { solid: undefined, dashed: "5 3", dotted: "2 2.5", dot: undefined };
-  return (
-    <ul class="legend legend-note" aria-label="Key">
-      {curves.map((curve) => (
-        <li class="curve-key">
-          <svg class="mark" viewBox="0 0 22 14" aria-hidden="true">
-            {curve.look === "dot" ? null : <path d="M0 7h22" stroke={curve.color(palette)} stroke-dasharray={dashes[curve.look]} stroke-width={curve.stack ? 8 : 2} opacity={curve.stack ? 0.6 : 1} />}
-            {curve.stack || (curve.look !== "dot" && !curve.symbol) ? null : <path d={SYMBOLS[(curve.symbol ?? "circle").replace("empty", "").toLowerCase()] ?? SYMBOLS["circle"]} fill={curve.color(palette)} />}
-          </svg>
-          {curve.name}
-        </li>
-      ))}
-    </ul>
   );
 }

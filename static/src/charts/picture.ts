@@ -1,35 +1,15 @@
-// A chart as a PNG file that explains itself: its title and its key stand above the drawing.
+// A chart as a PNG or SVG file that explains itself: its title and its key stand above the drawing.
 
 import { saveBlob } from "../components/save";
 import { readPalette, type Palette } from "../state/theme";
 import { FONT } from "./axes";
 import type { Chart } from "./echarts";
-
-export interface KeyMark {
-  name: string;
-  color: string;
-  look: "solid" | "dashed" | "dotted" | "dot";
-}
+import { drawMark, MARK_WIDTH, markSvg, type KeyMark } from "./marks";
 
 const SCALE = 2;
 const MARGIN = 14;
 const TITLE_HEIGHT = 30;
 const ROW_HEIGHT = 20;
-const MARK_WIDTH = 22;
-
-function drawMark(pen: CanvasRenderingContext2D, mark: KeyMark, x: number, y: number): void {
-  pen.strokeStyle = pen.fillStyle = mark.color;
-  if (mark.look === "dot") {
-    pen.fillRect(x + MARK_WIDTH / 2 - 3, y - 3, 6, 6);
-    return;
-  }
-  pen.lineWidth = 2;
-  pen.setLineDash({ solid: [], dashed: [5, 3], dotted: [2, 3] }[mark.look]);
-  pen.beginPath();
-  pen.moveTo(x, y);
-  pen.lineTo(x + MARK_WIDTH, y);
-  pen.stroke();
-}
 
 /** Where each mark of the key stands, row by row within the width. */
 function placed(pen: CanvasRenderingContext2D, key: KeyMark[], width: number): { mark: KeyMark; x: number; row: number }[] {
@@ -75,7 +55,10 @@ function compose(drawing: HTMLCanvasElement, title: string, key: KeyMark[], pale
 /** What a saved picture is made from: a chart of the library, or a drawing of our own. */
 export type Source = Chart | SVGSVGElement;
 
-const INLINED = ["fill", "stroke", "stroke-width", "stroke-dasharray", "opacity", "fill-opacity", "font-size", "font-family", "font-weight", "text-anchor", "dominant-baseline"];
+const INLINED = [
+  ...["fill", "stroke", "stroke-width", "stroke-dasharray", "opacity", "fill-opacity"],
+  ...["font-size", "font-family", "font-weight", "text-anchor", "dominant-baseline"],
+];
 
 /** A drawing with the looks that the style sheet gives it written into it, so that it stands alone. */
 function standalone(drawing: SVGSVGElement): { text: string; width: number; height: number } {
@@ -94,13 +77,12 @@ function standalone(drawing: SVGSVGElement): { text: string; width: number; heig
 
 async function asSvg(source: Source): Promise<{ text: string; width: number; height: number }> {
   if (source instanceof SVGSVGElement) return standalone(source);
-  const [width, height] = [source.getWidth(), source.getHeight()];
-  const { drawSvg } = await import("./echarts-svg");
-  return { text: drawSvg(source, width, height), width, height };
+  const { drawSvg } = await import("./twin");
+  return { text: drawSvg(source), width: source.getWidth(), height: source.getHeight() };
 }
 
-async function asCanvas(source: Source, palette: Palette): Promise<HTMLCanvasElement> {
-  if (!(source instanceof SVGSVGElement)) return source.renderToCanvas({ pixelRatio: SCALE, backgroundColor: palette.surface });
+async function asCanvas(source: Source): Promise<HTMLCanvasElement> {
+  if (!(source instanceof SVGSVGElement)) return (await import("./twin")).drawCanvas(source, SCALE);
   const { text, width, height } = standalone(source);
   const image = new Image();
   image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(text)}`;
@@ -113,17 +95,18 @@ async function asCanvas(source: Source, palette: Palette): Promise<HTMLCanvasEle
 
 export async function savePng(source: Source, title: string, key: KeyMark[], name: string): Promise<void> {
   const palette = readPalette();
-  compose(await asCanvas(source, palette), title, key, palette).toBlob((blob) => {
+  compose(await asCanvas(source), title, key, palette).toBlob((blob) => {
     if (blob) saveBlob(blob, name);
   }, "image/png");
 }
 
 const escaped = (text: string) => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll('"', "&quot;");
 
-function markSvg({ color, look }: KeyMark, x: number, y: number): string {
-  if (look === "dot") return `<rect x="${x + MARK_WIDTH / 2 - 3}" y="${y - 3}" width="6" height="6" fill="${color}"/>`;
-  const dashes = { solid: "", dashed: ' stroke-dasharray="5 3"', dotted: ' stroke-dasharray="2 3"' }[look];
-  return `<path d="M${x} ${y}h${MARK_WIDTH}" stroke="${color}" stroke-width="2"${dashes}/>`;
+/** Names may hold signs that XML has no place for. */
+const NOT_XML = /[\u0000-\u0008\u000b\u000c\u000e-\u001f\ufffe\uffff]/g;
+
+function textSvg(text: string, x: number, y: number, style: string): string {
+  return `<text x="${x}" y="${y}" ${style} dominant-baseline="middle">${escaped(text)}</text>`;
 }
 
 export async function saveSvg(source: Source, title: string, key: KeyMark[], name: string): Promise<void> {
@@ -135,14 +118,15 @@ export async function saveSvg(source: Source, title: string, key: KeyMark[], nam
   const head = TITLE_HEIGHT + ((places.at(-1)?.row ?? -1) + 1) * ROW_HEIGHT;
   const marks = places.map(({ mark, x, row }) => {
     const y = TITLE_HEIGHT + row * ROW_HEIGHT + ROW_HEIGHT / 2;
-    return `${markSvg(mark, x, y)}<text x="${x + MARK_WIDTH + 6}" y="${y}" font-size="12" dominant-baseline="middle">${escaped(mark.name)}</text>`;
+    return markSvg(mark, x, y) + textSvg(mark.name, x + MARK_WIDTH + 6, y, 'font-size="12"');
   });
+  const box = `width="${width}" height="${height + head}" viewBox="0 0 ${width} ${height + head}"`;
   const sheet = [
-    `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height + head}" viewBox="0 0 ${width} ${height + head}" font-family="${escaped(FONT)}" fill="${palette.text}">`,
+    `<svg xmlns="http://www.w3.org/2000/svg" ${box} font-family="${escaped(FONT)}" fill="${palette.text}">`,
     `<title>${escaped(title)}</title><rect width="100%" height="100%" fill="${palette.surface}"/>`,
-    `<text x="${MARGIN}" y="${TITLE_HEIGHT / 2 + 2}" font-size="14" font-weight="600" dominant-baseline="middle">${escaped(title)}</text>`,
+    textSvg(title, MARGIN, TITLE_HEIGHT / 2 + 2, 'font-size="14" font-weight="600"'),
     ...marks,
     `<g transform="translate(0 ${head})">${text}</g></svg>`,
   ];
-  saveBlob(new Blob([sheet.join("\n")], { type: "image/svg+xml" }), name);
+  saveBlob(new Blob([sheet.join("\n").replace(NOT_XML, "\ufffd")], { type: "image/svg+xml" }), name);
 }

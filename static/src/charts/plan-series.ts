@@ -4,7 +4,7 @@ import type { Gates, SensorSettings } from "../api/types";
 import type { Palette } from "../state/theme";
 import type { SeriesOption } from "./echarts";
 import { gatesAt, outline } from "./gates";
-import { at, memberName, within, type Cloud, type Line, type Scene, type TrackLine } from "./scene";
+import { at, hasEnded, isAlive, memberName, within, type Cloud, type Line, type Scene, type TrackLine } from "./scene";
 
 export const SHAPES = ["circle", "rect", "triangle", "diamond", "pin"];
 const CIRCLE_POINTS = 96;
@@ -101,19 +101,31 @@ function rings(sensors: SensorSettings[], palette: Palette): SeriesOption[] {
   ];
 }
 
+/** The shape of a sensor's detections; of very many the chart draws small squares. */
+export function detectionSymbol(count: number, order: number): string {
+  return count > ONE_BY_ONE_UP_TO ? "rect" : (SHAPES[order % SHAPES.length] ?? "circle");
+}
+
+/** How many detections of a sensor are drawn. */
+export function drawnDetections(cloud: Cloud, moment: Moment): number {
+  const [first, end] = within(cloud.time, moment.from, moment.now);
+  return end - first;
+}
+
 function detections(cloud: Cloud, order: number, moment: Moment, palette: Palette): SeriesOption {
   const [first, end] = within(cloud.time, moment.from, moment.now);
   const data: [number, number, number][] = [];
   for (let row = first; row < end; row++) data.push([cloud.x[row] ?? 0, cloud.y[row] ?? 0, row]);
+  const isLarge = data.length > ONE_BY_ONE_UP_TO;
   return {
     type: "scatter",
     id: `detections:${cloud.sensor}`,
     dimensions: ["x", "y", "row"],
     data: packed(data),
-    symbol: SHAPES[order % SHAPES.length] ?? "circle",
-    symbolSize: data.length > ONE_BY_ONE_UP_TO ? 3 : 4.5,
+    symbol: detectionSymbol(data.length, order),
+    symbolSize: isLarge ? 3 : 4.5,
     // Beyond that the whole cloud is one shape: a shape a point takes seconds to draw.
-    large: data.length > ONE_BY_ONE_UP_TO,
+    large: isLarge,
     largeThreshold: ONE_BY_ONE_UP_TO,
     itemStyle: { color: palette.sensors[order % palette.sensors.length] ?? palette.text, opacity: 0.75 },
     progressive: 0,
@@ -137,7 +149,7 @@ function tracks(scene: Scene, moment: Moment, palette: Palette): SeriesOption[] 
 
 /** A marker on each track that lives now; a hollow one while it coasts. */
 function heads(scene: Scene, moment: Moment, palette: Palette): SeriesOption {
-  const alive = [...scene.tracks.values()].filter((track) => (track.time[0] ?? Infinity) <= moment.now && (track.time.at(-1) ?? -Infinity) >= moment.now - scene.silence_s);
+  const alive = [...scene.tracks.values()].filter((track) => isAlive(scene, track, moment.now));
   const data = alive.map((track) => {
     const here = at(track, moment.now);
     const status = track.status[here?.index ?? 0];
@@ -161,31 +173,34 @@ function heads(scene: Scene, moment: Moment, palette: Palette): SeriesOption {
   };
 }
 
+/** The chosen truth and track; what has ended has no place now, and so no ring and no ellipses: grey, with a cross at its end. */
 function selection(scene: Scene, gates: Gates | undefined, moment: Moment, palette: Palette): SeriesOption[] {
+  const { from, now } = moment;
   const truth = moment.hidden.has("truth") ? undefined : scene.truths.get(moment.truth ?? "");
   const track = scene.tracks.get(moment.track ?? "");
-  const here = track && (track.time[0] ?? Infinity) <= moment.now ? at(track, moment.now) : undefined;
+  const here = track && isAlive(scene, track, now) ? at(track, now) : undefined;
   const covariance = here && track?.covariance[here.index];
   const curves = here && covariance ? [1, 2, 3].map((sigma) => ellipse(here.x, here.y, covariance, sigma)) : [];
-  const edges = gates && !moment.hidden.has("gate") ? gatesAt(gates, moment.track, moment.now).map((row) => outline(gates, row)) : [];
-  const ends = [truth, track].flatMap((line) => (line && (line.time[0] ?? Infinity) <= moment.now ? [at(line, moment.now)] : []));
+  const edges = gates && !moment.hidden.has("gate") ? gatesAt(gates, moment.track, now).map((row) => outline(gates, row)) : [];
+  const chosen = [truth, track].filter((line) => line !== undefined);
+  const placeOf = (line: Line): Point => [line.x.at(-1) ?? 0, line.y.at(-1) ?? 0];
+  const rings = chosen.filter((line) => isAlive(scene, line, now)).flatMap((line) => at(line, now) ?? []);
+  const color = track && hasEnded(scene, track, now) ? palette.muted : palette.selected;
   return [
-    lineSeries("selected:truth", truth ? points(truth, moment.from, moment.now) : [], palette.truth, { width: 3, z: 6 }),
-    lineSeries("selected:track", track ? points(track, moment.from, moment.now) : [], palette.selected, { width: 2.6, z: 7 }),
+    lineSeries("selected:truth", truth ? points(truth, from, now) : [], palette.truth, { width: 3, z: 6 }),
+    lineSeries("selected:track", track ? points(track, from, now) : [], color, { width: 2.6, z: 7 }),
     lineSeries("selected:ellipses", joined(curves), palette.selected, { width: 1.2, z: 7 }),
     lineSeries("selected:gate", joined(edges), palette.text, { width: 1.2, type: "dashed", z: 7 }),
-    {
-      type: "scatter",
-      id: "selected:now",
-      data: ends.map((end) => [end?.x ?? 0, end?.y ?? 0]),
-      symbol: "circle",
-      symbolSize: 16,
-      silent: true,
-      itemStyle: { color: "transparent", borderColor: palette.selected, borderWidth: 2 },
-      animation: false,
-      z: 8,
-    },
+    spots("selected:now", rings.map(({ x, y }): Point => [x, y]), "circle", 16, palette.selected),
+    spots("selected:end", track && hasEnded(scene, track, now) ? [placeOf(track)] : [], CROSS, 9, palette.muted),
   ];
+}
+
+const CROSS = "path://M-5 -5L5 5M5 -5L-5 5";
+
+function spots(id: string, data: Point[], symbol: string, symbolSize: number, borderColor: string): SeriesOption {
+  const itemStyle = { color: "transparent", borderColor, borderWidth: 2 };
+  return { type: "scatter", id, data, symbol, symbolSize, silent: true, itemStyle, animation: false, z: 8 };
 }
 
 const DASHES = ["dashed", "dotted", "solid"] as const;
@@ -197,8 +212,13 @@ function localTracks(scene: Scene, moment: Moment, palette: Palette): SeriesOpti
     if (moment.hidden.has(`l:${sensor}`)) return [];
     const color = palette.sensors[order % palette.sensors.length] ?? palette.text;
     const type = DASHES[order % DASHES.length] ?? "solid";
-    const drawn = (chosen: boolean) => joined(lines.filter((line) => (members?.has(memberName(sensor, line.id)) ?? false) === chosen).map((line) => points(line, moment.from, moment.now)));
-    return [lineSeries(`local:${sensor}`, drawn(false), color, { width: 1, type, opacity: members ? 0.45 : 0.85, z: 3 }), lineSeries(`local:${sensor}:chosen`, drawn(true), color, { width: 2.6, type, z: 6 })];
+    const isChosen = (line: Line) => members?.has(memberName(sensor, line.id)) ?? false;
+    const drawn = (chosen: boolean) =>
+      joined(lines.filter((line) => isChosen(line) === chosen).map((line) => points(line, moment.from, moment.now)));
+    return [
+      lineSeries(`local:${sensor}`, drawn(false), color, { width: 1, type, opacity: members ? 0.45 : 0.85, z: 3 }),
+      lineSeries(`local:${sensor}:chosen`, drawn(true), color, { width: 2.6, type, z: 6 }),
+    ];
   });
 }
 

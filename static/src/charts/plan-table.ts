@@ -6,9 +6,9 @@ import { count, number } from "../format";
 import type { Palette } from "../state/theme";
 import type { Density } from "./density";
 import { gatesAt } from "./gates";
-import type { KeyMark } from "./picture";
-import type { Moment } from "./plan-series";
-import { within, type Scene } from "./scene";
+import type { KeyMark } from "./marks";
+import { detectionSymbol, drawnDetections, type Moment } from "./plan-series";
+import { hasEnded, within, type Scene } from "./scene";
 
 export interface PlanContent {
   scene: Scene;
@@ -35,26 +35,38 @@ export function drawnTable({ scene, gates }: PlanContent, moment: Moment): Table
   for (const row of moment.hidden.has("gate") ? [] : gatesAt(gates, moment.track, moment.now)) {
     rows.push(["gate", moment.track, moment.now, gates?.columns.x_m[row] ?? null, gates?.columns.y_m[row] ?? null, `squared distance up to ${number(gates?.threshold)}`]);
   }
-  return { columns: ["layer", "id", "time_s", "x_m", "y_m", "detail"], rows };
+  return { columns: ["layer", "id", "time_s", "x_m", "y_m", "detail"], rows, origin_s: scene.origin };
 }
 
 export function pictureKey({ scene, gates, density }: PlanContent, moment: Moment, palette: Palette): KeyMark[] {
   const shown = (layer: string, there: boolean) => there && !moment.hidden.has(layer);
+  const colorOf = (order: number) => palette.sensors[order % palette.sensors.length] ?? palette.text;
   const key: KeyMark[] = [];
   if (shown("truth", scene.truths.size > 0)) key.push({ name: "truth", color: palette.truth, look: "solid" });
   if (shown("tracks", scene.tracks.size > 0)) {
-    key.push({ name: "track", color: palette.track, look: "solid" }, { name: "coasted", color: palette.track, look: "dashed" }, { name: "tentative", color: palette.tentative, look: "solid" });
+    key.push({ name: "track", color: palette.track, look: "solid" }, { name: "coasted", color: palette.track, look: "dashed" });
+    key.push({ name: "tentative", color: palette.tentative, look: "solid" });
   }
   scene.locals.forEach(({ sensor }, order) => {
     const look = (["dashed", "dotted", "solid"] as const)[order % 3] ?? "solid";
-    if (shown(`l:${sensor}`, true)) key.push({ name: `tracks of ${sensor}`, color: palette.sensors[order % palette.sensors.length] ?? palette.text, look });
+    if (shown(`l:${sensor}`, true)) key.push({ name: `tracks of ${sensor}`, color: colorOf(order), look });
   });
-  if (density) key.push({ name: `all ${count(density.source_points)} detections`, color: palette.sensors[0] ?? palette.text, look: "dot" });
-  else scene.clouds.forEach(({ sensor }, order) => {
-    const color = palette.sensors[order % palette.sensors.length] ?? palette.text;
-    if (shown(`d:${sensor}`, true)) key.push({ name: `detections, ${sensor}`, color, look: "dot" });
+  if (density) key.push({ name: `all ${count(density.source_points)} detections`, color: colorOf(0), look: "dot", symbol: "rect" });
+  else scene.clouds.forEach((cloud, order) => {
+    const symbol = detectionSymbol(drawnDetections(cloud, moment), order);
+    if (shown(`d:${cloud.sensor}`, true)) key.push({ name: `detections, ${cloud.sensor}`, color: colorOf(order), look: "dot", symbol });
   });
-  if (moment.truth || moment.track) key.push({ name: `selected ${[moment.truth, moment.track].filter(Boolean).join(", ")}`, color: palette.selected, look: "solid" });
-  if (!moment.hidden.has("gate") && gatesAt(gates, moment.track, moment.now).length) key.push({ name: "gate", color: palette.text, look: "dashed" });
+  key.push(...selected(scene, moment, palette));
+  const hasGate = !moment.hidden.has("gate") && gatesAt(gates, moment.track, moment.now).length > 0;
+  return hasGate ? [...key, { name: "gate", color: palette.text, look: "dashed" }] : key;
+}
+
+function selected(scene: Scene, moment: Moment, palette: Palette): KeyMark[] {
+  const track = scene.tracks.get(moment.track ?? "");
+  const key: KeyMark[] = [];
+  if (scene.truths.has(moment.truth ?? "")) key.push({ name: `selected ${moment.truth}`, color: palette.truth, look: "solid" });
+  if (track && hasEnded(scene, track, moment.now)) {
+    key.push({ name: `selected ${moment.track}, which has ended`, color: palette.muted, look: "solid", symbol: "cross" });
+  } else if (track) key.push({ name: `selected ${moment.track}`, color: palette.selected, look: "solid" });
   return key;
 }

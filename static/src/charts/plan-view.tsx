@@ -5,11 +5,13 @@ import type { JSX } from "preact";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Gates, Plan } from "../api/types";
 import { Icon } from "../components/basics";
-import { count, metres } from "../format";
+import { count, metres, plural } from "../format";
+import { timeText } from "../times";
 import type { Clock } from "../state/clock";
 import { readPalette, theme, type Palette } from "../state/theme";
 import { param, setParams } from "../state/url";
-import { GRID, MARGIN, textStyle, timeText, tipContent, tooltip, valueAxis } from "./axes";
+import { GRID, MARGIN, textStyle, tipContent, tooltip, valueAxis } from "./axes";
+import { NO_EVENT } from "./event-moment";
 import { bounds, fit, fromText, lookAt, metresPerPixel, toText, zoomed, type Camera, type Size } from "./camera";
 import { ChartCanvas } from "./chart";
 import { densitySeries, type Density } from "./density";
@@ -39,6 +41,8 @@ export interface PlanViewProps {
   clock: Clock;
   /** Of the selected track, where the job had gates. */
   gates: Gates | undefined;
+  /** What is not drawn, and why. */
+  notes: string[];
 }
 
 function hiddenLayers(): Set<string> {
@@ -91,7 +95,7 @@ function tip(scene: Scene, item: TipItem): HTMLElement | string {
     if (!cloud) return "";
     const position = `${metres(cloud.x[row] ?? 0)}, ${metres(cloud.y[row] ?? 0)} m`;
     return tipContent(`Detection ${cloud.id[row] ?? ""}`, [
-      ["time", timeText(cloud.time[row] ?? 0, scene.times)],
+      ["time", timeText(cloud.time[row] ?? 0, scene.origin)],
       ["position", position],
       ["origin", cloud.truth[row] ?? "clutter or unknown"],
     ]);
@@ -190,7 +194,7 @@ class PlanDrawing {
     const reach = REACH_PX * metresPerPixel(this.look(), this.size());
     const found = nearest(this.props.scene, momentOf(this.props.clock), at.x, at.y, reach);
     const frozen = param("centre") === "selection" ? toText(this.look()) : {};
-    setParams({ ...frozen, track: null, truth: null, ...found }, "push");
+    setParams({ ...frozen, ...NO_EVENT, track: null, truth: null, ...found }, "push");
   }
 
   /** Where a cell is large on the screen, single detections say more. */
@@ -214,6 +218,7 @@ class PlanDrawing {
       return;
     }
     this.shown = content;
+    const around = { scene, sensors: plan.sensors, gates, dots };
     chart.setOption(
       {
         animation: false,
@@ -221,7 +226,7 @@ class PlanDrawing {
         textStyle: textStyle(palette),
         tooltip: { trigger: "item", ...tooltip(palette), formatter: (item: TipItem) => tip(scene, item) },
         ...view,
-        series: [...densitySeries(density, palette.sensors[0] ?? palette.text), ...planSeries({ scene, sensors: plan.sensors, gates, dots }, moment, palette), ...ruler],
+        series: [...densitySeries(density, palette.sensors[0] ?? palette.text), ...planSeries(around, moment, palette), ...ruler],
       },
       { replaceMerge: ["series"] },
     );
@@ -243,7 +248,9 @@ export function PlanView(props: PlanViewProps): JSX.Element {
   }, [address.value]);
   useEffect(() => (box.current ? drawing.listen(box.current) : undefined), [drawing]);
   const moment = momentOf(clock);
-  const label = `Plan view at ${timeText(moment.now, scene.times)}: ${scene.truths.size} truth lines, ${scene.tracks.size} tracks, ${scene.clouds.length} sensors. The table shows the same points.`;
+  const title = `Plan view at ${timeText(moment.now, scene.origin)}`;
+  const sizes = [plural(scene.truths.size, "truth line"), plural(scene.tracks.size, "track"), plural(scene.clouds.length, "sensor")];
+  const label = `${title}: ${sizes.join(", ")}. The table shows the same points.`;
   const density = drawing.density(moment);
   const ruler = drawing.ruler();
   const content = { scene, gates, density };
@@ -253,18 +260,36 @@ export function PlanView(props: PlanViewProps): JSX.Element {
     ...(drawing.hasDots(density) ? [{ name: "detections", ...plan.detections }] : []),
     { name: "tracks", ...plan.tracks },
   ]);
+  const badges = [badge, density ? `density of all ${count(density.source_points)} detections` : undefined];
   const zoom = (factor: number) => () => drawing.move(zoomed(drawing.look(), factor));
   const keys = [camera.value, moment.from, moment.now, param("hide"), moment.truth, moment.track, theme.value, address.value, ruler && rulerText(ruler), gateCount];
   return (
-    <ChartFrame title="Plan view" file={`plan-${props.jobId.slice(-12)}`} badge={[badge, density ? `density of all ${count(density.source_points)} detections` : undefined].filter(Boolean).join("; ") || undefined} table={() => drawnTable(content, momentOf(clock))} chart={() => drawing.chart} pictureKey={(palette) => pictureKey(content, moment, palette)} pictureTitle={`Plan view at ${timeText(moment.now, scene.times)}`} tools={<Legend scene={scene} sensors={plan.sensors} hasGate={gateCount > 0} />} class="plan">
-      {plan.notes.map((note) => (
-        <p key={note} class="muted">
+    <ChartFrame
+      title="Plan view"
+      file={`plan-${props.jobId.slice(-12)}`}
+      badge={badges.filter(Boolean).join("; ") || undefined}
+      table={() => drawnTable(content, momentOf(clock))}
+      chart={() => drawing.chart}
+      pictureKey={(palette) => pictureKey(content, moment, palette)}
+      pictureTitle={title}
+      tools={<Legend scene={scene} sensors={plan.sensors} hasGate={gateCount > 0} moment={moment} />}
+      class="plan"
+    >
+      {props.notes.map((note) => (
+        <p key={note} class="muted small frame-note">
           {note}
         </p>
       ))}
       {ruler ? <RulerPanel ruler={ruler} /> : null}
       <div class="plan-box">
-        <div ref={box} class={ruler ? "plan-touch measuring" : "plan-touch"} tabIndex={0} role="group" aria-label="Plan view; plus and minus zoom, 0 shows everything, shift and arrows pan, r takes the ruler" onKeyDown={(event) => planKeys(event, drawing)}>
+        <div
+          ref={box}
+          class={ruler ? "plan-touch measuring" : "plan-touch"}
+          tabIndex={0}
+          role="group"
+          aria-label="Plan view; plus and minus zoom, 0 shows everything, shift and arrows pan, r takes the ruler"
+          onKeyDown={(event) => planKeys(event, drawing)}
+        >
           <ChartCanvas label={label} keys={keys} draw={(chart) => drawing.draw(chart, moment)} class="plan-canvas" />
         </div>
         <div class="plan-zoom">

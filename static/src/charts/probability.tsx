@@ -10,11 +10,12 @@ import { fromColumns } from "../components/table";
 import { probability } from "../format";
 import { indexAt, type Clock } from "../state/clock";
 import { readPalette, theme, type Palette } from "../state/theme";
-import { GRID, textStyle, timeAxisName, timeOrigin, timeText, tipContent, tooltip, valueAxis } from "./axes";
+import { timeAxisName, timeText } from "../times";
+import { GRID, lowerLabel, ruleAt, textStyle, tipContent, tooltip, valueAxis } from "./axes";
 import { ChartCanvas } from "./chart";
 import type { Chart } from "./echarts";
 import { ChartFrame, reducedBadge } from "./frame";
-import type { KeyMark } from "./picture";
+import { Key, symbolLook, type KeyMark } from "./marks";
 
 interface Candidate {
   detection: string | null;
@@ -55,46 +56,60 @@ function split(rows: Row[], origin: number): { best: Point[]; none: Point[]; oth
   return { best, none, others };
 }
 
-function curves(rows: Row[], origin: number, now: number, palette: Palette): object[] {
+const SYMBOLS = { best: "circle", none: "emptyDiamond", others: "emptyTriangle" };
+
+function curves(rows: Row[], { origin, time }: Clock, palette: Palette): object[] {
   const { best, none, others } = split(rows, origin);
   const common = { animation: false, symbolSize: 6 };
-  const cursor = { silent: true, symbol: "none", label: { show: false }, animation: false, lineStyle: { color: palette.selected, width: 1.5, type: "solid" }, data: [{ xAxis: now - origin }] };
+  const step = { ...common, type: "line", step: "middle" };
+  const [track, muted, other] = [palette.track, palette.muted, palette.sensors[0] ?? palette.text];
+  const cursor = ruleAt({ xAxis: time.value - origin }, { color: palette.selected });
   return [
-    { ...common, type: "line", name: "best detection", step: "middle", symbol: "circle", data: best, lineStyle: { color: palette.track, width: 1.8 }, itemStyle: { color: palette.track }, markLine: cursor },
-    { ...common, type: "line", name: "none (ε)", step: "middle", symbol: "emptyDiamond", data: none, lineStyle: { color: palette.muted, width: 1.3, type: "dashed" }, itemStyle: { color: palette.muted } },
-    { ...common, type: "scatter", name: "other candidates", symbol: "emptyTriangle", symbolSize: 8, data: others, itemStyle: { color: palette.sensors[0] } },
+    { ...step, name: "best detection", data: best, lineStyle: { color: track, width: 1.8 }, ...symbolLook(SYMBOLS.best, track), markLine: cursor },
+    { ...step, name: "none (ε)", data: none, lineStyle: { color: muted, width: 1.3, type: "dashed" }, ...symbolLook(SYMBOLS.none, muted, palette.surface) },
+    { ...common, type: "scatter", name: "other candidates", symbolSize: 8, data: others, ...symbolLook(SYMBOLS.others, other) },
   ];
 }
 
-function rowTip(rows: Row[], times: number[]): (items: { value?: unknown }[]) => HTMLElement | string {
+function rowTip(rows: Row[], origin: number): (items: { value?: unknown }[]) => HTMLElement | string {
   return (items) => {
-    const time = Array.isArray(items[0]?.value) ? Number(items[0].value[0]) + timeOrigin(times) : NaN;
+    const time = Array.isArray(items[0]?.value) ? Number(items[0].value[0]) + origin : NaN;
     const row = rows.find((entry) => Math.abs(entry.time - time) < 1e-6);
     if (!row) return "";
     const sum = row.candidates.reduce((total, entry) => total + entry.probability, 0);
     const lines = row.candidates.map((entry): [string, string] => [entry.detection ?? "none (ε)", probability(entry.probability)]);
-    return tipContent(`${timeText(row.time, times)} · ${row.status}`, [...lines, ["sum", probability(sum)]]);
+    return tipContent(`${timeText(row.time, origin)} · ${row.status}`, [...lines, ["sum", probability(sum)]]);
+  };
+}
+
+function slider(palette: Palette): object {
+  const clear = { lineStyle: { opacity: 0 }, areaStyle: { opacity: 0 } };
+  return {
+    ...{ type: "slider", xAxisIndex: 0, filterMode: "none", height: 14, bottom: 6, showDetail: false, brushSelect: false },
+    ...{ borderColor: palette.line, fillerColor: `${palette.track}22` },
+    handleStyle: { color: palette.surface, borderColor: palette.muted },
+    dataBackground: clear,
+    selectedDataBackground: clear,
   };
 }
 
 function draw(chart: Chart, rows: Row[], clock: Clock): void {
   const palette = readPalette();
-  const origin = timeOrigin(clock.times);
+  const { origin } = clock;
   const [first, last] = [rows[0]?.time ?? origin, rows.at(-1)?.time ?? origin + 1];
-  const label = { color: palette.muted, fontSize: 11, hideOverlap: true, showMinLabel: false, showMaxLabel: false };
+  const label = lowerLabel(palette, { showMinLabel: false, showMaxLabel: false });
+  const pointer = { type: "line", lineStyle: { color: palette.muted } };
+  const tip = { trigger: "axis", axisPointer: pointer, ...tooltip(palette), formatter: rowTip(rows, origin) };
   chart.setOption(
     {
       animation: false,
       textStyle: textStyle(palette),
       grid: { ...GRID, bottom: 66 },
-      tooltip: { trigger: "axis", axisPointer: { type: "line", lineStyle: { color: palette.muted } }, ...tooltip(palette), formatter: rowTip(rows, clock.times) },
-      xAxis: valueAxis(timeAxisName(clock.times), palette, { min: first - origin, max: last - origin, nameGap: 24, axisLabel: label }),
+      tooltip: tip,
+      xAxis: valueAxis(timeAxisName(origin), palette, { min: first - origin, max: last - origin, nameGap: 24, axisLabel: label }),
       yAxis: valueAxis("probability", palette, { min: 0, max: 1, nameGap: 34 }),
-      dataZoom: [
-        { type: "inside", xAxisIndex: 0, filterMode: "none", zoomOnMouseWheel: "ctrl" },
-        { type: "slider", xAxisIndex: 0, filterMode: "none", height: 14, bottom: 6, showDetail: false, brushSelect: false, borderColor: palette.line, fillerColor: `${palette.track}22`, handleStyle: { color: palette.surface, borderColor: palette.muted }, dataBackground: { lineStyle: { opacity: 0 }, areaStyle: { opacity: 0 } }, selectedDataBackground: { lineStyle: { opacity: 0 }, areaStyle: { opacity: 0 } } },
-      ],
-      series: curves(rows, origin, clock.time.value, palette),
+      dataZoom: [{ type: "inside", xAxisIndex: 0, filterMode: "none", zoomOnMouseWheel: "ctrl" }, slider(palette)],
+      series: curves(rows, clock, palette),
     },
     { replaceMerge: ["series"] },
   );
@@ -106,7 +121,7 @@ function seekOnClick(chart: Chart, clock: Clock): () => void {
     if (!chart.containPixel("grid", [event.offsetX, event.offsetY])) return;
     const [shown] = chart.convertFromPixel("grid", [event.offsetX, event.offsetY]) as unknown as number[];
     if (shown === undefined) return;
-    const time = shown + timeOrigin(clock.times);
+    const time = shown + clock.origin;
     const before = indexAt(clock.times, time);
     const next = Math.min(before + 1, clock.times.length - 1);
     clock.seek(time - (clock.times[before] ?? 0) <= (clock.times[next] ?? 0) - time ? before : next);
@@ -126,7 +141,15 @@ export function ProbabilityChart({ jobId, track, clock }: { jobId: string; track
   const label = `Association probability of track ${track} over time, ${rows.length} scans. The table shows the same numbers.`;
   const data = series.data;
   return (
-    <ChartFrame title={`Association probability, ${track}`} file={`probability-${track}-${jobId.slice(-12)}`} badge={badge} table={() => fromColumns(data.columns)} chart={() => chart.current} pictureKey={pictureKey} tools={<Key />}>
+    <ChartFrame
+      title={`Association probability, ${track}`}
+      file={`probability-${track}-${jobId.slice(-12)}`}
+      badge={badge}
+      table={() => fromColumns(data.columns, clock.origin)}
+      chart={() => chart.current}
+      pictureKey={pictureKey}
+      tools={<Key marks={pictureKey} />}
+    >
       <ChartCanvas
         class="probability-canvas"
         label={label}
@@ -143,18 +166,8 @@ export function ProbabilityChart({ jobId, track, clock }: { jobId: string; track
 
 function pictureKey(palette: Palette): KeyMark[] {
   return [
-    { name: "best detection", color: palette.track, look: "solid" },
-    { name: "none (ε)", color: palette.muted, look: "dashed" },
-    { name: "other candidates", color: palette.sensors[0] ?? palette.text, look: "dot" },
+    { name: "best detection", color: palette.track, look: "solid", symbol: SYMBOLS.best },
+    { name: "none (ε)", color: palette.muted, look: "dashed", symbol: SYMBOLS.none },
+    { name: "other candidates", color: palette.sensors[0] ?? palette.text, look: "dot", symbol: SYMBOLS.others },
   ];
-}
-
-function Key(): JSX.Element {
-  return (
-    <p class="legend legend-note">
-      <span class="key key-best">best detection</span>
-      <span class="key key-none">none (ε)</span>
-      <span class="key key-other">other candidates</span>
-    </p>
-  );
 }

@@ -8,11 +8,12 @@ import { Empty, Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import { fromColumns } from "../components/table";
 import { readPalette, theme, type Palette } from "../state/theme";
-import { GRID, textStyle, timeAxisName, timeOrigin, timeText, tipContent, tooltip, valueAxis } from "./axes";
+import { originOf, timeAxisName, timeText } from "../times";
+import { GRID, lowerLabel, textStyle, tipContent, tooltip, valueAxis } from "./axes";
 import { ChartCanvas } from "./chart";
 import type { Chart } from "./echarts";
 import { ChartFrame, reducedBadge } from "./frame";
-import type { KeyMark } from "./picture";
+import { Key, symbolLook, type KeyMark } from "./marks";
 import { SHAPES } from "./plan-series";
 
 const MARKS_UP_TO = 80;
@@ -27,6 +28,7 @@ interface Curve {
 
 interface Counts {
   times: number[];
+  origin: number;
   curves: Curve[];
 }
 
@@ -34,23 +36,34 @@ function countsOf(series: ScanCountsSeries): Counts {
   const { time_s: times, sensor_id, detections, tracks, confirmed } = series.columns;
   const rows = times.map((_, row) => row);
   const sensors = [...new Set(sensor_id)].sort();
-  const origin = timeOrigin(times);
-  const curve = (name: string, kind: Curve["kind"], column: number[], keep = rows, sensor = 0): Curve => ({ name, kind, sensor, points: keep.map((row) => [(times[row] ?? 0) - origin, column[row] ?? 0]) });
-  const ofSensors = sensors.map((id, order) => curve(`detections, ${id}`, "detections", detections, rows.filter((row) => sensor_id[row] === id), order));
+  const origin = originOf(times[0]);
+  const curve = (name: string, kind: Curve["kind"], column: number[], keep = rows, sensor = 0): Curve => {
+    const points = keep.map((row): [number, number] => [(times[row] ?? 0) - origin, column[row] ?? 0]);
+    return { name, kind, sensor, points };
+  };
+  const rowsOf = (id: string) => rows.filter((row) => sensor_id[row] === id);
+  const ofSensors = sensors.map((id, order) => curve(`detections, ${id}`, "detections", detections, rowsOf(id), order));
   const anyTrack = tracks.some((alive) => alive > 0);
   const ofTracks = anyTrack ? [curve("tracks", "tracks", tracks), curve("confirmed tracks", "confirmed", confirmed)] : [];
-  return { times, curves: [...ofSensors, ...ofTracks] };
+  return { times, origin, curves: [...ofSensors, ...ofTracks] };
 }
 
-function look(curve: Curve, palette: Palette): Omit<KeyMark, "name"> {
-  if (curve.kind === "detections") return { color: palette.sensors[curve.sensor % palette.sensors.length] ?? palette.text, look: "dotted" };
-  return curve.kind === "tracks" ? { color: palette.muted, look: "dashed" } : { color: palette.track, look: "solid" };
+function look(curve: Curve, palette: Palette): Omit<KeyMark, "name"> & { symbol: string } {
+  if (curve.kind === "detections") {
+    const color = palette.sensors[curve.sensor % palette.sensors.length] ?? palette.text;
+    return { color, look: "dotted", symbol: SHAPES[curve.sensor % SHAPES.length] ?? "circle" };
+  }
+  if (curve.kind === "tracks") return { color: palette.muted, look: "dashed", symbol: "emptyTriangle" };
+  return { color: palette.track, look: "solid", symbol: "circle" };
 }
+
+const hasSymbols = (curve: Curve): boolean => curve.points.length <= MARKS_UP_TO;
 
 function lineOf(curve: Curve, palette: Palette): object {
-  const { color, look: type } = look(curve, palette);
-  const symbol = { detections: SHAPES[curve.sensor % SHAPES.length], tracks: "emptyTriangle", confirmed: "circle" }[curve.kind];
-  return { type: "line", name: curve.name, animation: false, symbol, symbolSize: 5, showSymbol: curve.points.length <= MARKS_UP_TO, data: curve.points, lineStyle: { color, type, width: 1.6 }, itemStyle: { color } };
+  const { color, look: type, symbol } = look(curve, palette);
+  const lineStyle = { color, type, width: 1.6 };
+  const shown = { ...symbolLook(symbol, color, palette.surface), symbolSize: 5, showSymbol: hasSymbols(curve) };
+  return { type: "line", name: curve.name, animation: false, ...shown, data: curve.points, lineStyle };
 }
 
 interface TipItem {
@@ -58,42 +71,31 @@ interface TipItem {
   value?: unknown;
 }
 
-function tip(items: TipItem[], times: number[]): HTMLElement | string {
+function tip(items: TipItem[], origin: number): HTMLElement | string {
   const value = items[0]?.value;
   if (!Array.isArray(value)) return "";
   const here = items.filter((item) => Array.isArray(item.value) && item.value[0] === value[0]);
   return tipContent(
-    timeText(Number(value[0]) + timeOrigin(times), times),
+    timeText(Number(value[0]) + origin, origin),
     here.map((item) => [item.seriesName ?? "", String((item.value as number[])[1])]),
   );
 }
 
-function draw(chart: Chart, { times, curves }: Counts): void {
+function draw(chart: Chart, { times, origin, curves }: Counts): void {
   const palette = readPalette();
-  const origin = timeOrigin(times);
-  const label = { color: palette.muted, fontSize: 11, hideOverlap: true, showMaxLabel: false };
+  const range = { min: (times[0] ?? 0) - origin, max: (times.at(-1) ?? 1) - origin };
   chart.setOption(
     {
       animation: false,
       textStyle: textStyle(palette),
       grid: GRID,
-      tooltip: { trigger: "axis", ...tooltip(palette), formatter: (items: TipItem[]) => tip(items, times) },
-      xAxis: valueAxis(timeAxisName(times), palette, { min: (times[0] ?? 0) - origin, max: (times.at(-1) ?? 1) - origin, nameGap: 26, axisLabel: label }),
+      tooltip: { trigger: "axis", ...tooltip(palette), formatter: (items: TipItem[]) => tip(items, origin) },
+      xAxis: valueAxis(timeAxisName(origin), palette, { ...range, nameGap: 26, axisLabel: lowerLabel(palette) }),
       yAxis: valueAxis("count", palette, { min: 0, minInterval: 1, nameGap: 40 }),
       dataZoom: [{ type: "inside", filterMode: "none", zoomOnMouseWheel: "ctrl" }],
       series: curves.map((curve) => lineOf(curve, palette)),
     },
     { replaceMerge: ["series"] },
-  );
-}
-
-function Key({ curves }: { curves: Curve[] }): JSX.Element {
-  return (
-    <p class="legend legend-note">
-      {curves.map((curve) => (
-        <span class={`key key-${curve.kind}${curve.kind === "detections" ? ` key-sensor-${(curve.sensor % 5) + 1}` : ""}`}>{curve.name}</span>
-      ))}
-    </p>
   );
 }
 
@@ -105,8 +107,21 @@ export function ScanCounts({ jobId }: { jobId: string }): JSX.Element {
   if (!series.data || !counts) return <Loading what="the counts of each scan" />;
   if (!counts.times.length) return <Empty title="No scans are known: these tracks came without their detections." />;
   const data = series.data;
+  const mark = (curve: Curve, palette: Palette): KeyMark => {
+    const { symbol, ...line } = look(curve, palette);
+    return { name: curve.name, ...line, symbol: hasSymbols(curve) ? symbol : undefined };
+  };
+  const key = (palette: Palette) => counts.curves.map((curve) => mark(curve, palette));
   return (
-    <ChartFrame title="Scan by scan" file={`scan-counts-${jobId.slice(-12)}`} badge={reducedBadge([{ ...data, name: "scans" }])} table={() => fromColumns(data.columns)} chart={() => chart.current} pictureKey={(palette) => counts.curves.map((curve) => ({ name: curve.name, ...look(curve, palette) }))} tools={<Key curves={counts.curves} />}>
+    <ChartFrame
+      title="Scan by scan"
+      file={`scan-counts-${jobId.slice(-12)}`}
+      badge={reducedBadge([{ ...data, name: "scans" }])}
+      table={() => fromColumns(data.columns, counts.origin)}
+      chart={() => chart.current}
+      pictureKey={key}
+      tools={<Key marks={key} />}
+    >
       <ChartCanvas
         class="counts-canvas"
         label={`Detections, tracks and confirmed tracks of ${counts.times.length} scans. The table shows the same numbers.`}

@@ -1,6 +1,7 @@
 // The plan of a job, sorted out for drawing: one line a truth and a track, one cloud a sensor, in order of time.
 
 import type { Cell, Columns, Plan } from "../api/types";
+import { originOf } from "../times";
 
 export interface Line {
   id: string;
@@ -48,8 +49,12 @@ export interface Scene {
   extent: Extent;
   /** Times of the scans, each once, in order. */
   times: number[];
-  /** A track without a point for longer than this has ended: a scan and a half, more where points were left out. */
+  /** Where these count from. */
+  origin: number;
+  /** A truth whose last point is longer ago than this has ended: a scan and a half. */
   silence_s: number;
+  /** The same of a track: living ones have a point at each scan, unless points were left out. */
+  trackSilence_s: number;
   /** Number of the (last) scan at each time. */
   numbers: number[];
 }
@@ -151,13 +156,37 @@ export function sceneOf(plan: Plan, locals: LocalPoint[] = [], members = new Map
   const known = numberAt.size ? [...numberAt.keys()] : [...truths.values(), ...tracks.values()].flatMap((line) => line.time);
   const times = [...new Set(known)].sort((a, b) => a - b);
   const numbers = times.map((time, index) => numberAt.get(time) ?? index + 1);
-  return { truths, tracks, clouds: clouds(plan.detections.columns), locals: localTracks(locals), members, extent: extentOf(plan), times, numbers, silence_s: silence(plan, times) };
+  const lines = { truths, tracks, clouds: clouds(plan.detections.columns), locals: localTracks(locals), members };
+  const silence_s = silence(plan.truth, times);
+  const isWhole = plan.scans.length > 0 && plan.tracks.returned_points === plan.tracks.source_points;
+  const trackSilence_s = isWhole ? 0 : silence(plan.tracks, times);
+  return { ...lines, extent: extentOf(plan), times, numbers, origin: originOf(times[0]), silence_s, trackSilence_s };
 }
 
-function silence(plan: Plan, times: number[]): number {
+/** A scan and a half, more where points were left out. */
+function silence({ source_points, returned_points }: { source_points: number; returned_points: number }, times: number[]): number {
   const period = ((times.at(-1) ?? 0) - (times[0] ?? 0)) / Math.max(times.length - 1, 1);
-  const { source_points, returned_points } = plan.tracks;
   return 1.5 * period * Math.max(1, Math.ceil(source_points / Math.max(returned_points, 1)));
+}
+
+const ROUNDING_S = 1e-9;
+
+const isSilent = (line: Line, now: number, silence_s: number): boolean => (line.time.at(-1) ?? -Infinity) < now - silence_s - ROUNDING_S;
+
+/** Whether a track has no point any more at a time. */
+export function hasEnded(scene: Scene, track: TrackLine, now: number): boolean {
+  return isSilent(track, now, scene.trackSilence_s);
+}
+
+/** Whether a truth or a track has begun and not ended at a time. */
+export function isAlive(scene: Scene, line: Line | TrackLine, now: number): boolean {
+  const silence_s = "status" in line ? scene.trackSilence_s : scene.silence_s;
+  return (line.time[0] ?? Infinity) <= now + ROUNDING_S && !isSilent(line, now, silence_s);
+}
+
+/** Points at the end of a track that had no detection. */
+export function missesAtEnd(track: TrackLine): number {
+  return track.status.length - 1 - track.status.findLastIndex((status) => status !== "coasted");
 }
 
 /** The half-open range of a line's points from `from` to `to`, both included. */

@@ -6,11 +6,11 @@ import type { CorrelationTuple } from "../api/types";
 import type { TableData } from "../components/table";
 import { number } from "../format";
 import { readPalette, theme, type Palette } from "../state/theme";
-import { GRID, textStyle, tipContent, tooltip, valueAxis } from "./axes";
+import { axisLabel, GRID, lowerLabel, ruleAt, textStyle, tipContent, tooltip, valueAxis } from "./axes";
 import { ChartCanvas } from "./chart";
 import type { Chart } from "./echarts";
 import { ChartFrame } from "./frame";
-import type { KeyMark } from "./picture";
+import { Key, type KeyMark } from "./marks";
 
 /** Smaller probabilities are drawn here. */
 const LEAST_P = 1e-12;
@@ -39,15 +39,19 @@ interface Props {
 }
 
 function seriesOf(tuples: CorrelationTuple[], group: Group, palette: Palette): object {
-  const data = tuples.flatMap((tuple, index) => (groupOf(tuple) === group && typeof tuple.p_value === "number" ? [[index + 1, Math.max(tuple.p_value, LEAST_P), index]] : []));
-  return { type: "scatter", name: NAMES[group], data, symbol: SYMBOLS[group], symbolSize: group === "wrong" ? 12 : 9, itemStyle: { color: colorOf(group, palette) }, animation: false, cursor: "pointer" };
+  const data = tuples.flatMap((tuple, index) => {
+    const { p_value } = tuple;
+    return groupOf(tuple) === group && typeof p_value === "number" ? [[index + 1, Math.max(p_value, LEAST_P), index]] : [];
+  });
+  const look = { symbol: SYMBOLS[group], symbolSize: group === "wrong" ? 12 : 9, itemStyle: { color: colorOf(group, palette) } };
+  return { type: "scatter", name: NAMES[group], data, ...look, animation: false, cursor: "pointer" };
 }
 
 function threshold(alpha: number | undefined, palette: Palette): object[] {
   if (alpha === undefined) return [];
-  const label = { show: true, formatter: `α = ${alpha}`, position: "insideEndTop", color: palette.selected, fontSize: 11 };
-  const markLine = { silent: true, symbol: "none", animation: false, label, lineStyle: { color: palette.selected, type: "dashed", width: 1.5 }, data: [{ yAxis: alpha }] };
-  return [{ type: "scatter", name: "threshold", data: [], markLine }];
+  const color = palette.selected;
+  const label = { show: true, formatter: `α = ${alpha}`, position: "insideEndTop", color, fontSize: 11 };
+  return [{ type: "scatter", name: "threshold", data: [], markLine: ruleAt({ yAxis: alpha }, { color, type: "dashed", label }) }];
 }
 
 function tip(tuple: CorrelationTuple | undefined): HTMLElement | string {
@@ -64,15 +68,17 @@ function tip(tuple: CorrelationTuple | undefined): HTMLElement | string {
 function draw(chart: Chart, { tuples, alpha }: Props, groups: Group[]): void {
   const palette = readPalette();
   const least = Math.min(alpha ?? 1, ...tuples.map((tuple) => Math.max(tuple.p_value ?? 1, LEAST_P)));
+  const lowest = 10 ** Math.floor(Math.log10(least) - 0.2);
   const formatter = (value: number) => (value >= 0.01 ? String(value) : value.toExponential(0));
+  const label = lowerLabel(palette, { showMinLabel: false, showMaxLabel: false });
   chart.setOption(
     {
       animation: false,
       textStyle: textStyle(palette),
       grid: { ...GRID, left: 66 },
-      tooltip: { trigger: "item", ...tooltip(palette), formatter: (item: { data?: unknown }) => (Array.isArray(item.data) ? tip(tuples[Number(item.data[2])]) : "") },
-      xAxis: valueAxis("system track", palette, { min: 0, max: tuples.length + 1, minInterval: 1, nameGap: 26, axisLabel: { color: palette.muted, fontSize: 11, showMinLabel: false, showMaxLabel: false } }),
-      yAxis: valueAxis("p-value", palette, { type: "log", min: 10 ** Math.floor(Math.log10(least) - 0.2), max: 1, nameGap: 48, axisLabel: { color: palette.muted, fontSize: 11, formatter, hideOverlap: true } }),
+      tooltip: { trigger: "item", ...tooltip(palette), formatter: ({ data }: { data?: unknown }) => (Array.isArray(data) ? tip(tuples[Number(data[2])]) : "") },
+      xAxis: valueAxis("system track", palette, { min: 0, max: tuples.length + 1, minInterval: 1, nameGap: 26, axisLabel: label }),
+      yAxis: valueAxis("p-value", palette, { type: "log", min: lowest, max: 1, nameGap: 48, axisLabel: axisLabel(palette, { formatter }) }),
       series: [...groups.map((group) => seriesOf(tuples, group, palette)), ...threshold(alpha, palette)],
     },
     { replaceMerge: ["series"] },
@@ -84,7 +90,7 @@ export function TupleChart(props: Props): JSX.Element {
   const chart = useRef<Chart | undefined>(undefined);
   const groups = useMemo(() => [...new Set(tuples.map(groupOf))], [tuples]);
   const key = (palette: Palette): KeyMark[] => [
-    ...groups.map((group): KeyMark => ({ name: NAMES[group], color: colorOf(group, palette), look: "dot" })),
+    ...groups.map((group): KeyMark => ({ name: NAMES[group], color: colorOf(group, palette), look: "dot", symbol: SYMBOLS[group] })),
     ...(alpha === undefined ? [] : [{ name: `threshold α = ${alpha}`, color: palette.selected, look: "dashed" } as const]),
   ];
   const pressed = (item: { data?: unknown }) => {
@@ -92,7 +98,15 @@ export function TupleChart(props: Props): JSX.Element {
     if (tuple) props.pick(tuple);
   };
   return (
-    <ChartFrame title="How well the tracks of each tuple agree" file={file} badge={badge} table={table} chart={() => chart.current} pictureKey={key} tools={<Key groups={groups} alpha={alpha} />}>
+    <ChartFrame
+      title="How well the tracks of each tuple agree"
+      file={file}
+      badge={badge}
+      table={table}
+      chart={() => chart.current}
+      pictureKey={key}
+      tools={<Key marks={key} />}
+    >
       <ChartCanvas
         class="lines-canvas"
         label={`p-values of ${tuples.length} tuples${alpha === undefined ? "" : ` over the threshold ${alpha}`}. The table shows the same numbers.`}
@@ -107,16 +121,5 @@ export function TupleChart(props: Props): JSX.Element {
         }}
       />
     </ChartFrame>
-  );
-}
-
-function Key({ groups, alpha }: { groups: Group[]; alpha: number | undefined }): JSX.Element {
-  return (
-    <p class="legend legend-note">
-      {groups.map((group) => (
-        <span class={`key key-tuple key-tuple-${group}`}>{NAMES[group]}</span>
-      ))}
-      {alpha === undefined ? null : <span class="key key-threshold">threshold α = {alpha}</span>}
-    </p>
   );
 }

@@ -1,18 +1,16 @@
 // A table that people take into papers: CSV, Markdown and LaTeX of what stands in it.
 
 import type { ComponentChildren, JSX } from "preact";
-import type { Cell } from "../api/types";
-import { number } from "../format";
 import { Icon } from "./basics";
 import { saveText } from "./save";
-import { toCsv, type TableData } from "./table";
+import { cellText, heads, toCsv, type TableData } from "./table";
 
-const shown = (cell: Cell): string => (typeof cell === "number" ? number(cell) : (cell ?? "–"));
+const shown = (table: TableData): string[][] => table.rows.map((row) => row.map((cell, column) => cellText(table, cell, column)));
 
 export function toMarkdown(table: TableData): string {
   const escaped = (text: string) => text.replaceAll("|", "\\|").replaceAll("\n", " ");
   const line = (cells: string[]) => `| ${cells.map(escaped).join(" | ")} |`;
-  return [line(table.columns), `|${"---|".repeat(table.columns.length)}`, ...table.rows.map((row) => line(row.map(shown)))].join("\n") + "\n";
+  return [line(heads(table)), `|${"---|".repeat(table.columns.length)}`, ...shown(table).map(line)].join("\n") + "\n";
 }
 
 const LATEX: Record<string, string> = { "\\": "\\textbackslash{}", "~": "\\textasciitilde{}", "^": "\\textasciicircum{}", "–": "--", "−": "$-$", "×": "$\\times$" };
@@ -22,7 +20,8 @@ export function toLatex(table: TableData): string {
   const numeric = table.columns.map((_, column) => table.rows.every((row) => row[column] === null || typeof row[column] === "number"));
   const line = (cells: string[]) => `  ${cells.map(escaped).join(" & ")} \\\\`;
   const layout = numeric.map((right) => (right ? "r" : "l")).join("");
-  return [`\\begin{tabular}{${layout}}`, "  \\hline", line(table.columns), "  \\hline", ...table.rows.map((row) => line(row.map(shown))), "  \\hline", "\\end{tabular}", ""].join("\n");
+  const lines = [line(heads(table)), "  \\hline", ...shown(table).map(line)];
+  return [`\\begin{tabular}{${layout}}`, "  \\hline", ...lines, "  \\hline", "\\end{tabular}", ""].join("\n");
 }
 
 interface Props {

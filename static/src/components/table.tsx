@@ -4,23 +4,41 @@ import type { JSX } from "preact";
 import { useState } from "preact/hooks";
 import type { Cell, Columns } from "../api/types";
 import { number } from "../format";
+import { isTimeColumn, timeCell, timeHead, timeTitle } from "../times";
 
 export interface TableData {
   /** Names with their units, as they head the CSV file. */
   columns: string[];
   rows: Cell[][];
+  /** Where the times of people's tables count from; a CSV file has them as they are. 0 when absent. */
+  origin_s?: number;
+}
+
+/** The names of the columns as people read them. */
+export function heads({ columns, origin_s = 0 }: TableData): string[] {
+  return columns.map((name) => timeHead(name, origin_s));
+}
+
+/** A cell as people read it. */
+export function cellText({ columns, origin_s = 0 }: TableData, cell: Cell, column: number): string {
+  if (typeof cell !== "number") return cell ?? "–";
+  return isTimeColumn(columns[column] ?? "") ? timeCell(cell, origin_s) : number(cell);
+}
+
+function cellTitle({ columns, origin_s = 0 }: TableData, cell: Cell, column: number): string | undefined {
+  return typeof cell === "number" && isTimeColumn(columns[column] ?? "") ? timeTitle(cell, origin_s) : undefined;
 }
 
 const ROWS_AT_ONCE = 200;
 
-export function fromColumns(columns: Columns, keep: (row: number) => boolean = () => true): TableData {
+export function fromColumns(columns: Columns, origin_s = 0): TableData {
   const names = Object.keys(columns);
   const length = names.length ? (columns[names[0]!]?.length ?? 0) : 0;
   const rows: Cell[][] = [];
   for (let row = 0; row < length; row++) {
-    if (keep(row)) rows.push(names.map((name) => columns[name]?.[row] ?? null));
+    rows.push(names.map((name) => columns[name]?.[row] ?? null));
   }
-  return { columns: names, rows };
+  return { columns: names, rows, origin_s };
 }
 
 function csvCell(cell: Cell): string {
@@ -42,7 +60,7 @@ export function DataTable({ table, caption }: { table: TableData; caption: strin
         <caption class="visually-hidden">{caption}</caption>
         <thead>
           <tr>
-            {table.columns.map((name, column) => (
+            {heads(table).map((name, column) => (
               <th scope="col" class={numeric[column] ? "num" : undefined}>
                 {name}
               </th>
@@ -53,7 +71,9 @@ export function DataTable({ table, caption }: { table: TableData; caption: strin
           {table.rows.slice(0, shown).map((row) => (
             <tr>
               {row.map((cell, column) => (
-                <td class={numeric[column] ? "num" : undefined}>{typeof cell === "number" ? number(cell) : (cell ?? "–")}</td>
+                <td class={numeric[column] ? "num" : undefined} title={cellTitle(table, cell, column)}>
+                  {cellText(table, cell, column)}
+                </td>
               ))}
             </tr>
           ))}

@@ -3,7 +3,7 @@
 import type { ComponentChildren, JSX, TargetedEvent } from "preact";
 import { Icon } from "../components/basics";
 import { capital, words } from "../format";
-import { useScope, type FieldProps } from "./context";
+import { useScope, type FieldProps, type FormScope } from "./context";
 import { Field, FieldFaults } from "./field";
 import { childPointer, fieldId, initial, isObject, variants, variantValue, type JsonObject } from "./schema";
 import type { Schema } from "../api/types";
@@ -39,12 +39,38 @@ function removal({ required, schema, change }: FieldProps): (() => void) | undef
   return required || schema.default !== undefined ? undefined : () => change(undefined);
 }
 
+/** What a part begins with; the list of sensors with a row for each sensor of the data. */
+function beginning(pointer: string, schema: Schema, { root, sensorIds }: FormScope): unknown {
+  if (pointer !== SENSORS || !sensorIds.length) return initial(schema, root);
+  return sensorIds.slice(0, schema.maxItems).map((sensor_id) => ({ ...emptyItem(schema, root), sensor_id }));
+}
+
+function emptyItem(list: Schema, root: Schema): JsonObject {
+  const item = initial(list.items ?? {}, root);
+  return isObject(item) ? item : {};
+}
+
+const SENSORS = "/sensors";
+
+/** The next entry of a list; of the list of sensors, the first that has none. */
+function nextItem({ pointer, schema }: FieldProps, items: unknown[], { root, sensorIds }: FormScope): unknown {
+  const item = initial(schema.items ?? {}, root);
+  const left = sensorIds.find((id) => !items.some((known) => isObject(known) && known["sensor_id"] === id));
+  return pointer === SENSORS && left && isObject(item) ? { ...item, sensor_id: left } : item;
+}
+
+/** What an entry is called: a sensor by its name. */
+function itemName(list: string, item: unknown, index: number): string {
+  const one = words(list).replace(/s$/, "");
+  return isObject(item) && typeof item["sensor_id"] === "string" && item["sensor_id"] ? `${one} ${item["sensor_id"]}` : `${one} ${index + 1}`;
+}
+
 /** An optional part that is not in the request: one button that puts it there. */
 function Absent({ name, schema, pointer, change }: FieldProps): JSX.Element {
-  const { root } = useScope();
+  const scope = useScope();
   return (
     <div class="absent" id={fieldId(pointer)} tabIndex={-1}>
-      <button type="button" class="quiet" onClick={() => change(initial(schema, root))}>
+      <button type="button" class="quiet" onClick={() => change(beginning(pointer, schema, scope))}>
         <Icon name="plus" /> {capital(schema.title ?? words(name))}
       </button>
       <span class="help">{schema.description ?? ""}</span>
@@ -100,7 +126,7 @@ export function ObjectField(props: FieldProps): JSX.Element {
 }
 
 export function UnionField(props: FieldProps): JSX.Element {
-  const { root } = useScope();
+  const { root, faults } = useScope();
   if (!isObject(props.value)) return <Absent {...props} />;
   const value = props.value;
   const all = variants(props.schema, root);
@@ -111,11 +137,19 @@ export function UnionField(props: FieldProps): JSX.Element {
     if (next) props.change(variantValue(next, root));
   };
   const pointer = childPointer(props.pointer, tag);
+  const faulty = (faults.get(pointer) ?? []).length > 0;
   const head = (
-    <div class="field">
+    <div class={faulty ? "field faulty" : "field"}>
       <label for={fieldId(pointer)}>{words(tag)}</label>
       <div class="field-input">
-        <select id={fieldId(pointer)} data-pointer={pointer} value={chosen?.value ?? ""} onChange={pick}>
+        <select
+          id={fieldId(pointer)}
+          data-pointer={pointer}
+          value={chosen?.value ?? ""}
+          onChange={pick}
+          aria-invalid={faulty || undefined}
+          aria-describedby={faulty ? `${fieldId(pointer)}-fault` : undefined}
+        >
           {chosen ? null : <option value="">choose…</option>}
           {all.map((variant) => (
             <option value={variant.value}>{words(variant.value)}</option>
@@ -134,7 +168,7 @@ export function UnionField(props: FieldProps): JSX.Element {
 }
 
 export function ListField(props: FieldProps): JSX.Element {
-  const { root } = useScope();
+  const scope = useScope();
   if (!Array.isArray(props.value)) return <Absent {...props} />;
   const items: unknown[] = props.value;
   const item = props.schema.items ?? {};
@@ -143,10 +177,18 @@ export function ListField(props: FieldProps): JSX.Element {
   return (
     <Group {...props} remove={removal(props)}>
       {items.slice(0, LIST_SHOWN).map((value, index) => (
-        <Field key={index} name={`${words(props.name).replace(/s$/, "")} ${index + 1}`} schema={item} value={value} pointer={childPointer(props.pointer, index)} required={false} change={set(index)} />
+        <Field
+          key={index}
+          name={itemName(props.name, value, index)}
+          schema={item}
+          value={value}
+          pointer={childPointer(props.pointer, index)}
+          required={false}
+          change={set(index)}
+        />
       ))}
       {items.length > LIST_SHOWN ? <p class="help">{items.length - LIST_SHOWN} more entries; the JSON editor shows them all.</p> : null}
-      <button type="button" class="quiet" disabled={full} onClick={() => props.change([...items, initial(item, root)])}>
+      <button type="button" class="quiet" disabled={full} onClick={() => props.change([...items, nextItem(props, items, scope)])}>
         <Icon name="plus" /> Add
       </button>
     </Group>

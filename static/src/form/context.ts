@@ -7,9 +7,11 @@ import type { Fault, Schema } from "../api/types";
 export interface FormScope {
   root: Schema;
   faults: Map<string, Fault[]>;
+  /** Of the data set that the request reads. */
+  sensorIds: string[];
 }
 
-export const FormContext = createContext<FormScope>({ root: {}, faults: new Map() });
+export const FormContext = createContext<FormScope>({ root: {}, faults: new Map(), sensorIds: [] });
 
 export function useScope(): FormScope {
   return useContext(FormContext);

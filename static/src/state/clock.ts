@@ -2,10 +2,13 @@
 // clock stands at the end, so that everything is shown.
 
 import { computed, effect, signal, type ReadonlySignal, type Signal } from "@preact/signals";
+import { originOf } from "../times";
 import { params, setParams } from "./url";
 
 export interface Clock {
   times: number[];
+  /** Where they count from. */
+  origin: number;
   /** Number of the scan at each time. */
   numbers: number[];
   index: Signal<number>;
@@ -63,6 +66,7 @@ export function createClock(times: number[], numbers: number[]): Clock {
   });
   return {
     times,
+    origin: originOf(times[0]),
     numbers,
     index,
     time,

@@ -47,6 +47,7 @@ export interface Palette {
   text: string;
   muted: string;
   line: string;
+  strongLine: string;
   surface: string;
   truth: string;
   track: string;
@@ -65,6 +66,7 @@ export function readPalette(): Palette {
     text: read("--text"),
     muted: read("--muted"),
     line: read("--line"),
+    strongLine: read("--strong-line"),
     surface: read("--surface"),
     truth: read("--chart-truth"),
     track: read("--chart-track"),

@@ -3,11 +3,12 @@
 import type { JSX } from "preact";
 import { useMemo } from "preact/hooks";
 import type { CampaignCell, Report } from "../api/types";
+import { CategoryDots } from "../charts/category-dots";
 import { Lines, lookOf, type Curve, type Point } from "../charts/lines";
 import { IntervalBar, scaleOf, type Span } from "../components/interval-bar";
 import type { TableData } from "../components/table";
 import { TableFrame } from "../components/table-frame";
-import { count, number } from "../format";
+import { count, number, plural } from "../format";
 import { cellAt, combinations, isNumeric, pointsOf, type Axis } from "./campaign-axes";
 
 /** Curves that can be told apart. */
@@ -32,8 +33,8 @@ export function Differences({ campaign, outcome }: { campaign: Campaign; outcome
   const table = (): TableData => ({
     columns: ["cell", "compared with", "pairs", "mean difference", "low", "high"],
     rows: compared.map((cell) => {
-      const difference = cell.differences[outcome];
-      return [cell.name, cell.compared_with ?? null, difference?.pairs ?? 0, difference?.mean ?? null, difference?.interval?.low ?? null, difference?.interval?.high ?? null];
+      const { pairs = 0, mean = null, interval } = cell.differences[outcome] ?? {};
+      return [cell.name, cell.compared_with ?? null, pairs, mean, interval?.low ?? null, interval?.high ?? null];
     }),
   });
   const note = (
@@ -108,16 +109,71 @@ function slopeText(points: [number, number][]): string {
   return ` (slope ${fit.slope.toFixed(2)}${fit.error === null ? "" : ` ± ${fit.error.toFixed(2)}`})`;
 }
 
-function timeCurves(campaign: Campaign, x: Axis): Curve[] {
+/** How long deciding took in each cell along an axis, for every combination of the other axes. */
+function timesAlong(campaign: Campaign, x: Axis): { name: string; times: (number | null)[] }[] {
   const others = campaign.axes.filter((axis) => axis !== x);
   const known = new Map(campaign.times.map((time) => [time.cell, time.decide_us_per_scan]));
-  const numeric = isNumeric(x);
-  return combinations(others).map((points, order) => {
-    const cells = x.points.map((point) => cellAt(campaign.cells, campaign.axes, { ...pointsOf(others, points), [x.name]: point }));
-    const list = cells.map((cell, index): Point => [numeric ? Number(x.points[index]) : index, known.get(cell?.name ?? "") ?? null]).sort((a, b) => a[0] - b[0]);
-    const steep = numeric ? slopeText(list.filter((point): point is [number, number] => point[1] !== null)) : "";
-    return { name: `${points.join(", ") || "all"}${steep}`, points: list, ...lookOf(order) };
+  return combinations(others).map((points) => {
+    const cellOf = (point: string) => cellAt(campaign.cells, campaign.axes, { ...pointsOf(others, points), [x.name]: point });
+    return { name: points.join(", ") || "all", times: x.points.map((point) => known.get(cellOf(point)?.name ?? "") ?? null) };
   });
+}
+
+function timeCurves(campaign: Campaign, x: Axis): Curve[] {
+  return timesAlong(campaign, x).map(({ name, times }, order) => {
+    const points = times.map((time, index): Point => [Number(x.points[index]), time]).sort((a, b) => a[0] - b[0]);
+    const steep = slopeText(points.filter((point): point is [number, number] => point[1] !== null));
+    return { name: `${name}${steep}`, points, ...lookOf(order) };
+  });
+}
+
+const TIME_NAME = "time (µs a scan)";
+
+interface TimePictureProps {
+  campaign: Campaign;
+  x: Axis;
+  table: () => TableData;
+}
+
+function TimePicture(props: TimePictureProps): JSX.Element {
+  return isNumeric(props.x) ? <TimeCurves {...props} /> : <TimeDots {...props} />;
+}
+
+function TimeCurves({ campaign, x, table }: TimePictureProps): JSX.Element {
+  const curves = useMemo(() => timeCurves(campaign, x).slice(0, CURVES_UP_TO), [campaign, x]);
+  const positive = x.points.every((point) => Number(point) > 0);
+  const note = "The slope is that of the logarithms, by least squares, with its standard error where there are three points or more.";
+  return (
+    <Lines
+      title={`Time of deciding over ${x.name}`}
+      file={`time-curves-${campaign.file}`}
+      label={`Microseconds a scan over ${x.name}.`}
+      curves={curves}
+      xName={x.name}
+      yName={TIME_NAME}
+      logX={positive}
+      logY
+      table={table}
+      tools={positive ? <p class="muted small frame-note">{note}</p> : null}
+    />
+  );
+}
+
+function TimeDots({ campaign, x, table }: TimePictureProps): JSX.Element {
+  const series = timesAlong(campaign, x).slice(0, CURVES_UP_TO);
+  const estimateAt = (time: number | null | undefined) => (typeof time === "number" && time > 0 ? { mean: time } : undefined);
+  return (
+    <CategoryDots
+      title={`Time of deciding over ${x.name}`}
+      file={`time-curves-${campaign.file}`}
+      label={`Microseconds a scan for ${plural(x.points.length, "point")} of ${x.name}.`}
+      rows={x.points.map((name, index) => ({ name, estimates: series.map(({ times }) => estimateAt(times[index])) }))}
+      series={series.map(({ name }) => name)}
+      valueName={TIME_NAME}
+      log
+      table={table}
+    />
+  );
 }
 
 export function Times({ campaign, x }: { campaign: Campaign; x: Axis | undefined }): JSX.Element {
@@ -125,8 +181,6 @@ export function Times({ campaign, x }: { campaign: Campaign; x: Axis | undefined
     columns: ["cell", "µs a scan", "ratio", "timed runs"],
     rows: campaign.times.map((time) => [time.cell, time.decide_us_per_scan, time.ratio ?? null, time.timed_runs]),
   });
-  const curves = useMemo(() => (x && x.points.length > 1 ? timeCurves(campaign, x).slice(0, CURVES_UP_TO) : []), [campaign, x]);
-  const positive = x !== undefined && isNumeric(x) && x.points.every((point) => Number(point) > 0);
   return (
     <>
       <TableFrame title="Time of deciding" file={`times-${campaign.file}`} table={table}>
@@ -159,7 +213,7 @@ export function Times({ campaign, x }: { campaign: Campaign; x: Axis | undefined
           </table>
         </div>
       </TableFrame>
-      {curves.length && x ? <Lines title={`Time of deciding over ${x.name}`} file={`time-curves-${campaign.file}`} label={`Microseconds a scan over ${x.name}.`} curves={curves} xName={x.name} yName="time (µs a scan)" categories={isNumeric(x) ? undefined : x.points} logX={positive} logY table={table} tools={positive ? <p class="muted small frame-note">The slope is that of the logarithms, by least squares, with its standard error where there are three points or more.</p> : null} /> : null}
+      {x && x.points.length > 1 ? <TimePicture campaign={campaign} x={x} table={table} /> : null}
     </>
   );
 }

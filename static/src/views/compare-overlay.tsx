@@ -4,12 +4,12 @@ import type { JSX } from "preact";
 import { useMemo } from "preact/hooks";
 import { getMetricSeries } from "../api/client";
 import type { Cell, Comparison, MetricsSeries } from "../api/types";
-import { timeAxisName, timeOrigin, timeText } from "../charts/axes";
 import { Lines, lookOf, type Curve, type Point } from "../charts/lines";
 import { Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import type { TableData } from "../components/table";
 import { param, setParams } from "../state/url";
+import { originOf, timeAxisName, timeText } from "../times";
 
 interface Side {
   name: string;
@@ -46,13 +46,15 @@ export function Overlay({ comparison, names }: { comparison: Comparison; names: 
   const columns = useMemo(() => (sides.data ? columnsOf(sides.data) : []), [sides.data]);
   const column = columns.find((name) => name === param("over")) ?? columns.find(isHeadline) ?? columns[0];
   const times = sides.data?.[0]?.series.columns.time_s ?? [];
-  const origin = timeOrigin(times);
+  const origin = originOf(times[0]);
   const curves = useMemo(() => (sides.data && column ? curvesOf(sides.data, column, origin) : []), [sides.data, column]);
   if (sides.error) return <ProblemBox error={sides.error} retry={sides.reload} />;
   if (!sides.data) return <Loading what="the metrics over time" />;
   if (!column) return null;
   const unit = sides.data[0]?.series.units[column];
-  const table = (): TableData => ({ columns: ["job", "time_s", unit ? `${column} (${unit})` : column], rows: curves.flatMap((curve) => curve.points.map(([time, value]): Cell[] => [curve.name, time + origin, value])) });
+  const rowsOf = ({ name, points }: Curve) => points.map(([time, value]): Cell[] => [name, time + origin, value]);
+  const columnNames = ["job", "time_s", unit ? `${column} (${unit})` : column];
+  const table = (): TableData => ({ columns: columnNames, rows: curves.flatMap(rowsOf), origin_s: origin });
   const tools = (
     <div class="filters frame-filters">
       <label>
@@ -71,9 +73,9 @@ export function Overlay({ comparison, names }: { comparison: Comparison; names: 
       file={`compared-${column}`}
       label={`${column} over time for ${curves.length} jobs.`}
       curves={curves}
-      xName={timeAxisName(times)}
+      xName={timeAxisName(origin)}
       yName={unit ? `${column} (${unit})` : column}
-      xText={(time) => timeText(time + origin, times)}
+      xText={(time) => timeText(time + origin, origin)}
       table={table}
       tools={tools}
     />

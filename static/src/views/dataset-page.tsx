@@ -9,8 +9,9 @@ import { cellOf } from "../components/csv";
 import { useResource } from "../components/resource";
 import { DataTable } from "../components/table";
 import { TableFrame } from "../components/table-frame";
-import { bytes, count, number, words } from "../format";
+import { bytes, count, number, plural, words } from "../format";
 import { go, pageHref } from "../state/url";
+import { originOf, timeText, utcText } from "../times";
 
 const PREVIEW_ROWS = 100;
 
@@ -95,6 +96,13 @@ function Facts({ title, rows }: { title: string; rows: [string, string][] }): JS
   );
 }
 
+/** When the data begin or end: as UTC where the clock says that, else in its seconds. */
+function momentText(time_s: number | undefined, start_s: number | undefined): string {
+  if (time_s === undefined) return "–";
+  if (originOf(start_s) === 0) return timeText(time_s, 0);
+  return [utcText(time_s), `${time_s} s`].filter(Boolean).join(", ");
+}
+
 function Contents({ dataset }: { dataset: Dataset }): JSX.Element {
   const { start_s, end_s } = dataset;
   const rows: [string, string][] = [
@@ -102,8 +110,8 @@ function Contents({ dataset }: { dataset: Dataset }): JSX.Element {
     ["Rows", count(dataset.rows)],
     ["Scans", dataset.scans ? count(dataset.scans) : "–"],
     ["Targets or tracks", count(dataset.objects)],
-    ["From", start_s === undefined ? "–" : `${number(start_s)} s`],
-    ["To", end_s === undefined ? "–" : `${number(end_s)} s`],
+    ["From", momentText(start_s, start_s)],
+    ["To", momentText(end_s, start_s)],
     ["Lasts", start_s === undefined || end_s === undefined ? "–" : `${number(end_s - start_s)} s`],
     ["Sensors", dataset.sensor_ids.join(", ") || "–"],
   ];
@@ -148,10 +156,10 @@ function Preview({ dataset }: { dataset: Dataset }): JSX.Element {
   if (!preview.data) return <Loading what="the first rows" />;
   const { columns, rows, total_rows } = preview.data satisfies DatasetPreview;
   if (!rows.length) return <Empty title="The data set has no rows." />;
-  const table = { columns, rows: rows.map((row): Cell[] => row.map(cellOf)) };
+  const table = { columns, rows: rows.map((row): Cell[] => row.map(cellOf)), origin_s: originOf(dataset.start_s) };
   const note = (
     <p class="muted small frame-note">
-      {count(rows.length)} of {count(total_rows)} rows; all are in the file.
+      {count(rows.length)} of {plural(total_rows, "row")}; all are in the file.
     </p>
   );
   return (

@@ -3,11 +3,12 @@
 import type { JSX } from "preact";
 import { useMemo } from "preact/hooks";
 import type { CampaignCell, Cell } from "../api/types";
+import { CategoryDots, type Estimate, type Row } from "../charts/category-dots";
 import { Lines, lookOf, type Curve, type Point } from "../charts/lines";
 import { Empty } from "../components/basics";
 import type { TableData } from "../components/table";
 import { TableFrame } from "../components/table-frame";
-import { count, number } from "../format";
+import { count, number, plural } from "../format";
 import { param, setParams } from "../state/url";
 import { cellAt, combinations, isNumeric, pointsOf, rowsAndColumns, type Axis } from "./campaign-axes";
 import { CURVES_UP_TO, Differences, Times, type Campaign } from "./campaign-parts";
@@ -83,7 +84,7 @@ interface GridCellProps {
 
 function runsOf(cell: CampaignCell, withNumber: number, planned: number): string {
   if (cell.ended === "not_yet") return `${count(cell.runs)} of ${count(planned)} runs`;
-  return `${count(withNumber)} ${withNumber === 1 ? "run" : "runs"}`;
+  return plural(withNumber, "run");
 }
 
 function GridCell({ cell, outcome, shade, planned }: GridCellProps): JSX.Element {
@@ -105,10 +106,9 @@ function GridCell({ cell, outcome, shade, planned }: GridCellProps): JSX.Element
 
 function curvesOf(campaign: Campaign, outcome: string, x: Axis): Curve[] {
   const others = campaign.axes.filter((axis) => axis !== x);
-  const numeric = isNumeric(x);
   return combinations(others).map((points, order) => {
     const cells = x.points.map((point) => cellAt(campaign.cells, campaign.axes, { ...pointsOf(others, points), [x.name]: point }));
-    const place = (index: number) => (numeric ? Number(x.points[index]) : index);
+    const place = (index: number) => Number(x.points[index]);
     const sorted = cells.map((_, index) => index).sort((a, b) => place(a) - place(b));
     return {
       name: points.join(", ") || outcome,
@@ -122,12 +122,25 @@ function curvesOf(campaign: Campaign, outcome: string, x: Axis): Curve[] {
   });
 }
 
+const CURVE_COLUMNS = ["mean", "low", "high"];
+
 function curveTable(curves: Curve[], x: Axis): TableData {
-  const rows = curves.flatMap((curve) => curve.points.map(([at, mean], index): Cell[] => [curve.name, isNumeric(x) ? at : (x.points[at] ?? null), mean, curve.band?.[index]?.[0] ?? null, curve.band?.[index]?.[1] ?? null]));
-  return { columns: ["curve", x.name, "mean", "low", "high"], rows };
+  const rowsOf = ({ name, points, band }: Curve) =>
+    points.map(([at, mean], index): Cell[] => [name, at, mean, band?.[index]?.[0] ?? null, band?.[index]?.[1] ?? null]);
+  return { columns: ["curve", x.name, ...CURVE_COLUMNS], rows: curves.flatMap(rowsOf) };
 }
 
-function Curves({ campaign, outcome, x }: { campaign: Campaign; outcome: string; x: Axis }): JSX.Element {
+interface CurvesProps {
+  campaign: Campaign;
+  outcome: string;
+  x: Axis;
+}
+
+function Curves(props: CurvesProps): JSX.Element {
+  return isNumeric(props.x) ? <NumericCurves {...props} /> : <Dots {...props} />;
+}
+
+function NumericCurves({ campaign, outcome, x }: CurvesProps): JSX.Element {
   const all = useMemo(() => curvesOf(campaign, outcome, x), [campaign, outcome, x]);
   const curves = useMemo(() => all.slice(0, CURVES_UP_TO), [all]);
   const badge = all.length > curves.length ? `Shown: ${curves.length} of ${all.length} curves; the table below has all` : undefined;
@@ -136,16 +149,56 @@ function Curves({ campaign, outcome, x }: { campaign: Campaign; outcome: string;
     <Lines
       title={`${outcome} over ${x.name}`}
       file={`curves-${campaign.file}`}
-      label={`${outcome} over ${x.name}: ${curves.length} curves with ${percent} % bands.`}
+      label={`${outcome} over ${x.name}: ${plural(curves.length, "curve")} with ${percent} % bands.`}
       curves={curves}
       xName={x.name}
       yName={outcome}
-      categories={isNumeric(x) ? undefined : x.points}
       logX={param("log") === "1"}
       table={() => curveTable(all, x)}
       badge={badge}
       tools={<p class="muted small frame-note">Mean of the runs of a cell; the band is its {percent} % interval.</p>}
       class="curves-canvas"
+    />
+  );
+}
+
+function estimateOf(cell: CampaignCell | undefined, outcome: string): Estimate | undefined {
+  const summary = cell?.outcomes[outcome];
+  if (summary?.mean === null || summary?.mean === undefined) return undefined;
+  return { mean: summary.mean, low: summary.interval?.low, high: summary.interval?.high, runs: summary.count };
+}
+
+/** The points of an axis of names have no order, and nothing between them. */
+function Dots({ campaign, outcome, x }: CurvesProps): JSX.Element {
+  const others = campaign.axes.filter((axis) => axis !== x);
+  const combined = combinations(others);
+  const shown = combined.slice(0, CURVES_UP_TO);
+  const rowOf = (point: string, series: string[][]): Row => {
+    const cell = (points: string[]) => cellAt(campaign.cells, campaign.axes, { ...pointsOf(others, points), [x.name]: point });
+    return { name: point, estimates: series.map((points) => estimateOf(cell(points), outcome)) };
+  };
+  const nameOf = (points: string[]) => points.join(", ") || outcome;
+  const table = (): TableData => {
+    const rows = x.points.flatMap((point) =>
+      rowOf(point, combined).estimates.map((estimate, index): Cell[] => {
+        const { mean = null, low = null, high = null, runs = null } = estimate ?? {};
+        return [nameOf(combined[index] ?? []), point, mean, low, high, runs];
+      }),
+    );
+    return { columns: ["curve", x.name, ...CURVE_COLUMNS, "runs"], rows };
+  };
+  const percent = number(campaign.confidence * 100);
+  return (
+    <CategoryDots
+      title={`${outcome} over ${x.name}`}
+      file={`curves-${campaign.file}`}
+      label={`${outcome} of ${plural(x.points.length, "point")} of ${x.name}, with ${percent} % intervals.`}
+      rows={x.points.map((point) => rowOf(point, shown))}
+      series={shown.map(nameOf)}
+      valueName={outcome}
+      table={table}
+      badge={combined.length > shown.length ? `Shown: ${shown.length} of ${combined.length} series; the table below has all` : undefined}
+      tools={<p class="muted small frame-note">Mean of the runs of a cell, the greatest above; the whisker is its {percent} % interval.</p>}
     />
   );
 }

@@ -1,15 +1,16 @@
 // Which tracks were put together: the cost and how far it may be above the least, every tuple with its statistic, and the search.
 
-import type { JSX } from "preact";
+import type { JSX, TargetedEvent } from "preact";
 import { useMemo } from "preact/hooks";
 import type { Cell, CorrelationTuple, CorrelateResult, Job, Report } from "../api/types";
+import { NO_EVENT } from "../charts/event-moment";
 import { Lines, type Curve, type Point } from "../charts/lines";
 import { TupleChart } from "../charts/tuple-chart";
 import { Empty, Icon } from "../components/basics";
 import { Figures, type Figure } from "../components/figures";
 import type { TableData } from "../components/table";
 import { TableFrame } from "../components/table-frame";
-import { capital, count, number, probability, words } from "../format";
+import { capital, count, number, plural, probability, words } from "../format";
 import type { Palette } from "../state/theme";
 import { go, hereHref, param, setParams } from "../state/url";
 
@@ -20,7 +21,8 @@ export function JobCorrelation({ job, report }: { job: Job; report: Report }): J
   const result = report.result as CorrelateResult;
   const { alpha } = ((report.spec as Record<string, unknown>)["statistic"] ?? {}) as { alpha?: number };
   const file = job.id.slice(-12);
-  const badge = result.tuples_left_out ? `Shown: ${count(result.tuples.length)} of ${count(result.counts.tuples)} tuples; all are in tuples.csv` : undefined;
+  const shown = `Shown: ${count(result.tuples.length)} of ${plural(result.counts.tuples, "tuple")}; all are in tuples.csv`;
+  const badge = result.tuples_left_out ? shown : undefined;
   const table = () => tupleTable(result, result.tuples);
   return (
     <div class="summary">
@@ -28,7 +30,14 @@ export function JobCorrelation({ job, report }: { job: Job; report: Report }): J
       {result.tuples.length ? (
         <>
           <Matrix result={result} alpha={alpha} file={file} badge={badge} />
-          <TupleChart tuples={result.tuples} alpha={alpha} file={`tuples-${file}`} table={table} badge={badge} pick={(tuple) => go(placeOf(tuple))} />
+          <TupleChart
+            tuples={result.tuples}
+            alpha={alpha}
+            file={`tuples-${file}`}
+            table={table}
+            badge={badge}
+            pick={(tuple) => go(placeOf(tuple))}
+          />
         </>
       ) : (
         <Empty title="No two tracks were put together." />
@@ -41,7 +50,8 @@ export function JobCorrelation({ job, report }: { job: Job; report: Report }): J
 
 /** Where the plan view shows a tuple. */
 function placeOf(tuple: CorrelationTuple): string {
-  return hereHref({ tab: "plan", track: tuple.system_track_id, truth: tuple.truth_id ?? null, centre: "selection", span: null, time: null });
+  const selected = { track: tuple.system_track_id, truth: tuple.truth_id ?? null };
+  return hereHref({ ...NO_EVENT, tab: "plan", ...selected, centre: "selection", span: null, time: null });
 }
 
 /** Sums of costs are rounded: a gap below this is none. */
@@ -60,14 +70,14 @@ function figures(result: CorrelateResult): Figure[] {
     { name: "Cost J", value: number(result.cost), note: `${words(result.correlator)}, ${words(result.statistic)}` },
     { name: "Dual bound", value: known(result.dual_bound), note: "no division costs less" },
     gapFigure(gap),
-    { name: "Tuples", value: count(counts.tuples), note: `of ${count(counts.tracks)} tracks of ${count(counts.sensors)} sensors` },
-    { name: "Alone", value: count(counts.unassociated), note: `${count(counts.system_tracks)} system tracks in all` },
-    { name: "Common times", value: count(counts.common_times), note: `${count(counts.dimensions)} numbers, ${count(counts.links)} links` },
+    { name: "Tuples", value: count(counts.tuples), note: `of ${plural(counts.tracks, "track")} of ${plural(counts.sensors, "sensor")}` },
+    { name: "Alone", value: count(counts.unassociated), note: `${plural(counts.system_tracks, "system track")} in all` },
+    { name: "Common times", value: count(counts.common_times), note: `${plural(counts.dimensions, "number")}, ${plural(counts.links, "link")}` },
   ];
   if (!truth) return list;
   return [
     ...list,
-    { name: "Tuples right", value: `${count(truth.tuples_right)} of ${count(truth.tuples)}`, note: `share ${probability(truth.share_right)}` },
+    { name: "Tuples right", value: `${count(truth.tuples_right)} of ${count(truth.tuples)}`, note: `share ${probability(truth.share_right)} of targets that two sensors or more saw` },
     { name: "Pairs", value: probability(truth.pairwise_precision), note: `precision; recall ${probability(truth.pairwise_recall)}` },
     { name: "False tracks", value: count(truth.false_tracks), note: "of no target" },
   ];
@@ -80,7 +90,8 @@ function columnsOf(result: CorrelateResult): string[] {
 
 function rowOf(result: CorrelateResult, tuple: CorrelationTuple): Cell[] {
   const known = result.truth ? [tuple.truth_id ?? null, tuple.right ? "right" : "wrong"] : [];
-  return [tuple.system_track_id, ...tuple.tracks, tuple.cost ?? null, tuple.b ?? null, tuple.statistic, tuple.degrees_of_freedom, tuple.p_value ?? null, tuple.found, ...known];
+  const { cost = null, b = null, statistic, degrees_of_freedom, p_value = null, found } = tuple;
+  return [tuple.system_track_id, ...tuple.tracks, cost, b, statistic, degrees_of_freedom, p_value, found, ...known];
 }
 
 function tupleTable(result: CorrelateResult, tuples: CorrelationTuple[]): TableData {
@@ -100,11 +111,12 @@ function kept(tuples: CorrelationTuple[], alpha: number | undefined): Correlatio
 
 function Matrix({ result, alpha, file, badge }: { result: CorrelateResult; alpha: number | undefined; file: string; badge: string | undefined }): JSX.Element {
   const tuples = kept(result.tuples, alpha);
+  const choose = ({ currentTarget: { value } }: TargetedEvent<HTMLSelectElement>) => setParams({ tuples: value === "all" ? null : value });
   const tools = (
     <div class="filters frame-filters">
       <label>
         <span>Tuples</span>
-        <select value={param("tuples") ?? "all"} onChange={(event) => setParams({ tuples: event.currentTarget.value === "all" ? null : event.currentTarget.value })}>
+        <select value={param("tuples") ?? "all"} onChange={choose}>
           {FILTERS.map((name) => (
             <option value={name}>{name}</option>
           ))}
@@ -113,6 +125,7 @@ function Matrix({ result, alpha, file, badge }: { result: CorrelateResult; alpha
       <p class="muted small">
         {count(Math.min(tuples.length, ROWS))} of {count(result.counts.tuples)} shown{alpha === undefined ? "" : ` · p below α = ${alpha} is marked`}
         {badge ? ` · ${badge}` : ""}
+        {result.truth ? ` · ${rightText(result)}` : ""}
       </p>
     </div>
   );
@@ -138,6 +151,17 @@ function Matrix({ result, alpha, file, badge }: { result: CorrelateResult; alpha
       </div>
     </TableFrame>
   );
+}
+
+/** When a tuple is right, and what those lack that are not. */
+function rightText({ truth, tuples }: CorrelateResult): string {
+  const rule = "A tuple is right when it holds every track of one target and no other track.";
+  const wrong = tuples.filter((tuple) => tuple.right === false).length;
+  if (!truth || !wrong) return rule;
+  const which = wrong === 1 ? "the wrong tuple" : `each of the ${count(wrong)} wrong tuples`;
+  if (truth.pairwise_precision !== 1) return `${rule} ${capital(which)} holds tracks of several targets or of none, or lacks some of its target.`;
+  const pairs = "No two tracks of different targets were put together (pair precision 1)";
+  return `${rule} ${pairs}, so ${which} lacks tracks of its target: other pieces of it stand alone or in another tuple.`;
 }
 
 function Row({ tuple, result, alpha }: { tuple: CorrelationTuple; result: CorrelateResult; alpha: number | undefined }): JSX.Element {
@@ -205,17 +229,29 @@ function Search({ result, file }: { result: CorrelateResult; file: string }): JS
   if (search.generations < 2) {
     return (
       <p class="muted">
-        The search ended with its first answers ({words(search.stop)}): best {number(search.best[0])}, mean {number(search.mean[0])} of {count(search.evaluations)} solutions.
+        The search ended with its first answers ({words(search.stop)}): best {number(search.best[0])}
+        {search.evaluations ? `, mean ${number(search.mean[0])} of ${plural(search.evaluations, "solution")}` : ""}.
       </p>
     );
   }
   const rows = search.best.map((best, index): Cell[] => [index + 1, best, search.mean[index] ?? null]);
   const note = (
     <p class="muted small frame-note">
-      {count(search.generations)} generations, {count(search.evaluations)} solutions evaluated; it ended because: {words(search.stop)}.
+      {plural(search.generations, "generation")}, {plural(search.evaluations, "solution")} evaluated; it ended because: {words(search.stop)}.
     </p>
   );
-  return <Lines title="Search" file={`search-${file}`} label={`Best and mean cost of ${search.generations} generations.`} curves={curves} xName="generation" yName="cost J" table={() => ({ columns: ["generation", "best", "mean"], rows })} tools={note} />;
+  return (
+    <Lines
+      title="Search"
+      file={`search-${file}`}
+      label={`Best and mean cost of ${plural(search.generations, "generation")}.`}
+      curves={curves}
+      xName="generation"
+      yName="cost J"
+      table={() => ({ columns: ["generation", "best", "mean"], rows })}
+      tools={note}
+    />
+  );
 }
 
 function NoSearch({ result }: { result: CorrelateResult }): JSX.Element {

@@ -11,11 +11,13 @@ import { readLevels, type Levels } from "../charts/levels";
 import { PlanView } from "../charts/plan-view";
 import { ProbabilityChart } from "../charts/probability";
 import { memberName, sceneOf, type LocalPoint } from "../charts/scene";
-import { Empty, Loading, ProblemBox } from "../components/basics";
+import { Empty, Link, Loading, ProblemBox } from "../components/basics";
 import { parseCsv, reader, type CsvTable } from "../components/csv";
 import { useResource } from "../components/resource";
+import { capital, plural } from "../format";
+import { boxesOf, type Boxes } from "../state/boxes";
 import { createClock } from "../state/clock";
-import { param } from "../state/url";
+import { hereHref, param } from "../state/url";
 import { Selection, TupleNote } from "./selection";
 
 const MOST_LOCAL_POINTS = 50_000;
@@ -28,6 +30,7 @@ interface Drawn {
   levels: Levels | undefined;
   /** Whether the job left a picture of its bearing-time record. */
   hasRecord: boolean;
+  boxes: Boxes;
 }
 
 /** Larger records are looked at in the picture that the service draws. */
@@ -47,22 +50,25 @@ const RECORD = "record.svg";
 
 /** The plan, and the tracks that were put together where the job did that. */
 async function load(job: Job, report: Report): Promise<Drawn> {
-  const [plan, locals] = await Promise.all([getPlan(job.id), job.kind === "correlate" ? getArtifactText(job.id, "local_tracks.csv") : ""]);
+  const ofLocals = job.kind === "correlate" ? getArtifactText(job.id, "local_tracks.csv") : "";
+  const [plan, locals, boxes] = await Promise.all([getPlan(job.id), ofLocals, boxesOf(report)]);
   const hasBearings = plan.notes.length > 0 || plan.detections.columns.x_m.some((x) => x === null);
   const [bearings, files] = hasBearings ? await Promise.all([getBearingTime(job.id), listArtifacts(job.id)]) : [undefined, []];
-  return { plan, locals: localPoints(parseCsv(locals, MOST_LOCAL_POINTS)), bearings, levels: await levelsOf(job, report, files).catch(() => undefined), hasRecord: files.some((file) => file.name === RECORD) };
+  const levels = await levelsOf(job, report, files).catch(() => undefined);
+  const hasRecord = files.some((file) => file.name === RECORD);
+  return { plan, locals: localPoints(parseCsv(locals, MOST_LOCAL_POINTS)), bearings, levels, hasRecord, boxes };
 }
 
 function localPoints(table: CsvTable): LocalPoint[] {
-  const [time, sensor, track, x, y] = ["time_s", "sensor_id", "track_id", "x_m", "y_m"].map((name) => reader(table, name)) as [CellReader, CellReader, CellReader, CellReader, CellReader];
+  const field = (name: string) => reader(table, name);
+  const [time, sensor, track, x, y] = [field("time_s"), field("sensor_id"), field("track_id"), field("x_m"), field("y_m")];
   return table.rows.map((row) => ({ time: Number(time(row)), sensor: sensor(row), track: track(row), x: Number(x(row)), y: Number(y(row)) }));
 }
 
-type CellReader = (row: string[]) => string;
-
 function membersOf(report: Report): Map<string, Set<string>> {
   const { tuples = [], sensors = [] } = partsOf(report);
-  const names = (tracks: (string | null)[]) => tracks.flatMap((track, index) => (track === null ? [] : [memberName(sensors[index]?.sensor_id ?? "", track)]));
+  const names = (tracks: (string | null)[]) =>
+    tracks.flatMap((track, index) => (track === null ? [] : [memberName(sensors[index]?.sensor_id ?? "", track)]));
   return new Map(tuples.map((tuple) => [tuple.system_track_id, new Set(names(tuple.tracks))]));
 }
 
@@ -81,23 +87,61 @@ function Pictures({ job, drawn, report }: { job: Job; drawn: Drawn; report: Repo
   const directions = useMemo(() => (bearings ? bearingScene(bearings) : undefined), [bearings]);
   const hasPlaces = scene.truths.size + scene.tracks.size + scene.clouds.length > 0;
   const track = param("track");
-  const gates = useResource(() => (track && scene.tracks.has(track) && !locals.length ? getGates(job.id, track) : Promise.resolve(undefined)), [job.id, track, scene]).data;
+  const gated = track && scene.tracks.has(track) && !locals.length ? track : undefined;
+  const gates = useResource(async () => (gated ? getGates(job.id, gated) : undefined), [job.id, gated, scene]).data;
   useEffect(() => clock.dispose, [clock]);
-  if (!scene.times.length) return <Empty title="There is nothing to draw: no scan, no truth, no track." />;
+  if (!scene.times.length) return <Nothing boxes={drawn.boxes} report={report} />;
+  const hasTracks = scene.tracks.size + (directions?.tracks.size ?? 0) > 0;
+  const notes = [...boxNotes(drawn.boxes), ...plan.notes.map((note) => noteText(note, bearings !== undefined))];
   return (
     <div class="pictures">
       <div class="pictures-main">
-        {bearings && directions ? <BearingTimeChart jobId={job.id} series={bearings} scene={directions} clock={clock} levels={drawn.levels} /> : null}
-        {bearings && !hasPlaces ? null : <PlanView jobId={job.id} plan={plan} scene={scene} clock={clock} gates={gates} />}
+        {bearings && directions ? (
+          <BearingTimeChart jobId={job.id} series={bearings} scene={directions} clock={clock} levels={drawn.levels} />
+        ) : null}
+        {bearings && !hasPlaces ? null : <PlanView jobId={job.id} plan={plan} scene={scene} clock={clock} gates={gates} notes={notes} />}
         <ClockBar clock={clock} />
         {drawn.hasRecord ? <RecordPicture id={job.id} /> : null}
       </div>
       <aside class="pictures-side" aria-label="Selection">
-        <Selection scene={scene} directions={directions} clock={clock} tfa={tfa} gates={gates} />
+        <Selection scene={scene} directions={directions} clock={clock} tfa={tfa} gates={gates} maxMissed={maxMissedOf(report)} />
         <TupleNote report={report} />
-        {(scene.tracks.size || directions?.tracks.size) && job.kind !== "correlate" ? <ProbabilityChart jobId={job.id} track={param("track")} clock={clock} /> : null}
+        {hasTracks && job.kind !== "correlate" ? <ProbabilityChart jobId={job.id} track={track} clock={clock} /> : null}
       </aside>
     </div>
+  );
+}
+
+/** Misses in a row that end a track, as the request says. */
+function maxMissedOf(report: Report): number | undefined {
+  const { max_missed } = ((report.spec as Record<string, unknown>)["tracker"] ?? {}) as { max_missed?: number };
+  return max_missed;
+}
+
+function boxNotes(boxes: Boxes): string[] {
+  const kinds = [boxes.truths ? plural(boxes.truths, "truth") : "", boxes.tracks ? plural(boxes.tracks, "track") : ""].filter(Boolean);
+  return kinds.length ? [`${kinds.join(" and ")} of boxes in a video: boxes are not drawn in this view.`] : [];
+}
+
+/** What the service says of its answers, as people need it who look at the pictures. */
+function noteText(note: string, hasBearings: boolean): string {
+  const of = /^the (truth|tracks) are directions/.exec(note)?.[1];
+  if (!of || !hasBearings) return capital(note);
+  return of === "truth" ? "The truth is directions: the bearing–time picture shows it." : "The tracks are directions: the bearing–time picture shows them.";
+}
+
+/** A job without a place and a scan; of a video it says what there is and where that is told. */
+function Nothing({ boxes, report }: { boxes: Boxes; report: Report }): JSX.Element {
+  const [note] = boxNotes(boxes);
+  if (!note) return <Empty title="There is nothing to draw: no scan, no truth, no track." />;
+  return (
+    <Empty title={note}>
+      {partsOf(report).metrics ? (
+        <p>
+          <Link href={hereHref({ tab: "metrics" })}>The metrics tab</Link> shows which track followed which target when, and every event.
+        </p>
+      ) : null}
+    </Empty>
   );
 }
 

@@ -4,7 +4,7 @@ import type { JSX } from "preact";
 import { partsOf, type EventCounts, type Grouping, type Job, type MetricReport, type Report, type Tfa } from "../api/types";
 import { ScanCounts } from "../charts/scan-counts";
 import { Icon, Link, type IconName } from "../components/basics";
-import { capital, count, duration, number, probability, words } from "../format";
+import { capital, count, duration, number, plural, probability, words } from "../format";
 import { hereHref, pageHref } from "../state/url";
 
 /** Jobs of these kinds leave no scans. */
@@ -44,28 +44,38 @@ export function Warnings({ all }: { all: string[] }): JSX.Element | null {
   );
 }
 
-const VERDICTS: { name: "correct" | "missed" | "false"; of: (tfa: Tfa) => string }[] = [
-  { name: "correct", of: (tfa) => `of ${count(tfa.counts.output_tracks)} output tracks` },
-  { name: "missed", of: (tfa) => `of ${count(tfa.counts.targets)} targets` },
-  { name: "false", of: (tfa) => `of ${count(tfa.counts.targets)} targets` },
-];
+const VERDICTS = ["correct", "missed", "false"] as const;
+type VerdictName = (typeof VERDICTS)[number];
+
+/** What a probability is the share of: the paper counts the correct ones among output tracks, the others among targets. */
+function divisorText({ counts }: Tfa, name: VerdictName): string {
+  return name === "correct" ? plural(counts.output_tracks, "output track") : plural(counts.targets, "target");
+}
 
 /** Correct, missed and false: how many targets, and the probabilities as the paper defines them. */
 export function TfaNumbers({ tfa }: { tfa: Tfa }): JSX.Element {
+  const perTarget = tfa.ratios.correct_per_target;
   return (
-    <section class="verdict-cards" aria-label="Verdicts">
-      {VERDICTS.map(({ name, of }) => (
-        <Link class={`verdict-card verdict-${name}`} href={hereHref({ tab: "verdicts", verdict: name, page: null })}>
-          <span class="verdict-name">
-            <Icon name={name as IconName} /> {name}
-          </span>
-          <span class="verdict-count">{count(tfa.counts[name])}</span>
-          <span class="verdict-probability">
-            P = <b>{probability(tfa.probability[name])}</b>
-          </span>
-          <span class="muted small">{of(tfa)}</span>
-        </Link>
-      ))}
+    <section aria-label="Verdicts">
+      <div class="verdict-cards">
+        {VERDICTS.map((name) => (
+          <Link class={`verdict-card verdict-${name}`} href={hereHref({ tab: "verdicts", verdict: name, page: null })}>
+            <span class="verdict-name">
+              <Icon name={name as IconName} /> {name}
+            </span>
+            <span class="verdict-count">{count(tfa.counts[name])}</span>
+            <span class="verdict-probability">
+              P = <b>{probability(tfa.probability[name])}</b>
+            </span>
+            <span class="muted small">of {divisorText(tfa, name)}</span>
+            {name === "correct" ? <span class="muted small">{`correct per target ${probability(perTarget)}, of ${count(tfa.counts.targets)}`}</span> : null}
+          </Link>
+        ))}
+      </div>
+      <p class="muted small verdict-definition">
+        P correct is the share of output tracks that follow one target all its way, so that redundant and false tracks lower it; P missed and
+        P false are shares of targets. The three need not add up to 1. Correct per target is the share of targets that are followed all their way.
+      </p>
     </section>
   );
 }
@@ -77,6 +87,7 @@ function OutputTracks({ tfa }: { tfa: Tfa }): JSX.Element {
     ["Redundant", count(tfa.counts.redundant_tracks)],
     ["False", count(tfa.counts.false_tracks)],
     ["Output tracks per target", number(tfa.ratios.output_tracks_per_target)],
+    ["Correct per target", probability(tfa.ratios.correct_per_target)],
     ["Missed, but taken up later", count(tfa.missed_with_matched_track)],
     ["Violations of one detection, one track", count(tfa.counts.violations)],
   ];

@@ -5,15 +5,16 @@ import { useMemo } from "preact/hooks";
 import type { Job, TargetVerdict, Tfa } from "../api/types";
 import { readTfaFiles } from "../charts/automaton";
 import { AutomatonView } from "../charts/automaton-view";
-import { Lines, type Curve } from "../charts/lines";
+import { Lines, type Curve, type Point } from "../charts/lines";
 import { Empty, Icon, Link, Loading, ProblemBox, type IconName } from "../components/basics";
 import { useResource } from "../components/resource";
 import { saveText } from "../components/save";
 import { toCsv } from "../components/table";
 import { count, number, probability } from "../format";
+import { useOrigin } from "../state/job-start";
 import { hereHref, go, param, setParams } from "../state/url";
 import { TfaNumbers } from "./job-summary";
-import { placeOf, sentence, took, tookKind } from "./verdicts";
+import { placeOf, reason, sentence, took, tookKind } from "./verdicts";
 
 const PAGE = 200;
 
@@ -96,12 +97,15 @@ function VerdictRow({ verdict }: { verdict: TargetVerdict }): JSX.Element {
       <td class="num">{count(verdict.errors)}</td>
       <td class="num">{number(verdict.log_probability)}</td>
       <td>{verdict.track_id ?? verdict.matched_track_id ?? "–"}</td>
+      <td class="reason">{reason(verdict)}</td>
     </tr>
   );
 }
 
 function Filter({ tfa, rows }: { tfa: Tfa; rows: TargetVerdict[] }): JSX.Element {
-  const csv = () => saveText(toCsv({ columns: COLUMNS.map((column) => column.key), rows: rows.map((row) => COLUMNS.map(({ key }) => row[key] ?? null)) }), "verdicts.csv", "text/csv");
+  const rowOf = (row: TargetVerdict) => [...COLUMNS.map(({ key }) => row[key] ?? null), row.verdict === "correct" ? null : reason(row)];
+  const table = () => ({ columns: [...COLUMNS.map((column) => column.key), "why"], rows: rows.map(rowOf) });
+  const csv = () => saveText(toCsv(table()), "verdicts.csv", "text/csv");
   return (
     <form class="filters" role="search" onSubmit={(event) => event.preventDefault()}>
       <label>
@@ -117,7 +121,13 @@ function Filter({ tfa, rows }: { tfa: Tfa; rows: TargetVerdict[] }): JSX.Element
       </label>
       <label class="grow">
         <span>Truth or track</span>
-        <input type="search" data-filter value={param("find") ?? ""} placeholder="Press / to filter" onInput={(event) => setParams({ find: event.currentTarget.value, page: null })} />
+        <input
+          type="search"
+          data-filter
+          value={param("find") ?? ""}
+          placeholder="Press / to filter"
+          onInput={(event) => setParams({ find: event.currentTarget.value, page: null })}
+        />
       </label>
       <button type="button" onClick={csv}>
         <Icon name="download" /> CSV
@@ -147,6 +157,7 @@ export function JobVerdicts({ job, tfa }: { job: Job; tfa: Tfa }): JSX.Element {
                 {COLUMNS.map((column) => (
                   <SortHead key={column.key} column={column} />
                 ))}
+                <th scope="col">Why</th>
               </tr>
             </thead>
             <tbody>
@@ -194,7 +205,11 @@ function Sets({ tfa }: { tfa: Tfa }): JSX.Element {
             <ul class="chips">
               {targets.slice(0, CHIPS).map((target) => (
                 <li>
-                  <Link class={`chip${param("truth") === target.truth_id ? " chosen" : ""}`} href={hereHref({ truth: target.truth_id })} label={`Way of target ${target.truth_id}`}>
+                  <Link
+                    class={`chip${param("truth") === target.truth_id ? " chosen" : ""}`}
+                    href={hereHref({ truth: target.truth_id })}
+                    label={`Way of target ${target.truth_id}`}
+                  >
                     {target.truth_id}
                   </Link>
                 </li>
@@ -215,13 +230,18 @@ function Sets({ tfa }: { tfa: Tfa }): JSX.Element {
 /** The way of the chosen target; without a choice, of the first that went wrong. */
 function WayOfTarget({ job, tfa }: { job: Job; tfa: Tfa }): JSX.Element | null {
   const files = useResource(() => readTfaFiles(job.id), [job.id]);
-  const chosen = tfa.targets.find((target) => target.truth_id === param("truth")) ?? tfa.targets.find((target) => target.verdict === "false") ?? tfa.targets[0];
+  const origin = useOrigin(job.id);
+  const { targets } = tfa;
+  const asked = targets.find((target) => target.truth_id === param("truth"));
+  const chosen = asked ?? targets.find((target) => target.verdict === "false") ?? targets[0];
   if (!chosen) return null;
   if (files.error) return <ProblemBox error={files.error} retry={files.reload} />;
-  if (!files.data) return <Loading what="the automaton" />;
+  if (!files.data || origin === undefined) return <Loading what="the automaton" />;
   const { automaton, expected } = files.data;
   const steps = expected.get(chosen.truth_id);
-  if (!automaton || !steps) return <p class="muted">{automaton ? `Target ${chosen.truth_id} has no string: ${sentence(chosen)}` : "The automaton was too large for a file, so that it is not drawn."}</p>;
+  if (!automaton) return <p class="muted">The automaton was too large for a file, so that it is not drawn.</p>;
+  if (!steps) return <p class="muted">{`Target ${chosen.truth_id} has no string: ${sentence(chosen)}`}</p>;
+  const file = `way-${chosen.truth_id}-${job.id.slice(-12)}`;
   return (
     <div class="way-of-target">
       <p>
@@ -230,20 +250,36 @@ function WayOfTarget({ job, tfa }: { job: Job; tfa: Tfa }): JSX.Element | null {
         </span>{" "}
         <b>{chosen.truth_id}</b> {sentence(chosen)} <Link href={hereHref(placeOf(chosen))}>Show in the plan view</Link>
       </p>
-      <AutomatonView key={chosen.truth_id} verdict={chosen} expected={steps} automaton={automaton} file={`way-${chosen.truth_id}-${job.id.slice(-12)}`} />
+      <AutomatonView key={chosen.truth_id} verdict={chosen} expected={steps} automaton={automaton} file={file} origin={origin} />
     </div>
   );
 }
 
 function Tolerance({ tfa, file }: { tfa: Tfa; file: string }): JSX.Element | null {
-  const curves = useMemo((): Curve[] => [{ name: "correct when up to k errors are forgiven", points: tfa.tolerance.map(({ k, correct }) => [k, correct]), color: (palette) => palette.good, look: "solid", symbol: "circle", step: true }], [tfa]);
+  const curves = useMemo((): Curve[] => {
+    const points = tfa.tolerance.map(({ k, correct }): Point => [k, correct]);
+    const name = "correct when up to k errors are forgiven";
+    return [{ name, points, color: (palette) => palette.good, look: "solid", symbol: "circle", step: true }];
+  }, [tfa]);
   if (tfa.tolerance.length < 2) return null;
-  const table = () => ({ columns: ["k", "correct targets", "P correct"], rows: tfa.tolerance.map(({ k, correct, probability: share }) => [k, correct, share ?? null]) });
+  const rows = tfa.tolerance.map(({ k, correct, probability: share }) => [k, correct, share ?? null]);
   const [first, last] = [tfa.tolerance[0], tfa.tolerance.at(-1)];
   const note = (
     <p class="muted small frame-note">
       P correct is {probability(first?.probability)} without errors and {probability(last?.probability)} when {last?.k} are forgiven.
     </p>
   );
-  return <Lines title="Tolerance" file={`tolerance-${file}`} label={`Correct targets over forgiven errors, 0 to ${last?.k}.`} curves={curves} xName="forgiven errors k" yName="correct targets" table={table} tools={note} />;
+  return (
+    <Lines
+      title="Tolerance"
+      file={`tolerance-${file}`}
+      label={`Correct targets over forgiven errors, 0 to ${last?.k}.`}
+      curves={curves}
+      xName="forgiven errors k"
+      yName="correct targets"
+      values="counts"
+      table={() => ({ columns: ["k", "correct targets", "P correct"], rows })}
+      tools={note}
+    />
+  );
 }

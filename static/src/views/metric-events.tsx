@@ -3,31 +3,54 @@
 import type { JSX } from "preact";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Cell, Job } from "../api/types";
-import { lanesOf, readEvents, type EventLog } from "../charts/event-log";
-import { Lanes, placeOf } from "../charts/lanes";
+import { lanesOf, readEvents, type EventLog, type LogEntry } from "../charts/event-log";
+import { laneHref, planHref, type EventMoment } from "../charts/event-moment";
+import { Lanes } from "../charts/lanes";
 import { Empty, Link, Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import type { TableData } from "../components/table";
 import { TableFrame } from "../components/table-frame";
-import { capital, count, number, words } from "../format";
+import { capital, count, number, plural, words } from "../format";
 import { param, setParams } from "../state/url";
+import { timeCell, timeHead, timeText, timeTitle } from "../times";
 
 const LANES_AT_ONCE = 40;
 const EVENTS_AT_ONCE = 200;
 
-export function EventViews({ job, sequence, file }: { job: Job; sequence: string; file: string }): JSX.Element {
+interface EventViewsProps {
+  job: Job;
+  sequence: string;
+  file: string;
+  origin: number;
+  /** Whether the plan view has places to show; boxes have none. */
+  hasPlan: boolean;
+}
+
+interface EventParts {
+  log: EventLog;
+  sequence: string;
+  file: string;
+  origin: number;
+  href: (moment: EventMoment) => string;
+  /** What an event leads to. */
+  place: string;
+}
+
+export function EventViews({ job, sequence, file, origin, hasPlan }: EventViewsProps): JSX.Element {
   const log = useResource(() => readEvents(job.id), [job.id]);
   if (log.error) return <ProblemBox error={log.error} retry={log.reload} />;
   if (!log.data) return <Loading what="the events" />;
+  const target = hasPlan ? { href: planHref, place: "the plan view" } : { href: laneHref, place: "these lanes" };
+  const parts = { log: log.data, sequence, file, origin, ...target };
   return (
     <>
-      <LaneView log={log.data} sequence={sequence} file={file} />
-      <EventTable log={log.data} sequence={sequence} file={file} />
+      <LaneView {...parts} />
+      <EventTable {...parts} />
     </>
   );
 }
 
-function LaneView({ log, sequence, file }: { log: EventLog; sequence: string; file: string }): JSX.Element | null {
+function LaneView({ log, sequence, file, ...rest }: EventParts): JSX.Element | null {
   const all = useMemo(() => lanesOf(log.entries, sequence).sort((a, b) => b.marks.length - a.marks.length), [log, sequence]);
   const from = Math.max(Number(param("lanes")) || 0, 0);
   if (!all.length) return null;
@@ -35,7 +58,7 @@ function LaneView({ log, sequence, file }: { log: EventLog; sequence: string; fi
   const turn = (to: number) => () => setParams({ lanes: to || null });
   return (
     <div>
-      <Lanes lanes={lanes} total={all.length} file={`lanes-${file}`} />
+      <Lanes lanes={lanes} total={all.length} file={`lanes-${file}`} {...rest} />
       {all.length > LANES_AT_ONCE ? (
         <p class="more">
           <button type="button" disabled={from === 0} onClick={turn(Math.max(from - LANES_AT_ONCE, 0))}>
@@ -53,7 +76,7 @@ function LaneView({ log, sequence, file }: { log: EventLog; sequence: string; fi
   );
 }
 
-function EventTable({ log, sequence, file }: { log: EventLog; sequence: string; file: string }): JSX.Element {
+function EventTable({ log, sequence, file, origin, href, place }: EventParts): JSX.Element {
   const head = useRef<HTMLDivElement>(null);
   const chosen = param("event");
   useEffect(() => {
@@ -63,7 +86,9 @@ function EventTable({ log, sequence, file }: { log: EventLog; sequence: string; 
   const kinds = [...new Set(log.entries.map((entry) => entry.kind))].sort();
   const asked = (chosen ?? "switch,break").split(",");
   const found = log.entries.filter((entry) => entry.sequence === sequence && asked.includes(entry.kind));
-  const table = (): TableData => ({ columns: ["step", "time_s", "event", "truth_id", "track_id", "distance"], rows: found.map((entry): Cell[] => [entry.step, entry.time, entry.kind, entry.truth || null, entry.track || null, entry.distance]) });
+  const rowOf = (entry: LogEntry): Cell[] => [entry.step, entry.time, entry.kind, entry.truth || null, entry.track || null, entry.distance];
+  const columns = ["step", "time_s", "event", "truth_id", "track_id", "distance"];
+  const table = (): TableData => ({ columns, rows: found.map(rowOf), origin_s: origin });
   const tools = (
     <div class="filters frame-filters" ref={head}>
       <label>
@@ -76,7 +101,7 @@ function EventTable({ log, sequence, file }: { log: EventLog; sequence: string; 
         </select>
       </label>
       <p class="muted small">
-        {count(found.length)} events, {count(Math.min(found.length, EVENTS_AT_ONCE))} shown
+        {plural(found.length, "event")}, {count(Math.min(found.length, EVENTS_AT_ONCE))} shown
         {log.isCut ? "; the file has more than were read here" : ""}
       </p>
     </div>
@@ -88,19 +113,23 @@ function EventTable({ log, sequence, file }: { log: EventLog; sequence: string; 
           <table class="data">
             <thead>
               <tr>
-                {["Time (s)", "Event", "Truth", "Track", "Distance"].map((name) => (
-                  <th scope="col" class={name === "Time (s)" || name === "Distance" ? "num" : undefined}>
-                    {name}
-                  </th>
+                <th scope="col" class="num">
+                  {origin ? capital(timeHead("time_s", origin)) : "Time (s)"}
+                </th>
+                {["Event", "Truth", "Track"].map((name) => (
+                  <th scope="col">{name}</th>
                 ))}
+                <th scope="col" class="num">
+                  Distance
+                </th>
               </tr>
             </thead>
             <tbody>
               {found.slice(0, EVENTS_AT_ONCE).map((entry) => (
                 <tr>
-                  <td class="num">
-                    <Link href={placeOf(entry.truth, entry.track, entry.time)} label={`Show ${words(entry.kind)} at ${number(entry.time)} s in the plan view`}>
-                      {number(entry.time)}
+                  <td class="num" title={timeTitle(entry.time, origin)}>
+                    <Link href={href(entry)} label={`Show ${words(entry.kind)} at ${timeText(entry.time, origin)} in ${place}`}>
+                      {timeCell(entry.time, origin)}
                     </Link>
                   </td>
                   <td>{capital(words(entry.kind))}</td>

@@ -4,19 +4,36 @@ import type { JSX } from "preact";
 import { useMemo } from "preact/hooks";
 import { getMetricSeries } from "../api/client";
 import type { Cell, MetricReport, MetricsSeries } from "../api/types";
-import { timeAxisName, timeOrigin, timeText } from "../charts/axes";
 import { reducedBadge } from "../charts/frame";
 import { Lines, lookOf, type Curve, type Point } from "../charts/lines";
 import { Empty, Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import type { TableData } from "../components/table";
 import { param, setParams } from "../state/url";
+import { timeAxisName, timeText } from "../times";
+
+/** A number without the dust of its binary digits: 0.15 for 0.15000000000000002. */
+const clean = (value: number): number => Number(value.toPrecision(12));
+
+function parameterText(value: unknown): string {
+  if (typeof value === "string") return value;
+  if (typeof value === "number") return String(clean(value));
+  if (Array.isArray(value) && value.length > 2 && value.every((each) => typeof each === "number")) return listText(value);
+  return JSON.stringify(value);
+}
+
+/** `0.05 to 0.95 in steps of 0.05`, where they are so. */
+function listText(values: number[]): string {
+  const step = ((values.at(-1) ?? 0) - (values[0] ?? 0)) / (values.length - 1);
+  const isEven = values.every((value, index) => Math.abs(value - (values[0] ?? 0) - index * step) < 1e-9 * Math.max(Math.abs(value), 1));
+  if (!isEven || step === 0) return values.map(clean).join(", ");
+  return `${clean(values[0] ?? 0)} to ${clean(values.at(-1) ?? 0)} in steps of ${clean(step)}`;
+}
 
 /** All that a metric was computed with. */
 export function parametersText(metric: MetricReport): string {
-  return Object.entries(metric.parameters as Record<string, unknown>)
-    .map(([name, value]) => `${name} ${typeof value === "string" ? value : JSON.stringify(value)}`)
-    .join(", ");
+  const parameters = Object.entries(metric.parameters as Record<string, unknown>);
+  return parameters.map(([name, value]) => `${name} ${parameterText(value)}`).join(", ");
 }
 
 /** The parts that add up to a metric, as exponents of the values of the series: GOSPA's are powers already. */
@@ -34,16 +51,18 @@ interface Shown {
 
 function rowsOf(series: MetricsSeries, sequence: string | undefined, names: string[]): Shown {
   const wanted = names.length ? (sequence ?? names[0]) : null;
-  const rows = series.columns.time_s.map((_, row) => row).filter((row) => wanted === null || series.columns.sequence[row] === wanted);
+  const { time_s, sequence: sequences, values } = series.columns;
+  const rows = time_s.map((_, row) => row).filter((row) => wanted === null || sequences[row] === wanted);
   const pick = <T,>(column: T[]): T[] => rows.map((row) => column[row] as T);
-  return { times: pick(series.columns.time_s), values: Object.fromEntries(Object.entries(series.columns.values).map(([name, column]) => [name, pick(column)])), units: series.units };
+  const picked = Object.entries(values).map(([name, column]) => [name, pick(column)] as const);
+  return { times: pick(time_s), values: Object.fromEntries(picked), units: series.units };
 }
 
 const PART_LOOKS: Record<string, number> = { localisation: 0, missed: 1, cardinality: 1, false: 2, switching: 3 };
 
 /** The metric's height, split in the proportion in which its parts add up to its p-th power. */
-function stacked({ times, values }: Shown, metric: string, parts: string[], power: number): Curve[] {
-  const origin = timeOrigin(times);
+function stacked({ times, values }: Shown, { metric, stack }: Choice, origin: number): Curve[] {
+  const { parts, power } = stack ?? { parts: [], power: 1 };
   const weight = (part: string, row: number) => (values[`${metric}.${part}`]?.[row] ?? 0) ** power;
   const there = parts.filter((part) => values[`${metric}.${part}`]?.some((value) => value !== 0));
   return there.map((part) => {
@@ -56,9 +75,16 @@ function stacked({ times, values }: Shown, metric: string, parts: string[], powe
   });
 }
 
-function plain({ times, values }: Shown, names: string[]): Curve[] {
-  const origin = timeOrigin(times);
-  return names.map((name, index) => ({ name: name.split(".").slice(1).join("."), points: times.map((time, row): Point => [time - origin, values[name]?.[row] ?? null]), ...lookOf(index) }));
+function plain({ times, values }: Shown, { columns }: Choice, origin: number): Curve[] {
+  return columns.map((name, index) => {
+    const points = times.map((time, row): Point => [time - origin, values[name]?.[row] ?? null]);
+    return { name: name.split(".").slice(1).join("."), points, ...lookOf(index) };
+  });
+}
+
+function curvesOf(shown: Shown | undefined, choice: Choice | undefined, origin: number): Curve[] {
+  if (!shown || !choice) return [];
+  return choice.stack ? stacked(shown, choice, origin) : plain(shown, choice, origin);
 }
 
 /** What one chart can show: the columns of one metric that have one unit; the parts of a metric together with it. */
@@ -94,14 +120,15 @@ interface OverTimeProps {
   names: string[];
   sequence: string | undefined;
   file: string;
+  origin: number;
 }
 
-export function OverTime({ jobId, metrics, names, sequence, file }: OverTimeProps): JSX.Element {
+export function OverTime({ jobId, metrics, names, sequence, file, origin }: OverTimeProps): JSX.Element {
   const series = useResource(() => getMetricSeries(jobId), [jobId]);
   const shown = useMemo(() => (series.data ? rowsOf(series.data, sequence, names) : undefined), [series.data, sequence]);
   const choices = useMemo(() => (shown ? choicesOf(shown, metrics) : []), [shown]);
   const choice = choices.find((entry) => entry.name === param("over")) ?? choices[0];
-  const curves = useMemo(() => (shown && choice ? (choice.stack ? stacked(shown, choice.metric, choice.stack.parts, choice.stack.power) : plain(shown, choice.columns)) : []), [shown, choice]);
+  const curves = useMemo(() => curvesOf(shown, choice, origin), [shown, choice, origin]);
   if (series.error) return <ProblemBox error={series.error} retry={series.reload} />;
   if (!series.data || !shown) return <Loading what="the metrics over time" />;
   if (!choice || !shown.times.length) return <Empty title="These metrics have no values over time." />;
@@ -109,6 +136,7 @@ export function OverTime({ jobId, metrics, names, sequence, file }: OverTimeProp
   const table = (): TableData => ({
     columns: ["time_s", ...choice.columns.map((name) => (shown.units[name] ? `${name} (${shown.units[name]})` : name))],
     rows: shown.times.map((time, row): Cell[] => [time, ...choice.columns.map((name) => shown.values[name]?.[row] ?? null)]),
+    origin_s: origin,
   });
   const tools = (
     <div class="filters frame-filters">
@@ -133,11 +161,11 @@ export function OverTime({ jobId, metrics, names, sequence, file }: OverTimeProp
       file={`metric-${choice.metric}-${file}`}
       label={`${choice.metric} at ${shown.times.length} times: ${curves.map((curve) => curve.name).join(", ")}.`}
       curves={curves}
-      xName={timeAxisName(shown.times)}
+      xName={timeAxisName(origin)}
       yName={choice.unit ? `${choice.metric} (${choice.unit})` : choice.metric}
-      xText={(time) => timeText(time + timeOrigin(shown.times), shown.times)}
-      cursor={param("time") === null ? undefined : Number(param("time")) - timeOrigin(shown.times)}
-      pick={(x) => setParams({ time: nearestTime(shown.times, x + timeOrigin(shown.times)) })}
+      xText={(time) => timeText(time + origin, origin)}
+      cursor={param("time") === null ? undefined : Number(param("time")) - origin}
+      pick={(x) => setParams({ time: nearestTime(shown.times, x + origin) })}
       table={table}
       badge={reducedBadge([{ ...series.data, name: "times" }])}
       tools={tools}

@@ -4,21 +4,26 @@
 import { useSignal, type Signal } from "@preact/signals";
 import type { JSX, TargetedEvent } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
-import { ApiError, createJob, getJob, getMethods, getSpec, listPresets, validate } from "../api/client";
+import { ApiError, createJob, getDataset, getJob, getMethods, getSpec, listPresets, validate } from "../api/client";
 import type { Fault, JobKind, Methods, Preset, Schema, Validation } from "../api/types";
-import { asProblem, FaultText, Icon, Link, Loading, ProblemBox } from "../components/basics";
+import { asProblem, Link, Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import { Fields } from "../form/composite";
 import { FormContext } from "../form/context";
-import { fieldId, initial, isObject, resolve, type JsonObject } from "../form/schema";
-import { bytes, capital, count, duration } from "../format";
+import { initial, isObject, resolve, type JsonObject } from "../form/schema";
+import { capital } from "../format";
 import { go, hereHref, pageHref, param, setParams } from "../state/url";
+import { asFaults, faultsOf, RequestCheck, showField, shownPointer, type Checked, type Failed } from "./request-check";
 
 /** Where to begin without a preset; `parts` are optional fields that most such requests need. */
 const BLANK: { kind: JobKind; summary: string; parts: string[] }[] = [
   { kind: "simulate", summary: "Play a scene: make detections and truth.", parts: [] },
   { kind: "associate", summary: "Turn detections into tracks.", parts: [] },
-  { kind: "evaluate", summary: "Associate and judge against the truth, or judge tracks you already have.", parts: ["input", "truth", "associator", "filter", "tracker"] },
+  {
+    kind: "evaluate",
+    summary: "Associate and judge against the truth, or judge tracks you already have.",
+    parts: ["input", "truth", "associator", "filter", "tracker"],
+  },
   { kind: "campaign", summary: "Run a job many times over a grid of its parameters.", parts: [] },
   { kind: "correlate", summary: "Put the tracks of several sensors together that are of one target, and fuse them.", parts: ["input"] },
   { kind: "group", summary: "Put together what several sensors report of one target.", parts: [] },
@@ -94,16 +99,17 @@ function blank(kind: JobKind, root: Schema): JsonObject {
   return value;
 }
 
-function useValidation(kind: JobKind, spec: Signal<JsonObject>): Signal<Validation | undefined> {
-  const result = useSignal<Validation | undefined>(undefined);
+/** Asks the service about the request whenever it changes, also when another data set is chosen. */
+function useValidation(kind: JobKind, spec: Signal<JsonObject>): Signal<Checked | undefined> {
+  const result = useSignal<Checked | undefined>(undefined);
   useEffect(() => {
     let current = true;
-    const timer = window.setTimeout(() => {
-      validate(kind, spec.value).then(
-        (answer) => current && (result.value = answer),
-        (error: unknown) => current && (result.value = asFaults(error)),
-      );
-    }, VALIDATE_AFTER_MS);
+    const of = spec.value;
+    const take = (validation: Validation) => {
+      if (current) result.value = { of, validation };
+    };
+    const ask = () => void validate(kind, of).then(take, (error: unknown) => take(asFaults(error)));
+    const timer = window.setTimeout(ask, VALIDATE_AFTER_MS);
     return () => {
       current = false;
       window.clearTimeout(timer);
@@ -112,10 +118,13 @@ function useValidation(kind: JobKind, spec: Signal<JsonObject>): Signal<Validati
   return result;
 }
 
-function asFaults(error: unknown): Validation {
-  const problem = asProblem(error);
-  const whole: Fault = { pointer: "", code: problem.code, detail: problem.detail ?? problem.title };
-  return { valid: false, errors: problem.errors?.length ? problem.errors : [whole], warnings: [] };
+/** The sensors of the data set that a request reads: those that it keeps, or all. */
+function useSensorIds(spec: JsonObject): string[] {
+  const input = isObject(spec["input"]) ? spec["input"] : {};
+  const id = typeof input["dataset_id"] === "string" ? input["dataset_id"] : "";
+  const ids = useResource(async () => (id ? (await getDataset(id)).sensor_ids : []), [id]).data ?? [];
+  const kept = Array.isArray(input["sensor_ids"]) ? input["sensor_ids"].filter((sensor) => sensor !== "") : [];
+  return kept.length ? ids.filter((sensor) => kept.includes(sensor)) : ids;
 }
 
 /** The request itself may be a reference into its definitions. */
@@ -123,28 +132,44 @@ function requestSchema(schema: Schema): Schema {
   return { ...resolve(schema, schema), ...(schema.$defs ? { $defs: schema.$defs } : {}) };
 }
 
-function byPointer(faults: Fault[]): Map<string, Fault[]> {
+/** The faults at the fields that show them. */
+function byField(faults: Fault[], spec: JsonObject): Map<string, Fault[]> {
   const map = new Map<string, Fault[]>();
-  for (const fault of faults) map.set(fault.pointer, [...(map.get(fault.pointer) ?? []), fault]);
+  for (const fault of faults) {
+    const pointer = shownPointer(fault.pointer, spec);
+    map.set(pointer, [...(map.get(pointer) ?? []), fault]);
+  }
   return map;
 }
 
-function Editor({ kind, start, methods }: { kind: JobKind; start: Start | undefined; methods: Methods }): JSX.Element {
+interface EditorProps {
+  kind: JobKind;
+  start: Start | undefined;
+  methods: Methods;
+}
+
+function Editor({ kind, start, methods }: EditorProps): JSX.Element {
   const root = useMemo(() => requestSchema(methods.requests[kind]), [methods, kind]);
   const spec = useSignal<JsonObject>(start ? { ...start.body } : blank(kind, root));
-  const validation = useValidation(kind, spec);
-  const failure = useSignal<unknown>(start?.failure);
+  const checked = useValidation(kind, spec);
+  const failure = useSignal<Failed | undefined>(start?.failure ? { of: spec.peek(), error: start.failure, before: true } : undefined);
   const busy = useSignal(false);
+  const sensorIds = useSensorIds(spec.value);
   const asJson = param("as") === "json";
+  // What another request failed on says nothing of this one.
+  const failed = failure.value?.of === spec.value ? failure.value : undefined;
+  const faults = faultsOf(checked.value, failed);
   const submit = async () => {
+    const of = spec.peek();
     busy.value = true;
     failure.value = undefined;
     try {
-      const job = await createJob(kind, spec.value);
+      const job = await createJob(kind, of);
       go(pageHref({ view: "job", job: job.id }));
     } catch (error) {
-      if (error instanceof ApiError && error.problem.errors?.length) validation.value = asFaults(error);
-      else failure.value = error;
+      failure.value = { of, error, before: false };
+      const first = asProblem(error).errors?.[0];
+      if (first && !asJson) requestAnimationFrame(() => showField(shownPointer(first.pointer, of)));
     } finally {
       busy.value = false;
     }
@@ -168,7 +193,7 @@ function Editor({ kind, start, methods }: { kind: JobKind; start: Start | undefi
           {asJson ? (
             <JsonEditor spec={spec} />
           ) : (
-            <FormContext.Provider value={{ root, faults: byPointer(validation.value?.errors ?? []) }}>
+            <FormContext.Provider value={{ root, faults: byField(faults, spec.value), sensorIds }}>
               <form class="schema-form" onSubmit={(event) => event.preventDefault()}>
                 <Fields schema={root} value={spec.value} pointer="" change={(value) => (spec.value = value)} />
               </form>
@@ -176,75 +201,12 @@ function Editor({ kind, start, methods }: { kind: JobKind; start: Start | undefi
           )}
         </div>
         <aside class="editor-side" aria-label="Check and submit">
-          <Check validation={validation.value} asJson={asJson} />
-          {failure.value ? <ProblemBox error={failure.value} /> : null}
+          <RequestCheck spec={spec.value} checked={checked.value} failed={failed} asJson={asJson} />
           <button type="button" class="primary wide" disabled={busy.value} onClick={() => void submit()}>
             {busy.value ? "Submitting…" : `Submit ${kind} job`}
           </button>
         </aside>
       </div>
-    </>
-  );
-}
-
-function showField(pointer: string): void {
-  const field = document.getElementById(fieldId(pointer));
-  field?.scrollIntoView({ block: "center" });
-  field?.focus();
-}
-
-function Check({ validation, asJson }: { validation: Validation | undefined; asJson: boolean }): JSX.Element {
-  if (!validation) return <p class="muted">Checking…</p>;
-  if (validation.valid) {
-    const estimate = validation.estimate;
-    return (
-      <div class="check ok" role="status">
-        <p>
-          <Icon name="succeeded" /> The request is valid.
-        </p>
-        {estimate ? (
-          <dl class="facts">
-            {estimate.detections ? <Fact name="Detections" value={`about ${count(estimate.detections)}`} /> : null}
-            {estimate.cost_s ? <Fact name="Cost" value={`about ${duration(estimate.cost_s)}`} /> : null}
-            {estimate.bytes ? <Fact name="Stored" value={`about ${bytes(estimate.bytes)}`} /> : null}
-          </dl>
-        ) : null}
-        {validation.warnings.map((warning) => (
-          <p class="warning-text">
-            <Icon name="warning" /> {warning}
-          </p>
-        ))}
-      </div>
-    );
-  }
-  return (
-    <div class="check bad" role="status">
-      <p>
-        <Icon name="failed" /> {validation.errors.length === 1 ? "One fault" : `${validation.errors.length} faults`}
-      </p>
-      <ul class="faults">
-        {validation.errors.map((fault) => (
-          <li>
-            {asJson || fault.pointer === "" ? (
-              <code>{fault.pointer || "/"}</code>
-            ) : (
-              <button type="button" class="link mono" onClick={() => showField(fault.pointer)}>
-                {fault.pointer}
-              </button>
-            )}{" "}
-            <FaultText fault={fault} />
-          </li>
-        ))}
-      </ul>
-    </div>
-  );
-}
-
-function Fact({ name, value }: { name: string; value: string }): JSX.Element {
-  return (
-    <>
-      <dt>{name}</dt>
-      <dd>{value}</dd>
     </>
   );
 }
@@ -269,7 +231,15 @@ function JsonEditor({ spec }: { spec: Signal<JsonObject> }): JSX.Element {
       <label for="json-text" class="visually-hidden">
         Request as JSON
       </label>
-      <textarea id="json-text" class="mono" spellcheck={false} rows={32} value={text.value} onInput={type} aria-invalid={fault.value !== "" || undefined} />
+      <textarea
+        id="json-text"
+        class="mono"
+        spellcheck={false}
+        rows={32}
+        value={text.value}
+        onInput={type}
+        aria-invalid={fault.value !== "" || undefined}
+      />
       {fault.value ? (
         <p class="field-fault" role="alert">
           Not JSON yet: {fault.value}

@@ -3,14 +3,16 @@
 import type { JSX } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import { partsOf, type Gates, type Report, type TargetVerdict, type Tfa } from "../api/types";
-import { timeText } from "../charts/axes";
 import type { BearingScene } from "../charts/bearing-scene";
 import { gatesAt, innovationWords } from "../charts/gates";
-import { at, type Scene } from "../charts/scene";
+import { at, hasEnded, isAlive, missesAtEnd, type Scene, type TrackLine } from "../charts/scene";
 import { Icon, Link, type IconName } from "../components/basics";
-import { metres, number } from "../format";
+import { Time } from "../components/time";
+import { capital, metres, number, plural, words } from "../format";
 import type { Clock } from "../state/clock";
 import { hereHref, param, setParams } from "../state/url";
+import { timeText } from "../times";
+import { addressedEvent, eventSentence, NO_EVENT } from "../charts/event-moment";
 import { placeOf, sentence } from "./verdicts";
 
 /** Beyond this many the names are found by typing: a list of thousands takes long to make and longer to read. */
@@ -31,7 +33,7 @@ function Find({ name, label, ids }: { name: "track" | "truth"; label: string; id
         value={text}
         placeholder={`one of ${ids.length}`}
         onInput={(event) => setText(event.currentTarget.value)}
-        onChange={(event) => setParams({ [name]: event.currentTarget.value }, "push")}
+        onChange={(event) => setParams({ ...NO_EVENT, [name]: event.currentTarget.value }, "push")}
       />
       <datalist id={`ids-${name}`}>
         {suggested.map((id) => (
@@ -47,7 +49,7 @@ function Pick({ name, label, ids }: { name: "track" | "truth"; label: string; id
   return (
     <label>
       <span>{label}</span>
-      <select value={param(name) ?? ""} onChange={(event) => setParams({ [name]: event.currentTarget.value }, "push")}>
+      <select value={param(name) ?? ""} onChange={(event) => setParams({ ...NO_EVENT, [name]: event.currentTarget.value }, "push")}>
         <option value="">none of {ids.length}</option>
         {ids.map((id) => (
           <option value={id}>{id}</option>
@@ -102,47 +104,101 @@ interface SelectionProps {
   clock: Clock;
   tfa: Tfa | undefined;
   gates: Gates | undefined;
+  /** Misses in a row that end a track, where the request says so. */
+  maxMissed: number | undefined;
 }
 
-export function Selection({ scene, directions, clock, tfa, gates }: SelectionProps): JSX.Element {
+const idsOf = (one: Map<string, unknown>, other: Map<string, unknown> | undefined) => [...new Set([...one.keys(), ...(other?.keys() ?? [])])];
+
+export function Selection({ scene, directions, clock, tfa, gates, maxMissed }: SelectionProps): JSX.Element {
   const track = param("track");
-  const [truths, tracks] = [new Set([...scene.truths.keys(), ...(directions?.truths.keys() ?? [])]), new Set([...scene.tracks.keys(), ...(directions?.tracks.keys() ?? [])])];
+  const [truths, tracks] = [idsOf(scene.truths, directions?.truths), idsOf(scene.tracks, directions?.tracks)];
   const verdict = verdictOf(tfa, param("truth"), track);
+  const line = scene.tracks.get(track ?? "");
   return (
     <section class="panel selection">
       <h2>Selection</h2>
       <div class="filters">
-        {truths.size ? <Pick name="truth" label="Truth" ids={[...truths]} /> : null}
-        {tracks.size ? <Pick name="track" label="Track" ids={[...tracks]} /> : null}
+        {truths.length ? <Pick name="truth" label="Truth" ids={truths} /> : null}
+        {tracks.length ? <Pick name="track" label="Track" ids={tracks} /> : null}
       </div>
-      {track ? directions?.tracks.has(track) ? <BearingFacts scene={directions} track={track} clock={clock} /> : <TrackFacts scene={scene} track={track} clock={clock} gates={gates} /> : null}
-      {verdict ? <VerdictNote verdict={verdict} /> : null}
+      {track && directions?.tracks.has(track) ? <BearingFacts scene={directions} track={track} clock={clock} /> : null}
+      {line ? <TrackFacts scene={scene} line={line} clock={clock} gates={gates} maxMissed={maxMissed} /> : null}
+      {track && !line && !directions?.tracks.has(track) ? <p class="muted">There is no track {track} here.</p> : null}
+      <EventNote clock={clock} />
+      {verdict ? <VerdictNote verdict={verdict} isAlive={speaksThen(scene, verdict)} /> : null}
       {tfa ? <Failures tfa={tfa} current={verdict} /> : null}
     </section>
   );
 }
 
-function TrackFacts({ scene, track, clock, gates }: { scene: Scene; track: string; clock: Clock; gates: Gates | undefined }): JSX.Element {
-  const line = scene.tracks.get(track);
-  if (!line) return <p class="muted">There is no track {track} here.</p>;
-  const here = at(line, clock.time.value);
-  const index = here?.index ?? 0;
-  const covariance = line.covariance[index];
-  const born = (line.time[0] ?? Infinity) <= clock.time.value;
-  const [first, last] = [timeText(line.time[0] ?? 0, scene.times), timeText(line.time.at(-1) ?? 0, scene.times)];
+/** Whether the track that speaks for a target lives when it went wrong. */
+function speaksThen(scene: Scene, { track_id, at_time_s }: TargetVerdict): boolean | undefined {
+  const line = scene.tracks.get(track_id ?? "");
+  return line && typeof at_time_s === "number" ? isAlive(scene, line, at_time_s) : undefined;
+}
+
+/** The event that was followed here, as long as the clock stands at it. */
+function EventNote({ clock }: { clock: Clock }): JSX.Element | null {
+  const event = addressedEvent();
+  const text = event && eventSentence(event);
+  if (!event || !text || Math.abs(event.time - clock.time.value) > 1e-6) return null;
   return (
-    <dl class="facts">
+    <div class="verdict-note">
+      <p>
+        <b>{capital(words(event.kind))}</b> at <Time at={event.time} origin={clock.origin} />
+      </p>
+      <p>{text}</p>
+    </div>
+  );
+}
+
+/** How a track ended: the misses at its end, and the one that was too many where the request names as many. */
+function endText(line: TrackLine, maxMissed: number | undefined): string {
+  const misses = missesAtEnd(line);
+  if (misses === 0) return "";
+  if (maxMissed === misses + 1) return ` (${maxMissed} misses)`;
+  return ` (no detection in its last ${plural(misses, "scan")})`;
+}
+
+interface TrackFactsProps {
+  scene: Scene;
+  line: TrackLine;
+  clock: Clock;
+  gates: Gates | undefined;
+  maxMissed: number | undefined;
+}
+
+function TrackFacts(props: TrackFactsProps): JSX.Element {
+  const { scene, line, clock, maxMissed } = props;
+  const { origin } = clock;
+  const [first, last] = [line.time[0] ?? 0, line.time.at(-1) ?? 0];
+  const ended = hasEnded(scene, line, clock.time.value);
+  return (
+    <dl class={`facts${ended ? " ended" : ""}`}>
       <dt>Life</dt>
       <dd>
-        {first} to {last}
+        <Time at={first} origin={origin} /> to <Time at={last} origin={origin} />
       </dd>
       <dt>Status</dt>
-      <dd>{born ? line.status[index] : "not born yet"}</dd>
+      {ended ? <dd>{`ended at ${timeText(last, origin)}${endText(line, maxMissed)}`}</dd> : <LivingFacts {...props} />}
+    </dl>
+  );
+}
+
+/** Where a track is, and what it has there. */
+function LivingFacts({ scene, line, clock, gates }: TrackFactsProps): JSX.Element {
+  const here = at(line, clock.time.value);
+  if (!here || (line.time[0] ?? Infinity) > clock.time.value + 1e-9) return <dd>not born yet</dd>;
+  const covariance = line.covariance[here.index];
+  return (
+    <>
+      <dd>{line.status[here.index]}</dd>
       <dt>Position</dt>
-      <dd>{born && here ? `${metres(here.x)}, ${metres(here.y)} m` : "–"}</dd>
+      <dd>{`${metres(here.x)}, ${metres(here.y)} m`}</dd>
       <dt>1σ east, north</dt>
-      <dd>{born && covariance ? `${metres(Math.sqrt(covariance[0]))}, ${metres(Math.sqrt(covariance[2]))} m` : "–"}</dd>
-      {gatesAt(gates, track, clock.time.value).map((row) => (
+      <dd>{covariance ? `${metres(Math.sqrt(covariance[0]))}, ${metres(Math.sqrt(covariance[2]))} m` : "–"}</dd>
+      {gatesAt(gates, line.id, clock.time.value).map((row) => (
         <>
           <dt>Gate</dt>
           <dd>
@@ -154,37 +210,50 @@ function TrackFacts({ scene, track, clock, gates }: { scene: Scene; track: strin
       {scene.locals.length ? null : (
         <>
           <dt>Detection</dt>
-          <dd class="mono">{born ? (line.detection[index] ?? "none (ε)") : "–"}</dd>
+          <dd class="mono">{line.detection[here.index] ?? "none (ε)"}</dd>
         </>
       )}
-    </dl>
+    </>
   );
 }
 
 function BearingFacts({ scene, track, clock }: { scene: BearingScene; track: string; clock: Clock }): JSX.Element | null {
   const line = scene.tracks.get(track);
   if (!line) return null;
-  const row = line.time.findLastIndex((time) => time <= clock.time.value + 1e-9);
-  const value = (column: (number | null)[], unit: string) => (row < 0 || column[row] === null ? "–" : `${number(column[row])}${unit}`);
+  const { origin } = clock;
+  const now = clock.time.value;
+  const [first, last] = [line.time[0] ?? 0, line.time.at(-1) ?? 0];
+  const row = line.time.findLastIndex((time) => time <= now + 1e-9);
+  const status = row < 0 ? "not born yet" : last < now - 1e-9 ? `ended at ${timeText(last, origin)}` : undefined;
+  const value = (column: (number | null)[], unit: string) => (column[row] === null ? "–" : `${number(column[row])}${unit}`);
   return (
     <dl class="facts">
       <dt>Life</dt>
       <dd>
-        {timeText(line.time[0] ?? 0, clock.times)} to {timeText(line.time.at(-1) ?? 0, clock.times)}
+        <Time at={first} origin={origin} /> to <Time at={last} origin={origin} />
       </dd>
-      <dt>Bearing</dt>
-      <dd>{row < 0 ? "not born yet" : value(line.bearing, "°")}</dd>
-      <dt>Rate</dt>
-      <dd>{value(line.rate, "°/s")}</dd>
-      <dt>1σ</dt>
-      <dd>{value(line.sigma, "°")}</dd>
-      <dt>Detection</dt>
-      <dd class="mono">{row < 0 ? "–" : (line.detection[row] ?? "none (ε)")}</dd>
+      {status ? (
+        <>
+          <dt>Status</dt>
+          <dd>{status}</dd>
+        </>
+      ) : (
+        <>
+          <dt>Bearing</dt>
+          <dd>{value(line.bearing, "°")}</dd>
+          <dt>Rate</dt>
+          <dd>{value(line.rate, "°/s")}</dd>
+          <dt>1σ</dt>
+          <dd>{value(line.sigma, "°")}</dd>
+          <dt>Detection</dt>
+          <dd class="mono">{line.detection[row] ?? "none (ε)"}</dd>
+        </>
+      )}
     </dl>
   );
 }
 
-function VerdictNote({ verdict }: { verdict: TargetVerdict }): JSX.Element {
+function VerdictNote({ verdict, isAlive }: { verdict: TargetVerdict; isAlive: boolean | undefined }): JSX.Element {
   return (
     <div class="verdict-note">
       <p>
@@ -192,9 +261,9 @@ function VerdictNote({ verdict }: { verdict: TargetVerdict }): JSX.Element {
           <Icon name={verdict.verdict as IconName} />
           {verdict.verdict}
         </span>{" "}
-        <b>{verdict.truth_id}</b>
+        <b>{verdict.truth_id}</b> <span class="muted">in the automaton</span>
       </p>
-      <p>{sentence(verdict)}</p>
+      <p>{sentence(verdict, isAlive)}</p>
       <button type="button" class="quiet" onClick={() => setParams(placeOf(verdict), "push")}>
         <Icon name="fit" /> Show where it was decided
       </button>
@@ -216,7 +285,7 @@ function Failures({ tfa, current }: { tfa: Tfa; current: TargetVerdict | undefin
       <button type="button" onClick={show(index < 0 ? -1 : index - 1)}>
         Previous
       </button>
-      <span class="muted">{index < 0 ? `${failures.length} failures` : `failure ${index + 1} of ${failures.length}`}</span>
+      <span class="muted">{index < 0 ? plural(failures.length, "failure") : `failure ${index + 1} of ${failures.length}`}</span>
       <button type="button" onClick={show(index + 1)}>
         Next
       </button>
