@@ -229,9 +229,21 @@ impl Scene {
         let input = EvaluationInput { recording: self.recording.as_ref(), truth: self.truth.as_ref(), tracks };
         let spec = tfa::spec_of(&plan.spec, &input)?;
         let evaluation = tfa::evaluation(&spec, judge::time_tolerance_s(&plan.spec), input, &self.sensors)?;
-        let files = if plan.wants_files { tfa::artifacts(&evaluation, &mut self.warnings)? } else { Vec::new() };
+        let mut warnings = evaluation.strings.warnings.clone();
+        let files = if plan.wants_files { tfa::artifacts(&evaluation, &mut warnings)? } else { Vec::new() };
         step(observer, Step::Evaluate, 1)?;
-        Ok((to_value(&evaluation.report())?, files))
+        let report = to_value(&evaluation.report())?;
+        self.warn(warnings);
+        Ok((report, files))
+    }
+
+    /// Adds warnings that were not given yet: metrics and automaton read the same times, and say so in the same words.
+    pub fn warn(&mut self, warnings: impl IntoIterator<Item = String>) {
+        for warning in warnings {
+            if !self.warnings.contains(&warning) {
+                self.warnings.push(warning);
+            }
+        }
     }
 
     /// Whether there is a string to read: boxes have none.

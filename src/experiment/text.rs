@@ -34,6 +34,8 @@ pub fn cell(value: &Value) -> String {
 }
 
 fn decimal(number: f64) -> String {
+    // Zero has no sign.
+    let number = number + 0.0;
     match number.abs() {
         size if size == size.trunc() && size < 1e15 => format!("{number}"),
         size if size < 1e-3 => format!("{number:.3e}"),
@@ -120,7 +122,7 @@ mod tests {
 
     #[test]
     fn absent_numbers_are_a_dash_and_fractions_have_three_decimals() {
-        assert_eq!([cell(&json!(13.0)), cell(&json!(-0.000123)), cell(&json!(0.0))], ["13", "-1.230e-4", "0"]);
+        assert_eq!([cell(&json!(13.0)), cell(&json!(-0.000123)), cell(&json!(0.0)), cell(&json!(-0.0))], ["13", "-1.230e-4", "0", "0"]);
         assert_eq!([cell(&Value::Null), cell(&json!(3)), cell(&json!(0.56338)), cell(&json!("x"))], ["–", "3", "0.563", "x"]);
     }
 

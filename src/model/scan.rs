@@ -1,6 +1,7 @@
 //! Recorded or simulated detections: a list of scans, each one revisit of one sensor.
 
 use super::fault::Fault;
+use super::scan_numbers;
 use super::sensor::SensorSettings;
 use super::state::Position;
 
@@ -55,7 +56,7 @@ pub struct Detection {
 /// One revisit of one sensor. Its detections are `first .. first + count` of [`Recording::detections`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scan {
-    /// The scan's number: the file's for one sensor, 1, 2, … in (time, sensor) order for several.
+    /// The file's own; without a file 1, 2, … in (time, sensor) order. What is missing among them: [`super::scan_numbers`].
     pub number: u32,
     pub time_s: f64,
     /// Index into [`Recording::sensors`].
@@ -138,10 +139,12 @@ impl Recording {
         let mut parts = RecordingParts { targets: self.targets.clone(), origins_known: self.origins_known, ..Default::default() };
         let kept: Vec<usize> = (0..self.sensors.len()).filter(|&index| sensor_ids.contains(&self.sensors[index].sensor_id)).collect();
         parts.sensors = kept.iter().map(|&index| self.sensors[index].clone()).collect();
+        // One sensor of scans that were counted through all sensors would seem to lack those of the others.
+        let is_counted_anew = kept.len() == 1 && self.sensors.len() > 1 && !scan_numbers::are_by_sensor(&self.scans);
         for scan in &self.scans {
             let Some(sensor) = kept.iter().position(|&index| index == scan.sensor) else { continue };
             let first = parts.detections.len();
-            let number = if kept.len() == self.sensors.len() || kept.len() > 1 { scan.number } else { parts.scans.len() as u32 + 1 };
+            let number = if is_counted_anew { parts.scans.len() as u32 + 1 } else { scan.number };
             parts.scans.push(Scan { number, sensor, first, ..*scan });
             parts.detections.extend_from_slice(&self.detections[scan.range()]);
             parts.detection_ids.extend_from_slice(&self.detection_ids[scan.range()]);

@@ -3,12 +3,8 @@
 use super::cells::Cell;
 use super::outcomes::{CellReport, Rows, Summary};
 use crate::experiment::run::Artifact;
-use crate::experiment::tables::quoted;
+use crate::experiment::tables::{optional, quoted};
 use std::io::{Error, Write};
-
-fn text_of(number: Option<f64>) -> String {
-    number.map_or_else(String::new, |number| number.to_string())
-}
 
 /// `runs.csv`: a line a cell and run, empty where a run has no such number.
 pub(super) fn runs(cells: &[Cell], names: &[&str], rows: &[Rows], seed: u32) -> Result<Artifact, Error> {
@@ -16,7 +12,7 @@ pub(super) fn runs(cells: &[Cell], names: &[&str], rows: &[Rows], seed: u32) -> 
     for (cell, columns) in cells.iter().zip(rows) {
         let name = quoted(&cell.name);
         for run in 0..columns.first().map_or(0, Vec::len) {
-            let numbers = columns.iter().map(|column| text_of(column[run])).collect::<Vec<_>>().join(",");
+            let numbers = columns.iter().map(|column| optional(column[run])).collect::<Vec<_>>().join(",");
             writeln!(bytes, "{name},{run},{seed},{numbers}")?;
         }
     }
@@ -43,7 +39,7 @@ pub(super) fn cells(reports: &[CellReport], names: &[&str]) -> Result<Artifact, 
                 difference.and_then(|difference| difference.interval).map(|interval| interval.low),
                 difference.and_then(|difference| difference.interval).map(|interval| interval.high),
             ];
-            let numbers = numbers.map(text_of).join(",");
+            let numbers = numbers.map(optional).join(",");
             writeln!(bytes, "{},{},{},{},{numbers}", quoted(&report.name), quoted(name), summary.count, summary.missing)?;
         }
     }
