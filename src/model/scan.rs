@@ -124,18 +124,8 @@ impl Recording {
     /// # Errors
     /// A fault for each name that is not a sensor of this recording.
     pub fn only_sensors(&self, sensor_ids: &[String]) -> Result<Recording, Vec<Fault>> {
-        let known = || self.sensors.iter().map(|sensor| sensor.sensor_id.as_str()).collect::<Vec<_>>().join(", ");
-        let faults: Vec<Fault> = sensor_ids
-            .iter()
-            .enumerate()
-            .filter(|(_, id)| !self.sensors.iter().any(|sensor| sensor.sensor_id == **id))
-            .map(|(index, id)| {
-                Fault::new(format!("/{index}"), "unknown_value", format!("the recording has no sensor '{id}'")).allowing(known())
-            })
-            .collect();
-        if !faults.is_empty() {
-            return Err(faults);
-        }
+        let known: Vec<&str> = self.sensors.iter().map(|sensor| sensor.sensor_id.as_str()).collect();
+        check_known("recording has", &known, sensor_ids)?;
         let mut parts = RecordingParts { targets: self.targets.clone(), origins_known: self.origins_known, ..Default::default() };
         let kept: Vec<usize> = (0..self.sensors.len()).filter(|&index| sensor_ids.contains(&self.sensors[index].sensor_id)).collect();
         parts.sensors = kept.iter().map(|&index| self.sensors[index].clone()).collect();
@@ -151,6 +141,15 @@ impl Recording {
         }
         Recording::new(parts)
     }
+}
+
+/// A fault for each of the wanted sensors that is not known; `who` as in "the recording has no sensor 'x'".
+pub(super) fn check_known(who: &str, known: &[&str], wanted: &[String]) -> Result<(), Vec<Fault>> {
+    let fault = |(index, id): (usize, &String)| {
+        Fault::new(format!("/{index}"), "unknown_value", format!("the {who} no sensor '{id}'")).allowing(known.join(", "))
+    };
+    let faults: Vec<Fault> = wanted.iter().enumerate().filter(|(_, id)| !known.contains(&id.as_str())).map(fault).collect();
+    if faults.is_empty() { Ok(()) } else { Err(faults) }
 }
 
 fn check_scans(parts: &RecordingParts, faults: &mut Vec<Fault>) {

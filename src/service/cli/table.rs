@@ -7,9 +7,9 @@ use serde_json::Value;
 pub(super) fn summary(report: &Value) -> String {
     let result = &report["result"];
     let mut rows = Vec::new();
-    let mut add = |name: String, value: &Value| {
+    let mut add = |name: String, unit: &str, value: &Value| {
         if !value.is_array() && !value.is_object() {
-            rows.push(vec![name, cell(value)]);
+            rows.push(vec![name, unit.to_owned(), cell(value)]);
         }
     };
     for (part, name) in [
@@ -21,13 +21,13 @@ pub(super) fn summary(report: &Value) -> String {
         ("/events/counts", "event"),
     ] {
         for (key, value) in result.pointer(part).and_then(Value::as_object).into_iter().flatten() {
-            add(format!("{name} {}", key.replace('_', " ")), value);
+            add(format!("{name} {}", key.replace('_', " ")), "", value);
         }
     }
     for (key, value) in report["timing"].as_object().into_iter().flatten() {
-        add(format!("time {}", key.trim_end_matches("_s")), value);
+        add(format!("time {}", key.trim_end_matches("_s")), "s", value);
     }
-    let mut text = table(&["quantity", "value"], &rows);
+    let mut text = table(&["quantity", "unit", "value"], &rows);
     if let Some(metrics) = metrics(result) {
         text = format!("{text}\n\n{metrics}");
     }
