@@ -1,14 +1,16 @@
 //! The scan axis: the scans on which strings are written, in order, and the place of each.
 //!
-//! With a recording the axis is its scans; each (time, sensor) is one scan. Scan numbers of a single sensor may have
-//! holes: the scans in a hole exist and are empty, so they only take up places. A hole never takes more places than
-//! end a string, so a wild scan number costs nothing. Without a recording the axis is the steps at which metrics compare
+//! With a recording the axis is its scans; each (time, sensor) is one scan. Scan numbers may have holes
+//! ([`crate::model::scan_numbers`]): the scans in a hole exist and are empty, so they only take up places, evenly between the
+//! scans around them. A hole never takes more places than end a string, so a wild scan number costs nothing. Without a recording the axis is the steps at which metrics compare
 //! truth and tracks, so that a track which begins late or ends early lacks symbols.
 
 use super::steps::Steps;
 use crate::model::scan::Recording;
+use crate::model::scan_numbers;
 use crate::model::track::{TrackPoint, TrackSet};
 use std::collections::HashMap;
+use std::ops::Range;
 
 /// One scan of the axis. `position` is its place, counting the empty scans of holes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,14 +37,14 @@ impl Axis {
     pub fn of_recording(recording: &Recording, tracks: &TrackSet, steps: Steps, max_missed: u32) -> Self {
         let indices: HashMap<&str, usize> =
             recording.sensors.iter().enumerate().map(|(index, sensor)| (sensor.sensor_id.as_str(), index)).collect();
-        let longest_step = if recording.sensors.len() > 1 { 1 } else { max_missed as usize + 1 };
+        let empty = empty_scans(recording, max_missed);
+        let mut passed = 0;
         let mut scans: Vec<AxisScan> = Vec::with_capacity(recording.scans.len());
-        for scan in &recording.scans {
-            let position = scans.last().map_or(0, |last| {
-                let step = scan.number.saturating_sub(last.number) as usize;
-                last.position + step.clamp(1, longest_step)
-            });
-            scans.push(AxisScan { number: scan.number, time_s: scan.time_s, position, sensor: Some(scan.sensor) });
+        for (index, scan) in recording.scans.iter().enumerate() {
+            while empty.get(passed).is_some_and(|&(time_s, sensor)| (time_s, sensor) <= (scan.time_s, scan.sensor)) {
+                passed += 1;
+            }
+            scans.push(AxisScan { number: scan.number, time_s: scan.time_s, position: index + passed, sensor: Some(scan.sensor) });
         }
         let sensor_of_point = tracks.sensor_ids.iter().map(|name| indices.get(name.as_str()).copied()).collect();
         Axis { scans, sensor_of_point, steps, by_time_alone: false }
@@ -95,17 +97,39 @@ impl Axis {
         if self.by_time_alone {
             return Some(step);
         }
-        let time_s = self.steps.time_s(step);
-        let first = self.scans.partition_point(|scan| scan.time_s < time_s);
-        let mut at_time = self.scans[first..].iter().take_while(|scan| scan.time_s == time_s);
+        let mut at_time = self.scans_of_step(step);
         match point.sensor {
             Some(sensor) => {
                 let wanted = self.sensor_of_point[sensor as usize]?;
-                at_time.position(|scan| scan.sensor == Some(wanted)).map(|offset| first + offset)
+                at_time.find(|&scan| self.scans[scan].sensor == Some(wanted))
             }
-            None => (at_time.count() == 1).then_some(first),
+            None => (at_time.len() == 1).then_some(at_time.start),
         }
     }
+
+    /// Indices of the scans of all sensors that a time belongs to.
+    pub fn scans_at(&self, time_s: f64) -> Range<usize> {
+        self.steps.at(time_s).map_or(0..0, |step| if self.by_time_alone { step..step + 1 } else { self.scans_of_step(step) })
+    }
+
+    fn scans_of_step(&self, step: usize) -> Range<usize> {
+        let time_s = self.steps.time_s(step);
+        let first = self.scans.partition_point(|scan| scan.time_s < time_s);
+        first..first + self.scans[first..].partition_point(|scan| scan.time_s == time_s)
+    }
+}
+
+/// Times and sensors of the scans in holes, in order: at most `max_missed` in each hole.
+fn empty_scans(recording: &Recording, max_missed: u32) -> Vec<(f64, usize)> {
+    let mut empty = Vec::new();
+    for gap in scan_numbers::gaps(recording) {
+        let (before, after) = (&recording.scans[gap.before], &recording.scans[gap.after]);
+        let count = gap.missing.min(max_missed);
+        let time_s = |place: u32| before.time_s + (after.time_s - before.time_s) * f64::from(place) / f64::from(count + 1);
+        empty.extend((1..=count).map(|place| (time_s(place).min(after.time_s), after.sensor)));
+    }
+    empty.sort_unstable_by(|left, right| left.0.total_cmp(&right.0).then(left.1.cmp(&right.1)));
+    empty
 }
 
 #[cfg(test)]
@@ -144,6 +168,16 @@ mod tests {
         assert_eq!(axis.at_position(10).number, 4_000_000_000);
         assert_eq!(axis.scan_at(10).map(|scan| scan.number), Some(4_000_000_000));
         assert_eq!((axis.scan_at(3), axis.scan_at(12)), (None, None));
+    }
+
+    #[test]
+    fn a_scan_that_two_sensors_leave_out_takes_a_place_for_each() {
+        // Scan 3 of both, at 2 s, as if it were written.
+        let scans = [(1, 0.0, 0), (1, 0.0, 1), (2, 1.0, 0), (2, 1.0, 1), (4, 3.0, 0), (4, 3.0, 1)];
+        let recording = recording(&["radar", "lidar"], &scans);
+        let axis = Axis::of_recording(&recording, &TrackSet::default(), steps(&recording), 5);
+        assert_eq!(axis.scans().iter().map(|scan| scan.position).collect::<Vec<_>>(), [0, 1, 2, 3, 6, 7]);
+        assert_eq!((axis.scans_at(3.0), axis.scans_at(2.0)), (4..6, 0..0));
     }
 
     #[test]

@@ -42,6 +42,13 @@ impl<'a> Identities<'a> {
         })
     }
 
+    /// Whether a scan of the recording has a detection of the `index`-th name.
+    pub fn is_in(&self, scan: usize, index: u32) -> bool {
+        let Some(recording) = self.recording else { return false };
+        let is_at_its_place = self.same_names && recording.scans[scan].range().contains(&(index as usize));
+        is_at_its_place || self.find(recording, scan, &self.names[index as usize]).is_some()
+    }
+
     /// Whether there is a recording and it does not have this identity.
     pub fn is_unknown(&self, identity: u32) -> bool {
         self.recording.is_some() && identity as usize >= self.known()

@@ -20,6 +20,7 @@ pub mod metrics;
 mod nearest_detection;
 mod nearest_point;
 pub mod nearest_truth;
+pub mod nearness;
 mod overlaps;
 pub mod steps;
 pub mod strings;

@@ -1,7 +1,7 @@
 //! The files that a job leaves behind.
 
 use super::run::Artifact;
-use super::tables::quoted;
+use super::tables::{number, quoted};
 use crate::association::Trace;
 use crate::formats;
 use crate::model::dataset::Dataset;
@@ -35,7 +35,7 @@ pub(super) fn scans(recording: &Recording, outcomes: &[ScanOutcome]) -> Result<A
     for (scan, outcome) in recording.scans.iter().zip(outcomes) {
         let sensor_id = &recording.sensors[scan.sensor].sensor_id;
         let ScanOutcome { tracks, confirmed, unused, .. } = outcome;
-        writeln!(bytes, "{},{},{},{},{tracks},{confirmed},{unused}", scan.time_s, scan.number, quoted(sensor_id), scan.count)?;
+        writeln!(bytes, "{},{},{},{},{tracks},{confirmed},{unused}", number(scan.time_s), scan.number, quoted(sensor_id), scan.count)?;
     }
     Ok(Artifact::file("scans.csv", "text/csv", bytes))
 }

@@ -1,6 +1,7 @@
 //! Runs the tracker over a recording.
 
 use super::given::{self, Start};
+use super::noise;
 use super::observer::{Observer, Step};
 use super::plan::Plan;
 use super::run::{Decided, RunError};
@@ -31,6 +32,14 @@ pub(super) struct Tracked {
     pub decided: Option<Decided>,
     /// What the associator wrote down step by step.
     pub trace: Option<Trace>,
+}
+
+impl Tracked {
+    /// A warning where the noise that was assumed does not fit the data.
+    pub fn doubt_of_noise(&self, spec: &Value) -> Option<String> {
+        let gate_probability = spec.pointer("/tracker/gate_probability")?.as_f64()?;
+        noise::doubt(self.nis.mean?, self.nis.updates, self.nis.dimensions as u32, gate_probability)
+    }
 }
 
 /// The part `association` of a report.

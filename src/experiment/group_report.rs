@@ -2,7 +2,7 @@
 
 use super::group::Grouped;
 use super::run::Artifact;
-use super::tables::Table;
+use super::tables::{Table, number, optional};
 use crate::correlation::grouping::fuzzy_c_means::History;
 use crate::evaluation::grouping::GroupingCounts;
 use crate::model::scan::Recording;
@@ -120,11 +120,11 @@ pub(super) fn artifacts(grouped: &Grouped, recording: &Recording) -> Vec<Artifac
         for (index, (&detection, report)) in instant.detections.iter().zip(&instant.reports).enumerate() {
             let truth_id = recording.detections[detection].origin.map(|origin| recording.targets[origin as usize].clone());
             table.row(&[
-                instant.time_s.to_string(),
+                number(instant.time_s),
                 (grouping.group_of[index] + 1).to_string(),
                 recording.sensors[report.sensor as usize].sensor_id.clone(),
                 recording.detection_ids[detection].clone(),
-                grouping.memberships[index].map(|membership| membership.to_string()).unwrap_or_default(),
+                optional(grouping.memberships[index]),
                 truth_id.unwrap_or_default(),
             ]);
         }
@@ -142,8 +142,8 @@ fn trace(grouped: &Grouped, recording: &Recording, history: &History) -> Artifac
         let clusters = kept.centres.len() / 2;
         let mut row = |quantity: &str, group: Option<usize>, detection_id: &str, value: f64| {
             let group = group.map(|group| (group + 1).to_string()).unwrap_or_default();
-            let (time_s, iteration) = (instant.time_s.to_string(), kept.iteration.to_string());
-            table.row(&[time_s, iteration, quantity.to_owned(), group, detection_id.to_owned(), value.to_string()]);
+            let (time_s, iteration) = (number(instant.time_s), kept.iteration.to_string());
+            table.row(&[time_s, iteration, quantity.to_owned(), group, detection_id.to_owned(), number(value)]);
         };
         row("cost", None, "", kept.cost);
         for (group, centre) in kept.centres.chunks_exact(2).enumerate() {

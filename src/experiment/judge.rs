@@ -12,6 +12,7 @@ use crate::evaluation::comparison::{Alignment, Comparison, PointSettings, Shape}
 use crate::evaluation::events::{EventKind, EventLog};
 use crate::evaluation::extent::Extent;
 use crate::evaluation::metrics::{METRICS, Metric, MetricReport, Quantity, Sequence};
+use crate::evaluation::nearness;
 use crate::model::boxes::BoxSet;
 use crate::model::fault::Fault;
 use crate::model::truth::TruthSet;
@@ -123,8 +124,10 @@ pub(super) fn judge(spec: &Value, subjects: &[Subject], wants_files: bool, obser
         let place = if subject.name.is_empty() { String::new() } else { format!("{}: ", subject.name) };
         comparison.warnings.iter().map(move |warning| format!("{place}{warning}"))
     });
+    let apart = subjects.iter().zip(&comparisons).filter_map(|(subject, comparison)| never_near(subject, comparison));
+    let of_metrics = together.iter().flat_map(|(_, report)| report.warnings.iter().cloned());
     let too_many = (pairs > MAX_PAIRS).then(|| format!("pairs.csv is left out: {pairs} pairs are more than {MAX_PAIRS}"));
-    Ok(Judgement { parts, artifacts, warnings: warnings.chain(too_many).collect() })
+    Ok(Judgement { parts, artifacts, warnings: warnings.chain(apart).chain(of_metrics).chain(too_many).collect() })
 }
 
 /// Builds the metrics. The second of one kind is called `gospa_2`, and so on.
@@ -182,6 +185,28 @@ fn compare(spec: &Value, subjects: &[Subject], metrics: &[Named], watch: &Watch)
 /// What the request says of times that are one step.
 pub(super) fn time_tolerance_s(spec: &Value) -> Option<f64> {
     spec.pointer("/comparison/alignment/time_tolerance_s").and_then(Value::as_f64)
+}
+
+/// A warning where no track ever comes within the gate of a target: what is far apart is rather of two units or clocks than missed.
+fn never_near(subject: &Subject, comparison: &Comparison) -> Option<String> {
+    let Content::Points { input, truth } = &subject.content else { return None };
+    if comparison.shape != Shape::Points || comparison.pairs.iter().any(|pair| pair.distance <= comparison.gate) {
+        return None;
+    }
+    let least_m = nearness::least_distance(comparison);
+    let place = if subject.name.is_empty() { String::new() } else { format!("{}: ", subject.name) };
+    let shifted = nearness::clock_shift_s(truth, input.tracks, comparison.gate).map(|shift_s| {
+        let (size_s, direction) = (shift_s.abs(), if shift_s < 0.0 { "earlier" } else { "later" });
+        format!("; with the times of the tracks {size_s:.3} s {direction} they would meet: do both have one clock?")
+    });
+    let question = "; are both in one unit and in the same coordinates?".to_owned();
+    least_m.is_finite().then(|| {
+        format!(
+            "{place}no track ever comes within the gate of a target: the least distance is {least_m:.1} m, the gate {} m{}",
+            comparison.gate,
+            shifted.unwrap_or(question)
+        )
+    })
 }
 
 /// Truth and tracks whose times do not meet: any number made of them would mislead.

@@ -2,7 +2,7 @@
 //! truth and each track. With them how the numbers of the report are made of their rows.
 
 use super::run::Artifact;
-use super::tables::Table;
+use super::tables::{Table, number, optional};
 use crate::evaluation::comparison::{Comparison, Shape};
 use crate::evaluation::metrics::origin::{EVENTS, Origin, PAIRS, PairColumn, SERIES, Source, TRACKS, TRUTHS};
 use crate::evaluation::metrics::{Line, MetricReport, Sequence, Series};
@@ -54,12 +54,12 @@ fn add_events(table: &mut Table, sequence: &Sequence) {
     for event in &sequence.events.events {
         table.row(&[
             (event.step + 1).to_string(),
-            comparison.steps[event.step as usize].time_s.to_string(),
+            number(comparison.steps[event.step as usize].time_s),
             event.kind.name().to_owned(),
             name(&comparison.truth_ids, event.truth),
             name(&comparison.track_ids, event.track),
-            number(event.distance),
-            number(event.distance.map(|distance| comparison.similarity(distance))),
+            optional(event.distance),
+            optional(event.distance.map(|distance| comparison.similarity(distance))),
         ]);
     }
 }
@@ -95,13 +95,13 @@ fn add_pairs(table: &mut Table, comparison: &Comparison, pairs: &[(u32, u32)], r
         let distances = known.or_else(far);
         let mut row = vec![
             (step + 1).to_string(),
-            comparison.steps[step].time_s.to_string(),
+            number(comparison.steps[step].time_s),
             comparison.truth_ids[of_truth.id as usize].clone(),
             comparison.track_ids[of_track.id as usize].clone(),
-            number(distances.map(|(distance, _)| distance)),
-            number(distances.map(|(_, similarity)| similarity)),
+            optional(distances.map(|(distance, _)| distance)),
+            optional(distances.map(|(_, similarity)| similarity)),
         ];
-        row.extend(cells.iter_mut().map(|cells| number(cells.next_if(|cell| (cell.0, cell.1) == (truth, track)).map(|cell| cell.2))));
+        row.extend(cells.iter_mut().map(|cells| optional(cells.next_if(|cell| (cell.0, cell.1) == (truth, track)).map(|cell| cell.2))));
         table.row(&row);
     }
 }
@@ -114,8 +114,8 @@ fn add_series(table: &mut Table, comparison: &Comparison, reports: &Reports) {
         .collect();
     table.columns(listed.iter().map(|(name, series)| labelled(name, series.name, series.unit)));
     for (index, step) in comparison.steps.iter().enumerate() {
-        let mut cells = vec![step.time_s.to_string()];
-        cells.extend(listed.iter().map(|(_, series)| number(series.values.get(index).copied().flatten())));
+        let mut cells = vec![number(step.time_s)];
+        cells.extend(listed.iter().map(|(_, series)| optional(series.values.get(index).copied().flatten())));
         table.row(&cells);
     }
 }
@@ -137,7 +137,7 @@ fn add_lines(table: &mut Table, ids: &[String], reports: &Reports, of: Lines) {
     let listed: Vec<&Vec<Line>> = reports.iter().map(|(_, report)| of(report)).filter(|lines| lines.len() == ids.len()).collect();
     for (index, id) in ids.iter().enumerate() {
         let mut cells = vec![id.clone()];
-        cells.extend(listed.iter().flat_map(|lines| lines[index].quantities.iter().map(|quantity| number(quantity.value))));
+        cells.extend(listed.iter().flat_map(|lines| lines[index].quantities.iter().map(|quantity| optional(quantity.value))));
         table.row(&cells);
     }
 }
@@ -187,9 +187,4 @@ fn label_of(name: &str, file: &str, column: &str, alone: &[&MetricReport]) -> St
 /// A column's name with its unit: `gospa.localisation [m]`.
 fn labelled(metric: &str, name: &str, unit: &str) -> String {
     if unit.is_empty() { format!("{metric}.{name}") } else { format!("{metric}.{name} [{unit}]") }
-}
-
-/// An absent number is an empty cell.
-fn number(value: Option<f64>) -> String {
-    value.map(|value| value.to_string()).unwrap_or_default()
 }

@@ -25,8 +25,11 @@ pub(super) const SPEED: Kind = Kind::Number { min: Bound::Including(0.0), max: B
 pub(super) const VELOCITY: Kind = Kind::Number { min: Bound::Including(-1e5), max: Bound::Including(1e5), unit: "m/s" };
 pub(super) const NAME: Kind = Kind::Text { max_length: 100 };
 
-const SENSOR_IDS: Field =
-    optional("sensor_ids", "Only the scans of these sensors; all of them when absent.", Kind::List { item: &NAME, min: 1, max: 64 });
+const SENSOR_IDS: Field = optional(
+    "sensor_ids",
+    "Only the scans, or of tracks the points, of these sensors; all of them when absent.",
+    Kind::List { item: &NAME, min: 1, max: 64 },
+);
 
 static SOURCE_DATASET: Object = Object {
     name: "DatasetSource",

@@ -112,6 +112,22 @@ impl From<Vec<Fault>> for RunError {
 /// # Errors
 /// [`RunError::Stopped`] as soon as the observer says so; [`RunError::Faults`] when the inputs do not fit.
 pub fn run(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<Outcome, RunError> {
+    let mut outcome = work(plan, inputs, observer)?;
+    unsign_zeros(&mut outcome.result);
+    Ok(outcome)
+}
+
+/// Makes every -0 of a result 0: sums and products of nothing have a sign that means nothing.
+pub(super) fn unsign_zeros(value: &mut Value) {
+    match value {
+        Value::Number(number) if number.is_f64() && number.as_f64() == Some(0.0) => *value = Value::from(0.0),
+        Value::Array(items) => items.iter_mut().for_each(unsign_zeros),
+        Value::Object(fields) => fields.values_mut().for_each(unsign_zeros),
+        _ => {}
+    }
+}
+
+fn work(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<Outcome, RunError> {
     if let Some(campaign) = &plan.campaign {
         return campaign::run(campaign, &inputs, observer);
     }
@@ -143,7 +159,7 @@ pub fn run(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<O
         if let Some(judgement) = scene.measure(plan, tracks, observer)? {
             parts.extend(judgement.parts);
             files.extend(judgement.artifacts);
-            scene.warnings.extend(judgement.warnings);
+            scene.warn(judgement.warnings);
         }
     }
     if plan.kind == JobKind::Group {

@@ -8,7 +8,7 @@ use super::judge::{self, Content, Judgement, Subject};
 use super::observer::{Observer, Step};
 use super::plan::{JobKind, Plan, scenario_of};
 use super::run::{Artifact, Decided, Inputs, RunError, to_value};
-use super::{artifacts, clutter, detect, group_report, profiles, record_picture, sensors, tfa};
+use super::{artifacts, clutter, detect, group_report, profiles, record_picture, scan_gaps, sensors, tfa};
 use crate::correlation::alignment::Node;
 use crate::evaluation::EvaluationInput;
 use crate::math::rng::Seed;
@@ -155,6 +155,8 @@ impl Scene {
             return Err(misplaced.into());
         }
         let tracked = associate::track(plan, (recording, self.truth.as_ref()), sensors.clone(), observer)?;
+        self.warnings.extend(scan_gaps::warning(recording));
+        self.warnings.extend(tracked.doubt_of_noise(&plan.spec));
         // Clutter that lies near targets only is not spread over what the sensor watches: a comparison would mislead.
         let is_local =
             scenario_of(&plan.spec).is_some_and(|(scenario, _)| scenario.sensors.iter().any(|sensor| sensor.clutter_within_deg.is_some()));
@@ -229,9 +231,21 @@ impl Scene {
         let input = EvaluationInput { recording: self.recording.as_ref(), truth: self.truth.as_ref(), tracks };
         let spec = tfa::spec_of(&plan.spec, &input)?;
         let evaluation = tfa::evaluation(&spec, judge::time_tolerance_s(&plan.spec), input, &self.sensors)?;
-        let files = if plan.wants_files { tfa::artifacts(&evaluation, &mut self.warnings)? } else { Vec::new() };
+        let mut warnings = evaluation.strings.warnings.clone();
+        let files = if plan.wants_files { tfa::artifacts(&evaluation, &mut warnings)? } else { Vec::new() };
         step(observer, Step::Evaluate, 1)?;
-        Ok((to_value(&evaluation.report())?, files))
+        let report = to_value(&evaluation.report())?;
+        self.warn(warnings);
+        Ok((report, files))
+    }
+
+    /// Adds warnings that were not given yet: metrics and automaton read the same times, and say so in the same words.
+    pub fn warn(&mut self, warnings: impl IntoIterator<Item = String>) {
+        for warning in warnings {
+            if !self.warnings.contains(&warning) {
+                self.warnings.push(warning);
+            }
+        }
     }
 
     /// Whether there is a string to read: boxes have none.

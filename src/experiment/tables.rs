@@ -61,6 +61,16 @@ impl Table {
     }
 }
 
+/// A number as a cell, the shortest text that reads back as it; zero has no sign.
+pub(super) fn number(value: f64) -> String {
+    (value + 0.0).to_string()
+}
+
+/// An absent number is an empty cell.
+pub(super) fn optional(value: Option<f64>) -> String {
+    value.map_or_else(String::new, number)
+}
+
 /// A CSV field, quoted where it must be.
 pub(super) fn quoted(text: &str) -> Cow<'_, str> {
     if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")).into() } else { text.into() }
@@ -69,6 +79,11 @@ pub(super) fn quoted(text: &str) -> Cow<'_, str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn zero_has_no_sign() {
+        assert_eq!([number(-0.0), number(0.0), number(-0.5), optional(Some(-0.0)), optional(None)], ["0", "0", "-0.5", "0", ""]);
+    }
 
     #[test]
     fn a_table_has_one_header_and_names_its_sequences_when_there_are_several() {

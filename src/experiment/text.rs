@@ -34,6 +34,8 @@ pub fn cell(value: &Value) -> String {
 }
 
 fn decimal(number: f64) -> String {
+    // Zero has no sign.
+    let number = number + 0.0;
     match number.abs() {
         size if size == size.trunc() && size < 1e15 => format!("{number}"),
         size if size < 1e-3 => format!("{number:.3e}"),
@@ -82,7 +84,7 @@ pub fn correlation(result: &Value) -> Option<String> {
 }
 
 /// The cells of a campaign's report: each outcome's mean with its interval, and how long deciding took beside the cell that
-/// it is compared with. `None` when there are no cells.
+/// it is compared with; below them the differences to that cell. `None` when there are no cells.
 pub fn campaign(report: &Value) -> Option<String> {
     let cells = report["result"]["cells"].as_array()?;
     let names: Vec<&str> = report["result"]["outcomes"].as_array()?.iter().filter_map(Value::as_str).collect();
@@ -96,7 +98,24 @@ pub fn campaign(report: &Value) -> Option<String> {
         let times = [&time["decide_us_per_scan"], &time["ratio"]].map(cell);
         [&line["name"], &line["runs"]].map(cell).into_iter().chain(outcomes).chain(times).collect::<Vec<_>>()
     };
-    Some(table(&header, &cells.iter().map(row).collect::<Vec<_>>()))
+    let text = table(&header, &cells.iter().map(row).collect::<Vec<_>>());
+    Some(match differences(cells, &names) {
+        Some(differences) => format!("{text}\n\n{differences}"),
+        None => text,
+    })
+}
+
+/// What each cell has more than the one it is compared with, run by run. `None` where none is compared.
+fn differences(cells: &[Value], names: &[&str]) -> Option<String> {
+    let compared: Vec<&Value> = cells.iter().filter(|line| line["compared_with"].is_string()).collect();
+    let header: Vec<&str> = ["difference, run by run", "pairs"].into_iter().chain(names.iter().copied()).collect();
+    let row = |line: &&Value| {
+        let name = format!("{} − {}", cell(&line["name"]), cell(&line["compared_with"]));
+        let pairs = names.iter().filter_map(|&name| line["differences"][name]["pairs"].as_u64()).max();
+        let outcomes = names.iter().map(|&name| with_interval(&line["differences"][name]));
+        [name, cell(&pairs.into())].into_iter().chain(outcomes).collect::<Vec<_>>()
+    };
+    (!compared.is_empty()).then(|| table(&header, &compared.iter().map(row).collect::<Vec<_>>()))
 }
 
 /// `0.987 [0.978, 0.993]`.
@@ -120,8 +139,20 @@ mod tests {
 
     #[test]
     fn absent_numbers_are_a_dash_and_fractions_have_three_decimals() {
-        assert_eq!([cell(&json!(13.0)), cell(&json!(-0.000123)), cell(&json!(0.0))], ["13", "-1.230e-4", "0"]);
+        assert_eq!([cell(&json!(13.0)), cell(&json!(-0.000123)), cell(&json!(0.0)), cell(&json!(-0.0))], ["13", "-1.230e-4", "0", "0"]);
         assert_eq!([cell(&Value::Null), cell(&json!(3)), cell(&json!(0.56338)), cell(&json!("x"))], ["–", "3", "0.563", "x"]);
+    }
+
+    #[test]
+    fn differences_stand_below_the_cells() {
+        let outcome = |mean: f64| json!({"mean": mean, "pairs": 5, "interval": {"low": mean - 1.0, "high": mean + 1.0}});
+        let cells = json!([
+            {"name": "NN", "runs": 5, "outcomes": {"cost": outcome(4.0)}, "differences": {}},
+            {"name": "JPDA", "runs": 5, "outcomes": {"cost": outcome(2.0)}, "differences": {"cost": outcome(-2.0)}, "compared_with": "NN"}
+        ]);
+        let text = campaign(&json!({"result": {"outcomes": ["cost"], "cells": cells}})).unwrap();
+        let told = "difference, run by run  pairs          cost\n──────────────────────  ─────  ────────────\nJPDA − NN                   5  -2 [-3, -1]";
+        assert!(text.ends_with(told), "{text}");
     }
 
     #[test]

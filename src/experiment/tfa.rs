@@ -2,7 +2,7 @@
 
 use super::requests;
 use super::run::{Artifact, RunError};
-use super::tables::quoted;
+use super::tables::{number, optional, quoted};
 use crate::evaluation::temporal_automaton::weighted::ScanProbability;
 use crate::evaluation::temporal_automaton::{Order, TfaEvaluation, report::EPSILON};
 use crate::evaluation::{DecisionPolicy, EvaluationInput, SymbolRule, TfaSettings};
@@ -72,9 +72,9 @@ fn csv(evaluation: &TfaEvaluation, curves: &[ScanProbability]) -> std::io::Resul
         let truth_id = quoted(strings.target_ids[row.target as usize]);
         let expected = quoted(row.symbol.map_or(EPSILON, |symbol| strings.name_of(symbol)));
         let track_id = row.track.map_or_else(Default::default, |track| quoted(evaluation.track_id(track)));
-        let log_probability = row.log_probability.map_or_else(String::new, |value| value.to_string());
-        let (time_s, number, probability) = (scan.time_s, scan.number, row.probability);
-        writeln!(bytes, "{truth_id},{time_s},{number},{expected},{track_id},{probability},{log_probability}")?;
+        let log_probability = optional(row.log_probability);
+        let (time_s, scan, probability) = (number(scan.time_s), scan.number, number(row.probability));
+        writeln!(bytes, "{truth_id},{time_s},{scan},{expected},{track_id},{probability},{log_probability}")?;
     }
     Ok(bytes)
 }

@@ -1,14 +1,18 @@
 //! The extended Kalman filter for ranges and bearings, with range rates where the sensor measures them: the report is
-//! linearised at the predicted state. Position reports are linear already.
+//! linearised at the predicted state, and what a line cannot say of it counts as more noise. Without that a track of a sensor
+//! so precise that it sees the curvature would be certain of what is wrong. Position reports are linear already.
 //!
 //! # Reference
-//! Y. Bar-Shalom, X.-R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigation, 2001, section 10.3.
+//! Y. Bar-Shalom, X.-R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigation, 2001, section 10.3, with the
+//! second-order terms of section 10.3.2.
 //!
 //! # Symbols
-//! x̂, P state and covariance; h report of a state; H = ∂h/∂x at x̂; R, S noise and innovation covariance; C = cov(x, z).
+//! x̂, P state and covariance; h report of a state; H = ∂h/∂x at x̂; Fᵢ = ∂²hᵢ/∂x² at x̂; R, S noise and innovation covariance;
+//! C = cov(x, z).
 //!
 //! # Method
-//! ẑ = h(x̂), S = H P Hᵀ + R, C = P Hᵀ. Differences of bearings take the shorter way round.
+//! ẑᵢ = hᵢ(x̂) + ½ tr(Fᵢ P), Sᵢⱼ = (H P Hᵀ + R)ᵢⱼ + ½ tr(Fᵢ P Fⱼ P), C = P Hᵀ. Differences of bearings take the shorter way
+//! round.
 
 use super::mixture::Expected;
 use super::{Chosen, Filter, FilterMethod, PROCESS_NOISE, plane, polar};
@@ -50,7 +54,9 @@ impl<const D: usize> Filter<4, D> for Extended {
 
     fn expect(&self, state: &GaussianState, sensor: &Sensor) -> Option<Expected<4, D>> {
         let Report::Polar(polar) = &sensor.report else { return plane::expect_position(state, sensor) };
-        Expected::linear(polar::project(polar, &state.mean), &polar::jacobian(polar, state), &polar::noise(polar)?, state)
+        let (shift, spread) = polar::curvature(polar, state);
+        let measurement = polar::project(polar, &state.mean) + shift;
+        Expected::linear(measurement, &polar::jacobian(polar, state), &(polar::noise(polar)? + spread), state)
     }
 
     fn log_clutter_scale(&self, sensor: &Sensor, expected: &Expected<4, D>) -> f64 {

@@ -76,8 +76,7 @@ pub fn project<const D: usize>(polar: &Polar, state: &State) -> SVector<f64, D> 
 pub fn jacobian<const D: usize>(polar: &Polar, belief: &GaussianState) -> SMatrix<f64, D, 4> {
     let state = &belief.mean;
     let view = view(polar, Position::new(state[0], state[1]));
-    let across_m = view.across.dot(&(belief.covariance.fixed_view::<2, 2>(0, 0) * view.across)).max(0.0).sqrt();
-    let range_m = view.range_m.max(across_m);
+    let range_m = least_curved(&view, belief);
     let turn_radps = view.across.dot(&state.fixed_rows::<2>(2)) / range_m;
     let mut matrix = SMatrix::zeros();
     for axis in 0..2 {
@@ -88,6 +87,43 @@ pub fn jacobian<const D: usize>(polar: &Polar, belief: &GaussianState) -> SMatri
             matrix[(2, axis + 2)] = view.along[axis];
         }
     }
+    matrix
+}
+
+/// The range of a target, at least the standard deviation across it.
+fn least_curved(view: &View, belief: &GaussianState) -> f64 {
+    let across_m = view.across.dot(&(belief.covariance.fixed_view::<2, 2>(0, 0) * view.across)).max(0.0).sqrt();
+    view.range_m.max(across_m)
+}
+
+/// What the curvature of h adds to its mean and covariance, ½ tr(Fᵢ P) and ½ tr(Fᵢ P Fⱼ P), with F the second derivatives. Along u
+/// and t, at p = r u: ∂²r/∂t² = 1/r; ∂²β/∂u∂t = −1/r²; ∂²ṙ/∂t² = −(v·u)/r², ∂²ṙ/∂u∂t = −(v·t)/r², ∂²ṙ/∂t∂(v·t) = 1/r. For r holds
+/// what holds for the Jacobian.
+pub fn curvature<const D: usize>(polar: &Polar, belief: &GaussianState) -> (SVector<f64, D>, SMatrix<f64, D, D>) {
+    let view = view(polar, Position::new(belief.mean[0], belief.mean[1]));
+    let range_m = least_curved(&view, belief);
+    let velocity_mps: Position = belief.mean.fixed_rows::<2>(2).into_owned();
+    let mut turned = SMatrix::<f64, 4, 4>::zeros();
+    for axis in 0..2 {
+        (turned[(0, axis)], turned[(1, axis)]) = (view.along[axis], view.across[axis]);
+        (turned[(2, axis + 2)], turned[(3, axis + 2)]) = (view.along[axis], view.across[axis]);
+    }
+    let covariance = turned * belief.covariance * turned.transpose();
+    let mut second = [SMatrix::<f64, 4, 4>::zeros(); D];
+    second[0][(1, 1)] = 1.0 / range_m;
+    second[1] = symmetric(0, 1, -1.0 / range_m.powi(2));
+    if D > 2 {
+        second[2] = symmetric(0, 1, -view.across.dot(&velocity_mps) / range_m.powi(2)) + symmetric(1, 3, 1.0 / range_m);
+        second[2][(1, 1)] = -view.along.dot(&velocity_mps) / range_m.powi(2);
+    }
+    let products = second.map(|second| second * covariance);
+    let shift = SVector::from_fn(|row, _| 0.5 * products[row].trace());
+    (shift, SMatrix::from_fn(|row, column| 0.5 * (products[row] * products[column]).trace()))
+}
+
+fn symmetric(row: usize, column: usize, value: f64) -> SMatrix<f64, 4, 4> {
+    let mut matrix = SMatrix::zeros();
+    (matrix[(row, column)], matrix[(column, row)]) = (value, value);
     matrix
 }
 
@@ -165,6 +201,41 @@ mod tests {
             let step = State::ith(variable, 1e-3);
             let slope = (project::<3>(&polar, &(mean + step)) - project::<3>(&polar, &(mean - step))) / 2e-3;
             assert!((slope - matrix.column(variable)).abs().max() < 1e-8, "{variable}");
+        }
+    }
+
+    #[test]
+    fn the_curvature_is_what_a_million_draws_add_to_the_line() {
+        // 5 km away, unsure by 200 m across and 30 m along, and 20 m/s; places and speeds go together.
+        let polar = sensor(0.01);
+        let mean = State::new(3010.0, -4020.0, 30.0, -40.0);
+        let root = SMatrix::<f64, 4, 4>::from_rows(&[
+            [160.0, 18.0, 0.0, 0.0].into(),
+            [120.0, -24.0, 0.0, 0.0].into(),
+            [8.0, 0.0, 20.0, 0.0].into(),
+            [0.0, 6.0, 0.0, 20.0].into(),
+        ]);
+        let belief = GaussianState { mean, covariance: root * root.transpose() };
+        let (shift, spread) = curvature::<3>(&polar, &belief);
+        let (at, slope) = (project::<3>(&polar, &mean), jacobian::<3>(&polar, &belief));
+        let mut draw = Seed { seed: 4, run: 0 }.stream(Purpose::Detection, 0, 0);
+        let count = 1_000_000;
+        let (mut sum, mut square) = (SVector::<f64, 3>::zeros(), SMatrix::<f64, 3, 3>::zeros());
+        for _ in 0..count {
+            let step = root * State::from_fn(|_, _| StandardNormal.sample(&mut draw));
+            let beyond = project::<3>(&polar, &(mean + step)) - at - slope * step;
+            sum += beyond / f64::from(count);
+            square += (beyond - shift) * (beyond - shift).transpose() / f64::from(count);
+        }
+        // Range: ½ · 200² / 5000 = 4 m, with a standard deviation √2 times as large.
+        assert!((shift[0] - 4.0).abs() < 0.1 && (spread[(0, 0)].sqrt() - 4.0 * 2f64.sqrt()).abs() < 0.15, "{shift} {spread}");
+        for row in 0..3 {
+            let scale = spread[(row, row)].sqrt();
+            assert!((sum[row] - shift[row]).abs() < 0.02 * scale, "{row}: {sum} {shift}");
+            for column in 0..3 {
+                let scale = scale * spread[(column, column)].sqrt();
+                assert!((square[(row, column)] - spread[(row, column)]).abs() < 0.03 * scale, "{row} {column}: {square} {spread}");
+            }
         }
     }
 

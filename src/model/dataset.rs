@@ -2,6 +2,7 @@
 
 use super::bearing_time::BearingTimeRecord;
 use super::boxes::BoxSet;
+use super::fault::Fault;
 use super::scan::Recording;
 use super::track::TrackSet;
 use super::truth::TruthSet;
@@ -67,6 +68,18 @@ pub struct DatasetSummary {
 }
 
 impl Dataset {
+    /// Only what the named sensors saw: the scans of detections, the points of tracks. Everything else has no sensors, and stays.
+    ///
+    /// # Errors
+    /// A fault for each name that is not a sensor of it.
+    pub fn only_sensors(self, sensor_ids: &[String]) -> Result<Dataset, Vec<Fault>> {
+        match self {
+            Dataset::Detections(recording) => recording.only_sensors(sensor_ids).map(Dataset::Detections),
+            Dataset::Tracks(tracks) => tracks.only_sensors(sensor_ids).map(Dataset::Tracks),
+            other => Ok(other),
+        }
+    }
+
     pub fn kind(&self) -> DatasetKind {
         match self {
             Dataset::Detections(_) => DatasetKind::Detections,

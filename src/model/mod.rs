@@ -9,6 +9,7 @@ pub mod fault;
 pub mod motion;
 pub mod names;
 pub mod scan;
+pub mod scan_numbers;
 pub mod scenario;
 pub mod sensor;
 pub mod state;

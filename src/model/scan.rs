@@ -1,6 +1,7 @@
 //! Recorded or simulated detections: a list of scans, each one revisit of one sensor.
 
 use super::fault::Fault;
+use super::scan_numbers;
 use super::sensor::SensorSettings;
 use super::state::Position;
 
@@ -55,7 +56,7 @@ pub struct Detection {
 /// One revisit of one sensor. Its detections are `first .. first + count` of [`Recording::detections`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scan {
-    /// The scan's number: the file's for one sensor, 1, 2, … in (time, sensor) order for several.
+    /// The file's own; without a file 1, 2, … in (time, sensor) order. What is missing among them: [`super::scan_numbers`].
     pub number: u32,
     pub time_s: f64,
     /// Index into [`Recording::sensors`].
@@ -123,31 +124,32 @@ impl Recording {
     /// # Errors
     /// A fault for each name that is not a sensor of this recording.
     pub fn only_sensors(&self, sensor_ids: &[String]) -> Result<Recording, Vec<Fault>> {
-        let known = || self.sensors.iter().map(|sensor| sensor.sensor_id.as_str()).collect::<Vec<_>>().join(", ");
-        let faults: Vec<Fault> = sensor_ids
-            .iter()
-            .enumerate()
-            .filter(|(_, id)| !self.sensors.iter().any(|sensor| sensor.sensor_id == **id))
-            .map(|(index, id)| {
-                Fault::new(format!("/{index}"), "unknown_value", format!("the recording has no sensor '{id}'")).allowing(known())
-            })
-            .collect();
-        if !faults.is_empty() {
-            return Err(faults);
-        }
+        let known: Vec<&str> = self.sensors.iter().map(|sensor| sensor.sensor_id.as_str()).collect();
+        check_known("recording has", &known, sensor_ids)?;
         let mut parts = RecordingParts { targets: self.targets.clone(), origins_known: self.origins_known, ..Default::default() };
         let kept: Vec<usize> = (0..self.sensors.len()).filter(|&index| sensor_ids.contains(&self.sensors[index].sensor_id)).collect();
         parts.sensors = kept.iter().map(|&index| self.sensors[index].clone()).collect();
+        // One sensor of scans that were counted through all sensors would seem to lack those of the others.
+        let is_counted_anew = kept.len() == 1 && self.sensors.len() > 1 && !scan_numbers::are_by_sensor(&self.scans);
         for scan in &self.scans {
             let Some(sensor) = kept.iter().position(|&index| index == scan.sensor) else { continue };
             let first = parts.detections.len();
-            let number = if kept.len() == self.sensors.len() || kept.len() > 1 { scan.number } else { parts.scans.len() as u32 + 1 };
+            let number = if is_counted_anew { parts.scans.len() as u32 + 1 } else { scan.number };
             parts.scans.push(Scan { number, sensor, first, ..*scan });
             parts.detections.extend_from_slice(&self.detections[scan.range()]);
             parts.detection_ids.extend_from_slice(&self.detection_ids[scan.range()]);
         }
         Recording::new(parts)
     }
+}
+
+/// A fault for each of the wanted sensors that is not known; `who` as in "the recording has no sensor 'x'".
+pub(super) fn check_known(who: &str, known: &[&str], wanted: &[String]) -> Result<(), Vec<Fault>> {
+    let fault = |(index, id): (usize, &String)| {
+        Fault::new(format!("/{index}"), "unknown_value", format!("the {who} no sensor '{id}'")).allowing(known.join(", "))
+    };
+    let faults: Vec<Fault> = wanted.iter().enumerate().filter(|(_, id)| !known.contains(&id.as_str())).map(fault).collect();
+    if faults.is_empty() { Ok(()) } else { Err(faults) }
 }
 
 fn check_scans(parts: &RecordingParts, faults: &mut Vec<Fault>) {

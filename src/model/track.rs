@@ -1,5 +1,7 @@
 //! Tracks: what a tracker says the targets did, with the detections it gave them and how sure it was.
 
+use super::fault::Fault;
+use super::scan::check_known;
 use super::state::{Covariance, GaussianState, Position, State};
 use nalgebra::Matrix2;
 use serde::{Deserialize, Serialize};
@@ -137,6 +139,27 @@ impl TrackSet {
     /// Whether its points are directions instead of places.
     pub fn is_of_bearings(&self) -> bool {
         self.tracks.iter().find_map(|track| track.points.first()).is_some_and(|point| point.estimate.bearing().is_some())
+    }
+
+    /// Only the points of the named sensors; tracks without any are left out. Candidates keep their places.
+    ///
+    /// # Errors
+    /// A fault for each name that is not a sensor of these tracks.
+    pub fn only_sensors(mut self, sensor_ids: &[String]) -> Result<TrackSet, Vec<Fault>> {
+        let known: Vec<&str> = self.sensor_ids.iter().map(String::as_str).collect();
+        check_known("tracks have", &known, sensor_ids)?;
+        let kept: Vec<&String> = self.sensor_ids.iter().filter(|id| sensor_ids.contains(id)).collect();
+        let place_of = |sensor: u32| kept.iter().position(|id| **id == self.sensor_ids[sensor as usize]);
+        for track in &mut self.tracks {
+            track.points.retain_mut(|point| {
+                let place = point.sensor.and_then(place_of);
+                point.sensor = place.map(|place| place as u32);
+                place.is_some()
+            });
+        }
+        self.tracks.retain(|track| !track.points.is_empty());
+        self.sensor_ids = kept.into_iter().cloned().collect();
+        Ok(self)
     }
 
     /// The candidates of one point.

@@ -116,7 +116,8 @@ async fn tuples_say_whether_they_are_right_and_local_tracks_are_kept() {
     assert!(right > 0 && right < report.result.tuples.len() as u64, "some are right, some wrong: {right}");
     let text = api.get(&format!("/v1/jobs/{}/artifacts/local_tracks.csv", id(&job))).await.text;
     let mut lines = text.lines();
-    assert_eq!(lines.next(), Some("time_s,sensor_id,track_id,x_m,y_m"));
+    let head = "time_s,track_id,sensor_id,x_m,y_m,vx_mps,vy_mps,p_xx,p_xy,p_xvx,p_xvy,p_yy,p_yvx,p_yvy,p_vxvx,p_vxvy,p_vyvy";
+    assert_eq!(lines.next(), Some(head));
     let names: std::collections::BTreeSet<_> = lines.map(|line| line.split(',').skip(1).take(2).collect::<Vec<_>>()).collect();
     assert_eq!(names.len() as u64, report.result.counts.tracks);
 }

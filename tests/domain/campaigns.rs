@@ -78,7 +78,10 @@ fn the_runs_are_the_jobs_and_the_differences_theirs() {
     assert_eq!(runs.lines().count(), 1 + 2 * 3);
     assert!(runs.lines().nth(1).unwrap().starts_with("nearest_neighbour,0,5,") && runs.contains(&nearest[0].to_string()));
     assert_eq!(text("cells.csv").lines().count(), 1 + 2 * 2);
-    assert_eq!(text("cells.md").lines().count(), 2 + 2);
+    // Two cells below a head, then a difference below a head.
+    assert_eq!(text("cells.md").lines().count(), 2 + 2 + 1 + 2 + 1);
+    let last = text("cells.md").lines().last().unwrap().to_owned();
+    assert!(last.starts_with("| jpda − nearest_neighbour | ") && last.contains(" to "), "{last}");
 }
 
 #[test]

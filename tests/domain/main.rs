@@ -32,6 +32,7 @@ mod oracle;
 mod origins;
 mod polar;
 mod recordings;
+mod right_values;
 mod shared_gates;
 mod sonar;
 mod tfa_by_hand;

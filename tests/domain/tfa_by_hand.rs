@@ -138,6 +138,10 @@ fn a_track_that_bridges_a_gap_of_five_is_false() {
     let report = evaluate(&["A: a1 a2 . . . . . a8"], &[". . . . c5"], &["1: a1 a2 . . c5 . . a8"]);
     assert_eq!(target(&report, "A"), "A false at 5: expected null, took c5 (clutter), track 1; errors 3");
     assert_eq!(tracks(&report), ["1 matched A, scans 1..8, symbols 4, errors 1"]);
+    // The track is left for one of the two strings: c5 is too much there, and a8 is missing in the other.
+    assert_eq!(report.targets[0].least_errors, Some(3));
+    assert!(report.warnings[0].starts_with("1 track(s) go on across a gap of 5 scans or more"), "{:?}", report.warnings);
+    assert!(report.warnings[0].contains("first track '1' of target 'A'"), "{:?}", report.warnings);
 }
 
 #[test]

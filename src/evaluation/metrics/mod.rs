@@ -112,6 +112,9 @@ pub struct MetricReport {
     /// How its numbers are made.
     #[serde(skip)]
     pub origins: Vec<Origin>,
+    /// What a reader must know of the numbers.
+    #[serde(skip)]
+    pub warnings: Vec<String>,
     /// What it says besides numbers: of a single sequence only, and `null` where there is nothing.
     #[serde(skip_serializing_if = "Value::is_null")]
     pub findings: Value,
@@ -126,7 +129,7 @@ impl MetricReport {
         };
         let parameters = if let Value::Object(map) = parameters { map } else { Map::new() };
         let (per_truth, per_track, series, pairs) = Default::default();
-        let (origins, findings) = Default::default();
+        let (origins, warnings, findings) = Default::default();
         MetricReport {
             value,
             unit,
@@ -139,6 +142,7 @@ impl MetricReport {
             series,
             pairs,
             origins,
+            warnings,
             findings,
         }
     }

@@ -68,7 +68,7 @@ pub fn read<'a>(
         lost: 0,
     };
     let (at_scan, choices, lost_points) = (Vec::new(), Vec::new(), Vec::new());
-    let mut reader = Reader { tracks, axis, identities, source, outputs, at_scan, choices, lost_points, never_confirmed: 0 };
+    let mut reader = Reader { tracks, axis, identities, source, outputs, at_scan, choices, lost_points, between: 0, never_confirmed: 0 };
     let mut points = Vec::new();
     for (index, track) in tracks.tracks.iter().enumerate() {
         reader.read_track(index as u32, track, &mut points);
@@ -88,6 +88,8 @@ struct Reader<'r, 'a> {
     choices: Vec<Step>,
     /// The first points that belong to no scan, in words.
     lost_points: Vec<String>,
+    /// Lost points that may be of several scans.
+    between: usize,
     never_confirmed: usize,
 }
 
@@ -114,13 +116,16 @@ impl Reader<'_, '_> {
         points.clear();
         let mut guess = 0;
         for (index, point) in track.points.iter().enumerate() {
-            match self.axis.scan_near(point, guess) {
+            match self.axis.scan_near(point, guess).or_else(|| self.scan_named_by(point)) {
                 Some(scan) => {
                     points.push((scan, index));
                     guess = scan + 1;
                 }
+                // Of no detection it is ε, at whichever scan.
+                None if self.is_between(point) && self.named_by(point).next().is_none() => {}
                 None => {
                     self.outputs.lost += 1;
+                    self.between += usize::from(self.is_between(point));
                     if self.lost_points.len() < EXAMPLES {
                         self.lost_points.push(format!("track '{}' at {} s", track.track_id, point.time_s));
                     }
@@ -130,6 +135,25 @@ impl Reader<'_, '_> {
         if !points.is_sorted_by_key(|&(scan, _)| scan) {
             points.sort_by_key(|&(scan, _)| scan);
         }
+    }
+
+    /// Whether several scans are at the time of a point that names no sensor.
+    fn is_between(&self, point: &TrackPoint) -> bool {
+        point.sensor.is_none() && self.axis.scans_at(point.time_s).len() > 1
+    }
+
+    /// The scan of a point that names no sensor, told by the detections that it names: the only scan at its time that has any.
+    fn scan_named_by(&self, point: &TrackPoint) -> Option<usize> {
+        if !self.is_between(point) {
+            return None;
+        }
+        let has_any = |&scan: &usize| self.named_by(point).any(|name| self.identities.is_in(scan, name));
+        let mut found = self.axis.scans_at(point.time_s).filter(has_any);
+        found.next().filter(|_| found.next().is_none())
+    }
+
+    fn named_by(&self, point: &TrackPoint) -> impl Iterator<Item = u32> {
+        self.tracks.candidates_of(point).iter().filter_map(|candidate| candidate.detection)
     }
 
     /// The step of a track at one scan, from all its points there (more than one only in careless files).
@@ -225,6 +249,13 @@ impl Reader<'_, '_> {
         if self.outputs.lost > 0 {
             let examples = self.lost_points.join(", ");
             warnings.push(format!("{} track point(s) belong to no scan and were left out, first: {examples}", self.outputs.lost));
+        }
+        if self.between > 0 {
+            warnings.push(format!(
+                "{} of these points name no sensor at a time of several scans, and no detection that one of the scans alone has: a column \
+                 'sensor_id' would tell",
+                self.between
+            ));
         }
         if self.never_confirmed > 0 {
             warnings.push(format!("{} track(s) were never confirmed and are not output tracks", self.never_confirmed));

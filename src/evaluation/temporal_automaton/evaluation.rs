@@ -1,5 +1,6 @@
 //! One evaluation: everything found, kept for the report and for the files beside it.
 
+use super::TfaSettings;
 use super::automaton::Automaton;
 use super::births::Births;
 use super::determinise::{determinise, minimise};
@@ -10,9 +11,9 @@ use super::output_tracks::{self, Classes};
 use super::paths::Paths;
 use super::report::{Size, TfaReport};
 use super::search::Search;
+use super::tolerant::{self, Bridge};
 use super::verdict::{self, Sides, TargetVerdict};
 use super::weighted::{self, ScanProbability};
-use super::{TfaSettings, tolerant};
 use crate::evaluation::strings::{self, StringRules, Strings};
 use crate::evaluation::{EvaluationInput, id_order};
 use crate::model::fault::Fault;
@@ -63,7 +64,9 @@ impl<'a> TfaEvaluation<'a> {
         };
         let classes = output_tracks::classify(&strings, &target_ranks, &track_ranks);
         let broken = model_check::check(&strings.outputs);
-        let least_errors = tolerant::least_errors(&strings, &verdicts);
+        let (least_errors, bridges) = tolerant::least_errors(&strings, &verdicts);
+        let bridged = bridged(&strings, input, &bridges);
+        strings.warnings.extend(bridged);
         let minimal = settings.minimise.then(|| minimal(outputs, &births, &mut strings.warnings)).flatten();
         TfaEvaluation { input, settings, strings, track_ranks, births, table, minimal, verdicts, classes, broken, least_errors }
     }
@@ -106,6 +109,19 @@ impl<'a> TfaEvaluation<'a> {
     pub fn track_id(&self, track: u32) -> &'a str {
         &self.input.tracks.tracks[track as usize].track_id
     }
+}
+
+/// A warning where one track goes on across gaps that end strings of its target.
+fn bridged(strings: &Strings, input: EvaluationInput, bridges: &[Bridge]) -> Option<String> {
+    let first = bridges.first()?;
+    let (target, track) = (strings.target_ids[first.target as usize], &input.tracks.tracks[first.track as usize].track_id);
+    Some(format!(
+        "{} track(s) go on across a gap of {} scans or more that ends a string of their target, first track '{track}' of target '{target}': \
+         least_errors give each string a track of its own, so that what follows the gap counts as missing there unless another track took it \
+         up; the errors of the output track count the scans that differ alone",
+        bridges.len(),
+        strings.truth.max_missed()
+    ))
 }
 
 fn minimal(outputs: &strings::normal_form::StringSet, births: &Births, warnings: &mut Vec<String>) -> Option<Automaton> {

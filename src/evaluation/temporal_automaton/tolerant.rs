@@ -8,6 +8,8 @@
 //! 1. The errors of every truth string and output string that share a detection.
 //! 2. One to one, with the fewest errors in all: a truth string that goes without counts its own detections as missing, an
 //!    output string that goes without counts its detections as too many. This is an optimal assignment over the pairs.
+//!    Of several such assignments it is the one that the solver of [`crate::math::assignment`] finds first in the order of the ids:
+//!    always the same one, whatever the order of the rows of the files.
 //! 3. The least errors of a target are those of all its strings together. It has none when no string of it was given a track. A
 //!    target that is correct in the strict sense has 0 errors.
 //! 4. For an error budget k, a target is correct when its least errors are at most k.
@@ -26,9 +28,10 @@ struct Pair {
     errors: u32,
 }
 
-/// The least errors of each target.
-pub fn least_errors(strings: &Strings, verdicts: &[TargetVerdict]) -> Vec<Option<usize>> {
-    let matched = assign(strings, &pairs(strings));
+/// The least errors of each target, and the tracks that bridge gaps.
+pub fn least_errors(strings: &Strings, verdicts: &[TargetVerdict]) -> (Vec<Option<usize>>, Vec<Bridge>) {
+    let pairs = pairs(strings);
+    let matched = assign(strings, &pairs);
     let of_target = |(owner, judged): (usize, &TargetVerdict)| {
         if judged.verdict == Verdict::Correct {
             return Some(0);
@@ -37,7 +40,28 @@ pub fn least_errors(strings: &Strings, verdicts: &[TargetVerdict]) -> Vec<Option
         let has_track = own.clone().any(|string| matched[string].is_some());
         has_track.then(|| own.map(|string| matched[string].unwrap_or(strings.truth.strings()[string].real)).sum())
     };
-    verdicts.iter().enumerate().map(of_target).collect()
+    (verdicts.iter().enumerate().map(of_target).collect(), bridges(strings, &pairs))
+}
+
+/// A track that goes on across a gap which ends a string of its target.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Bridge {
+    pub target: u32,
+    pub track: u32,
+}
+
+/// Every bridge, by target. What follows the gap is a string of its own, for which the track is not left: the least errors of the
+/// target count it as missing, the errors of the track do not.
+fn bridges(strings: &Strings, pairs: &[Pair]) -> Vec<Bridge> {
+    let owner = |pair: &Pair| strings.truth.strings()[pair.truth as usize].owner;
+    let mut of_several: Vec<(u32, u32)> =
+        pairs.iter().filter(|pair| strings.truth.of_owner(owner(pair) as usize).len() > 1).map(|pair| (owner(pair), pair.output)).collect();
+    of_several.sort_unstable();
+    let twice = of_several.windows(2).filter(|two| two[0] == two[1]);
+    let mut bridges: Vec<Bridge> =
+        twice.map(|two| Bridge { target: two[0].0, track: strings.outputs.strings.strings()[two[0].1 as usize].owner }).collect();
+    bridges.dedup();
+    bridges
 }
 
 /// How many targets are correct for each error budget 0..=`tolerance`.

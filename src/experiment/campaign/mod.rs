@@ -203,7 +203,8 @@ impl Campaign {
             parquet::runs(&self.cells.iter().map(|cell| cell.name.as_str()).collect::<Vec<_>>(), &names, &harvest.rows, self.seed)?,
         ]);
         let warnings = outcomes::doubts(outcomes, &harvest.rows);
-        let result = json!({"outcomes": names, "confidence": self.confidence, "cells": to_value(&reports)?});
+        let mut result = json!({"outcomes": names, "confidence": self.confidence, "cells": to_value(&reports)?});
+        run::unsign_zeros(&mut result);
         let cell_times = times(&self.cells, &harvest.decided_us, reference);
         Ok(run::Outcome { result, warnings, artifacts, decided: None, cell_times })
     }

@@ -1,14 +1,11 @@
 //! The files of a campaign: every run, every cell, and a table for people.
 
 use super::cells::Cell;
-use super::outcomes::{CellReport, Rows, Summary};
+use super::outcomes::{CellReport, Rows};
 use crate::experiment::run::Artifact;
-use crate::experiment::tables::quoted;
+use crate::experiment::tables::{optional, quoted};
+use crate::math::stats::Interval;
 use std::io::{Error, Write};
-
-fn text_of(number: Option<f64>) -> String {
-    number.map_or_else(String::new, |number| number.to_string())
-}
 
 /// `runs.csv`: a line a cell and run, empty where a run has no such number.
 pub(super) fn runs(cells: &[Cell], names: &[&str], rows: &[Rows], seed: u32) -> Result<Artifact, Error> {
@@ -16,7 +13,7 @@ pub(super) fn runs(cells: &[Cell], names: &[&str], rows: &[Rows], seed: u32) -> 
     for (cell, columns) in cells.iter().zip(rows) {
         let name = quoted(&cell.name);
         for run in 0..columns.first().map_or(0, Vec::len) {
-            let numbers = columns.iter().map(|column| text_of(column[run])).collect::<Vec<_>>().join(",");
+            let numbers = columns.iter().map(|column| optional(column[run])).collect::<Vec<_>>().join(",");
             writeln!(bytes, "{name},{run},{seed},{numbers}")?;
         }
     }
@@ -43,31 +40,50 @@ pub(super) fn cells(reports: &[CellReport], names: &[&str]) -> Result<Artifact, 
                 difference.and_then(|difference| difference.interval).map(|interval| interval.low),
                 difference.and_then(|difference| difference.interval).map(|interval| interval.high),
             ];
-            let numbers = numbers.map(text_of).join(",");
+            let numbers = numbers.map(optional).join(",");
             writeln!(bytes, "{},{},{},{},{numbers}", quoted(&report.name), quoted(name), summary.count, summary.missing)?;
         }
     }
     Ok(Artifact::file("cells.csv", "text/csv", bytes))
 }
 
-/// `cells.md`: a row a cell, a column an outcome, each with its interval.
+/// `cells.md`: a row a cell, a column an outcome, each with its interval; below it the same of the differences to the cells that
+/// others are compared with.
 pub(super) fn markdown(reports: &[CellReport], names: &[&str]) -> Artifact {
     let escaped = |text: &str| text.replace('|', "\\|");
-    let mut text = format!("| cell | {} |\n", names.iter().map(|name| escaped(name)).collect::<Vec<_>>().join(" | "));
-    text.push_str(&"|---".repeat(names.len() + 1));
-    text.push_str("|\n");
+    let head = |first: &str| {
+        let outcomes = names.iter().map(|name| escaped(name)).collect::<Vec<_>>().join(" | ");
+        format!("| {first} | {outcomes} |\n{}|\n", "|---".repeat(names.len() + 1))
+    };
+    let mut text = head("cell");
     for report in reports {
-        let cells = names.iter().map(|&name| report.outcomes.get(name).map_or_else(String::new, with_interval)).collect::<Vec<_>>();
-        text.push_str(&format!("| {} | {} |\n", escaped(&report.name), cells.join(" | ")));
+        let of = |name: &&str| report.outcomes.get(*name).map_or_else(String::new, |summary| with_interval(summary.mean, summary.interval));
+        text.push_str(&format!("| {} | {} |\n", escaped(&report.name), names.iter().map(of).collect::<Vec<_>>().join(" | ")));
+    }
+    let mut differences = String::new();
+    for report in reports {
+        let Some(other) = &report.compared_with else { continue };
+        let of = |name: &&str| report.differences.get(*name).map_or_else(String::new, |found| with_interval(found.mean, found.interval));
+        let row = names.iter().map(of).collect::<Vec<_>>().join(" | ");
+        differences.push_str(&format!("| {} − {} | {row} |\n", escaped(&report.name), escaped(other)));
+    }
+    if !differences.is_empty() {
+        text.push_str(&format!("\n{}{differences}", head("difference, run by run")));
     }
     Artifact::file("cells.md", "text/markdown", text.into_bytes())
 }
 
 /// `0.987 (0.978 to 0.993)`.
-fn with_interval(summary: &Summary) -> String {
-    let Some(mean) = summary.mean else { return "–".to_owned() };
-    match summary.interval {
-        Some(interval) => format!("{mean:.4} ({:.4} to {:.4})", interval.low, interval.high),
-        None => format!("{mean:.4}"),
+fn with_interval(mean: Option<f64>, interval: Option<Interval>) -> String {
+    let Some(mean) = mean else { return "–".to_owned() };
+    match interval {
+        Some(interval) => format!("{} ({} to {})", rounded(mean), rounded(interval.low), rounded(interval.high)),
+        None => rounded(mean),
     }
+}
+
+/// With four decimals; what rounds to zero has no sign.
+fn rounded(number: f64) -> String {
+    let text = format!("{number:.4}");
+    if text == "-0.0000" { "0.0000".to_owned() } else { text }
 }

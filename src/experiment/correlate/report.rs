@@ -1,7 +1,7 @@
 //! What a job that correlates tracks reports, and its files.
 
 use super::super::run::Artifact;
-use super::super::tables::Table;
+use super::super::tables::{Table, number, optional};
 use super::Correlated;
 use crate::correlation::alignment::Node;
 use crate::correlation::evidence::Evidence;
@@ -9,7 +9,9 @@ use crate::correlation::statistic::p_value;
 use crate::evaluation::grouping::{GroupedReport, GroupingCounts};
 use crate::formats;
 use crate::model::dataset::Dataset;
+use crate::model::track::{Track, TrackPoint, TrackSet};
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::io::Error;
 
 /// Tuples and lone tracks that the report lists; all of them are in `tuples.csv`.
@@ -146,7 +148,7 @@ pub(in super::super) fn report(correlated: &Correlated, mut tuples: Vec<TupleLin
         },
         cost: solution.cost,
         dual_bound: solution.dual_bound,
-        gap: solution.dual_bound.map(|bound| (solution.cost - bound) / bound.abs().max(1e-12)),
+        gap: solution.dual_bound.map(|bound| gap(solution.cost, bound)),
         search: solution.search.as_ref().map(|search| SearchReport {
             best: search.best.clone(),
             mean: search.mean.clone(),
@@ -164,6 +166,12 @@ pub(in super::super) fn report(correlated: &Correlated, mut tuples: Vec<TupleLin
             tuples
         },
     }
+}
+
+/// How far a cost is above its bound, as a share of the bound; what rounding leaves is none.
+fn gap(cost: f64, bound: f64) -> f64 {
+    let gap = (cost - bound) / bound.abs().max(1e-12);
+    if gap.abs() < 1e-12 { 0.0 } else { gap }
 }
 
 /// Every tuple that stands.
@@ -239,22 +247,29 @@ pub(in super::super) fn artifacts(correlated: &Correlated, tuples: &[TupleLine])
     formats::write_csv(&dataset, &mut bytes)?;
     let tracks =
         Artifact { name: "system_tracks.csv", media_type: "text/csv", bytes, dataset: Some(dataset.summary()), sensors: Vec::new() };
-    Ok(vec![tracks, table(correlated, tuples), local_tracks(&correlated.nodes)])
+    Ok(vec![tracks, table(correlated, tuples), local_tracks(&correlated.nodes)?])
 }
 
-/// The tracks that were put together, sensor by sensor, for pictures.
-fn local_tracks(nodes: &[Node]) -> Artifact {
-    let mut table = Table::new(false, &["time_s", "sensor_id", "track_id", "x_m", "y_m"]);
-    for node in nodes {
+/// The tracks that were put together, with all that they say of their targets: a table of tracks, of which the points of each sensor
+/// are a set for another job. Tracks of two sensors may have one name, so rows are in order of time within a name.
+fn local_tracks(nodes: &[Node]) -> Result<Artifact, Error> {
+    let mut of_name: BTreeMap<&str, Vec<TrackPoint>> = BTreeMap::new();
+    for (sensor, node) in nodes.iter().enumerate() {
         for track in &node.tracks.tracks {
-            let placed = track.points.iter().filter_map(|point| Some((point.time_s, point.estimate.plane()?.position_m())));
-            for (time_s, place_m) in placed {
-                let (x_m, y_m) = (place_m.x.to_string(), place_m.y.to_string());
-                table.row(&[time_s.to_string(), node.sensor_id.clone(), track.track_id.clone(), x_m, y_m]);
-            }
+            let points = track.points.iter().filter(|point| point.estimate.plane().is_some());
+            let bare = points.map(|point| TrackPoint { sensor: Some(sensor as u32), candidates: 0, ..*point });
+            of_name.entry(&track.track_id).or_default().extend(bare);
         }
     }
-    table.artifact("local_tracks.csv")
+    let track = |(name, mut points): (&str, Vec<TrackPoint>)| {
+        points.sort_by(|left, right| left.time_s.total_cmp(&right.time_s));
+        Track { track_id: name.to_owned(), points }
+    };
+    let sensor_ids = nodes.iter().map(|node| node.sensor_id.clone()).collect();
+    let set = TrackSet { tracks: of_name.into_iter().map(track).collect(), sensor_ids, ..TrackSet::default() };
+    let mut bytes = Vec::new();
+    formats::write_csv(&Dataset::Tracks(set), &mut bytes)?;
+    Ok(Artifact::file("local_tracks.csv", "text/csv", bytes))
 }
 
 /// A row a tuple, the tracks that are alone below them, with the track of each sensor.
@@ -262,15 +277,14 @@ fn table(correlated: &Correlated, tuples: &[TupleLine]) -> Artifact {
     let estimates = &correlated.correlation.estimates;
     let mut table = Table::new(false, &["system_track_id", "cost", "b", "statistic", "degrees_of_freedom", "p_value", "found", "truth_id"]);
     table.columns(estimates.sensor_ids.iter().map(|sensor_id| format!("track_of_{sensor_id}")));
-    let text = |number: Option<f64>| number.map_or_else(String::new, |number| number.to_string());
     for line in tuples {
         let mut cells = vec![
             line.system_track_id.clone(),
-            text(line.cost),
-            text(line.b),
-            line.statistic.to_string(),
+            optional(line.cost),
+            optional(line.b),
+            number(line.statistic),
             line.degrees_of_freedom.to_string(),
-            text(line.p_value),
+            optional(line.p_value),
             line.found.to_string(),
             line.truth_id.clone().unwrap_or_default(),
         ];

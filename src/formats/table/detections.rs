@@ -234,7 +234,6 @@ impl Builder {
     }
 
     fn finish(mut self, declared: Vec<SensorSettings>, origins_known: bool) -> Result<Recording, Vec<Fault>> {
-        let renumber = self.latest.len() > 1;
         for settings in &declared {
             self.sensors.number(&settings.sensor_id);
         }
@@ -247,9 +246,8 @@ impl Builder {
         let mut first = 0;
         for (index, scan) in self.scans.iter().enumerate() {
             let count = self.scan_of[first..].iter().take_while(|&&of| of as usize == index).count();
-            let number = if renumber { index as u32 + 1 } else { scan.number };
             let sensor = sensor_place[scan.sensor as usize] as usize;
-            scans.push(Scan { number, time_s: scan.time_s, sensor, first, count });
+            scans.push(Scan { number: scan.number, time_s: scan.time_s, sensor, first, count });
             first += count;
         }
         let settings = |name: String| declared.iter().find(|known| known.sensor_id == name).cloned().unwrap_or(SensorSettings::named(name));

@@ -86,9 +86,10 @@ pub fn write(dataset: &Dataset, sink: &mut dyn Sink) -> io::Result<()> {
     }
 }
 
-/// A number as the shortest text that reads back as the same number.
+/// A number as the shortest text that reads back as the same number; zero has no sign.
 pub fn push_number(text: &mut String, value: f64) {
     use std::fmt::Write;
+    let value = value + 0.0;
     let size = value.abs();
     let plain = value == 0.0 || (1e-5..1e16).contains(&size);
     let written = if plain { write!(text, "{value}") } else { write!(text, "{value:e}") };

@@ -164,16 +164,16 @@ impl JobFile {
         let options = ReadOptions { kind: Some(role), columns: file.columns.clone(), bearing_time: file.bearing_time };
         let read = (format.read)(&mut bytes.as_slice(), &options)?;
         warnings.extend(read.warnings.into_iter().map(|warning| format!("{}: {warning}", file.path)));
-        let dataset = match (read.dataset, &file.sensor_ids) {
-            (Dataset::Detections(recording), Some(wanted)) => Dataset::Detections(only(&recording, wanted)?),
-            (dataset, _) => dataset,
+        let dataset = match &file.sensor_ids {
+            Some(wanted) => only(read.dataset, wanted)?,
+            None => read.dataset,
         };
         let sha256 = sha256_hex(&bytes);
         Ok(Input { dataset, sensors: Vec::new(), sha256 })
     }
 }
 
-fn only(recording: &crate::model::scan::Recording, wanted: &[String]) -> Result<crate::model::scan::Recording, Vec<Fault>> {
+fn only(dataset: Dataset, wanted: &[String]) -> Result<Dataset, Vec<Fault>> {
     let repoint = |fault: Fault| Fault { pointer: format!("/sensor_ids{}", fault.pointer), ..fault };
-    recording.only_sensors(wanted).map_err(|faults| faults.into_iter().map(repoint).collect())
+    dataset.only_sensors(wanted).map_err(|faults| faults.into_iter().map(repoint).collect())
 }

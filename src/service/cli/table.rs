@@ -8,9 +8,9 @@ pub(super) fn summary(report: &Value) -> String {
     let result = &report["result"];
     let head = head_line(report);
     let mut rows = Vec::new();
-    let mut add = |name: String, value: &Value| {
+    let mut add = |name: String, unit: &str, value: &Value| {
         if !value.is_array() && !value.is_object() {
-            rows.push(vec![name, cell(value)]);
+            rows.push(vec![name, unit.to_owned(), cell(value)]);
         }
     };
     for (part, name) in [
@@ -22,16 +22,18 @@ pub(super) fn summary(report: &Value) -> String {
         ("/events/counts", "event"),
     ] {
         for (key, value) in result.pointer(part).and_then(Value::as_object).into_iter().flatten() {
-            add(format!("{name} {}", key.replace('_', " ")), value);
+            add(format!("{name} {}", key.replace('_', " ")), "", value);
         }
     }
     for (key, value) in report["timing"].as_object().into_iter().flatten() {
         // A step that the job does not have took no time.
         if value.as_f64() != Some(0.0) {
-            add(format!("time {} (s)", key.trim_end_matches("_s")), value);
+            add(format!("time {}", key.trim_end_matches("_s")), "s", value);
         }
     }
-    let mut text = format!("{head}\n\n{}", table(&["quantity", "value"], &rows));
+    let mut text = format!("{head}
+
+{}", table(&["quantity", "unit", "value"], &rows));
     if let Some(metrics) = metrics(result) {
         text = format!("{text}\n\n{metrics}");
     }

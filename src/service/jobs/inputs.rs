@@ -127,11 +127,10 @@ impl Located {
         let dataset = self.read().map_err(|error| repoint(error, &request.pointer))?;
         let (Source::Dataset { sensor_ids, .. } | Source::Job { sensor_ids, .. }) = &request.source;
         let (mut dataset, mut sensors) = (dataset, self.sensors);
-        if let (Dataset::Detections(recording), Some(wanted)) = (&dataset, sensor_ids) {
-            let part = recording
+        if let Some(wanted) = sensor_ids {
+            dataset = dataset
                 .only_sensors(wanted)
                 .map_err(|faults| repoint(JobsError::Invalid(faults), &format!("{}/sensor_ids", request.pointer)))?;
-            dataset = Dataset::Detections(part);
             sensors.retain(|sensor| wanted.contains(&sensor.sensor_id));
         }
         Ok(Input { dataset, sensors, sha256: self.sha256 })

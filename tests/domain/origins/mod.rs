@@ -4,19 +4,24 @@ mod files;
 pub mod jobs;
 mod scenes;
 
+pub use scenes::entangled;
+
 use files::{Files, Metric, Scope};
 use serde_json::Value;
 use std::collections::BTreeSet;
 use trackloom_domain::experiment::run::Outcome;
 
 /// Numbers that count or average no rows: quantiles, how the programme went, what a whole run is.
-const WITHOUT_ORIGIN: [&str; 12] = [
+const WITHOUT_ORIGIN: [&str; 15] = [
     "nees_position_lower",
     "nees_position_upper",
     "nees_state_lower",
     "nees_state_upper",
     "nis_of_matches_lower",
     "nis_of_matches_upper",
+    "t_gospa_lower",
+    "t_gospa_upper",
+    "gap",
     "clusters_exact",
     "clusters_linear_programme_whole",
     "clusters_linear_programme_bound",

@@ -44,6 +44,8 @@ impl Normalised {
 /// One of the kinds of normalised errors, with the names under which it is reported.
 struct Family {
     mean: &'static str,
+    /// What it is called in a sentence.
+    word: &'static str,
     lower: &'static str,
     upper: &'static str,
     within: &'static str,
@@ -57,6 +59,7 @@ struct Family {
 const FAMILIES: [Family; 3] = [
     Family {
         mean: "nees_position",
+        word: "NEES of the position",
         lower: "nees_position_lower",
         upper: "nees_position_upper",
         within: "nees_position_steps_within",
@@ -67,6 +70,7 @@ const FAMILIES: [Family; 3] = [
     },
     Family {
         mean: "nees_state",
+        word: "NEES of the state",
         lower: "nees_state_lower",
         upper: "nees_state_upper",
         within: "nees_state_steps_within",
@@ -77,6 +81,7 @@ const FAMILIES: [Family; 3] = [
     },
     Family {
         mean: "nis_of_matches",
+        word: "NIS",
         lower: "nis_of_matches_lower",
         upper: "nis_of_matches_upper",
         within: "nis_of_matches_steps_within",
@@ -143,6 +148,40 @@ impl Consistency {
             quantities.push(Quantity::ratio(family.within, within, steps, "", family.reason));
         }
         quantities
+    }
+
+    /// Warnings of means outside their bounds: of the whole state where it is known, else of the position; and of the NIS where
+    /// `is_nis_told` says so. A σ that is less than a tenth away from what would fit is not worth one.
+    pub fn doubts(&self, quantities: &[Quantity], is_nis_told: bool) -> Vec<String> {
+        let has_state = quantities.iter().any(|quantity| quantity.name == "nees_state" && quantity.value.is_some());
+        let is_told = |family: &&Family| match family.mean {
+            "nees_state" => has_state,
+            "nees_position" => !has_state,
+            _ => is_nis_told,
+        };
+        FAMILIES.iter().filter(is_told).filter_map(|family| self.doubt(family, quantities)).collect()
+    }
+
+    fn doubt(&self, family: &Family, quantities: &[Quantity]) -> Option<String> {
+        let value = |name: &str| quantities.iter().find(|quantity| quantity.name == name).and_then(|quantity| quantity.value);
+        let (mean, lower, upper) = (value(family.mean)?, value(family.lower)?, value(family.upper)?);
+        let due = family.dimensions.unwrap_or(self.measurement_dimensions);
+        let factor = (mean / f64::from(due)).sqrt();
+        if (lower..=upper).contains(&mean) || (factor - 1.0).abs() <= 0.1 {
+            return None;
+        }
+        let (what, sigma) = match (family.dimensions, mean > f64::from(due)) {
+            (Some(_), true) => ("the tracks are surer than they are right", "covariances of sigma"),
+            (Some(_), false) => ("the tracks are less sure than they could be", "covariances of sigma"),
+            (None, true) => ("the noise was assumed too small", "sigma"),
+            (None, false) => ("the noise was assumed too large", "sigma"),
+        };
+        let (name, percent) = (family.word, 100.0 * self.confidence);
+        Some(format!(
+            "mean {name} {mean:.2} over {} matches, {due} is due ({lower:.2} to {upper:.2} with {percent} %): {what}; {sigma} × {factor:.2} \
+             would fit",
+            value(family.samples)?
+        ))
     }
 
     /// Means and bounds over some samples.

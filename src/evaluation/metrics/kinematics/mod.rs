@@ -85,6 +85,9 @@ impl Metric for Kinematics {
         let mut quantities = errors(&all);
         quantities.extend(consistency.summary(&by_sequence));
         let mut report = MetricReport::new("position_rmse", false, self.parameters(sequences), quantities);
+        // Where there are detections the tracks may be of this job, whose updates are all known.
+        let is_nis_told = sequences.iter().all(|sequence| sequence.input.is_none_or(|input| input.recording.is_none()));
+        report.warnings = consistency.doubts(&report.quantities, is_nis_told);
         report.origins = FROM.iter().chain(consistency::FROM).copied().collect();
         if let ([sequence], [samples]) = (sequences, &by_sequence[..]) {
             let steps = sequence.comparison.steps.len();

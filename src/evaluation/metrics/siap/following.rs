@@ -5,6 +5,9 @@
 //! 2. The same candidate `confirm_steps` times in a row: the track follows it, from the first of these steps on.
 //! 3. Another candidate or none `end_steps` times in a row: it followed up to the last step at which the candidate was its.
 //!    Steps in between count as followed, whatever the distance.
+//! 4. A track that is absent has no candidate: once for each of its usual gaps that an absence leaves out. The usual gap, in steps,
+//!    is the 75 % quantile of those of the track, or of all tracks where it has fewer than four; so a track that is there at
+//!    every third step alone is not absent.
 
 use super::{Compat, Settings};
 use crate::evaluation::comparison::Comparison;
@@ -29,9 +32,13 @@ pub fn follow(comparison: &Comparison, settings: &Settings) -> Following {
     let nearest = nearest_truths(comparison, settings.siap_compat);
     let mut pieces = Vec::new();
     let mut truth_of = vec![None; comparison.tracks.len()];
-    for (track, sightings) in sightings(comparison).iter().enumerate() {
+    let sightings = sightings(comparison);
+    let usual_of_all = usual_gap(sightings.iter().map(Vec::as_slice));
+    for (track, sightings) in sightings.iter().enumerate() {
         let first = pieces.len();
-        follow_one(track as u32, sightings, &nearest, settings, &mut pieces);
+        let usual_gap = if sightings.len() > FEWEST_GAPS { usual_gap([sightings.as_slice()].into_iter()) } else { usual_of_all };
+        let rule = Rule { settings, usual_gap };
+        follow_one(track as u32, sightings, &nearest, &rule, &mut pieces);
         let mut of_track = pieces[first..].iter().peekable();
         for &(step, presence) in sightings {
             while of_track.next_if(|piece| piece.to < step).is_some() {}
@@ -40,6 +47,31 @@ pub fn follow(comparison: &Comparison, settings: &Settings) -> Following {
         }
     }
     Following { pieces, truth_of }
+}
+
+/// A track with fewer gaps does not show a usual one.
+const FEWEST_GAPS: usize = 4;
+
+/// What makes a track follow a target, and how often it is there.
+struct Rule<'s> {
+    settings: &'s Settings,
+    /// In steps.
+    usual_gap: usize,
+}
+
+impl Rule<'_> {
+    /// How often a track that was there at two steps, and not between them, was absent.
+    fn absences(&self, from: usize, to: usize) -> u32 {
+        let gaps = (to - from + self.usual_gap / 2) / self.usual_gap;
+        u32::try_from(gaps.saturating_sub(1)).unwrap_or(u32::MAX)
+    }
+}
+
+/// The smallest gap that at least 75 % of all do not exceed; 1 where there is none.
+fn usual_gap<'s>(tracks: impl Iterator<Item = &'s [(usize, usize)]>) -> usize {
+    let mut gaps: Vec<usize> = tracks.flat_map(|sightings| sightings.windows(2).map(|pair| pair[1].0 - pair[0].0)).collect();
+    gaps.sort_unstable();
+    gaps.get((3 * gaps.len()).div_ceil(4).saturating_sub(1)).copied().unwrap_or(1)
 }
 
 /// For each track its steps, each with the index of its presence.
@@ -69,14 +101,24 @@ fn nearest_truths(comparison: &Comparison, compat: Compat) -> Vec<Option<u32>> {
     nearest.into_iter().map(|best| best.map(|(_, truth)| truth)).collect()
 }
 
-/// Methods 2 and 3.
-fn follow_one(track: u32, sightings: &[(usize, usize)], nearest: &[Option<u32>], settings: &Settings, pieces: &mut Vec<Piece>) {
+/// Methods 2 to 4.
+fn follow_one(track: u32, sightings: &[(usize, usize)], nearest: &[Option<u32>], rule: &Rule, pieces: &mut Vec<Piece>) {
+    let settings = rule.settings;
     let mut current: Option<Piece> = None;
-    let mut failures = 0;
+    let mut failures = 0u32;
     // A target, the first step at which it was the candidate, and how often in a row.
     let mut candidate: Option<(u32, usize, u32)> = None;
+    let mut before = None;
     for &(step, presence) in sightings {
         let near = nearest[presence];
+        let absences = before.replace(step).map_or(0, |before| rule.absences(before, step));
+        if absences > 0 {
+            candidate = None;
+            failures = failures.saturating_add(absences);
+        }
+        if failures >= settings.end_steps {
+            pieces.extend(current.take());
+        }
         if let Some(piece) = &mut current {
             if near == Some(piece.truth) {
                 piece.to = step;

@@ -11,7 +11,8 @@
 //!    spuriousness not following tracks of tracks; position and velocity accuracy are mean errors of following tracks.
 //! 3. Rate of track number changes: changes of tracked time. A target's numbers are as few following pieces as cover its
 //!    tracked times; the same track again is no change.
-//! 4. Longest segment: the longest unbroken piece of one track, of the target's life; over targets, sums of both.
+//! 4. Longest segment: the longest unbroken piece of one track, of the target's life; over targets, sums of both. A piece ends
+//!    where the track is not there.
 //! 5. `siap_compat: stonesoup` counts as Stone Soup does: a distance equal to the gate is no match, the same track again is
 //!    a change, and pieces of one track add up to a segment.
 

@@ -12,10 +12,12 @@
 //! 1. T-GOSPAᵖ = min Σ dᵖ + cᵖ/2 (missed + false) + γᵖ switches, over all ways to assign tracks to truths at every step.
 //!    A change from one track to another is one switch, a loss or a find one half.
 //! 2. [`problem`] cuts it into clusters that do not touch; [`exact`] solves each by dynamic programming; what is too
-//!    entangled for that, [`linear_programme`] bounds from below. The report says which was used.
+//!    entangled for that, [`linear_programme`] bounds from below and [`feasible`] from above. The report says which was used, both
+//!    bounds, and their difference as the gap, which is 0 for an exact value.
 //! 3. Several sequences add up their p-th powers. `t_gospa_per_step` is (T-GOSPAᵖ / steps)^(1/p).
 
 mod exact;
+mod feasible;
 mod linear_programme;
 mod problem;
 mod trace;
@@ -67,6 +69,8 @@ struct Total {
     whole: usize,
     bounded: usize,
     is_unsolved: bool,
+    /// How much more than the bounds from below assignments cost that are some, as a share of cᵖ.
+    slack: f64,
 }
 
 impl Metric for TGospa {
@@ -96,6 +100,7 @@ impl Metric for TGospa {
         });
         let mut report = MetricReport::new("t_gospa", false, parameters, self.quantities(&total));
         report.origins = self.origins();
+        report.warnings.extend(self.doubt(&total, &report));
         if let [sequence] = sequences {
             report.pairs = self.pair_columns(sequence.comparison, &total.solution);
             report.series = vec![switches_over_time(sequence.comparison, &total.solution)];
@@ -163,12 +168,28 @@ impl TGospa {
             }
             match linear_programme::solve(&cluster.steps, self.penalty(), watch) {
                 Some(bound) => {
+                    if !bound.is_exact {
+                        let above = feasible::solve(&cluster, self.penalty()).cost(self.penalty());
+                        total.slack += (above - bound.solution.tally.cost(self.penalty())).max(0.0);
+                    }
                     total.solution.add(bound.solution);
                     *if bound.is_exact { &mut total.whole } else { &mut total.bounded } += 1;
                 }
                 None => total.is_unsolved = true,
             }
         }
+    }
+
+    /// What a reader must know of a value that is a bound.
+    fn doubt(&self, total: &Total, report: &MetricReport) -> Option<String> {
+        let [lower, upper, gap] = ["t_gospa_lower", "t_gospa_upper", "gap"].map(|name| report.quantity(name));
+        let (lower_m, upper_m, gap_m) = (lower?, upper?, gap.filter(|_| total.bounded > 0)?);
+        let clusters = total.exact + total.whole + total.bounded;
+        Some(format!(
+            "t_gospa is a lower bound: the exact value lies between {lower_m:.3} m and {upper_m:.3} m, a gap of {gap_m:.3} m, because {} of \
+             {clusters} groups of targets and tracks that are near each other are too entangled to be solved exactly",
+            total.bounded
+        ))
     }
 
     fn quantities(&self, total: &Total) -> Vec<Quantity> {
@@ -182,6 +203,8 @@ impl TGospa {
         let some = |name, value: f64, unit| Quantity::or(name, has_value.then_some(value), unit, reason);
         let mut quantities =
             vec![some("t_gospa", cutoff.metres(sum), "m"), some("t_gospa_per_step", cutoff.metres(sum / total.steps.max(1.0)), "m")];
+        let (lower, upper) = (cutoff.metres(sum), cutoff.metres(sum + total.slack));
+        quantities.extend([some("t_gospa_lower", lower, "m"), some("t_gospa_upper", upper, "m"), some("gap", upper - lower, "m")]);
         let names = ["localisation", "missed", "false", "switching"];
         quantities.extend(names.into_iter().zip(parts).map(|(name, part)| some(name, cutoff.powers(part), "m^p")));
         quantities.extend([
