@@ -106,6 +106,8 @@ pub fn run(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<O
         return campaign::run(campaign, &inputs, observer);
     }
     let mut scene = Scene::gather(plan, inputs, observer)?;
+    let settled = scene.settled(plan);
+    let plan = settled.as_ref();
     let mut decided = None;
     let mut parts = Vec::new();
     let mut of_tuples = Map::new();

@@ -8,7 +8,8 @@ use super::judge::{self, Content, Judgement, Subject};
 use super::observer::{Observer, Step};
 use super::plan::{JobKind, Plan, scenario_of};
 use super::run::{Artifact, Decided, Inputs, RunError, to_value};
-use super::{artifacts, clutter, detect, group_report, profiles, record_picture, sensors, tfa};
+use super::speeds::Taken;
+use super::{artifacts, auto_filter, clutter, detect, group_report, no_tracks, profiles, record_picture, sensors, speeds, tfa};
 use crate::correlation::alignment::Node;
 use crate::evaluation::EvaluationInput;
 use crate::math::rng::Seed;
@@ -46,6 +47,8 @@ pub(super) struct Scene {
     pub warnings: Vec<String>,
     /// The part `detection` of the report.
     pub detection: Option<DetectionReport>,
+    /// The filter that was chosen by what the sensors report.
+    chosen_filter: Option<Value>,
 }
 
 /// Truth and tracks to compare.
@@ -101,6 +104,19 @@ impl Scene {
         Ok(scene)
     }
 
+    /// The plan with what its request left open until the data are there.
+    pub fn settled<'a>(&mut self, plan: &'a Plan) -> Cow<'a, Plan> {
+        let Some(recording) = self.recording.as_ref().filter(|_| auto_filter::is_open(&plan.spec)) else { return Cow::Borrowed(plan) };
+        let mut settled = plan.clone();
+        auto_filter::settle(&mut settled.spec, recording);
+        self.chosen_filter = settled.spec.get("filter").cloned();
+        if plan.kind == JobKind::Correlate {
+            // Its result has no part for how the tracks of each sensor were made.
+            self.warnings.push(format!("the filter of the tracks is '{}'", settled.spec["filter"]["method"].as_str().unwrap_or_default()));
+        }
+        Cow::Owned(settled)
+    }
+
     fn simulate(&mut self, scenario: &Scenario, seed: Seed, observer: &mut dyn Observer) -> Result<(), RunError> {
         let total = scenario.record.as_ref().map_or(u64::from(scenario.scans), |record| simulation::row_count(scenario, record));
         let mut progress = |done| observer.progress(Step::Simulate, done, total);
@@ -154,7 +170,12 @@ impl Scene {
         if !misplaced.is_empty() {
             return Err(misplaced.into());
         }
-        let tracked = associate::track(plan, (recording, self.truth.as_ref()), sensors.clone(), observer)?;
+        let mut lifecycle = associate::lifecycle_of(&plan.spec)?;
+        let scene = (recording, self.sensors.as_slice(), sensors.as_slice());
+        let taken = speeds::complete(&mut lifecycle, &plan.spec, scene, &filter, &mut self.warnings);
+        let mut tracked = associate::track(plan, (recording, self.truth.as_ref()), (sensors.clone(), lifecycle), observer)?;
+        tracked.taken = Taken { filter: self.chosen_filter.clone(), ..taken };
+        self.warnings.extend(no_tracks::warning(&tracked, scene, (&lifecycle, &filter)));
         // Clutter that lies near targets only is not spread over what the sensor watches: a comparison would mislead.
         let is_local =
             scenario_of(&plan.spec).is_some_and(|(scenario, _)| scenario.sensors.iter().any(|sensor| sensor.clutter_within_deg.is_some()));

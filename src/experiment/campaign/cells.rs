@@ -1,7 +1,8 @@
 //! The cells of a campaign: the product of its axes, each with the job body of its runs.
 
 use super::super::catalogue::request_object;
-use super::super::plan::{JobKind, Plan, plan, write_out_preset};
+use super::super::plan::{JobKind, Plan, plan};
+use super::super::preset_source;
 use crate::model::fault::Fault;
 use crate::registry::nearest_path;
 use serde::Deserialize;
@@ -100,9 +101,10 @@ fn text_of(value: &Value) -> String {
 /// # Errors
 /// Every fault: of the base alone where it has any, else of the grid, with the cell that has it.
 pub(super) fn cells_of(spec: &Value, axes: &[Axis]) -> Result<Vec<Cell>, Vec<Fault>> {
-    let (kind, mut body) = base_of(spec)?;
-    // Paths of the grid reach into the scenario of a preset; an unknown preset is a fault of the base below.
-    write_out_preset(&mut body, &mut Vec::new());
+    let (kind, base) = base_of(spec)?;
+    // Paths of the grid reach into what a preset brings; an unknown preset is a fault of the base below.
+    let mut body = preset_source::with_settings(kind, &base).into_owned();
+    preset_source::write_out(&mut body, &mut Vec::new());
     let count: u128 = axes.iter().map(|axis| axis.points.len() as u128).product();
     if count > MAX_CELLS {
         let fault = Fault::new("/grid", "too_large", format!("the grid has {count} cells"));
