@@ -148,7 +148,16 @@ impl Tracking<'_> {
         let nis = NisReport { mean: tracker.nis().mean(), updates: tracker.nis().updates, dimensions: D };
         let (diagnostics, trace) = (tracker.diagnostics(), tracker.trace().cloned());
         let decided = if is_timed { timed(&mut tracker, recording.scans.len(), observer) } else { None };
-        Ok(Tracked { tracks: tracker.into_history().into_tracks(recording), scans, method, nis, diagnostics, decided, trace, taken: Taken::default() })
+        Ok(Tracked {
+            tracks: tracker.into_history().into_tracks(recording),
+            scans,
+            method,
+            nis,
+            diagnostics,
+            decided,
+            trace,
+            taken: Taken::default(),
+        })
     }
 }
 

@@ -7,6 +7,7 @@ use super::run::{Artifact, RunError};
 use super::text;
 use crate::evaluation::EvaluationInput;
 use crate::evaluation::breaks::{self, Break};
+use crate::evaluation::closeness;
 use crate::evaluation::comparison::{Alignment, Comparison, PointSettings, Shape};
 use crate::evaluation::events::{EventKind, EventLog};
 use crate::evaluation::metrics::{METRICS, Metric, MetricReport, Quantity, Sequence};
@@ -121,7 +122,7 @@ pub(super) fn judge(spec: &Value, subjects: &[Subject], wants_files: bool, obser
     }
     let warnings = subjects.iter().zip(&comparisons).flat_map(|(subject, comparison)| {
         let place = if subject.name.is_empty() { String::new() } else { format!("{}: ", subject.name) };
-        comparison.warnings.iter().map(move |warning| format!("{place}{warning}"))
+        comparison.warnings.iter().cloned().chain(closeness::warning(comparison)).map(move |warning| format!("{place}{warning}"))
     });
     let too_many = (pairs > MAX_PAIRS).then(|| format!("pairs.csv is left out: {pairs} pairs are more than {MAX_PAIRS}"));
     Ok(Judgement { parts, artifacts, warnings: warnings.chain(too_many).collect() })

@@ -19,6 +19,7 @@ mod given;
 mod group;
 mod group_report;
 mod judge;
+pub mod known_data;
 mod metric_files;
 mod no_tracks;
 pub mod observer;

@@ -2,6 +2,7 @@
 
 use super::apparent_speed::apparent_speed;
 use super::associate::Tracked;
+use super::speeds::{REACH, SIGMA_OF_FASTEST, two_digits};
 use crate::filtering::Chosen;
 use crate::model::scan::Recording;
 use crate::model::sensor::{Sensor, SensorSettings};
@@ -58,19 +59,25 @@ fn advice(recording: &Recording, known: &[SensorSettings], sensors: &[Sensor], l
     let fastest_mps = apparent.and_then(|apparent| apparent.fastest_mps);
     let is_within = |fastest_mps: f64| match lifecycle.initiation {
         Initiation::TwoPoint { max_speed_mps, .. } => fastest_mps <= max_speed_mps,
-        _ => fastest_mps <= 2.5 * lifecycle.initial_speed_sigma_mps,
+        _ => fastest_mps <= REACH * lifecycle.initial_speed_sigma_mps,
     };
     match fastest_mps {
         Some(fastest_mps) if !is_within(fastest_mps) => {
             let (name, value) = match lifecycle.initiation {
-                Initiation::TwoPoint { .. } => ("max_speed_mps", 1.25 * fastest_mps),
-                _ => ("initial_speed_sigma_mps", 0.5 * fastest_mps),
+                Initiation::TwoPoint { .. } => ("max_speed_mps", REACH * SIGMA_OF_FASTEST * fastest_mps),
+                _ => ("initial_speed_sigma_mps", SIGMA_OF_FASTEST * fastest_mps),
             };
-            format!("; detections of three scans in a row follow each other at {fastest_mps:.2e} m/s: {name} {value:.1e} or more lets them in")
+            format!(
+                "; detections of three scans in a row follow each other at {} m/s: {name} {} or more lets them in",
+                two_digits(fastest_mps),
+                two_digits(value)
+            )
         }
-        Some(_) => "; detections do follow each other at such speeds: fewer confirm_hits, a larger gate_probability or larger noises of the \
+        Some(_) => {
+            "; detections do follow each other at such speeds: fewer confirm_hits, a larger gate_probability or larger noises of the \
                     sensors confirm more"
-            .to_owned(),
+                .to_owned()
+        }
         None => "; hardly any three detections of successive scans lie on one course: are the noises of the sensors and the units right?"
             .to_owned(),
     }

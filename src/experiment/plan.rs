@@ -97,7 +97,7 @@ impl Plan {
 /// What a job will roughly cost.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
-    /// Detections that a simulation will make; 0 where the input is data.
+    /// Detections that a simulation will make, or that are known to be in the data.
     pub detections: u64,
     pub cost_s: f64,
     pub bytes: u64,

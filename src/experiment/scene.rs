@@ -29,6 +29,9 @@ use std::borrow::Cow;
 /// The parts of a result, its files, and what deciding took.
 type Correlation = (Map<String, Value>, Vec<Artifact>, Option<Decided>);
 
+const WITHOUT_TRUTH: &str = "there is no truth with positions, so the automaton judged by the origins of the detections, and no metric \
+                             (GOSPA, OSPA, SIAP, CLEAR, …) was computed; 'truth' gives it";
+
 const OF_BEARINGS: &str = "directions (bearing_deg) are not compared in metres";
 
 /// Everything a job works on.
@@ -274,6 +277,9 @@ impl Scene {
     /// What the metrics say; `None` when there are none or no truth was found.
     pub fn measure(&mut self, plan: &Plan, tracked: Option<&TrackSet>, observer: &mut dyn Observer) -> Result<Option<Judgement>, RunError> {
         if plan.spec["metrics"].as_array().is_none_or(Vec::is_empty) {
+            if self.truth.is_none() && self.sides.is_empty() && plan.spec["profile"] != "tfa" {
+                self.warnings.push(WITHOUT_TRUTH.to_owned());
+            }
             return Ok(None);
         }
         let names: Vec<&str> =

@@ -3,7 +3,7 @@
 //!
 //! # Method
 //! A velocity component of a target of speed v and any heading has the standard deviation v / √2. Of a scenario σ is that of all its
-//! targets, and at least 2/5 of the highest speed. Of a recording σ is half of the speed of its fastest targets
+//! targets, and at least 2/5 of the highest speed. Of a recording σ is 0.55 of the mean speed of its fastest targets
 //! ([`super::apparent_speed`]), and at least what noise alone looks like; the highest speed of a pair of points is 2.5 σ.
 
 use super::apparent_speed::{ApparentSpeed, apparent_speed};
@@ -17,7 +17,9 @@ use serde::Serialize;
 use serde_json::Value;
 
 /// Highest speed over σ.
-const REACH: f64 = 2.5;
+pub(super) const REACH: f64 = 2.5;
+/// σ over the mean speed of the highest rung, which lies a little below the highest speed.
+pub(super) const SIGMA_OF_FASTEST: f64 = 0.55;
 /// Targets that stand still are given this much, for nothing stands quite still.
 const LEAST_SIGMA_MPS: f64 = 0.1;
 
@@ -124,8 +126,8 @@ fn of_scenario(scenario: &Scenario) -> Option<Speeds> {
 
 fn of_data(apparent: Option<ApparentSpeed>) -> Speeds {
     let (sigma_mps, ground) = match apparent {
-        Some(ApparentSpeed { fastest_mps: Some(fastest_mps), noise_mps }) if fastest_mps / 2.0 > noise_mps => {
-            (fastest_mps / 2.0, Ground::Motion)
+        Some(ApparentSpeed { fastest_mps: Some(fastest_mps), noise_mps }) if SIGMA_OF_FASTEST * fastest_mps > noise_mps => {
+            (SIGMA_OF_FASTEST * fastest_mps, Ground::Motion)
         }
         Some(ApparentSpeed { noise_mps, .. }) => (noise_mps.max(LEAST_SIGMA_MPS), Ground::Noise),
         None => (Lifecycle::ASSUMED_SPEED_SIGMA_MPS, Ground::Nothing),
@@ -134,7 +136,7 @@ fn of_data(apparent: Option<ApparentSpeed>) -> Speeds {
 }
 
 /// Rounded to two digits, and within what the request allows.
-fn two_digits(speed_mps: f64) -> f64 {
+pub(super) fn two_digits(speed_mps: f64) -> f64 {
     format!("{speed_mps:.1e}").parse().unwrap_or(speed_mps).clamp(1e-3, 1e5)
 }
 
@@ -167,7 +169,7 @@ mod tests {
     #[test]
     fn data_tell_the_fastest_targets_else_the_noise_else_nothing() {
         let of = |fastest_mps, noise_mps| of_data(Some(ApparentSpeed { fastest_mps, noise_mps }));
-        assert_eq!(of(Some(250.0), 10.0), Speeds { sigma_mps: 130.0, highest_mps: 310.0, ground: Ground::Motion });
+        assert_eq!(of(Some(250.0), 10.0), Speeds { sigma_mps: 140.0, highest_mps: 340.0, ground: Ground::Motion });
         assert_eq!(of(Some(8.0), 10.0).ground, Ground::Noise);
         assert_eq!(of(None, 3.32), Speeds { sigma_mps: 3.3, highest_mps: 8.3, ground: Ground::Noise });
         assert_eq!(of_data(None), Speeds { sigma_mps: 10.0, highest_mps: 25.0, ground: Ground::Nothing });

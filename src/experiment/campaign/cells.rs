@@ -1,6 +1,7 @@
 //! The cells of a campaign: the product of its axes, each with the job body of its runs.
 
 use super::super::catalogue::request_object;
+use super::super::known_data::{self, Known};
 use super::super::plan::{JobKind, Plan, plan};
 use super::super::preset_source;
 use crate::model::fault::Fault;
@@ -178,6 +179,23 @@ fn base_of(spec: &Value) -> Result<(JobKind, Value), Vec<Fault>> {
         Ok(kind) if kind != JobKind::Campaign => Ok((kind, body)),
         _ => Err(vec![Fault::new("/base/kind", "unknown_value", format!("a campaign has no runs of kind {name}")).allowing(kinds())]),
     }
+}
+
+/// What is known of the data, held against every cell: each fault once, at the change that made it or else in the base.
+pub(super) fn check_known(cells: &[Cell], axes: &[Axis], known: &[Option<Known>]) -> Vec<Fault> {
+    let mut faults: Vec<Fault> = Vec::new();
+    for cell in cells {
+        let made = changes_at(axes, &cell.points);
+        for fault in known_data::faults_of(&cell.plan, known) {
+            let in_base = Fault { pointer: format!("/base{}", fault.pointer), ..fault.clone() };
+            let placed = placed(fault, &cell.name, &made, &cell.plan.spec).fault;
+            let fault = if placed.pointer == WHOLE_GRID { in_base } else { placed };
+            if !faults.iter().any(|known| (&known.pointer, &known.code) == (&fault.pointer, &fault.code)) {
+                faults.push(fault);
+            }
+        }
+    }
+    faults
 }
 
 /// A change that a cell makes to the base, and where the spec gives its path and its value.
