@@ -8,10 +8,10 @@
 //! # Method
 //! 1. Detections that repeat are left out, for they are slow or no target: an `a` with a detection of the next scan, and a `b` with
 //!    one of the scan before, within √(γ · 2 σ²). What moves less than that in a scan needs no speed beyond that of the noise.
-//! 2. For each pair (a, b) the gates γ · σ² (1 + (1 + ρ)² + ρ²) around b + ρ d, and around b ± ρ d turned by 90°: the first holds
-//!    the next detection of a target, all three hold the same clutter.
-//! 3. The speeds |d| / T₁ are counted in a ladder of half octaves. A rung is believed where the first gates have clearly more
-//!    detections than the mean of the other two; the highest rung that is believed is that of the fastest targets.
+//! 2. For each pair (a, b) the gates γ · σ² (1 + (1 + ρ)² + ρ²) around b + ρ d and around b − ρ d: the first holds the next
+//!    detection of a target, both hold the same clutter, also where that lies on a line.
+//! 3. The speeds |d| / T₁ are counted in a ladder of half octaves. A rung is believed where the gates onwards have clearly more
+//!    detections than those backwards; the highest rung that is believed is that of the fastest targets.
 //!
 //! At most [`MOST_PAIRS`] pairs of at most [`MOST_TRIPLES`] triples of scans are looked at, evenly spread; the same data give the
 //! same answer.
@@ -33,6 +33,8 @@ const MOST_DETECTIONS: usize = 2_000_000;
 const RUNGS: usize = 64;
 const LOWEST_RUNG: f64 = 16.0;
 const GATE_PROBABILITY: f64 = 0.99;
+/// What is assumed to be the highest speed where nothing can be seen.
+const ORDINARY_MPS: f64 = 25.0;
 
 /// What is seen of the speeds of a recording's targets.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,6 +43,8 @@ pub(super) struct ApparentSpeed {
     pub fastest_mps: Option<f64>,
     /// σ / T₁, the middle one of all triples of scans: a speed that noise alone looks like.
     pub noise_mps: f64,
+    /// Whether clutter would hide a target of [`ORDINARY_MPS`], or too few scans show it.
+    pub is_hidden: bool,
 }
 
 /// A detection of a sensor that is looked at.
@@ -62,9 +66,10 @@ struct Look {
 /// A rung of the ladder.
 #[derive(Debug, Clone, Copy, Default)]
 struct Rung {
-    straight: f64,
-    /// In both gates that are turned.
-    turned: f64,
+    /// Gates onwards, and backwards, that hold a detection.
+    onwards: f64,
+    backwards: f64,
+    /// Of those onwards.
     speeds_mps: f64,
 }
 
@@ -85,15 +90,18 @@ pub(super) fn apparent_speed(recording: &Recording, known: &[SensorSettings], se
     }
     noises_mps.sort_by(f64::total_cmp);
     let noise_mps = *noises_mps.get(noises_mps.len() / 2)?;
-    Some(ApparentSpeed { fastest_mps: highest(&ladder), noise_mps })
+    let fastest_mps = highest(&ladder, triples.len());
+    Some(ApparentSpeed { fastest_mps, noise_mps, is_hidden: is_hidden(&ladder, triples.len(), ORDINARY_MPS) })
 }
 
 /// Successive scans of one sensor of places, of each sensor, evenly thinned out.
 fn triples_of<'a>(recording: &'a Recording, sensors: &[Sensor]) -> Vec<[&'a Scan; 3]> {
+    let mut scans_of: Vec<Vec<&Scan>> = vec![Vec::new(); sensors.len()];
+    for scan in &recording.scans {
+        scans_of[scan.sensor].push(scan);
+    }
     let mut triples = Vec::new();
-    for (index, sensor) in sensors.iter().enumerate().filter(|(_, sensor)| !matches!(sensor.report, Report::Bearing { .. })) {
-        debug_assert!(recording.sensors[index].sensor_id == sensor.sensor_id, "sensors are in the order of the recording");
-        let scans: Vec<&Scan> = recording.scans.iter().filter(|scan| scan.sensor == index).collect();
+    for (scans, _) in scans_of.iter().zip(sensors).filter(|(_, sensor)| !matches!(sensor.report, Report::Bearing { .. })) {
         let in_a_row = scans.windows(3).map(|three| [three[0], three[1], three[2]]);
         triples.extend(in_a_row.filter(|three| three.iter().all(|scan| scan.count > 0)));
     }
@@ -121,22 +129,22 @@ impl Look {
         Look { time_s: scan.time_s, seen, grid, largest_variance_m2 }
     }
 
-    /// Detections within the gate of a place that is known with this variance, where their own counts `weight` times.
-    fn count(&self, centre_m: &Position, variance_m2: f64, weight: f64) -> usize {
+    /// Detections within the gate of a place that is known with this variance, to which their own is added.
+    fn count(&self, centre_m: &Position, variance_m2: f64) -> usize {
         let threshold = gate_threshold(GATE_PROBABILITY, 2);
-        let reach_m = (threshold * (variance_m2 + weight * self.largest_variance_m2)).sqrt();
+        let reach_m = (threshold * (variance_m2 + self.largest_variance_m2)).sqrt();
         let mut found = 0;
         self.grid.near(centre_m, [reach_m; 2], None, |index| {
             let seen = &self.seen[index as usize];
             let squared_m2 = (seen.place_m - centre_m).norm_squared();
-            found += usize::from(squared_m2 <= threshold * (variance_m2 + weight * seen.variance_m2));
+            found += usize::from(squared_m2 <= threshold * (variance_m2 + seen.variance_m2));
         });
         found
     }
 
     /// Those without a detection of the other scan at the same place.
     fn gone_from(&self, other: &Look) -> Vec<Seen> {
-        self.seen.iter().filter(|seen| other.count(&seen.place_m, seen.variance_m2, 1.0) == 0).copied().collect()
+        self.seen.iter().filter(|seen| other.count(&seen.place_m, seen.variance_m2) == 0).copied().collect()
     }
 }
 
@@ -160,16 +168,14 @@ fn climb([first, second, third]: &[Look; 3], most_pairs: usize, ladder: &mut [Ru
         let step_m = b.place_m - a.place_m;
         let onwards_m = step_m * ratio;
         let variance_m2 = b.variance_m2 * (1.0 + ratio).powi(2) + a.variance_m2 * ratio * ratio;
-        let in_gate = |offset_m: Position| third.count(&(b.place_m + offset_m), variance_m2, 1.0) as f64;
-        let speed_mps = step_m.norm() / before_s;
-        let straight = in_gate(onwards_m).min(1.0);
-        let aside_m = Position::new(-onwards_m[1], onwards_m[0]);
-        let turned = in_gate(aside_m).min(1.0) + in_gate(-aside_m).min(1.0);
-        if straight + turned > 0.0 {
+        let in_gate = |offset_m: Position| if third.count(&(b.place_m + offset_m), variance_m2) > 0 { 1.0 } else { 0.0 };
+        let (onwards, backwards) = (in_gate(onwards_m), in_gate(-onwards_m));
+        if onwards + backwards > 0.0 {
+            let speed_mps = step_m.norm() / before_s;
             let rung = &mut ladder[rung_of(speed_mps)];
-            rung.straight += straight;
-            rung.turned += turned;
-            rung.speeds_mps += straight * speed_mps;
+            rung.onwards += onwards;
+            rung.backwards += backwards;
+            rung.speeds_mps += onwards * speed_mps;
         }
     }
 }
@@ -178,13 +184,35 @@ fn rung_of(speed_mps: f64) -> usize {
     (2.0 * (speed_mps * LOWEST_RUNG).max(1.0).log2()).floor().min(RUNGS as f64 - 1.0) as usize
 }
 
-/// The mean speed of the highest rung that is believed: its surplus over chance is at least four standard deviations of it and a
-/// hundredth of all surplus. Of a handful of triples those are believed that nothing speaks against.
-fn highest(ladder: &[Rung; RUNGS]) -> Option<f64> {
-    let surplus = |rung: &Rung| rung.straight - rung.turned / 2.0;
-    let is_clear = |rung: &&Rung| surplus(rung) >= 4.0 * (1.5 * (rung.turned + 1.0) / 2.0).sqrt();
-    let total: f64 = ladder.iter().map(surplus).filter(|surplus| *surplus > 0.0).sum();
-    let clear = ladder.iter().filter(|rung| surplus(rung) >= total / 100.0).rfind(is_clear);
-    let few = || ladder.iter().rfind(|rung| rung.straight > 0.0 && rung.turned == 0.0 && total < 12.0);
-    clear.or_else(few).map(|rung| rung.speeds_mps / rung.straight)
+impl Rung {
+    fn surplus(&self) -> f64 {
+        self.onwards - self.backwards
+    }
+
+    /// By chance a gate of either kind holds the detection: the surplus is at least four standard deviations of that.
+    fn is_clear(&self) -> bool {
+        self.surplus() >= 4.0 * (self.onwards + self.backwards).sqrt() && self.onwards > 0.0
+    }
 }
+
+/// The mean speed of the highest rung that is believed: it is clear, and has a hundredth of all surplus at least. Where hardly any
+/// gate backwards holds anything there is no chance to mistake, and a tenth of a handful is believed.
+fn highest(ladder: &[Rung; RUNGS], triples: usize) -> Option<f64> {
+    let total: f64 = ladder.iter().map(Rung::surplus).filter(|surplus| *surplus > 0.0).sum();
+    let (onwards, backwards) =
+        ladder.iter().fold((0.0, 0.0), |(onwards, backwards), rung| (onwards + rung.onwards, backwards + rung.backwards));
+    let clear = ladder.iter().rfind(|rung| rung.is_clear() && rung.surplus() >= total / 100.0);
+    let is_clean = backwards <= onwards / 10.0 && onwards >= (triples as f64).min(3.0);
+    let clean = ladder.iter().filter(|_| is_clean).rfind(|rung| rung.onwards > rung.backwards && rung.surplus() >= total / 10.0);
+    clear.or(clean).map(|rung| rung.speeds_mps / rung.onwards)
+}
+
+/// Whether chance would hide a target of this speed that is seen in half of the triples.
+fn is_hidden(ladder: &[Rung; RUNGS], triples: usize, speed_mps: f64) -> bool {
+    let rung = &ladder[rung_of(speed_mps)];
+    let with_target = Rung { onwards: rung.backwards + triples as f64 / 2.0, ..*rung };
+    !with_target.is_clear()
+}
+
+#[cfg(test)]
+mod tests;

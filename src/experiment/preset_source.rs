@@ -3,12 +3,16 @@
 use super::catalogue::request_object;
 use super::plan::JobKind;
 use super::presets::{self, Preset};
+use super::scenario_tables::SCENARIO;
 use crate::model::fault::Fault;
+use crate::registry::{self, Kind};
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 
 /// The settings of a preset that go with its scenario.
 const BROUGHT: [&str; 5] = ["detector", "sensors", "associator", "filter", "tracker"];
+
+static SCENARIO_KIND: Kind = Kind::Object(&SCENARIO);
 
 /// The tags of the unions among them.
 const TAGS: [&str; 3] = ["method", "rule", "kind"];
@@ -56,7 +60,10 @@ pub(super) fn write_out(spec: &mut Value, faults: &mut Vec<Fault>) {
     let places = ["/input/scenario", "/base/input/scenario"];
     let scenario = presets::find(name).and_then(|preset| places.iter().find_map(|place| preset.body.pointer(place).cloned()));
     match scenario {
-        Some(scenario) => spec["input"] = json!({"source": "scenario", "scenario": scenario}),
+        Some(scenario) => {
+            let checked = registry::check_field(&scenario, &SCENARIO_KIND, "/input/scenario", faults);
+            spec["input"] = json!({"source": "scenario", "scenario": checked});
+        }
         None => {
             let known = presets::all().into_iter().map(|preset| preset.name).collect::<Vec<_>>().join(", ");
             faults.push(Fault::new("/input/preset", "unknown_value", format!("unknown preset \"{name}\"")).allowing(known));
@@ -95,7 +102,7 @@ mod tests {
             "tracker": {"initiation": {"max_wait_scans": 2}, "max_missed": 3}
         });
         let spec = planned(JobKind::Associate, body);
-        assert_eq!(spec["filter"], json!({"method": "unscented", "process_noise_m2ps3": 1.0}));
+        assert_eq!((&spec["filter"]["method"], &spec["filter"]["kappa"]), (&json!("unscented"), &json!(0.0)));
         assert_eq!(spec["associator"]["method"], "jpda");
         assert_eq!(spec["tracker"]["initiation"], json!({"method": "two_point", "max_speed_mps": 1000.0, "max_wait_scans": 2}));
         assert_eq!((&spec["tracker"]["max_missed"], &spec["tracker"]["gate_probability"]), (&json!(3), &json!(0.999)));
@@ -106,6 +113,8 @@ mod tests {
     #[test]
     fn jobs_without_a_tracker_take_the_scenario_alone() {
         let spec = planned(JobKind::Group, json!({"input": "cai-fuzzy-cv-10", "grouper": {"method": "nearest_neighbour"}}));
-        assert!(spec.get("tracker").is_none() && spec.pointer("/input/scenario").is_some());
+        assert!(spec.get("tracker").is_none());
+        // Its sensors say nothing of their places: what is left open is filled in as in a scenario of one's own.
+        assert_eq!(spec.pointer("/input/scenario/sensors/0/x_m"), Some(&json!(0.0)));
     }
 }

@@ -96,7 +96,7 @@ pub(super) fn complete(
         Ground::Scenario => "follows from the speeds of the scenario's targets".to_owned(),
         Ground::Motion => format!("was estimated from the detections of {}", names.join(", ")),
         Ground::Noise => format!("is what noise looks like: no detections of {} clearly move more", names.join(", ")),
-        Ground::Nothing => format!("is assumed: too few scans of {} follow each other to tell speeds from", names.join(", ")),
+        Ground::Nothing => format!("is assumed: too few scans of {}, or too much clutter in them, to tell speeds from", names.join(", ")),
     };
     warnings.push(format!("{name} {value} m/s {how}; give it in {pointer} to fix it"));
     taken
@@ -126,10 +126,11 @@ fn of_scenario(scenario: &Scenario) -> Option<Speeds> {
 
 fn of_data(apparent: Option<ApparentSpeed>) -> Speeds {
     let (sigma_mps, ground) = match apparent {
-        Some(ApparentSpeed { fastest_mps: Some(fastest_mps), noise_mps }) if SIGMA_OF_FASTEST * fastest_mps > noise_mps => {
+        Some(ApparentSpeed { fastest_mps: Some(fastest_mps), noise_mps, .. }) if SIGMA_OF_FASTEST * fastest_mps > noise_mps => {
             (SIGMA_OF_FASTEST * fastest_mps, Ground::Motion)
         }
-        Some(ApparentSpeed { noise_mps, .. }) => (noise_mps.max(LEAST_SIGMA_MPS), Ground::Noise),
+        Some(ApparentSpeed { noise_mps, is_hidden: false, .. }) => (noise_mps.max(LEAST_SIGMA_MPS), Ground::Noise),
+        Some(ApparentSpeed { noise_mps, .. }) => (noise_mps.max(Lifecycle::ASSUMED_SPEED_SIGMA_MPS), Ground::Nothing),
         None => (Lifecycle::ASSUMED_SPEED_SIGMA_MPS, Ground::Nothing),
     };
     Speeds { sigma_mps: two_digits(sigma_mps), highest_mps: two_digits(sigma_mps * REACH), ground }
@@ -168,10 +169,12 @@ mod tests {
 
     #[test]
     fn data_tell_the_fastest_targets_else_the_noise_else_nothing() {
-        let of = |fastest_mps, noise_mps| of_data(Some(ApparentSpeed { fastest_mps, noise_mps }));
+        let of = |fastest_mps, noise_mps| of_data(Some(ApparentSpeed { fastest_mps, noise_mps, is_hidden: false }));
         assert_eq!(of(Some(250.0), 10.0), Speeds { sigma_mps: 140.0, highest_mps: 340.0, ground: Ground::Motion });
         assert_eq!(of(Some(8.0), 10.0).ground, Ground::Noise);
         assert_eq!(of(None, 3.32), Speeds { sigma_mps: 3.3, highest_mps: 8.3, ground: Ground::Noise });
+        let hidden = of_data(Some(ApparentSpeed { fastest_mps: None, noise_mps: 3.3, is_hidden: true }));
+        assert_eq!((hidden.sigma_mps, hidden.ground), (10.0, Ground::Nothing));
         assert_eq!(of_data(None), Speeds { sigma_mps: 10.0, highest_mps: 25.0, ground: Ground::Nothing });
     }
 }

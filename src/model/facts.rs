@@ -30,15 +30,13 @@ pub struct SensorFacts {
 
 impl RecordingFacts {
     pub fn of(recording: &Recording) -> Self {
-        let facts_of = |(index, settings): (usize, &SensorSettings)| {
-            let mut facts = SensorFacts::nothing(settings.clone());
-            for scan in recording.scans.iter().filter(|scan| scan.sensor == index) {
-                facts.scans += 1;
-                recording.detections_of(scan).iter().for_each(|detection| facts.count(detection));
-            }
-            facts
-        };
-        RecordingFacts { sensors: recording.sensors.iter().enumerate().map(facts_of).collect(), origins_known: recording.origins_known }
+        let mut sensors: Vec<SensorFacts> = recording.sensors.iter().cloned().map(SensorFacts::nothing).collect();
+        for scan in &recording.scans {
+            let facts = &mut sensors[scan.sensor];
+            facts.scans += 1;
+            recording.detections_of(scan).iter().for_each(|detection| facts.count(detection));
+        }
+        RecordingFacts { sensors, origins_known: recording.origins_known }
     }
 
     /// Those of the named sensors; all where none are named.

@@ -15,6 +15,7 @@ mod campaign_parquet;
 mod campaigns;
 mod correlate_jobs;
 mod correlators;
+mod defaults;
 mod determinism;
 mod distances;
 mod evaluation_jobs;

@@ -6,6 +6,7 @@ use super::correlation::CorrelateResult;
 use super::dataset::{DatasetKind, SensorSettings};
 use super::detection::DetectionResult;
 use super::grouping::GroupResult;
+use super::taken::TakenSettings;
 use super::timing::Timing;
 use super::tracking_events::EventCounts;
 use serde::{Deserialize, Serialize};
@@ -152,21 +153,6 @@ pub struct Association {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub taken: Option<TakenSettings>,
-}
-
-/// Settings that the request left open, with the values that were taken.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct TakenSettings {
-    /// The filter that suits what the sensors report.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, value_type = Object)]
-    pub filter: Option<Value>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub initial_speed_sigma_mps: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub max_speed_mps: Option<f64>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]

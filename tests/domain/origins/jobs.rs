@@ -23,9 +23,13 @@ impl Texts {
         json!({"source": "dataset", "dataset_id": (self.texts.len() - 1).to_string()})
     }
 
-    /// Plans the request, reads what it names, and runs it.
     pub fn judge(&self, body: &Value) -> Result<Outcome, Vec<Fault>> {
-        let plan = plan(JobKind::Evaluate, body)?;
+        self.run(JobKind::Evaluate, body)
+    }
+
+    /// Plans the request, reads what it names, and runs it.
+    pub fn run(&self, kind: JobKind, body: &Value) -> Result<Outcome, Vec<Fault>> {
+        let plan = plan(kind, body)?;
         let mut inputs = Vec::new();
         for input in &plan.inputs {
             let Source::Dataset { dataset_id, .. } = &input.source else { panic!("no job is named") };
