@@ -99,7 +99,7 @@ fn sources() -> Vec<Source> {
         let inside = path.strip_prefix(&root).unwrap();
         let first = inside.components().next().unwrap().as_os_str().to_string_lossy().into_owned();
         let part = if first.ends_with(".rs") {
-            first.trim_end_matches(".rs").replace("lib", "").replace("main", "").replace("domain", "")
+            first.trim_end_matches(".rs").replace("domain", "").replace("lib", "").replace("main", "")
         } else {
             first
         };

@@ -5,6 +5,7 @@ use super::noise;
 use super::observer::{Observer, Step};
 use super::plan::Plan;
 use super::run::{Decided, RunError};
+use super::speeds::Taken;
 use crate::association::{ASSOCIATORS, Associator, Needs, Trace};
 use crate::filtering::{Chosen, FILTERS, Filter};
 use crate::math::rng::Seed;
@@ -32,6 +33,8 @@ pub(super) struct Tracked {
     pub decided: Option<Decided>,
     /// What the associator wrote down step by step.
     pub trace: Option<Trace>,
+    /// What the request left open.
+    pub taken: Taken,
 }
 
 impl Tracked {
@@ -52,6 +55,9 @@ pub(super) struct AssociationReport {
     tracks: Vec<TrackLine>,
     #[serde(skip_serializing_if = "Option::is_none")]
     diagnostics: Option<Value>,
+    /// What the request left open, and what was taken.
+    #[serde(skip_serializing_if = "Taken::is_empty")]
+    taken: Taken,
 }
 
 /// Normalised innovation squared of the updates of confirmed tracks: near `dimensions` on average when the filter's
@@ -88,7 +94,7 @@ struct TrackLine {
 pub(super) fn track(
     plan: &Plan,
     (recording, truth): (&Recording, Option<&TruthSet>),
-    sensors: Vec<Sensor>,
+    (sensors, lifecycle): (Vec<Sensor>, Lifecycle),
     observer: &mut dyn Observer,
 ) -> Result<Tracked, RunError> {
     let (spec, seed) = (&plan.spec, plan.stream());
@@ -97,7 +103,6 @@ pub(super) fn track(
     if let Some(fault) = unmet_need(&method, associator.needs(), recording) {
         return Err(vec![fault].into());
     }
-    let lifecycle = Lifecycle::deserialize(&spec["tracker"]).map_err(|_| unusable("/tracker"))?;
     if let Some(fault) = endless_gate(&lifecycle, &sensors) {
         return Err(vec![fault].into());
     }
@@ -162,7 +167,16 @@ impl Tracking<'_> {
         let nis = NisReport { mean: tracker.nis().mean(), updates: tracker.nis().updates, dimensions: D };
         let (diagnostics, trace) = (tracker.diagnostics(), tracker.trace().cloned());
         let decided = if is_timed { timed(&mut tracker, recording.scans.len(), observer) } else { None };
-        Ok(Tracked { tracks: tracker.into_history().into_tracks(recording), scans, method, nis, diagnostics, decided, trace })
+        Ok(Tracked {
+            tracks: tracker.into_history().into_tracks(recording),
+            scans,
+            method,
+            nis,
+            diagnostics,
+            decided,
+            trace,
+            taken: Taken::default(),
+        })
     }
 }
 
@@ -185,6 +199,11 @@ where
         return None;
     }
     Some(Decided { spent: observer.now()?.checked_sub(begun)?, scans: scans as u64 })
+}
+
+/// Gate and life cycle of the tracks.
+pub(super) fn lifecycle_of(spec: &Value) -> Result<Lifecycle, RunError> {
+    Lifecycle::deserialize(&spec["tracker"]).map_err(|_| unusable("/tracker"))
 }
 
 /// A fault where a sensor never misses and nothing is outside a gate.
@@ -244,6 +263,7 @@ pub(super) fn report(tracked: &Tracked, recording: &Recording, sensors: &[Sensor
         sensors: sensors.to_vec(),
         tracks: lines,
         diagnostics: tracked.diagnostics.clone(),
+        taken: tracked.taken.clone(),
     }
 }
 

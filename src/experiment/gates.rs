@@ -3,7 +3,7 @@
 //! # Symbols
 //! ẑ, S expected measurement and innovation covariance; γ threshold of the squared distance; D values of a measurement.
 
-use super::{associate, sensors};
+use super::{associate, auto_filter, sensors};
 use crate::association::Needs;
 use crate::filtering::prediction::Transition;
 use crate::filtering::{Chosen, Filter};
@@ -64,6 +64,9 @@ pub fn of<'a>(
     if spec.get("associator").is_none() || spec.get("correlator").is_some() {
         return None;
     }
+    let mut spec = spec.clone();
+    auto_filter::settle(&mut spec, recording);
+    let spec = &spec;
     let (associator, _) = associate::associator_of(spec, Seed { seed: 0, run: 0 }).ok()?;
     let (filter, name) = associate::filter_of(spec).ok()?;
     let probability = Lifecycle::deserialize(&spec["tracker"]).ok()?.gate_probability;

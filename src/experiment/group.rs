@@ -193,6 +193,14 @@ fn counts_of(recording: &Recording, (instant, grouping): &(Instant, Grouping)) -
 }
 
 /// Sensors that report positions with known noise.
+/// What of the input cannot be grouped.
+pub(super) fn unusable(material: &Material) -> Vec<Fault> {
+    match usable_sensors(material) {
+        Err(RunError::Faults(faults)) => faults,
+        _ => Vec::new(),
+    }
+}
+
 fn usable_sensors(material: &Material) -> Result<Vec<Sensor>, RunError> {
     let mut faults = Vec::new();
     if material.settings.len() < 2 {

@@ -3,8 +3,10 @@
 //! `plan` checks a request and says which inputs it needs; the caller loads them; `run` does the work.
 //! No clock, file, thread or network: time is measured and bytes are stored by whoever calls.
 
+mod apparent_speed;
 mod artifacts;
 mod associate;
+mod auto_filter;
 pub mod campaign;
 pub mod catalogue;
 mod checks;
@@ -17,10 +19,13 @@ mod given;
 mod group;
 mod group_report;
 mod judge;
+pub mod known_data;
 mod metric_files;
 mod noise;
+mod no_tracks;
 pub mod observer;
 pub mod plan;
+mod preset_source;
 pub mod presets;
 mod profiles;
 mod record_picture;
@@ -31,6 +36,7 @@ mod scan_gaps;
 mod scenario_tables;
 mod scene;
 mod sensors;
+mod speeds;
 mod tables;
 pub mod text;
 mod tfa;

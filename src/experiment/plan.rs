@@ -1,7 +1,7 @@
 //! From the body of a request to a plan: names and parameters checked, every fault reported, inputs named.
 
 use super::checks::{check_lifecycle, check_names, check_sensors, check_start};
-use super::{campaign, catalogue, correlate, detect, presets, profiles, rehearsal, requests};
+use super::{auto_filter, campaign, catalogue, correlate, detect, preset_source, profiles, rehearsal, requests};
 use crate::math::rng::Seed;
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
@@ -9,7 +9,7 @@ use crate::model::scenario::Scenario;
 use crate::registry::{self, Kind};
 use crate::tracking::LIFECYCLE;
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::sync::Arc;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -97,7 +97,7 @@ impl Plan {
 /// What a job will roughly cost.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
-    /// Detections that a simulation will make; 0 where the input is data.
+    /// Detections that a simulation will make, or that are known to be in the data.
     pub detections: u64,
     pub cost_s: f64,
     pub bytes: u64,
@@ -109,7 +109,8 @@ pub struct Estimate {
 /// Every fault, each with its JSON pointer.
 pub fn plan(kind: JobKind, body: &Value) -> Result<Plan, Vec<Fault>> {
     let mut faults = Vec::new();
-    let mut spec = registry::check_into(body, catalogue::request_object(kind), &mut faults);
+    let body = preset_source::with_settings(kind, body);
+    let mut spec = registry::check_into(&body, catalogue::request_object(kind), &mut faults);
     if !spec.is_object() {
         return Err(faults);
     }
@@ -123,8 +124,9 @@ pub fn plan(kind: JobKind, body: &Value) -> Result<Plan, Vec<Fault>> {
         JobKind::Correlate => correlate::check(&mut spec, &mut faults),
         _ => {}
     }
-    write_out_preset(&mut spec, &mut faults);
+    preset_source::write_out(&mut spec, &mut faults);
     detect::check(&mut spec, matches!(kind, JobKind::Associate | JobKind::Evaluate), &mut faults);
+    auto_filter::settle_at_planning(&mut spec);
     check_sensors(&spec, &mut faults);
     check_lifecycle(&spec, &mut faults);
     let faults_before = faults.len();
@@ -204,21 +206,6 @@ pub(super) fn fill_tracking_defaults(spec: &mut Value) {
         if spec.get(name).is_none() {
             let value = serde_json::from_str(text).expect("the defaults are JSON");
             spec[name] = registry::check_field(&value, kind, "", &mut Vec::new());
-        }
-    }
-}
-
-/// Replaces `{"source":"preset"}` by the preset's scenario, so that a stored spec says all.
-pub(super) fn write_out_preset(spec: &mut Value, faults: &mut Vec<Fault>) {
-    let Some(name) = spec.pointer("/input/preset").and_then(Value::as_str) else { return };
-    // The scenario of a campaign is that of its base.
-    let places = ["/input/scenario", "/base/input/scenario"];
-    let scenario = presets::find(name).and_then(|preset| places.iter().find_map(|place| preset.body.pointer(place).cloned()));
-    match scenario {
-        Some(scenario) => spec["input"] = json!({"source": "scenario", "scenario": scenario}),
-        None => {
-            let known = presets::all().into_iter().map(|preset| preset.name).collect::<Vec<_>>().join(", ");
-            faults.push(Fault::new("/input/preset", "unknown_value", format!("unknown preset \"{name}\"")).allowing(known));
         }
     }
 }
@@ -343,7 +330,9 @@ fn check_symbols(spec: &Value, known: &[DatasetKind], faults: &mut Vec<Fault>) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::presets;
     use super::*;
+    use serde_json::json;
 
     const ID: &str = "0197";
 

@@ -43,7 +43,7 @@ fn check_sensors(spec: &Value, recording: &Recording, filter: (&Chosen, &str), l
 }
 
 /// One scan of one detection for each sensor.
-fn recording_of(scenario: &Scenario) -> Result<Recording, Vec<Fault>> {
+pub(super) fn recording_of(scenario: &Scenario) -> Result<Recording, Vec<Fault>> {
     let is_record = scenario.record.is_some();
     let mut parts = RecordingParts { targets: vec!["target".to_owned()], origins_known: true, ..Default::default() };
     for (index, sensor) in scenario.sensors.iter().enumerate() {

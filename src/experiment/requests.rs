@@ -51,7 +51,7 @@ static SOURCE_SCENARIO: Object = Object {
 
 static SOURCE_PRESET: Object = Object {
     name: "PresetSource",
-    summary: "The scenario of a preset, simulated with the job's seed.",
+    summary: "The scenario of a preset, simulated with the job's seed; its sensors, associator, filter and tracker are the defaults of the job.",
     fields: &[required("preset", "Name of the preset.", NAME)],
 };
 
@@ -235,7 +235,7 @@ pub static GROUP: Object = Object {
 };
 
 pub const DEFAULT_ASSOCIATOR: &str = r#"{"method":"nearest_neighbour"}"#;
-pub const DEFAULT_FILTER: &str = r#"{"method":"kalman"}"#;
+pub const DEFAULT_FILTER: &str = r#"{"method":"auto"}"#;
 
 const MAX_GAP: Field = default(
     "max_gap_s",
@@ -315,7 +315,7 @@ pub static EVALUATE: Object = Object {
         DETECTOR,
         SENSORS,
         optional("associator", "With `input`: how detections are given to tracks (default nearest_neighbour).", Kind::Union(&ASSOCIATOR)),
-        optional("filter", "With `input`: how tracks are predicted and updated (default kalman).", Kind::Union(&FILTER)),
+        optional("filter", "With `input`: how tracks are predicted and updated (default auto).", Kind::Union(&FILTER)),
         optional("tracker", "With `input`: gate and life cycle.", Kind::Object(&LIFECYCLE)),
         optional("tracks", "Tracks to judge; instead of `input`.", Kind::Union(&DATA)),
         optional("truth", "The truth; found by itself when the input or the tracks come from a job that knows it.", Kind::Union(&DATA)),

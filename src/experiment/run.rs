@@ -132,6 +132,8 @@ fn work(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<Outc
         return campaign::run(campaign, &inputs, observer);
     }
     let mut scene = Scene::gather(plan, inputs, observer)?;
+    let settled = scene.settled(plan);
+    let plan = settled.as_ref();
     let mut decided = None;
     let mut parts = Vec::new();
     let mut of_tuples = Map::new();

@@ -8,7 +8,10 @@ use super::judge::{self, Content, Judgement, Subject};
 use super::observer::{Observer, Step};
 use super::plan::{JobKind, Plan, scenario_of};
 use super::run::{Artifact, Decided, Inputs, RunError, to_value};
-use super::{artifacts, clutter, detect, group_report, profiles, record_picture, scan_gaps, sensors, tfa};
+use super::speeds::Taken;
+use super::{
+    artifacts, auto_filter, clutter, detect, group_report, no_tracks, profiles, record_picture, scan_gaps, sensors, speeds, tfa,
+};
 use crate::correlation::alignment::Node;
 use crate::evaluation::EvaluationInput;
 use crate::math::rng::Seed;
@@ -28,6 +31,9 @@ use std::borrow::Cow;
 /// The parts of a result, its files, and what deciding took.
 type Correlation = (Map<String, Value>, Vec<Artifact>, Option<Decided>);
 
+const WITHOUT_TRUTH: &str = "there is no truth with positions, so the automaton judged by the origins of the detections, and no metric \
+                             (GOSPA, OSPA, SIAP, CLEAR, …) was computed; 'truth' gives it";
+
 const OF_BEARINGS: &str = "directions (bearing_deg) are not compared in metres";
 
 /// Everything a job works on.
@@ -46,6 +52,8 @@ pub(super) struct Scene {
     pub warnings: Vec<String>,
     /// The part `detection` of the report.
     pub detection: Option<DetectionReport>,
+    /// The filter that was chosen by what the sensors report.
+    chosen_filter: Option<Value>,
 }
 
 /// Truth and tracks to compare.
@@ -101,6 +109,19 @@ impl Scene {
         Ok(scene)
     }
 
+    /// The plan with what its request left open until the data are there.
+    pub fn settled<'a>(&mut self, plan: &'a Plan) -> Cow<'a, Plan> {
+        let Some(recording) = self.recording.as_ref().filter(|_| auto_filter::is_open(&plan.spec)) else { return Cow::Borrowed(plan) };
+        let mut settled = plan.clone();
+        auto_filter::settle(&mut settled.spec, recording);
+        self.chosen_filter = settled.spec.get("filter").cloned();
+        if plan.kind == JobKind::Correlate {
+            // Its result has no part for how the tracks of each sensor were made.
+            self.warnings.push(format!("the filter of the tracks is '{}'", settled.spec["filter"]["method"].as_str().unwrap_or_default()));
+        }
+        Cow::Owned(settled)
+    }
+
     fn simulate(&mut self, scenario: &Scenario, seed: Seed, observer: &mut dyn Observer) -> Result<(), RunError> {
         let total = scenario.record.as_ref().map_or(u64::from(scenario.scans), |record| simulation::row_count(scenario, record));
         let mut progress = |done| observer.progress(Step::Simulate, done, total);
@@ -154,9 +175,14 @@ impl Scene {
         if !misplaced.is_empty() {
             return Err(misplaced.into());
         }
-        let tracked = associate::track(plan, (recording, self.truth.as_ref()), sensors.clone(), observer)?;
+        let mut lifecycle = associate::lifecycle_of(&plan.spec)?;
+        let scene = (recording, self.sensors.as_slice(), sensors.as_slice());
+        let taken = speeds::complete(&mut lifecycle, &plan.spec, scene, &filter, &mut self.warnings);
+        let mut tracked = associate::track(plan, (recording, self.truth.as_ref()), (sensors.clone(), lifecycle), observer)?;
+        tracked.taken = Taken { filter: self.chosen_filter.clone(), ..taken };
         self.warnings.extend(scan_gaps::warning(recording));
         self.warnings.extend(tracked.doubt_of_noise(&plan.spec));
+        self.warnings.extend(no_tracks::warning(&tracked, scene, (&lifecycle, &filter)));
         // Clutter that lies near targets only is not spread over what the sensor watches: a comparison would mislead.
         let is_local =
             scenario_of(&plan.spec).is_some_and(|(scenario, _)| scenario.sensors.iter().any(|sensor| sensor.clutter_within_deg.is_some()));
@@ -267,6 +293,9 @@ impl Scene {
     /// What the metrics say; `None` when there are none or no truth was found.
     pub fn measure(&mut self, plan: &Plan, tracked: Option<&TrackSet>, observer: &mut dyn Observer) -> Result<Option<Judgement>, RunError> {
         if plan.spec["metrics"].as_array().is_none_or(Vec::is_empty) {
+            if self.truth.is_none() && self.sides.is_empty() && plan.spec["profile"] != "tfa" {
+                self.warnings.push(WITHOUT_TRUTH.to_owned());
+            }
             return Ok(None);
         }
         let names: Vec<&str> =

@@ -5,7 +5,7 @@ use crate::model::motion::ConstantVelocity;
 use crate::model::scan::Measurement;
 use crate::model::sensor::Sensor;
 use crate::model::state::GaussianState;
-use crate::registry::{Bound, Field, Kind, Method, Union, default};
+use crate::registry::{Bound, Field, Kind, Method, Object, Union, Variant, default};
 use mixture::Expected;
 use nalgebra::SVector;
 
@@ -75,11 +75,20 @@ pub type FilterMethod = Method<fn(&serde_json::Value) -> Result<Chosen, serde_js
 /// Every filter.
 pub const FILTERS: &[FilterMethod] = &[kalman::METHOD, extended::METHOD, unscented::METHOD, converted::METHOD, bearing_only::METHOD];
 
+/// The name under which the filter is chosen by what the sensors report.
+pub const AUTO: &str = "auto";
+
+static AUTO_PARAMETERS: Object = Object {
+    name: "AutoFilter",
+    summary: "The filter that suits what is reported, with its defaults: kalman for positions, unscented for ranges and bearings, bearing_only for bearings alone.",
+    fields: &[],
+};
+
 pub static FILTER: Union = Union {
     name: "Filter",
     summary: "How a track is predicted and updated.",
     tag: "method",
-    variants: || FILTERS.iter().map(Method::variant).collect(),
+    variants: || [Variant { tag: AUTO, object: &AUTO_PARAMETERS }].into_iter().chain(FILTERS.iter().map(Method::variant)).collect(),
 };
 
 /// The field kind of a filter choice.

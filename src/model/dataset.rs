@@ -2,6 +2,7 @@
 
 use super::bearing_time::BearingTimeRecord;
 use super::boxes::BoxSet;
+use super::facts::RecordingFacts;
 use super::fault::Fault;
 use super::scan::Recording;
 use super::track::TrackSet;
@@ -65,6 +66,9 @@ pub struct DatasetSummary {
     pub first_bearing_deg: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub last_bearing_deg: Option<f64>,
+    /// Of detections; what was kept before this was known has to be read once more.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub facts: Option<RecordingFacts>,
 }
 
 impl Dataset {
@@ -125,6 +129,10 @@ impl Dataset {
             end_s: times.iter().copied().reduce(f64::max),
             first_bearing_deg: bearings_deg.map(|(first, _)| first.to_degrees()),
             last_bearing_deg: bearings_deg.map(|(_, last)| last.to_degrees()),
+            facts: match self {
+                Dataset::Detections(recording) => Some(RecordingFacts::of(recording)),
+                _ => None,
+            },
         }
     }
 }

@@ -5,6 +5,7 @@ pub mod allowance;
 pub mod bearing_time;
 pub mod boxes;
 pub mod dataset;
+pub mod facts;
 pub mod fault;
 pub mod motion;
 pub mod names;

@@ -9,7 +9,7 @@ mod paths;
 
 pub use check::{check, check_field, check_into};
 pub use export::{Components, json_schema, standalone_schema};
-pub use paths::nearest_path;
+pub use paths::{nearest_of, nearest_path};
 
 /// A JSON object with known fields; any other field is a fault.
 pub struct Object {

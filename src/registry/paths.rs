@@ -8,6 +8,11 @@ use serde_json::Value;
 pub fn nearest_path(wanted: &str, value: &Value, object: &'static Object) -> Option<String> {
     let mut known = Vec::new();
     visit_object(value, object, "", &mut known);
+    nearest_of(wanted, known)
+}
+
+/// The text nearest to `wanted`, by edit distance.
+pub fn nearest_of(wanted: &str, known: Vec<String>) -> Option<String> {
     known.into_iter().min_by_key(|path| edit_distance(path, wanted))
 }
 

@@ -28,7 +28,7 @@ use crate::math::gaussian::log_unit_ball;
 use crate::model::scan::Scan;
 use crate::model::state::GaussianState;
 use crate::model::watch::{Halt, Watch};
-use crate::registry::{Bound, Kind, Object, Union, Variant, default, required};
+use crate::registry::{Bound, Kind, Object, Union, Variant, default, optional};
 use nalgebra::SVector;
 use serde::Deserialize;
 
@@ -38,6 +38,7 @@ use serde::Deserialize;
 pub enum Initiation {
     OnePoint,
     TwoPoint {
+        #[serde(default = "assumed_max_speed_mps")]
         max_speed_mps: f64,
         max_wait_scans: u32,
     },
@@ -46,6 +47,11 @@ pub enum Initiation {
         speed_sigma_mps: f64,
         rate_sigma_degps: f64,
     },
+}
+
+/// Two and a half times what is assumed of tracks of one point.
+fn assumed_max_speed_mps() -> f64 {
+    2.5 * super::Lifecycle::ASSUMED_SPEED_SIGMA_MPS
 }
 
 static ONE_POINT: Object = Object {
@@ -58,9 +64,9 @@ static TWO_POINT: Object = Object {
     name: "TwoPointInitiation",
     summary: "Two unused detections of near scans of a sensor start a track; their difference is its velocity.",
     fields: &[
-        required(
+        optional(
             "max_speed_mps",
-            "Highest speed of a target: two detections further apart, noise allowed for, are not a pair.",
+            "Highest speed of a target: two detections further apart, noise allowed for, are not a pair. When absent, it follows from the targets of a scenario or is estimated from the data, and the report tells it.",
             Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e5), unit: "m/s" },
         ),
         default(

@@ -48,11 +48,10 @@ pub static LIFECYCLE: Object = Object {
             "A track is deleted when the largest standard deviation of its position exceeds this; no limit when absent.",
             Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e9), unit: "m" },
         ),
-        default(
+        optional(
             "initial_speed_sigma_mps",
-            "Standard deviation of each velocity component of a track of one point, which starts at rest.",
+            "Standard deviation of each velocity component of a track of one point, which starts at rest. When absent, it follows from the targets of a scenario or is estimated from the data, and the report tells it.",
             Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e5), unit: "m/s" },
-            "10.0",
         ),
     ],
 };
@@ -67,7 +66,12 @@ pub struct Lifecycle {
     pub confirm_window: u32,
     pub max_missed: u32,
     pub max_position_sigma_m: Option<f64>,
+    #[serde(default = "assumed_speed_sigma_mps")]
     pub initial_speed_sigma_mps: f64,
+}
+
+fn assumed_speed_sigma_mps() -> f64 {
+    Lifecycle::ASSUMED_SPEED_SIGMA_MPS
 }
 
 /// What a track has lived through.
@@ -84,6 +88,9 @@ pub(super) struct Life {
 }
 
 impl Lifecycle {
+    /// Where neither the request nor the scene nor the data tell how fast targets are.
+    pub const ASSUMED_SPEED_SIGMA_MPS: f64 = 10.0;
+
     /// A track after its first detection.
     pub(super) fn start(&self) -> Life {
         let mut life = Life { hits: 0, missed: 0, is_confirmed: false, is_over: false, is_given: false, score: Score::default() };

@@ -118,7 +118,8 @@ async fn a_job_that_needs_a_failed_job_fails_and_says_so() {
     let failed = api.run("associate", &failing(&api).await).await;
     assert_eq!(failed["state"], "failed");
     assert_eq!(failed["error"]["code"], "validation");
-    assert_eq!(failed["error"]["errors"][0]["detail"], "the noise of sensor 'radar' is not known: give 'sigma_x_m' in 'sensors'");
+    let detail = "the truth are directions (bearing_deg), and tracks of the filter 'kalman' cannot begin at them";
+    assert_eq!(failed["error"]["errors"][0]["detail"], detail);
     let needs = api.run("evaluate", &json!({"tracks": {"source": "job", "job_id": id(&failed)}})).await;
     assert_eq!(needs["state"], "failed");
     let detail = format!("job {}, whose result this job needs, failed", id(&failed));

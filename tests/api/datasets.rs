@@ -132,7 +132,9 @@ async fn a_dataset_in_use_stays_and_a_deleted_one_is_gone() {
     let dataset = api.dataset(DETECTIONS).await;
     let path = format!("/v1/datasets/{dataset}");
     let blocker = api.post("/v1/jobs/simulate", &crate::helpers::long()).await.ok(202);
-    let user = api.post("/v1/jobs/associate", &json!({"input": {"source": "dataset", "dataset_id": dataset}})).await.ok(202);
+    let sensors = json!([{"sensor_id": "radar", "sigma_x_m": 1.0, "sigma_y_m": 1.0}]);
+    let body = json!({"input": {"source": "dataset", "dataset_id": dataset}, "sensors": sensors});
+    let user = api.post("/v1/jobs/associate", &body).await.ok(202);
     let refused = api.delete(&path).await;
     assert_eq!((refused.status.as_u16(), &refused.problem()["code"]), (409, &json!("in_use")));
     assert!(refused.problem()["detail"].as_str().unwrap().contains(id(&user)));

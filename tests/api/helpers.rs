@@ -179,10 +179,14 @@ pub fn scenario(scans: u32) -> Value {
     })
 }
 
-/// A job that cannot succeed: the noise of its sensor is not known.
+/// A job that cannot succeed, which only its data tell: tracks of places cannot begin at directions.
 pub async fn failing(api: &Api) -> Value {
     let id = api.dataset("time_s,scan,sensor_id,detection_id,x_m,y_m\n0,1,radar,a,1,2\n1,2,radar,b,1,2\n").await;
-    json!({"input": {"source": "dataset", "dataset_id": id}})
+    let truth = api.dataset("time_s,truth_id,bearing_deg\n0,t,1\n1,t,2\n").await;
+    json!({
+        "input": {"source": "dataset", "dataset_id": id}, "truth": {"source": "dataset", "dataset_id": truth},
+        "sensors": [{"sensor_id": "radar", "sigma_x_m": 1.0, "sigma_y_m": 1.0}], "tracker": {"initiation": {"method": "truth"}}
+    })
 }
 
 pub fn id(job: &Value) -> &str {

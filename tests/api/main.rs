@@ -15,4 +15,5 @@ mod jobs;
 mod life;
 mod results;
 mod shutdown;
+mod told_at_once;
 mod transport;

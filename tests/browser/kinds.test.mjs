@@ -80,8 +80,9 @@ test("a scene in which nothing was there to see", async () => {
 });
 
 test("a job that failed says why, one that is unknown does so too, and so does an unknown page", async () => {
-  const set = await uploaded("few.csv", "time_s,scan,sensor_id,detection_id,x_m,y_m\n0,1,radar,a,1,2\n");
-  const { id } = await api("/v1/jobs/associate", { input: source(set) });
+  // Their clocks do not meet, which only the job finds.
+  const [truth, late] = [await uploaded("truth.csv", TRUTH), await uploaded("late.csv", "time_s,track_id,x_m,y_m\n900,1,0,1\n901,1,10,1\n")];
+  const { id } = await api("/v1/jobs/evaluate", { truth: source(truth), tracks: source(late) });
   const failed = await openPage(browser, `?view=job&job=${id}`);
   await failed.locator(".badge.state-failed").waitFor();
   assert.ok((await failed.locator(".problem .faults li").count()) > 0);

@@ -132,7 +132,7 @@ fn pairs_are_counted_before_they_are_kept() {
 fn trajectories_all_at_one_place_are_left_when_the_job_is_to_stop() {
     let (texts, body) = evaluated("csv", (10, 60), json!({"metrics": [{"metric": "t_gospa"}]}));
     let mut observer = StopsAmidst { step: Some(Step::Evaluate), ..StopsAmidst::default() };
-    let found = texts.run(&body, &mut observer);
+    let found = texts.run_watched(JobKind::Evaluate, &body, &mut observer);
     assert!(matches!(found, Err(RunError::Stopped)), "told {:?}", observer.told);
 }
 

@@ -16,6 +16,7 @@ mod campaign_parquet;
 mod campaigns;
 mod correlate_jobs;
 mod correlators;
+mod defaults;
 mod determinism;
 mod distances;
 mod evaluation_jobs;

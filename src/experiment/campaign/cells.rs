@@ -1,7 +1,9 @@
 //! The cells of a campaign: the product of its axes, each with the job body of its runs.
 
 use super::super::catalogue::request_object;
-use super::super::plan::{JobKind, Plan, plan, write_out_preset};
+use super::super::known_data::{self, Known};
+use super::super::plan::{JobKind, Plan, plan};
+use super::super::preset_source;
 use crate::model::fault::Fault;
 use crate::registry::nearest_path;
 use serde::Deserialize;
@@ -100,9 +102,10 @@ fn text_of(value: &Value) -> String {
 /// # Errors
 /// Every fault: of the base alone where it has any, else of the grid, with the cell that has it.
 pub(super) fn cells_of(spec: &Value, axes: &[Axis]) -> Result<Vec<Cell>, Vec<Fault>> {
-    let (kind, mut body) = base_of(spec)?;
-    // Paths of the grid reach into the scenario of a preset; an unknown preset is a fault of the base below.
-    write_out_preset(&mut body, &mut Vec::new());
+    let (kind, base) = base_of(spec)?;
+    // Paths of the grid reach into what a preset brings; an unknown preset is a fault of the base below.
+    let mut body = preset_source::with_settings(kind, &base).into_owned();
+    preset_source::write_out(&mut body, &mut Vec::new());
     let count: u128 = axes.iter().map(|axis| axis.points.len() as u128).product();
     if count > MAX_CELLS {
         let fault = Fault::new("/grid", "too_large", format!("the grid has {count} cells"));
@@ -176,6 +179,23 @@ fn base_of(spec: &Value) -> Result<(JobKind, Value), Vec<Fault>> {
         Ok(kind) if kind != JobKind::Campaign => Ok((kind, body)),
         _ => Err(vec![Fault::new("/base/kind", "unknown_value", format!("a campaign has no runs of kind {name}")).allowing(kinds())]),
     }
+}
+
+/// What is known of the data, held against every cell: each fault once, at the change that made it or else in the base.
+pub(super) fn check_known(cells: &[Cell], axes: &[Axis], known: &[Option<Known>]) -> Vec<Fault> {
+    let mut faults: Vec<Fault> = Vec::new();
+    for cell in cells {
+        let made = changes_at(axes, &cell.points);
+        for fault in known_data::faults_of(&cell.plan, known) {
+            let in_base = Fault { pointer: format!("/base{}", fault.pointer), ..fault.clone() };
+            let placed = placed(fault, &cell.name, &made, &cell.plan.spec).fault;
+            let fault = if placed.pointer == WHOLE_GRID { in_base } else { placed };
+            if !faults.iter().any(|known| (&known.pointer, &known.code) == (&fault.pointer, &fault.code)) {
+                faults.push(fault);
+            }
+        }
+    }
+    faults
 }
 
 /// A change that a cell makes to the base, and where the spec gives its path and its value.

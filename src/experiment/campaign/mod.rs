@@ -21,6 +21,7 @@ pub use pieces::{Items, Order, Piece};
 pub use requests::CAMPAIGN;
 pub use stages::Next;
 
+use super::known_data::Known;
 use super::observer::Observer;
 use super::plan::{Estimate, InputRequest, JobKind, Plan};
 use super::run::{self, CellTime, Inputs, RunError, to_value};
@@ -151,6 +152,15 @@ pub(super) fn run(campaign: &Campaign, inputs: &Inputs, observer: &mut dyn Obser
 }
 
 impl Campaign {
+    pub(super) fn cell_count(&self) -> usize {
+        self.cells.len()
+    }
+
+    /// The faults of all cells with the data that they read.
+    pub(super) fn check_known(&self, known: &[Option<Known>]) -> Vec<Fault> {
+        cells::check_known(&self.cells, &self.axes, known)
+    }
+
     /// Runs of all cells, where none ends before.
     pub fn total(&self) -> u64 {
         u64::from(self.runs) * self.cells.len() as u64
@@ -202,7 +212,7 @@ impl Campaign {
             #[cfg(feature = "parquet")]
             parquet::runs(&self.cells.iter().map(|cell| cell.name.as_str()).collect::<Vec<_>>(), &names, &harvest.rows, self.seed)?,
         ]);
-        let warnings = outcomes::doubts(outcomes, &harvest.rows);
+        let warnings = outcomes::doubts(outcomes, &harvest.rows, &harvest.lacking);
         let mut result = json!({"outcomes": names, "confidence": self.confidence, "cells": to_value(&reports)?});
         run::unsign_zeros(&mut result);
         let cell_times = times(&self.cells, &harvest.decided_us, reference);

@@ -6,6 +6,7 @@ use super::stop::Ended;
 use crate::math::rng::{Purpose, Seed};
 use crate::math::stats::{self, Interval};
 use crate::model::fault::Fault;
+use crate::registry::nearest_of;
 use rand::RngExt;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -49,6 +50,24 @@ impl Outcome {
         stats::t_interval(pairs, confidence)
     }
 
+    /// Why this result of a run, which said `warnings`, has no number for it.
+    pub(super) fn lack(&self, result: &Value, warnings: &[String]) -> String {
+        if let Some(path) = self.only_where.as_ref().filter(|path| number_at(result, path).is_none()) {
+            return format!("'where' has no number at '{path}'{}", nearest_to(path, result));
+        }
+        // Of all that a run says, what it did not have is the cause.
+        let cause = warnings.iter().find(|warning| warning.starts_with("no "));
+        let said = cause.map_or_else(String::new, |warning| format!("; the run says: {warning}"));
+        match place_of(result, &self.path) {
+            None => format!("there is no number at '{}' in any result{}", self.path, nearest_to(&self.path, result)),
+            Some(Value::Null) => format!("'{}' is null, as a share or a mean of nothing is{said}", self.path),
+            Some(found) if !found.is_object() || found.get("value").is_none() => {
+                format!("'{}' is no number{}", self.path, nearest_to(&self.path, result))
+            }
+            Some(_) => format!("'{}' has no value{said}", self.path),
+        }
+    }
+
     /// The interval that it asks for, of the numbers that runs have; `draw` makes the resamples of a bootstrap.
     pub(super) fn interval_of(&self, present: &[f64], confidence: f64, mut draw: impl RngExt) -> Option<Interval> {
         match self.interval {
@@ -61,9 +80,37 @@ impl Outcome {
     }
 }
 
+fn place_of<'a>(result: &'a Value, path: &str) -> Option<&'a Value> {
+    path.split('.').try_fold(result, |place, step| place.get(step))
+}
+
+/// `; the nearest path is 'tfa.probability.correct'`.
+fn nearest_to(path: &str, result: &Value) -> String {
+    let mut known = Vec::new();
+    number_paths(result, String::new(), &mut known);
+    nearest_of(path, known).map_or_else(String::new, |nearest| format!("; the nearest path is '{nearest}'"))
+}
+
+/// The paths of all numbers, flags and quantities of a result, those that are null too; lists have none.
+fn number_paths(place: &Value, path: String, known: &mut Vec<String>) {
+    match place {
+        Value::Object(fields) if !path.is_empty() && fields.contains_key("value") => {
+            known.push(path.clone());
+            fields.iter().filter(|(name, _)| *name != "value").for_each(|(name, part)| number_paths(part, format!("{path}.{name}"), known));
+        }
+        Value::Object(fields) => {
+            for (name, part) in fields {
+                number_paths(part, if path.is_empty() { name.clone() } else { format!("{path}.{name}") }, known);
+            }
+        }
+        Value::Null | Value::Bool(_) | Value::Number(_) => known.push(path),
+        Value::String(_) | Value::Array(_) => {}
+    }
+}
+
 /// A path ends at a number or a flag, or at a quantity, whose number is its `value`.
 fn number_at(result: &Value, path: &str) -> Option<f64> {
-    let found = path.split('.').try_fold(result, |place, step| place.get(step))?;
+    let found = place_of(result, path)?;
     match found {
         Value::Bool(flag) => Some(f64::from(u8::from(*flag))),
         Value::Object(fields) => fields.get("value").and_then(Value::as_f64),
@@ -88,13 +135,14 @@ pub(super) fn named_twice(spec: &Value) -> Vec<Fault> {
 }
 
 /// What the reader of the tables should know: outcomes that no run has, and shares that are none.
-pub(super) fn doubts(outcomes: &[Outcome], rows: &[Rows]) -> Vec<String> {
+pub(super) fn doubts(outcomes: &[Outcome], rows: &[Rows], lacking: &[Option<String>]) -> Vec<String> {
     let numbers = |number: usize| rows.iter().flat_map(move |cell| cell[number].iter().flatten().copied());
     let mut doubts = Vec::new();
     for (number, outcome) in outcomes.iter().enumerate() {
         let (name, path) = (outcome.name(), &outcome.path);
         if numbers(number).next().is_none() {
-            doubts.push(format!("no run has the outcome '{name}': there is no number at '{path}' in any result"));
+            let absent = || format!("there is no number at '{path}' in any result");
+            doubts.push(format!("no run has the outcome '{name}': {}", lacking[number].clone().unwrap_or_else(absent)));
         }
         if outcome.interval == Method::Wilson && !numbers(number).all(is_success_or_failure) {
             doubts.push(format!("outcome '{name}' is not 0 or 1 in every run, so it has no Wilson interval"));

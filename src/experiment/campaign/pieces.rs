@@ -8,6 +8,7 @@ use crate::experiment::plan::Plan;
 use crate::experiment::run::{self, Decided, Inputs, RunError};
 use crate::model::fault::Fault;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::ops::{ControlFlow, Range};
 use std::time::Duration;
 
@@ -38,6 +39,16 @@ pub struct Piece {
     decided_us: Vec<Option<f64>>,
     /// What the whole run took; 0 where the observer has no clock.
     spent_us: Vec<u64>,
+    /// By outcome: why the first of these runs that lacks the number does.
+    #[serde(default)]
+    lacking: BTreeMap<usize, Lack>,
+}
+
+/// Why a run has no number, and which run it was.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Lack {
+    item: u64,
+    why: String,
 }
 
 impl Piece {
@@ -68,6 +79,7 @@ impl Piece {
             numbers: kept.iter().map(|&place| std::mem::take(&mut self.numbers[place])).collect(),
             decided_us: kept.iter().map(|&place| self.decided_us[place]).collect(),
             spent_us: kept.iter().map(|&place| self.spent_us[place]).collect(),
+            lacking: std::mem::take(&mut self.lacking).into_iter().filter(|(_, lack)| lack.item < item).collect(),
         };
     }
 
@@ -98,7 +110,11 @@ impl Campaign {
             let kept = outcomes.get_or_insert_with(|| outcomes::found_in(&outcome.result));
             let before = std::mem::replace(&mut now, inner.now());
             piece.items.push(item);
-            piece.numbers.push(kept.iter().map(|wanted| wanted.of(&outcome.result)).collect());
+            let numbers: Vec<Option<f64>> = kept.iter().map(|wanted| wanted.of(&outcome.result)).collect();
+            for (index, wanted) in kept.iter().enumerate().filter(|(index, _)| numbers[*index].is_none()) {
+                piece.lacking.entry(index).or_insert_with(|| Lack { item, why: wanted.lack(&outcome.result, &outcome.warnings) });
+            }
+            piece.numbers.push(numbers);
             piece.decided_us.push(outcome.decided.filter(|_| job.is_timed).map(us_per_scan));
             piece.spent_us.push(now.zip(before).map_or(0, |(now, before)| (now - before).as_micros() as u64));
             inner.done += 1;
@@ -156,9 +172,16 @@ impl Observer for Inner<'_> {
     }
 }
 
+/// Of the run with the least number, so that it does not matter how the runs were cut into pieces.
+fn first_lack(pieces: &[Piece], outcome: usize) -> Option<String> {
+    pieces.iter().filter_map(|piece| piece.lacking.get(&outcome)).min_by_key(|lack| lack.item).map(|lack| lack.why.clone())
+}
+
 /// Everything that the runs gave, by cell and there by run.
 pub(super) struct Harvest {
     pub rows: Vec<Rows>,
+    /// Why the first run that lacks an outcome does, by outcome.
+    pub lacking: Vec<Option<String>>,
     pub decided_us: Vec<Vec<f64>>,
     pub runs: Vec<u32>,
 }
@@ -172,8 +195,12 @@ impl Harvest {
         }
         order.sort_unstable();
         let cells = campaign.cells.len();
-        let mut harvest =
-            Harvest { rows: vec![vec![Vec::new(); outcomes]; cells], decided_us: vec![Vec::new(); cells], runs: vec![0; cells] };
+        let mut harvest = Harvest {
+            rows: vec![vec![Vec::new(); outcomes]; cells],
+            lacking: (0..outcomes).map(|outcome| first_lack(pieces, outcome)).collect(),
+            decided_us: vec![Vec::new(); cells],
+            runs: vec![0; cells],
+        };
         for (item, number, place) in order {
             let cell = (item % cells as u64) as usize;
             harvest.runs[cell] += 1;

@@ -127,7 +127,7 @@ pub static CORRELATE: Object = Object {
             "Where `input` are detections: how they are given to tracks (default nearest_neighbour).",
             Kind::Union(&ASSOCIATOR),
         ),
-        optional("filter", "Where `input` are detections: how tracks are predicted and updated (default kalman).", Kind::Union(&FILTER)),
+        optional("filter", "Where `input` are detections: how tracks are predicted and updated (default auto).", Kind::Union(&FILTER)),
         optional("tracker", "Where `input` are detections: gate and life cycle.", Kind::Object(&LIFECYCLE)),
         optional("truth", "The truth, to judge the tuples by; found by itself where the input knows it.", Kind::Union(&DATA)),
         default(

@@ -2,6 +2,7 @@
 
 use super::files::JobFile;
 use super::{BAD_INPUT, catalogue, table};
+use crate::experiment::known_data::{self, Known};
 use crate::experiment::observer::{Observer, Step};
 use crate::experiment::plan::{self, JobKind, Plan};
 use crate::experiment::presets;
@@ -181,6 +182,12 @@ fn compute(job: &JobFile, mut plan: Plan) -> Result<(Vec<u8>, Outcome), Trouble>
     let _ = meter.progress(Step::Load, 0, 1);
     let mut warnings = Vec::new();
     let inputs = job.load(&plan, &mut warnings)?;
+    let known: Vec<Option<Known>> =
+        inputs.iter().map(|input| input.as_ref().and_then(|input| Known::of(&input.dataset, &input.sensors))).collect();
+    let faults = known_data::check(&mut plan, &known);
+    if !faults.is_empty() {
+        return Err(faults.into());
+    }
     let _ = meter.progress(Step::Load, 1, 1);
     let read: Vec<ReportInput> = plan
         .inputs

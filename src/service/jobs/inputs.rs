@@ -1,6 +1,7 @@
 //! From what a plan asks for to loaded datasets.
 
 use super::{Inner, JobsError};
+use crate::experiment::known_data::Known;
 use crate::experiment::plan::{InputRequest, Plan, Source};
 use crate::experiment::run::Input;
 use crate::formats::{Format, ReadOptions, ReadOutcome, format_named};
@@ -53,6 +54,54 @@ impl Inner {
             located.push(found);
         }
         if faults.is_empty() { Ok(located) } else { Err(JobsError::Invalid(faults)) }
+    }
+
+    /// What is known of each input before it is loaded, in the order of the plan, and what cannot be known yet.
+    pub(super) async fn known_of(&self, plan: &Plan) -> Result<(Vec<Option<Known>>, Vec<String>), JobsError> {
+        let (mut known, mut unknown) = (Vec::new(), Vec::new());
+        for request in &plan.inputs {
+            let dataset = match &request.source {
+                Source::Dataset { dataset_id, .. } => Uuid::try_parse(dataset_id).ok(),
+                Source::Job { job_id, .. } => self.made_by(job_id, request.role).await?,
+            };
+            let found = match dataset {
+                Some(id) if request.role == DatasetKind::Detections => self.facts_of(id).await?,
+                _ => None,
+            };
+            if let (Source::Job { job_id, .. }, None, DatasetKind::Detections, false) =
+                (&request.source, &found, request.role, request.optional)
+            {
+                unknown.push(format!("not checked: {}: job '{job_id}' has not made its detections yet", request.pointer));
+            }
+            known.push(found);
+        }
+        Ok((known, unknown))
+    }
+
+    /// The dataset of this role that a job has made.
+    async fn made_by(&self, job_id: &str, role: DatasetKind) -> Result<Option<Uuid>, JobsError> {
+        let Ok(id) = Uuid::try_parse(job_id) else { return Ok(None) };
+        let name = format!("{}.csv", role.name());
+        let artifacts = self.storage.artifacts(id).await?;
+        Ok(artifacts.into_iter().find(|artifact| artifact.name == name).and_then(|artifact| artifact.dataset_id))
+    }
+
+    /// What is known of a recording. What an earlier version kept is read once more, and remembered.
+    async fn facts_of(&self, id: Uuid) -> Result<Option<Known>, JobsError> {
+        let Some(stored) = self.storage.dataset(id).await?.filter(|stored| !stored.deleted) else { return Ok(None) };
+        if stored.info.kind != DatasetKind::Detections.into() {
+            return Ok(None);
+        }
+        let sensors = stored.info.sensors.iter().cloned().map(Into::into).collect();
+        let facts = match stored.facts.clone() {
+            Some(facts) => Some(facts),
+            None => {
+                let summary = self.load_dataset(id).await?.summary();
+                self.storage.note_summary(id, &summary).await?;
+                summary.facts
+            }
+        };
+        Ok(facts.map(|recording| Known { recording, sensors }))
     }
 
     async fn locate_dataset(&self, id: &str) -> Result<Option<Located>, JobsError> {

@@ -3,6 +3,7 @@
 use super::inputs::source_refs;
 use super::report::ENGINE_VERSION;
 use super::{Inner, JobsError, Submitted, Validation};
+use crate::experiment::known_data;
 use crate::experiment::plan::{self, Plan};
 use crate::model::fault::Fault;
 use crate::service::storage::blobs::sha256_hex;
@@ -31,7 +32,12 @@ impl Inner {
         {
             return self.answer(admission).await;
         }
-        let plan = planned(kind.into(), body).await?.map_err(JobsError::Invalid)?;
+        let mut plan = planned(kind.into(), body).await?.map_err(JobsError::Invalid)?;
+        let (known, _) = self.known_of(&plan).await?;
+        let faults = known_data::check(&mut plan, &known);
+        if !faults.is_empty() {
+            return Err(JobsError::Invalid(faults));
+        }
         let new = new_job(kind, plan, rerun_of, idempotency)?;
         let admission = self.storage.admit(&new, self.config.queue_limit).await?;
         self.answer(admission).await
@@ -52,7 +58,7 @@ impl Inner {
 
     pub(super) async fn validate(&self, kind: JobKind, body: Value) -> Result<Validation, JobsError> {
         let refused = |faults| Validation { faults, warnings: Vec::new(), estimate: None };
-        let plan = match planned(kind.into(), body).await? {
+        let mut plan = match planned(kind.into(), body).await? {
             Ok(plan) => plan,
             Err(faults) => return Ok(refused(faults)),
         };
@@ -60,7 +66,12 @@ impl Inner {
         if !missing.is_empty() {
             return Ok(refused(missing));
         }
-        Ok(Validation { faults: Vec::new(), warnings: Vec::new(), estimate: Some(plan.estimate) })
+        let (known, warnings) = self.known_of(&plan).await?;
+        let faults = known_data::check(&mut plan, &known);
+        if !faults.is_empty() {
+            return Ok(refused(faults));
+        }
+        Ok(Validation { faults, warnings, estimate: Some(plan.estimate) })
     }
 
     pub(super) async fn rerun(&self, id: Uuid) -> Result<Job, JobsError> {

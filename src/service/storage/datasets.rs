@@ -8,6 +8,7 @@ use super::statement::Statement;
 use super::{Storage, from_micros, now, to_micros};
 use crate::formats::npy::BearingTimeAxes;
 use crate::model::dataset::DatasetSummary;
+use crate::model::facts::RecordingFacts;
 use crate::model::sensor::SensorSettings;
 use crate::service::types::{DatasetInfo, DatasetLinks, DatasetOrigin, JobOrigin, JobOriginKind, UploadOrigin, UploadOriginKind};
 use sqlx::any::AnyRow;
@@ -63,6 +64,8 @@ pub struct StoredDataset {
     pub bearing_time: Option<BearingTimeAxes>,
     pub file_name: Option<String>,
     pub deleted: bool,
+    /// Of detections; `None` of those that an earlier version kept.
+    pub facts: Option<RecordingFacts>,
 }
 
 const COLUMNS: &str = "SELECT id, name, format, bytes, sha256, columns, bearing_time, summary, sensors, warnings, origin_job_id, file_name,
@@ -129,6 +132,16 @@ impl Storage {
             transaction.commit().await?;
         }
         Ok(users)
+    }
+
+    /// Writes what an earlier version did not know of a dataset.
+    pub async fn note_summary(&self, id: Uuid, summary: &DatasetSummary) -> anyhow::Result<()> {
+        sqlx::query("UPDATE datasets SET summary = $1 WHERE id = $2")
+            .bind(serde_json::to_string(summary)?)
+            .bind(id.to_string())
+            .execute(&self.write)
+            .await?;
+        Ok(())
     }
 
     /// Whether a dataset or an artefact still has this content.
@@ -217,6 +230,8 @@ fn stored(row: &AnyRow) -> anyhow::Result<StoredDataset> {
         end_s: summary.end_s,
         first_bearing_deg: summary.first_bearing_deg,
         last_bearing_deg: summary.last_bearing_deg,
+        reports: summary.facts.iter().flat_map(|facts| &facts.sensors).map(Into::into).collect(),
+        has_truth_id: summary.facts.as_ref().map(|facts| facts.origins_known),
         origin,
         warnings: serde_json::from_str(row.try_get("warnings")?)?,
         created_at: from_micros(row.try_get("created_at")?)?,
@@ -228,6 +243,7 @@ fn stored(row: &AnyRow) -> anyhow::Result<StoredDataset> {
         columns: serde_json::from_str(row.try_get("columns")?)?,
         bearing_time: serde_json::from_str(row.try_get("bearing_time")?)?,
         file_name,
+        facts: summary.facts,
         deleted: row.try_get::<i64, _>("deleted")? != 0,
     })
 }

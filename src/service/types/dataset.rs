@@ -148,6 +148,39 @@ impl From<SensorSettings> for model::sensor::SensorSettings {
     }
 }
 
+/// What a sensor of a recording reported.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct SensorReports {
+    pub sensor_id: String,
+    pub scans: u64,
+    pub detections: u64,
+    /// Detections with a position.
+    pub positions: u64,
+    /// Detections with a range and a bearing.
+    pub ranges: u64,
+    /// Detections with a bearing alone.
+    pub bearings: u64,
+    /// Detections that have a range rate, too.
+    pub range_rates: u64,
+    /// Detections that have an amplitude, too.
+    pub amplitudes: u64,
+}
+
+impl From<&model::facts::SensorFacts> for SensorReports {
+    fn from(facts: &model::facts::SensorFacts) -> Self {
+        SensorReports {
+            sensor_id: facts.settings.sensor_id.clone(),
+            scans: facts.scans,
+            detections: facts.detections,
+            positions: facts.positions,
+            ranges: facts.ranges,
+            bearings: facts.bearings,
+            range_rates: facts.range_rates,
+            amplitudes: facts.amplitudes,
+        }
+    }
+}
+
 /// Where a dataset came from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(untagged)]
@@ -213,6 +246,13 @@ pub struct DatasetInfo {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub last_bearing_deg: Option<f64>,
+    /// What each sensor of detections reported; empty for other kinds, and for what an earlier version kept until a job uses it.
+    #[serde(default)]
+    pub reports: Vec<SensorReports>,
+    /// Of detections: whether each says which target it came from.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub has_truth_id: Option<bool>,
     pub origin: DatasetOrigin,
     pub warnings: Vec<String>,
     #[schema(value_type = String, format = DateTime)]

@@ -13,6 +13,7 @@ mod grouping;
 mod job;
 mod problem;
 mod report;
+mod taken;
 mod timing;
 mod tracking_events;
 
@@ -26,5 +27,6 @@ pub use grouping::*;
 pub use job::*;
 pub use problem::*;
 pub use report::*;
+pub use taken::*;
 pub use timing::*;
 pub use tracking_events::*;

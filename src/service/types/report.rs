@@ -6,6 +6,7 @@ use super::correlation::CorrelateResult;
 use super::dataset::{DatasetKind, SensorSettings};
 use super::detection::DetectionResult;
 use super::grouping::GroupResult;
+use super::taken::TakenSettings;
 use super::timing::Timing;
 use super::tracking_events::EventCounts;
 use serde::{Deserialize, Serialize};
@@ -148,6 +149,10 @@ pub struct Association {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false, value_type = Object)]
     pub diagnostics: Option<Value>,
+    /// What the request left open and was taken from the scene or the data; absent where it left nothing open.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(nullable = false)]
+    pub taken: Option<TakenSettings>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]

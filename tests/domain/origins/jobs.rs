@@ -23,9 +23,13 @@ impl Texts {
         json!({"source": "dataset", "dataset_id": (self.texts.len() - 1).to_string()})
     }
 
-    /// Plans the request, reads what it names, and runs it.
     pub fn judge(&self, body: &Value) -> Result<Outcome, Vec<Fault>> {
-        match self.run(body, &mut Silent) {
+        self.run(JobKind::Evaluate, body)
+    }
+
+    /// Plans the request, reads what it names, and runs it.
+    pub fn run(&self, kind: JobKind, body: &Value) -> Result<Outcome, Vec<Fault>> {
+        match self.run_watched(kind, body, &mut Silent) {
             Ok(outcome) => Ok(outcome),
             Err(RunError::Faults(faults)) => Err(faults),
             Err(RunError::Stopped) => panic!("nobody stopped it"),
@@ -33,8 +37,8 @@ impl Texts {
     }
 
     /// The same under an observer.
-    pub fn run(&self, body: &Value, observer: &mut dyn Observer) -> Result<Outcome, RunError> {
-        let plan = plan(JobKind::Evaluate, body)?;
+    pub fn run_watched(&self, kind: JobKind, body: &Value, observer: &mut dyn Observer) -> Result<Outcome, RunError> {
+        let plan = plan(kind, body)?;
         let mut inputs = Vec::new();
         for input in &plan.inputs {
             let Source::Dataset { dataset_id, .. } = &input.source else { panic!("no job is named") };

@@ -121,7 +121,7 @@ struct ValidationResult {
 /// What a job will roughly cost.
 #[derive(Serialize, ToSchema)]
 struct CostEstimate {
-    /// Detections that a simulation will make; 0 where the input is data.
+    /// Detections that a simulation will make, or that are known to be in the data.
     detections: u64,
     cost_s: f64,
     bytes: u64,

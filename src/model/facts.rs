@@ -1,0 +1,121 @@
+//! What is known of a recording without reading it again: enough to tell whether a request can work with it.
+
+use super::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
+use super::sensor::SensorSettings;
+use serde::{Deserialize, Serialize};
+
+/// What a recording holds.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct RecordingFacts {
+    pub sensors: Vec<SensorFacts>,
+    /// Whether it says which target each detection came from (a column `truth_id`).
+    pub origins_known: bool,
+}
+
+/// What one sensor of it reported.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SensorFacts {
+    /// What the file says of the sensor.
+    pub settings: SensorSettings,
+    pub scans: u64,
+    pub detections: u64,
+    /// Detections with a position, with a range and a bearing, and with a bearing alone.
+    pub positions: u64,
+    pub ranges: u64,
+    pub bearings: u64,
+    /// Detections that have a range rate, or an amplitude, too.
+    pub range_rates: u64,
+    pub amplitudes: u64,
+}
+
+impl RecordingFacts {
+    pub fn of(recording: &Recording) -> Self {
+        let mut sensors: Vec<SensorFacts> = recording.sensors.iter().cloned().map(SensorFacts::nothing).collect();
+        for scan in &recording.scans {
+            let facts = &mut sensors[scan.sensor];
+            facts.scans += 1;
+            recording.detections_of(scan).iter().for_each(|detection| facts.count(detection));
+        }
+        RecordingFacts { sensors, origins_known: recording.origins_known }
+    }
+
+    /// Those of the named sensors; all where none are named.
+    #[must_use]
+    pub fn only(&self, sensor_ids: Option<&[String]>) -> Self {
+        let is_wanted = |facts: &&SensorFacts| sensor_ids.is_none_or(|wanted| wanted.contains(&facts.settings.sensor_id));
+        RecordingFacts { sensors: self.sensors.iter().filter(is_wanted).cloned().collect(), origins_known: self.origins_known }
+    }
+
+    /// A small recording of the same kind: of each sensor a scan with one detection of each kind that it reports.
+    pub fn sample(&self) -> Recording {
+        let mut parts = RecordingParts { origins_known: self.origins_known, ..Default::default() };
+        for (sensor, facts) in self.sensors.iter().enumerate() {
+            let first = parts.detections.len();
+            let amplitude = (facts.amplitudes == facts.detections).then_some(1.0);
+            parts.detections.extend(facts.measurements().map(|measurement| Detection { measurement, origin: None, amplitude }));
+            parts.sensors.push(facts.settings.clone());
+            parts.scans.push(Scan { number: sensor as u32 + 1, time_s: 0.0, sensor, first, count: parts.detections.len() - first });
+        }
+        parts.detection_ids = (0..parts.detections.len()).map(|index| index.to_string()).collect();
+        // Every index is in range by construction.
+        Recording::new(parts).unwrap_or_default()
+    }
+}
+
+impl SensorFacts {
+    fn nothing(settings: SensorSettings) -> Self {
+        SensorFacts { settings, scans: 0, detections: 0, positions: 0, ranges: 0, bearings: 0, range_rates: 0, amplitudes: 0 }
+    }
+
+    fn count(&mut self, detection: &Detection) {
+        self.detections += 1;
+        self.amplitudes += u64::from(detection.amplitude.is_some());
+        match detection.measurement {
+            Measurement::Position { .. } => self.positions += 1,
+            Measurement::RangeBearing { range_rate_mps, .. } => {
+                self.ranges += 1;
+                self.range_rates += u64::from(range_rate_mps.is_some());
+            }
+            Measurement::Bearing { .. } => self.bearings += 1,
+        }
+    }
+
+    fn measurements(&self) -> impl Iterator<Item = Measurement> {
+        let polar = |range_rate_mps| Measurement::RangeBearing { range_m: 1.0, bearing_rad: 0.0, range_rate_mps };
+        let kinds = [
+            (self.positions > 0, Measurement::Position { x_m: 1.0, y_m: 1.0 }),
+            (self.ranges > self.range_rates, polar(None)),
+            (self.range_rates > 0, polar(Some(0.0))),
+            (self.bearings > 0, Measurement::Bearing { bearing_rad: 0.0 }),
+        ];
+        kinds.into_iter().filter(|(is_reported, _)| *is_reported).map(|(_, measurement)| measurement)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sample_has_the_kinds_that_were_counted() {
+        let polar = |range_rate_mps| Measurement::RangeBearing { range_m: 5.0, bearing_rad: 0.5, range_rate_mps };
+        let measurements = [polar(None), polar(Some(2.0)), polar(Some(3.0)), Measurement::Position { x_m: 0.0, y_m: 0.0 }];
+        let detection =
+            |(index, measurement): (usize, Measurement)| Detection { measurement, origin: None, amplitude: (index > 2).then_some(1.0) };
+        let recording = Recording::new(RecordingParts {
+            sensors: vec![SensorSettings::named("a"), SensorSettings::named("b")],
+            scans: [(0, 0, 3), (1, 3, 1)].map(|(sensor, first, count)| Scan { number: 1, time_s: 0.0, sensor, first, count }).to_vec(),
+            detections: measurements.into_iter().enumerate().map(detection).collect(),
+            detection_ids: ["1", "2", "3", "1"].map(str::to_owned).to_vec(),
+            origins_known: true,
+            ..Default::default()
+        });
+        let facts = RecordingFacts::of(&recording.unwrap());
+        let [a, b] = facts.sensors.as_slice() else { panic!("two sensors") };
+        assert_eq!((a.scans, a.detections, a.ranges, a.range_rates, a.positions, a.amplitudes), (1, 3, 3, 2, 0, 0));
+        assert_eq!((b.scans, b.detections, b.ranges, b.range_rates, b.positions, b.amplitudes), (1, 1, 0, 0, 1, 1));
+        let sample = facts.sample();
+        assert_eq!((sample.sensors.len(), sample.detections.len(), sample.origins_known), (2, 3, true));
+        assert_eq!(RecordingFacts::of(&facts.only(Some(&["b".to_owned()])).sample()).sensors[0].positions, 1);
+    }
+}
