@@ -17,6 +17,7 @@ use serde_json::{Value, json};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 use std::time::Duration;
 use tokio::sync::watch;
 use uuid::Uuid;
@@ -150,10 +151,11 @@ fn read_json(path: &Path) -> Result<Value, Vec<Fault>> {
 /// Loads, runs with a progress bar, and builds the report.
 fn compute(job: &JobFile, mut plan: Plan) -> Result<(Vec<u8>, Outcome), Trouble> {
     let (news, told) = watch::channel(None);
-    let (_stop, sign) = watch::channel(None);
-    let mut meter = Meter::new(job.kind, sign, news);
+    // Nobody stops it.
+    let mut meter = Meter::new(job.kind, Arc::default(), move |progress| {
+        news.send_replace(Some(progress));
+    });
     let bar = Bar::start(told);
-    // Nobody stops it: the channel of stop signs stays silent.
     let _ = meter.progress(Step::Load, 0, 1);
     let mut warnings = Vec::new();
     let inputs = job.load(&plan, &mut warnings)?;

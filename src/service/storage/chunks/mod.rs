@@ -13,6 +13,8 @@ use super::Storage;
 use super::change::{Changed, Ready, priority_of};
 use super::life::{ClaimedJob, Ending, end_with, is_running};
 use anyhow::Context;
+use futures::stream::BoxStream;
+use futures::{StreamExt, TryStreamExt};
 use rows::{
     add_chunk, campaign_of, count_runs, end_chunk, give_up, insert_chunks, is_to_end, is_wanted, look_if_all_done, next_number,
     ready_chunk, take_over,
@@ -222,10 +224,10 @@ impl Storage {
         Ok(Some(Changed { touched: Vec::new(), ready }))
     }
 
-    /// What the chunks of a campaign have given so far, as JSON.
-    pub async fn pieces(&self, job_id: Uuid) -> anyhow::Result<Vec<String>> {
+    /// What the chunks of a campaign have given so far, each as JSON, one after the other.
+    pub fn pieces(&self, job_id: Uuid) -> BoxStream<'_, anyhow::Result<String>> {
         let pieces = sqlx::query_scalar("SELECT piece FROM chunks WHERE job_id = $1 AND piece IS NOT NULL ORDER BY number");
-        Ok(pieces.bind(job_id.to_string()).fetch_all(&self.read).await?)
+        pieces.bind(job_id.to_string()).fetch(&self.read).map_err(anyhow::Error::from).boxed()
     }
 
     /// What is kept of each run, as JSON, once that is known.
