@@ -1,5 +1,6 @@
 //! Work in children: what one of them needs too much of, dies of or does not hear takes nobody else with it.
 
+use crate::campaigns::{campaign, number};
 use crate::process::{Server, signal, trackloom};
 use crate::single::body;
 use reqwest::multipart::{Form, Part};
@@ -8,7 +9,6 @@ use std::io::{Read, Write};
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
-/// A job, an idempotent look at the processes: what is asked again and again has an end.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 async fn upload(server: &Server, meta: &Value, content: Vec<u8>) -> (u16, Value) {
@@ -54,12 +54,17 @@ fn children(process: u32) -> Vec<(u32, u64)> {
     found
 }
 
-/// The child that computes: the first that has done so for a while.
+/// The child that computes: the first that has done so for a fifth of a second.
 async fn busy_child(server: &Server) -> u32 {
+    child_at_work(server, 20).await
+}
+
+/// The first child that has computed for so many hundredths of a second.
+async fn child_at_work(server: &Server, hundredths: u64) -> u32 {
     let (before, since) = (children(server.id()), Instant::now());
     loop {
         let spent = |id: u32| before.iter().find(|(known, _)| *known == id).map_or(0, |(_, ticks)| *ticks);
-        if let Some((id, _)) = children(server.id()).into_iter().find(|&(id, ticks)| ticks > spent(id) + 20) {
+        if let Some((id, _)) = children(server.id()).into_iter().find(|&(id, ticks)| ticks >= spent(id) + hundredths) {
             return id;
         }
         assert!(since.elapsed() < PATIENCE, "no child computes: {before:?}");
@@ -75,7 +80,7 @@ async fn is_alive(server: &Server) -> bool {
 async fn what_needs_too_much_memory_fails_alone() {
     let data = tempfile::tempdir().unwrap();
     let server = Server::start(data.path(), &["--job-memory", "300MiB"]);
-    let beside = server.submit("simulate", &body(5_000, 1)).await;
+    let beside = server.submit("simulate", &body(2_000, 1)).await;
     // Each pair of boxes that overlap is kept.
     let boxes: String = (0..20_000).map(|object| format!("1,{object},1,1,30,60,1,1,1\n")).collect();
     let (truth, tracks) = (dataset(&server, "truth", &boxes).await, dataset(&server, "tracks", &boxes).await);
@@ -88,13 +93,11 @@ async fn what_needs_too_much_memory_fails_alone() {
     assert_eq!((&ended["state"], &ended["error"], &ended["attempt"]), (&json!("failed"), &problem, &json!(1)));
     server.result(&beside).await;
 
-    // Ten million values, of 24 bytes each and more where they are read as a whole.
-    let numbers = format!("[{}1]", "1,".repeat(10_000_000)).into_bytes();
-    let (status, answer) = upload(&server, &json!({}), numbers).await;
-    if status != 422 {
-        assert_eq!((status, &answer["code"]), (413, &json!("memory_limit")), "{answer}");
-        assert_eq!(answer["detail"], "reading the file needs more memory than the 300 MiB that --job-memory allows");
-    }
+    // Eight million points, all of them right.
+    let points = on_one_line("truth_id", 1000, 8000).into_bytes();
+    let (status, answer) = upload(&server, &json!({"kind": "truth"}), points).await;
+    assert_eq!((status, &answer["code"]), (413, &json!("memory_limit")), "{answer}");
+    assert_eq!(answer["detail"], "reading the file needs more memory than the 300 MiB that --job-memory allows");
     assert!(is_alive(&server).await);
     dataset(&server, "truth", &on_one_line("truth_id", 2, 3)).await;
     server.result(&server.submit("simulate", &body(100, 2)).await).await;
@@ -117,7 +120,7 @@ async fn a_job_whose_process_dies_is_made_again_and_gives_the_same_and_twice_is_
     assert_eq!(server.result(&job).await, reference);
     assert_eq!(server.job(&job).await["attempt"], 1);
 
-    let job = server.submit("simulate", &body(200_000, 7)).await;
+    let job = server.submit("simulate", &body(100_000, 7)).await;
     let first = busy_child(&server).await;
     signal(first, "KILL");
     let second = busy_child(&server).await;
@@ -131,6 +134,26 @@ async fn a_job_whose_process_dies_is_made_again_and_gives_the_same_and_twice_is_
 }
 
 #[tokio::test(flavor = "multi_thread")]
+async fn runs_whose_process_dies_twice_are_given_up_after_the_others_and_made_by_a_rerun() {
+    let data = tempfile::tempdir().unwrap();
+    let server = Server::start(data.path(), &["--workers", "1"]);
+    let id = server.submit("campaign", &campaign(800)).await;
+    server.job_until(&id, |job| job["progress"]["done"].as_u64() > Some(0)).await;
+    let failed = "SELECT count(*) FROM chunks WHERE state = 'failed'";
+    while number(data.path(), failed).await == 0 {
+        let child = child_at_work(&server, 5).await;
+        signal(child, "KILL");
+    }
+    let job = server.ended(&id).await;
+    assert_eq!((&job["state"], &job["error"]["code"]), (&json!("failed"), &json!("crashed")));
+    let detail = job["error"]["detail"].as_str().unwrap();
+    assert!(detail.starts_with("the process ended again and again while it made ") && detail.contains(", from cell '"), "{detail}");
+    let again = server.ask(&id, "rerun").await["id"].as_str().unwrap().to_owned();
+    let (result, whole) = (server.result(&again).await, server.submit("campaign", &campaign(800)).await);
+    assert!(result == server.result(&whole).await, "put together from two jobs it is another result");
+}
+
+#[tokio::test(flavor = "multi_thread")]
 async fn a_job_that_does_not_hear_frees_its_slot_when_it_is_canceled() {
     let data = tempfile::tempdir().unwrap();
     let server = Server::start(data.path(), &["--workers", "1"]);
@@ -138,7 +161,8 @@ async fn a_job_that_does_not_hear_frees_its_slot_when_it_is_canceled() {
     for is_stopped in [false, true] {
         let job = server.submit("evaluate", &deaf).await;
         let next = server.submit("simulate", &body(100, 3)).await;
-        let child = busy_child(&server).await;
+        // Then it has read its data, and looks up no more.
+        let child = child_at_work(&server, 150).await;
         if is_stopped {
             signal(child, "STOP");
         }

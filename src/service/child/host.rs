@@ -5,7 +5,12 @@ use anyhow::Context;
 use std::ops::{Deref, DerefMut};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 use uuid::Uuid;
+
+/// A start that failed is tried again so often, after a pause.
+const START_TRIES: u32 = 5;
+const START_PAUSE: Duration = Duration::from_secs(1);
 
 /// Clones share everything.
 #[derive(Clone)]
@@ -64,8 +69,23 @@ impl Children {
                 return Ok(lent);
             }
         }
-        lent.child = Some(started(&self.0.program, self.0.memory_bytes).await?);
+        lent.child = Some(self.new_child().await?);
         Ok(lent)
+    }
+
+    /// Starts a child; where the system has no room for a process just now, tries again.
+    async fn new_child(&self) -> anyhow::Result<Child> {
+        let mut tries = 0;
+        loop {
+            match started(&self.0.program, self.0.memory_bytes).await {
+                Err(error) if tries < START_TRIES => {
+                    tracing::warn!(error = format!("{error:#}"), "a child did not begin; trying again");
+                    tries += 1;
+                    tokio::time::sleep(START_PAUSE).await;
+                }
+                started => return started,
+            }
+        }
     }
 
     fn chosen(&self, campaign: Option<Uuid>) -> Option<Child> {

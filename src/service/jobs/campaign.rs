@@ -129,7 +129,7 @@ impl Inner {
     async fn look_at_pieces(&self, id: Uuid, known: &Known, control: &Control, permit: OwnedSemaphorePermit) -> Result<Made, Failure> {
         let failed = self.storage.failed_chunks(id).await?;
         if let Some(items) = failed.first() {
-            let problem = given_up(&known.campaign, items, failed.len(), self.config.crash_limit);
+            let problem = given_up(&known.campaign, items, failed.len());
             return Ok(Made::Result(ChunkResult::Ended(Ending::Failed(problem))));
         }
         let directory = self.directory()?;
@@ -172,6 +172,11 @@ impl Inner {
         };
         let result = match kept {
             Ok(result) => Some(result),
+            // The others are made first: the runs of a campaign that failed are kept for another.
+            Err(Failure::Died(how)) if chunk.kind != ChunkKind::Look => {
+                tracing::error!(job_id = %chunk.job_id, error = format!("{how:#}"), "runs of a campaign are given up: their process died twice");
+                Some(ChunkResult::GivenUp)
+            }
             Err(failure) => self.ending_of(chunk.job_id, "a chunk of the campaign", control, failure).map(ChunkResult::Ended),
         };
         let changed = self
@@ -241,12 +246,12 @@ impl Known {
 }
 
 /// The end of a campaign that has chunks nobody can work off.
-fn given_up(campaign: &Campaign, items: &[Items], chunks: usize, crash_limit: u32) -> Problem {
+fn given_up(campaign: &Campaign, items: &[Items], chunks: usize) -> Problem {
     let runs: u64 = items.iter().map(|range| range.end - range.start).sum();
     let place = items.first().map_or_else(String::new, |range| format!(", from {} on", campaign.name_of(range.start)));
     let others = if chunks > 1 { format!("; so it was with {} other parts", chunks - 1) } else { String::new() };
     let detail = format!(
-        "the process ended {crash_limit} times while it made {runs} of the runs{place}{others}; all other runs are kept for when the job is rerun"
+        "the process ended again and again while it made {runs} of the runs{place}{others}; all other runs are kept for when the job is rerun"
     );
     Problem::new("crashed", detail)
 }

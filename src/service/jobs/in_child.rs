@@ -44,13 +44,14 @@ impl Inner {
         control: &Control,
         tell: &(impl Fn(Progress) -> BoxFuture<'a, ()> + Send + Sync),
     ) -> Result<Made, Failure> {
-        if control.reason().is_some() {
-            return Err(Failure::Stopped);
-        }
-        let mut child = self.children.take(order.campaign()).await?;
-        child.order(order)?;
         let (limit, grace_over) = (tokio::time::sleep(self.config.job_time_limit), control.grace_over());
         tokio::pin!(limit, grace_over);
+        let mut child = tokio::select! {
+            biased;
+            () = control.asked() => return Err(Failure::Stopped),
+            child = self.children.take(order.campaign()) => child?,
+        };
+        child.order(order)?;
         let mut is_told = false;
         loop {
             tokio::select! {

@@ -16,7 +16,7 @@ use anyhow::Context;
 use futures::stream::BoxStream;
 use futures::{StreamExt, TryStreamExt};
 use rows::{
-    add_chunk, campaign_of, count_runs, end_chunk, give_up, insert_chunks, is_to_end, is_wanted, look_if_all_done, next_number,
+    add_chunk, campaign_of, count_runs, end_chunk, fail_chunk, give_up, insert_chunks, is_to_end, is_wanted, look_if_all_done, next_number,
     ready_chunk, take_over,
 };
 use sqlx::Row;
@@ -80,6 +80,8 @@ pub enum ChunkResult {
     Piece { piece: String, runs: u64, outcomes: String },
     /// Further runs; `runs_total` is how many the campaign now has.
     More { chunks: Vec<NewChunk>, runs_total: u64 },
+    /// Nobody can work it off; the campaign fails when the others are done.
+    GivenUp,
     /// The campaign ends.
     Ended(Ending),
 }
@@ -196,6 +198,10 @@ impl Storage {
                 let first = next_number(&mut transaction, job_id).await?;
                 insert_chunks(&mut transaction, job_id, first, ChunkKind::Runs, chunks).await?;
                 ready.extend((first..).zip(chunks).map(|(number, _)| Ready { job_id, chunk: Some(number), priority }));
+            }
+            ChunkResult::GivenUp => {
+                fail_chunk(&mut transaction, chunk).await?;
+                ready.extend(look_if_all_done(&mut transaction, job_id).await?);
             }
             ChunkResult::Ended(ending) => {
                 let job = campaign_of(&mut transaction, job_id).await?;
