@@ -24,6 +24,10 @@ pub struct Config {
     pub queue_limit: u64,
     /// A job that runs longer than this fails with `time_limit`.
     pub job_time_limit: Duration,
+    /// Memory that a job, or the check of an upload, may use; its share of the machine's when absent.
+    pub job_memory_bytes: Option<u64>,
+    /// The program whose processes do the work, where that is not the program of this process: `trackloom`, of the same version.
+    pub child_program: Option<PathBuf>,
     /// A job that was running this often when the process died fails with `crashed`.
     pub crash_limit: u32,
 }
@@ -40,6 +44,8 @@ impl Config {
             slots: std::thread::available_parallelism().map_or(1, usize::from),
             queue_limit: 10_000,
             job_time_limit: Duration::from_secs(3600),
+            job_memory_bytes: None,
+            child_program: None,
             crash_limit: 3,
         }
     }

@@ -76,6 +76,8 @@ impl From<JobsError> for ApiError {
             JobsError::QueueFull => ApiError::new("queue_full", detail).retry_after(RETRY_BUSY_S),
             JobsError::Unavailable => ApiError::new("unavailable", detail).retry_after(RETRY_BUSY_S),
             JobsError::ShuttingDown => ApiError::new("shutting_down", detail).retry_after(RETRY_BUSY_S),
+            JobsError::MemoryLimit(_) => ApiError::new("memory_limit", detail),
+            JobsError::Crashed(_) => ApiError::new("crashed", detail),
             JobsError::Internal(error) => ApiError::internal(format!("{error:#}")),
         }
     }

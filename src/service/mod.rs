@@ -3,10 +3,12 @@
 //! - [`types`]: what goes over the wire, with its schema.
 //! - [`config`]: what can be set.
 //! - `storage`: one SQLite file and a directory of blobs; the truth about datasets and jobs.
+//! - `child`: work in processes of their own, which may fail without the service.
 //! - `engine`: the queue, which only says "look at this job now"; nothing else knows apalis.
 //! - [`jobs`]: submitting, running, waiting, cancelling; the facade that HTTP and the command line call.
 
 pub mod build_info;
+mod child;
 pub mod cli;
 pub mod config;
 pub mod dashboard;

@@ -84,6 +84,7 @@ impl Api {
         let directory = tempfile::tempdir().unwrap();
         let mut config = Config::new(directory.path().join("data"));
         config.listen = ([127, 0, 0, 1], 0).into();
+        config.child_program = Some(env!("CARGO_BIN_EXE_trackloom").into());
         change(&mut config);
         let jobs = Jobs::open(config.clone()).await.unwrap();
         let application = http::wrap(extend(http::application(state(&config, jobs.clone()).unwrap())));

@@ -43,6 +43,7 @@ pub async fn open(directory: &Path, change: impl FnOnce(&mut Config)) -> Jobs {
 async fn open_on(database: &Option<String>, directory: &Path, change: impl FnOnce(&mut Config)) -> Jobs {
     let mut config = Config::new(directory);
     config.slots = 2;
+    config.child_program = Some(env!("CARGO_BIN_EXE_trackloom").into());
     config.database_url.clone_from(database);
     change(&mut config);
     Jobs::open(config).await.unwrap()

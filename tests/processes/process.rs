@@ -89,6 +89,10 @@ impl Server {
         Server { process, url, client: reqwest::Client::new() }
     }
 
+    pub fn id(&self) -> u32 {
+        self.process.id()
+    }
+
     pub fn kill(self) {
         self.process.kill();
     }

@@ -4,9 +4,11 @@ mod catalogue;
 mod demo;
 mod files;
 mod run;
+mod size;
 mod table;
 
 use crate::service::build_info;
+use crate::service::child;
 use crate::service::config::Config;
 use crate::service::storage::blobs::BucketUrl;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -44,6 +46,12 @@ enum Command {
     Methods(catalogue::MethodsArguments),
     /// List the presets, or print one of them as a job file
     Presets(catalogue::PresetsArguments),
+    /// Do what a service says through the standard input; a service starts it by itself
+    #[command(hide = true)]
+    Child {
+        #[arg(long)]
+        memory: Option<u64>,
+    },
     /// Print the OpenAPI document
     Openapi {
         /// Version of the OpenAPI specification
@@ -79,6 +87,10 @@ struct ServeArguments {
     /// Jobs that run at the same time; as many as there are processors when absent
     #[arg(long, env = "TRACKLOOM_WORKERS", value_parser = clap::value_parser!(u16).range(1..=256))]
     workers: Option<u16>,
+    /// Memory that one job may use besides the program itself, such as 2GiB or 512MiB: the memory of the machine, or of its container,
+    /// divided by the jobs that run at the same time and two more, when absent. A job that needs more fails with memory_limit
+    #[arg(long, env = "TRACKLOOM_JOB_MEMORY", value_name = "SIZE", value_parser = size::job_memory)]
+    job_memory: Option<u64>,
     /// Largest accepted upload in bytes
     #[arg(long, env = "TRACKLOOM_MAX_UPLOAD_BYTES", default_value_t = 1 << 30)]
     max_upload_bytes: u64,
@@ -91,6 +103,7 @@ impl ServeArguments {
         config.artifacts.clone_from(&self.artifacts);
         config.max_upload_bytes = self.max_upload_bytes;
         config.database_url.clone_from(&self.database_url);
+        config.job_memory_bytes = self.job_memory;
         if let Some(workers) = self.workers {
             config.slots = usize::from(workers);
         }
@@ -106,6 +119,10 @@ struct WorkerArguments {
     /// Jobs that run at the same time; as many as there are processors when absent
     #[arg(long, env = "TRACKLOOM_SLOTS", value_parser = clap::value_parser!(u16).range(1..=256))]
     slots: Option<u16>,
+    /// Memory that one job may use besides the program itself, such as 2GiB or 512MiB: the memory of the machine, or of its container,
+    /// divided by the jobs that run at the same time and two more, when absent. A job that needs more fails with memory_limit
+    #[arg(long, env = "TRACKLOOM_JOB_MEMORY", value_name = "SIZE", value_parser = size::job_memory)]
+    job_memory: Option<u64>,
     /// The data directory of the service, which both must reach; with a bucket, any directory
     #[arg(long, env = "TRACKLOOM_DATA_DIR", default_value = "trackloom-data")]
     data: PathBuf,
@@ -119,6 +136,7 @@ impl WorkerArguments {
         let mut config = Config::new(&self.data);
         config.database_url = Some(self.database_url.clone());
         config.artifacts.clone_from(&self.artifacts);
+        config.job_memory_bytes = self.job_memory;
         if let Some(slots) = self.slots {
             config.slots = usize::from(slots);
         }
@@ -138,6 +156,7 @@ pub fn main() -> ExitCode {
         Command::Demo { serve, once } => blocking(demo::demo(serve.config(), once)),
         Command::Methods(arguments) => return catalogue::print_methods(&arguments),
         Command::Presets(arguments) => return catalogue::print_presets(&arguments),
+        Command::Child { memory } => child::run(memory),
         Command::Openapi { version } => return catalogue::print_openapi(matches!(version, OpenapiVersion::V30)),
     };
     match result {

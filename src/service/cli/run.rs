@@ -18,6 +18,7 @@ use serde_json::{Value, json};
 use std::io::{IsTerminal, Read};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tokio::sync::watch;
 use uuid::Uuid;
@@ -175,10 +176,11 @@ fn read_stdin() -> std::io::Result<Vec<u8>> {
 /// Loads, runs with a progress bar, and builds the report.
 fn compute(job: &JobFile, mut plan: Plan) -> Result<(Vec<u8>, Outcome), Trouble> {
     let (news, told) = watch::channel(None);
-    let (_stop, sign) = watch::channel(None);
-    let mut meter = Meter::new(job.kind, sign, news);
+    // Nobody stops it.
+    let mut meter = Meter::new(job.kind, Arc::default(), move |progress| {
+        news.send_replace(Some(progress));
+    });
     let bar = Bar::start(told);
-    // Nobody stops it: the channel of stop signs stays silent.
     let _ = meter.progress(Step::Load, 0, 1);
     let mut warnings = Vec::new();
     let inputs = job.load(&plan, &mut warnings)?;

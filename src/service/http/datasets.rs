@@ -110,8 +110,7 @@ async fn delete_dataset(State(app): State<AppState>, Id(id): Id, _: NoParams) ->
 async fn preview_dataset(State(app): State<AppState>, Id(id): Id, mut params: Params) -> ApiResult {
     let rows = params.whole_number("limit", 1..=PREVIEW_ROWS.1).unwrap_or(PREVIEW_ROWS.0);
     params.finish()?;
-    let dataset = app.jobs.load_dataset(id).await?;
-    Ok(Json(preview::of(&dataset, rows as usize)).into_response())
+    Ok(Json(app.jobs.preview(id, rows as usize).await?).into_response())
 }
 
 /// Download a dataset

@@ -1,64 +1,60 @@
-//! What happens to a chunk of a campaign: claimed, worked off on a thread of its own, and its result written once.
+//! What happens to a chunk of a campaign: claimed, worked off by a child, and its result written once.
 
 use super::control::{Control, Stop};
-use super::meter::Meter;
-use super::report::{self, ReportInput, Timing};
-use super::runner::{Failure, Product, load};
+use super::in_child::{LOOKS, unexpected};
+use super::inputs::{Located, local_files};
+use super::runner::Product;
 use super::submit::planned;
-use super::{Inner, JobsError};
-use crate::experiment::campaign::{Campaign, Items, Next, Order, Outcome, Piece};
-use crate::experiment::plan::{JobKind, Plan};
-use crate::experiment::run::{Inputs, RunError};
+use super::{Failure, Inner, JobsError};
+use crate::experiment::campaign::{Campaign, Items};
+use crate::experiment::plan::JobKind;
+use crate::service::child::{self, CampaignOrder, Looked, Order, Runs};
 use crate::service::engine::Entry;
 use crate::service::storage::{Chunk, ChunkKind, ChunkResult, ClaimedChunk, ClaimedJob, Ending, NewChunk};
 use crate::service::types::{CampaignResult, CampaignSoFar, JobState, Problem};
 use anyhow::Context;
-use futures::FutureExt;
+use futures::{FutureExt, TryStreamExt};
 use serde::Deserialize;
+use serde_json::Value;
 use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
-use tokio::sync::{OwnedSemaphorePermit, watch};
+use tokio::fs::File;
+use tokio::io::{AsyncWriteExt, BufWriter};
+use tokio::sync::OwnedSemaphorePermit;
 use uuid::Uuid;
 
-/// The first runs take about this long, to tell how long the others will.
-const PILOT: Duration = Duration::from_millis(250);
-/// A chunk of runs takes about this long; in a campaign of very many longer, towards its end less.
-const CHUNK: Duration = Duration::from_secs(2);
-const SHORTEST_CHUNK: Duration = Duration::from_millis(250);
-const MOST_CHUNKS: u32 = 10_000;
-/// Campaigns whose cells and data are kept between chunks.
+/// Campaigns of which the cells and the places of the data are kept between chunks.
 const KEPT: usize = 4;
 
-/// A campaign with its cells and data, ready for its runs.
-pub(super) struct Loaded {
-    plan: Plan,
+/// A campaign, and what a child has to be told of it.
+pub(super) struct Known {
+    spec: Value,
     campaign: Arc<Campaign>,
-    inputs: Inputs,
-    read: Vec<ReportInput>,
+    located: Vec<Option<Located>>,
 }
 
 /// The campaigns of which chunks were worked off lately.
 #[derive(Default)]
-pub(super) struct Campaigns(Mutex<VecDeque<(Uuid, Arc<Loaded>)>>);
+pub(super) struct Campaigns(Mutex<VecDeque<(Uuid, Arc<Known>)>>);
 
 impl Campaigns {
-    fn get(&self, id: Uuid) -> Option<Arc<Loaded>> {
+    fn get(&self, id: Uuid) -> Option<Arc<Known>> {
         let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.iter().find(|(known, _)| *known == id).map(|(_, loaded)| loaded.clone())
+        kept.iter().find(|(kept_id, _)| *kept_id == id).map(|(_, known)| known.clone())
     }
 
-    fn keep(&self, id: Uuid, loaded: Arc<Loaded>) {
+    fn keep(&self, id: Uuid, known: Arc<Known>) {
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.retain(|(known, _)| *known != id);
-        kept.push_back((id, loaded));
+        kept.retain(|(kept_id, _)| *kept_id != id);
+        kept.push_back((id, known));
         while kept.len() > KEPT {
             kept.pop_front();
         }
     }
 
     pub(super) fn forget(&self, id: Uuid) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).retain(|(known, _)| *known != id);
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).retain(|(kept_id, _)| *kept_id != id);
     }
 }
 
@@ -78,7 +74,7 @@ impl Inner {
     /// Makes the claimed job a campaign: its chunks follow.
     pub(super) async fn start_campaign(&self, job: &ClaimedJob) -> anyhow::Result<()> {
         let control = self.begin((job.id, None));
-        let runs_total = self.loaded(job.id, control.sign()).await.map(|loaded| loaded.campaign.total());
+        let runs_total = self.known(job.id).await.map(|known| known.campaign.total());
         let begun = runs_total.map_err(|failure| self.ending_of(job.id, "the job", &control, failure));
         let changed = self
             .written(job.id, || match &begun {
@@ -110,24 +106,59 @@ impl Inner {
         }
     }
 
-    async fn make_chunk(&self, chunk: &ClaimedChunk, control: &Arc<Control>, permit: OwnedSemaphorePermit) -> Result<Made, Failure> {
-        let loaded = self.loaded(chunk.job_id, control.sign()).await?;
-        // Progress is told with each chunk that ends; a chunk is short.
-        let tell = |_| async {}.boxed();
-        if chunk.kind != ChunkKind::Look {
-            let (job_id, chunk) = (chunk.job_id, chunk.clone());
-            let work = move |mut meter: Meter| make_runs(&chunk, &loaded, &mut meter);
-            return self.on_thread(job_id, JobKind::Campaign, control, permit, work, tell).await;
+    async fn make_chunk(&self, chunk: &ClaimedChunk, control: &Control, permit: OwnedSemaphorePermit) -> Result<Made, Failure> {
+        let known = self.known(chunk.job_id).await?;
+        if chunk.kind == ChunkKind::Look {
+            return self.look_at_pieces(chunk.job_id, &known, control, permit).await;
         }
-        let failed = self.storage.failed_chunks(chunk.job_id).await?;
+        let runs = Runs {
+            is_pilot: chunk.kind == ChunkKind::Pilot,
+            items: chunk.items.clone(),
+            outcomes: chunk.outcomes.clone(),
+            done: chunk.runs_done,
+            total: chunk.runs_total,
+        };
+        let order = Order::Runs { campaign: known.order(chunk.job_id).await?, runs };
+        // Progress is told with each chunk that ends; a chunk is short.
+        match self.in_child(chunk.job_id, order, control, permit, |_| async {}.boxed()).await? {
+            child::Made::Piece { piece, runs, outcomes } => Ok(Made::Result(ChunkResult::Piece { piece, runs, outcomes })),
+            made => Err(unexpected(&made).into()),
+        }
+    }
+
+    async fn look_at_pieces(&self, id: Uuid, known: &Known, control: &Control, permit: OwnedSemaphorePermit) -> Result<Made, Failure> {
+        let failed = self.storage.failed_chunks(id).await?;
         if let Some(items) = failed.first() {
-            let problem = given_up(&loaded.campaign, items, failed.len(), self.config.crash_limit);
+            let problem = given_up(&known.campaign, items, failed.len());
             return Ok(Made::Result(ChunkResult::Ended(Ending::Failed(problem))));
         }
-        let (pieces, outcomes) = (self.storage.pieces(chunk.job_id).await?, self.storage.outcomes(chunk.job_id).await?);
-        let id = chunk.job_id;
-        let work = move |meter: Meter| look(id, &loaded, &read_pieces(&pieces)?, &read_outcomes(outcomes.as_deref())?, &meter);
-        self.on_thread(id, JobKind::Campaign, control, permit, work, tell).await
+        let directory = self.directory()?;
+        let order = Order::Look {
+            campaign: known.order(id).await?,
+            pieces: self.write_pieces(id, directory.path()).await?,
+            outcomes: self.storage.outcomes(id).await?,
+            directory: directory.path().to_owned(),
+        };
+        match self.in_child(id, order, control, permit, |_| async {}.boxed()).await? {
+            child::Made::Looked(Looked::More { chunks, runs_total }) => {
+                Ok(Made::Result(ChunkResult::More { chunks: chunks.into_iter().map(NewChunk).collect(), runs_total }))
+            }
+            child::Made::Looked(Looked::Report { files, warnings }) => Ok(Made::Report(Product { files, warnings, directory })),
+            made => Err(unexpected(&made).into()),
+        }
+    }
+
+    /// Writes the pieces of a campaign into a file, however many they are.
+    async fn write_pieces(&self, id: Uuid, directory: &Path) -> anyhow::Result<PathBuf> {
+        let path = directory.join("pieces");
+        let file = File::create(&path).await.with_context(|| format!("cannot write {}", path.display()))?;
+        let (mut file, mut pieces) = (BufWriter::new(file), self.storage.pieces(id));
+        while let Some(piece) = pieces.try_next().await? {
+            file.write_all(piece.as_bytes()).await?;
+            file.write_all(b"\n").await?;
+        }
+        file.flush().await?;
+        Ok(path)
     }
 
     /// Writes what came of the chunk; an error means that somebody has to work it off again.
@@ -141,6 +172,11 @@ impl Inner {
         };
         let result = match kept {
             Ok(result) => Some(result),
+            // The others are made first: the runs of a campaign that failed are kept for another.
+            Err(Failure::Died(how)) if chunk.kind != ChunkKind::Look => {
+                tracing::error!(job_id = %chunk.job_id, error = format!("{how:#}"), "runs of a campaign are given up: their process died twice");
+                Some(ChunkResult::GivenUp)
+            }
             Err(failure) => self.ending_of(chunk.job_id, "a chunk of the campaign", control, failure).map(ChunkResult::Ended),
         };
         let changed = self
@@ -152,6 +188,7 @@ impl Inner {
         let Some(changed) = changed else { return Ok(()) };
         if let Some(ChunkResult::Ended(_)) = result {
             self.campaigns.forget(chunk.job_id);
+            self.children.forget(chunk.job_id);
             self.running.stop(chunk.job_id, Stop::Canceled);
         }
         self.publish(changed).await;
@@ -174,98 +211,47 @@ impl Inner {
         let Some(outcomes) = self.storage.outcomes(id).await? else {
             return Err(JobsError::conflict("result_not_ready", format!("the job is {}, and no run has been made yet", job.state.name())));
         };
-        let pieces = self.storage.pieces(id).await?;
-        let loaded = self.loaded(id, watch::channel(None).1).await.map_err(|_| anyhow::anyhow!("the campaign could not be loaded"))?;
-        let report = move || -> anyhow::Result<CampaignSoFar> {
-            let (outcome, runs) = loaded.campaign.report_so_far(read_pieces(&pieces)?, &read_outcomes(Some(&outcomes))?)?;
-            Ok(CampaignSoFar { is_final: false, runs, result: serde_json::from_value(outcome.result)? })
-        };
-        Ok(tokio::task::spawn_blocking(report).await.context("putting runs together panicked")??)
+        let directory = self.directory()?;
+        let pieces = self.write_pieces(id, directory.path()).await?;
+        let known = self.known(id).await.map_err(|_| anyhow::anyhow!("the campaign could not be planned"))?;
+        let order = Order::SoFar { campaign: known.order(id).await?, pieces, outcomes };
+        match self.ask(order, (&self.looks, LOOKS), "putting the runs together").await? {
+            child::Made::SoFar { runs, result } => {
+                let result = serde_json::from_str(result.get()).context("the result of a campaign is another")?;
+                Ok(CampaignSoFar { is_final: false, runs, result })
+            }
+            made => Err(unexpected(&made).into()),
+        }
     }
 
-    /// The campaign with its data: kept from an earlier chunk, or planned and read.
-    async fn loaded(&self, id: Uuid, sign: watch::Receiver<Option<Stop>>) -> Result<Arc<Loaded>, Failure> {
-        if let Some(loaded) = self.campaigns.get(id) {
-            return Ok(loaded);
+    /// The campaign: kept from an earlier chunk, or planned.
+    async fn known(&self, id: Uuid) -> Result<Arc<Known>, Failure> {
+        if let Some(known) = self.campaigns.get(id) {
+            return Ok(known);
         }
         let spec = self.storage.spec(id).await?;
-        let plan = planned(JobKind::Campaign, spec).await?.map_err(Failure::Faults)?;
+        let plan = planned(JobKind::Campaign, spec.clone()).await?.map_err(Failure::Faults)?;
         let located = self.locate(&plan).await?;
-        let mut meter = Meter::new(JobKind::Campaign, sign, watch::Sender::new(None));
-        let read = move || -> Result<Loaded, Failure> {
-            let (inputs, read) = load(&plan, located, &mut meter)?;
-            let campaign = plan.campaign.clone().context("a campaign has no cells")?;
-            Ok(Loaded { plan, campaign, inputs, read })
-        };
-        let loaded = Arc::new(tokio::task::spawn_blocking(read).await.context("reading data panicked")??);
-        self.campaigns.keep(id, loaded.clone());
-        Ok(loaded)
+        let campaign = plan.campaign.context("a campaign has no cells")?;
+        let known = Arc::new(Known { spec, campaign, located });
+        self.campaigns.keep(id, known.clone());
+        Ok(known)
     }
 }
 
-fn read_pieces(pieces: &[String]) -> anyhow::Result<Vec<Piece>> {
-    pieces.iter().map(|json| serde_json::from_str(json)).collect::<Result<_, _>>().context("a stored piece is damaged")
-}
-
-fn read_outcomes(json: Option<&str>) -> anyhow::Result<Vec<Outcome>> {
-    json.map_or(Ok(Vec::new()), serde_json::from_str).context("stored outcomes are damaged")
-}
-
-fn make_runs(chunk: &ClaimedChunk, loaded: &Loaded, meter: &mut Meter) -> Result<Made, Failure> {
-    let is_pilot = chunk.kind == ChunkKind::Pilot;
-    let items = match is_pilot.then(|| loaded.campaign.next(&[])) {
-        Some(Next::Runs { items, .. }) => items,
-        _ => chunk.items.clone(),
-    };
-    let outcomes = chunk.outcomes.as_deref().map(|json| read_outcomes(Some(json))).transpose()?;
-    let order = Order { items, outcomes, enough: is_pilot.then_some(PILOT), done: chunk.runs_done, total: chunk.runs_total };
-    let (piece, outcomes) = loaded.campaign.make(order, &loaded.inputs, meter)?;
-    let json = |error: serde_json::Error| Failure::Internal(error.into());
-    Ok(Made::Result(ChunkResult::Piece {
-        runs: piece.len() as u64,
-        outcomes: serde_json::to_string(&outcomes).map_err(json)?,
-        piece: serde_json::to_string(&piece).map_err(json)?,
-    }))
-}
-
-/// Cuts what is missing into chunks, or makes the report.
-fn look(id: Uuid, loaded: &Loaded, pieces: &[Piece], outcomes: &[Outcome], meter: &Meter) -> Result<Made, Failure> {
-    let campaign = &loaded.campaign;
-    if let Next::Runs { items, spared } = campaign.next(pieces) {
-        let target = CHUNK.max(campaign.cost(&items, pieces) / MOST_CHUNKS);
-        let chunks = campaign.cut(items, pieces, SHORTEST_CHUNK, target).into_iter().map(NewChunk).collect();
-        return Ok(Made::Result(ChunkResult::More { chunks, runs_total: campaign.total() - spared }));
+impl Known {
+    async fn order(&self, id: Uuid) -> anyhow::Result<CampaignOrder> {
+        Ok(CampaignOrder { id, spec: self.spec.clone(), inputs: local_files(self.located.clone()).await? })
     }
-    let outcome = campaign.report(pieces, outcomes)?;
-    let spent_s = pieces.iter().map(Piece::spent).sum::<Duration>().as_secs_f64();
-    let timing = meter.timing();
-    let timing = Timing { total_s: timing.total_s + spent_s, ..timing };
-    let report = report::build(id, &loaded.plan, &loaded.read, &outcome, timing).map_err(|error| Failure::Internal(error.into()))?;
-    Ok(Made::Report(Product { artifacts: outcome.artifacts, report, warnings: outcome.warnings }))
 }
 
 /// The end of a campaign that has chunks nobody can work off.
-fn given_up(campaign: &Campaign, items: &[Items], chunks: usize, crash_limit: u32) -> Problem {
+fn given_up(campaign: &Campaign, items: &[Items], chunks: usize) -> Problem {
     let runs: u64 = items.iter().map(|range| range.end - range.start).sum();
     let place = items.first().map_or_else(String::new, |range| format!(", from {} on", campaign.name_of(range.start)));
     let others = if chunks > 1 { format!("; so it was with {} other parts", chunks - 1) } else { String::new() };
     let detail = format!(
-        "the process ended {crash_limit} times while it made {runs} of the runs{place}{others}; all other runs are kept for when the job is rerun"
+        "the process ended again and again while it made {runs} of the runs{place}{others}; all other runs are kept for when the job is rerun"
     );
     Problem::new("crashed", detail)
-}
-
-impl From<RunError> for Failure {
-    fn from(error: RunError) -> Self {
-        match error {
-            RunError::Stopped => Failure::Stopped,
-            RunError::Faults(faults) => Failure::Faults(faults),
-        }
-    }
-}
-
-impl From<anyhow::Error> for Failure {
-    fn from(error: anyhow::Error) -> Self {
-        Failure::Internal(error)
-    }
 }

@@ -1,4 +1,4 @@
-//! Asking a running job to stop, and giving up on one that does not listen.
+//! Asking a running job to stop, and when to kill one that does not listen.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -6,14 +6,14 @@ use std::time::Duration;
 use tokio::sync::watch;
 use uuid::Uuid;
 
-/// A job that was asked to stop has this long to notice; then it is left to itself.
-const GRACE: Duration = Duration::from_secs(5);
+/// A job that was asked to stop has this long to notice; then its process is killed.
+const GRACE: Duration = Duration::from_secs(2);
 /// The same when the whole service stops.
-pub(super) const CLOSING_GRACE: Duration = Duration::from_secs(1);
+const CLOSING_GRACE: Duration = Duration::from_secs(1);
 
 /// Why a job is to stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::service) enum Stop {
+pub(super) enum Stop {
     Canceled,
     ShuttingDown,
     TimeLimit,
@@ -31,17 +31,16 @@ impl Control {
         *self.0.borrow()
     }
 
-    /// What the job itself looks at.
-    pub(super) fn sign(&self) -> watch::Receiver<Option<Stop>> {
-        self.0.subscribe()
+    /// Ends when the job was asked to stop.
+    pub(super) async fn asked(&self) {
+        // The sender is part of `self` and outlives this wait.
+        let _ = self.0.subscribe().wait_for(Option::is_some).await;
     }
 
     /// Ends when the job was asked to stop and has let its time pass.
     pub(super) async fn grace_over(&self) {
-        let mut sign = self.0.subscribe();
-        // The sender is part of `self` and outlives this wait.
-        let _ = sign.wait_for(Option::is_some).await;
-        tokio::time::sleep(GRACE).await;
+        self.asked().await;
+        tokio::time::sleep(if self.reason() == Some(Stop::ShuttingDown) { CLOSING_GRACE } else { GRACE }).await;
     }
 }
 

@@ -1,19 +1,18 @@
 //! Keeping datasets: checked before they are kept, kept once, and swept up when nothing needs them.
 
-use super::inputs::read_file;
+use super::in_child::{LOOKS, UPLOADS, unexpected};
 use super::submit::sorted;
 use super::{DatasetFilter, DatasetMeta, Inner, JobsError, ReceivedFile, StoredFile};
-use crate::formats::{FORMATS, Format, ReadOptions, ReadOutcome, detect_format, format_named};
-use crate::model::dataset::Dataset;
-use crate::model::fault::Fault;
+use crate::formats::format_named;
+use crate::model::dataset::DatasetSummary;
+use crate::service::child::{Made, Order, Upload};
 use crate::service::storage::blobs::sha256_hex;
 use crate::service::storage::{Cursor, NewDataset, NoSweeping, StoredDataset};
 use crate::service::types::{DatasetInfo, DatasetPage};
 use anyhow::Context;
 use serde_json::json;
-use std::fs::File;
-use std::io::Read;
-use std::path::{Path, PathBuf};
+use serde_json::value::RawValue;
+use std::path::PathBuf;
 use tokio::sync::RwLockReadGuard;
 use tokio::task::spawn_blocking;
 use uuid::Uuid;
@@ -21,20 +20,12 @@ use uuid::Uuid;
 /// Guards against sweeping in this process and in others.
 pub(super) type NoSweepingHere<'a> = (RwLockReadGuard<'a, ()>, NoSweeping);
 
-/// Bytes that are looked at to tell a format.
-const FIRST_BYTES: u64 = 4096;
-
 impl Inner {
     pub(super) async fn add_dataset(&self, file: ReceivedFile, meta: DatasetMeta) -> Result<(DatasetInfo, bool), JobsError> {
         if self.closing.is_cancelled() {
             return Err(JobsError::ShuttingDown);
         }
-        let check = {
-            let (path, meta) = (file.path.clone(), meta.clone());
-            move || check(&path, &meta)
-        };
-        let (format, read) = spawn_blocking(check).await.context("reading an upload panicked")??;
-        let new = new_dataset(&file, meta, format, read);
+        let new = self.checked(&file, meta).await?;
         let _no_sweeping = self.no_sweeping().await?;
         let adopt = {
             let (blobs, ReceivedFile { path, sha256, .. }) = (self.blobs.clone(), file);
@@ -43,6 +34,22 @@ impl Inner {
         spawn_blocking(adopt).await.context("keeping an upload panicked")??;
         let (id, is_new) = self.storage.add_dataset(&new).await?;
         Ok((self.stored_dataset(id).await?.info, is_new))
+    }
+
+    /// Has a child tell the format and read the file with it.
+    async fn checked(&self, file: &ReceivedFile, meta: DatasetMeta) -> Result<NewDataset, JobsError> {
+        let upload = Upload {
+            path: file.path.clone(),
+            file_name: meta.file_name.clone(),
+            format: meta.format.clone(),
+            kind: meta.kind,
+            columns: meta.columns.clone(),
+            bearing_time: meta.bearing_time,
+        };
+        match self.ask(Order::Check(upload), (&self.uploads, UPLOADS), "reading the file").await? {
+            Made::Checked { format, summary, warnings } => Ok(new_dataset(file, meta, format, summary, warnings)),
+            made => Err(unexpected(&made).into()),
+        }
     }
 
     /// The dataset, unless there is none or it has been deleted.
@@ -81,10 +88,13 @@ impl Inner {
         })
     }
 
-    pub(super) async fn load_dataset(&self, id: Uuid) -> Result<Dataset, JobsError> {
-        let stored = self.stored_dataset(id).await?;
-        let located = self.located(stored)?;
-        spawn_blocking(move || located.read()).await.context("reading a dataset panicked")?
+    pub(super) async fn preview(&self, id: Uuid, rows: usize) -> Result<Box<RawValue>, JobsError> {
+        let located = self.located(self.stored_dataset(id).await?);
+        let input = spawn_blocking(|| located.local()).await.context("fetching a file panicked")??;
+        match self.ask(Order::Preview { input, rows }, (&self.looks, LOOKS), "reading the dataset").await? {
+            Made::Preview(preview) => Ok(preview),
+            made => Err(unexpected(&made).into()),
+        }
     }
 
     /// A local file of the content.
@@ -119,35 +129,9 @@ pub(super) fn listed(jobs: &[Uuid]) -> String {
     if jobs.len() > MOST { format!("{named} and {} more", jobs.len() - MOST) } else { named }
 }
 
-/// Tells the format and reads the file with it. Blocks.
-fn check(path: &Path, meta: &DatasetMeta) -> Result<(&'static Format, ReadOutcome), JobsError> {
-    let format = match &meta.format {
-        Some(name) => format_named(name).ok_or_else(|| unknown_format(format!("there is no format '{name}'"))),
-        None => {
-            let mut first_bytes = Vec::new();
-            File::open(path).and_then(|file| file.take(FIRST_BYTES).read_to_end(&mut first_bytes)).context("cannot read an upload")?;
-            detect_format(meta.file_name.as_deref().unwrap_or_default(), &first_bytes)
-                .ok_or_else(|| unknown_format("the format could not be told from the file; say which it is".to_owned()))
-        }
-    }?;
-    if let Some(kind) = meta.kind.filter(|kind| !format.kinds.contains(kind)) {
-        let detail = format!("files in the format '{}' cannot hold {}", format.name, kind.name());
-        let allowed = format.kinds.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ");
-        return Err(JobsError::Invalid(vec![Fault::new("/kind", "unsupported", detail).allowing(allowed)]));
-    }
-    let options = ReadOptions { kind: meta.kind, columns: meta.columns.clone(), bearing_time: meta.bearing_time };
-    Ok((format, read_file(path, format, &options)?))
-}
-
-fn unknown_format(detail: String) -> JobsError {
-    let known = FORMATS.iter().map(|format| format.name).collect::<Vec<_>>().join(", ");
-    JobsError::Invalid(vec![Fault::new("/format", "unknown_value", detail).allowing(known)])
-}
-
-fn new_dataset(file: &ReceivedFile, meta: DatasetMeta, format: &Format, read: ReadOutcome) -> NewDataset {
-    let summary = read.dataset.summary();
+fn new_dataset(file: &ReceivedFile, meta: DatasetMeta, format: String, summary: DatasetSummary, warnings: Vec<String>) -> NewDataset {
     let mut said = json!({
-        "name": meta.name, "kind": summary.kind, "format": format.name, "columns": meta.columns, "sensors": meta.sensors
+        "name": meta.name, "kind": summary.kind, "format": format, "columns": meta.columns, "sensors": meta.sensors
     });
     if let Some(axes) = meta.bearing_time {
         said["bearing_time"] = json!(axes);
@@ -155,7 +139,7 @@ fn new_dataset(file: &ReceivedFile, meta: DatasetMeta, format: &Format, read: Re
     let name = meta.name.or_else(|| meta.file_name.clone()).unwrap_or_else(|| summary.kind.name().to_owned());
     NewDataset {
         name,
-        format: format.name.to_owned(),
+        format,
         bytes: file.bytes,
         sha256: file.sha256.clone(),
         meta_sha256: sha256_hex(sorted(&said).to_string().as_bytes()),
@@ -163,7 +147,7 @@ fn new_dataset(file: &ReceivedFile, meta: DatasetMeta, format: &Format, read: Re
         bearing_time: meta.bearing_time,
         summary,
         sensors: meta.sensors,
-        warnings: read.warnings,
+        warnings,
         origin_job_id: None,
         file_name: meta.file_name,
     }

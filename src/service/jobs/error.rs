@@ -23,6 +23,12 @@ pub enum JobsError {
     ShuttingDown,
     #[error("the database does not answer")]
     Unavailable,
+    /// It needs more memory than it may have.
+    #[error("{0}")]
+    MemoryLimit(String),
+    /// Its process died, and when it was done again died again.
+    #[error("{0}")]
+    Crashed(String),
     #[error(transparent)]
     Internal(anyhow::Error),
 }

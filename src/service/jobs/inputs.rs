@@ -1,27 +1,27 @@
-//! From what a plan asks for to loaded datasets.
+//! From what a plan asks for to the files that hold it.
 
-use super::{Inner, JobsError};
+use super::{Failure, Inner, JobsError};
 use crate::experiment::known_data::Known;
 use crate::experiment::plan::{InputRequest, Plan, Source};
-use crate::experiment::run::Input;
-use crate::formats::{Format, ReadOptions, ReadOutcome, format_named};
+use crate::formats::npy::BearingTimeAxes;
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
+use crate::service::child::InputFile;
 use crate::service::storage::blobs::Blobs;
 use crate::service::storage::{SourceId, SourceRef, StoredDataset};
 use anyhow::Context;
-use std::fs::File;
-use std::io::BufReader;
-use std::path::Path;
+use std::collections::BTreeMap;
 use uuid::Uuid;
 
 /// What to read an input from.
 #[derive(Clone)]
 pub(super) struct Located {
     blobs: Blobs,
-    format: &'static Format,
-    options: ReadOptions,
+    format: String,
+    kind: DatasetKind,
+    columns: BTreeMap<String, String>,
+    bearing_time: Option<BearingTimeAxes>,
     sensors: Vec<SensorSettings>,
     sha256: String,
 }
@@ -107,7 +107,7 @@ impl Inner {
     async fn locate_dataset(&self, id: &str) -> Result<Option<Located>, JobsError> {
         let Ok(id) = Uuid::try_parse(id) else { return Ok(None) };
         let dataset = self.storage.dataset(id).await?.filter(|dataset| !dataset.deleted);
-        Ok(dataset.map(|dataset| self.located(dataset)).transpose()?)
+        Ok(dataset.map(|dataset| self.located(dataset)))
     }
 
     /// The artefact `<role>.csv` of the job; the tracks of a job that put tracks together are `system_tracks.csv`.
@@ -124,23 +124,36 @@ impl Inner {
         };
         Ok(Some(Located {
             blobs: self.blobs.clone(),
-            format: format_named("csv").context("the format csv is missing")?,
-            options: ReadOptions { kind: Some(role), ..ReadOptions::default() },
+            format: "csv".to_owned(),
+            kind: role,
+            columns: BTreeMap::new(),
+            bearing_time: None,
             sensors: sensors.into_iter().map(Into::into).collect(),
             sha256: artifact.sha256,
         }))
     }
 
-    pub(super) fn located(&self, dataset: StoredDataset) -> anyhow::Result<Located> {
+    pub(super) fn located(&self, dataset: StoredDataset) -> Located {
         let StoredDataset { info, columns, bearing_time, .. } = dataset;
-        Ok(Located {
+        Located {
             blobs: self.blobs.clone(),
-            format: format_named(&info.format).with_context(|| format!("a stored dataset has the unknown format {}", info.format))?,
-            options: ReadOptions { kind: Some(info.kind.into()), columns, bearing_time },
+            format: info.format,
+            kind: info.kind.into(),
+            columns,
+            bearing_time,
             sensors: info.sensors.into_iter().map(Into::into).collect(),
             sha256: info.sha256,
-        })
+        }
     }
+}
+
+/// Local files of what was located, fetched where they are elsewhere.
+pub(super) async fn local_files(located: Vec<Option<Located>>) -> anyhow::Result<Vec<Option<InputFile>>> {
+    if located.iter().all(Option::is_none) {
+        return Ok(vec![None; located.len()]);
+    }
+    let fetch = move || located.into_iter().map(|located| located.map(Located::local).transpose()).collect();
+    tokio::task::spawn_blocking(fetch).await.context("fetching files panicked")?
 }
 
 fn absent(request: &InputRequest) -> Fault {
@@ -155,43 +168,22 @@ fn absent(request: &InputRequest) -> Fault {
     }
 }
 
-/// Reads one file. Blocks.
-pub(super) fn read_file(path: &Path, format: &Format, options: &ReadOptions) -> Result<ReadOutcome, JobsError> {
-    let file = File::open(path).with_context(|| format!("cannot open {}", path.display()))?;
-    (format.read)(&mut BufReader::with_capacity(1 << 16, file), options).map_err(JobsError::Invalid)
-}
-
 impl Located {
+    /// The file, fetched where it is elsewhere; to be opened soon. Blocks.
+    pub(super) fn local(self) -> anyhow::Result<InputFile> {
+        let Located { blobs, format, kind, columns, bearing_time, sensors, sha256 } = self;
+        Ok(InputFile { path: blobs.local(&sha256)?, format, kind, columns, bearing_time, sensors, sha256 })
+    }
+
     /// Reads the whole file. Blocks.
     pub(super) fn read(&self) -> Result<Dataset, JobsError> {
-        Ok(read_file(&self.blobs.local(&self.sha256)?, self.format, &self.options)?.dataset)
+        self.clone().local()?.read().map_err(|failure| match failure {
+            Failure::Faults(faults) => JobsError::Invalid(faults),
+            failure => JobsError::Internal(anyhow::anyhow!("a stored file cannot be read: {failure:?}")),
+        })
     }
 
     pub(super) fn sensors(&self) -> &[SensorSettings] {
         &self.sensors
-    }
-
-    /// Reads what the request asks for: the file, or the named sensors' part of it. Blocks.
-    pub(super) fn load(self, request: &InputRequest) -> Result<Input, JobsError> {
-        let dataset = self.read().map_err(|error| repoint(error, &request.pointer))?;
-        let (Source::Dataset { sensor_ids, .. } | Source::Job { sensor_ids, .. }) = &request.source;
-        let (mut dataset, mut sensors) = (dataset, self.sensors);
-        if let Some(wanted) = sensor_ids {
-            dataset = dataset
-                .only_sensors(wanted)
-                .map_err(|faults| repoint(JobsError::Invalid(faults), &format!("{}/sensor_ids", request.pointer)))?;
-            sensors.retain(|sensor| wanted.contains(&sensor.sensor_id));
-        }
-        Ok(Input { dataset, sensors, sha256: self.sha256 })
-    }
-}
-
-/// Puts the place in the request before the pointers of faults.
-fn repoint(error: JobsError, pointer: &str) -> JobsError {
-    match error {
-        JobsError::Invalid(faults) => {
-            JobsError::Invalid(faults.into_iter().map(|fault| Fault { pointer: format!("{pointer}{}", fault.pointer), ..fault }).collect())
-        }
-        other => other,
     }
 }

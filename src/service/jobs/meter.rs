@@ -1,18 +1,19 @@
 //! Watches a job from inside: how far it is, how long each step took, and whether it is to stop.
 
-use super::control::Stop;
 use super::report::Timing;
 use crate::experiment::observer::{Observer, Step};
 use crate::experiment::plan::JobKind;
 use crate::service::types::{Progress, ProgressStep};
 use std::ops::ControlFlow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use tokio::sync::watch;
 
 pub(in crate::service) struct Meter {
     kind: JobKind,
-    sign: watch::Receiver<Option<Stop>>,
-    news: watch::Sender<Option<Progress>>,
+    /// Whether it is not wanted any more.
+    stop: Arc<AtomicBool>,
+    news: Box<dyn FnMut(Progress)>,
     started: Instant,
     /// When the observer was last called, and in which step.
     last: (Instant, Step),
@@ -21,9 +22,9 @@ pub(in crate::service) struct Meter {
 }
 
 impl Meter {
-    pub(in crate::service) fn new(kind: JobKind, sign: watch::Receiver<Option<Stop>>, news: watch::Sender<Option<Progress>>) -> Self {
+    pub(in crate::service) fn new(kind: JobKind, stop: Arc<AtomicBool>, news: impl FnMut(Progress) + 'static) -> Self {
         let now = Instant::now();
-        Meter { kind, sign, news, started: now, last: (now, Step::Load), told: None, timing: Timing::default() }
+        Meter { kind, stop, news: Box::new(news), started: now, last: (now, Step::Load), told: None, timing: Timing::default() }
     }
 
     /// What was measured until now.
@@ -57,7 +58,7 @@ impl Meter {
         self.told = Some(now);
         let fraction = fraction(self.kind, step, done, total);
         let eta_s = Progress::left_s(elapsed, fraction);
-        self.news.send_replace(Some(Progress { step: wire_step(step), done, total, fraction, eta_s }));
+        (self.news)(Progress { step: wire_step(step), done, total, fraction, eta_s });
     }
 }
 
@@ -70,7 +71,7 @@ impl Observer for Meter {
         let now = Instant::now();
         self.book(now, step, done);
         self.tell(now, step, done, total);
-        if self.sign.borrow().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if self.stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
 
@@ -106,6 +107,8 @@ fn wire_step(step: Step) -> ProgressStep {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::cell::RefCell;
+    use std::rc::Rc;
 
     #[test]
     fn the_fraction_rises_through_the_steps_to_one() {
@@ -119,22 +122,22 @@ mod tests {
 
     #[test]
     fn a_stop_sign_breaks_and_the_first_news_are_told_at_once() {
-        let (stop, sign) = watch::channel(None);
-        let (news, told) = watch::channel(None);
-        let mut meter = Meter::new(JobKind::Associate, sign, news);
+        let (stop, told) = (Arc::new(AtomicBool::new(false)), Rc::new(RefCell::new(Vec::new())));
+        let news = told.clone();
+        let mut meter = Meter::new(JobKind::Associate, stop.clone(), move |progress| news.borrow_mut().push(progress));
         assert!(meter.progress(Step::Associate, 5, 10).is_continue());
-        let first = told.borrow().clone().unwrap();
+        let first = told.borrow()[0].clone();
         assert_eq!((first.step, first.done, first.total, first.eta_s), (ProgressStep::Associate, 5, 10, None));
         assert!((first.fraction - 0.575).abs() < 1e-12);
         assert!(meter.progress(Step::Associate, 6, 10).is_continue());
-        assert_eq!(told.borrow().clone().unwrap().done, 5, "the second comes too soon to be told");
-        stop.send_replace(Some(Stop::Canceled));
+        assert_eq!(told.borrow().len(), 1, "the second comes too soon to be told");
+        stop.store(true, Ordering::Relaxed);
         assert!(meter.progress(Step::Associate, 7, 10).is_break());
     }
 
     #[test]
     fn time_is_booked_on_the_step_that_spent_it() {
-        let mut meter = Meter::new(JobKind::Evaluate, watch::channel(None).1, watch::Sender::new(None));
+        let mut meter = Meter::new(JobKind::Evaluate, Arc::default(), |_| {});
         let start = meter.started;
         let at = |seconds| start + Duration::from_secs(seconds);
         meter.book(at(1), Step::Load, 1);

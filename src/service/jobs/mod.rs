@@ -3,10 +3,12 @@
 mod campaign;
 mod change;
 mod compare;
-pub(in crate::service) mod control;
+mod control;
 mod datasets;
 mod error;
+mod failure;
 mod hub;
+mod in_child;
 mod inputs;
 pub(in crate::service) mod meter;
 mod read;
@@ -21,20 +23,24 @@ pub use change::JOB_PATCH;
 pub use error::JobsError;
 pub use request::*;
 
+pub(in crate::service) use failure::Failure;
+
+use super::child::{Children, IS_LIMITED, default_memory, size_text};
 use super::config::Config;
 use super::engine::{Engine, Entry, Handler};
 use super::storage::blobs::Blobs;
 use super::storage::notices::{Notice, Notices};
 use super::storage::{Changed, Database, Storage};
 use super::types::{ArtifactList, CampaignSoFar, Comparison, DatasetInfo, DatasetPage, Event, EventPage, Job, JobKind, JobPage, JobState};
-use crate::model::dataset::Dataset;
 use anyhow::{Context, bail, ensure};
 use campaign::Campaigns;
 use control::{Running, Stop};
 use futures::{FutureExt, Stream};
 use hub::Hub;
+use in_child::{LOOKS, UPLOADS};
 use recent::Recent;
 use serde_json::Value;
+use serde_json::value::RawValue;
 use std::collections::BTreeMap;
 use std::fs::{File, TryLockError};
 use std::path::Path;
@@ -66,8 +72,12 @@ struct Inner {
     recent: Recent,
     running: Running,
     campaigns: Campaigns,
+    children: Children,
     /// Jobs that may compute at the same time.
     slots: Arc<Semaphore>,
+    /// Uploads that may be checked at the same time, and looks at data.
+    uploads: Arc<Semaphore>,
+    looks: Arc<Semaphore>,
     /// Held for reading while files wait for their row, for writing while unused files are removed.
     sweeping: RwLock<()>,
     closing: CancellationToken,
@@ -99,8 +109,16 @@ impl Jobs {
             "the files of this database are kept elsewhere: say --data with the directory that its server uses, which all must reach, \
              or --artifacts with its bucket"
         );
+        let job_memory_bytes = config.job_memory_bytes.or_else(|| default_memory(slots)).filter(|_| IS_LIMITED);
+        match job_memory_bytes {
+            Some(bytes) => tracing::info!(slots, "a job may use {} of memory", size_text(bytes)),
+            None => tracing::warn!("this system does not limit the memory of a process: one job may take all there is"),
+        }
+        let children = Children::open(config.child_program.clone(), job_memory_bytes, slots).await;
+        let children = children.context("no process for jobs can be started")?;
         let inner = Arc::new(Inner {
             blobs,
+            children,
             engine: Engine::open(&database, slots).await?,
             storage,
             hub: Hub::default(),
@@ -108,10 +126,12 @@ impl Jobs {
             running: Running::default(),
             campaigns: Campaigns::default(),
             slots: Arc::new(Semaphore::new(slots)),
+            uploads: Arc::new(Semaphore::new(UPLOADS)),
+            looks: Arc::new(Semaphore::new(LOOKS)),
             sweeping: RwLock::new(()),
             closing: CancellationToken::new(),
             must_requeue: AtomicBool::new(false),
-            config: Config { slots, ..config },
+            config: Config { slots, job_memory_bytes, ..config },
             lock,
         });
         if let Some(url) = &inner.config.database_url {
@@ -244,9 +264,9 @@ impl Jobs {
         self.0.dataset_content(id).await
     }
 
-    /// The dataset as read from its file.
-    pub async fn load_dataset(&self, id: Uuid) -> Result<Dataset, JobsError> {
-        self.0.load_dataset(id).await
+    /// The first rows of a dataset, as the JSON of a [`Preview`](crate::service::views::preview::Preview).
+    pub async fn preview(&self, id: Uuid, rows: usize) -> Result<Box<RawValue>, JobsError> {
+        self.0.preview(id, rows).await
     }
 
     /// Whether the database answers soon.
@@ -267,6 +287,7 @@ impl Jobs {
         self.0.closing.cancel();
         self.0.running.stop_all(Stop::ShuttingDown);
         self.0.engine.stop().await;
+        self.0.children.close();
         self.0.storage.close().await;
         if let Some(Err(error)) = self.0.lock.as_ref().map(File::unlock) {
             tracing::warn!(%error, "the data directory was not unlocked");

@@ -1,27 +1,24 @@
-//! What happens when the queue says "look at this": claim it, run it on a thread of its own, write how it ended.
+//! What happens when the queue says "look at this": claim it, have a child run it, write how it ended.
 
-use super::control::{CLOSING_GRACE, Control, Stop, Work};
+use super::control::{Control, Stop, Work};
 use super::datasets::NoSweepingHere;
 use super::error::is_unavailable;
-use super::inputs::Located;
-use super::meter::Meter;
-use super::report::{self, ReportInput};
+use super::in_child::{crash_text, unexpected};
+use super::inputs::local_files;
 use super::submit::planned;
-use super::{Inner, JobsError};
-use crate::experiment::observer::{Observer, Step};
-use crate::experiment::plan::{JobKind, Plan};
-use crate::experiment::run::{self, Artifact, Inputs};
-use crate::model::fault::Fault;
+use super::{Failure, Inner};
+use crate::experiment::plan::JobKind;
+use crate::service::child::{Made, MadeFile, Order};
 use crate::service::engine::Entry;
 use crate::service::storage::{Changed, Claim, ClaimedJob, Ending, NewArtifact};
 use crate::service::types::{Problem, Progress};
-use anyhow::{Context, anyhow, bail, ensure};
+use anyhow::{Context, bail, ensure};
 use futures::FutureExt;
 use futures::future::BoxFuture;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::Duration;
-use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
+use tempfile::TempDir;
+use tokio::sync::OwnedSemaphorePermit;
 use uuid::Uuid;
 
 /// Writing the end of a job is tried this often, one second apart: longer than a database takes to start again.
@@ -30,30 +27,11 @@ const WRITE_TRIES: u32 = 60;
 /// How often it is looked whether work that runs here has ended.
 const AGAIN: Duration = Duration::from_millis(200);
 
-/// What a job made, before it is kept.
+/// What a job made, before it is kept; what is not kept goes with the directory.
 pub(super) struct Product {
-    pub artifacts: Vec<Artifact>,
-    pub report: Vec<u8>,
+    pub files: Vec<MadeFile>,
     pub warnings: Vec<String>,
-}
-
-/// Why a job made nothing.
-pub(super) enum Failure {
-    Stopped,
-    Faults(Vec<Fault>),
-    Internal(anyhow::Error),
-}
-
-impl From<JobsError> for Failure {
-    fn from(error: JobsError) -> Self {
-        match error {
-            JobsError::Invalid(faults) => Failure::Faults(faults),
-            JobsError::Internal(error) => Failure::Internal(error),
-            // Which of its errors it was is in the log.
-            JobsError::Unavailable => Failure::Internal(sqlx::Error::PoolTimedOut.into()),
-            other => Failure::Internal(anyhow!(other)),
-        }
-    }
+    pub directory: TempDir,
 }
 
 impl Inner {
@@ -116,7 +94,7 @@ impl Inner {
     }
 
     /// Makes what the job makes, with an ear for wishes that came before the stop sign was up.
-    async fn attend(&self, job: &ClaimedJob, control: &Arc<Control>, permit: OwnedSemaphorePermit) -> Result<Product, Failure> {
+    async fn attend(&self, job: &ClaimedJob, control: &Control, permit: OwnedSemaphorePermit) -> Result<Product, Failure> {
         let stored = self.storage.job(job.id).await.map_err(Failure::Internal)?;
         if stored.is_some_and(|stored| stored.job.cancel_requested_at.is_some()) {
             control.stop(Stop::Canceled);
@@ -168,6 +146,8 @@ impl Inner {
             }
             (Failure::Stopped, _) => Some(Ending::Canceled),
             (Failure::Faults(faults), _) => Some(Ending::Failed(Problem::validation(faults))),
+            (Failure::Memory, _) => Some(Ending::Failed(Problem::new("memory_limit", self.memory_text(what)))),
+            (Failure::Died(how), _) => Some(Ending::Failed(Problem::new("crashed", crash_text(what, &how)))),
             (Failure::Internal(error), _) if is_unavailable(&error) => {
                 tracing::warn!(%job_id, error = format!("{error:#}"), "the database did not answer; the work is queued again");
                 None
@@ -179,73 +159,24 @@ impl Inner {
         }
     }
 
-    async fn make(&self, job: &ClaimedJob, control: &Arc<Control>, permit: OwnedSemaphorePermit) -> Result<Product, Failure> {
+    async fn make(&self, job: &ClaimedJob, control: &Control, permit: OwnedSemaphorePermit) -> Result<Product, Failure> {
         let plan = planned(job.kind, job.spec.clone()).await?.map_err(Failure::Faults)?;
-        let located = self.locate(&plan).await?;
-        let id = job.id;
-        let work = move |meter: Meter| work(id, &plan, located, meter);
-        self.on_thread(id, job.kind, control, permit, work, |progress| self.tell(job, progress).boxed()).await
-    }
-
-    /// Does `work` on a thread of its own, and `tell`s how far it is.
-    pub(super) async fn on_thread<'a, T: Send + 'static>(
-        &self,
-        job_id: Uuid,
-        kind: JobKind,
-        control: &Arc<Control>,
-        permit: OwnedSemaphorePermit,
-        work: impl FnOnce(Meter) -> Result<T, Failure> + Send + 'static,
-        tell: impl Fn(Option<Progress>) -> BoxFuture<'a, ()> + Send + Sync,
-    ) -> Result<T, Failure> {
-        let (news, told) = watch::channel(None);
-        let meter = Meter::new(kind, control.sign(), news);
-        let (sender, made) = oneshot::channel();
-        let work = move || {
-            // The slot is free again when the thread has really ended, also when nobody waits for it any more.
-            let _permit = permit;
-            let made = catch_unwind(AssertUnwindSafe(|| work(meter)));
-            let _ = sender.send(made.unwrap_or_else(|_| Err(Failure::Internal(anyhow!("the job panicked")))));
-        };
-        // A thread of its own, not one of the runtime's: the process can end without waiting for it.
-        std::thread::Builder::new().name("job".to_owned()).spawn(work).context("cannot start a thread").map_err(Failure::Internal)?;
-        self.watch_over(job_id, control, made, told, tell).await
-    }
-
-    async fn watch_over<'a, T>(
-        &self,
-        job_id: Uuid,
-        control: &Control,
-        mut made: oneshot::Receiver<Result<T, Failure>>,
-        mut told: watch::Receiver<Option<Progress>>,
-        tell: impl Fn(Option<Progress>) -> BoxFuture<'a, ()> + Send + Sync,
-    ) -> Result<T, Failure> {
-        let limit = tokio::time::sleep(self.config.job_time_limit);
-        let grace_over = async {
-            tokio::select! {
-                () = control.grace_over() => {}
-                () = async { self.closing.cancelled().await; tokio::time::sleep(CLOSING_GRACE).await } => {}
-            }
-        };
-        tokio::pin!(limit, grace_over);
-        loop {
-            tokio::select! {
-                made = &mut made => return made.unwrap_or_else(|_| Err(Failure::Internal(anyhow!("the job's thread vanished")))),
-                () = &mut grace_over => {
-                    tracing::warn!(%job_id, "a job did not stop when asked; leaving it to itself");
-                    return Err(Failure::Stopped);
-                }
-                () = &mut limit, if control.reason().is_none() => control.stop(Stop::TimeLimit),
-                Ok(()) = told.changed() => {
-                    let progress = told.borrow_and_update().clone();
-                    tell(progress).await;
-                }
-            }
+        let inputs = local_files(self.locate(&plan).await?).await?;
+        let directory = self.directory()?;
+        let order = Order::Job { id: job.id, kind: job.kind, spec: job.spec.clone(), inputs, directory: directory.path().to_owned() };
+        match self.in_child(job.id, order, control, permit, |progress| self.tell(job, progress).boxed()).await? {
+            Made::Files { files, warnings } => Ok(Product { files, warnings, directory }),
+            made => Err(unexpected(&made).into()),
         }
     }
 
+    /// A directory for what a child makes; it goes with its name.
+    pub(super) fn directory(&self) -> anyhow::Result<TempDir> {
+        TempDir::new_in(self.blobs.temporary()).context("cannot make a directory for files")
+    }
+
     /// Progress that cannot be written is lost, not the job.
-    async fn tell(&self, job: &ClaimedJob, progress: Option<Progress>) {
-        let Some(progress) = progress else { return };
+    async fn tell(&self, job: &ClaimedJob, progress: Progress) {
         match self.storage.progress(job.id, job.attempt, &progress).await {
             Ok(changed) => self.announce(&changed.unwrap_or_default().touched).await,
             Err(error) => tracing::warn!(job_id = %job.id, %error, "progress was not written"),
@@ -255,17 +186,18 @@ impl Inner {
     /// Puts the files in place.
     pub(super) async fn keep(&self, product: Product) -> anyhow::Result<Ending> {
         let blobs = self.blobs.clone();
+        let Product { files, warnings, directory } = product;
         let artifacts = tokio::task::spawn_blocking(move || {
-            let report = Artifact::file("report.json", "application/json", product.report);
-            let keep = |artifact: Artifact| {
-                let sha256 = blobs.put(&artifact.bytes)?;
-                let Artifact { name, media_type, bytes, dataset, sensors } = artifact;
-                let (name, media_type) = (name.to_owned(), media_type.to_owned());
-                Ok(NewArtifact { name, media_type, bytes: bytes.len() as u64, sha256, dataset, sensors })
+            let keep = |file: MadeFile| {
+                let MadeFile { name, media_type, path, bytes, sha256, dataset, sensors } = file;
+                blobs.keep(&path, &sha256)?;
+                Ok(NewArtifact { name, media_type, bytes, sha256, dataset, sensors })
             };
-            product.artifacts.into_iter().chain([report]).map(keep).collect::<anyhow::Result<Vec<_>>>()
+            let kept = files.into_iter().map(keep).collect::<anyhow::Result<Vec<_>>>();
+            drop(directory);
+            kept
         });
-        Ok(Ending::Succeeded { artifacts: artifacts.await??, warnings: product.warnings })
+        Ok(Ending::Succeeded { artifacts: artifacts.await??, warnings })
     }
 
     /// Writes, however often that takes: nothing must stay `running` when nobody runs it. `None`: it had ended already.
@@ -293,29 +225,4 @@ impl Inner {
             tokio::time::sleep(Duration::from_secs(1)).await;
         }
     }
-}
-
-/// Loads, runs and reports. Blocks, and stops soon after the stop sign is up.
-fn work(id: Uuid, plan: &Plan, located: Vec<Option<Located>>, mut meter: Meter) -> Result<Product, Failure> {
-    let (inputs, read) = load(plan, located, &mut meter)?;
-    let outcome = run::run(plan, inputs, &mut meter)?;
-    let report = report::build(id, plan, &read, &outcome, meter.timing()).map_err(|error| Failure::Internal(error.into()))?;
-    Ok(Product { artifacts: outcome.artifacts, report, warnings: outcome.warnings })
-}
-
-pub(super) fn load(plan: &Plan, located: Vec<Option<Located>>, meter: &mut Meter) -> Result<(Inputs, Vec<ReportInput>), Failure> {
-    let total = located.len() as u64;
-    let (mut inputs, mut read) = (Vec::new(), Vec::new());
-    for (done, (request, located)) in plan.inputs.iter().zip(located).enumerate() {
-        if meter.progress(Step::Load, done as u64, total).is_break() {
-            return Err(Failure::Stopped);
-        }
-        let input = located.map(|located| located.load(request)).transpose()?;
-        read.extend(input.as_ref().map(|input| ReportInput::new(request, input)));
-        inputs.push(input);
-    }
-    if meter.progress(Step::Load, total, total).is_break() {
-        return Err(Failure::Stopped);
-    }
-    Ok((inputs, read))
 }

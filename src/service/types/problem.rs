@@ -20,6 +20,7 @@ pub const PROBLEMS: &[(&str, u16, &str)] = &[
     ("dependency_failed", 409, "A job that this job needs did not succeed"),
     ("gone", 410, "It has been deleted"),
     ("payload_too_large", 413, "The body is too large"),
+    ("memory_limit", 413, "It needs more memory than it may have"),
     ("unsupported_media_type", 415, "The media type is not supported"),
     ("range_not_satisfiable", 416, "The range is outside the file"),
     ("validation", 422, "The request is not valid"),

@@ -13,8 +13,7 @@ use anyhow::Context;
 use bucket::Bucket;
 use directory::Directory;
 use sha2::{Digest, Sha256};
-use std::fs::{self, File};
-use std::io::Write;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -72,20 +71,9 @@ impl Blobs {
         &self.temporary
     }
 
-    /// Keeps `bytes`; gives their SHA-256.
-    pub fn put(&self, bytes: &[u8]) -> anyhow::Result<String> {
-        let sha256 = sha256_hex(bytes);
-        if !self.is_surely_kept(&sha256) {
-            let received = self.temporary.join(uuid::Uuid::now_v7().to_string());
-            File::create(&received).and_then(|mut file| file.write_all(bytes)).context("cannot write a blob")?;
-            let adopted = self.adopt(&received, &sha256);
-            if adopted.is_err() {
-                // It may have moved already; else the next start throws it away.
-                let _ = fs::remove_file(&received);
-            }
-            adopted?;
-        }
-        Ok(sha256)
+    /// Makes a file that a job made the blob of its SHA-256. The file stays where the same content is kept already.
+    pub fn keep(&self, made: &Path, sha256: &str) -> anyhow::Result<()> {
+        if self.is_surely_kept(sha256) { Ok(()) } else { self.adopt(made, sha256) }
     }
 
     /// A bucket may have lost an object through another process; writing it again is cheaper than to be wrong.
@@ -157,9 +145,14 @@ mod tests {
     async fn the_same_bytes_are_one_file_under_their_published_hash() {
         let directory = tempfile::tempdir().unwrap();
         let blobs = Blobs::open(directory.path(), None, false).await.unwrap();
-        let sha256 = blobs.put(b"abc").unwrap();
+        let (made, sha256) = (directory.path().join("made"), sha256_hex(b"abc"));
+        fs::write(&made, b"abc").unwrap();
+        blobs.keep(&made, &sha256).unwrap();
         assert_eq!(sha256, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-        assert_eq!(blobs.put(b"abc").unwrap(), sha256);
+        assert!(!made.exists());
+        fs::write(&made, b"abc").unwrap();
+        blobs.keep(&made, &sha256).unwrap();
+        assert!(made.exists(), "it is kept already");
         let path = blobs.local(&sha256).unwrap();
         assert_eq!(path, directory.path().join("blobs/ba").join(&sha256));
         assert_eq!(fs::read(&path).unwrap(), b"abc");

@@ -13,8 +13,10 @@ use super::Storage;
 use super::change::{Changed, Ready, priority_of};
 use super::life::{ClaimedJob, Ending, end_with, is_running};
 use anyhow::Context;
+use futures::stream::BoxStream;
+use futures::{StreamExt, TryStreamExt};
 use rows::{
-    add_chunk, campaign_of, count_runs, end_chunk, give_up, insert_chunks, is_to_end, is_wanted, look_if_all_done, next_number,
+    add_chunk, campaign_of, count_runs, end_chunk, fail_chunk, give_up, insert_chunks, is_to_end, is_wanted, look_if_all_done, next_number,
     ready_chunk, take_over,
 };
 use sqlx::Row;
@@ -78,6 +80,8 @@ pub enum ChunkResult {
     Piece { piece: String, runs: u64, outcomes: String },
     /// Further runs; `runs_total` is how many the campaign now has.
     More { chunks: Vec<NewChunk>, runs_total: u64 },
+    /// Nobody can work it off; the campaign fails when the others are done.
+    GivenUp,
     /// The campaign ends.
     Ended(Ending),
 }
@@ -195,6 +199,10 @@ impl Storage {
                 insert_chunks(&mut transaction, job_id, first, ChunkKind::Runs, chunks).await?;
                 ready.extend((first..).zip(chunks).map(|(number, _)| Ready { job_id, chunk: Some(number), priority }));
             }
+            ChunkResult::GivenUp => {
+                fail_chunk(&mut transaction, chunk).await?;
+                ready.extend(look_if_all_done(&mut transaction, job_id).await?);
+            }
             ChunkResult::Ended(ending) => {
                 let job = campaign_of(&mut transaction, job_id).await?;
                 let changed = end_with(&mut transaction, &job, ending).await?;
@@ -222,10 +230,10 @@ impl Storage {
         Ok(Some(Changed { touched: Vec::new(), ready }))
     }
 
-    /// What the chunks of a campaign have given so far, as JSON.
-    pub async fn pieces(&self, job_id: Uuid) -> anyhow::Result<Vec<String>> {
+    /// What the chunks of a campaign have given so far, each as JSON, one after the other.
+    pub fn pieces(&self, job_id: Uuid) -> BoxStream<'_, anyhow::Result<String>> {
         let pieces = sqlx::query_scalar("SELECT piece FROM chunks WHERE job_id = $1 AND piece IS NOT NULL ORDER BY number");
-        Ok(pieces.bind(job_id.to_string()).fetch_all(&self.read).await?)
+        pieces.bind(job_id.to_string()).fetch(&self.read).map_err(anyhow::Error::from).boxed()
     }
 
     /// What is kept of each run, as JSON, once that is known.

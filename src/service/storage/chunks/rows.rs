@@ -148,6 +148,15 @@ pub(super) async fn end_chunk(connection: &mut AnyConnection, chunk: &ClaimedChu
     Ok(())
 }
 
+pub(super) async fn fail_chunk(connection: &mut AnyConnection, chunk: &ClaimedChunk) -> anyhow::Result<()> {
+    sqlx::query("UPDATE chunks SET state = 'failed' WHERE job_id = $1 AND number = $2")
+        .bind(chunk.job_id.to_string())
+        .bind(i64::from(chunk.number))
+        .execute(connection)
+        .await?;
+    Ok(())
+}
+
 /// Counts runs as done, and tells how far the campaign is.
 pub(super) async fn count_runs(connection: &mut AnyConnection, job_id: Uuid, runs: u64, outcomes: &str) -> anyhow::Result<()> {
     let row = sqlx::query(

@@ -44,6 +44,10 @@ async fn claimed(storage: &Storage, id: Uuid, number: u32, entry: Uuid) -> Optio
     }
 }
 
+async fn pieces(storage: &Storage, id: Uuid) -> Vec<String> {
+    storage.pieces(id).try_collect().await.unwrap()
+}
+
 fn piece(runs: u64) -> ChunkResult {
     ChunkResult::Piece { piece: format!("piece of {runs}"), runs, outcomes: "[]".into() }
 }
@@ -77,12 +81,12 @@ async fn a_campaign_goes_from_its_pilot_over_looks_to_its_end() {
     let progress = storage.job(id).await.unwrap().unwrap().job.progress.unwrap();
     assert_eq!((progress.done, progress.total, progress.fraction), (6, 10, 0.6));
     assert_eq!(storage.finish_chunk(&two, &piece(4)).await.unwrap().unwrap().ready, ready(id, &[4]), "the last one calls for a look");
-    assert_eq!(storage.pieces(id).await.unwrap(), ["piece of 3", "piece of 4", "piece of 3"]);
+    assert_eq!(pieces(&storage, id).await, ["piece of 3", "piece of 4", "piece of 3"]);
     let look = claimed(&storage, id, 4, Uuid::now_v7()).await.unwrap();
     let ending = Ending::Succeeded { artifacts: Vec::new(), warnings: Vec::new() };
     storage.finish_chunk(&look, &ChunkResult::Ended(ending)).await.unwrap().unwrap();
     assert_eq!(storage.job(id).await.unwrap().unwrap().job.state, JobState::Succeeded);
-    assert!(storage.pieces(id).await.unwrap().is_empty(), "its runs are in its files");
+    assert!(pieces(&storage, id).await.is_empty(), "its runs are in its files");
     assert!(storage.ready(false).await.unwrap().is_empty());
 }
 
@@ -126,6 +130,18 @@ async fn a_chunk_that_was_running_at_three_deaths_is_given_up_after_the_others()
 }
 
 #[tokio::test]
+async fn a_chunk_that_nobody_can_work_off_fails_and_the_last_of_the_others_calls_for_the_look() {
+    let (storage, _directory) = storage().await;
+    let (id, _) = started(&storage, None).await;
+    cut(&storage, id).await;
+    let (two, three) = (claimed(&storage, id, 2, Uuid::now_v7()).await.unwrap(), claimed(&storage, id, 3, Uuid::now_v7()).await.unwrap());
+    assert_eq!(storage.finish_chunk(&two, &ChunkResult::GivenUp).await.unwrap().unwrap().ready, []);
+    assert_eq!(storage.finish_chunk(&two, &piece(4)).await.unwrap(), None, "it has failed");
+    assert_eq!(storage.finish_chunk(&three, &piece(3)).await.unwrap().unwrap().ready, ready(id, &[4]));
+    assert_eq!(storage.failed_chunks(id).await.unwrap(), [vec![3..7]]);
+}
+
+#[tokio::test]
 async fn a_look_that_kills_ends_the_campaign() {
     let (storage, _directory) = storage().await;
     let (id, _) = started(&storage, None).await;
@@ -152,7 +168,7 @@ async fn a_canceled_campaign_leaves_its_runs_to_the_one_that_runs_it_again() {
     assert!(storage.ready(false).await.unwrap().is_empty());
     let (again, first) = started(&storage, Some(id)).await;
     assert_eq!(first, ready(again, &[1]), "no pilot, but a look at what is there");
-    assert_eq!(storage.pieces(again).await.unwrap(), ["piece of 3"]);
+    assert_eq!(pieces(&storage, again).await, ["piece of 3"]);
     let look = claimed(&storage, again, 1, Uuid::now_v7()).await.unwrap();
     assert_eq!((look.kind, look.runs_done, look.outcomes.as_deref()), (ChunkKind::Look, 3, Some("[]")));
 }

@@ -1,0 +1,74 @@
+//! A file that holds a dataset, with what has to be known to read it.
+
+use crate::experiment::plan::{InputRequest, Source};
+use crate::experiment::run::Input;
+use crate::formats::npy::BearingTimeAxes;
+use crate::formats::{ReadOptions, format_named};
+use crate::model::dataset::{Dataset, DatasetKind};
+use crate::model::fault::Fault;
+use crate::model::sensor::SensorSettings;
+use crate::service::jobs::Failure;
+use anyhow::Context;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{self, BufReader};
+use std::path::{Path, PathBuf};
+
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct InputFile {
+    pub path: PathBuf,
+    pub format: String,
+    pub kind: DatasetKind,
+    pub columns: BTreeMap<String, String>,
+    pub bearing_time: Option<BearingTimeAxes>,
+    pub sensors: Vec<SensorSettings>,
+    pub sha256: String,
+}
+
+pub(super) fn open(path: &Path) -> Result<File, Failure> {
+    Ok(File::open(path).with_context(|| format!("cannot open {}", path.display()))?)
+}
+
+impl InputFile {
+    /// Reads the whole file. Blocks.
+    pub(in crate::service) fn read(&self) -> Result<Dataset, Failure> {
+        self.read_from(open(&self.path)?)
+    }
+
+    fn read_from(&self, file: File) -> Result<Dataset, Failure> {
+        let format = format_named(&self.format).with_context(|| format!("a stored dataset has the unknown format {}", self.format))?;
+        let options = ReadOptions { kind: Some(self.kind), columns: self.columns.clone(), bearing_time: self.bearing_time };
+        let read = (format.read)(&mut BufReader::with_capacity(1 << 16, file), &options);
+        Ok(read.map_err(faults_or_memory)?.dataset)
+    }
+
+    /// Reads what the request asks for: the file, or the named sensors' part of it. Blocks.
+    pub(super) fn load(self, file: File, request: &InputRequest) -> Result<Input, Failure> {
+        let mut dataset = self.read_from(file).map_err(|failure| repoint(failure, &request.pointer))?;
+        let (Source::Dataset { sensor_ids, .. } | Source::Job { sensor_ids, .. }) = &request.source;
+        let mut sensors = self.sensors;
+        if let Some(wanted) = sensor_ids {
+            dataset = dataset
+                .only_sensors(wanted)
+                .map_err(|faults| repoint(Failure::Faults(faults), &format!("{}/sensor_ids", request.pointer)))?;
+            sensors.retain(|sensor| wanted.contains(&sensor.sensor_id));
+        }
+        Ok(Input { dataset, sensors, sha256: self.sha256 })
+    }
+}
+
+/// The faults of a file. Reading a whole file at once does not abort where memory is refused, as everything else does; it says so.
+pub(super) fn faults_or_memory(faults: Vec<Fault>) -> Failure {
+    let refused = io::Error::from(io::ErrorKind::OutOfMemory).to_string();
+    if faults.iter().any(|fault| fault.detail.contains(&refused)) { Failure::Memory } else { Failure::Faults(faults) }
+}
+
+/// Puts the place in the request before the pointers of faults.
+fn repoint(failure: Failure, pointer: &str) -> Failure {
+    let placed = |fault: Fault| Fault { pointer: format!("{pointer}{}", fault.pointer), ..fault };
+    match failure {
+        Failure::Faults(faults) => Failure::Faults(faults.into_iter().map(placed).collect()),
+        other => other,
+    }
+}

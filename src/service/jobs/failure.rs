@@ -1,0 +1,44 @@
+//! Why a piece of work made nothing, in a child and outside it.
+
+use super::JobsError;
+use crate::experiment::run::RunError;
+use crate::model::fault::Fault;
+use anyhow::anyhow;
+
+#[derive(Debug)]
+pub(in crate::service) enum Failure {
+    Stopped,
+    Faults(Vec<Fault>),
+    /// It needs more memory than it may have.
+    Memory,
+    /// The process that did it died of something else, of which this tells.
+    Died(anyhow::Error),
+    Internal(anyhow::Error),
+}
+
+impl From<JobsError> for Failure {
+    fn from(error: JobsError) -> Self {
+        match error {
+            JobsError::Invalid(faults) => Failure::Faults(faults),
+            JobsError::Internal(error) => Failure::Internal(error),
+            // Which of its errors it was is in the log.
+            JobsError::Unavailable => Failure::Internal(sqlx::Error::PoolTimedOut.into()),
+            other => Failure::Internal(anyhow!(other)),
+        }
+    }
+}
+
+impl From<RunError> for Failure {
+    fn from(error: RunError) -> Self {
+        match error {
+            RunError::Stopped => Failure::Stopped,
+            RunError::Faults(faults) => Failure::Faults(faults),
+        }
+    }
+}
+
+impl From<anyhow::Error> for Failure {
+    fn from(error: anyhow::Error) -> Self {
+        Failure::Internal(error)
+    }
+}
