@@ -30,6 +30,7 @@ mod oracle;
 mod origins;
 mod polar;
 mod recordings;
+mod requests_again;
 mod shared_gates;
 mod sonar;
 mod tfa_by_hand;
