@@ -2,12 +2,14 @@
 //!
 //! - [`types`]: what goes over the wire, with its schema.
 //! - [`config`]: what can be set.
+//! - `connections`: who may connect, and for how long the service waits for them.
 //! - `storage`: one SQLite file and a directory of blobs; the truth about datasets and jobs.
 //! - `engine`: the queue, which only says "look at this job now"; nothing else knows apalis.
 //! - [`jobs`]: submitting, running, waiting, cancelling; the facade that HTTP and the command line call.
 
 pub mod cli;
 pub mod config;
+mod connections;
 pub mod dashboard;
 mod engine;
 pub mod error;

@@ -7,6 +7,7 @@ use crate::experiment::plan::{self, Plan};
 use crate::experiment::presets;
 use crate::experiment::run::{self, Artifact, Outcome, RunError};
 use crate::model::fault::Fault;
+use crate::registry;
 use crate::service::jobs::meter::Meter;
 use crate::service::jobs::report::{self, ReportInput};
 use crate::service::types::Progress;
@@ -144,7 +145,8 @@ fn preset_job(name: &str) -> Result<JobFile, Trouble> {
 fn read_json(path: &Path) -> Result<Value, Vec<Fault>> {
     let fault = |code: &str, detail: String| vec![Fault::new(path.display().to_string(), code, detail)];
     let bytes = std::fs::read(path).map_err(|error| fault("not_found", error.to_string()))?;
-    serde_json::from_slice(&bytes).map_err(|error| fault("malformed", error.to_string()))
+    let (value, duplicates) = registry::parse(&bytes).map_err(|error| fault("malformed", error.to_string()))?;
+    if duplicates.is_empty() { Ok(value) } else { Err(duplicates) }
 }
 
 /// Loads, runs with a progress bar, and builds the report.

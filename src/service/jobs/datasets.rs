@@ -1,11 +1,13 @@
 //! Keeping datasets: checked before they are kept, kept once, and swept up when nothing needs them.
 
 use super::inputs::read_file;
+use super::read::refuse_any;
 use super::submit::sorted;
 use super::{DatasetFilter, DatasetMeta, Inner, JobsError, ReceivedFile, StoredFile};
 use crate::formats::{FORMATS, Format, ReadOptions, ReadOutcome, detect_format, format_named};
 use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
+use crate::registry::control_character_fault;
 use crate::service::storage::blobs::sha256_hex;
 use crate::service::storage::{Cursor, NewDataset, NoSweeping, StoredDataset};
 use crate::service::types::{DatasetInfo, DatasetPage};
@@ -29,6 +31,7 @@ impl Inner {
         if self.closing.is_cancelled() {
             return Err(JobsError::ShuttingDown);
         }
+        refuse_any(text_faults(&meta))?;
         let check = {
             let (path, meta) = (file.path.clone(), meta.clone());
             move || check(&path, &meta)
@@ -52,6 +55,7 @@ impl Inner {
     }
 
     pub(super) async fn list_datasets(&self, filter: DatasetFilter) -> Result<DatasetPage, JobsError> {
+        refuse_any(filter.faults())?;
         let cursor = match &filter.cursor {
             Some(text) => Some(Cursor::decode(text, filter.sort).ok_or(JobsError::InvalidCursor)?),
             None => None,
@@ -119,6 +123,13 @@ pub(super) fn listed(jobs: &[Uuid]) -> String {
     if jobs.len() > MOST { format!("{named} and {} more", jobs.len() - MOST) } else { named }
 }
 
+/// Names with characters that not every database keeps.
+fn text_faults(meta: &DatasetMeta) -> Vec<Fault> {
+    let name = meta.name.as_deref().and_then(|name| control_character_fault(name, "/meta/name"));
+    let file_name = meta.file_name.as_deref().and_then(|name| control_character_fault(name, "/file"));
+    name.into_iter().chain(file_name).collect()
+}
+
 /// Tells the format and reads the file with it. Blocks.
 fn check(path: &Path, meta: &DatasetMeta) -> Result<(&'static Format, ReadOutcome), JobsError> {
     let format = match &meta.format {
@@ -133,7 +144,7 @@ fn check(path: &Path, meta: &DatasetMeta) -> Result<(&'static Format, ReadOutcom
     if let Some(kind) = meta.kind.filter(|kind| !format.kinds.contains(kind)) {
         let detail = format!("files in the format '{}' cannot hold {}", format.name, kind.name());
         let allowed = format.kinds.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ");
-        return Err(JobsError::Invalid(vec![Fault::new("/kind", "unsupported", detail).allowing(allowed)]));
+        return Err(JobsError::Invalid(vec![Fault::new("/meta/kind", "unsupported", detail).allowing(allowed)]));
     }
     let options = ReadOptions { kind: meta.kind, columns: meta.columns.clone(), bearing_time: meta.bearing_time };
     Ok((format, read_file(path, format, &options)?))
@@ -141,7 +152,7 @@ fn check(path: &Path, meta: &DatasetMeta) -> Result<(&'static Format, ReadOutcom
 
 fn unknown_format(detail: String) -> JobsError {
     let known = FORMATS.iter().map(|format| format.name).collect::<Vec<_>>().join(", ");
-    JobsError::Invalid(vec![Fault::new("/format", "unknown_value", detail).allowing(known)])
+    JobsError::Invalid(vec![Fault::new("/meta/format", "unknown_value", detail).allowing(known)])
 }
 
 fn new_dataset(file: &ReceivedFile, meta: DatasetMeta, format: &Format, read: ReadOutcome) -> NewDataset {
