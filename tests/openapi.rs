@@ -7,7 +7,7 @@ use trackloom::experiment::plan::{JobKind, plan};
 use trackloom::service::openapi;
 
 /// Clients have these names in their code: one may be added, none may change.
-const OPERATIONS: [&str; 37] = [
+const OPERATIONS: [&str; 38] = [
     "cancelJob",
     "compareJobs",
     "createAssociateJob",
@@ -40,6 +40,7 @@ const OPERATIONS: [&str; 37] = [
     "listJobs",
     "listMethods",
     "listPresets",
+    "listProblemTypes",
     "previewDataset",
     "rerunJob",
     "streamJobEvents",

@@ -3,7 +3,7 @@
 use super::scenario_tables::SCENARIO;
 use crate::association::ASSOCIATOR;
 use crate::correlation::grouping::GROUPER;
-use crate::evaluation::metrics::METRIC;
+use crate::evaluation::metrics::{METRES, METRIC};
 use crate::filtering::FILTER;
 use crate::registry::{Bound, Field, Kind, Object, Union, Variant, default, optional, required};
 use crate::tracking::LIFECYCLE;
@@ -270,7 +270,8 @@ pub static COMPARISON: Object = Object {
     name: "ComparisonSettings",
     summary: "How truth and tracks are put side by side for all metrics.",
     fields: &[
-        default("gate_m", "Largest distance of a match of points; a distance of exactly that is a match.", RANGE, "100.0"),
+        // The profiles take it for the cutoff of their metrics, so it has the range of one.
+        default("gate_m", "Largest distance of a match of points; a distance of exactly that is a match.", METRES, "100.0"),
         default(
             "gate_deg",
             "The same of directions.",

@@ -150,12 +150,24 @@ fn check_integer(value: &Value, min: i64, max: i64, pointer: &str, faults: &mut 
 }
 
 fn check_text(value: &Value, max_length: usize, pointer: &str, faults: &mut Vec<Fault>) -> Value {
-    if let Some(text) = value.as_str()
-        && text.chars().count() > max_length
-    {
-        faults.push(Fault::new(pointer, "too_large", "the text is too long").allowing(format!("at most {max_length} characters")));
+    if let Some(text) = value.as_str() {
+        check_length(text, max_length, pointer, faults);
+        faults.extend(control_character_fault(text, pointer));
     }
     expect_type(value, value.is_string(), "a text", pointer, faults)
+}
+
+fn check_length(text: &str, max_length: usize, pointer: &str, faults: &mut Vec<Fault>) {
+    if text.chars().count() > max_length {
+        faults.push(Fault::new(pointer, "too_large", "the text is too long").allowing(format!("at most {max_length} characters")));
+    }
+}
+
+/// The fault of a text with a character from U+0000 to U+001F: no name needs one, and no database keeps U+0000.
+pub fn control_character_fault(text: &str, pointer: &str) -> Option<Fault> {
+    let (index, character) = text.chars().enumerate().find(|(_, character)| *character < ' ')?;
+    let detail = format!("the text has the control character U+{:04X} at character {}", u32::from(character), index + 1);
+    Some(Fault::new(pointer, "control_character", detail).allowing("no character from U+0000 to U+001F"))
 }
 
 fn check_choice(value: &Value, names: &[&str], pointer: &str, faults: &mut Vec<Fault>) -> Value {
@@ -187,7 +199,10 @@ fn check_text_map(value: &Value, max_entries: usize, max_length: usize, pointer:
         faults.push(Fault::new(pointer, "too_large", "too many entries").allowing(format!("at most {max_entries} entries")));
     }
     for (name, entry) in entries {
-        check_text(entry, max_length, &join(pointer, name), faults);
+        let place = join(pointer, name);
+        check_length(name, max_length, &place, faults);
+        faults.extend(control_character_fault(name, &place));
+        check_text(entry, max_length, &place, faults);
     }
     value.clone()
 }
@@ -273,6 +288,30 @@ mod tests {
             ("/q~1r", "unknown_field", "p_d, method, times"),
         ];
         assert_eq!(seen, expected);
+    }
+
+    #[test]
+    fn control_characters_are_refused_in_texts_and_in_both_sides_of_a_map() {
+        static TEXTS: Object = Object {
+            name: "Texts",
+            summary: "",
+            fields: &[
+                super::super::optional("name", "", Kind::Text { max_length: 5 }),
+                super::super::optional("labels", "", Kind::TextMap { max_entries: 4, max_length: 5 }),
+            ],
+        };
+        let body = json!({"name": "a\u{0}b", "labels": {"k\n": "v", "kind": "\t", "long name": "v", "ok": "\u{7f}é"}});
+        let found: Vec<_> = check(&body, &TEXTS).unwrap_err().into_iter().map(|fault| (fault.pointer, fault.code, fault.detail)).collect();
+        let control = |pointer: &str, what: &str| {
+            (pointer.to_owned(), "control_character".to_owned(), format!("the text has the control character {what}"))
+        };
+        let expected = [
+            control("/name", "U+0000 at character 2"),
+            control("/labels/k\n", "U+000A at character 2"),
+            control("/labels/kind", "U+0009 at character 1"),
+            ("/labels/long name".to_owned(), "too_large".to_owned(), "the text is too long".to_owned()),
+        ];
+        assert_eq!(found, expected);
     }
 
     #[test]

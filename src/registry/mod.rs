@@ -5,10 +5,12 @@
 
 mod check;
 mod export;
+mod parse;
 mod paths;
 
-pub use check::{check, check_field, check_into};
+pub use check::{check, check_field, check_into, control_character_fault};
 pub use export::{Components, json_schema, standalone_schema};
+pub use parse::parse;
 pub use paths::{nearest_of, nearest_path};
 
 /// A JSON object with known fields; any other field is a fault.

@@ -10,6 +10,9 @@ use std::time::Duration;
 pub struct Config {
     /// Port 0 takes any free port.
     pub listen: SocketAddr,
+    /// Names besides `localhost` and the addresses themselves by which the service is asked.
+    pub allowed_hosts: Vec<String>,
+    pub connections: ConnectionLimits,
     /// The largest upload that is accepted.
     pub max_upload_bytes: u64,
     /// Everything the service keeps is below this directory; one process at a time may use it.
@@ -37,6 +40,8 @@ impl Config {
     pub fn new(data_dir: impl Into<PathBuf>) -> Self {
         Config {
             listen: SocketAddr::from(([127, 0, 0, 1], 8080)),
+            allowed_hosts: Vec::new(),
+            connections: ConnectionLimits::default(),
             max_upload_bytes: 1 << 30,
             data_dir: data_dir.into(),
             database_url: None,
@@ -48,5 +53,82 @@ impl Config {
             child_program: None,
             crash_limit: 3,
         }
+    }
+}
+
+/// What clients may use of the service, and for how long it waits for them.
+#[derive(Debug, Clone)]
+pub struct ConnectionLimits {
+    /// Open at the same time; one more is answered with `too_many_connections`.
+    pub connections: usize,
+    /// Event streams open at the same time, of all clients together.
+    pub streams: usize,
+    /// Event streams of one client address.
+    pub streams_per_client: usize,
+    /// From the first byte of a request until its headers are complete.
+    pub header_time: Duration,
+    /// Without a request; what is connected longer is closed.
+    pub idle_time: Duration,
+    /// A client that sends a body or reads an answer must move at least [`Self::least_bytes`] in each such time.
+    pub transfer_time: Duration,
+    pub least_bytes: usize,
+}
+
+/// More connections than this are not taken, however many files may be open.
+const MAX_CONNECTIONS: usize = 4096;
+/// What a system without `/proc` allows a process at least.
+const USUAL_OPEN_FILES: usize = 256;
+
+impl Default for ConnectionLimits {
+    /// Half of the files that the process may open are left to the database, the queue and what is served.
+    fn default() -> Self {
+        ConnectionLimits::of((open_file_limit().unwrap_or(USUAL_OPEN_FILES) / 2).clamp(1, MAX_CONNECTIONS))
+    }
+}
+
+impl ConnectionLimits {
+    /// The defaults around so many connections: half of them may be streams.
+    pub fn of(connections: usize) -> Self {
+        let streams = (connections / 2).max(1);
+        ConnectionLimits {
+            connections,
+            streams,
+            streams_per_client: streams.min(128),
+            header_time: Duration::from_secs(10),
+            idle_time: Duration::from_secs(60),
+            transfer_time: Duration::from_secs(30),
+            least_bytes: 16 << 10,
+        }
+    }
+}
+
+/// How many files the process may open, where the system tells.
+fn open_file_limit() -> Option<usize> {
+    read_limit(&std::fs::read_to_string("/proc/self/limits").ok()?)
+}
+
+fn read_limit(limits: &str) -> Option<usize> {
+    let row = limits.lines().find_map(|line| line.strip_prefix("Max open files"))?;
+    match row.split_whitespace().next()? {
+        "unlimited" => Some(usize::MAX),
+        number => number.parse().ok(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn connections_take_half_of_the_files_that_may_be_open() {
+        let table = "Limit                     Soft Limit           Hard Limit           Units\n\
+                     Max processes             127398               127398               processes\n\
+                     Max open files            1024                 524288               files\n";
+        assert_eq!(read_limit(table), Some(1024));
+        assert_eq!(read_limit("Max open files            unlimited            unlimited            files"), Some(usize::MAX));
+        assert_eq!(read_limit("Max cpu time  unlimited"), None);
+        let limits = ConnectionLimits::of(512);
+        assert_eq!((limits.connections, limits.streams, limits.streams_per_client), (512, 256, 128));
+        assert_eq!(ConnectionLimits::of(1).streams_per_client, 1);
     }
 }

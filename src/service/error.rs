@@ -46,6 +46,11 @@ impl ApiError {
         self
     }
 
+    /// A refusal of what may be possible soon.
+    pub fn busy(code: &str, detail: impl Into<String>) -> Self {
+        ApiError::new(code, detail).retry_after(RETRY_BUSY_S)
+    }
+
     fn retry_after(self, seconds: u16) -> Self {
         self.with_header(header::RETRY_AFTER, seconds)
     }
@@ -66,16 +71,16 @@ impl From<JobsError> for ApiError {
     fn from(error: JobsError) -> Self {
         let detail = error.to_string();
         match error {
-            JobsError::NotFound(_) => ApiError::new("not_found", detail),
+            JobsError::NotFound(_) | JobsError::NotThere(_) => ApiError::new("not_found", detail),
             JobsError::Gone(_) => ApiError::new("gone", detail),
             JobsError::Conflict { code: code @ "result_not_ready", .. } => ApiError::new(code, detail).retry_after(RETRY_RESULT_S),
             JobsError::Conflict { code, .. } => ApiError::new(code, detail),
             JobsError::Invalid(faults) => ApiError::validation(faults),
             JobsError::InvalidCursor => ApiError::new("invalid_cursor", detail),
             JobsError::IdempotencyMismatch => ApiError::new("idempotency_mismatch", detail),
-            JobsError::QueueFull => ApiError::new("queue_full", detail).retry_after(RETRY_BUSY_S),
-            JobsError::Unavailable => ApiError::new("unavailable", detail).retry_after(RETRY_BUSY_S),
-            JobsError::ShuttingDown => ApiError::new("shutting_down", detail).retry_after(RETRY_BUSY_S),
+            JobsError::QueueFull => ApiError::busy("queue_full", detail),
+            JobsError::Unavailable => ApiError::busy("unavailable", detail),
+            JobsError::ShuttingDown => ApiError::busy("shutting_down", detail),
             JobsError::MemoryLimit(_) => ApiError::new("memory_limit", detail),
             JobsError::Crashed(_) => ApiError::new("crashed", detail),
             JobsError::Internal(error) => ApiError::internal(format!("{error:#}")),

@@ -2,6 +2,7 @@
 //!
 //! - [`types`]: what goes over the wire, with its schema.
 //! - [`config`]: what can be set.
+//! - `connections`: who may connect, and for how long the service waits for them.
 //! - `storage`: one SQLite file and a directory of blobs; the truth about datasets and jobs.
 //! - `child`: work in processes of their own, which may fail without the service.
 //! - `engine`: the queue, which only says "look at this job now"; nothing else knows apalis.
@@ -11,6 +12,7 @@ pub mod build_info;
 mod child;
 pub mod cli;
 pub mod config;
+mod connections;
 pub mod dashboard;
 mod engine;
 pub mod error;

@@ -1,7 +1,8 @@
 //! The running service: built once, bound, served until it is told to stop, then drained.
 
 use super::config::Config;
-use super::http::{self, AppState};
+use super::connections;
+use super::http::{self, AppState, Hosts, Streams};
 use super::jobs::Jobs;
 use super::openapi::Documents;
 use anyhow::Context;
@@ -69,14 +70,14 @@ pub struct Server {
     address: SocketAddr,
     jobs: Jobs,
     stop: CancellationToken,
-    serving: JoinHandle<std::io::Result<()>>,
+    serving: JoinHandle<()>,
 }
 
 impl Server {
     /// # Errors
     /// When the address cannot be bound, or metrics cannot be set up.
     pub async fn start(config: &Config, jobs: Jobs) -> anyhow::Result<Server> {
-        let application = http::wrap(http::application(state(config, jobs.clone())?));
+        let application = http::wrap(http::application(state(config, jobs.clone())?), Hosts::new(&config.allowed_hosts));
         Server::start_with(config, jobs, application).await
     }
 
@@ -88,7 +89,7 @@ impl Server {
         let listener = TcpListener::bind(config.listen).await.with_context(|| format!("cannot listen on {}", config.listen))?;
         let address = listener.local_addr()?;
         let stop = CancellationToken::new();
-        let serving = tokio::spawn(axum::serve(listener, application).with_graceful_shutdown(stop.clone().cancelled_owned()).into_future());
+        let serving = tokio::spawn(connections::serve(listener, application, config.connections.clone(), stop.clone()));
         Ok(Server { address, jobs, stop, serving })
     }
 
@@ -114,7 +115,13 @@ impl Server {
 /// # Errors
 /// When metrics cannot be set up.
 pub fn state(config: &Config, jobs: Jobs) -> anyhow::Result<AppState> {
-    Ok(AppState { jobs, max_upload_bytes: config.max_upload_bytes, metrics: metrics()?, documents: Arc::new(Documents::new()) })
+    Ok(AppState {
+        jobs,
+        max_upload_bytes: config.max_upload_bytes,
+        metrics: metrics()?,
+        documents: Arc::new(Documents::new()),
+        streams: Streams::new(&config.connections),
+    })
 }
 
 /// The recorder is one for the process; several servers in one process share it.

@@ -7,7 +7,7 @@ use reqwest::{Client, Method, RequestBuilder, StatusCode};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 use trackloom::service::config::Config;
-use trackloom::service::http;
+use trackloom::service::http::{self, Hosts};
 use trackloom::service::jobs::Jobs;
 use trackloom::service::server::{Server, state};
 
@@ -87,7 +87,8 @@ impl Api {
         config.child_program = Some(env!("CARGO_BIN_EXE_trackloom").into());
         change(&mut config);
         let jobs = Jobs::open(config.clone()).await.unwrap();
-        let application = http::wrap(extend(http::application(state(&config, jobs.clone()).unwrap())));
+        let application = extend(http::application(state(&config, jobs.clone()).unwrap()));
+        let application = http::wrap(application, Hosts::new(&config.allowed_hosts));
         let server = Server::start_with(&config, jobs.clone(), application).await.unwrap();
         Api { base: format!("http://{}", server.address()), client: Client::new(), jobs, server: Some(server), _directory: directory }
     }

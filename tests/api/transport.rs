@@ -104,12 +104,3 @@ async fn every_answer_is_named_and_guarded() {
     }
     assert_eq!(api.get_with("/v1/nothing", "x-request-id", "mine-7").await.json()["request_id"], "mine-7");
 }
-
-#[tokio::test(flavor = "multi_thread")]
-async fn problems_explain_themselves() {
-    let api = Api::start().await;
-    let problem = api.get("/v1/nothing").await.json();
-    let meaning = api.get(problem["type"].as_str().unwrap()).await.ok(200);
-    assert_eq!(meaning, json!({"code": "not_found", "status": 404, "title": "There is no such thing"}));
-    assert_eq!(api.get("/problems/unheard_of").await.status, 404);
-}

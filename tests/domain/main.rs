@@ -33,6 +33,7 @@ mod oracle;
 mod origins;
 mod polar;
 mod recordings;
+mod requests_again;
 mod right_values;
 mod shared_gates;
 mod sonar;

@@ -54,7 +54,7 @@ async fn a_broken_file_is_refused_with_line_and_column_and_leaves_nothing() {
     assert!(service.list_datasets(DatasetFilter::default()).await.unwrap().items.is_empty());
     let unknown = DatasetMeta { format: Some("xml".into()), ..Default::default() };
     let Err(JobsError::Invalid(faults)) = service.upload(DETECTIONS, unknown).await else { panic!("accepted") };
-    assert_eq!((faults[0].pointer.as_str(), faults[0].code.as_str()), ("/format", "unknown_value"));
+    assert_eq!((faults[0].pointer.as_str(), faults[0].code.as_str()), ("/meta/format", "unknown_value"));
     assert!(faults[0].allowed.as_deref().unwrap().starts_with("csv, json"));
 }
 

@@ -4,7 +4,7 @@ use crate::support::{long, small, start, start_with};
 use serde_json::json;
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
-use trackloom::service::jobs::{JobFilter, JobsError, Sort};
+use trackloom::service::jobs::{DatasetFilter, DatasetMeta, JobFilter, JobPatch, JobsError, Sort};
 use trackloom::service::types::{JobKind, JobState};
 use uuid::Uuid;
 
@@ -110,6 +110,60 @@ async fn a_list_of_a_hundred_thousand_jobs_is_as_quick_as_a_short_one() {
     }
     let took = quickest(async || assert_eq!(service.counts().await.unwrap()[&JobState::Failed], 25_000)).await;
     assert!(took < Duration::from_millis(100), "{took:?}");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn texts_that_no_database_keeps_are_refused_whichever_it_is() {
+    let service = start().await;
+    let with = |name: &str, value: serde_json::Value| {
+        let mut body = small(1);
+        body[name] = value;
+        body
+    };
+    for (body, pointer) in [
+        (with("name", json!("a\u{0}b")), "/name"),
+        (with("labels", json!({"k": "\u{0}"})), "/labels/k"),
+        (with("labels", json!({"\u{0}": "v"})), "/labels/\u{0}"),
+    ] {
+        let faults = service.refused(JobKind::Simulate, body).await;
+        assert_eq!((faults[0].pointer.as_str(), faults[0].code.as_str(), faults.len()), (pointer, "control_character", 1));
+    }
+    let job = service.submit_ok(JobKind::Simulate, small(1)).await;
+    let patch = JobPatch { name: Some("\u{0}".into()), labels: Some([("k".to_owned(), "\u{0}".to_owned())].into()) };
+    let Err(JobsError::Invalid(faults)) = service.patch(job.id, patch).await else { panic!("not refused") };
+    assert_eq!(faults.iter().map(|fault| fault.pointer.as_str()).collect::<Vec<_>>(), ["/name", "/labels/k"]);
+    let nul = || Some("\u{0}".to_owned());
+    let filter = JobFilter { q: nul(), labels: vec![("\u{0}".into(), "v".into())], ..Default::default() };
+    let Err(JobsError::Invalid(faults)) = service.list(filter).await else { panic!("not refused") };
+    assert_eq!(faults.iter().map(|fault| fault.pointer.as_str()).collect::<Vec<_>>(), ["/query/label", "/query/q"]);
+    let filter = DatasetFilter { q: nul(), ..Default::default() };
+    assert!(matches!(service.list_datasets(filter).await, Err(JobsError::Invalid(faults)) if faults[0].pointer == "/query/q"));
+    let file = |name: &str| DatasetMeta { name: Some(name.into()), ..Default::default() };
+    let content = "time_s,truth_id,x_m,y_m\n0,t,1,2\n1,t,2,3\n";
+    let meta = DatasetMeta { file_name: Some("\u{0}.csv".into()), ..file("a\u{0}") };
+    let Err(JobsError::Invalid(faults)) = service.upload(content, meta).await else { panic!("not refused") };
+    assert_eq!(faults.iter().map(|fault| fault.pointer.as_str()).collect::<Vec<_>>(), ["/meta/name", "/file"]);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn lists_are_narrowed_by_few_labels_quickly() {
+    let service = start().await;
+    let label = |index: usize| (format!("k{index}"), "v".to_owned());
+    let mut body = small(1);
+    body["labels"] = (0..16).map(label).map(|(key, value)| (key, json!(value))).collect::<serde_json::Map<_, _>>().into();
+    let job = service.submit_ok(JobKind::Simulate, body).await;
+    let filter = |count: usize| JobFilter { labels: (0..count).map(label).collect(), count: true, ..Default::default() };
+    let since = Instant::now();
+    let page = service.list(filter(16)).await.unwrap();
+    assert_eq!((page.items[0].id, page.total), (job.id, Some(1)));
+    assert!(since.elapsed() < Duration::from_secs(2), "{:?}", since.elapsed());
+    for count in [17, 1100] {
+        let Err(JobsError::Invalid(faults)) = service.list(filter(count)).await else { panic!("{count} labels") };
+        assert_eq!(faults[0].detail, format!("{count} labels are named"));
+    }
+    let states = vec![JobState::Queued; 9000];
+    let Err(JobsError::Invalid(faults)) = service.list(JobFilter { states, ..Default::default() }).await else { panic!("not refused") };
+    assert_eq!((faults.len(), faults[0].pointer.as_str(), faults[0].code.as_str()), (1, "/query/state", "duplicate"));
 }
 
 /// The quickest of some tries: other tests share the machine.

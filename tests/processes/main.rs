@@ -1,8 +1,10 @@
 //! Real processes: servers and workers that are killed, stopped and started again, on a file and on PostgreSQL.
+mod access;
 mod campaigns;
 mod children;
 mod command_line;
 mod database;
+mod job_files;
 mod many;
 mod postgres;
 mod process;

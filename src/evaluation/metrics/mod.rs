@@ -16,6 +16,8 @@ mod siap;
 mod t_gospa;
 mod track_keeping;
 
+pub use cutoff::METRES;
+
 use self::origin::{Origin, PairColumn};
 use super::EvaluationInput;
 use super::comparison::{Comparison, Shape};

@@ -63,7 +63,7 @@ fn check_as(format: &Format, upload: &Upload, file: File) -> Result<ReadOutcome,
     if let Some(kind) = upload.kind.filter(|kind| !format.kinds.contains(kind)) {
         let detail = format!("files in the format '{}' cannot hold {}", format.name, kind.name());
         let allowed = format.kinds.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ");
-        return Err(Failure::Faults(vec![Fault::new("/kind", "unsupported", detail).allowing(allowed)]));
+        return Err(Failure::Faults(vec![Fault::new("/meta/kind", "unsupported", detail).allowing(allowed)]));
     }
     let options = ReadOptions { kind: upload.kind, columns: upload.columns.clone(), bearing_time: upload.bearing_time };
     (format.read)(&mut BufReader::with_capacity(1 << 16, file), &options).map_err(faults_or_memory)
@@ -71,7 +71,7 @@ fn check_as(format: &Format, upload: &Upload, file: File) -> Result<ReadOutcome,
 
 fn unknown_format(detail: String) -> Failure {
     let known = FORMATS.iter().map(|format| format.name).collect::<Vec<_>>().join(", ");
-    Failure::Faults(vec![Fault::new("/format", "unknown_value", detail).allowing(known)])
+    Failure::Faults(vec![Fault::new("/meta/format", "unknown_value", detail).allowing(known)])
 }
 
 /// Loads, runs and reports.

@@ -1,5 +1,6 @@
 //! The command line: reads arguments, calls the rest, and turns what happened into an exit code.
 
+mod access;
 mod catalogue;
 mod demo;
 mod files;
@@ -16,6 +17,7 @@ use std::io::IsTerminal;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::time::Duration;
 use tracing_subscriber::EnvFilter;
 
 /// Data association, track correlation and track evaluation: service, dashboard and command line.
@@ -60,6 +62,16 @@ enum Command {
     },
 }
 
+impl Command {
+    /// How it serves, if it does.
+    fn listener(&self) -> Option<&ServeArguments> {
+        match self {
+            Command::Serve(serve) | Command::Demo { serve, once: false } => Some(serve),
+            _ => None,
+        }
+    }
+}
+
 #[derive(Clone, Copy, ValueEnum)]
 enum OpenapiVersion {
     #[value(name = "3.1")]
@@ -94,12 +106,36 @@ struct ServeArguments {
     /// Largest accepted upload in bytes
     #[arg(long, env = "TRACKLOOM_MAX_UPLOAD_BYTES", default_value_t = 1 << 30)]
     max_upload_bytes: u64,
+    #[command(flatten)]
+    access: access::AccessArguments,
+    /// Jobs that may be queued before a new one is refused
+    #[arg(long, env = "TRACKLOOM_QUEUE_LIMIT", default_value_t = 10_000, value_parser = clap::value_parser!(u64).range(1..=100_000_000))]
+    queue_limit: u64,
+    #[command(flatten)]
+    jobs: JobArguments,
+}
+
+/// Of every process that runs jobs.
+#[derive(Args)]
+struct JobArguments {
+    /// Seconds after which a running job fails with time_limit
+    #[arg(long, env = "TRACKLOOM_JOB_TIME_LIMIT", value_name = "SECONDS", default_value_t = 3600, value_parser = clap::value_parser!(u64).range(1..=31_536_000))]
+    job_time_limit: u64,
+}
+
+impl JobArguments {
+    fn apply(&self, config: &mut Config) {
+        config.job_time_limit = Duration::from_secs(self.job_time_limit);
+    }
 }
 
 impl ServeArguments {
     fn config(&self) -> Config {
         let mut config = Config::new(&self.data);
         config.listen = self.listen;
+        self.access.apply(&mut config);
+        config.queue_limit = self.queue_limit;
+        self.jobs.apply(&mut config);
         config.artifacts.clone_from(&self.artifacts);
         config.max_upload_bytes = self.max_upload_bytes;
         config.database_url.clone_from(&self.database_url);
@@ -129,12 +165,15 @@ struct WorkerArguments {
     /// The bucket of the service, if it keeps files in one
     #[arg(long, env = "TRACKLOOM_ARTIFACTS", value_name = "URL")]
     artifacts: Option<BucketUrl>,
+    #[command(flatten)]
+    jobs: JobArguments,
 }
 
 impl WorkerArguments {
     fn config(&self) -> Config {
         let mut config = Config::new(&self.data);
         config.database_url = Some(self.database_url.clone());
+        self.jobs.apply(&mut config);
         config.artifacts.clone_from(&self.artifacts);
         config.job_memory_bytes = self.job_memory;
         if let Some(slots) = self.slots {
@@ -149,7 +188,12 @@ const BAD_INPUT: u8 = 2;
 
 /// Runs the command of the process's arguments. Exit codes: 0 done, 1 failed, 2 bad input.
 pub fn main() -> ExitCode {
-    let result = match Arguments::parse().command {
+    let command = Arguments::parse().command;
+    if let Some(Err(refusal)) = command.listener().map(|serve| serve.access.check(serve.listen)) {
+        eprintln!("trackloom: {refusal}");
+        return ExitCode::from(BAD_INPUT);
+    }
+    let result = match command {
         Command::Serve(arguments) => blocking(crate::service::server::serve(arguments.config())),
         Command::Worker(arguments) => blocking(crate::service::server::work(arguments.config())),
         Command::Run(arguments) => return run::run(&arguments),

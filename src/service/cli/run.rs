@@ -8,6 +8,7 @@ use crate::experiment::plan::{self, JobKind, Plan};
 use crate::experiment::presets;
 use crate::experiment::run::{self, Artifact, Outcome, RunError};
 use crate::model::fault::Fault;
+use crate::registry;
 use crate::service::jobs::meter::Meter;
 use crate::service::jobs::report::{self, ReportInput};
 use crate::service::types::Progress;
@@ -164,7 +165,8 @@ fn read_json(path: &Path, is_stdin: bool) -> Result<Value, Vec<Fault>> {
     let name = if is_stdin { "standard input".to_owned() } else { path.display().to_string() };
     let fault = |code: &str, detail: String| vec![Fault::new(name.clone(), code, detail)];
     let bytes = if is_stdin { read_stdin() } else { std::fs::read(path) }.map_err(|error| fault("not_found", error.to_string()))?;
-    serde_json::from_slice(&bytes).map_err(|error| fault("malformed", error.to_string()))
+    let (value, duplicates) = registry::parse(&bytes).map_err(|error| fault("malformed", error.to_string()))?;
+    if duplicates.is_empty() { Ok(value) } else { Err(duplicates) }
 }
 
 fn read_stdin() -> std::io::Result<Vec<u8>> {

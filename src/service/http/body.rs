@@ -1,8 +1,10 @@
 //! Reading bodies within their limits. A body that is too long is refused by its Content-Length where it has one,
 //! else where the limit is passed; a bounded rest is read away first, so that clients see the answer and not a reset.
 
+use super::hosts::compressed;
 use crate::model::fault::Fault;
 use crate::registry::{self, Object};
+use crate::service::connections::TooSlow;
 use crate::service::error::ApiError;
 use axum::body::{Body, Bytes};
 use axum::extract::{FromRequest, Request};
@@ -10,6 +12,7 @@ use axum::http::{HeaderMap, header};
 use futures::{Stream, StreamExt};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
+use std::error::Error;
 use std::pin::pin;
 use std::time::Duration;
 use tokio::time::timeout;
@@ -37,14 +40,32 @@ impl<S: Sync> FromRequest<S> for JsonBody {
                 .with_header(header::ACCEPT, header::HeaderValue::from_static("application/json")));
         }
         let bytes = read_limited(&parts.headers, body, JSON_LIMIT_BYTES).await?;
-        parse_json(&bytes).map(JsonBody)
+        parse_json(&bytes, "").map(JsonBody)
     }
 }
 
+/// The JSON of a body, or of a part of one at `pointer`.
+///
 /// # Errors
-/// `malformed_json` with line and column.
-pub fn parse_json(bytes: &[u8]) -> Result<Value, ApiError> {
-    serde_json::from_slice(bytes).map_err(|error| ApiError::new("malformed_json", format!("the body is not JSON: {error}")))
+/// `malformed_json` with line and column; members that are given twice; `unsupported_media_type` of bytes that are compressed.
+pub fn parse_json(bytes: &[u8], pointer: &str) -> Result<Value, ApiError> {
+    if let Some(name) = compression_of(bytes) {
+        return Err(compressed(&format!("the body is compressed ({name}); send it as it is")));
+    }
+    let malformed = |error| ApiError::new("malformed_json", format!("the body is not JSON: {error}"));
+    let (value, faults) = registry::parse(bytes).map_err(malformed)?;
+    if faults.is_empty() { Ok(value) } else { Err(ApiError::validation(prefixed(faults, pointer))) }
+}
+
+/// The name of a compression by the first bytes that it makes.
+pub fn compression_of(bytes: &[u8]) -> Option<&'static str> {
+    const MAGIC: [(&[u8], &str); 5] =
+        [(b"\x1f\x8b", "gzip"), (b"\x28\xb5\x2f\xfd", "zstd"), (b"\xfd7zXZ\x00", "xz"), (b"BZh", "bzip2"), (b"PK\x03\x04", "zip")];
+    MAGIC.iter().find(|(magic, _)| bytes.starts_with(magic)).map(|(_, name)| *name)
+}
+
+fn prefixed(faults: Vec<Fault>, prefix: &str) -> Vec<Fault> {
+    faults.into_iter().map(|fault| Fault { pointer: format!("{prefix}{}", fault.pointer), ..fault }).collect()
 }
 
 /// The value checked against its description, as a type.
@@ -52,8 +73,7 @@ pub fn parse_json(bytes: &[u8]) -> Result<Value, ApiError> {
 /// # Errors
 /// Every fault, with `prefix` before its pointer.
 pub fn checked<T: DeserializeOwned>(value: &Value, object: &'static Object, prefix: &str) -> Result<T, ApiError> {
-    let prefixed = |fault: Fault| Fault { pointer: format!("{prefix}{}", fault.pointer), ..fault };
-    let value = registry::check(value, object).map_err(|faults| ApiError::validation(faults.into_iter().map(prefixed).collect()))?;
+    let value = registry::check(value, object).map_err(|faults| ApiError::validation(prefixed(faults, prefix)))?;
     serde_json::from_value(value).map_err(ApiError::internal)
 }
 
@@ -80,7 +100,7 @@ async fn read_limited(headers: &HeaderMap, body: Body, limit_bytes: u64) -> Resu
     let mut stream = body.into_data_stream();
     let mut bytes = Vec::new();
     while let Some(chunk) = stream.next().await {
-        bytes.extend_from_slice(&chunk.map_err(|_| broken_off())?);
+        bytes.extend_from_slice(&chunk.map_err(|error| broken_off(&error))?);
         if bytes.len() as u64 > limit_bytes {
             drain(headers, Body::from_stream(stream)).await;
             return Err(too_large(limit_bytes));
@@ -89,7 +109,15 @@ async fn read_limited(headers: &HeaderMap, body: Body, limit_bytes: u64) -> Resu
     Ok(bytes.into())
 }
 
-pub fn broken_off() -> ApiError {
+/// The refusal of a body that ended before its end.
+pub fn broken_off(error: &(dyn Error + 'static)) -> ApiError {
+    let mut cause = Some(error);
+    while let Some(error) = cause {
+        if error.is::<TooSlow>() {
+            return ApiError::new("request_timeout", "the body comes too slowly, so it is not waited for any longer");
+        }
+        cause = error.source();
+    }
     ApiError::validation(vec![Fault::new("", "malformed", "the body broke off")])
 }
 

@@ -1,16 +1,18 @@
 //! What can be asked for: methods with their parameters, request schemas, presets.
 
-use super::query::NoParams;
+use super::conditional::Constant;
+use super::query::{NoParams, names};
 use super::state::AppState;
 use crate::experiment::{catalogue, plan, presets};
 use crate::registry::{Variant, standalone_schema};
 use crate::service::error::{ApiError, ApiResult};
 use crate::service::types::JobKind;
-use axum::Json;
 use axum::extract::Path;
-use axum::response::IntoResponse;
+use axum::http::HeaderMap;
+use axum::response::Response;
 use serde::Serialize;
 use serde_json::Value;
+use std::sync::LazyLock;
 use utoipa::ToSchema;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -96,7 +98,12 @@ impl From<presets::Preset> for PresetInfo {
 /// be made from them.
 #[utoipa::path(get, path = "/v1/methods", operation_id = "listMethods", tag = "catalogue",
     responses((status = 200, description = "The catalogue.", body = MethodCatalogue)))]
-async fn list_methods(_: NoParams) -> ApiResult {
+async fn list_methods(_: NoParams, headers: HeaderMap) -> Response {
+    static CATALOGUE: LazyLock<Constant> = LazyLock::new(|| Constant::new(&method_catalogue()));
+    CATALOGUE.answer(&headers)
+}
+
+fn method_catalogue() -> MethodCatalogue {
     let family = |family: &catalogue::Family| MethodFamily {
         family: family.name.to_owned(),
         summary: family.summary().to_owned(),
@@ -111,7 +118,7 @@ async fn list_methods(_: NoParams) -> ApiResult {
         correlate: schema(plan::JobKind::Correlate),
         campaign: schema(plan::JobKind::Campaign),
     };
-    Ok(Json(MethodCatalogue { families: catalogue::FAMILIES.iter().map(family).collect(), requests }).into_response())
+    MethodCatalogue { families: catalogue::FAMILIES.iter().map(family).collect(), requests }
 }
 
 /// Get a method
@@ -123,10 +130,17 @@ async fn list_methods(_: NoParams) -> ApiResult {
         ("name" = String, Path, description = "Such as `nearest_neighbour`."),
     ),
     responses((status = 200, description = "The method.", body = MethodEntry)))]
-async fn get_method(Path((family, name)): Path<(String, String)>, _: NoParams) -> ApiResult {
-    let family = catalogue::FAMILIES.iter().find(|known| known.name == family).ok_or_else(|| ApiError::not_found("family"))?;
-    let method = family.methods().into_iter().find(|method| method.tag == name).ok_or_else(|| ApiError::not_found("method"))?;
-    Ok(Json(MethodEntry::from(method)).into_response())
+async fn get_method(Path((family, name)): Path<(String, String)>, _: NoParams, headers: HeaderMap) -> ApiResult {
+    let known = catalogue::FAMILIES.iter().find(|known| known.name == family);
+    let family = known.ok_or_else(|| nothing("family", &family, names(catalogue::FAMILIES.iter().map(|family| family.name))))?;
+    let methods = family.methods();
+    let method = methods.iter().find(|method| method.tag == name).copied();
+    let method = method.ok_or_else(|| nothing("method", &name, names(methods.iter().map(|method| method.tag))))?;
+    Ok(Constant::new(&MethodEntry::from(method)).answer(&headers))
+}
+
+fn nothing(what: &str, name: &str, known: String) -> ApiError {
+    ApiError::new("not_found", format!("there is no {what} '{name}'; there are {known}"))
 }
 
 /// List the presets
@@ -134,8 +148,10 @@ async fn get_method(Path((family, name)): Path<(String, String)>, _: NoParams) -
 /// Complete job bodies.
 #[utoipa::path(get, path = "/v1/presets", operation_id = "listPresets", tag = "catalogue",
     responses((status = 200, description = "The presets.", body = PresetList)))]
-async fn list_presets(_: NoParams) -> ApiResult {
-    Ok(Json(PresetList { items: presets::all().into_iter().map(PresetInfo::from).collect() }).into_response())
+async fn list_presets(_: NoParams, headers: HeaderMap) -> Response {
+    static PRESETS: LazyLock<Constant> =
+        LazyLock::new(|| Constant::new(&PresetList { items: presets::all().into_iter().map(PresetInfo::from).collect() }));
+    PRESETS.answer(&headers)
 }
 
 /// Get a preset
@@ -144,7 +160,8 @@ async fn list_presets(_: NoParams) -> ApiResult {
 #[utoipa::path(get, path = "/v1/presets/{name}", operation_id = "getPreset", tag = "catalogue",
     params(("name" = String, Path, description = "Such as `liang2009-100`.")),
     responses((status = 200, description = "The preset.", body = PresetInfo)))]
-async fn get_preset(Path(name): Path<String>, _: NoParams) -> ApiResult {
-    let preset = presets::find(&name).ok_or_else(|| ApiError::not_found("preset"))?;
-    Ok(Json(PresetInfo::from(preset)).into_response())
+async fn get_preset(Path(name): Path<String>, _: NoParams, headers: HeaderMap) -> ApiResult {
+    let known = || names(presets::all().iter().map(|preset| preset.name.as_str()));
+    let preset = presets::find(&name).ok_or_else(|| nothing("preset", &name, known()))?;
+    Ok(Constant::new(&PresetInfo::from(preset)).answer(&headers))
 }

@@ -25,7 +25,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
     params(
         ("job" = Vec<uuid::Uuid>, Query, min_items = 2, max_items = 20, description = "Identity of a job; repeated, each once."),
         ("baseline" = Option<uuid::Uuid>, Query, description = "The job that the others are compared with; the first when absent."),
-        ("confidence" = Option<f64>, Query, description = "Of the intervals, above 0 and below 1; 0.95 when absent."),
+        ("confidence" = Option<f64>, Query, exclusive_minimum = 0, exclusive_maximum = 1, description = "Of the intervals, above 0 and below 1; 0.95 when absent."),
     ),
     responses((status = 200, description = "The comparison.", body = Comparison)))]
 async fn compare_jobs(State(app): State<AppState>, mut params: Params) -> ApiResult {
@@ -38,8 +38,11 @@ async fn compare_jobs(State(app): State<AppState>, mut params: Params) -> ApiRes
 fn read(params: &mut Params) -> (Vec<Uuid>, usize, f64) {
     let texts = params.all("job");
     let jobs: Vec<Uuid> = texts.iter().filter_map(|text| Uuid::try_parse(text).ok()).collect();
+    for text in texts.iter().filter(|text| Uuid::try_parse(text).is_err()) {
+        params.fault("job", "unknown_value", &format!("'{text}' is not the id of a job"), "ids of jobs");
+    }
     if jobs.len() < texts.len() {
-        params.fault("job", "unknown_value", "not every 'job' is the id of a job", "ids of jobs");
+        // Told already, one by one.
     } else if !JOBS.contains(&jobs.len()) {
         params.fault("job", "out_of_range", &format!("{} jobs are named", jobs.len()), "2 to 20 jobs");
     } else if jobs.iter().enumerate().any(|(index, job)| jobs[..index].contains(job)) {

@@ -37,6 +37,23 @@ pub fn fixed(request: &HeaderMap, media_type: &str, bytes: Bytes, sha256: &str) 
     response
 }
 
+/// JSON that stays the same while the program runs: rendered once.
+pub struct Constant {
+    bytes: Bytes,
+    sha256: String,
+}
+
+impl Constant {
+    pub fn new(value: &impl Serialize) -> Self {
+        let bytes = Bytes::from(serde_json::to_vec(value).expect("what the program says of itself is JSON"));
+        Constant { sha256: sha256_hex(&bytes), bytes }
+    }
+
+    pub fn answer(&self, request: &HeaderMap) -> Response {
+        fixed(request, "application/json", self.bytes.clone(), &self.sha256)
+    }
+}
+
 /// A stored file: whole, a range of it, or 304. Its content never changes.
 pub async fn stored(request: &HeaderMap, file: StoredFile, as_attachment: bool) -> ApiResult {
     let tag = format!("\"{}\"", file.sha256);

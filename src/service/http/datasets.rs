@@ -53,11 +53,11 @@ async fn upload_dataset(State(app): State<AppState>, _: NoParams, request: Reque
 /// nothing.
 #[utoipa::path(get, path = "/v1/datasets", operation_id = "listDatasets", tag = "datasets",
     params(
-        ("kind" = Option<String>, Query, description = "Kinds to list, separated by commas: detections, truth, tracks."),
-        ("q" = Option<String>, Query, description = "Part of the name, or the start of the id."),
-        ("sort" = Option<String>, Query, description = "`-created_at` (newest first) or `created_at`."),
+        ("kind" = Option<String>, Query, description = "Kinds to list, separated by commas: detections, truth, tracks, bearing_time."),
+        ("q" = Option<String>, Query, max_length = 200, description = "Part of the name, or the start of the id."),
+        ("sort" = Option<String>, Query, min_length = 1, description = "`-created_at` (newest first) or `created_at`."),
         ("limit" = Option<u32>, Query, minimum = 1, maximum = 200, description = "Datasets of a page; 50 when absent."),
-        ("cursor" = Option<String>, Query, description = "Where the page before ended."),
+        ("cursor" = Option<String>, Query, min_length = 1, description = "Where the page before ended."),
         ("count" = Option<bool>, Query, description = "Count every match in `total`."),
     ),
     responses((status = 200, description = "One page.", body = DatasetPage)))]
@@ -71,6 +71,7 @@ async fn list_datasets(State(app): State<AppState>, mut params: Params) -> ApiRe
         cursor: params.text("cursor"),
         count: params.flag("count"),
     };
+    params.add(filter.faults());
     let next = params.next_page();
     params.finish()?;
     let page = app.jobs.list_datasets(filter).await?;

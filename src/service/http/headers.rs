@@ -15,14 +15,23 @@ const LAST_EVENT_ID: HeaderName = HeaderName::from_static("last-event-id");
 
 /// Longest wait that is granted.
 pub const MAX_WAIT_S: u64 = 30;
+/// The largest number of an event; the databases have no unsigned ones.
+pub const MAX_EVENT: u64 = i64::MAX as u64;
 const MAX_KEY_LENGTH: usize = 255;
 
-/// `Prefer: wait=n` in seconds, at most [`MAX_WAIT_S`]. A preference that makes no sense is no preference (RFC 7240).
-pub fn preferred_wait(headers: &HeaderMap) -> Option<u64> {
+/// `Prefer: wait=n` in seconds, at most [`MAX_WAIT_S`]. Other preferences are not ours to judge (RFC 7240).
+///
+/// # Errors
+/// A wait that is no number of seconds.
+pub fn preferred_wait(headers: &HeaderMap) -> Result<Option<u64>, ApiError> {
     let values = headers.get_all(PREFER).iter().filter_map(|value| value.to_str().ok());
-    let mut preferences = values.flat_map(|value| value.split([',', ';'])).map(str::trim);
-    let seconds: u64 = preferences.find_map(|preference| preference.strip_prefix("wait="))?.trim_matches('"').parse().ok()?;
-    Some(seconds.min(MAX_WAIT_S))
+    let mut preferences = values.flat_map(|value| value.split([',', ';'])).map(|text| text.split_once('=').unwrap_or((text, "")));
+    let Some((_, text)) = preferences.find(|(name, _)| name.trim().eq_ignore_ascii_case("wait")) else { return Ok(None) };
+    let text = text.trim().trim_matches('"');
+    match text.parse::<u64>() {
+        Ok(seconds) => Ok(Some(seconds.min(MAX_WAIT_S))),
+        Err(_) => Err(fault(&PREFER, &format!("'{text}' is not a number of seconds to wait"), "wait=n, a whole number of seconds")),
+    }
 }
 
 pub fn patience(wait_s: Option<u64>) -> Duration {
@@ -46,7 +55,7 @@ pub fn note_replay(response: &mut Response) {
 pub fn idempotency_key(headers: &HeaderMap) -> Result<Option<String>, ApiError> {
     let Some(value) = headers.get(IDEMPOTENCY_KEY) else { return Ok(None) };
     match value.to_str() {
-        Ok(key) if (1..=MAX_KEY_LENGTH).contains(&key.len()) => Ok(Some(key.to_owned())),
+        Ok(key) if (1..=MAX_KEY_LENGTH).contains(&key.len()) && !key.contains('\t') => Ok(Some(key.to_owned())),
         _ => Err(fault(&IDEMPOTENCY_KEY, "the key cannot be used", "1 to 255 printable ASCII characters")),
     }
 }
@@ -55,7 +64,7 @@ pub fn idempotency_key(headers: &HeaderMap) -> Result<Option<String>, ApiError> 
 /// A value that is no number.
 pub fn last_event_id(headers: &HeaderMap) -> Result<Option<u64>, ApiError> {
     let Some(value) = headers.get(LAST_EVENT_ID) else { return Ok(None) };
-    let number = value.to_str().ok().and_then(|text| text.parse().ok());
+    let number = value.to_str().ok().and_then(|text| text.parse().ok()).filter(|number| *number <= MAX_EVENT);
     number.map(Some).ok_or_else(|| fault(&LAST_EVENT_ID, "the event's id is not a number", "the id of an event of this job"))
 }
 
@@ -68,7 +77,7 @@ mod tests {
     use super::*;
 
     fn wait(text: &'static str) -> Option<u64> {
-        preferred_wait(&HeaderMap::from_iter([(PREFER, HeaderValue::from_static(text))]))
+        preferred_wait(&HeaderMap::from_iter([(PREFER, HeaderValue::from_static(text))])).unwrap()
     }
 
     #[test]
@@ -76,6 +85,10 @@ mod tests {
         assert_eq!(wait("wait=10"), Some(10));
         assert_eq!(wait("respond-async, wait=100"), Some(30));
         assert_eq!(wait("respond-async"), None);
-        assert_eq!(wait("wait=soon"), None);
+        assert_eq!(wait("WAIT = \"7\""), Some(7));
+        assert_eq!(wait("waiting=soon"), None);
+        for wrong in ["wait=soon", "wait", "wait=-1", "wait=1.5", "wait=99999999999999999999"] {
+            assert!(preferred_wait(&HeaderMap::from_iter([(PREFER, HeaderValue::from_static(wrong))])).is_err(), "{wrong}");
+        }
     }
 }

@@ -1,11 +1,12 @@
 //! What every answer goes through: a request id, problem bodies, content negotiation, security headers, numbers.
 
+use super::hosts::{Hosts, guard};
 use crate::service::error::{ApiError, problem_of_status};
 use crate::service::types::Problem;
 use axum::Router;
 use axum::extract::{MatchedPath, Request};
 use axum::http::{Extensions, HeaderMap, HeaderName, HeaderValue, Method, StatusCode, Version, header};
-use axum::middleware::{Next, from_fn};
+use axum::middleware::{Next, from_fn, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use std::any::Any;
 use std::time::Instant;
@@ -32,9 +33,10 @@ const SECURITY: [(HeaderName, HeaderValue); 3] = [
 ];
 
 /// Puts the layers around routes; the last one named sees a request first.
-pub fn wrap(routes: Router) -> Router {
+pub fn wrap(routes: Router, hosts: Hosts) -> Router {
     routes
         .layer(CatchPanicLayer::custom(answer_panic))
+        .layer(from_fn_with_state(hosts, guard))
         .layer(from_fn(measure))
         // The dashboard's scripts and styles are fetched once and kept.
         .layer(CompressionLayer::new().compress_when(is_script_or_style))
@@ -72,13 +74,19 @@ fn answer_panic(panic: Box<dyn Any + Send + 'static>) -> Response {
 /// Counts and times requests by the route they matched, never by the path itself.
 async fn measure(request: Request, next: Next) -> Response {
     let route = request.extensions().get::<MatchedPath>().map_or("unmatched", MatchedPath::as_str).to_owned();
-    let method = request.method().to_string();
+    let method = known_method(request.method());
     let start = Instant::now();
     let response = next.run(request).await;
-    let labels = [("method", method), ("route", route), ("status", response.status().as_u16().to_string())];
+    let labels = [("method", method.to_owned()), ("route", route), ("status", response.status().as_u16().to_string())];
     metrics::counter!("trackloom_http_requests_total", &labels).increment(1);
     metrics::histogram!("trackloom_http_request_duration_seconds", &labels).record(start.elapsed().as_secs_f64());
     response
+}
+
+/// The name of a method of RFC 9110 or 5789; clients can invent others without end.
+fn known_method(method: &Method) -> &'static str {
+    const KNOWN: [&str; 9] = ["GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS", "CONNECT", "TRACE"];
+    KNOWN.into_iter().find(|known| method == *known).unwrap_or("other")
 }
 
 /// Refuses what the client cannot read, and writes the body of every refusal.
@@ -120,7 +128,7 @@ fn with_body(refusal: Response, problem: Problem) -> Response {
     let status = StatusCode::from_u16(problem.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
     let body = serde_json::to_vec(&problem).unwrap_or_default();
     let mut response = (status, [(header::CONTENT_TYPE, PROBLEM_JSON), (header::CACHE_CONTROL, "no-store")], body).into_response();
-    for name in [header::ALLOW, header::RETRY_AFTER, header::CONTENT_RANGE, header::ACCEPT] {
+    for name in [header::ALLOW, header::RETRY_AFTER, header::CONTENT_RANGE, header::ACCEPT, header::ACCEPT_ENCODING] {
         if let Some(value) = refusal.headers().get(&name) {
             response.headers_mut().insert(name, value.clone());
         }

@@ -8,16 +8,21 @@ pub(super) mod conditional;
 mod datasets;
 mod extract;
 mod headers;
+mod hosts;
 mod jobs;
 mod layers;
+mod problems;
 mod query;
 mod state;
+mod streams;
 mod system;
 mod upload;
 
+pub use hosts::Hosts;
 pub use jobs::PATCH;
 pub use layers::wrap;
 pub use state::AppState;
+pub use streams::Streams;
 pub use upload::META;
 
 use axum::Router;
@@ -31,6 +36,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .merge(datasets::routes())
         .merge(catalogue::routes())
         .merge(system::routes())
+        .merge(problems::routes())
 }
 
 /// The whole application without its layers.

@@ -1,8 +1,9 @@
 //! Query parameters, read one by one; every fault is kept, and a parameter nobody asked for is one.
 
 use crate::model::fault::Fault;
+use crate::registry::control_character_fault;
 use crate::service::error::ApiError;
-use axum::extract::{FromRequestParts, Query};
+use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
 use jiff::Timestamp;
 use std::convert::Infallible;
@@ -20,15 +21,35 @@ impl<S: Sync> FromRequestParts<S> for Params {
 
     async fn from_request_parts(parts: &mut Parts, _: &S) -> Result<Self, Infallible> {
         let mut params = Params::default();
-        match Query::try_from_uri(&parts.uri) {
-            Ok(Query(pairs)) => params.pairs = pairs,
-            Err(_) => params.faults.push(Fault::new("/query", "malformed", "the query is not a list of name=value pairs in UTF-8")),
+        for pair in parts.uri.query().unwrap_or_default().split('&').filter(|pair| !pair.is_empty()) {
+            let (name, value) = pair.split_once('=').unwrap_or((pair, ""));
+            params.take(name, value);
         }
         Ok(params)
     }
 }
 
 impl Params {
+    /// A pair as it stands in the query. What cannot be read is a fault and left out.
+    fn take(&mut self, name: &str, value: &str) {
+        let Some(name) = decoded(name) else {
+            return self.faults.push(Fault::new("/query", "malformed", "the name of a parameter is not UTF-8"));
+        };
+        let pointer = format!("/query/{name}");
+        let Some(value) = decoded(value) else {
+            return self.faults.push(Fault::new(pointer, "malformed", format!("the value of '{name}' is not UTF-8")));
+        };
+        match control_character_fault(&name, &pointer).or_else(|| control_character_fault(&value, &pointer)) {
+            Some(fault) => self.faults.push(fault),
+            None => self.pairs.push((name, value)),
+        }
+    }
+
+    /// Faults of what was read of the parameters.
+    pub fn add(&mut self, faults: Vec<Fault>) {
+        self.faults.extend(faults);
+    }
+
     /// Every value of a parameter that may be repeated.
     pub fn all(&mut self, name: &'static str) -> Vec<String> {
         self.known.push(name);
@@ -113,6 +134,19 @@ impl Params {
     }
 }
 
+/// A part of a query without its encoding (`+` is a space; a `%` without two digits stands for itself), if it is UTF-8.
+fn decoded(text: &str) -> Option<String> {
+    let mut bytes = Vec::with_capacity(text.len());
+    let mut rest = text.as_bytes();
+    while let Some((&byte, after)) = rest.split_first() {
+        let digits = after.get(..2).filter(|digits| byte == b'%' && digits.iter().all(u8::is_ascii_hexdigit));
+        let code = digits.and_then(|digits| std::str::from_utf8(digits).ok()).and_then(|digits| u8::from_str_radix(digits, 16).ok());
+        bytes.push(code.unwrap_or(if byte == b'+' { b' ' } else { byte }));
+        rest = if code.is_some() { &after[2..] } else { after };
+    }
+    String::from_utf8(bytes).ok()
+}
+
 /// Percent-encoded, all but unreserved characters (RFC 3986).
 pub fn encoded(text: &str) -> String {
     let encode = |byte: u8| match byte {
@@ -136,5 +170,24 @@ impl<S: Sync> FromRequestParts<S> for NoParams {
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, ApiError> {
         let Ok(params) = Params::from_request_parts(parts, state).await;
         params.finish().map(|()| NoParams)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_query_is_decoded_as_forms_are_and_must_be_utf_8() {
+        for (text, expected) in [
+            ("a+b%20c%2B", Some("a b c+")),
+            ("%C3%BC%e2%82%ac", Some("ü€")),
+            ("100%", Some("100%")),
+            ("%zz%4", Some("%zz%4")),
+            ("%ff", None),
+            ("%C3", None),
+        ] {
+            assert_eq!(decoded(text).as_deref(), expected, "{text}");
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! What every handler can reach. Built once, when the service starts.
 
+use super::streams::Streams;
 use crate::service::jobs::Jobs;
 use crate::service::openapi::Documents;
 use metrics_exporter_prometheus::PrometheusHandle;
@@ -13,6 +14,7 @@ pub struct AppState {
     pub max_upload_bytes: u64,
     pub metrics: PrometheusHandle,
     pub documents: Arc<Documents>,
+    pub streams: Streams,
 }
 
 /// The bytes of a file.

@@ -1,12 +1,12 @@
-//! The service about itself: health, numbers, version, documents, problems, and what is not the API.
+//! The service about itself: health, numbers, version, documents, and what is not the API.
 
 use super::conditional;
 use super::query::NoParams;
 use super::state::AppState;
 use crate::service::error::{ApiError, ApiResult};
-use crate::service::types::{JobState, PROBLEMS};
+use crate::service::types::JobState;
 use crate::service::{build_info, dashboard};
-use axum::extract::{Path, Request, State};
+use axum::extract::{Request, State};
 use axum::http::{HeaderMap, Method, header};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
@@ -23,7 +23,6 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(get_readiness))
         .routes(routes!(get_metrics))
         .routes(routes!(get_version))
-        .routes(routes!(get_problem_type))
 }
 
 #[derive(Serialize, ToSchema)]
@@ -39,14 +38,6 @@ struct Version {
     version: &'static str,
     /// Optional features it was built with.
     features: Vec<&'static str>,
-}
-
-/// What a `code` of a problem means.
-#[derive(Serialize, ToSchema)]
-struct ProblemType {
-    code: String,
-    status: u16,
-    title: String,
 }
 
 /// Is the process alive?
@@ -65,7 +56,7 @@ async fn get_health(_: NoParams) -> Json<Health> {
     responses((status = 200, description = "It does.", body = Health)))]
 async fn get_readiness(State(app): State<AppState>, _: NoParams) -> ApiResult<Json<Health>> {
     if app.jobs.is_shutting_down() {
-        return Err(ApiError::new("shutting_down", "the service is shutting down"));
+        return Err(ApiError::busy("shutting_down", "the service is shutting down"));
     }
     app.jobs.check().await?;
     Ok(Json(Health { status: "ok" }))
@@ -93,18 +84,6 @@ async fn get_metrics(State(app): State<AppState>, _: NoParams) -> ApiResult {
     responses((status = 200, description = "Name and version.", body = Version)))]
 async fn get_version(_: NoParams) -> Json<Version> {
     Json(Version { name: env!("CARGO_PKG_NAME"), version: build_info::VERSION, features: build_info::features() })
-}
-
-/// What does a problem mean?
-///
-/// The page that the `type` of a problem names.
-#[utoipa::path(get, path = "/problems/{code}", operation_id = "getProblemType", tag = "system",
-    params(("code" = String, Path, description = "Code of the problem, such as `validation`.")),
-    responses((status = 200, description = "Its meaning.", body = ProblemType)))]
-async fn get_problem_type(Path(code): Path<String>, _: NoParams) -> ApiResult {
-    let known = PROBLEMS.iter().find(|(name, ..)| *name == code).ok_or_else(|| ApiError::not_found("problem"))?;
-    let &(_, status, title) = known;
-    Ok(Json(ProblemType { code, status, title: title.to_owned() }).into_response())
 }
 
 /// The API documents.

@@ -1,14 +1,17 @@
 //! Receiving a file: streamed to a temporary file, hashed and counted on the way. Nothing stays of an upload that
 //! breaks off, because the temporary file goes with the request.
 
-use super::body::{JSON_LIMIT_BYTES, broken_off, checked, content_length, drain, media_type, parse_json, read_away, too_large};
+use super::body::{
+    JSON_LIMIT_BYTES, broken_off, checked, compression_of, content_length, drain, media_type, parse_json, read_away, too_large,
+};
+use super::hosts::compressed;
 use crate::experiment::catalogue;
 use crate::formats::npy::BearingTimeAxes;
 use crate::formats::{self, FORMATS};
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
-use crate::registry::{Kind, Object, optional};
+use crate::registry::{Kind, Object, control_character_fault, optional};
 use crate::service::error::ApiError;
 use crate::service::jobs::{DatasetMeta, ReceivedFile};
 use crate::service::storage::blobs::hex;
@@ -22,6 +25,13 @@ use std::path::Path;
 use tempfile::TempPath;
 use tokio::fs::File;
 use tokio::io::AsyncWriteExt;
+
+/// What file systems take, too.
+const MAX_FILE_NAME_BYTES: usize = 255;
+/// So much of the name of an unknown part is repeated.
+const MAX_PART_NAME: usize = 100;
+/// Enough to tell a compression.
+const FIRST_BYTES: usize = 6;
 
 const FORMAT_NAMES: [&str; FORMATS.len()] = {
     let mut names = [""; FORMATS.len()];
@@ -115,14 +125,15 @@ pub async fn receive(request: Request, directory: &Path, limit_bytes: u64) -> Re
 async fn receive_parts(multipart: &mut Multipart, directory: &Path, limit_bytes: u64) -> Result<Upload, ApiError> {
     let mut meta = None;
     let mut file = None;
-    while let Some(part) = multipart.next_field().await.map_err(|_| broken_off())? {
+    while let Some(part) = multipart.next_field().await.map_err(|error| broken_off(&error))? {
         match part.name().unwrap_or_default() {
             "meta" if meta.is_some() => return Err(part_fault("/meta", "duplicate", "there are two parts 'meta'")),
             "file" if file.is_some() => return Err(part_fault("/file", "duplicate", "there are two parts 'file'")),
             "meta" => meta = Some(read_meta(part).await?),
             "file" => file = Some(read_file(part, directory, limit_bytes).await?),
             other => {
-                let fault = Fault::new(format!("/{other}"), "unknown_field", format!("unknown part '{other}'")).allowing("meta, file");
+                let name: String = other.chars().take(MAX_PART_NAME).collect();
+                let fault = Fault::new(format!("/{name}"), "unknown_field", format!("unknown part '{name}'")).allowing("meta, file");
                 return Err(ApiError::validation(vec![fault]));
             }
         }
@@ -149,23 +160,28 @@ fn rest_of(multipart: Multipart) -> impl Stream<Item = Option<usize>> {
 
 async fn read_meta(mut part: Part<'_>) -> Result<DatasetMeta, ApiError> {
     let mut bytes = Vec::new();
-    while let Some(chunk) = part.chunk().await.map_err(|_| broken_off())? {
+    while let Some(chunk) = part.chunk().await.map_err(|error| broken_off(&error))? {
         bytes.extend_from_slice(&chunk);
         if bytes.len() as u64 > JSON_LIMIT_BYTES {
             return Err(too_large(JSON_LIMIT_BYTES));
         }
     }
-    checked::<Meta>(&parse_json(&bytes)?, &META, "/meta").map(DatasetMeta::from)
+    checked::<Meta>(&parse_json(&bytes, "/meta")?, &META, "/meta").map(DatasetMeta::from)
 }
 
 async fn read_file(mut part: Part<'_>, directory: &Path, limit_bytes: u64) -> Result<(ReceivedFile, TempPath, Option<String>), ApiError> {
-    let file_name = part.file_name().map(str::to_owned).filter(|name| !name.is_empty());
+    let file_name = file_name(part.file_name().unwrap_or_default())?;
     let (file, path) = tempfile::NamedTempFile::new_in(directory).map_err(ApiError::internal)?.into_parts();
     let mut file = File::from_std(file);
     let mut hash = Sha256::new();
     let mut bytes = 0;
-    while let Some(chunk) = part.chunk().await.map_err(|_| broken_off())? {
+    let mut first_bytes = Vec::new();
+    while let Some(chunk) = part.chunk().await.map_err(|error| broken_off(&error))? {
         bytes += chunk.len() as u64;
+        if first_bytes.len() < FIRST_BYTES {
+            first_bytes.extend(chunk.iter().take(FIRST_BYTES));
+            refuse_compressed(&first_bytes)?;
+        }
         if bytes > limit_bytes {
             return Err(too_large(limit_bytes));
         }
@@ -175,6 +191,25 @@ async fn read_file(mut part: Part<'_>, directory: &Path, limit_bytes: u64) -> Re
     file.flush().await.map_err(ApiError::internal)?;
     let sha256 = hex(&hash.finalize());
     Ok((ReceivedFile { path: path.to_path_buf(), sha256, bytes }, path, file_name))
+}
+
+/// The name of the file, if it has one.
+fn file_name(name: &str) -> Result<Option<String>, ApiError> {
+    if name.len() > MAX_FILE_NAME_BYTES {
+        let fault = Fault::new("/file", "too_large", format!("the name of the file has {} bytes", name.len()));
+        return Err(ApiError::validation(vec![fault.allowing(format!("at most {MAX_FILE_NAME_BYTES} bytes"))]));
+    }
+    match control_character_fault(name, "/file") {
+        Some(fault) => Err(ApiError::validation(vec![fault])),
+        None => Ok(Some(name.to_owned()).filter(|name| !name.is_empty())),
+    }
+}
+
+fn refuse_compressed(first_bytes: &[u8]) -> Result<(), ApiError> {
+    match compression_of(first_bytes) {
+        Some(name) => Err(compressed(&format!("the file is compressed ({name}); upload it unpacked"))),
+        None => Ok(()),
+    }
 }
 
 fn part_fault(pointer: &str, code: &str, detail: &str) -> ApiError {

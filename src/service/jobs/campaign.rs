@@ -199,7 +199,8 @@ impl Inner {
     pub(super) async fn cells_so_far(&self, id: Uuid) -> Result<CampaignSoFar, JobsError> {
         let job = self.job(id).await?;
         if job.kind != crate::service::types::JobKind::Campaign {
-            return Err(JobsError::NotFound("campaign"));
+            let detail = format!("the job is of the kind '{}'; only a campaign has cells", job.kind.name());
+            return Err(JobsError::NotThere(detail));
         }
         if job.state == JobState::Succeeded {
             let path = self.artifact(id, "report.json").await?.path;

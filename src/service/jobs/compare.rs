@@ -20,9 +20,10 @@ struct Files {
 
 impl Inner {
     pub(super) async fn compare(&self, ids: &[Uuid], baseline: usize, confidence: f64) -> Result<Comparison, JobsError> {
+        self.refuse_unknown(ids).await?;
         let mut files = Vec::new();
         for &id in ids {
-            files.push(self.files_of(id).await?);
+            files.push(self.files_of(id).await.map_err(|error| of_job(id, error))?);
         }
         let blobs = self.blobs.clone();
         let work = move || -> Result<Comparison, JobsError> {
@@ -32,12 +33,34 @@ impl Inner {
         tokio::task::spawn_blocking(work).await.context("comparing jobs panicked")?
     }
 
+    /// All jobs that are not there are told at once.
+    async fn refuse_unknown(&self, ids: &[Uuid]) -> Result<(), JobsError> {
+        let mut missing = Vec::new();
+        for &id in ids {
+            match self.job(id).await {
+                Ok(_) => {}
+                Err(JobsError::NotFound(_)) => missing.push(format!("there is no job '{id}'")),
+                Err(JobsError::Gone(_)) => missing.push(format!("job '{id}' has been deleted")),
+                Err(error) => return Err(error),
+            }
+        }
+        if missing.is_empty() { Ok(()) } else { Err(JobsError::NotThere(missing.join("; "))) }
+    }
+
     async fn files_of(&self, id: Uuid) -> Result<Files, JobsError> {
         self.ended_well(id).await?;
         let artifacts = self.storage.artifacts(id).await?;
         let named = |name: &str| artifacts.iter().find(|artifact| artifact.name == name).map(|artifact| artifact.sha256.clone());
         let report = named("report.json").ok_or(JobsError::NotFound("report"))?;
         Ok(Files { job: self.job(id).await?, report, metrics: named(METRIC_SERIES), runs: named("runs.csv") })
+    }
+}
+
+/// The conflict of one job among several.
+fn of_job(id: Uuid, error: JobsError) -> JobsError {
+    match error {
+        JobsError::Conflict { code, detail } => JobsError::Conflict { code, detail: format!("job {id}: {detail}") },
+        other => other,
     }
 }
 

@@ -1,10 +1,13 @@
 //! Keeping datasets: checked before they are kept, kept once, and swept up when nothing needs them.
 
 use super::in_child::{LOOKS, UPLOADS, unexpected};
+use super::read::refuse_any;
 use super::submit::sorted;
 use super::{DatasetFilter, DatasetMeta, Inner, JobsError, ReceivedFile, StoredFile};
 use crate::formats::format_named;
 use crate::model::dataset::DatasetSummary;
+use crate::model::fault::Fault;
+use crate::registry::control_character_fault;
 use crate::service::child::{Made, Order, Upload};
 use crate::service::storage::blobs::sha256_hex;
 use crate::service::storage::{Cursor, NewDataset, NoSweeping, StoredDataset};
@@ -25,6 +28,7 @@ impl Inner {
         if self.closing.is_cancelled() {
             return Err(JobsError::ShuttingDown);
         }
+        refuse_any(text_faults(&meta))?;
         let new = self.checked(&file, meta).await?;
         let _no_sweeping = self.no_sweeping().await?;
         let adopt = {
@@ -59,6 +63,7 @@ impl Inner {
     }
 
     pub(super) async fn list_datasets(&self, filter: DatasetFilter) -> Result<DatasetPage, JobsError> {
+        refuse_any(filter.faults())?;
         let cursor = match &filter.cursor {
             Some(text) => Some(Cursor::decode(text, filter.sort).ok_or(JobsError::InvalidCursor)?),
             None => None,
@@ -127,6 +132,13 @@ pub(super) fn listed(jobs: &[Uuid]) -> String {
     const MOST: usize = 5;
     let named = jobs.iter().take(MOST).map(|id| format!("job {id}")).collect::<Vec<_>>().join(", ");
     if jobs.len() > MOST { format!("{named} and {} more", jobs.len() - MOST) } else { named }
+}
+
+/// Names with characters that not every database keeps.
+fn text_faults(meta: &DatasetMeta) -> Vec<Fault> {
+    let name = meta.name.as_deref().and_then(|name| control_character_fault(name, "/meta/name"));
+    let file_name = meta.file_name.as_deref().and_then(|name| control_character_fault(name, "/file"));
+    name.into_iter().chain(file_name).collect()
 }
 
 fn new_dataset(file: &ReceivedFile, meta: DatasetMeta, format: String, summary: DatasetSummary, warnings: Vec<String>) -> NewDataset {

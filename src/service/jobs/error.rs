@@ -6,6 +6,9 @@ use crate::model::fault::Fault;
 pub enum JobsError {
     #[error("there is no such {0}")]
     NotFound(&'static str),
+    /// What is named is not among what there is; the text says what is.
+    #[error("{0}")]
+    NotThere(String),
     #[error("the {0} has been deleted")]
     Gone(&'static str),
     /// The state forbids it; `code` is one of `job_terminal`, `job_active`, `in_use`, `result_not_ready`, `job_failed`.

@@ -3,6 +3,7 @@
 use super::inputs::Located;
 use super::{Inner, JobFilter, JobLayers, JobsError, StoredFile};
 use crate::model::dataset::{Dataset, DatasetKind};
+use crate::model::fault::Fault;
 use crate::service::storage::{Cursor, StoredArtifact};
 use crate::service::types::{ArtifactInfo, ArtifactList, Event, EventPage, Job, JobPage, JobState};
 use crate::service::views::metrics::MetricTable;
@@ -17,6 +18,12 @@ use tokio::sync::watch;
 use tokio::time::{Instant, timeout_at};
 use uuid::Uuid;
 
+/// # Errors
+/// When there is a fault.
+pub(super) fn refuse_any(faults: Vec<Fault>) -> Result<(), JobsError> {
+    if faults.is_empty() { Ok(()) } else { Err(JobsError::Invalid(faults)) }
+}
+
 impl Inner {
     /// The job, unless there is none or it has been deleted.
     pub(super) async fn job(&self, id: Uuid) -> Result<Job, JobsError> {
@@ -25,6 +32,7 @@ impl Inner {
     }
 
     pub(super) async fn list(&self, filter: JobFilter) -> Result<JobPage, JobsError> {
+        refuse_any(filter.faults())?;
         let cursor = match &filter.cursor {
             Some(text) => Some(Cursor::decode(text, filter.sort).ok_or(JobsError::InvalidCursor)?),
             None => None,
@@ -79,8 +87,12 @@ impl Inner {
 
     pub(super) async fn artifact(&self, id: Uuid, name: &str) -> Result<StoredFile, JobsError> {
         self.ended_well(id).await?;
-        let artifact = self.storage.artifacts(id).await?.into_iter().find(|artifact| artifact.name == name);
-        let StoredArtifact { name, media_type, bytes, sha256, .. } = artifact.ok_or(JobsError::NotFound("artifact"))?;
+        let artifacts = self.storage.artifacts(id).await?;
+        let Some(artifact) = artifacts.iter().find(|artifact| artifact.name == name).cloned() else {
+            let known: Vec<&str> = artifacts.iter().map(|artifact| artifact.name.as_str()).collect();
+            return Err(JobsError::NotThere(format!("the job has no file '{name}'; it has {}", known.join(", "))));
+        };
+        let StoredArtifact { name, media_type, bytes, sha256, .. } = artifact;
         Ok(StoredFile { path: self.local(&sha256).await?, media_type, bytes, sha256, file_name: name })
     }
 

@@ -6,12 +6,15 @@ use utoipa::ToSchema;
 
 /// Every problem: its code (the last part of its type URI), HTTP status and title.
 pub const PROBLEMS: &[(&str, u16, &str)] = &[
+    ("malformed_request", 400, "The request is malformed"),
     ("malformed_json", 400, "The body is not JSON"),
     ("invalid_cursor", 400, "The cursor is not one of ours"),
+    ("foreign_host", 403, "The host is not one of this service"),
+    ("cross_site", 403, "The request comes from another site"),
     ("not_found", 404, "There is no such thing"),
     ("method_not_allowed", 405, "The method is not allowed here"),
     ("not_acceptable", 406, "No representation is acceptable"),
-    ("conflict", 409, "The request conflicts with the state"),
+    ("request_timeout", 408, "The body comes too slowly"),
     ("job_terminal", 409, "The job has already ended"),
     ("job_active", 409, "The job has not ended yet"),
     ("in_use", 409, "Something still needs it"),
@@ -28,6 +31,8 @@ pub const PROBLEMS: &[(&str, u16, &str)] = &[
     ("internal", 500, "An error inside the service"),
     ("crashed", 500, "The job ended the process that ran it, too often"),
     ("queue_full", 503, "The queue is full"),
+    ("too_many_connections", 503, "Too many connections are open"),
+    ("too_many_streams", 503, "Too many event streams are open"),
     ("shutting_down", 503, "The service is shutting down"),
     ("unavailable", 503, "The database does not answer"),
     ("time_limit", 503, "The job ran longer than it may"),
@@ -66,7 +71,7 @@ impl Problem {
             type_uri: format!("/problems/{code}"),
             title: title.to_owned(),
             status,
-            detail: detail.into(),
+            detail: clipped(detail.into()),
             instance: None,
             code: code.to_owned(),
             request_id: None,
@@ -80,7 +85,24 @@ impl Problem {
             [fault] => fault.detail.clone(),
             _ => format!("{} faults", faults.len()),
         };
-        Problem { errors: faults.into_iter().map(FaultItem::from).collect(), ..Problem::new("validation", detail) }
+        let more = faults.len().saturating_sub(MAX_FAULTS);
+        let mut errors: Vec<FaultItem> = faults.into_iter().take(MAX_FAULTS).map(FaultItem::from).collect();
+        if more > 0 {
+            errors.push(Fault::new("", "too_many", format!("{more} more faults are not listed")).into());
+        }
+        Problem { errors, ..Problem::new("validation", detail) }
+    }
+}
+
+/// Of more faults the first are told.
+const MAX_FAULTS: usize = 100;
+/// A longer text repeats a request at length, and is cut.
+const MAX_TEXT: usize = 1000;
+
+fn clipped(text: String) -> String {
+    match text.char_indices().nth(MAX_TEXT) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text,
     }
 }
 
@@ -109,6 +131,13 @@ pub struct FaultItem {
 impl From<Fault> for FaultItem {
     fn from(fault: Fault) -> Self {
         let Fault { pointer, code, detail, allowed, line, column } = fault;
-        FaultItem { pointer, code, detail, allowed, line, column }
+        FaultItem {
+            pointer: clipped(pointer),
+            code,
+            detail: clipped(detail),
+            allowed: allowed.map(clipped),
+            line,
+            column: column.map(clipped),
+        }
     }
 }

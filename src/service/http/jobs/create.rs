@@ -87,8 +87,8 @@ create!(
 );
 
 async fn create(app: AppState, kind: JobKind, headers: &HeaderMap, body: Value) -> ApiResult {
+    let wait_s = preferred_wait(headers)?;
     let submitted = app.jobs.submit(kind, body, idempotency_key(headers)?).await?;
-    let wait_s = preferred_wait(headers);
     let mut response = answer(&app, submitted.job, wait_s).await?;
     if submitted.replayed {
         note_replay(&mut response);

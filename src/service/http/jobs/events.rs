@@ -1,16 +1,17 @@
 //! What happens to a job, live and afterwards.
 
 use super::super::extract::Id;
-use super::super::headers::{MAX_WAIT_S, last_event_id, patience};
+use super::super::headers::{MAX_EVENT, MAX_WAIT_S, last_event_id, patience};
 use super::super::query::Params;
 use super::super::state::AppState;
+use crate::service::connections::Ends;
 use crate::service::error::ApiResult;
 use crate::service::types::{Event, EventPage};
-use axum::Json;
 use axum::extract::State;
-use axum::http::{HeaderMap, HeaderValue, header};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, header};
 use axum::response::IntoResponse;
 use axum::response::sse::{self, KeepAlive, Sse};
+use axum::{Extension, Json};
 use futures::{StreamExt, stream};
 use std::convert::Infallible;
 use std::time::Duration;
@@ -18,6 +19,8 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 const KEEP_ALIVE: Duration = Duration::from_secs(15);
+/// nginx passes on at once what says so.
+const UNBUFFERED: HeaderName = HeaderName::from_static("x-accel-buffering");
 /// What a browser waits before it connects again.
 const RETRY: Duration = Duration::from_secs(2);
 
@@ -29,22 +32,35 @@ pub fn routes() -> OpenApiRouter<AppState> {
 ///
 /// Server-sent events: `id` counts the events of the job from 1, `event` is their type (`state`, `progress`, `log`,
 /// `done`), `data` is the event as in the history. The stream ends after `done`; `Last-Event-ID` resumes without a gap.
+/// Refused with `too_many_streams` while too many are open.
 #[utoipa::path(get, path = "/v1/jobs/{id}/events", operation_id = "streamJobEvents", tag = "jobs",
     params(
         ("id" = uuid::Uuid, Path, description = "Identity of the job."),
-        ("after" = Option<u64>, Query, minimum = 0, description = "Only events after this number."),
+        ("after" = Option<u64>, Query, minimum = 0, maximum = 9_223_372_036_854_775_807_i64, description = "Only events after this number."),
         ("Last-Event-ID" = Option<String>, Header, description = "The last event that was seen; goes before `after`."),
     ),
     responses((status = 200, description = "The events.", content_type = "text/event-stream", body = String)))]
-async fn stream_job_events(State(app): State<AppState>, Id(id): Id, mut params: Params, headers: HeaderMap) -> ApiResult {
-    let asked = params.whole_number("after", 0..=u64::MAX);
+async fn stream_job_events(
+    State(app): State<AppState>,
+    ends: Extension<Ends>,
+    Id(id): Id,
+    mut params: Params,
+    headers: HeaderMap,
+) -> ApiResult {
+    let asked = params.whole_number("after", 0..=MAX_EVENT);
     params.finish()?;
     let after = last_event_id(&headers)?.or(asked).unwrap_or(0);
+    let open = app.streams.open(ends.client.ip())?;
     let events = app.jobs.events(id, after).await?;
     let head = stream::iter([sse::Event::default().retry(RETRY)]);
-    let stream = head.chain(events.map(|event| encode(&event))).map(Ok::<_, Infallible>);
+    let stream = head.chain(events.map(|event| encode(&event))).map(move |event| {
+        // Open for as long as there is somebody to ask for the next event.
+        let _ = &open;
+        Ok::<_, Infallible>(event)
+    });
     let mut response = Sse::new(stream).keep_alive(KeepAlive::new().interval(KEEP_ALIVE)).into_response();
     response.headers_mut().insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
+    response.headers_mut().insert(UNBUFFERED, HeaderValue::from_static("no"));
     Ok(response)
 }
 
@@ -59,12 +75,12 @@ fn encode(event: &Event) -> sse::Event {
 #[utoipa::path(get, path = "/v1/jobs/{id}/history", operation_id = "getJobHistory", tag = "jobs",
     params(
         ("id" = uuid::Uuid, Path, description = "Identity of the job."),
-        ("after" = Option<u64>, Query, minimum = 0, description = "Only events after this number."),
+        ("after" = Option<u64>, Query, minimum = 0, maximum = 9_223_372_036_854_775_807_i64, description = "Only events after this number."),
         ("wait" = Option<u32>, Query, minimum = 0, maximum = 30, description = "Seconds to wait for an event."),
     ),
     responses((status = 200, description = "The events.", body = EventPage)))]
 async fn get_job_history(State(app): State<AppState>, Id(id): Id, mut params: Params) -> ApiResult {
-    let after = params.whole_number("after", 0..=u64::MAX).unwrap_or(0);
+    let after = params.whole_number("after", 0..=MAX_EVENT).unwrap_or(0);
     let wait_s = params.whole_number("wait", 0..=MAX_WAIT_S);
     params.finish()?;
     Ok(Json(app.jobs.history(id, after, patience(wait_s)).await?).into_response())

@@ -84,6 +84,7 @@ async fn cancel_job(State(app): State<AppState>, Id(id): Id, _: NoParams) -> Api
         (status = 202, description = "The new job, queued.", body = Job),
     ))]
 async fn rerun_job(State(app): State<AppState>, Id(id): Id, _: NoParams, headers: HeaderMap) -> ApiResult {
+    let wait_s = preferred_wait(&headers)?;
     let job = app.jobs.rerun(id).await?;
-    answer(&app, job, preferred_wait(&headers)).await
+    answer(&app, job, wait_s).await
 }

@@ -25,14 +25,14 @@ pub fn routes() -> OpenApiRouter<AppState> {
 #[utoipa::path(get, path = "/v1/jobs", operation_id = "listJobs", tag = "jobs",
     params(
         ("state" = Option<String>, Query, description = "States, separated by commas: queued, running, succeeded, failed, canceled."),
-        ("kind" = Option<String>, Query, description = "Kinds, separated by commas: simulate, associate, evaluate, group, campaign."),
-        ("label" = Option<Vec<String>>, Query, description = "`key:value`; repeated, all must match."),
+        ("kind" = Option<String>, Query, description = "Kinds, separated by commas: simulate, associate, evaluate, group, correlate, campaign."),
+        ("label" = Option<Vec<String>>, Query, max_items = 16, description = "`key:value`; repeated, all must match."),
         ("created_after" = Option<String>, Query, description = "RFC 3339 time."),
         ("created_before" = Option<String>, Query, description = "RFC 3339 time."),
-        ("q" = Option<String>, Query, description = "Part of the name, or the start of the id."),
-        ("sort" = Option<String>, Query, description = "`-created_at` (newest first) or `created_at`."),
+        ("q" = Option<String>, Query, max_length = 200, description = "Part of the name, or the start of the id."),
+        ("sort" = Option<String>, Query, min_length = 1, description = "`-created_at` (newest first) or `created_at`."),
         ("limit" = Option<u32>, Query, minimum = 1, maximum = 200, description = "Jobs of a page; 50 when absent."),
-        ("cursor" = Option<String>, Query, description = "Where the page before ended."),
+        ("cursor" = Option<String>, Query, min_length = 1, description = "Where the page before ended."),
         ("count" = Option<bool>, Query, description = "Count every match in `total`."),
     ),
     responses((status = 200, description = "One page.", body = JobPage)))]
@@ -49,6 +49,7 @@ async fn list_jobs(State(app): State<AppState>, mut params: Params) -> ApiResult
         cursor: params.text("cursor"),
         count: params.flag("count"),
     };
+    params.add(filter.faults());
     let next = params.next_page();
     params.finish()?;
     let page = app.jobs.list(filter).await?;

@@ -1,0 +1,67 @@
+//! How many event streams are open: each one holds a connection for as long as its job lasts.
+
+use crate::service::config::ConnectionLimits;
+use crate::service::error::ApiError;
+use std::collections::HashMap;
+use std::net::IpAddr;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// The streams that are open, by the address of the client.
+#[derive(Debug, Clone)]
+pub struct Streams(Arc<Inner>);
+
+#[derive(Debug)]
+struct Inner {
+    most: usize,
+    most_of_a_client: usize,
+    open: Mutex<HashMap<IpAddr, usize>>,
+}
+
+/// One open stream.
+#[derive(Debug)]
+pub struct OpenStream {
+    streams: Streams,
+    client: IpAddr,
+}
+
+impl Streams {
+    pub fn new(limits: &ConnectionLimits) -> Self {
+        Streams(Arc::new(Inner { most: limits.streams, most_of_a_client: limits.streams_per_client, open: Mutex::default() }))
+    }
+
+    /// # Errors
+    /// `too_many_streams`, of the client or of all.
+    pub fn open(&self, client: IpAddr) -> Result<OpenStream, ApiError> {
+        let mut open = self.locked();
+        if open.values().sum::<usize>() >= self.0.most {
+            return Err(too_many(&format!("{} event streams are open, as many as the service has", self.0.most)));
+        }
+        let of_client = open.entry(client).or_default();
+        if *of_client >= self.0.most_of_a_client {
+            return Err(too_many(&format!("{client} has {} event streams open, as many as one client may", self.0.most_of_a_client)));
+        }
+        *of_client += 1;
+        Ok(OpenStream { streams: self.clone(), client })
+    }
+
+    /// Nothing panics while it is locked.
+    fn locked(&self) -> MutexGuard<'_, HashMap<IpAddr, usize>> {
+        self.0.open.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Drop for OpenStream {
+    fn drop(&mut self) {
+        let mut open = self.streams.locked();
+        if let Some(count) = open.get_mut(&self.client) {
+            *count -= 1;
+            if *count == 0 {
+                open.remove(&self.client);
+            }
+        }
+    }
+}
+
+fn too_many(detail: &str) -> ApiError {
+    ApiError::busy("too_many_streams", detail)
+}
