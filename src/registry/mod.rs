@@ -8,7 +8,7 @@ mod export;
 mod paths;
 
 pub use check::{check, check_field, check_into};
-pub use export::{Components, json_schema, standalone_schema};
+pub use export::{Components, json_schema, standalone_schema, tagged_schema};
 pub use paths::nearest_path;
 
 /// A JSON object with known fields; any other field is a fault.
@@ -49,6 +49,8 @@ pub enum Kind {
     },
     Choice(&'static [&'static str]),
     Flag,
+    /// The identity of a job or a dataset; who asks for it looks it up.
+    Id,
     /// Any JSON value; who asks for it checks it.
     Json,
     Object(&'static Object),

@@ -2,6 +2,7 @@
 
 use super::BAD_INPUT;
 use crate::experiment::catalogue;
+use crate::experiment::plan::with_kind;
 use crate::experiment::presets;
 use crate::service::openapi;
 use serde_json::{Value, json};
@@ -21,7 +22,7 @@ pub(super) fn print_presets(name: Option<&str>) -> ExitCode {
             print(&presets::all().into_iter().map(item).collect())
         }
         Some(name) => match presets::find(name) {
-            Some(preset) => print(&job_file(&preset)),
+            Some(preset) => print(&with_kind(preset.kind, &preset.body)),
             None => {
                 eprintln!("trackloom: there is no preset '{name}'; `trackloom presets` lists them");
                 return ExitCode::from(BAD_INPUT);
@@ -29,15 +30,6 @@ pub(super) fn print_presets(name: Option<&str>) -> ExitCode {
         },
     };
     if printed.is_ok() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
-}
-
-/// A preset as `trackloom run` reads it.
-pub(super) fn job_file(preset: &presets::Preset) -> Value {
-    let mut body = json!({"kind": preset.kind});
-    if let (Value::Object(fields), Value::Object(rest)) = (&mut body, &preset.body) {
-        fields.extend(rest.clone());
-    }
-    body
 }
 
 pub(super) fn print_openapi(as_3_0: bool) -> anyhow::Result<()> {

@@ -1,9 +1,9 @@
 //! `trackloom run`: one job, no server.
 
 use super::files::JobFile;
-use super::{BAD_INPUT, catalogue, table};
+use super::{BAD_INPUT, table};
 use crate::experiment::observer::{Observer, Step};
-use crate::experiment::plan::{self, Plan};
+use crate::experiment::plan::{self, Plan, with_kind};
 use crate::experiment::presets;
 use crate::experiment::run::{self, Artifact, Outcome, RunError};
 use crate::model::fault::Fault;
@@ -137,8 +137,8 @@ fn preset_job(name: &str) -> Result<JobFile, Trouble> {
         let known: Vec<String> = presets::all().into_iter().map(|preset| preset.name).chain(["papers".to_owned()]).collect();
         vec![Fault::new("--preset", "unknown_value", format!("there is no preset '{name}'")).allowing(known.join(", "))]
     };
-    let body = catalogue::job_file(&presets::find(name).ok_or_else(unknown)?);
-    Ok(JobFile::new(body, Path::new("."))?)
+    let preset = presets::find(name).ok_or_else(unknown)?;
+    Ok(JobFile::new(with_kind(preset.kind, &preset.body), Path::new("."))?)
 }
 
 fn read_json(path: &Path) -> Result<Value, Vec<Fault>> {

@@ -11,12 +11,14 @@ mod headers;
 mod jobs;
 mod layers;
 mod query;
+mod raw_upload;
 mod state;
 mod system;
 mod upload;
 
 pub use jobs::PATCH;
 pub use layers::wrap;
+pub use raw_upload::{JSON_TEXTS, MAX_FILE_NAME, TEXTS};
 pub use state::AppState;
 pub use upload::META;
 

@@ -35,7 +35,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         ("after" = Option<u64>, Query, minimum = 0, description = "Only events after this number."),
         ("Last-Event-ID" = Option<String>, Header, description = "The last event that was seen; goes before `after`."),
     ),
-    responses((status = 200, description = "The events.", content_type = "text/event-stream", body = String)))]
+    responses((status = 200, description = "The events.", content_type = "text/event-stream", body = Event)))]
 async fn stream_job_events(State(app): State<AppState>, Id(id): Id, mut params: Params, headers: HeaderMap) -> ApiResult {
     let asked = params.whole_number("after", 0..=u64::MAX);
     params.finish()?;
