@@ -34,13 +34,13 @@ const SENSOR_IDS: Field = optional(
 static SOURCE_DATASET: Object = Object {
     name: "DatasetSource",
     summary: "An uploaded dataset, or one that a job made.",
-    fields: &[required("dataset_id", "Identity of the dataset.", NAME), SENSOR_IDS],
+    fields: &[required("dataset_id", "Identity of the dataset.", Kind::Id), SENSOR_IDS],
 };
 
 static SOURCE_JOB: Object = Object {
     name: "JobSource",
     summary: "The output of another job; a job that is not finished is waited for.",
-    fields: &[required("job_id", "Identity of the job.", NAME), SENSOR_IDS],
+    fields: &[required("job_id", "Identity of the job.", Kind::Id), SENSOR_IDS],
 };
 
 static SOURCE_SCENARIO: Object = Object {

@@ -4,6 +4,9 @@ use super::{Bound, Field, Kind, Object, Presence, Union};
 use crate::model::fault::Fault;
 use serde_json::{Map, Value};
 
+/// More than any identity has, so that what is told of a wrong one is short.
+const MAX_ID_LENGTH: usize = 100;
+
 /// The value with defaults filled in and fields in the order of the description.
 ///
 /// # Errors
@@ -25,6 +28,7 @@ pub fn check_field(value: &Value, kind: &'static Kind, pointer: &str, faults: &m
         Kind::Number { min, max, unit } => check_number(value, *min, *max, unit, pointer, faults),
         Kind::Integer { min, max, .. } => check_integer(value, *min, *max, pointer, faults),
         Kind::Text { max_length } => check_text(value, *max_length, pointer, faults),
+        Kind::Id => check_text(value, MAX_ID_LENGTH, pointer, faults),
         Kind::Choice(names) => check_choice(value, names, pointer, faults),
         Kind::Flag => expect_type(value, value.is_boolean(), "true or false", pointer, faults),
         Kind::Json => value.clone(),

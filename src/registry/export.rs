@@ -14,6 +14,11 @@ pub fn json_schema(object: &'static Object, components: &mut Components) -> Valu
     add_object(object, object.name.to_owned(), None, components)
 }
 
+/// The same of an object that a union tells apart by `tag`, a required field with one value, under a name of its own.
+pub fn tagged_schema(object: &'static Object, name: String, tag: (&str, &str), components: &mut Components) -> Value {
+    add_object(object, name, Some(tag), components)
+}
+
 /// The schema of `object` by itself: what it names stands under `$defs`.
 pub fn standalone_schema(object: &'static Object) -> Value {
     let mut components = Components::new();
@@ -85,6 +90,7 @@ fn kind_schema(kind: &'static Kind, components: &mut Components) -> Value {
         Kind::Number { min, max, unit } => number_schema(*min, *max, unit),
         Kind::Integer { min, max, unit } => with_unit(json!({"type": "integer", "format": "int64", "minimum": min, "maximum": max}), unit),
         Kind::Text { max_length } => json!({"type": "string", "maxLength": max_length}),
+        Kind::Id => json!({"type": "string", "format": "uuid"}),
         Kind::Choice(names) => json!({"type": "string", "enum": names}),
         Kind::Json => json!({}),
         Kind::Flag => json!({"type": "boolean"}),

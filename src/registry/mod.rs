@@ -9,7 +9,7 @@ mod parse;
 mod paths;
 
 pub use check::{check, check_field, check_into, control_character_fault};
-pub use export::{Components, json_schema, standalone_schema};
+pub use export::{Components, json_schema, standalone_schema, tagged_schema};
 pub use parse::parse;
 pub use paths::{nearest_of, nearest_path};
 
@@ -51,6 +51,8 @@ pub enum Kind {
     },
     Choice(&'static [&'static str]),
     Flag,
+    /// The identity of a job or a dataset; who asks for it looks it up.
+    Id,
     /// Any JSON value; who asks for it checks it.
     Json,
     Object(&'static Object),

@@ -81,7 +81,7 @@ async fn a_record_of_either_format_is_kept_shown_and_tracked() {
 async fn an_array_without_axes_is_refused_with_what_is_needed() {
     let api = Api::start().await;
     let problem = upload_array(&api, &json!({})).await.problem();
-    assert_eq!(problem["errors"][0]["pointer"], "/bearing_time");
+    assert_eq!(problem["errors"][0]["pointer"], "/meta/bearing_time");
     assert!(problem["errors"][0]["allowed"].as_str().unwrap().contains("bearing_step_deg"), "{problem}");
     let half = upload_array(&api, &json!({"bearing_time": {"time_step_s": 0}})).await.problem();
     let pointers: Vec<&str> = half["errors"].as_array().unwrap().iter().map(|error| error["pointer"].as_str().unwrap()).collect();

@@ -1,6 +1,6 @@
 //! Datasets through the front door.
 
-use crate::helpers::{Api, id, problem, send, validation};
+use crate::helpers::{Api, eventually, id, problem, send, validation};
 use futures::stream;
 use reqwest::multipart::{Form, Part};
 use reqwest::{Body, Method};
@@ -147,14 +147,4 @@ async fn a_dataset_in_use_stays_and_a_deleted_one_is_gone() {
     for answer in [api.get(&path).await, api.get(&format!("{path}/content")).await, api.delete(&path).await] {
         assert_eq!(answer.problem(), gone);
     }
-}
-
-async fn eventually(holds: impl Fn() -> bool) {
-    for _ in 0..200 {
-        if holds() {
-            return;
-        }
-        tokio::time::sleep(Duration::from_millis(25)).await;
-    }
-    panic!("it never came true");
 }

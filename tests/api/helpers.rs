@@ -194,3 +194,14 @@ pub async fn failing(api: &Api) -> Value {
 pub fn id(job: &Value) -> &str {
     job["id"].as_str().unwrap_or_else(|| panic!("no id: {job}"))
 }
+
+/// Waits for what happens elsewhere.
+pub async fn eventually(holds: impl Fn() -> bool) {
+    for _ in 0..200 {
+        if holds() {
+            return;
+        }
+        tokio::time::sleep(std::time::Duration::from_millis(25)).await;
+    }
+    panic!("it never came true");
+}

@@ -114,7 +114,7 @@ async fn the_spec_of_a_job_posted_again_is_the_same_job() {
     let body = json!({"input": {"source": "preset", "preset": "liang2009-10"}});
     let job = api.run("associate", &body).await;
     let spec = api.get(&format!("/v1/jobs/{}/spec", id(&job))).await.ok(200);
-    assert_eq!(spec["input"]["source"], "scenario");
+    assert_eq!((&spec["kind"], &spec["input"]["source"]), (&json!("associate"), &json!("scenario")));
     assert_eq!(spec["tracker"]["confirm_hits"], 3);
     let again = api.run("associate", &spec).await;
     assert_eq!(again["spec_sha256"], job["spec_sha256"]);

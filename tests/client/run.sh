@@ -1,60 +1,93 @@
-#!/bin/sh
-# Generates a Python client from openapi/openapi.json and plays a session with it against a running service.
+#!/usr/bin/env bash
+# Checks the API documents with other people's validators, generates a client with each of five generators as it comes,
+# compiles them, and plays a session with each against a running service. Then a short run of schemathesis.
 # Usage: tests/client/run.sh [path of the trackloom program]; without one it is built.
-set -eu
-root=$(cd "$(dirname "$0")/../.." && pwd)
+set -euo pipefail
+# shellcheck source=tests/client/support.sh
+. "$(dirname "$0")/support.sh"
 program=${1:-}
-cache=${XDG_CACHE_HOME:-$HOME/.cache}/trackloom/client-venv
-work=$(mktemp -d)
-server=
-trap '[ -z "$server" ] || kill "$server" 2>/dev/null || true; rm -rf "$work"' EXIT
+document=$root/openapi/openapi.json
+document_3_0=$root/openapi/openapi-3.0.json
 
 if [ -z "$program" ]; then
     (cd "$root" && cargo build --quiet)
     program=${CARGO_TARGET_DIR:-$root/target}/debug/trackloom
 fi
 
-# The environment is made again when the pins change.
-if ! cmp -s "$root/tests/client/requirements.txt" "$cache/requirements.txt"; then
-    rm -rf "$cache"
-    mkdir -p "$(dirname "$cache")"
-    python3 -m venv "$cache"
-    "$cache/bin/pip" install --quiet --disable-pip-version-check --requirement "$root/tests/client/requirements.txt"
-    cp "$root/tests/client/requirements.txt" "$cache/requirements.txt"
-fi
+quietly() { # COMMAND...: its output only where it fails
+    "$@" >"$work/log" 2>&1 || { cat "$work/log"; echo "failed: $*" >&2; return 1; }
+}
 
-"$cache/bin/openapi-python-client" generate --path "$root/openapi/openapi.json" --config "$root/tests/client/config.yaml" \
-    --meta none --output-path "$work/trackloom_client" >"$work/generate.log" 2>&1 || { cat "$work/generate.log"; exit 1; }
-# A warning means that an operation or a schema was left out.
-if grep -i -E "warning|skipping|missing|unable|error" "$work/generate.log"; then
-    cat "$work/generate.log"
-    echo "the generator left something out" >&2
-    exit 1
-fi
-expected=$(grep -c '"operationId"' "$root/openapi/openapi.json")
-generated=$(find "$work/trackloom_client/api" -name '*.py' ! -name '__init__.py' | wc -l)
-if [ "$expected" -ne "$generated" ]; then
-    echo "the document has $expected operations, the client $generated" >&2
-    exit 1
-fi
+check_documents() {
+    quietly openapi-spec-validator "$document" "$document_3_0"
+    quietly redocly lint --config "$client/redocly.yaml" "$document" "$document_3_0"
+    echo "documents: valid"
+}
 
-"$program" serve --listen 127.0.0.1:0 --data "$work/data" >"$work/server.log" 2>&1 &
-server=$!
-tries=0
-until grep -q "^trackloom listening on " "$work/server.log"; do
-    tries=$((tries + 1))
-    if [ "$tries" -gt 100 ] || ! kill -0 "$server" 2>/dev/null; then
-        cat "$work/server.log"
-        echo "the service did not start" >&2
-        exit 1
+session() { # COMMAND...: with the address of a service of its own, and the folder of the data
+    start_server "$program"
+    "$@" "$address" "$client/data"
+    stop_server
+}
+
+openapi_python_client() {
+    openapi-python-client generate --path "$document" --meta none --output-path "$work/trackloom_client" >"$work/log" 2>&1 || { cat "$work/log"; return 1; }
+    # A warning means that an operation or a schema was left out.
+    if grep -i -E "warning|skipping|missing|unable|error|omitted" "$work/log"; then
+        cat "$work/log"
+        echo "the generator left something out" >&2
+        return 1
     fi
-    sleep 0.2
+    local expected generated
+    expected=$(grep -c '"operationId"' "$document")
+    generated=$(find "$work/trackloom_client/api" -name '*.py' ! -name '__init__.py' | wc -l)
+    if [ "$expected" -ne "$generated" ]; then
+        echo "the document has $expected operations, the client $generated" >&2
+        return 1
+    fi
+    PYTHONPATH=$work session python "$client/sessions/openapi_python_client.py"
+}
+
+openapi_generator_python() {
+    quietly openapi-generator-cli generate -g python -i "$document" -o "$work/openapi_generator"
+    PYTHONPATH=$work/openapi_generator session python "$client/sessions/openapi_generator.py"
+}
+
+typescript() { # SESSION: type-checked, bundled and played; what was generated stands in $work/SESSION/generated
+    cp "$client/sessions/$1.ts" "$work/$1/session.ts"
+    cp "$client/tsconfig.json" "$work/$1"
+    ln -sfn "$cache/node/node_modules" "$work/node_modules"
+    quietly tsc --project "$work/$1"
+    quietly esbuild "$work/$1/session.ts" --bundle --platform=node --format=esm --outfile="$work/$1/session.mjs"
+    session node "$work/$1/session.mjs"
+}
+
+openapi_generator_typescript() {
+    quietly openapi-generator-cli generate -g typescript-fetch -i "$document" -o "$work/typescript_fetch/generated"
+    typescript typescript_fetch
+}
+
+openapi_typescript() {
+    quietly openapi-typescript "$document" --output "$work/openapi_fetch/generated/api.d.ts"
+    typescript openapi_fetch
+}
+
+hey_api() {
+    quietly openapi-ts --input "$document" --output "$work/hey_api/generated"
+    typescript hey_api
+}
+
+progenitor() {
+    (cd "$client/progenitor" && CARGO_TARGET_DIR=$cache/progenitor quietly cargo build --locked)
+    session "$cache/progenitor/debug/trackloom-progenitor-session"
+}
+
+install_python
+install_node
+check_documents
+for generator in openapi_python_client openapi_generator_python openapi_generator_typescript openapi_typescript hey_api progenitor; do
+    began=$SECONDS
+    "$generator"
+    echo "  $((SECONDS - began)) s"
 done
-address=$(sed -n 's/^trackloom listening on //p' "$work/server.log" | head -n 1)
-
-PYTHONPATH=$work "$cache/bin/python" "$root/tests/client/session.py" "$address"
-
-kill -TERM "$server"
-wait "$server" || { echo "the service did not stop cleanly" >&2; exit 1; }
-server=
-echo "generated client: ok"
+"$client/schemathesis.sh" "$program" 2000

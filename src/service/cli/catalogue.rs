@@ -2,6 +2,7 @@
 
 use super::BAD_INPUT;
 use crate::experiment::catalogue;
+use crate::experiment::plan::with_kind;
 use crate::experiment::presets::{self, ALIASES};
 use crate::registry::{Field, Presence, Variant};
 use crate::service::openapi;
@@ -82,7 +83,7 @@ fn presence(presence: &Presence) -> String {
 pub(super) fn print_presets(arguments: &PresetsArguments) -> ExitCode {
     match arguments.name.as_deref() {
         Some(name) => match presets::find(name) {
-            Some(preset) => printed(&pretty(&job_file(&preset))),
+            Some(preset) => printed(&pretty(&with_kind(preset.kind, &preset.body))),
             None => unknown("preset", name, "presets"),
         },
         None if arguments.json => {
@@ -118,15 +119,6 @@ fn list(header: &[&str], rows: &[Vec<String>]) -> String {
 fn unknown(what: &str, name: &str, command: &str) -> ExitCode {
     eprintln!("trackloom: there is no {what} '{name}'; `trackloom {command}` lists them");
     ExitCode::from(BAD_INPUT)
-}
-
-/// A preset as `trackloom run` reads it.
-pub(super) fn job_file(preset: &presets::Preset) -> Value {
-    let mut body = json!({"kind": preset.kind});
-    if let (Value::Object(fields), Value::Object(rest)) = (&mut body, &preset.body) {
-        fields.extend(rest.clone());
-    }
-    body
 }
 
 pub(super) fn print_openapi(as_3_0: bool) -> ExitCode {

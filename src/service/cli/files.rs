@@ -3,7 +3,7 @@
 //! The plan knows no files: a file source is planned as a dataset whose identity is its place in the job file, and put
 //! back into the spec of the report, so that the report can be run again.
 
-use crate::experiment::plan::{JobKind, Plan, Source};
+use crate::experiment::plan::{JobKind, Plan, Source, take_kind};
 use crate::experiment::run::{Input, Inputs};
 use crate::formats::npy::BearingTimeAxes;
 use crate::formats::{self, ReadOptions};
@@ -68,14 +68,7 @@ fn source_pointers(body: &Value) -> Vec<String> {
 impl JobFile {
     /// Takes apart a job file that stands in `folder`.
     pub(super) fn new(mut body: Value, folder: &Path) -> Result<Self, Vec<Fault>> {
-        let kinds = || JobKind::ALL.map(JobKind::name).join(", ");
-        let kind = body.as_object_mut().and_then(|fields| fields.shift_remove("kind"));
-        let Some(kind) = kind else {
-            return Err(vec![Fault::new("/kind", "missing", "'kind' is required in a job file").allowing(kinds())]);
-        };
-        let Ok(kind) = JobKind::deserialize(&kind) else {
-            return Err(vec![Fault::new("/kind", "unknown_value", format!("unknown kind {kind}")).allowing(kinds())]);
-        };
+        let kind = take_kind(&mut body).map_err(|fault| vec![fault])?;
         let mut files = BTreeMap::new();
         let mut faults = Vec::new();
         for pointer in source_pointers(&body) {

@@ -4,7 +4,7 @@ use super::files::JobFile;
 use super::{BAD_INPUT, catalogue, table};
 use crate::experiment::known_data::{self, Known};
 use crate::experiment::observer::{Observer, Step};
-use crate::experiment::plan::{self, JobKind, Plan};
+use crate::experiment::plan::{self, JobKind, Plan, with_kind};
 use crate::experiment::presets;
 use crate::experiment::run::{self, Artifact, Outcome, RunError};
 use crate::model::fault::Fault;
@@ -157,8 +157,8 @@ fn preset_job(name: &str) -> Result<JobFile, Trouble> {
             .collect();
         vec![Fault::new("--preset", "unknown_value", format!("there is no preset '{name}'")).allowing(known.join(", "))]
     };
-    let body = catalogue::job_file(&presets::find(name).ok_or_else(unknown)?);
-    Ok(JobFile::new(body, Path::new("."))?)
+    let preset = presets::find(name).ok_or_else(unknown)?;
+    Ok(JobFile::new(with_kind(preset.kind, &preset.body), Path::new("."))?)
 }
 
 fn read_json(path: &Path, is_stdin: bool) -> Result<Value, Vec<Fault>> {

@@ -6,7 +6,7 @@ use super::state::AppState;
 use crate::experiment::{catalogue, plan, presets};
 use crate::registry::{Variant, standalone_schema};
 use crate::service::error::{ApiError, ApiResult};
-use crate::service::types::JobKind;
+use crate::service::types::{JobKind, JobSpec};
 use axum::extract::Path;
 use axum::http::HeaderMap;
 use axum::response::Response;
@@ -65,8 +65,8 @@ struct PresetInfo {
     name: String,
     summary: String,
     kind: JobKind,
-    /// The body for the route of that kind.
-    #[schema(value_type = Object)]
+    /// The job, with its kind.
+    #[schema(value_type = JobSpec)]
     body: Value,
 }
 
@@ -88,7 +88,7 @@ impl From<Variant> for MethodEntry {
 impl From<presets::Preset> for PresetInfo {
     fn from(preset: presets::Preset) -> Self {
         let presets::Preset { name, summary, kind, body } = preset;
-        PresetInfo { name, summary, kind: kind.into(), body }
+        PresetInfo { name, summary, body: plan::with_kind(kind, &body), kind: kind.into() }
     }
 }
 

@@ -4,7 +4,7 @@ use super::conditional::{self, created};
 use super::extract::Id;
 use super::query::{NoParams, Params, names};
 use super::state::AppState;
-use super::upload;
+use super::{raw_upload, upload};
 use crate::model::dataset::DatasetKind as ModelKind;
 use crate::service::error::ApiResult;
 use crate::service::jobs::{DatasetFilter, Sort};
@@ -24,6 +24,7 @@ const PREVIEW_ROWS: (u64, u64) = (20, 1000);
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new()
         .routes(routes!(upload_dataset, list_datasets))
+        .routes(routes!(upload_raw_dataset))
         .layer(DefaultBodyLimit::disable())
         .routes(routes!(get_dataset, delete_dataset))
         .routes(routes!(preview_dataset))
@@ -41,10 +42,30 @@ pub fn routes() -> OpenApiRouter<AppState> {
     ))]
 async fn upload_dataset(State(app): State<AppState>, _: NoParams, request: Request) -> ApiResult {
     let upload = upload::receive(request, app.jobs.temp_dir(), app.max_upload_bytes).await?;
-    let (dataset, is_new) = app.jobs.add_dataset(upload.file.clone(), upload.meta.clone()).await?;
+    let added = app.jobs.add_dataset(upload.file.clone(), upload.meta.clone()).await;
+    added.map(answer).map_err(|error| upload::repoint(error, "/meta", "/file"))
+}
+
+/// Upload a dataset as the body
+///
+/// The body is the file; what is known of it besides stands in the query, each member of `DatasetMeta` under its name. Checks
+/// and answers are those of the upload in parts.
+#[utoipa::path(post, path = "/v1/datasets/raw", operation_id = "uploadRawDataset", tag = "datasets",
+    responses(
+        (status = 200, description = "The dataset that exists already.", body = DatasetInfo),
+        (status = 201, description = "The dataset, checked and kept.", body = DatasetInfo),
+    ))]
+async fn upload_raw_dataset(State(app): State<AppState>, params: Params, request: Request) -> ApiResult {
+    let upload = raw_upload::receive(params, request, app.jobs.temp_dir(), app.max_upload_bytes).await?;
+    let added = app.jobs.add_dataset(upload.file.clone(), upload.meta.clone()).await;
+    added.map(answer).map_err(|error| upload::repoint(error, "/query", ""))
+}
+
+/// 201 with the dataset, or 200 where it was there before.
+fn answer((dataset, is_new): (DatasetInfo, bool)) -> Response {
     let status = if is_new { StatusCode::CREATED } else { StatusCode::OK };
     let location = dataset.links.self_path.clone();
-    Ok(created(status, &location, dataset))
+    created(status, &location, dataset)
 }
 
 /// List datasets

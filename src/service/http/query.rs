@@ -6,6 +6,7 @@ use crate::service::error::ApiError;
 use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
 use jiff::Timestamp;
+use serde_json::Value;
 use std::convert::Infallible;
 
 /// The query of a request. Ask for each parameter, then [`Params::finish`].
@@ -78,6 +79,13 @@ impl Params {
         entries.filter_map(|entry| self.read_value(name, entry, allowed, &read)).collect()
     }
 
+    /// A value written as JSON.
+    pub fn json(&mut self, name: &'static str) -> Option<Value> {
+        let text = self.text(name)?;
+        let read = serde_json::from_str(&text);
+        read.map_err(|error| self.fault(name, "malformed", &format!("the value is not JSON: {error}"), "JSON")).ok()
+    }
+
     /// `key:value` pairs, the parameter repeated.
     pub fn labels(&mut self, name: &'static str) -> Vec<(String, String)> {
         let split = |text: &str| text.split_once(':').map(|(key, value)| (key.to_owned(), value.to_owned()));
@@ -105,6 +113,11 @@ impl Params {
 
     pub fn fault(&mut self, name: &str, code: &str, detail: &str, allowed: &str) {
         self.faults.push(Fault::new(format!("/query/{name}"), code, detail).allowing(allowed));
+    }
+
+    /// Faults of what the parameters say, each with its pointer into them.
+    pub fn add(&mut self, faults: Vec<Fault>) {
+        self.faults.extend(faults.into_iter().map(|fault| Fault { pointer: format!("/query{}", fault.pointer), ..fault }));
     }
 
     /// The query without its cursor, ready to have one appended.

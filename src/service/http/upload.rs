@@ -13,11 +13,12 @@ use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
 use crate::registry::{Kind, Object, control_character_fault, optional};
 use crate::service::error::ApiError;
-use crate::service::jobs::{DatasetMeta, ReceivedFile};
+use crate::service::jobs::{DatasetMeta, JobsError, ReceivedFile};
 use crate::service::storage::blobs::hex;
+use axum::body::Bytes;
 use axum::extract::multipart::Field as Part;
 use axum::extract::{FromRequest, Multipart, Request};
-use futures::{Stream, stream};
+use futures::{Stream, StreamExt, TryStreamExt, stream};
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
@@ -72,7 +73,7 @@ pub static META: Object = Object {
 static SENSOR: Kind = Kind::Object(catalogue::sensor_settings());
 
 #[derive(Debug, Default, Deserialize)]
-struct Meta {
+pub(super) struct Meta {
     name: Option<String>,
     kind: Option<DatasetKind>,
     format: Option<String>,
@@ -95,7 +96,7 @@ pub struct Upload {
     pub meta: DatasetMeta,
     pub file: ReceivedFile,
     /// Held for its drop.
-    _temporary: TempPath,
+    pub(super) _temporary: TempPath,
 }
 
 /// Receives the parts `meta` (may be absent) and `file`. In this order, faults of `meta` are told before the file is read.
@@ -169,14 +170,26 @@ async fn read_meta(mut part: Part<'_>) -> Result<DatasetMeta, ApiError> {
     checked::<Meta>(&parse_json(&bytes, "/meta")?, &META, "/meta").map(DatasetMeta::from)
 }
 
-async fn read_file(mut part: Part<'_>, directory: &Path, limit_bytes: u64) -> Result<(ReceivedFile, TempPath, Option<String>), ApiError> {
+async fn read_file(part: Part<'_>, directory: &Path, limit_bytes: u64) -> Result<(ReceivedFile, TempPath, Option<String>), ApiError> {
     let file_name = file_name(part.file_name().unwrap_or_default())?;
+    let mut chunks = part.map_err(|error| broken_off(&error));
+    let (file, temporary) = store(&mut chunks, directory, limit_bytes).await?;
+    Ok((file, temporary, file_name))
+}
+
+/// Writes the chunks of a file to a temporary one.
+pub(super) async fn store(
+    chunks: &mut (impl Stream<Item = Result<Bytes, ApiError>> + Unpin),
+    directory: &Path,
+    limit_bytes: u64,
+) -> Result<(ReceivedFile, TempPath), ApiError> {
     let (file, path) = tempfile::NamedTempFile::new_in(directory).map_err(ApiError::internal)?.into_parts();
     let mut file = File::from_std(file);
     let mut hash = Sha256::new();
     let mut bytes = 0;
     let mut first_bytes = Vec::new();
-    while let Some(chunk) = part.chunk().await.map_err(|error| broken_off(&error))? {
+    while let Some(chunk) = chunks.next().await {
+        let chunk = chunk?;
         bytes += chunk.len() as u64;
         if first_bytes.len() < FIRST_BYTES {
             first_bytes.extend(chunk.iter().take(FIRST_BYTES));
@@ -190,7 +203,18 @@ async fn read_file(mut part: Part<'_>, directory: &Path, limit_bytes: u64) -> Re
     }
     file.flush().await.map_err(ApiError::internal)?;
     let sha256 = hex(&hash.finalize());
-    Ok((ReceivedFile { path: path.to_path_buf(), sha256, bytes }, path, file_name))
+    Ok((ReceivedFile { path: path.to_path_buf(), sha256, bytes }, path))
+}
+
+/// The fault where the request says what it is about: what the checks of the meta and of the file call `/meta` and `/file`.
+pub fn repoint(error: JobsError, meta: &str, file: &str) -> ApiError {
+    let JobsError::Invalid(faults) = error else { return error.into() };
+    let place = |pointer: String| match (pointer.strip_prefix("/meta"), pointer.strip_prefix("/file")) {
+        (Some(rest), _) => format!("{meta}{rest}"),
+        (_, Some(rest)) => format!("{file}{rest}"),
+        _ => pointer,
+    };
+    ApiError::validation(faults.into_iter().map(|fault| Fault { pointer: place(fault.pointer), ..fault }).collect())
 }
 
 /// The name of the file, if it has one.

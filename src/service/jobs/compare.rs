@@ -75,10 +75,15 @@ fn side(blobs: &Blobs, files: Files) -> anyhow::Result<Side> {
         Some(sha256) => MetricTable::read(&read(sha256)?).with_context(|| format!("{METRIC_SERIES} is damaged"))?,
         None => MetricTable::default(),
     };
+    let mut spec = report["spec"].take();
+    if let Some(members) = spec.as_object_mut() {
+        // Kinds are compared by themselves.
+        members.shift_remove("kind");
+    }
     let Job { id, kind, name, seed, .. } = files.job;
     Ok(Side {
         job: ComparedJob { id, kind, name, seed, total_s: report["timing"]["total_s"].as_f64().unwrap_or(0.0) },
-        spec: report["spec"].take(),
+        spec,
         result: report["result"].take(),
         metrics,
         runs: files.runs.map(read).transpose()?,

@@ -32,6 +32,7 @@ use super::storage::blobs::Blobs;
 use super::storage::notices::{Notice, Notices};
 use super::storage::{Changed, Database, Storage};
 use super::types::{ArtifactList, CampaignSoFar, Comparison, DatasetInfo, DatasetPage, Event, EventPage, Job, JobKind, JobPage, JobState};
+use crate::experiment::plan::with_kind;
 use anyhow::{Context, bail, ensure};
 use campaign::Campaigns;
 use control::{Running, Stop};
@@ -221,10 +222,10 @@ impl Jobs {
         self.0.artifact(id, name).await
     }
 
-    /// The job's request as normalised.
+    /// The job's request as normalised, with its kind.
     pub async fn spec(&self, id: Uuid) -> Result<Value, JobsError> {
-        self.0.job(id).await?;
-        Ok(self.0.storage.spec(id).await?)
+        let job = self.0.job(id).await?;
+        Ok(with_kind(job.kind.into(), &self.0.storage.spec(id).await?))
     }
 
     /// The data behind the pictures of a job.

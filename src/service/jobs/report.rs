@@ -1,6 +1,6 @@
 //! The report of a job: the same head for every kind, then the result as it was serialised once.
 
-use crate::experiment::plan::{InputRequest, JobKind, Plan, Source};
+use crate::experiment::plan::{InputRequest, JobKind, Plan, Source, with_kind};
 use crate::experiment::run::{CellTime, Input, Outcome};
 use crate::model::dataset::DatasetKind;
 use serde::Serialize;
@@ -32,7 +32,8 @@ struct WholeTiming<'a> {
 struct Report<'a> {
     kind: JobKind,
     job_id: Uuid,
-    spec: &'a Value,
+    /// With its `kind`, so that it is a job that can be run again.
+    spec: Value,
     seed: u32,
     engine_version: &'a str,
     inputs: &'a [ReportInput],
@@ -69,7 +70,7 @@ pub fn build(job_id: Uuid, plan: &Plan, inputs: &[ReportInput], outcome: &Outcom
     serde_json::to_vec(&Report {
         kind: plan.kind,
         job_id,
-        spec: &plan.spec,
+        spec: with_kind(plan.kind, &plan.spec),
         seed: plan.seed,
         engine_version: ENGINE_VERSION,
         inputs,

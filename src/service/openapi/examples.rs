@@ -1,6 +1,6 @@
 //! Examples of request bodies. A test gives every one of them to the checks that real requests meet.
 
-use crate::experiment::plan::JobKind;
+use crate::experiment::plan::{JobKind, with_kind};
 use crate::experiment::presets;
 use serde_json::{Value, json};
 
@@ -100,6 +100,9 @@ pub(super) fn patch() -> Vec<(&'static str, Value)> {
     vec![("A new name", json!({"name": "crossing, second try"}))]
 }
 
-pub(super) fn validate() -> Vec<(&'static str, Value)> {
-    simulate().into_iter().map(|(summary, body)| (summary, json!({"kind": "simulate", "spec": body}))).collect()
+/// Jobs of several kinds, each with its kind.
+pub(super) fn jobs() -> Vec<(&'static str, Value)> {
+    let kinds = [JobKind::Simulate, JobKind::Associate];
+    let first = |kind: JobKind| job_examples(kind).into_iter().next().map(|(summary, body)| (summary, with_kind(kind, &body)));
+    kinds.into_iter().filter_map(first).collect()
 }

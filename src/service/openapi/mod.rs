@@ -1,16 +1,21 @@
 //! The API document (OpenAPI 3.1): routes and answers from the handlers, request bodies from the same tables that check
 //! them. A copy in OpenAPI 3.0.3 is derived for generators that know no other.
 
+mod bodies;
 mod examples;
+mod refusals;
 mod version_3_0;
 
 use super::http;
-use super::types::Problem;
-use crate::experiment::catalogue;
+use super::types::{PROBLEMS, Problem};
 use crate::experiment::plan::JobKind;
-use crate::registry::{Components, Object, json_schema};
+use crate::experiment::run::ARTIFACT_TYPES;
+use crate::formats::FORMATS;
+use crate::model::fault::FAULT_CODES;
+use crate::registry::Components;
 use crate::service::storage::blobs::sha256_hex;
 use axum::body::Bytes;
+use bodies::{capital, request_bodies};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use utoipa::PartialSchema;
@@ -65,9 +70,8 @@ pub fn document() -> Value {
     document["tags"] = TAGS.iter().map(|(name, description)| json!({"name": name, "description": description})).collect();
     let mut components = components(&document);
     let bodies = request_bodies(&mut components);
-    for report in JobKind::ALL {
-        refer_to_spec(report, &mut components);
-    }
+    JobKind::ALL.into_iter().for_each(|kind| refer_to_spec(kind, &mut components));
+    tell_codes(&mut components);
     document["components"] = json!({"schemas": components});
     each_operation(&mut document, &mut |operation| complete(operation, &bodies));
     in_order(document)
@@ -98,88 +102,52 @@ fn components(document: &Value) -> Components {
     components
 }
 
-/// Operation → its request body. Their schemas come from the tables that check requests, and go before what the
-/// handlers say of the same name.
-fn request_bodies(components: &mut Components) -> BTreeMap<String, Value> {
-    let mut tables = Components::new();
-    let mut bodies = BTreeMap::new();
-    for kind in JobKind::ALL {
-        let name = kind.name();
-        let operation = format!("create{}{}Job", name[..1].to_uppercase(), &name[1..]);
-        bodies.insert(operation, json_body(catalogue::request_object(kind), &job_examples(kind), &mut tables));
-    }
-    bodies.insert("updateJob".to_owned(), json_body(&http::PATCH, &examples::patch(), &mut tables));
-    bodies.insert("uploadDataset".to_owned(), upload_body(&mut tables));
-    components.append(&mut tables);
-    components.insert("ValidateRequest".to_owned(), validate_request());
-    bodies.insert("validateJob".to_owned(), with_examples(&reference("ValidateRequest"), &examples::validate()));
-    bodies
-}
-
-fn json_body(object: &'static Object, examples: &[(&str, Value)], components: &mut Components) -> Value {
-    with_examples(&json_schema(object, components), examples)
-}
-
-fn with_examples(schema: &Value, examples: &[(&str, Value)]) -> Value {
-    let named: Map<String, Value> = examples
-        .iter()
-        .enumerate()
-        .map(|(index, (summary, value))| (format!("example{}", index + 1), json!({"summary": summary, "value": value})))
-        .collect();
-    json!({"required": true, "content": {"application/json": {"schema": schema, "examples": named}}})
-}
-
-fn upload_body(components: &mut Components) -> Value {
-    let meta = json_schema(&http::META, components);
-    let upload = json!({
-        "type": "object",
-        "description": "Two parts.",
-        "properties": {
-            "meta": meta,
-            "file": {"type": "string", "format": "binary", "description": "The file."}
-        },
-        "required": ["file"]
-    });
-    components.insert("DatasetUpload".to_owned(), upload);
-    let encoding = json!({"meta": {"contentType": "application/json"}});
-    json!({"required": true, "content": {"multipart/form-data": {"schema": reference("DatasetUpload"), "encoding": encoding}}})
-}
-
-/// Its `spec` is any object: what is wrong with it is what the caller wants to hear.
-fn validate_request() -> Value {
-    json!({
-        "type": "object",
-        "description": "A request to check.",
-        "properties": {
-            "kind": reference("JobKind"),
-            "spec": {"type": "object", "additionalProperties": true, "description": "The body that a job of this kind would get."}
-        },
-        "required": ["kind", "spec"],
-        "additionalProperties": false
-    })
-}
-
-/// The `spec` of a report is the request of its kind.
+/// The `spec` of a report is a job of its kind.
 fn refer_to_spec(kind: JobKind, components: &mut Components) {
-    let request = catalogue::request_object(kind).name;
-    let report = request.replace("Request", "Report");
-    if let Some(spec) = components.get_mut(&report).and_then(|schema| schema.pointer_mut("/properties/spec")) {
-        *spec = reference(request);
+    let name = capital(kind);
+    if let Some(spec) = components.get_mut(&format!("{name}Report")).and_then(|schema| schema.pointer_mut("/properties/spec")) {
+        *spec = reference(&format!("{name}Spec"));
     }
 }
 
-/// Adds what all operations share, and the request body.
+/// The names of problems and of faults are told, and are no closed list: a later version may have more, and a client of an
+/// earlier one still has to read its answers.
+fn tell_codes(components: &mut Components) {
+    let problems: Vec<String> = PROBLEMS.iter().map(|(code, status, _)| format!("`{code}` ({status})")).collect();
+    let faults: Vec<String> = FAULT_CODES.iter().map(|(code, meaning)| format!("`{code}`: {meaning}")).collect();
+    for (schema, codes) in [("Problem", problems), ("FaultItem", faults)] {
+        if let Some(description) = components.get_mut(schema).and_then(|schema| schema.pointer_mut("/properties/code/description")) {
+            *description = json!(format!("{} One of {}; there may be more.", description.as_str().unwrap_or_default(), codes.join(", ")));
+        }
+    }
+}
+
+/// Adds what handlers do not say of an operation.
 fn complete(operation: &mut Value, bodies: &BTreeMap<String, Value>) {
     let id = operation["operationId"].as_str().unwrap_or_default().to_owned();
     if let Some(body) = bodies.get(&id) {
         operation["requestBody"] = body.clone();
     }
-    for parameter in operation["parameters"].as_array_mut().into_iter().flatten() {
+    if id == "uploadRawDataset" {
+        operation["parameters"] = bodies::raw_upload_query();
+    }
+    for parameter in operation.get_mut("parameters").and_then(Value::as_array_mut).into_iter().flatten() {
         never_null(&mut parameter["schema"]);
     }
-    for (range, description) in [("4XX", "The request is refused."), ("5XX", "The service cannot do it.")] {
-        let content = json!({"application/problem+json": {"schema": reference("Problem")}});
-        operation["responses"][range] = json!({"description": description, "content": content});
+    name_file_types(operation);
+    refusals::add(operation);
+}
+
+/// A download answers in the type of its file. The type of any bytes stands first: generators take the first.
+fn name_file_types(operation: &mut Value) {
+    let types: Vec<&str> = match operation["operationId"].as_str() {
+        Some("downloadDataset") => FORMATS.iter().map(|format| format.media_type).collect(),
+        Some("downloadJobArtifact") => ARTIFACT_TYPES.to_vec(),
+        _ => return,
+    };
+    let Some(content) = operation.pointer_mut("/responses/200/content").and_then(Value::as_object_mut) else { return };
+    if let Some(file) = content.get("application/octet-stream").cloned() {
+        content.extend(types.into_iter().map(|media_type| (media_type.to_owned(), file.clone())));
     }
 }
 

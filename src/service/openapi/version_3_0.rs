@@ -2,7 +2,7 @@
 //! what those generators choke on is left out.
 
 use serde_json::{Map, Value, json};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 const SCHEMAS: &str = "#/components/schemas/";
 
@@ -16,6 +16,8 @@ pub fn derive(mut document: Value) -> Value {
         license.shift_remove("identifier");
     }
     remove_multipart(&mut document);
+    let types = types_of_schemas(&document);
+    type_nullable(&mut document, &types);
     plain_json_problems(&mut document["paths"]);
     schemas_below(&mut document["paths"]);
     if let Some(schemas) = document.pointer_mut("/components/schemas").and_then(Value::as_object_mut) {
@@ -31,6 +33,22 @@ fn remove_multipart(document: &mut Value) {
             operations.retain(|_, operation| operation.pointer("/requestBody/content/multipart~1form-data").is_none());
         }
     }
+}
+
+/// The type of each named schema; a union is one of objects.
+fn types_of_schemas(document: &Value) -> BTreeMap<String, String> {
+    let schemas = document.pointer("/components/schemas").and_then(Value::as_object).into_iter().flatten();
+    schemas.map(|(name, schema)| (format!("{SCHEMAS}{name}"), schema["type"].as_str().unwrap_or("object").to_owned())).collect()
+}
+
+/// `nullable` says nothing in 3.0 without a type beside it.
+fn type_nullable(value: &mut Value, types: &BTreeMap<String, String>) {
+    let options = value.get("oneOf").and_then(Value::as_array).map_or(&[][..], Vec::as_slice);
+    if options.iter().any(|option| option["type"] == "null") {
+        let found = options.iter().find_map(|option| types.get(option["$ref"].as_str()?));
+        found.into_iter().for_each(|found| value["type"] = json!(found));
+    }
+    children(value).for_each(|child| type_nullable(child, types));
 }
 
 /// One generator types errors only where they are plain JSON.
@@ -179,6 +197,19 @@ mod tests {
         assert_eq!(rewritten(json!({"oneOf": [{"type": "null"}, reference]})), json!({"allOf": [reference], "nullable": true}));
         let inside = json!({"type": "array", "items": {"type": ["string", "null"]}});
         assert_eq!(rewritten(inside), json!({"type": "array", "items": {"type": "string", "nullable": true}}));
+    }
+
+    #[test]
+    fn what_may_be_null_has_a_type() {
+        let kind = json!({"type": "string", "enum": ["a"]});
+        let reference = json!({"$ref": "#/components/schemas/Kind"});
+        let document = json!({
+            "paths": {"/a": {"get": {"schema": {"oneOf": [{"type": "null"}, reference]}}}},
+            "components": {"schemas": {"Kind": kind}}
+        });
+        let derived = derive(document);
+        let expected = json!({"type": "string", "allOf": [reference], "nullable": true});
+        assert_eq!(derived["paths"]["/a"]["get"]["schema"], expected);
     }
 
     #[test]

@@ -98,10 +98,10 @@ pub struct ReportInput {
     /// `dataset` or `job`.
     pub source: String,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(value_type = Option<Uuid>, nullable = false)]
     pub dataset_id: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
+    #[schema(value_type = Option<Uuid>, nullable = false)]
     pub job_id: Option<String>,
     pub sha256: String,
 }
@@ -487,7 +487,7 @@ pub struct TfaUnknownDetection {
     pub detection_id: String,
 }
 
-/// The request of a job as normalised: a body that its route accepts.
+/// A job as normalised: a request with its kind. Its schema comes from the tables that check requests.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[schema(value_type = Object)]
 pub struct JobSpec(pub Value);

@@ -68,7 +68,8 @@ export const getPlan = (id: string): Promise<Plan> => once(`plan ${id}`, () => t
 export function getPlanAt(id: string, time_s: number): Promise<Plan> {
   return taken(client.GET("/v1/jobs/{id}/plan", { params: { path: { id }, query: { from: time_s, to: time_s } } }));
 }
-export const getSpec = (id: string): Promise<Record<string, unknown>> => taken(client.GET("/v1/jobs/{id}/spec", path(id)));
+/** The request of a job, as the form of its kind shows it. */
+export const getSpec = async (id: string): Promise<Record<string, unknown>> => withoutKind(await taken(client.GET("/v1/jobs/{id}/spec", path(id))));
 
 /** The schemas in it are free JSON to the API document; here they are read as what they are. */
 export async function getMethods(): Promise<Methods> {
@@ -97,7 +98,7 @@ export const getBearingTime = (id: string): Promise<BearingTime> => series(id, "
 export const getScanCounts = (id: string): Promise<ScanCounts> => once(`scan_counts ${id}`, () => series(id, "scan_counts", {}));
 
 export async function listPresets(): Promise<Preset[]> {
-  return (await taken(client.GET("/v1/presets"))).items;
+  return (await taken(client.GET("/v1/presets"))).items.map((preset) => ({ ...preset, body: withoutKind(preset.body) }));
 }
 
 export function compareJobs(job: string[], baseline: string | undefined): Promise<Comparison> {
@@ -131,9 +132,13 @@ export async function listDatasets(kind: Dataset["kind"] | undefined): Promise<D
   return (await taken(client.GET("/v1/datasets", { params: { query } }))).items;
 }
 
-export const validate = (kind: JobKind, spec: Record<string, unknown>): Promise<Validation> => taken(client.POST("/v1/validate", { body: { kind, spec } }));
+function withoutKind({ kind: _, ...body }: components["schemas"]["JobSpec"]): Record<string, unknown> {
+  return body;
+}
 
 /** The form does not promise a valid body: the service judges it. */
+export const validate = (kind: JobKind, body: Record<string, unknown>): Promise<Validation> => taken(client.POST("/v1/validate", { body: { ...body, kind } as never }));
+
 export function createJob(kind: JobKind, body: Record<string, unknown>): Promise<Job> {
   return taken(client.POST(`/v1/jobs/${kind}`, { body: body as never }));
 }

@@ -3,8 +3,9 @@
 use super::super::body::JsonBody;
 use super::super::conditional::created;
 use super::super::headers::{idempotency_key, note_replay, note_wait, patience, preferred_wait};
-use super::super::query::{NoParams, names};
+use super::super::query::NoParams;
 use super::super::state::AppState;
+use crate::experiment::plan::take_kind;
 use crate::model::fault::Fault;
 use crate::service::error::{ApiError, ApiResult};
 use crate::service::types::{FaultItem, Job, JobKind};
@@ -13,13 +14,14 @@ use axum::extract::State;
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
-use serde_json::Value;
+use serde_json::{Map, Value};
 use utoipa::ToSchema;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new()
+        .routes(routes!(create_job))
         .routes(routes!(create_simulate_job))
         .routes(routes!(create_associate_job))
         .routes(routes!(create_evaluate_job))
@@ -41,41 +43,48 @@ macro_rules! create {
                 (status = 200, description = "The job, ended within the wait that was asked for.", body = Job),
                 (status = 202, description = "The job, queued.", body = Job),
             ))]
-        async fn $name(State(app): State<AppState>, _: NoParams, headers: HeaderMap, JsonBody(body): JsonBody) -> ApiResult {
-            create(app, $kind, &headers, body).await
+        async fn $name(State(app): State<AppState>, _: NoParams, headers: HeaderMap, JsonBody(mut body): JsonBody) -> ApiResult {
+            let kind = kind_of(&mut body, $kind).map_err(refused)?;
+            create(app, kind, &headers, body).await
         }
     };
 }
 
 create!(
+    /// Ask for a job
+    ///
+    /// Queues the job that the body describes: a request with its `kind`, as `trackloom run` reads it from a file.
+    create_job, "/v1/jobs", "createJob", None
+);
+create!(
     /// Simulate a scenario
     ///
     /// Queues a job that plays the scenario: detections with known origins, and the truth.
-    create_simulate_job, "/v1/jobs/simulate", "createSimulateJob", JobKind::Simulate
+    create_simulate_job, "/v1/jobs/simulate", "createSimulateJob", Some(JobKind::Simulate)
 );
 create!(
     /// Track the targets of a recording
     ///
     /// Queues a job that runs an associator over detections: tracks with their candidates and probabilities.
-    create_associate_job, "/v1/jobs/associate", "createAssociateJob", JobKind::Associate
+    create_associate_job, "/v1/jobs/associate", "createAssociateJob", Some(JobKind::Associate)
 );
 create!(
     /// Judge tracks against the truth
     ///
     /// Queues a job that judges tracks, or makes them of `input` first. A job named as a source is waited for.
-    create_evaluate_job, "/v1/jobs/evaluate", "createEvaluateJob", JobKind::Evaluate
+    create_evaluate_job, "/v1/jobs/evaluate", "createEvaluateJob", Some(JobKind::Evaluate)
 );
 create!(
     /// Put together reports of several sensors
     ///
     /// Queues a job that groups what several sensors reported of one target at one instant.
-    create_group_job, "/v1/jobs/group", "createGroupJob", JobKind::Group
+    create_group_job, "/v1/jobs/group", "createGroupJob", Some(JobKind::Group)
 );
 create!(
     /// Put together tracks of several sensors
     ///
     /// Queues a job that finds which tracks of several sensors are of one target, and fuses them to system tracks.
-    create_correlate_job, "/v1/jobs/correlate", "createCorrelateJob", JobKind::Correlate
+    create_correlate_job, "/v1/jobs/correlate", "createCorrelateJob", Some(JobKind::Correlate)
 );
 
 create!(
@@ -83,8 +92,30 @@ create!(
     ///
     /// Queues a job that runs another job's body many times over a grid of its parameters: means, intervals and paired
     /// differences, cell by cell.
-    create_campaign_job, "/v1/jobs/campaign", "createCampaignJob", JobKind::Campaign
+    create_campaign_job, "/v1/jobs/campaign", "createCampaignJob", Some(JobKind::Campaign)
 );
+
+/// The kind of a job, taken out of its body. A job that is asked for by the path of a kind may name it as well.
+fn kind_of(body: &mut Value, asked: Option<JobKind>) -> Result<JobKind, Fault> {
+    if let Some(kind) = asked.filter(|_| body.get("kind").is_none()) {
+        return Ok(kind);
+    }
+    if !body.is_object() {
+        return Err(Fault::new("", "wrong_type", "expected an object").allowing("an object"));
+    }
+    let named = JobKind::from(take_kind(body)?);
+    match asked.filter(|kind| *kind != named) {
+        None => Ok(named),
+        Some(kind) => {
+            let detail = format!("the job is of the kind '{}', not '{}'", named.name(), kind.name());
+            Err(Fault::new("/kind", "conflict", detail).allowing(kind.name()))
+        }
+    }
+}
+
+fn refused(fault: Fault) -> ApiError {
+    ApiError::validation(vec![fault])
+}
 
 async fn create(app: AppState, kind: JobKind, headers: &HeaderMap, body: Value) -> ApiResult {
     let wait_s = preferred_wait(headers)?;
@@ -127,14 +158,15 @@ struct CostEstimate {
     bytes: u64,
 }
 
-/// Check a request without queueing it
+/// Check a job without queueing it
 ///
-/// The same checks as for a job, and what the job would roughly cost. Faults are an answer here, not a refusal.
+/// The same checks as for a job, and what the job would roughly cost. Faults are an answer here, not a refusal. The body is
+/// the job; `{"kind": …, "spec": …}` with the body of a request of that kind as `spec` is understood as well.
 #[utoipa::path(post, path = "/v1/validate", operation_id = "validateJob", tag = "jobs",
     responses((status = 200, description = "What was found.", body = ValidationResult)))]
 async fn validate_job(State(app): State<AppState>, _: NoParams, JsonBody(body): JsonBody) -> ApiResult {
-    let (kind, spec) = read_validate(&body)?;
-    let found = app.jobs.validate(kind, spec).await?;
+    let (kind, body) = read_job(body)?;
+    let found = app.jobs.validate(kind, body).await?;
     let estimate =
         found.estimate.map(|estimate| CostEstimate { detections: estimate.detections, cost_s: estimate.cost_s, bytes: estimate.bytes });
     let errors: Vec<FaultItem> = found.faults.into_iter().map(FaultItem::from).collect();
@@ -142,25 +174,18 @@ async fn validate_job(State(app): State<AppState>, _: NoParams, JsonBody(body): 
     Ok::<Response, ApiError>(Json(result).into_response())
 }
 
-fn read_validate(body: &Value) -> Result<(JobKind, Value), ApiError> {
-    let Value::Object(members) = body else {
-        return Err(ApiError::validation(vec![Fault::new("", "wrong_type", "expected an object").allowing("an object")]));
+/// The kind and the body of a job, which may be wrapped.
+fn read_job(mut job: Value) -> Result<(JobKind, Value), ApiError> {
+    let Some(mut spec) = job.as_object_mut().and_then(|members| members.shift_remove("spec")) else {
+        let kind = kind_of(&mut job, None).map_err(refused)?;
+        return Ok((kind, job));
     };
     let mut faults = Vec::new();
-    let kinds = names(JobKind::ALL.map(JobKind::name));
-    let kind = members.get("kind").and_then(Value::as_str).and_then(JobKind::from_name);
-    if kind.is_none() {
-        let code = if members.contains_key("kind") { "unknown_value" } else { "missing" };
-        faults.push(Fault::new("/kind", code, "'kind' must name a kind of job").allowing(kinds));
-    }
-    if !members.contains_key("spec") {
-        faults.push(Fault::new("/spec", "missing", "'spec' is required").allowing("the body of a job"));
-    }
-    for name in members.keys().filter(|name| !matches!(name.as_str(), "kind" | "spec")) {
+    let kind = kind_of(&mut job, None).map_err(|fault| faults.push(fault)).ok();
+    for name in job.as_object().into_iter().flat_map(Map::keys) {
         faults.push(Fault::new(format!("/{name}"), "unknown_field", format!("unknown field '{name}'")).allowing("kind, spec"));
     }
-    match (kind, members.get("spec")) {
-        (Some(kind), Some(spec)) if faults.is_empty() => Ok((kind, spec.clone())),
-        _ => Err(ApiError::validation(faults)),
-    }
+    let Some(kind) = kind.filter(|_| faults.is_empty()) else { return Err(ApiError::validation(faults)) };
+    kind_of(&mut spec, Some(kind)).map_err(|fault| refused(Fault { pointer: format!("/spec{}", fault.pointer), ..fault }))?;
+    Ok((kind, spec))
 }

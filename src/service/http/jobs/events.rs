@@ -39,7 +39,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         ("after" = Option<u64>, Query, minimum = 0, maximum = 9_223_372_036_854_775_807_i64, description = "Only events after this number."),
         ("Last-Event-ID" = Option<String>, Header, description = "The last event that was seen; goes before `after`."),
     ),
-    responses((status = 200, description = "The events.", content_type = "text/event-stream", body = String)))]
+    responses((status = 200, description = "The events.", content_type = "text/event-stream", body = Event)))]
 async fn stream_job_events(
     State(app): State<AppState>,
     ends: Extension<Ends>,

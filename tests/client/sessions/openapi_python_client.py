@@ -1,4 +1,4 @@
-"""A session with the generated client: upload, associate, evaluate, report, a refusal, cancel.
+"""A session with the client of openapi-python-client: upload, associate, evaluate, report, a refusal, cancel.
 
 Every answer is read through the client's types; an untyped one fails.
 """
@@ -7,18 +7,22 @@ import io
 import json
 import sys
 import time
+from pathlib import Path
 
 from trackloom_client import Client
 from trackloom_client.api.catalogue import get_preset, list_methods
-from trackloom_client.api.datasets import get_dataset, list_datasets, upload_dataset
+from trackloom_client.api.datasets import download_dataset, get_dataset, list_datasets, upload_dataset, upload_raw_dataset
 from trackloom_client.api.jobs import (
     cancel_job,
     create_associate_job,
     create_evaluate_job,
+    create_job,
     create_simulate_job,
     get_job,
     get_job_history,
+    get_job_spec,
     list_jobs,
+    validate_job,
 )
 from trackloom_client.api.results import get_job_plan, get_job_report, get_job_series, list_job_artifacts
 from trackloom_client.models import (
@@ -33,6 +37,8 @@ from trackloom_client.models import (
     DoneEvent,
     EvaluateReport,
     EvaluateRequest,
+    EvaluateSpec,
+    EvaluateSpecKind,
     Job,
     JobSource,
     JobSourceSource,
@@ -47,17 +53,14 @@ from trackloom_client.models import (
     TrackerSettings,
     TrackProbabilitySeries,
     UploadOrigin,
+    UploadRawDatasetKind,
+    ValidationResult,
 )
 from trackloom_client.types import File
 
-DETECTIONS = "time_s,scan,sensor_id,detection_id,x_m,y_m,truth_id\n" + "".join(
-    f"{2 * scan},{scan + 1},radar,{name}{scan},{x + 100 * scan},{y},{name}\n"
-    for scan in range(12)
-    for name, x, y in (("A", 0, 0), ("B", 0, 5000))
-)
-TRUTH = "time_s,truth_id,x_m,y_m\n" + "".join(
-    f"{2 * scan},{name},{100 * scan},{y}\n" for name, y in (("A", 0), ("B", 5000)) for scan in range(12)
-)
+DATA = Path(__file__).parent.parent / "data"
+DETECTIONS = (DATA / "detections.csv").read_text()
+TRUTH = (DATA / "truth.csv").read_text()
 
 
 def typed(answer, kind):
@@ -73,6 +76,11 @@ def upload(client, name, text, **meta):
     return typed(upload_dataset.sync(client=client, body=body), DatasetInfo)
 
 
+def upload_raw(client, name, text, **query):
+    body = File(payload=io.BytesIO(text.encode()), file_name=name, mime_type="application/octet-stream")
+    return typed(upload_raw_dataset.sync(client=client, body=body, name=name, **query), DatasetInfo)
+
+
 def ended(client, job):
     """The job as soon as it has ended, by asking again and again."""
     typed(job, Job)
@@ -85,17 +93,17 @@ def ended(client, job):
 
 
 def dataset(info):
-    return DatasetSource(source=DatasetSourceSource.DATASET, dataset_id=str(info.id))
+    return DatasetSource(source=DatasetSourceSource.DATASET, dataset_id=info.id)
 
 
 def output_of(job):
-    return JobSource(source=JobSourceSource.JOB, job_id=str(job.id))
+    return JobSource(source=JobSourceSource.JOB, job_id=job.id)
 
 
 def upload_and_find(client):
     radar = SensorSettings(sensor_id="radar", p_d=0.95, clutter_per_m2=1e-9, sigma_x_m=10.0, sigma_y_m=10.0)
     detections = upload(client, "detections.csv", DETECTIONS, sensors=[radar])
-    truth = upload(client, "truth.csv", TRUTH)
+    truth = upload_raw(client, "truth.csv", TRUTH, kind=UploadRawDatasetKind.TRUTH)
     assert (detections.kind, detections.rows, detections.scans) == (DatasetKind.DETECTIONS, 24, 12)
     assert (truth.kind, truth.objects) == (DatasetKind.TRUTH, 2)
     assert typed(detections.origin, UploadOrigin).file_name == "detections.csv"
@@ -103,6 +111,7 @@ def upload_and_find(client):
     assert get_dataset.sync(client=client, id=detections.id) == detections
     listed = list_datasets.sync(client=client, kind="truth", count=True)
     assert listed.total == 1 and listed.items[0].id == truth.id
+    assert typed(download_dataset.sync(client=client, id=truth.id), File).payload.read() == TRUTH.encode()
     return detections, truth
 
 
@@ -131,6 +140,15 @@ def evaluate(client, associated, truth):
     assert [target.verdict for target in report.result.tfa.targets] == [TfaVerdict.CORRECT, TfaVerdict.CORRECT]
     assert report.result.tfa.probability.correct == 1.0
     return job
+
+
+def ask_again(client, job):
+    """The job as it is given out is the job as it is asked for."""
+    spec = typed(get_job_spec.sync(client=client, id=job.id), EvaluateSpec)
+    assert spec.kind == EvaluateSpecKind.EVALUATE
+    assert typed(validate_job.sync(client=client, body=spec), ValidationResult).valid
+    again = typed(create_job.sync(client=client, body=spec), Job)
+    assert ended(client, again).duplicate_of == job.id
 
 
 def look(client, job):
@@ -184,10 +202,11 @@ def main():
     detections, truth = upload_and_find(client)
     associated = associate(client, detections)
     judged = evaluate(client, associated, truth)
+    ask_again(client, judged)
     look(client, judged)
     be_refused(client, detections)
     cancel(client)
-    print("session: ok")
+    print("openapi-python-client: ok")
 
 
 main()
