@@ -3,7 +3,7 @@
 //! - [`types`]: what goes over the wire, with its schema.
 //! - [`config`]: what can be set.
 //! - `storage`: one SQLite file and a directory of blobs; the truth about datasets and jobs.
-//! - `engine`: the queue, which only says "look at this job now"; nothing else knows apalis.
+//! - `engine`: the queue, which only says "look at this job now".
 //! - [`jobs`]: submitting, running, waiting, cancelling; the facade that HTTP and the command line call.
 
 pub mod cli;

@@ -6,6 +6,7 @@ use super::jobs::Jobs;
 use super::openapi::Documents;
 use anyhow::Context;
 use axum::Router;
+use axum::serve::ListenerExt;
 use metrics_exporter_prometheus::{PrometheusBuilder, PrometheusHandle};
 use std::net::SocketAddr;
 use std::sync::{Arc, OnceLock};
@@ -88,6 +89,8 @@ impl Server {
         let listener = TcpListener::bind(config.listen).await.with_context(|| format!("cannot listen on {}", config.listen))?;
         let address = listener.local_addr()?;
         let stop = CancellationToken::new();
+        // Headers and body of an answer are two writes; without this the second waits for the client to acknowledge the first.
+        let listener = listener.tap_io(|stream| _ = stream.set_nodelay(true));
         let serving = tokio::spawn(axum::serve(listener, application).with_graceful_shutdown(stop.clone().cancelled_owned()).into_future());
         Ok(Server { address, jobs, stop, serving })
     }

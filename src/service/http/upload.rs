@@ -160,7 +160,7 @@ async fn read_meta(mut part: Part<'_>) -> Result<DatasetMeta, ApiError> {
 
 async fn read_file(mut part: Part<'_>, directory: &Path, limit_bytes: u64) -> Result<(ReceivedFile, TempPath, Option<String>), ApiError> {
     let file_name = part.file_name().map(str::to_owned).filter(|name| !name.is_empty());
-    let (file, path) = tempfile::NamedTempFile::new_in(directory).map_err(ApiError::internal)?.into_parts();
+    let (file, path) = tempfile::NamedTempFile::new_in(directory).map_err(ApiError::writing)?.into_parts();
     let mut file = File::from_std(file);
     let mut hash = Sha256::new();
     let mut bytes = 0;
@@ -170,9 +170,9 @@ async fn read_file(mut part: Part<'_>, directory: &Path, limit_bytes: u64) -> Re
             return Err(too_large(limit_bytes));
         }
         hash.update(&chunk);
-        file.write_all(&chunk).await.map_err(ApiError::internal)?;
+        file.write_all(&chunk).await.map_err(ApiError::writing)?;
     }
-    file.flush().await.map_err(ApiError::internal)?;
+    file.flush().await.map_err(ApiError::writing)?;
     let sha256 = hex(&hash.finalize());
     Ok((ReceivedFile { path: path.to_path_buf(), sha256, bytes }, path, file_name))
 }

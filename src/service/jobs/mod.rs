@@ -15,6 +15,7 @@ pub(in crate::service) mod report;
 mod request;
 mod runner;
 mod submit;
+mod upkeep;
 
 pub use crate::service::storage::{DatasetFilter, JobFilter, Sort};
 pub use change::JOB_PATCH;
@@ -25,6 +26,7 @@ use super::config::Config;
 use super::engine::{Engine, Entry, Handler};
 use super::storage::blobs::Blobs;
 use super::storage::notices::{Notice, Notices};
+use super::storage::room::{NoRoom, Room};
 use super::storage::{Changed, Database, Storage};
 use super::types::{ArtifactList, CampaignSoFar, Comparison, DatasetInfo, DatasetPage, Event, EventPage, Job, JobKind, JobPage, JobState};
 use crate::model::dataset::Dataset;
@@ -36,7 +38,8 @@ use hub::Hub;
 use recent::Recent;
 use serde_json::Value;
 use std::collections::BTreeMap;
-use std::fs::{File, TryLockError};
+use std::fs::{DirBuilder, File, TryLockError};
+use std::os::unix::fs::DirBuilderExt;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Weak};
@@ -70,6 +73,7 @@ struct Inner {
     slots: Arc<Semaphore>,
     /// Held for reading while files wait for their row, for writing while unused files are removed.
     sweeping: RwLock<()>,
+    room: Room,
     closing: CancellationToken,
     /// Some ready job may be missing in the queue.
     must_requeue: AtomicBool,
@@ -84,7 +88,7 @@ impl Jobs {
     /// When another process uses the directory, or it cannot be read or written.
     pub async fn open(config: Config) -> anyhow::Result<Jobs> {
         let directory = &config.data_dir;
-        std::fs::create_dir_all(directory).with_context(|| format!("cannot make {}", directory.display()))?;
+        make_private(directory).with_context(|| format!("cannot make {}", directory.display()))?;
         let database = match &config.database_url {
             None => Database::Sqlite(directory.join("app.db")),
             Some(url) => Database::Postgres(url.clone()),
@@ -99,7 +103,9 @@ impl Jobs {
             "the files of this database are kept elsewhere: say --data with the directory that its server uses, which all must reach, \
              or --artifacts with its bucket"
         );
+        let room = Room::open(directory, lock.as_ref().map(|lock| (lock, LOCK)), config.min_free)?;
         let inner = Arc::new(Inner {
+            room,
             blobs,
             engine: Engine::open(&database, slots).await?,
             storage,
@@ -118,7 +124,7 @@ impl Jobs {
             let notices = Notices::listen(url).await.context("cannot listen to the database")?;
             tokio::spawn(hear(notices, Arc::downgrade(&inner), inner.closing.clone()));
         } else {
-            inner.storage.recover().await?;
+            inner.take_up().await.with_context(|| format!("cannot use the tables in {}", inner.config.data_dir.display()))?;
         }
         inner.enqueue_ready(inner.lock.is_none()).await?;
         inner.engine.run(handler(Arc::downgrade(&inner)));
@@ -257,6 +263,11 @@ impl Jobs {
         }
     }
 
+    /// Whether so many bytes more can be kept.
+    pub fn check_room(&self, bytes: u64) -> Result<(), NoRoom> {
+        self.0.room.check(bytes)
+    }
+
     /// Whether [`Self::shutdown`] has begun.
     pub fn is_shutting_down(&self) -> bool {
         self.0.closing.is_cancelled()
@@ -328,16 +339,29 @@ impl Inner {
         Ok(())
     }
 
+    /// Takes up what an earlier process left; only for one that has the tables for itself.
+    async fn take_up(&self) -> anyhow::Result<()> {
+        self.restore_blobs(None).await?;
+        self.storage.recover().await
+    }
+
     async fn sweep_tables(&self) -> anyhow::Result<()> {
-        self.engine.sweep().await?;
         self.storage.forget_keys(KEY_AGE).await?;
         // What a bucket that was out of reach still has.
         Ok(self.sweep(Vec::new()).await?)
     }
 }
 
+/// The file that is locked while the directory is in use.
+const LOCK: &str = "lock";
+
+/// Makes the directory where it is missing, for nobody but its owner.
+fn make_private(directory: &Path) -> std::io::Result<()> {
+    DirBuilder::new().recursive(true).mode(0o700).create(directory)
+}
+
 fn lock(directory: &Path) -> anyhow::Result<File> {
-    let path = directory.join("lock");
+    let path = directory.join(LOCK);
     let file =
         File::options().create(true).truncate(false).write(true).open(&path).with_context(|| format!("cannot open {}", path.display()))?;
     match file.try_lock() {
@@ -371,10 +395,7 @@ async fn keep_up(inner: Weak<Inner>, closing: CancellationToken) {
             () = closing.cancelled() => return,
         }
         let Some(inner) = inner.upgrade() else { return };
-        let mut done = inner.engine.keep_alive().await;
-        if done.is_ok() {
-            done = inner.requeue_if_needed().await;
-        }
+        let mut done = inner.requeue_if_needed().await;
         if done.is_ok() && inner.lock.is_none() {
             // In case a notice was lost.
             done = inner.stop_unwanted(&inner.running.jobs()).await;
@@ -382,6 +403,9 @@ async fn keep_up(inner: Weak<Inner>, closing: CancellationToken) {
         if done.is_ok() && swept.elapsed() > SWEEP {
             swept = Instant::now();
             done = inner.sweep_tables().await;
+        }
+        if done.is_ok() {
+            done = inner.tidy().await;
         }
         if let Err(error) = done {
             tracing::error!(error = format!("{error:#}"), "upkeep failed");
@@ -402,7 +426,12 @@ async fn hear(mut notices: Notices, inner: Weak<Inner>, closing: CancellationTok
                 inner.hub.wake(&ids);
                 inner.running.jobs().into_iter().filter(|id| ids.contains(id)).collect()
             }
+            Ok(Notice::Queued) => {
+                inner.engine.wake();
+                Vec::new()
+            }
             Ok(Notice::Anything) => {
+                inner.engine.wake();
                 inner.hub.wake_all();
                 inner.running.jobs()
             }

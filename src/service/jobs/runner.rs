@@ -2,7 +2,7 @@
 
 use super::control::{CLOSING_GRACE, Control, Stop, Work};
 use super::datasets::NoSweepingHere;
-use super::error::is_unavailable;
+use super::error::may_pass;
 use super::inputs::Located;
 use super::meter::Meter;
 use super::report::{self, ReportInput};
@@ -13,6 +13,7 @@ use crate::experiment::plan::{JobKind, Plan};
 use crate::experiment::run::{self, Artifact, Inputs};
 use crate::model::fault::Fault;
 use crate::service::engine::Entry;
+use crate::service::storage::blobs::{Blobs, Damaged};
 use crate::service::storage::{Changed, Claim, ClaimedJob, Ending, NewArtifact};
 use crate::service::types::{Problem, Progress};
 use anyhow::{Context, anyhow, bail, ensure};
@@ -24,7 +25,8 @@ use std::time::Duration;
 use tokio::sync::{OwnedSemaphorePermit, oneshot, watch};
 use uuid::Uuid;
 
-/// Writing the end of a job is tried this often, one second apart: longer than a database takes to start again.
+/// Writing the end of a job is tried this often, one second apart, where nobody knows why it fails. While the database is away or the
+/// disk is full it is tried until the service stops.
 const WRITE_TRIES: u32 = 60;
 
 /// How often it is looked whether work that runs here has ended.
@@ -51,6 +53,8 @@ impl From<JobsError> for Failure {
             JobsError::Internal(error) => Failure::Internal(error),
             // Which of its errors it was is in the log.
             JobsError::Unavailable => Failure::Internal(sqlx::Error::PoolTimedOut.into()),
+            JobsError::NoRoom(reason) => Failure::Internal(reason.into()),
+            JobsError::Damaged(damaged) => Failure::Internal(damaged.into()),
             other => Failure::Internal(anyhow!(other)),
         }
     }
@@ -148,9 +152,8 @@ impl Inner {
         let mut tries = 0;
         loop {
             match self.no_sweeping().await {
-                Err(error) if tries < WRITE_TRIES => {
+                Err(error) if self.may_try_again(&error, &mut tries) => {
                     tracing::warn!(error = format!("{error:#}"), "files wait to be kept");
-                    tries += 1;
                     tokio::time::sleep(Duration::from_secs(1)).await;
                 }
                 guard => return guard,
@@ -168,9 +171,12 @@ impl Inner {
             }
             (Failure::Stopped, _) => Some(Ending::Canceled),
             (Failure::Faults(faults), _) => Some(Ending::Failed(Problem::validation(faults))),
-            (Failure::Internal(error), _) if is_unavailable(&error) => {
-                tracing::warn!(%job_id, error = format!("{error:#}"), "the database did not answer; the work is queued again");
+            (Failure::Internal(error), _) if may_pass(&error) => {
+                tracing::warn!(%job_id, error = format!("{error:#}"), "the database or the disk was not there; the work is queued again");
                 None
+            }
+            (Failure::Internal(error), _) if error.downcast_ref::<Damaged>().is_some() => {
+                Some(Ending::Failed(Problem::new("damaged", "a file that the job reads is damaged; the log says which")))
             }
             (Failure::Internal(error), _) => {
                 tracing::error!(%job_id, error = format!("{error:#}"), "a job failed inside the service");
@@ -252,20 +258,32 @@ impl Inner {
         }
     }
 
-    /// Puts the files in place.
+    /// Puts the files in place, however often that has to be tried: what was made is not thrown away.
     pub(super) async fn keep(&self, product: Product) -> anyhow::Result<Ending> {
-        let blobs = self.blobs.clone();
-        let artifacts = tokio::task::spawn_blocking(move || {
-            let report = Artifact::file("report.json", "application/json", product.report);
-            let keep = |artifact: Artifact| {
-                let sha256 = blobs.put(&artifact.bytes)?;
-                let Artifact { name, media_type, bytes, dataset, sensors } = artifact;
-                let (name, media_type) = (name.to_owned(), media_type.to_owned());
-                Ok(NewArtifact { name, media_type, bytes: bytes.len() as u64, sha256, dataset, sensors })
-            };
-            product.artifacts.into_iter().chain([report]).map(keep).collect::<anyhow::Result<Vec<_>>>()
-        });
-        Ok(Ending::Succeeded { artifacts: artifacts.await??, warnings: product.warnings })
+        let Product { mut artifacts, report, warnings } = product;
+        artifacts.push(Artifact::file("report.json", "application/json", report));
+        let artifacts = Arc::new(artifacts);
+        let mut tries = 0;
+        loop {
+            let (blobs, artifacts) = (self.blobs.clone(), artifacts.clone());
+            match tokio::task::spawn_blocking(move || keep_all(&blobs, &artifacts)).await? {
+                Err(error) if self.may_try_again(&error, &mut tries) => {
+                    tracing::error!(error = format!("{error:#}"), "the files of a job were not kept; trying again");
+                    tokio::time::sleep(Duration::from_secs(1)).await;
+                }
+                kept => return Ok(Ending::Succeeded { artifacts: kept?, warnings }),
+            }
+        }
+    }
+
+    /// Whether what failed is tried once more. A service that stops has no time for what may take long.
+    fn may_try_again(&self, error: &anyhow::Error, tries: &mut u32) -> bool {
+        if self.closing.is_cancelled() {
+            *tries += WRITE_TRIES / 2;
+        } else if !may_pass(error) {
+            *tries += 1;
+        }
+        *tries < WRITE_TRIES
     }
 
     /// Writes, however often that takes: nothing must stay `running` when nobody runs it. `None`: it had ended already.
@@ -284,8 +302,7 @@ impl Inner {
                 }
                 Err(error) => {
                     tracing::error!(%job_id, error = format!("{error:#}"), "the end of a piece of work was not written");
-                    tries += 1;
-                    if tries == WRITE_TRIES {
+                    if !self.may_try_again(&error, &mut tries) {
                         return Err(error);
                     }
                 }
@@ -293,6 +310,22 @@ impl Inner {
             tokio::time::sleep(Duration::from_secs(1)).await;
         }
     }
+}
+
+/// Makes the files blobs. Blocks.
+fn keep_all(blobs: &Blobs, artifacts: &[Artifact]) -> anyhow::Result<Vec<NewArtifact>> {
+    let received = blobs.receive_all(artifacts.iter().map(|artifact| artifact.bytes.as_slice()))?;
+    let unsynced = blobs.adopt_all(&received).inspect_err(|_| blobs.discard(&received))?;
+    let kept = artifacts.iter().zip(received).zip(unsynced).map(|((artifact, file), unsynced)| NewArtifact {
+        name: artifact.name.to_owned(),
+        media_type: artifact.media_type.to_owned(),
+        bytes: file.bytes,
+        sha256: file.sha256,
+        dataset: artifact.dataset.clone(),
+        sensors: artifact.sensors.clone(),
+        unsynced,
+    });
+    Ok(kept.collect())
 }
 
 /// Loads, runs and reports. Blocks, and stops soon after the stop sign is up.

@@ -31,6 +31,7 @@ impl Inner {
         {
             return self.answer(admission).await;
         }
+        self.room.check(0)?;
         let plan = planned(kind.into(), body).await?.map_err(JobsError::Invalid)?;
         let new = new_job(kind, plan, rerun_of, idempotency)?;
         let admission = self.storage.admit(&new, self.config.queue_limit).await?;
