@@ -41,7 +41,6 @@ const IMPURE: &[&str] = &[
     "tokio",
     "axum",
     "sqlx",
-    "apalis",
     "Instant::now",
     "SystemTime",
     "std::fs",
@@ -186,20 +185,6 @@ fn below_the_service_there_is_no_clock_file_thread_or_global() {
         }
     }
     assert_none("not pure", &faults);
-}
-
-#[test]
-fn the_queue_library_is_known_to_the_engine_alone() {
-    let mut faults = Vec::new();
-    for source in sources().iter().filter(|source| !source.path.starts_with("service/engine")) {
-        faults.extend(
-            source
-                .code_lines()
-                .filter(|(_, line)| line.contains("apalis"))
-                .map(|(number, _)| format!("{}:{number}", source.path.display())),
-        );
-    }
-    assert_none("apalis outside service/engine", &faults);
 }
 
 #[test]

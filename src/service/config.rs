@@ -1,6 +1,7 @@
 //! What can be set, with its defaults.
 
 use super::storage::blobs::BucketUrl;
+use super::storage::room::MinFree;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -21,6 +22,8 @@ pub struct Config {
     pub database_url: Option<String>,
     /// Where the files of datasets and jobs are kept instead of in `data_dir`.
     pub artifacts: Option<BucketUrl>,
+    /// What has to stay free on the disk of `data_dir`; below it nothing new is taken.
+    pub min_free: MinFree,
     /// Jobs that run at the same time.
     pub slots: usize,
     /// Jobs that may be queued before a new one is refused.
@@ -46,6 +49,7 @@ impl Config {
             data_dir: data_dir.into(),
             database_url: None,
             artifacts: None,
+            min_free: MinFree::Usual,
             slots: std::thread::available_parallelism().map_or(1, usize::from),
             queue_limit: 10_000,
             job_time_limit: Duration::from_secs(3600),

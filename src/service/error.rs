@@ -9,6 +9,8 @@ use axum::response::{IntoResponse, Response};
 
 /// Seconds after which a client may ask again when the queue is full or the service stops.
 const RETRY_BUSY_S: u16 = 5;
+/// Seconds after which there may be room on the disk again: somebody has to look after it.
+const RETRY_ROOM_S: u16 = 30;
 /// Seconds after which a result that is not ready is worth another look.
 const RETRY_RESULT_S: u16 = 1;
 
@@ -38,6 +40,11 @@ impl ApiError {
     pub fn internal(error: impl std::fmt::Display) -> Self {
         tracing::error!(%error, "request failed");
         ApiError::new("internal", "the service could not do it; its log says why")
+    }
+
+    /// A file could not be written.
+    pub fn writing(error: std::io::Error) -> Self {
+        JobsError::from(anyhow::Error::from(error)).into()
     }
 
     #[must_use]
@@ -83,6 +90,8 @@ impl From<JobsError> for ApiError {
             JobsError::ShuttingDown => ApiError::busy("shutting_down", detail),
             JobsError::MemoryLimit(_) => ApiError::new("memory_limit", detail),
             JobsError::Crashed(_) => ApiError::new("crashed", detail),
+            JobsError::NoRoom(_) => ApiError::new("insufficient_storage", detail).retry_after(RETRY_ROOM_S),
+            JobsError::Damaged(_) => ApiError::new("damaged", detail),
             JobsError::Internal(error) => ApiError::internal(format!("{error:#}")),
         }
     }

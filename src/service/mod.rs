@@ -5,7 +5,7 @@
 //! - `connections`: who may connect, and for how long the service waits for them.
 //! - `storage`: one SQLite file and a directory of blobs; the truth about datasets and jobs.
 //! - `child`: work in processes of their own, which may fail without the service.
-//! - `engine`: the queue, which only says "look at this job now"; nothing else knows apalis.
+//! - `engine`: the queue, which only says "look at this job now".
 //! - [`jobs`]: submitting, running, waiting, cancelling; the facade that HTTP and the command line call.
 
 pub mod build_info;

@@ -85,16 +85,18 @@ async fn a_job_that_was_running_in_three_dead_processes_fails_as_crashed() {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_lost_queue_file_loses_no_job() {
+async fn the_queue_is_made_anew_from_the_tables_and_the_file_of_an_earlier_version_goes() {
     let service = start_with(|config| config.slots = 1).await;
     let blocker = service.submit_ok(JobKind::Simulate, long()).await;
     let queued = service.submit_ok(JobKind::Simulate, small(1)).await;
     service.in_progress(blocker.id).await;
     service.cancel(blocker.id).await.unwrap();
     service.shutdown().await;
-    std::fs::remove_file(service.directory.path().join("queue.db")).unwrap();
+    let former = service.directory.path().join("queue.db");
+    std::fs::write(&former, "the queue of an earlier version").unwrap();
     let service = service.restart(&[]).await;
     service.succeeded(queued.id).await;
+    assert!(!former.exists());
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -4,6 +4,7 @@ mod campaigns;
 mod children;
 mod command_line;
 mod database;
+mod disk;
 mod job_files;
 mod many;
 mod postgres;

@@ -83,7 +83,11 @@ impl Server {
         if !arguments.contains(&"--workers") {
             command.args(["--workers", "2"]);
         }
-        let process = Process::start(command.args(arguments));
+        Server::of(Process::start(command.args(arguments)))
+    }
+
+    /// A process that has said where it listens.
+    pub fn of(process: Process) -> Server {
         let said = &process.said;
         let url = said.strip_prefix("trackloom listening on ").unwrap_or_else(|| panic!("said '{said}'")).to_owned();
         Server { process, url, client: reqwest::Client::new() }

@@ -12,6 +12,7 @@ use crate::service::build_info;
 use crate::service::child;
 use crate::service::config::Config;
 use crate::service::storage::blobs::BucketUrl;
+use crate::service::storage::room::MinFree;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::io::IsTerminal;
 use std::net::SocketAddr;
@@ -106,6 +107,10 @@ struct ServeArguments {
     /// Largest accepted upload in bytes
     #[arg(long, env = "TRACKLOOM_MAX_UPLOAD_BYTES", default_value_t = 1 << 30)]
     max_upload_bytes: u64,
+    /// What has to stay free on the disk of the directory, in bytes or percent: below it uploads and new jobs are refused. The smaller of
+    /// 5% and 1 GiB when absent
+    #[arg(long, env = "TRACKLOOM_MIN_FREE", value_name = "BYTES|PERCENT")]
+    min_free: Option<MinFree>,
     #[command(flatten)]
     access: access::AccessArguments,
     /// Jobs that may be queued before a new one is refused
@@ -138,6 +143,7 @@ impl ServeArguments {
         self.jobs.apply(&mut config);
         config.artifacts.clone_from(&self.artifacts);
         config.max_upload_bytes = self.max_upload_bytes;
+        config.min_free = self.min_free.unwrap_or_default();
         config.database_url.clone_from(&self.database_url);
         config.job_memory_bytes = self.job_memory;
         if let Some(workers) = self.workers {

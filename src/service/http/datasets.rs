@@ -1,5 +1,6 @@
 //! Datasets: receive, list, look into, hand out, delete.
 
+use super::body::{content_length, drain};
 use super::conditional::{self, created};
 use super::extract::Id;
 use super::query::{NoParams, Params, names};
@@ -7,7 +8,7 @@ use super::state::AppState;
 use super::{raw_upload, upload};
 use crate::model::dataset::DatasetKind as ModelKind;
 use crate::service::error::ApiResult;
-use crate::service::jobs::{DatasetFilter, Sort};
+use crate::service::jobs::{DatasetFilter, JobsError, Sort};
 use crate::service::types::{DatasetInfo, DatasetPage};
 use crate::service::views::preview;
 use axum::Json;
@@ -41,6 +42,11 @@ pub fn routes() -> OpenApiRouter<AppState> {
         (status = 201, description = "The dataset, checked and kept.", body = DatasetInfo),
     ))]
 async fn upload_dataset(State(app): State<AppState>, _: NoParams, request: Request) -> ApiResult {
+    if let Err(error) = app.jobs.check_room(content_length(request.headers()).unwrap_or(0)) {
+        let headers = request.headers().clone();
+        drain(&headers, request.into_body()).await;
+        return Err(JobsError::from(error).into());
+    }
     let upload = upload::receive(request, app.jobs.temp_dir(), app.max_upload_bytes).await?;
     let added = app.jobs.add_dataset(upload.file.clone(), upload.meta.clone()).await;
     added.map(answer).map_err(|error| upload::repoint(error, "/meta", "/file"))

@@ -51,7 +51,8 @@ async fn get_health(_: NoParams) -> Json<Health> {
 
 /// Does the service take work?
 ///
-/// Refused with `shutting_down` while it stops.
+/// Refused with `shutting_down` while it stops, with `unavailable` while the database does not answer, and with `disk` while the data
+/// directory is gone, cannot be written, or has too little room.
 #[utoipa::path(get, path = "/readyz", operation_id = "getReadiness", tag = "system",
     responses((status = 200, description = "It does.", body = Health)))]
 async fn get_readiness(State(app): State<AppState>, _: NoParams) -> ApiResult<Json<Health>> {
@@ -59,6 +60,7 @@ async fn get_readiness(State(app): State<AppState>, _: NoParams) -> ApiResult<Js
         return Err(ApiError::busy("shutting_down", "the service is shutting down"));
     }
     app.jobs.check().await?;
+    app.jobs.check_room(0).map_err(|reason| ApiError::new("disk", reason.to_string()))?;
     Ok(Json(Health { status: "ok" }))
 }
 

@@ -183,7 +183,7 @@ pub(super) async fn store(
     directory: &Path,
     limit_bytes: u64,
 ) -> Result<(ReceivedFile, TempPath), ApiError> {
-    let (file, path) = tempfile::NamedTempFile::new_in(directory).map_err(ApiError::internal)?.into_parts();
+    let (file, path) = tempfile::NamedTempFile::new_in(directory).map_err(ApiError::writing)?.into_parts();
     let mut file = File::from_std(file);
     let mut hash = Sha256::new();
     let mut bytes = 0;
@@ -199,9 +199,9 @@ pub(super) async fn store(
             return Err(too_large(limit_bytes));
         }
         hash.update(&chunk);
-        file.write_all(&chunk).await.map_err(ApiError::internal)?;
+        file.write_all(&chunk).await.map_err(ApiError::writing)?;
     }
-    file.flush().await.map_err(ApiError::internal)?;
+    file.flush().await.map_err(ApiError::writing)?;
     let sha256 = hex(&hash.finalize());
     Ok((ReceivedFile { path: path.to_path_buf(), sha256, bytes }, path))
 }

@@ -23,6 +23,8 @@ impl From<JobsError> for Failure {
             JobsError::Internal(error) => Failure::Internal(error),
             // Which of its errors it was is in the log.
             JobsError::Unavailable => Failure::Internal(sqlx::Error::PoolTimedOut.into()),
+            JobsError::NoRoom(reason) => Failure::Internal(reason.into()),
+            JobsError::Damaged(damaged) => Failure::Internal(damaged.into()),
             other => Failure::Internal(anyhow!(other)),
         }
     }

@@ -17,6 +17,7 @@ pub(in crate::service) mod report;
 mod request;
 mod runner;
 mod submit;
+mod upkeep;
 
 pub use crate::service::storage::{DatasetFilter, JobFilter, Sort};
 pub use change::JOB_PATCH;
@@ -30,6 +31,7 @@ use super::config::Config;
 use super::engine::{Engine, Entry, Handler};
 use super::storage::blobs::Blobs;
 use super::storage::notices::{Notice, Notices};
+use super::storage::room::{NoRoom, Room};
 use super::storage::{Changed, Database, Storage};
 use super::types::{ArtifactList, CampaignSoFar, Comparison, DatasetInfo, DatasetPage, Event, EventPage, Job, JobKind, JobPage, JobState};
 use crate::experiment::plan::with_kind;
@@ -43,7 +45,8 @@ use recent::Recent;
 use serde_json::Value;
 use serde_json::value::RawValue;
 use std::collections::BTreeMap;
-use std::fs::{File, TryLockError};
+use std::fs::{DirBuilder, File, TryLockError};
+use std::os::unix::fs::DirBuilderExt;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Weak};
@@ -81,6 +84,7 @@ struct Inner {
     looks: Arc<Semaphore>,
     /// Held for reading while files wait for their row, for writing while unused files are removed.
     sweeping: RwLock<()>,
+    room: Room,
     closing: CancellationToken,
     /// Some ready job may be missing in the queue.
     must_requeue: AtomicBool,
@@ -95,7 +99,7 @@ impl Jobs {
     /// When another process uses the directory, or it cannot be read or written.
     pub async fn open(config: Config) -> anyhow::Result<Jobs> {
         let directory = &config.data_dir;
-        std::fs::create_dir_all(directory).with_context(|| format!("cannot make {}", directory.display()))?;
+        make_private(directory).with_context(|| format!("cannot make {}", directory.display()))?;
         let database = match &config.database_url {
             None => Database::Sqlite(directory.join("app.db")),
             Some(url) => Database::Postgres(url.clone()),
@@ -110,6 +114,7 @@ impl Jobs {
             "the files of this database are kept elsewhere: say --data with the directory that its server uses, which all must reach, \
              or --artifacts with its bucket"
         );
+        let room = Room::open(directory, lock.as_ref().map(|lock| (lock, LOCK)), config.min_free)?;
         let job_memory_bytes = config.job_memory_bytes.or_else(|| default_memory(slots)).filter(|_| IS_LIMITED);
         match job_memory_bytes {
             Some(bytes) => tracing::info!(slots, "a job may use {} of memory", size_text(bytes)),
@@ -118,6 +123,7 @@ impl Jobs {
         let children = Children::open(config.child_program.clone(), job_memory_bytes, slots).await;
         let children = children.context("no process for jobs can be started")?;
         let inner = Arc::new(Inner {
+            room,
             blobs,
             children,
             engine: Engine::open(&database, slots).await?,
@@ -139,7 +145,7 @@ impl Jobs {
             let notices = Notices::listen(url).await.context("cannot listen to the database")?;
             tokio::spawn(hear(notices, Arc::downgrade(&inner), inner.closing.clone()));
         } else {
-            inner.storage.recover().await?;
+            inner.take_up().await.with_context(|| format!("cannot use the tables in {}", inner.config.data_dir.display()))?;
         }
         inner.enqueue_ready(inner.lock.is_none()).await?;
         inner.engine.run(handler(Arc::downgrade(&inner)));
@@ -278,6 +284,11 @@ impl Jobs {
         }
     }
 
+    /// Whether so many bytes more can be kept.
+    pub fn check_room(&self, bytes: u64) -> Result<(), NoRoom> {
+        self.0.room.check(bytes)
+    }
+
     /// Whether [`Self::shutdown`] has begun.
     pub fn is_shutting_down(&self) -> bool {
         self.0.closing.is_cancelled()
@@ -350,16 +361,29 @@ impl Inner {
         Ok(())
     }
 
+    /// Takes up what an earlier process left; only for one that has the tables for itself.
+    async fn take_up(&self) -> anyhow::Result<()> {
+        self.restore_blobs(None).await?;
+        self.storage.recover().await
+    }
+
     async fn sweep_tables(&self) -> anyhow::Result<()> {
-        self.engine.sweep().await?;
         self.storage.forget_keys(KEY_AGE).await?;
         // What a bucket that was out of reach still has.
         Ok(self.sweep(Vec::new()).await?)
     }
 }
 
+/// The file that is locked while the directory is in use.
+const LOCK: &str = "lock";
+
+/// Makes the directory where it is missing, for nobody but its owner.
+fn make_private(directory: &Path) -> std::io::Result<()> {
+    DirBuilder::new().recursive(true).mode(0o700).create(directory)
+}
+
 fn lock(directory: &Path) -> anyhow::Result<File> {
-    let path = directory.join("lock");
+    let path = directory.join(LOCK);
     let file =
         File::options().create(true).truncate(false).write(true).open(&path).with_context(|| format!("cannot open {}", path.display()))?;
     match file.try_lock() {
@@ -393,10 +417,7 @@ async fn keep_up(inner: Weak<Inner>, closing: CancellationToken) {
             () = closing.cancelled() => return,
         }
         let Some(inner) = inner.upgrade() else { return };
-        let mut done = inner.engine.keep_alive().await;
-        if done.is_ok() {
-            done = inner.requeue_if_needed().await;
-        }
+        let mut done = inner.requeue_if_needed().await;
         if done.is_ok() && inner.lock.is_none() {
             // In case a notice was lost.
             done = inner.stop_unwanted(&inner.running.jobs()).await;
@@ -404,6 +425,9 @@ async fn keep_up(inner: Weak<Inner>, closing: CancellationToken) {
         if done.is_ok() && swept.elapsed() > SWEEP {
             swept = Instant::now();
             done = inner.sweep_tables().await;
+        }
+        if done.is_ok() {
+            done = inner.tidy().await;
         }
         if let Err(error) = done {
             tracing::error!(error = format!("{error:#}"), "upkeep failed");
@@ -424,7 +448,12 @@ async fn hear(mut notices: Notices, inner: Weak<Inner>, closing: CancellationTok
                 inner.hub.wake(&ids);
                 inner.running.jobs().into_iter().filter(|id| ids.contains(id)).collect()
             }
+            Ok(Notice::Queued) => {
+                inner.engine.wake();
+                Vec::new()
+            }
             Ok(Notice::Anything) => {
+                inner.engine.wake();
                 inner.hub.wake_all();
                 inner.running.jobs()
             }

@@ -8,6 +8,7 @@ use crate::model::scan::Recording;
 use crate::model::sensor::SensorSettings;
 use crate::model::track::TrackSet;
 use crate::model::truth::TruthSet;
+pub use crate::service::storage::blobs::ReceivedFile;
 use crate::service::types::Job;
 use crate::service::views::metrics::MetricTable;
 use serde_json::Value;
@@ -53,15 +54,6 @@ pub struct DatasetMeta {
     pub bearing_time: Option<BearingTimeAxes>,
     pub sensors: Vec<SensorSettings>,
     pub file_name: Option<String>,
-}
-
-/// A file received into [`super::Jobs::temp_dir`].
-#[derive(Debug, Clone)]
-pub struct ReceivedFile {
-    pub path: PathBuf,
-    /// In lower-case hex, of the content.
-    pub sha256: String,
-    pub bytes: u64,
 }
 
 /// A file to serve; it stays where it is until its owner is deleted.

@@ -2,7 +2,7 @@
 
 use super::control::{Control, Stop, Work};
 use super::datasets::NoSweepingHere;
-use super::error::is_unavailable;
+use super::error::may_pass;
 use super::in_child::{crash_text, unexpected};
 use super::inputs::local_files;
 use super::submit::planned;
@@ -10,6 +10,7 @@ use super::{Failure, Inner};
 use crate::experiment::plan::JobKind;
 use crate::service::child::{Made, MadeFile, Order};
 use crate::service::engine::Entry;
+use crate::service::storage::blobs::{Blobs, Damaged, ReceivedFile};
 use crate::service::storage::{Changed, Claim, ClaimedJob, Ending, NewArtifact};
 use crate::service::types::{Problem, Progress};
 use anyhow::{Context, bail, ensure};
@@ -21,7 +22,8 @@ use tempfile::TempDir;
 use tokio::sync::OwnedSemaphorePermit;
 use uuid::Uuid;
 
-/// Writing the end of a job is tried this often, one second apart: longer than a database takes to start again.
+/// Writing the end of a job is tried this often, one second apart, where nobody knows why it fails. While the database is away or the
+/// disk is full it is tried until the service stops.
 const WRITE_TRIES: u32 = 60;
 
 /// How often it is looked whether work that runs here has ended.
@@ -126,9 +128,8 @@ impl Inner {
         let mut tries = 0;
         loop {
             match self.no_sweeping().await {
-                Err(error) if tries < WRITE_TRIES => {
+                Err(error) if self.may_try_again(&error, &mut tries) => {
                     tracing::warn!(error = format!("{error:#}"), "files wait to be kept");
-                    tries += 1;
                     tokio::time::sleep(Duration::from_secs(1)).await;
                 }
                 guard => return guard,
@@ -148,9 +149,12 @@ impl Inner {
             (Failure::Faults(faults), _) => Some(Ending::Failed(Problem::validation(faults))),
             (Failure::Memory, _) => Some(Ending::Failed(Problem::new("memory_limit", self.memory_text(what)))),
             (Failure::Died(how), _) => Some(Ending::Failed(Problem::new("crashed", crash_text(what, &how)))),
-            (Failure::Internal(error), _) if is_unavailable(&error) => {
-                tracing::warn!(%job_id, error = format!("{error:#}"), "the database did not answer; the work is queued again");
+            (Failure::Internal(error), _) if may_pass(&error) => {
+                tracing::warn!(%job_id, error = format!("{error:#}"), "the database or the disk was not there; the work is queued again");
                 None
+            }
+            (Failure::Internal(error), _) if error.downcast_ref::<Damaged>().is_some() => {
+                Some(Ending::Failed(Problem::new("damaged", "a file that the job reads is damaged; the log says which")))
             }
             (Failure::Internal(error), _) => {
                 tracing::error!(%job_id, error = format!("{error:#}"), "a job failed inside the service");
@@ -183,21 +187,33 @@ impl Inner {
         }
     }
 
-    /// Puts the files in place.
+    /// Puts the files in place, however often that has to be tried: what was made is not thrown away.
     pub(super) async fn keep(&self, product: Product) -> anyhow::Result<Ending> {
-        let blobs = self.blobs.clone();
         let Product { files, warnings, directory } = product;
-        let artifacts = tokio::task::spawn_blocking(move || {
-            let keep = |file: MadeFile| {
-                let MadeFile { name, media_type, path, bytes, sha256, dataset, sensors } = file;
-                blobs.keep(&path, &sha256)?;
-                Ok(NewArtifact { name, media_type, bytes, sha256, dataset, sensors })
-            };
-            let kept = files.into_iter().map(keep).collect::<anyhow::Result<Vec<_>>>();
-            drop(directory);
-            kept
-        });
-        Ok(Ending::Succeeded { artifacts: artifacts.await??, warnings })
+        let files = Arc::new(files);
+        let mut tries = 0;
+        let kept = loop {
+            let (blobs, files) = (self.blobs.clone(), files.clone());
+            match tokio::task::spawn_blocking(move || keep_all(&blobs, &files)).await? {
+                Err(error) if self.may_try_again(&error, &mut tries) => {
+                    tracing::error!(error = format!("{error:#}"), "the files of a job were not kept; trying again");
+                    tokio::time::sleep(Duration::from_secs(1)).await;
+                }
+                kept => break kept?,
+            }
+        };
+        drop(directory);
+        Ok(Ending::Succeeded { artifacts: kept, warnings })
+    }
+
+    /// Whether what failed is tried once more. A service that stops has no time for what may take long.
+    fn may_try_again(&self, error: &anyhow::Error, tries: &mut u32) -> bool {
+        if self.closing.is_cancelled() {
+            *tries += WRITE_TRIES / 2;
+        } else if !may_pass(error) {
+            *tries += 1;
+        }
+        *tries < WRITE_TRIES
     }
 
     /// Writes, however often that takes: nothing must stay `running` when nobody runs it. `None`: it had ended already.
@@ -216,8 +232,7 @@ impl Inner {
                 }
                 Err(error) => {
                     tracing::error!(%job_id, error = format!("{error:#}"), "the end of a piece of work was not written");
-                    tries += 1;
-                    if tries == WRITE_TRIES {
+                    if !self.may_try_again(&error, &mut tries) {
                         return Err(error);
                     }
                 }
@@ -225,4 +240,20 @@ impl Inner {
             tokio::time::sleep(Duration::from_secs(1)).await;
         }
     }
+}
+
+/// Makes the files blobs. Blocks.
+fn keep_all(blobs: &Blobs, files: &[MadeFile]) -> anyhow::Result<Vec<NewArtifact>> {
+    let received = |file: &MadeFile| ReceivedFile { path: file.path.clone(), sha256: file.sha256.clone(), bytes: file.bytes };
+    let unsynced = blobs.adopt_all(&files.iter().map(received).collect::<Vec<_>>())?;
+    let kept = files.iter().zip(unsynced).map(|(file, unsynced)| NewArtifact {
+        name: file.name.clone(),
+        media_type: file.media_type.clone(),
+        bytes: file.bytes,
+        sha256: file.sha256.clone(),
+        dataset: file.dataset.clone(),
+        sensors: file.sensors.clone(),
+        unsynced,
+    });
+    Ok(kept.collect())
 }

@@ -32,6 +32,7 @@ impl Inner {
         {
             return self.answer(admission).await;
         }
+        self.room.check(0)?;
         let mut plan = planned(kind.into(), body).await?.map_err(JobsError::Invalid)?;
         let (known, _) = self.known_of(&plan).await?;
         let faults = known_data::check(&mut plan, &known);

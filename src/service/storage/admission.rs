@@ -101,8 +101,9 @@ impl Storage {
 
     pub async fn forget_keys(&self, older_than: Duration) -> anyhow::Result<()> {
         let age_micros = i64::try_from(older_than.as_micros())?;
-        sqlx::query("DELETE FROM idempotency_keys WHERE created_at < $1").bind(to_micros(now()) - age_micros).execute(&self.write).await?;
-        Ok(())
+        let mut change = self.begin().await?;
+        sqlx::query("DELETE FROM idempotency_keys WHERE created_at < $1").bind(to_micros(now()) - age_micros).execute(&mut *change).await?;
+        Ok(change.commit().await?)
     }
 }
 

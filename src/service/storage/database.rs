@@ -1,29 +1,65 @@
 //! Opening the tables, in either database.
 
+use super::transaction::Change;
 use anyhow::{Context, bail, ensure};
-use sqlx::AnyPool;
 use sqlx::any::{AnyConnectOptions, AnyPoolOptions};
-use sqlx::migrate::{MigrateError, Migrator};
-use sqlx::{Any, AnyConnection, Connection, Executor, Transaction};
+use sqlx::migrate::{MigrateError, Migration, MigrationType, Migrator};
+use sqlx::{AnyConnection, AnyPool, Connection, Executor, SqlSafeStr};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::time::{Duration, Instant};
+use uuid::Uuid;
 
-static SQLITE_TABLES: Migrator = sqlx::migrate!("src/service/storage/migrations/sqlite");
-static POSTGRES_TABLES: Migrator = sqlx::migrate!("src/service/storage/migrations/postgres");
+/// Version, description and text of each migration; their texts never change.
+type Migrations = [(i64, &'static str, &'static str)];
+
+const SQLITE_TABLES: &Migrations = &[
+    (1, "start", include_str!("migrations/sqlite/0001_start.sql")),
+    (2, "bearing time", include_str!("migrations/sqlite/0002_bearing_time.sql")),
+    (3, "chunks", include_str!("migrations/sqlite/0003_chunks.sql")),
+    (4, "blobs", include_str!("migrations/sqlite/0004_blobs.sql")),
+];
+
+const POSTGRES_TABLES: &Migrations =
+    &[(3, "start", include_str!("migrations/postgres/0003_start.sql")), (4, "queue", include_str!("migrations/postgres/0004_queue.sql"))];
 
 /// SQLite connections that may read at the same time.
 const READERS: u32 = 4;
-/// Connections to PostgreSQL of one process.
-const CONNECTIONS: u32 = 6;
+/// Connections to PostgreSQL of one process: for requests that read, for changes, and for workers that read.
+const REQUESTS: u32 = 4;
+const CHANGES: u32 = 3;
+const WORKERS: u32 = 2;
 /// Connections that may hold a guard at the same time; others wait.
 const GUARDS: u32 = 4;
-/// A database that does not answer is asked again until this has passed: longer than a restart takes.
-const PATIENCE: Duration = Duration::from_secs(60);
+/// Who makes a request is told soon that the database does not answer.
+const PATIENCE: Duration = Duration::from_secs(3);
+/// A file is always there; whoever waits for a connection to it waits for others who write, one after the other.
+const TURN_PATIENCE: Duration = Duration::from_secs(20);
+/// Work waits longer: than a restart takes.
+const WORK_PATIENCE: Duration = Duration::from_secs(60);
 /// The same at the start, when somebody waits for a word.
 const FIRST_PATIENCE: Duration = Duration::from_secs(20);
 /// The oldest PostgreSQL that is known to work.
 const OLDEST_POSTGRES: i64 = 150_000;
+
+/// What each connection to a SQLite file begins with. Somebody else may hold the file for a moment, such as a backup.
+const SQLITE_SETUP: &str = "PRAGMA busy_timeout = 3000";
+/// The log is written back by [`Storage::tidy`], so that no change waits for that, unless it has grown to 16 MB.
+const SQLITE_WRITER: &str =
+    "PRAGMA busy_timeout = 3000; PRAGMA journal_mode = WAL; PRAGMA wal_autocheckpoint = 4000; PRAGMA foreign_keys = ON";
+/// A request that reads for so long is given up by the server.
+const POSTGRES_REQUEST: &str = "SET statement_timeout = '5s'";
+/// Whoever stops in the midst of a change does not hold up the others.
+const POSTGRES_CHANGE: &str = "SET idle_in_transaction_session_timeout = '10s'";
+
+/// How safe a change is when it has been answered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Durability {
+    /// It is on the disk, also when the power fails.
+    Kept,
+    /// It outlives the process. When the power fails it may be lost, as if it had come a moment later; what was before it stays.
+    Passing,
+}
 
 /// Where the tables are.
 #[derive(Debug, Clone)]
@@ -37,8 +73,13 @@ pub enum Database {
 /// The tables.
 #[derive(Debug, Clone)]
 pub struct Storage {
+    /// For requests, which end soon or not at all.
     pub(super) read: AnyPool,
     pub(super) write: AnyPool,
+    /// For work that reads, which may take as long as it takes.
+    pub(super) work: AnyPool,
+    /// Whose notes are whose: the name of this process where several share the tables.
+    pub(super) owner: String,
     /// Whether other processes write as well.
     pub(super) is_shared: bool,
     guards: AnyPool,
@@ -46,12 +87,12 @@ pub struct Storage {
 
 /// While it lives, no other process removes unused files.
 pub struct NoSweeping {
-    _held: Option<Transaction<'static, Any>>,
+    _held: Option<Change>,
 }
 
 /// While it lives, no other process keeps files, nor removes them.
 pub struct Sweeping {
-    _held: Option<Transaction<'static, Any>>,
+    _held: Option<Change>,
 }
 
 impl Storage {
@@ -70,32 +111,36 @@ impl Storage {
     }
 
     /// Begins a change. No other change, of this process or another, begins before it has ended.
-    pub(super) async fn begin(&self) -> anyhow::Result<Transaction<'static, Any>> {
-        let mut transaction = self.write.begin().await?;
-        if self.is_shared {
-            sqlx::query("LOCK TABLE one_writer IN EXCLUSIVE MODE").execute(&mut *transaction).await?;
-        }
-        Ok(transaction)
+    pub(super) async fn begin(&self) -> anyhow::Result<Change> {
+        self.begin_with(Durability::Kept).await
+    }
+
+    pub(super) async fn begin_with(&self, durability: Durability) -> anyhow::Result<Change> {
+        let statements = match (self.is_shared, durability) {
+            (false, Durability::Kept) => "PRAGMA synchronous = FULL; BEGIN IMMEDIATE",
+            (false, Durability::Passing) => "PRAGMA synchronous = NORMAL; BEGIN IMMEDIATE",
+            (true, Durability::Kept) => "BEGIN; LOCK TABLE one_writer IN EXCLUSIVE MODE",
+            (true, Durability::Passing) => "BEGIN; SET LOCAL synchronous_commit = off; LOCK TABLE one_writer IN EXCLUSIVE MODE",
+        };
+        Ok(Change::begin(&self.write, statements).await?)
     }
 
     /// For whoever keeps files whose rows come later.
     pub async fn no_sweeping(&self) -> anyhow::Result<NoSweeping> {
-        Ok(NoSweeping { _held: self.guard("LOCK TABLE sweeping IN SHARE MODE").await? })
+        Ok(NoSweeping { _held: self.guard("BEGIN; LOCK TABLE sweeping IN SHARE MODE").await? })
     }
 
     /// For whoever removes files that no row has.
     pub async fn sweeping(&self) -> anyhow::Result<Sweeping> {
-        Ok(Sweeping { _held: self.guard("LOCK TABLE sweeping IN EXCLUSIVE MODE").await? })
+        Ok(Sweeping { _held: self.guard("BEGIN; LOCK TABLE sweeping IN EXCLUSIVE MODE").await? })
     }
 
     /// On connections of its own: whoever holds a guard needs another for the change itself.
-    async fn guard(&self, statement: &'static str) -> anyhow::Result<Option<Transaction<'static, Any>>> {
+    async fn guard(&self, statements: &'static str) -> anyhow::Result<Option<Change>> {
         if !self.is_shared {
             return Ok(None);
         }
-        let mut transaction = self.guards.begin().await?;
-        sqlx::query(statement).execute(&mut *transaction).await?;
-        Ok(Some(transaction))
+        Ok(Some(Change::begin(&self.guards, statements).await?))
     }
 
     /// Sets what all processes have to agree on, unless one of them has done so; gives what is set.
@@ -120,23 +165,36 @@ impl Storage {
         Ok(())
     }
 
-    /// Writes nothing from now on; reading goes on until the last reader has gone.
+    /// Writes the log of a SQLite file back into it, as far as nobody reads there, while changes go on.
+    pub async fn tidy(&self) -> anyhow::Result<()> {
+        if !self.is_shared {
+            sqlx::raw_sql("PRAGMA wal_checkpoint(PASSIVE)").execute(&self.guards).await?;
+        }
+        Ok(())
+    }
+
+    /// Writes nothing from now on; reading goes on until the last reader has gone. Then a SQLite file has everything in itself.
     pub async fn close(&self) {
+        if !self.is_shared
+            && let Err(error) = sqlx::raw_sql("PRAGMA busy_timeout = 200; PRAGMA wal_checkpoint(TRUNCATE)").execute(&self.write).await
+        {
+            tracing::warn!(%error, "the log of the tables was not written back; the next start does it");
+        }
         self.write.close().await;
     }
 }
 
 async fn open_sqlite(path: &Path) -> anyhow::Result<Storage> {
-    // FULL: what was answered is on the disk, also when the power fails.
-    let setup = "PRAGMA busy_timeout = 30000; PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON";
     // A pool would try again and again where a file is not a database; one connection says so.
     let mut first = AnyConnection::connect_with(&sqlite_options(path, "rwc")?).await?;
-    first.execute(sqlx::raw_sql(setup)).await?;
+    first.execute(sqlx::raw_sql(SQLITE_WRITER)).await?;
     first.close().await?;
-    let write = pool(1, setup).connect_with(sqlite_options(path, "rwc")?).await?;
-    migrate(&SQLITE_TABLES, &write).await?;
-    let read = pool(READERS, "PRAGMA busy_timeout = 30000").connect_with(sqlite_options(path, "ro")?).await?;
-    Ok(Storage { guards: read.clone(), read, write, is_shared: false })
+    let write = pool(1, TURN_PATIENCE, SQLITE_WRITER).connect_with(sqlite_options(path, "rwc")?).await?;
+    migrate(SQLITE_TABLES, &write).await?;
+    let read = pool(READERS, TURN_PATIENCE, SQLITE_SETUP).connect_with(sqlite_options(path, "ro")?).await?;
+    // What writes the log back needs another connection that may write, or changes would wait.
+    let guards = pool(1, TURN_PATIENCE, SQLITE_SETUP).connect_lazy_with(sqlite_options(path, "rw")?);
+    Ok(Storage { work: read.clone(), read, write, owner: String::new(), is_shared: false, guards })
 }
 
 fn sqlite_options(path: &Path, mode: &str) -> anyhow::Result<AnyConnectOptions> {
@@ -150,14 +208,17 @@ async fn open_postgres(url: &str) -> anyhow::Result<Storage> {
         url.starts_with("postgres://") || url.starts_with("postgresql://"),
         "it is not a URL such as postgres://user:password@host/database"
     );
-    let pool = pool(CONNECTIONS, "").connect_lazy_with(AnyConnectOptions::from_str(url)?);
-    wait_for(&pool).await?;
-    let version: String = sqlx::query_scalar("SELECT current_setting('server_version_num')").fetch_one(&pool).await?;
+    let options = AnyConnectOptions::from_str(url)?;
+    let work = pool(WORKERS, WORK_PATIENCE, "").connect_lazy_with(options.clone());
+    wait_for(&work).await?;
+    let version: String = sqlx::query_scalar("SELECT current_setting('server_version_num')").fetch_one(&work).await?;
     let number: i64 = version.parse().unwrap_or(0);
     ensure!(number >= OLDEST_POSTGRES, "it is PostgreSQL {}; {} or newer is needed", number / 10_000, OLDEST_POSTGRES / 10_000);
-    migrate(&POSTGRES_TABLES, &pool).await?;
-    let guards = self::pool(GUARDS, "").connect_lazy_with(AnyConnectOptions::from_str(url)?);
-    Ok(Storage { read: pool.clone(), write: pool, is_shared: true, guards })
+    migrate(POSTGRES_TABLES, &work).await?;
+    let read = pool(REQUESTS, PATIENCE, POSTGRES_REQUEST).connect_lazy_with(options.clone());
+    let write = pool(CHANGES, PATIENCE, POSTGRES_CHANGE).connect_lazy_with(options.clone());
+    let guards = pool(GUARDS, PATIENCE, "").connect_lazy_with(options);
+    Ok(Storage { read, write, work, owner: Uuid::now_v7().to_string(), is_shared: true, guards })
 }
 
 /// Waits until the database answers, for it may be starting as well.
@@ -179,8 +240,8 @@ async fn wait_for(pool: &AnyPool) -> anyhow::Result<()> {
     }
 }
 
-fn pool(size: u32, setup: &'static str) -> AnyPoolOptions {
-    AnyPoolOptions::new().max_connections(size).acquire_timeout(PATIENCE).after_connect(move |connection, _| {
+fn pool(size: u32, patience: Duration, setup: &'static str) -> AnyPoolOptions {
+    AnyPoolOptions::new().max_connections(size).acquire_timeout(patience).after_connect(move |connection, _| {
         Box::pin(async move {
             if !setup.is_empty() {
                 (connection as &mut AnyConnection).execute(sqlx::raw_sql(setup)).await?;
@@ -190,9 +251,12 @@ fn pool(size: u32, setup: &'static str) -> AnyPoolOptions {
     })
 }
 
-async fn migrate(tables: &Migrator, pool: &AnyPool) -> anyhow::Result<()> {
-    let known = tables.iter().map(|migration| migration.version).max().unwrap_or(0);
-    tables.run(pool).await.map_err(|error| match error {
+async fn migrate(tables: &Migrations, pool: &AnyPool) -> anyhow::Result<()> {
+    let known = tables.iter().map(|(version, ..)| *version).max().unwrap_or(0);
+    let migration = |&(version, description, sql): &(i64, &'static str, &'static str)| {
+        Migration::new(version, description.into(), MigrationType::Simple, sql.into_sql_str(), false)
+    };
+    Migrator::with_migrations(tables.iter().map(migration).collect()).run(pool).await.map_err(|error| match error {
         MigrateError::VersionMissing(version) => anyhow::anyhow!(
             "its tables have version {version}, this program knows them up to version {known}: a newer trackloom has written it"
         ),
@@ -239,7 +303,7 @@ mod tests {
         .unwrap();
         storage.close().await;
         let error = format!("{:#}", Storage::open(&Database::Sqlite(path)).await.unwrap_err());
-        assert!(error.contains("version 99") && error.contains("up to version 3") && error.contains("newer trackloom"), "{error}");
+        assert!(error.contains("version 99") && error.contains("up to version 4") && error.contains("newer trackloom"), "{error}");
         let other = directory.path().join("other.db");
         std::fs::write(&other, "this is not a database, whatever it is called; it is long enough to look like one").unwrap();
         let error = format!("{:#}", Storage::open(&Database::Sqlite(other)).await.unwrap_err());

@@ -5,7 +5,9 @@
 
 use super::change::{Changed, append_event, append_state, end_job, parse_id, ready_job, unfinished_dependencies};
 use super::chunks::recover_chunks;
+use super::database::Durability;
 use super::datasets::{NewDataset, insert_dataset};
+use super::unsynced::note_unsynced;
 use super::{Storage, now, to_micros};
 use crate::experiment::plan::JobKind as PlanKind;
 use crate::model::dataset::DatasetSummary;
@@ -46,6 +48,8 @@ pub struct NewArtifact {
     /// Set when other jobs can use it.
     pub dataset: Option<DatasetSummary>,
     pub sensors: Vec<SensorSettings>,
+    /// The content where the blob is not on the disk by itself: this change makes it safe.
+    pub unsynced: Option<Vec<u8>>,
 }
 
 /// How a running job ended.
@@ -60,7 +64,7 @@ impl Storage {
     /// Takes a queued job to run it, unless `crash_limit` processes have already died of it. `entry` is the queue's entry: one that
     /// comes again while the job runs through it comes because whoever ran the job is dead.
     pub async fn claim(&self, id: Uuid, entry: Uuid, crash_limit: u32) -> anyhow::Result<Claim> {
-        let mut transaction = self.begin().await?;
+        let mut transaction = self.begin_with(Durability::Passing).await?;
         let at = now();
         if unfinished_dependencies(&mut transaction, id).await? > 0 {
             return Ok(Claim::NotNow);
@@ -103,14 +107,14 @@ impl Storage {
             sqlx::query_scalar("SELECT crashes + CASE WHEN state = 'running' AND entry = $2 THEN 1 ELSE 0 END FROM jobs WHERE id = $1")
                 .bind(id.to_string())
                 .bind(entry.to_string())
-                .fetch_optional(&self.read)
+                .fetch_optional(&self.work)
                 .await?;
         Ok(crashes.unwrap_or(0))
     }
 
     /// Writes how far the claimed attempt is; `None` when it is no longer running.
     pub async fn progress(&self, id: Uuid, attempt: u32, progress: &Progress) -> anyhow::Result<Option<Changed>> {
-        let mut transaction = self.begin().await?;
+        let mut transaction = self.begin_with(Durability::Passing).await?;
         let done = sqlx::query("UPDATE jobs SET progress = $1 WHERE id = $2 AND attempt = $3 AND state = 'running'")
             .bind(serde_json::to_string(progress)?)
             .bind(id.to_string())
@@ -131,7 +135,7 @@ impl Storage {
         if !is_running(&mut transaction, job).await? {
             return Ok(None);
         }
-        let changed = end_with(&mut transaction, job, ending).await?;
+        let changed = end_with(&mut transaction, &self.owner, job, ending).await?;
         transaction.commit().await?;
         Ok(Some(changed))
     }
@@ -173,12 +177,15 @@ impl Storage {
 }
 
 /// Writes what a job made, and its end.
-pub(super) async fn end_with(connection: &mut AnyConnection, job: &ClaimedJob, ending: &Ending) -> anyhow::Result<Changed> {
+pub(super) async fn end_with(connection: &mut AnyConnection, owner: &str, job: &ClaimedJob, ending: &Ending) -> anyhow::Result<Changed> {
     let at = now();
     match ending {
         Ending::Succeeded { artifacts, warnings } => {
             for (position, artifact) in artifacts.iter().enumerate() {
                 insert_artifact(connection, job, position, artifact).await?;
+                if let Some(content) = &artifact.unsynced {
+                    note_unsynced(connection, owner, &artifact.sha256, content).await?;
+                }
             }
             let complete = Progress { step: ProgressStep::Write, done: 1, total: 1, fraction: 1.0, eta_s: None };
             sqlx::query("UPDATE jobs SET warnings = $1, progress = $2 WHERE id = $3")
@@ -289,6 +296,7 @@ mod tests {
             sha256: "00".into(),
             dataset: None,
             sensors: Vec::new(),
+            unsynced: None,
         };
         Ending::Succeeded { artifacts: vec![artifact("a"), artifact("b")], warnings: vec!["w".into()] }
     }

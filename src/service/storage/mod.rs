@@ -17,7 +17,10 @@ mod life;
 pub mod notices;
 mod outbox;
 mod page;
+pub mod room;
 mod statement;
+mod transaction;
+mod unsynced;
 
 pub use admission::{Admission, IdempotencyKey, NewJob, SourceId, SourceRef};
 pub use change::{Changed, Ready};

@@ -7,6 +7,8 @@ use sqlx::postgres::PgListener;
 use uuid::Uuid;
 
 const CHANNEL: &str = "trackloom_jobs";
+/// Where it is told that something is in the queue.
+pub const QUEUE_CHANNEL: &str = "trackloom_queue";
 /// A notice holds at most 8 000 bytes.
 const IDS_AT_ONCE: usize = 200;
 
@@ -31,6 +33,8 @@ pub struct Notices(PgListener);
 /// What was heard.
 pub enum Notice {
     Changed(Vec<Uuid>),
+    /// There is something in the queue.
+    Queued,
     /// The connection was lost for a while: anything may have changed.
     Anything,
 }
@@ -38,13 +42,14 @@ pub enum Notice {
 impl Notices {
     pub async fn listen(url: &str) -> anyhow::Result<Notices> {
         let mut listener = PgListener::connect(url).await?;
-        listener.listen(CHANNEL).await?;
+        listener.listen_all([CHANNEL, QUEUE_CHANNEL]).await?;
         Ok(Notices(listener))
     }
 
     /// The next notice. After a lost connection it connects again by itself.
     pub async fn next(&mut self) -> anyhow::Result<Notice> {
         Ok(match self.0.try_recv().await? {
+            Some(notice) if notice.channel() == QUEUE_CHANNEL => Notice::Queued,
             Some(notice) => Notice::Changed(notice.payload().split(',').filter_map(|id| parse_id(id).ok()).collect()),
             None => Notice::Anything,
         })

@@ -19,7 +19,7 @@ impl Storage {
              ORDER BY priority DESC, created_at, job_id, number",
         )
         .bind(i64::from(is_missing))
-        .fetch_all(&self.read)
+        .fetch_all(&self.work)
         .await?;
         let ready = |row: &sqlx::any::AnyRow| {
             let chunk = row.try_get::<Option<i64>, _>("number")?.map(u32::try_from).transpose()?;

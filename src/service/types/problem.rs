@@ -29,13 +29,16 @@ pub const PROBLEMS: &[(&str, u16, &str)] = &[
     ("validation", 422, "The request is not valid"),
     ("idempotency_mismatch", 422, "The idempotency key belongs to another request"),
     ("internal", 500, "An error inside the service"),
+    ("damaged", 500, "A stored file is damaged"),
     ("crashed", 500, "The job ended the process that ran it, too often"),
     ("queue_full", 503, "The queue is full"),
     ("too_many_connections", 503, "Too many connections are open"),
     ("too_many_streams", 503, "Too many event streams are open"),
     ("shutting_down", 503, "The service is shutting down"),
     ("unavailable", 503, "The database does not answer"),
+    ("disk", 503, "The data directory takes no more"),
     ("time_limit", 503, "The job ran longer than it may"),
+    ("insufficient_storage", 507, "There is no room to keep it"),
 ];
 
 /// An RFC 9457 problem.

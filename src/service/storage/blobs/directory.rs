@@ -1,6 +1,7 @@
-//! A directory of files named by the SHA-256 of their content. A file appears by an atomic rename of a complete, synced
-//! one.
+//! A directory of files named by the SHA-256 of their content. A file appears by an atomic rename of a complete one, which is on the disk
+//! or whose content is about to be noted in the tables.
 
+use super::ReceivedFile;
 use anyhow::Context;
 use std::fs::{self, File};
 use std::io::ErrorKind;
@@ -37,15 +38,45 @@ impl Directory {
         self.root.join(shard(sha256)).join(sha256)
     }
 
-    /// Makes a file on the same file system the blob of its SHA-256.
+    /// Makes a file on the same file system the blob of its SHA-256; it is on the disk afterwards.
     pub fn adopt(&self, received: &Path, sha256: &str) -> anyhow::Result<()> {
+        File::open(received).and_then(|file| file.sync_all()).context("cannot sync a blob")?;
+        self.move_in(received, sha256)?;
+        // The rename itself is only safe once the directory is on the disk.
         let path = self.path(sha256);
         let directory = path.parent().unwrap_or(&self.root);
-        fs::create_dir_all(directory).context("cannot make a directory for blobs")?;
-        File::open(received).and_then(|file| file.sync_all()).context("cannot sync a blob")?;
-        fs::rename(received, &path).context("cannot move a blob into place")?;
-        // The rename itself is only safe once the directory is on the disk.
         File::open(directory).and_then(|directory| directory.sync_all()).context("cannot sync the directory of a blob")
+    }
+
+    /// Makes a file the blob of its SHA-256, which a power failure may still take away. One that has moved before is there.
+    pub fn move_in(&self, received: &Path, sha256: &str) -> anyhow::Result<()> {
+        let path = self.path(sha256);
+        fs::create_dir_all(path.parent().unwrap_or(&self.root)).context("cannot make a directory for blobs")?;
+        match fs::rename(received, &path) {
+            Err(error) if error.kind() == ErrorKind::NotFound && path.exists() => Ok(()),
+            moved => moved.context("cannot move a blob into place"),
+        }
+    }
+
+    /// The same for many; they are on the disk afterwards, by two syncs for all of them.
+    pub fn adopt_all(&self, files: &[ReceivedFile]) -> anyhow::Result<()> {
+        self.sync()?;
+        files.iter().try_for_each(|file| self.move_in(&file.path, &file.sha256))?;
+        self.sync()
+    }
+
+    /// Everything that was written to this file system is on the disk afterwards.
+    #[cfg(target_os = "linux")]
+    pub fn sync(&self) -> anyhow::Result<()> {
+        let synced = File::open(&self.root).and_then(|directory| rustix::fs::syncfs(directory).map_err(std::io::Error::from));
+        synced.with_context(|| format!("cannot sync {}", self.root.display()))
+    }
+
+    /// Elsewhere there is no such call for one file system; this one asks for all of them.
+    #[cfg(not(target_os = "linux"))]
+    pub fn sync(&self) -> anyhow::Result<()> {
+        rustix::fs::sync();
+        Ok(())
     }
 
     pub fn remove(&self, sha256: &str) -> anyhow::Result<()> {

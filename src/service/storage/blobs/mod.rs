@@ -6,6 +6,7 @@ mod bucket;
 mod cache;
 mod directory;
 mod url;
+mod verified;
 
 pub use url::BucketUrl;
 
@@ -17,6 +18,24 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
+use verified::Verified;
+
+/// The files of a job that together are not larger than this are made safe by the tables.
+const NOTED_BYTES: u64 = 1 << 20;
+
+/// A file that has not the content of its name; the log says which.
+#[derive(Debug, Clone, Copy, thiserror::Error)]
+#[error("a stored file is damaged")]
+pub struct Damaged;
+
+/// A complete file in [`Blobs::temporary`].
+#[derive(Debug, Clone)]
+pub struct ReceivedFile {
+    pub path: PathBuf,
+    /// In lower-case hex, of the content.
+    pub sha256: String,
+    pub bytes: u64,
+}
 
 /// Nothing stays half-written so long.
 const OLD: Duration = Duration::from_secs(24 * 3600);
@@ -27,6 +46,7 @@ pub struct Blobs {
     place: Place,
     identity: String,
     temporary: PathBuf,
+    verified: Arc<Verified>,
 }
 
 #[derive(Debug, Clone)]
@@ -58,7 +78,8 @@ impl Blobs {
             }
             Some(url) => (Place::Bucket(Arc::new(Bucket::open(url, data_dir, &temporary).await?)), url.to_string()),
         };
-        Ok(Blobs { place, identity, temporary })
+        let verified = Arc::new(Verified::new(matches!(place, Place::Directory(_))));
+        Ok(Blobs { place, identity, temporary, verified })
     }
 
     /// What tells this place from any other: the bucket's address, or a word that was left in the directory when it was made.
@@ -71,14 +92,56 @@ impl Blobs {
         &self.temporary
     }
 
-    /// Makes a file that a job made the blob of its SHA-256. The file stays where the same content is kept already.
-    pub fn keep(&self, made: &Path, sha256: &str) -> anyhow::Result<()> {
-        if self.is_surely_kept(sha256) { Ok(()) } else { self.adopt(made, sha256) }
+    /// Writes a file that is to become a blob.
+    pub fn receive(&self, bytes: &[u8]) -> anyhow::Result<ReceivedFile> {
+        let path = self.temporary.join(uuid::Uuid::now_v7().to_string());
+        if let Err(error) = File::create(&path).and_then(|mut file| file.write_all(bytes)) {
+            // The next start throws away what stays.
+            let _ = fs::remove_file(&path);
+            return Err(error).context("cannot write a blob");
+        }
+        Ok(ReceivedFile { path, sha256: sha256_hex(bytes), bytes: bytes.len() as u64 })
     }
 
-    /// A bucket may have lost an object through another process; writing it again is cheaper than to be wrong.
-    fn is_surely_kept(&self, sha256: &str) -> bool {
-        matches!(&self.place, Place::Directory(directory) if directory.path(sha256).exists())
+    /// Makes all received files blobs; they move away. Gives for each the content that the change which names the blob has to note, for
+    /// only then is it safe; `None` where the blob is on the disk already. May be called again for the same files when it has failed.
+    pub fn adopt_all(&self, files: &[ReceivedFile]) -> anyhow::Result<Vec<Option<Vec<u8>>>> {
+        match &self.place {
+            Place::Directory(directory) if files.iter().map(|file| file.bytes).sum::<u64>() <= NOTED_BYTES => {
+                files.iter().map(|file| take_in(directory, file).map(Some)).collect()
+            }
+            Place::Directory(directory) => {
+                directory.adopt_all(files)?;
+                Ok(vec![None; files.len()])
+            }
+            Place::Bucket(bucket) => {
+                for file in files.iter().filter(|file| file.path.exists()) {
+                    bucket.adopt(&file.path, &file.sha256)?;
+                }
+                Ok(vec![None; files.len()])
+            }
+        }
+    }
+
+    /// Everything that was adopted is on the disk afterwards.
+    pub fn sync(&self) -> anyhow::Result<()> {
+        match &self.place {
+            Place::Directory(directory) => directory.sync(),
+            Place::Bucket(_) => Ok(()),
+        }
+    }
+
+    /// Writes a noted content anew unless its blob is there and whole; [`Self::sync`] has to follow.
+    pub fn restore(&self, sha256: &str, content: &[u8]) -> anyhow::Result<()> {
+        if let Place::Directory(directory) = &self.place {
+            let is_whole =
+                File::open(directory.path(sha256)).and_then(|mut file| verified::hash(&mut file)).is_ok_and(|found| found == sha256);
+            if !is_whole {
+                tracing::warn!(sha256, "a file was not whole on the disk; it is written again");
+                directory.move_in(&self.receive(content)?.path, sha256)?;
+            }
+        }
+        Ok(())
     }
 
     /// Makes a received file the blob of its SHA-256; the file moves away.
@@ -91,11 +154,20 @@ impl Blobs {
 
     /// A local file with the content of the blob, to be opened soon: a copy of a bucket's object stays for a minute at
     /// least. Nothing is there if there is no such blob.
+    ///
+    /// # Errors
+    /// [`Damaged`] when the file has another content.
     pub fn local(&self, sha256: &str) -> anyhow::Result<PathBuf> {
-        match &self.place {
-            Place::Directory(directory) => Ok(directory.path(sha256)),
-            Place::Bucket(bucket) => bucket.local(sha256),
+        let path = match &self.place {
+            Place::Directory(directory) => directory.path(sha256),
+            Place::Bucket(bucket) => bucket.local(sha256)?,
+        };
+        if path.exists() {
+            self.verified.check(sha256, &path)?;
+        } else {
+            tracing::error!(path = %path.display(), "a file is missing");
         }
+        Ok(path)
     }
 
     /// Blobs that were to be removed and may still be there; nothing may need them when they are given to [`Self::remove`]
@@ -114,6 +186,12 @@ impl Blobs {
             Place::Bucket(bucket) => bucket.remove(blobs),
         }
     }
+}
+
+/// Moves the file to its place; gives its content.
+fn take_in(directory: &Directory, file: &ReceivedFile) -> anyhow::Result<Vec<u8>> {
+    directory.move_in(&file.path, &file.sha256)?;
+    fs::read(directory.path(&file.sha256)).context("cannot read a blob")
 }
 
 /// Throws away what processes that are long gone have left half-written.
@@ -145,14 +223,12 @@ mod tests {
     async fn the_same_bytes_are_one_file_under_their_published_hash() {
         let directory = tempfile::tempdir().unwrap();
         let blobs = Blobs::open(directory.path(), None, false).await.unwrap();
-        let (made, sha256) = (directory.path().join("made"), sha256_hex(b"abc"));
-        fs::write(&made, b"abc").unwrap();
-        blobs.keep(&made, &sha256).unwrap();
+        let files = [blobs.receive(b"abc").unwrap(), blobs.receive(b"abc").unwrap(), blobs.receive(b"").unwrap()];
+        let sha256 = files[0].sha256.clone();
         assert_eq!(sha256, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-        assert!(!made.exists());
-        fs::write(&made, b"abc").unwrap();
-        blobs.keep(&made, &sha256).unwrap();
-        assert!(made.exists(), "it is kept already");
+        let contents = [Some(b"abc".to_vec()), Some(b"abc".to_vec()), Some(Vec::new())];
+        assert_eq!(blobs.adopt_all(&files).unwrap(), contents);
+        assert_eq!(blobs.adopt_all(&files).unwrap(), contents, "a second try finds them in place");
         let path = blobs.local(&sha256).unwrap();
         assert_eq!(path, directory.path().join("blobs/ba").join(&sha256));
         assert_eq!(fs::read(&path).unwrap(), b"abc");
@@ -161,6 +237,34 @@ mod tests {
         blobs.remove(&[sha256]).unwrap();
         assert!(!path.exists());
         assert!(blobs.left_over().unwrap().is_empty());
+    }
+
+    #[tokio::test]
+    async fn large_files_are_on_the_disk_at_once() {
+        let directory = tempfile::tempdir().unwrap();
+        let blobs = Blobs::open(directory.path(), None, false).await.unwrap();
+        let files = [blobs.receive(&[7; NOTED_BYTES as usize]).unwrap(), blobs.receive(b"x").unwrap()];
+        assert_eq!(blobs.adopt_all(&files).unwrap(), [None, None]);
+        assert_eq!(fs::metadata(blobs.local(&files[0].sha256).unwrap()).unwrap().len(), NOTED_BYTES);
+        assert_eq!(fs::read(blobs.local(&files[1].sha256).unwrap()).unwrap(), b"x");
+    }
+
+    #[tokio::test]
+    async fn a_file_that_has_changed_is_damaged_and_is_written_anew_from_a_note() {
+        let directory = tempfile::tempdir().unwrap();
+        let blobs = Blobs::open(directory.path(), None, false).await.unwrap();
+        let file = blobs.receive(b"abc").unwrap();
+        blobs.adopt_all(std::slice::from_ref(&file)).unwrap();
+        let path = blobs.local(&file.sha256).unwrap();
+        // Another length, and the same length at a later time.
+        for content in [b"ab".as_slice(), b"abd"] {
+            std::thread::sleep(Duration::from_millis(20));
+            fs::write(&path, content).unwrap();
+            let error = blobs.local(&file.sha256).unwrap_err();
+            assert!(error.downcast_ref::<Damaged>().is_some(), "{error:#}");
+            blobs.restore(&file.sha256, b"abc").unwrap();
+            assert_eq!(fs::read(blobs.local(&file.sha256).unwrap()).unwrap(), b"abc");
+        }
     }
 
     #[tokio::test]

@@ -11,6 +11,7 @@ pub(super) use rows::recover_chunks;
 
 use super::Storage;
 use super::change::{Changed, Ready, priority_of};
+use super::database::Durability;
 use super::life::{ClaimedJob, Ending, end_with, is_running};
 use anyhow::Context;
 use futures::stream::BoxStream;
@@ -96,7 +97,7 @@ impl Storage {
             return Ok(None);
         }
         if is_to_end(&mut transaction, job.id).await? {
-            let changed = end_with(&mut transaction, job, &Ending::Canceled).await?;
+            let changed = end_with(&mut transaction, &self.owner, job, &Ending::Canceled).await?;
             transaction.commit().await?;
             return Ok(Some(changed));
         }
@@ -116,7 +117,7 @@ impl Storage {
 
     /// Takes a queued chunk, unless `crash_limit` processes have already died of it. `entry` is as in [`Storage::claim`].
     pub async fn claim_chunk(&self, job_id: Uuid, number: u32, entry: Uuid, crash_limit: u32) -> anyhow::Result<Chunk> {
-        let mut transaction = self.begin().await?;
+        let mut transaction = self.begin_with(Durability::Passing).await?;
         let row = sqlx::query(
             "SELECT chunks.kind, items, chunks.state, chunks.attempt, chunks.crashes, outcomes, runs_done, runs_total
              FROM chunks JOIN jobs ON jobs.id = chunks.job_id JOIN campaigns ON campaigns.job_id = chunks.job_id
@@ -169,7 +170,7 @@ impl Storage {
         .bind(job_id.to_string())
         .bind(i64::from(number))
         .bind(entry.to_string())
-        .fetch_optional(&self.read)
+        .fetch_optional(&self.work)
         .await?;
         Ok(crashes.unwrap_or(0))
     }
@@ -205,7 +206,7 @@ impl Storage {
             }
             ChunkResult::Ended(ending) => {
                 let job = campaign_of(&mut transaction, job_id).await?;
-                let changed = end_with(&mut transaction, &job, ending).await?;
+                let changed = end_with(&mut transaction, &self.owner, &job, ending).await?;
                 transaction.commit().await?;
                 return Ok(Some(changed));
             }
@@ -233,14 +234,14 @@ impl Storage {
     /// What the chunks of a campaign have given so far, each as JSON, one after the other.
     pub fn pieces(&self, job_id: Uuid) -> BoxStream<'_, anyhow::Result<String>> {
         let pieces = sqlx::query_scalar("SELECT piece FROM chunks WHERE job_id = $1 AND piece IS NOT NULL ORDER BY number");
-        pieces.bind(job_id.to_string()).fetch(&self.read).map_err(anyhow::Error::from).boxed()
+        pieces.bind(job_id.to_string()).fetch(&self.work).map_err(anyhow::Error::from).boxed()
     }
 
     /// What is kept of each run, as JSON, once that is known.
     pub async fn outcomes(&self, job_id: Uuid) -> anyhow::Result<Option<String>> {
         let outcomes: Option<Option<String>> = sqlx::query_scalar("SELECT outcomes FROM campaigns WHERE job_id = $1")
             .bind(job_id.to_string())
-            .fetch_optional(&self.read)
+            .fetch_optional(&self.work)
             .await?;
         Ok(outcomes.flatten())
     }
@@ -249,7 +250,7 @@ impl Storage {
     pub async fn failed_chunks(&self, job_id: Uuid) -> anyhow::Result<Vec<Vec<Range<u64>>>> {
         let rows: Vec<String> = sqlx::query_scalar("SELECT items FROM chunks WHERE job_id = $1 AND state = 'failed' ORDER BY number")
             .bind(job_id.to_string())
-            .fetch_all(&self.read)
+            .fetch_all(&self.work)
             .await?;
         rows.iter().map(|json| Ok(serde_json::from_str(json)?)).collect()
     }
