@@ -116,7 +116,7 @@ impl Params {
     }
 
     /// Faults of what the parameters say, each with its pointer into them.
-    pub fn add(&mut self, faults: Vec<Fault>) {
+    pub fn add_within(&mut self, faults: Vec<Fault>) {
         self.faults.extend(faults.into_iter().map(|fault| Fault { pointer: format!("/query{}", fault.pointer), ..fault }));
     }
 

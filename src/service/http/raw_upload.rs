@@ -59,7 +59,7 @@ fn read_query(mut params: Params) -> Result<DatasetMeta, ApiError> {
         check_field(&json!(name), &FILE_NAME, "/file_name", &mut faults);
     }
     let meta = check_into(&Value::Object(meta), &META, &mut faults);
-    params.add(faults);
+    params.add_within(faults);
     params.finish()?;
     let meta: Meta = serde_json::from_value(meta).map_err(ApiError::internal)?;
     Ok(DatasetMeta { file_name, ..meta.into() })

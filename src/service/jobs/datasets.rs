@@ -50,10 +50,23 @@ impl Inner {
             columns: meta.columns.clone(),
             bearing_time: meta.bearing_time,
         };
+        let (format, summary, warnings) = self.check_file(upload).await?;
+        Ok(new_dataset(file, meta, format, summary, warnings))
+    }
+
+    async fn check_file(&self, upload: Upload) -> Result<(String, DatasetSummary, Vec<String>), JobsError> {
         match self.ask(Order::Check(upload), (&self.uploads, UPLOADS), "reading the file").await? {
-            Made::Checked { format, summary, warnings } => Ok(new_dataset(file, meta, format, summary, warnings)),
+            Made::Checked { format, summary, warnings } => Ok((format, summary, warnings)),
             made => Err(unexpected(&made).into()),
         }
+    }
+
+    /// Summarises a dataset that is kept already.
+    pub(super) async fn summarize(&self, stored: StoredDataset) -> Result<DatasetSummary, JobsError> {
+        let path = self.local(&stored.info.sha256).await?;
+        let StoredDataset { info, columns, bearing_time, .. } = stored;
+        let (format, kind) = (Some(info.format), Some(info.kind.into()));
+        Ok(self.check_file(Upload { path, file_name: None, format, kind, columns, bearing_time }).await?.1)
     }
 
     /// The dataset, unless there is none or it has been deleted.

@@ -96,7 +96,7 @@ impl Inner {
         let facts = match stored.facts.clone() {
             Some(facts) => Some(facts),
             None => {
-                let summary = self.load_dataset(id).await?.summary();
+                let summary = self.summarize(stored).await?;
                 self.storage.note_summary(id, &summary).await?;
                 summary.facts
             }
