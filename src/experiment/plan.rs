@@ -1,6 +1,6 @@
 //! From the body of a request to a plan: names and parameters checked, every fault reported, inputs named.
 
-use super::checks::{check_lifecycle, check_sensors, check_start};
+use super::checks::{check_lifecycle, check_names, check_sensors, check_start};
 use super::{campaign, catalogue, correlate, detect, presets, profiles, rehearsal, requests};
 use crate::math::rng::Seed;
 use crate::model::dataset::DatasetKind;
@@ -113,6 +113,7 @@ pub fn plan(kind: JobKind, body: &Value) -> Result<Plan, Vec<Fault>> {
     if !spec.is_object() {
         return Err(faults);
     }
+    check_names(&spec, "", &mut faults);
     if kind == JobKind::Campaign {
         return campaign::plan(spec, faults);
     }

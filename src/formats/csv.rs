@@ -1,12 +1,17 @@
 //! Canonical CSV: a header line with the column names, then one row a line. UTF-8, commas, quotes where needed; a byte
 //! order mark and Windows line ends are accepted. Reads and writes row by row.
 
+use super::lines::{self, BoundedLines};
 use super::table::{self, FaultLog, Rows, Sink};
-use super::{Format, ReadOptions, ReadOutcome, bearing_time, refuse_columns};
+use super::{Format, MAX_COLUMNS, MAX_HEADER_BYTES, ReadOptions, ReadOutcome, bearing_time, refuse_columns};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use csv::{ErrorKind, ReaderBuilder, StringRecord, Terminator};
 use std::io::{self, BufRead, Write};
+
+/// Bytes of the header of a record, and how many bearings it may have.
+const MAX_BEARING_BYTES: usize = 1 << 20;
+const MAX_BEARINGS: usize = 1 << 16;
 
 pub const FORMAT: Format = Format {
     name: "csv",
@@ -30,6 +35,7 @@ pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcom
         refuse_columns(options)?;
         return bearing_time::read(&mut rows);
     }
+    check_header(&rows.names, MAX_COLUMNS, MAX_HEADER_BYTES)?;
     table::read(&mut rows, options, Vec::new())
 }
 
@@ -47,7 +53,7 @@ pub fn write_csv(dataset: &Dataset, out: &mut dyn Write) -> io::Result<()> {
 }
 
 struct CsvRows<'a> {
-    reader: csv::Reader<&'a mut dyn BufRead>,
+    reader: csv::Reader<BoundedLines<'a>>,
     names: Vec<String>,
     record: StringRecord,
     line: u64,
@@ -57,7 +63,8 @@ impl<'a> CsvRows<'a> {
     /// Reads the header.
     fn open(input: &'a mut dyn BufRead) -> Result<Self, Vec<Fault>> {
         // Records end at '\n' so that lines can be counted; the '\r' of a Windows line end is cut off by us.
-        let reader = ReaderBuilder::new().has_headers(false).flexible(true).terminator(Terminator::Any(b'\n')).from_reader(input);
+        let (lines, newline) = (BoundedLines::new(input), Terminator::Any(b'\n'));
+        let reader = ReaderBuilder::new().has_headers(false).flexible(true).terminator(newline).from_reader(lines);
         let mut rows = CsvRows { reader, names: Vec::new(), record: StringRecord::new(), line: 1 };
         let mut faults = FaultLog::default();
         let found = rows.next_record(&mut faults);
@@ -65,6 +72,9 @@ impl<'a> CsvRows<'a> {
         if !found {
             let fault = Fault::new("/file", "empty", "the file is empty; its first line must name the columns");
             return Err(vec![Fault { line: Some(1), ..fault }]);
+        }
+        if rows.record.len() > MAX_BEARINGS || rows.record.as_slice().len() > MAX_BEARING_BYTES {
+            return Err(vec![wide_header(rows.record.len(), rows.record.as_slice().len(), MAX_BEARINGS, MAX_BEARING_BYTES)]);
         }
         rows.names = (0..rows.record.len()).map(|column| rows.cell(column).trim().to_owned()).collect();
         Ok(rows)
@@ -106,6 +116,7 @@ impl<'a> CsvRows<'a> {
                 let column = self.names.get(err.field()).cloned();
                 (Fault { column, ..fault("the text is not UTF-8".to_owned()) }, true)
             }
+            ErrorKind::Io(error) if error.kind() == io::ErrorKind::FileTooLarge => (lines::too_long(line), false),
             _ => (fault(format!("the file cannot be read further: {error}")), false),
         }
     }
@@ -116,6 +127,18 @@ impl<'a> CsvRows<'a> {
         let fault = (cells != columns).then(|| Fault::new("/file", "malformed", detail()))?;
         Some(Fault { line: Some(self.line), column: self.names.get(cells).cloned(), ..fault })
     }
+}
+
+/// Refuses a header that no sound table has.
+fn check_header(names: &[String], columns: usize, bytes: usize) -> Result<(), Vec<Fault>> {
+    let found = names.iter().map(String::len).sum();
+    if names.len() > columns || found > bytes { Err(vec![wide_header(names.len(), found, columns, bytes)]) } else { Ok(()) }
+}
+
+fn wide_header(found: usize, found_bytes: usize, columns: usize, bytes: usize) -> Fault {
+    let detail = format!("the header names {found} columns in {found_bytes} bytes");
+    let fault = Fault::new("/file", "too_large", detail).allowing(format!("<= {columns} columns in <= {bytes} bytes"));
+    Fault { line: Some(1), ..fault }
 }
 
 impl Rows for CsvRows<'_> {

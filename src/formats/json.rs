@@ -2,15 +2,14 @@
 //! `{"kind": "truth", "columns": {"time_s": [0, 1], "truth_id": ["1", "1"], …}, "sensors": […]}`.
 //! `kind` may be left out; `sensors` says what is known of the sensors of detections.
 
+use super::json_document::{Column, Columns, Document, MAX_SENSORS, document};
 use super::table::{self, FaultLog, Rows, Sink, pointer_token};
-use super::{Format, ReadOptions, ReadOutcome, TABLES};
+use super::{Format, MAX_COLUMNS, MAX_HEADER_BYTES, ReadOptions, ReadOutcome, TABLES};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
+use crate::model::names::name_fault;
 use crate::model::sensor::SensorSettings;
-use serde::Deserialize;
-use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use std::collections::BTreeSet;
-use std::fmt::{self, Write as _};
 use std::io::{self, BufRead, Write};
 
 pub const FORMAT: Format = Format {
@@ -21,21 +20,12 @@ pub const FORMAT: Format = Format {
     read,
 };
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Document {
-    kind: Option<DatasetKind>,
-    columns: Columns,
-    #[serde(default)]
-    sensors: Vec<SensorSettings>,
-}
-
 /// Reads one dataset.
 ///
 /// # Errors
 /// Every fault: of the JSON text with its line, of a value with its pointer, such as `/file/columns/x_m/17`.
 pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcome, Vec<Fault>> {
-    let document: Document = parse(input)?;
+    let mut document = document(input)?;
     let mut faults = FaultLog::default();
     let kind = options.kind.or(document.kind);
     if let (Some(asked), Some(said)) = (options.kind, document.kind)
@@ -44,35 +34,31 @@ pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcom
         let detail = format!("the file says it holds {}, the upload says {}", said.name(), asked.name());
         faults.push(Fault::new("/file/kind", "conflict", detail));
     }
+    check_counts(&document, &mut faults);
     check_lengths(&document.columns, &mut faults);
-    check_sensors(&document.sensors, &mut faults);
+    check_sensors(&document.sensors.described, &mut faults);
     faults.finish()?;
     let mut rows = JsonRows { names: document.columns.names, columns: document.columns.columns, next: 0 };
-    let described = document.sensors.len();
-    let mut outcome = table::read(&mut rows, &ReadOptions { kind, ..options.clone() }, document.sensors)?;
-    if described > 0 && outcome.dataset.kind() != DatasetKind::Detections {
+    let described = std::mem::take(&mut document.sensors.described);
+    let mut outcome = table::read(&mut rows, &ReadOptions { kind, ..options.clone() }, described)?;
+    if document.sensors.count > 0 && outcome.dataset.kind() != DatasetKind::Detections {
         outcome.warnings.push("'sensors' is used for detections only".to_owned());
     }
     Ok(outcome)
 }
 
-/// Reads a whole JSON text.
-///
-/// # Errors
-/// One fault, with the line and, as its column, the character where the text goes wrong.
-pub fn parse<T: serde::de::DeserializeOwned>(input: &mut dyn BufRead) -> Result<T, Vec<Fault>> {
-    let mut bytes = Vec::new();
-    if let Err(error) = input.read_to_end(&mut bytes) {
-        return Err(vec![Fault::new("/file", "malformed", format!("the file cannot be read: {error}"))]);
+fn check_counts(document: &Document, faults: &mut FaultLog) {
+    let name_bytes = document.columns.names.iter().map(String::len).sum();
+    for (place, what, found, most) in [
+        ("columns", "columns", document.columns.count, MAX_COLUMNS),
+        ("columns", "bytes of column names", name_bytes, MAX_HEADER_BYTES),
+        ("sensors", "sensors", document.sensors.count, MAX_SENSORS),
+    ] {
+        if found > most {
+            let fault = Fault::new(format!("/file/{place}"), "too_large", format!("there are {found} {what}"));
+            faults.push(fault.allowing(format!("<= {most} {what}")));
+        }
     }
-    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
-    if text.trim_ascii().is_empty() {
-        return Err(vec![Fault::new("/file", "empty", "the file is empty")]);
-    }
-    serde_json::from_slice(text).map_err(|error| {
-        let code = if error.is_data() { "wrong_type" } else { "malformed" };
-        vec![Fault::new("/file", code, error.to_string()).at(error.line() as u64, error.column().to_string())]
-    })
 }
 
 fn check_lengths(columns: &Columns, faults: &mut FaultLog) {
@@ -89,6 +75,8 @@ fn check_sensors(sensors: &[SensorSettings], faults: &mut FaultLog) {
         let mut report = |code, detail| faults.push(Fault::new(format!("/file/sensors/{index}/sensor_id"), code, detail));
         if sensor.sensor_id.is_empty() {
             report("missing", "'sensor_id' is empty".to_owned());
+        } else if let Some(found) = name_fault(&sensor.sensor_id) {
+            report(found.code, found.detail);
         } else if !seen.insert(sensor.sensor_id.as_str()) {
             report("duplicate", format!("sensor '{}' is described twice", sensor.sensor_id));
         }
@@ -96,118 +84,6 @@ fn check_sensors(sensors: &[SensorSettings], faults: &mut FaultLog) {
             let detail = format!("{} is out of range", misfit.value);
             faults.push(Fault::new(format!("/file/sensors/{index}/{}", misfit.field), "out_of_range", detail).allowing(misfit.allowed));
         }
-    }
-}
-
-/// Columns in the order of the file.
-#[derive(Default)]
-struct Columns {
-    names: Vec<String>,
-    columns: Vec<Column>,
-}
-
-/// The cells of one column as one text.
-#[derive(Default)]
-struct Column {
-    text: String,
-    /// Where each cell ends in `text`.
-    ends: Vec<usize>,
-}
-
-impl Column {
-    fn cell(&self, row: usize) -> &str {
-        let start = row.checked_sub(1).map_or(0, |before| self.ends[before]);
-        &self.text[start..self.ends[row]]
-    }
-}
-
-impl<'de> Deserialize<'de> for Columns {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_map(ColumnsVisitor)
-    }
-}
-
-struct ColumnsVisitor;
-
-impl<'de> Visitor<'de> for ColumnsVisitor {
-    type Value = Columns;
-
-    fn expecting(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
-        formatter.write_str("an object of columns, each an array")
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Columns, A::Error> {
-        let mut columns = Columns::default();
-        while let Some(name) = map.next_key::<String>()? {
-            columns.names.push(name);
-            columns.columns.push(map.next_value()?);
-        }
-        Ok(columns)
-    }
-}
-
-impl<'de> Deserialize<'de> for Column {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_seq(ColumnVisitor)
-    }
-}
-
-struct ColumnVisitor;
-
-impl<'de> Visitor<'de> for ColumnVisitor {
-    type Value = Column;
-
-    fn expecting(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
-        formatter.write_str("a column: an array of numbers, texts and nulls")
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, mut cells: A) -> Result<Column, A::Error> {
-        let mut column = Column::default();
-        while cells.next_element_seed(CellSeed(&mut column.text))?.is_some() {
-            column.ends.push(column.text.len());
-        }
-        Ok(column)
-    }
-}
-
-/// Appends one cell to the text of its column.
-struct CellSeed<'a>(&'a mut String);
-
-impl<'de> DeserializeSeed<'de> for CellSeed<'_> {
-    type Value = ();
-
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
-        deserializer.deserialize_any(self)
-    }
-}
-
-impl Visitor<'_> for CellSeed<'_> {
-    type Value = ();
-
-    fn expecting(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
-        formatter.write_str("a number, a text or null")
-    }
-
-    fn visit_unit<E: Error>(self) -> Result<(), E> {
-        Ok(())
-    }
-
-    fn visit_str<E: Error>(self, text: &str) -> Result<(), E> {
-        self.0.push_str(text);
-        Ok(())
-    }
-
-    fn visit_f64<E: Error>(self, value: f64) -> Result<(), E> {
-        table::push_number(self.0, value);
-        Ok(())
-    }
-
-    fn visit_u64<E: Error>(self, value: u64) -> Result<(), E> {
-        write!(self.0, "{value}").map_err(E::custom)
-    }
-
-    fn visit_i64<E: Error>(self, value: i64) -> Result<(), E> {
-        write!(self.0, "{value}").map_err(E::custom)
     }
 }
 

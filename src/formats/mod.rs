@@ -1,9 +1,14 @@
 //! Bytes to datasets and back, one file a format. A new format is one file and one line of [`FORMATS`].
 
 pub mod autoferry;
+mod autoferry_items;
 mod bearing_time;
 pub mod csv;
 pub mod json;
+mod json_document;
+mod json_text;
+mod lines;
+mod loose;
 pub mod mot;
 pub mod npy;
 mod table;
@@ -49,6 +54,12 @@ pub struct Format {
 /// A reader stops collecting faults here.
 pub const MAX_FAULTS: usize = 100;
 
+/// Columns of a table; more are refused before anything is made of them.
+pub const MAX_COLUMNS: usize = 4096;
+
+/// Bytes of the names of a table's columns together: faults and warnings repeat them.
+pub const MAX_HEADER_BYTES: usize = 1 << 16;
+
 /// Every format that trackloom reads.
 pub const FORMATS: &[Format] = &[csv::FORMAT, json::FORMAT, autoferry::FORMAT, mot::FORMAT, npy::FORMAT];
 
@@ -57,9 +68,9 @@ pub fn format_named(name: &str) -> Option<&'static Format> {
     FORMATS.iter().find(|format| format.name == name)
 }
 
-/// The format of a file by its first bytes, or by its name where they say nothing: JSON starts with `{` (canonical) or
-/// `[` (autoferry), MOTChallenge text with a number, NumPy arrays with their magic; any other text is CSV. `None` for other
-/// bytes that are no text.
+/// The format of a file by its first bytes, or by its name where they say nothing: JSON starts with `{` or `[`, and is of
+/// autoferry where it is an array of arrays or names what those files have; MOTChallenge text starts with a number, NumPy
+/// arrays with their magic; any other text is CSV. `None` for other bytes that are no text.
 pub fn detect_format(file_name: &str, first_bytes: &[u8]) -> Option<&'static Format> {
     if first_bytes.starts_with(npy::MAGIC) {
         return format_named("npy");
@@ -67,7 +78,8 @@ pub fn detect_format(file_name: &str, first_bytes: &[u8]) -> Option<&'static For
     let text = first_bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(first_bytes).trim_ascii_start();
     match text.first() {
         Some(b'{') => format_named("json"),
-        Some(b'[') => format_named("autoferry"),
+        Some(b'[') if autoferry::is_one(text) => format_named("autoferry"),
+        Some(b'[') => format_named("json"),
         Some(_) if text.contains(&0) => None,
         Some(b'0'..=b'9' | b'-') => format_named("mot"),
         None if file_name.to_ascii_lowercase().ends_with(".json") => format_named("json"),
@@ -110,6 +122,11 @@ mod tests {
         assert_eq!(detect("a.csv", b"time_s,truth_id"), Some("csv"));
         assert_eq!(detect("a.txt", b"\xef\xbb\xbf\n{\"columns\""), Some("json"));
         assert_eq!(detect("a.csv", b" [{\"sensorID\""), Some("autoferry"));
+        assert_eq!(detect("a.json", b"[\n[], [{\"time\""), Some("autoferry"));
+        assert_eq!(detect("a.json", b"[{\"time\": 1, \"ownshipPosition\""), Some("autoferry"));
+        assert_eq!(detect("a.json", b"[{\"time\": 1, \"x_m\": 2}]"), Some("json"));
+        assert_eq!(detect("a.json", b"[1,1,1"), Some("json"));
+        assert_eq!(detect("a.txt", b"1\t1\t0\t0\t10\t20"), Some("mot"));
         assert_eq!(detect("A.JSON", b""), Some("json"));
         assert_eq!(detect("gt.txt", b"1,1,399,182,121,229,1,-1,-1,-1"), Some("mot"));
         assert_eq!(detect("a", b""), Some("csv"));

@@ -1,4 +1,4 @@
-//! MOTChallenge text: boxes of truth or of tracks, one a line without a header, comma separated.
+//! MOTChallenge text: boxes of truth or of tracks, one a line without a header, separated by commas, or by spaces or tabs.
 //!
 //! `frame,id,left,top,width,height,confidence,…`: 6 to 10 values, the confidence 1 where it is left out. Frames count from
 //! 1; edges are in pixels. What follows the confidence is not read, but for truth with exactly 9 values (MOT16 and later),
@@ -8,7 +8,8 @@
 //! # Reference
 //! A. Milan, L. Leal-Taixé, I. Reid, S. Roth, K. Schindler, MOT16: A Benchmark for Multi-Object Tracking, 2016.
 
-use super::table::{FaultLog, push_number};
+use super::lines;
+use super::table::{FaultLog, Repeats, push_number};
 use super::{Format, ReadOptions, ReadOutcome, refuse_columns};
 use crate::model::boxes::{BoxSet, ObjectBox};
 use crate::model::dataset::{Dataset, DatasetKind};
@@ -62,10 +63,11 @@ impl Reader {
     fn lines(&mut self, input: &mut dyn BufRead) -> Result<(), Vec<Fault>> {
         let mut bytes = Vec::new();
         for line in 1.. {
-            bytes.clear();
-            let read = input.read_until(b'\n', &mut bytes);
-            let count = read.map_err(|error| vec![unreadable(line, format!("the file cannot be read further: {error}"))])?;
-            if count == 0 || self.faults.is_full() {
+            let is_read = lines::read_line(input, &mut bytes).map_err(|error| match error.kind() {
+                io::ErrorKind::FileTooLarge => vec![lines::too_long(line)],
+                _ => vec![unreadable(line, format!("the file cannot be read further: {error}"))],
+            })?;
+            if !is_read || self.faults.is_full() {
                 break;
             }
             let bytes = if line == 1 { bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes) } else { &bytes };
@@ -78,17 +80,23 @@ impl Reader {
         Ok(())
     }
 
-    fn row(&mut self, line: u64, text: &str) {
+    fn row<'t>(&mut self, line: u64, text: &'t str) {
         let mut cells = [""; 10];
         let mut count = 0;
-        for cell in text.split(',') {
+        let mut keep = |cell: &'t str| {
             if let Some(place) = cells.get_mut(count) {
                 *place = cell.trim();
             }
             count += 1;
+        };
+        // Spaces after commas separate nothing.
+        if text.contains(',') {
+            text.split(',').for_each(&mut keep);
+        } else {
+            text.split_whitespace().for_each(&mut keep);
         }
         if !(6..=cells.len()).contains(&count) {
-            self.faults.push(unreadable(line, format!("expected 6 to 10 values separated by commas, found {count}")));
+            self.faults.push(unreadable(line, format!("expected 6 to 10 values separated by commas, spaces or tabs, found {count}")));
             return;
         }
         let class = if self.is_truth && count == WITH_CLASS { self.number(line, &cells, 7) } else { Some(PEDESTRIAN) };
@@ -145,6 +153,12 @@ impl Reader {
 
     fn finish(mut self) -> Result<ReadOutcome, Vec<Fault>> {
         self.boxes.sort_by_key(|(id, one, line)| (one.frame, *id, *line));
+        let mut repeats = Repeats::default();
+        self.boxes.dedup_by(|next, one| {
+            let is_repeated = (next.0, next.1) == (one.0, one.1);
+            is_repeated.then(|| repeats.add(next.2));
+            is_repeated
+        });
         for pair in self.boxes.windows(2).filter(|pair| (pair[0].0, pair[0].1.frame) == (pair[1].0, pair[1].1.frame)) {
             let (id, one, line) = &pair[1];
             let detail = format!("object {id} is in frame {} twice: also on line {}", one.frame, pair[0].2);
@@ -152,6 +166,7 @@ impl Reader {
         }
         self.faults.finish()?;
         let mut warnings = Vec::new();
+        warnings.extend(repeats.warning("line"));
         let mut left_out = |count: usize, what: &str| {
             if count > 0 {
                 warnings.push(format!("{count} rows {what} were left out"));

@@ -88,11 +88,7 @@ pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcom
         let allowed = "first_time_s, time_step_s, first_bearing_deg, bearing_step_deg";
         return Err(vec![Fault::new("/bearing_time", "missing", detail).allowing(allowed)]);
     };
-    let cells = layout.rows.saturating_mul(layout.columns);
-    if cells > MAX_CELLS {
-        let detail = format!("the record has {cells} cells");
-        return Err(vec![Fault::new("/file", "too_large", detail).allowing(format!("<= {MAX_CELLS} cells"))]);
-    }
+    let cells = layout.cells().map_err(|fault| vec![fault])?;
     let levels_db = layout.levels(input, cells).map_err(|fault| vec![fault])?;
     let bearing_deg = |column: usize| axes.first_bearing_deg + column as f64 * axes.bearing_step_deg;
     let parts = BearingTimeParts {
@@ -169,6 +165,21 @@ impl Layout {
             }
             _ => Err(faults),
         }
+    }
+
+    /// How many values there are. Axes that no record can have are refused before anything is made of them: the header is
+    /// a claim that a few bytes can make.
+    #[expect(clippy::result_large_err, reason = "a file has one such fault at most")]
+    fn cells(&self) -> Result<usize, Fault> {
+        let Layout { rows, columns, .. } = *self;
+        if rows < 1 || columns < 2 {
+            let detail = format!("the array has {rows} rows and {columns} columns");
+            return Err(Fault::new("/file", "out_of_range", detail).allowing("at least 1 time and 2 bearings"));
+        }
+        rows.checked_mul(columns).filter(|&cells| cells <= MAX_CELLS).ok_or_else(|| {
+            let detail = format!("the record has {rows} x {columns} cells");
+            Fault::new("/file", "too_large", detail).allowing(format!("<= {MAX_CELLS} cells"))
+        })
     }
 
     /// The values, in the order of rows.

@@ -57,6 +57,19 @@ fn probabilities_outside_their_range_are_refused() {
 }
 
 #[test]
+fn names_that_a_spreadsheet_would_run_are_refused() {
+    let allowed = "numbers, and names that do not begin with = @ + - or a tab";
+    refused(body(), "/sensors/0/sensor_id", json!("=1+1"), "malformed", allowed);
+    refused(simulated(), "/input/scenario/targets/targets/0/truth_id", json!("@a"), "malformed", allowed);
+    assert!(plan(JobKind::Associate, &with(simulated(), "/input/scenario/targets/targets/0/truth_id", json!("-1.5"))).is_ok());
+    // The name and the labels of the job are in no table.
+    let named = json!({"name": "=1+1", "labels": {"name": "=1+1"}});
+    let mut body = body();
+    body.as_object_mut().unwrap().extend(named.as_object().unwrap().clone());
+    assert!(plan(JobKind::Associate, &body).is_ok());
+}
+
+#[test]
 fn densities_outside_their_range_are_refused() {
     for density in [0.0, -1e-6, 1e7] {
         refused(body(), "/sensors/0/clutter_per_m2", json!(density), "out_of_range", "(0, 1000000] 1/m²");

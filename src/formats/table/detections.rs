@@ -103,7 +103,9 @@ impl Builder {
     fn read_row(&mut self, reader: &mut RowReader, columns: &Columns) {
         let time_s = reader.number(columns.time);
         let number = reader.whole_number(columns.scan);
-        reader.require_text(columns.sensor);
+        reader.require_name(columns.sensor);
+        columns.truth.into_iter().for_each(|column| reader.check_name(column));
+        reader.check_name(columns.id);
         let measurement = self.measurement(reader, columns);
         let amplitude = reader.optional_number(columns.amplitude);
         if let Some(time_s) = time_s {
@@ -149,7 +151,7 @@ impl Builder {
                 return None;
             }
         };
-        reader.require_text(columns.id);
+        reader.require_name(columns.id);
         Some(measurement)
     }
 

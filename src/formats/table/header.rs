@@ -4,6 +4,7 @@ use super::{FaultLog, Rows};
 use crate::formats::ReadOptions;
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
+use crate::model::names::shortened;
 use std::collections::BTreeMap;
 
 /// The ten columns of a covariance, upper triangle.
@@ -160,7 +161,7 @@ fn kind_of(names: &[String]) -> Option<DatasetKind> {
 fn check_renaming_source(rows: &dyn Rows, options: &ReadOptions, faults: &mut FaultLog) {
     for name in options.columns.keys().filter(|name| !rows.names().contains(name)) {
         let detail = format!("the file has no column '{name}'");
-        faults.push(renaming_fault(name, &detail).allowing(rows.names().join(", ")));
+        faults.push(renaming_fault(name, &detail).allowing(listed(rows.names().iter().map(String::as_str))));
     }
 }
 
@@ -214,6 +215,14 @@ fn check_missing(rows: &dyn Rows, schema: &Schema, kind: DatasetKind, names: &[S
     }
 }
 
+/// Names in a message: the first ones, each cut to a length that fits.
+fn listed<'n>(names: impl ExactSizeIterator<Item = &'n str>) -> String {
+    const MOST: usize = 50;
+    let more = names.len().saturating_sub(MOST);
+    let first = names.take(MOST).map(shortened).collect::<Vec<_>>().join(", ");
+    if more > 0 { format!("{first} and {more} more") } else { first }
+}
+
 fn warnings(schema: &Schema, file_names: &[String], names: &[String]) -> Vec<String> {
     let list = |wanted: &dyn Fn(&str) -> bool| -> Vec<&str> {
         file_names.iter().zip(names).filter(|(_, name)| wanted(name)).map(|(file_name, _)| file_name.as_str()).collect()
@@ -222,10 +231,10 @@ fn warnings(schema: &Schema, file_names: &[String], names: &[String]) -> Vec<Str
     let unknown = list(&|name| !schema.is_unused(name) && !schema.is_used(name));
     let mut warnings = Vec::new();
     if !unused.is_empty() {
-        warnings.push(format!("columns kept in the file but not used: {}", unused.join(", ")));
+        warnings.push(format!("columns kept in the file but not used: {}", listed(unused.iter().copied())));
     }
     if !unknown.is_empty() {
-        warnings.push(format!("unknown columns, kept in the file but not used: {}", unknown.join(", ")));
+        warnings.push(format!("unknown columns, kept in the file but not used: {}", listed(unknown.iter().copied())));
     }
     warnings
 }

@@ -8,6 +8,7 @@ mod estimate;
 mod fault_log;
 mod header;
 mod interner;
+mod repeats;
 mod row;
 mod tracks;
 mod truth;
@@ -15,6 +16,7 @@ mod truth;
 pub use degrees::degrees;
 pub use fault_log::FaultLog;
 pub use header::pointer_token;
+pub use repeats::Repeats;
 
 use super::{ReadOptions, ReadOutcome};
 use crate::model::dataset::{Dataset, DatasetKind};
@@ -55,8 +57,8 @@ pub fn read(rows: &mut dyn Rows, options: &ReadOptions, sensors: Vec<SensorSetti
     let (kind, header, mut warnings) = header::resolve(rows, options)?;
     let (dataset, empty) = match kind {
         DatasetKind::Detections => detections::read(rows, &header, sensors, &mut warnings)?,
-        DatasetKind::Truth => truth::read(rows, &header)?,
-        DatasetKind::Tracks => tracks::read(rows, &header)?,
+        DatasetKind::Truth => truth::read(rows, &header, &mut warnings)?,
+        DatasetKind::Tracks => tracks::read(rows, &header, &mut warnings)?,
         DatasetKind::BearingTime => return Err(vec![no_table()]),
     };
     if empty {

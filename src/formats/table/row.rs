@@ -1,7 +1,8 @@
 //! One row at a time: cells to numbers and names, each fault with its place.
 
-use super::{FaultLog, Rows};
+use super::{FaultLog, Repeats, Rows};
 use crate::model::fault::Fault;
+use crate::model::names::{name_fault, shortened};
 
 /// Walks the rows of a table and collects what is wrong with them.
 pub struct RowReader<'a> {
@@ -66,11 +67,25 @@ impl<'a> RowReader<'a> {
         column.map_or("", |column| self.rows.cell(column))
     }
 
-    /// Reports an empty cell.
-    pub fn require_text(&mut self, column: usize) {
+    /// Reports a cell that is empty or no name.
+    pub fn require_name(&mut self, column: usize) {
         if self.text(column).is_empty() {
             self.fault(column, "missing", format!("'{}' is empty", self.rows.names()[column]));
+        } else {
+            self.check_name(column);
         }
+    }
+
+    /// Reports a cell that is no name; it may be empty.
+    pub fn check_name(&mut self, column: usize) {
+        if let Some(found) = name_fault(self.rows.cell(column)) {
+            self.fault_allowing(column, found.code, found.detail, found.allowed);
+        }
+    }
+
+    /// What a user is told of rows that say the same twice.
+    pub fn repeats_warning(&self, repeats: &Repeats) -> Option<String> {
+        repeats.warning(self.rows.row_word())
     }
 
     /// A finite number; an empty cell is a fault.
@@ -121,13 +136,5 @@ impl<'a> RowReader<'a> {
             }
         }
         complete.then_some(values)
-    }
-}
-
-/// What was found, at a length that fits a message.
-fn shortened(text: &str) -> String {
-    match text.char_indices().nth(40) {
-        Some((end, _)) => format!("{}…", &text[..end]),
-        None => text.to_owned(),
     }
 }

@@ -1,15 +1,16 @@
 //! Tracks: rows of any interleaving of tracks; each track's times rise. Rows of one track, time and sensor are the
-//! candidates of one point: a detection, or none (empty), with its probability.
+//! candidates of one point: a detection, or none (empty), with its probability. A row that repeats another one is taken once, and
+//! told.
 
 use super::estimate::{EstimateColumns, EstimateLayout, is_same_place};
 use super::header::Header;
 use super::interner::Interner;
 use super::row::RowReader;
-use super::{Rows, Sink};
+use super::{Repeats, Rows, Sink};
 use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
 use crate::model::track::{Candidate, Track, TrackPoint, TrackSet, TrackStatus};
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::io;
 
 /// Where the columns of tracks are.
@@ -57,13 +58,14 @@ struct Builder {
     /// The latest point of each track and sensor; only looked up, never walked.
     latest: HashMap<(u32, Option<u32>), usize>,
     candidates: Vec<CandidateRow>,
+    repeats: Repeats,
 }
 
 /// Reads tracks; also whether there was no row at all.
 ///
 /// # Errors
 /// Every fault of the rows.
-pub fn read(rows: &mut dyn Rows, header: &Header) -> Result<(Dataset, bool), Vec<Fault>> {
+pub fn read(rows: &mut dyn Rows, header: &Header, warnings: &mut Vec<String>) -> Result<(Dataset, bool), Vec<Fault>> {
     let columns = Columns::of(header);
     let mut reader = RowReader::new(rows);
     let mut builder = Builder::default();
@@ -71,6 +73,7 @@ pub fn read(rows: &mut dyn Rows, header: &Header) -> Result<(Dataset, bool), Vec
         builder.read_row(&mut reader, &columns);
     }
     builder.check_candidates(&mut reader, &columns);
+    warnings.extend(reader.repeats_warning(&builder.repeats));
     reader.faults.finish()?;
     let empty = builder.points.is_empty();
     Ok((Dataset::Tracks(builder.finish()), empty))
@@ -78,7 +81,10 @@ pub fn read(rows: &mut dyn Rows, header: &Header) -> Result<(Dataset, bool), Vec
 
 impl Builder {
     fn read_row(&mut self, reader: &mut RowReader, columns: &Columns) {
-        reader.require_text(columns.track);
+        reader.require_name(columns.track);
+        for column in [columns.sensor, columns.detection].into_iter().flatten() {
+            reader.check_name(column);
+        }
         let point = read_point(reader, columns);
         let probability = read_probability(reader, columns);
         if reader.text(columns.track).is_empty() {
@@ -107,7 +113,11 @@ impl Builder {
         let points = &mut self.points[track as usize];
         let latest = self.latest.entry((track, point.sensor)).or_insert(points.len());
         if let Some((known, row)) = points.get(*latest).filter(|(known, _)| known.time_s == point.time_s) {
-            check_same_point(reader, columns, known, &point, *row);
+            if columns.detection.is_none() && *known == point {
+                self.repeats.add(reader.row());
+            } else {
+                check_same_point(reader, columns, known, &point, *row);
+            }
             return *latest as u32;
         }
         if let Some((last, row)) = points.last().filter(|(last, _)| point.time_s < last.time_s) {
@@ -120,22 +130,32 @@ impl Builder {
         *latest as u32
     }
 
-    /// Brings candidates into the order of tracks and points, and finds detections named twice for one point.
+    /// Brings candidates into the order of tracks and points, and finds detections named twice for one point: with the same
+    /// probability one of the two is dropped.
     fn check_candidates(&mut self, reader: &mut RowReader, columns: &Columns) {
         let Some(column) = columns.detection else { return };
         let places = self.tracks.places();
         self.candidates.iter_mut().for_each(|candidate| candidate.track = places[candidate.track as usize]);
         self.candidates.sort_by_key(|candidate| (candidate.track, candidate.point));
-        let mut named: Vec<(Option<u32>, u64)> = Vec::new();
+        let mut named: Vec<(Option<u32>, u64, f64)> = Vec::new();
+        let mut repeated = BTreeSet::new();
         for group in self.candidates.chunk_by(|a, b| (a.track, a.point) == (b.track, b.point)) {
             named.clear();
-            named.extend(group.iter().map(|candidate| (candidate.candidate.detection, candidate.row)));
-            named.sort_unstable();
+            named.extend(group.iter().map(|row| (row.candidate.detection, row.row, row.candidate.probability)));
+            named.sort_unstable_by_key(|&(detection, row, _)| (detection, row));
             for pair in named.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+                if pair[0].2 == pair[1].2 {
+                    repeated.insert(pair[1].1);
+                    self.repeats.add(pair[1].1);
+                    continue;
+                }
                 let what = pair[1].0.map_or("'no detection'".to_owned(), |number| format!("detection '{}'", self.detections.name(number)));
                 let detail = format!("{what} occurs twice for one track and time: also on {}", reader.called(pair[0].1));
                 reader.fault_in(pair[1].1, column, "duplicate", detail);
             }
+        }
+        if !repeated.is_empty() {
+            self.candidates.retain(|candidate| !repeated.contains(&candidate.row));
         }
     }
 

@@ -1,10 +1,11 @@
-//! Truth: rows of any interleaving of targets; each target's times rise.
+//! Truth: rows of any interleaving of targets; each target's times rise. A row that repeats its target's last one is taken
+//! once, and told.
 
 use super::degrees::degrees;
 use super::header::Header;
 use super::interner::Interner;
 use super::row::RowReader;
-use super::{Rows, Sink};
+use super::{Repeats, Rows, Sink};
 use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
 use crate::model::state::Position;
@@ -34,22 +35,23 @@ struct Path {
 ///
 /// # Errors
 /// Every fault of the rows.
-pub fn read(rows: &mut dyn Rows, header: &Header) -> Result<(Dataset, bool), Vec<Fault>> {
+pub fn read(rows: &mut dyn Rows, header: &Header, warnings: &mut Vec<String>) -> Result<(Dataset, bool), Vec<Fault>> {
     let columns = Columns { time: header.required("time_s"), truth: header.required("truth_id"), place: PlaceColumns::of(header) };
     let mut reader = RowReader::new(rows);
     let mut names = Interner::default();
-    let mut paths: Vec<Path> = Vec::new();
+    let (mut paths, mut repeats): (Vec<Path>, Repeats) = Default::default();
     while reader.advance() {
-        read_row(&mut reader, &columns, &mut names, &mut paths);
+        read_row(&mut reader, &columns, &mut names, (&mut paths, &mut repeats));
     }
+    warnings.extend(reader.repeats_warning(&repeats));
     reader.faults.finish()?;
     let empty = paths.is_empty();
     Ok((Dataset::Truth(TruthSet::new(sorted(names, paths))?), empty))
 }
 
-fn read_row(reader: &mut RowReader, columns: &Columns, names: &mut Interner, paths: &mut Vec<Path>) {
+fn read_row(reader: &mut RowReader, columns: &Columns, names: &mut Interner, (paths, repeats): (&mut Vec<Path>, &mut Repeats)) {
     let time_s = reader.number(columns.time);
-    reader.require_text(columns.truth);
+    reader.require_name(columns.truth);
     let place = columns.place.read(reader);
     if reader.text(columns.truth).is_empty() {
         return;
@@ -59,11 +61,15 @@ fn read_row(reader: &mut RowReader, columns: &Columns, names: &mut Interner, pat
         paths.resize_with(index + 1, Path::default);
     }
     let path = &mut paths[index];
+    let point = time_s.zip(place).map(|(time_s, place)| TruthPoint { time_s, place });
+    if point.is_some() && point.as_ref() == path.points.last() {
+        return repeats.add(reader.row());
+    }
     if let (Some(time_s), Some(last)) = (time_s, path.points.last()) {
         check_order(reader, columns, time_s, last.time_s, path.last_row);
     }
-    if let (Some(time_s), Some(place)) = (time_s, place) {
-        path.points.push(TruthPoint { time_s, place });
+    if let Some(point) = point {
+        path.points.push(point);
         path.last_row = reader.row();
     }
 }

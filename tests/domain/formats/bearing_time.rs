@@ -152,7 +152,11 @@ fn an_array_without_axes_or_of_something_else_says_what_is_needed() {
     assert!(detail(&npy(9, "", &[])).contains("version 9"));
     assert!(detail(&npy(1, &header("<c8", "False"), &values)).contains("'<c8'"));
     assert!(detail(&npy(1, &header("<f4", "False").replace("(2, 3)", "(6,)"), &values)).contains("no matrix"));
-    assert!(detail(&npy(1, &header("<f4", "False").replace("(2, 3)", "(2, 0)"), &[])).contains("the axis bearings_rad has 0"));
+    let of_shape = |shape: &str, values: &[u8]| npy(1, &header("<f4", "False").replace("(2, 3)", shape), values);
+    assert_eq!(detail(&of_shape("(2, 0)", &[])), "the array has 2 rows and 0 columns");
+    assert_eq!(detail(&of_shape("(1000000000000, 0)", &[])), "the array has 1000000000000 rows and 0 columns");
+    assert_eq!(detail(&of_shape("(1000000000000, 1)", &[])), "the array has 1000000000000 rows and 1 columns");
+    assert!(detail(&of_shape("(4, 3)", &values)).contains("need 48 bytes; there are 24"));
     let nan = npy(1, &header("<f4", "False"), &[&values[..20], &f32::NAN.to_le_bytes()].concat());
     assert!(detail(&nan).contains("row 1, column 2"));
     let huge = npy(1, &header("<f4", "False").replace("(2, 3)", "(99999999999, 99999999999)"), &values);

@@ -179,7 +179,7 @@ fn a_detection_id_is_unique_in_its_scan() {
 #[test]
 fn truth_out_of_order_is_named() {
     let header = "time_s,truth_id,x_m,y_m,vx_mps,vy_mps\n";
-    let faults = read("csv", format!("{header}0,A,1,2,,\n5,B,1,2,,\n0,A,1,2,,\n3,B,1,2,1,\n4,,1,2,,\n")).expect_err("four faults");
+    let faults = read("csv", format!("{header}0,A,1,2,,\n5,B,1,2,,\n0,A,1,3,,\n3,B,1,2,1,\n4,,1,2,,\n")).expect_err("four faults");
     assert_eq!(
         faults,
         [
@@ -206,7 +206,7 @@ fn tracks_that_contradict_themselves_are_named() {
             at(7, "time_s", "unsorted", "track 'T': time 1 s comes after 2 s on line 6"),
         ]
     );
-    let twice = fault("csv", "time_s,track_id,x_m,y_m\n0,T,1,2\n0,T,1,2\n");
+    let twice = fault("csv", "time_s,track_id,x_m,y_m\n0,T,1,2\n0,T,1,3\n");
     assert_eq!(twice, at(3, "time_s", "duplicate", "track 'T' is at 0 s twice: also on line 2"));
 }
 

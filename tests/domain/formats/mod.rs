@@ -5,6 +5,7 @@ mod bearing_time;
 mod bearings;
 mod csv_faults;
 mod csv_values;
+mod hostile;
 mod json;
 mod mot;
 mod round_trip;
@@ -16,7 +17,7 @@ use trackloom_domain::model::scan::Recording;
 use trackloom_domain::model::track::TrackSet;
 use trackloom_domain::model::truth::TruthSet;
 
-fn read_with(format: &str, bytes: impl AsRef<[u8]>, options: &ReadOptions) -> Result<ReadOutcome, Vec<Fault>> {
+pub fn read_with(format: &str, bytes: impl AsRef<[u8]>, options: &ReadOptions) -> Result<ReadOutcome, Vec<Fault>> {
     let format = format_named(format).expect("the format is known");
     (format.read)(&mut bytes.as_ref(), options)
 }
@@ -25,7 +26,7 @@ fn read(format: &str, bytes: impl AsRef<[u8]>) -> Result<ReadOutcome, Vec<Fault>
     read_with(format, bytes, &ReadOptions::default())
 }
 
-fn of_kind(kind: DatasetKind) -> ReadOptions {
+pub fn of_kind(kind: DatasetKind) -> ReadOptions {
     ReadOptions { kind: Some(kind), ..Default::default() }
 }
 
