@@ -20,6 +20,7 @@ use trackloom_domain::math::rng::Seed;
 use trackloom_domain::model::scan::Recording;
 use trackloom_domain::model::scenario::{RandomTargets, ReportNoise, Scenario, ScenarioSensor, TargetPlan};
 use trackloom_domain::model::sensor::{Report, Sensor};
+use trackloom_domain::model::watch::Watch;
 use trackloom_domain::registry;
 use trackloom_domain::tracking::{Confirmation, Initiation, Lifecycle, Tracker, TrackerParts};
 use yardstick::yardstick_ns;
@@ -153,7 +154,7 @@ fn tracked(method: &str, scenario: &Scenario, recording: &Recording) -> (f64, u6
     let mut tracker = Tracker::new(parts);
     let mut track_scans = 0;
     for scan in &recording.scans {
-        track_scans += u64::from(tracker.step(scan, recording.detections_of(scan)).tracks);
+        track_scans += u64::from(tracker.step(scan, recording.detections_of(scan), &Watch::never()).expect("the scene fits").tracks);
     }
     let seconds = start.elapsed().as_secs_f64();
     let diagnostics = tracker.diagnostics();

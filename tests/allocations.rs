@@ -11,6 +11,7 @@ use trackloom_domain::math::rng::Seed;
 use trackloom_domain::model::scan::{Recording, RecordingParts};
 use trackloom_domain::model::scenario::{ListedTarget, Scenario, ScenarioSensor, TargetPlan};
 use trackloom_domain::model::sensor::{Report, Sensor};
+use trackloom_domain::model::watch::Watch;
 use trackloom_domain::registry;
 use trackloom_domain::tracking::{Confirmation, Initiation, Lifecycle, Tracker, TrackerParts};
 
@@ -107,11 +108,11 @@ fn with_amplitudes(recording: Recording) -> Recording {
 fn allocations(method: &str, scenario: &Scenario, recording: &Recording) -> u64 {
     let mut tracker = Tracker::new(parts(method, scenario));
     for scan in &recording.scans[..WARM_UP] {
-        tracker.step(scan, recording.detections_of(scan));
+        tracker.step(scan, recording.detections_of(scan), &Watch::never()).unwrap();
     }
     let before = ALLOCATIONS.load(Ordering::Relaxed);
     for scan in &recording.scans[WARM_UP..] {
-        let outcome = tracker.step(scan, recording.detections_of(scan));
+        let outcome = tracker.step(scan, recording.detections_of(scan), &Watch::never()).unwrap();
         assert!(outcome.confirmed > 0);
     }
     ALLOCATIONS.load(Ordering::Relaxed) - before

@@ -20,6 +20,7 @@ use trackloom_domain::model::scan::Recording;
 use trackloom_domain::model::scenario::Scenario;
 use trackloom_domain::model::sensor::{Report, Sensor};
 use trackloom_domain::model::track::TrackSet;
+use trackloom_domain::model::watch::Watch;
 use trackloom_domain::tracking::{Lifecycle, Tracker, TrackerParts};
 
 const METHODS: [&str; 4] = ["nearest_neighbour", "global_nearest_neighbour", "pda", "jpda"];
@@ -107,7 +108,7 @@ fn timed(spec: &Value, recording: &Recording) -> Result<(TrackSet, f64), Failure
 fn track(parts: TrackerParts<Kalman>, recording: &Recording) -> TrackSet {
     let mut tracker = Tracker::new(parts);
     for scan in &recording.scans {
-        tracker.step(scan, recording.detections_of(scan));
+        tracker.step(scan, recording.detections_of(scan), &Watch::never()).expect("the scene fits");
     }
     tracker.into_history().into_tracks(recording)
 }

@@ -9,6 +9,7 @@ use trackloom_domain::model::scan::Recording;
 use trackloom_domain::model::scenario::{ListedTarget, Scenario, ScenarioSensor, TargetPlan};
 use trackloom_domain::model::sensor::{Report, Sensor};
 use trackloom_domain::model::state::{Covariance, GaussianState, State};
+use trackloom_domain::model::watch::Watch;
 use trackloom_domain::tracking::{Confirmation, Initiation, Lifecycle, Tracker, TrackerParts};
 
 const SIGMA_M: f64 = 10.0;
@@ -68,7 +69,7 @@ impl Flights {
             tracker.give(listed.truth_id.clone(), GaussianState { mean, covariance }, Some(target as u32));
         }
         for scan in &self.recording.scans {
-            tracker.step(scan, self.recording.detections_of(scan));
+            tracker.step(scan, self.recording.detections_of(scan), &Watch::never()).expect("the scene fits");
         }
         tracker
     }

@@ -43,7 +43,8 @@ pub trait Associator: Send {
         false
     }
 
-    /// Writes for every track of the problem weights over its candidates and "none" that sum to 1.
+    /// Writes for every track of the problem weights over its candidates and "none" that sum to 1. Work that may take longer
+    /// than some milliseconds asks [`Problem::stops_after`] on the way.
     fn associate(&mut self, problem: &Problem, weights: &mut Weights);
 
     /// What it wants to say of all it did so far, as JSON for the report.

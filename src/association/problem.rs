@@ -2,6 +2,8 @@
 //! log-likelihood, and what "no detection" costs. It is split into clusters (tracks connected by shared candidates);
 //! an associator sees one cluster at a time. All memory is reused from scan to scan.
 
+use crate::model::watch::Watch;
+
 /// A track's candidate. `log_likelihood` is ln(P_D · N(ν; 0, S) / λ), to be compared with the row's `log_none`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Edge {
@@ -87,6 +89,7 @@ pub struct Problem<'a> {
     occasion: u32,
     detections: u32,
     members: &'a [u32],
+    watch: &'a Watch<'a>,
 }
 
 /// What an associator answers, for all rows and edges of the scan.
@@ -168,11 +171,19 @@ impl ScanProblem {
     }
 
     /// Calls `visit` for each cluster, in the order of its first row; rows without a candidate are in none.
-    pub fn for_each_cluster(&mut self, mut visit: impl FnMut(&Problem)) {
+    pub fn for_each_cluster(&mut self, visit: impl FnMut(&Problem)) {
+        self.for_each_cluster_until(&Watch::never(), visit);
+    }
+
+    /// The same, until the watch says to stop.
+    pub fn for_each_cluster_until(&mut self, watch: &Watch, mut visit: impl FnMut(&Problem)) {
         let ScanProblem { rows, edges, amplitudes, places, clusters, occasion, detections } = self;
         clusters.find(rows, edges, *detections as usize);
         for members in clusters.iter() {
-            visit(&Problem { rows, edges, amplitudes, places, occasion: *occasion, detections: *detections, members });
+            visit(&Problem { rows, edges, amplitudes, places, occasion: *occasion, detections: *detections, members, watch });
+            if watch.stops_after(members.len() as u64) {
+                return;
+            }
         }
     }
 }
@@ -198,6 +209,17 @@ impl<'a> Problem<'a> {
     #[inline]
     pub fn edges_of(&self, row: &Row) -> &'a [Edge] {
         &self.edges[row.edges()]
+    }
+
+    /// Says whether to stop, once a piece of work in so many parts is done. An associator that stops may leave any weights.
+    #[inline]
+    pub fn stops_after(&self, pieces: u64) -> bool {
+        self.watch.stops_after(pieces)
+    }
+
+    /// What says whether to stop.
+    pub fn watch(&self) -> &'a Watch<'a> {
+        self.watch
     }
 
     /// Numbers the problems of a tracker: with a row it names what a random choice is for.

@@ -22,6 +22,7 @@ use super::tuples::{Relaxation, TooLarge, Tuple, listed, relaxed};
 use super::weighted::weighted_tuples;
 use super::{BuildCorrelator, Correlator, Search, Solution};
 use crate::model::fault::Fault;
+use crate::model::watch::Watch;
 use crate::registry::{Kind, Method, Object, default};
 use serde::Deserialize;
 
@@ -94,7 +95,7 @@ impl Lagrangian {
 impl Lagrangian {
     /// Step 1.
     fn relaxed(&self, cluster: &Cluster, start: &Partition) -> Option<Relaxation> {
-        match listed(cluster, &mut self.max_nodes.min(MAX_LISTED)) {
+        match listed(cluster, &mut self.max_nodes.min(MAX_LISTED), &Watch::never()) {
             Ok(tuples) => Some(relaxed(&tuples, start.cost(), self.rounds)),
             Err(TooLarge) if cluster.is_pairwise() => priced(cluster, start, self.max_nodes),
             Err(TooLarge) => None,

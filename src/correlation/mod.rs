@@ -6,6 +6,7 @@
 
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
+use crate::model::watch::Watch;
 use crate::registry::{Method, Union};
 use problem::Problem;
 
@@ -81,6 +82,14 @@ pub trait Correlator: Send {
     /// # Errors
     /// What of its parameters or of the size of the problem it cannot work with, with a pointer into the parameters.
     fn correlate(&mut self, problem: &Problem) -> Result<Solution, Vec<Fault>>;
+
+    /// The same, unless the watch says to stop; then the answer, or the refusal, is of no use. For those whose search may take long.
+    ///
+    /// # Errors
+    /// As [`Correlator::correlate`].
+    fn correlate_until(&mut self, problem: &Problem, _watch: &Watch) -> Result<Solution, Vec<Fault>> {
+        self.correlate(problem)
+    }
 }
 
 /// Builds a correlator from its checked parameters and the seed of its random choices, if it makes any.

@@ -24,6 +24,7 @@
 //!    goes, are prices whose sum over any set of tracks bounds what that set can cost.
 
 use super::cluster::{Cluster, NONE};
+use crate::model::watch::Watch;
 
 /// More nodes than allowed would have to be looked at.
 #[derive(Debug, PartialEq, Eq)]
@@ -36,14 +37,15 @@ pub(super) struct Tuple {
 }
 
 /// Step 1; by lowest member, the cheapest first.
-pub(super) fn listed(cluster: &Cluster, nodes: &mut u64) -> Result<Vec<Vec<Tuple>>, TooLarge> {
-    let mut listing = Listing::new(cluster, nodes);
+pub(super) fn listed(cluster: &Cluster, nodes: &mut u64, watch: &Watch) -> Result<Vec<Vec<Tuple>>, TooLarge> {
+    let mut listing = Listing::new(cluster, nodes, watch);
     (0..cluster.len() as u32).map(|first| listing.of_lowest(first)).collect()
 }
 
 struct Listing<'a> {
     cluster: &'a Cluster<'a>,
     nodes: &'a mut u64,
+    watch: &'a Watch<'a>,
     members: Vec<u32>,
     /// For each number of members what the links of each to the others sum to, one stretch behind the other.
     sums: Vec<f64>,
@@ -54,9 +56,9 @@ struct Listing<'a> {
 }
 
 impl<'a> Listing<'a> {
-    fn new(cluster: &'a Cluster, nodes: &'a mut u64) -> Self {
+    fn new(cluster: &'a Cluster, nodes: &'a mut u64, watch: &'a Watch) -> Self {
         let (rests, row) = (cluster.best_links(), vec![NONE; cluster.sensors()]);
-        Listing { cluster, nodes, members: Vec::new(), sums: Vec::new(), rests, row, found: Vec::new() }
+        Listing { cluster, nodes, watch, members: Vec::new(), sums: Vec::new(), rests, row, found: Vec::new() }
     }
 
     fn of_lowest(&mut self, first: u32) -> Result<Vec<Tuple>, TooLarge> {
@@ -71,9 +73,15 @@ impl<'a> Listing<'a> {
         Ok(std::mem::take(&mut self.found))
     }
 
+    /// One more is looked at; a stop is as if there were too many.
+    fn count_node(&mut self) -> Result<(), TooLarge> {
+        *self.nodes = self.nodes.checked_sub(1).ok_or(TooLarge)?;
+        if self.watch.stops_after(64) { Err(TooLarge) } else { Ok(()) }
+    }
+
     /// The tuples that begin with the members and go on with sensors from `next`, of any cost.
     fn grow(&mut self, next: usize) -> Result<(), TooLarge> {
-        *self.nodes = self.nodes.checked_sub(1).ok_or(TooLarge)?;
+        self.count_node()?;
         if self.members.len() > 1 {
             self.row.fill(NONE);
             self.members.iter().for_each(|&member| self.row[self.cluster.sensor_of(member)] = member);
@@ -93,7 +101,7 @@ impl<'a> Listing<'a> {
 
     /// The same where the cost is the sum over all pairs.
     fn grow_pairs(&mut self, next: usize, cost: f64) -> Result<(), TooLarge> {
-        *self.nodes = self.nodes.checked_sub(1).ok_or(TooLarge)?;
+        self.count_node()?;
         let begin = self.sums.len() - self.members.len();
         let stride = self.cluster.sensors() + 1;
         let with_rest = |(&member, sum): (&u32, &f64)| sum + self.rests[member as usize * stride + next];

@@ -13,10 +13,12 @@
 //! Costs are in proportion to points and pairs, apart from sorting.
 
 use super::EvaluationInput;
+use super::extent::Extent;
 use super::steps::Steps;
 use crate::model::state::Position;
 use crate::model::track::{Estimate, TrackSet};
 use crate::model::truth::{Target, TruthSet};
+use crate::model::watch::Watch;
 use std::ops::Range;
 
 /// How truth is brought to the times of the steps.
@@ -113,6 +115,11 @@ pub struct PointSettings {
 impl Comparison {
     /// Compares points, or directions where both sides are. `truth` is the truth of `input`.
     pub fn of_points(input: &EvaluationInput, truth: &TruthSet, settings: &PointSettings) -> Comparison {
+        Comparison::of_points_within(input, truth, settings, &mut Extent::unbounded(&Watch::never()))
+    }
+
+    /// The same of what the extent allows; its [`Extent::finish`] says whether the comparison is whole.
+    pub fn of_points_within(input: &EvaluationInput, truth: &TruthSet, settings: &PointSettings, extent: &mut Extent) -> Comparison {
         let shape = if truth.is_of_bearings() && input.tracks.is_of_bearings() { Shape::Bearings } else { Shape::Points };
         let mut comparison = Comparison {
             shape,
@@ -127,10 +134,18 @@ impl Comparison {
         };
         let mut steps = Steps::new(input.recording, Some(truth), input.tracks, settings.time_tolerance_s);
         comparison.warnings.append(&mut steps.warnings);
-        let (truths, tracks) = (truths_at(truth, &steps, shape, settings.alignment), tracks_at(input.tracks, &steps, shape));
+        extent.add_ids(comparison.truth_ids.len() + comparison.track_ids.len());
+        let truths = truths_at(truth, &steps, shape, settings.alignment, extent);
+        let tracks = tracks_at(input.tracks, &steps, shape, extent);
         comparison.warn_of_strangers(&truths, truth, &tracks, input.tracks);
         for ((time_s, truths), tracks) in steps.times_s().zip(truths).zip(tracks) {
-            comparison.push_step(time_s, truths, tracks, |truths, tracks, found| near_pairs(truths, tracks, shape, settings, found));
+            let first_pair = comparison.pairs.len();
+            comparison.push_step(time_s, truths, tracks, |truths, tracks, found| {
+                near_pairs((truths, tracks), shape, settings, extent, found);
+            });
+            if !extent.end_step(comparison.pairs.len() - first_pair) {
+                break;
+            }
         }
         comparison
     }
@@ -190,9 +205,10 @@ impl Comparison {
     }
 }
 
-fn truths_at(truth: &TruthSet, steps: &Steps, shape: Shape, alignment: Alignment) -> Vec<Vec<Presence>> {
+fn truths_at(truth: &TruthSet, steps: &Steps, shape: Shape, alignment: Alignment, extent: &mut Extent) -> Vec<Vec<Presence>> {
     let mut lists = vec![Vec::new(); steps.count()];
     for (id, target) in truth.targets().iter().enumerate() {
+        let mut points = 0;
         for step in alignment.steps_of(target, steps) {
             let (time_s, tolerance_s) = (steps.time_s(step), steps.tolerance_s);
             let place = match shape {
@@ -200,7 +216,11 @@ fn truths_at(truth: &TruthSet, steps: &Steps, shape: Shape, alignment: Alignment
                 Shape::Points | Shape::Boxes => alignment.place(target, time_s, tolerance_s),
             };
             let presence = |(position_m, velocity_mps)| Presence { id: id as u32, position_m, velocity_mps, point: 0 };
+            points += usize::from(place.is_some());
             lists[step].extend(place.map(presence));
+        }
+        if !extent.add_points(points) {
+            break;
         }
     }
     lists
@@ -258,7 +278,7 @@ fn told(estimate: &Estimate, shape: Shape) -> Option<(Position, Option<Position>
     }
 }
 
-fn tracks_at(set: &TrackSet, steps: &Steps, shape: Shape) -> Vec<Vec<Presence>> {
+fn tracks_at(set: &TrackSet, steps: &Steps, shape: Shape, extent: &mut Extent) -> Vec<Vec<Presence>> {
     let mut lists: Vec<Vec<Presence>> = vec![Vec::new(); steps.count()];
     for (id, track) in set.tracks.iter().enumerate() {
         let mut guess = 0;
@@ -272,18 +292,22 @@ fn tracks_at(set: &TrackSet, steps: &Steps, shape: Shape) -> Vec<Vec<Presence>> 
                 _ => lists[step].push(presence),
             }
         }
+        if !extent.add_points(track.points.len()) {
+            break;
+        }
     }
     lists
 }
 
 /// The pairs within reach: for each truth the tracks whose x is near enough are looked at, at every turn.
 fn near_pairs(
-    truths: &[Presence],
-    tracks: &[Presence],
+    (truths, tracks): (&[Presence], &[Presence]),
     shape: Shape,
     settings: &PointSettings,
+    extent: &mut Extent,
     found: &mut dyn FnMut(usize, usize, f64, f64),
 ) {
+    let (mut pairs, mut looked_at) = (0, 0);
     let mut by_x: Vec<(f64, usize)> = tracks.iter().enumerate().map(|(index, track)| (track.position_m.x, index)).collect();
     by_x.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     for (truth, place) in truths.iter().enumerate() {
@@ -294,11 +318,17 @@ fn near_pairs(
                 if x_m > position_m.x + settings.reach_m {
                     break;
                 }
+                looked_at += 1;
                 let distance_m = (tracks[track].position_m - position_m).norm();
                 if distance_m <= settings.reach_m {
                     found(truth, track, distance_m, (1.0 - distance_m / (2.0 * settings.gate_m)).max(0.0));
+                    pairs += 1;
                 }
             }
+        }
+        // One truth has no more pairs than there are tracks.
+        if !extent.goes_on_with(pairs, 4 * std::mem::take(&mut looked_at)) {
+            return;
         }
     }
 }

@@ -6,10 +6,13 @@
 
 use super::comparison::{Comparison, Pair, Step};
 use crate::math::assignment::AssignmentSolver;
+use crate::model::watch::Watch;
 
 /// Matches one step after another.
 #[derive(Debug, Default)]
-pub struct StepMatcher {
+pub struct StepMatcher<'w> {
+    /// Where there is one, a matching that it stops is any.
+    watch: Option<&'w Watch<'w>>,
     solver: AssignmentSolver,
     worths: Vec<f64>,
     /// For each truth and each track of the step: with how many it may be matched.
@@ -21,7 +24,12 @@ pub struct StepMatcher {
     matched: Vec<u32>,
 }
 
-impl StepMatcher {
+impl<'w> StepMatcher<'w> {
+    /// One that stops when the watch says so.
+    pub fn until(watch: &'w Watch<'w>) -> Self {
+        StepMatcher { watch: Some(watch), ..StepMatcher::default() }
+    }
+
     /// The pairs of the best matching, by their index in [`Comparison::pairs`], rising. A pair whose worth is not above
     /// 0 is never matched.
     pub fn best(&mut self, comparison: &Comparison, step: &Step, worth: impl Fn(usize, &Pair) -> f64) -> &[u32] {
@@ -79,7 +87,10 @@ impl StepMatcher {
 
     fn solve(&mut self) {
         self.solver.end_row(0.0);
-        let is_solved = self.solver.solve().is_some();
+        let is_solved = match self.watch {
+            Some(watch) => self.solver.solve_until(watch).is_some() || watch.is_stopped(),
+            None => self.solver.solve().is_some(),
+        };
         debug_assert!(is_solved, "an assignment in which everyone may stay alone exists");
         for (row, &first) in self.rows.iter().enumerate() {
             self.matched.extend(self.solver.edge_of(row).map(|edge| self.edges[first as usize + edge]));

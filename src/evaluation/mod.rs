@@ -11,6 +11,7 @@ pub mod axis;
 pub mod breaks;
 pub mod comparison;
 pub mod events;
+pub mod extent;
 pub mod grouping;
 mod id_order;
 pub mod identities;

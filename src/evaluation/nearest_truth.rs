@@ -12,6 +12,8 @@ use super::axis::Axis;
 use super::comparison::Alignment;
 use super::id_order;
 use super::nearest_point::{Place, PlaneTree};
+use crate::model::allowance::{MAX_POINTS, too_large};
+use crate::model::fault::Fault;
 use crate::model::state::Position;
 use crate::model::truth::{Target, TruthSet};
 
@@ -27,16 +29,23 @@ pub struct NearestTruth<'a> {
 }
 
 impl<'a> NearestTruth<'a> {
-    pub fn new(truth: &'a TruthSet, axis: &Axis, gate_m: f64, max_gap_s: f64, keep_all: bool) -> Self {
+    /// # Errors
+    /// When the targets exist at more scans, one after the other, than may be held.
+    pub fn new(truth: &'a TruthSet, axis: &Axis, gate_m: f64, max_gap_s: f64, keep_all: bool) -> Result<Self, Vec<Fault>> {
         let ranks = id_order::ranks(truth.targets().iter().map(|target| target.truth_id.as_str()));
         let mut places: Vec<Vec<Place>> = vec![Vec::new(); axis.scans().len()];
-        let (mut target_ids, mut scans_of_target, mut never_watched) = (Vec::new(), Vec::new(), 0);
+        let (mut target_ids, mut scans_of_target, mut never_watched, mut points) = (Vec::new(), Vec::new(), 0, 0);
         for (target, rank) in truth.targets().iter().zip(ranks) {
             let index = target_ids.len() as u32;
             let path = positions_on(axis, target, max_gap_s);
             if path.is_empty() && !keep_all {
                 never_watched += 1;
                 continue;
+            }
+            points += path.len();
+            if points > MAX_POINTS {
+                let remedy = "a part of the steps in each job, or a smaller max_gap_s";
+                return Err(vec![too_large("/truth", "points of truth at the steps", points, MAX_POINTS, remedy)]);
             }
             for &(scan, position_m) in &path {
                 places[scan].push(Place { position_m, index, rank });
@@ -45,7 +54,7 @@ impl<'a> NearestTruth<'a> {
             scans_of_target.push(path.into_iter().map(|(scan, _)| scan).collect());
         }
         let trees = places.into_iter().map(PlaneTree::new).collect();
-        NearestTruth { target_ids, scans_of_target, never_watched, gate_m, trees }
+        Ok(NearestTruth { target_ids, scans_of_target, never_watched, gate_m, trees })
     }
 
     /// The symbol of a track that is at `position_m` at a scan.

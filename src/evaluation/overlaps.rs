@@ -5,13 +5,22 @@
 //! edge lies between its own, less the greatest width, and its right edge; pairs that do not overlap are not listed.
 
 use super::comparison::{Comparison, Pair, Presence, Shape, Step};
+use super::extent::Extent;
 use crate::model::boxes::{BoxSet, ObjectBox};
 use crate::model::state::Position;
+use crate::model::watch::Watch;
 
 impl Comparison {
     /// Compares boxes; they match from an intersection over union of `min_overlap` on. Times are frame numbers,
     /// positions the centres of boxes in pixels, and [`Presence::point`] counts the boxes of the set.
     pub fn of_boxes(truth: &BoxSet, tracks: &BoxSet, min_overlap: f64) -> Comparison {
+        Comparison::of_boxes_within(truth, tracks, min_overlap, &mut Extent::unbounded(&Watch::never()))
+    }
+
+    /// The same of what the extent allows; its [`Extent::finish`] says whether the comparison is whole.
+    pub fn of_boxes_within(truth: &BoxSet, tracks: &BoxSet, min_overlap: f64, extent: &mut Extent) -> Comparison {
+        extent.add_ids(truth.object_ids().len() + tracks.object_ids().len());
+        extent.add_points(truth.boxes().len() + tracks.boxes().len());
         let mut comparison = Comparison {
             shape: Shape::Boxes,
             gate: 1.0 - min_overlap,
@@ -31,8 +40,13 @@ impl Comparison {
             let first_pair = comparison.pairs.len();
             sweep.restart(tracks.boxes(), seen.clone());
             for index in truths.clone() {
-                sweep.meet(truth.boxes(), index as u32, tracks.boxes(), &mut comparison.pairs);
+                let looked_at = sweep.meet(truth.boxes(), index as u32, tracks.boxes(), &mut comparison.pairs);
+                // One truth has no more pairs than there are tracks in the frame.
+                if !extent.goes_on_with(comparison.pairs.len() - first_pair, 8 * looked_at) {
+                    return comparison;
+                }
             }
+            extent.end_step(comparison.pairs.len() - first_pair);
             comparison.pairs[first_pair..].sort_unstable_by_key(|pair| (pair.truth, pair.track));
             (truth_from, track_from) = (truths.end, seen.end);
             let pairs = first_pair..comparison.pairs.len();
@@ -75,17 +89,20 @@ impl Sweep {
         self.greatest_width_px = tracks[seen].iter().map(|one| one.width_px).fold(0.0, f64::max);
     }
 
-    /// Lists the pairs of one truth.
-    fn meet(&self, truths: &[ObjectBox], index: u32, tracks: &[ObjectBox], pairs: &mut Vec<Pair>) {
+    /// Lists the pairs of one truth, and says how many tracks it looked at.
+    fn meet(&self, truths: &[ObjectBox], index: u32, tracks: &[ObjectBox], pairs: &mut Vec<Pair>) -> usize {
+        let mut looked_at = 0;
         let truth = &truths[index as usize];
         let from = self.by_left.partition_point(|&(left_px, _)| left_px < truth.left_px - self.greatest_width_px);
         let right_px = truth.left_px + truth.width_px;
         for &(_, track) in self.by_left[from..].iter().take_while(|&&(left_px, _)| left_px < right_px) {
+            looked_at += 1;
             let similarity = truth.overlap(&tracks[track as usize]);
             if similarity > 0.0 {
                 pairs.push(Pair { truth: index, track, distance: 1.0 - similarity, similarity });
             }
         }
+        looked_at
     }
 }
 

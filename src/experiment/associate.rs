@@ -13,9 +13,11 @@ use crate::model::sensor::{Sensor, SensorSettings};
 use crate::model::state::GaussianState;
 use crate::model::track::{Estimate, TrackSet};
 use crate::model::truth::TruthSet;
+use crate::model::watch::Watch;
 use crate::tracking::{Lifecycle, ScanOutcome, Tracker, TrackerParts};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::cell::RefCell;
 
 /// The tracks, and what happened scan by scan.
 pub(super) struct Tracked {
@@ -134,9 +136,17 @@ impl Tracking<'_> {
             tracker.keep_problems();
         }
         let mut scans = Vec::with_capacity(recording.scans.len());
+        let total = recording.scans.len() as u64;
+        let asked = RefCell::new((&mut *observer, 1));
+        let question = || {
+            let (observer, done) = &mut *asked.borrow_mut();
+            observer.progress(Step::Associate, *done, total)
+        };
+        let watch = Watch::new(&question);
         for (index, scan) in recording.scans.iter().enumerate() {
-            scans.push(tracker.step(scan, recording.detections_of(scan)));
-            if observer.progress(Step::Associate, index as u64 + 1, recording.scans.len() as u64).is_break() {
+            scans.push(tracker.step(scan, recording.detections_of(scan), &watch)?);
+            asked.borrow_mut().1 = index as u64 + 1;
+            if question().is_break() {
                 return Err(RunError::Stopped);
             }
         }
@@ -152,13 +162,19 @@ impl Tracking<'_> {
 fn timed<F: Filter<N, D>, const N: usize, const D: usize>(
     tracker: &mut Tracker<F, N, D>,
     scans: usize,
-    observer: &dyn Observer,
+    observer: &mut dyn Observer,
 ) -> Option<Decided>
 where
     Estimate: From<GaussianState<N>>,
 {
     let begun = observer.now()?;
-    tracker.decide_again();
+    let asked = RefCell::new(&mut *observer);
+    let question = || asked.borrow_mut().progress(Step::Associate, scans as u64, scans as u64);
+    let watch = Watch::new(&question);
+    tracker.decide_again(&watch);
+    if watch.is_stopped() {
+        return None;
+    }
     Some(Decided { spent: observer.now()?.checked_sub(begun)?, scans: scans as u64 })
 }
 

@@ -2,17 +2,20 @@
 //! sequences together and over each alone, and the files that say more than the report.
 
 use super::metric_files::{self, MAX_PAIRS, Reports, TIME};
-use super::observer::{Observer, Step};
+use super::observer::Observer;
 use super::run::{Artifact, RunError};
 use super::text;
+use super::told::Told;
 use crate::evaluation::EvaluationInput;
 use crate::evaluation::breaks::{self, Break};
 use crate::evaluation::comparison::{Alignment, Comparison, PointSettings, Shape};
 use crate::evaluation::events::{EventKind, EventLog};
+use crate::evaluation::extent::Extent;
 use crate::evaluation::metrics::{METRICS, Metric, MetricReport, Quantity, Sequence};
 use crate::model::boxes::BoxSet;
 use crate::model::fault::Fault;
 use crate::model::truth::TruthSet;
+use crate::model::watch::Watch;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
@@ -79,30 +82,27 @@ enum Aligned {
 pub(super) fn judge(spec: &Value, subjects: &[Subject], wants_files: bool, observer: &mut dyn Observer) -> Result<Judgement, RunError> {
     let metrics = metrics_of(spec)?;
     refuse_mixtures(subjects)?;
-    let comparisons = compare(spec, subjects, &metrics)?;
-    let logs: Vec<EventLog> = comparisons.iter().map(EventLog::new).collect();
+    let steps = if subjects.len() > 1 { subjects.len() + 1 } else { 1 };
+    let mut told = Told::new(observer, (metrics.len() * steps) as u64);
+    let comparisons = told.watching(|watch| compare(spec, subjects, &metrics, watch))??;
+    let logs = told.watching(|watch| comparisons.iter().map(|comparison| EventLog::new_until(comparison, watch)).collect::<Vec<_>>())?;
     let sequences: Vec<Sequence> = subjects
         .iter()
         .zip(comparisons.iter().zip(&logs))
         .map(|(subject, (comparison, events))| Sequence { comparison, events, input: subject.content.input() })
         .collect();
-    let total = (metrics.len() * if sequences.len() > 1 { sequences.len() + 1 } else { 1 }) as u64;
-    let mut done = 0;
-    let mut told = |observer: &mut dyn Observer| {
-        done += 1;
-        if observer.progress(Step::Evaluate, done, total).is_break() { Err(RunError::Stopped) } else { Ok(()) }
-    };
     let mut together = Vec::new();
     for named in &metrics {
-        together.push((named.name.as_str(), named.metric.evaluate(&sequences)));
-        told(observer)?;
+        together.push((named.name.as_str(), told.watching(|watch| named.metric.evaluate_until(&sequences, watch))?));
+        told.one_more()?;
     }
     let mut alone = Vec::new();
     for sequence in sequences.iter().take(if sequences.len() > 1 { sequences.len() } else { 0 }) {
         let mut reports = Vec::new();
         for named in &metrics {
-            reports.push((named.name.as_str(), named.metric.evaluate(std::slice::from_ref(sequence))));
-            told(observer)?;
+            let report = told.watching(|watch| named.metric.evaluate_until(std::slice::from_ref(sequence), watch))?;
+            reports.push((named.name.as_str(), report));
+            told.one_more()?;
         }
         alone.push(reports);
     }
@@ -153,7 +153,7 @@ pub(super) fn accepts_bearings(body: &Value) -> bool {
     entry.and_then(|entry| (entry.build)(body).ok()).is_some_and(|metric| metric.accepts(Shape::Bearings))
 }
 
-fn compare(spec: &Value, subjects: &[Subject], metrics: &[Named]) -> Result<Vec<Comparison>, RunError> {
+fn compare(spec: &Value, subjects: &[Subject], metrics: &[Named], watch: &Watch) -> Result<Vec<Comparison>, RunError> {
     let settings = Settings::deserialize(&spec["comparison"])
         .map_err(|error| RunError::Faults(vec![Fault::new("/comparison", "malformed", error.to_string())]))?;
     let alignment = match settings.alignment {
@@ -164,11 +164,16 @@ fn compare(spec: &Value, subjects: &[Subject], metrics: &[Named]) -> Result<Vec<
     let time_tolerance_s = time_tolerance_s(spec);
     let places = PointSettings { alignment, gate_m: settings.gate_m, reach_m, time_tolerance_s };
     let directions = PointSettings { alignment, gate_m: settings.gate_deg, reach_m: settings.gate_deg, time_tolerance_s };
-    let comparison = |subject: &Subject| match &subject.content {
-        Content::Points { input, truth } => Comparison::of_points(input, truth, if truth.is_of_bearings() { &directions } else { &places }),
-        Content::Boxes { truth, tracks } => Comparison::of_boxes(truth, tracks, settings.min_iou),
+    let mut extent = Extent::new(watch);
+    let mut comparison = |subject: &Subject| match &subject.content {
+        Content::Points { input, truth } => {
+            let settings = if truth.is_of_bearings() { &directions } else { &places };
+            Comparison::of_points_within(input, truth, settings, &mut extent)
+        }
+        Content::Boxes { truth, tracks } => Comparison::of_boxes_within(truth, tracks, settings.min_iou, &mut extent),
     };
-    let comparisons: Vec<Comparison> = subjects.iter().map(comparison).collect();
+    let comparisons: Vec<Comparison> = subjects.iter().map(&mut comparison).collect();
+    extent.finish()?;
     refuse_shapes(metrics, &comparisons)?;
     let strangers: Vec<Fault> = subjects.iter().zip(&comparisons).enumerate().filter_map(|(index, pair)| strangers(index, pair)).collect();
     if strangers.is_empty() { Ok(comparisons) } else { Err(RunError::Faults(strangers)) }

@@ -32,3 +32,4 @@ mod sensors;
 mod tables;
 pub mod text;
 mod tfa;
+mod told;

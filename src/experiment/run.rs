@@ -7,6 +7,7 @@ use super::{associate, campaign};
 use crate::model::dataset::{Dataset, DatasetSummary};
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
+use crate::model::watch::Halt;
 use serde::Serialize;
 use serde_json::{Map, Value};
 use std::time::Duration;
@@ -88,6 +89,15 @@ pub enum RunError {
 impl From<std::io::Error> for RunError {
     fn from(error: std::io::Error) -> Self {
         RunError::Faults(vec![Fault::new("", "malformed", error.to_string())])
+    }
+}
+
+impl From<Halt> for RunError {
+    fn from(halt: Halt) -> Self {
+        match halt {
+            Halt::Stopped => RunError::Stopped,
+            Halt::TooLarge(fault) => RunError::Faults(vec![*fault]),
+        }
     }
 }
 

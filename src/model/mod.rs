@@ -1,6 +1,7 @@
 //! The nouns every other layer speaks: sensors, scans, detections, truth, tracks, scenarios.
 //! Plain values whose constructors check; no algorithm, file, clock or random number lives here.
 
+pub mod allowance;
 pub mod bearing_time;
 pub mod boxes;
 pub mod dataset;
@@ -13,3 +14,4 @@ pub mod sensor;
 pub mod state;
 pub mod track;
 pub mod truth;
+pub mod watch;

@@ -31,6 +31,8 @@ pub struct History {
     /// In pieces that are never moved: what a scene of many targets remembers is too long to be copied as it grows.
     pieces: Vec<Vec<Entry>>,
     pub(super) candidates: Vec<Candidate>,
+    /// Candidates beyond the first of each entry.
+    pub(super) surplus: usize,
     /// Tracks ever started; serials are below it.
     pub(super) started: u32,
     /// Serials of the tracks that were ever confirmed.
@@ -41,10 +43,11 @@ pub struct History {
 
 impl History {
     pub(super) fn new(unpack: fn(&PackedState) -> Estimate) -> Self {
-        History { unpack, pieces: Vec::new(), candidates: Vec::new(), started: 0, confirmed: Vec::new(), names: Vec::new() }
+        History { unpack, pieces: Vec::new(), candidates: Vec::new(), surplus: 0, started: 0, confirmed: Vec::new(), names: Vec::new() }
     }
 
     pub(super) fn push(&mut self, entry: Entry) {
+        self.surplus += entry.candidates.saturating_sub(1) as usize;
         match self.pieces.last_mut().filter(|piece| piece.len() < piece.capacity()) {
             Some(piece) => piece.push(entry),
             None => self.start_piece(entry),

@@ -19,12 +19,15 @@
 //! The first points are those of the sensor's last `max_wait_scans` scans that have no partner yet, each with a reach of its own
 //! T; what is new and alone waits in its turn. Ranges and bearings are turned into places for this; range rates are left to the first update.
 
+use super::bounds;
 use crate::association::Associator;
 use crate::association::global_nearest_neighbour::GlobalNearestNeighbour;
 use crate::association::problem::{Edge, ScanProblem, Weights};
 use crate::gating::grid::Grid;
 use crate::math::gaussian::log_unit_ball;
+use crate::model::scan::Scan;
 use crate::model::state::GaussianState;
+use crate::model::watch::{Halt, Watch};
 use crate::registry::{Bound, Kind, Object, Union, Variant, default, required};
 use nalgebra::SVector;
 use serde::Deserialize;
@@ -191,29 +194,35 @@ impl<const N: usize> Initiator<N> {
     }
 
     /// Ends the current scan of `sensor`: pairs its points with those that wait; the others wait from now on.
-    pub fn pair(&mut self, sensor: usize, rule: &PairRule) {
+    ///
+    /// # Errors
+    /// When too many points are within reach of each other, or the watch says to stop.
+    pub fn pair(&mut self, scan: &Scan, rule: &PairRule, watch: &Watch) -> Result<(), Halt> {
+        let sensor = scan.sensor;
         if self.waiting.len() <= sensor {
             self.waiting.resize_with(sensor + 1, Vec::new);
         }
-        self.pose(sensor, rule);
+        self.pose(scan, rule, watch)?;
         self.weights.reset(&self.problem);
         let (solver, weights) = (&mut self.solver, &mut self.weights);
-        self.problem.for_each_cluster(|cluster| solver.associate(cluster, weights));
+        self.problem.for_each_cluster_until(watch, |cluster| solver.associate(cluster, weights));
+        bounds::go_on(watch)?;
         self.conclude(sensor, rule);
         let waiting = &mut self.waiting[sensor];
         let alone = self.fresh.iter().zip(&self.is_paired).filter(|(_, is_paired)| !**is_paired);
         waiting.extend(alone.map(|(&point, _)| Waiting { point, missed: 0 }));
         self.fresh.clear();
+        Ok(())
     }
 
     /// Step 1: for each waiting point the fresh ones within its reach.
-    fn pose(&mut self, sensor: usize, rule: &PairRule) {
+    fn pose(&mut self, scan: &Scan, rule: &PairRule, watch: &Watch) -> Result<(), Halt> {
         self.problem.begin(0, self.fresh.len());
         self.places.clear();
         self.places.extend(self.fresh.iter().map(|point| point.state.mean));
         self.grid.rebuild(&self.places);
         let largest_noise = self.fresh.iter().map(|point| noise(&point.state)).fold(0.0, f64::max);
-        for Waiting { point: first, .. } in &self.waiting[sensor] {
+        for Waiting { point: first, .. } in &self.waiting[scan.sensor] {
             let Some(dt_s) = self.fresh.first().map(|second| second.time_s - first.time_s) else { break };
             // Noise along Δ is at most that of all coordinates together.
             let farthest = rule.max_speed_mps * dt_s + (rule.gate_threshold * (noise(&first.state) + largest_noise)).sqrt();
@@ -226,7 +235,12 @@ impl<const N: usize> Initiator<N> {
                 }
             });
             self.problem.end_row(-farthest * farthest, 0.0);
+            bounds::check_scan(self.problem.edges().len(), scan)?;
+            if watch.stops_after(64) {
+                return Err(Halt::Stopped);
+            }
         }
+        Ok(())
     }
 
     /// Step 3 for the pairs that step 2 chose; of the other first points only those go on waiting that may.
@@ -322,12 +336,17 @@ mod tests {
         point(time_s, place, [1e-9, 0.0, 1e-9])
     }
 
+    fn end_scan(initiator: &mut Initiator<4>, sensor: usize, rule: &PairRule) {
+        let scan = Scan { number: 1, time_s: 0.0, sensor, first: 0, count: 0 };
+        initiator.pair(&scan, rule, &Watch::never()).unwrap();
+    }
+
     /// The x of the two points of each pair, of one sensor seen at 0 s and at 1 s.
     fn paired(rule: &PairRule, first: &[Point<4>], second: &[Point<4>]) -> Vec<(f64, f64)> {
         let mut initiator = Initiator::default();
         for points in [first, second] {
             points.iter().for_each(|point| initiator.push(*point));
-            initiator.pair(0, rule);
+            end_scan(&mut initiator, 0, rule);
         }
         initiator.pairs().iter().map(|pair| (pair.first.state.mean[0], pair.second.state.mean[0])).collect()
     }
@@ -367,7 +386,7 @@ mod tests {
         let mut initiator = Initiator::default();
         let mut scan = |sensor: usize, points: &[Point<4>]| {
             points.iter().for_each(|point| initiator.push(*point));
-            initiator.pair(sensor, &RULE);
+            end_scan(&mut initiator, sensor, &RULE);
             initiator.pairs().len()
         };
         assert_eq!(scan(0, &[exact(0.0, [0.0, 0.0])]), 0);
@@ -384,12 +403,12 @@ mod tests {
         let paired_at = |max_wait_scans: u32, seen_again_s: u32| {
             let (mut initiator, rule) = (Initiator::default(), PairRule { max_wait_scans, ..RULE });
             initiator.push(exact(0.0, [0.0, 0.0]));
-            initiator.pair(0, &rule);
+            end_scan(&mut initiator, 0, &rule);
             for time_s in 1..=seen_again_s {
                 if time_s == seen_again_s {
                     initiator.push(exact(f64::from(time_s), [9.0 * f64::from(time_s), 0.0]));
                 }
-                initiator.pair(0, &rule);
+                end_scan(&mut initiator, 0, &rule);
             }
             initiator.pairs().iter().map(|pair| (pair.missed, pair.state.mean[2])).collect::<Vec<_>>()
         };
@@ -400,7 +419,7 @@ mod tests {
         let (mut initiator, rule) = (Initiator::default(), PairRule { max_wait_scans: 2, ..RULE });
         let mut scan = |time_s: f64, places: &[f64]| {
             places.iter().for_each(|&x| initiator.push(exact(time_s, [x, 0.0])));
-            initiator.pair(0, &rule);
+            end_scan(&mut initiator, 0, &rule);
             initiator.pairs().iter().map(|pair| (pair.first.state.mean[0], pair.second.state.mean[0])).collect::<Vec<_>>()
         };
         assert_eq!(scan(0.0, &[0.0]), []);

@@ -1,11 +1,13 @@
 //! The tracker: predict → gate → associate → update → manage, once a scan.
 
+mod bounds;
 mod confirmation;
 mod group_tracks;
 mod history;
 mod initiation;
 mod lifecycle;
 mod outcome;
+mod scan_view;
 mod terms;
 mod tracker;
 

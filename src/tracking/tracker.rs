@@ -1,30 +1,27 @@
 //! The composition of filter, gate, associator and life cycle that turns scans into tracks.
 
+use super::bounds::{self, Bounds};
 use super::confirmation;
 use super::history::{Entry, History};
 use super::initiation::{Initiation, Initiator, Pair, PairRule, Point};
 use super::lifecycle::{Life, Lifecycle};
 use super::outcome::{Nis, ScanOutcome};
+use super::scan_view::ScanView;
 use super::terms::Terms;
 use crate::association::global_nearest_neighbour::GlobalNearestNeighbour;
 use crate::association::problem::{Edge, ScanProblem, Weights};
 use crate::association::{Associator, Needs, Trace};
 use crate::filtering::Filter;
-use crate::filtering::mixture::{self, Correction, Expected, WeightedInnovation};
+use crate::filtering::mixture::{self, Correction, WeightedInnovation};
 use crate::filtering::prediction::Transition;
 use crate::gating::ellipsoidal::EllipsoidalGate;
-use crate::gating::grid::{Grid, Placed};
-use crate::math::angle;
 use crate::math::gaussian::gate_threshold;
 use crate::model::scan::{Detection, Scan};
 use crate::model::sensor::Sensor;
 use crate::model::state::GaussianState;
 use crate::model::track::{Candidate, Estimate};
+use crate::model::watch::{Halt, Watch};
 use nalgebra::SVector;
-
-/// A detection to which a track gives at least this weight is used: neither do the tentative tracks see it after a
-/// confirmed one used it, nor does it start a track. One that all tracks weigh less explains too little of any of them.
-const USED_WEIGHT: f64 = 0.01;
 
 /// What a tracker is made of.
 pub struct TrackerParts<F> {
@@ -43,22 +40,6 @@ struct ActiveTrack<const N: usize> {
     state: GaussianState<N>,
     /// The target that the first detection came from; only the oracle looks at it.
     origin: Option<u32>,
-}
-
-/// The detections of a scan, prepared for gating; memory is reused.
-#[derive(Debug)]
-struct ScanView<const D: usize> {
-    /// As points of the measurement space.
-    measurements: Vec<SVector<f64, D>>,
-    /// The same as the grid arranged them.
-    placed: Vec<Placed<D>>,
-    /// The coordinate that is an angle.
-    angle: Option<usize>,
-    used: Vec<bool>,
-    grid: Grid,
-    choose_by_origin: bool,
-    /// For the oracle: the detection of each target in this scan.
-    by_origin: Vec<Option<u32>>,
 }
 
 /// A multi-target tracker whose filter has states of `N` variables and takes measurements of `D` values. Feed it scans in
@@ -80,6 +61,7 @@ pub struct Tracker<F, const N: usize, const D: usize> {
     problem: ScanProblem,
     /// The problems of the confirmed tracks, when they are kept.
     kept: Option<Vec<ScanProblem>>,
+    bounds: Bounds,
     weights: Weights,
     /// Indices of the tracks that are not yet confirmed.
     tentative: Vec<usize>,
@@ -111,6 +93,7 @@ where
             view: ScanView::default(),
             problem: ScanProblem::default(),
             kept: None,
+            bounds: Bounds::default(),
             weights: Weights::default(),
             tentative: Vec::new(),
             posed: Vec::new(),
@@ -130,8 +113,12 @@ where
         self.tracks.push(ActiveTrack { serial, life: Life::given(), state, origin });
     }
 
-    /// Predict, gate, associate, update and manage, for one scan and its detections.
-    pub fn step(&mut self, scan: &Scan, detections: &[Detection]) -> ScanOutcome {
+    /// Predict, gate, associate, update and manage, for one scan and its detections. Stops when the watch says so; then the
+    /// tracker is of no use any more.
+    ///
+    /// # Errors
+    /// [`Halt::Stopped`], and [`Halt::TooLarge`] when there are more candidates than a tracker may hold.
+    pub fn step(&mut self, scan: &Scan, detections: &[Detection], watch: &Watch) -> Result<ScanOutcome, Halt> {
         let transition = self.transition(scan.time_s);
         let needs = self.parts.associator.needs();
         self.view.rebuild(&self.parts.filter, &self.parts.sensors[scan.sensor], detections, needs);
@@ -143,12 +130,12 @@ where
             let measurements = self.view.measurements.iter().map(|measurement| measurement.as_slice());
             self.problem.set_measurements(D, self.view.angle, measurements);
         }
-        self.pose_confirmed(scan, &transition);
-        self.serve(scan, true);
-        self.pose_tentative(scan);
-        self.serve(scan, false);
+        self.pose_confirmed(scan, &transition, watch)?;
+        self.serve(scan, true, watch)?;
+        self.pose_tentative(scan, watch)?;
+        self.serve(scan, false, watch)?;
         let started_before = if self.scans == 0 { 0 } else { self.history.started };
-        let unused = self.initiate(scan, detections);
+        let unused = self.initiate(scan, detections, watch)?;
         let mut confirmed = 0;
         self.tracks.retain(|track| {
             let goes_on = !track.life.is_over();
@@ -156,7 +143,7 @@ where
             goes_on
         });
         self.scans += 1;
-        ScanOutcome { tracks: self.tracks.len() as u32, confirmed, unused, started: self.history.started - started_before }
+        Ok(ScanOutcome { tracks: self.tracks.len() as u32, confirmed, unused, started: self.history.started - started_before })
     }
 
     /// What the associator says of all it did so far.
@@ -192,34 +179,44 @@ where
     }
 
     /// Gives the kept problems to the associator once more, and does nothing with what it says: for those who time it.
-    pub fn decide_again(&mut self) {
+    pub fn decide_again(&mut self, watch: &Watch) {
         let (associator, weights) = (&mut self.parts.associator, &mut self.weights);
         for problem in self.kept.iter_mut().flatten() {
             weights.reset(problem);
-            problem.for_each_cluster(|cluster| associator.associate(cluster, weights));
+            problem.for_each_cluster_until(watch, |cluster| associator.associate(cluster, weights));
+            if watch.is_stopped() {
+                return;
+            }
         }
     }
 
     /// Associates and updates the posed tracks, confirmed or tentative ones.
-    fn serve(&mut self, scan: &Scan, confirmed: bool) {
+    fn serve(&mut self, scan: &Scan, confirmed: bool, watch: &Watch) -> Result<(), Halt> {
         self.weights.reset(&self.problem);
         if let Some(kept) = self.kept.as_mut().filter(|_| confirmed) {
             kept.push(self.problem.clone());
+            self.bounds.keep(self.problem.edges().len(), scan)?;
         }
         // The gate of a track that is still without a speed holds much that is not its own. An average over all of that
         // would never become a speed, so soft weights begin when the track is confirmed.
         let is_beginner = !confirmed && self.parts.associator.is_soft();
         let associator: &mut dyn Associator = if is_beginner { &mut self.beginner } else { self.parts.associator.as_mut() };
         let weights = &mut self.weights;
-        self.problem.for_each_cluster(|cluster| associator.associate(cluster, weights));
+        self.problem.for_each_cluster_until(watch, |cluster| associator.associate(cluster, weights));
+        bounds::go_on(watch)?;
         for row in 0..self.posed.len() {
             self.conclude(row, scan);
+            self.bounds.check_history(self.history.surplus, scan)?;
+            if watch.stops_after(8 * u64::from(self.problem.rows()[row].count) + 64) {
+                return Err(Halt::Stopped);
+            }
         }
+        Ok(())
     }
 
     /// Predicts all tracks and writes the association problem of the confirmed ones: one pass, for a large scene does not
     /// fit into the caches.
-    fn pose_confirmed(&mut self, scan: &Scan, transition: &Transition<N>) {
+    fn pose_confirmed(&mut self, scan: &Scan, transition: &Transition<N>, watch: &Watch) -> Result<(), Halt> {
         let terms = self.begin_problem(scan, 0);
         self.tentative.clear();
         for index in 0..self.tracks.len() {
@@ -227,18 +224,30 @@ where
             transition.predict(&mut track.state);
             if track.life.is_confirmed() {
                 self.pose(index, scan, &terms);
+                self.check_pose(scan, watch)?;
             } else {
                 self.tentative.push(index);
             }
         }
+        Ok(())
     }
 
     /// Writes the problem of the others and the detections still unused.
-    fn pose_tentative(&mut self, scan: &Scan) {
+    fn pose_tentative(&mut self, scan: &Scan, watch: &Watch) -> Result<(), Halt> {
         let terms = self.begin_problem(scan, 1);
         for place in 0..self.tentative.len() {
             self.pose(self.tentative[place], scan, &terms);
+            self.check_pose(scan, watch)?;
         }
+        Ok(())
+    }
+
+    /// Whether the problem, as far as it is posed, is small enough, and whether to go on.
+    #[inline]
+    fn check_pose(&self, scan: &Scan, watch: &Watch) -> Result<(), Halt> {
+        bounds::check_scan(self.problem.edges().len(), scan)?;
+        let candidates = self.problem.rows().last().map_or(0, |row| row.count);
+        if watch.stops_after(8 * u64::from(candidates) + 64) { Err(Halt::Stopped) } else { Ok(()) }
     }
 
     /// Each scan has two problems: of the confirmed tracks, then of the others.
@@ -318,9 +327,9 @@ where
     }
 
     /// Starts tracks with the detections that no track used, and counts these.
-    fn initiate(&mut self, scan: &Scan, detections: &[Detection]) -> u32 {
+    fn initiate(&mut self, scan: &Scan, detections: &[Detection], watch: &Watch) -> Result<u32, Halt> {
         if let Initiation::Truth { .. } = self.parts.lifecycle.initiation {
-            return self.view.used.iter().filter(|is_used| !**is_used).count() as u32;
+            return Ok(self.view.used.iter().filter(|is_used| !**is_used).count() as u32);
         }
         let mut unused = 0;
         for (index, detection) in detections.iter().enumerate() {
@@ -341,12 +350,12 @@ where
             }
         }
         if let Some(rule) = &self.pair_rule {
-            self.initiator.pair(scan.sensor, rule);
+            self.initiator.pair(scan, rule, watch)?;
             for index in 0..self.initiator.pairs().len() {
                 self.start_with_two(scan, self.initiator.pairs()[index]);
             }
         }
-        unused
+        Ok(unused)
     }
 
     /// A new track, with its first point remembered.
@@ -414,83 +423,6 @@ impl History {
             candidates: (self.candidates.len() - first_candidate) as u32,
             state: track.state.packed(),
             nis: nis.unwrap_or(f64::NAN),
-        });
-    }
-}
-
-impl<const D: usize> Default for ScanView<D> {
-    fn default() -> Self {
-        ScanView {
-            measurements: Vec::new(),
-            placed: Vec::new(),
-            angle: None,
-            used: Vec::new(),
-            grid: Grid::default(),
-            choose_by_origin: false,
-            by_origin: Vec::new(),
-        }
-    }
-}
-
-impl<const D: usize> ScanView<D> {
-    fn rebuild<const N: usize>(&mut self, filter: &impl Filter<N, D>, sensor: &Sensor, detections: &[Detection], needs: Needs) {
-        self.measurements.clear();
-        self.measurements.extend(detections.iter().filter_map(|detection| filter.measured(sensor, &detection.measurement)));
-        debug_assert_eq!(self.measurements.len(), detections.len(), "only reports that the filter can use are let through");
-        self.angle = filter.angle(sensor);
-        self.used.clear();
-        self.used.resize(detections.len(), false);
-        self.choose_by_origin = needs == Needs::Origins;
-        if self.choose_by_origin {
-            self.index_origins(detections);
-        } else {
-            self.grid.rebuild(&self.measurements);
-            self.grid.arrange(&self.measurements, &mut self.placed);
-        }
-    }
-
-    #[inline]
-    fn mark_used(&mut self, candidates: &[Candidate], scan: &Scan) {
-        for candidate in candidates {
-            if let Some(detection) = candidate.detection.filter(|_| candidate.probability >= USED_WEIGHT) {
-                self.used[detection as usize - scan.first] = true;
-            }
-        }
-    }
-
-    fn index_origins(&mut self, detections: &[Detection]) {
-        self.by_origin.clear();
-        let highest = detections.iter().filter_map(|detection| detection.origin).max();
-        self.by_origin.resize(highest.map_or(0, |origin| origin as usize + 1), None);
-        for (index, detection) in detections.iter().enumerate() {
-            if let Some(origin) = detection.origin {
-                self.by_origin[origin as usize].get_or_insert(index as u32);
-            }
-        }
-    }
-
-    /// A track's candidates among the unused detections: by the gate, or by origin when origins are indexed.
-    #[inline]
-    fn candidates<const N: usize>(
-        &self,
-        gate: &EllipsoidalGate<D>,
-        origin: Option<u32>,
-        expected: &Expected<N, D>,
-        mut found: impl FnMut(u32, SVector<f64, D>, f64),
-    ) {
-        if self.choose_by_origin {
-            let detection = origin.and_then(|origin| self.by_origin.get(origin as usize).copied().flatten());
-            if let Some(detection) = detection.filter(|&detection| !self.used[detection as usize]) {
-                let innovation = angle::difference(&self.measurements[detection as usize], &expected.measurement, self.angle);
-                found(detection, innovation, expected.gaussian.squared_distance(&innovation));
-            }
-            return;
-        }
-        let (centre, spread) = ((&expected.measurement, self.angle), (&expected.covariance, &expected.gaussian));
-        gate.candidates(&self.grid, &self.placed, centre, spread, |detection, innovation, squared| {
-            if !self.used[detection as usize] {
-                found(detection, innovation, squared);
-            }
         });
     }
 }

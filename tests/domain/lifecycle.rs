@@ -14,6 +14,7 @@ use trackloom_domain::model::scan::{Detection, Measurement, Recording, Recording
 use trackloom_domain::model::sensor::{Report, Sensor, SensorSettings};
 use trackloom_domain::model::state::Covariance;
 use trackloom_domain::model::track::{TrackPoint, TrackSet};
+use trackloom_domain::model::watch::Watch;
 use trackloom_domain::registry;
 use trackloom_domain::tracking::{Confirmation, Initiation, Lifecycle, ScanOutcome, ScoreRule, Tracker, TrackerParts};
 
@@ -52,7 +53,7 @@ fn tracked(recording: &Recording, method: &str, lifecycle: Lifecycle, clutter_de
     let report = Report::Position { sigma_x_m: 10.0, sigma_y_m: 10.0 };
     let sensors = vec![Sensor { sensor_id: "radar".into(), p_d: 0.9, clutter_density, report }];
     let mut tracker = Tracker::new(TrackerParts { filter: Kalman { process_noise_m2ps3: 1.0 }, associator, lifecycle, sensors });
-    let outcomes = recording.scans.iter().map(|scan| tracker.step(scan, recording.detections_of(scan))).collect();
+    let outcomes = recording.scans.iter().map(|scan| tracker.step(scan, recording.detections_of(scan), &Watch::never()).unwrap()).collect();
     (outcomes, tracker.into_history().into_tracks(recording))
 }
 

@@ -9,6 +9,7 @@ mod associators;
 mod bad_association_input;
 mod bearing_time;
 mod bearings;
+mod bounds;
 mod breaks;
 #[cfg(feature = "parquet")]
 mod campaign_parquet;

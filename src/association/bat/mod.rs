@@ -207,6 +207,7 @@ impl Bat {
                 let (occasion, evaluations) = (problem.occasion(), swarm.evaluations());
                 trace.push(format_args!("{occasion},{name},{iteration},{best},{mean},{evaluations},{optimum},{gap},{assignment}"));
             }
+            !problem.stops_after(8 * u64::from(settings.population) * problem.row_count() as u64)
         });
         judge.searched(swarm, optimum, visited.as_ref());
     }

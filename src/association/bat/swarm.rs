@@ -43,18 +43,20 @@ pub(super) struct Step {
 }
 
 impl Swarm {
-    /// Looks for the best assignment; `watch` is called with the swarm at the start and after each iteration. It ends early
-    /// when every row has the best of its candidates, for then no later bat is better; not where what is visited counts.
+    /// Looks for the best assignment; `goes_on` is called with the swarm at the start and after each iteration. It ends early
+    /// when that says no, and when every row has the best of its candidates, for then no later bat is better; not where what is visited counts.
     pub(super) fn search(
         &mut self,
         cluster: &Cluster,
         settings: &Settings,
         mut visited: Option<&mut Visited>,
         dice: &mut Dice,
-        mut watch: impl FnMut(&Swarm, u32),
+        mut goes_on: impl FnMut(&Swarm, u32) -> bool,
     ) {
         self.start(cluster, settings, visited.as_deref_mut(), dice);
-        watch(self, 0);
+        if !goes_on(self, 0) {
+            return;
+        }
         let enough = if visited.is_none() { cluster.bound() } else { f64::INFINITY };
         for iteration in 1..=settings.iterations {
             if self.best_value() >= enough {
@@ -72,7 +74,9 @@ impl Swarm {
                     state.pulse_rate = state.first_pulse_rate * returned;
                 }
             }
-            watch(self, iteration);
+            if !goes_on(self, iteration) {
+                break;
+            }
         }
     }
 

@@ -203,7 +203,8 @@ impl FuzzyCMeans {
             return;
         }
         let (mut iterations, mut change) = (0, f64::INFINITY);
-        while change > self.settings.tolerance && iterations < self.settings.max_iterations {
+        let pieces = 8 * problem.rows().map(|(_, row)| u64::from(row.count)).sum::<u64>();
+        while change > self.settings.tolerance && iterations < self.settings.max_iterations && !problem.stops_after(pieces) {
             self.clustering.move_centres(problem.places(), self.fuzzifier);
             cost = self.clustering.share(problem.places(), self.fuzzifier);
             change = self.clustering.largest_change();

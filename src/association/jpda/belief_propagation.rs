@@ -16,6 +16,7 @@
 //! 5. βᵢⱼ ∝ wᵢⱼ νᵢⱼ, βᵢ₀ ∝ nᵢ.
 
 use super::cluster::{Cluster, Nodes};
+use crate::model::watch::Watch;
 
 /// Smallest nᵢ beside a largest weight of 1: below it the messages would leave the range of `f64`.
 const SMALLEST_NONE: f64 = 1e-290;
@@ -36,10 +37,12 @@ pub(super) struct Settled {
 }
 
 impl BeliefPropagation {
-    pub(super) fn marginals(&mut self, cluster: &mut Cluster, tolerance: f64, max_iterations: u32) -> Settled {
+    pub(super) fn marginals(&mut self, cluster: &mut Cluster, (tolerance, max_iterations): (f64, u32), watch: &Watch) -> Settled {
         self.scale(cluster);
         let mut settled = Settled { iterations: 0, is_converged: false };
-        while settled.iterations < max_iterations && !settled.is_converged {
+        // Two messages an edge and round.
+        let pieces = 4 * self.weight.len() as u64;
+        while settled.iterations < max_iterations && !settled.is_converged && !watch.stops_after(pieces) {
             self.tell_detections(&cluster.tracks);
             settled.is_converged = self.tell_tracks(&cluster.detections) <= tolerance;
             settled.iterations += 1;

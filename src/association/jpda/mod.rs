@@ -30,6 +30,7 @@ mod tests;
 
 use super::problem::{Problem, Weights};
 use super::{Associator, BuildAssociator};
+use crate::model::watch::Watch;
 use crate::registry::{Bound, Kind, Method, Object, default};
 use belief_propagation::BeliefPropagation;
 use cluster::Cluster;
@@ -154,10 +155,10 @@ impl Associator for Jpda {
         }
         self.cluster.load(problem);
         match self.settings.marginals {
-            Marginals::Auto => self.choose(),
-            Marginals::Enumerate => self.list_or_choose(),
-            Marginals::Exact => self.sum_or_propagate(MAX_EXACT_COST),
-            Marginals::BeliefPropagation => self.propagate(),
+            Marginals::Auto => self.choose(problem.watch()),
+            Marginals::Enumerate => self.list_or_choose(problem.watch()),
+            Marginals::Exact => self.sum_or_propagate(MAX_EXACT_COST, problem.watch()),
+            Marginals::BeliefPropagation => self.propagate(problem.watch()),
         }
         self.cluster.store(problem, weights);
     }
@@ -201,27 +202,27 @@ impl Jpda {
     }
 
     /// The cheapest exact algorithm within the caps, else belief propagation.
-    fn choose(&mut self) {
+    fn choose(&mut self, watch: &Watch) {
         let few = FEW_EVENTS.min(self.settings.max_events as f64);
         if self.cluster.most_events() > few || !self.list() {
-            self.sum_or_propagate(self.settings.max_auto_cost);
+            self.sum_or_propagate(self.settings.max_auto_cost, watch);
         }
     }
 
-    fn list_or_choose(&mut self) {
+    fn list_or_choose(&mut self, watch: &Watch) {
         if !self.list() {
             self.diagnostics.caps().enumerate += 1;
-            self.choose();
+            self.choose(watch);
         }
     }
 
-    fn sum_or_propagate(&mut self, max_cost: u64) {
+    fn sum_or_propagate(&mut self, max_cost: u64, watch: &Watch) {
         let limits = Limits { width: self.settings.max_states.ilog2(), cost: max_cost };
         match self.exact.plan(&self.cluster, limits) {
             Some(planned) => self.sum(planned),
             None => {
                 self.diagnostics.caps().exact += 1;
-                self.propagate();
+                self.propagate(watch);
             }
         }
     }
@@ -240,9 +241,9 @@ impl Jpda {
         self.diagnostics.exact(&self.cluster, planned.frontier);
     }
 
-    fn propagate(&mut self) {
+    fn propagate(&mut self, watch: &Watch) {
         let Settings { tolerance, max_iterations, .. } = self.settings;
-        let settled = self.belief_propagation.marginals(&mut self.cluster, tolerance, max_iterations);
+        let settled = self.belief_propagation.marginals(&mut self.cluster, (tolerance, max_iterations), watch);
         self.diagnostics.propagated(&self.cluster, settled);
     }
 }

@@ -12,11 +12,13 @@
 
 use crate::correlation::cluster::{Cluster, LEAST_GAIN};
 use crate::correlation::tuples::{Relaxation, TooLarge, Tuple, listed, prices, relaxed};
+use crate::model::watch::Watch;
 
 /// Rounds of the relaxation that gives the prices.
 const ROUNDS: usize = 200;
 
-struct Cover {
+struct Cover<'w> {
+    watch: &'w Watch<'w>,
     /// By lowest member, the cheapest first.
     tuples: Vec<Vec<Tuple>>,
     prices: Vec<f64>,
@@ -29,20 +31,20 @@ struct Cover {
 }
 
 /// The cheapest tuples of a cluster, numbered as it does, if they cost less than `known`. `nodes` is what may yet be looked at.
-pub(super) fn cheapest_cover(cluster: &Cluster, known: f64, nodes: &mut u64) -> Result<Option<Vec<Vec<u32>>>, TooLarge> {
-    let Relaxation { tuples, multipliers, .. } = relaxed(&listed(cluster, nodes)?, known, ROUNDS);
+pub(super) fn cheapest_cover(cluster: &Cluster, known: f64, nodes: &mut u64, watch: &Watch) -> Result<Option<Vec<Vec<u32>>>, TooLarge> {
+    let Relaxation { tuples, multipliers, .. } = relaxed(&listed(cluster, nodes, watch)?, known, ROUNDS);
     let prices = prices(&tuples, &multipliers);
     let rest = prices.iter().sum();
     let is_free = vec![true; cluster.len()];
-    let mut cover = Cover { tuples, prices, is_free, chosen: Vec::new(), best_cost: known, best: None };
+    let mut cover = Cover { watch, tuples, prices, is_free, chosen: Vec::new(), best_cost: known, best: None };
     cover.descend(0, 0.0, rest, nodes)?;
     Ok(cover.best)
 }
 
-impl Cover {
+impl Cover<'_> {
     /// `rest` is Σ u(t) over the free tracks.
     fn descend(&mut self, from: u32, cost: f64, rest: f64, nodes: &mut u64) -> Result<(), TooLarge> {
-        *nodes = nodes.checked_sub(1).ok_or(TooLarge)?;
+        *nodes = nodes.checked_sub(1).filter(|_| !self.watch.stops_after(64)).ok_or(TooLarge)?;
         if cost + rest >= self.best_cost - LEAST_GAIN {
             return Ok(());
         }

@@ -14,6 +14,7 @@ use super::tuples::TooLarge;
 use super::weighted::weighted_tuples;
 use super::{BuildCorrelator, Correlator, Search, Solution};
 use crate::model::fault::Fault;
+use crate::model::watch::Watch;
 use crate::registry::{Kind, Method, Object, default};
 use serde::Deserialize;
 
@@ -38,9 +39,13 @@ struct Exact {
 
 impl Correlator for Exact {
     fn correlate(&mut self, problem: &Problem) -> Result<Solution, Vec<Fault>> {
+        self.correlate_until(problem, &Watch::never())
+    }
+
+    fn correlate_until(&mut self, problem: &Problem, watch: &Watch) -> Result<Solution, Vec<Fault>> {
         let (tuples, bound) = match problem.costs {
             Costs::Chain => cheapest_chains(problem),
-            Costs::AllPairs | Costs::Joint(_) => (self.cheapest_covers(problem)?, f64::INFINITY),
+            Costs::AllPairs | Costs::Joint(_) => (self.cheapest_covers(problem, watch)?, f64::INFINITY),
         };
         Ok(proven(Solution::of(problem, tuples), bound))
     }
@@ -48,14 +53,14 @@ impl Correlator for Exact {
 
 impl Exact {
     /// Cluster by cluster.
-    fn cheapest_covers(&self, problem: &Problem) -> Result<Vec<Vec<u32>>, Vec<Fault>> {
+    fn cheapest_covers(&self, problem: &Problem, watch: &Watch) -> Result<Vec<Vec<u32>>, Vec<Fault>> {
         let known = [nearest_tuples(problem), weighted_tuples(problem)];
         let mut improver = Improver::default();
         let mut tuples = Vec::new();
         for cluster in clusters(problem) {
             let start = improved(&cluster, &known, &mut improver).swap_remove(0);
             let mut nodes = self.max_nodes;
-            let found = cover::cheapest_cover(&cluster, start.cost(), &mut nodes).map_err(|TooLarge| {
+            let found = cover::cheapest_cover(&cluster, start.cost(), &mut nodes, watch).map_err(|TooLarge| {
                 let detail = format!(
                     "a cluster of {} tracks of {} sensors needs more than {} nodes to prove its optimum",
                     cluster.len(),

@@ -10,6 +10,7 @@
 
 use super::Settings;
 use crate::correlation::cluster::LEAST_GAIN;
+use crate::model::watch::Watch;
 use rand::RngExt;
 use rand::rngs::Xoshiro256PlusPlus;
 
@@ -64,6 +65,7 @@ pub(super) fn evolve<C: Coding>(
     settings: &Settings,
     least_cost: f64,
     dice: &mut Xoshiro256PlusPlus,
+    watch: &Watch,
 ) -> Evolution<C::Individual> {
     let mut members: Vec<Member<C::Individual>> = Vec::new();
     let is_spent = |coding: &C| coding.evaluations() >= settings.max_evaluations;
@@ -73,7 +75,7 @@ pub(super) fn evolve<C: Coding>(
     }
     sort(&mut members);
     let (mut best_costs, mut mean_costs) = (vec![members[0].cost], vec![mean(&members)]);
-    let mut unchanged = 0;
+    let (mut unchanged, mut evaluated) = (0, 0);
     let stop = loop {
         if is_least(&members, least_cost) {
             break "optimal";
@@ -81,9 +83,10 @@ pub(super) fn evolve<C: Coding>(
             break "unchanged";
         } else if best_costs.len() > settings.generations {
             break "generations";
-        } else if is_spent(coding) {
+        } else if is_spent(coding) || watch.stops_after(64 * (coding.evaluations() - evaluated)) {
             break "evaluations";
         }
+        evaluated = coding.evaluations();
         members = next_generation(coding, settings, members, dice);
         let change = best_costs[best_costs.len() - 1] - members[0].cost;
         unchanged = if change <= settings.epsilon { unchanged + 1 } else { 0 };

@@ -41,6 +41,7 @@ use super::weighted::weighted_tuples;
 use super::{BuildCorrelator, Correlator, Search, Solution};
 use crate::math::rng::{Purpose, Seed};
 use crate::model::fault::Fault;
+use crate::model::watch::Watch;
 use crate::registry::{Bound, Kind, Method, Object, default};
 use evolve::{Coding, Evolution, evolve};
 use improved::Partitions;
@@ -137,10 +138,14 @@ struct Genetic {
 
 impl Correlator for Genetic {
     fn correlate(&mut self, problem: &Problem) -> Result<Solution, Vec<Fault>> {
+        self.correlate_until(problem, &Watch::never())
+    }
+
+    fn correlate_until(&mut self, problem: &Problem, watch: &Watch) -> Result<Solution, Vec<Fault>> {
         self.occasion += 1;
         Ok(match self.settings.variant {
-            Variant::Paper => self.evolve_chromosomes(problem),
-            Variant::Improved | Variant::Unseeded => self.evolve_clusters(problem),
+            Variant::Paper => self.evolve_chromosomes(problem, watch),
+            Variant::Improved | Variant::Unseeded => self.evolve_clusters(problem, watch),
         })
     }
 }
@@ -150,31 +155,35 @@ impl Genetic {
         Xoshiro256PlusPlus::from_rng(&mut self.seed.stream(Purpose::Correlator, name, self.occasion - 1))
     }
 
-    fn evolve_chromosomes(&self, problem: &Problem) -> Solution {
+    fn evolve_chromosomes(&self, problem: &Problem, watch: &Watch) -> Solution {
         let mut coding = Chromosomes::new(problem);
-        let Evolution { best, best_costs, mean_costs, stop } = evolve(&mut coding, &self.settings, f64::NEG_INFINITY, &mut self.dice(0));
+        let Evolution { best, best_costs, mean_costs, stop } =
+            evolve(&mut coding, &self.settings, f64::NEG_INFINITY, &mut self.dice(0), watch);
         let tuples = coding.tuples(&best);
         let search = Search { best: best_costs, mean: mean_costs, evaluations: coding.evaluations(), stop };
         Solution { search: Some(search), ..Solution::of(problem, tuples).bounded(dual_bound(problem)) }
     }
 
-    fn evolve_clusters(&self, problem: &Problem) -> Solution {
+    fn evolve_clusters(&self, problem: &Problem, watch: &Watch) -> Solution {
         let start = (self.settings.variant == Variant::Improved).then(|| Start::new(problem));
         let (mut tuples, mut searches, mut bound) = (Vec::new(), Vec::new(), Some(0.0));
         let mut improver = Improver::default();
         for cluster in clusters(problem) {
+            if watch.is_stopped() {
+                break;
+            }
             let before = improver.evaluations;
             let (seeds, of_cluster) = start.as_ref().map_or((Vec::new(), None), |start| start.of_cluster(&cluster, &mut improver));
             let least_cost = of_cluster.map_or(cluster.least_cost(), |bound| bound.max(cluster.least_cost()));
             let mut coding = Partitions::new(&cluster, seeds, of_cluster.is_some(), improver);
             let mut dice = self.dice(cluster.name());
-            let mut found = evolve(&mut coding, &self.settings, least_cost, &mut dice);
+            let mut found = evolve(&mut coding, &self.settings, least_cost, &mut dice, watch);
             for _ in 1..ISLANDS {
                 if of_cluster.is_none() || found.stop != "unchanged" {
                     break;
                 }
                 coding.forget_seeds();
-                found = found.then(evolve(&mut coding, &self.settings, least_cost, &mut dice));
+                found = found.then(evolve(&mut coding, &self.settings, least_cost, &mut dice, watch));
             }
             improver = coding.into_improver();
             tuples.extend(found.best.tuples().map(|tuple| cluster.names(&tuple)));

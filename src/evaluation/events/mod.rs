@@ -23,6 +23,7 @@ mod tests;
 
 use super::comparison::{Comparison, Pair, Step};
 use super::matching::StepMatcher;
+use crate::model::watch::Watch;
 use serde::Serialize;
 use std::ops::Range;
 
@@ -79,9 +80,14 @@ pub struct EventLog {
 
 impl EventLog {
     pub fn new(comparison: &Comparison) -> EventLog {
+        EventLog::new_until(comparison, &Watch::never())
+    }
+
+    /// The same, unless the watch says to stop; then it is not whole.
+    pub fn new_until(comparison: &Comparison, watch: &Watch) -> EventLog {
         let events = Vec::with_capacity(comparison.truths.len() + comparison.tracks.len());
         let mut log = EventLog { events, steps: Vec::with_capacity(comparison.steps.len()) };
-        let mut matcher = StepMatcher::default();
+        let mut matcher = StepMatcher::until(watch);
         let mut memory = Memory::new(comparison);
         for (index, step) in comparison.steps.iter().enumerate() {
             let first = log.events.len();
@@ -89,6 +95,9 @@ impl EventLog {
             memory.tell_truths(index as u32, step, &mut log.events);
             memory.tell_tracks(index as u32, step, &mut log.events);
             log.steps.push(first..log.events.len());
+            if watch.stops_after(8 * (step.truths.len() + step.tracks.len() + step.pairs.len()) as u64) {
+                break;
+            }
         }
         log
     }

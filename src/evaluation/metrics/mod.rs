@@ -20,6 +20,7 @@ use self::origin::{Origin, PairColumn};
 use super::EvaluationInput;
 use super::comparison::{Comparison, Shape};
 use super::events::EventLog;
+use crate::model::watch::Watch;
 use crate::registry::{Method, Union};
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -158,6 +159,11 @@ pub trait Metric: Send {
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport;
+
+    /// The same, unless the watch says to stop; then the report says nothing. For metrics that may take long.
+    fn evaluate_until(&self, sequences: &[Sequence], _watch: &Watch) -> MetricReport {
+        self.evaluate(sequences)
+    }
 }
 
 /// Builds a metric from its checked parameters.

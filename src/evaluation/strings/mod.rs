@@ -176,7 +176,7 @@ fn by_nearest_truth<'a>(input: &EvaluationInput<'a>, gate_m: f64, max_gap_s: f64
         Some(recording) => Axis::of_recording(recording, input.tracks, steps, max_missed),
         None => Axis::of_steps(steps),
     };
-    let nearest = NearestTruth::new(truth, &axis, gate_m, max_gap_s, input.recording.is_none());
+    let nearest = NearestTruth::new(truth, &axis, gate_m, max_gap_s, input.recording.is_none())?;
     let mut strings = StringSet::new(max_missed);
     for (target, scans) in nearest.scans_of_target.iter().enumerate() {
         strings.push_owner(scans.iter().map(|&scan| (axis.scans()[scan].position, Step::certain(target as u32))));

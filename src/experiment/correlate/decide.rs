@@ -10,6 +10,8 @@ use crate::correlation::problem::Problem;
 use crate::correlation::statistic::Correlation;
 use crate::correlation::{Correlator, Solution};
 use crate::model::fault::Fault;
+use crate::model::watch::Watch;
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
@@ -39,7 +41,7 @@ pub(super) fn decide(
     for number in 1..=confirm.of {
         let problem = correlation.problem(times - (confirm.of - number) as usize);
         let begun = observer.now();
-        let solution = correlator.correlate(&problem).map_err(refused)?;
+        let solution = watched(correlator, &problem, (u64::from(number - 1).max(1), total), observer)?;
         spent = spent.zip(begun).zip(observer.now()).and_then(|((spent, begun), now)| Some(spent + now.checked_sub(begun)?));
         for tuple in solution.tuples.iter().filter(|tuple| tuple.len() > 1) {
             *counts.entry(tuple.clone()).or_default() += 1;
@@ -55,6 +57,20 @@ pub(super) fn decide(
     let alone = (0..problem.tracks() as u32).filter(|&track| is_alone[track as usize]).collect();
     let decided = spent.map(|spent| Decided { spent, scans: total });
     Ok(Decisions { solution, problem, tuples, alone, decided })
+}
+
+/// What the correlator finds, unless the observer stops it on the way.
+fn watched(
+    correlator: &mut dyn Correlator,
+    problem: &Problem,
+    (done, total): (u64, u64),
+    observer: &mut dyn Observer,
+) -> Result<Solution, RunError> {
+    let observer = RefCell::new(observer);
+    let question = || observer.borrow_mut().progress(Step::Correlate, done, total);
+    let watch = Watch::new(&question);
+    let solution = correlator.correlate_until(problem, &watch);
+    if watch.is_stopped() { Err(RunError::Stopped) } else { solution.map_err(refused) }
 }
 
 /// Tuples without a track in common, the most frequent first chosen; in the order of their first tracks.

@@ -28,6 +28,8 @@ mod tests;
 
 pub use dense::{DenseAssignment, assign_dense};
 
+use crate::model::watch::Watch;
+
 const NONE: u32 = u32::MAX;
 
 /// Solves one problem after another: [`clear`](Self::clear), edges and [`end_row`](Self::end_row) for each row,
@@ -122,6 +124,11 @@ impl AssignmentSolver {
 
     /// The least total cost; `None` when there is no assignment, because rows that must be assigned compete.
     pub fn solve(&mut self) -> Option<f64> {
+        self.solve_until(&Watch::never())
+    }
+
+    /// The same; `None` also when the watch says to stop.
+    pub fn solve_until(&mut self, watch: &Watch) -> Option<f64> {
         for row in 0..self.rows.len() as u32 {
             self.reduce(row);
         }
@@ -132,6 +139,10 @@ impl AssignmentSolver {
                 let (length, end) = self.shortest_path(row)?;
                 self.move_duals(length);
                 self.augment(row, end);
+                let edges_of_row = self.edges.len() / self.rows.len();
+                if watch.stops_after((self.looked_at.len() * edges_of_row) as u64) {
+                    return None;
+                }
             } else if state.dual == f64::INFINITY {
                 return None;
             }

@@ -1,7 +1,7 @@
 //! Evaluation jobs as `trackloom run` gets them: a request in JSON, and files as texts.
 
 use serde_json::{Value, json};
-use trackloom_domain::experiment::observer::Silent;
+use trackloom_domain::experiment::observer::{Observer, Silent};
 use trackloom_domain::experiment::plan::{JobKind, Source, plan};
 use trackloom_domain::experiment::run::{Input, Outcome, RunError, run};
 use trackloom_domain::formats::{ReadOptions, format_named};
@@ -25,6 +25,15 @@ impl Texts {
 
     /// Plans the request, reads what it names, and runs it.
     pub fn judge(&self, body: &Value) -> Result<Outcome, Vec<Fault>> {
+        match self.run(body, &mut Silent) {
+            Ok(outcome) => Ok(outcome),
+            Err(RunError::Faults(faults)) => Err(faults),
+            Err(RunError::Stopped) => panic!("nobody stopped it"),
+        }
+    }
+
+    /// The same under an observer.
+    pub fn run(&self, body: &Value, observer: &mut dyn Observer) -> Result<Outcome, RunError> {
         let plan = plan(JobKind::Evaluate, body)?;
         let mut inputs = Vec::new();
         for input in &plan.inputs {
@@ -34,10 +43,6 @@ impl Texts {
             let dataset = (format_named(self.format).unwrap().read)(&mut bytes, &options)?.dataset;
             inputs.push(Some(Input { dataset, sensors: Vec::new(), sha256: String::new() }));
         }
-        match run(&plan, inputs, &mut Silent) {
-            Ok(outcome) => Ok(outcome),
-            Err(RunError::Faults(faults)) => Err(faults),
-            Err(RunError::Stopped) => panic!("nobody stopped it"),
-        }
+        run(&plan, inputs, observer)
     }
 }

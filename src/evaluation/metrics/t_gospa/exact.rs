@@ -21,6 +21,7 @@
 
 use super::problem::{Cluster, Near, Solution, Tally};
 use super::trace::{NO_TRACE, Traces};
+use crate::model::watch::Watch;
 use std::collections::BTreeMap;
 
 /// Most labels of a group, most labels that one step may make of them, most comparisons of labels in a cluster.
@@ -32,9 +33,9 @@ const MAX_COMPARISONS: usize = 20_000_000;
 const FRESH: usize = usize::MAX;
 const ALONE: usize = usize::MAX - 1;
 
-/// The least cost with its parts; `None` when the doubts are too many.
-pub fn solve(cluster: &Cluster, penalty: f64) -> Option<Solution> {
-    let mut search = Search::new(cluster, penalty);
+/// The least cost with its parts; `None` when the doubts are too many, or the watch says to stop.
+pub fn solve(cluster: &Cluster, penalty: f64, watch: &Watch) -> Option<Solution> {
+    let mut search = Search::new(cluster, penalty, watch);
     for step in &cluster.steps {
         search.step(step)?;
     }
@@ -72,7 +73,8 @@ struct Group {
     labels: Vec<Label>,
 }
 
-struct Search {
+struct Search<'w> {
+    watch: &'w Watch<'w>,
     truths: usize,
     penalty: f64,
     /// By a number that [`Search::group_of`] refers to.
@@ -93,10 +95,11 @@ fn is_held(state: usize) -> bool {
     state < ALONE
 }
 
-impl Search {
-    fn new(cluster: &Cluster, penalty: f64) -> Search {
+impl<'w> Search<'w> {
+    fn new(cluster: &Cluster, penalty: f64, watch: &'w Watch<'w>) -> Self {
         let members = cluster.truths + cluster.tracks;
         let mut search = Search {
+            watch,
             truths: cluster.truths,
             penalty,
             groups: (0..members).map(|_| None).collect(),
@@ -150,6 +153,7 @@ impl Search {
         self.meet_singles(near);
         loop {
             let mut has_met = false;
+            self.go_on(16 * near.len())?;
             for pair in near {
                 let track = self.truths + pair.track;
                 let is_left_out = self.is_sure(pair) || pair.gain <= self.worth[pair.truth] + self.worth[track];
@@ -163,6 +167,11 @@ impl Search {
                 return Some(());
             }
         }
+    }
+
+    /// Counts work in so many pieces; `None` when it is to stop.
+    fn go_on(&self, pieces: usize) -> Option<()> {
+        (!self.watch.stops_after(pieces as u64)).then_some(())
     }
 
     /// Method 5, second half.
@@ -232,6 +241,7 @@ impl Search {
             if successors.len() > MAX_SUCCESSORS {
                 return None;
             }
+            self.go_on(64)?;
         }
         let mut labels = self.undominated(&group.members, successors)?;
         for label in &mut labels {
@@ -252,6 +262,7 @@ impl Search {
         if one.labels.len() * other.labels.len() > MAX_LABELS {
             return None;
         }
+        self.go_on(one.labels.len() * other.labels.len() * (one.members.len() + other.members.len()))?;
         let mut labels = Vec::with_capacity(one.labels.len() * other.labels.len());
         for (left, right) in one.labels.iter().flat_map(|left| other.labels.iter().map(move |right| (left, right))) {
             let mut tally = left.tally;
@@ -273,6 +284,7 @@ impl Search {
         let mut kept: Vec<Label> = Vec::new();
         for label in labels {
             self.comparisons += kept.len();
+            self.go_on(2 * kept.len() * members.len())?;
             let reaches = |cheaper: &Label| {
                 cheaper.states == label.states || cheaper.cost + self.penalty * self.switches(members, cheaper, &label) <= label.cost
             };
@@ -330,7 +342,7 @@ impl Search {
 
 /// Method 2: all ways in which one label may take pairs of a step anew, truth by truth.
 struct Expansion<'a> {
-    search: &'a Search,
+    search: &'a Search<'a>,
     /// The near pairs of each truth that has any.
     rows: &'a [&'a [Near]],
     label: Label,
@@ -347,7 +359,7 @@ impl<'a> Expansion<'a> {
 
     /// Decides the truths from `row` on; `improvement` is what the takings so far gain at this step beyond what they break.
     fn extend(&mut self, row: usize, improvement: f64, successors: &mut Vec<Label>) {
-        if successors.len() > MAX_SUCCESSORS {
+        if successors.len() > MAX_SUCCESSORS || self.search.watch.stops_after((self.rows.len() + self.is_taken.len()) as u64) {
             return;
         }
         let is_changed = self.is_taken.contains(&true);

@@ -11,8 +11,12 @@
 //!    the rounded assignment.
 //! 3. A cluster of very many pairs and steps is cut into blocks of steps. Switches between blocks then are free, which
 //!    leaves a lower bound.
+//! 4. Where one step alone has more pairs than that, a block is one step, and its programme is an assignment of whole numbers,
+//!    which a method of assignments solves.
 
 use super::problem::{Near, Solution};
+use crate::math::assignment::AssignmentSolver;
+use crate::model::watch::Watch;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};
 use std::collections::BTreeMap;
@@ -26,17 +30,46 @@ pub struct Bound {
     pub is_exact: bool,
 }
 
-/// `None` when the solver finds no solution, which a programme of sound numbers always has.
-pub fn solve(steps: &[Vec<Near>], penalty: f64) -> Option<Bound> {
+/// `None` when the solver finds no solution, which a programme of sound numbers always has, or the watch says to stop.
+pub fn solve(steps: &[Vec<Near>], penalty: f64, watch: &Watch) -> Option<Bound> {
     let pairs = pairs_of(steps).len();
+    if pairs > MAX_SHARES {
+        return assigned_step_by_step(steps, watch);
+    }
     let mut bound = Bound { solution: Solution::default(), is_exact: true };
     let blocks = steps.chunks((MAX_SHARES / pairs.max(1)).max(1));
     let is_cut = blocks.len() > 1;
     for block in blocks {
+        // A programme takes some seconds at most.
+        if watch.stops_after(u64::MAX) {
+            return None;
+        }
         let programme = Programme::new(block, penalty);
         let shares = programme.solve()?;
         bound.is_exact &= !is_cut && shares.iter().all(|share| share.fract() == 0.0);
         bound.solution.add(programme.solution(&shares));
+    }
+    Some(bound)
+}
+
+/// Method 4.
+fn assigned_step_by_step(steps: &[Vec<Near>], watch: &Watch) -> Option<Bound> {
+    let mut bound = Bound { solution: Solution::default(), is_exact: steps.len() == 1 };
+    let mut solver = AssignmentSolver::default();
+    for near in steps {
+        solver.clear();
+        let rows: Vec<&[Near]> = near.chunk_by(|one, other| one.truth == other.truth).collect();
+        for row in &rows {
+            row.iter().for_each(|pair| solver.push_edge(pair.track as u32, -pair.gain));
+            solver.end_row(0.0);
+        }
+        solver.solve_until(watch)?;
+        for (index, row) in rows.iter().enumerate() {
+            let Some(pair) = solver.edge_of(index).map(|edge| row[edge]) else { continue };
+            bound.solution.tally.gain += pair.gain;
+            bound.solution.tally.matched += 1.0;
+            bound.solution.shares.push((pair.pair, 1.0));
+        }
     }
     Some(bound)
 }
@@ -214,8 +247,8 @@ mod tests {
         for case in 0..200 {
             let cluster = random(&mut rng);
             let penalty = [0.0, 0.1, 0.4, 1.5][case % 4];
-            let exact = exact::solve(&cluster, penalty).unwrap().tally.cost(penalty);
-            let bound = solve(&cluster.steps, penalty).unwrap();
+            let exact = exact::solve(&cluster, penalty, &Watch::never()).unwrap().tally.cost(penalty);
+            let bound = solve(&cluster.steps, penalty, &Watch::never()).unwrap();
             let cost = bound.solution.tally.cost(penalty);
             assert!(cost <= exact + 1e-7, "case {case}: {cost} above {exact}");
             if bound.is_exact {
@@ -232,7 +265,7 @@ mod tests {
         let near = |track| vec![Near { truth: 0, track, gain: 0.5, pair: 0 }];
         let half = MAX_SHARES / 4 + 100;
         let steps: Vec<Vec<Near>> = (0..2 * half).map(|step| near(usize::from(step >= half))).collect();
-        let bound = solve(&steps, 0.2).unwrap();
+        let bound = solve(&steps, 0.2, &Watch::never()).unwrap();
         assert!(!bound.is_exact);
         let exact = 0.2 - 0.5 * 2.0 * half as f64;
         assert!(bound.solution.tally.cost(0.2) <= exact + 1e-6, "{} {exact}", bound.solution.tally.cost(0.2));

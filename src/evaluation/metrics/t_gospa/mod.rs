@@ -25,6 +25,7 @@ use super::cutoff::{CUTOFF_M, Cutoff, ORDER};
 use super::origin::{Origin, PAIRS, PairColumn, SERIES, STEPS, Statistic, TRACK_POINTS, TRUTH_POINTS};
 use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence, Series};
 use crate::evaluation::comparison::{Comparison, Shape};
+use crate::model::watch::Watch;
 use crate::registry::{Bound, Kind, Method, Object, default};
 use serde::Deserialize;
 use serde_json::json;
@@ -78,9 +79,13 @@ impl Metric for TGospa {
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
+        self.evaluate_until(sequences, &Watch::never())
+    }
+
+    fn evaluate_until(&self, sequences: &[Sequence], watch: &Watch) -> MetricReport {
         let mut total = Total::default();
         for sequence in sequences {
-            self.add(sequence.comparison, &mut total);
+            self.add(sequence.comparison, &mut total, watch);
         }
         let Cutoff { cutoff_m, p } = self.cutoff;
         let parameters = json!({
@@ -146,17 +151,17 @@ impl TGospa {
         self.cutoff.share_of(self.switch_penalty_m)
     }
 
-    fn add(&self, comparison: &Comparison, total: &mut Total) {
+    fn add(&self, comparison: &Comparison, total: &mut Total, watch: &Watch) {
         total.truths += comparison.truths.len() as f64;
         total.tracks += comparison.tracks.len() as f64;
         total.steps += comparison.steps.len() as f64;
         for cluster in clusters(comparison, self.cutoff) {
-            if let Some(solution) = exact::solve(&cluster, self.penalty()) {
+            if let Some(solution) = exact::solve(&cluster, self.penalty(), watch) {
                 total.solution.add(solution);
                 total.exact += 1;
                 continue;
             }
-            match linear_programme::solve(&cluster.steps, self.penalty()) {
+            match linear_programme::solve(&cluster.steps, self.penalty(), watch) {
                 Some(bound) => {
                     total.solution.add(bound.solution);
                     *if bound.is_exact { &mut total.whole } else { &mut total.bounded } += 1;
