@@ -27,6 +27,7 @@ mod grouping;
 mod integer_programme;
 mod liang_verdicts;
 mod lifecycle;
+mod mutations;
 mod oracle;
 mod origins;
 mod polar;
