@@ -92,3 +92,51 @@ impl<'a> Extent<'a> {
         self.halt.map_or(Ok(()), Err)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::ops::ControlFlow;
+
+    /// Why a comparison is not whole, told by code, detail and bound.
+    fn refusal(use_up: impl FnOnce(&mut Extent)) -> Option<(String, String)> {
+        let watch = Watch::never();
+        let mut extent = Extent::new(&watch);
+        use_up(&mut extent);
+        match extent.finish() {
+            Err(Halt::TooLarge(fault)) => Some((fault.detail, fault.allowed.unwrap_or_default())),
+            Err(Halt::Stopped) => panic!("nobody stopped it"),
+            Ok(()) => None,
+        }
+    }
+
+    #[test]
+    fn the_first_bound_that_is_broken_is_told() {
+        let whole = |extent: &mut Extent| {
+            extent.add_ids(MAX_IDS);
+            assert!(extent.add_points(MAX_POINTS) && extent.goes_on_with(MAX_PAIRS_OF_STEP, 0) && extent.end_step(MAX_PAIRS));
+        };
+        assert_eq!(refusal(whole), None);
+        let points = |extent: &mut Extent| {
+            assert!(extent.add_points(MAX_POINTS) && !extent.add_points(1) && !extent.goes_on_with(MAX_PAIRS_OF_STEP + 1, 0));
+        };
+        let told =
+            ("there are 10000001 points of truth and tracks at the steps or more", "at most 10000000; a part of the steps in each job");
+        assert_eq!(refusal(points), Some((told.0.to_owned(), told.1.to_owned())));
+        let pairs = |extent: &mut Extent| assert!(extent.end_step(MAX_PAIRS) && !extent.goes_on_with(1, 0));
+        assert_eq!(refusal(pairs).map(|told| told.0), Some("there are 20000001 pairs within reach of each other or more".to_owned()));
+        let ids = |extent: &mut Extent| extent.add_ids(MAX_IDS + 1);
+        assert_eq!(refusal(ids).map(|told| told.0), Some("there are 1000001 targets and tracks or more".to_owned()));
+    }
+
+    #[test]
+    fn it_has_no_bounds_unless_it_is_of_a_job_and_stops_when_asked_to() {
+        let question = || ControlFlow::Break(());
+        let watch = Watch::new(&question);
+        let mut extent = Extent::unbounded(&watch);
+        extent.add_ids(usize::MAX / 2);
+        assert!(extent.goes_on_with(usize::MAX / 2, 0));
+        assert!(!extent.goes_on(usize::MAX));
+        assert_eq!(extent.finish(), Err(Halt::Stopped));
+    }
+}

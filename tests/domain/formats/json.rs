@@ -94,6 +94,6 @@ fn broken_text_has_line_and_character() {
     broken("{\"columns\": {\"x_m\": [1, ", 1, "24", "malformed");
     broken("{\"columns\": {\"x_m\": [1, true]}}", 1, "28", "wrong_type");
     broken("{\"columns\": {\"x_m\": 1}}", 1, "22", "wrong_type");
-    broken("{\"colums\": {}}", 1, "9", "wrong_type");
+    broken("{\"colums\": {}}", 1, "10", "wrong_type");
     assert_eq!(fault("json", " \n"), Fault::new("/file", "empty", "the file is empty"));
 }
