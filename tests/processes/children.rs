@@ -137,7 +137,7 @@ async fn a_job_whose_process_dies_is_made_again_and_gives_the_same_and_twice_is_
 async fn runs_whose_process_dies_twice_are_given_up_after_the_others_and_made_by_a_rerun() {
     let data = tempfile::tempdir().unwrap();
     let server = Server::start(data.path(), &["--workers", "1"]);
-    let id = server.submit("campaign", &campaign(800)).await;
+    let id = server.submit("campaign", &campaign(200)).await;
     server.job_until(&id, |job| job["progress"]["done"].as_u64() > Some(0)).await;
     let failed = "SELECT count(*) FROM chunks WHERE state = 'failed'";
     while number(data.path(), failed).await == 0 {
@@ -149,7 +149,7 @@ async fn runs_whose_process_dies_twice_are_given_up_after_the_others_and_made_by
     let detail = job["error"]["detail"].as_str().unwrap();
     assert!(detail.starts_with("the process ended again and again while it made ") && detail.contains(", from cell '"), "{detail}");
     let again = server.ask(&id, "rerun").await["id"].as_str().unwrap().to_owned();
-    let (result, whole) = (server.result(&again).await, server.submit("campaign", &campaign(800)).await);
+    let (result, whole) = (server.result(&again).await, server.submit("campaign", &campaign(200)).await);
     assert!(result == server.result(&whole).await, "put together from two jobs it is another result");
 }
 
