@@ -94,7 +94,7 @@ fn check(cases: u32, bases: &[(JobKind, Value)]) -> u32 {
 fn a_stored_request_is_accepted_again_as_it_is() {
     // A campaign is planned cell by cell, which takes long.
     let (campaigns, jobs): (Vec<_>, Vec<_>) = bases().into_iter().partition(|(kind, _)| *kind == JobKind::Campaign);
-    for (cases, bases) in [(1000, jobs), (30, campaigns)] {
+    for (cases, bases) in [(3000, jobs), (30, campaigns)] {
         let accepted = check(cases, &bases);
         assert!(accepted > cases / 4, "{accepted} of {cases} were accepted");
     }
