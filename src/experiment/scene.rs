@@ -9,9 +9,7 @@ use super::observer::{Observer, Step};
 use super::plan::{JobKind, Plan, scenario_of};
 use super::run::{Artifact, Decided, Inputs, RunError, to_value};
 use super::speeds::Taken;
-use super::{
-    artifacts, auto_filter, clutter, detect, group_report, no_tracks, profiles, record_picture, scan_gaps, sensors, speeds, tfa,
-};
+use super::{artifacts, auto_filter, clutter, detect, group_report, no_tracks, profiles, record_picture, scan_gaps, sensors, speeds, tfa};
 use crate::correlation::alignment::Node;
 use crate::evaluation::EvaluationInput;
 use crate::math::rng::Seed;

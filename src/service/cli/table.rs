@@ -31,9 +31,12 @@ pub(super) fn summary(report: &Value) -> String {
             add(format!("time {}", key.trim_end_matches("_s")), "s", value);
         }
     }
-    let mut text = format!("{head}
+    let mut text = format!(
+        "{head}
 
-{}", table(&["quantity", "unit", "value"], &rows));
+{}",
+        table(&["quantity", "unit", "value"], &rows)
+    );
     if let Some(metrics) = metrics(result) {
         text = format!("{text}\n\n{metrics}");
     }
