@@ -13,8 +13,8 @@
 //! 3. The speeds |d| / T₁ are counted in a ladder of half octaves. A rung is believed where the gates onwards have clearly more
 //!    detections than those backwards; the highest rung that is believed is that of the fastest targets.
 //!
-//! At most [`MOST_PAIRS`] pairs of at most [`MOST_TRIPLES`] triples of scans are looked at, evenly spread; the same data give the
-//! same answer.
+//! At most [`MOST_TRIPLES`] triples of scans are looked at, evenly spread, and about [`MOST_PAIRS`] pairs, the near ones where there
+//! are more; the same data give the same answer.
 
 use super::extent::place_of;
 use crate::gating::grid::Grid;
@@ -24,7 +24,7 @@ use crate::model::sensor::{Report, Sensor, SensorSettings};
 use crate::model::state::Position;
 
 const MOST_TRIPLES: usize = 200;
-const MOST_PAIRS: usize = 1_000_000;
+const MOST_PAIRS: usize = 500_000;
 /// Detections of one scan that are looked at.
 const MOST_OF_A_SCAN: usize = 20_000;
 /// Detections of all triples together.
@@ -162,22 +162,42 @@ fn climb([first, second, third]: &[Look; 3], most_pairs: usize, ladder: &mut [Ru
     let (starts, ends) = (first.gone_from(second), second.gone_from(first));
     let (before_s, after_s) = (second.time_s - first.time_s, third.time_s - second.time_s);
     let ratio = after_s / before_s;
-    let pairs = starts.len() * ends.len();
-    for pair in (0..pairs).step_by(pairs.div_ceil(most_pairs.max(1)).max(1)) {
-        let (a, b) = (&starts[pair / ends.len()], &ends[pair % ends.len()]);
-        let step_m = b.place_m - a.place_m;
-        let onwards_m = step_m * ratio;
-        let variance_m2 = b.variance_m2 * (1.0 + ratio).powi(2) + a.variance_m2 * ratio * ratio;
-        let in_gate = |offset_m: Position| if third.count(&(b.place_m + offset_m), variance_m2) > 0 { 1.0 } else { 0.0 };
-        let (onwards, backwards) = (in_gate(onwards_m), in_gate(-onwards_m));
-        if onwards + backwards > 0.0 {
+    let places: Vec<Position> = ends.iter().map(|seen| seen.place_m).collect();
+    let mut grid = Grid::default();
+    grid.rebuild(&places);
+    let reach_m = reach_m(&starts, &ends, most_pairs);
+    let mut left = 4 * most_pairs;
+    for a in &starts {
+        grid.near(&a.place_m, [reach_m; 2], None, |index| {
+            let b = &ends[index as usize];
+            let step_m = b.place_m - a.place_m;
+            if left == 0 || step_m.norm() > reach_m {
+                return;
+            }
+            left -= 1;
+            let onwards_m = step_m * ratio;
+            let variance_m2 = b.variance_m2 * (1.0 + ratio).powi(2) + a.variance_m2 * ratio * ratio;
+            let in_gate = |offset_m: Position| if third.count(&(b.place_m + offset_m), variance_m2) > 0 { 1.0 } else { 0.0 };
+            let (onwards, backwards) = (in_gate(onwards_m), in_gate(-onwards_m));
             let speed_mps = step_m.norm() / before_s;
             let rung = &mut ladder[rung_of(speed_mps)];
             rung.onwards += onwards;
             rung.backwards += backwards;
             rung.speeds_mps += onwards * speed_mps;
-        }
+        });
     }
+}
+
+/// How far apart two detections are at most, so that about `most_pairs` pairs are looked at: all of them where there are few, else
+/// the near ones, for speeds that are too high for the density cannot be told from chance anyway.
+fn reach_m(starts: &[Seen], ends: &[Seen], most_pairs: usize) -> f64 {
+    let bound =
+        |axis: usize, start: f64, pick: fn(f64, f64) -> f64| starts.iter().chain(ends).map(|seen| seen.place_m[axis]).fold(start, pick);
+    let side_m = |axis: usize| (bound(axis, f64::NEG_INFINITY, f64::max) - bound(axis, f64::INFINITY, f64::min)).max(1.0);
+    let (width_m, height_m) = (side_m(0), side_m(1));
+    let pairs = (starts.len() * ends.len()).max(1) as f64;
+    let share = most_pairs as f64 / pairs;
+    if share >= 1.0 { width_m.hypot(height_m) } else { (share * width_m * height_m / std::f64::consts::PI).sqrt() }
 }
 
 fn rung_of(speed_mps: f64) -> usize {
@@ -207,10 +227,10 @@ fn highest(ladder: &[Rung; RUNGS], triples: usize) -> Option<f64> {
     clear.or(clean).map(|rung| rung.speeds_mps / rung.onwards)
 }
 
-/// Whether chance would hide a target of this speed that is seen in half of the triples.
+/// Whether chance would hide a target of this speed that is seen in every triple, or two that are in half of them.
 fn is_hidden(ladder: &[Rung; RUNGS], triples: usize, speed_mps: f64) -> bool {
     let rung = &ladder[rung_of(speed_mps)];
-    let with_target = Rung { onwards: rung.backwards + triples as f64 / 2.0, ..*rung };
+    let with_target = Rung { onwards: rung.backwards + triples as f64, ..*rung };
     !with_target.is_clear()
 }
 

@@ -18,6 +18,7 @@ pub mod gates;
 mod given;
 mod group;
 mod group_report;
+pub mod job_shape;
 mod judge;
 pub mod known_data;
 mod metric_files;

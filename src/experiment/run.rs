@@ -25,8 +25,9 @@ pub struct Input {
 /// What was loaded for each [`super::plan::InputRequest`], in the same order; `None` for an optional one that is absent.
 pub type Inputs = Vec<Option<Input>>;
 
-/// Every media type of an artefact.
-pub const ARTIFACT_TYPES: [&str; 5] = ["application/json", "application/vnd.apache.parquet", "image/svg+xml", "text/csv", "text/markdown"];
+/// Every media type of an artefact, without parameters.
+pub const ARTIFACT_TYPES: [&str; 7] =
+    ["application/json", "application/vnd.apache.parquet", "image/svg+xml", "text/csv", "text/markdown", "text/plain", "text/vnd.graphviz"];
 
 /// A file that a job leaves behind.
 #[derive(Debug, Clone)]
@@ -44,7 +45,10 @@ pub struct Artifact {
 impl Artifact {
     /// A file that is no dataset.
     pub fn file(name: &'static str, media_type: &'static str, bytes: Vec<u8>) -> Self {
-        debug_assert!(ARTIFACT_TYPES.contains(&media_type), "{media_type} is no type of an artefact");
+        debug_assert!(
+            media_type.split(';').next().is_some_and(|name| ARTIFACT_TYPES.contains(&name)),
+            "{media_type} is no type of an artefact"
+        );
         Artifact { name, media_type, bytes, dataset: None, sensors: Vec::new() }
     }
 }

@@ -151,7 +151,7 @@ mod tests {
             {"name": "JPDA", "runs": 5, "outcomes": {"cost": outcome(2.0)}, "differences": {"cost": outcome(-2.0)}, "compared_with": "NN"}
         ]);
         let text = campaign(&json!({"result": {"outcomes": ["cost"], "cells": cells}})).unwrap();
-        let told = "difference, run by run  pairs          cost\n──────────────────────  ─────  ────────────\nJPDA − NN                   5  -2 [-3, -1]";
+        let told = "difference, run by run  pairs         cost\n──────────────────────  ─────  ───────────\nJPDA − NN                   5  -2 [-3, -1]";
         assert!(text.ends_with(told), "{text}");
     }
 

@@ -76,7 +76,8 @@ pub fn project<const D: usize>(polar: &Polar, state: &State) -> SVector<f64, D> 
 pub fn jacobian<const D: usize>(polar: &Polar, belief: &GaussianState) -> SMatrix<f64, D, 4> {
     let state = &belief.mean;
     let view = view(polar, Position::new(state[0], state[1]));
-    let range_m = least_curved(&view, belief);
+    let across_m = view.across.dot(&(belief.covariance.fixed_view::<2, 2>(0, 0) * view.across)).max(0.0).sqrt();
+    let range_m = view.range_m.max(across_m);
     let turn_radps = view.across.dot(&state.fixed_rows::<2>(2)) / range_m;
     let mut matrix = SMatrix::zeros();
     for axis in 0..2 {
@@ -90,18 +91,14 @@ pub fn jacobian<const D: usize>(polar: &Polar, belief: &GaussianState) -> SMatri
     matrix
 }
 
-/// The range of a target, at least the standard deviation across it.
-fn least_curved(view: &View, belief: &GaussianState) -> f64 {
-    let across_m = view.across.dot(&(belief.covariance.fixed_view::<2, 2>(0, 0) * view.across)).max(0.0).sqrt();
-    view.range_m.max(across_m)
-}
-
 /// What the curvature of h adds to its mean and covariance, ½ tr(Fᵢ P) and ½ tr(Fᵢ P Fⱼ P), with F the second derivatives. Along u
-/// and t, at p = r u: ∂²r/∂t² = 1/r; ∂²β/∂u∂t = −1/r²; ∂²ṙ/∂t² = −(v·u)/r², ∂²ṙ/∂u∂t = −(v·t)/r², ∂²ṙ/∂t∂(v·t) = 1/r. For r holds
-/// what holds for the Jacobian.
+/// and t, at p = r u: ∂²r/∂t² = 1/r; ∂²β/∂u∂t = −1/r²; ∂²ṙ/∂t² = −(v·u)/r², ∂²ṙ/∂u∂t = −(v·t)/r², ∂²ṙ/∂t∂(v·t) = 1/r. Two
+/// terms of a series say nothing of a place that is not known to a third of its distance: r is taken to be at least that far, which
+/// keeps what is added below what the line says.
 pub fn curvature<const D: usize>(polar: &Polar, belief: &GaussianState) -> (SVector<f64, D>, SMatrix<f64, D, D>) {
     let view = view(polar, Position::new(belief.mean[0], belief.mean[1]));
-    let range_m = least_curved(&view, belief);
+    let spread_m = (belief.covariance[(0, 0)] + belief.covariance[(1, 1)]).max(0.0).sqrt();
+    let range_m = view.range_m.max(3.0 * spread_m);
     let velocity_mps: Position = belief.mean.fixed_rows::<2>(2).into_owned();
     let mut turned = SMatrix::<f64, 4, 4>::zeros();
     for axis in 0..2 {
@@ -206,12 +203,12 @@ mod tests {
 
     #[test]
     fn the_curvature_is_what_a_million_draws_add_to_the_line() {
-        // 5 km away, unsure by 200 m across and 30 m along, and 20 m/s; places and speeds go together.
+        // 5 km away, unsure by 40 m across and 60 m along, and 20 m/s; places and speeds go together.
         let polar = sensor(0.01);
         let mean = State::new(3010.0, -4020.0, 30.0, -40.0);
         let root = SMatrix::<f64, 4, 4>::from_rows(&[
-            [160.0, 18.0, 0.0, 0.0].into(),
-            [120.0, -24.0, 0.0, 0.0].into(),
+            [32.0, 36.0, 0.0, 0.0].into(),
+            [24.0, -48.0, 0.0, 0.0].into(),
             [8.0, 0.0, 20.0, 0.0].into(),
             [0.0, 6.0, 0.0, 20.0].into(),
         ]);
@@ -227,8 +224,8 @@ mod tests {
             sum += beyond / f64::from(count);
             square += (beyond - shift) * (beyond - shift).transpose() / f64::from(count);
         }
-        // Range: ½ · 200² / 5000 = 4 m, with a standard deviation √2 times as large.
-        assert!((shift[0] - 4.0).abs() < 0.1 && (spread[(0, 0)].sqrt() - 4.0 * 2f64.sqrt()).abs() < 0.15, "{shift} {spread}");
+        // Range: ½ · 40² / 5000 = 0.16 m, with a standard deviation √2 times as large.
+        assert!((shift[0] - 0.16).abs() < 1e-9 && (spread[(0, 0)].sqrt() - 0.16 * 2f64.sqrt()).abs() < 1e-9, "{shift} {spread}");
         for row in 0..3 {
             let scale = spread[(row, row)].sqrt();
             assert!((sum[row] - shift[row]).abs() < 0.02 * scale, "{row}: {sum} {shift}");

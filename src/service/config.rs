@@ -78,15 +78,16 @@ pub struct ConnectionLimits {
     pub least_bytes: usize,
 }
 
-/// More connections than this are not taken, however many files may be open.
-const MAX_CONNECTIONS: usize = 4096;
+/// Connections by default, however many files may be open, and however few.
+const CONNECTIONS: (usize, usize) = (8, 4096);
+/// Files that the database, the queue and refusals of connections take.
+const OWN_FILES: usize = 64;
 /// What a system without `/proc` allows a process at least.
 const USUAL_OPEN_FILES: usize = 256;
 
 impl Default for ConnectionLimits {
-    /// Half of the files that the process may open are left to the database, the queue and what is served.
     fn default() -> Self {
-        ConnectionLimits::of((open_file_limit().unwrap_or(USUAL_OPEN_FILES) / 2).clamp(1, MAX_CONNECTIONS))
+        ConnectionLimits::of(connections_of(open_file_limit().unwrap_or(USUAL_OPEN_FILES)))
     }
 }
 
@@ -104,6 +105,11 @@ impl ConnectionLimits {
             least_bytes: 16 << 10,
         }
     }
+}
+
+/// Half of the files that may be open, so that each answer can have a file, too.
+fn connections_of(open_files: usize) -> usize {
+    (open_files / 2).min(open_files.saturating_sub(OWN_FILES)).clamp(CONNECTIONS.0, CONNECTIONS.1)
 }
 
 /// How many files the process may open, where the system tells.
@@ -131,6 +137,7 @@ mod tests {
         assert_eq!(read_limit(table), Some(1024));
         assert_eq!(read_limit("Max open files            unlimited            unlimited            files"), Some(usize::MAX));
         assert_eq!(read_limit("Max cpu time  unlimited"), None);
+        assert_eq!([32, 64, 100, 256, 1024, 1 << 20].map(connections_of), [8, 8, 36, 128, 512, 4096]);
         let limits = ConnectionLimits::of(512);
         assert_eq!((limits.connections, limits.streams, limits.streams_per_client), (512, 256, 128));
         assert_eq!(ConnectionLimits::of(1).streams_per_client, 1);

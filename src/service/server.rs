@@ -12,6 +12,7 @@ use std::net::SocketAddr;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 use tokio::net::TcpListener;
+use tokio::signal::unix::{Signal, SignalKind, signal};
 use tokio::task::JoinHandle;
 use tokio::time::timeout;
 use tokio_util::sync::CancellationToken;
@@ -42,8 +43,10 @@ pub async fn serve_jobs(config: Config, jobs: Jobs) -> anyhow::Result<()> {
             return Err(error);
         }
     };
+    // Heard from before anybody is told that the service is there.
+    let signals = StopSignals::listen();
     println!("trackloom listening on http://{}", server.address());
-    told_to_stop().await;
+    signals.told_to_stop().await;
     tracing::info!("stopping");
     server.stop().await;
     Ok(())
@@ -56,8 +59,9 @@ pub async fn serve_jobs(config: Config, jobs: Jobs) -> anyhow::Result<()> {
 pub async fn work(config: Config) -> anyhow::Result<()> {
     let slots = config.slots;
     let jobs = Jobs::open(config).await?;
+    let signals = StopSignals::listen();
     println!("trackloom worker with {slots} slots");
-    told_to_stop().await;
+    signals.told_to_stop().await;
     tracing::info!("stopping");
     if timeout(WORKERS, jobs.shutdown()).await.is_err() {
         tracing::warn!("work did not stop in time; another process takes it up");
@@ -132,17 +136,19 @@ fn metrics() -> anyhow::Result<PrometheusHandle> {
     HANDLE.get_or_init(install).clone().context("metrics cannot be recorded: another recorder is installed")
 }
 
-/// Ends at SIGTERM or SIGINT.
-async fn told_to_stop() {
-    use tokio::signal::unix::{SignalKind, signal};
-    match (signal(SignalKind::terminate()), signal(SignalKind::interrupt())) {
-        (Ok(mut terminate), Ok(mut interrupt)) => {
-            tokio::select! {
-                _ = terminate.recv() => {}
-                _ = interrupt.recv() => {}
-            }
+/// SIGTERM and SIGINT. Without signals the process can only be killed, which the storage survives.
+struct StopSignals(Option<(Signal, Signal)>);
+
+impl StopSignals {
+    fn listen() -> Self {
+        StopSignals(signal(SignalKind::terminate()).ok().zip(signal(SignalKind::interrupt()).ok()))
+    }
+
+    async fn told_to_stop(self) {
+        let Some((mut terminate, mut interrupt)) = self.0 else { return std::future::pending().await };
+        tokio::select! {
+            _ = terminate.recv() => {}
+            _ = interrupt.recv() => {}
         }
-        // Without signals the process can only be killed, which the storage survives.
-        _ => std::future::pending().await,
     }
 }

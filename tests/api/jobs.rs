@@ -119,4 +119,9 @@ async fn the_spec_of_a_job_posted_again_is_the_same_job() {
     let again = api.run("associate", &spec).await;
     assert_eq!(again["spec_sha256"], job["spec_sha256"]);
     assert_eq!(again["duplicate_of"], job["id"]);
+    // The metrics of an evaluation are filled in after everything else.
+    let judged = api.run("evaluate", &body).await;
+    let spec = api.get(&format!("/v1/jobs/{}/spec", id(&judged))).await.ok(200);
+    assert!(spec["metrics"].is_array());
+    assert_eq!(api.run("evaluate", &spec).await["duplicate_of"], judged["id"]);
 }

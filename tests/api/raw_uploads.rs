@@ -8,8 +8,14 @@ use serde_json::{Value, json};
 const DETECTIONS: &str = "time_s,scan,sensor_id,detection_id,x_m,y_m\n0,1,radar,a,1,2\n8,2,radar,b,3,4\n8,2,radar,c,5,6\n";
 
 async fn upload(api: &Api, query: &[(&str, &str)], media_type: &str, body: impl Into<Body>) -> Answer {
-    let request = api.request(Method::POST, "/v1/datasets/raw").query(query).body(body);
+    let query: String = query.iter().map(|(name, value)| format!("{name}={}&", encoded(value))).collect();
+    let request = api.request(Method::POST, &format!("/v1/datasets/raw?{query}")).body(body);
     send(if media_type.is_empty() { request } else { request.header("content-type", media_type) }).await
+}
+
+/// Every byte written as its number.
+fn encoded(text: &str) -> String {
+    text.bytes().map(|byte| format!("%{byte:02X}")).collect()
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -23,7 +23,7 @@ async fn a_method_that_is_not_allowed_is_a_problem_that_names_the_others() {
     let answer = send(api.request(Method::PUT, "/v1/jobs")).await;
     let expected = problem("method_not_allowed", 405, "The method is not allowed here", "the header Allow names the methods that are");
     assert_eq!(answer.problem(), expected);
-    assert_eq!(answer.header("allow"), "GET,HEAD");
+    assert_eq!(answer.header("allow"), "POST,GET,HEAD");
 }
 
 #[tokio::test(flavor = "multi_thread")]

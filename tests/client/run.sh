@@ -26,8 +26,25 @@ check_documents() {
 
 session() { # COMMAND...: with the address of a service of its own, and the folder of the data
     start_server "$program"
-    "$@" "$address" "$client/data"
+    "$@" "$address" "$client/data" || { cat "$work/server.log"; return 1; }
     stop_server
+}
+
+example() { # COMMAND...: prints how many detections it has seen
+    start_server "$program"
+    local printed
+    printed=$(cd "$client/data" && TRACKLOOM_URL=$address "$@" 2>"$work/log") || { cat "$work/log" "$work/server.log"; return 1; }
+    [ "$printed" = "24 detections" ] || { echo "the example prints '$printed'" >&2; return 1; }
+    stop_server
+}
+
+check_examples() { # The page shows the very text that is run here.
+    local shown='
+import sys
+page = open(sys.argv[1]).read()
+missing = [name for name in sys.argv[2:] if open(name).read() not in page]
+sys.exit(f"docs/api-clients.md does not show {missing}" if missing else 0)'
+    python -c "$shown" "$root/docs/api-clients.md" "$client"/examples/* "$client/progenitor/src/example.rs"
 }
 
 openapi_python_client() {
@@ -45,21 +62,27 @@ openapi_python_client() {
         echo "the document has $expected operations, the client $generated" >&2
         return 1
     fi
-    PYTHONPATH=$work session python "$client/sessions/openapi_python_client.py"
+    export PYTHONPATH=$work
+    session python "$client/sessions/openapi_python_client.py"
+    example python "$client/examples/openapi_python_client.py"
 }
 
 openapi_generator_python() {
     quietly openapi-generator-cli generate -g python -i "$document" -o "$work/openapi_generator"
-    PYTHONPATH=$work/openapi_generator session python "$client/sessions/openapi_generator.py"
+    export PYTHONPATH=$work/openapi_generator
+    session python "$client/sessions/openapi_generator.py"
+    example python "$client/examples/openapi_generator.py"
 }
 
-typescript() { # SESSION: type-checked, bundled and played; what was generated stands in $work/SESSION/generated
+typescript() { # NAME: session and example, type-checked, bundled and run beside what was generated in $work/NAME/generated
     cp "$client/sessions/$1.ts" "$work/$1/session.ts"
+    cp "$client/examples/$1.ts" "$work/$1/example.ts"
     cp "$client/tsconfig.json" "$work/$1"
     ln -sfn "$cache/node/node_modules" "$work/node_modules"
     quietly tsc --project "$work/$1"
-    quietly esbuild "$work/$1/session.ts" --bundle --platform=node --format=esm --outfile="$work/$1/session.mjs"
+    quietly esbuild "$work/$1/session.ts" "$work/$1/example.ts" --bundle --platform=node --format=esm --outdir="$work/$1" --out-extension:.js=.mjs
     session node "$work/$1/session.mjs"
+    example node --no-warnings "$work/$1/example.mjs"
 }
 
 openapi_generator_typescript() {
@@ -85,6 +108,7 @@ progenitor() {
 install_python
 install_node
 check_documents
+check_examples
 for generator in openapi_python_client openapi_generator_python openapi_generator_typescript openapi_typescript hey_api progenitor; do
     began=$SECONDS
     "$generator"

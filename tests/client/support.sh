@@ -18,13 +18,12 @@ install_python() { # Into $cache/venv, made again when the pins change.
 }
 
 install_node() { # Into $cache/node, made again when the lock changes.
-    if ! cmp -s "$client/package-lock.json" "$cache/node/package-lock.json"; then
+    if ! cmp -s "$client/package-lock.json" "$cache/node/installed"; then
         rm -rf "$cache/node"
         mkdir -p "$cache/node"
-        cp "$client/package.json" "$client/.npmrc" "$cache/node"
-        # The lock goes last: with it the folder is complete.
-        cp "$client/package-lock.json" "$cache/node/package-lock.json.new"
-        (cd "$cache/node" && cp package-lock.json.new package-lock.json && npm ci --silent) || { rm -rf "$cache/node"; return 1; }
+        cp "$client/package.json" "$client/package-lock.json" "$client/.npmrc" "$cache/node"
+        (cd "$cache/node" && npm ci --silent)
+        cp "$client/package-lock.json" "$cache/node/installed"
     fi
     export PATH=$cache/node/node_modules/.bin:$PATH
 }

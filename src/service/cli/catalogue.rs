@@ -2,7 +2,7 @@
 
 use super::BAD_INPUT;
 use crate::experiment::catalogue;
-use crate::experiment::plan::with_kind;
+use crate::experiment::job_shape::with_kind;
 use crate::experiment::presets::{self, ALIASES};
 use crate::registry::{Field, Presence, Variant};
 use crate::service::openapi;

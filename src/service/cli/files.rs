@@ -3,7 +3,8 @@
 //! The plan knows no files: a file source is planned as a dataset whose identity is its place in the job file, and put
 //! back into the spec of the report, so that the report can be run again.
 
-use crate::experiment::plan::{JobKind, Plan, Source, take_kind};
+use crate::experiment::job_shape::take_kind;
+use crate::experiment::plan::{JobKind, Plan, Source};
 use crate::experiment::run::{Input, Inputs};
 use crate::formats::npy::BearingTimeAxes;
 use crate::formats::{self, ReadOptions};

@@ -2,9 +2,10 @@
 
 use super::files::JobFile;
 use super::{BAD_INPUT, catalogue, table};
+use crate::experiment::job_shape::with_kind;
 use crate::experiment::known_data::{self, Known};
 use crate::experiment::observer::{Observer, Step};
-use crate::experiment::plan::{self, JobKind, Plan, with_kind};
+use crate::experiment::plan::{self, JobKind, Plan};
 use crate::experiment::presets;
 use crate::experiment::run::{self, Artifact, Outcome, RunError};
 use crate::model::fault::Fault;

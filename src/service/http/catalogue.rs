@@ -3,6 +3,7 @@
 use super::conditional::Constant;
 use super::query::{NoParams, names};
 use super::state::AppState;
+use crate::experiment::job_shape::with_kind;
 use crate::experiment::{catalogue, plan, presets};
 use crate::registry::{Variant, standalone_schema};
 use crate::service::error::{ApiError, ApiResult};
@@ -88,7 +89,7 @@ impl From<Variant> for MethodEntry {
 impl From<presets::Preset> for PresetInfo {
     fn from(preset: presets::Preset) -> Self {
         let presets::Preset { name, summary, kind, body } = preset;
-        PresetInfo { name, summary, body: plan::with_kind(kind, &body), kind: kind.into() }
+        PresetInfo { name, summary, body: with_kind(kind, &body), kind: kind.into() }
     }
 }
 

@@ -34,7 +34,7 @@ use super::storage::notices::{Notice, Notices};
 use super::storage::room::{NoRoom, Room};
 use super::storage::{Changed, Database, Storage};
 use super::types::{ArtifactList, CampaignSoFar, Comparison, DatasetInfo, DatasetPage, Event, EventPage, Job, JobKind, JobPage, JobState};
-use crate::experiment::plan::with_kind;
+use crate::experiment::job_shape::with_kind;
 use anyhow::{Context, bail, ensure};
 use campaign::Campaigns;
 use control::{Running, Stop};

@@ -1,6 +1,7 @@
 //! The report of a job: the same head for every kind, then the result as it was serialised once.
 
-use crate::experiment::plan::{InputRequest, JobKind, Plan, Source, with_kind};
+use crate::experiment::job_shape::with_kind;
+use crate::experiment::plan::{InputRequest, JobKind, Plan, Source};
 use crate::experiment::run::{CellTime, Input, Outcome};
 use crate::model::dataset::DatasetKind;
 use serde::Serialize;

@@ -98,12 +98,14 @@ fn new_job(kind: JobKind, plan: Plan, rerun_of: Option<Uuid>, idempotency: Optio
     let priority = priority(kind, &plan);
     let mut spec = plan.spec;
     let (name, labels) = take_names(&mut spec);
+    // What is filled in stands last, and in its place when the spec is asked for again: the order does not count.
+    let spec_sha256 = sha256_hex(sorted(&spec).to_string().as_bytes());
     let spec = serde_json::to_string(&spec).map_err(anyhow::Error::from)?;
     Ok(NewJob {
         kind,
         name,
         labels,
-        spec_sha256: sha256_hex(spec.as_bytes()),
+        spec_sha256,
         spec,
         seed: plan.seed,
         priority,

@@ -1,6 +1,7 @@
 //! Examples of request bodies. A test gives every one of them to the checks that real requests meet.
 
-use crate::experiment::plan::{JobKind, with_kind};
+use crate::experiment::job_shape::with_kind;
+use crate::experiment::plan::JobKind;
 use crate::experiment::presets;
 use serde_json::{Value, json};
 

@@ -133,6 +133,7 @@ fn complete(operation: &mut Value, bodies: &BTreeMap<String, Value>) {
     }
     for parameter in operation.get_mut("parameters").and_then(Value::as_array_mut).into_iter().flatten() {
         never_null(&mut parameter["schema"]);
+        refine(parameter);
     }
     name_file_types(operation);
     refusals::add(operation);
@@ -159,6 +160,17 @@ fn never_null(schema: &mut Value) {
             schema["type"] = only.clone();
         }
     }
+}
+
+/// What a text of a parameter has to be.
+fn refine(parameter: &mut Value) {
+    let schema = match parameter["name"].as_str() {
+        Some("created_after" | "created_before") => json!({"type": "string", "format": "date-time"}),
+        Some("Idempotency-Key") => json!({"type": "string", "minLength": 1, "maxLength": 255}),
+        Some("Last-Event-ID") => json!({"type": "integer", "format": "int64", "minimum": 0, "maximum": i64::MAX}),
+        _ => return,
+    };
+    parameter["schema"] = schema;
 }
 
 fn reference(name: &str) -> Value {

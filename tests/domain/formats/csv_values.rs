@@ -29,14 +29,14 @@ fn one_sensor_keeps_its_scan_numbers_and_empty_scans() {
 }
 
 #[test]
-fn several_sensors_are_sorted_and_their_scans_renumbered() {
+fn several_sensors_are_sorted_and_their_scans_keep_their_numbers() {
     let text = "time_s,scan,sensor_id,detection_id,x_m,y_m\n\
                 0,4,s10,a,1,1\n0,4,s2,a,2,2\n0,4,s10,b,3,3\n1,5,s10,,,\n2,5,s2,c,4,4\n";
     let recording = recording(read("csv", text).expect("the file is sound"));
     let names: Vec<&str> = recording.sensors.iter().map(|sensor| sensor.sensor_id.as_str()).collect();
     assert_eq!(names, ["s2", "s10"]);
     let scan = |number, time_s, sensor, first, count| Scan { number, time_s, sensor, first, count };
-    assert_eq!(recording.scans, [scan(1, 0.0, 0, 0, 1), scan(2, 0.0, 1, 1, 2), scan(3, 1.0, 1, 3, 0), scan(4, 2.0, 0, 3, 1)]);
+    assert_eq!(recording.scans, [scan(4, 0.0, 0, 0, 1), scan(4, 0.0, 1, 1, 2), scan(5, 1.0, 1, 3, 0), scan(5, 2.0, 0, 3, 1)]);
     let found: Vec<f64> = recording.detections.iter().filter_map(|detection| detection.measurement.position()).map(|at| at.x).collect();
     assert_eq!(found, [2.0, 1.0, 3.0, 4.0]);
     assert_eq!(recording.detection_ids, ["a", "a", "b", "c"]);

@@ -52,8 +52,9 @@ fn the_numbers_of_the_file_are_told_also_of_several_sensors() {
         table(DETECTIONS, scans.iter().flat_map(|&scan| sensors.iter().map(move |sensor| row(scan, sensor))))
     };
     for sensors in [&["A"][..], &["A", "B"]] {
-        let points = [0, 1, 3].iter().flat_map(|time_s| sensors.iter().map(move |sensor| format!("{time_s},1,0,0,{sensor}{}", time_s + 1)));
-        let tracks = table("time_s,track_id,x_m,y_m,detection_id", points.collect::<Vec<_>>());
+        let point = |time_s: u32, sensor: &str| format!("{time_s},1,0,0,{sensor}{},{sensor}", time_s + 1);
+        let points = [0, 1, 3].iter().flat_map(|&time_s| sensors.iter().map(move |sensor| point(time_s, sensor)));
+        let tracks = table("time_s,track_id,x_m,y_m,detection_id,sensor_id", points);
         let outcome = by_automaton(&rows(sensors), &tracks);
         let target = &outcome.result["tfa"]["targets"][0];
         assert_eq!((&target["verdict"], &target["start_scan"], &target["end_scan"]), (&json!("correct"), &json!(1), &json!(4)));

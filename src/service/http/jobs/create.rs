@@ -5,7 +5,7 @@ use super::super::conditional::created;
 use super::super::headers::{idempotency_key, note_replay, note_wait, patience, preferred_wait};
 use super::super::query::NoParams;
 use super::super::state::AppState;
-use crate::experiment::plan::take_kind;
+use crate::experiment::job_shape::take_kind;
 use crate::model::fault::Fault;
 use crate::service::error::{ApiError, ApiResult};
 use crate::service::types::{FaultItem, Job, JobKind};

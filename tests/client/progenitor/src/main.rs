@@ -1,6 +1,7 @@
 //! A session with the client of progenitor: upload, associate, evaluate, wait, report, a typed refusal.
 
-use progenitor_client::Error;
+mod example;
+
 use serde_json::{Value, json};
 use std::path::Path;
 use types::{DatasetInfo, Job, JobState, Problem, UploadRawDatasetKind};
@@ -27,6 +28,8 @@ async fn main() -> Result<(), Refused> {
     let judged = succeeded(client.create_job(None, Some("wait=30"), &spec).await?.into_inner());
     judge(&client, &judged).await?;
     be_refused(&client, &detections).await?;
+    std::env::set_current_dir(&data)?;
+    assert_eq!(example::track(&address).await?, 24);
     println!("progenitor: ok");
     Ok(())
 }
