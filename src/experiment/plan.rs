@@ -9,7 +9,7 @@ use crate::model::scenario::Scenario;
 use crate::registry::{self, Kind};
 use crate::tracking::LIFECYCLE;
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::sync::Arc;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
