@@ -97,11 +97,8 @@ fn sources() -> Vec<Source> {
     let read = |path: PathBuf| {
         let inside = path.strip_prefix(&root).unwrap();
         let first = inside.components().next().unwrap().as_os_str().to_string_lossy().into_owned();
-        let part = if first.ends_with(".rs") {
-            first.trim_end_matches(".rs").replace("domain", "").replace("lib", "").replace("main", "")
-        } else {
-            first
-        };
+        // `domain.rs`, `lib.rs` and `main.rs` belong to no part.
+        let part = if first.ends_with(".rs") { String::new() } else { first };
         Source { text: fs::read_to_string(&path).unwrap(), part, path: inside.to_owned() }
     };
     files.into_iter().map(read).collect()

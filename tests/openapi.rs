@@ -225,6 +225,33 @@ fn a_job_is_one_of_its_kinds_told_apart_by_kind() {
 }
 
 #[test]
+fn the_members_of_a_union_say_in_themselves_which_they_are() {
+    let document = openapi::document();
+    let schemas = document["components"]["schemas"].as_object().unwrap();
+    let mut seen = 0;
+    for (name, union) in schemas {
+        let members: Vec<&str> = union["oneOf"]
+            .as_array()
+            .into_iter()
+            .flatten()
+            .map(|member| member["$ref"].as_str().unwrap().rsplit('/').next().unwrap())
+            .collect();
+        let tag_of = |member: &str| {
+            let properties = schemas[member]["properties"].as_object().unwrap();
+            let is_tag = |property: &Value| property["enum"].as_array().is_some_and(|values| values.len() == 1);
+            let tag = properties.iter().find(|(_, property)| is_tag(property));
+            let (tag, property) = tag.unwrap_or_else(|| panic!("{member} of {name} has no tag"));
+            assert!(schemas[member]["required"].as_array().unwrap().contains(&json!(tag)), "{member} of {name}");
+            (tag.clone(), property["enum"][0].as_str().unwrap().to_owned())
+        };
+        let tags: BTreeSet<(String, String)> = members.iter().map(|member| tag_of(member)).collect();
+        assert_eq!(tags.len(), members.len(), "{name}: {tags:?}");
+        seen += usize::from(!members.is_empty());
+    }
+    assert!(seen > 20, "only {seen} unions seen");
+}
+
+#[test]
 fn a_default_is_told_and_makes_no_field_required() {
     let document = openapi::document();
     let mut found = Vec::new();

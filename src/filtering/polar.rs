@@ -76,8 +76,7 @@ pub fn project<const D: usize>(polar: &Polar, state: &State) -> SVector<f64, D> 
 pub fn jacobian<const D: usize>(polar: &Polar, belief: &GaussianState) -> SMatrix<f64, D, 4> {
     let state = &belief.mean;
     let view = view(polar, Position::new(state[0], state[1]));
-    let across_m = view.across.dot(&(belief.covariance.fixed_view::<2, 2>(0, 0) * view.across)).max(0.0).sqrt();
-    let range_m = view.range_m.max(across_m);
+    let range_m = least_range(&view, belief);
     let turn_radps = view.across.dot(&state.fixed_rows::<2>(2)) / range_m;
     let mut matrix = SMatrix::zeros();
     for axis in 0..2 {
@@ -92,14 +91,11 @@ pub fn jacobian<const D: usize>(polar: &Polar, belief: &GaussianState) -> SMatri
 }
 
 /// What the curvature of h adds to its mean and covariance, ½ tr(Fᵢ P) and ½ tr(Fᵢ P Fⱼ P), with F the second derivatives. Along u
-/// and t, at p = r u: ∂²r/∂t² = 1/r; ∂²β/∂u∂t = −1/r²; ∂²ṙ/∂t² = −(v·u)/r², ∂²ṙ/∂u∂t = −(v·t)/r², ∂²ṙ/∂t∂(v·t) = 1/r. Two
-/// terms of a series say nothing of a place that is not known to a third of its distance: r is taken to be at least that far, which
-/// keeps what is added below what the line says.
+/// and t, at p = r u: ∂²r/∂t² = 1/r; ∂²β/∂u∂t = −1/r²; ∂²ṙ/∂t² = −(v·u)/r², ∂²ṙ/∂u∂t = −(v·t)/r², ∂²ṙ/∂t∂(v·t) = 1/r. For r holds
+/// what holds for the Jacobian; in the terms of ṙ, which grow with the speed, it is at least ten standard deviations of the place.
 pub fn curvature<const D: usize>(polar: &Polar, belief: &GaussianState) -> (SVector<f64, D>, SMatrix<f64, D, D>) {
     let view = view(polar, Position::new(belief.mean[0], belief.mean[1]));
-    let spread_m = (belief.covariance[(0, 0)] + belief.covariance[(1, 1)]).max(0.0).sqrt();
-    let range_m = view.range_m.max(3.0 * spread_m);
-    let velocity_mps: Position = belief.mean.fixed_rows::<2>(2).into_owned();
+    let range_m = least_range(&view, belief);
     let mut turned = SMatrix::<f64, 4, 4>::zeros();
     for axis in 0..2 {
         (turned[(0, axis)], turned[(1, axis)]) = (view.along[axis], view.across[axis]);
@@ -110,12 +106,20 @@ pub fn curvature<const D: usize>(polar: &Polar, belief: &GaussianState) -> (SVec
     second[0][(1, 1)] = 1.0 / range_m;
     second[1] = symmetric(0, 1, -1.0 / range_m.powi(2));
     if D > 2 {
+        let velocity_mps: Position = belief.mean.fixed_rows::<2>(2).into_owned();
+        let range_m = view.range_m.max(10.0 * (covariance[(0, 0)] + covariance[(1, 1)]).max(0.0).sqrt());
         second[2] = symmetric(0, 1, -view.across.dot(&velocity_mps) / range_m.powi(2)) + symmetric(1, 3, 1.0 / range_m);
         second[2][(1, 1)] = -view.along.dot(&velocity_mps) / range_m.powi(2);
     }
     let products = second.map(|second| second * covariance);
     let shift = SVector::from_fn(|row, _| 0.5 * products[row].trace());
     (shift, SMatrix::from_fn(|row, column| 0.5 * (products[row] * products[column]).trace()))
+}
+
+/// The range of a target, at least the standard deviation across it.
+fn least_range(view: &View, belief: &GaussianState) -> f64 {
+    let across_m = view.across.dot(&(belief.covariance.fixed_view::<2, 2>(0, 0) * view.across)).max(0.0).sqrt();
+    view.range_m.max(across_m)
 }
 
 fn symmetric(row: usize, column: usize, value: f64) -> SMatrix<f64, 4, 4> {

@@ -33,7 +33,7 @@ fn seeds() -> Vec<(&'static str, Option<DatasetKind>, Vec<u8>)> {
         text(
             "json",
             None,
-            r#"{"columns": {"time_s": [0], "scan": [1], "sensor_id": ["r"], "detection_id": ["a"], "x_m": [1], "y_m": [null]}, "sensors": [{"sensor_id": "r", "p_d": 0.9}]}"#,
+            r#"{"columns": {"time_s": [0], "scan": [1], "sensor_id": ["r"], "detection_id": ["a"], "x_m": [1], "y_m": [2]}, "sensors": [{"sensor_id": "r", "p_d": 0.9}]}"#,
         ),
         text(
             "autoferry",

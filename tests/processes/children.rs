@@ -79,28 +79,26 @@ async fn is_alive(server: &Server) -> bool {
 #[tokio::test(flavor = "multi_thread")]
 async fn what_needs_too_much_memory_fails_alone() {
     let data = tempfile::tempdir().unwrap();
-    let server = Server::start(data.path(), &["--job-memory", "300MiB"]);
+    let server = Server::start(data.path(), &["--job-memory", "100MiB"]);
     let beside = server.submit("simulate", &body(2_000, 1)).await;
-    // Each pair of boxes that overlap is kept.
-    let boxes: String = (0..20_000).map(|object| format!("1,{object},1,1,30,60,1,1,1\n")).collect();
-    let (truth, tracks) = (dataset(&server, "truth", &boxes).await, dataset(&server, "tracks", &boxes).await);
-    let job = server.submit("evaluate", &json!({"truth": truth, "tracks": tracks, "profile": "vision"})).await;
+    // Three million detections.
+    let job = server.submit("simulate", &body(100_000, 2)).await;
     let ended = server.ended(&job).await;
     let problem = json!({
         "type": "/problems/memory_limit", "title": "It needs more memory than it may have", "status": 413, "code": "memory_limit",
-        "detail": "the job needs more memory than the 300 MiB that --job-memory allows", "errors": []
+        "detail": "the job needs more memory than the 100 MiB that --job-memory allows", "errors": []
     });
     assert_eq!((&ended["state"], &ended["error"], &ended["attempt"]), (&json!("failed"), &problem, &json!(1)));
     server.result(&beside).await;
 
-    // Eight million points, all of them right.
-    let points = on_one_line("truth_id", 1000, 8000).into_bytes();
+    // Three million points, all of them right.
+    let points = on_one_line("truth_id", 1000, 3000).into_bytes();
     let (status, answer) = upload(&server, &json!({"kind": "truth"}), points).await;
     assert_eq!((status, &answer["code"]), (413, &json!("memory_limit")), "{answer}");
-    assert_eq!(answer["detail"], "reading the file needs more memory than the 300 MiB that --job-memory allows");
+    assert_eq!(answer["detail"], "reading the file needs more memory than the 100 MiB that --job-memory allows");
     assert!(is_alive(&server).await);
     dataset(&server, "truth", &on_one_line("truth_id", 2, 3)).await;
-    server.result(&server.submit("simulate", &body(100, 2)).await).await;
+    server.result(&server.submit("simulate", &body(100, 3)).await).await;
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -257,7 +257,7 @@ fn local_tracks(nodes: &[Node]) -> Result<Artifact, Error> {
     for (sensor, node) in nodes.iter().enumerate() {
         for track in &node.tracks.tracks {
             let points = track.points.iter().filter(|point| point.estimate.plane().is_some());
-            let bare = points.map(|point| TrackPoint { sensor: Some(sensor as u32), candidates: 0, ..*point });
+            let bare = points.map(|point| TrackPoint { sensor: Some(sensor as u32), first_candidate: 0, candidates: 0, ..*point });
             of_name.entry(&track.track_id).or_default().extend(bare);
         }
     }

@@ -99,7 +99,9 @@ async fn finish(request: Request, next: Next) -> Response {
     let mut response =
         if !is_read && !accepts(&accept, "application/json") { not_acceptable("application/json") } else { next.run(request).await };
     let made = text(response.headers(), &header::CONTENT_TYPE).to_owned();
-    if response.status().is_success() && !made.is_empty() && is_read && !accepts(&accept, &made) {
+    // A file is what it is: generated clients ask for JSON wherever a refusal might be JSON.
+    let is_file = response.headers().contains_key(header::CONTENT_DISPOSITION);
+    if response.status().is_success() && !made.is_empty() && is_read && !is_file && !accepts(&accept, &made) {
         response = not_acceptable(&made);
     }
     let problem = response.extensions_mut().remove::<Problem>();

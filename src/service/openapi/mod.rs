@@ -72,7 +72,9 @@ pub fn document() -> Value {
     let bodies = request_bodies(&mut components);
     JobKind::ALL.into_iter().for_each(|kind| refer_to_spec(kind, &mut components));
     tell_codes(&mut components);
+    let tags = take_tags(&mut components);
     document["components"] = json!({"schemas": components});
+    inline_tags(&mut document, &tags);
     each_operation(&mut document, &mut |operation| complete(operation, &bodies));
     in_order(document)
 }
@@ -107,6 +109,31 @@ fn refer_to_spec(kind: JobKind, components: &mut Components) {
     let name = capital(kind);
     if let Some(spec) = components.get_mut(&format!("{name}Report")).and_then(|schema| schema.pointer_mut("/properties/spec")) {
         *spec = reference(&format!("{name}Spec"));
+    }
+}
+
+/// The schemas of one text: what tells the members of a union apart. Taken out, by the reference that names them.
+fn take_tags(components: &mut Components) -> BTreeMap<String, Value> {
+    let is_tag = |schema: &Value| schema["type"] == "string" && schema["enum"].as_array().is_some_and(|values| values.len() == 1);
+    let (tags, rest): (Components, Components) = std::mem::take(components).into_iter().partition(|(_, schema)| is_tag(schema));
+    *components = rest;
+    tags.into_iter().map(|(name, schema)| (format!("#/components/schemas/{name}"), schema["enum"].clone())).collect()
+}
+
+/// A tag stands in the member itself: behind a reference one generator does not look at its value, and takes the first
+/// member for all.
+fn inline_tags(value: &mut Value, tags: &BTreeMap<String, Value>) {
+    match value {
+        Value::Object(members) => {
+            if let Some(tag) = members.get("$ref").and_then(Value::as_str).and_then(|target| tags.get(target)) {
+                members.shift_remove("$ref");
+                members.insert("type".to_owned(), json!("string"));
+                members.insert("enum".to_owned(), tag.clone());
+            }
+            members.values_mut().for_each(|child| inline_tags(child, tags));
+        }
+        Value::Array(items) => items.iter_mut().for_each(|item| inline_tags(item, tags)),
+        _ => {}
     }
 }
 
