@@ -86,7 +86,7 @@ pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcom
     let Some(axes) = options.bearing_time else {
         let detail = "an array has no axes: 'bearing_time' must tell them";
         let allowed = "first_time_s, time_step_s, first_bearing_deg, bearing_step_deg";
-        return Err(vec![Fault::new("/bearing_time", "missing", detail).allowing(allowed)]);
+        return Err(vec![Fault::new("/meta/bearing_time", "missing", detail).allowing(allowed)]);
     };
     let cells = layout.cells().map_err(|fault| vec![fault])?;
     let levels_db = layout.levels(input, cells).map_err(|fault| vec![fault])?;

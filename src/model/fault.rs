@@ -15,6 +15,8 @@ pub const FAULT_CODES: &[(&str, &str)] = &[
     ("not_finite", "the number is infinite or not a number"),
     ("too_large", "there is more of it than the service takes"),
     ("empty", "there is nothing in it"),
+    ("too_many", "it is given more often than the service takes"),
+    ("control_character", "the text has a character that texts may not have"),
     ("duplicate", "it is there more than once"),
     ("unsorted", "it is not in order"),
     ("conflict", "it does not go with something else that is given"),

@@ -223,7 +223,8 @@ async fn a_damaged_file_is_neither_served_nor_computed_with_and_a_missing_one_is
     std::fs::write(&path, &bytes).unwrap();
     let (status, problem, _) = told(server.client.get(&content).send().await.unwrap()).await;
     assert_eq!((status.as_u16(), problem["code"].as_str()), (500, Some("damaged")), "{problem}");
-    let body = json!({"input": {"source": "dataset", "dataset_id": id}});
+    let noise = json!([{"sensor_id": "radar", "sigma_x_m": 10.0, "sigma_y_m": 10.0}]);
+    let body = json!({"input": {"source": "dataset", "dataset_id": id}, "sensors": noise});
     let job = server.ended(&server.submit("associate", &body).await).await;
     assert_eq!((job["state"].as_str(), job["error"]["code"].as_str()), (Some("failed"), Some("damaged")), "{job}");
 

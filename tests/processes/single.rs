@@ -22,7 +22,7 @@ async fn twenty_queued_and_two_running_jobs_survive_a_kill_each_with_one_report(
     let mut ids = Vec::new();
     for seed in 0..22 {
         // The first two are long enough to be running when the server is killed.
-        ids.push(server.submit("simulate", &body(if seed < 2 { 20_000 } else { 200 }, seed)).await);
+        ids.push(server.submit("simulate", &body(if seed < 2 { 60_000 } else { 200 }, seed)).await);
     }
     server.until("running", 2).await;
     assert_eq!(server.count("queued").await, 20);

@@ -68,7 +68,7 @@ pub fn read(rows: &mut dyn Rows, options: &ReadOptions, sensors: Vec<SensorSetti
 }
 
 fn no_table() -> Fault {
-    Fault::new("/kind", "unsupported", "a bearing-time record is a matrix, not a table of named columns").allowing("csv, npy")
+    Fault::new("/meta/kind", "unsupported", "a bearing-time record is a matrix, not a table of named columns").allowing("csv, npy")
 }
 
 /// Writes a whole table.

@@ -69,6 +69,11 @@ const EXPLANATIONS: &[(&str, &str, &str)] = &[
         "Send less, or start the service with a larger --max-upload-bytes. JSON bodies have at most 1 MiB.",
     ),
     (
+        "memory_limit",
+        "The job, or the check of the uploaded file, needs more memory than one process of the service may have.",
+        "Give it less data, or start the service with a larger --job-memory.",
+    ),
+    (
         "unsupported_media_type",
         "The body has a type that the path does not take, or it is compressed.",
         "Send JSON as application/json and uploads as multipart/form-data, neither compressed nor with Content-Encoding.",
@@ -94,9 +99,14 @@ const EXPLANATIONS: &[(&str, &str, &str)] = &[
         "Try again. If it stays, the log of the service tells more under the request id of the answer.",
     ),
     (
+        "damaged",
+        "A stored file no longer has the content under whose SHA-256 it was kept. It is neither served nor computed with.",
+        "Bring the file that the log of the service names back from a backup, or upload the dataset anew.",
+    ),
+    (
         "crashed",
-        "The process that ran the job ended, several times over, most likely for lack of memory.",
-        "Give the service more memory, or the job less data.",
+        "The process that ran the job died, also when it ran alone, most likely because the system was short of memory.",
+        "Give the machine more memory, or the job less data.",
     ),
     (
         "queue_full",
@@ -123,7 +133,17 @@ const EXPLANATIONS: &[(&str, &str, &str)] = &[
         "The database of the service does not answer.",
         "Try again after the time in Retry-After. Whoever runs the service has to look at the database.",
     ),
+    (
+        "disk",
+        "The disk of the data directory is full or cannot be written, so the service takes no uploads and no jobs.",
+        "Make room on the disk, or start the service with a smaller --min-free. Reading goes on meanwhile.",
+    ),
     ("time_limit", "The job ran longer than a job may.", "Give it less to do, or start the service with a longer --job-time-limit."),
+    (
+        "insufficient_storage",
+        "There is not enough room on the disk of the service for an upload or a new job.",
+        "Delete what is not needed, or make room on the disk. Then try again after the time in Retry-After.",
+    ),
 ];
 
 #[cfg(test)]

@@ -144,7 +144,7 @@ fn an_array_without_axes_or_of_something_else_says_what_is_needed() {
     };
     let sound = npy(1, &header("<f4", "False"), &values);
     let (pointer, code, _) = fault(&sound, &ReadOptions::default());
-    assert_eq!((pointer.as_str(), code.as_str()), ("/bearing_time", "missing"));
+    assert_eq!((pointer.as_str(), code.as_str()), ("/meta/bearing_time", "missing"));
     let detail = |file: &[u8]| fault(file, &with_axes()).2;
     assert!(detail(&sound[..sound.len() - 1]).contains("need 24 bytes; there are 23"));
     assert!(detail(&[sound.as_slice(), &[0]].concat()).contains("there are more"));
