@@ -17,18 +17,21 @@ pub struct BoundedLines<'a> {
     input: &'a mut dyn BufRead,
     /// Bytes of the line so far.
     length: usize,
+    longest: usize,
 }
 
 impl<'a> BoundedLines<'a> {
     pub fn new(input: &'a mut dyn BufRead) -> Self {
-        BoundedLines { input, length: 0 }
+        BoundedLines { input, length: 0, longest: 0 }
     }
 
     fn count(&mut self, bytes: &[u8]) {
         let mut lines = bytes.split(|&byte| byte == b'\n');
         self.length += lines.next().map_or(0, <[u8]>::len);
-        if let Some(last) = lines.next_back() {
-            self.length = last.len();
+        self.longest = self.longest.max(self.length);
+        for line in lines {
+            self.length = line.len();
+            self.longest = self.longest.max(self.length);
         }
     }
 }
@@ -37,7 +40,7 @@ impl Read for BoundedLines<'_> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let count = self.input.read(buffer)?;
         self.count(&buffer[..count]);
-        if self.length > MAX_LINE_BYTES { Err(ErrorKind::FileTooLarge.into()) } else { Ok(count) }
+        if self.longest > MAX_LINE_BYTES { Err(ErrorKind::FileTooLarge.into()) } else { Ok(count) }
     }
 }
 

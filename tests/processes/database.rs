@@ -56,6 +56,10 @@ async fn a_database_that_goes_away_is_told_of_and_waited_for() {
     assert_eq!(ready.status(), 503);
     let problem: serde_json::Value = ready.json().await.unwrap();
     assert_eq!(problem["code"], "unavailable", "{problem}");
+    let since = Instant::now();
+    let submitted = server.client.post(format!("{}/v1/jobs/simulate", server.url)).json(&body(200, 3)).send().await.unwrap();
+    assert_eq!((submitted.status().as_u16(), submitted.headers()["retry-after"].to_str().unwrap()), (503, "5"));
+    assert!(since.elapsed() < Duration::from_secs(8), "who asks is told soon: {:?}", since.elapsed());
     postgres.up();
     server.get("/readyz").await;
     assert_eq!(server.result(&id).await, before);
