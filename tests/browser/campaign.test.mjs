@@ -40,8 +40,12 @@ test("curves with bands over an axis of choice carry the numbers of the cells", 
     assert.ok(csv.includes([at.associator, Number(at.P_D), mean, interval.low, interval.high].join(",")), `${at.associator} at ${at.P_D}`);
   }
   await page.getByRole("combobox", { name: "Over" }).selectOption("associator");
-  await drawn(frameOf(page, "GOSPA over associator"));
+  const dots = frameOf(page, "GOSPA over associator");
+  await dots.locator(".category-dots").waitFor();
   assert.equal(parameters(page).get("x"), "associator");
+  const rows = (await saved(page, dots.getByRole("button", { name: "CSV" }))).bytes.toString().trim().split("\r\n").slice(1);
+  const wanted = report.result.cells.map(({ parameters: at, outcomes: { GOSPA: of } }) => [at.P_D, at.associator, of.mean, of.interval.low, of.interval.high, of.count].join(","));
+  assert.deepEqual(rows.sort(), wanted.sort());
   await closePage(page);
 });
 

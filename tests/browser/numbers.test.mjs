@@ -115,6 +115,13 @@ test("the verdicts, target by target, and the tolerance", async () => {
   await closePage(page);
 });
 
+/** What TrackEval calls the quantities of CLEAR. */
+const CLEAR = {
+  ...{ mota: "MOTA", moda: "MODA", motp_similarity: "MOTP", motp_distance: "MOTP as a distance", smota: "sMOTA", motal: "MOTAL" },
+  ...{ recall: "CLR_Re", precision: "CLR_Pr", f1: "CLR_F1", tp: "CLR_TP", fn: "CLR_FN", fp: "CLR_FP", fp_per_step: "FP_per_frame" },
+  ...{ idsw: "IDSW", frag: "Frag", frag_trackeval: "Frag of TrackEval", mt: "MT", pt: "PT", ml: "ML", mt_share: "MTR", pt_share: "PTR", ml_share: "MLR" },
+};
+
 test("the metrics, quantity by quantity, over time, and the events", async () => {
   const { job, report } = await evaluated();
   const page = await open(`?view=job&job=${job.id}&tab=metrics`, ".metric-group");
@@ -122,7 +129,7 @@ test("the metrics, quantity by quantity, over time, and the events", async () =>
     const group = page.locator(`.metric-group[aria-label="${name}"]`);
     const headline = typeof metric.value === "number" ? shown(metric.value) : "undefined";
     assert.equal(oneLine(await group.locator(".metric-headline").innerText()), oneLine(`${headline} ${metric.unit}`), name);
-    const wanted = Object.entries(metric.quantities).map(([quantity, { value, unit, reason }]) => [quantity.replaceAll("_", " "), typeof value === "number" ? oneLine(`${shown(value)} ${unit}`) : (reason ?? "undefined")]);
+    const wanted = Object.entries(metric.quantities).map(([quantity, { value, unit, reason }]) => [(name === "clear" && CLEAR[quantity]) || quantity.replaceAll("_", " "), typeof value === "number" ? oneLine(`${shown(value)} ${unit}`) : (reason ?? "undefined")]);
     assertSame(await factsOf(group), wanted, name);
   }
   const { columns } = await api(`/v1/jobs/${job.id}/series/metrics`);

@@ -32,7 +32,7 @@ start_server() { # PROGRAM: sets $address
     "$1" serve --listen 127.0.0.1:0 --data "$work/data" >"$work/server.log" 2>&1 &
     server=$!
     local tries=0
-    until grep -q "^trackloom listening on " "$work/server.log"; do
+    until grep -qs "^trackloom listening on " "$work/server.log"; do
         tries=$((tries + 1))
         if [ "$tries" -gt 100 ] || ! kill -0 "$server" 2>/dev/null; then
             cat "$work/server.log"

@@ -42,6 +42,8 @@ interface Props {
 const [LINE_PX, PAD_PX, TOP_PX, AXIS_PX, RIGHT_PX, END_PX] = [15, 9, 6, 40, 70, 18];
 const LETTER_PX = 6.4;
 const TICK_PX = 60;
+const MOST_OF_WIDTH = 0.42;
+const NARROW_LEFT_PX = 22;
 
 interface Scale {
   from: number;
@@ -100,10 +102,9 @@ export function CategoryDots(props: Props): JSX.Element {
   const drawing = useRef<SVGSVGElement>(null);
   const width = useRoom(box);
   const rows = sorted(props.rows);
-  const longest = Math.max(...rows.map((row) => row.name.length));
-  const left = Math.min(longest * LETTER_PX + 18, width * 0.42);
-  const height = rows.length * rowHeight(series.length) + TOP_PX + AXIS_PX;
-  const scale = scaleOf(rows, props.log ?? false, left, width);
+  const layout = layoutOf(rows, series.length, width);
+  const height = rows.length * layout.rowHeight + TOP_PX + AXIS_PX;
+  const scale = scaleOf(rows, props.log ?? false, layout.left, width);
   const key = (palette: Palette) => series.map((name, order) => markOf(order, name, palette));
   const under = (
     <>
@@ -123,9 +124,9 @@ export function CategoryDots(props: Props): JSX.Element {
           role="img"
           aria-label={`${label} The table shows the same numbers.`}
         >
-          <Axis scale={scale} name={props.valueName} left={left} width={width} height={height} />
+          <Axis scale={scale} name={props.valueName} left={layout.left} width={width} height={height} />
           {rows.map((row, index) => (
-            <RowMarks key={row.name} row={row} top={TOP_PX + index * rowHeight(series.length)} scale={scale} left={left} width={width} />
+            <RowMarks key={row.name} row={row} top={TOP_PX + index * layout.rowHeight} scale={scale} layout={layout} width={width} />
           ))}
         </svg>
       </div>
@@ -133,7 +134,20 @@ export function CategoryDots(props: Props): JSX.Element {
   );
 }
 
-const rowHeight = (series: number): number => series * LINE_PX + PAD_PX;
+/** Names stand at the left of their rows, or above them where that would leave no room for the dots. */
+interface Layout {
+  left: number;
+  rowHeight: number;
+  /** How far below the top of a row its marks begin. */
+  marksFrom: number;
+}
+
+function layoutOf(rows: Row[], series: number, width: number): Layout {
+  const left = Math.max(...rows.map((row) => row.name.length)) * LETTER_PX + 18;
+  const ofMarks = series * LINE_PX + PAD_PX;
+  if (left <= width * MOST_OF_WIDTH) return { left, rowHeight: ofMarks, marksFrom: 0 };
+  return { left: NARROW_LEFT_PX, rowHeight: ofMarks + LINE_PX, marksFrom: LINE_PX };
+}
 
 interface AxisProps {
   scale: Scale;
@@ -166,24 +180,24 @@ interface RowMarksProps {
   row: Row;
   top: number;
   scale: Scale;
-  left: number;
+  layout: Layout;
   width: number;
 }
 
-function RowMarks({ row, top, scale, left, width }: RowMarksProps): JSX.Element {
+function RowMarks({ row, top, scale, layout, width }: RowMarksProps): JSX.Element {
   void theme.value;
   const palette = readPalette();
-  const middle = top + rowHeight(row.estimates.length) / 2;
-  const room = Math.max(Math.floor((left - 18) / LETTER_PX), 4);
-  const name = row.name.length > room ? `${row.name.slice(0, room - 1)}…` : row.name;
+  const marks = top + layout.marksFrom;
+  const middle = marks + (layout.rowHeight - layout.marksFrom) / 2;
+  const isAbove = layout.marksFrom > 0;
+  const [nameX, nameY] = isAbove ? [NARROW_LEFT_PX, top + LINE_PX / 2 + 2] : [layout.left - 10, middle];
   return (
     <g class="category-row">
-      <text class="drawing-name" x={left - 10} y={middle} text-anchor="end" dominant-baseline="central">
-        {name}
-        <title>{row.name}</title>
+      <text class="drawing-name" x={nameX} y={nameY} text-anchor={isAbove ? "start" : "end"} dominant-baseline="central">
+        {row.name}
       </text>
       {row.estimates.map((estimate, order) => {
-        const y = top + PAD_PX / 2 + (order + 0.5) * LINE_PX;
+        const y = marks + PAD_PX / 2 + (order + 0.5) * LINE_PX;
         return estimate ? <EstimateMark estimate={estimate} name={row.name} mark={markOf(order, "", palette)} y={y} x={scale.x} /> : null;
       })}
       <text x={width - END_PX / 2} y={middle} text-anchor="end" dominant-baseline="central">
