@@ -47,8 +47,10 @@ impl Inner {
     async fn answer(&self, admission: Admission) -> Result<Submitted, JobsError> {
         match admission {
             Admission::Admitted(id, changed) => {
+                // As it was taken in: a moment later it may be running.
+                let job = self.job(id).await;
                 self.publish(changed).await;
-                Ok(Submitted { job: self.job(id).await?, replayed: false })
+                Ok(Submitted { job: job?, replayed: false })
             }
             Admission::Replayed(id) => Ok(Submitted { job: self.job(id).await?, replayed: true }),
             Admission::Mismatch => Err(JobsError::IdempotencyMismatch),

@@ -145,6 +145,7 @@ mod tests {
     use super::super::exact;
     use super::super::problem::Near;
     use super::*;
+    use crate::model::watch::Watch;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 
@@ -173,7 +174,7 @@ mod tests {
             };
             let cluster = Cluster { truths, tracks, steps: (0..6).map(|_| step()).collect() };
             let penalty = [0.0, 0.1, 0.4, 1.5][case % 4];
-            let exact = exact::solve(&cluster, penalty).unwrap().tally.cost(penalty);
+            let exact = exact::solve(&cluster, penalty, &Watch::never()).unwrap().tally.cost(penalty);
             let above = solve(&cluster, penalty).cost(penalty);
             assert!(above >= exact - 1e-9, "case {case}: {above} below {exact}");
             equal += usize::from((above - exact).abs() < 1e-9);
