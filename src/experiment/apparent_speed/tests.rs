@@ -25,7 +25,7 @@ const PERIOD_S: f64 = 4.0;
 fn scene(speeds_mps: &[f64], clutter: usize, shore: usize) -> Recording {
     let mut draw = Draw(12_345);
     let courses: Vec<(Position, f64)> =
-        speeds_mps.iter().map(|_| (Position::new(draw.next(), draw.next()) * 20e3, draw.next() * 6.283)).collect();
+        speeds_mps.iter().map(|_| (Position::new(draw.next(), draw.next()) * 20e3, draw.next() * std::f64::consts::TAU)).collect();
     let mut parts = RecordingParts { sensors: vec![SensorSettings::named("radar")], ..Default::default() };
     for number in 0..30 {
         let (time_s, first) = (f64::from(number) * PERIOD_S, parts.detections.len());
