@@ -159,7 +159,7 @@ async fn a_job_that_does_not_hear_frees_its_slot_when_it_is_canceled() {
     for is_stopped in [false, true] {
         let job = server.submit("evaluate", &deaf).await;
         let next = server.submit("simulate", &body(100, 3)).await;
-        // Then it has read its data, and looks up no more.
+        // Then it has read its data.
         let child = child_at_work(&server, 150).await;
         if is_stopped {
             signal(child, "STOP");
@@ -169,7 +169,8 @@ async fn a_job_that_does_not_hear_frees_its_slot_when_it_is_canceled() {
         server.job_until(&next, |job| job["started_at"].is_string()).await;
         assert!(since.elapsed() < Duration::from_secs(5), "{:?}", since.elapsed());
         assert_eq!(server.ended(&job).await["state"], "canceled");
-        assert!(!children(server.id()).iter().any(|(id, _)| *id == child), "its process is gone");
+        // A process that hears goes on with other work.
+        assert!(!is_stopped || !children(server.id()).iter().any(|(id, _)| *id == child), "its process is gone");
         server.result(&next).await;
     }
 }
