@@ -195,7 +195,8 @@ impl Inner {
         let kept = loop {
             let (blobs, files) = (self.blobs.clone(), files.clone());
             match tokio::task::spawn_blocking(move || keep_all(&blobs, &files)).await? {
-                Err(error) if self.may_try_again(&error, &mut tries) => {
+                // A bucket has tried for long by itself.
+                Err(error) if may_pass(&error) && self.may_try_again(&error, &mut tries) => {
                     tracing::error!(error = format!("{error:#}"), "the files of a job were not kept; trying again");
                     tokio::time::sleep(Duration::from_secs(1)).await;
                 }
