@@ -5,7 +5,7 @@ import { mkdir } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { api, assertNothingSticksOut, campaign, cellTexts, closePage, drawn, ended, findings, finished, frameOf, gridOf, hide, NARROW, openPage, parameters, seeAll, shown, startBrowser, WIDE } from "./support.mjs";
+import { api, assertNothingSticksOut, campaign, cellTexts, closePage, ended, findings, finished, frameOf, gridOf, hide, NARROW, openPage, parameters, seeAll, shown, startBrowser, WIDE } from "./support.mjs";
 
 const FOLDER = process.env.TRACKLOOM_SCREENSHOTS ?? join(tmpdir(), "trackloom-pictures");
 const CELLS = 6;
@@ -56,7 +56,7 @@ test("while it runs, means, intervals, curves and differences grow; a hidden pag
   assert.equal(early.cells.length, CELLS);
   assert.equal(early.cells.reduce((sum, each) => sum + each, 0), early.runs);
   for (const text of await gridOf(page, "GOSPA")) assert.match(text, /^[\d.]+\n\[-?[\d.]+, [\d.]+\]\n[\d,]+ of 100,000 runs$/);
-  await drawn(frameOf(page, "GOSPA over associator"));
+  await frameOf(page, "GOSPA over associator").locator(".category-dots").waitFor();
   assert.equal(await frameOf(page, "Paired differences: GOSPA").locator("tbody tr").count(), 3);
   await growsBeyond(page, early.runs);
   const later = await told(page);

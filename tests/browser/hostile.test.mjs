@@ -6,7 +6,8 @@ import { api, assertNothingSticksOut, closePage, finished, NARROW, openPage, sta
 
 const SCRIPT = `<script>window.hacked=1</script><img src=x onerror="window.hacked=1">`;
 const NAMES = { script: SCRIPT, rtl: "مرحبا ‮txet", emoji: "🚢🛰️👩‍🚀", quotes: `"a,b"\\'</td>`, long: "x".repeat(90) };
-const LONG_ID = "id-".repeat(330);
+// As long as an id may be.
+const LONG_ID = "id-".repeat(66);
 
 let browser;
 let jobs;

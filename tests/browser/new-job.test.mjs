@@ -79,13 +79,13 @@ test("a recording and its truth are uploaded; what the data do not say is asked 
   await byPointer(page, "/tfa/symbols/kind").selectOption("nearest_truth");
   await byPointer(page, "/tfa/symbols/gate_m").fill("30");
   await byPointer(page, "/name").fill("harbour recording");
-  await page.getByText("The request is valid.").waitFor();
-  await submitted(page);
+  // Told before anything is submitted.
   await page.getByText("the noise of sensor 'radar' is not known").first().waitFor();
-  await page.getByRole("link", { name: "Change and run" }).click();
   await byPointer(page, "/input/sensor_ids").fill("radar");
   await page.getByRole("button", { name: "Sensors", exact: true }).click();
-  for (const [field, value] of [["sensor_id", "radar"], ["sigma_x_m", "4"], ["sigma_y_m", "4"]]) await byPointer(page, `/sensors/0/${field}`).fill(value);
+  const rows = await page.locator('[data-pointer^="/sensors/"][data-pointer$="/sensor_id"]').evaluateAll((all) => all.map((field) => field.value));
+  const row = rows.indexOf("radar");
+  for (const field of ["sigma_x_m", "sigma_y_m"]) await byPointer(page, `/sensors/${row}/${field}`).fill("4");
   await page.getByText("The request is valid.").waitFor();
   const id = await submitted(page);
   await page.locator(".badge.state-succeeded, .badge.state-failed").waitFor();
