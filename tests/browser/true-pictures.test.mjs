@@ -206,7 +206,7 @@ test("a request is either valid or not, and what failed before stands at its fie
 test("the form opens the sensors with a row for each sensor of the data set, and asks again when one is chosen", async () => {
   const page = await openPage(browser, "?view=new&kind=evaluate");
   const asked = [];
-  page.on("request", (request) => request.url().endsWith("/v1/validate") && asked.push(request.postDataJSON().spec.input?.dataset_id));
+  page.on("request", (request) => request.url().endsWith("/v1/validate") && asked.push(request.postDataJSON().input?.dataset_id));
   await byPointer(page, "/input/dataset_id").selectOption(harbour.detections.id);
   await byPointer(page, "/truth/dataset_id").selectOption(harbour.truth.id);
   await page.waitForTimeout(1000);
