@@ -9,11 +9,6 @@ use std::time::Duration;
 /// Runs of each of the two cells: some twenty chunks.
 const RUNS: u32 = 1500;
 
-/// How often to do it all; more often to look for what happens rarely.
-fn rounds() -> u32 {
-    std::env::var("TRACKLOOM_SOAK").ok().and_then(|rounds| rounds.parse().ok()).unwrap_or(1)
-}
-
 #[tokio::test(flavor = "multi_thread")]
 async fn a_campaign_has_one_result_on_a_file_and_on_many_processes_that_are_killed_stopped_and_cut_off() {
     let Some(postgres) = Postgres::start() else { return };
@@ -22,10 +17,7 @@ async fn a_campaign_has_one_result_on_a_file_and_on_many_processes_that_are_kill
     let expected = server.result(&server.submit("campaign", &campaign(RUNS)).await).await;
     drop(server);
     let data = tempfile::tempdir().unwrap();
-    for round in 1..=rounds() {
-        one_round(&postgres, data.path(), &expected).await;
-        println!("round {round}: the same result");
-    }
+    one_round(&postgres, data.path(), &expected).await;
 }
 
 async fn one_round(postgres: &Postgres, data: &Path, expected: &str) {
