@@ -18,7 +18,9 @@ use trackloom_domain::association::{ASSOCIATORS, Associator};
 use trackloom_domain::filtering::kalman::Kalman;
 use trackloom_domain::math::rng::Seed;
 use trackloom_domain::model::scan::Recording;
-use trackloom_domain::model::scenario::{RandomTargets, ReportNoise, Scenario, ScenarioSensor, TargetPlan};
+use trackloom_domain::model::scenario::{
+    RandomTargets, ReportNoise, Scenario, ScenarioSensor, TargetPlan,
+};
 use trackloom_domain::model::sensor::{Report, Sensor};
 use trackloom_domain::model::watch::Watch;
 use trackloom_domain::registry;
@@ -37,18 +39,33 @@ fn main() {
         return;
     }
     let u_ns = yardstick_ns();
-    println!("yardstick u = {u_ns:.1} ns (4-state Kalman predict + update, nalgebra, fixed sizes)\n");
+    println!(
+        "yardstick u = {u_ns:.1} ns (4-state Kalman predict + update, nalgebra, fixed sizes)\n"
+    );
     println!(
         "{:>8}  {:<24} {:>12} {:>8} {:>8} {:>9} {:>14} {:>11}",
-        "targets", "associator", "track-scans", "ns each", "u each", "/ oracle", "ns a detection", "/ smallest"
+        "targets",
+        "associator",
+        "track-scans",
+        "ns each",
+        "u each",
+        "/ oracle",
+        "ns a detection",
+        "/ smallest"
     );
-    let chosen: Vec<u32> = std::env::args().filter_map(|argument| argument.parse().ok()).collect();
+    let chosen: Vec<u32> = std::env::args()
+        .filter_map(|argument| argument.parse().ok())
+        .collect();
     if std::env::args().any(|argument| argument == "jpda") {
         jpda_scenes(u_ns);
         return;
     }
     let mut smallest = Vec::new();
-    for &targets in if chosen.is_empty() { &SIZES[..] } else { &chosen } {
+    for &targets in if chosen.is_empty() {
+        &SIZES[..]
+    } else {
+        &chosen
+    } {
         let found = compare(targets, u_ns, &smallest);
         if smallest.is_empty() {
             smallest = found;
@@ -72,14 +89,22 @@ fn compare(targets: u32, u_ns: f64, smallest: &[f64]) -> Vec<f64> {
             points[index] = track_scans;
         }
     }
-    let oracle = ASSOCIATORS.iter().position(|method| method.name == "oracle").expect("the oracle is in the table");
+    let oracle = ASSOCIATORS
+        .iter()
+        .position(|method| method.name == "oracle")
+        .expect("the oracle is in the table");
     let each = |index: usize| least_ns[index] / points[index] as f64;
-    let detections: Vec<f64> = least_ns.iter().map(|ns| ns / recording.detections.len() as f64).collect();
+    let detections: Vec<f64> = least_ns
+        .iter()
+        .map(|ns| ns / recording.detections.len() as f64)
+        .collect();
     for (index, method) in ASSOCIATORS.iter().enumerate() {
         let (name, scans, ns) = (method.name, points[index], each(index));
         let (u, ratio, detection) = (ns / u_ns, ns / each(oracle), detections[index]);
         let growth = detection / smallest.get(index).unwrap_or(&detection);
-        println!("{targets:>8}  {name:<24} {scans:>12} {ns:>8.1} {u:>8.2} {ratio:>9.2} {detection:>14.1} {growth:>11.2}");
+        println!(
+            "{targets:>8}  {name:<24} {scans:>12} {ns:>8.1} {u:>8.2} {ratio:>9.2} {detection:>14.1} {growth:>11.2}"
+        );
     }
     detections
 }
@@ -119,19 +144,40 @@ fn scene(targets: u32) -> (Scenario, Recording) {
 
 fn recorded(scenario: Scenario) -> (Scenario, Recording) {
     let simulated =
-        trackloom_domain::simulation::simulate(&scenario, Seed { seed: 1, run: 0 }, &mut |_| std::ops::ControlFlow::Continue(()));
-    let recording = simulated.expect("the scene is valid").expect("nobody stops it").recording;
+        trackloom_domain::simulation::simulate(&scenario, Seed { seed: 1, run: 0 }, &mut |_| {
+            std::ops::ControlFlow::Continue(())
+        });
+    let recording = simulated
+        .expect("the scene is valid")
+        .expect("nobody stops it")
+        .recording;
     (scenario, recording)
 }
 
 /// Seconds for the whole tracker, and how many living tracks it carried through a scan, summed over the scans.
-fn tracked(method: &str, scenario: &Scenario, recording: &Recording) -> (f64, u64, Option<serde_json::Value>) {
+fn tracked(
+    method: &str,
+    scenario: &Scenario,
+    recording: &Recording,
+) -> (f64, u64, Option<serde_json::Value>) {
     let sensor = &scenario.sensors[0];
     // A scene of slow targets within 2 km is not tracked with the speeds of aircraft.
-    let initial_speed_sigma_mps = if sensor.max_range_m < Some(10_000.0) { 10.0 } else { 430.0 };
-    let Some(ReportNoise::Position { sigma_x_m, sigma_y_m }) = sensor.noise() else { panic!("the scenes have position reports") };
+    let initial_speed_sigma_mps = if sensor.max_range_m < Some(10_000.0) {
+        10.0
+    } else {
+        430.0
+    };
+    let Some(ReportNoise::Position {
+        sigma_x_m,
+        sigma_y_m,
+    }) = sensor.noise()
+    else {
+        panic!("the scenes have position reports")
+    };
     let parts = TrackerParts {
-        filter: Kalman { process_noise_m2ps3: 1.0 },
+        filter: Kalman {
+            process_noise_m2ps3: 1.0,
+        },
         associator: associator(method, &json!({})),
         lifecycle: Lifecycle {
             gate_probability: 0.999,
@@ -147,14 +193,22 @@ fn tracked(method: &str, scenario: &Scenario, recording: &Recording) -> (f64, u6
             sensor_id: "radar".into(),
             p_d: sensor.p_d,
             clutter_density: sensor.clutter_per_m2().unwrap_or_default(),
-            report: Report::Position { sigma_x_m, sigma_y_m },
+            report: Report::Position {
+                sigma_x_m,
+                sigma_y_m,
+            },
         }],
     };
     let start = Instant::now();
     let mut tracker = Tracker::new(parts);
     let mut track_scans = 0;
     for scan in &recording.scans {
-        track_scans += u64::from(tracker.step(scan, recording.detections_of(scan), &Watch::never()).expect("the scene fits").tracks);
+        track_scans += u64::from(
+            tracker
+                .step(scan, recording.detections_of(scan), &Watch::never())
+                .expect("the scene fits")
+                .tracks,
+        );
     }
     let seconds = start.elapsed().as_secs_f64();
     let diagnostics = tracker.diagnostics();
@@ -179,7 +233,14 @@ fn report_flights(scene: &flights::Flights, u_ns: f64) {
     let mut diagnostics = None;
     for _ in 0..RUNS {
         for (least_s, name) in least_s.iter_mut().zip(["oracle", "jpda"]) {
-            let associator = associator(name, &if name == "jpda" { json!({"marginals": "exact"}) } else { json!({}) });
+            let associator = associator(
+                name,
+                &if name == "jpda" {
+                    json!({"marginals": "exact"})
+                } else {
+                    json!({})
+                },
+            );
             let start = Instant::now();
             let tracker = scene.tracked(associator);
             *least_s = least_s.min(start.elapsed().as_secs_f64());
@@ -188,12 +249,24 @@ fn report_flights(scene: &flights::Flights, u_ns: f64) {
         }
     }
     let u = least_s.map(|seconds| seconds * 1e9 / u_ns);
-    println!("{:>12}: {:.3} ms = {:.0} u, of which {:.0} u are the oracle's", scene.name, least_s[1] * 1e3, u[1], u[0]);
-    println!("{}", diagnostics.map_or_else(String::new, |said| said.to_string()));
+    println!(
+        "{:>12}: {:.3} ms = {:.0} u, of which {:.0} u are the oracle's",
+        scene.name,
+        least_s[1] * 1e3,
+        u[1],
+        u[0]
+    );
+    println!(
+        "{}",
+        diagnostics.map_or_else(String::new, |said| said.to_string())
+    );
 }
 
 fn associator(method: &str, parameters: &serde_json::Value) -> Box<dyn Associator> {
-    let entry = ASSOCIATORS.iter().find(|entry| entry.name == method).expect("a name of the table");
+    let entry = ASSOCIATORS
+        .iter()
+        .find(|entry| entry.name == method)
+        .expect("a name of the table");
     let checked = registry::check(parameters, entry.parameters).expect("the parameters are right");
     (entry.build)(&checked, Seed { seed: 1, run: 0 }).expect("checked parameters build")
 }
@@ -215,7 +288,12 @@ fn dense_scene() -> (Scenario, Recording) {
         clutter_per_deg: None,
         clutter_within_deg: None,
     };
-    let targets = RandomTargets { count: 100, area_side_m: 2_000.0, speed_min_mps: 1.0, speed_max_mps: 15.0 };
+    let targets = RandomTargets {
+        count: 100,
+        area_side_m: 2_000.0,
+        speed_min_mps: 1.0,
+        speed_max_mps: 15.0,
+    };
     recorded(Scenario {
         scans: 30,
         scan_period_s: 2.0,
@@ -235,6 +313,13 @@ fn report(name: &str, (scenario, recording): &(Scenario, Recording), u_ns: f64) 
         least_s = least_s.min(seconds);
         diagnostics = said;
     }
-    println!("{name:>12}: {:.3} ms = {:.0} u", least_s * 1e3, least_s * 1e9 / u_ns);
-    println!("{}", diagnostics.map_or_else(String::new, |said| said.to_string()));
+    println!(
+        "{name:>12}: {:.3} ms = {:.0} u",
+        least_s * 1e3,
+        least_s * 1e9 / u_ns
+    );
+    println!(
+        "{}",
+        diagnostics.map_or_else(String::new, |said| said.to_string())
+    );
 }

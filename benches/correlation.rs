@@ -36,14 +36,26 @@ fn main() {
         for spacing in SPACINGS {
             for (sensors, targets, count) in SIZES {
                 // Joint costs take long.
-                let count = if statistic == "fused" { count.div_ceil(20) } else { count };
-                let scene = Scene { sensors, targets, spacing, detection_probability: 0.9, false_share: 0.05 };
+                let count = if statistic == "fused" {
+                    count.div_ceil(20)
+                } else {
+                    count
+                };
+                let scene = Scene {
+                    sensors,
+                    targets,
+                    spacing,
+                    detection_probability: 0.9,
+                    false_share: 0.05,
+                };
                 let problem = |number| match statistic {
                     "chain" => scene.chain(number),
                     "all_pairs" => scene.all_pairs(number),
                     _ => scene.fused(number),
                 };
-                println!("\n{statistic}, {sensors} x {targets}, spacing {spacing} sigma, {count} problems");
+                println!(
+                    "\n{statistic}, {sensors} x {targets}, spacing {spacing} sigma, {count} problems"
+                );
                 compare(&(0..count).map(problem).collect::<Vec<_>>(), u_ns);
             }
         }
@@ -55,7 +67,10 @@ fn contenders() -> Vec<(&'static str, Value)> {
     let name = |method: &trackloom_domain::registry::Method<_>| (method.name, json!({}));
     let mut contenders: Vec<_> = CORRELATORS.iter().map(name).collect();
     contenders.push(("genetic", json!({"variant": "unseeded"})));
-    contenders.push(("genetic", json!({"variant": "paper", "population": 100, "generations": 500, "stop_after": 100})));
+    contenders.push((
+        "genetic",
+        json!({"variant": "paper", "population": 100, "generations": 500, "stop_after": 100}),
+    ));
     contenders
 }
 
@@ -66,9 +81,14 @@ struct Figures {
 }
 
 fn compare(problems: &[Problem], u_ns: f64) {
-    let figures: Vec<Figures> = contenders().iter().map(|(name, parameters)| run(name, parameters, problems)).collect();
+    let figures: Vec<Figures> = contenders()
+        .iter()
+        .map(|(name, parameters)| run(name, parameters, problems))
+        .collect();
     let bound_of = |number: usize| {
-        let bounds = figures.iter().filter_map(|of| of.solutions[number].as_ref()?.dual_bound);
+        let bounds = figures
+            .iter()
+            .filter_map(|of| of.solutions[number].as_ref()?.dual_bound);
         bounds.fold(f64::NEG_INFINITY, f64::max)
     };
     let bounds: Vec<f64> = (0..problems.len()).map(bound_of).collect();
@@ -82,38 +102,84 @@ fn compare(problems: &[Problem], u_ns: f64) {
 }
 
 fn run(name: &str, parameters: &Value, problems: &[Problem]) -> Figures {
-    let method = CORRELATORS.iter().find(|method| method.name == name).expect("contenders are in the table");
-    let checked = registry::check(parameters, method.parameters).expect("the parameters are in range");
+    let method = CORRELATORS
+        .iter()
+        .find(|method| method.name == name)
+        .expect("contenders are in the table");
+    let checked =
+        registry::check(parameters, method.parameters).expect("the parameters are in range");
     let (mut solutions, mut seconds) = (Vec::new(), Vec::new());
     for (number, problem) in problems.iter().enumerate() {
-        let mut correlator = (method.build)(&checked, Seed { seed: 1, run: number as u32 }).expect("checked parameters build");
+        let mut correlator = (method.build)(
+            &checked,
+            Seed {
+                seed: 1,
+                run: number as u32,
+            },
+        )
+        .expect("checked parameters build");
         let start = Instant::now();
         solutions.push(correlator.correlate(problem).ok());
         seconds.push(start.elapsed().as_secs_f64());
     }
-    let label = parameters["variant"].as_str().map_or(name.to_owned(), |variant| format!("{name}, {variant}"));
-    Figures { label, solutions, seconds }
+    let label = parameters["variant"]
+        .as_str()
+        .map_or(name.to_owned(), |variant| format!("{name}, {variant}"));
+    Figures {
+        label,
+        solutions,
+        seconds,
+    }
 }
 
 fn print_line(of: &Figures, bounds: &[f64], u_ns: f64) {
-    let solved: Vec<(f64, f64)> =
-        of.solutions.iter().zip(bounds).filter_map(|(solution, bound)| Some((solution.as_ref()?.cost, *bound))).collect();
+    let solved: Vec<(f64, f64)> = of
+        .solutions
+        .iter()
+        .zip(bounds)
+        .filter_map(|(solution, bound)| Some((solution.as_ref()?.cost, *bound)))
+        .collect();
     if solved.len() < of.solutions.len() {
-        println!("{:<18} refused {} of {}", of.label, of.solutions.len() - solved.len(), of.solutions.len());
+        println!(
+            "{:<18} refused {} of {}",
+            of.label,
+            of.solutions.len() - solved.len(),
+            of.solutions.len()
+        );
         return;
     }
-    let gaps: Vec<f64> = solved.iter().map(|(cost, bound)| (cost - bound) / bound.abs().max(1e-9)).collect();
+    let gaps: Vec<f64> = solved
+        .iter()
+        .map(|(cost, bound)| (cost - bound) / bound.abs().max(1e-9))
+        .collect();
     let at_bound = gaps.iter().filter(|gap| **gap < 1e-9).count();
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let share = |gap: f64| if gap.is_finite() { format!("{:.4}%", 100.0 * gap) } else { "–".to_owned() };
-    let mut times: Vec<f64> = of.seconds.iter().map(|seconds| seconds * 1e9 / u_ns).collect();
+    let share = |gap: f64| {
+        if gap.is_finite() {
+            format!("{:.4}%", 100.0 * gap)
+        } else {
+            "–".to_owned()
+        }
+    };
+    let mut times: Vec<f64> = of
+        .seconds
+        .iter()
+        .map(|seconds| seconds * 1e9 / u_ns)
+        .collect();
     times.sort_by(f64::total_cmp);
     println!(
         "{:<18} {:>12.3} {:>9} {:>9} {:>8} {:>12.0} {:>12.0}",
         of.label,
         mean(&solved.iter().map(|(cost, _)| *cost).collect::<Vec<_>>()),
         share(mean(&gaps)),
-        share(gaps.iter().fold(0.0, |largest: f64, gap| if gap.is_finite() { largest.max(*gap) } else { f64::INFINITY })),
+        share(
+            gaps.iter()
+                .fold(0.0, |largest: f64, gap| if gap.is_finite() {
+                    largest.max(*gap)
+                } else {
+                    f64::INFINITY
+                })
+        ),
         at_bound,
         times[times.len() / 2],
         times[times.len() - 1],

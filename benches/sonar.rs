@@ -15,7 +15,11 @@ use trackloom_domain::experiment::run::run;
 use yardstick::yardstick_ns;
 
 /// Presets, and runs of each cell.
-const SCENES: [(&str, u32); 3] = [("wang-bat-2", 20), ("wang-bat-6", 20), ("wang-bat-6-ungated", 3)];
+const SCENES: [(&str, u32); 3] = [
+    ("wang-bat-2", 20),
+    ("wang-bat-6", 20),
+    ("wang-bat-6-ungated", 3),
+];
 
 struct Clock(Instant);
 
@@ -44,7 +48,11 @@ fn main() {
         println!("{name}");
         for time in outcome.cell_times {
             let (us, ratio) = (time.decide_us_per_scan, time.ratio.unwrap_or(1.0));
-            println!("  {:<34} {us:>9.2} µs a scan {:>9.1} u {ratio:>9.3}", time.cell, us / u_us);
+            println!(
+                "  {:<34} {us:>9.2} µs a scan {:>9.1} u {ratio:>9.3}",
+                time.cell,
+                us / u_us
+            );
         }
     }
 }

@@ -5,7 +5,10 @@ use serde_json::{Value, json};
 use trackloom_domain::experiment::{observer::Silent, plan, presets, run};
 
 /// Scene, targets, and the side of the square in which they start.
-const SCENES: [(&str, u32, f64); 2] = [("30 targets, 100 km", 30, 100_000.0), ("100 targets, 20 km", 100, 20_000.0)];
+const SCENES: [(&str, u32, f64); 2] = [
+    ("30 targets, 100 km", 30, 100_000.0),
+    ("100 targets, 20 km", 100, 20_000.0),
+];
 
 const SEEDS: u32 = 20;
 
@@ -23,18 +26,26 @@ fn contenders() -> Vec<Value> {
 
 fn main() {
     for (name, targets, side_m) in SCENES {
-        println!("{name}: targets correct / missed / false, of {}", SEEDS * targets);
+        println!(
+            "{name}: targets correct / missed / false, of {}",
+            SEEDS * targets
+        );
         for associator in contenders() {
             let mut counts = [0; 3];
             let mut said = Value::Null;
             for seed in 1..=SEEDS {
                 let outcome = judged(targets, side_m, seed, &associator);
                 for (sum, verdict) in counts.iter_mut().zip(["correct", "missed", "false"]) {
-                    *sum += outcome.result["tfa"]["counts"][verdict].as_u64().expect("a count");
+                    *sum += outcome.result["tfa"]["counts"][verdict]
+                        .as_u64()
+                        .expect("a count");
                 }
                 said = outcome.result["association"]["diagnostics"].clone();
             }
-            println!("  {associator}: {} / {} / {}; seed {SEEDS}: {said}", counts[0], counts[1], counts[2]);
+            println!(
+                "  {associator}: {} / {} / {}; seed {SEEDS}: {said}",
+                counts[0], counts[1], counts[2]
+            );
         }
     }
 }

@@ -13,14 +13,22 @@ use trackloom_domain::math::rng::Seed;
 use trackloom_domain::registry::check;
 
 fn main() {
-    let chosen = std::env::args().nth(1).unwrap_or_else(|| "in line".to_owned());
-    for scene in flights::scenes().iter().filter(|scene| scene.name == chosen) {
+    let chosen = std::env::args()
+        .nth(1)
+        .unwrap_or_else(|| "in line".to_owned());
+    for scene in flights::scenes()
+        .iter()
+        .filter(|scene| scene.name == chosen)
+    {
         scene.tracked(Box::new(Telling(jpda())));
     }
 }
 
 fn jpda() -> Box<dyn Associator> {
-    let jpda = ASSOCIATORS.iter().find(|method| method.name == "jpda").expect("jpda is in the table");
+    let jpda = ASSOCIATORS
+        .iter()
+        .find(|method| method.name == "jpda")
+        .expect("jpda is in the table");
     let parameters = check(&json!({}), jpda.parameters).expect("every parameter has a default");
     (jpda.build)(&parameters, Seed { seed: 0, run: 0 }).expect("defaults build")
 }
@@ -36,7 +44,9 @@ impl Associator for Telling {
     fn associate(&mut self, problem: &Problem, weights: &mut Weights) {
         let tracks = problem.rows().map(|(_, row)| {
             let ratio = |edge: usize| (problem.edge(edge).log_likelihood - row.log_none).exp();
-            row.edges().map(|edge| (problem.edge(edge).detection, ratio(edge))).collect::<Vec<_>>()
+            row.edges()
+                .map(|edge| (problem.edge(edge).detection, ratio(edge)))
+                .collect::<Vec<_>>()
         });
         println!("{}", json!(tracks.collect::<Vec<_>>()));
         self.0.associate(problem, weights);

@@ -14,7 +14,11 @@ use trackloom_domain::experiment::presets;
 use trackloom_domain::experiment::run::run;
 use trackloom_domain::math::stats::{quantile, slope};
 
-const ASSOCIATORS: [(&str, &str); 3] = [("NN", "nearest_neighbour"), ("PDA", "pda"), ("JPDA", "jpda")];
+const ASSOCIATORS: [(&str, &str); 3] = [
+    ("NN", "nearest_neighbour"),
+    ("PDA", "pda"),
+    ("JPDA", "jpda"),
+];
 
 /// Books the time between two calls on the step of the second, or on that of the first where the second only begins.
 struct Watch {
@@ -53,8 +57,13 @@ impl Observer for Watch {
 
 /// The job of the campaign's runs, with so many targets.
 fn job(targets: f64, method: &str) -> Plan {
-    let mut body = presets::find("liang2009-table1").expect("the preset exists").body["base"].take();
-    body.as_object_mut().expect("a base is an object").remove("kind");
+    let mut body = presets::find("liang2009-table1")
+        .expect("the preset exists")
+        .body["base"]
+        .take();
+    body.as_object_mut()
+        .expect("a base is an object")
+        .remove("kind");
     body["associator"] = json!({"method": method});
     let scenario = &mut body["input"]["scenario"];
     scenario["targets"]["count"] = json!(targets as u64);
@@ -67,7 +76,10 @@ fn job(targets: f64, method: &str) -> Plan {
     grow("/sensors/0/max_range_m", scale.sqrt());
     grow("/sensors/0/clutter_per_scan", scale);
     let job = plan(JobKind::Evaluate, &body).expect("the job is right");
-    Plan { wants_files: false, ..job }
+    Plan {
+        wants_files: false,
+        ..job
+    }
 }
 
 /// Other programs only ever add time to a try.
@@ -75,12 +87,33 @@ const TRIES: u32 = 5;
 
 /// Milliseconds of tracking, of judging and of both: medians over the runs.
 fn times_ms(targets: f64, method: &str, runs: u32) -> [f64; 3] {
-    let (job, clock_s) = (job(targets, method), if targets > 100.0 { processor_s as fn(Instant) -> f64 } else { wall_s });
+    let (job, clock_s) = (
+        job(targets, method),
+        if targets > 100.0 {
+            processor_s as fn(Instant) -> f64
+        } else {
+            wall_s
+        },
+    );
     let mut columns = [Vec::new(), Vec::new(), Vec::new()];
     for seed in 1..=runs {
-        let tries = (0..TRIES).map(|_| try_s(&Plan { seed, ..job.clone() }, clock_s));
-        let least_s = tries.reduce(|[track, judge], next| [track.min(next[0]), judge.min(next[1])]).expect("there are tries");
-        for (column, spent_s) in columns.iter_mut().zip([least_s[0], least_s[1], least_s[0] + least_s[1]]) {
+        let tries = (0..TRIES).map(|_| {
+            try_s(
+                &Plan {
+                    seed,
+                    ..job.clone()
+                },
+                clock_s,
+            )
+        });
+        let least_s = tries
+            .reduce(|[track, judge], next| [track.min(next[0]), judge.min(next[1])])
+            .expect("there are tries");
+        for (column, spent_s) in
+            columns
+                .iter_mut()
+                .zip([least_s[0], least_s[1], least_s[0] + least_s[1]])
+        {
             column.push(spent_s * 1e3);
         }
     }
@@ -93,32 +126,72 @@ fn times_ms(targets: f64, method: &str, runs: u32) -> [f64; 3] {
 /// Seconds of tracking and of judging.
 fn try_s(job: &Plan, clock_s: fn(Instant) -> f64) -> [f64; 2] {
     let start = Instant::now();
-    let mut watch = Watch { clock_s, start, last: (clock_s(start), Step::Load), track_s: 0.0, judge_s: 0.0 };
+    let mut watch = Watch {
+        clock_s,
+        start,
+        last: (clock_s(start), Step::Load),
+        track_s: 0.0,
+        judge_s: 0.0,
+    };
     run(job, Vec::new(), &mut watch).expect("the job succeeds");
     [watch.track_s, watch.judge_s]
 }
 
 fn grown(targets: &[f64], times_ms: impl Iterator<Item = f64>) -> String {
-    let points: Vec<(f64, f64)> = targets.iter().zip(times_ms).map(|(targets, ms)| (targets.ln(), ms.ln())).collect();
-    slope(&points, 0.95)
-        .map_or_else(String::new, |found| format!("{:.2} ({:.2} to {:.2})", found.slope, found.interval.low, found.interval.high))
+    let points: Vec<(f64, f64)> = targets
+        .iter()
+        .zip(times_ms)
+        .map(|(targets, ms)| (targets.ln(), ms.ln()))
+        .collect();
+    slope(&points, 0.95).map_or_else(String::new, |found| {
+        format!(
+            "{:.2} ({:.2} to {:.2})",
+            found.slope, found.interval.low, found.interval.high
+        )
+    })
 }
 
 fn main() {
-    let numbers: Vec<f64> = std::env::args().skip(1).filter_map(|word| word.parse().ok()).collect();
+    let numbers: Vec<f64> = std::env::args()
+        .skip(1)
+        .filter_map(|word| word.parse().ok())
+        .collect();
     let (runs, targets) = match numbers.as_slice() {
         [] => (20, vec![10.0, 30.0, 50.0, 80.0, 100.0]),
         [runs] => (*runs as u32, vec![10.0, 30.0, 50.0, 80.0, 100.0]),
         [runs, targets @ ..] => (*runs as u32, targets.to_vec()),
     };
-    println!("| targets |{}\n|---|---|---|---|", ASSOCIATORS.map(|(name, _)| format!(" {name}: tracking + automaton (ms) |")).concat());
-    let times: Vec<[[f64; 3]; 3]> = targets.iter().map(|&targets| ASSOCIATORS.map(|(_, method)| times_ms(targets, method, runs))).collect();
+    println!(
+        "| targets |{}\n|---|---|---|---|",
+        ASSOCIATORS
+            .map(|(name, _)| format!(" {name}: tracking + automaton (ms) |"))
+            .concat()
+    );
+    let times: Vec<[[f64; 3]; 3]> = targets
+        .iter()
+        .map(|&targets| ASSOCIATORS.map(|(_, method)| times_ms(targets, method, runs)))
+        .collect();
     for (targets, line) in targets.iter().zip(&times) {
-        println!("| {targets} |{}", line.map(|[track, judge, _]| format!(" {track:.3} + {judge:.3} |")).concat());
+        println!(
+            "| {targets} |{}",
+            line.map(|[track, judge, _]| format!(" {track:.3} + {judge:.3} |"))
+                .concat()
+        );
     }
     for (part, name) in ["tracking", "automaton", "both"].iter().enumerate() {
-        let column =
-            |(associator, _): (usize, &(&str, &str))| format!(" {} |", grown(&targets, times.iter().map(|line| line[associator][part])));
-        println!("| slope of {name} |{}", ASSOCIATORS.iter().enumerate().map(column).collect::<String>());
+        let column = |(associator, _): (usize, &(&str, &str))| {
+            format!(
+                " {} |",
+                grown(&targets, times.iter().map(|line| line[associator][part]))
+            )
+        };
+        println!(
+            "| slope of {name} |{}",
+            ASSOCIATORS
+                .iter()
+                .enumerate()
+                .map(column)
+                .collect::<String>()
+        );
     }
 }

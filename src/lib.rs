@@ -5,6 +5,8 @@
 
 #![forbid(unsafe_code)]
 
-pub use trackloom_domain::{evaluation, experiment, formats, math, model, registry, simulation, tracking};
+pub use trackloom_domain::{
+    evaluation, experiment, formats, math, model, registry, simulation, tracking,
+};
 
 pub mod service;

@@ -6,8 +6,14 @@ use std::process::Command;
 use std::{env, fs, io};
 
 /// What the dashboard is made of. Everything that is written (`dist`, `node_modules`, `generated`) lies outside.
-const SOURCES: [&str; 6] =
-    ["static/src", "static/build.mjs", "static/package.json", "static/package-lock.json", "static/.npmrc", "static/tsconfig.json"];
+const SOURCES: [&str; 6] = [
+    "static/src",
+    "static/build.mjs",
+    "static/package.json",
+    "static/package-lock.json",
+    "static/.npmrc",
+    "static/tsconfig.json",
+];
 
 fn main() {
     println!("cargo:rerun-if-changed=static/build.rs");
@@ -33,7 +39,11 @@ fn main() {
 fn name_version() {
     let version = env::var("CARGO_PKG_VERSION").unwrap_or_default();
     let is_release = env::var("PROFILE").is_ok_and(|profile| profile == "release");
-    let revision = if is_release { git(&["rev-parse", "--short=12", "HEAD"]) } else { None };
+    let revision = if is_release {
+        git(&["rev-parse", "--short=12", "HEAD"])
+    } else {
+        None
+    };
     match revision {
         Some(revision) => {
             if let Some(log) = git(&["rev-parse", "--git-path", "logs/HEAD"]) {
@@ -43,13 +53,31 @@ fn name_version() {
         }
         None => println!("cargo:rustc-env=TRACKLOOM_VERSION={version}"),
     }
-    let optional = [("CARGO_FEATURE_S3", "s3"), ("CARGO_FEATURE_PARQUET", "parquet")];
-    let built: Vec<&str> = optional.iter().filter(|(set, _)| env::var_os(set).is_some()).map(|(_, name)| *name).collect();
-    println!("cargo:rustc-env=TRACKLOOM_FEATURES={}", if built.is_empty() { "none".to_owned() } else { built.join(" ") });
+    let optional = [
+        ("CARGO_FEATURE_S3", "s3"),
+        ("CARGO_FEATURE_PARQUET", "parquet"),
+    ];
+    let built: Vec<&str> = optional
+        .iter()
+        .filter(|(set, _)| env::var_os(set).is_some())
+        .map(|(_, name)| *name)
+        .collect();
+    println!(
+        "cargo:rustc-env=TRACKLOOM_FEATURES={}",
+        if built.is_empty() {
+            "none".to_owned()
+        } else {
+            built.join(" ")
+        }
+    );
 }
 
 fn git(arguments: &[&str]) -> Option<String> {
-    let output = Command::new("git").args(arguments).output().ok().filter(|output| output.status.success())?;
+    let output = Command::new("git")
+        .args(arguments)
+        .output()
+        .ok()
+        .filter(|output| output.status.success())?;
     Some(String::from_utf8_lossy(&output.stdout).trim().to_owned())
 }
 
@@ -66,12 +94,19 @@ fn install_packages(folder: &Path) -> Result<(), String> {
     if fs::read(&installed).is_ok_and(|before| before == lock) {
         return Ok(());
     }
-    run(folder, "npm", &["ci", "--ignore-scripts", "--no-audit", "--no-fund"])?;
+    run(
+        folder,
+        "npm",
+        &["ci", "--ignore-scripts", "--no-audit", "--no-fund"],
+    )?;
     fs::write(&installed, lock).map_err(|error| error.to_string())
 }
 
 fn run(folder: &Path, program: &str, arguments: &[&str]) -> Result<(), String> {
-    let output = Command::new(program).args(arguments).current_dir(folder).output();
+    let output = Command::new(program)
+        .args(arguments)
+        .current_dir(folder)
+        .output();
     let output = output.map_err(|error| match error.kind() {
         io::ErrorKind::NotFound => format!("{program} is not installed"),
         _ => format!("{program} cannot be started: {error}"),
@@ -80,5 +115,8 @@ fn run(folder: &Path, program: &str, arguments: &[&str]) -> Result<(), String> {
         return Ok(());
     }
     let message = String::from_utf8_lossy(&output.stderr).replace('\n', " ");
-    Err(format!("{program} {} failed: {message}", arguments.join(" ")))
+    Err(format!(
+        "{program} {} failed: {message}",
+        arguments.join(" ")
+    ))
 }

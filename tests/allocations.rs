@@ -54,11 +54,18 @@ const MOST_ALLOCATIONS: u64 = 16;
 fn a_hundred_scans_of_any_size_cost_a_handful_of_allocations() {
     for side in [3, 10] {
         let (scenario, recording) = scene(side);
-        let detections: usize = recording.scans[WARM_UP..].iter().map(|scan| scan.count).sum();
+        let detections: usize = recording.scans[WARM_UP..]
+            .iter()
+            .map(|scan| scan.count)
+            .sum();
         assert!(detections > 100 * (side * side) as usize);
         for method in ASSOCIATORS {
             let found = allocations(method.name, &scenario, &recording);
-            assert!(found <= MOST_ALLOCATIONS, "{}: {found} allocations for {detections} detections", method.name);
+            assert!(
+                found <= MOST_ALLOCATIONS,
+                "{}: {found} allocations for {detections} detections",
+                method.name
+            );
         }
     }
 }
@@ -87,10 +94,21 @@ fn scene(side: u32) -> (Scenario, Recording) {
         clutter_per_deg: None,
         clutter_within_deg: None,
     };
-    let targets = TargetPlan::Listed { targets: (0..side * side).map(target).collect() };
-    let scenario =
-        Scenario { scans: (WARM_UP + COUNTED) as u32, scan_period_s: 2.0, sensors: vec![sensor], targets, coverage: None, record: None };
-    let simulated = trackloom_domain::simulation::simulate(&scenario, Seed { seed: 1, run: 0 }, &mut |_| ControlFlow::Continue(()));
+    let targets = TargetPlan::Listed {
+        targets: (0..side * side).map(target).collect(),
+    };
+    let scenario = Scenario {
+        scans: (WARM_UP + COUNTED) as u32,
+        scan_period_s: 2.0,
+        sensors: vec![sensor],
+        targets,
+        coverage: None,
+        record: None,
+    };
+    let simulated =
+        trackloom_domain::simulation::simulate(&scenario, Seed { seed: 1, run: 0 }, &mut |_| {
+            ControlFlow::Continue(())
+        });
     let recording = simulated.unwrap().unwrap().recording;
     (scenario, with_amplitudes(recording))
 }
@@ -108,22 +126,31 @@ fn with_amplitudes(recording: Recording) -> Recording {
 fn allocations(method: &str, scenario: &Scenario, recording: &Recording) -> u64 {
     let mut tracker = Tracker::new(parts(method, scenario));
     for scan in &recording.scans[..WARM_UP] {
-        tracker.step(scan, recording.detections_of(scan), &Watch::never()).unwrap();
+        tracker
+            .step(scan, recording.detections_of(scan), &Watch::never())
+            .unwrap();
     }
     let before = ALLOCATIONS.load(Ordering::Relaxed);
     for scan in &recording.scans[WARM_UP..] {
-        let outcome = tracker.step(scan, recording.detections_of(scan), &Watch::never()).unwrap();
+        let outcome = tracker
+            .step(scan, recording.detections_of(scan), &Watch::never())
+            .unwrap();
         assert!(outcome.confirmed > 0);
     }
     ALLOCATIONS.load(Ordering::Relaxed) - before
 }
 
 fn parts(method: &str, scenario: &Scenario) -> TrackerParts<Kalman> {
-    let associator = ASSOCIATORS.iter().find(|entry| entry.name == method).unwrap();
+    let associator = ASSOCIATORS
+        .iter()
+        .find(|entry| entry.name == method)
+        .unwrap();
     let defaults = registry::check(&json!({}), associator.parameters).unwrap();
     let sensor = &scenario.sensors[0];
     TrackerParts {
-        filter: Kalman { process_noise_m2ps3: 0.1 },
+        filter: Kalman {
+            process_noise_m2ps3: 0.1,
+        },
         associator: (associator.build)(&defaults, Seed { seed: 1, run: 0 }).unwrap(),
         lifecycle: Lifecycle {
             gate_probability: 0.999,
@@ -139,7 +166,10 @@ fn parts(method: &str, scenario: &Scenario) -> TrackerParts<Kalman> {
             sensor_id: "radar".into(),
             p_d: sensor.p_d,
             clutter_density: sensor.clutter_per_m2().unwrap(),
-            report: Report::Position { sigma_x_m: 10.0, sigma_y_m: 10.0 },
+            report: Report::Position {
+                sigma_x_m: 10.0,
+                sigma_y_m: 10.0,
+            },
         }],
     }
 }

@@ -16,9 +16,31 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("correlation", BASE),
     ("evaluation", BASE),
     ("formats", BASE),
-    ("tracking", &["model", "math", "registry", "filtering", "gating", "association"]),
+    (
+        "tracking",
+        &[
+            "model",
+            "math",
+            "registry",
+            "filtering",
+            "gating",
+            "association",
+        ],
+    ),
     ("experiment", PURE),
-    ("service", &["model", "math", "registry", "simulation", "evaluation", "formats", "tracking", "experiment"]),
+    (
+        "service",
+        &[
+            "model",
+            "math",
+            "registry",
+            "simulation",
+            "evaluation",
+            "formats",
+            "tracking",
+            "experiment",
+        ],
+    ),
 ];
 const BASE: &[&str] = &["model", "math", "registry"];
 const PURE: &[&str] = &[
@@ -59,7 +81,14 @@ const IMPURE: &[&str] = &[
 ];
 
 /// What shipped code may not contain anywhere.
-const BANNED: &[&str] = &[".unwrap()", "panic!(", "todo!(", "unimplemented!(", "dbg!(", "#[allow("];
+const BANNED: &[&str] = &[
+    ".unwrap()",
+    "panic!(",
+    "todo!(",
+    "unimplemented!(",
+    "dbg!(",
+    "#[allow(",
+];
 
 const MAX_FUNCTION_LINES: usize = 70;
 const MAX_FILE_LINES: usize = 500;
@@ -74,13 +103,20 @@ struct Source {
 impl Source {
     /// The text up to its unit tests.
     fn shipped(&self) -> &str {
-        self.text.split("#[cfg(test)]\nmod ").next().unwrap_or_default()
+        self.text
+            .split("#[cfg(test)]\nmod ")
+            .next()
+            .unwrap_or_default()
     }
 
     /// Shipped lines without comments, numbered from 1.
     fn code_lines(&self) -> impl Iterator<Item = (usize, &str)> {
         let is_code = |(_, line): &(usize, &str)| !line.trim_start().starts_with("//");
-        self.shipped().lines().enumerate().map(|(index, line)| (index + 1, line)).filter(is_code)
+        self.shipped()
+            .lines()
+            .enumerate()
+            .map(|(index, line)| (index + 1, line))
+            .filter(is_code)
     }
 
     fn is_test(&self) -> bool {
@@ -96,10 +132,24 @@ fn sources() -> Vec<Source> {
     files.sort();
     let read = |path: PathBuf| {
         let inside = path.strip_prefix(&root).unwrap();
-        let first = inside.components().next().unwrap().as_os_str().to_string_lossy().into_owned();
+        let first = inside
+            .components()
+            .next()
+            .unwrap()
+            .as_os_str()
+            .to_string_lossy()
+            .into_owned();
         // `domain.rs`, `lib.rs` and `main.rs` belong to no part.
-        let part = if first.ends_with(".rs") { String::new() } else { first };
-        Source { text: fs::read_to_string(&path).unwrap(), part, path: inside.to_owned() }
+        let part = if first.ends_with(".rs") {
+            String::new()
+        } else {
+            first
+        };
+        Source {
+            text: fs::read_to_string(&path).unwrap(),
+            part,
+            path: inside.to_owned(),
+        }
     };
     files.into_iter().map(read).collect()
 }
@@ -121,7 +171,12 @@ fn assert_none(what: &str, faults: &[String]) {
 
 /// The parts named in `crate::part` paths of a line, `use crate::{a::…, b::…}` included.
 fn named_parts(line: &str) -> Vec<String> {
-    let word = |text: &str| text.trim_start().chars().take_while(|letter| letter.is_alphanumeric() || *letter == '_').collect::<String>();
+    let word = |text: &str| {
+        text.trim_start()
+            .chars()
+            .take_while(|letter| letter.is_alphanumeric() || *letter == '_')
+            .collect::<String>()
+    };
     let mut parts = Vec::new();
     for after in line.split("crate::").skip(1) {
         match after.strip_prefix('{') {
@@ -156,14 +211,23 @@ fn arrows_between_layers_only_point_down() {
     for source in sources().iter().filter(|source| !source.part.is_empty()) {
         let allowed = MAY_USE.iter().find(|(part, _)| *part == source.part);
         let Some((_, allowed)) = allowed else {
-            faults.push(format!("{}: the part '{}' has no place in the layers", source.path.display(), source.part));
+            faults.push(format!(
+                "{}: the part '{}' has no place in the layers",
+                source.path.display(),
+                source.part
+            ));
             continue;
         };
         for (number, line) in source.code_lines() {
-            for part in named_parts(line).into_iter().filter(|part| *part != source.part && MAY_USE.iter().any(|(known, _)| known == part))
-            {
+            for part in named_parts(line).into_iter().filter(|part| {
+                *part != source.part && MAY_USE.iter().any(|(known, _)| known == part)
+            }) {
                 if !allowed.contains(&part.as_str()) {
-                    faults.push(format!("{}:{number}: {} may not use {part}", source.path.display(), source.part));
+                    faults.push(format!(
+                        "{}:{number}: {} may not use {part}",
+                        source.path.display(),
+                        source.part
+                    ));
                 }
             }
         }
@@ -174,7 +238,10 @@ fn arrows_between_layers_only_point_down() {
 #[test]
 fn below_the_service_there_is_no_clock_file_thread_or_global() {
     let mut faults = Vec::new();
-    for source in sources().iter().filter(|source| source.part != "service" && !source.path.ends_with("main.rs")) {
+    for source in sources()
+        .iter()
+        .filter(|source| source.part != "service" && !source.path.ends_with("main.rs"))
+    {
         for (number, line) in source.code_lines() {
             for word in IMPURE.iter().filter(|word| line.contains(**word)) {
                 faults.push(format!("{}:{number}: {word}", source.path.display()));
@@ -200,7 +267,11 @@ fn shipped_code_does_not_give_up() {
 #[test]
 fn every_module_says_what_it_is_for() {
     let is_silent = |source: &&Source| !source.text.starts_with("//!");
-    let faults: Vec<String> = sources().iter().filter(is_silent).map(|source| source.path.display().to_string()).collect();
+    let faults: Vec<String> = sources()
+        .iter()
+        .filter(is_silent)
+        .map(|source| source.path.display().to_string())
+        .collect();
     assert_none("no module documentation", &faults);
 }
 
@@ -214,7 +285,10 @@ fn files_and_functions_stay_small() {
         }
         for (name, number, length) in functions(&source.text) {
             if length > MAX_FUNCTION_LINES {
-                faults.push(format!("{}:{number}: fn {name} has {length} lines", source.path.display()));
+                faults.push(format!(
+                    "{}:{number}: fn {name} has {length} lines",
+                    source.path.display()
+                ));
             }
         }
     }
@@ -227,12 +301,22 @@ fn functions(text: &str) -> Vec<(String, usize, usize)> {
     let mut found = Vec::new();
     for (index, line) in lines.iter().enumerate() {
         let code = line.trim_start();
-        let Some(name) = code.split("fn ").nth(1).filter(|_| is_function_head(code)) else { continue };
+        let Some(name) = code.split("fn ").nth(1).filter(|_| is_function_head(code)) else {
+            continue;
+        };
         let indent = &line[..line.len() - code.len()];
-        let end = lines[index..].iter().position(|line| *line == format!("{indent}}}"));
+        let end = lines[index..]
+            .iter()
+            .position(|line| *line == format!("{indent}}}"));
         let is_one_line = line.ends_with('}') || line.ends_with(';');
         if let Some(end) = end.filter(|_| !is_one_line) {
-            found.push((name.chars().take_while(|letter| letter.is_alphanumeric() || *letter == '_').collect(), index + 1, end + 1));
+            found.push((
+                name.chars()
+                    .take_while(|letter| letter.is_alphanumeric() || *letter == '_')
+                    .collect(),
+                index + 1,
+                end + 1,
+            ));
         }
     }
     found
@@ -260,14 +344,22 @@ mod the_checks_themselves {
     #[test]
     fn paths_are_found_in_every_form() {
         assert_eq!(named_parts("use crate::model::scan::Scan;"), ["model"]);
-        assert_eq!(named_parts("use crate::{gating::grid::Grid, math};"), ["gating", "math"]);
-        assert_eq!(named_parts("let x = crate::formats::read(crate::model::y);"), ["formats", "model"]);
+        assert_eq!(
+            named_parts("use crate::{gating::grid::Grid, math};"),
+            ["gating", "math"]
+        );
+        assert_eq!(
+            named_parts("let x = crate::formats::read(crate::model::y);"),
+            ["formats", "model"]
+        );
     }
 
     #[test]
     fn the_length_of_a_function_counts_its_lines() {
-        let text =
-            "fn one() {\n    two();\n}\n\nimpl X {\n    pub fn three(\n        a: u8,\n    ) {\n        if a {\n        }\n    }\n}\n";
-        assert_eq!(functions(text), [("one".to_owned(), 1, 3), ("three".to_owned(), 6, 6)]);
+        let text = "fn one() {\n    two();\n}\n\nimpl X {\n    pub fn three(\n        a: u8,\n    ) {\n        if a {\n        }\n    }\n}\n";
+        assert_eq!(
+            functions(text),
+            [("one".to_owned(), 1, 3), ("three".to_owned(), 6, 6)]
+        );
     }
 }

@@ -23,7 +23,12 @@ use trackloom_domain::model::track::TrackSet;
 use trackloom_domain::model::watch::Watch;
 use trackloom_domain::tracking::{Lifecycle, Tracker, TrackerParts};
 
-const METHODS: [&str; 4] = ["nearest_neighbour", "global_nearest_neighbour", "pda", "jpda"];
+const METHODS: [&str; 4] = [
+    "nearest_neighbour",
+    "global_nearest_neighbour",
+    "pda",
+    "jpda",
+];
 
 /// The first runs fill the caches and the allocator's lists; of the others the median counts.
 const WARM_UP: usize = 20;
@@ -32,7 +37,10 @@ const RUNS: usize = 101;
 type Failure = Box<dyn Error>;
 
 fn main() -> Result<(), Failure> {
-    let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
+    let arguments: Vec<String> = std::env::args()
+        .skip(1)
+        .filter(|argument| !argument.starts_with("--"))
+        .collect();
     // `cargo bench` and `cargo test --benches` start it without arguments.
     let [targets, seed, folder] = &arguments[..] else {
         println!("benches/peers/run.sh runs this beside Stone Soup");
@@ -46,7 +54,14 @@ fn compare(targets: &str, seed: u32, folder: &Path) -> Result<(), Failure> {
     for method in METHODS {
         let plan = plan_of(targets, seed, method)?;
         let outcome = run::run(&plan, Vec::new(), &mut Silent)?;
-        let bytes_of = |name: &str| outcome.artifacts.iter().find(|file| file.name == name).map(|file| &file.bytes[..]).unwrap_or_default();
+        let bytes_of = |name: &str| {
+            outcome
+                .artifacts
+                .iter()
+                .find(|file| file.name == name)
+                .map(|file| &file.bytes[..])
+                .unwrap_or_default()
+        };
         for name in ["detections.csv", "truth.csv"] {
             std::fs::write(folder.join(name), bytes_of(name))?;
         }
@@ -54,24 +69,35 @@ fn compare(targets: &str, seed: u32, folder: &Path) -> Result<(), Failure> {
         let (tracks, median_s) = timed(&plan.spec, &recording)?;
         let mut file = Vec::new();
         formats::write_csv(&Dataset::Tracks(tracks), &mut file)?;
-        assert!(file == bytes_of("tracks.csv"), "the timed tracker does what a job does");
+        assert!(
+            file == bytes_of("tracks.csv"),
+            "the timed tracker does what a job does"
+        );
         std::fs::write(folder.join(format!("{method}.csv")), file)?;
         seconds.insert(method.to_owned(), json!(median_s));
     }
     let spec = plan_of(targets, seed, METHODS[0])?.spec;
     let clutter_per_m2 = scenario_of(&spec)?.sensors[0].clutter_per_m2();
     let ours = json!({"seconds": seconds, "spec": spec, "clutter_per_m2": clutter_per_m2});
-    Ok(std::fs::write(folder.join("ours.json"), serde_json::to_vec_pretty(&ours)?)?)
+    Ok(std::fs::write(
+        folder.join("ours.json"),
+        serde_json::to_vec_pretty(&ours)?,
+    )?)
 }
 
 /// The preset with another seed and associator. Stone Soup confirms a track by its third detection however far the three
 /// are apart, as long as the track lives; the window is as long as that.
 fn plan_of(targets: &str, seed: u32, method: &str) -> Result<Plan, Failure> {
-    let mut body = presets::find(&format!("liang2009-{targets}")).ok_or("no preset has so many targets")?.body;
+    let mut body = presets::find(&format!("liang2009-{targets}"))
+        .ok_or("no preset has so many targets")?
+        .body;
     body["seed"] = json!(seed);
     body["associator"] = json!({"method": method});
     let tracker = &mut body["tracker"];
-    let (hits, missed) = (tracker["confirm_hits"].as_u64().unwrap_or(1), tracker["max_missed"].as_u64().unwrap_or(1));
+    let (hits, missed) = (
+        tracker["confirm_hits"].as_u64().unwrap_or(1),
+        tracker["max_missed"].as_u64().unwrap_or(1),
+    );
     tracker["confirm_window"] = json!(1 + (hits - 1) * missed);
     plan(JobKind::Evaluate, &body).map_err(|faults| format!("{faults:?}").into())
 }
@@ -82,7 +108,8 @@ fn scenario_of(spec: &Value) -> Result<Scenario, Failure> {
 
 fn read(path: &Path) -> Result<Recording, Failure> {
     let bytes = std::fs::read(path)?;
-    let outcome = formats::csv::read(&mut &bytes[..], &ReadOptions::default()).map_err(|faults| format!("{faults:?}"))?;
+    let outcome = formats::csv::read(&mut &bytes[..], &ReadOptions::default())
+        .map_err(|faults| format!("{faults:?}"))?;
     match outcome.dataset {
         Dataset::Detections(recording) => Ok(recording),
         _ => Err("the file does not hold detections".into()),
@@ -108,15 +135,23 @@ fn timed(spec: &Value, recording: &Recording) -> Result<(TrackSet, f64), Failure
 fn track(parts: TrackerParts<Kalman>, recording: &Recording) -> TrackSet {
     let mut tracker = Tracker::new(parts);
     for scan in &recording.scans {
-        tracker.step(scan, recording.detections_of(scan), &Watch::never()).expect("the scene fits");
+        tracker
+            .step(scan, recording.detections_of(scan), &Watch::never())
+            .expect("the scene fits");
     }
     tracker.into_history().into_tracks(recording)
 }
 
 fn parts_of(spec: &Value) -> Result<TrackerParts<Kalman>, Failure> {
-    let associator = ASSOCIATORS.iter().find(|entry| spec["associator"]["method"] == entry.name).ok_or("an unknown associator")?;
+    let associator = ASSOCIATORS
+        .iter()
+        .find(|entry| spec["associator"]["method"] == entry.name)
+        .ok_or("an unknown associator")?;
     let radar = &scenario_of(spec)?.sensors[0];
-    let (sigma_x_m, sigma_y_m) = radar.sigma_x_m.zip(radar.sigma_y_m).ok_or("the radar does not report positions")?;
+    let (sigma_x_m, sigma_y_m) = radar
+        .sigma_x_m
+        .zip(radar.sigma_y_m)
+        .ok_or("the radar does not report positions")?;
     Ok(TrackerParts {
         filter: Kalman::deserialize(&spec["filter"])?,
         associator: (associator.build)(&spec["associator"], Seed { seed: 1, run: 0 })?,
@@ -125,7 +160,10 @@ fn parts_of(spec: &Value) -> Result<TrackerParts<Kalman>, Failure> {
             sensor_id: radar.sensor_id.clone(),
             p_d: radar.p_d,
             clutter_density: radar.clutter_per_m2().unwrap_or_default(),
-            report: Report::Position { sigma_x_m, sigma_y_m },
+            report: Report::Position {
+                sigma_x_m,
+                sigma_y_m,
+            },
         }],
     })
 }

@@ -34,29 +34,67 @@ struct Formation {
 
 /// Three flights of ten in line abreast, and five of six in two rows of three.
 pub fn scenes() -> [Flights; 2] {
-    let line = Formation { flights: 3, columns: 10, rows: 1, spacing_m: 45.0, clutter_square_m: 250.0 };
-    let block = Formation { flights: 5, columns: 3, rows: 2, spacing_m: 20.0, clutter_square_m: 120.0 };
-    [Flights::new("in line", line), Flights::new("in blocks", block)]
+    let line = Formation {
+        flights: 3,
+        columns: 10,
+        rows: 1,
+        spacing_m: 45.0,
+        clutter_square_m: 250.0,
+    };
+    let block = Formation {
+        flights: 5,
+        columns: 3,
+        rows: 2,
+        spacing_m: 20.0,
+        clutter_square_m: 120.0,
+    };
+    [
+        Flights::new("in line", line),
+        Flights::new("in blocks", block),
+    ]
 }
 
 impl Flights {
     /// Flights one beside the other, 1 km apart, all on one course across their lines; thirty scans by a sensor of 10 m.
     fn new(name: &'static str, formation: Formation) -> Self {
-        let Formation { flights, columns, rows, spacing_m, .. } = formation;
-        let places = (0..flights).flat_map(|flight| (0..rows).flat_map(move |row| (0..columns).map(move |column| (flight, row, column))));
+        let Formation {
+            flights,
+            columns,
+            rows,
+            spacing_m,
+            ..
+        } = formation;
+        let places = (0..flights).flat_map(|flight| {
+            (0..rows).flat_map(move |row| (0..columns).map(move |column| (flight, row, column)))
+        });
         let target = |(flight, row, column): (u32, u32, u32)| ListedTarget {
             truth_id: format!("{flight}-{row}-{column}"),
-            x_m: 1000.0 * (f64::from(flight) - f64::from(flights - 1) / 2.0) + spacing_m * f64::from(column),
+            x_m: 1000.0 * (f64::from(flight) - f64::from(flights - 1) / 2.0)
+                + spacing_m * f64::from(column),
             y_m: spacing_m * f64::from(row) - 900.0,
             vx_mps: 0.0,
             vy_mps: 30.0,
         };
         let targets: Vec<ListedTarget> = places.map(target).collect();
         let scenario = scenario(&targets, formation.clutter_square_m);
-        let clutter_per_m2 = scenario.sensors[0].clutter_per_m2().expect("the sensor has a range");
-        let simulated = trackloom_domain::simulation::simulate(&scenario, Seed { seed: 1, run: 0 }, &mut |_| ControlFlow::Continue(()));
-        let recording = simulated.expect("the scene is valid").expect("nobody stops it").recording;
-        Flights { name, targets, clutter_per_m2, recording }
+        let clutter_per_m2 = scenario.sensors[0]
+            .clutter_per_m2()
+            .expect("the sensor has a range");
+        let simulated = trackloom_domain::simulation::simulate(
+            &scenario,
+            Seed { seed: 1, run: 0 },
+            &mut |_| ControlFlow::Continue(()),
+        );
+        let recording = simulated
+            .expect("the scene is valid")
+            .expect("nobody stops it")
+            .recording;
+        Flights {
+            name,
+            targets,
+            clutter_per_m2,
+            recording,
+        }
     }
 
     /// Tracks all targets to the end.
@@ -66,10 +104,16 @@ impl Flights {
         let covariance = Covariance::from_diagonal(&State::from(variances));
         for (target, listed) in self.targets.iter().enumerate() {
             let mean = State::new(listed.x_m, listed.y_m, listed.vx_mps, listed.vy_mps);
-            tracker.give(listed.truth_id.clone(), GaussianState { mean, covariance }, Some(target as u32));
+            tracker.give(
+                listed.truth_id.clone(),
+                GaussianState { mean, covariance },
+                Some(target as u32),
+            );
         }
         for scan in &self.recording.scans {
-            tracker.step(scan, self.recording.detections_of(scan), &Watch::never()).expect("the scene fits");
+            tracker
+                .step(scan, self.recording.detections_of(scan), &Watch::never())
+                .expect("the scene fits");
         }
         tracker
     }
@@ -77,7 +121,10 @@ impl Flights {
     fn parts(&self, associator: Box<dyn Associator>) -> TrackerParts<Kalman> {
         let lifecycle = Lifecycle {
             gate_probability: 0.999,
-            initiation: Initiation::Truth { speed_sigma_mps: 1.0, rate_sigma_degps: 1.0 },
+            initiation: Initiation::Truth {
+                speed_sigma_mps: 1.0,
+                rate_sigma_degps: 1.0,
+            },
             confirmation: Confirmation::MOfN,
             confirm_hits: 3,
             confirm_window: 5,
@@ -85,9 +132,24 @@ impl Flights {
             max_position_sigma_m: None,
             initial_speed_sigma_mps: 1.0,
         };
-        let report = Report::Position { sigma_x_m: SIGMA_M, sigma_y_m: SIGMA_M };
-        let sensor = Sensor { sensor_id: "radar".into(), p_d: P_D, clutter_density: self.clutter_per_m2, report };
-        TrackerParts { filter: Kalman { process_noise_m2ps3: 1.0 }, associator, lifecycle, sensors: vec![sensor] }
+        let report = Report::Position {
+            sigma_x_m: SIGMA_M,
+            sigma_y_m: SIGMA_M,
+        };
+        let sensor = Sensor {
+            sensor_id: "radar".into(),
+            p_d: P_D,
+            clutter_density: self.clutter_per_m2,
+            report,
+        };
+        TrackerParts {
+            filter: Kalman {
+                process_noise_m2ps3: 1.0,
+            },
+            associator,
+            lifecycle,
+            sensors: vec![sensor],
+        }
     }
 }
 
@@ -104,10 +166,22 @@ fn scenario(targets: &[ListedTarget], clutter_square_m: f64) -> Scenario {
         sigma_range_m: None,
         sigma_bearing_deg: None,
         sigma_range_rate_mps: None,
-        clutter_per_scan: Some(std::f64::consts::PI * max_range_m * max_range_m / (clutter_square_m * clutter_square_m)),
+        clutter_per_scan: Some(
+            std::f64::consts::PI * max_range_m * max_range_m
+                / (clutter_square_m * clutter_square_m),
+        ),
         clutter_per_deg: None,
         clutter_within_deg: None,
     };
-    let targets = TargetPlan::Listed { targets: targets.to_vec() };
-    Scenario { scans: 30, scan_period_s: 2.0, sensors: vec![sensor], targets, coverage: None, record: None }
+    let targets = TargetPlan::Listed {
+        targets: targets.to_vec(),
+    };
+    Scenario {
+        scans: 30,
+        scan_period_s: 2.0,
+        sensors: vec![sensor],
+        targets,
+        coverage: None,
+        record: None,
+    }
 }

@@ -35,20 +35,33 @@ pub struct Estimate {
 impl Scene {
     /// The estimates of each sensor.
     pub fn estimates(&self, number: u32) -> Vec<Vec<Estimate>> {
-        let mut dice = Seed { seed: number, run: 0 }.stream(Purpose::TargetStart, 0, 0);
+        let mut dice = Seed {
+            seed: number,
+            run: 0,
+        }
+        .stream(Purpose::TargetStart, 0, 0);
         let side = self.spacing * (self.targets as f64).sqrt();
-        let place = |dice: &mut ChaCha8Rng| [dice.random_range(0.0..side), dice.random_range(0.0..side)];
+        let place =
+            |dice: &mut ChaCha8Rng| [dice.random_range(0.0..side), dice.random_range(0.0..side)];
         let truth: Vec<[f64; 2]> = (0..self.targets).map(|_| place(&mut dice)).collect();
         let of_sensor = |_| {
             let mut tracks = Vec::new();
             for target in &truth {
                 if dice.random_bool(self.detection_probability) {
                     let sigma: f64 = dice.random_range(0.7..1.4);
-                    let mut error = || -> f64 { sigma * Distribution::<f64>::sample(&StandardNormal, &mut dice) };
-                    tracks.push(Estimate { position: [target[0] + error(), target[1] + error()], variance: sigma * sigma });
+                    let mut error = || -> f64 {
+                        sigma * Distribution::<f64>::sample(&StandardNormal, &mut dice)
+                    };
+                    tracks.push(Estimate {
+                        position: [target[0] + error(), target[1] + error()],
+                        variance: sigma * sigma,
+                    });
                 }
                 if dice.random_bool(self.false_share) {
-                    tracks.push(Estimate { position: place(&mut dice), variance: 1.0 });
+                    tracks.push(Estimate {
+                        position: place(&mut dice),
+                        variance: 1.0,
+                    });
                 }
             }
             tracks
@@ -66,7 +79,9 @@ impl Scene {
 
     pub fn fused(&self, number: u32) -> Problem {
         let estimates = self.estimates(number);
-        let fused = Fused { estimates: estimates.concat() };
+        let fused = Fused {
+            estimates: estimates.concat(),
+        };
         problem(&estimates, Costs::Joint(Box::new(fused)))
     }
 }
@@ -74,12 +89,21 @@ impl Scene {
 /// Links with λ = dᵀ (Pᵢ + Pⱼ)⁻¹ d within the gate, of cost λ − δ.
 pub fn problem(estimates: &[Vec<Estimate>], costs: Costs) -> Problem {
     let counts: Vec<usize> = estimates.iter().map(Vec::len).collect();
-    let all: Vec<(usize, &Estimate)> =
-        estimates.iter().enumerate().flat_map(|(sensor, tracks)| tracks.iter().map(move |track| (sensor, track))).collect();
+    let all: Vec<(usize, &Estimate)> = estimates
+        .iter()
+        .enumerate()
+        .flat_map(|(sensor, tracks)| tracks.iter().map(move |track| (sensor, track)))
+        .collect();
     let mut pairs = Vec::new();
     for (a, (sensor, left)) in all.iter().enumerate() {
-        for (b, (_, right)) in all.iter().enumerate().skip(a + 1).filter(|(_, (other, _))| other != sensor) {
-            let squared = squared_distance(left.position, right.position) / (left.variance + right.variance);
+        for (b, (_, right)) in all
+            .iter()
+            .enumerate()
+            .skip(a + 1)
+            .filter(|(_, (other, _))| other != sensor)
+        {
+            let squared =
+                squared_distance(left.position, right.position) / (left.variance + right.variance);
             if squared < GATE {
                 pairs.push((a as u32, b as u32, squared - DELTA));
             }
@@ -90,13 +114,28 @@ pub fn problem(estimates: &[Vec<Estimate>], costs: Costs) -> Problem {
 
 /// The same estimates for correlators that look at tracks: positions, at one time.
 fn evidence(estimates: &[Vec<Estimate>]) -> Evidence {
-    let named = estimates.iter().map(|tracks| (String::new(), vec![String::new(); tracks.len()])).collect();
+    let named = estimates
+        .iter()
+        .map(|tracks| (String::new(), vec![String::new(); tracks.len()]))
+        .collect();
     let mut table = Estimates::new(named, vec![0.0], false);
     for (track, estimate) in estimates.iter().flatten().enumerate() {
         let mean = State::new(estimate.position[0], estimate.position[1], 0.0, 0.0);
-        table.set(track, 0, &GaussianState { mean, covariance: Covariance::identity() * estimate.variance });
+        table.set(
+            track,
+            0,
+            &GaussianState {
+                mean,
+                covariance: Covariance::identity() * estimate.variance,
+            },
+        );
     }
-    Evidence { estimates: Arc::new(table), cross: None, times: Times::All, until: 1 }
+    Evidence {
+        estimates: Arc::new(table),
+        cross: None,
+        times: Times::All,
+        until: 1,
+    }
 }
 
 fn squared_distance(left: [f64; 2], right: [f64; 2]) -> f64 {
@@ -112,8 +151,15 @@ impl JointCost for Fused {
     fn cost(&self, tuple: &[u32]) -> f64 {
         let members = || tuple.iter().map(|&track| &self.estimates[track as usize]);
         let weight: f64 = members().map(|member| 1.0 / member.variance).sum();
-        let mean = [0, 1].map(|axis| members().map(|member| member.position[axis] / member.variance).sum::<f64>() / weight);
-        let q: f64 = members().map(|member| squared_distance(member.position, mean) / member.variance).sum();
+        let mean = [0, 1].map(|axis| {
+            members()
+                .map(|member| member.position[axis] / member.variance)
+                .sum::<f64>()
+                / weight
+        });
+        let q: f64 = members()
+            .map(|member| squared_distance(member.position, mean) / member.variance)
+            .sum();
         let freedom = 2.0 * (tuple.len() - 1) as f64;
         let spread = 2.0 / (9.0 * freedom);
         q - freedom * (1.0 - spread + 2.326_347_874 * spread.sqrt()).powi(3)

@@ -20,7 +20,9 @@ pub fn yardstick_ns() -> f64 {
 #[inline(never)]
 fn kalman_rounds(rounds: u32) {
     let dt = 8.0;
-    let f = Matrix4::new(1.0, 0.0, dt, 0.0, 0.0, 1.0, 0.0, dt, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
+    let f = Matrix4::new(
+        1.0, 0.0, dt, 0.0, 0.0, 1.0, 0.0, dt, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0,
+    );
     let h = Matrix2x4::new(1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0);
     let (q, r) = (Matrix4::identity() * 0.5, Matrix2::identity() * 100.0);
     let (f, h, q, r) = black_box((f, h, q, r));

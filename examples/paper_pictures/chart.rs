@@ -52,7 +52,11 @@ impl Ranged for Axis {
     }
 
     fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
-        if hint.weight().allow_light_points() { Vec::new() } else { self.ticks.iter().map(|tick| tick.0).collect() }
+        if hint.weight().allow_light_points() {
+            Vec::new()
+        } else {
+            self.ticks.iter().map(|tick| tick.0).collect()
+        }
     }
 
     fn range(&self) -> std::ops::Range<f64> {
@@ -62,7 +66,10 @@ impl Ranged for Axis {
 
 impl ValueFormatter<f64> for Axis {
     fn format_ext(&self, value: &f64) -> String {
-        self.ticks.iter().find(|tick| tick.0 == *value).map_or_else(String::new, |tick| tick.1.clone())
+        self.ticks
+            .iter()
+            .find(|tick| tick.0 == *value)
+            .map_or_else(String::new, |tick| tick.1.clone())
     }
 }
 
@@ -107,8 +114,13 @@ pub struct Panel {
 /// Panels side by side, each with its legend below.
 pub fn draw(path: &Path, panels: &[Panel]) -> Result<(), Box<dyn Error>> {
     let width = if panels.len() > 1 { 560 } else { 720 };
-    let rows = panels.iter().map(|panel| panel.series.len().div_ceil(COLUMNS)).max().unwrap_or(0) as u32;
-    let root = SVGBackend::new(path, (width * panels.len() as u32, 420 + rows * ROW + 12)).into_drawing_area();
+    let rows = panels
+        .iter()
+        .map(|panel| panel.series.len().div_ceil(COLUMNS))
+        .max()
+        .unwrap_or(0) as u32;
+    let root = SVGBackend::new(path, (width * panels.len() as u32, 420 + rows * ROW + 12))
+        .into_drawing_area();
     root.fill(&WHITE)?;
     for (area, panel) in root.split_evenly((1, panels.len())).iter().zip(panels) {
         let (area, below) = area.split_vertically(420);
@@ -136,15 +148,32 @@ pub fn draw(path: &Path, panels: &[Panel]) -> Result<(), Box<dyn Error>> {
     Ok(root.present()?)
 }
 
-fn draw_legend(area: &DrawingArea<SVGBackend, Shift>, series: &[Series], width: u32) -> Result<(), Box<dyn Error>> {
+fn draw_legend(
+    area: &DrawingArea<SVGBackend, Shift>,
+    series: &[Series],
+    width: u32,
+) -> Result<(), Box<dyn Error>> {
     let rows = series.len().div_ceil(COLUMNS);
-    for (index, Series { name, look, drawn, .. }) in series.iter().enumerate() {
+    for (
+        index,
+        Series {
+            name, look, drawn, ..
+        },
+    ) in series.iter().enumerate()
+    {
         let left = 68 + (index / rows) as i32 * ((width - 68) / COLUMNS as u32) as i32;
         let middle = (index % rows) as i32 * ROW as i32 + ROW as i32 / 2;
-        let colour = if *drawn == Drawn::Rule { GREY } else { COLOURS[*look] };
+        let colour = if *drawn == Drawn::Rule {
+            GREY
+        } else {
+            COLOURS[*look]
+        };
         let [has_line, has_marker] = parts(*drawn);
         if has_line {
-            let (line, style) = ([(left, middle), (left + 40, middle)], colour.stroke_width(2));
+            let (line, style) = (
+                [(left, middle), (left + 40, middle)],
+                colour.stroke_width(2),
+            );
             match DASHES[*look] {
                 (_, 0) => area.draw(&PathElement::new(line, style))?,
                 (dash, gap) => area.draw(&DashedPathElement::new(line, dash, gap, style))?,
@@ -159,11 +188,23 @@ fn draw_legend(area: &DrawingArea<SVGBackend, Shift>, series: &[Series], width: 
 }
 
 fn add(chart: &mut Chart, series: &Series) -> Result<(), Box<dyn Error>> {
-    let Series { look, drawn, points, .. } = series;
+    let Series {
+        look,
+        drawn,
+        points,
+        ..
+    } = series;
     let (look, drawn) = (*look, *drawn);
-    let colour = if drawn == Drawn::Rule { GREY } else { COLOURS[look] };
+    let colour = if drawn == Drawn::Rule {
+        GREY
+    } else {
+        COLOURS[look]
+    };
     if matches!(drawn, Drawn::Curve | Drawn::Fit) {
-        let around = points.iter().map(|point| (point.x, point.low)).chain(points.iter().rev().map(|point| (point.x, point.high)));
+        let around = points
+            .iter()
+            .map(|point| (point.x, point.low))
+            .chain(points.iter().rev().map(|point| (point.x, point.high)));
         chart.draw_series([Polygon::new(around.collect::<Vec<_>>(), colour.mix(0.18))])?;
     }
     let [has_line, has_marker] = parts(drawn);
@@ -177,7 +218,12 @@ fn add(chart: &mut Chart, series: &Series) -> Result<(), Box<dyn Error>> {
         };
     }
     if drawn == Drawn::Dots {
-        let bars = points.iter().map(|point| PathElement::new(vec![(point.x, point.low), (point.x, point.high)], colour.stroke_width(2)));
+        let bars = points.iter().map(|point| {
+            PathElement::new(
+                vec![(point.x, point.low), (point.x, point.high)],
+                colour.stroke_width(2),
+            )
+        });
         chart.draw_series(bars)?;
     }
     if has_marker {
@@ -185,7 +231,12 @@ fn add(chart: &mut Chart, series: &Series) -> Result<(), Box<dyn Error>> {
         let base = area.get_base_pixel();
         for point in points {
             let (x, y) = chart.backend_coord(&(point.x, point.y));
-            draw_marker(&area, look, (x - base.0, y - base.1), drawn == Drawn::Published)?;
+            draw_marker(
+                &area,
+                look,
+                (x - base.0, y - base.1),
+                drawn == Drawn::Published,
+            )?;
         }
     }
     Ok(())
@@ -193,17 +244,32 @@ fn add(chart: &mut Chart, series: &Series) -> Result<(), Box<dyn Error>> {
 
 /// Whether there is a line, and whether there are markers.
 fn parts(drawn: Drawn) -> [bool; 2] {
-    [matches!(drawn, Drawn::Curve | Drawn::Fit | Drawn::Rule), matches!(drawn, Drawn::Curve | Drawn::Dots | Drawn::Published)]
+    [
+        matches!(drawn, Drawn::Curve | Drawn::Fit | Drawn::Rule),
+        matches!(drawn, Drawn::Curve | Drawn::Dots | Drawn::Published),
+    ]
 }
 
-fn draw_marker(area: &DrawingArea<SVGBackend, Shift>, look: usize, (x, y): (i32, i32), is_hollow: bool) -> Result<(), Box<dyn Error>> {
+fn draw_marker(
+    area: &DrawingArea<SVGBackend, Shift>,
+    look: usize,
+    (x, y): (i32, i32),
+    is_hollow: bool,
+) -> Result<(), Box<dyn Error>> {
     let colour = COLOURS[look];
     let placed = |corner: &(i32, i32)| (x + corner.0, y + corner.1);
     let corners: Vec<(i32, i32)> = MARKERS[look].iter().map(placed).collect();
-    let style = if is_hollow { colour.stroke_width(2) } else { colour.filled() };
+    let style = if is_hollow {
+        colour.stroke_width(2)
+    } else {
+        colour.filled()
+    };
     match (corners.as_slice(), is_hollow) {
         ([], _) => area.draw(&Circle::new((x, y), 5, style))?,
-        ([first, ..], true) => area.draw(&PathElement::new([corners.as_slice(), &[*first]].concat(), style))?,
+        ([first, ..], true) => area.draw(&PathElement::new(
+            [corners.as_slice(), &[*first]].concat(),
+            style,
+        ))?,
         (_, false) => area.draw(&Polygon::new(corners, style))?,
     }
     Ok(())

@@ -46,8 +46,15 @@ impl Cells {
     /// The outcome in a cell, its numbers times `unit`.
     fn point(&self, x: f64, cell: &str, outcome: &str, unit: f64) -> Result<Point, Box<dyn Error>> {
         let found = self.0.get(&(cell.to_owned(), outcome.to_owned()));
-        let [mean, low, high] = found.ok_or_else(|| format!("there is no '{outcome}' of the cell '{cell}'"))?.map(|number| number * unit);
-        Ok(Point { x, y: mean, low, high })
+        let [mean, low, high] = found
+            .ok_or_else(|| format!("there is no '{outcome}' of the cell '{cell}'"))?
+            .map(|number| number * unit);
+        Ok(Point {
+            x,
+            y: mean,
+            low,
+            high,
+        })
     }
 
     fn series(
@@ -57,28 +64,55 @@ impl Cells {
         outcome: (&str, f64),
         cells: impl Iterator<Item = (f64, String)>,
     ) -> Result<Series, Box<dyn Error>> {
-        let points = cells.map(|(x, cell)| self.point(x, &cell, outcome.0, outcome.1)).collect::<Result<_, _>>()?;
-        Ok(Series { name: name.to_owned(), look, drawn, points })
+        let points = cells
+            .map(|(x, cell)| self.point(x, &cell, outcome.0, outcome.1))
+            .collect::<Result<_, _>>()?;
+        Ok(Series {
+            name: name.to_owned(),
+            look,
+            drawn,
+            points,
+        })
     }
 }
 
 fn axis(title: &'static str, range: [f64; 2], ticks: &[f64]) -> Axis {
-    Axis { title, range, ticks: ticks.iter().map(|&tick| (tick, tick.to_string())).collect() }
+    Axis {
+        title,
+        range,
+        ticks: ticks.iter().map(|&tick| (tick, tick.to_string())).collect(),
+    }
 }
 
 /// A decimal logarithm.
 fn log_axis(title: &'static str, range: [f64; 2], ticks: &[f64]) -> Axis {
-    Axis { title, range: range.map(f64::log10), ticks: ticks.iter().map(|&tick| (tick.log10(), tick.to_string())).collect() }
+    Axis {
+        title,
+        range: range.map(f64::log10),
+        ticks: ticks
+            .iter()
+            .map(|&tick| (tick.log10(), tick.to_string()))
+            .collect(),
+    }
 }
 
 fn named_axis(title: &'static str, names: &[&str]) -> Axis {
-    let ticks = names.iter().enumerate().map(|(place, name)| (place as f64, (*name).to_owned()));
-    Axis { title, range: [-0.5, names.len() as f64 - 0.5], ticks: ticks.collect() }
+    let ticks = names
+        .iter()
+        .enumerate()
+        .map(|(place, name)| (place as f64, (*name).to_owned()));
+    Axis {
+        title,
+        range: [-0.5, names.len() as f64 - 0.5],
+        ticks: ticks.collect(),
+    }
 }
 
 fn percent(title: &'static str, low: f64, step: f64) -> Axis {
     let count = ((100.0 - low) / step).round() as u32;
-    let ticks: Vec<f64> = (0..=count).map(|number| low + f64::from(number) * step).collect();
+    let ticks: Vec<f64> = (0..=count)
+        .map(|number| low + f64::from(number) * step)
+        .collect();
     axis(title, [low, 100.0 + step * 0.2], &ticks)
 }
 
@@ -88,25 +122,66 @@ const ASSOCIATORS: [&str; 3] = ["NN", "PDA", "JPDA"];
 fn liang(folder: &Path, out: &Path) -> Result<(), Box<dyn Error>> {
     let cells = Cells::of_campaign(folder, "liang2009-table1")?;
     let counts = [10.0, 30.0, 50.0, 80.0, 100.0];
-    let picture = |file: &str, title: &'static str, outcome: (&str, f64), y: Axis, more: Option<Series>| {
-        let of = |(look, name): (usize, &&str)| {
-            // PDA and JPDA are alike: a little to the side, or one would hide the other.
-            let aside = [0.0, -0.5, 0.5][look];
-            cells.series(name, (look, Drawn::Curve), outcome, counts.iter().map(|count| (count + aside, format!("{count}, {name}"))))
+    let picture =
+        |file: &str, title: &'static str, outcome: (&str, f64), y: Axis, more: Option<Series>| {
+            let of = |(look, name): (usize, &&str)| {
+                // PDA and JPDA are alike: a little to the side, or one would hide the other.
+                let aside = [0.0, -0.5, 0.5][look];
+                cells.series(
+                    name,
+                    (look, Drawn::Curve),
+                    outcome,
+                    counts
+                        .iter()
+                        .map(|count| (count + aside, format!("{count}, {name}"))),
+                )
+            };
+            let series = ASSOCIATORS
+                .iter()
+                .enumerate()
+                .map(of)
+                .chain(more.map(Ok))
+                .collect::<Result<_, Box<dyn Error>>>()?;
+            draw(
+                &out.join(file),
+                &[Panel {
+                    title,
+                    x: axis("targets", [5.0, 105.0], &counts),
+                    y,
+                    series,
+                }],
+            )
         };
-        let series = ASSOCIATORS.iter().enumerate().map(of).chain(more.map(Ok)).collect::<Result<_, Box<dyn Error>>>()?;
-        draw(&out.join(file), &[Panel { title, x: axis("targets", [5.0, 105.0], &counts), y, series }])
-    };
-    picture("liang-figure-1.svg", "Correct tracks", ("P correct", 100.0), percent("correct tracks of all tracks (%)", 40.0, 10.0), None)?;
+    picture(
+        "liang-figure-1.svg",
+        "Correct tracks",
+        ("P correct", 100.0),
+        percent("correct tracks of all tracks (%)", 40.0, 10.0),
+        None,
+    )?;
     picture(
         "liang-figure-2.svg",
         "Missed targets",
         ("P missed", 100.0),
-        axis("missed targets of all targets (%)", [20.0, 65.0], &[20.0, 30.0, 40.0, 50.0, 60.0]),
+        axis(
+            "missed targets of all targets (%)",
+            [20.0, 65.0],
+            &[20.0, 30.0, 40.0, 50.0, 60.0],
+        ),
         None,
     )?;
-    let one = [5.0, 105.0].map(|x| Point { x, y: 1.0, low: 1.0, high: 1.0 });
-    let as_many = Series { name: "as many tracks as targets".to_owned(), look: 5, drawn: Drawn::Rule, points: one.to_vec() };
+    let one = [5.0, 105.0].map(|x| Point {
+        x,
+        y: 1.0,
+        low: 1.0,
+        high: 1.0,
+    });
+    let as_many = Series {
+        name: "as many tracks as targets".to_owned(),
+        look: 5,
+        drawn: Drawn::Rule,
+        points: one.to_vec(),
+    };
     picture(
         "liang-tracks.svg",
         "Tracks put out",
@@ -121,16 +196,24 @@ type Growth = (Vec<(f64, [f64; 3])>, [[f64; 3]; 3]);
 
 fn growth_of(file: &Path) -> Result<Growth, Box<dyn Error>> {
     let text = fs::read_to_string(file)?;
-    let numbers = |cell: &str| cell.split([' ', '(', ')']).filter_map(|word| word.parse::<f64>().ok()).collect::<Vec<_>>();
+    let numbers = |cell: &str| {
+        cell.split([' ', '(', ')'])
+            .filter_map(|word| word.parse::<f64>().ok())
+            .collect::<Vec<_>>()
+    };
     let (mut rows, mut slopes) = (Vec::new(), [[0.0; 3]; 3]);
     for line in text.lines() {
         let cells: Vec<&str> = line.trim_matches('|').split('|').collect();
         if let [first, of_associators @ ..] = cells.as_slice() {
             let found: Vec<Vec<f64>> = of_associators.iter().map(|cell| numbers(cell)).collect();
             if let Ok(targets) = first.trim().parse() {
-                rows.push((targets, [0, 1, 2].map(|associator| found[associator].iter().sum())));
+                rows.push((
+                    targets,
+                    [0, 1, 2].map(|associator| found[associator].iter().sum()),
+                ));
             } else if first.trim() == "slope of both" {
-                slopes = [0, 1, 2].map(|associator| [0, 1, 2].map(|number| found[associator][number]));
+                slopes =
+                    [0, 1, 2].map(|associator| [0, 1, 2].map(|number| found[associator][number]));
             }
         }
     }
@@ -142,32 +225,76 @@ fn growth_of(file: &Path) -> Result<Growth, Box<dyn Error>> {
 }
 
 /// Run time over targets with the fitted line, the slopes of its interval through the middle of the points, and a line of slope 1.
-fn growth_panel(file: &Path, title: &'static str, x: Axis, y: Axis) -> Result<Panel, Box<dyn Error>> {
+fn growth_panel(
+    file: &Path,
+    title: &'static str,
+    x: Axis,
+    y: Axis,
+) -> Result<Panel, Box<dyn Error>> {
     let (rows, slopes) = growth_of(file)?;
     let ends = [rows[0].0.log10(), rows[rows.len() - 1].0.log10()];
     let mut series = Vec::new();
     for (look, name) in ASSOCIATORS.iter().enumerate() {
-        let points: Vec<(f64, f64)> = rows.iter().map(|(targets, times_ms)| (targets.log10(), times_ms[look].log10())).collect();
+        let points: Vec<(f64, f64)> = rows
+            .iter()
+            .map(|(targets, times_ms)| (targets.log10(), times_ms[look].log10()))
+            .collect();
         let count = points.len() as f64;
-        let middle = (points.iter().map(|point| point.0).sum::<f64>() / count, points.iter().map(|point| point.1).sum::<f64>() / count);
+        let middle = (
+            points.iter().map(|point| point.0).sum::<f64>() / count,
+            points.iter().map(|point| point.1).sum::<f64>() / count,
+        );
         let at = |x: f64, slope: f64| middle.1 + slope * (x - middle.0);
         let [slope, low, high] = slopes[look];
-        let fit = [ends[0], middle.0, ends[1]].map(|x| Point { x, y: at(x, slope), low: at(x, low), high: at(x, high) });
-        let dots = points.iter().map(|&(x, y)| Point { x, y, low: y, high: y }).collect();
+        let fit = [ends[0], middle.0, ends[1]].map(|x| Point {
+            x,
+            y: at(x, slope),
+            low: at(x, low),
+            high: at(x, high),
+        });
+        let dots = points
+            .iter()
+            .map(|&(x, y)| Point {
+                x,
+                y,
+                low: y,
+                high: y,
+            })
+            .collect();
         series.push(Series {
             name: format!("{name}: slope {slope:.2} ({low:.2} to {high:.2})"),
             look,
             drawn: Drawn::Fit,
             points: fit.to_vec(),
         });
-        series.push(Series { name: format!("{name}, measured"), look, drawn: Drawn::Dots, points: dots });
+        series.push(Series {
+            name: format!("{name}, measured"),
+            look,
+            drawn: Drawn::Dots,
+            points: dots,
+        });
         if look == 2 {
-            let linear = ends.map(|x| Point { x, y: at(x, 1.0), low: 0.0, high: 0.0 });
-            series.push(Series { name: "linear: slope 1".to_owned(), look: 5, drawn: Drawn::Rule, points: linear.to_vec() });
+            let linear = ends.map(|x| Point {
+                x,
+                y: at(x, 1.0),
+                low: 0.0,
+                high: 0.0,
+            });
+            series.push(Series {
+                name: "linear: slope 1".to_owned(),
+                look: 5,
+                drawn: Drawn::Rule,
+                points: linear.to_vec(),
+            });
         }
     }
     series.sort_by_key(|series| series.drawn == Drawn::Dots);
-    Ok(Panel { title, x, y, series })
+    Ok(Panel {
+        title,
+        x,
+        y,
+        series,
+    })
 }
 
 fn growth(folder: &Path, out: &Path) -> Result<(), Box<dyn Error>> {
@@ -191,21 +318,53 @@ fn growth(folder: &Path, out: &Path) -> Result<(), Box<dyn Error>> {
 fn cai(folder: &Path, out: &Path) -> Result<(), Box<dyn Error>> {
     let cells = Cells::of_campaign(folder, "cai-fuzzy-tables")?;
     let scenes = ["cv, 10", "cv, 15", "weave, 10", "weave, 15"];
-    let groupers = [("NN, 3 σ", -0.24), ("FCM from predictions", -0.08), ("NN, no gate", 0.08), ("constrained hard c-means", 0.24)];
+    let groupers = [
+        ("NN, 3 σ", -0.24),
+        ("FCM from predictions", -0.08),
+        ("NN, no gate", 0.08),
+        ("constrained hard c-means", 0.24),
+    ];
     let of = |(look, (name, aside)): (usize, &(&str, f64))| {
-        let cells_of = scenes.iter().enumerate().map(|(place, scene)| (place as f64 + aside, format!("{scene}, {name}")));
+        let cells_of = scenes
+            .iter()
+            .enumerate()
+            .map(|(place, scene)| (place as f64 + aside, format!("{scene}, {name}")));
         cells.series(name, (look, Drawn::Dots), ("accuracy", 100.0), cells_of)
     };
-    let mut series = groupers.iter().enumerate().map(of).collect::<Result<Vec<_>, _>>()?;
-    for (look, name, values) in [(0, "NN, as published", [95.0, 93.0, 85.0, 76.0]), (1, "FCM, as published", [100.0, 100.0, 93.0, 91.0])] {
-        let points = values.iter().enumerate().map(|(place, &y)| Point { x: place as f64 + groupers[look].1, y, low: y, high: y });
-        series.push(Series { name: name.to_owned(), look, drawn: Drawn::Published, points: points.collect() });
+    let mut series = groupers
+        .iter()
+        .enumerate()
+        .map(of)
+        .collect::<Result<Vec<_>, _>>()?;
+    for (look, name, values) in [
+        (0, "NN, as published", [95.0, 93.0, 85.0, 76.0]),
+        (1, "FCM, as published", [100.0, 100.0, 93.0, 91.0]),
+    ] {
+        let points = values.iter().enumerate().map(|(place, &y)| Point {
+            x: place as f64 + groupers[look].1,
+            y,
+            low: y,
+            high: y,
+        });
+        series.push(Series {
+            name: name.to_owned(),
+            look,
+            drawn: Drawn::Published,
+            points: points.collect(),
+        });
     }
-    let x =
-        named_axis("motion, targets of 25 that all six sensors report", &["straight, 10", "straight, 15", "weaving, 10", "weaving, 15"]);
+    let x = named_axis(
+        "motion, targets of 25 that all six sensors report",
+        &["straight, 10", "straight, 15", "weaving, 10", "weaving, 15"],
+    );
     draw(
         &out.join("cai-accuracy.svg"),
-        &[Panel { title: "Reports of a target put together exactly", x, y: percent("share of targets (%)", 70.0, 5.0), series }],
+        &[Panel {
+            title: "Reports of a target put together exactly",
+            x,
+            y: percent("share of targets (%)", 70.0, 5.0),
+            series,
+        }],
     )
 }
 
@@ -221,52 +380,127 @@ impl Observer for Patient {
 /// η over the noise: the scene `wang-bat-2` with more noises than the paper's two.
 fn wang(out: &Path) -> Result<(), Box<dyn Error>> {
     let noises_deg = [0.15, 0.3, 0.45, 0.6, 0.8, 1.0];
-    let names = ["NN, shared", "GNN", "BADA, sum", "JPDA, enumerated", "NN, closest pair"];
-    let mut body = presets::find("wang-bat-2").ok_or("there is no preset wang-bat-2")?.body;
+    let names = [
+        "NN, shared",
+        "GNN",
+        "BADA, sum",
+        "JPDA, enumerated",
+        "NN, closest pair",
+    ];
+    let mut body = presets::find("wang-bat-2")
+        .ok_or("there is no preset wang-bat-2")?
+        .body;
     body["runs"] = json!(1000);
     body["grid"][0]["values"] = json!(noises_deg);
     if let Some(variants) = body["grid"][1]["variants"].as_array_mut() {
         variants.retain(|variant| names.iter().any(|name| variant["name"] == *name));
     }
-    let plan = plan(trackloom_domain::experiment::plan::JobKind::Campaign, &body).map_err(|faults| format!("{faults:?}"))?;
+    let plan = plan(trackloom_domain::experiment::plan::JobKind::Campaign, &body)
+        .map_err(|faults| format!("{faults:?}"))?;
     let outcome = run(&plan, Vec::new(), &mut Patient)?;
-    let table = outcome.artifacts.iter().find(|file| file.name == "cells.csv").ok_or("a campaign has cells.csv")?;
+    let table = outcome
+        .artifacts
+        .iter()
+        .find(|file| file.name == "cells.csv")
+        .ok_or("a campaign has cells.csv")?;
     let cells = Cells::of(&table.bytes)?;
     let panel = |title: &'static str, kept: &str| -> Result<Panel, Box<dyn Error>> {
         let of = |(look, name): (usize, &&str)| {
-            cells.series(name, (look, Drawn::Curve), (kept, 100.0), noises_deg.iter().map(|noise| (*noise, format!("{noise:?}, {name}"))))
+            cells.series(
+                name,
+                (look, Drawn::Curve),
+                (kept, 100.0),
+                noises_deg
+                    .iter()
+                    .map(|noise| (*noise, format!("{noise:?}, {name}"))),
+            )
         };
         let series = names.iter().enumerate().map(of).collect::<Result<_, _>>()?;
-        let x = axis("standard deviation of a bearing (°)", [0.1, 1.05], &[0.2, 0.4, 0.6, 0.8, 1.0]);
-        Ok(Panel { title, x, y: percent("η, runs in which every track stays right (%)", 60.0, 10.0), series })
+        let x = axis(
+            "standard deviation of a bearing (°)",
+            [0.1, 1.05],
+            &[0.2, 0.4, 0.6, 0.8, 1.0],
+        );
+        Ok(Panel {
+            title,
+            x,
+            y: percent("η, runs in which every track stays right (%)", 60.0, 10.0),
+            series,
+        })
     };
-    draw(&out.join("wang-eta.svg"), &[panel("η by identity at the end", "identity")?, panel("η by staying all the time", "stay")?])
+    draw(
+        &out.join("wang-eta.svg"),
+        &[
+            panel("η by identity at the end", "identity")?,
+            panel("η by staying all the time", "stay")?,
+        ],
+    )
 }
 
 /// Cost and correctness over size; all with P_D 0.9.
 fn huo(folder: &Path, out: &Path) -> Result<(), Box<dyn Error>> {
     let cells = Cells::of_campaign(folder, "huo2008-study")?;
     let settings = ["P_D 0.9", "3 × 50, P_D 0.9", "5 × 50, P_D 0.9"];
-    let methods =
-        [("exact", -0.3), ("genetic, as published", -0.18), ("genetic", -0.06), ("nearest", 0.06), ("weighted", 0.18), ("fuzzy", 0.3)];
+    let methods = [
+        ("exact", -0.3),
+        ("genetic, as published", -0.18),
+        ("genetic", -0.06),
+        ("nearest", 0.06),
+        ("weighted", 0.18),
+        ("fuzzy", 0.3),
+    ];
     let panel = |title: &'static str, outcome: &str, y: Axis| -> Result<Panel, Box<dyn Error>> {
         let of = |(look, (name, aside)): (usize, &(&str, f64))| {
-            let cells_of = settings.iter().enumerate().map(|(place, setting)| (place as f64 + aside, format!("{setting}, {name}")));
+            let cells_of = settings
+                .iter()
+                .enumerate()
+                .map(|(place, setting)| (place as f64 + aside, format!("{setting}, {name}")));
             cells.series(name, (look, Drawn::Dots), (outcome, 100.0), cells_of)
         };
-        let series = methods.iter().enumerate().map(of).collect::<Result<_, _>>()?;
-        Ok(Panel { title, x: named_axis("sensors × targets, P_D 0.9", &["3 × 10", "3 × 50", "5 × 50"]), y, series })
+        let series = methods
+            .iter()
+            .enumerate()
+            .map(of)
+            .collect::<Result<_, _>>()?;
+        Ok(Panel {
+            title,
+            x: named_axis(
+                "sensors × targets, P_D 0.9",
+                &["3 × 10", "3 × 50", "5 × 50"],
+            ),
+            y,
+            series,
+        })
     };
-    let cost = panel("Cost above the least (chain)", "gap", axis("(J − J*) / |J*| (%)", [-4.0, 85.0], &[0.0, 20.0, 40.0, 60.0, 80.0]))?;
-    let right =
-        panel("Tuples that are right", "tuples right", axis("share of targets (%)", [-4.0, 104.0], &[0.0, 20.0, 40.0, 60.0, 80.0, 100.0]))?;
+    let cost = panel(
+        "Cost above the least (chain)",
+        "gap",
+        axis(
+            "(J − J*) / |J*| (%)",
+            [-4.0, 85.0],
+            &[0.0, 20.0, 40.0, 60.0, 80.0],
+        ),
+    )?;
+    let right = panel(
+        "Tuples that are right",
+        "tuples right",
+        axis(
+            "share of targets (%)",
+            [-4.0, 104.0],
+            &[0.0, 20.0, 40.0, 60.0, 80.0, 100.0],
+        ),
+    )?;
     draw(&out.join("huo-size.svg"), &[cost, right])
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
     let mut arguments = std::env::args().skip(1);
-    let (folder, out) =
-        (arguments.next().unwrap_or_else(|| "papers".to_owned()), arguments.next().unwrap_or_else(|| "docs/pictures".to_owned()));
+    let (folder, out) = (
+        arguments.next().unwrap_or_else(|| "papers".to_owned()),
+        arguments
+            .next()
+            .unwrap_or_else(|| "docs/pictures".to_owned()),
+    );
     let (folder, out) = (Path::new(&folder), Path::new(&out));
     fs::create_dir_all(out)?;
     liang(folder, out)?;

@@ -20,8 +20,11 @@ use super::{Associator, BuildAssociator};
 use crate::math::assignment::AssignmentSolver;
 use crate::registry::{Method, Object};
 
-pub const METHOD: Method<BuildAssociator> =
-    Method { name: "global_nearest_neighbour", parameters: &PARAMETERS, build: |_, _| Ok(Box::new(GlobalNearestNeighbour::default())) };
+pub const METHOD: Method<BuildAssociator> = Method {
+    name: "global_nearest_neighbour",
+    parameters: &PARAMETERS,
+    build: |_, _| Ok(Box::new(GlobalNearestNeighbour::default())),
+};
 
 static PARAMETERS: Object = Object {
     name: "GlobalNearestNeighbour",
@@ -37,7 +40,9 @@ pub struct GlobalNearestNeighbour {
 impl Associator for GlobalNearestNeighbour {
     fn associate(&mut self, problem: &Problem, weights: &mut Weights) {
         if problem.row_count() == 1 {
-            problem.rows().for_each(|(row, state)| choose_alone(problem, row, state, weights));
+            problem
+                .rows()
+                .for_each(|(row, state)| choose_alone(problem, row, state, weights));
             return;
         }
         self.solver.clear();
@@ -49,7 +54,10 @@ impl Associator for GlobalNearestNeighbour {
         }
         // Every miss costs a finite sum, so there always is an assignment.
         let is_solved = self.solver.solve_until(problem.watch()).is_some();
-        debug_assert!(is_solved || problem.watch().is_stopped(), "a cluster in which every track may miss has an assignment");
+        debug_assert!(
+            is_solved || problem.watch().is_stopped(),
+            "a cluster in which every track may miss has an assignment"
+        );
         for (index, (row, state)) in problem.rows().enumerate() {
             if let Some(edge) = self.solver.edge_of(index) {
                 weights.choose(row, state.first as usize + edge);
@@ -80,21 +88,30 @@ mod tests {
     use super::*;
 
     fn chosen(tracks: &[&[(u32, f64)]]) -> Vec<Option<u32>> {
-        chosen_by(&mut GlobalNearestNeighbour::default(), &mut problem_of(tracks))
+        chosen_by(
+            &mut GlobalNearestNeighbour::default(),
+            &mut problem_of(tracks),
+        )
     }
 
     #[test]
     fn a_track_gives_up_its_nearest_when_the_whole_gains() {
         // Costs ½ d², misses ln 10 = 2.30. Nearest neighbour would take (0, 0) and leave track 1 without: 0.25 + 2.30. The
         // optimum is (0, 1) and (1, 0): 0.75 + 0.5.
-        assert_eq!(chosen(&[&[(0, 0.5), (1, 1.5)], &[(0, 1.0)]]), vec![Some(1), Some(0)]);
+        assert_eq!(
+            chosen(&[&[(0, 0.5), (1, 1.5)], &[(0, 1.0)]]),
+            vec![Some(1), Some(0)]
+        );
     }
 
     #[test]
     fn what_clutter_explains_better_is_left_alone() {
         // A miss costs ln 10 = 2.303: d² = 4.6 is a little cheaper, 4.61 a little dearer, alone and in company.
         assert_eq!(chosen(&[&[(0, 4.6)], &[(1, 4.61)]]), vec![Some(0), None]);
-        assert_eq!(chosen(&[&[(0, 4.6), (1, 9.0)], &[(1, 4.61)]]), vec![Some(0), None]);
+        assert_eq!(
+            chosen(&[&[(0, 4.6), (1, 9.0)], &[(1, 4.61)]]),
+            vec![Some(0), None]
+        );
     }
 
     #[test]
@@ -104,9 +121,16 @@ mod tests {
         let mut problem = ScanProblem::default();
         problem.begin(0, 1);
         for (ratio, none) in [(5.0f64, 0.5f64), (4.0, 0.1)] {
-            problem.push_edge(Edge { detection: 0, squared_distance: 1.0, log_likelihood: ratio.ln() });
+            problem.push_edge(Edge {
+                detection: 0,
+                squared_distance: 1.0,
+                log_likelihood: ratio.ln(),
+            });
             problem.end_row(none.ln(), 0.0);
         }
-        assert_eq!(chosen_by(&mut GlobalNearestNeighbour::default(), &mut problem), vec![None, Some(0)]);
+        assert_eq!(
+            chosen_by(&mut GlobalNearestNeighbour::default(), &mut problem),
+            vec![None, Some(0)]
+        );
     }
 }

@@ -22,7 +22,12 @@ struct Pair {
 
 impl Greedy {
     /// Takes the pairs in order of `rank` (least first), then of squared distance, track and detection.
-    pub fn associate(&mut self, problem: &Problem, weights: &mut Weights, rank: impl Fn(&Edge) -> f64) {
+    pub fn associate(
+        &mut self,
+        problem: &Problem,
+        weights: &mut Weights,
+        rank: impl Fn(&Edge) -> f64,
+    ) {
         if problem.row_count() == 1 {
             choose_alone(problem, weights, rank);
             return;
@@ -48,13 +53,23 @@ impl Greedy {
                 if self.taken.len() <= edge.detection as usize {
                     self.taken.resize(edge.detection as usize + 1, false);
                 }
-                let (row, detection, squared_distance) = (row as u32, edge.detection, edge.squared_distance);
-                self.pairs.push(Pair { rank: rank(edge), squared_distance, row, detection, edge: index as u32 });
+                let (row, detection, squared_distance) =
+                    (row as u32, edge.detection, edge.squared_distance);
+                self.pairs.push(Pair {
+                    rank: rank(edge),
+                    squared_distance,
+                    row,
+                    detection,
+                    edge: index as u32,
+                });
             }
         }
         let names = |pair: &Pair| (pair.row, pair.detection);
         self.pairs.sort_unstable_by(|left, right| {
-            let merit = left.rank.total_cmp(&right.rank).then(left.squared_distance.total_cmp(&right.squared_distance));
+            let merit = left
+                .rank
+                .total_cmp(&right.rank)
+                .then(left.squared_distance.total_cmp(&right.squared_distance));
             merit.then_with(|| names(left).cmp(&names(right)))
         });
     }
@@ -63,7 +78,12 @@ impl Greedy {
 /// The case without rivals.
 fn choose_alone(problem: &Problem, weights: &mut Weights, rank: impl Fn(&Edge) -> f64) {
     for (row, edges) in problem.rows().map(|(row, edges)| (row, edges.edges())) {
-        let merit = |&index: &usize| (rank(problem.edge(index)), problem.edge(index).squared_distance);
+        let merit = |&index: &usize| {
+            (
+                rank(problem.edge(index)),
+                problem.edge(index).squared_distance,
+            )
+        };
         let best = edges.min_by(|left, right| {
             let (left, right) = (merit(left), merit(right));
             left.0.total_cmp(&right.0).then(left.1.total_cmp(&right.1))

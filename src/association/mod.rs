@@ -59,7 +59,8 @@ pub trait Associator: Send {
 }
 
 /// Builds an associator from its checked parameters and the seed of its random choices, if it makes any.
-pub type BuildAssociator = fn(&serde_json::Value, Seed) -> Result<Box<dyn Associator>, serde_json::Error>;
+pub type BuildAssociator =
+    fn(&serde_json::Value, Seed) -> Result<Box<dyn Associator>, serde_json::Error>;
 
 /// Every associator.
 pub const ASSOCIATORS: &[Method<BuildAssociator>] = &[

@@ -27,7 +27,11 @@ use serde::Deserialize;
 pub const METHOD: Method<BuildAssociator> = Method {
     name: "nearest_neighbour",
     parameters: &PARAMETERS,
-    build: |spec, _| Ok(Box::new(NearestNeighbour::new(Settings::deserialize(spec)?))),
+    build: |spec, _| {
+        Ok(Box::new(NearestNeighbour::new(Settings::deserialize(
+            spec,
+        )?)))
+    },
 };
 
 static PARAMETERS: Object = Object {
@@ -65,7 +69,11 @@ struct NearestNeighbour {
 
 impl NearestNeighbour {
     fn new(settings: Settings) -> Self {
-        NearestNeighbour { conflicts: settings.conflicts, greedy: Greedy::default(), taken: Vec::new() }
+        NearestNeighbour {
+            conflicts: settings.conflicts,
+            greedy: Greedy::default(),
+            taken: Vec::new(),
+        }
     }
 
     fn in_turn(&mut self, problem: &Problem, weights: &mut Weights) {
@@ -80,24 +88,34 @@ impl NearestNeighbour {
         }
         // Only what this cluster can have taken: a scan has many clusters.
         for (_, row) in problem.rows() {
-            row.edges().for_each(|edge| self.taken[problem.edge(edge).detection as usize] = false);
+            row.edges()
+                .for_each(|edge| self.taken[problem.edge(edge).detection as usize] = false);
         }
     }
 }
 
 /// The edge to the nearest of the detections that may be taken; of equals the one with the lowest number.
 fn nearest(problem: &Problem, row: &Row, may_take: impl Fn(u32) -> bool) -> Option<usize> {
-    let rank = |&edge: &usize| (problem.edge(edge).squared_distance, problem.edge(edge).detection);
-    row.edges().filter(|&edge| may_take(problem.edge(edge).detection)).min_by(|left, right| {
-        let (left, right) = (rank(left), rank(right));
-        left.0.total_cmp(&right.0).then(left.1.cmp(&right.1))
-    })
+    let rank = |&edge: &usize| {
+        (
+            problem.edge(edge).squared_distance,
+            problem.edge(edge).detection,
+        )
+    };
+    row.edges()
+        .filter(|&edge| may_take(problem.edge(edge).detection))
+        .min_by(|left, right| {
+            let (left, right) = (rank(left), rank(right));
+            left.0.total_cmp(&right.0).then(left.1.cmp(&right.1))
+        })
 }
 
 impl Associator for NearestNeighbour {
     fn associate(&mut self, problem: &Problem, weights: &mut Weights) {
         match self.conflicts {
-            Conflicts::ClosestPair => self.greedy.associate(problem, weights, |edge| edge.squared_distance),
+            Conflicts::ClosestPair => self
+                .greedy
+                .associate(problem, weights, |edge| edge.squared_distance),
             Conflicts::InTurn => self.in_turn(problem, weights),
             Conflicts::Shared => {
                 for (index, row) in problem.rows() {
@@ -116,7 +134,10 @@ mod tests {
     use super::*;
 
     fn chosen_with(conflicts: Conflicts, tracks: &[&[(u32, f64)]]) -> Vec<Option<u32>> {
-        chosen_by(&mut NearestNeighbour::new(Settings { conflicts }), &mut problem_of(tracks))
+        chosen_by(
+            &mut NearestNeighbour::new(Settings { conflicts }),
+            &mut problem_of(tracks),
+        )
     }
 
     fn chosen(tracks: &[&[(u32, f64)]]) -> Vec<Option<u32>> {
@@ -126,28 +147,54 @@ mod tests {
     #[test]
     fn the_rule_for_conflicts_decides_who_gives_way() {
         // All want detection 0; track 1 is closest to it, then track 0, then track 2.
-        let tracks: &[&[(u32, f64)]] = &[&[(0, 2.0), (1, 5.0)], &[(0, 1.0), (1, 4.0)], &[(0, 3.0), (2, 7.0)], &[]];
-        assert_eq!(chosen_with(Conflicts::ClosestPair, tracks), vec![Some(1), Some(0), Some(2), None]);
-        assert_eq!(chosen_with(Conflicts::InTurn, tracks), vec![Some(0), Some(1), Some(2), None]);
-        assert_eq!(chosen_with(Conflicts::Shared, tracks), vec![Some(0), Some(0), Some(0), None]);
+        let tracks: &[&[(u32, f64)]] = &[
+            &[(0, 2.0), (1, 5.0)],
+            &[(0, 1.0), (1, 4.0)],
+            &[(0, 3.0), (2, 7.0)],
+            &[],
+        ];
+        assert_eq!(
+            chosen_with(Conflicts::ClosestPair, tracks),
+            vec![Some(1), Some(0), Some(2), None]
+        );
+        assert_eq!(
+            chosen_with(Conflicts::InTurn, tracks),
+            vec![Some(0), Some(1), Some(2), None]
+        );
+        assert_eq!(
+            chosen_with(Conflicts::Shared, tracks),
+            vec![Some(0), Some(0), Some(0), None]
+        );
         // Two clusters; a track whose only candidate is taken goes without.
         let tracks: &[&[(u32, f64)]] = &[&[(0, 2.0)], &[(0, 1.0)], &[(3, 1.0), (2, 1.0)]];
-        assert_eq!(chosen_with(Conflicts::InTurn, tracks), vec![Some(0), None, Some(2)]);
+        assert_eq!(
+            chosen_with(Conflicts::InTurn, tracks),
+            vec![Some(0), None, Some(2)]
+        );
     }
 
     #[test]
     fn a_lone_track_takes_the_nearest_and_an_empty_gate_takes_none() {
-        assert_eq!(chosen(&[&[(4, 3.0), (2, 1.0), (1, 2.0)], &[]]), vec![Some(2), None]);
+        assert_eq!(
+            chosen(&[&[(4, 3.0), (2, 1.0), (1, 2.0)], &[]]),
+            vec![Some(2), None]
+        );
     }
 
     #[test]
     fn the_closest_pair_goes_first_and_the_loser_takes_what_is_left() {
-        assert_eq!(chosen(&[&[(0, 2.0), (1, 5.0)], &[(0, 1.0)]]), vec![Some(1), Some(0)]);
+        assert_eq!(
+            chosen(&[&[(0, 2.0), (1, 5.0)], &[(0, 1.0)]]),
+            vec![Some(1), Some(0)]
+        );
         assert_eq!(chosen(&[&[(0, 2.0)], &[(0, 1.0)]]), vec![None, Some(0)]);
     }
 
     #[test]
     fn equal_distances_go_to_the_earlier_track_and_detection() {
-        assert_eq!(chosen(&[&[(1, 1.0), (0, 1.0)], &[(0, 1.0), (1, 1.0)]]), vec![Some(0), Some(1)]);
+        assert_eq!(
+            chosen(&[&[(1, 1.0), (0, 1.0)], &[(0, 1.0), (1, 1.0)]]),
+            vec![Some(0), Some(1)]
+        );
     }
 }

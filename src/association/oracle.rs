@@ -10,7 +10,11 @@ use super::problem::{Problem, Weights};
 use super::{Associator, BuildAssociator, Needs};
 use crate::registry::{Method, Object};
 
-pub const METHOD: Method<BuildAssociator> = Method { name: "oracle", parameters: &PARAMETERS, build: |_, _| Ok(Box::new(Oracle)) };
+pub const METHOD: Method<BuildAssociator> = Method {
+    name: "oracle",
+    parameters: &PARAMETERS,
+    build: |_, _| Ok(Box::new(Oracle)),
+};
 
 static PARAMETERS: Object = Object {
     name: "Oracle",

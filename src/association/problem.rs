@@ -139,7 +139,12 @@ impl ScanProblem {
     #[inline]
     pub fn end_row(&mut self, log_none: f64, log_gate_clutter: f64) {
         let first = self.rows.last().map_or(0, |row| row.first + row.count);
-        self.rows.push(Row { first, count: self.edges.len() as u32 - first, log_none, log_gate_clutter });
+        self.rows.push(Row {
+            first,
+            count: self.edges.len() as u32 - first,
+            log_none,
+            log_gate_clutter,
+        });
     }
 
     /// The amplitudes of the scan's detections, for an associator that needs them; kept until the next call.
@@ -149,7 +154,12 @@ impl ScanProblem {
     }
 
     /// The measurements of the scan's detections, for an associator that needs places; kept until the next call.
-    pub fn set_measurements<'m>(&mut self, dimensions: usize, angle: Option<usize>, values: impl Iterator<Item = &'m [f64]>) {
+    pub fn set_measurements<'m>(
+        &mut self,
+        dimensions: usize,
+        angle: Option<usize>,
+        values: impl Iterator<Item = &'m [f64]>,
+    ) {
         let places = &mut self.places;
         (places.dimensions, places.angle) = (dimensions, angle);
         places.measured.clear();
@@ -177,10 +187,27 @@ impl ScanProblem {
 
     /// The same, until the watch says to stop.
     pub fn for_each_cluster_until(&mut self, watch: &Watch, mut visit: impl FnMut(&Problem)) {
-        let ScanProblem { rows, edges, amplitudes, places, clusters, occasion, detections } = self;
+        let ScanProblem {
+            rows,
+            edges,
+            amplitudes,
+            places,
+            clusters,
+            occasion,
+            detections,
+        } = self;
         clusters.find(rows, edges, *detections as usize);
         for members in clusters.iter() {
-            visit(&Problem { rows, edges, amplitudes, places, occasion: *occasion, detections: *detections, members, watch });
+            visit(&Problem {
+                rows,
+                edges,
+                amplitudes,
+                places,
+                occasion: *occasion,
+                detections: *detections,
+                members,
+                watch,
+            });
             if watch.stops_after(members.len() as u64) {
                 return;
             }
@@ -192,7 +219,9 @@ impl<'a> Problem<'a> {
     /// The cluster's rows, each with its index in the scan (and in [`Weights::none`]).
     pub fn rows(&self) -> impl Iterator<Item = (usize, &'a Row)> + use<'a> {
         let rows = self.rows;
-        self.members.iter().map(move |&row| (row as usize, &rows[row as usize]))
+        self.members
+            .iter()
+            .map(move |&row| (row as usize, &rows[row as usize]))
     }
 
     pub fn row_count(&self) -> usize {
@@ -332,7 +361,9 @@ impl Clusters {
 
     fn iter(&self) -> impl Iterator<Item = &[u32]> {
         let starts = std::iter::once(0).chain(self.ends.iter().copied());
-        starts.zip(&self.ends).map(|(start, &end)| &self.members[start as usize..end as usize])
+        starts
+            .zip(&self.ends)
+            .map(|(start, &end)| &self.members[start as usize..end as usize])
     }
 }
 
@@ -347,7 +378,11 @@ pub(crate) mod tests {
         problem.begin(0, 12);
         for candidates in tracks {
             for &(detection, squared_distance) in *candidates {
-                problem.push_edge(Edge { detection, squared_distance, log_likelihood: -0.5 * squared_distance });
+                problem.push_edge(Edge {
+                    detection,
+                    squared_distance,
+                    log_likelihood: -0.5 * squared_distance,
+                });
             }
             problem.end_row(0.1f64.ln(), 0.0);
         }
@@ -355,23 +390,39 @@ pub(crate) mod tests {
     }
 
     /// The detection that a hard associator gives to each track.
-    pub(crate) fn chosen_by(associator: &mut dyn super::super::Associator, problem: &mut ScanProblem) -> Vec<Option<u32>> {
+    pub(crate) fn chosen_by(
+        associator: &mut dyn super::super::Associator,
+        problem: &mut ScanProblem,
+    ) -> Vec<Option<u32>> {
         let mut weights = Weights::default();
         weights.reset(problem);
         problem.for_each_cluster(|cluster| associator.associate(cluster, &mut weights));
-        let pick = |row: &Row| row.edges().find(|&edge| weights.edges[edge] == 1.0).map(|edge| problem.edges()[edge].detection);
+        let pick = |row: &Row| {
+            row.edges()
+                .find(|&edge| weights.edges[edge] == 1.0)
+                .map(|edge| problem.edges()[edge].detection)
+        };
         problem.rows().iter().map(pick).collect()
     }
 
     fn clusters_of(problem: &mut ScanProblem) -> Vec<Vec<usize>> {
         let mut clusters = Vec::new();
-        problem.for_each_cluster(|cluster| clusters.push(cluster.rows().map(|(row, _)| row).collect()));
+        problem.for_each_cluster(|cluster| {
+            clusters.push(cluster.rows().map(|(row, _)| row).collect())
+        });
         clusters
     }
 
     #[test]
     fn tracks_that_share_a_detection_are_one_cluster() {
-        let mut problem = problem_of(&[&[(0, 1.0)], &[(3, 1.0)], &[], &[(0, 1.0), (1, 1.0)], &[(2, 1.0)], &[(1, 1.0), (2, 1.0)]]);
+        let mut problem = problem_of(&[
+            &[(0, 1.0)],
+            &[(3, 1.0)],
+            &[],
+            &[(0, 1.0), (1, 1.0)],
+            &[(2, 1.0)],
+            &[(1, 1.0), (2, 1.0)],
+        ]);
         assert_eq!(clusters_of(&mut problem), vec![vec![0, 3, 4, 5], vec![1]]);
     }
 

@@ -18,8 +18,11 @@ use super::problem::{Problem, Weights};
 use super::{Associator, BuildAssociator, Needs};
 use crate::registry::{Method, Object};
 
-pub const METHOD: Method<BuildAssociator> =
-    Method { name: "strongest_neighbour", parameters: &PARAMETERS, build: |_, _| Ok(Box::new(StrongestNeighbour::default())) };
+pub const METHOD: Method<BuildAssociator> = Method {
+    name: "strongest_neighbour",
+    parameters: &PARAMETERS,
+    build: |_, _| Ok(Box::new(StrongestNeighbour::default())),
+};
 
 static PARAMETERS: Object = Object {
     name: "StrongestNeighbour",
@@ -38,7 +41,8 @@ impl Associator for StrongestNeighbour {
     }
 
     fn associate(&mut self, problem: &Problem, weights: &mut Weights) {
-        self.greedy.associate(problem, weights, |edge| -problem.amplitude(edge.detection));
+        self.greedy
+            .associate(problem, weights, |edge| -problem.amplitude(edge.detection));
     }
 }
 
@@ -55,13 +59,22 @@ mod tests {
 
     #[test]
     fn a_lone_track_takes_the_strongest_in_its_gate_however_far() {
-        assert_eq!(chosen(&[&[(0, 1.0), (2, 8.0), (1, 2.0)]], &[3.0, 4.0, 5.0, 9.0]), vec![Some(2)]);
+        assert_eq!(
+            chosen(&[&[(0, 1.0), (2, 8.0), (1, 2.0)]], &[3.0, 4.0, 5.0, 9.0]),
+            vec![Some(2)]
+        );
     }
 
     #[test]
     fn the_strongest_pair_goes_first_and_of_equals_the_closest() {
         // Both want detection 1; track 1 is closer, track 0 takes its second strongest.
-        assert_eq!(chosen(&[&[(0, 1.0), (1, 5.0)], &[(1, 2.0)]], &[3.0, 4.0]), vec![Some(0), Some(1)]);
-        assert_eq!(chosen(&[&[(1, 5.0)], &[(1, 2.0), (0, 1.0)]], &[3.0, 4.0]), vec![None, Some(1)]);
+        assert_eq!(
+            chosen(&[&[(0, 1.0), (1, 5.0)], &[(1, 2.0)]], &[3.0, 4.0]),
+            vec![Some(0), Some(1)]
+        );
+        assert_eq!(
+            chosen(&[&[(1, 5.0)], &[(1, 2.0), (0, 1.0)]], &[3.0, 4.0]),
+            vec![None, Some(1)]
+        );
     }
 }

@@ -16,7 +16,11 @@ pub struct Trace {
 impl Trace {
     /// `header` names the columns, divided by commas.
     pub fn new(header: &str) -> Self {
-        Trace { text: format!("{header}\n"), rows: 0, left_out: 0 }
+        Trace {
+            text: format!("{header}\n"),
+            rows: 0,
+            left_out: 0,
+        }
     }
 
     /// Adds a row, values divided by commas.
@@ -26,7 +30,10 @@ impl Trace {
             return;
         }
         self.rows += 1;
-        self.text.write_fmt(row).and_then(|()| self.text.write_char('\n')).expect("a string takes all text");
+        self.text
+            .write_fmt(row)
+            .and_then(|()| self.text.write_char('\n'))
+            .expect("a string takes all text");
     }
 
     pub fn text(&self) -> &str {

@@ -18,14 +18,18 @@ pub(super) fn divide(problem: &Problem, row: &[u32], show: &mut impl FnMut(&[u32
 /// The tuples that all rows are made of.
 pub(super) fn divided(problem: &Problem, rows: &[Vec<u32>]) -> Vec<Vec<u32>> {
     let mut tuples = Vec::with_capacity(rows.len());
-    rows.iter().for_each(|row| divide(problem, row, &mut |tuple, _| tuples.push(tuple.to_vec())));
+    rows.iter()
+        .for_each(|row| divide(problem, row, &mut |tuple, _| tuples.push(tuple.to_vec())));
     tuples
 }
 
 fn cut_chain(problem: &Problem, row: &[u32], show: &mut impl FnMut(&[u32], f64)) {
     let (mut first, mut cost) = (0, 0.0);
     for place in 1..row.len() {
-        match problem.link(row[place - 1], row[place]).filter(|cost| *cost < 0.0) {
+        match problem
+            .link(row[place - 1], row[place])
+            .filter(|cost| *cost < 0.0)
+        {
             Some(of_link) => cost += of_link,
             None => {
                 show(&row[first..place], cost);
@@ -57,7 +61,11 @@ fn split(problem: &Problem, row: &[u32], show: &mut impl FnMut(&[u32], f64)) {
         }
     }
     let sum: f64 = tuples.iter().map(|(_, cost)| cost).sum();
-    let whole = if let Costs::Joint(_) = problem.costs { problem.cost(row).filter(|cost| *cost < sum) } else { None };
+    let whole = if let Costs::Joint(_) = problem.costs {
+        problem.cost(row).filter(|cost| *cost < sum)
+    } else {
+        None
+    };
     match whole {
         Some(cost) => show(row, cost),
         None => tuples.iter().for_each(|(tuple, cost)| show(tuple, *cost)),
@@ -67,7 +75,10 @@ fn split(problem: &Problem, row: &[u32], show: &mut impl FnMut(&[u32], f64)) {
 /// What a track of a later sensor adds to the cost of a tuple, where it may join.
 fn change_by(problem: &Problem, tuple: &mut Vec<u32>, cost: f64, track: u32) -> Option<f64> {
     if let Costs::AllPairs = problem.costs {
-        return tuple.iter().map(|&member| problem.link(member, track)).sum();
+        return tuple
+            .iter()
+            .map(|&member| problem.link(member, track))
+            .sum();
     }
     tuple.push(track);
     let grown = problem.cost(tuple);
@@ -88,9 +99,15 @@ mod tests {
 
     #[test]
     fn a_chain_is_cut_where_a_link_is_missing_or_dear() {
-        let chain = Problem::new(&[1, 1, 1, 1], &[(0, 1, -1.0), (1, 2, 0.5), (2, 3, -2.0)], Costs::Chain);
+        let chain = Problem::new(
+            &[1, 1, 1, 1],
+            &[(0, 1, -1.0), (1, 2, 0.5), (2, 3, -2.0)],
+            Costs::Chain,
+        );
         let mut found = Vec::new();
-        divide(&chain, &[0, 1, 2, 3], &mut |tuple, cost| found.push((tuple.to_vec(), cost)));
+        divide(&chain, &[0, 1, 2, 3], &mut |tuple, cost| {
+            found.push((tuple.to_vec(), cost))
+        });
         assert_eq!(found, [(vec![0, 1], -1.0), (vec![2, 3], -2.0)]);
         assert_eq!(divided(&chain, &[vec![], vec![3]]), [vec![3]]);
     }

@@ -46,18 +46,40 @@ pub struct Alignment {
 
 /// The tracks at the given times, and how many estimates had to be left out since their covariance has no inverse.
 pub fn align(nodes: &[Node], times_s: &[f64], alignment: &Alignment) -> (Estimates, usize) {
-    let has_velocity = nodes.iter().all(|node| has_velocity(&node.tracks, alignment.assumed));
+    let has_velocity = nodes
+        .iter()
+        .all(|node| has_velocity(&node.tracks, alignment.assumed));
     let times_s = shared_times(nodes, times_s, alignment.max_gap_s, has_velocity);
-    let names = |node: &Node| (node.sensor_id.clone(), node.tracks.tracks.iter().map(|track| track.track_id.clone()).collect());
+    let names = |node: &Node| {
+        (
+            node.sensor_id.clone(),
+            node.tracks
+                .tracks
+                .iter()
+                .map(|track| track.track_id.clone())
+                .collect(),
+        )
+    };
     let mut estimates = Estimates::new(nodes.iter().map(names).collect(), times_s, has_velocity);
-    let motion = ConstantVelocity { spectral_density: alignment.process_noise_m2ps3 };
+    let motion = ConstantVelocity {
+        spectral_density: alignment.process_noise_m2ps3,
+    };
     let tracks: Vec<&Track> = nodes.iter().flat_map(|node| &node.tracks.tracks).collect();
     let mut left_out = 0;
     for (index, track) in tracks.into_iter().enumerate() {
         for time in 0..estimates.times() {
             let time_s = estimates.times_s[time];
-            let Some(point) = last_point(track, time_s, gap_s(alignment.max_gap_s, has_velocity)) else { continue };
-            let Some(mut state) = point.estimate.plane().and_then(|plane| state_of(plane, alignment.assumed)) else { continue };
+            let Some(point) = last_point(track, time_s, gap_s(alignment.max_gap_s, has_velocity))
+            else {
+                continue;
+            };
+            let Some(mut state) = point
+                .estimate
+                .plane()
+                .and_then(|plane| state_of(plane, alignment.assumed))
+            else {
+                continue;
+            };
             predict(&mut state, motion, (time_s - point.time_s).max(0.0));
             left_out += usize::from(!estimates.set(index, time, &state));
         }
@@ -67,46 +89,82 @@ pub fn align(nodes: &[Node], times_s: &[f64], alignment: &Alignment) -> (Estimat
 
 /// Whether every point of the tracks has a velocity that can be compared.
 pub fn has_velocity(tracks: &TrackSet, assumed: Option<Assumed>) -> bool {
-    let mut points = tracks.tracks.iter().flat_map(|track| &track.points).filter_map(|point| point.estimate.plane());
-    let is_known = |plane: &PlaneEstimate| plane.covariance.is_some() || assumed.is_some_and(|assumed| assumed.sigma_mps.is_some());
+    let mut points = tracks
+        .tracks
+        .iter()
+        .flat_map(|track| &track.points)
+        .filter_map(|point| point.estimate.plane());
+    let is_known = |plane: &PlaneEstimate| {
+        plane.covariance.is_some() || assumed.is_some_and(|assumed| assumed.sigma_mps.is_some())
+    };
     points.all(|plane| plane.has_velocity && is_known(plane))
 }
 
 /// The times of all points, each once.
 pub fn times_of(tracks: &TrackSet) -> Vec<f64> {
-    let mut times_s: Vec<f64> = tracks.tracks.iter().flat_map(|track| track.points.iter().map(|point| point.time_s)).collect();
+    let mut times_s: Vec<f64> = tracks
+        .tracks
+        .iter()
+        .flat_map(|track| track.points.iter().map(|point| point.time_s))
+        .collect();
     times_s.sort_by(f64::total_cmp);
     times_s.dedup_by(|later, earlier| *later - *earlier < SAME_TIME_S);
     times_s
 }
 
 fn gap_s(max_gap_s: f64, has_velocity: bool) -> f64 {
-    if has_velocity { max_gap_s.max(SAME_TIME_S) } else { SAME_TIME_S }
+    if has_velocity {
+        max_gap_s.max(SAME_TIME_S)
+    } else {
+        SAME_TIME_S
+    }
 }
 
 /// The times at which two sensors or more have a track.
 fn shared_times(nodes: &[Node], times_s: &[f64], max_gap_s: f64, has_velocity: bool) -> Vec<f64> {
     let is_there = |node: &&Node, time_s: f64| {
-        node.tracks.tracks.iter().any(|track| last_point(track, time_s, gap_s(max_gap_s, has_velocity)).is_some())
+        node.tracks
+            .tracks
+            .iter()
+            .any(|track| last_point(track, time_s, gap_s(max_gap_s, has_velocity)).is_some())
     };
-    let is_shared = |time_s: &f64| nodes.iter().filter(|node| is_there(node, *time_s)).take(2).count() == 2;
+    let is_shared = |time_s: &f64| {
+        nodes
+            .iter()
+            .filter(|node| is_there(node, *time_s))
+            .take(2)
+            .count()
+            == 2
+    };
     times_s.iter().copied().filter(is_shared).collect()
 }
 
 /// The last point of a track at or before a time, unless it is older than the gap.
 fn last_point(track: &Track, time_s: f64, max_gap_s: f64) -> Option<&TrackPoint> {
-    let after = track.points.partition_point(|point| point.time_s <= time_s + SAME_TIME_S);
-    track.points[..after].last().filter(|point| time_s - point.time_s <= max_gap_s)
+    let after = track
+        .points
+        .partition_point(|point| point.time_s <= time_s + SAME_TIME_S);
+    track.points[..after]
+        .last()
+        .filter(|point| time_s - point.time_s <= max_gap_s)
 }
 
 /// The state with its covariance, or with the one that is assumed.
 fn state_of(plane: &PlaneEstimate, assumed: Option<Assumed>) -> Option<GaussianState> {
     let covariance = plane.covariance.or_else(|| {
         let assumed = assumed?;
-        let (position, velocity) = (assumed.sigma_m.powi(2), assumed.sigma_mps.unwrap_or(1.0).powi(2));
-        Some(Covariance::from_diagonal(&nalgebra::Vector4::new(position, position, velocity, velocity)))
+        let (position, velocity) = (
+            assumed.sigma_m.powi(2),
+            assumed.sigma_mps.unwrap_or(1.0).powi(2),
+        );
+        Some(Covariance::from_diagonal(&nalgebra::Vector4::new(
+            position, position, velocity, velocity,
+        )))
     })?;
-    Some(GaussianState { mean: plane.state, covariance })
+    Some(GaussianState {
+        mean: plane.state,
+        covariance,
+    })
 }
 
 /// x̂ ← F x̂, P ← F P Fᵀ + Q.
@@ -114,7 +172,8 @@ pub(super) fn predict(state: &mut GaussianState, motion: ConstantVelocity, dt_s:
     if dt_s > 0.0 {
         let transition = transition(dt_s);
         state.mean = transition * state.mean;
-        state.covariance = transition * state.covariance * transition.transpose() + motion.process_noise::<4>(dt_s);
+        state.covariance = transition * state.covariance * transition.transpose()
+            + motion.process_noise::<4>(dt_s);
     }
 }
 

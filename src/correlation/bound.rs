@@ -21,23 +21,37 @@ pub(super) fn dual_bound(problem: &Problem) -> Option<f64> {
 
 fn sum_over_pairs(problem: &Problem) -> f64 {
     let mut solver = AssignmentSolver::default();
-    let pairs = (0..problem.sensors()).flat_map(|left| (left + 1..problem.sensors()).map(move |right| (left, right)));
-    pairs.map(|(left, right)| least_of_pair(problem, left, right, &mut solver)).sum()
+    let pairs = (0..problem.sensors())
+        .flat_map(|left| (left + 1..problem.sensors()).map(move |right| (left, right)));
+    pairs
+        .map(|(left, right)| least_of_pair(problem, left, right, &mut solver))
+        .sum()
 }
 
 /// The optimal assignment of two sensors' tracks.
-fn least_of_pair(problem: &Problem, left: usize, right: usize, solver: &mut AssignmentSolver) -> f64 {
+fn least_of_pair(
+    problem: &Problem,
+    left: usize,
+    right: usize,
+    solver: &mut AssignmentSolver,
+) -> f64 {
     let columns = problem.of_sensor(right);
     solver.clear();
     for track in problem.of_sensor(left) {
         let links = problem.links(track);
         let first = links.partition_point(|link| link.track < columns.start);
-        for link in links[first..].iter().take_while(|link| link.track < columns.end).filter(|link| link.cost < 0.0) {
+        for link in links[first..]
+            .iter()
+            .take_while(|link| link.track < columns.end)
+            .filter(|link| link.cost < 0.0)
+        {
             solver.push_edge(link.track - columns.start, link.cost);
         }
         solver.end_row(0.0);
     }
-    solver.solve().expect("tracks that may all stay alone have an assignment")
+    solver
+        .solve()
+        .expect("tracks that may all stay alone have an assignment")
 }
 
 #[cfg(test)]
@@ -48,9 +62,22 @@ mod tests {
     fn the_bound_of_all_pairs_forgets_common_partners() {
         // 0–1 and 1–2 are worth −3 and −2, 0–2 costs 4: the pairs alone give −5, the optimum is −3.
         let pairs = [(0, 1, -3.0), (1, 2, -2.0), (0, 2, 4.0)];
-        assert_eq!(dual_bound(&Problem::new(&[1, 1, 1], &pairs, Costs::AllPairs)), Some(-5.0));
-        assert_eq!(dual_bound(&Problem::new(&[1, 1, 1], &pairs, Costs::Chain)), Some(-5.0));
+        assert_eq!(
+            dual_bound(&Problem::new(&[1, 1, 1], &pairs, Costs::AllPairs)),
+            Some(-5.0)
+        );
+        assert_eq!(
+            dual_bound(&Problem::new(&[1, 1, 1], &pairs, Costs::Chain)),
+            Some(-5.0)
+        );
         // Two tracks of the first sensor want the same track: one assignment, not two links.
-        assert_eq!(dual_bound(&Problem::new(&[2, 1], &[(0, 2, -3.0), (1, 2, -2.0)], Costs::AllPairs)), Some(-3.0));
+        assert_eq!(
+            dual_bound(&Problem::new(
+                &[2, 1],
+                &[(0, 2, -3.0), (1, 2, -2.0)],
+                Costs::AllPairs
+            )),
+            Some(-3.0)
+        );
     }
 }

@@ -24,13 +24,25 @@ pub fn candidates(estimates: &Estimates, gate: f64, limit: usize) -> Option<Vec<
     let sensors = estimates.sensors_of_tracks();
     let mut found = Vec::new();
     for time in 0..estimates.times() {
-        let mut reaches: Vec<Reach> = (0..estimates.tracks() as u32).filter_map(|track| reach(estimates, track, time, gate)).collect();
-        reaches.sort_by(|left, right| left.low.total_cmp(&right.low).then(left.track.cmp(&right.track)));
+        let mut reaches: Vec<Reach> = (0..estimates.tracks() as u32)
+            .filter_map(|track| reach(estimates, track, time, gate))
+            .collect();
+        reaches.sort_by(|left, right| {
+            left.low
+                .total_cmp(&right.low)
+                .then(left.track.cmp(&right.track))
+        });
         for (index, left) in reaches.iter().enumerate() {
-            let overlapping = reaches[index + 1..].iter().take_while(|right| right.low <= left.high);
-            let near =
-                overlapping.filter(|right| sensors[left.track as usize] != sensors[right.track as usize] && is_near(left, right, gate));
-            found.extend(near.map(|right| (left.track.min(right.track), left.track.max(right.track))));
+            let overlapping = reaches[index + 1..]
+                .iter()
+                .take_while(|right| right.low <= left.high);
+            let near = overlapping.filter(|right| {
+                sensors[left.track as usize] != sensors[right.track as usize]
+                    && is_near(left, right, gate)
+            });
+            found.extend(
+                near.map(|right| (left.track.min(right.track), left.track.max(right.track))),
+            );
             // Pairs of one time are all different: as many of this time alone are too many.
             if found.len() > 2 * limit {
                 return None;
@@ -48,7 +60,12 @@ pub fn candidates(estimates: &Estimates, gate: f64, limit: usize) -> Option<Vec<
 fn reach(estimates: &Estimates, track: u32, time: usize, gate: f64) -> Option<Reach<'_>> {
     let estimate = estimates.at(track, time)?;
     let reach_m = (gate * estimate.covariance[(0, 0)]).sqrt();
-    Some(Reach { low: estimate.mean[0] - reach_m, high: estimate.mean[0] + reach_m, track, estimate })
+    Some(Reach {
+        low: estimate.mean[0] - reach_m,
+        high: estimate.mean[0] + reach_m,
+        track,
+        estimate,
+    })
 }
 
 fn is_near(left: &Reach, right: &Reach, gate: f64) -> bool {

@@ -36,18 +36,28 @@ pub(super) struct Cluster<'a> {
 pub(super) fn clusters(problem: &Problem) -> Vec<Cluster<'_>> {
     let mut root_of: Vec<u32> = (0..problem.tracks() as u32).collect();
     for track in 0..problem.tracks() as u32 {
-        for link in problem.links(track).iter().filter(|link| connects(problem, link.cost)) {
+        for link in problem
+            .links(track)
+            .iter()
+            .filter(|link| connects(problem, link.cost))
+        {
             let (left, right) = (root(&mut root_of, track), root(&mut root_of, link.track));
             root_of[left.max(right) as usize] = left.min(right);
         }
     }
-    let roots: Vec<u32> = (0..problem.tracks() as u32).map(|track| root(&mut root_of, track)).collect();
+    let roots: Vec<u32> = (0..problem.tracks() as u32)
+        .map(|track| root(&mut root_of, track))
+        .collect();
     let mut members: Vec<Vec<u32>> = vec![Vec::new(); problem.tracks()];
     for (track, &root) in roots.iter().enumerate() {
         members[root as usize].push(track as u32);
     }
     let mut local_of = vec![NONE; problem.tracks()];
-    members.into_iter().filter(|members| members.len() > 1).map(|members| Cluster::new(problem, members, &mut local_of)).collect()
+    members
+        .into_iter()
+        .filter(|members| members.len() > 1)
+        .map(|members| Cluster::new(problem, members, &mut local_of))
+        .collect()
 }
 
 fn connects(problem: &Problem, cost: f64) -> bool {
@@ -65,7 +75,10 @@ fn root(root_of: &mut [u32], mut track: u32) -> u32 {
 impl<'a> Cluster<'a> {
     /// `local_of` is as long as the problem has tracks, all [`NONE`], and is left so.
     fn new(problem: &'a Problem, tracks: Vec<u32>, local_of: &mut [u32]) -> Self {
-        let mut sensor_of: Vec<u32> = tracks.iter().map(|&track| problem.sensor_of(track) as u32).collect();
+        let mut sensor_of: Vec<u32> = tracks
+            .iter()
+            .map(|&track| problem.sensor_of(track) as u32)
+            .collect();
         let mut numbers = sensor_of.clone();
         numbers.dedup();
         for sensor in &mut sensor_of {
@@ -74,7 +87,14 @@ impl<'a> Cluster<'a> {
         for (local, &track) in tracks.iter().enumerate() {
             local_of[track as usize] = local as u32;
         }
-        let mut cluster = Cluster { problem, sensor_of, sensors: numbers.len(), places: Vec::new(), edges: Vec::new(), tracks };
+        let mut cluster = Cluster {
+            problem,
+            sensor_of,
+            sensors: numbers.len(),
+            places: Vec::new(),
+            edges: Vec::new(),
+            tracks,
+        };
         for local in 0..cluster.tracks.len() {
             cluster.add_edges(local, local_of);
         }
@@ -97,7 +117,10 @@ impl<'a> Cluster<'a> {
                 self.places.push(self.edges.len() as u32);
                 sensor += 1;
             }
-            self.edges.push(Edge { track, cost: link.cost });
+            self.edges.push(Edge {
+                track,
+                cost: link.cost,
+            });
         }
         let filled = (local + 1) * (self.sensors + 1);
         self.places.resize(filled, self.edges.len() as u32);
@@ -136,7 +159,10 @@ impl<'a> Cluster<'a> {
 
     /// Its number here.
     pub(super) fn number_of(&self, name: u32) -> Option<u32> {
-        self.tracks.binary_search(&name).ok().map(|track| track as u32)
+        self.tracks
+            .binary_search(&name)
+            .ok()
+            .map(|track| track as u32)
     }
 
     /// The name of a cluster's random choices: its first track.
@@ -159,7 +185,10 @@ impl<'a> Cluster<'a> {
 
     #[inline]
     pub(super) fn link(&self, a: u32, b: u32) -> Option<f64> {
-        self.edges_to(a, self.sensor_of(b)).iter().find(|edge| edge.track == b).map(|edge| edge.cost)
+        self.edges_to(a, self.sensor_of(b))
+            .iter()
+            .find(|edge| edge.track == b)
+            .map(|edge| edge.cost)
     }
 
     /// The cost of a row, or of a tuple, which is a row without gaps; infinite where it does not exist. A chain is cut where a link is
@@ -191,7 +220,9 @@ impl<'a> Cluster<'a> {
         let mut sum = 0.0;
         for (sensor, &track) in row.iter().enumerate().filter(|&(_, &track)| track != NONE) {
             for &other in row[sensor + 1..].iter().filter(|&&other| other != NONE) {
-                let Some(cost) = self.link(track, other) else { return f64::INFINITY };
+                let Some(cost) = self.link(track, other) else {
+                    return f64::INFINITY;
+                };
                 sum += cost;
             }
         }
@@ -202,7 +233,11 @@ impl<'a> Cluster<'a> {
         if self.cost_of_pairs(row) == f64::INFINITY {
             return f64::INFINITY;
         }
-        let tuple: Vec<u32> = row.iter().filter(|&&track| track != NONE).map(|&track| self.name_of(track)).collect();
+        let tuple: Vec<u32> = row
+            .iter()
+            .filter(|&&track| track != NONE)
+            .map(|&track| self.name_of(track))
+            .collect();
         match &self.problem.costs {
             Costs::Joint(joint) if tuple.len() > 1 => joint.cost(&tuple),
             _ => 0.0,
@@ -216,7 +251,8 @@ impl<'a> Cluster<'a> {
         for (track, sums) in sums.chunks_exact_mut(self.sensors + 1).enumerate() {
             for sensor in (0..self.sensors).rev() {
                 let edges = self.edges_to(track as u32, sensor).iter();
-                sums[sensor] = sums[sensor + 1] + edges.fold(0.0, |least: f64, edge| least.min(edge.cost));
+                sums[sensor] =
+                    sums[sensor + 1] + edges.fold(0.0, |least: f64, edge| least.min(edge.cost));
             }
         }
         sums
@@ -235,8 +271,17 @@ impl<'a> Cluster<'a> {
     }
 
     fn sum_of_least(&self, counts: impl Fn(u32, usize) -> bool, add: fn(f64, f64) -> f64) -> f64 {
-        let least = |track, sensor| self.edges_to(track, sensor).iter().fold(0.0, |least: f64, edge| least.min(edge.cost));
-        let of_track = |track| (0..self.sensors).filter(|&sensor| counts(track, sensor)).map(|sensor| least(track, sensor)).fold(0.0, add);
+        let least = |track, sensor| {
+            self.edges_to(track, sensor)
+                .iter()
+                .fold(0.0, |least: f64, edge| least.min(edge.cost))
+        };
+        let of_track = |track| {
+            (0..self.sensors)
+                .filter(|&sensor| counts(track, sensor))
+                .map(|sensor| least(track, sensor))
+                .fold(0.0, add)
+        };
         (0..self.len() as u32).map(of_track).sum()
     }
 }
@@ -247,22 +292,49 @@ mod tests {
 
     #[test]
     fn only_links_worth_having_hold_a_cluster_together() {
-        let pairs = [(0, 2, -3.0), (1, 3, -1.0), (0, 3, 5.0), (2, 4, -2.0), (0, 4, 1.0)];
+        let pairs = [
+            (0, 2, -3.0),
+            (1, 3, -1.0),
+            (0, 3, 5.0),
+            (2, 4, -2.0),
+            (0, 4, 1.0),
+        ];
         let problem = Problem::new(&[2, 2, 1], &pairs, Costs::AllPairs);
         let found = clusters(&problem);
-        let names = |cluster: &Cluster| (0..cluster.len() as u32).map(|track| cluster.name_of(track)).collect::<Vec<_>>();
-        assert_eq!(found.iter().map(names).collect::<Vec<_>>(), [vec![0, 2, 4], vec![1, 3]]);
+        let names = |cluster: &Cluster| {
+            (0..cluster.len() as u32)
+                .map(|track| cluster.name_of(track))
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(
+            found.iter().map(names).collect::<Vec<_>>(),
+            [vec![0, 2, 4], vec![1, 3]]
+        );
         assert_eq!(found[0].cost(&[0, 1, 2]), -4.0);
-        assert_eq!((found[0].link(0, 2), found[1].sensors(), found[1].link(0, 1)), (Some(1.0), 2, Some(-1.0)));
+        assert_eq!(
+            (found[0].link(0, 2), found[1].sensors(), found[1].link(0, 1)),
+            (Some(1.0), 2, Some(-1.0))
+        );
         // Half of −3, −3 − 2 and −2: the link of 0 and 4 is dear.
         assert_eq!(found[0].least_cost(), -5.0);
     }
 
     #[test]
     fn a_chain_is_cut_where_a_link_is_missing() {
-        let problem = Problem::new(&[1, 1, 1, 1], &[(0, 1, -3.0), (1, 2, 2.0), (2, 3, -1.0), (0, 3, -1.0)], Costs::Chain);
+        let problem = Problem::new(
+            &[1, 1, 1, 1],
+            &[(0, 1, -3.0), (1, 2, 2.0), (2, 3, -1.0), (0, 3, -1.0)],
+            Costs::Chain,
+        );
         let found = clusters(&problem);
-        assert_eq!((found.len(), found[0].link(1, 2), found[0].cost(&[0, 1, 2, 3])), (1, None, -4.0));
+        assert_eq!(
+            (
+                found.len(),
+                found[0].link(1, 2),
+                found[0].cost(&[0, 1, 2, 3])
+            ),
+            (1, None, -4.0)
+        );
         // Forward 0 → 1 and 2 → 3; backward the same.
         assert_eq!(found[0].least_cost(), -4.0);
     }

@@ -37,7 +37,11 @@ impl CrossTable {
     pub fn with_coefficient(estimates: &Estimates, pairs: &[(u32, u32)], coefficient: f64) -> Self {
         let roots: Vec<Option<Covariance>> = (0..estimates.tracks() as u32)
             .flat_map(|track| estimates.of_track(track))
-            .map(|estimate| estimate.as_ref().map(|estimate| square_root(&estimate.covariance)))
+            .map(|estimate| {
+                estimate
+                    .as_ref()
+                    .map(|estimate| square_root(&estimate.covariance))
+            })
             .collect();
         let times = estimates.times();
         let root = |track: u32, time: usize| roots[track as usize * times + time];
@@ -45,15 +49,36 @@ impl CrossTable {
             (Some(left), Some(right)) => left * right * coefficient,
             _ => Covariance::zeros(),
         };
-        let of_pair = pairs.iter().map(|&(a, b)| ((a, b), (0..times).map(|time| at(a, b, time)).collect())).collect();
+        let of_pair = pairs
+            .iter()
+            .map(|&(a, b)| ((a, b), (0..times).map(|time| at(a, b, time)).collect()))
+            .collect();
         CrossTable { of_pair }
     }
 
     /// Bar-Shalom's recursion over the points of both tracks; `tracks` in the numbering of the estimates.
-    pub fn by_recursion(estimates: &Estimates, tracks: &[&Track], pairs: &[(u32, u32)], process_noise_m2ps3: f64) -> Self {
-        let motion = ConstantVelocity { spectral_density: process_noise_m2ps3 };
-        let of = |&(a, b): &(u32, u32)| ((a, b), recursion([tracks[a as usize], tracks[b as usize]], &estimates.times_s, motion));
-        CrossTable { of_pair: pairs.iter().map(of).collect() }
+    pub fn by_recursion(
+        estimates: &Estimates,
+        tracks: &[&Track],
+        pairs: &[(u32, u32)],
+        process_noise_m2ps3: f64,
+    ) -> Self {
+        let motion = ConstantVelocity {
+            spectral_density: process_noise_m2ps3,
+        };
+        let of = |&(a, b): &(u32, u32)| {
+            (
+                (a, b),
+                recursion(
+                    [tracks[a as usize], tracks[b as usize]],
+                    &estimates.times_s,
+                    motion,
+                ),
+            )
+        };
+        CrossTable {
+            of_pair: pairs.iter().map(of).collect(),
+        }
     }
 
     /// By time, for a < b.
@@ -73,8 +98,13 @@ impl CrossTable {
 
 /// The symmetric square root.
 fn square_root(covariance: &Covariance) -> Covariance {
-    let SymmetricEigen { eigenvectors, eigenvalues } = SymmetricEigen::new(*covariance);
-    eigenvectors * Covariance::from_diagonal(&eigenvalues.map(|value| value.max(0.0).sqrt())) * eigenvectors.transpose()
+    let SymmetricEigen {
+        eigenvectors,
+        eigenvalues,
+    } = SymmetricEigen::new(*covariance);
+    eigenvectors
+        * Covariance::from_diagonal(&eigenvalues.map(|value| value.max(0.0).sqrt()))
+        * eigenvectors.transpose()
 }
 
 /// An update of one of the two tracks: when, which of them, and I − K H.
@@ -82,24 +112,38 @@ type Update = (f64, usize, Covariance);
 
 /// P_ij of two tracks at the common times.
 fn recursion(tracks: [&Track; 2], times_s: &[f64], motion: ConstantVelocity) -> Vec<Covariance> {
-    let starts_s = tracks.map(|track| track.points.first().map_or(f64::INFINITY, |point| point.time_s));
+    let starts_s = tracks.map(|track| {
+        track
+            .points
+            .first()
+            .map_or(f64::INFINITY, |point| point.time_s)
+    });
     let start_s = starts_s[0].max(starts_s[1]);
-    let mut updates: Vec<Update> =
-        (0..2).flat_map(|side| updates_of(tracks[side], side, motion)).filter(|(time_s, ..)| *time_s > start_s).collect();
+    let mut updates: Vec<Update> = (0..2)
+        .flat_map(|side| updates_of(tracks[side], side, motion))
+        .filter(|(time_s, ..)| *time_s > start_s)
+        .collect();
     updates.sort_by(|left, right| left.0.total_cmp(&right.0));
     let mut cross = Covariance::zeros();
     let (mut now_s, mut next) = (start_s, 0);
     let advance = |cross: &mut Covariance, from_s: f64, to_s: f64| {
         if to_s > from_s {
             let transition = transition(to_s - from_s);
-            *cross = transition * *cross * transition.transpose() + motion.process_noise::<4>(to_s - from_s);
+            *cross = transition * *cross * transition.transpose()
+                + motion.process_noise::<4>(to_s - from_s);
         }
     };
     let mut series = Vec::with_capacity(times_s.len());
     for &time_s in times_s {
-        while let Some((at_s, side, kept)) = updates.get(next).filter(|update| update.0 <= time_s + 1e-6) {
+        while let Some((at_s, side, kept)) =
+            updates.get(next).filter(|update| update.0 <= time_s + 1e-6)
+        {
             advance(&mut cross, now_s, *at_s);
-            cross = if *side == 0 { kept * cross } else { cross * kept.transpose() };
+            cross = if *side == 0 {
+                kept * cross
+            } else {
+                cross * kept.transpose()
+            };
             (now_s, next) = (now_s.max(*at_s), next + 1);
         }
         let mut at_time = cross;
@@ -113,12 +157,22 @@ fn recursion(tracks: [&Track; 2], times_s: &[f64], motion: ConstantVelocity) -> 
 
 /// I − K H = P(l|l) P(l|l−1)⁻¹ of every point but the first.
 fn updates_of(track: &Track, side: usize, motion: ConstantVelocity) -> Vec<Update> {
-    let covariance = |index: usize| track.points[index].estimate.plane().and_then(|plane| plane.covariance);
+    let covariance = |index: usize| {
+        track.points[index]
+            .estimate
+            .plane()
+            .and_then(|plane| plane.covariance)
+    };
     let update = |index: usize| {
         let dt_s = track.points[index].time_s - track.points[index - 1].time_s;
         let transition = transition(dt_s);
-        let predicted = transition * covariance(index - 1)? * transition.transpose() + motion.process_noise::<4>(dt_s);
-        Some((track.points[index].time_s, side, covariance(index)? * predicted.try_inverse()?))
+        let predicted = transition * covariance(index - 1)? * transition.transpose()
+            + motion.process_noise::<4>(dt_s);
+        Some((
+            track.points[index].time_s,
+            side,
+            covariance(index)? * predicted.try_inverse()?,
+        ))
     };
     (1..track.points.len()).filter_map(update).collect()
 }

@@ -15,7 +15,11 @@ pub struct Estimate {
 impl Estimate {
     /// `None` when the covariance is not positive definite.
     pub fn new(state: &GaussianState) -> Option<Self> {
-        Some(Estimate { mean: state.mean, covariance: state.covariance, gaussian: Gaussian::new(&state.covariance)? })
+        Some(Estimate {
+            mean: state.mean,
+            covariance: state.covariance,
+            gaussian: Gaussian::new(&state.covariance)?,
+        })
     }
 }
 
@@ -40,7 +44,14 @@ impl Estimates {
         let tracks_of: Vec<usize> = sensors.iter().map(|(_, tracks)| tracks.len()).collect();
         let table = vec![None; tracks_of.iter().sum::<usize>() * times_s.len()];
         let (sensor_ids, tracks): (Vec<String>, Vec<Vec<String>>) = sensors.into_iter().unzip();
-        Estimates { sensor_ids, tracks_of, track_ids: tracks.concat(), times_s, table, has_velocity }
+        Estimates {
+            sensor_ids,
+            tracks_of,
+            track_ids: tracks.concat(),
+            times_s,
+            table,
+            has_velocity,
+        }
     }
 
     /// Takes what a track says at a time; `false` when its covariance is not positive definite and it is left out.
@@ -79,7 +90,11 @@ impl Estimates {
 
     /// The sensor of each track.
     pub fn sensors_of_tracks(&self) -> Vec<usize> {
-        self.tracks_of.iter().enumerate().flat_map(|(sensor, &count)| std::iter::repeat_n(sensor, count)).collect()
+        self.tracks_of
+            .iter()
+            .enumerate()
+            .flat_map(|(sensor, &count)| std::iter::repeat_n(sensor, count))
+            .collect()
     }
 }
 
@@ -98,14 +113,34 @@ mod tests {
 
     #[test]
     fn without_velocities_the_position_alone_counts() {
-        let mut estimates = Estimates::new(vec![("a".into(), vec!["1".into()]), ("b".into(), vec!["2".into()])], vec![0.0], false);
-        let mut state = GaussianState { mean: State::new(1.0, 2.0, 30.0, 40.0), covariance: Covariance::identity() * 4.0 };
+        let mut estimates = Estimates::new(
+            vec![
+                ("a".into(), vec!["1".into()]),
+                ("b".into(), vec!["2".into()]),
+            ],
+            vec![0.0],
+            false,
+        );
+        let mut state = GaussianState {
+            mean: State::new(1.0, 2.0, 30.0, 40.0),
+            covariance: Covariance::identity() * 4.0,
+        };
         state.covariance[(0, 2)] = 1.0;
         state.covariance[(2, 0)] = 1.0;
         assert!(estimates.set(1, 0, &state));
         let estimate = estimates.at(1, 0).unwrap();
-        assert_eq!((estimate.mean, estimate.covariance[(0, 2)], estimates.dimensions()), (State::new(1.0, 2.0, 0.0, 0.0), 0.0, 2));
-        assert_eq!((estimates.at(0, 0), estimates.sensors_of_tracks()), (None, vec![0, 1]));
+        assert_eq!(
+            (
+                estimate.mean,
+                estimate.covariance[(0, 2)],
+                estimates.dimensions()
+            ),
+            (State::new(1.0, 2.0, 0.0, 0.0), 0.0, 2)
+        );
+        assert_eq!(
+            (estimates.at(0, 0), estimates.sensors_of_tracks()),
+            (None, vec![0, 1])
+        );
         state.covariance[(0, 0)] = -1.0;
         assert!(!estimates.set(1, 0, &state));
     }

@@ -70,14 +70,21 @@ impl Evidence {
     pub fn pair(&self, a: u32, b: u32) -> Option<Pair> {
         let (left, right) = (self.estimates.of_track(a), self.estimates.of_track(b));
         let cross = self.cross.as_ref().and_then(|table| table.of_pair(a, b));
-        let mut pair = Pair { lambda: 0.0, times: 0 };
+        let mut pair = Pair {
+            lambda: 0.0,
+            times: 0,
+        };
         for time in (0..self.until).rev() {
-            let (Some(x), Some(y)) = (&left[time], &right[time]) else { continue };
+            let (Some(x), Some(y)) = (&left[time], &right[time]) else {
+                continue;
+            };
             let mut covariance = x.covariance + y.covariance;
             if let Some(cross) = cross {
                 covariance -= cross[time] + cross[time].transpose();
             }
-            let Some(gaussian) = Gaussian::new(&covariance) else { continue };
+            let Some(gaussian) = Gaussian::new(&covariance) else {
+                continue;
+            };
             pair.lambda += gaussian.squared_distance(&(x.mean - y.mean));
             pair.times += 1;
             if self.times == Times::Latest {
@@ -92,14 +99,22 @@ impl Evidence {
         let mut total = Spread::default();
         match self.times {
             Times::All => (0..self.until).for_each(|time| self.add(tuple, time, &mut total)),
-            Times::Latest => self.fullest_time(tuple).into_iter().for_each(|time| self.add(tuple, time, &mut total)),
+            Times::Latest => self
+                .fullest_time(tuple)
+                .into_iter()
+                .for_each(|time| self.add(tuple, time, &mut total)),
         }
         total
     }
 
     /// The latest of the times at which most of the tuple say something.
     pub(super) fn fullest_time(&self, tuple: &[u32]) -> Option<usize> {
-        let members = |time: usize| tuple.iter().filter(|&&track| self.estimates.at(track, time).is_some()).count();
+        let members = |time: usize| {
+            tuple
+                .iter()
+                .filter(|&&track| self.estimates.at(track, time).is_some())
+                .count()
+        };
         let mut best = None;
         for time in (0..self.until).rev() {
             let count = members(time);
@@ -119,7 +134,9 @@ impl Evidence {
             None => self.independent(tuple, time),
             Some(cross) => self.correlated(tuple, time, cross),
         };
-        let Some((members, q, log_density)) = found else { return };
+        let Some((members, q, log_density)) = found else {
+            return;
+        };
         total.q += q;
         total.degrees_of_freedom += (members - 1) * self.estimates.dimensions();
         total.log_density += log_density + self.velocity_constant(members);
@@ -130,7 +147,11 @@ impl Evidence {
     /// axes, which are taken out again.
     fn velocity_constant(&self, members: usize) -> f64 {
         let count = members as f64;
-        if self.estimates.has_velocity { 0.0 } else { (count - 1.0) * TAU.ln() + count.ln() }
+        if self.estimates.has_velocity {
+            0.0
+        } else {
+            (count - 1.0) * TAU.ln() + count.ln()
+        }
     }
 
     /// Members there, Q and the log-density, by sums of information, relative to the first member.
@@ -138,7 +159,10 @@ impl Evidence {
         let mut origin: Option<State> = None;
         let (mut information, mut vector) = (Covariance::zeros(), State::zeros());
         let (mut members, mut squares, mut peaks) = (0, 0.0, 0.0);
-        for estimate in tuple.iter().filter_map(|&track| self.estimates.at(track, time)) {
+        for estimate in tuple
+            .iter()
+            .filter_map(|&track| self.estimates.at(track, time))
+        {
             let difference = estimate.mean - *origin.get_or_insert(estimate.mean);
             let weighted = estimate.gaussian.inverse() * difference;
             information += estimate.gaussian.inverse();
@@ -153,12 +177,24 @@ impl Evidence {
         let mean = Gaussian::new(&information)?;
         let q = (squares - vector.dot(&(mean.inverse() * vector))).max(0.0);
         // ∫ exp(−½ (x − x̄)ᵀ A (x − x̄)) dx = (2π)² / √det A.
-        Some((members, q, peaks - 0.5 * q + 4.0 * TAU.ln() + mean.log_density(0.0)))
+        Some((
+            members,
+            q,
+            peaks - 0.5 * q + 4.0 * TAU.ln() + mean.log_density(0.0),
+        ))
     }
 
     /// The same by the covariance of the differences.
-    fn correlated(&self, tuple: &[u32], time: usize, cross: &CrossTable) -> Option<(usize, f64, f64)> {
-        let present: Vec<(u32, &Estimate)> = tuple.iter().filter_map(|&track| Some((track, self.estimates.at(track, time)?))).collect();
+    fn correlated(
+        &self,
+        tuple: &[u32],
+        time: usize,
+        cross: &CrossTable,
+    ) -> Option<(usize, f64, f64)> {
+        let present: Vec<(u32, &Estimate)> = tuple
+            .iter()
+            .filter_map(|&track| Some((track, self.estimates.at(track, time)?)))
+            .collect();
         let (&(first, reference), rest) = present.split_first()?;
         if rest.is_empty() {
             return None;
@@ -167,16 +203,34 @@ impl Evidence {
         let (mut differences, mut covariance) = (DVector::zeros(size), DMatrix::zeros(size, size));
         let of = |a: u32, b: u32| cross.at(a, b, time);
         for (row, &(left, estimate)) in rest.iter().enumerate() {
-            differences.rows_mut(4 * row, 4).copy_from(&(estimate.mean - reference.mean));
+            differences
+                .rows_mut(4 * row, 4)
+                .copy_from(&(estimate.mean - reference.mean));
             for (column, &(right, _)) in rest.iter().enumerate() {
-                let own = if row == column { estimate.covariance } else { of(left, right) };
+                let own = if row == column {
+                    estimate.covariance
+                } else {
+                    of(left, right)
+                };
                 let block = own + reference.covariance - of(left, first) - of(first, right);
-                covariance.view_mut((4 * row, 4 * column), (4, 4)).copy_from(&block);
+                covariance
+                    .view_mut((4 * row, 4 * column), (4, 4))
+                    .copy_from(&block);
             }
         }
         let decomposed = covariance.cholesky()?;
         let q = differences.dot(&decomposed.solve(&differences));
-        let log_determinant = 2.0 * decomposed.l_dirty().diagonal().iter().map(|value| value.ln()).sum::<f64>();
-        Some((present.len(), q, -0.5 * (q + size as f64 * TAU.ln() + log_determinant)))
+        let log_determinant = 2.0
+            * decomposed
+                .l_dirty()
+                .diagonal()
+                .iter()
+                .map(|value| value.ln())
+                .sum::<f64>();
+        Some((
+            present.len(),
+            q,
+            -0.5 * (q + size as f64 * TAU.ln() + log_determinant),
+        ))
     }
 }

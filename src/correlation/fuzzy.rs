@@ -37,9 +37,17 @@ pub const METHOD: Method<BuildCorrelator> = Method {
     name: "fuzzy",
     parameters: &PARAMETERS,
     build: |spec, _| {
-        let Settings { fuzzifier, tolerance, max_iterations } = Settings::deserialize(spec)?;
+        let Settings {
+            fuzzifier,
+            tolerance,
+            max_iterations,
+        } = Settings::deserialize(spec)?;
         let fuzzifier = Fuzzifier::new(fuzzifier).map_err(serde::de::Error::custom)?;
-        Ok(Box::new(Fuzzy { fuzzifier, tolerance, max_iterations }))
+        Ok(Box::new(Fuzzy {
+            fuzzifier,
+            tolerance,
+            max_iterations,
+        }))
     },
 };
 
@@ -52,7 +60,11 @@ static PARAMETERS: Object = Object {
         default(
             "max_iterations",
             "Iterations after which a search ends that is not at rest.",
-            Kind::Integer { min: 1, max: 100_000, unit: "" },
+            Kind::Integer {
+                min: 1,
+                max: 100_000,
+                unit: "",
+            },
             "100",
         ),
     ],
@@ -75,9 +87,16 @@ struct Fuzzy {
 impl Correlator for Fuzzy {
     fn correlate(&mut self, problem: &Problem) -> Result<Solution, Vec<Fault>> {
         let Some(evidence) = problem.evidence() else {
-            return Err(vec![Fault::new("/method", "unsupported", "'fuzzy' looks at the tracks, and has only costs")]);
+            return Err(vec![Fault::new(
+                "/method",
+                "unsupported",
+                "'fuzzy' looks at the tracks, and has only costs",
+            )]);
         };
-        let rows: Vec<Vec<u32>> = clusters(problem).iter().flat_map(|cluster| self.rows(cluster, evidence)).collect();
+        let rows: Vec<Vec<u32>> = clusters(problem)
+            .iter()
+            .flat_map(|cluster| self.rows(cluster, evidence))
+            .collect();
         Ok(Solution::of(problem, divided(problem, &rows)).bounded(dual_bound(problem)))
     }
 }
@@ -119,21 +138,47 @@ impl<'a> Clustering<'a> {
         let tracks: Vec<u32> = (0..cluster.len() as u32).collect();
         let times = match evidence.times {
             Times::All => (0..evidence.until).collect(),
-            Times::Latest => evidence.fullest_time(&cluster.names(&tracks)).into_iter().collect::<Vec<_>>(),
+            Times::Latest => evidence
+                .fullest_time(&cluster.names(&tracks))
+                .into_iter()
+                .collect::<Vec<_>>(),
         };
         let leaders = leaders(cluster);
         let mut centre_of = vec![None; cluster.len()];
-        leaders.iter().enumerate().for_each(|(centre, &track)| centre_of[track as usize] = Some(centre as u32));
+        leaders
+            .iter()
+            .enumerate()
+            .for_each(|(centre, &track)| centre_of[track as usize] = Some(centre as u32));
         let (mut firsts, mut candidates) = (vec![0], Vec::new());
         for &track in &tracks {
             let linked = cluster.edges(track).iter().map(|edge| edge.track);
-            candidates.extend(linked.chain([track]).filter_map(|other| centre_of[other as usize]));
+            candidates.extend(
+                linked
+                    .chain([track])
+                    .filter_map(|other| centre_of[other as usize]),
+            );
             firsts.push(candidates.len());
         }
         let memberships = vec![0.0; candidates.len()];
-        let state = |track: u32, time: usize| evidence.estimates.at(cluster.name_of(track), time).map(|estimate| estimate.mean);
-        let centres = leaders.iter().flat_map(|&track| times.iter().map(move |&time| state(track, time))).collect();
-        Clustering { cluster, evidence, times, centres, firsts, candidates, memberships }
+        let state = |track: u32, time: usize| {
+            evidence
+                .estimates
+                .at(cluster.name_of(track), time)
+                .map(|estimate| estimate.mean)
+        };
+        let centres = leaders
+            .iter()
+            .flat_map(|&track| times.iter().map(move |&time| state(track, time)))
+            .collect();
+        Clustering {
+            cluster,
+            evidence,
+            times,
+            centres,
+            firsts,
+            candidates,
+            memberships,
+        }
     }
 
     fn candidates_of(&self, track: u32) -> std::ops::Range<usize> {
@@ -146,7 +191,11 @@ impl<'a> Clustering<'a> {
         for track in 0..self.cluster.len() as u32 {
             let range = self.candidates_of(track);
             squares.clear();
-            squares.extend(self.candidates[range.clone()].iter().map(|&centre| self.squared_distance(track, centre)));
+            squares.extend(
+                self.candidates[range.clone()]
+                    .iter()
+                    .map(|&centre| self.squared_distance(track, centre)),
+            );
             if squares.iter().any(|squared| squared.is_finite()) {
                 fuzzifier.share(&squares, &mut self.memberships[range]);
             } else {
@@ -160,12 +209,21 @@ impl<'a> Clustering<'a> {
         let (mut sum, mut count) = (0.0, 0);
         for (place, &time) in self.times.iter().enumerate() {
             let state = self.centres[centre as usize * self.times.len() + place];
-            if let (Some(state), Some(estimate)) = (state, self.evidence.estimates.at(self.cluster.name_of(track), time)) {
+            if let (Some(state), Some(estimate)) = (
+                state,
+                self.evidence
+                    .estimates
+                    .at(self.cluster.name_of(track), time),
+            ) {
                 sum += estimate.gaussian.squared_distance(&(estimate.mean - state));
                 count += 1;
             }
         }
-        if count == 0 { f64::INFINITY } else { sum / f64::from(count) }
+        if count == 0 {
+            f64::INFINITY
+        } else {
+            sum / f64::from(count)
+        }
     }
 
     /// v_i.
@@ -175,14 +233,24 @@ impl<'a> Clustering<'a> {
             for index in self.candidates_of(track) {
                 let weight = fuzzifier.raised(self.memberships[index]);
                 for (place, &time) in self.times.iter().enumerate() {
-                    let Some(estimate) = self.evidence.estimates.at(self.cluster.name_of(track), time) else { continue };
-                    let (information, vector) = &mut sums[self.candidates[index] as usize * self.times.len() + place];
+                    let Some(estimate) = self
+                        .evidence
+                        .estimates
+                        .at(self.cluster.name_of(track), time)
+                    else {
+                        continue;
+                    };
+                    let (information, vector) =
+                        &mut sums[self.candidates[index] as usize * self.times.len() + place];
                     *information += estimate.gaussian.inverse() * weight;
                     *vector += estimate.gaussian.inverse() * estimate.mean * weight;
                 }
             }
         }
-        self.centres = sums.iter().map(|(information, vector)| information.cholesky().map(|root| root.solve(vector))).collect();
+        self.centres = sums
+            .iter()
+            .map(|(information, vector)| information.cholesky().map(|root| root.solve(vector)))
+            .collect();
     }
 
     /// Step 3.
@@ -190,14 +258,21 @@ impl<'a> Clustering<'a> {
         let mut rows = vec![Vec::new(); self.centres.len() / self.times.len().max(1)];
         let mut solver = AssignmentSolver::default();
         let tracks: Vec<u32> = (0..self.cluster.len() as u32).collect();
-        for of_sensor in tracks.chunk_by(|left, right| self.cluster.sensor_of(*left) == self.cluster.sensor_of(*right)) {
+        for of_sensor in tracks
+            .chunk_by(|left, right| self.cluster.sensor_of(*left) == self.cluster.sensor_of(*right))
+        {
             solver.clear();
             for &track in of_sensor {
-                self.candidates_of(track).for_each(|index| solver.push_edge(self.candidates[index], -self.memberships[index]));
+                self.candidates_of(track).for_each(|index| {
+                    solver.push_edge(self.candidates[index], -self.memberships[index])
+                });
                 solver.end_row(0.0);
             }
             let is_solved = solver.solve().is_some();
-            debug_assert!(is_solved, "tracks that may all be of no centre have an assignment");
+            debug_assert!(
+                is_solved,
+                "tracks that may all be of no centre have an assignment"
+            );
             for (row, &track) in of_sensor.iter().enumerate() {
                 if let Some(centre) = solver.column_of(row) {
                     rows[centre as usize].push(self.cluster.name_of(track));
@@ -214,12 +289,19 @@ fn leaders(cluster: &Cluster) -> Vec<u32> {
     (0..cluster.len() as u32).for_each(|track| counts[cluster.sensor_of(track)] += 1);
     let most = counts.iter().copied().max().unwrap_or(0);
     let first = counts.iter().position(|&count| count == most);
-    let mut is_leader: Vec<bool> = (0..cluster.len() as u32).map(|track| Some(cluster.sensor_of(track)) == first).collect();
+    let mut is_leader: Vec<bool> = (0..cluster.len() as u32)
+        .map(|track| Some(cluster.sensor_of(track)) == first)
+        .collect();
     for track in 0..cluster.len() as u32 {
-        let is_led = cluster.edges(track).iter().any(|edge| edge.cost < 0.0 && is_leader[edge.track as usize]);
+        let is_led = cluster
+            .edges(track)
+            .iter()
+            .any(|edge| edge.cost < 0.0 && is_leader[edge.track as usize]);
         is_leader[track as usize] |= !is_led;
     }
-    (0..cluster.len() as u32).filter(|&track| is_leader[track as usize]).collect()
+    (0..cluster.len() as u32)
+        .filter(|&track| is_leader[track as usize])
+        .collect()
 }
 
 #[cfg(test)]
@@ -233,12 +315,27 @@ mod tests {
 
     /// Positions on a line, σ = 1 m, at one time.
     fn evidence(sensors: &[&[f64]]) -> Evidence {
-        let named = sensors.iter().map(|tracks| (String::new(), vec![String::new(); tracks.len()])).collect();
+        let named = sensors
+            .iter()
+            .map(|tracks| (String::new(), vec![String::new(); tracks.len()]))
+            .collect();
         let mut estimates = Estimates::new(named, vec![0.0], false);
         for (track, &x_m) in sensors.iter().copied().flatten().enumerate() {
-            estimates.set(track, 0, &GaussianState { mean: State::new(x_m, 0.0, 0.0, 0.0), covariance: Covariance::identity() });
+            estimates.set(
+                track,
+                0,
+                &GaussianState {
+                    mean: State::new(x_m, 0.0, 0.0, 0.0),
+                    covariance: Covariance::identity(),
+                },
+            );
         }
-        Evidence { estimates: Arc::new(estimates), cross: None, times: Times::All, until: 1 }
+        Evidence {
+            estimates: Arc::new(estimates),
+            cross: None,
+            times: Times::All,
+            until: 1,
+        }
     }
 
     fn problem(sensors: &[&[f64]]) -> Problem {
@@ -248,13 +345,20 @@ mod tests {
         let sensor_of = evidence.estimates.sensors_of_tracks();
         let all = (0..tracks as u32).flat_map(|a| (a + 1..tracks as u32).map(move |b| (a, b)));
         let link = |(a, b): (u32, u32)| Some((a, b, evidence.pair(a, b)?.lambda - 9.0));
-        let pairs: Vec<_> = all.filter(|&(a, b)| sensor_of[a as usize] != sensor_of[b as usize]).filter_map(link).collect();
+        let pairs: Vec<_> = all
+            .filter(|&(a, b)| sensor_of[a as usize] != sensor_of[b as usize])
+            .filter_map(link)
+            .collect();
         Problem::new(&counts, &pairs, Costs::AllPairs).with_evidence(evidence)
     }
 
     fn fuzzy(problem: &Problem) -> Solution {
-        let parameters = serde_json::json!({"fuzzifier": 2.0, "tolerance": 1e-4, "max_iterations": 100});
-        (METHOD.build)(&parameters, Seed { seed: 0, run: 0 }).unwrap().correlate(problem).unwrap()
+        let parameters =
+            serde_json::json!({"fuzzifier": 2.0, "tolerance": 1e-4, "max_iterations": 100});
+        (METHOD.build)(&parameters, Seed { seed: 0, run: 0 })
+            .unwrap()
+            .correlate(problem)
+            .unwrap()
     }
 
     #[test]
@@ -266,11 +370,24 @@ mod tests {
         // d² = 1 and 9: memberships 0.9 and 0.1; the centres themselves belong to nothing else.
         assert_eq!(clustering.candidates, [0, 1, 0, 1]);
         let expected = [1.0, 1.0, 0.9, 0.1];
-        assert!(clustering.memberships.iter().zip(expected).all(|(is, should)| (is - should).abs() < 1e-12));
+        assert!(
+            clustering
+                .memberships
+                .iter()
+                .zip(expected)
+                .all(|(is, should)| (is - should).abs() < 1e-12)
+        );
         clustering.move_centres(Fuzzifier::new(2.0).unwrap());
         // (0 + 0.81 · 1) / 1.81 and (4 + 0.01 · 1) / 1.01.
-        let x_m: Vec<f64> = clustering.centres.iter().map(|centre| centre.unwrap()[0]).collect();
-        assert!((x_m[0] - 0.81 / 1.81).abs() < 1e-12 && (x_m[1] - 4.01 / 1.01).abs() < 1e-12, "{x_m:?}");
+        let x_m: Vec<f64> = clustering
+            .centres
+            .iter()
+            .map(|centre| centre.unwrap()[0])
+            .collect();
+        assert!(
+            (x_m[0] - 0.81 / 1.81).abs() < 1e-12 && (x_m[1] - 4.01 / 1.01).abs() < 1e-12,
+            "{x_m:?}"
+        );
     }
 
     #[test]
@@ -285,14 +402,21 @@ mod tests {
         // 2 is linked to 1 alone (λ = 8), but the pair pays; 0 and 2 would cost (λ = 32).
         let found = fuzzy(&problem(&[&[0.0], &[4.0], &[8.0]]));
         assert_eq!(found.tuples.iter().map(Vec::len).sum::<usize>(), 3);
-        assert!(found.cost <= 0.0 && found.tuples.iter().all(|tuple| tuple.len() < 3), "{found:?}");
+        assert!(
+            found.cost <= 0.0 && found.tuples.iter().all(|tuple| tuple.len() < 3),
+            "{found:?}"
+        );
     }
 
     #[test]
     fn costs_alone_are_refused() {
-        let parameters = serde_json::json!({"fuzzifier": 2.0, "tolerance": 1e-4, "max_iterations": 100});
+        let parameters =
+            serde_json::json!({"fuzzifier": 2.0, "tolerance": 1e-4, "max_iterations": 100});
         let mut fuzzy = (METHOD.build)(&parameters, Seed { seed: 0, run: 0 }).unwrap();
-        let fault = fuzzy.correlate(&Problem::new(&[1, 1], &[(0, 1, -1.0)], Costs::AllPairs)).unwrap_err().remove(0);
+        let fault = fuzzy
+            .correlate(&Problem::new(&[1, 1], &[(0, 1, -1.0)], Costs::AllPairs))
+            .unwrap_err()
+            .remove(0);
         assert_eq!(&*fault.code, "unsupported");
     }
 }

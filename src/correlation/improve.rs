@@ -63,7 +63,11 @@ impl Change {
     }
 
     fn tracks(&self) -> impl Iterator<Item = u32> {
-        self.rows.iter().flatten().copied().filter(|&track| track != NONE)
+        self.rows
+            .iter()
+            .flatten()
+            .copied()
+            .filter(|&track| track != NONE)
     }
 }
 
@@ -113,7 +117,11 @@ impl Improver {
         let a = partition.row_of(track);
         self.seen[a as usize] = self.round;
         self.try_alone(cluster, partition, track);
-        for edge in cluster.edges(track).iter().filter(|edge| edge.cost < 0.0 || !cluster.is_pairwise()) {
+        for edge in cluster
+            .edges(track)
+            .iter()
+            .filter(|edge| edge.cost < 0.0 || !cluster.is_pairwise())
+        {
             let b = partition.row_of(edge.track);
             if a != b && cluster.is_chain() {
                 self.try_link(cluster, partition, [track, edge.track]);
@@ -148,10 +156,19 @@ impl Improver {
             std::mem::swap(&mut left[sensor], &mut alone[sensor]);
             self.weigh(cluster, partition);
         }
-        if !is_taken && partition.row(a).iter().zip(partition.row(b)).all(|(&left, &right)| left == NONE || right == NONE) {
+        if !is_taken
+            && partition
+                .row(a)
+                .iter()
+                .zip(partition.row(b))
+                .all(|(&left, &right)| left == NONE || right == NONE)
+        {
             self.trial.begin(partition, a, b);
             let [left, right, _] = &mut self.trial.rows;
-            left.iter_mut().zip(right).filter(|(left, _)| **left == NONE).for_each(|(left, right)| std::mem::swap(left, right));
+            left.iter_mut()
+                .zip(right)
+                .filter(|(left, _)| **left == NONE)
+                .for_each(|(left, right)| std::mem::swap(left, right));
             self.weigh(cluster, partition);
         }
         if !cluster.is_chain() {
@@ -167,7 +184,8 @@ impl Improver {
         let from = ends[0].min(ends[1]);
         let to = ends[0].max(ends[1]);
         let (s, t) = (cluster.sensor_of(from), cluster.sensor_of(to));
-        self.trial.begin(partition, partition.row_of(from), partition.row_of(to));
+        self.trial
+            .begin(partition, partition.row_of(from), partition.row_of(to));
         let [left, right, rest] = &mut self.trial.rows;
         rest[s + 1..].swap_with_slice(&mut left[s + 1..]);
         left[t..].swap_with_slice(&mut right[t..]);
@@ -187,7 +205,11 @@ impl Improver {
         if self.trial.gain > self.best.gain {
             let Change { of, rows, gain } = &self.trial;
             (self.best.of, self.best.gain) = (*of, *gain);
-            self.best.rows.iter_mut().zip(rows).for_each(|(best, row)| best.clone_from(row));
+            self.best
+                .rows
+                .iter_mut()
+                .zip(rows)
+                .for_each(|(best, row)| best.clone_from(row));
         }
     }
 }

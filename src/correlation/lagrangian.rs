@@ -26,8 +26,11 @@ use crate::model::watch::Watch;
 use crate::registry::{Kind, Method, Object, default};
 use serde::Deserialize;
 
-pub const METHOD: Method<BuildCorrelator> =
-    Method { name: "lagrangian", parameters: &PARAMETERS, build: |spec, _| Ok(Box::new(Lagrangian::deserialize(spec)?)) };
+pub const METHOD: Method<BuildCorrelator> = Method {
+    name: "lagrangian",
+    parameters: &PARAMETERS,
+    build: |spec, _| Ok(Box::new(Lagrangian::deserialize(spec)?)),
+};
 
 /// Nodes that listing may take; where that is not enough, tuples are looked for as prices ask for them.
 const MAX_LISTED: u64 = 50_000;
@@ -36,11 +39,24 @@ static PARAMETERS: Object = Object {
     name: "LagrangianCorrelator",
     summary: "Lagrangian relaxation: an answer, and a bound that no answer undercuts.",
     fields: &[
-        default("rounds", "Subgradient steps of a cluster.", Kind::Integer { min: 1, max: 100_000, unit: "" }, "300"),
+        default(
+            "rounds",
+            "Subgradient steps of a cluster.",
+            Kind::Integer {
+                min: 1,
+                max: 100_000,
+                unit: "",
+            },
+            "300",
+        ),
         default(
             "max_nodes",
             "Beginnings of tuples that may be looked at in a cluster; one that needs more for a bound is left to local search.",
-            Kind::Integer { min: 1, max: 1_000_000_000, unit: "" },
+            Kind::Integer {
+                min: 1,
+                max: 1_000_000_000,
+                unit: "",
+            },
             "10000000",
         ),
     ],
@@ -53,14 +69,25 @@ struct Lagrangian {
 }
 
 /// An answer for a cluster and its bound, for others to begin with; `start` is one at rest under local search.
-pub(super) fn relaxed_answer(cluster: &Cluster, start: Partition, improver: &mut Improver) -> (Partition, Option<f64>) {
-    let (answer, relaxation) = Lagrangian { rounds: 300, max_nodes: 1_000_000 }.solve(cluster, start, improver);
+pub(super) fn relaxed_answer(
+    cluster: &Cluster,
+    start: Partition,
+    improver: &mut Improver,
+) -> (Partition, Option<f64>) {
+    let (answer, relaxation) = Lagrangian {
+        rounds: 300,
+        max_nodes: 1_000_000,
+    }
+    .solve(cluster, start, improver);
     (answer, relaxation.map(|found| found.bound))
 }
 
 impl Correlator for Lagrangian {
     fn correlate(&mut self, problem: &Problem) -> Result<Solution, Vec<Fault>> {
-        Ok(self.solve_all(problem, &[nearest_tuples(problem), weighted_tuples(problem)]))
+        Ok(self.solve_all(
+            problem,
+            &[nearest_tuples(problem), weighted_tuples(problem)],
+        ))
     }
 }
 
@@ -76,26 +103,54 @@ impl Lagrangian {
             let start = improved(&cluster, known, &mut improver).swap_remove(0);
             let (answer, relaxation) = self.solve(&cluster, start, &mut improver);
             tuples.extend(answer.tuples().map(|tuple| cluster.names(&tuple)));
-            bound = bound.zip(relaxation.as_ref()).map(|(sum, found)| sum + found.bound.min(answer.cost()));
+            bound = bound
+                .zip(relaxation.as_ref())
+                .map(|(sum, found)| sum + found.bound.min(answer.cost()));
             bounds.extend(relaxation.map(|found| found.bounds));
         }
         let solution = Solution::of(problem, tuples);
-        let solution = solution.bounded([dual_bound(problem), bound].into_iter().flatten().reduce(f64::max));
-        Solution { search: Some(search_of(&bounds, &solution)), ..solution }
+        let solution = solution.bounded(
+            [dual_bound(problem), bound]
+                .into_iter()
+                .flatten()
+                .reduce(f64::max),
+        );
+        Solution {
+            search: Some(search_of(&bounds, &solution)),
+            ..solution
+        }
     }
 
     /// From an answer at rest under local search.
-    fn solve(&self, cluster: &Cluster, start: Partition, improver: &mut Improver) -> (Partition, Option<Relaxation>) {
-        let Some(relaxation) = self.relaxed(cluster, &start) else { return (start, None) };
+    fn solve(
+        &self,
+        cluster: &Cluster,
+        start: Partition,
+        improver: &mut Improver,
+    ) -> (Partition, Option<Relaxation>) {
+        let Some(relaxation) = self.relaxed(cluster, &start) else {
+            return (start, None);
+        };
         let recovered = recovered(cluster, &relaxation, improver);
-        (if recovered.cost() < start.cost() { recovered } else { start }, Some(relaxation))
+        (
+            if recovered.cost() < start.cost() {
+                recovered
+            } else {
+                start
+            },
+            Some(relaxation),
+        )
     }
 }
 
 impl Lagrangian {
     /// Step 1.
     fn relaxed(&self, cluster: &Cluster, start: &Partition) -> Option<Relaxation> {
-        match listed(cluster, &mut self.max_nodes.min(MAX_LISTED), &Watch::never()) {
+        match listed(
+            cluster,
+            &mut self.max_nodes.min(MAX_LISTED),
+            &Watch::never(),
+        ) {
             Ok(tuples) => Some(relaxed(&tuples, start.cost(), self.rounds)),
             Err(TooLarge) if cluster.is_pairwise() => priced(cluster, start, self.max_nodes),
             Err(TooLarge) => None,
@@ -107,13 +162,21 @@ impl Lagrangian {
 fn recovered(cluster: &Cluster, relaxation: &Relaxation, improver: &mut Improver) -> Partition {
     let price = |&member: &u32| relaxation.multipliers[member as usize];
     let reduced = |tuple: &Tuple| tuple.cost - tuple.members.iter().map(price).sum::<f64>();
-    let mut order: Vec<(f64, &Tuple)> = relaxation.tuples.iter().flatten().map(|tuple| (reduced(tuple), tuple)).collect();
+    let mut order: Vec<(f64, &Tuple)> = relaxation
+        .tuples
+        .iter()
+        .flatten()
+        .map(|tuple| (reduced(tuple), tuple))
+        .collect();
     order.sort_by(|left, right| left.0.total_cmp(&right.0));
     let mut is_free = vec![true; cluster.len()];
     let mut taken: Vec<&[u32]> = Vec::new();
     for (_, tuple) in order {
         if tuple.members.iter().all(|&member| is_free[member as usize]) {
-            tuple.members.iter().for_each(|&member| is_free[member as usize] = false);
+            tuple
+                .members
+                .iter()
+                .for_each(|&member| is_free[member as usize] = false);
             taken.push(&tuple.members);
         }
     }
@@ -126,7 +189,9 @@ fn recovered(cluster: &Cluster, relaxation: &Relaxation, improver: &mut Improver
 fn search_of(bounds: &[Vec<f64>], solution: &Solution) -> Search {
     let rounds = bounds.iter().map(Vec::len).max().unwrap_or(0);
     let at = |round: usize| bounds.iter().map(|of| of[round.min(of.len() - 1)]).sum();
-    let is_proven = solution.dual_bound.is_some_and(|bound| solution.cost - bound <= 1e-9);
+    let is_proven = solution
+        .dual_bound
+        .is_some_and(|bound| solution.cost - bound <= 1e-9);
     Search {
         best: vec![solution.cost; rounds],
         mean: (0..rounds).map(at).collect(),

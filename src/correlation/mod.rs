@@ -50,17 +50,36 @@ impl Solution {
     /// From tuples without a track in common; tracks in none of them are alone.
     fn of(problem: &Problem, mut tuples: Vec<Vec<u32>>) -> Self {
         let mut is_in_one = vec![false; problem.tracks()];
-        tuples.iter().flatten().for_each(|&track| is_in_one[track as usize] = true);
-        tuples.extend((0..problem.tracks() as u32).filter(|&track| !is_in_one[track as usize]).map(|track| vec![track]));
+        tuples
+            .iter()
+            .flatten()
+            .for_each(|&track| is_in_one[track as usize] = true);
+        tuples.extend(
+            (0..problem.tracks() as u32)
+                .filter(|&track| !is_in_one[track as usize])
+                .map(|track| vec![track]),
+        );
         tuples.sort_unstable();
-        let cost_of = |tuple: &Vec<u32>| problem.cost(tuple).expect("correlators build only tuples that exist");
+        let cost_of = |tuple: &Vec<u32>| {
+            problem
+                .cost(tuple)
+                .expect("correlators build only tuples that exist")
+        };
         let cost = tuples.iter().map(cost_of).sum();
-        Solution { tuples, cost, dual_bound: None, search: None }
+        Solution {
+            tuples,
+            cost,
+            dual_bound: None,
+            search: None,
+        }
     }
 
     /// With a bound; rounding must not put it above what was found.
     fn bounded(self, bound: Option<f64>) -> Self {
-        Solution { dual_bound: bound.map(|bound| bound.min(self.cost)), ..self }
+        Solution {
+            dual_bound: bound.map(|bound| bound.min(self.cost)),
+            ..self
+        }
     }
 }
 
@@ -87,17 +106,29 @@ pub trait Correlator: Send {
     ///
     /// # Errors
     /// As [`Correlator::correlate`].
-    fn correlate_until(&mut self, problem: &Problem, _watch: &Watch) -> Result<Solution, Vec<Fault>> {
+    fn correlate_until(
+        &mut self,
+        problem: &Problem,
+        _watch: &Watch,
+    ) -> Result<Solution, Vec<Fault>> {
         self.correlate(problem)
     }
 }
 
 /// Builds a correlator from its checked parameters and the seed of its random choices, if it makes any.
-pub type BuildCorrelator = fn(&serde_json::Value, Seed) -> Result<Box<dyn Correlator>, serde_json::Error>;
+pub type BuildCorrelator =
+    fn(&serde_json::Value, Seed) -> Result<Box<dyn Correlator>, serde_json::Error>;
 
 /// Every correlator.
-pub const CORRELATORS: &[Method<BuildCorrelator>] =
-    &[nearest::METHOD, weighted::METHOD, modified::METHOD, fuzzy::METHOD, genetic::METHOD, lagrangian::METHOD, exact::METHOD];
+pub const CORRELATORS: &[Method<BuildCorrelator>] = &[
+    nearest::METHOD,
+    weighted::METHOD,
+    modified::METHOD,
+    fuzzy::METHOD,
+    genetic::METHOD,
+    lagrangian::METHOD,
+    exact::METHOD,
+];
 
 pub static CORRELATOR: Union = Union {
     name: "Correlator",

@@ -17,7 +17,11 @@ use super::{BuildCorrelator, Correlator, Solution};
 use crate::model::fault::Fault;
 use crate::registry::{Method, Object};
 
-pub const METHOD: Method<BuildCorrelator> = Method { name: "modified", parameters: &PARAMETERS, build: |_, _| Ok(Box::new(Modified)) };
+pub const METHOD: Method<BuildCorrelator> = Method {
+    name: "modified",
+    parameters: &PARAMETERS,
+    build: |_, _| Ok(Box::new(Modified)),
+};
 
 static PARAMETERS: Object = Object {
     name: "ModifiedCorrelator",

@@ -18,7 +18,11 @@ use super::{BuildCorrelator, Correlator, Solution};
 use crate::model::fault::Fault;
 use crate::registry::{Method, Object};
 
-pub const METHOD: Method<BuildCorrelator> = Method { name: "nearest", parameters: &PARAMETERS, build: |_, _| Ok(Box::new(Nearest)) };
+pub const METHOD: Method<BuildCorrelator> = Method {
+    name: "nearest",
+    parameters: &PARAMETERS,
+    build: |_, _| Ok(Box::new(Nearest)),
+};
 
 static PARAMETERS: Object = Object {
     name: "NearestCorrelator",
@@ -46,7 +50,9 @@ pub(super) fn nearest_tuples(problem: &Problem) -> Vec<Vec<u32>> {
             continue;
         }
         if let Some(joined) = joined(problem, &tuples[left as usize], &tuples[right as usize]) {
-            joined.iter().for_each(|&track| tuple_of[track as usize] = left);
+            joined
+                .iter()
+                .for_each(|&track| tuple_of[track as usize] = left);
             tuples[left as usize] = joined;
             tuples[right as usize].clear();
         }
@@ -57,11 +63,18 @@ pub(super) fn nearest_tuples(problem: &Problem) -> Vec<Vec<u32>> {
 
 fn ordered_links(problem: &Problem) -> Vec<(f64, u32, u32)> {
     let of_track = |a: u32| {
-        let later = problem.links(a).iter().filter(move |link| link.track > a && link.cost < 0.0);
+        let later = problem
+            .links(a)
+            .iter()
+            .filter(move |link| link.track > a && link.cost < 0.0);
         later.map(move |link| (link.cost, a, link.track))
     };
     let mut links: Vec<_> = (0..problem.tracks() as u32).flat_map(of_track).collect();
-    links.sort_unstable_by(|left, right| left.0.total_cmp(&right.0).then((left.1, left.2).cmp(&(right.1, right.2))));
+    links.sort_unstable_by(|left, right| {
+        left.0
+            .total_cmp(&right.0)
+            .then((left.1, left.2).cmp(&(right.1, right.2)))
+    });
     links
 }
 
@@ -69,7 +82,9 @@ fn ordered_links(problem: &Problem) -> Vec<(f64, u32, u32)> {
 fn joined(problem: &Problem, left: &[u32], right: &[u32]) -> Option<Vec<u32>> {
     let mut tuple = [left, right].concat();
     tuple.sort_unstable();
-    let shares_sensor = tuple.windows(2).any(|pair| problem.sensor_of(pair[0]) == problem.sensor_of(pair[1]));
+    let shares_sensor = tuple
+        .windows(2)
+        .any(|pair| problem.sensor_of(pair[0]) == problem.sensor_of(pair[1]));
     (!shares_sensor && problem.cost(&tuple).is_some()).then_some(tuple)
 }
 
@@ -81,15 +96,32 @@ mod tests {
     #[test]
     fn the_closest_pair_is_first_and_never_given_up() {
         // Sensors {0, 1}, {2, 3}, {4}. 0–2 is first; then 1–2 and 0–3 would put two of a sensor together; 4 joins 2.
-        let pairs = [(0, 2, -9.0), (0, 3, -8.0), (1, 2, -8.5), (2, 4, -4.0), (0, 4, 6.0), (3, 4, -1.0)];
-        let solution = Nearest.correlate(&Problem::new(&[2, 2, 1], &pairs, Costs::AllPairs)).unwrap();
-        assert_eq!((solution.tuples, solution.cost), (vec![vec![0, 2, 4], vec![1], vec![3]], -7.0));
+        let pairs = [
+            (0, 2, -9.0),
+            (0, 3, -8.0),
+            (1, 2, -8.5),
+            (2, 4, -4.0),
+            (0, 4, 6.0),
+            (3, 4, -1.0),
+        ];
+        let solution = Nearest
+            .correlate(&Problem::new(&[2, 2, 1], &pairs, Costs::AllPairs))
+            .unwrap();
+        assert_eq!(
+            (solution.tuples, solution.cost),
+            (vec![vec![0, 2, 4], vec![1], vec![3]], -7.0)
+        );
     }
 
     #[test]
     fn a_tuple_that_lacks_a_link_is_not_made() {
         let pairs = [(0, 1, -9.0), (1, 2, -5.0)];
-        let tuples = |costs| Nearest.correlate(&Problem::new(&[1, 1, 1], &pairs, costs)).unwrap().tuples;
+        let tuples = |costs| {
+            Nearest
+                .correlate(&Problem::new(&[1, 1, 1], &pairs, costs))
+                .unwrap()
+                .tuples
+        };
         assert_eq!(tuples(Costs::AllPairs), [vec![0, 1], vec![2]]);
         assert_eq!(tuples(Costs::Chain), [vec![0, 1, 2]]);
     }

@@ -20,17 +20,30 @@ impl Partition {
         for track in 0..tracks {
             rows[track * sensors + cluster.sensor_of(track as u32)] = track as u32;
         }
-        Partition { sensors, rows, costs: vec![0.0; tracks], row_of: (0..tracks as u32).collect(), empty: Vec::new() }
+        Partition {
+            sensors,
+            rows,
+            costs: vec![0.0; tracks],
+            row_of: (0..tracks as u32).collect(),
+            empty: Vec::new(),
+        }
     }
 
     /// From tuples that exist; a track that is in none is alone.
-    pub(super) fn from_tuples<'t>(cluster: &Cluster, tuples: impl Iterator<Item = &'t [u32]>) -> Self {
+    pub(super) fn from_tuples<'t>(
+        cluster: &Cluster,
+        tuples: impl Iterator<Item = &'t [u32]>,
+    ) -> Self {
         let mut partition = Partition::singles(cluster);
         let mut row = vec![NONE; cluster.sensors()];
         for tuple in tuples.filter(|tuple| tuple.len() > 1) {
             row.fill(NONE);
-            tuple.iter().for_each(|&track| row[cluster.sensor_of(track)] = track);
-            tuple.iter().for_each(|&track| partition.clear(partition.row_of(track)));
+            tuple
+                .iter()
+                .for_each(|&track| row[cluster.sensor_of(track)] = track);
+            tuple
+                .iter()
+                .for_each(|&track| partition.clear(partition.row_of(track)));
             partition.add(cluster, &row);
         }
         partition
@@ -38,7 +51,12 @@ impl Partition {
 
     /// What the tuples of a whole problem are in this cluster.
     pub(super) fn of_problem(cluster: &Cluster, tuples: &[Vec<u32>]) -> Self {
-        let here = |tuple: &Vec<u32>| tuple.iter().filter_map(|&track| cluster.number_of(track)).collect::<Vec<u32>>();
+        let here = |tuple: &Vec<u32>| {
+            tuple
+                .iter()
+                .filter_map(|&track| cluster.number_of(track))
+                .collect::<Vec<u32>>()
+        };
         let here: Vec<Vec<u32>> = tuples.iter().map(here).collect();
         Partition::from_tuples(cluster, here.iter().map(Vec::as_slice))
     }
@@ -107,10 +125,15 @@ impl Partition {
         if row.iter().all(|&track| track == NONE) {
             return;
         }
-        let number = self.empty.pop().expect("there are as many rows as tracks, so one is empty while a track has none");
+        let number = self
+            .empty
+            .pop()
+            .expect("there are as many rows as tracks, so one is empty while a track has none");
         self.rows[number as usize * self.sensors..][..self.sensors].copy_from_slice(row);
         self.costs[number as usize] = cluster.cost(row);
-        row.iter().filter(|&&track| track != NONE).for_each(|&track| self.row_of[track as usize] = number);
+        row.iter()
+            .filter(|&&track| track != NONE)
+            .for_each(|&track| self.row_of[track as usize] = number);
     }
 }
 
@@ -122,7 +145,11 @@ mod tests {
 
     #[test]
     fn rows_are_emptied_filled_and_cut() {
-        let problem = Problem::new(&[1, 1, 2], &[(0, 1, -3.0), (1, 2, -2.0), (0, 3, -1.0)], Costs::Chain);
+        let problem = Problem::new(
+            &[1, 1, 2],
+            &[(0, 1, -3.0), (1, 2, -2.0), (0, 3, -1.0)],
+            Costs::Chain,
+        );
         let cluster = &clusters(&problem)[0];
         let mut partition = Partition::from_tuples(cluster, [&[0, 1][..], &[2]].into_iter());
         assert_eq!(partition.tuples().collect::<Vec<_>>().len(), 3);

@@ -32,11 +32,21 @@ const ROUNDING: f64 = -1e-9;
 pub(super) fn priced(cluster: &Cluster, known: &Partition, mut nodes: u64) -> Option<Relaxation> {
     let mut search = Search::new(cluster, shared(cluster, known));
     let mut tuples: Vec<Vec<Tuple>> = (0..cluster.len()).map(|_| Vec::new()).collect();
-    known.tuples().filter(|tuple| tuple.len() > 1).for_each(|members| add(cluster, &members, &mut tuples));
+    known
+        .tuples()
+        .filter(|tuple| tuple.len() > 1)
+        .for_each(|members| add(cluster, &members, &mut tuples));
     let known = known.cost();
-    let mut found = Relaxation { bound: f64::NEG_INFINITY, multipliers: search.prices.clone(), bounds: Vec::new(), tuples: Vec::new() };
+    let mut found = Relaxation {
+        bound: f64::NEG_INFINITY,
+        multipliers: search.prices.clone(),
+        bounds: Vec::new(),
+        tuples: Vec::new(),
+    };
     while found.bounds.len() < SEARCHES && known - found.bound > 1e-9 * known.abs() {
-        let Ok(value) = search.find(&mut nodes, &mut tuples) else { break };
+        let Ok(value) = search.find(&mut nodes, &mut tuples) else {
+            break;
+        };
         found.bounds.push(value);
         if value > found.bound {
             found.bound = value;
@@ -51,7 +61,10 @@ pub(super) fn priced(cluster: &Cluster, known: &Partition, mut nodes: u64) -> Op
 fn add(cluster: &Cluster, members: &[u32], tuples: &mut [Vec<Tuple>]) {
     let of_lowest = &mut tuples[members[0] as usize];
     if of_lowest.iter().all(|tuple| tuple.members != members) {
-        of_lowest.push(Tuple { members: members.to_vec(), cost: cluster.cost(members) });
+        of_lowest.push(Tuple {
+            members: members.to_vec(),
+            cost: cluster.cost(members),
+        });
     }
 }
 
@@ -60,7 +73,10 @@ fn shared(cluster: &Cluster, known: &Partition) -> Vec<f64> {
     let mut prices = vec![0.0; cluster.len()];
     for tuple in known.tuples() {
         for &track in &tuple {
-            let links = tuple.iter().filter(|&&other| other != track).filter_map(|&other| cluster.link(track, other));
+            let links = tuple
+                .iter()
+                .filter(|&&other| other != track)
+                .filter_map(|&other| cluster.link(track, other));
             prices[track as usize] = (0.5 * links.sum::<f64>()).min(0.0);
         }
     }
@@ -92,7 +108,11 @@ struct Candidates {
 
 impl Candidates {
     fn of_sensor(&self, sensor: usize) -> &[Edge] {
-        let begin = if sensor == 0 { 0 } else { self.ends[sensor - 1] };
+        let begin = if sensor == 0 {
+            0
+        } else {
+            self.ends[sensor - 1]
+        };
         &self.edges[begin..self.ends[sensor]]
     }
 }
@@ -139,8 +159,15 @@ impl<'a> Search<'a> {
         level.edges.clear();
         level.ends.clear();
         for later in 0..self.cluster.sensors() {
-            let edges = if later > sensor { self.cluster.edges_to(track, later) } else { &[] };
-            let with_price = |edge: &Edge| Edge { track: edge.track, cost: edge.cost - self.prices[edge.track as usize] };
+            let edges = if later > sensor {
+                self.cluster.edges_to(track, later)
+            } else {
+                &[]
+            };
+            let with_price = |edge: &Edge| Edge {
+                track: edge.track,
+                cost: edge.cost - self.prices[edge.track as usize],
+            };
             level.edges.extend(edges.iter().map(with_price));
             level.ends.push(level.edges.len());
         }
@@ -156,7 +183,9 @@ impl<'a> Search<'a> {
             self.found_ends.push(self.found.len());
         }
         let depth = self.members.len();
-        let Some(sensor) = (next..self.cluster.sensors()).find(|&sensor| !self.levels[depth].of_sensor(sensor).is_empty()) else {
+        let Some(sensor) = (next..self.cluster.sensors())
+            .find(|&sensor| !self.levels[depth].of_sensor(sensor).is_empty())
+        else {
             return Ok(());
         };
         if rest + self.at_best(sensor) >= self.least + ROUNDING {
@@ -207,7 +236,10 @@ impl<'a> Search<'a> {
                         place += 1;
                     }
                     if place < links.len() && links[place].track == candidate.track {
-                        level.edges.push(Edge { track: candidate.track, cost: candidate.cost + links[place].cost });
+                        level.edges.push(Edge {
+                            track: candidate.track,
+                            cost: candidate.cost + links[place].cost,
+                        });
                     }
                 }
             }
@@ -218,6 +250,12 @@ impl<'a> Search<'a> {
 
 /// The candidate after the one last tried.
 fn next_of(candidates: &[Edge], tried: f64, last: Option<u32>) -> Option<Edge> {
-    let is_later = |edge: &&Edge| edge.cost > tried || (edge.cost == tried && last.is_some_and(|last| edge.track > last));
-    candidates.iter().filter(is_later).copied().reduce(|best, edge| if edge.cost < best.cost { edge } else { best })
+    let is_later = |edge: &&Edge| {
+        edge.cost > tried || (edge.cost == tried && last.is_some_and(|last| edge.track > last))
+    };
+    candidates
+        .iter()
+        .filter(is_later)
+        .copied()
+        .reduce(|best, edge| if edge.cost < best.cost { edge } else { best })
 }

@@ -57,17 +57,29 @@ impl Problem {
         for of_track in &mut links {
             of_track.sort_unstable_by_key(|link| link.track);
         }
-        Problem { bounds, links, costs, evidence: None, independent: None }
+        Problem {
+            bounds,
+            links,
+            costs,
+            evidence: None,
+            independent: None,
+        }
     }
 
     /// With what the tracks say.
     pub fn with_evidence(self, evidence: Evidence) -> Self {
-        Problem { evidence: Some(evidence), ..self }
+        Problem {
+            evidence: Some(evidence),
+            ..self
+        }
     }
 
     /// With the same problem as it looks when errors are taken to be independent.
     pub fn with_independent(self, independent: Problem) -> Self {
-        Problem { independent: Some(Box::new(independent)), ..self }
+        Problem {
+            independent: Some(Box::new(independent)),
+            ..self
+        }
     }
 
     /// What the tracks say, for correlators that look at more than costs.
@@ -105,7 +117,10 @@ impl Problem {
     /// The cost of the two as a tuple, where they are linked.
     pub fn link(&self, a: u32, b: u32) -> Option<f64> {
         let links = self.links(a);
-        links.binary_search_by_key(&b, |link| link.track).ok().map(|place| links[place].cost)
+        links
+            .binary_search_by_key(&b, |link| link.track)
+            .ok()
+            .map(|place| links[place].cost)
     }
 
     /// The cost of a tuple, members ascending; `None` where a link is missing that it needs.
@@ -142,12 +157,22 @@ mod tests {
         assert_eq!(all.cost(&[0, 1, 2]), Some(-1.0));
         let open = Problem::new(&[1, 1, 1], &pairs[..2], Costs::AllPairs);
         assert_eq!(open.cost(&[0, 1, 2]), None);
-        assert_eq!((all.sensor_of(1), all.of_sensor(2), all.link(2, 0)), (1, 2..3, Some(4.0)));
+        assert_eq!(
+            (all.sensor_of(1), all.of_sensor(2), all.link(2, 0)),
+            (1, 2..3, Some(4.0))
+        );
     }
 
     #[test]
     fn a_sensor_may_have_no_tracks() {
         let problem = Problem::new(&[1, 0, 2], &[(0, 2, -1.0)], Costs::Chain);
-        assert_eq!((problem.sensor_of(0), problem.sensor_of(1), problem.of_sensor(1)), (0, 2, 1..1));
+        assert_eq!(
+            (
+                problem.sensor_of(0),
+                problem.sensor_of(1),
+                problem.of_sensor(1)
+            ),
+            (0, 2, 1..1)
+        );
     }
 }

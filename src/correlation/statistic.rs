@@ -40,7 +40,11 @@ pub const MAX_COMPARISONS: usize = 20_000_000;
 const ALPHA: Field = default(
     "alpha",
     "α: share of the tracks of one target that are taken apart when errors are as their covariances say and white in time.",
-    Kind::Number { min: Bound::Excluding(0.0), max: Bound::Excluding(1.0), unit: "" },
+    Kind::Number {
+        min: Bound::Excluding(0.0),
+        max: Bound::Excluding(1.0),
+        unit: "",
+    },
     "0.01",
 );
 
@@ -54,12 +58,20 @@ const K: Field = default(
 const GATE: Field = default(
     "gate_probability",
     "A pair is linked when its mean squared distance a time is below the chi-square quantile of this probability.",
-    Kind::Number { min: Bound::Excluding(0.0), max: Bound::Excluding(1.0), unit: "" },
+    Kind::Number {
+        min: Bound::Excluding(0.0),
+        max: Bound::Excluding(1.0),
+        unit: "",
+    },
     "0.9999",
 );
 
 const fn density(name: &'static str, summary: &'static str) -> Field {
-    let kind = Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e12), unit: "" };
+    let kind = Kind::Number {
+        min: Bound::Excluding(0.0),
+        max: Bound::Including(1e12),
+        unit: "",
+    };
     optional(name, summary, kind)
 }
 
@@ -69,8 +81,11 @@ static CHAIN: Object = Object {
     fields: &[ALPHA, K],
 };
 
-static ALL_PAIRS: Object =
-    Object { name: "AllPairsStatistic", summary: "The sum of λ − δ over all pairs of a tuple.", fields: &[ALPHA, K, GATE] };
+static ALL_PAIRS: Object = Object {
+    name: "AllPairsStatistic",
+    summary: "The sum of λ − δ over all pairs of a tuple.",
+    fields: &[ALPHA, K, GATE],
+};
 
 static FUSED: Object = Object {
     name: "FusedStatistic",
@@ -87,14 +102,21 @@ static LIKELIHOOD_RATIO: Object = Object {
         default(
             "p_d",
             "Probability that a sensor has a track of a target, for sensors whose settings do not say.",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Excluding(1.0), unit: "" },
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Excluding(1.0),
+                unit: "",
+            },
             "0.9",
         ),
         density(
             "target_density",
             "β_T: targets per unit of the space of states, 1/(m²·(m/s)²), or 1/m² where tracks have no velocity; told from the tracks when absent.",
         ),
-        density("false_density", "β_F: false tracks of a sensor per the same unit; a tenth of the target density when absent."),
+        density(
+            "false_density",
+            "β_F: false tracks of a sensor per the same unit; a tenth of the target density when absent.",
+        ),
     ],
 };
 
@@ -104,10 +126,22 @@ pub static STATISTIC: Union = Union {
     tag: "kind",
     variants: || {
         vec![
-            Variant { tag: "chain", object: &CHAIN },
-            Variant { tag: "all_pairs", object: &ALL_PAIRS },
-            Variant { tag: "fused", object: &FUSED },
-            Variant { tag: "likelihood_ratio", object: &LIKELIHOOD_RATIO },
+            Variant {
+                tag: "chain",
+                object: &CHAIN,
+            },
+            Variant {
+                tag: "all_pairs",
+                object: &ALL_PAIRS,
+            },
+            Variant {
+                tag: "fused",
+                object: &FUSED,
+            },
+            Variant {
+                tag: "likelihood_ratio",
+                object: &LIKELIHOOD_RATIO,
+            },
         ]
     },
 };
@@ -116,10 +150,27 @@ pub static STATISTIC: Union = Union {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Statistic {
-    Chain { alpha: f64, k: Times },
-    AllPairs { alpha: f64, k: Times, gate_probability: f64 },
-    Fused { alpha: f64, k: Times, gate_probability: f64 },
-    LikelihoodRatio { k: Times, gate_probability: f64, p_d: f64, target_density: Option<f64>, false_density: Option<f64> },
+    Chain {
+        alpha: f64,
+        k: Times,
+    },
+    AllPairs {
+        alpha: f64,
+        k: Times,
+        gate_probability: f64,
+    },
+    Fused {
+        alpha: f64,
+        k: Times,
+        gate_probability: f64,
+    },
+    LikelihoodRatio {
+        k: Times,
+        gate_probability: f64,
+        p_d: f64,
+        target_density: Option<f64>,
+        false_density: Option<f64>,
+    },
 }
 
 impl Statistic {
@@ -144,7 +195,9 @@ impl Statistic {
     /// α, of the statistics that have one.
     pub fn alpha(&self) -> Option<f64> {
         match *self {
-            Statistic::Chain { alpha, .. } | Statistic::AllPairs { alpha, .. } | Statistic::Fused { alpha, .. } => Some(alpha),
+            Statistic::Chain { alpha, .. }
+            | Statistic::AllPairs { alpha, .. }
+            | Statistic::Fused { alpha, .. } => Some(alpha),
             Statistic::LikelihoodRatio { .. } => None,
         }
     }
@@ -154,9 +207,15 @@ impl Statistic {
         match *self {
             // δ(k n_x) / k is largest for k = 1.
             Statistic::Chain { alpha, .. } => 1.0 - alpha,
-            Statistic::AllPairs { gate_probability, .. }
-            | Statistic::Fused { gate_probability, .. }
-            | Statistic::LikelihoodRatio { gate_probability, .. } => gate_probability,
+            Statistic::AllPairs {
+                gate_probability, ..
+            }
+            | Statistic::Fused {
+                gate_probability, ..
+            }
+            | Statistic::LikelihoodRatio {
+                gate_probability, ..
+            } => gate_probability,
         }
     }
 
@@ -195,7 +254,10 @@ impl Thresholds {
             0 => 0.0,
             _ => chi_square_quantile(1.0 - alpha, (count * dimensions) as f64),
         });
-        Thresholds { dimensions, of_multiple: of_multiple.collect() }
+        Thresholds {
+            dimensions,
+            of_multiple: of_multiple.collect(),
+        }
     }
 
     fn at(&self, degrees_of_freedom: usize) -> f64 {
@@ -217,7 +279,12 @@ pub struct Correlation {
 impl Correlation {
     /// The evidence of the first `until` times.
     pub fn evidence(&self, until: usize) -> Evidence {
-        Evidence { estimates: self.estimates.clone(), cross: self.cross.clone(), times: self.statistic.times(), until }
+        Evidence {
+            estimates: self.estimates.clone(),
+            cross: self.cross.clone(),
+            times: self.statistic.times(),
+            until,
+        }
     }
 
     pub fn problem(&self, until: usize) -> Problem {
@@ -226,7 +293,10 @@ impl Correlation {
         if evidence.cross.is_none() {
             return problem;
         }
-        problem.with_independent(self.problem_of(Evidence { cross: None, ..evidence }))
+        problem.with_independent(self.problem_of(Evidence {
+            cross: None,
+            ..evidence
+        }))
     }
 
     fn problem_of(&self, evidence: Evidence) -> Problem {
@@ -238,9 +308,14 @@ impl Correlation {
             Statistic::Fused { alpha, .. } => {
                 let most = self.estimates.tracks_of.len().saturating_sub(1) * until;
                 let thresholds = Thresholds::new(alpha, self.estimates.dimensions(), most);
-                Costs::Joint(Box::new(Fused { evidence: evidence.clone(), thresholds }))
+                Costs::Joint(Box::new(Fused {
+                    evidence: evidence.clone(),
+                    thresholds,
+                }))
             }
-            Statistic::LikelihoodRatio { .. } => Costs::Joint(Box::new(self.likelihood_ratio(evidence.clone()))),
+            Statistic::LikelihoodRatio { .. } => {
+                Costs::Joint(Box::new(self.likelihood_ratio(evidence.clone())))
+            }
         };
         Problem::new(&self.estimates.tracks_of, &links, costs).with_evidence(evidence)
     }
@@ -249,8 +324,12 @@ impl Correlation {
     fn links(&self, evidence: &Evidence) -> Vec<(u32, u32, f64)> {
         let dimensions = self.estimates.dimensions();
         let gate = self.statistic.gate(dimensions);
-        let ratio = matches!(self.statistic, Statistic::LikelihoodRatio { .. }).then(|| self.likelihood_ratio(evidence.clone()));
-        let thresholds = self.statistic.alpha().map(|alpha| Thresholds::new(alpha, dimensions, evidence.until));
+        let ratio = matches!(self.statistic, Statistic::LikelihoodRatio { .. })
+            .then(|| self.likelihood_ratio(evidence.clone()));
+        let thresholds = self
+            .statistic
+            .alpha()
+            .map(|alpha| Thresholds::new(alpha, dimensions, evidence.until));
         let link = |&(a, b): &(u32, u32)| {
             let pair = evidence.pair(a, b)?;
             let cost = match (&thresholds, &ratio) {
@@ -277,25 +356,48 @@ impl Correlation {
             alone.ln() - p_d.ln() + absent
         };
         let of_sensor = self.p_d.iter().zip(&log_absent).map(of_member).collect();
-        LikelihoodRatio { evidence, base: -target_density.ln() - all_absent, of_sensor, sensors: self.estimates.sensors_of_tracks() }
+        LikelihoodRatio {
+            evidence,
+            base: -target_density.ln() - all_absent,
+            of_sensor,
+            sensors: self.estimates.sensors_of_tracks(),
+        }
     }
 
     /// β_T and β_F: as given, or told from the tracks: the most that a sensor has, over what all of them cover.
     pub fn densities(&self) -> Option<(f64, f64)> {
-        let Statistic::LikelihoodRatio { target_density, false_density, .. } = self.statistic else { return None };
+        let Statistic::LikelihoodRatio {
+            target_density,
+            false_density,
+            ..
+        } = self.statistic
+        else {
+            return None;
+        };
         let target_density = target_density.unwrap_or_else(|| {
             let most = self.estimates.tracks_of.iter().copied().max().unwrap_or(1);
             most as f64 / extent(&self.estimates)
         });
-        Some((target_density, false_density.unwrap_or(target_density / 10.0)))
+        Some((
+            target_density,
+            false_density.unwrap_or(target_density / 10.0),
+        ))
     }
 }
 
 /// The size of the box around all states, each with one standard deviation on either side.
 fn extent(estimates: &Estimates) -> f64 {
-    let all = || (0..estimates.tracks() as u32).flat_map(|track| estimates.of_track(track)).flatten();
+    let all = || {
+        (0..estimates.tracks() as u32)
+            .flat_map(|track| estimates.of_track(track))
+            .flatten()
+    };
     let side = |axis: usize| {
-        let ends = |sign: f64| all().map(move |estimate| estimate.mean[axis] + sign * estimate.covariance[(axis, axis)].sqrt());
+        let ends = |sign: f64| {
+            all().map(move |estimate| {
+                estimate.mean[axis] + sign * estimate.covariance[(axis, axis)].sqrt()
+            })
+        };
         ends(1.0).fold(f64::NEG_INFINITY, f64::max) - ends(-1.0).fold(f64::INFINITY, f64::min)
     };
     (0..estimates.dimensions()).map(side).product()
@@ -326,12 +428,16 @@ struct LikelihoodRatio {
 impl JointCost for LikelihoodRatio {
     fn cost(&self, tuple: &[u32]) -> f64 {
         let spread = self.evidence.spread(tuple);
-        let of_members: f64 = tuple.iter().map(|&track| self.of_sensor[self.sensors[track as usize]]).sum();
+        let of_members: f64 = tuple
+            .iter()
+            .map(|&track| self.of_sensor[self.sensors[track as usize]])
+            .sum();
         self.base + of_members - spread.log_density / spread.times.max(1) as f64
     }
 }
 
 /// The p-value of a tuple's Q; `None` for one that says nothing together.
 pub fn p_value(spread: &Spread) -> Option<f64> {
-    (spread.degrees_of_freedom > 0).then(|| chi_square_tail(spread.q, spread.degrees_of_freedom as f64))
+    (spread.degrees_of_freedom > 0)
+        .then(|| chi_square_tail(spread.q, spread.degrees_of_freedom as f64))
 }

@@ -37,9 +37,15 @@ pub(super) struct Tuple {
 }
 
 /// Step 1; by lowest member, the cheapest first.
-pub(super) fn listed(cluster: &Cluster, nodes: &mut u64, watch: &Watch) -> Result<Vec<Vec<Tuple>>, TooLarge> {
+pub(super) fn listed(
+    cluster: &Cluster,
+    nodes: &mut u64,
+    watch: &Watch,
+) -> Result<Vec<Vec<Tuple>>, TooLarge> {
     let mut listing = Listing::new(cluster, nodes, watch);
-    (0..cluster.len() as u32).map(|first| listing.of_lowest(first)).collect()
+    (0..cluster.len() as u32)
+        .map(|first| listing.of_lowest(first))
+        .collect()
 }
 
 struct Listing<'a> {
@@ -58,25 +64,43 @@ struct Listing<'a> {
 impl<'a> Listing<'a> {
     fn new(cluster: &'a Cluster, nodes: &'a mut u64, watch: &'a Watch) -> Self {
         let (rests, row) = (cluster.best_links(), vec![NONE; cluster.sensors()]);
-        Listing { cluster, nodes, watch, members: Vec::new(), sums: Vec::new(), rests, row, found: Vec::new() }
+        Listing {
+            cluster,
+            nodes,
+            watch,
+            members: Vec::new(),
+            sums: Vec::new(),
+            rests,
+            row,
+            found: Vec::new(),
+        }
     }
 
     fn of_lowest(&mut self, first: u32) -> Result<Vec<Tuple>, TooLarge> {
         let next = self.cluster.sensor_of(first) + 1;
         self.members.push(first);
         self.sums.push(0.0);
-        let is_whole = if self.cluster.is_pairwise() { self.grow_pairs(next, 0.0) } else { self.grow(next) };
+        let is_whole = if self.cluster.is_pairwise() {
+            self.grow_pairs(next, 0.0)
+        } else {
+            self.grow(next)
+        };
         self.members.clear();
         self.sums.clear();
         is_whole?;
-        self.found.sort_by(|left, right| left.cost.total_cmp(&right.cost));
+        self.found
+            .sort_by(|left, right| left.cost.total_cmp(&right.cost));
         Ok(std::mem::take(&mut self.found))
     }
 
     /// One more is looked at; a stop is as if there were too many.
     fn count_node(&mut self) -> Result<(), TooLarge> {
         *self.nodes = self.nodes.checked_sub(1).ok_or(TooLarge)?;
-        if self.watch.stops_after(64) { Err(TooLarge) } else { Ok(()) }
+        if self.watch.stops_after(64) {
+            Err(TooLarge)
+        } else {
+            Ok(())
+        }
     }
 
     /// The tuples that begin with the members and go on with sensors from `next`, of any cost.
@@ -84,12 +108,17 @@ impl<'a> Listing<'a> {
         self.count_node()?;
         if self.members.len() > 1 {
             self.row.fill(NONE);
-            self.members.iter().for_each(|&member| self.row[self.cluster.sensor_of(member)] = member);
+            self.members
+                .iter()
+                .for_each(|&member| self.row[self.cluster.sensor_of(member)] = member);
             self.take(self.cluster.cost(&self.row));
         }
         for sensor in next..self.cluster.sensors() {
             for edge in self.cluster.edges_to(self.members[0], sensor) {
-                if self.members[1..].iter().all(|&member| self.cluster.link(member, edge.track).is_some()) {
+                if self.members[1..]
+                    .iter()
+                    .all(|&member| self.cluster.link(member, edge.track).is_some())
+                {
                     self.members.push(edge.track);
                     self.grow(sensor + 1)?;
                     self.members.pop();
@@ -104,8 +133,15 @@ impl<'a> Listing<'a> {
         self.count_node()?;
         let begin = self.sums.len() - self.members.len();
         let stride = self.cluster.sensors() + 1;
-        let with_rest = |(&member, sum): (&u32, &f64)| sum + self.rests[member as usize * stride + next];
-        if self.members.iter().zip(&self.sums[begin..]).map(with_rest).any(|least| least >= 0.0) {
+        let with_rest =
+            |(&member, sum): (&u32, &f64)| sum + self.rests[member as usize * stride + next];
+        if self
+            .members
+            .iter()
+            .zip(&self.sums[begin..])
+            .map(with_rest)
+            .any(|least| least >= 0.0)
+        {
             return Ok(());
         }
         if self.sums[begin..].iter().all(|&sum| sum < 0.0) {
@@ -138,7 +174,10 @@ impl<'a> Listing<'a> {
 
     fn take(&mut self, cost: f64) {
         if cost < 0.0 {
-            self.found.push(Tuple { members: self.members.clone(), cost });
+            self.found.push(Tuple {
+                members: self.members.clone(),
+                cost,
+            });
         }
     }
 }
@@ -159,11 +198,19 @@ pub(super) struct Relaxation {
 pub(super) fn relaxed(tuples: &[Vec<Tuple>], known: f64, rounds: usize) -> Relaxation {
     let mut open = Open::new(tuples);
     let found = improved(shares(tuples), &mut open, known, rounds);
-    Relaxation { tuples: open.listed(tuples.len()), ..found }
+    Relaxation {
+        tuples: open.listed(tuples.len()),
+        ..found
+    }
 }
 
 /// Better prices, from others on.
-pub(super) fn better_prices(prices: Vec<f64>, tuples: &[Vec<Tuple>], known: f64, rounds: usize) -> Vec<f64> {
+pub(super) fn better_prices(
+    prices: Vec<f64>,
+    tuples: &[Vec<Tuple>],
+    known: f64,
+    rounds: usize,
+) -> Vec<f64> {
     improved(prices, &mut Open::new(tuples), known, rounds).multipliers
 }
 
@@ -171,10 +218,18 @@ pub(super) fn better_prices(prices: Vec<f64>, tuples: &[Vec<Tuple>], known: f64,
 fn improved(mut prices: Vec<f64>, open: &mut Open, known: f64, rounds: usize) -> Relaxation {
     let mut counts = vec![0.0; prices.len()];
     let mut value = open.count_taken(&prices, &mut counts);
-    let mut found = Relaxation { bound: value, multipliers: prices.clone(), bounds: vec![value], tuples: Vec::new() };
+    let mut found = Relaxation {
+        bound: value,
+        multipliers: prices.clone(),
+        bounds: vec![value],
+        tuples: Vec::new(),
+    };
     let (mut theta, mut idle) = (1.0, 0);
     for round in 1..=rounds {
-        let squares: f64 = counts.iter().map(|count| (1.0 - count) * (1.0 - count)).sum();
+        let squares: f64 = counts
+            .iter()
+            .map(|count| (1.0 - count) * (1.0 - count))
+            .sum();
         if squares == 0.0 || known - found.bound <= 1e-9 {
             break;
         }
@@ -182,7 +237,10 @@ fn improved(mut prices: Vec<f64>, open: &mut Open, known: f64, rounds: usize) ->
             open.close(known - value);
         }
         let step = theta * (known - value).max(1e-9) / squares;
-        prices.iter_mut().zip(&counts).for_each(|(price, count)| *price = (*price + step * (1.0 - count)).min(0.0));
+        prices
+            .iter_mut()
+            .zip(&counts)
+            .for_each(|(price, count)| *price = (*price + step * (1.0 - count)).min(0.0));
         value = open.count_taken(&prices, &mut counts);
         found.bounds.push(value);
         idle += 1;
@@ -208,7 +266,12 @@ struct Open {
 
 impl Open {
     fn new(tuples: &[Vec<Tuple>]) -> Self {
-        let mut open = Open { members: Vec::new(), ends: Vec::new(), costs: Vec::new(), rests: Vec::new() };
+        let mut open = Open {
+            members: Vec::new(),
+            ends: Vec::new(),
+            costs: Vec::new(),
+            rests: Vec::new(),
+        };
         for tuple in tuples.iter().flatten() {
             open.members.extend_from_slice(&tuple.members);
             open.ends.push(open.members.len());
@@ -226,20 +289,33 @@ impl Open {
         for index in 0..self.ends.len() {
             let range = begin..self.ends[index];
             begin = range.end;
-            let rest = self.costs[index] - self.members[range.clone()].iter().map(|&member| prices[member as usize]).sum::<f64>();
+            let rest = self.costs[index]
+                - self.members[range.clone()]
+                    .iter()
+                    .map(|&member| prices[member as usize])
+                    .sum::<f64>();
             self.rests[index] = rest;
             if rest < least.0 {
                 least = (rest, range.clone());
             }
-            let is_last = self.members.get(begin).is_none_or(|next| *next != self.members[range.start]);
+            let is_last = self
+                .members
+                .get(begin)
+                .is_none_or(|next| *next != self.members[range.start]);
             if is_last {
                 value += least.0;
-                self.members[least.1].iter().for_each(|&member| counts[member as usize] += 1.0);
+                self.members[least.1]
+                    .iter()
+                    .for_each(|&member| counts[member as usize] += 1.0);
                 least = (0.0, 0..0);
             }
         }
         let may_be_alone = |(count, price): &(&mut f64, &f64)| **count == 0.0 && **price == 0.0;
-        counts.iter_mut().zip(prices).filter(may_be_alone).for_each(|(count, _)| *count = 1.0);
+        counts
+            .iter_mut()
+            .zip(prices)
+            .filter(may_be_alone)
+            .for_each(|(count, _)| *count = 1.0);
         value
     }
 
@@ -263,7 +339,8 @@ impl Open {
             if self.rests[index] < most {
                 self.members.copy_within(begin..end, length);
                 length += end - begin;
-                (self.ends[kept], self.costs[kept], self.rests[kept]) = (length, self.costs[index], self.rests[index]);
+                (self.ends[kept], self.costs[kept], self.rests[kept]) =
+                    (length, self.costs[index], self.rests[index]);
                 kept += 1;
             }
             begin = end;
@@ -280,24 +357,43 @@ fn shares(tuples: &[Vec<Tuple>]) -> Vec<f64> {
     let mut shares = vec![0.0_f64; tuples.len()];
     for tuple in tuples.iter().flatten() {
         for &member in &tuple.members {
-            shares[member as usize] = shares[member as usize].min(tuple.cost / tuple.members.len() as f64);
+            shares[member as usize] =
+                shares[member as usize].min(tuple.cost / tuple.members.len() as f64);
         }
     }
     shares
 }
 
 fn reduced(tuple: &Tuple, prices: &[f64]) -> f64 {
-    tuple.cost - tuple.members.iter().map(|&member| prices[member as usize]).sum::<f64>()
+    tuple.cost
+        - tuple
+            .members
+            .iter()
+            .map(|&member| prices[member as usize])
+            .sum::<f64>()
 }
 
 /// Step 4.
 pub(super) fn prices(tuples: &[Vec<Tuple>], multipliers: &[f64]) -> Vec<f64> {
-    let least = |of_lowest: &Vec<Tuple>| of_lowest.iter().map(|tuple| reduced(tuple, multipliers)).fold(0.0, f64::min);
-    let mut prices: Vec<f64> = multipliers.iter().zip(tuples).map(|(price, of_lowest)| price + least(of_lowest)).collect();
+    let least = |of_lowest: &Vec<Tuple>| {
+        of_lowest
+            .iter()
+            .map(|tuple| reduced(tuple, multipliers))
+            .fold(0.0, f64::min)
+    };
+    let mut prices: Vec<f64> = multipliers
+        .iter()
+        .zip(tuples)
+        .map(|(price, of_lowest)| price + least(of_lowest))
+        .collect();
     let mut room: Vec<f64> = prices.iter().map(|price| -price).collect();
     for track in 0..prices.len() {
         // Only the tuples of this track limit it; those are few, and known by their lowest member.
-        for tuple in tuples[..=track].iter().flatten().filter(|tuple| tuple.members.contains(&(track as u32))) {
+        for tuple in tuples[..=track]
+            .iter()
+            .flatten()
+            .filter(|tuple| tuple.members.contains(&(track as u32)))
+        {
             room[track] = room[track].min(reduced(tuple, &prices).max(0.0));
         }
         prices[track] += room[track];

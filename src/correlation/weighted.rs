@@ -27,7 +27,11 @@ use crate::math::assignment::AssignmentSolver;
 use crate::model::fault::Fault;
 use crate::registry::{Method, Object};
 
-pub const METHOD: Method<BuildCorrelator> = Method { name: "weighted", parameters: &PARAMETERS, build: |_, _| Ok(Box::new(Weighted)) };
+pub const METHOD: Method<BuildCorrelator> = Method {
+    name: "weighted",
+    parameters: &PARAMETERS,
+    build: |_, _| Ok(Box::new(Weighted)),
+};
 
 static PARAMETERS: Object = Object {
     name: "WeightedCorrelator",
@@ -58,11 +62,17 @@ pub(super) fn weighted_tuples(problem: &Problem) -> Vec<Vec<u32>> {
         solver.clear();
         for track in problem.of_sensor(sensor) {
             costs_of_joining(problem, track, &tuples, &tuple_of, &mut joins);
-            joins.iter().filter(|(_, cost)| *cost < 0.0).for_each(|&(tuple, cost)| solver.push_edge(tuple, cost));
+            joins
+                .iter()
+                .filter(|(_, cost)| *cost < 0.0)
+                .for_each(|&(tuple, cost)| solver.push_edge(tuple, cost));
             solver.end_row(0.0);
         }
         let is_solved = solver.solve().is_some();
-        debug_assert!(is_solved, "tracks that may all begin a tuple have an assignment");
+        debug_assert!(
+            is_solved,
+            "tracks that may all begin a tuple have an assignment"
+        );
         for (row, track) in problem.of_sensor(sensor).enumerate() {
             let tuple = solver.column_of(row).unwrap_or(tuples.len() as u32);
             if tuple as usize == tuples.len() {
@@ -76,14 +86,31 @@ pub(super) fn weighted_tuples(problem: &Problem) -> Vec<Vec<u32>> {
 }
 
 /// c(T, j) for each tuple that a track may join.
-fn costs_of_joining(problem: &Problem, track: u32, tuples: &[Vec<u32>], tuple_of: &[u32], joins: &mut Vec<(u32, f64)>) {
+fn costs_of_joining(
+    problem: &Problem,
+    track: u32,
+    tuples: &[Vec<u32>],
+    tuple_of: &[u32],
+    joins: &mut Vec<(u32, f64)>,
+) {
     joins.clear();
     let is_earlier = |link: &&Link| problem.sensor_of(link.track) < problem.sensor_of(track);
-    let mut links: Vec<(u32, f64, u32)> =
-        problem.links(track).iter().take_while(is_earlier).map(|link| (tuple_of[link.track as usize], link.cost, link.track)).collect();
+    let mut links: Vec<(u32, f64, u32)> = problem
+        .links(track)
+        .iter()
+        .take_while(is_earlier)
+        .map(|link| (tuple_of[link.track as usize], link.cost, link.track))
+        .collect();
     if matches!(problem.costs, Costs::Chain) {
-        let is_last = |&&(tuple, _, member): &&(u32, f64, u32)| tuples[tuple as usize].last() == Some(&member);
-        return joins.extend(links.iter().filter(is_last).map(|&(tuple, cost, _)| (tuple, cost)));
+        let is_last = |&&(tuple, _, member): &&(u32, f64, u32)| {
+            tuples[tuple as usize].last() == Some(&member)
+        };
+        return joins.extend(
+            links
+                .iter()
+                .filter(is_last)
+                .map(|&(tuple, cost, _)| (tuple, cost)),
+        );
     }
     links.sort_unstable_by_key(|&(tuple, _, member)| (tuple, member));
     for of_tuple in links.chunk_by(|left, right| left.0 == right.0) {
@@ -115,20 +142,37 @@ mod tests {
     fn weighted_does_not_see_what_errors_have_in_common_and_modified_does() {
         // With the correlation 1 is the partner of 2, which 0 seems to be without.
         let seen = Problem::new(&[2, 1], &[(0, 2, -9.0), (1, 2, -8.0)], Costs::AllPairs);
-        let problem = Problem::new(&[2, 1], &[(1, 2, -7.0)], Costs::AllPairs).with_independent(seen);
+        let problem =
+            Problem::new(&[2, 1], &[(1, 2, -7.0)], Costs::AllPairs).with_independent(seen);
         let found = Weighted.correlate(&problem).unwrap();
-        assert_eq!((found.tuples, found.cost), (vec![vec![0], vec![1], vec![2]], 0.0));
-        let modified =
-            (modified::METHOD.build)(&serde_json::json!({}), crate::math::rng::Seed { seed: 0, run: 0 }).unwrap().correlate(&problem);
+        assert_eq!(
+            (found.tuples, found.cost),
+            (vec![vec![0], vec![1], vec![2]], 0.0)
+        );
+        let modified = (modified::METHOD.build)(
+            &serde_json::json!({}),
+            crate::math::rng::Seed { seed: 0, run: 0 },
+        )
+        .unwrap()
+        .correlate(&problem);
         let found = modified.unwrap();
-        assert_eq!((found.tuples, found.cost), (vec![vec![0], vec![1, 2]], -7.0));
+        assert_eq!(
+            (found.tuples, found.cost),
+            (vec![vec![0], vec![1, 2]], -7.0)
+        );
     }
 
     #[test]
     fn two_sensors_get_the_optimum_and_a_third_meets_what_was_made() {
         // {0, 1}, {2, 3}, {4}: 0–3 and 1–2 cost −11, 0–2 and 1–3 only −9 − 0. Then 4 goes to the tuple of 0 and 3: −4 + 1 for
         // all pairs; in a chain, where 0 and 4 are no neighbours, −4.
-        let pairs = [(0, 2, -9.0), (0, 3, -6.0), (1, 2, -5.0), (3, 4, -4.0), (0, 4, 1.0)];
+        let pairs = [
+            (0, 2, -9.0),
+            (0, 3, -6.0),
+            (1, 2, -5.0),
+            (3, 4, -4.0),
+            (0, 4, 1.0),
+        ];
         let problem = |costs| Problem::new(&[2, 2, 1], &pairs, costs);
         let tuples = vec![vec![0, 3, 4], vec![1, 2]];
         let all = Weighted.correlate(&problem(Costs::AllPairs)).unwrap();

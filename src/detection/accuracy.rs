@@ -26,8 +26,16 @@ pub fn estimated_sigma_rad(recording: &Recording, cell_rad: f64) -> Option<f64> 
     let mut sizes = Vec::new();
     for scans in recording.scans.windows(3) {
         for middle in recording.detections_of(&scans[1]) {
-            let Some(middle_rad) = bearing(middle) else { continue };
-            let off = |scan| nearest_offset(recording.detections_of(scan), middle_rad, REACH_CELLS * cell_rad);
+            let Some(middle_rad) = bearing(middle) else {
+                continue;
+            };
+            let off = |scan| {
+                nearest_offset(
+                    recording.detections_of(scan),
+                    middle_rad,
+                    REACH_CELLS * cell_rad,
+                )
+            };
             if let (Some(before), Some(behind)) = (off(&scans[0]), off(&scans[2])) {
                 sizes.push((before + behind).abs());
             }
@@ -49,6 +57,10 @@ fn bearing(detection: &Detection) -> Option<f64> {
 }
 
 fn nearest_offset(detections: &[Detection], bearing_rad: f64, reach_rad: f64) -> Option<f64> {
-    let offsets = detections.iter().filter_map(|other| Some(wrapped(bearing(other)? - bearing_rad)));
-    offsets.filter(|offset| offset.abs() <= reach_rad).min_by(|left, right| left.abs().total_cmp(&right.abs()))
+    let offsets = detections
+        .iter()
+        .filter_map(|other| Some(wrapped(bearing(other)? - bearing_rad)));
+    offsets
+        .filter(|offset| offset.abs() <= reach_rad)
+        .min_by(|left, right| left.abs().total_cmp(&right.abs()))
 }

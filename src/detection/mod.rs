@@ -40,17 +40,30 @@ pub static DETECTOR: Object = Object {
     name: "Detector",
     summary: "How detections are found in a bearing-time record: peaks of the power, averaged over an interval, above a threshold.",
     fields: &[
-        default("threshold", "What a cell must exceed.", Kind::Union(&threshold::THRESHOLD), r#"{"kind":"cell_averaging"}"#),
+        default(
+            "threshold",
+            "What a cell must exceed.",
+            Kind::Union(&threshold::THRESHOLD),
+            r#"{"kind":"cell_averaging"}"#,
+        ),
         default(
             "every_s",
             "Interval of which each makes one scan of the mean power.",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "s" },
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Including(1e6),
+                unit: "s",
+            },
             "10.0",
         ),
         default(
             "gate_deg",
             "Where truth is known: a detection at most this far from a true bearing is that of the target.",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(90.0), unit: "deg" },
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Including(90.0),
+                unit: "deg",
+            },
             "2.0",
         ),
     ],
@@ -94,7 +107,10 @@ impl Detector {
     ) -> Result<Option<Found>, Vec<Fault>> {
         let mut scale = Scale::new(&self.threshold, record)?;
         let intervals = self.intervals(record);
-        let mut parts = RecordingParts { sensors: vec![sensor.clone()], ..Default::default() };
+        let mut parts = RecordingParts {
+            sensors: vec![sensor.clone()],
+            ..Default::default()
+        };
         let mut power = vec![0.0; record.width()];
         for (index, rows) in intervals.iter().enumerate() {
             average(record, rows.clone(), &mut power);
@@ -103,14 +119,29 @@ impl Detector {
             let thresholds = scale.thresholds(&power, rows.len());
             parts.detections.extend(peaks(record, &power, thresholds));
             let (number, count) = (index as u32 + 1, parts.detections.len() - first);
-            parts.scans.push(Scan { number, time_s, sensor: 0, first, count });
-            parts.detection_ids.extend((1..=count).map(|index| format!("{number}-{index}")));
+            parts.scans.push(Scan {
+                number,
+                time_s,
+                sensor: 0,
+                first,
+                count,
+            });
+            parts
+                .detection_ids
+                .extend((1..=count).map(|index| format!("{number}-{index}")));
             if progress(index as u64 + 1, intervals.len() as u64).is_break() {
                 return Ok(None);
             }
         }
-        let whole = intervals.iter().map(ExactSizeIterator::len).max().unwrap_or(1);
-        Ok(Some(Found { recording: Recording::new(parts)?, tuning: scale.tuning(whole) }))
+        let whole = intervals
+            .iter()
+            .map(ExactSizeIterator::len)
+            .max()
+            .unwrap_or(1);
+        Ok(Some(Found {
+            recording: Recording::new(parts)?,
+            tuning: scale.tuning(whole),
+        }))
     }
 
     /// The rows of each interval that has any, counted from the first time.
@@ -120,7 +151,11 @@ impl Detector {
         let mut intervals = Vec::new();
         let mut first = 0;
         for row in 1..=record.times_s.len() {
-            if record.times_s.get(row).is_none_or(|&time_s| number(time_s) > number(record.times_s[first])) {
+            if record
+                .times_s
+                .get(row)
+                .is_none_or(|&time_s| number(time_s) > number(record.times_s[first]))
+            {
                 intervals.push(first..row);
                 first = row;
             }
@@ -143,24 +178,41 @@ fn average(record: &BearingTimeRecord, rows: std::ops::Range<usize>, power: &mut
 /// Steps 2 and 3.
 fn peaks(record: &BearingTimeRecord, power: &[f64], thresholds: &[f64]) -> Vec<Detection> {
     let width = power.len();
-    let cells = if record.wraps() { 0..width } else { 1..width - 1 };
+    let cells = if record.wraps() {
+        0..width
+    } else {
+        1..width - 1
+    };
     let found = cells.filter_map(|cell| {
         let (before, after) = ((cell + width - 1) % width, (cell + 1) % width);
-        let is_peak = power[cell] > thresholds[cell] && power[cell] > power[before] && power[cell] >= power[after];
+        let is_peak = power[cell] > thresholds[cell]
+            && power[cell] > power[before]
+            && power[cell] >= power[after];
         is_peak.then(|| peak(record, power, [before, cell, after]))
     });
     found.collect()
 }
 
 fn peak(record: &BearingTimeRecord, power: &[f64], cells: [usize; 3]) -> Detection {
-    let [below, level_db, above] = cells.map(|cell| 10.0 * power[cell].max(f64::MIN_POSITIVE).log10());
+    let [below, level_db, above] =
+        cells.map(|cell| 10.0 * power[cell].max(f64::MIN_POSITIVE).log10());
     let curvature = below - 2.0 * level_db + above;
     // Of a peak it is negative; of two equals and a rounding it may be 0.
-    let offset = if curvature < 0.0 { 0.5 * (below - above) / curvature } else { 0.0 };
+    let offset = if curvature < 0.0 {
+        0.5 * (below - above) / curvature
+    } else {
+        0.0
+    };
     let bearings = cells.map(|cell| record.bearings_rad[cell]);
-    let width_rad = if offset < 0.0 { wrapped(bearings[1] - bearings[0]) } else { wrapped(bearings[2] - bearings[1]) };
+    let width_rad = if offset < 0.0 {
+        wrapped(bearings[1] - bearings[0])
+    } else {
+        wrapped(bearings[2] - bearings[1])
+    };
     Detection {
-        measurement: Measurement::Bearing { bearing_rad: (bearings[1] + offset * width_rad).rem_euclid(TAU) },
+        measurement: Measurement::Bearing {
+            bearing_rad: (bearings[1] + offset * width_rad).rem_euclid(TAU),
+        },
         origin: None,
         amplitude: Some(level_db - 0.25 * (below - above) * offset),
     }

@@ -33,25 +33,44 @@ struct Counts {
 ///
 /// # Errors
 /// None for a recording that was sound before.
-pub fn assign_origins(recording: Recording, truth: &TruthSet, gate_deg: f64) -> Result<(Recording, Quality), Vec<Fault>> {
+pub fn assign_origins(
+    recording: Recording,
+    truth: &TruthSet,
+    gate_deg: f64,
+) -> Result<(Recording, Quality), Vec<Fault>> {
     let mut parts = recording.into_parts();
     let mut counts = Counts::default();
     for scan in &parts.scans {
-        for (error_rad, detection, target) in matches(scan, &parts.detections[scan.range()], truth, gate_deg.to_radians(), &mut counts) {
+        for (error_rad, detection, target) in matches(
+            scan,
+            &parts.detections[scan.range()],
+            truth,
+            gate_deg.to_radians(),
+            &mut counts,
+        ) {
             parts.detections[scan.first + detection].origin = Some(target as u32);
             counts.found += 1;
             counts.square_errors += error_rad * error_rad;
         }
     }
-    let false_alarms = parts.detections.iter().filter(|detection| detection.origin.is_none()).count() as f64;
+    let false_alarms = parts
+        .detections
+        .iter()
+        .filter(|detection| detection.origin.is_none())
+        .count() as f64;
     let share = |sum: f64, count: f64| (count > 0.0).then(|| sum / count);
     let quality = Quality {
         p_d: share(counts.found as f64, counts.true_bearings as f64),
         false_alarms_per_scan: share(false_alarms, parts.scans.len() as f64),
-        bearing_rmse_deg: share(counts.square_errors, counts.found as f64).map(|mean| mean.sqrt().to_degrees()),
+        bearing_rmse_deg: share(counts.square_errors, counts.found as f64)
+            .map(|mean| mean.sqrt().to_degrees()),
         gate_deg,
     };
-    parts.targets = truth.targets().iter().map(|target| target.truth_id.clone()).collect();
+    parts.targets = truth
+        .targets()
+        .iter()
+        .map(|target| target.truth_id.clone())
+        .collect();
     parts.origins_known = true;
     Ok((Recording::new(parts)?, quality))
 }
@@ -66,7 +85,9 @@ fn matches(
 ) -> Vec<(f64, usize, usize)> {
     let mut pairs = Vec::new();
     for (index, target) in truth.targets().iter().enumerate() {
-        let Some(true_rad) = target.bearing_at(scan.time_s, f64::INFINITY) else { continue };
+        let Some(true_rad) = target.bearing_at(scan.time_s, f64::INFINITY) else {
+            continue;
+        };
         counts.true_bearings += 1;
         for (number, detection) in detections.iter().enumerate() {
             if let Measurement::Bearing { bearing_rad } = detection.measurement {
@@ -78,7 +99,10 @@ fn matches(
     pairs.sort_by(|left, right| left.0.total_cmp(&right.0));
     let mut taken: Vec<(f64, usize, usize)> = Vec::new();
     for pair in pairs {
-        if !taken.iter().any(|other| other.1 == pair.1 || other.2 == pair.2) {
+        if !taken
+            .iter()
+            .any(|other| other.1 == pair.1 || other.2 == pair.2)
+        {
             taken.push(pair);
         }
     }

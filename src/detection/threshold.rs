@@ -30,7 +30,18 @@ pub(super) static THRESHOLD: Union = Union {
     name: "DetectorThreshold",
     summary: "What the power of a cell must exceed.",
     tag: "kind",
-    variants: || vec![Variant { tag: "constant", object: &CONSTANT }, Variant { tag: "cell_averaging", object: &CELL_AVERAGING }],
+    variants: || {
+        vec![
+            Variant {
+                tag: "constant",
+                object: &CONSTANT,
+            },
+            Variant {
+                tag: "cell_averaging",
+                object: &CELL_AVERAGING,
+            },
+        ]
+    },
 };
 
 static CONSTANT: Object = Object {
@@ -39,7 +50,11 @@ static CONSTANT: Object = Object {
     fields: &[required(
         "level_db",
         "The level, on the scale of the record.",
-        Kind::Number { min: Bound::Including(-300.0), max: Bound::Including(300.0), unit: "dB" },
+        Kind::Number {
+            min: Bound::Including(-300.0),
+            max: Bound::Including(300.0),
+            unit: "dB",
+        },
     )],
 };
 
@@ -50,20 +65,41 @@ static CELL_AVERAGING: Object = Object {
         default(
             "guard_cells",
             "Cells on each side that are left out, because a target fills them too.",
-            Kind::Integer { min: 0, max: 10_000, unit: "" },
+            Kind::Integer {
+                min: 0,
+                max: 10_000,
+                unit: "",
+            },
             "4",
         ),
-        default("training_cells", "Cells on each side whose mean is taken.", Kind::Integer { min: 1, max: 10_000, unit: "" }, "12"),
+        default(
+            "training_cells",
+            "Cells on each side whose mean is taken.",
+            Kind::Integer {
+                min: 1,
+                max: 10_000,
+                unit: "",
+            },
+            "12",
+        ),
         default(
             "false_alarm_probability",
             "Probability that a cell of noise alone exceeds its threshold in a scan.",
-            Kind::Number { min: Bound::Including(1e-12), max: Bound::Including(0.5), unit: "" },
+            Kind::Number {
+                min: Bound::Including(1e-12),
+                max: Bound::Including(0.5),
+                unit: "",
+            },
             "0.0001",
         ),
         optional(
             "noise_averages",
             "Independent values of which the power in a cell of the record is the mean; estimated from the record when absent.",
-            Kind::Number { min: Bound::Including(0.5), max: Bound::Including(1e6), unit: "" },
+            Kind::Number {
+                min: Bound::Including(0.5),
+                max: Bound::Including(1e6),
+                unit: "",
+            },
         ),
     ],
 };
@@ -113,26 +149,58 @@ impl Scale {
         let width = record.width();
         let (guard, training, false_alarm_probability, given) = match *threshold {
             Threshold::Constant { level_db } => {
-                return Ok(Scale { rule: Rule::Constant, thresholds: vec![10f64.powf(level_db / 10.0); width] });
+                return Ok(Scale {
+                    rule: Rule::Constant,
+                    thresholds: vec![10f64.powf(level_db / 10.0); width],
+                });
             }
-            Threshold::CellAveraging { guard_cells, training_cells, false_alarm_probability, noise_averages } => {
-                (guard_cells, training_cells, false_alarm_probability, noise_averages)
-            }
+            Threshold::CellAveraging {
+                guard_cells,
+                training_cells,
+                false_alarm_probability,
+                noise_averages,
+            } => (
+                guard_cells,
+                training_cells,
+                false_alarm_probability,
+                noise_averages,
+            ),
         };
         let needed = 2 * (guard + training) + 1;
         if needed > width {
-            let detail = format!("guard and training cells need {needed} cells; the record has {width}");
+            let detail =
+                format!("guard and training cells need {needed} cells; the record has {width}");
             let fault = Fault::new("/detector/threshold/training_cells", "out_of_range", detail);
-            return Err(vec![fault.allowing(format!("guard_cells + training_cells <= {}", (width - 1) / 2))]);
+            return Err(vec![fault.allowing(format!(
+                "guard_cells + training_cells <= {}",
+                (width - 1) / 2
+            ))]);
         }
-        let averages = given.or_else(|| estimated_averages(record)).ok_or_else(|| {
-            let detail = "two rows at least are needed to estimate how many values a cell averages";
-            vec![Fault::new("/detector/threshold/noise_averages", "missing", detail).allowing("a number")]
-        })?;
+        let averages = given
+            .or_else(|| estimated_averages(record))
+            .ok_or_else(|| {
+                let detail =
+                    "two rows at least are needed to estimate how many values a cell averages";
+                vec![
+                    Fault::new("/detector/threshold/noise_averages", "missing", detail)
+                        .allowing("a number"),
+                ]
+            })?;
         let sums = vec![0.0; width + 1];
         let factors = BTreeMap::new();
-        let rule = Rule::Averaging(Averaging { wraps: record.wraps(), guard, training, false_alarm_probability, averages, factors, sums });
-        Ok(Scale { rule, thresholds: vec![0.0; width] })
+        let rule = Rule::Averaging(Averaging {
+            wraps: record.wraps(),
+            guard,
+            training,
+            false_alarm_probability,
+            averages,
+            factors,
+            sums,
+        });
+        Ok(Scale {
+            rule,
+            thresholds: vec![0.0; width],
+        })
     }
 
     /// The threshold of each cell, in power, of the mean of `rows` rows.
@@ -145,10 +213,16 @@ impl Scale {
 
     pub fn tuning(&self, rows: usize) -> Tuning {
         match &self.rule {
-            Rule::Constant => Tuning { noise_averages: None, threshold_over_mean_db: None },
+            Rule::Constant => Tuning {
+                noise_averages: None,
+                threshold_over_mean_db: None,
+            },
             Rule::Averaging(averaging) => {
                 let factor = averaging.factor(2 * averaging.training, rows);
-                Tuning { noise_averages: Some(averaging.averages), threshold_over_mean_db: Some(10.0 * factor.log10()) }
+                Tuning {
+                    noise_averages: Some(averaging.averages),
+                    threshold_over_mean_db: Some(10.0 * factor.log10()),
+                }
             }
         }
     }
@@ -176,8 +250,14 @@ impl Averaging {
     /// Sum and number of the training cells of a cell.
     fn trained(&self, cell: isize) -> (f64, usize) {
         let (guard, training) = (self.guard as isize, self.training as isize);
-        let sides = [(cell - guard - training, cell - guard), (cell + guard + 1, cell + guard + 1 + training)];
-        sides.map(|(from, to)| self.sum(from, to)).into_iter().fold((0.0, 0), |all, side| (all.0 + side.0, all.1 + side.1))
+        let sides = [
+            (cell - guard - training, cell - guard),
+            (cell + guard + 1, cell + guard + 1 + training),
+        ];
+        sides
+            .map(|(from, to)| self.sum(from, to))
+            .into_iter()
+            .fold((0.0, 0), |all, side| (all.0 + side.0, all.1 + side.1))
     }
 
     /// Sum and number of the cells from `from` up to `to`, which may lie beyond the ends.
@@ -191,7 +271,10 @@ impl Averaging {
         if !self.wraps {
             return inside;
         }
-        let (low, high) = (within(from + width, to + width), within(from - width, to - width));
+        let (low, high) = (
+            within(from + width, to + width),
+            within(from - width, to - width),
+        );
         (inside.0 + low.0 + high.0, inside.1 + low.1 + high.1)
     }
 
@@ -199,7 +282,9 @@ impl Averaging {
     fn factor(&self, cells: usize, rows: usize) -> f64 {
         let values = self.averages * rows as f64;
         let ratio = FisherSnedecor::new(2.0 * values, 2.0 * values * cells as f64);
-        ratio.map_or(f64::INFINITY, |ratio| ratio.inverse_cdf(1.0 - self.false_alarm_probability))
+        ratio.map_or(f64::INFINITY, |ratio| {
+            ratio.inverse_cdf(1.0 - self.false_alarm_probability)
+        })
     }
 }
 
@@ -211,10 +296,19 @@ const MEDIAN_SIZE: f64 = 0.674_489_750_196_081_7;
 /// M of step 3; `None` of a record of one row.
 fn estimated_averages(record: &BearingTimeRecord) -> Option<f64> {
     let width = record.width();
-    let pairs = record.levels_db.len().checked_sub(width).filter(|&pairs| pairs > 0)?;
+    let pairs = record
+        .levels_db
+        .len()
+        .checked_sub(width)
+        .filter(|&pairs| pairs > 0)?;
     let to_logarithm = std::f64::consts::LN_10 / 10.0;
-    let difference = |index: usize| f64::from(record.levels_db[index + width] - record.levels_db[index]).abs() * to_logarithm;
-    let mut sizes: Vec<f64> = (0..pairs).step_by(pairs.div_ceil(MOST_PAIRS)).map(difference).collect();
+    let difference = |index: usize| {
+        f64::from(record.levels_db[index + width] - record.levels_db[index]).abs() * to_logarithm
+    };
+    let mut sizes: Vec<f64> = (0..pairs)
+        .step_by(pairs.div_ceil(MOST_PAIRS))
+        .map(difference)
+        .collect();
     let middle = sizes.len() / 2;
     let median = *sizes.select_nth_unstable_by(middle, f64::total_cmp).1;
     let variance = (median / MEDIAN_SIZE).powi(2) / 2.0;
@@ -227,7 +321,11 @@ fn inverse_trigamma(value: f64) -> f64 {
     for _ in 0..100 {
         let middle = (low * high).sqrt();
         let trigamma = 1.0 / middle + 0.5 / middle.powi(2) + 1.0 / (6.0 * middle.powi(3));
-        if trigamma > value { low = middle } else { high = middle }
+        if trigamma > value {
+            low = middle
+        } else {
+            high = middle
+        }
     }
     low
 }
@@ -236,9 +334,23 @@ fn inverse_trigamma(value: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn averaging(width: usize, wraps: bool, guard: usize, training: usize, averages: f64) -> Averaging {
+    fn averaging(
+        width: usize,
+        wraps: bool,
+        guard: usize,
+        training: usize,
+        averages: f64,
+    ) -> Averaging {
         let (factors, sums) = (BTreeMap::new(), vec![0.0; width + 1]);
-        Averaging { wraps, guard, training, false_alarm_probability: 1e-3, averages, factors, sums }
+        Averaging {
+            wraps,
+            guard,
+            training,
+            false_alarm_probability: 1e-3,
+            averages,
+            factors,
+            sums,
+        }
     }
 
     #[test]
@@ -246,9 +358,15 @@ mod tests {
         for cells in [4, 16, 64] {
             let closed = cells as f64 * (1e-3f64.powf(-1.0 / cells as f64) - 1.0);
             let factor = averaging(8, true, 0, 1, 1.0).factor(cells, 1);
-            assert!((factor / closed - 1.0).abs() < 1e-6, "{cells}: {factor} and {closed}");
+            assert!(
+                (factor / closed - 1.0).abs() < 1e-6,
+                "{cells}: {factor} and {closed}"
+            );
         }
-        assert!(averaging(8, true, 0, 1, 4.0).factor(24, 10) < 2.0, "40 values vary little");
+        assert!(
+            averaging(8, true, 0, 1, 4.0).factor(24, 10) < 2.0,
+            "40 values vary little"
+        );
     }
 
     #[test]

@@ -20,7 +20,10 @@ impl Acquaintances {
         let all: Vec<u32> = (0..pairs.len() as u32).collect();
         let by_track = sorted_by_counting(&all, comparison.track_ids.len(), track);
         let order = sorted_by_counting(&by_track, comparison.truth_ids.len(), truth);
-        let mut found = Acquaintances { ids: Vec::new(), of_pair: vec![0; pairs.len()] };
+        let mut found = Acquaintances {
+            ids: Vec::new(),
+            of_pair: vec![0; pairs.len()],
+        };
         for index in order {
             let ids = (truth(index), track(index));
             if found.ids.last() != Some(&ids) {
@@ -57,8 +60,11 @@ mod tests {
 
     #[test]
     fn each_distinct_pair_is_listed_once_in_order() {
-        let comparison =
-            compare(&[("A", &[0.0, 0.0]), ("B", &[5.0, 5.0])], &[("T", &[1.0, 1.0]), ("U", &[50.0, 6.0]), ("V", &[GONE; 2])], 10.0);
+        let comparison = compare(
+            &[("A", &[0.0, 0.0]), ("B", &[5.0, 5.0])],
+            &[("T", &[1.0, 1.0]), ("U", &[50.0, 6.0]), ("V", &[GONE; 2])],
+            10.0,
+        );
         let found = Acquaintances::new(&comparison);
         assert_eq!(found.ids, [(0, 0), (0, 1), (1, 0), (1, 1)]);
         // Step 0: A–T, B–T; step 1: A–T, A–U, B–T, B–U.
@@ -67,6 +73,9 @@ mod tests {
 
     #[test]
     fn nobody_meets_nobody() {
-        assert_eq!(Acquaintances::new(&compare(&[], &[], 10.0)), Acquaintances::default());
+        assert_eq!(
+            Acquaintances::new(&compare(&[], &[], 10.0)),
+            Acquaintances::default()
+        );
     }
 }

@@ -34,26 +34,62 @@ pub struct Axis {
 
 impl Axis {
     /// `steps` are the times of the recording.
-    pub fn of_recording(recording: &Recording, tracks: &TrackSet, steps: Steps, max_missed: u32) -> Self {
-        let indices: HashMap<&str, usize> =
-            recording.sensors.iter().enumerate().map(|(index, sensor)| (sensor.sensor_id.as_str(), index)).collect();
+    pub fn of_recording(
+        recording: &Recording,
+        tracks: &TrackSet,
+        steps: Steps,
+        max_missed: u32,
+    ) -> Self {
+        let indices: HashMap<&str, usize> = recording
+            .sensors
+            .iter()
+            .enumerate()
+            .map(|(index, sensor)| (sensor.sensor_id.as_str(), index))
+            .collect();
         let empty = empty_scans(recording, max_missed);
         let mut passed = 0;
         let mut scans: Vec<AxisScan> = Vec::with_capacity(recording.scans.len());
         for (index, scan) in recording.scans.iter().enumerate() {
-            while empty.get(passed).is_some_and(|&(time_s, sensor)| (time_s, sensor) <= (scan.time_s, scan.sensor)) {
+            while empty
+                .get(passed)
+                .is_some_and(|&(time_s, sensor)| (time_s, sensor) <= (scan.time_s, scan.sensor))
+            {
                 passed += 1;
             }
-            scans.push(AxisScan { number: scan.number, time_s: scan.time_s, position: index + passed, sensor: Some(scan.sensor) });
+            scans.push(AxisScan {
+                number: scan.number,
+                time_s: scan.time_s,
+                position: index + passed,
+                sensor: Some(scan.sensor),
+            });
         }
-        let sensor_of_point = tracks.sensor_ids.iter().map(|name| indices.get(name.as_str()).copied()).collect();
-        Axis { scans, sensor_of_point, steps, by_time_alone: false }
+        let sensor_of_point = tracks
+            .sensor_ids
+            .iter()
+            .map(|name| indices.get(name.as_str()).copied())
+            .collect();
+        Axis {
+            scans,
+            sensor_of_point,
+            steps,
+            by_time_alone: false,
+        }
     }
 
     pub fn of_steps(steps: Steps) -> Self {
-        let scan = |(position, time_s)| AxisScan { number: position as u32 + 1, time_s, position, sensor: None };
+        let scan = |(position, time_s)| AxisScan {
+            number: position as u32 + 1,
+            time_s,
+            position,
+            sensor: None,
+        };
         let scans = steps.times_s().enumerate().map(scan).collect();
-        Axis { scans, sensor_of_point: Vec::new(), steps, by_time_alone: true }
+        Axis {
+            scans,
+            sensor_of_point: Vec::new(),
+            steps,
+            by_time_alone: true,
+        }
     }
 
     /// Times nearer than this belong to one scan.
@@ -72,13 +108,19 @@ impl Axis {
 
     /// The scan at a place of the axis; `None` in a hole.
     pub fn scan_at(&self, position: usize) -> Option<&AxisScan> {
-        self.scans.get(self.scans.partition_point(|scan| scan.position < position)).filter(|scan| scan.position == position)
+        self.scans
+            .get(self.scans.partition_point(|scan| scan.position < position))
+            .filter(|scan| scan.position == position)
     }
 
     /// The same as [`scan_of`](Self::scan_of), quickest where `guess` is the answer.
     #[inline]
     pub fn scan_near(&self, point: &TrackPoint, guess: usize) -> Option<usize> {
-        let is_at = |index: usize| self.scans.get(index).is_some_and(|scan| scan.time_s == point.time_s);
+        let is_at = |index: usize| {
+            self.scans
+                .get(index)
+                .is_some_and(|scan| scan.time_s == point.time_s)
+        };
         let is_right = is_at(guess)
             && match point.sensor {
                 Some(sensor) if !self.by_time_alone => {
@@ -87,7 +129,11 @@ impl Axis {
                 }
                 _ => !is_at(guess + 1) && (guess == 0 || !is_at(guess - 1)),
             };
-        if is_right { Some(guess) } else { self.scan_of(point) }
+        if is_right {
+            Some(guess)
+        } else {
+            self.scan_of(point)
+        }
     }
 
     /// Index of the scan that a track point belongs to: the same time, within the tolerance, and the same sensor. A point
@@ -109,7 +155,13 @@ impl Axis {
 
     /// Indices of the scans of all sensors that a time belongs to.
     pub fn scans_at(&self, time_s: f64) -> Range<usize> {
-        self.steps.at(time_s).map_or(0..0, |step| if self.by_time_alone { step..step + 1 } else { self.scans_of_step(step) })
+        self.steps.at(time_s).map_or(0..0, |step| {
+            if self.by_time_alone {
+                step..step + 1
+            } else {
+                self.scans_of_step(step)
+            }
+        })
     }
 
     fn scans_of_step(&self, step: usize) -> Range<usize> {
@@ -125,7 +177,9 @@ fn empty_scans(recording: &Recording, max_missed: u32) -> Vec<(f64, usize)> {
     for gap in scan_numbers::gaps(recording) {
         let (before, after) = (&recording.scans[gap.before], &recording.scans[gap.after]);
         let count = gap.missing.min(max_missed);
-        let time_s = |place: u32| before.time_s + (after.time_s - before.time_s) * f64::from(place) / f64::from(count + 1);
+        let time_s = |place: u32| {
+            before.time_s + (after.time_s - before.time_s) * f64::from(place) / f64::from(count + 1)
+        };
         empty.extend((1..=count).map(|place| (time_s(place).min(after.time_s), after.sensor)));
     }
     empty.sort_unstable_by(|left, right| left.0.total_cmp(&right.0).then(left.1.cmp(&right.1)));
@@ -141,9 +195,18 @@ mod tests {
     use crate::model::track::{Estimate, PlaneEstimate};
 
     fn recording(sensors: &[&str], scans: &[(u32, f64, usize)]) -> Recording {
-        let scan = |&(number, time_s, sensor): &(u32, f64, usize)| Scan { number, time_s, sensor, first: 0, count: 0 };
+        let scan = |&(number, time_s, sensor): &(u32, f64, usize)| Scan {
+            number,
+            time_s,
+            sensor,
+            first: 0,
+            count: 0,
+        };
         Recording::new(RecordingParts {
-            sensors: sensors.iter().map(|name| SensorSettings::named(*name)).collect(),
+            sensors: sensors
+                .iter()
+                .map(|name| SensorSettings::named(*name))
+                .collect(),
             scans: scans.iter().map(scan).collect(),
             ..Default::default()
         })
@@ -155,45 +218,107 @@ mod tests {
     }
 
     fn point(time_s: f64, sensor: Option<u32>) -> TrackPoint {
-        let estimate = Estimate::Plane(PlaneEstimate { state: State::zeros(), has_velocity: false, covariance: None });
-        TrackPoint { time_s, sensor, estimate, status: None, nis: None, first_candidate: 0, candidates: 0 }
+        let estimate = Estimate::Plane(PlaneEstimate {
+            state: State::zeros(),
+            has_velocity: false,
+            covariance: None,
+        });
+        TrackPoint {
+            time_s,
+            sensor,
+            estimate,
+            status: None,
+            nis: None,
+            first_candidate: 0,
+            candidates: 0,
+        }
     }
 
     #[test]
     fn holes_in_the_numbers_take_up_places_but_never_more_than_end_a_string() {
-        let recording = recording(&["radar"], &[(1, 0.0, 0), (2, 1.0, 0), (5, 4.0, 0), (4_000_000_000, 5.0, 0), (3, 6.0, 0)]);
+        let recording = recording(
+            &["radar"],
+            &[
+                (1, 0.0, 0),
+                (2, 1.0, 0),
+                (5, 4.0, 0),
+                (4_000_000_000, 5.0, 0),
+                (3, 6.0, 0),
+            ],
+        );
         let axis = Axis::of_recording(&recording, &TrackSet::default(), steps(&recording), 5);
         let positions: Vec<usize> = axis.scans().iter().map(|scan| scan.position).collect();
         assert_eq!(positions, [0, 1, 4, 10, 11]);
         assert_eq!(axis.at_position(10).number, 4_000_000_000);
-        assert_eq!(axis.scan_at(10).map(|scan| scan.number), Some(4_000_000_000));
+        assert_eq!(
+            axis.scan_at(10).map(|scan| scan.number),
+            Some(4_000_000_000)
+        );
         assert_eq!((axis.scan_at(3), axis.scan_at(12)), (None, None));
     }
 
     #[test]
     fn a_scan_that_two_sensors_leave_out_takes_a_place_for_each() {
         // Scan 3 of both, at 2 s, as if it were written.
-        let scans = [(1, 0.0, 0), (1, 0.0, 1), (2, 1.0, 0), (2, 1.0, 1), (4, 3.0, 0), (4, 3.0, 1)];
+        let scans = [
+            (1, 0.0, 0),
+            (1, 0.0, 1),
+            (2, 1.0, 0),
+            (2, 1.0, 1),
+            (4, 3.0, 0),
+            (4, 3.0, 1),
+        ];
         let recording = recording(&["radar", "lidar"], &scans);
         let axis = Axis::of_recording(&recording, &TrackSet::default(), steps(&recording), 5);
-        assert_eq!(axis.scans().iter().map(|scan| scan.position).collect::<Vec<_>>(), [0, 1, 2, 3, 6, 7]);
+        assert_eq!(
+            axis.scans()
+                .iter()
+                .map(|scan| scan.position)
+                .collect::<Vec<_>>(),
+            [0, 1, 2, 3, 6, 7]
+        );
         assert_eq!((axis.scans_at(3.0), axis.scans_at(2.0)), (4..6, 0..0));
     }
 
     #[test]
     fn points_find_their_scan_by_time_and_sensor() {
-        let recording = recording(&["radar", "lidar"], &[(1, 0.0, 0), (2, 0.0, 1), (3, 1.0, 1)]);
-        let tracks = TrackSet { sensor_ids: vec!["lidar".into(), "sonar".into()], ..Default::default() };
+        let recording = recording(
+            &["radar", "lidar"],
+            &[(1, 0.0, 0), (2, 0.0, 1), (3, 1.0, 1)],
+        );
+        let tracks = TrackSet {
+            sensor_ids: vec!["lidar".into(), "sonar".into()],
+            ..Default::default()
+        };
         let axis = Axis::of_recording(&recording, &tracks, steps(&recording), 5);
         assert_eq!(axis.scan_of(&point(0.0, Some(0))), Some(1));
-        assert_eq!(axis.scan_of(&point(1.0, None)), Some(2), "only one scan at that time");
-        assert_eq!(axis.scan_of(&point(0.0, None)), None, "two scans at that time");
+        assert_eq!(
+            axis.scan_of(&point(1.0, None)),
+            Some(2),
+            "only one scan at that time"
+        );
+        assert_eq!(
+            axis.scan_of(&point(0.0, None)),
+            None,
+            "two scans at that time"
+        );
         assert_eq!(axis.scan_of(&point(0.0, Some(1))), None, "no such sensor");
         assert_eq!(axis.scan_of(&point(0.5, None)), None, "no such time");
         assert_eq!(axis.scan_of(&point(f64::NAN, None)), None);
-        for (time_s, sensor) in [(0.0, Some(0)), (1.0, None), (0.0, None), (0.0, Some(1)), (0.5, None), (f64::NAN, None), (1.0, Some(0))] {
+        for (time_s, sensor) in [
+            (0.0, Some(0)),
+            (1.0, None),
+            (0.0, None),
+            (0.0, Some(1)),
+            (0.5, None),
+            (f64::NAN, None),
+            (1.0, Some(0)),
+        ] {
             let point = point(time_s, sensor);
-            assert!((0..5).all(|guess| axis.scan_near(&point, guess) == axis.scan_of(&point)), "{time_s} {sensor:?}");
+            assert!(
+                (0..5).all(|guess| axis.scan_near(&point, guess) == axis.scan_of(&point)),
+                "{time_s} {sensor:?}"
+            );
         }
     }
 }

@@ -48,8 +48,12 @@ pub fn explain<'a>(
     input: Option<&'a EvaluationInput<'a>>,
 ) -> impl Iterator<Item = Break> + use<'a> {
     let recording = input.and_then(|input| input.recording);
-    let recording = recording.filter(|recording| comparison.shape == Shape::Points && !recording.detections.is_empty());
-    let breaks = log.events.iter().filter(|event| event.kind == EventKind::Break);
+    let recording = recording
+        .filter(|recording| comparison.shape == Shape::Points && !recording.detections.is_empty());
+    let breaks = log
+        .events
+        .iter()
+        .filter(|event| event.kind == EventKind::Break);
     breaks.filter_map(move |event| {
         let (truth, track) = (event.truth?, event.track?);
         let step = &comparison.steps[event.step as usize];
@@ -66,46 +70,76 @@ pub fn explain<'a>(
             track_id: comparison.track_ids[track as usize].clone(),
             cause,
             other_truth_id: other.map(|truth| comparison.truth_ids[truth as usize].clone()),
-            unseen_scans: recording.map(|recording| unseen_scans(comparison, recording, event.step as usize, truth)),
-            last_detection_time_s: input.and_then(|input| last_detection_s(input.tracks, track, step.time_s)),
+            unseen_scans: recording
+                .map(|recording| unseen_scans(comparison, recording, event.step as usize, truth)),
+            last_detection_time_s: input
+                .and_then(|input| last_detection_s(input.tracks, track, step.time_s)),
         })
     })
 }
 
 fn followed_by(events: &[Event], track: u32) -> Option<u32> {
-    events.iter().find(|event| event.kind == EventKind::Match && event.track == Some(track)).and_then(|event| event.truth)
+    events
+        .iter()
+        .find(|event| event.kind == EventKind::Match && event.track == Some(track))
+        .and_then(|event| event.truth)
 }
 
 fn is_there(comparison: &Comparison, step: &Step, track: u32) -> bool {
-    comparison.tracks[step.tracks.clone()].binary_search_by_key(&track, |presence| presence.id).is_ok()
+    comparison.tracks[step.tracks.clone()]
+        .binary_search_by_key(&track, |presence| presence.id)
+        .is_ok()
 }
 
 /// Counts back from a step while no scan of that time has a detection near the target.
 fn unseen_scans(comparison: &Comparison, recording: &Recording, step: usize, truth: u32) -> usize {
     let place = |step: &Step| {
         let truths = &comparison.truths[step.truths.clone()];
-        truths.binary_search_by_key(&truth, |presence| presence.id).ok().map(|index| truths[index].position_m)
+        truths
+            .binary_search_by_key(&truth, |presence| presence.id)
+            .ok()
+            .map(|index| truths[index].position_m)
     };
     let steps = comparison.steps[..=step].iter().rev();
     let places = steps.map_while(|step| place(step).map(|position_m| (step.time_s, position_m)));
-    places.take_while(|(time_s, position_m)| !is_seen(recording, *time_s, position_m, comparison.gate)).count()
+    places
+        .take_while(|(time_s, position_m)| {
+            !is_seen(recording, *time_s, position_m, comparison.gate)
+        })
+        .count()
 }
 
 fn is_seen(recording: &Recording, time_s: f64, position_m: &Position, gate_m: f64) -> bool {
     let first = recording.scans.partition_point(|scan| scan.time_s < time_s);
-    recording.scans[first..].iter().take_while(|scan| scan.time_s == time_s).any(|scan| {
-        let sensor = &recording.sensors[scan.sensor];
-        let place_m = Position::new(sensor.x_m.unwrap_or_default(), sensor.y_m.unwrap_or_default());
-        let mut seen = recording.detections_of(scan).iter().filter_map(|detection| detection.measurement.position_seen_from(&place_m));
-        seen.any(|seen_m| (seen_m - position_m).norm() <= gate_m)
-    })
+    recording.scans[first..]
+        .iter()
+        .take_while(|scan| scan.time_s == time_s)
+        .any(|scan| {
+            let sensor = &recording.sensors[scan.sensor];
+            let place_m = Position::new(
+                sensor.x_m.unwrap_or_default(),
+                sensor.y_m.unwrap_or_default(),
+            );
+            let mut seen = recording
+                .detections_of(scan)
+                .iter()
+                .filter_map(|detection| detection.measurement.position_seen_from(&place_m));
+            seen.any(|seen_m| (seen_m - position_m).norm() <= gate_m)
+        })
 }
 
 /// The last point at or before `time_s` whose most probable candidate is a detection.
 fn last_detection_s(tracks: &TrackSet, track: u32, time_s: f64) -> Option<f64> {
-    let points = tracks.tracks[track as usize].points.iter().rev().skip_while(|point| point.time_s > time_s);
+    let points = tracks.tracks[track as usize]
+        .points
+        .iter()
+        .rev()
+        .skip_while(|point| point.time_s > time_s);
     let mut detected = points.filter(|point| {
-        let best = tracks.candidates_of(point).iter().max_by(|a, b| a.probability.total_cmp(&b.probability));
+        let best = tracks
+            .candidates_of(point)
+            .iter()
+            .max_by(|a, b| a.probability.total_cmp(&b.probability));
         best.is_some_and(|best| best.detection.is_some())
     });
     detected.next().map(|point| point.time_s)

@@ -75,13 +75,21 @@ pub enum Shape {
 impl Shape {
     /// What is added to a place to find it again: directions repeat after a turn.
     pub fn turns(self) -> &'static [f64] {
-        if self == Shape::Bearings { &[0.0, -360.0, 360.0] } else { &[0.0] }
+        if self == Shape::Bearings {
+            &[0.0, -360.0, 360.0]
+        } else {
+            &[0.0]
+        }
     }
 
     /// Of directions the shorter way round.
     pub fn distance(self, left: &Position, right: &Position) -> f64 {
         let distance = (left - right).norm();
-        if self == Shape::Bearings { distance.min(360.0 - distance) } else { distance }
+        if self == Shape::Bearings {
+            distance.min(360.0 - distance)
+        } else {
+            distance
+        }
     }
 }
 
@@ -114,25 +122,57 @@ pub struct PointSettings {
 
 impl Comparison {
     /// Compares points, or directions where both sides are. `truth` is the truth of `input`.
-    pub fn of_points(input: &EvaluationInput, truth: &TruthSet, settings: &PointSettings) -> Comparison {
-        Comparison::of_points_within(input, truth, settings, &mut Extent::unbounded(&Watch::never()))
+    pub fn of_points(
+        input: &EvaluationInput,
+        truth: &TruthSet,
+        settings: &PointSettings,
+    ) -> Comparison {
+        Comparison::of_points_within(
+            input,
+            truth,
+            settings,
+            &mut Extent::unbounded(&Watch::never()),
+        )
     }
 
     /// The same of what the extent allows; its [`Extent::finish`] says whether the comparison is whole.
-    pub fn of_points_within(input: &EvaluationInput, truth: &TruthSet, settings: &PointSettings, extent: &mut Extent) -> Comparison {
-        let shape = if truth.is_of_bearings() && input.tracks.is_of_bearings() { Shape::Bearings } else { Shape::Points };
+    pub fn of_points_within(
+        input: &EvaluationInput,
+        truth: &TruthSet,
+        settings: &PointSettings,
+        extent: &mut Extent,
+    ) -> Comparison {
+        let shape = if truth.is_of_bearings() && input.tracks.is_of_bearings() {
+            Shape::Bearings
+        } else {
+            Shape::Points
+        };
         let mut comparison = Comparison {
             shape,
             gate: settings.gate_m,
-            truth_ids: truth.targets().iter().map(|target| target.truth_id.clone()).collect(),
-            track_ids: input.tracks.tracks.iter().map(|track| track.track_id.clone()).collect(),
+            truth_ids: truth
+                .targets()
+                .iter()
+                .map(|target| target.truth_id.clone())
+                .collect(),
+            track_ids: input
+                .tracks
+                .tracks
+                .iter()
+                .map(|track| track.track_id.clone())
+                .collect(),
             steps: Vec::new(),
             truths: Vec::new(),
             tracks: Vec::new(),
             pairs: Vec::new(),
             warnings: Vec::new(),
         };
-        let mut steps = Steps::new(input.recording, Some(truth), input.tracks, settings.time_tolerance_s);
+        let mut steps = Steps::new(
+            input.recording,
+            Some(truth),
+            input.tracks,
+            settings.time_tolerance_s,
+        );
         comparison.warnings.append(&mut steps.warnings);
         extent.add_ids(comparison.truth_ids.len() + comparison.track_ids.len());
         let truths = truths_at(truth, &steps, shape, settings.alignment, extent);
@@ -158,11 +198,21 @@ impl Comparison {
         tracks: Vec<Presence>,
         pair: impl FnOnce(&[Presence], &[Presence], &mut dyn FnMut(usize, usize, f64, f64)),
     ) {
-        let (first_truth, first_track, first_pair) = (self.truths.len(), self.tracks.len(), self.pairs.len());
-        pair(&truths, &tracks, &mut |truth, track, distance, similarity| {
-            let (truth, track) = ((first_truth + truth) as u32, (first_track + track) as u32);
-            self.pairs.push(Pair { truth, track, distance, similarity });
-        });
+        let (first_truth, first_track, first_pair) =
+            (self.truths.len(), self.tracks.len(), self.pairs.len());
+        pair(
+            &truths,
+            &tracks,
+            &mut |truth, track, distance, similarity| {
+                let (truth, track) = ((first_truth + truth) as u32, (first_track + track) as u32);
+                self.pairs.push(Pair {
+                    truth,
+                    track,
+                    distance,
+                    similarity,
+                });
+            },
+        );
         self.pairs[first_pair..].sort_unstable_by_key(|pair| (pair.truth, pair.track));
         self.truths.extend(truths);
         self.tracks.extend(tracks);
@@ -176,7 +226,9 @@ impl Comparison {
 
     /// The pairs of a step that may be matched.
     pub fn matchable<'c>(&'c self, step: &Step) -> impl Iterator<Item = &'c Pair> + use<'c> {
-        self.pairs[step.pairs.clone()].iter().filter(|pair| pair.distance <= self.gate)
+        self.pairs[step.pairs.clone()]
+            .iter()
+            .filter(|pair| pair.distance <= self.gate)
     }
 
     /// The similarity of a pair at this distance.
@@ -188,14 +240,25 @@ impl Comparison {
         (1.0 - distance / zero_at).max(0.0)
     }
 
-    fn warn_of_strangers(&mut self, truths: &[Vec<Presence>], truth: &TruthSet, tracks: &[Vec<Presence>], set: &TrackSet) {
-        for (name, is_of_bearings) in [("truth", truth.is_of_bearings()), ("tracks", set.is_of_bearings())] {
+    fn warn_of_strangers(
+        &mut self,
+        truths: &[Vec<Presence>],
+        truth: &TruthSet,
+        tracks: &[Vec<Presence>],
+        set: &TrackSet,
+    ) {
+        for (name, is_of_bearings) in [
+            ("truth", truth.is_of_bearings()),
+            ("tracks", set.is_of_bearings()),
+        ] {
             if self.shape == Shape::Points && is_of_bearings {
                 self.warnings.push(format!("the {name} are directions (bearing_deg) without places: nothing is compared in metres"));
                 return;
             }
         }
-        let is_listed = |targets: usize, lists: &[Vec<Presence>]| targets > 0 && lists.iter().all(Vec::is_empty);
+        let is_listed = |targets: usize, lists: &[Vec<Presence>]| {
+            targets > 0 && lists.iter().all(Vec::is_empty)
+        };
         if is_listed(truth.targets().len(), truths) {
             self.warnings.push("no target exists at any time of the comparison: the clocks of truth and tracks do not meet".into());
         }
@@ -205,17 +268,30 @@ impl Comparison {
     }
 }
 
-fn truths_at(truth: &TruthSet, steps: &Steps, shape: Shape, alignment: Alignment, extent: &mut Extent) -> Vec<Vec<Presence>> {
+fn truths_at(
+    truth: &TruthSet,
+    steps: &Steps,
+    shape: Shape,
+    alignment: Alignment,
+    extent: &mut Extent,
+) -> Vec<Vec<Presence>> {
     let mut lists = vec![Vec::new(); steps.count()];
     for (id, target) in truth.targets().iter().enumerate() {
         let mut points = 0;
         for step in alignment.steps_of(target, steps) {
             let (time_s, tolerance_s) = (steps.time_s(step), steps.tolerance_s);
             let place = match shape {
-                Shape::Bearings => alignment.bearing_rad(target, time_s, tolerance_s).map(|bearing_rad| (direction(bearing_rad), None)),
+                Shape::Bearings => alignment
+                    .bearing_rad(target, time_s, tolerance_s)
+                    .map(|bearing_rad| (direction(bearing_rad), None)),
                 Shape::Points | Shape::Boxes => alignment.place(target, time_s, tolerance_s),
             };
-            let presence = |(position_m, velocity_mps)| Presence { id: id as u32, position_m, velocity_mps, point: 0 };
+            let presence = |(position_m, velocity_mps)| Presence {
+                id: id as u32,
+                position_m,
+                velocity_mps,
+                point: 0,
+            };
             points += usize::from(place.is_some());
             lists[step].extend(place.map(presence));
         }
@@ -229,7 +305,9 @@ fn truths_at(truth: &TruthSet, steps: &Steps, shape: Shape, alignment: Alignment
 impl Alignment {
     /// The steps at which a target may exist.
     pub fn steps_of(self, target: &Target, steps: &Steps) -> Range<usize> {
-        let (Some(first), Some(last)) = (target.points.first(), target.points.last()) else { return 0..0 };
+        let (Some(first), Some(last)) = (target.points.first(), target.points.last()) else {
+            return 0..0;
+        };
         let margin_s = match self {
             Alignment::Interpolate { .. } => steps.tolerance_s,
             Alignment::Nearest { max_gap_s } => max_gap_s.max(steps.tolerance_s),
@@ -241,10 +319,18 @@ impl Alignment {
 
     /// Position and velocity of a target at a time; a point within the tolerance counts as at that time where the target's
     /// path does not say more.
-    pub fn place(self, target: &Target, time_s: f64, tolerance_s: f64) -> Option<(Position, Option<Position>)> {
+    pub fn place(
+        self,
+        target: &Target,
+        time_s: f64,
+        tolerance_s: f64,
+    ) -> Option<(Position, Option<Position>)> {
         let at_point = |limit_s: f64| {
             let point = target.nearest_point(time_s, limit_s)?;
-            Some((point.position_m()?, target.velocity_at(point.time_s, f64::INFINITY)))
+            Some((
+                point.position_m()?,
+                target.velocity_at(point.time_s, f64::INFINITY),
+            ))
         };
         match self {
             Alignment::Interpolate { max_gap_s } => match target.position_at(time_s, max_gap_s) {
@@ -259,7 +345,9 @@ impl Alignment {
     fn bearing_rad(self, target: &Target, time_s: f64, tolerance_s: f64) -> Option<f64> {
         let at_point = |limit_s: f64| target.nearest_point(time_s, limit_s)?.bearing_rad();
         match self {
-            Alignment::Interpolate { max_gap_s } => target.bearing_at(time_s, max_gap_s).or_else(|| at_point(tolerance_s)),
+            Alignment::Interpolate { max_gap_s } => target
+                .bearing_at(time_s, max_gap_s)
+                .or_else(|| at_point(tolerance_s)),
             Alignment::Nearest { max_gap_s } => at_point(max_gap_s.max(tolerance_s)),
         }
     }
@@ -272,21 +360,37 @@ fn direction(bearing_rad: f64) -> Position {
 /// Position and velocity that a track says; a direction is no place, unless directions are compared.
 fn told(estimate: &Estimate, shape: Shape) -> Option<(Position, Option<Position>)> {
     match (estimate, shape) {
-        (Estimate::Bearing(bearing), Shape::Bearings) => Some((direction(bearing.bearing_rad), None)),
+        (Estimate::Bearing(bearing), Shape::Bearings) => {
+            Some((direction(bearing.bearing_rad), None))
+        }
         (Estimate::Plane(plane), Shape::Points) => Some((plane.position_m(), plane.velocity_mps())),
         _ => None,
     }
 }
 
-fn tracks_at(set: &TrackSet, steps: &Steps, shape: Shape, extent: &mut Extent) -> Vec<Vec<Presence>> {
+fn tracks_at(
+    set: &TrackSet,
+    steps: &Steps,
+    shape: Shape,
+    extent: &mut Extent,
+) -> Vec<Vec<Presence>> {
     let mut lists: Vec<Vec<Presence>> = vec![Vec::new(); steps.count()];
     for (id, track) in set.tracks.iter().enumerate() {
         let mut guess = 0;
         for (index, point) in track.points.iter().enumerate() {
-            let Some(step) = steps.near(point.time_s, guess) else { continue };
+            let Some(step) = steps.near(point.time_s, guess) else {
+                continue;
+            };
             guess = step + 1;
-            let Some((position_m, velocity_mps)) = told(&point.estimate, shape) else { continue };
-            let presence = Presence { id: id as u32, position_m, velocity_mps, point: index as u32 };
+            let Some((position_m, velocity_mps)) = told(&point.estimate, shape) else {
+                continue;
+            };
+            let presence = Presence {
+                id: id as u32,
+                position_m,
+                velocity_mps,
+                point: index as u32,
+            };
             match lists[step].last_mut() {
                 Some(last) if last.id == presence.id => *last = presence,
                 _ => lists[step].push(presence),
@@ -308,7 +412,11 @@ fn near_pairs(
     found: &mut dyn FnMut(usize, usize, f64, f64),
 ) {
     let (mut pairs, mut looked_at) = (0, 0);
-    let mut by_x: Vec<(f64, usize)> = tracks.iter().enumerate().map(|(index, track)| (track.position_m.x, index)).collect();
+    let mut by_x: Vec<(f64, usize)> = tracks
+        .iter()
+        .enumerate()
+        .map(|(index, track)| (track.position_m.x, index))
+        .collect();
     by_x.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     for (truth, place) in truths.iter().enumerate() {
         for turn in shape.turns() {
@@ -321,7 +429,12 @@ fn near_pairs(
                 looked_at += 1;
                 let distance_m = (tracks[track].position_m - position_m).norm();
                 if distance_m <= settings.reach_m {
-                    found(truth, track, distance_m, (1.0 - distance_m / (2.0 * settings.gate_m)).max(0.0));
+                    found(
+                        truth,
+                        track,
+                        distance_m,
+                        (1.0 - distance_m / (2.0 * settings.gate_m)).max(0.0),
+                    );
                     pairs += 1;
                 }
             }

@@ -23,22 +23,43 @@ struct Bounds {
     ids: usize,
 }
 
-const OF_JOBS: Bounds = Bounds { pairs: MAX_PAIRS, pairs_of_step: MAX_PAIRS_OF_STEP, points: MAX_POINTS, ids: MAX_IDS };
-const NONE: Bounds = Bounds { pairs: usize::MAX, pairs_of_step: usize::MAX, points: usize::MAX, ids: usize::MAX };
+const OF_JOBS: Bounds = Bounds {
+    pairs: MAX_PAIRS,
+    pairs_of_step: MAX_PAIRS_OF_STEP,
+    points: MAX_POINTS,
+    ids: MAX_IDS,
+};
+const NONE: Bounds = Bounds {
+    pairs: usize::MAX,
+    pairs_of_step: usize::MAX,
+    points: usize::MAX,
+    ids: usize::MAX,
+};
 
-const FEWER_PAIRS: &str = "a smaller gate or cutoff, fewer objects at one place, or fewer steps in a job";
+const FEWER_PAIRS: &str =
+    "a smaller gate or cutoff, fewer objects at one place, or fewer steps in a job";
 const FEWER_POINTS: &str = "a part of the steps in each job";
 const FEWER_IDS: &str = "a part of the targets and tracks in each job";
 
 impl<'a> Extent<'a> {
     /// Of the comparisons of a job.
     pub fn new(watch: &'a Watch<'a>) -> Self {
-        Extent { watch, bounds: OF_JOBS, pairs: 0, points: 0, ids: 0, halt: None }
+        Extent {
+            watch,
+            bounds: OF_JOBS,
+            pairs: 0,
+            points: 0,
+            ids: 0,
+            halt: None,
+        }
     }
 
     /// Without bounds, for whoever knows how large a comparison is.
     pub fn unbounded(watch: &'a Watch<'a>) -> Self {
-        Extent { bounds: NONE, ..Extent::new(watch) }
+        Extent {
+            bounds: NONE,
+            ..Extent::new(watch)
+        }
     }
 
     /// Counts targets and tracks.
@@ -53,7 +74,12 @@ impl<'a> Extent<'a> {
     pub fn add_points(&mut self, points: usize) -> bool {
         self.points += points;
         if self.points > self.bounds.points {
-            self.refuse("points of truth and tracks at the steps", self.points, self.bounds.points, FEWER_POINTS);
+            self.refuse(
+                "points of truth and tracks at the steps",
+                self.points,
+                self.bounds.points,
+                FEWER_POINTS,
+            );
         }
         self.goes_on(points)
     }
@@ -69,9 +95,19 @@ impl<'a> Extent<'a> {
     /// Looks at the pairs that a step has so far, found by looking at so many; whether to go on.
     pub fn goes_on_with(&mut self, pairs: usize, looked_at: usize) -> bool {
         if pairs > self.bounds.pairs_of_step {
-            self.refuse("pairs within reach of each other in one step", pairs, self.bounds.pairs_of_step, FEWER_PAIRS);
+            self.refuse(
+                "pairs within reach of each other in one step",
+                pairs,
+                self.bounds.pairs_of_step,
+                FEWER_PAIRS,
+            );
         } else if self.pairs + pairs > self.bounds.pairs {
-            self.refuse("pairs within reach of each other", self.pairs + pairs, self.bounds.pairs, FEWER_PAIRS);
+            self.refuse(
+                "pairs within reach of each other",
+                self.pairs + pairs,
+                self.bounds.pairs,
+                FEWER_PAIRS,
+            );
         }
         self.goes_on(looked_at)
     }
@@ -83,7 +119,15 @@ impl<'a> Extent<'a> {
     }
 
     fn refuse(&mut self, what: &str, found: usize, most: usize, remedy: &str) {
-        self.halt.get_or_insert_with(|| Halt::TooLarge(Box::new(too_large("/comparison", what, found, most, remedy))));
+        self.halt.get_or_insert_with(|| {
+            Halt::TooLarge(Box::new(too_large(
+                "/comparison",
+                what,
+                found,
+                most,
+                remedy,
+            )))
+        });
     }
 
     /// # Errors
@@ -114,19 +158,39 @@ mod tests {
     fn the_first_bound_that_is_broken_is_told() {
         let whole = |extent: &mut Extent| {
             extent.add_ids(MAX_IDS);
-            assert!(extent.add_points(MAX_POINTS) && extent.goes_on_with(MAX_PAIRS_OF_STEP, 0) && extent.end_step(MAX_PAIRS));
+            assert!(
+                extent.add_points(MAX_POINTS)
+                    && extent.goes_on_with(MAX_PAIRS_OF_STEP, 0)
+                    && extent.end_step(MAX_PAIRS)
+            );
         };
         assert_eq!(refusal(whole), None);
         let points = |extent: &mut Extent| {
-            assert!(extent.add_points(MAX_POINTS) && !extent.add_points(1) && !extent.goes_on_with(MAX_PAIRS_OF_STEP + 1, 0));
+            assert!(
+                extent.add_points(MAX_POINTS)
+                    && !extent.add_points(1)
+                    && !extent.goes_on_with(MAX_PAIRS_OF_STEP + 1, 0)
+            );
         };
-        let told =
-            ("there are 10000001 points of truth and tracks at the steps or more", "at most 10000000; a part of the steps in each job");
-        assert_eq!(refusal(points), Some((told.0.to_owned(), told.1.to_owned())));
-        let pairs = |extent: &mut Extent| assert!(extent.end_step(MAX_PAIRS) && !extent.goes_on_with(1, 0));
-        assert_eq!(refusal(pairs).map(|told| told.0), Some("there are 20000001 pairs within reach of each other or more".to_owned()));
+        let told = (
+            "there are 10000001 points of truth and tracks at the steps or more",
+            "at most 10000000; a part of the steps in each job",
+        );
+        assert_eq!(
+            refusal(points),
+            Some((told.0.to_owned(), told.1.to_owned()))
+        );
+        let pairs =
+            |extent: &mut Extent| assert!(extent.end_step(MAX_PAIRS) && !extent.goes_on_with(1, 0));
+        assert_eq!(
+            refusal(pairs).map(|told| told.0),
+            Some("there are 20000001 pairs within reach of each other or more".to_owned())
+        );
         let ids = |extent: &mut Extent| extent.add_ids(MAX_IDS + 1);
-        assert_eq!(refusal(ids).map(|told| told.0), Some("there are 1000001 targets and tracks or more".to_owned()));
+        assert_eq!(
+            refusal(ids).map(|told| told.0),
+            Some("there are 1000001 targets and tracks or more".to_owned())
+        );
     }
 
     #[test]

@@ -35,7 +35,11 @@ impl GroupingCounts {
     pub fn of(reports: &[GroupedReport]) -> Self {
         let mut counts = GroupingCounts::default();
         let groups = sizes(reports.iter().map(|report| report.group));
-        let both = sizes(reports.iter().filter_map(|report| Some((report.origin?, report.group))));
+        let both = sizes(
+            reports
+                .iter()
+                .filter_map(|report| Some((report.origin?, report.group))),
+        );
         let mut of_targets: BTreeMap<u32, Vec<&GroupedReport>> = BTreeMap::new();
         for report in reports {
             if let Some(origin) = report.origin {
@@ -44,7 +48,10 @@ impl GroupingCounts {
         }
         for (origin, reports) in of_targets {
             counts.true_pairs += pairs(reports.len() as u64);
-            if reports.iter().all(|report| report.sensor == reports[0].sensor) {
+            if reports
+                .iter()
+                .all(|report| report.sensor == reports[0].sensor)
+            {
                 continue;
             }
             let size = reports.len() as u64;
@@ -101,7 +108,11 @@ mod tests {
 
     /// (sensor, origin, group).
     fn counts(reports: &[(u32, Option<u32>, usize)]) -> GroupingCounts {
-        let report = |&(sensor, origin, group): &(u32, Option<u32>, usize)| GroupedReport { sensor, origin, group };
+        let report = |&(sensor, origin, group): &(u32, Option<u32>, usize)| GroupedReport {
+            sensor,
+            origin,
+            group,
+        };
         GroupingCounts::of(&reports.iter().map(report).collect::<Vec<_>>())
     }
 
@@ -122,21 +133,46 @@ mod tests {
         ];
         let counts = counts(&reports);
         // True pairs 1 + 6 + 1, found 1 + 3 + 3, right 1 + 3 + 1.
-        let expected = GroupingCounts { duplicates: 3, exact: 1, true_pairs: 8, found_pairs: 7, right_pairs: 5 };
+        let expected = GroupingCounts {
+            duplicates: 3,
+            exact: 1,
+            true_pairs: 8,
+            found_pairs: 7,
+            right_pairs: 5,
+        };
         assert_eq!(counts, expected);
-        assert_eq!((counts.accuracy(), counts.precision(), counts.recall()), (Some(1.0 / 3.0), Some(5.0 / 7.0), Some(5.0 / 8.0)));
+        assert_eq!(
+            (counts.accuracy(), counts.precision(), counts.recall()),
+            (Some(1.0 / 3.0), Some(5.0 / 7.0), Some(5.0 / 8.0))
+        );
     }
 
     #[test]
     fn two_targets_in_one_group_are_both_wrong() {
-        let counts = counts(&[(0, Some(0), 1), (1, Some(0), 1), (0, Some(1), 1), (1, Some(1), 1)]);
-        assert_eq!((counts.duplicates, counts.exact, counts.found_pairs, counts.right_pairs), (2, 0, 6, 2));
+        let counts = counts(&[
+            (0, Some(0), 1),
+            (1, Some(0), 1),
+            (0, Some(1), 1),
+            (1, Some(1), 1),
+        ]);
+        assert_eq!(
+            (
+                counts.duplicates,
+                counts.exact,
+                counts.found_pairs,
+                counts.right_pairs
+            ),
+            (2, 0, 6, 2)
+        );
     }
 
     #[test]
     fn two_reports_of_one_sensor_make_no_duplicate() {
         let counts = counts(&[(0, Some(0), 1), (0, Some(0), 2)]);
-        assert_eq!((counts.duplicates, counts.true_pairs, counts.accuracy()), (0, 1, None));
+        assert_eq!(
+            (counts.duplicates, counts.true_pairs, counts.accuracy()),
+            (0, 1, None)
+        );
         assert_eq!(GroupingCounts::of(&[]).precision(), None);
     }
 }

@@ -25,6 +25,9 @@ mod tests {
 
     #[test]
     fn numbers_go_by_value_and_before_words() {
-        assert_eq!(ranks(["10", "b", "2", "a", "2"].into_iter()), [2, 4, 0, 3, 1]);
+        assert_eq!(
+            ranks(["10", "b", "2", "a", "2"].into_iter()),
+            [2, 4, 0, 3, 1]
+        );
     }
 }

@@ -22,17 +22,31 @@ impl<'a> Identities<'a> {
     /// `names` are those that the tracks' candidates refer to.
     pub fn new(recording: Option<&'a Recording>, names: &'a [String]) -> Self {
         let same_names = recording.is_some_and(|recording| recording.detection_ids == names);
-        Identities { recording, names, same_names, by_name: OnceCell::new(), others: HashMap::new(), other_names: Vec::new() }
+        Identities {
+            recording,
+            names,
+            same_names,
+            by_name: OnceCell::new(),
+            others: HashMap::new(),
+            other_names: Vec::new(),
+        }
     }
 
     /// The identity of the `index`-th name in a scan.
     #[inline]
     pub fn resolve(&mut self, scan: usize, index: u32) -> u32 {
-        if self.same_names && self.recording.is_some_and(|recording| recording.scans[scan].range().contains(&(index as usize))) {
+        if self.same_names
+            && self
+                .recording
+                .is_some_and(|recording| recording.scans[scan].range().contains(&(index as usize)))
+        {
             return index;
         }
         let name = self.names[index as usize].as_str();
-        if let Some(known) = self.recording.and_then(|recording| self.find(recording, scan, name)) {
+        if let Some(known) = self
+            .recording
+            .and_then(|recording| self.find(recording, scan, name))
+        {
             return known;
         }
         let next = (self.known() + self.other_names.len()) as u32;
@@ -44,9 +58,15 @@ impl<'a> Identities<'a> {
 
     /// Whether a scan of the recording has a detection of the `index`-th name.
     pub fn is_in(&self, scan: usize, index: u32) -> bool {
-        let Some(recording) = self.recording else { return false };
-        let is_at_its_place = self.same_names && recording.scans[scan].range().contains(&(index as usize));
-        is_at_its_place || self.find(recording, scan, &self.names[index as usize]).is_some()
+        let Some(recording) = self.recording else {
+            return false;
+        };
+        let is_at_its_place =
+            self.same_names && recording.scans[scan].range().contains(&(index as usize));
+        is_at_its_place
+            || self
+                .find(recording, scan, &self.names[index as usize])
+                .is_some()
     }
 
     /// Whether there is a recording and it does not have this identity.
@@ -56,12 +76,15 @@ impl<'a> Identities<'a> {
 
     /// How many identities are detections of the recording: all below this number.
     fn known(&self) -> usize {
-        self.recording.map_or(0, |recording| recording.detections.len())
+        self.recording
+            .map_or(0, |recording| recording.detections.len())
     }
 
     pub fn name(&self, identity: u32) -> &str {
         match self.recording {
-            Some(recording) if (identity as usize) < self.known() => &recording.detection_ids[identity as usize],
+            Some(recording) if (identity as usize) < self.known() => {
+                &recording.detection_ids[identity as usize]
+            }
             _ => self.other_names[identity as usize - self.known()],
         }
     }
@@ -72,8 +95,13 @@ impl<'a> Identities<'a> {
     }
 
     fn find(&self, recording: &Recording, scan: usize, name: &str) -> Option<u32> {
-        let of_scan = &self.by_name.get_or_init(|| sorted_by_name(recording))[recording.scans[scan].range()];
-        let place = of_scan.binary_search_by(|&detection| recording.detection_ids[detection as usize].as_str().cmp(name));
+        let of_scan =
+            &self.by_name.get_or_init(|| sorted_by_name(recording))[recording.scans[scan].range()];
+        let place = of_scan.binary_search_by(|&detection| {
+            recording.detection_ids[detection as usize]
+                .as_str()
+                .cmp(name)
+        });
         place.ok().map(|place| of_scan[place])
     }
 }
@@ -81,7 +109,9 @@ impl<'a> Identities<'a> {
 fn sorted_by_name(recording: &Recording) -> Vec<u32> {
     let mut order: Vec<u32> = (0..recording.detections.len() as u32).collect();
     for scan in &recording.scans {
-        order[scan.range()].sort_unstable_by(|&a, &b| recording.detection_ids[a as usize].cmp(&recording.detection_ids[b as usize]));
+        order[scan.range()].sort_unstable_by(|&a, &b| {
+            recording.detection_ids[a as usize].cmp(&recording.detection_ids[b as usize])
+        });
     }
     order
 }
@@ -93,8 +123,18 @@ mod tests {
     use crate::model::sensor::SensorSettings;
 
     fn recording() -> Recording {
-        let detection = Detection { measurement: Measurement::Position { x_m: 0.0, y_m: 0.0 }, origin: None, amplitude: None };
-        let scan = |number: u32, first| Scan { number, time_s: f64::from(number), sensor: 0, first, count: 2 };
+        let detection = Detection {
+            measurement: Measurement::Position { x_m: 0.0, y_m: 0.0 },
+            origin: None,
+            amplitude: None,
+        };
+        let scan = |number: u32, first| Scan {
+            number,
+            time_s: f64::from(number),
+            sensor: 0,
+            first,
+            count: 2,
+        };
         Recording::new(RecordingParts {
             sensors: vec![SensorSettings::named("radar")],
             scans: vec![scan(1, 0), scan(2, 2)],
@@ -112,7 +152,11 @@ mod tests {
         let mut identities = Identities::new(Some(&recording), &names);
         assert_eq!([0, 1].map(|scan| identities.resolve(scan, 0)), [1, 2]);
         assert_eq!([0, 1].map(|scan| identities.resolve(scan, 1)), [0, 3]);
-        assert_eq!([0, 1, 0].map(|scan| identities.resolve(scan, 2)), [4, 5, 4], "unknown names, one a scan");
+        assert_eq!(
+            [0, 1, 0].map(|scan| identities.resolve(scan, 2)),
+            [4, 5, 4],
+            "unknown names, one a scan"
+        );
         assert_eq!(identities.name(5), "z");
     }
 
@@ -121,6 +165,10 @@ mod tests {
         let recording = recording();
         let mut identities = Identities::new(Some(&recording), &recording.detection_ids);
         assert_eq!(identities.resolve(1, 3), 3);
-        assert_eq!(identities.resolve(1, 0), 3, "index 0 is of scan 0, but its name 'b' is in scan 1 too");
+        assert_eq!(
+            identities.resolve(1, 0),
+            3,
+            "index 0 is of scan 0, but its name 'b' is in scan 1 too"
+        );
     }
 }

@@ -27,12 +27,20 @@ pub struct StepMatcher<'w> {
 impl<'w> StepMatcher<'w> {
     /// One that stops when the watch says so.
     pub fn until(watch: &'w Watch<'w>) -> Self {
-        StepMatcher { watch: Some(watch), ..StepMatcher::default() }
+        StepMatcher {
+            watch: Some(watch),
+            ..StepMatcher::default()
+        }
     }
 
     /// The pairs of the best matching, by their index in [`Comparison::pairs`], rising. A pair whose worth is not above
     /// 0 is never matched.
-    pub fn best(&mut self, comparison: &Comparison, step: &Step, worth: impl Fn(usize, &Pair) -> f64) -> &[u32] {
+    pub fn best(
+        &mut self,
+        comparison: &Comparison,
+        step: &Step,
+        worth: impl Fn(usize, &Pair) -> f64,
+    ) -> &[u32] {
         let pairs = &comparison.pairs[step.pairs.clone()];
         self.matched.clear();
         self.worths.clear();
@@ -63,7 +71,9 @@ impl<'w> StepMatcher<'w> {
             }
             let track = pair.track as usize - step.tracks.start;
             let number = (step.pairs.start + index) as u32;
-            if self.rivals_of_truth[pair.truth as usize - step.truths.start] == 1 && self.rivals_of_track[track] == 1 {
+            if self.rivals_of_truth[pair.truth as usize - step.truths.start] == 1
+                && self.rivals_of_track[track] == 1
+            {
                 self.matched.push(number);
                 continue;
             }
@@ -91,9 +101,16 @@ impl<'w> StepMatcher<'w> {
             Some(watch) => self.solver.solve_until(watch).is_some() || watch.is_stopped(),
             None => self.solver.solve().is_some(),
         };
-        debug_assert!(is_solved, "an assignment in which everyone may stay alone exists");
+        debug_assert!(
+            is_solved,
+            "an assignment in which everyone may stay alone exists"
+        );
         for (row, &first) in self.rows.iter().enumerate() {
-            self.matched.extend(self.solver.edge_of(row).map(|edge| self.edges[first as usize + edge]));
+            self.matched.extend(
+                self.solver
+                    .edge_of(row)
+                    .map(|edge| self.edges[first as usize + edge]),
+            );
         }
         self.matched.sort_unstable();
     }

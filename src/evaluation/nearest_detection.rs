@@ -22,21 +22,35 @@ impl NearestDetection {
     ///
     /// # Errors
     /// A fault for each sensor that reports ranges and bearings and whose place is not known.
-    pub fn new(recording: &Recording, sensors: &[SensorSettings], gate_m: f64) -> Result<Self, Vec<Fault>> {
+    pub fn new(
+        recording: &Recording,
+        sensors: &[SensorSettings],
+        gate_m: f64,
+    ) -> Result<Self, Vec<Fault>> {
         let places = places_of(recording, sensors)?;
         let mut bearings_alone = 0;
         let mut tree = |scan: &crate::model::scan::Scan| {
             let place_m = places[scan.sensor];
             let seen = scan.range().filter_map(|index| {
-                let position_m = recording.detections[index].measurement.position_seen_from(&place_m)?;
-                Some(Place { position_m, index: index as u32, rank: index as u32 })
+                let position_m = recording.detections[index]
+                    .measurement
+                    .position_seen_from(&place_m)?;
+                Some(Place {
+                    position_m,
+                    index: index as u32,
+                    rank: index as u32,
+                })
             });
             let seen: Vec<Place> = seen.collect();
             bearings_alone += scan.count - seen.len();
             PlaneTree::new(seen)
         };
         let trees = recording.scans.iter().map(&mut tree).collect();
-        Ok(NearestDetection { bearings_alone, gate_m, trees })
+        Ok(NearestDetection {
+            bearings_alone,
+            gate_m,
+            trees,
+        })
     }
 
     /// The detection of a scan that is nearest to a position.
@@ -46,21 +60,35 @@ impl NearestDetection {
 }
 
 /// Where each sensor is; where nobody knows and no report needs it, (0, 0).
-fn places_of(recording: &Recording, sensors: &[SensorSettings]) -> Result<Vec<Position>, Vec<Fault>> {
+fn places_of(
+    recording: &Recording,
+    sensors: &[SensorSettings],
+) -> Result<Vec<Position>, Vec<Fault>> {
     let mut is_polar = vec![false; sensors.len()];
     for scan in &recording.scans {
         let reports = recording.detections_of(scan).iter();
-        is_polar[scan.sensor] |= reports.map(|detection| detection.measurement).any(|it| matches!(it, Measurement::RangeBearing { .. }));
+        is_polar[scan.sensor] |= reports
+            .map(|detection| detection.measurement)
+            .any(|it| matches!(it, Measurement::RangeBearing { .. }));
     }
     let place = |sensor: &SensorSettings| Some(Position::new(sensor.x_m?, sensor.y_m?));
-    let lost = sensors.iter().zip(&is_polar).filter(|(sensor, is_polar)| **is_polar && place(sensor).is_none());
+    let lost = sensors
+        .iter()
+        .zip(&is_polar)
+        .filter(|(sensor, is_polar)| **is_polar && place(sensor).is_none());
     let fault = |sensor: &SensorSettings| {
-        let detail = format!("the nearest detection to a track is found with the place of sensor '{}': x_m and y_m", sensor.sensor_id);
+        let detail = format!(
+            "the nearest detection to a track is found with the place of sensor '{}': x_m and y_m",
+            sensor.sensor_id
+        );
         Fault::new("/sensors", "missing", detail)
     };
     let faults: Vec<Fault> = lost.map(|(sensor, _)| fault(sensor)).collect();
     if !faults.is_empty() {
         return Err(faults);
     }
-    Ok(sensors.iter().map(|sensor| place(sensor).unwrap_or_else(Position::zeros)).collect())
+    Ok(sensors
+        .iter()
+        .map(|sensor| place(sensor).unwrap_or_else(Position::zeros))
+        .collect())
 }

@@ -25,7 +25,10 @@ type Best = (f64, u32, Option<u32>);
 
 impl PlaneTree {
     pub fn new(places: Vec<Place>) -> Self {
-        let mut nodes: Vec<Node> = places.into_iter().map(|place| Node { place, axis: 0 }).collect();
+        let mut nodes: Vec<Node> = places
+            .into_iter()
+            .map(|place| Node { place, axis: 0 })
+            .collect();
         arrange(&mut nodes);
         PlaneTree(nodes)
     }
@@ -44,8 +47,14 @@ fn arrange(nodes: &mut [Node]) {
         return;
     }
     let middle = nodes.len() / 2;
-    let axis = if extent_m(nodes, 1) > extent_m(nodes, 0) { 1 } else { 0 };
-    nodes.select_nth_unstable_by(middle, |a, b| a.place.position_m[axis].total_cmp(&b.place.position_m[axis]));
+    let axis = if extent_m(nodes, 1) > extent_m(nodes, 0) {
+        1
+    } else {
+        0
+    };
+    nodes.select_nth_unstable_by(middle, |a, b| {
+        a.place.position_m[axis].total_cmp(&b.place.position_m[axis])
+    });
     nodes[middle].axis = axis;
     arrange(&mut nodes[..middle]);
     arrange(&mut nodes[middle + 1..]);
@@ -68,7 +77,11 @@ fn search(nodes: &[Node], wanted: &Position, best: &mut Best) {
     }
     let offset_m = wanted[axis] - place.position_m[axis];
     let (before, behind) = (&nodes[..middle], &nodes[middle + 1..]);
-    let (near, far) = if offset_m < 0.0 { (before, behind) } else { (behind, before) };
+    let (near, far) = if offset_m < 0.0 {
+        (before, behind)
+    } else {
+        (behind, before)
+    };
     search(near, wanted, best);
     if offset_m * offset_m <= best.0 {
         search(far, wanted, best);

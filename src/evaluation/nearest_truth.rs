@@ -31,10 +31,22 @@ pub struct NearestTruth<'a> {
 impl<'a> NearestTruth<'a> {
     /// # Errors
     /// When the targets exist at more scans, one after the other, than may be held.
-    pub fn new(truth: &'a TruthSet, axis: &Axis, gate_m: f64, max_gap_s: f64, keep_all: bool) -> Result<Self, Vec<Fault>> {
-        let ranks = id_order::ranks(truth.targets().iter().map(|target| target.truth_id.as_str()));
+    pub fn new(
+        truth: &'a TruthSet,
+        axis: &Axis,
+        gate_m: f64,
+        max_gap_s: f64,
+        keep_all: bool,
+    ) -> Result<Self, Vec<Fault>> {
+        let ranks = id_order::ranks(
+            truth
+                .targets()
+                .iter()
+                .map(|target| target.truth_id.as_str()),
+        );
         let mut places: Vec<Vec<Place>> = vec![Vec::new(); axis.scans().len()];
-        let (mut target_ids, mut scans_of_target, mut never_watched, mut points) = (Vec::new(), Vec::new(), 0, 0);
+        let (mut target_ids, mut scans_of_target, mut never_watched, mut points) =
+            (Vec::new(), Vec::new(), 0, 0);
         for (target, rank) in truth.targets().iter().zip(ranks) {
             let index = target_ids.len() as u32;
             let path = positions_on(axis, target, max_gap_s);
@@ -45,16 +57,32 @@ impl<'a> NearestTruth<'a> {
             points += path.len();
             if points > MAX_POINTS {
                 let remedy = "a part of the steps in each job, or a smaller max_gap_s";
-                return Err(vec![too_large("/truth", "points of truth at the steps", points, MAX_POINTS, remedy)]);
+                return Err(vec![too_large(
+                    "/truth",
+                    "points of truth at the steps",
+                    points,
+                    MAX_POINTS,
+                    remedy,
+                )]);
             }
             for &(scan, position_m) in &path {
-                places[scan].push(Place { position_m, index, rank });
+                places[scan].push(Place {
+                    position_m,
+                    index,
+                    rank,
+                });
             }
             target_ids.push(target.truth_id.as_str());
             scans_of_target.push(path.into_iter().map(|(scan, _)| scan).collect());
         }
         let trees = places.into_iter().map(PlaneTree::new).collect();
-        Ok(NearestTruth { target_ids, scans_of_target, never_watched, gate_m, trees })
+        Ok(NearestTruth {
+            target_ids,
+            scans_of_target,
+            never_watched,
+            gate_m,
+            trees,
+        })
     }
 
     /// The symbol of a track that is at `position_m` at a scan.
@@ -65,9 +93,22 @@ impl<'a> NearestTruth<'a> {
 
 /// The scans at which a target exists, and where it is then.
 fn positions_on(axis: &Axis, target: &Target, max_gap_s: f64) -> Vec<(usize, Position)> {
-    let (Some(first), Some(last)) = (target.points.first(), target.points.last()) else { return Vec::new() };
+    let (Some(first), Some(last)) = (target.points.first(), target.points.last()) else {
+        return Vec::new();
+    };
     let (alignment, tolerance_s) = (Alignment::Interpolate { max_gap_s }, axis.tolerance_s());
-    let from = axis.scans().partition_point(|scan| scan.time_s < first.time_s - tolerance_s);
-    let scans = axis.scans().iter().enumerate().skip(from).take_while(|(_, scan)| scan.time_s <= last.time_s + tolerance_s);
-    scans.filter_map(|(index, scan)| Some((index, alignment.place(target, scan.time_s, tolerance_s)?.0))).collect()
+    let from = axis
+        .scans()
+        .partition_point(|scan| scan.time_s < first.time_s - tolerance_s);
+    let scans = axis
+        .scans()
+        .iter()
+        .enumerate()
+        .skip(from)
+        .take_while(|(_, scan)| scan.time_s <= last.time_s + tolerance_s);
+    scans
+        .filter_map(|(index, scan)| {
+            Some((index, alignment.place(target, scan.time_s, tolerance_s)?.0))
+        })
+        .collect()
 }

@@ -24,7 +24,10 @@ pub fn least_distance(comparison: &Comparison) -> f64 {
         tracks.sort_by(|left, right| left.position_m.x.total_cmp(&right.position_m.x));
         for truth in &comparison.truths[step.truths.clone()] {
             let from = tracks.partition_point(|track| track.position_m.x < truth.position_m.x);
-            for sweep in [&mut tracks[from..].iter() as &mut dyn Iterator<Item = _>, &mut tracks[..from].iter().rev()] {
+            for sweep in [
+                &mut tracks[from..].iter() as &mut dyn Iterator<Item = _>,
+                &mut tracks[..from].iter().rev(),
+            ] {
                 for track in sweep {
                     if (track.position_m.x - truth.position_m.x).abs() >= least {
                         break;
@@ -39,7 +42,11 @@ pub fn least_distance(comparison: &Comparison) -> f64 {
 
 /// By how much the times of the tracks would have to be later for the tracks to be within `gate_m` of the truth (s).
 pub fn clock_shift_s(truth: &TruthSet, tracks: &TrackSet, gate_m: f64) -> Option<f64> {
-    let segments: Vec<&[TruthPoint]> = truth.targets().iter().flat_map(|target| target.points.windows(2)).collect();
+    let segments: Vec<&[TruthPoint]> = truth
+        .targets()
+        .iter()
+        .flat_map(|target| target.points.windows(2))
+        .collect();
     let points: Vec<(f64, Position)> = tracks
         .tracks
         .iter()
@@ -49,14 +56,25 @@ pub fn clock_shift_s(truth: &TruthSet, tracks: &TrackSet, gate_m: f64) -> Option
     if segments.is_empty() || segments.len() > MAX_TRUTH_POINTS {
         return None;
     }
-    let sampled: Vec<_> = points.iter().step_by(points.len().div_ceil(SAMPLES).max(1)).collect();
-    let mut shifts_s: Vec<f64> =
-        sampled.iter().filter_map(|(time_s, at_m)| Some(nearest_time_s(&segments, at_m, gate_m)? - time_s)).collect();
+    let sampled: Vec<_> = points
+        .iter()
+        .step_by(points.len().div_ceil(SAMPLES).max(1))
+        .collect();
+    let mut shifts_s: Vec<f64> = sampled
+        .iter()
+        .filter_map(|(time_s, at_m)| Some(nearest_time_s(&segments, at_m, gate_m)? - time_s))
+        .collect();
     shifts_s.sort_unstable_by(f64::total_cmp);
     let middle_s = *shifts_s.get(shifts_s.len() / 2)?;
-    let mut gaps_s: Vec<f64> = segments.iter().map(|pair| pair[1].time_s - pair[0].time_s).collect();
+    let mut gaps_s: Vec<f64> = segments
+        .iter()
+        .map(|pair| pair[1].time_s - pair[0].time_s)
+        .collect();
     gaps_s.sort_unstable_by(f64::total_cmp);
-    let agreeing = shifts_s.iter().filter(|shift_s| (*shift_s - middle_s).abs() <= gaps_s[gaps_s.len() / 2]).count();
+    let agreeing = shifts_s
+        .iter()
+        .filter(|shift_s| (*shift_s - middle_s).abs() <= gaps_s[gaps_s.len() / 2])
+        .count();
     (2 * agreeing >= sampled.len() && sampled.len() > 2).then_some(middle_s)
 }
 
@@ -64,13 +82,21 @@ pub fn clock_shift_s(truth: &TruthSet, tracks: &TrackSet, gate_m: f64) -> Option
 fn nearest_time_s(segments: &[&[TruthPoint]], at_m: &Position, gate_m: f64) -> Option<f64> {
     let mut best = (gate_m, None);
     for pair in segments {
-        let (Some(from_m), Some(to_m)) = (pair[0].position_m(), pair[1].position_m()) else { continue };
+        let (Some(from_m), Some(to_m)) = (pair[0].position_m(), pair[1].position_m()) else {
+            continue;
+        };
         let along_m = to_m - from_m;
-        let share =
-            if along_m.norm_squared() > 0.0 { ((at_m - from_m).dot(&along_m) / along_m.norm_squared()).clamp(0.0, 1.0) } else { 0.0 };
+        let share = if along_m.norm_squared() > 0.0 {
+            ((at_m - from_m).dot(&along_m) / along_m.norm_squared()).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
         let distance_m = (from_m + along_m * share - at_m).norm();
         if distance_m < best.0 || (distance_m == gate_m && best.1.is_none()) {
-            best = (distance_m, Some(pair[0].time_s + share * (pair[1].time_s - pair[0].time_s)));
+            best = (
+                distance_m,
+                Some(pair[0].time_s + share * (pair[1].time_s - pair[0].time_s)),
+            );
         }
     }
     best.1
@@ -83,9 +109,20 @@ mod tests {
 
     #[test]
     fn the_least_distance_is_over_all_steps_and_both_sides() {
-        let comparison = compare(&[("A", &[0.0, 100.0]), ("B", &[GONE, 40.0])], &[("T", &[30.0, 47.0]), ("U", &[-20.0, 500.0])], 1.0);
+        let comparison = compare(
+            &[("A", &[0.0, 100.0]), ("B", &[GONE, 40.0])],
+            &[("T", &[30.0, 47.0]), ("U", &[-20.0, 500.0])],
+            1.0,
+        );
         assert_eq!(least_distance(&comparison), 7.0);
-        assert_eq!(least_distance(&compare(&[("A", &[0.0, GONE])], &[("T", &[GONE, 0.0])], 1.0)), f64::INFINITY);
+        assert_eq!(
+            least_distance(&compare(
+                &[("A", &[0.0, GONE])],
+                &[("T", &[GONE, 0.0])],
+                1.0
+            )),
+            f64::INFINITY
+        );
     }
 
     #[test]
@@ -96,6 +133,9 @@ mod tests {
         let (truth, tracks) = (truth_of(&[("A", &path)]), tracks_of(&[("T", &late)]));
         assert_eq!(clock_shift_s(&truth, &tracks, 5.0), Some(-3.0));
         let away: Vec<f64> = path.iter().map(|x| x + 1e6).collect();
-        assert_eq!(clock_shift_s(&truth, &tracks_of(&[("T", &away)]), 5.0), None);
+        assert_eq!(
+            clock_shift_s(&truth, &tracks_of(&[("T", &away)]), 5.0),
+            None
+        );
     }
 }

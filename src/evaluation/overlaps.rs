@@ -14,11 +14,21 @@ impl Comparison {
     /// Compares boxes; they match from an intersection over union of `min_overlap` on. Times are frame numbers,
     /// positions the centres of boxes in pixels, and [`Presence::point`] counts the boxes of the set.
     pub fn of_boxes(truth: &BoxSet, tracks: &BoxSet, min_overlap: f64) -> Comparison {
-        Comparison::of_boxes_within(truth, tracks, min_overlap, &mut Extent::unbounded(&Watch::never()))
+        Comparison::of_boxes_within(
+            truth,
+            tracks,
+            min_overlap,
+            &mut Extent::unbounded(&Watch::never()),
+        )
     }
 
     /// The same of what the extent allows; its [`Extent::finish`] says whether the comparison is whole.
-    pub fn of_boxes_within(truth: &BoxSet, tracks: &BoxSet, min_overlap: f64, extent: &mut Extent) -> Comparison {
+    pub fn of_boxes_within(
+        truth: &BoxSet,
+        tracks: &BoxSet,
+        min_overlap: f64,
+        extent: &mut Extent,
+    ) -> Comparison {
         extent.add_ids(truth.object_ids().len() + tracks.object_ids().len());
         extent.add_points(truth.boxes().len() + tracks.boxes().len());
         let mut comparison = Comparison {
@@ -34,13 +44,20 @@ impl Comparison {
         };
         let mut sweep = Sweep::default();
         let (mut truth_from, mut track_from) = (0, 0);
-        while let Some(frame) = next_frame(&truth.boxes()[truth_from..], &tracks.boxes()[track_from..]) {
+        while let Some(frame) =
+            next_frame(&truth.boxes()[truth_from..], &tracks.boxes()[track_from..])
+        {
             let truths = truth_from..truth_from + in_frame(&truth.boxes()[truth_from..], frame);
             let seen = track_from..track_from + in_frame(&tracks.boxes()[track_from..], frame);
             let first_pair = comparison.pairs.len();
             sweep.restart(tracks.boxes(), seen.clone());
             for index in truths.clone() {
-                let looked_at = sweep.meet(truth.boxes(), index as u32, tracks.boxes(), &mut comparison.pairs);
+                let looked_at = sweep.meet(
+                    truth.boxes(),
+                    index as u32,
+                    tracks.boxes(),
+                    &mut comparison.pairs,
+                );
                 // One truth has no more pairs than there are tracks in the frame.
                 if !extent.goes_on_with(comparison.pairs.len() - first_pair, 8 * looked_at) {
                     return comparison;
@@ -50,7 +67,12 @@ impl Comparison {
             comparison.pairs[first_pair..].sort_unstable_by_key(|pair| (pair.truth, pair.track));
             (truth_from, track_from) = (truths.end, seen.end);
             let pairs = first_pair..comparison.pairs.len();
-            comparison.steps.push(Step { time_s: f64::from(frame), truths, tracks: seen, pairs });
+            comparison.steps.push(Step {
+                time_s: f64::from(frame),
+                truths,
+                tracks: seen,
+                pairs,
+            });
         }
         comparison
     }
@@ -59,7 +81,10 @@ impl Comparison {
 fn presences(boxes: &[ObjectBox]) -> Vec<Presence> {
     let presence = |(point, one): (usize, &ObjectBox)| Presence {
         id: one.object,
-        position_m: Position::new(one.left_px + one.width_px / 2.0, one.top_px + one.height_px / 2.0),
+        position_m: Position::new(
+            one.left_px + one.width_px / 2.0,
+            one.top_px + one.height_px / 2.0,
+        ),
         velocity_mps: None,
         point: point as u32,
     };
@@ -67,7 +92,11 @@ fn presences(boxes: &[ObjectBox]) -> Vec<Presence> {
 }
 
 fn next_frame(truths: &[ObjectBox], tracks: &[ObjectBox]) -> Option<u32> {
-    [truths.first(), tracks.first()].into_iter().flatten().map(|one| one.frame).min()
+    [truths.first(), tracks.first()]
+        .into_iter()
+        .flatten()
+        .map(|one| one.frame)
+        .min()
 }
 
 fn in_frame(boxes: &[ObjectBox], frame: u32) -> usize {
@@ -84,22 +113,44 @@ struct Sweep {
 impl Sweep {
     fn restart(&mut self, tracks: &[ObjectBox], seen: std::ops::Range<usize>) {
         self.by_left.clear();
-        self.by_left.extend(seen.clone().map(|index| (tracks[index].left_px, index as u32)));
+        self.by_left.extend(
+            seen.clone()
+                .map(|index| (tracks[index].left_px, index as u32)),
+        );
         self.by_left.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        self.greatest_width_px = tracks[seen].iter().map(|one| one.width_px).fold(0.0, f64::max);
+        self.greatest_width_px = tracks[seen]
+            .iter()
+            .map(|one| one.width_px)
+            .fold(0.0, f64::max);
     }
 
     /// Lists the pairs of one truth, and says how many tracks it looked at.
-    fn meet(&self, truths: &[ObjectBox], index: u32, tracks: &[ObjectBox], pairs: &mut Vec<Pair>) -> usize {
+    fn meet(
+        &self,
+        truths: &[ObjectBox],
+        index: u32,
+        tracks: &[ObjectBox],
+        pairs: &mut Vec<Pair>,
+    ) -> usize {
         let mut looked_at = 0;
         let truth = &truths[index as usize];
-        let from = self.by_left.partition_point(|&(left_px, _)| left_px < truth.left_px - self.greatest_width_px);
+        let from = self
+            .by_left
+            .partition_point(|&(left_px, _)| left_px < truth.left_px - self.greatest_width_px);
         let right_px = truth.left_px + truth.width_px;
-        for &(_, track) in self.by_left[from..].iter().take_while(|&&(left_px, _)| left_px < right_px) {
+        for &(_, track) in self.by_left[from..]
+            .iter()
+            .take_while(|&&(left_px, _)| left_px < right_px)
+        {
             looked_at += 1;
             let similarity = truth.overlap(&tracks[track as usize]);
             if similarity > 0.0 {
-                pairs.push(Pair { truth: index, track, distance: 1.0 - similarity, similarity });
+                pairs.push(Pair {
+                    truth: index,
+                    track,
+                    distance: 1.0 - similarity,
+                    similarity,
+                });
             }
         }
         looked_at
@@ -107,12 +158,19 @@ impl Sweep {
 }
 
 fn warnings(truths: &[ObjectBox], tracks: &[ObjectBox]) -> Vec<String> {
-    let (Some(first), Some(last)) = (truths.first(), truths.last()) else { return Vec::new() };
+    let (Some(first), Some(last)) = (truths.first(), truths.last()) else {
+        return Vec::new();
+    };
     let frames = first.frame..=last.frame;
-    let outside = tracks.chunk_by(|one, next| one.frame == next.frame).filter(|frame| !frames.contains(&frame[0].frame)).count();
+    let outside = tracks
+        .chunk_by(|one, next| one.frame == next.frame)
+        .filter(|frame| !frames.contains(&frame[0].frame))
+        .count();
     let warn = |outside: usize| {
         let (first, last) = (first.frame, last.frame);
-        format!("{outside} frames with tracks are outside the frames of truth, {first} to {last}: what is tracked there is false")
+        format!(
+            "{outside} frames with tracks are outside the frames of truth, {first} to {last}: what is tracked there is false"
+        )
     };
     (outside > 0).then(|| warn(outside)).into_iter().collect()
 }
@@ -132,29 +190,80 @@ mod tests {
             height_px: 10.0,
             confidence: 1.0,
         };
-        BoxSet::new((0..4).map(|id| id.to_string()).collect(), boxes.iter().map(one).collect()).unwrap()
+        BoxSet::new(
+            (0..4).map(|id| id.to_string()).collect(),
+            boxes.iter().map(one).collect(),
+        )
+        .unwrap()
     }
 
     #[test]
     fn frames_of_truth_and_tracks_are_joined_and_overlaps_listed() {
         // Frame 1: truth 0 at 0, 1 at 8; tracks 2 at 5, 3 at 30. Frame 2: a track alone. Frame 4: a truth alone.
-        let comparison =
-            Comparison::of_boxes(&set(&[(1, 0, 0.0), (1, 1, 8.0), (4, 0, 0.0)]), &set(&[(1, 2, 5.0), (1, 3, 30.0), (2, 3, 0.0)]), 0.5);
-        let steps: Vec<_> =
-            comparison.steps.iter().map(|step| (step.time_s, step.truths.clone(), step.tracks.clone(), step.pairs.clone())).collect();
-        assert_eq!(steps, [(1.0, 0..2, 0..2, 0..2), (2.0, 2..2, 2..3, 2..2), (4.0, 2..3, 3..3, 2..2)]);
+        let comparison = Comparison::of_boxes(
+            &set(&[(1, 0, 0.0), (1, 1, 8.0), (4, 0, 0.0)]),
+            &set(&[(1, 2, 5.0), (1, 3, 30.0), (2, 3, 0.0)]),
+            0.5,
+        );
+        let steps: Vec<_> = comparison
+            .steps
+            .iter()
+            .map(|step| {
+                (
+                    step.time_s,
+                    step.truths.clone(),
+                    step.tracks.clone(),
+                    step.pairs.clone(),
+                )
+            })
+            .collect();
+        assert_eq!(
+            steps,
+            [
+                (1.0, 0..2, 0..2, 0..2),
+                (2.0, 2..2, 2..3, 2..2),
+                (4.0, 2..3, 3..3, 2..2)
+            ]
+        );
         // Shared 5 of 15 and 7 of 13 columns.
-        let found: Vec<_> = comparison.pairs.iter().map(|pair| (pair.truth, pair.track, pair.similarity)).collect();
+        let found: Vec<_> = comparison
+            .pairs
+            .iter()
+            .map(|pair| (pair.truth, pair.track, pair.similarity))
+            .collect();
         assert_eq!(found, [(0, 0, 50.0 / 150.0), (1, 0, 70.0 / 130.0)]);
-        assert_eq!((comparison.gate, comparison.pairs[1].distance, comparison.truths[1].position_m.x), (0.5, 1.0 - 70.0 / 130.0, 13.0));
-        assert_eq!(comparison.similarity(comparison.pairs[1].distance), 1.0 - (1.0 - 70.0 / 130.0));
+        assert_eq!(
+            (
+                comparison.gate,
+                comparison.pairs[1].distance,
+                comparison.truths[1].position_m.x
+            ),
+            (0.5, 1.0 - 70.0 / 130.0, 13.0)
+        );
+        assert_eq!(
+            comparison.similarity(comparison.pairs[1].distance),
+            1.0 - (1.0 - 70.0 / 130.0)
+        );
         assert!(comparison.warnings.is_empty());
     }
 
     #[test]
     fn tracks_outside_the_frames_of_truth_are_warned_of() {
-        let comparison = Comparison::of_boxes(&set(&[(2, 0, 0.0)]), &set(&[(1, 0, 0.0), (3, 0, 0.0), (3, 1, 0.0)]), 0.5);
-        assert_eq!(comparison.warnings, ["2 frames with tracks are outside the frames of truth, 2 to 2: what is tracked there is false"]);
-        assert!(Comparison::of_boxes(&set(&[]), &set(&[]), 0.5).steps.is_empty());
+        let comparison = Comparison::of_boxes(
+            &set(&[(2, 0, 0.0)]),
+            &set(&[(1, 0, 0.0), (3, 0, 0.0), (3, 1, 0.0)]),
+            0.5,
+        );
+        assert_eq!(
+            comparison.warnings,
+            [
+                "2 frames with tracks are outside the frames of truth, 2 to 2: what is tracked there is false"
+            ]
+        );
+        assert!(
+            Comparison::of_boxes(&set(&[]), &set(&[]), 0.5)
+                .steps
+                .is_empty()
+        );
     }
 }

@@ -74,7 +74,11 @@ struct Rung {
 }
 
 /// The speeds that are seen in a recording; `None` where no sensor of places has three scans with detections in a row.
-pub(super) fn apparent_speed(recording: &Recording, known: &[SensorSettings], sensors: &[Sensor]) -> Option<ApparentSpeed> {
+pub(super) fn apparent_speed(
+    recording: &Recording,
+    known: &[SensorSettings],
+    sensors: &[Sensor],
+) -> Option<ApparentSpeed> {
     let triples = triples_of(recording, sensors);
     let pairs_each = MOST_PAIRS / triples.len().max(1);
     let (mut ladder, mut noises_mps) = ([Rung::default(); RUNGS], Vec::new());
@@ -82,7 +86,12 @@ pub(super) fn apparent_speed(recording: &Recording, known: &[SensorSettings], se
         let sensor = scans[0].sensor;
         let looks = scans.map(|scan| Look::new(recording, scan, &known[sensor], &sensors[sensor]));
         let period_s = looks[1].time_s - looks[0].time_s;
-        let mean_variance_m2 = looks[0].seen.iter().map(|seen| seen.variance_m2).sum::<f64>() / looks[0].seen.len().max(1) as f64;
+        let mean_variance_m2 = looks[0]
+            .seen
+            .iter()
+            .map(|seen| seen.variance_m2)
+            .sum::<f64>()
+            / looks[0].seen.len().max(1) as f64;
         if period_s > 0.0 && mean_variance_m2 > 0.0 {
             noises_mps.push(mean_variance_m2.sqrt() / period_s);
             climb(&looks, pairs_each, &mut ladder);
@@ -91,7 +100,11 @@ pub(super) fn apparent_speed(recording: &Recording, known: &[SensorSettings], se
     noises_mps.sort_by(f64::total_cmp);
     let noise_mps = *noises_mps.get(noises_mps.len() / 2)?;
     let fastest_mps = highest(&ladder, triples.len());
-    Some(ApparentSpeed { fastest_mps, noise_mps, is_hidden: is_hidden(&ladder, triples.len(), ORDINARY_MPS) })
+    Some(ApparentSpeed {
+        fastest_mps,
+        noise_mps,
+        is_hidden: is_hidden(&ladder, triples.len(), ORDINARY_MPS),
+    })
 }
 
 /// Successive scans of one sensor of places, of each sensor, evenly thinned out.
@@ -101,11 +114,19 @@ fn triples_of<'a>(recording: &'a Recording, sensors: &[Sensor]) -> Vec<[&'a Scan
         scans_of[scan.sensor].push(scan);
     }
     let mut triples = Vec::new();
-    for (scans, _) in scans_of.iter().zip(sensors).filter(|(_, sensor)| !matches!(sensor.report, Report::Bearing { .. })) {
+    for (scans, _) in scans_of
+        .iter()
+        .zip(sensors)
+        .filter(|(_, sensor)| !matches!(sensor.report, Report::Bearing { .. }))
+    {
         let in_a_row = scans.windows(3).map(|three| [three[0], three[1], three[2]]);
         triples.extend(in_a_row.filter(|three| three.iter().all(|scan| scan.count > 0)));
     }
-    let detections: usize = triples.iter().flatten().map(|scan| scan.count.min(MOST_OF_A_SCAN)).sum();
+    let detections: usize = triples
+        .iter()
+        .flatten()
+        .map(|scan| scan.count.min(MOST_OF_A_SCAN))
+        .sum();
     let enough = (triples.len() * MOST_DETECTIONS / detections.max(1)).clamp(8, MOST_TRIPLES);
     let step = triples.len().div_ceil(enough).max(1);
     triples.into_iter().step_by(step).collect()
@@ -119,14 +140,24 @@ impl Look {
         };
         let mut seen = Vec::new();
         for detection in recording.detections_of(scan).iter().take(MOST_OF_A_SCAN) {
-            let Some(at_m) = detection.measurement.position_seen_from(&place_m) else { continue };
-            seen.push(Seen { place_m: at_m, variance_m2: variance_m2(&sensor.report, &at_m) });
+            let Some(at_m) = detection.measurement.position_seen_from(&place_m) else {
+                continue;
+            };
+            seen.push(Seen {
+                place_m: at_m,
+                variance_m2: variance_m2(&sensor.report, &at_m),
+            });
         }
         let places: Vec<Position> = seen.iter().map(|seen| seen.place_m).collect();
         let mut grid = Grid::default();
         grid.rebuild(&places);
         let largest_variance_m2 = seen.iter().map(|seen| seen.variance_m2).fold(0.0, f64::max);
-        Look { time_s: scan.time_s, seen, grid, largest_variance_m2 }
+        Look {
+            time_s: scan.time_s,
+            seen,
+            grid,
+            largest_variance_m2,
+        }
     }
 
     /// Detections within the gate of a place that is known with this variance, to which their own is added.
@@ -144,15 +175,25 @@ impl Look {
 
     /// Those without a detection of the other scan at the same place.
     fn gone_from(&self, other: &Look) -> Vec<Seen> {
-        self.seen.iter().filter(|seen| other.count(&seen.place_m, seen.variance_m2) == 0).copied().collect()
+        self.seen
+            .iter()
+            .filter(|seen| other.count(&seen.place_m, seen.variance_m2) == 0)
+            .copied()
+            .collect()
     }
 }
 
 /// The larger variance of a coordinate.
 fn variance_m2(report: &Report, at_m: &Position) -> f64 {
     match *report {
-        Report::Position { sigma_x_m, sigma_y_m } => sigma_x_m.max(sigma_y_m).powi(2),
-        Report::Polar(polar) => polar.sigma_range_m.max((at_m - polar.place_m).norm() * polar.sigma_bearing_rad).powi(2),
+        Report::Position {
+            sigma_x_m,
+            sigma_y_m,
+        } => sigma_x_m.max(sigma_y_m).powi(2),
+        Report::Polar(polar) => polar
+            .sigma_range_m
+            .max((at_m - polar.place_m).norm() * polar.sigma_bearing_rad)
+            .powi(2),
         Report::Bearing { .. } => 0.0,
     }
 }
@@ -177,7 +218,13 @@ fn climb([first, second, third]: &[Look; 3], most_pairs: usize, ladder: &mut [Ru
             left -= 1;
             let onwards_m = step_m * ratio;
             let variance_m2 = b.variance_m2 * (1.0 + ratio).powi(2) + a.variance_m2 * ratio * ratio;
-            let in_gate = |offset_m: Position| if third.count(&(b.place_m + offset_m), variance_m2) > 0 { 1.0 } else { 0.0 };
+            let in_gate = |offset_m: Position| {
+                if third.count(&(b.place_m + offset_m), variance_m2) > 0 {
+                    1.0
+                } else {
+                    0.0
+                }
+            };
             let (onwards, backwards) = (in_gate(onwards_m), in_gate(-onwards_m));
             let speed_mps = step_m.norm() / before_s;
             let rung = &mut ladder[rung_of(speed_mps)];
@@ -191,17 +238,30 @@ fn climb([first, second, third]: &[Look; 3], most_pairs: usize, ladder: &mut [Ru
 /// How far apart two detections are at most, so that about `most_pairs` pairs are looked at: all of them where there are few, else
 /// the near ones, for speeds that are too high for the density cannot be told from chance anyway.
 fn reach_m(starts: &[Seen], ends: &[Seen], most_pairs: usize) -> f64 {
-    let bound =
-        |axis: usize, start: f64, pick: fn(f64, f64) -> f64| starts.iter().chain(ends).map(|seen| seen.place_m[axis]).fold(start, pick);
-    let side_m = |axis: usize| (bound(axis, f64::NEG_INFINITY, f64::max) - bound(axis, f64::INFINITY, f64::min)).max(1.0);
+    let bound = |axis: usize, start: f64, pick: fn(f64, f64) -> f64| {
+        starts
+            .iter()
+            .chain(ends)
+            .map(|seen| seen.place_m[axis])
+            .fold(start, pick)
+    };
+    let side_m = |axis: usize| {
+        (bound(axis, f64::NEG_INFINITY, f64::max) - bound(axis, f64::INFINITY, f64::min)).max(1.0)
+    };
     let (width_m, height_m) = (side_m(0), side_m(1));
     let pairs = (starts.len() * ends.len()).max(1) as f64;
     let share = most_pairs as f64 / pairs;
-    if share >= 1.0 { width_m.hypot(height_m) } else { (share * width_m * height_m / std::f64::consts::PI).sqrt() }
+    if share >= 1.0 {
+        width_m.hypot(height_m)
+    } else {
+        (share * width_m * height_m / std::f64::consts::PI).sqrt()
+    }
 }
 
 fn rung_of(speed_mps: f64) -> usize {
-    (2.0 * (speed_mps * LOWEST_RUNG).max(1.0).log2()).floor().min(RUNGS as f64 - 1.0) as usize
+    (2.0 * (speed_mps * LOWEST_RUNG).max(1.0).log2())
+        .floor()
+        .min(RUNGS as f64 - 1.0) as usize
 }
 
 impl Rung {
@@ -218,19 +278,34 @@ impl Rung {
 /// The mean speed of the highest rung that is believed: it is clear, and has a hundredth of all surplus at least. Where hardly any
 /// gate backwards holds anything there is no chance to mistake, and a tenth of a handful is believed.
 fn highest(ladder: &[Rung; RUNGS], triples: usize) -> Option<f64> {
-    let total: f64 = ladder.iter().map(Rung::surplus).filter(|surplus| *surplus > 0.0).sum();
-    let (onwards, backwards) =
-        ladder.iter().fold((0.0, 0.0), |(onwards, backwards), rung| (onwards + rung.onwards, backwards + rung.backwards));
-    let clear = ladder.iter().rfind(|rung| rung.is_clear() && rung.surplus() >= total / 100.0);
+    let total: f64 = ladder
+        .iter()
+        .map(Rung::surplus)
+        .filter(|surplus| *surplus > 0.0)
+        .sum();
+    let (onwards, backwards) = ladder
+        .iter()
+        .fold((0.0, 0.0), |(onwards, backwards), rung| {
+            (onwards + rung.onwards, backwards + rung.backwards)
+        });
+    let clear = ladder
+        .iter()
+        .rfind(|rung| rung.is_clear() && rung.surplus() >= total / 100.0);
     let is_clean = backwards <= onwards / 10.0 && onwards >= (triples as f64).min(3.0);
-    let clean = ladder.iter().filter(|_| is_clean).rfind(|rung| rung.onwards > rung.backwards && rung.surplus() >= total / 10.0);
+    let clean = ladder
+        .iter()
+        .filter(|_| is_clean)
+        .rfind(|rung| rung.onwards > rung.backwards && rung.surplus() >= total / 10.0);
     clear.or(clean).map(|rung| rung.speeds_mps / rung.onwards)
 }
 
 /// Whether chance would hide a target of this speed that is seen in every triple, or two that are in half of them.
 fn is_hidden(ladder: &[Rung; RUNGS], triples: usize, speed_mps: f64) -> bool {
     let rung = &ladder[rung_of(speed_mps)];
-    let with_target = Rung { onwards: rung.backwards + triples as f64, ..*rung };
+    let with_target = Rung {
+        onwards: rung.backwards + triples as f64,
+        ..*rung
+    };
     !with_target.is_clear()
 }
 

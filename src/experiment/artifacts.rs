@@ -20,7 +20,13 @@ pub(super) fn dataset(dataset: &Dataset, sensors: &[SensorSettings]) -> Result<A
         Dataset::Tracks(_) | Dataset::TrackBoxes(_) => "tracks.csv",
         Dataset::BearingTime(_) => "bearing_time.csv",
     };
-    Ok(Artifact { name, media_type: "text/csv", bytes, dataset: Some(dataset.summary()), sensors: sensors.to_vec() })
+    Ok(Artifact {
+        name,
+        media_type: "text/csv",
+        bytes,
+        dataset: Some(dataset.summary()),
+        sensors: sensors.to_vec(),
+    })
 }
 
 /// What the associator wrote down, as `association_trace.csv`.
@@ -31,11 +37,24 @@ pub(super) fn trace(trace: &Trace) -> Artifact {
 
 /// What happened scan by scan, as `scans.csv`.
 pub(super) fn scans(recording: &Recording, outcomes: &[ScanOutcome]) -> Result<Artifact, Error> {
-    let mut bytes = b"time_s,scan,sensor_id,detections,tracks,confirmed,unused_detections\n".to_vec();
+    let mut bytes =
+        b"time_s,scan,sensor_id,detections,tracks,confirmed,unused_detections\n".to_vec();
     for (scan, outcome) in recording.scans.iter().zip(outcomes) {
         let sensor_id = &recording.sensors[scan.sensor].sensor_id;
-        let ScanOutcome { tracks, confirmed, unused, .. } = outcome;
-        writeln!(bytes, "{},{},{},{},{tracks},{confirmed},{unused}", number(scan.time_s), scan.number, quoted(sensor_id), scan.count)?;
+        let ScanOutcome {
+            tracks,
+            confirmed,
+            unused,
+            ..
+        } = outcome;
+        writeln!(
+            bytes,
+            "{},{},{},{},{tracks},{confirmed},{unused}",
+            number(scan.time_s),
+            scan.number,
+            quoted(sensor_id),
+            scan.count
+        )?;
     }
     Ok(Artifact::file("scans.csv", "text/csv", bytes))
 }

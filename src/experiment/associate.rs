@@ -41,7 +41,12 @@ impl Tracked {
     /// A warning where the noise that was assumed does not fit the data.
     pub fn doubt_of_noise(&self, spec: &Value) -> Option<String> {
         let gate_probability = spec.pointer("/tracker/gate_probability")?.as_f64()?;
-        noise::doubt(self.nis.mean?, self.nis.updates, self.nis.dimensions as u32, gate_probability)
+        noise::doubt(
+            self.nis.mean?,
+            self.nis.updates,
+            self.nis.dimensions as u32,
+            gate_probability,
+        )
     }
 }
 
@@ -106,9 +111,27 @@ pub(super) fn track(
     if let Some(fault) = endless_gate(&lifecycle, &sensors) {
         return Err(vec![fault].into());
     }
-    let has_rates = !sensors.is_empty() && sensors.iter().all(|sensor| sensor.report.range_rate().is_some());
-    let starts = given::starts(&lifecycle, recording, truth, &sensors, (&filter, filter_name), seed)?;
-    let job = Tracking { recording, associator, lifecycle, sensors, method, starts, is_timed: plan.is_timed };
+    let has_rates = !sensors.is_empty()
+        && sensors
+            .iter()
+            .all(|sensor| sensor.report.range_rate().is_some());
+    let starts = given::starts(
+        &lifecycle,
+        recording,
+        truth,
+        &sensors,
+        (&filter, filter_name),
+        seed,
+    )?;
+    let job = Tracking {
+        recording,
+        associator,
+        lifecycle,
+        sensors,
+        method,
+        starts,
+        is_timed: plan.is_timed,
+    };
     match filter {
         Chosen::Kalman(filter) => job.run::<_, 4, 2>(filter, observer),
         Chosen::Converted(filter) => job.run::<_, 4, 2>(filter, observer),
@@ -135,16 +158,40 @@ struct Tracking<'a> {
 
 impl Tracking<'_> {
     /// With a filter whose states have `N` variables and whose measurements have `D` values.
-    fn run<F: Filter<N, D>, const N: usize, const D: usize>(self, filter: F, observer: &mut dyn Observer) -> Result<Tracked, RunError>
+    fn run<F: Filter<N, D>, const N: usize, const D: usize>(
+        self,
+        filter: F,
+        observer: &mut dyn Observer,
+    ) -> Result<Tracked, RunError>
     where
         Estimate: From<GaussianState<N>>,
     {
-        let Tracking { recording, associator, lifecycle, sensors, method, starts, is_timed } = self;
+        let Tracking {
+            recording,
+            associator,
+            lifecycle,
+            sensors,
+            method,
+            starts,
+            is_timed,
+        } = self;
         let first_sensor = recording.scans.first().map_or(0, |scan| scan.sensor);
-        let states: Vec<_> = starts.iter().map(|start| start.state(&filter, &sensors[first_sensor])).collect();
-        let mut tracker = Tracker::new(TrackerParts { filter, associator, lifecycle, sensors });
+        let states: Vec<_> = starts
+            .iter()
+            .map(|start| start.state(&filter, &sensors[first_sensor]))
+            .collect();
+        let mut tracker = Tracker::new(TrackerParts {
+            filter,
+            associator,
+            lifecycle,
+            sensors,
+        });
         for (start, state) in starts.into_iter().zip(states) {
-            tracker.give(start.truth_id, state.ok_or_else(|| unusable("/filter"))?, start.origin);
+            tracker.give(
+                start.truth_id,
+                state.ok_or_else(|| unusable("/filter"))?,
+                start.origin,
+            );
         }
         if is_timed {
             tracker.keep_problems();
@@ -164,9 +211,17 @@ impl Tracking<'_> {
                 return Err(RunError::Stopped);
             }
         }
-        let nis = NisReport { mean: tracker.nis().mean(), updates: tracker.nis().updates, dimensions: D };
+        let nis = NisReport {
+            mean: tracker.nis().mean(),
+            updates: tracker.nis().updates,
+            dimensions: D,
+        };
         let (diagnostics, trace) = (tracker.diagnostics(), tracker.trace().cloned());
-        let decided = if is_timed { timed(&mut tracker, recording.scans.len(), observer) } else { None };
+        let decided = if is_timed {
+            timed(&mut tracker, recording.scans.len(), observer)
+        } else {
+            None
+        };
         Ok(Tracked {
             tracks: tracker.into_history().into_tracks(recording),
             scans,
@@ -192,13 +247,20 @@ where
 {
     let begun = observer.now()?;
     let asked = RefCell::new(&mut *observer);
-    let question = || asked.borrow_mut().progress(Step::Associate, scans as u64, scans as u64);
+    let question = || {
+        asked
+            .borrow_mut()
+            .progress(Step::Associate, scans as u64, scans as u64)
+    };
     let watch = Watch::new(&question);
     tracker.decide_again(&watch);
     if watch.is_stopped() {
         return None;
     }
-    Some(Decided { spent: observer.now()?.checked_sub(begun)?, scans: scans as u64 })
+    Some(Decided {
+        spent: observer.now()?.checked_sub(begun)?,
+        scans: scans as u64,
+    })
 }
 
 /// Gate and life cycle of the tracks.
@@ -212,41 +274,84 @@ pub(super) fn endless_gate(lifecycle: &Lifecycle, sensors: &[Sensor]) -> Option<
         return None;
     }
     let detail = "without a gate a target of P_D = 1 is never without a detection: no assignment could leave it alone";
-    Some(Fault::new("/tracker/gate_probability", "conflict", detail).allowing("below 1, or a P_D below 1"))
+    Some(
+        Fault::new("/tracker/gate_probability", "conflict", detail)
+            .allowing("below 1, or a P_D below 1"),
+    )
 }
 
 /// A fault where the recording does not know of its detections what the associator needs.
 pub(super) fn unmet_need(method: &str, needs: Needs, recording: &Recording) -> Option<Fault> {
     let (what, lacking, column) = match needs {
         Needs::Nothing | Needs::Places => return None,
-        Needs::Origins => ("origin", if recording.origins_known { 0 } else { recording.detections.len() }, "a 'truth_id' column"),
+        Needs::Origins => (
+            "origin",
+            if recording.origins_known {
+                0
+            } else {
+                recording.detections.len()
+            },
+            "a 'truth_id' column",
+        ),
         Needs::Amplitudes => {
-            let lacking = recording.detections.iter().filter(|detection| detection.amplitude.is_none()).count();
-            ("amplitude", lacking, "an 'amplitude' column without empty cells")
+            let lacking = recording
+                .detections
+                .iter()
+                .filter(|detection| detection.amplitude.is_none())
+                .count();
+            (
+                "amplitude",
+                lacking,
+                "an 'amplitude' column without empty cells",
+            )
         }
     };
-    let detail = format!("'{method}' needs the {what} of every detection; {lacking} of {} lack it", recording.detections.len());
+    let detail = format!(
+        "'{method}' needs the {what} of every detection; {lacking} of {} lack it",
+        recording.detections.len()
+    );
     (lacking > 0).then(|| Fault::new("/associator/method", "unsupported", detail).allowing(column))
 }
 
 /// The checked spec names only methods of the tables, with parameters that fit them; anything else is a fault of ours,
 /// reported like one of the request instead of a panic.
 fn unusable(pointer: &str) -> RunError {
-    RunError::Faults(vec![Fault::new(pointer, "malformed", "the settings cannot be used")])
+    RunError::Faults(vec![Fault::new(
+        pointer,
+        "malformed",
+        "the settings cannot be used",
+    )])
 }
 
 /// The filter that `spec` names, and its name.
 pub(super) fn filter_of(spec: &Value) -> Result<(Chosen, &'static str), RunError> {
-    let entry = FILTERS.iter().find(|entry| spec["filter"]["method"] == entry.name).ok_or_else(|| unusable("/filter"))?;
-    (entry.build)(&spec["filter"]).map(|filter| (filter, entry.name)).map_err(|_| unusable("/filter"))
+    let entry = FILTERS
+        .iter()
+        .find(|entry| spec["filter"]["method"] == entry.name)
+        .ok_or_else(|| unusable("/filter"))?;
+    (entry.build)(&spec["filter"])
+        .map(|filter| (filter, entry.name))
+        .map_err(|_| unusable("/filter"))
 }
 
-pub(super) fn associator_of(spec: &Value, seed: Seed) -> Result<(Box<dyn Associator>, String), RunError> {
-    let entry = ASSOCIATORS.iter().find(|entry| spec["associator"]["method"] == entry.name).ok_or_else(|| unusable("/associator"))?;
-    (entry.build)(&spec["associator"], seed).map(|associator| (associator, entry.name.to_owned())).map_err(|_| unusable("/associator"))
+pub(super) fn associator_of(
+    spec: &Value,
+    seed: Seed,
+) -> Result<(Box<dyn Associator>, String), RunError> {
+    let entry = ASSOCIATORS
+        .iter()
+        .find(|entry| spec["associator"]["method"] == entry.name)
+        .ok_or_else(|| unusable("/associator"))?;
+    (entry.build)(&spec["associator"], seed)
+        .map(|associator| (associator, entry.name.to_owned()))
+        .map_err(|_| unusable("/associator"))
 }
 
-pub(super) fn report(tracked: &Tracked, recording: &Recording, sensors: &[SensorSettings]) -> AssociationReport {
+pub(super) fn report(
+    tracked: &Tracked,
+    recording: &Recording,
+    sensors: &[SensorSettings],
+) -> AssociationReport {
     let set = &tracked.tracks;
     let lines: Vec<TrackLine> = set.tracks.iter().map(|track| line(set, track)).collect();
     AssociationReport {
@@ -254,7 +359,11 @@ pub(super) fn report(tracked: &Tracked, recording: &Recording, sensors: &[Sensor
         counts: Counts {
             scans: recording.scans.len(),
             detections: recording.detections.len(),
-            started_tracks: tracked.scans.iter().map(|scan| u64::from(scan.started)).sum(),
+            started_tracks: tracked
+                .scans
+                .iter()
+                .map(|scan| u64::from(scan.started))
+                .sum(),
             tracks: lines.len(),
             track_points: lines.iter().map(|line| line.points).sum(),
             associated_detections: lines.iter().map(|line| line.detections).sum(),
@@ -268,8 +377,11 @@ pub(super) fn report(tracked: &Tracked, recording: &Recording, sensors: &[Sensor
 }
 
 fn line(set: &TrackSet, track: &crate::model::track::Track) -> TrackLine {
-    let is_detected =
-        |point: &&crate::model::track::TrackPoint| set.candidates_of(point).iter().any(|candidate| candidate.detection.is_some());
+    let is_detected = |point: &&crate::model::track::TrackPoint| {
+        set.candidates_of(point)
+            .iter()
+            .any(|candidate| candidate.detection.is_some())
+    };
     TrackLine {
         track_id: track.track_id.clone(),
         start_time_s: track.points.first().map(|point| point.time_s),

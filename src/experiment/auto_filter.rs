@@ -17,7 +17,9 @@ pub(super) fn settle_at_planning(spec: &mut Value) {
     }
     if spec.get("detector").is_some() {
         spec["filter"] = filter_named("bearing_only");
-    } else if let Some(recording) = scenario_of(spec).and_then(|(scenario, _)| rehearsal::recording_of(&scenario).ok()) {
+    } else if let Some(recording) =
+        scenario_of(spec).and_then(|(scenario, _)| rehearsal::recording_of(&scenario).ok())
+    {
         settle(spec, &recording);
     }
 }
@@ -37,23 +39,37 @@ pub(super) fn is_open(spec: &Value) -> bool {
 }
 
 fn suited(recording: &Recording) -> &'static str {
-    let has = |wanted: fn(&Measurement) -> bool| recording.detections.iter().any(|detection| wanted(&detection.measurement));
+    let has = |wanted: fn(&Measurement) -> bool| {
+        recording
+            .detections
+            .iter()
+            .any(|detection| wanted(&detection.measurement))
+    };
     let is_polar = has(|measurement| matches!(measurement, Measurement::RangeBearing { .. }));
     let is_placed = has(|measurement| matches!(measurement, Measurement::Position { .. }));
-    let knows = |wanted: fn(&crate::model::sensor::SensorSettings) -> bool| recording.sensors.iter().any(wanted);
+    let knows = |wanted: fn(&crate::model::sensor::SensorSettings) -> bool| {
+        recording.sensors.iter().any(wanted)
+    };
     match (is_placed, is_polar) {
         (_, true) => "unscented",
         (true, false) => "kalman",
         // Without places: bearings, or nothing at all, where settings tell what would be reported.
         (false, false) if !recording.detections.is_empty() => "bearing_only",
         _ if knows(|sensor| sensor.sigma_range_m.is_some()) => "unscented",
-        _ if knows(|sensor| sensor.sigma_bearing_deg.is_some() && sensor.sigma_x_m.is_none()) => "bearing_only",
+        _ if knows(|sensor| sensor.sigma_bearing_deg.is_some() && sensor.sigma_x_m.is_none()) => {
+            "bearing_only"
+        }
         _ => "kalman",
     }
 }
 
 fn filter_named(method: &str) -> Value {
-    registry::check_field(&json!({"method": method}), &FILTER_KIND, "", &mut Vec::new())
+    registry::check_field(
+        &json!({"method": method}),
+        &FILTER_KIND,
+        "",
+        &mut Vec::new(),
+    )
 }
 
 #[cfg(test)]
@@ -63,12 +79,24 @@ mod tests {
     use crate::model::sensor::SensorSettings;
 
     fn chosen(measurements: &[Measurement]) -> String {
-        let detection = |&measurement| Detection { measurement, origin: None, amplitude: None };
+        let detection = |&measurement| Detection {
+            measurement,
+            origin: None,
+            amplitude: None,
+        };
         let recording = Recording::new(RecordingParts {
             sensors: vec![SensorSettings::named("radar")],
-            scans: vec![Scan { number: 1, time_s: 0.0, sensor: 0, first: 0, count: measurements.len() }],
+            scans: vec![Scan {
+                number: 1,
+                time_s: 0.0,
+                sensor: 0,
+                first: 0,
+                count: measurements.len(),
+            }],
             detections: measurements.iter().map(detection).collect(),
-            detection_ids: (0..measurements.len()).map(|index| index.to_string()).collect(),
+            detection_ids: (0..measurements.len())
+                .map(|index| index.to_string())
+                .collect(),
             ..Default::default()
         });
         let mut spec = json!({"filter": {"method": "auto"}});
@@ -80,11 +108,32 @@ mod tests {
     fn the_filter_suits_what_is_reported() {
         let (at, polar) = (
             Measurement::Position { x_m: 1.0, y_m: 2.0 },
-            Measurement::RangeBearing { range_m: 1.0, bearing_rad: 0.5, range_rate_mps: None },
+            Measurement::RangeBearing {
+                range_m: 1.0,
+                bearing_rad: 0.5,
+                range_rate_mps: None,
+            },
         );
         let bearing = Measurement::Bearing { bearing_rad: 0.5 };
-        let found = [chosen(&[at]), chosen(&[polar]), chosen(&[bearing]), chosen(&[at, polar]), chosen(&[at, bearing]), chosen(&[])];
-        assert_eq!(found, ["kalman", "unscented", "bearing_only", "unscented", "kalman", "kalman"]);
+        let found = [
+            chosen(&[at]),
+            chosen(&[polar]),
+            chosen(&[bearing]),
+            chosen(&[at, polar]),
+            chosen(&[at, bearing]),
+            chosen(&[]),
+        ];
+        assert_eq!(
+            found,
+            [
+                "kalman",
+                "unscented",
+                "bearing_only",
+                "unscented",
+                "kalman",
+                "kalman"
+            ]
+        );
     }
 
     #[test]

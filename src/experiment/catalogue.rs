@@ -17,10 +17,22 @@ pub struct Family {
 
 /// Every family, in the order in which a job uses them.
 pub const FAMILIES: &[Family] = &[
-    Family { name: "associator", union: &ASSOCIATOR },
-    Family { name: "filter", union: &FILTER },
-    Family { name: "grouper", union: &GROUPER },
-    Family { name: "correlator", union: &CORRELATOR },
+    Family {
+        name: "associator",
+        union: &ASSOCIATOR,
+    },
+    Family {
+        name: "filter",
+        union: &FILTER,
+    },
+    Family {
+        name: "grouper",
+        union: &GROUPER,
+    },
+    Family {
+        name: "correlator",
+        union: &CORRELATOR,
+    },
 ];
 
 impl Family {
@@ -73,7 +85,9 @@ mod tests {
     fn visit_kind(kind: &'static Kind, seen: &mut dyn FnMut(&'static Object, &'static Field)) {
         match kind {
             Kind::Object(object) => visit(object, seen),
-            Kind::Union(union) => (union.variants)().iter().for_each(|variant| visit(variant.object, seen)),
+            Kind::Union(union) => (union.variants)()
+                .iter()
+                .for_each(|variant| visit(variant.object, seen)),
             Kind::List { item, .. } => visit_kind(item, seen),
             _ => {}
         }
@@ -84,9 +98,15 @@ mod tests {
         let mut defaults = 0;
         for kind in JobKind::ALL {
             visit(request_object(kind), &mut |object, field| {
-                assert!(!field.summary.is_empty(), "{}.{} has no summary", object.name, field.name);
+                assert!(
+                    !field.summary.is_empty(),
+                    "{}.{} has no summary",
+                    object.name,
+                    field.name
+                );
                 if let Presence::Default(text) = field.presence {
-                    let value = serde_json::from_str(text).unwrap_or_else(|error| panic!("{}.{}: {error}", object.name, field.name));
+                    let value = serde_json::from_str(text)
+                        .unwrap_or_else(|error| panic!("{}.{}: {error}", object.name, field.name));
                     let mut faults = Vec::new();
                     check_field(&value, &field.kind, "", &mut faults);
                     assert_eq!(faults, [], "{}.{}", object.name, field.name);
@@ -102,11 +122,19 @@ mod tests {
         for method in crate::association::ASSOCIATORS {
             let parameters = crate::registry::check(&serde_json::json!({}), method.parameters);
             let seed = crate::math::rng::Seed { seed: 1, run: 0 };
-            assert!((method.build)(&parameters.unwrap(), seed).is_ok(), "{}", method.name);
+            assert!(
+                (method.build)(&parameters.unwrap(), seed).is_ok(),
+                "{}",
+                method.name
+            );
         }
         for method in crate::filtering::FILTERS {
             let parameters = crate::registry::check(&serde_json::json!({}), method.parameters);
-            assert!((method.build)(&parameters.unwrap()).is_ok(), "{}", method.name);
+            assert!(
+                (method.build)(&parameters.unwrap()).is_ok(),
+                "{}",
+                method.name
+            );
         }
     }
 }

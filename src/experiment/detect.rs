@@ -3,7 +3,9 @@
 
 use super::observer::{Observer, Step};
 use super::run::RunError;
-use crate::detection::{DETECTOR, Detector, Found, Quality, Tuning, assign_origins, estimated_sigma_rad};
+use crate::detection::{
+    DETECTOR, Detector, Found, Quality, Tuning, assign_origins, estimated_sigma_rad,
+};
 use crate::model::bearing_time::BearingTimeRecord;
 use crate::model::fault::Fault;
 use crate::model::scan::Recording;
@@ -37,14 +39,25 @@ pub(super) fn check(spec: &mut Value, takes_detector: bool, faults: &mut Vec<Fau
     let has_record = spec.pointer("/input/scenario/record").is_some();
     if has_record && !takes_detector {
         let detail = "a bearing-time record gives no detections without a detector, which this job does not have";
-        faults.push(Fault::new("/input/scenario/record", "unsupported", detail).allowing("associate, evaluate"));
+        faults.push(
+            Fault::new("/input/scenario/record", "unsupported", detail)
+                .allowing("associate, evaluate"),
+        );
     } else if has_record && spec.get("detector").is_none() {
         spec["detector"] = registry::check_field(&json!({}), &DETECTOR_KIND, "/detector", faults);
-    } else if !has_record && spec.get("detector").is_some() && spec.pointer("/input/scenario").is_some() {
+    } else if !has_record
+        && spec.get("detector").is_some()
+        && spec.pointer("/input/scenario").is_some()
+    {
         let detail = "the scenario has no bearing-time record to find detections in";
-        faults.push(Fault::new("/detector", "conflict", detail).allowing("a scenario with 'record', or a record as input"));
+        faults.push(
+            Fault::new("/detector", "conflict", detail)
+                .allowing("a scenario with 'record', or a record as input"),
+        );
     } else if spec.get("detector").is_some() && spec.get("input").is_none() {
-        faults.push(Fault::new("/detector", "conflict", "'detector' needs 'input'").allowing("with input"));
+        faults.push(
+            Fault::new("/detector", "conflict", "'detector' needs 'input'").allowing("with input"),
+        );
     }
 }
 
@@ -56,23 +69,46 @@ pub(super) fn detect(
     truth: Option<&TruthSet>,
     observer: &mut dyn Observer,
 ) -> Result<(Recording, DetectionReport), RunError> {
-    let detector = Detector::deserialize(&spec["detector"])
-        .map_err(|error| RunError::Faults(vec![Fault::new("/detector", "malformed", error.to_string())]))?;
+    let detector = Detector::deserialize(&spec["detector"]).map_err(|error| {
+        RunError::Faults(vec![Fault::new(
+            "/detector",
+            "malformed",
+            error.to_string(),
+        )])
+    })?;
     let mut progress = |done, total| observer.progress(Step::Detect, done, total);
-    let Found { mut recording, tuning } = detector.detect(record, sensor, &mut progress)?.ok_or(RunError::Stopped)?;
+    let Found {
+        mut recording,
+        tuning,
+    } = detector
+        .detect(record, sensor, &mut progress)?
+        .ok_or(RunError::Stopped)?;
     let mut quality = None;
     if let Some(truth) = truth.filter(|truth| truth.is_of_bearings()) {
         let (with_origins, found) = assign_origins(recording, truth, detector.gate_deg)?;
         (recording, quality) = (with_origins, Some(found));
     }
     let (scans, detections) = (recording.scans.len(), recording.detections.len());
-    let report = DetectionReport { quality, scans, detections, rows: record.times_s.len(), cells: record.levels_db.len(), tuning };
+    let report = DetectionReport {
+        quality,
+        scans,
+        detections,
+        rows: record.times_s.len(),
+        cells: record.levels_db.len(),
+        tuning,
+    };
     Ok((recording, report))
 }
 
 /// The sensor of a record that was loaded: the one that the upload or the request tells of, if it is one alone.
-pub(super) fn sensor_of(uploaded: &[SensorSettings], requested: &[SensorSettings]) -> SensorSettings {
-    let named = [uploaded, requested].into_iter().find(|list| list.len() == 1).map(|list| list[0].sensor_id.clone());
+pub(super) fn sensor_of(
+    uploaded: &[SensorSettings],
+    requested: &[SensorSettings],
+) -> SensorSettings {
+    let named = [uploaded, requested]
+        .into_iter()
+        .find(|list| list.len() == 1)
+        .map(|list| list[0].sensor_id.clone());
     SensorSettings::named(named.unwrap_or_else(|| UNNAMED.to_owned()))
 }
 
@@ -83,8 +119,13 @@ pub(super) fn complete(
     record: &BearingTimeRecord,
     warnings: &mut Vec<String>,
 ) -> Result<Recording, Vec<Fault>> {
-    for sensor in sensors.iter_mut().filter(|sensor| sensor.sigma_bearing_deg.is_none()) {
-        let Some(sigma_rad) = estimated_sigma_rad(&recording, record.cell_rad()) else { continue };
+    for sensor in sensors
+        .iter_mut()
+        .filter(|sensor| sensor.sigma_bearing_deg.is_none())
+    {
+        let Some(sigma_rad) = estimated_sigma_rad(&recording, record.cell_rad()) else {
+            continue;
+        };
         let sigma_deg = sigma_rad.to_degrees();
         warnings.push(format!(
             "sensor '{}': the noise of its bearings is not known; {sigma_deg:.3} degrees is estimated from how they follow each other",

@@ -69,13 +69,22 @@ pub fn of<'a>(
     let spec = &spec;
     let (associator, _) = associate::associator_of(spec, Seed { seed: 0, run: 0 }).ok()?;
     let (filter, name) = associate::filter_of(spec).ok()?;
-    let probability = Lifecycle::deserialize(&spec["tracker"]).ok()?.gate_probability;
+    let probability = Lifecycle::deserialize(&spec["tracker"])
+        .ok()?
+        .gate_probability;
     if associator.needs() == Needs::Origins || probability >= 1.0 {
         return None;
     }
     let sensors = sensors::resolve(recording, known, (&filter, name), &mut Vec::new()).ok()?;
-    let walk = Walk { sensors: &sensors, set: tracks, probability };
-    let has_rates = !sensors.is_empty() && sensors.iter().all(|sensor| sensor.report.range_rate().is_some());
+    let walk = Walk {
+        sensors: &sensors,
+        set: tracks,
+        probability,
+    };
+    let has_rates = !sensors.is_empty()
+        && sensors
+            .iter()
+            .all(|sensor| sensor.report.range_rate().is_some());
     match filter {
         Chosen::Kalman(filter) => Some(walk.gates::<_, 2>(&filter, wanted)),
         Chosen::Converted(filter) => Some(walk.gates::<_, 2>(&filter, wanted)),
@@ -96,16 +105,35 @@ struct Walk<'s, 'a> {
 }
 
 impl<'a> Walk<'_, 'a> {
-    fn gates<F: Filter<4, D>, const D: usize>(&self, filter: &F, wanted: impl Fn(&Track) -> bool) -> Gates<'a> {
+    fn gates<F: Filter<4, D>, const D: usize>(
+        &self,
+        filter: &F,
+        wanted: impl Fn(&Track) -> bool,
+    ) -> Gates<'a> {
         let tracks = self.set.tracks.iter().filter(|track| wanted(track));
-        let steps = tracks.flat_map(|track| track.points.windows(2).map(move |pair| (track, &pair[0], &pair[1])));
-        let gates = steps.filter(|(_, _, point)| self.was_gated(point)).filter_map(|step| self.gate::<F, D>(filter, step));
-        Gates { threshold: gate_threshold(self.probability, D as u32), gates: gates.collect() }
+        let steps = tracks.flat_map(|track| {
+            track
+                .points
+                .windows(2)
+                .map(move |pair| (track, &pair[0], &pair[1]))
+        });
+        let gates = steps
+            .filter(|(_, _, point)| self.was_gated(point))
+            .filter_map(|step| self.gate::<F, D>(filter, step));
+        Gates {
+            threshold: gate_threshold(self.probability, D as u32),
+            gates: gates.collect(),
+        }
     }
 
     /// The second of two detections that start a track was not looked for in a gate of the track.
     fn was_gated(&self, point: &TrackPoint) -> bool {
-        point.nis.is_some() || self.set.candidates_of(point).iter().all(|candidate| candidate.detection.is_none())
+        point.nis.is_some()
+            || self
+                .set
+                .candidates_of(point)
+                .iter()
+                .all(|candidate| candidate.detection.is_none())
     }
 
     fn gate<F: Filter<4, D>, const D: usize>(
@@ -114,10 +142,16 @@ impl<'a> Walk<'_, 'a> {
         (track, before, point): (&'a Track, &TrackPoint, &TrackPoint),
     ) -> Option<Gate<'a>> {
         let known = before.estimate.plane()?;
-        let mut state = GaussianState { mean: known.state, covariance: known.covariance? };
+        let mut state = GaussianState {
+            mean: known.state,
+            covariance: known.covariance?,
+        };
         Transition::new(filter.motion(), point.time_s - before.time_s).predict(&mut state);
         let sensor_id = self.set.sensor_ids[point.sensor? as usize].as_str();
-        let sensor = self.sensors.iter().find(|sensor| sensor.sensor_id == sensor_id)?;
+        let sensor = self
+            .sensors
+            .iter()
+            .find(|sensor| sensor.sensor_id == sensor_id)?;
         let expected = filter.expect(&state, sensor)?;
         let covariance = expected.covariance.fixed_view::<2, 2>(0, 0).into_owned();
         let region = match &sensor.report {
@@ -127,9 +161,17 @@ impl<'a> Walk<'_, 'a> {
                 bearing_rad: expected.measurement[1],
                 covariance,
             },
-            _ => Region::Plane { covariance_m2: covariance },
+            _ => Region::Plane {
+                covariance_m2: covariance,
+            },
         };
         let place_m = Position::new(state.mean[0], state.mean[1]);
-        Some(Gate { track_id: &track.track_id, time_s: point.time_s, sensor_id, place_m, region })
+        Some(Gate {
+            track_id: &track.track_id,
+            time_s: point.time_s,
+            sensor_id,
+            place_m,
+            region,
+        })
     }
 }

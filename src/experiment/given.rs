@@ -54,38 +54,74 @@ pub(super) fn starts(
     (filter, filter_name): (&Chosen, &str),
     seed: Seed,
 ) -> Result<Vec<Start>, RunError> {
-    let Initiation::Truth { speed_sigma_mps, rate_sigma_degps } = lifecycle.initiation else { return Ok(Vec::new()) };
+    let Initiation::Truth {
+        speed_sigma_mps,
+        rate_sigma_degps,
+    } = lifecycle.initiation
+    else {
+        return Ok(Vec::new());
+    };
     let Some(truth) = truth else {
-        return Err(refusal("missing", "no truth was found for this job, and its tracks begin at it", "truth"));
+        return Err(refusal(
+            "missing",
+            "no truth was found for this job, and its tracks begin at it",
+            "truth",
+        ));
     };
     if let Some(fault) = unfit_truth(lifecycle, truth.is_of_bearings(), (filter, filter_name)) {
         return Err(vec![fault].into());
     }
-    let Some(scan) = recording.scans.first() else { return Ok(Vec::new()) };
-    let sigma = if filter.is_of_bearings() { rate_sigma_degps.to_radians() } else { speed_sigma_mps };
+    let Some(scan) = recording.scans.first() else {
+        return Ok(Vec::new());
+    };
+    let sigma = if filter.is_of_bearings() {
+        rate_sigma_degps.to_radians()
+    } else {
+        speed_sigma_mps
+    };
     let start = |(index, target): (usize, &Target)| {
         let truth = true_at(target, scan.time_s)?;
         let mut draw = seed.stream(Purpose::TrackStart, index as u64, 0);
         let errors: [f64; 5] = std::array::from_fn(|_| StandardNormal.sample(&mut draw));
         Some(Start {
             truth_id: target.truth_id.clone(),
-            origin: recording.targets.iter().position(|name| *name == target.truth_id).map(|origin| origin as u32),
+            origin: recording
+                .targets
+                .iter()
+                .position(|name| *name == target.truth_id)
+                .map(|origin| origin as u32),
             measurement: reported(&sensors[scan.sensor].report, &truth, errors)?,
             rates: [0, 1].map(|axis| truth.rates[axis] + sigma * errors[3 + axis]),
             sigma,
         })
     };
-    Ok(truth.targets().iter().enumerate().filter_map(start).collect())
+    Ok(truth
+        .targets()
+        .iter()
+        .enumerate()
+        .filter_map(start)
+        .collect())
 }
 
 /// A fault where tracks begin at truth of another kind than theirs.
-pub(super) fn unfit_truth(lifecycle: &Lifecycle, is_of_bearings: bool, (filter, filter_name): (&Chosen, &str)) -> Option<Fault> {
-    if !matches!(lifecycle.initiation, Initiation::Truth { .. }) || is_of_bearings == filter.is_of_bearings() {
+pub(super) fn unfit_truth(
+    lifecycle: &Lifecycle,
+    is_of_bearings: bool,
+    (filter, filter_name): (&Chosen, &str),
+) -> Option<Fault> {
+    if !matches!(lifecycle.initiation, Initiation::Truth { .. })
+        || is_of_bearings == filter.is_of_bearings()
+    {
         return None;
     }
-    let (found, wanted) =
-        if is_of_bearings { ("directions (bearing_deg)", "places (x_m, y_m)") } else { ("places", "directions (bearing_deg)") };
-    let detail = format!("the truth are {found}, and tracks of the filter '{filter_name}' cannot begin at them");
+    let (found, wanted) = if is_of_bearings {
+        ("directions (bearing_deg)", "places (x_m, y_m)")
+    } else {
+        ("places", "directions (bearing_deg)")
+    };
+    let detail = format!(
+        "the truth are {found}, and tracks of the filter '{filter_name}' cannot begin at them"
+    );
     Some(Fault::new("/truth", "unsupported", detail).allowing(wanted))
 }
 
@@ -96,12 +132,21 @@ fn refusal(code: &str, detail: &str, allowed: &str) -> RunError {
 fn true_at(target: &Target, time_s: f64) -> Option<Truth> {
     if let Some(bearing_rad) = target.bearing_at(time_s, f64::INFINITY) {
         let rate_radps = target.bearing_rate_at(time_s, f64::INFINITY).unwrap_or(0.0);
-        return Some(Truth { place: TruePlace::Bearing { bearing_rad }, rates: [rate_radps, 0.0] });
+        return Some(Truth {
+            place: TruePlace::Bearing { bearing_rad },
+            rates: [rate_radps, 0.0],
+        });
     }
     let position_m = target.position_at(time_s, f64::INFINITY)?;
     let velocity_mps = target.velocity_at(time_s, f64::INFINITY);
     let rates = velocity_mps.unwrap_or_else(Position::zeros).into();
-    Some(Truth { place: TruePlace::Plane { position_m, velocity_mps }, rates })
+    Some(Truth {
+        place: TruePlace::Plane {
+            position_m,
+            velocity_mps,
+        },
+        rates,
+    })
 }
 
 /// What the sensor would report, with draws of the standard normal distribution as its errors. `None` where it reports
@@ -109,15 +154,25 @@ fn true_at(target: &Target, time_s: f64) -> Option<Truth> {
 fn reported(report: &Report, truth: &Truth, errors: [f64; 5]) -> Option<Measurement> {
     match (*report, truth.place) {
         (Report::Bearing { sigma_bearing_rad }, TruePlace::Bearing { bearing_rad }) => {
-            Some(Measurement::Bearing { bearing_rad: bearing_rad + sigma_bearing_rad * errors[0] })
+            Some(Measurement::Bearing {
+                bearing_rad: bearing_rad + sigma_bearing_rad * errors[0],
+            })
         }
-        (Report::Position { sigma_x_m, sigma_y_m }, TruePlace::Plane { position_m, .. }) => {
-            Some(Measurement::Position { x_m: position_m[0] + sigma_x_m * errors[0], y_m: position_m[1] + sigma_y_m * errors[1] })
-        }
+        (
+            Report::Position {
+                sigma_x_m,
+                sigma_y_m,
+            },
+            TruePlace::Plane { position_m, .. },
+        ) => Some(Measurement::Position {
+            x_m: position_m[0] + sigma_x_m * errors[0],
+            y_m: position_m[1] + sigma_y_m * errors[1],
+        }),
         (Report::Polar(polar), TruePlace::Plane { position_m, .. }) => {
             let offset_m = position_m - polar.place_m;
             let towards = offset_m.try_normalize(0.0).unwrap_or_else(Position::zeros);
-            let range_rate = |sigma_mps: f64| towards.dot(&Position::from(truth.rates)) + sigma_mps * errors[2];
+            let range_rate =
+                |sigma_mps: f64| towards.dot(&Position::from(truth.rates)) + sigma_mps * errors[2];
             Some(Measurement::RangeBearing {
                 range_m: (offset_m.norm() + polar.sigma_range_m * errors[0]).abs(),
                 bearing_rad: offset_m[0].atan2(offset_m[1]) + polar.sigma_bearing_rad * errors[1],
@@ -130,7 +185,11 @@ fn reported(report: &Report, truth: &Truth, errors: [f64; 5]) -> Option<Measurem
 
 impl Start {
     /// The state with which the track begins; `None` where the filter cannot use the sensor's reports.
-    pub fn state<const N: usize, const D: usize>(&self, filter: &impl Filter<N, D>, sensor: &Sensor) -> Option<GaussianState<N>> {
+    pub fn state<const N: usize, const D: usize>(
+        &self,
+        filter: &impl Filter<N, D>,
+        sensor: &Sensor,
+    ) -> Option<GaussianState<N>> {
         let measured = filter.measured(sensor, &self.measurement)?;
         let mut state = filter.initiate(&measured, sensor, self.sigma)?;
         for (axis, rate) in (N / 2..N).enumerate() {

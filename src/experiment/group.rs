@@ -23,7 +23,10 @@ use serde_json::Value;
 use std::time::Duration;
 
 /// How tracks begin without truth: the sensors' reports in turn, within four σ.
-const FIRST_GROUPS: SequentialNearestNeighbour = SequentialNearestNeighbour { gate_sigmas: 4.0, one_per_sensor: true };
+const FIRST_GROUPS: SequentialNearestNeighbour = SequentialNearestNeighbour {
+    gate_sigmas: 4.0,
+    one_per_sensor: true,
+};
 
 pub(super) static PREDICTIONS: Object = Object {
     name: "PredictionSettings",
@@ -44,13 +47,21 @@ pub(super) static PREDICTIONS: Object = Object {
         default(
             "process_noise_m2ps3",
             "Spectral density of the white-noise acceleration.",
-            Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e9), unit: "m²/s³" },
+            Kind::Number {
+                min: Bound::Including(0.0),
+                max: Bound::Including(1e9),
+                unit: "m²/s³",
+            },
             "100.0",
         ),
         default(
             "speed_sigma_mps",
             "Standard deviation of each component of a first velocity that is not known, around 0.",
-            Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e5), unit: "m/s" },
+            Kind::Number {
+                min: Bound::Including(0.0),
+                max: Bound::Including(1e5),
+                unit: "m/s",
+            },
             "300.0",
         ),
     ],
@@ -108,11 +119,26 @@ pub(super) struct Material<'a> {
     pub truth: Option<&'a TruthSet>,
 }
 
-pub(super) fn group(spec: &Value, seed: Seed, material: &Material, observer: &mut dyn Observer) -> Result<Grouped, RunError> {
-    let unusable = |pointer: &str| RunError::Faults(vec![Fault::new(pointer, "malformed", "the settings cannot be used")]);
-    let entry = GROUPERS.iter().find(|entry| spec["grouper"]["method"] == entry.name).ok_or_else(|| unusable("/grouper"))?;
+pub(super) fn group(
+    spec: &Value,
+    seed: Seed,
+    material: &Material,
+    observer: &mut dyn Observer,
+) -> Result<Grouped, RunError> {
+    let unusable = |pointer: &str| {
+        RunError::Faults(vec![Fault::new(
+            pointer,
+            "malformed",
+            "the settings cannot be used",
+        )])
+    };
+    let entry = GROUPERS
+        .iter()
+        .find(|entry| spec["grouper"]["method"] == entry.name)
+        .ok_or_else(|| unusable("/grouper"))?;
     let mut grouper = (entry.build)(&spec["grouper"], seed).map_err(|_| unusable("/grouper"))?;
-    let settings = Settings::deserialize(&spec["predictions"]).map_err(|_| unusable("/predictions"))?;
+    let settings =
+        Settings::deserialize(&spec["predictions"]).map_err(|_| unusable("/predictions"))?;
     let recording = material.recording;
     let sensors = usable_sensors(material)?;
     let mut instants = instants_of(recording, &sensors)?;
@@ -130,21 +156,50 @@ pub(super) fn group(spec: &Value, seed: Seed, material: &Material, observer: &mu
     let mut grouped = Vec::with_capacity(instants.len());
     let mut spent = Some(Duration::ZERO);
     for (number, mut instant) in instants.into_iter().enumerate() {
-        let closed = tracks.as_mut().filter(|_| settings.feedback == Loop::Closed);
+        let closed = tracks
+            .as_mut()
+            .filter(|_| settings.feedback == Loop::Closed);
         let begun = observer.now();
-        let grouping = group_one(&mut *grouper, number as u64, &mut instant, closed, (recording, &sensors))?;
-        spent = spent.zip(begun).zip(observer.now()).and_then(|((spent, begun), now)| Some(spent + now.checked_sub(begun)?));
+        let grouping = group_one(
+            &mut *grouper,
+            number as u64,
+            &mut instant,
+            closed,
+            (recording, &sensors),
+        )?;
+        spent = spent
+            .zip(begun)
+            .zip(observer.now())
+            .and_then(|((spent, begun), now)| Some(spent + now.checked_sub(begun)?));
         grouped.push((instant, grouping));
         told(observer, Step::Associate, number as u64 + 1, total)?;
     }
-    let counts = recording.origins_known.then(|| grouped.iter().map(|pair| counts_of(recording, pair)).collect());
+    let counts = recording.origins_known.then(|| {
+        grouped
+            .iter()
+            .map(|pair| counts_of(recording, pair))
+            .collect()
+    });
     told(observer, Step::Evaluate, 1, 1)?;
-    let decided = spent.map(|spent| Decided { spent, scans: total });
-    Ok(Grouped { method: entry.name, instants: grouped, counts, history: grouper.trace().cloned(), decided })
+    let decided = spent.map(|spent| Decided {
+        spent,
+        scans: total,
+    });
+    Ok(Grouped {
+        method: entry.name,
+        instants: grouped,
+        counts,
+        history: grouper.trace().cloned(),
+        decided,
+    })
 }
 
 fn told(observer: &mut dyn Observer, step: Step, done: u64, total: u64) -> Result<(), RunError> {
-    if observer.progress(step, done, total).is_break() { Err(RunError::Stopped) } else { Ok(()) }
+    if observer.progress(step, done, total).is_break() {
+        Err(RunError::Stopped)
+    } else {
+        Ok(())
+    }
 }
 
 /// One instant; in a closed loop the tracks are predicted before it and updated after it.
@@ -158,21 +213,45 @@ fn group_one(
     let refused = |faults: Vec<Fault>, time_s: f64| {
         let placed = |fault: Fault| {
             let detail = format!("{} at {time_s} s", fault.detail);
-            Fault { pointer: format!("/grouper{}", fault.pointer), detail, ..fault }
+            Fault {
+                pointer: format!("/grouper{}", fault.pointer),
+                detail,
+                ..fault
+            }
         };
         RunError::Faults(faults.into_iter().map(placed).collect())
     };
     let Some(tracks) = closed else {
-        let snapshot = Snapshot { number, reports: &instant.reports, predictions: &instant.predictions };
-        return grouper.group(&snapshot).map_err(|faults| refused(faults, instant.time_s));
+        let snapshot = Snapshot {
+            number,
+            reports: &instant.reports,
+            predictions: &instant.predictions,
+        };
+        return grouper
+            .group(&snapshot)
+            .map_err(|faults| refused(faults, instant.time_s));
     };
     tracks.tracks.predict(instant.time_s);
     instant.predictions = tracks.places();
-    let snapshot = Snapshot { number, reports: &instant.reports, predictions: &instant.predictions };
-    let grouping = grouper.group(&snapshot).map_err(|faults| refused(faults, instant.time_s))?;
-    for (&detection, (report, &group)) in instant.detections.iter().zip(instant.reports.iter().zip(&grouping.group_of)) {
+    let snapshot = Snapshot {
+        number,
+        reports: &instant.reports,
+        predictions: &instant.predictions,
+    };
+    let grouping = grouper
+        .group(&snapshot)
+        .map_err(|faults| refused(faults, instant.time_s))?;
+    for (&detection, (report, &group)) in instant
+        .detections
+        .iter()
+        .zip(instant.reports.iter().zip(&grouping.group_of))
+    {
         if group < instant.predictions.len() {
-            tracks.update(group, &sensors[report.sensor as usize], &recording.detections[detection]);
+            tracks.update(
+                group,
+                &sensors[report.sensor as usize],
+                &recording.detections[detection],
+            );
         }
     }
     Ok(grouping)
@@ -204,50 +283,106 @@ pub(super) fn unusable(material: &Material) -> Vec<Fault> {
 fn usable_sensors(material: &Material) -> Result<Vec<Sensor>, RunError> {
     let mut faults = Vec::new();
     if material.settings.len() < 2 {
-        let detail = format!("the input has {} sensor, whose reports have nothing to be put together with", material.settings.len());
+        let detail = format!(
+            "the input has {} sensor, whose reports have nothing to be put together with",
+            material.settings.len()
+        );
         faults.push(Fault::new("/input", "unsupported", detail).allowing("two sensors or more"));
     }
     let mut sensors = Vec::with_capacity(material.settings.len());
     for (index, settings) in material.settings.iter().enumerate() {
-        let scans = material.recording.scans.iter().filter(|scan| scan.sensor == index);
+        let scans = material
+            .recording
+            .scans
+            .iter()
+            .filter(|scan| scan.sensor == index);
         let mut detections = scans.flat_map(|scan| material.recording.detections_of(scan));
-        if detections.any(|detection| !matches!(detection.measurement, Measurement::Position { .. })) {
-            let detail = format!("sensor '{}' reports directions, which are not put together", settings.sensor_id);
-            faults.push(Fault::new("/input", "unsupported", detail).allowing("positions (x_m, y_m)"));
+        if detections
+            .any(|detection| !matches!(detection.measurement, Measurement::Position { .. }))
+        {
+            let detail = format!(
+                "sensor '{}' reports directions, which are not put together",
+                settings.sensor_id
+            );
+            faults
+                .push(Fault::new("/input", "unsupported", detail).allowing("positions (x_m, y_m)"));
         }
         let (Some(sigma_x_m), Some(sigma_y_m)) = (settings.sigma_x_m, settings.sigma_y_m) else {
-            let detail =
-                format!("the noise of sensor '{}' is not known: give 'sigma_x_m' and 'sigma_y_m' in 'sensors'", settings.sensor_id);
+            let detail = format!(
+                "the noise of sensor '{}' is not known: give 'sigma_x_m' and 'sigma_y_m' in 'sensors'",
+                settings.sensor_id
+            );
             faults.push(Fault::new("/sensors", "missing", detail).allowing("> 0 m"));
             continue;
         };
-        let report = sensor::Report::Position { sigma_x_m, sigma_y_m };
-        sensors.push(Sensor { sensor_id: settings.sensor_id.clone(), p_d: settings.p_d.unwrap_or(1.0), clutter_density: 0.0, report });
+        let report = sensor::Report::Position {
+            sigma_x_m,
+            sigma_y_m,
+        };
+        sensors.push(Sensor {
+            sensor_id: settings.sensor_id.clone(),
+            p_d: settings.p_d.unwrap_or(1.0),
+            clutter_density: 0.0,
+            report,
+        });
     }
-    if faults.is_empty() { Ok(sensors) } else { Err(RunError::Faults(faults)) }
+    if faults.is_empty() {
+        Ok(sensors)
+    } else {
+        Err(RunError::Faults(faults))
+    }
 }
 
 /// Scans of one time are one instant; one sensor alone makes none.
 fn instants_of(recording: &Recording, sensors: &[Sensor]) -> Result<Vec<Instant>, RunError> {
-    let together = recording.scans.chunk_by(|left, right| left.time_s == right.time_s).filter(|scans| scans.len() > 1);
-    let instants: Vec<Instant> =
-        together.map(|scans| instant_of(recording, scans, sensors)).filter(|instant| !instant.reports.is_empty()).collect();
+    let together = recording
+        .scans
+        .chunk_by(|left, right| left.time_s == right.time_s)
+        .filter(|scans| scans.len() > 1);
+    let instants: Vec<Instant> = together
+        .map(|scans| instant_of(recording, scans, sensors))
+        .filter(|instant| !instant.reports.is_empty())
+        .collect();
     if instants.len() > 1 {
         return Ok(instants);
     }
-    let detail = format!("the sensors have {} times in common at which anything was reported", instants.len());
-    Err(RunError::Faults(vec![Fault::new("/input", "disjoint", detail).allowing("scans of two sensors or more at two times or more")]))
+    let detail = format!(
+        "the sensors have {} times in common at which anything was reported",
+        instants.len()
+    );
+    Err(RunError::Faults(vec![
+        Fault::new("/input", "disjoint", detail)
+            .allowing("scans of two sensors or more at two times or more"),
+    ]))
 }
 
 fn instant_of(recording: &Recording, scans: &[Scan], sensors: &[Sensor]) -> Instant {
-    let mut instant = Instant { time_s: scans[0].time_s, detections: Vec::new(), reports: Vec::new(), predictions: Vec::new() };
+    let mut instant = Instant {
+        time_s: scans[0].time_s,
+        detections: Vec::new(),
+        reports: Vec::new(),
+        predictions: Vec::new(),
+    };
     for scan in scans {
-        let sensor::Report::Position { sigma_x_m, sigma_y_m } = sensors[scan.sensor].report else { continue };
-        let covariance = PositionCovariance::new(sigma_x_m * sigma_x_m, 0.0, 0.0, sigma_y_m * sigma_y_m);
+        let sensor::Report::Position {
+            sigma_x_m,
+            sigma_y_m,
+        } = sensors[scan.sensor].report
+        else {
+            continue;
+        };
+        let covariance =
+            PositionCovariance::new(sigma_x_m * sigma_x_m, 0.0, 0.0, sigma_y_m * sigma_y_m);
         for detection in scan.range() {
             if let Some(position_m) = recording.detections[detection].measurement.position() {
                 instant.detections.push(detection);
-                instant.reports.push(Report { place: Place { position_m, covariance }, sensor: scan.sensor as u32 });
+                instant.reports.push(Report {
+                    place: Place {
+                        position_m,
+                        covariance,
+                    },
+                    sensor: scan.sensor as u32,
+                });
             }
         }
     }
@@ -262,15 +397,26 @@ fn check_origins(settings: Settings, recording: &Recording) -> Result<(), RunErr
     let mut faults = Vec::new();
     let mut refuse = |pointer: &str, what: &str, allowed: &str| {
         let detail = format!("{what}, but the detections do not say which target they came from");
-        faults.push(Fault::new(pointer, "unsupported", detail).allowing(format!("{allowed}, or detections with a 'truth_id' column")));
+        faults.push(
+            Fault::new(pointer, "unsupported", detail)
+                .allowing(format!("{allowed}, or detections with a 'truth_id' column")),
+        );
     };
     if settings.start == Start::Truth {
         refuse("/predictions/start", "tracks begin at the truth", "groups");
     }
     if settings.feedback == Loop::Open {
-        refuse("/predictions/loop", "an open loop updates tracks with their true reports", "closed");
+        refuse(
+            "/predictions/loop",
+            "an open loop updates tracks with their true reports",
+            "closed",
+        );
     }
-    if faults.is_empty() { Ok(()) } else { Err(RunError::Faults(faults)) }
+    if faults.is_empty() {
+        Ok(())
+    } else {
+        Err(RunError::Faults(faults))
+    }
 }
 
 /// Tracks, and for each the target that its first reports came from.
@@ -282,8 +428,13 @@ struct Tracks {
 /// The tracks of the first instant, each with all reports of its target or group.
 fn begin(settings: Settings, first: &Instant, material: &Material, sensors: &[Sensor]) -> Tracks {
     let recording = material.recording;
-    let filter = Kalman { process_noise_m2ps3: settings.process_noise_m2ps3 };
-    let mut begun = Tracks { tracks: GroupTracks::new(filter, first.time_s), targets: Vec::new() };
+    let filter = Kalman {
+        process_noise_m2ps3: settings.process_noise_m2ps3,
+    };
+    let mut begun = Tracks {
+        tracks: GroupTracks::new(filter, first.time_s),
+        targets: Vec::new(),
+    };
     let groups = FIRST_GROUPS.groups(&first.reports);
     let mut keys: Vec<u64> = Vec::new();
     for ((&detection, report), group) in first.detections.iter().zip(&first.reports).zip(groups) {
@@ -298,12 +449,24 @@ fn begin(settings: Settings, first: &Instant, material: &Material, sensors: &[Se
         match keys.iter().position(|known| *known == key) {
             Some(track) => begun.update(track, sensor, detection),
             None => {
-                let velocity_mps = detection.origin.filter(|_| settings.start == Start::Truth).and_then(|origin| {
-                    let truth_id = &recording.targets[origin as usize];
-                    let target = material.truth?.targets().iter().find(|target| target.truth_id == *truth_id)?;
-                    target.velocity_at(first.time_s, 0.0)
-                });
-                begun.tracks.begin(sensor, &report.place.position_m, velocity_mps, settings.speed_sigma_mps);
+                let velocity_mps = detection
+                    .origin
+                    .filter(|_| settings.start == Start::Truth)
+                    .and_then(|origin| {
+                        let truth_id = &recording.targets[origin as usize];
+                        let target = material
+                            .truth?
+                            .targets()
+                            .iter()
+                            .find(|target| target.truth_id == *truth_id)?;
+                        target.velocity_at(first.time_s, 0.0)
+                    });
+                begun.tracks.begin(
+                    sensor,
+                    &report.place.position_m,
+                    velocity_mps,
+                    settings.speed_sigma_mps,
+                );
                 begun.targets.push(detection.origin);
                 keys.push(key);
             }
@@ -334,7 +497,11 @@ impl Tracks {
             instant.predictions = self.places();
             for (&detection, report) in instant.detections.iter().zip(&instant.reports) {
                 let detection = &recording.detections[detection];
-                let track = detection.origin.and_then(|origin| self.targets.iter().position(|target| *target == Some(origin)));
+                let track = detection.origin.and_then(|origin| {
+                    self.targets
+                        .iter()
+                        .position(|target| *target == Some(origin))
+                });
                 if let Some(track) = track {
                     self.update(track, &sensors[report.sensor as usize], detection);
                 }

@@ -64,7 +64,13 @@ struct Line {
 
 pub(super) fn report(grouped: &Grouped, recording: &Recording) -> GroupingReport {
     let counts = grouped.counts.as_deref();
-    let line = |(index, (instant, grouping)): (usize, &(super::group::Instant, crate::correlation::grouping::Grouping))| {
+    let line = |(index, (instant, grouping)): (
+        usize,
+        &(
+            super::group::Instant,
+            crate::correlation::grouping::Grouping,
+        ),
+    )| {
         let of_instant = counts.map(|counts| counts[index]);
         let (time_s, reports, groups) = (instant.time_s, instant.reports.len(), grouping.count());
         Line {
@@ -77,8 +83,15 @@ pub(super) fn report(grouped: &Grouped, recording: &Recording) -> GroupingReport
     };
     let mut lines: Vec<Line> = grouped.instants.iter().enumerate().map(line).collect();
     let mut total = GroupingCounts::default();
-    counts.unwrap_or_default().iter().for_each(|counts| total.add(counts));
-    let accuracies: Vec<f64> = counts.unwrap_or_default().iter().filter_map(GroupingCounts::accuracy).collect();
+    counts
+        .unwrap_or_default()
+        .iter()
+        .for_each(|counts| total.add(counts));
+    let accuracies: Vec<f64> = counts
+        .unwrap_or_default()
+        .iter()
+        .filter_map(GroupingCounts::accuracy)
+        .collect();
     let of_counts = |value: u64| counts.map(|_| value);
     GroupingReport {
         method: grouped.method,
@@ -90,7 +103,8 @@ pub(super) fn report(grouped: &Grouped, recording: &Recording) -> GroupingReport
             duplicates: of_counts(total.duplicates),
             exact: of_counts(total.exact),
         },
-        accuracy: (!accuracies.is_empty()).then(|| accuracies.iter().sum::<f64>() / accuracies.len() as f64),
+        accuracy: (!accuracies.is_empty())
+            .then(|| accuracies.iter().sum::<f64>() / accuracies.len() as f64),
         precision: total.precision(),
         recall: total.recall(),
         search: search_of(grouped),
@@ -103,22 +117,52 @@ pub(super) fn report(grouped: &Grouped, recording: &Recording) -> GroupingReport
 }
 
 fn search_of(grouped: &Grouped) -> Option<Search> {
-    let iterations: Vec<u32> = grouped.instants.iter().filter_map(|(_, grouping)| grouping.iterations).collect();
-    let costs: Vec<f64> = grouped.instants.iter().filter_map(|(_, grouping)| grouping.cost).collect();
+    let iterations: Vec<u32> = grouped
+        .instants
+        .iter()
+        .filter_map(|(_, grouping)| grouping.iterations)
+        .collect();
+    let costs: Vec<f64> = grouped
+        .instants
+        .iter()
+        .filter_map(|(_, grouping)| grouping.cost)
+        .collect();
     Some(Search {
-        mean_iterations: iterations.iter().map(|&count| f64::from(count)).sum::<f64>() / iterations.len() as f64,
+        mean_iterations: iterations
+            .iter()
+            .map(|&count| f64::from(count))
+            .sum::<f64>()
+            / iterations.len() as f64,
         max_iterations: iterations.iter().copied().max()?,
         mean_cost: (!costs.is_empty()).then(|| costs.iter().sum::<f64>() / costs.len() as f64),
-        unconverged: grouped.instants.iter().filter(|(_, grouping)| !grouping.converged).count(),
+        unconverged: grouped
+            .instants
+            .iter()
+            .filter(|(_, grouping)| !grouping.converged)
+            .count(),
     })
 }
 
 /// `groups.csv`, and `grouping_trace.csv` where a trace was asked for.
 pub(super) fn artifacts(grouped: &Grouped, recording: &Recording) -> Vec<Artifact> {
-    let mut table = Table::new(false, &["time_s", "group", "sensor_id", "detection_id", "membership", "truth_id"]);
+    let mut table = Table::new(
+        false,
+        &[
+            "time_s",
+            "group",
+            "sensor_id",
+            "detection_id",
+            "membership",
+            "truth_id",
+        ],
+    );
     for (instant, grouping) in &grouped.instants {
-        for (index, (&detection, report)) in instant.detections.iter().zip(&instant.reports).enumerate() {
-            let truth_id = recording.detections[detection].origin.map(|origin| recording.targets[origin as usize].clone());
+        for (index, (&detection, report)) in
+            instant.detections.iter().zip(&instant.reports).enumerate()
+        {
+            let truth_id = recording.detections[detection]
+                .origin
+                .map(|origin| recording.targets[origin as usize].clone());
             table.row(&[
                 number(instant.time_s),
                 (grouping.group_of[index] + 1).to_string(),
@@ -130,29 +174,62 @@ pub(super) fn artifacts(grouped: &Grouped, recording: &Recording) -> Vec<Artifac
         }
     }
     let mut files = vec![table.artifact("groups.csv")];
-    files.extend(grouped.history.as_ref().map(|history| trace(grouped, recording, history)));
+    files.extend(
+        grouped
+            .history
+            .as_ref()
+            .map(|history| trace(grouped, recording, history)),
+    );
     files
 }
 
 /// J, V and U of every iteration, one number a row.
 fn trace(grouped: &Grouped, recording: &Recording, history: &History) -> Artifact {
-    let mut table = Table::new(false, &["time_s", "iteration", "quantity", "group", "detection_id", "value"]);
+    let mut table = Table::new(
+        false,
+        &[
+            "time_s",
+            "iteration",
+            "quantity",
+            "group",
+            "detection_id",
+            "value",
+        ],
+    );
     for kept in &history.iterations {
         let (instant, _) = &grouped.instants[kept.snapshot as usize];
         let clusters = kept.centres.len() / 2;
         let mut row = |quantity: &str, group: Option<usize>, detection_id: &str, value: f64| {
-            let group = group.map(|group| (group + 1).to_string()).unwrap_or_default();
+            let group = group
+                .map(|group| (group + 1).to_string())
+                .unwrap_or_default();
             let (time_s, iteration) = (number(instant.time_s), kept.iteration.to_string());
-            table.row(&[time_s, iteration, quantity.to_owned(), group, detection_id.to_owned(), number(value)]);
+            table.row(&[
+                time_s,
+                iteration,
+                quantity.to_owned(),
+                group,
+                detection_id.to_owned(),
+                number(value),
+            ]);
         };
         row("cost", None, "", kept.cost);
         for (group, centre) in kept.centres.chunks_exact(2).enumerate() {
             row("centre_x_m", Some(group), "", centre[0]);
             row("centre_y_m", Some(group), "", centre[1]);
         }
-        for (memberships, &detection) in kept.memberships.chunks_exact(clusters).zip(&instant.detections) {
+        for (memberships, &detection) in kept
+            .memberships
+            .chunks_exact(clusters)
+            .zip(&instant.detections)
+        {
             for (group, &membership) in memberships.iter().enumerate() {
-                row("membership", Some(group), &recording.detection_ids[detection], membership);
+                row(
+                    "membership",
+                    Some(group),
+                    &recording.detection_ids[detection],
+                    membership,
+                );
             }
         }
     }

@@ -11,9 +11,15 @@ use serde_json::{Value, json};
 /// A kind that is absent or unknown.
 pub fn take_kind(job: &mut Value) -> Result<JobKind, Vec<Fault>> {
     let known = || JobKind::ALL.map(JobKind::name).join(", ");
-    let kind = job.as_object_mut().and_then(|members| members.shift_remove("kind"));
-    let kind = kind.ok_or_else(|| vec![Fault::new("/kind", "missing", "'kind' is required in a job").allowing(known())])?;
-    JobKind::deserialize(&kind).map_err(|_| vec![Fault::new("/kind", "unknown_value", format!("unknown kind {kind}")).allowing(known())])
+    let kind = job
+        .as_object_mut()
+        .and_then(|members| members.shift_remove("kind"));
+    let kind = kind.ok_or_else(|| {
+        vec![Fault::new("/kind", "missing", "'kind' is required in a job").allowing(known())]
+    })?;
+    JobKind::deserialize(&kind).map_err(|_| {
+        vec![Fault::new("/kind", "unknown_value", format!("unknown kind {kind}")).allowing(known())]
+    })
 }
 
 /// The job as one value: a body with its `kind`, which stands first.
@@ -35,9 +41,18 @@ mod tests {
         assert_eq!(job.to_string(), r#"{"kind":"group","seed":4}"#);
         assert_eq!(take_kind(&mut job), Ok(JobKind::Group));
         assert_eq!(job, json!({"seed": 4}));
-        let refused =
-            |mut job: Value| take_kind(&mut job).map_err(|faults| (faults[0].code.clone(), faults[0].detail.clone())).unwrap_err();
-        assert_eq!(refused(json!({"seed": 4})), ("missing".into(), "'kind' is required in a job".into()));
-        assert_eq!(refused(json!({"kind": "owl"})), ("unknown_value".into(), "unknown kind \"owl\"".into()));
+        let refused = |mut job: Value| {
+            take_kind(&mut job)
+                .map_err(|faults| (faults[0].code.clone(), faults[0].detail.clone()))
+                .unwrap_err()
+        };
+        assert_eq!(
+            refused(json!({"seed": 4})),
+            ("missing".into(), "'kind' is required in a job".into())
+        );
+        assert_eq!(
+            refused(json!({"kind": "owl"})),
+            ("unknown_value".into(), "unknown kind \"owl\"".into())
+        );
     }
 }

@@ -27,8 +27,13 @@ pub struct Known {
 impl Known {
     /// Of data that are there; `None` of anything but detections.
     pub fn of(dataset: &Dataset, sensors: &[SensorSettings]) -> Option<Known> {
-        let Dataset::Detections(recording) = dataset else { return None };
-        Some(Known { recording: RecordingFacts::of(recording), sensors: sensors.to_vec() })
+        let Dataset::Detections(recording) = dataset else {
+            return None;
+        };
+        Some(Known {
+            recording: RecordingFacts::of(recording),
+            sensors: sensors.to_vec(),
+        })
     }
 }
 
@@ -57,8 +62,17 @@ pub fn check(plan: &mut Plan, known: &[Option<Known>]) -> Vec<Fault> {
 
 /// As of a simulation: 3 µs and 250 bytes a detection, from the file to the written artefacts.
 fn estimate_of(known: &[Option<Known>]) -> Estimate {
-    let detections: u64 = known.iter().flatten().flat_map(|known| &known.recording.sensors).map(|sensor| sensor.detections).sum();
-    Estimate { detections, cost_s: detections as f64 * 3e-6, bytes: detections * 250 }
+    let detections: u64 = known
+        .iter()
+        .flatten()
+        .flat_map(|known| &known.recording.sensors)
+        .map(|sensor| sensor.detections)
+        .sum();
+    Estimate {
+        detections,
+        cost_s: detections as f64 * 3e-6,
+        bytes: detections * 250,
+    }
 }
 
 /// Every fault of a plan that is no campaign.
@@ -66,7 +80,11 @@ pub(super) fn faults_of(plan: &Plan, known: &[Option<Known>]) -> Vec<Fault> {
     let mut faults = Vec::new();
     for (request, known) in plan.inputs.iter().zip(known) {
         if let (Some(known), DatasetKind::Detections) = (known, request.role) {
-            faults.extend(unknown_sensors(&request.pointer, &request.source, &known.recording));
+            faults.extend(unknown_sensors(
+                &request.pointer,
+                &request.source,
+                &known.recording,
+            ));
         }
     }
     if !faults.is_empty() {
@@ -78,7 +96,11 @@ pub(super) fn faults_of(plan: &Plan, known: &[Option<Known>]) -> Vec<Fault> {
         let uploaded: Vec<SensorSettings> = known
             .sensors
             .iter()
-            .filter(|sensor| wanted.as_ref().is_none_or(|wanted| wanted.contains(&sensor.sensor_id)))
+            .filter(|sensor| {
+                wanted
+                    .as_ref()
+                    .is_none_or(|wanted| wanted.contains(&sensor.sensor_id))
+            })
             .cloned()
             .collect();
         faults.extend(faults_of_input(plan, &sample, &uploaded));
@@ -89,23 +111,41 @@ pub(super) fn faults_of(plan: &Plan, known: &[Option<Known>]) -> Vec<Fault> {
 
 /// The recording that the job works on.
 fn tracked_input<'a>(plan: &Plan, known: &'a [Option<Known>]) -> Option<(&'static str, &'a Known)> {
-    let place = plan.inputs.iter().position(|request| request.pointer == "/input" && request.role == DatasetKind::Detections)?;
+    let place = plan.inputs.iter().position(|request| {
+        request.pointer == "/input" && request.role == DatasetKind::Detections
+    })?;
     known.get(place)?.as_ref().map(|known| ("/input", known))
 }
 
 fn wanted_sensors(plan: &Plan, pointer: &str) -> Option<Vec<String>> {
-    let request = plan.inputs.iter().find(|request| request.pointer == pointer)?;
+    let request = plan
+        .inputs
+        .iter()
+        .find(|request| request.pointer == pointer)?;
     let (Source::Dataset { sensor_ids, .. } | Source::Job { sensor_ids, .. }) = &request.source;
     sensor_ids.clone()
 }
 
 fn unknown_sensors(pointer: &str, source: &Source, facts: &RecordingFacts) -> Vec<Fault> {
     let (Source::Dataset { sensor_ids, .. } | Source::Job { sensor_ids, .. }) = source;
-    let names: Vec<&str> = facts.sensors.iter().map(|sensor| sensor.settings.sensor_id.as_str()).collect();
-    let wanted = sensor_ids.iter().flatten().enumerate().filter(|(_, wanted)| !names.contains(&wanted.as_str()));
+    let names: Vec<&str> = facts
+        .sensors
+        .iter()
+        .map(|sensor| sensor.settings.sensor_id.as_str())
+        .collect();
+    let wanted = sensor_ids
+        .iter()
+        .flatten()
+        .enumerate()
+        .filter(|(_, wanted)| !names.contains(&wanted.as_str()));
     let fault = |(index, wanted): (usize, &String)| {
         let detail = format!("the recording has no sensor '{wanted}'");
-        Fault::new(format!("{pointer}/sensor_ids/{index}"), "unknown_value", detail).allowing(names.join(", "))
+        Fault::new(
+            format!("{pointer}/sensor_ids/{index}"),
+            "unknown_value",
+            detail,
+        )
+        .allowing(names.join(", "))
     };
     wanted.map(fault).collect()
 }
@@ -118,19 +158,35 @@ fn faults_of_input(plan: &Plan, sample: &Recording, uploaded: &[SensorSettings])
         Err(faults) => return faults,
     };
     if plan.kind == JobKind::Group {
-        return group::unusable(&Material { recording: sample, settings: &known, truth: None });
+        return group::unusable(&Material {
+            recording: sample,
+            settings: &known,
+            truth: None,
+        });
     }
-    let Ok((filter, name)) = associate::filter_of(&spec) else { return Vec::new() };
+    let Ok((filter, name)) = associate::filter_of(&spec) else {
+        return Vec::new();
+    };
     faults_of_tracking(&spec, sample, &known, (&filter, name))
 }
 
-fn faults_of_tracking(spec: &Value, sample: &Recording, known: &[SensorSettings], filter: (&Chosen, &str)) -> Vec<Fault> {
+fn faults_of_tracking(
+    spec: &Value,
+    sample: &Recording,
+    known: &[SensorSettings],
+    filter: (&Chosen, &str),
+) -> Vec<Fault> {
     let mut faults = Vec::new();
     let lifecycle = Lifecycle::deserialize(&spec["tracker"]).ok();
     match sensors::resolve(sample, known, filter, &mut Vec::new()) {
         Ok(resolved) => {
-            faults.extend(sensors::misplaced_densities(&scene::requested_sensors(spec), &resolved));
-            faults.extend(lifecycle.and_then(|lifecycle| associate::endless_gate(&lifecycle, &resolved)));
+            faults.extend(sensors::misplaced_densities(
+                &scene::requested_sensors(spec),
+                &resolved,
+            ));
+            faults.extend(
+                lifecycle.and_then(|lifecycle| associate::endless_gate(&lifecycle, &resolved)),
+            );
         }
         Err(found) => faults.extend(found),
     }
@@ -142,7 +198,10 @@ fn faults_of_tracking(spec: &Value, sample: &Recording, known: &[SensorSettings]
 
 /// Tracks cannot be judged without truth and without detections of known origins.
 fn missing_truth(plan: &Plan, facts: &RecordingFacts) -> Option<Fault> {
-    let has_truth = plan.inputs.iter().any(|request| request.role == DatasetKind::Truth);
+    let has_truth = plan
+        .inputs
+        .iter()
+        .any(|request| request.role == DatasetKind::Truth);
     if plan.kind != JobKind::Evaluate || facts.origins_known || has_truth {
         return None;
     }

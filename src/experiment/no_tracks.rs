@@ -18,7 +18,11 @@ pub(super) fn warning(
     if recording.detections.is_empty() || begins_at_truth || !tracked.tracks.tracks.is_empty() {
         return None;
     }
-    let started: u64 = tracked.scans.iter().map(|scan| u64::from(scan.started)).sum();
+    let started: u64 = tracked
+        .scans
+        .iter()
+        .map(|scan| u64::from(scan.started))
+        .sum();
     let advice = if filter.is_of_bearings() {
         "; a larger initial_rate_sigma_degps of the filter, a larger gate_probability or fewer confirm_hits confirm more".to_owned()
     } else {
@@ -36,24 +40,46 @@ pub(super) fn warning(
 
 fn speed_text(lifecycle: &Lifecycle, filter: &Chosen) -> String {
     match (lifecycle.initiation, filter) {
-        (_, Chosen::BearingOnly(filter)) => format!(", initial_rate_sigma_degps {}", filter.initial_rate_sigma_radps.to_degrees()),
-        (Initiation::TwoPoint { max_speed_mps, .. }, _) => format!(", max_speed_mps {max_speed_mps}"),
-        _ => format!(", initial_speed_sigma_mps {}", lifecycle.initial_speed_sigma_mps),
+        (_, Chosen::BearingOnly(filter)) => format!(
+            ", initial_rate_sigma_degps {}",
+            filter.initial_rate_sigma_radps.to_degrees()
+        ),
+        (Initiation::TwoPoint { max_speed_mps, .. }, _) => {
+            format!(", max_speed_mps {max_speed_mps}")
+        }
+        _ => format!(
+            ", initial_speed_sigma_mps {}",
+            lifecycle.initial_speed_sigma_mps
+        ),
     }
 }
 
 fn confirmation_text(lifecycle: &Lifecycle) -> String {
     match lifecycle.confirmation {
-        Confirmation::MOfN => format!("confirmed by {} detections of {} scans", lifecycle.confirm_hits, lifecycle.confirm_window),
-        Confirmation::Score(rule) => format!("confirmed by score, false_track_probability {}", rule.false_track_probability),
+        Confirmation::MOfN => format!(
+            "confirmed by {} detections of {} scans",
+            lifecycle.confirm_hits, lifecycle.confirm_window
+        ),
+        Confirmation::Score(rule) => format!(
+            "confirmed by score, false_track_probability {}",
+            rule.false_track_probability
+        ),
     }
 }
 
 /// Values that would do, by the first of the settings that is at odds with the data.
-fn advice(recording: &Recording, known: &[SensorSettings], sensors: &[Sensor], lifecycle: &Lifecycle) -> String {
+fn advice(
+    recording: &Recording,
+    known: &[SensorSettings],
+    sensors: &[Sensor],
+    lifecycle: &Lifecycle,
+) -> String {
     let scans = recording.scans.iter().filter(|scan| scan.count > 0).count();
     if lifecycle.confirmation == Confirmation::MOfN && scans < lifecycle.confirm_hits as usize {
-        return format!("; only {scans} scans have detections: confirm_hits {} or less could confirm one", scans.max(1));
+        return format!(
+            "; only {scans} scans have detections: confirm_hits {} or less could confirm one",
+            scans.max(1)
+        );
     }
     let apparent = apparent_speed(recording, known, sensors);
     let fastest_mps = apparent.and_then(|apparent| apparent.fastest_mps);

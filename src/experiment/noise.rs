@@ -16,14 +16,23 @@ use crate::math::gaussian::{chi_square_tail, gate_threshold};
 const FEWEST_UPDATES: u64 = 10;
 
 /// A warning where the mean NIS says that the noise is assumed too large or too small.
-pub(super) fn doubt(mean: f64, updates: u64, dimensions: u32, gate_probability: f64) -> Option<String> {
+pub(super) fn doubt(
+    mean: f64,
+    updates: u64,
+    dimensions: u32,
+    gate_probability: f64,
+) -> Option<String> {
     let (due, variance) = gated_chi_square(dimensions, gate_probability);
     let half = 1.96 * (variance / updates as f64).sqrt();
     let factor = (mean / due).sqrt();
     if updates < FEWEST_UPDATES || (mean - due).abs() <= half || (factor - 1.0).abs() <= 0.1 {
         return None;
     }
-    let what = if mean < due { "the noise is assumed too large" } else { "the noise, or how much targets turn, is assumed too small" };
+    let what = if mean < due {
+        "the noise is assumed too large"
+    } else {
+        "the noise, or how much targets turn, is assumed too small"
+    };
     Some(format!(
         "mean NIS {mean:.2} of {updates} updates, {due:.2} is due within the gate ({:.2} to {:.2} with 95 %): {what}; sigma × {factor:.2} \
          would fit",
@@ -41,7 +50,10 @@ fn gated_chi_square(dimensions: u32, gate_probability: f64) -> (f64, f64) {
     }
     let below = |degrees: f64| 1.0 - chi_square_tail(threshold, degrees);
     let mean = degrees * below(degrees + 2.0) / below(degrees);
-    (mean, degrees * (degrees + 2.0) * below(degrees + 4.0) / below(degrees) - mean * mean)
+    (
+        mean,
+        degrees * (degrees + 2.0) * below(degrees + 4.0) / below(degrees) - mean * mean,
+    )
 }
 
 #[cfg(test)]
@@ -52,10 +64,16 @@ mod tests {
     fn a_gate_lowers_the_mean_as_worked_by_hand() {
         // Two degrees of freedom, γ = −2 ln 0.01 = 9.21034: E = 2 − γ · 0.01 / 0.99.
         let (mean, variance) = gated_chi_square(2, 0.99);
-        assert!((mean - (2.0 - 9.210_340_372 * 0.01 / 0.99)).abs() < 1e-9, "{mean}");
+        assert!(
+            (mean - (2.0 - 9.210_340_372 * 0.01 / 0.99)).abs() < 1e-9,
+            "{mean}"
+        );
         // E[x²] = 8 − (γ² + 4γ) · 0.01 / 0.99.
         let second = 8.0 - (9.210_340_372f64.powi(2) + 4.0 * 9.210_340_372) * 0.01 / 0.99;
-        assert!((variance - (second - mean * mean)).abs() < 1e-8, "{variance}");
+        assert!(
+            (variance - (second - mean * mean)).abs() < 1e-8,
+            "{variance}"
+        );
         assert_eq!(gated_chi_square(3, 1.0), (3.0, 6.0));
     }
 
@@ -65,7 +83,18 @@ mod tests {
         let told = "mean NIS 0.31 of 400 updates, 2.00 is due within the gate (1.80 to 2.20 with 95 %): the noise is assumed too large; \
                     sigma × 0.39 would fit";
         assert_eq!(doubt(0.31, 400, 2, 1.0).as_deref(), Some(told));
-        assert!(doubt(5.0, 400, 2, 1.0).unwrap().contains("is assumed too small; sigma × 1.58 would fit"));
-        assert_eq!([doubt(2.15, 400, 2, 1.0), doubt(1.9, 1_000_000, 2, 1.0), doubt(0.3, 9, 2, 1.0)], [None, None, None]);
+        assert!(
+            doubt(5.0, 400, 2, 1.0)
+                .unwrap()
+                .contains("is assumed too small; sigma × 1.58 would fit")
+        );
+        assert_eq!(
+            [
+                doubt(2.15, 400, 2, 1.0),
+                doubt(1.9, 1_000_000, 2, 1.0),
+                doubt(0.3, 9, 2, 1.0)
+            ],
+            [None, None, None]
+        );
     }
 }

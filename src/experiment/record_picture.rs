@@ -25,7 +25,11 @@ const DARKEST: f64 = 0.995;
 const MOST_DETECTIONS: usize = 20_000;
 
 /// Draws the record and what was made of it.
-pub(super) fn draw(record: &BearingTimeRecord, recording: Option<&Recording>, tracks: Option<&TrackSet>) -> Artifact {
+pub(super) fn draw(
+    record: &BearingTimeRecord,
+    recording: Option<&Recording>,
+    tracks: Option<&TrackSet>,
+) -> Artifact {
     let frame = Frame::of(record);
     let mut svg = String::new();
     put(
@@ -96,19 +100,36 @@ fn add_levels(svg: &mut String, record: &BearingTimeRecord) -> Option<(f64, f64)
     let at = |share: f64| sorted[((sorted.len() - 1) as f64 * share) as usize];
     let (low_db, high_db) = (at(PALEST), at(DARKEST));
     let (width, height) = (PLOT_WIDTH / columns as f64, PLOT_HEIGHT / rows as f64);
-    put(svg, format_args!("<rect x=\"{LEFT}\" y=\"{TOP}\" width=\"{PLOT_WIDTH}\" height=\"{PLOT_HEIGHT}\" fill=\"{}\"/>\n", shade(0)));
+    put(
+        svg,
+        format_args!(
+            "<rect x=\"{LEFT}\" y=\"{TOP}\" width=\"{PLOT_WIDTH}\" height=\"{PLOT_HEIGHT}\" fill=\"{}\"/>\n",
+            shade(0)
+        ),
+    );
     if high_db <= low_db {
         return None;
     }
-    let step = |level_db: f64| (((level_db - low_db) / (high_db - low_db) * SHADES as f64).max(0.0) as usize).min(SHADES - 1);
+    let step = |level_db: f64| {
+        (((level_db - low_db) / (high_db - low_db) * SHADES as f64).max(0.0) as usize)
+            .min(SHADES - 1)
+    };
     let steps: Vec<usize> = blocks.iter().map(|&level_db| step(level_db)).collect();
-    put(svg, format_args!("<g transform=\"translate({LEFT} {TOP}) scale({width:.5} {height:.5})\" shape-rendering=\"crispEdges\">\n"));
+    put(
+        svg,
+        format_args!(
+            "<g transform=\"translate({LEFT} {TOP}) scale({width:.5} {height:.5})\" shape-rendering=\"crispEdges\">\n"
+        ),
+    );
     for wanted in 1..SHADES {
         let mut path = String::new();
         for (row, cells) in steps.chunks_exact(columns).enumerate() {
             let mut column = 0;
             while column < columns {
-                let run = cells[column..].iter().take_while(|&&found| found == wanted).count();
+                let run = cells[column..]
+                    .iter()
+                    .take_while(|&&found| found == wanted)
+                    .count();
                 if run > 0 {
                     put(&mut path, format_args!("M{column} {row}h{run}v1h-{run}z"));
                 }
@@ -116,7 +137,10 @@ fn add_levels(svg: &mut String, record: &BearingTimeRecord) -> Option<(f64, f64)
             }
         }
         if !path.is_empty() {
-            put(svg, format_args!("<path fill=\"{}\" d=\"{path}\"/>\n", shade(wanted)));
+            put(
+                svg,
+                format_args!("<path fill=\"{}\" d=\"{path}\"/>\n", shade(wanted)),
+            );
         }
     }
     svg.push_str("</g>\n");
@@ -136,14 +160,25 @@ fn blocks(record: &BearingTimeRecord) -> (Vec<f64>, usize) {
             counts[block] += 1.0;
         }
     }
-    (sums.iter().zip(&counts).map(|(sum, count)| 10.0 * (sum / count).max(1e-30).log10()).collect(), columns)
+    (
+        sums.iter()
+            .zip(&counts)
+            .map(|(sum, count)| 10.0 * (sum / count).max(1e-30).log10())
+            .collect(),
+        columns,
+    )
 }
 
 /// From nearly white to dark blue.
 fn shade(step: usize) -> String {
     let share = step as f64 / (SHADES - 1) as f64;
     let mix = |pale: f64, dark: f64| (pale + (dark - pale) * share).round() as u8;
-    format!("#{:02x}{:02x}{:02x}", mix(247.0, 8.0), mix(250.0, 48.0), mix(254.0, 107.0))
+    format!(
+        "#{:02x}{:02x}{:02x}",
+        mix(247.0, 8.0),
+        mix(250.0, 48.0),
+        mix(254.0, 107.0)
+    )
 }
 
 fn add_axes(svg: &mut String, frame: &Frame) {
@@ -159,7 +194,11 @@ fn add_axes(svg: &mut String, frame: &Frame) {
             (TOP + bottom) / 2.0
         ),
     );
-    for value in ticks(frame.first_rad.to_degrees(), frame.span_rad.to_degrees(), &[1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0]) {
+    for value in ticks(
+        frame.first_rad.to_degrees(),
+        frame.span_rad.to_degrees(),
+        &[1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0],
+    ) {
         let x = LEFT + PLOT_WIDTH * (value.to_radians() - frame.first_rad) / frame.span_rad;
         let label = value.rem_euclid(360.0);
         put(
@@ -189,17 +228,32 @@ fn ticks(first: f64, span: f64, steps: &[f64]) -> Vec<f64> {
     let power = 10f64.powf((span / MOST).log10().floor());
     let decimal = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power);
     let is_enough = |step: &&f64| span / **step <= MOST;
-    let step = steps.iter().find(is_enough).or_else(|| decimal.iter().find(is_enough)).copied().unwrap_or(span);
+    let step = steps
+        .iter()
+        .find(is_enough)
+        .or_else(|| decimal.iter().find(is_enough))
+        .copied()
+        .unwrap_or(span);
     let number = |value: f64| (value / step).ceil() as i64;
     // Of 0.1 and the like, the nearest value that is written shortly.
-    (number(first)..).map(|index| (index as f64 * step * 1e6).round() / 1e6).take_while(|value| *value <= first + span).collect()
+    (number(first)..)
+        .map(|index| (index as f64 * step * 1e6).round() / 1e6)
+        .take_while(|value| *value <= first + span)
+        .collect()
 }
 
 fn add_scale(svg: &mut String, low_db: f64, high_db: f64) {
     let (x, height) = (LEFT + PLOT_WIDTH + 24.0, 200.0 / SHADES as f64);
     for step in 0..SHADES {
         let y = TOP + 24.0 + height * (SHADES - 1 - step) as f64;
-        put(svg, format_args!("<rect x=\"{x}\" y=\"{y:.1}\" width=\"18\" height=\"{:.1}\" fill=\"{}\"/>\n", height + 0.5, shade(step)));
+        put(
+            svg,
+            format_args!(
+                "<rect x=\"{x}\" y=\"{y:.1}\" width=\"18\" height=\"{:.1}\" fill=\"{}\"/>\n",
+                height + 0.5,
+                shade(step)
+            ),
+        );
     }
     put(
         svg,
@@ -226,12 +280,23 @@ fn add_scale(svg: &mut String, low_db: f64, high_db: f64) {
 
 fn add_detections(svg: &mut String, frame: &Frame, recording: &Recording) {
     svg.push_str("<g fill=\"#ffffff\" stroke=\"#000000\" stroke-width=\"0.9\">\n");
-    let all = recording.scans.iter().flat_map(|scan| recording.detections_of(scan).iter().map(move |found| (scan.time_s, found)));
+    let all = recording.scans.iter().flat_map(|scan| {
+        recording
+            .detections_of(scan)
+            .iter()
+            .map(move |found| (scan.time_s, found))
+    });
     for (time_s, detection) in all.take(MOST_DETECTIONS) {
         if let Measurement::Bearing { bearing_rad } = detection.measurement
             && let Some(x) = frame.x(bearing_rad)
         {
-            put(svg, format_args!("<circle cx=\"{x:.1}\" cy=\"{:.1}\" r=\"2.2\"/>\n", frame.y(time_s)));
+            put(
+                svg,
+                format_args!(
+                    "<circle cx=\"{x:.1}\" cy=\"{:.1}\" r=\"2.2\"/>\n",
+                    frame.y(time_s)
+                ),
+            );
         }
     }
     svg.push_str("</g>\n");
@@ -253,10 +318,18 @@ fn add_track(svg: &mut String, frame: &Frame, track: &Track) {
             continue;
         };
         let goes_on = last.is_some_and(|last| (x - last).abs() < PLOT_WIDTH / 2.0);
-        put(&mut path, format_args!("{}{x:.1} {y:.1}", if goes_on { 'L' } else { 'M' }));
+        put(
+            &mut path,
+            format_args!("{}{x:.1} {y:.1}", if goes_on { 'L' } else { 'M' }),
+        );
         last = Some(x);
     }
-    put(svg, format_args!("<path fill=\"none\" stroke=\"{TRACK}\" stroke-width=\"1.8\" d=\"{path}\"/>\n"));
+    put(
+        svg,
+        format_args!(
+            "<path fill=\"none\" stroke=\"{TRACK}\" stroke-width=\"1.8\" d=\"{path}\"/>\n"
+        ),
+    );
     if let Some((x, y)) = track.points.first().and_then(place) {
         put(
             svg,
@@ -270,7 +343,9 @@ fn add_track(svg: &mut String, frame: &Frame, track: &Track) {
 }
 
 fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
 }
 
 fn add_legend(svg: &mut String, has_detections: bool, has_tracks: bool) {
@@ -307,21 +382,37 @@ mod tests {
 
     #[test]
     fn ticks_are_round_and_few() {
-        assert_eq!(ticks(-0.5, 360.0, &[10.0, 45.0]), [0.0, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0]);
-        assert_eq!(ticks(0.0, 0.9, &[]), [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9]);
-        assert_eq!(ticks(95.0, 900.0, &[]), [100.0, 200.0, 300.0, 400.0, 500.0, 600.0, 700.0, 800.0, 900.0]);
+        assert_eq!(
+            ticks(-0.5, 360.0, &[10.0, 45.0]),
+            [0.0, 45.0, 90.0, 135.0, 180.0, 225.0, 270.0, 315.0]
+        );
+        assert_eq!(
+            ticks(0.0, 0.9, &[]),
+            [0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9]
+        );
+        assert_eq!(
+            ticks(95.0, 900.0, &[]),
+            [
+                100.0, 200.0, 300.0, 400.0, 500.0, 600.0, 700.0, 800.0, 900.0
+            ]
+        );
     }
 
     #[test]
     fn a_bearing_beyond_the_last_cell_of_a_turn_is_at_its_beginning() {
         let record = BearingTimeRecord::new(BearingTimeParts {
             times_s: vec![0.0, 1.0],
-            bearings_rad: (0..4).map(|cell| f64::from(90 * cell).to_radians()).collect(),
+            bearings_rad: (0..4)
+                .map(|cell| f64::from(90 * cell).to_radians())
+                .collect(),
             levels_db: vec![0.0; 8],
         });
         let frame = Frame::of(&record.unwrap());
         let x = |degrees: f64| frame.x(degrees.to_radians()).unwrap();
-        assert!((x(0.0) - (LEFT + PLOT_WIDTH / 8.0)).abs() < 1e-9 && (x(330.0) - (LEFT + PLOT_WIDTH * 15.0 / 360.0)).abs() < 1e-9);
+        assert!(
+            (x(0.0) - (LEFT + PLOT_WIDTH / 8.0)).abs() < 1e-9
+                && (x(330.0) - (LEFT + PLOT_WIDTH * 15.0 / 360.0)).abs() < 1e-9
+        );
         assert!((frame.y(0.0) - (TOP + PLOT_HEIGHT / 4.0)).abs() < 1e-9);
     }
 }

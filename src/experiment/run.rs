@@ -26,8 +26,15 @@ pub struct Input {
 pub type Inputs = Vec<Option<Input>>;
 
 /// Every media type of an artefact, without parameters.
-pub const ARTIFACT_TYPES: [&str; 7] =
-    ["application/json", "application/vnd.apache.parquet", "image/svg+xml", "text/csv", "text/markdown", "text/plain", "text/vnd.graphviz"];
+pub const ARTIFACT_TYPES: [&str; 7] = [
+    "application/json",
+    "application/vnd.apache.parquet",
+    "image/svg+xml",
+    "text/csv",
+    "text/markdown",
+    "text/plain",
+    "text/vnd.graphviz",
+];
 
 /// A file that a job leaves behind.
 #[derive(Debug, Clone)]
@@ -46,10 +53,19 @@ impl Artifact {
     /// A file that is no dataset.
     pub fn file(name: &'static str, media_type: &'static str, bytes: Vec<u8>) -> Self {
         debug_assert!(
-            media_type.split(';').next().is_some_and(|name| ARTIFACT_TYPES.contains(&name)),
+            media_type
+                .split(';')
+                .next()
+                .is_some_and(|name| ARTIFACT_TYPES.contains(&name)),
             "{media_type} is no type of an artefact"
         );
-        Artifact { name, media_type, bytes, dataset: None, sensors: Vec::new() }
+        Artifact {
+            name,
+            media_type,
+            bytes,
+            dataset: None,
+            sensors: Vec::new(),
+        }
     }
 }
 
@@ -128,7 +144,9 @@ pub fn run(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<O
 /// Makes every -0 of a result 0: sums and products of nothing have a sign that means nothing.
 pub(super) fn unsign_zeros(value: &mut Value) {
     match value {
-        Value::Number(number) if number.is_f64() && number.as_f64() == Some(0.0) => *value = Value::from(0.0),
+        Value::Number(number) if number.is_f64() && number.as_f64() == Some(0.0) => {
+            *value = Value::from(0.0)
+        }
         Value::Array(items) => items.iter_mut().for_each(unsign_zeros),
         Value::Object(fields) => fields.values_mut().for_each(unsign_zeros),
         _ => {}
@@ -152,11 +170,17 @@ fn work(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<Outc
     if let Some(detection) = &scene.detection {
         parts.push(("detection", to_value(detection)?));
     }
-    let tracked =
-        if plan.spec.get("associator").is_some() && plan.kind != JobKind::Correlate { Some(scene.track(plan, observer)?) } else { None };
+    let tracked = if plan.spec.get("associator").is_some() && plan.kind != JobKind::Correlate {
+        Some(scene.track(plan, observer)?)
+    } else {
+        None
+    };
     if let (Some(tracked), Some(recording)) = (&tracked, &scene.recording) {
         decided = tracked.decided;
-        parts.push(("association", to_value(&associate::report(tracked, recording, &scene.sensors))?));
+        parts.push((
+            "association",
+            to_value(&associate::report(tracked, recording, &scene.sensors))?,
+        ));
     }
     let mut files = Vec::new();
     if plan.kind == JobKind::Evaluate {
@@ -184,13 +208,27 @@ fn work(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<Outc
         of_tuples = report;
         files = of_correlation;
     }
-    let mut artifacts = if plan.wants_files { scene.artifacts(plan, tracked, observer)? } else { Vec::new() };
+    let mut artifacts = if plan.wants_files {
+        scene.artifacts(plan, tracked, observer)?
+    } else {
+        Vec::new()
+    };
     artifacts.append(&mut files);
-    let mut result: Map<String, Value> = parts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
+    let mut result: Map<String, Value> = parts
+        .into_iter()
+        .map(|(name, value)| (name.to_owned(), value))
+        .collect();
     result.extend(of_tuples);
-    Ok(Outcome { result: Value::Object(result), warnings: scene.warnings, artifacts, decided, cell_times: Vec::new() })
+    Ok(Outcome {
+        result: Value::Object(result),
+        warnings: scene.warnings,
+        artifacts,
+        decided,
+        cell_times: Vec::new(),
+    })
 }
 
 pub(super) fn to_value<T: Serialize>(part: &T) -> Result<Value, RunError> {
-    serde_json::to_value(part).map_err(|error| RunError::Faults(vec![Fault::new("", "malformed", error.to_string())]))
+    serde_json::to_value(part)
+        .map_err(|error| RunError::Faults(vec![Fault::new("", "malformed", error.to_string())]))
 }

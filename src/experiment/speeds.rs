@@ -78,27 +78,47 @@ pub(super) fn complete(
     if !is_open {
         return taken;
     }
-    let speeds = of_request(spec).unwrap_or_else(|| of_data(apparent_speed(recording, known, sensors)));
+    let speeds =
+        of_request(spec).unwrap_or_else(|| of_data(apparent_speed(recording, known, sensors)));
     let (name, pointer, value) = match &mut lifecycle.initiation {
         Initiation::TwoPoint { max_speed_mps, .. } => {
             *max_speed_mps = speeds.highest_mps;
             taken.max_speed_mps = Some(speeds.highest_mps);
-            ("max_speed_mps", "/tracker/initiation/max_speed_mps", speeds.highest_mps)
+            (
+                "max_speed_mps",
+                "/tracker/initiation/max_speed_mps",
+                speeds.highest_mps,
+            )
         }
         _ => {
             lifecycle.initial_speed_sigma_mps = speeds.sigma_mps;
             taken.initial_speed_sigma_mps = Some(speeds.sigma_mps);
-            ("initial_speed_sigma_mps", "/tracker/initial_speed_sigma_mps", speeds.sigma_mps)
+            (
+                "initial_speed_sigma_mps",
+                "/tracker/initial_speed_sigma_mps",
+                speeds.sigma_mps,
+            )
         }
     };
-    let names: Vec<&str> = sensors.iter().map(|sensor| sensor.sensor_id.as_str()).collect();
+    let names: Vec<&str> = sensors
+        .iter()
+        .map(|sensor| sensor.sensor_id.as_str())
+        .collect();
     let how = match speeds.ground {
         Ground::Scenario => "follows from the speeds of the scenario's targets".to_owned(),
         Ground::Motion => format!("was estimated from the detections of {}", names.join(", ")),
-        Ground::Noise => format!("is what noise looks like: no detections of {} clearly move more", names.join(", ")),
-        Ground::Nothing => format!("is assumed: too few scans of {}, or too much clutter in them, to tell speeds from", names.join(", ")),
+        Ground::Noise => format!(
+            "is what noise looks like: no detections of {} clearly move more",
+            names.join(", ")
+        ),
+        Ground::Nothing => format!(
+            "is assumed: too few scans of {}, or too much clutter in them, to tell speeds from",
+            names.join(", ")
+        ),
     };
-    warnings.push(format!("{name} {value} m/s {how}; give it in {pointer} to fix it"));
+    warnings.push(format!(
+        "{name} {value} m/s {how}; give it in {pointer} to fix it"
+    ));
     taken
 }
 
@@ -114,31 +134,63 @@ fn of_scenario(scenario: &Scenario) -> Option<Speeds> {
             ((low * low + low * high + high * high) / 3.0, high)
         }
         TargetPlan::Listed { targets } => {
-            let squares = || targets.iter().map(|target| target.vx_mps.powi(2) + target.vy_mps.powi(2));
-            (squares().sum::<f64>() / targets.len().max(1) as f64, squares().fold(0.0, f64::max).sqrt())
+            let squares = || {
+                targets
+                    .iter()
+                    .map(|target| target.vx_mps.powi(2) + target.vy_mps.powi(2))
+            };
+            (
+                squares().sum::<f64>() / targets.len().max(1) as f64,
+                squares().fold(0.0, f64::max).sqrt(),
+            )
         }
         TargetPlan::Formation(plan) => (plan.speed_mps.powi(2), plan.speed_mps),
         TargetPlan::Bearings(_) => return None,
     };
-    let sigma_mps = (mean_square / 2.0).sqrt().max(highest_mps / REACH).max(LEAST_SIGMA_MPS);
-    Some(Speeds { sigma_mps: two_digits(sigma_mps), highest_mps: highest_mps.max(LEAST_SIGMA_MPS), ground: Ground::Scenario })
+    let sigma_mps = (mean_square / 2.0)
+        .sqrt()
+        .max(highest_mps / REACH)
+        .max(LEAST_SIGMA_MPS);
+    Some(Speeds {
+        sigma_mps: two_digits(sigma_mps),
+        highest_mps: highest_mps.max(LEAST_SIGMA_MPS),
+        ground: Ground::Scenario,
+    })
 }
 
 fn of_data(apparent: Option<ApparentSpeed>) -> Speeds {
     let (sigma_mps, ground) = match apparent {
-        Some(ApparentSpeed { fastest_mps: Some(fastest_mps), noise_mps, .. }) if SIGMA_OF_FASTEST * fastest_mps > noise_mps => {
+        Some(ApparentSpeed {
+            fastest_mps: Some(fastest_mps),
+            noise_mps,
+            ..
+        }) if SIGMA_OF_FASTEST * fastest_mps > noise_mps => {
             (SIGMA_OF_FASTEST * fastest_mps, Ground::Motion)
         }
-        Some(ApparentSpeed { noise_mps, is_hidden: false, .. }) => (noise_mps.max(LEAST_SIGMA_MPS), Ground::Noise),
-        Some(ApparentSpeed { noise_mps, .. }) => (noise_mps.max(Lifecycle::ASSUMED_SPEED_SIGMA_MPS), Ground::Nothing),
+        Some(ApparentSpeed {
+            noise_mps,
+            is_hidden: false,
+            ..
+        }) => (noise_mps.max(LEAST_SIGMA_MPS), Ground::Noise),
+        Some(ApparentSpeed { noise_mps, .. }) => (
+            noise_mps.max(Lifecycle::ASSUMED_SPEED_SIGMA_MPS),
+            Ground::Nothing,
+        ),
         None => (Lifecycle::ASSUMED_SPEED_SIGMA_MPS, Ground::Nothing),
     };
-    Speeds { sigma_mps: two_digits(sigma_mps), highest_mps: two_digits(sigma_mps * REACH), ground }
+    Speeds {
+        sigma_mps: two_digits(sigma_mps),
+        highest_mps: two_digits(sigma_mps * REACH),
+        ground,
+    }
 }
 
 /// Rounded to two digits, and within what the request allows.
 pub(super) fn two_digits(speed_mps: f64) -> f64 {
-    format!("{speed_mps:.1e}").parse().unwrap_or(speed_mps).clamp(1e-3, 1e5)
+    format!("{speed_mps:.1e}")
+        .parse()
+        .unwrap_or(speed_mps)
+        .clamp(1e-3, 1e5)
 }
 
 #[cfg(test)]
@@ -147,7 +199,14 @@ mod tests {
     use crate::model::scenario::{FormationMotion, FormationTargets, ListedTarget, RandomTargets};
 
     fn speeds_of(targets: TargetPlan) -> (f64, f64) {
-        let scenario = Scenario { scans: 1, scan_period_s: 1.0, sensors: Vec::new(), targets, coverage: None, record: None };
+        let scenario = Scenario {
+            scans: 1,
+            scan_period_s: 1.0,
+            sensors: Vec::new(),
+            targets,
+            coverage: None,
+            record: None,
+        };
         let speeds = of_scenario(&scenario).unwrap();
         (speeds.sigma_mps, speeds.highest_mps)
     }
@@ -155,26 +214,83 @@ mod tests {
     #[test]
     fn a_scenario_tells_the_speeds_of_its_targets() {
         // Uniform from 100 to 1 000: E v² = (1e4 + 1e5 + 1e6) / 3 = 370 000, σ = √185 000 = 430.1.
-        let random = RandomTargets { count: 3, area_side_m: 1e3, speed_min_mps: 100.0, speed_max_mps: 1000.0 };
+        let random = RandomTargets {
+            count: 3,
+            area_side_m: 1e3,
+            speed_min_mps: 100.0,
+            speed_max_mps: 1000.0,
+        };
         assert_eq!(speeds_of(TargetPlan::Random(random)), (430.0, 1000.0));
         // One fast target among ten that stand still: √(100² / 11 / 2) = 21.3 would lose it; 100 / 2.5 does not.
-        let target = |vx_mps| ListedTarget { truth_id: String::new(), x_m: 0.0, y_m: 0.0, vx_mps, vy_mps: 0.0 };
-        let targets = (0..10).map(|_| target(0.0)).chain([target(100.0)]).collect();
+        let target = |vx_mps| ListedTarget {
+            truth_id: String::new(),
+            x_m: 0.0,
+            y_m: 0.0,
+            vx_mps,
+            vy_mps: 0.0,
+        };
+        let targets = (0..10)
+            .map(|_| target(0.0))
+            .chain([target(100.0)])
+            .collect();
         assert_eq!(speeds_of(TargetPlan::Listed { targets }), (40.0, 100.0));
         let motion = FormationMotion::ConstantVelocity;
-        let formation = FormationTargets { rows: 1, columns: 1, spacing_m: 1.0, displacement: 0.0, speed_mps: 250.0, motion };
+        let formation = FormationTargets {
+            rows: 1,
+            columns: 1,
+            spacing_m: 1.0,
+            displacement: 0.0,
+            speed_mps: 250.0,
+            motion,
+        };
         assert_eq!(speeds_of(TargetPlan::Formation(formation)), (180.0, 250.0));
-        assert_eq!(speeds_of(TargetPlan::Listed { targets: vec![target(0.0)] }), (0.1, 0.1));
+        assert_eq!(
+            speeds_of(TargetPlan::Listed {
+                targets: vec![target(0.0)]
+            }),
+            (0.1, 0.1)
+        );
     }
 
     #[test]
     fn data_tell_the_fastest_targets_else_the_noise_else_nothing() {
-        let of = |fastest_mps, noise_mps| of_data(Some(ApparentSpeed { fastest_mps, noise_mps, is_hidden: false }));
-        assert_eq!(of(Some(250.0), 10.0), Speeds { sigma_mps: 140.0, highest_mps: 340.0, ground: Ground::Motion });
+        let of = |fastest_mps, noise_mps| {
+            of_data(Some(ApparentSpeed {
+                fastest_mps,
+                noise_mps,
+                is_hidden: false,
+            }))
+        };
+        assert_eq!(
+            of(Some(250.0), 10.0),
+            Speeds {
+                sigma_mps: 140.0,
+                highest_mps: 340.0,
+                ground: Ground::Motion
+            }
+        );
         assert_eq!(of(Some(8.0), 10.0).ground, Ground::Noise);
-        assert_eq!(of(None, 3.32), Speeds { sigma_mps: 3.3, highest_mps: 8.3, ground: Ground::Noise });
-        let hidden = of_data(Some(ApparentSpeed { fastest_mps: None, noise_mps: 3.3, is_hidden: true }));
+        assert_eq!(
+            of(None, 3.32),
+            Speeds {
+                sigma_mps: 3.3,
+                highest_mps: 8.3,
+                ground: Ground::Noise
+            }
+        );
+        let hidden = of_data(Some(ApparentSpeed {
+            fastest_mps: None,
+            noise_mps: 3.3,
+            is_hidden: true,
+        }));
         assert_eq!((hidden.sigma_mps, hidden.ground), (10.0, Ground::Nothing));
-        assert_eq!(of_data(None), Speeds { sigma_mps: 10.0, highest_mps: 25.0, ground: Ground::Nothing });
+        assert_eq!(
+            of_data(None),
+            Speeds {
+                sigma_mps: 10.0,
+                highest_mps: 25.0,
+                ground: Ground::Nothing
+            }
+        );
     }
 }

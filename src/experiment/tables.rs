@@ -17,8 +17,19 @@ pub(super) struct Table {
 impl Table {
     pub fn new(has_names: bool, header: &[&str]) -> Table {
         let names = has_names.then_some("sequence");
-        let header = names.iter().chain(header).map(|&name| name.to_owned()).collect();
-        Table { header, has_names, is_written: false, has_columns: false, name: String::new(), bytes: Vec::new() }
+        let header = names
+            .iter()
+            .chain(header)
+            .map(|&name| name.to_owned())
+            .collect();
+        Table {
+            header,
+            has_names,
+            is_written: false,
+            has_columns: false,
+            name: String::new(),
+            bytes: Vec::new(),
+        }
     }
 
     /// The rows that follow belong to this sequence.
@@ -73,7 +84,11 @@ pub(super) fn optional(value: Option<f64>) -> String {
 
 /// A CSV field, quoted where it must be.
 pub(super) fn quoted(text: &str) -> Cow<'_, str> {
-    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")).into() } else { text.into() }
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\"")).into()
+    } else {
+        text.into()
+    }
 }
 
 #[cfg(test)]
@@ -82,7 +97,16 @@ mod tests {
 
     #[test]
     fn zero_has_no_sign() {
-        assert_eq!([number(-0.0), number(0.0), number(-0.5), optional(Some(-0.0)), optional(None)], ["0", "0", "-0.5", "0", ""]);
+        assert_eq!(
+            [
+                number(-0.0),
+                number(0.0),
+                number(-0.5),
+                optional(Some(-0.0)),
+                optional(None)
+            ],
+            ["0", "0", "-0.5", "0", ""]
+        );
     }
 
     #[test]
@@ -94,7 +118,10 @@ mod tests {
             table.row(&["1".to_owned(), "say \"x\"".to_owned()]);
         }
         let text = String::from_utf8(table.artifact("t.csv").bytes).unwrap();
-        assert_eq!(text, "sequence,id,value\nfirst,1,\"say \"\"x\"\"\"\n\"a,b\",1,\"say \"\"x\"\"\"\n");
+        assert_eq!(
+            text,
+            "sequence,id,value\nfirst,1,\"say \"\"x\"\"\"\n\"a,b\",1,\"say \"\"x\"\"\"\n"
+        );
         assert_eq!(Table::new(false, &["id"]).artifact("t.csv").bytes, b"id\n");
     }
 }

@@ -5,20 +5,46 @@ use serde_json::Value;
 /// Lines of a table: the first column to the left, the others to the right, as wide as their widest cell.
 pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
     let width = |column: usize| {
-        let cells = rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count());
-        cells.chain([header[column].chars().count()]).max().unwrap_or(0)
+        let cells = rows
+            .iter()
+            .filter_map(|row| row.get(column))
+            .map(|cell| cell.chars().count());
+        cells
+            .chain([header[column].chars().count()])
+            .max()
+            .unwrap_or(0)
     };
     let widths: Vec<usize> = (0..header.len()).map(width).collect();
     let line = |cells: Vec<&str>| {
         let place = |(column, cell): (usize, &&str)| {
             let width = widths[column];
-            if column == 0 { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
+            if column == 0 {
+                format!("{cell:<width$}")
+            } else {
+                format!("{cell:>width$}")
+            }
         };
-        cells.iter().enumerate().map(place).collect::<Vec<_>>().join("  ").trim_end().to_owned()
+        cells
+            .iter()
+            .enumerate()
+            .map(place)
+            .collect::<Vec<_>>()
+            .join("  ")
+            .trim_end()
+            .to_owned()
     };
     let mut lines = vec![line(header.to_vec())];
-    lines.push(widths.iter().map(|&width| "─".repeat(width)).collect::<Vec<_>>().join("  "));
-    lines.extend(rows.iter().map(|row| line(row.iter().map(String::as_str).collect())));
+    lines.push(
+        widths
+            .iter()
+            .map(|&width| "─".repeat(width))
+            .collect::<Vec<_>>()
+            .join("  "),
+    );
+    lines.extend(
+        rows.iter()
+            .map(|row| line(row.iter().map(String::as_str).collect())),
+    );
     lines.join("\n")
 }
 
@@ -27,7 +53,9 @@ pub fn table(header: &[&str], rows: &[Vec<String>]) -> String {
 pub fn cell(value: &Value) -> String {
     match value {
         Value::Null => "–".to_owned(),
-        Value::Number(number) if number.is_f64() => number.as_f64().map_or_else(String::new, decimal),
+        Value::Number(number) if number.is_f64() => {
+            number.as_f64().map_or_else(String::new, decimal)
+        }
         Value::String(text) => text.clone(),
         other => other.to_string(),
     }
@@ -46,15 +74,40 @@ fn decimal(number: f64) -> String {
 /// The metrics of a result: each quantity with its value and unit; with several sequences, a column for each and one for
 /// all together. `None` when the result has no metrics.
 pub fn metrics(result: &Value) -> Option<String> {
-    let together = result["metrics"].as_object().filter(|metrics| !metrics.is_empty())?;
-    let sequences = result["sequences"].as_array().map(Vec::as_slice).unwrap_or_default();
-    let mut header = vec!["metric", "unit", if sequences.is_empty() { "value" } else { "combined" }];
-    header.extend(sequences.iter().map(|sequence| sequence["name"].as_str().unwrap_or_default()));
+    let together = result["metrics"]
+        .as_object()
+        .filter(|metrics| !metrics.is_empty())?;
+    let sequences = result["sequences"]
+        .as_array()
+        .map(Vec::as_slice)
+        .unwrap_or_default();
+    let mut header = vec![
+        "metric",
+        "unit",
+        if sequences.is_empty() {
+            "value"
+        } else {
+            "combined"
+        },
+    ];
+    header.extend(
+        sequences
+            .iter()
+            .map(|sequence| sequence["name"].as_str().unwrap_or_default()),
+    );
     let mut rows = Vec::new();
     for (metric, report) in together {
         for (name, quantity) in report["quantities"].as_object().into_iter().flatten() {
-            let mut row = vec![format!("{metric} {}", name.replace('_', " ")), cell(&quantity["unit"]), cell(&quantity["value"])];
-            row.extend(sequences.iter().map(|sequence| cell(&sequence["metrics"][metric]["quantities"][name]["value"])));
+            let mut row = vec![
+                format!("{metric} {}", name.replace('_', " ")),
+                cell(&quantity["unit"]),
+                cell(&quantity["value"]),
+            ];
+            row.extend(
+                sequences.iter().map(|sequence| {
+                    cell(&sequence["metrics"][metric]["quantities"][name]["value"])
+                }),
+            );
             rows.push(row);
         }
     }
@@ -65,16 +118,26 @@ pub fn metrics(result: &Value) -> Option<String> {
 /// no tuples.
 pub fn correlation(result: &Value) -> Option<String> {
     let tuples = result["tuples"].as_array()?;
-    let sensors: Vec<&str> = result["sensors"].as_array()?.iter().filter_map(|sensor| sensor["sensor_id"].as_str()).collect();
+    let sensors: Vec<&str> = result["sensors"]
+        .as_array()?
+        .iter()
+        .filter_map(|sensor| sensor["sensor_id"].as_str())
+        .collect();
     let mut header = vec!["system track"];
     header.extend(&sensors);
     header.extend(["cost", "b", "Q", "degrees", "p-value"]);
     let row = |tuple: &Value| {
         let tracks = tuple["tracks"].as_array().into_iter().flatten().map(cell);
-        let numbers = ["cost", "b", "statistic", "degrees_of_freedom", "p_value"].map(|name| cell(&tuple[name]));
-        std::iter::once(cell(&tuple["system_track_id"])).chain(tracks).chain(numbers).collect::<Vec<_>>()
+        let numbers = ["cost", "b", "statistic", "degrees_of_freedom", "p_value"]
+            .map(|name| cell(&tuple[name]));
+        std::iter::once(cell(&tuple["system_track_id"]))
+            .chain(tracks)
+            .chain(numbers)
+            .collect::<Vec<_>>()
     };
-    let head = ["cost", "dual_bound", "gap"].map(|name| format!("{} {}", name.replace('_', " "), cell(&result[name]))).join(", ");
+    let head = ["cost", "dual_bound", "gap"]
+        .map(|name| format!("{} {}", name.replace('_', " "), cell(&result[name])))
+        .join(", ");
     Some(format!(
         "{} by {}: {head}\n{}",
         cell(&result["statistic"]),
@@ -87,16 +150,33 @@ pub fn correlation(result: &Value) -> Option<String> {
 /// it is compared with; below them the differences to that cell. `None` when there are no cells.
 pub fn campaign(report: &Value) -> Option<String> {
     let cells = report["result"]["cells"].as_array()?;
-    let names: Vec<&str> = report["result"]["outcomes"].as_array()?.iter().filter_map(Value::as_str).collect();
-    let times = report["timing"]["cells"].as_array().map(Vec::as_slice).unwrap_or_default();
+    let names: Vec<&str> = report["result"]["outcomes"]
+        .as_array()?
+        .iter()
+        .filter_map(Value::as_str)
+        .collect();
+    let times = report["timing"]["cells"]
+        .as_array()
+        .map(Vec::as_slice)
+        .unwrap_or_default();
     let mut header = vec!["cell", "runs"];
     header.extend(&names);
     header.extend(["µs a scan", "time ratio"]);
     let row = |line: &Value| {
-        let time = times.iter().find(|time| time["cell"] == line["name"]).unwrap_or(&Value::Null);
-        let outcomes = names.iter().map(|&name| with_interval(&line["outcomes"][name]));
+        let time = times
+            .iter()
+            .find(|time| time["cell"] == line["name"])
+            .unwrap_or(&Value::Null);
+        let outcomes = names
+            .iter()
+            .map(|&name| with_interval(&line["outcomes"][name]));
         let times = [&time["decide_us_per_scan"], &time["ratio"]].map(cell);
-        [&line["name"], &line["runs"]].map(cell).into_iter().chain(outcomes).chain(times).collect::<Vec<_>>()
+        [&line["name"], &line["runs"]]
+            .map(cell)
+            .into_iter()
+            .chain(outcomes)
+            .chain(times)
+            .collect::<Vec<_>>()
     };
     let text = table(&header, &cells.iter().map(row).collect::<Vec<_>>());
     Some(match differences(cells, &names) {
@@ -107,13 +187,27 @@ pub fn campaign(report: &Value) -> Option<String> {
 
 /// What each cell has more than the one it is compared with, run by run. `None` where none is compared.
 fn differences(cells: &[Value], names: &[&str]) -> Option<String> {
-    let compared: Vec<&Value> = cells.iter().filter(|line| line["compared_with"].is_string()).collect();
-    let header: Vec<&str> = ["difference, run by run", "pairs"].into_iter().chain(names.iter().copied()).collect();
+    let compared: Vec<&Value> = cells
+        .iter()
+        .filter(|line| line["compared_with"].is_string())
+        .collect();
+    let header: Vec<&str> = ["difference, run by run", "pairs"]
+        .into_iter()
+        .chain(names.iter().copied())
+        .collect();
     let row = |line: &&Value| {
         let name = format!("{} − {}", cell(&line["name"]), cell(&line["compared_with"]));
-        let pairs = names.iter().filter_map(|&name| line["differences"][name]["pairs"].as_u64()).max();
-        let outcomes = names.iter().map(|&name| with_interval(&line["differences"][name]));
-        [name, cell(&pairs.into())].into_iter().chain(outcomes).collect::<Vec<_>>()
+        let pairs = names
+            .iter()
+            .filter_map(|&name| line["differences"][name]["pairs"].as_u64())
+            .max();
+        let outcomes = names
+            .iter()
+            .map(|&name| with_interval(&line["differences"][name]));
+        [name, cell(&pairs.into())]
+            .into_iter()
+            .chain(outcomes)
+            .collect::<Vec<_>>()
     };
     (!compared.is_empty()).then(|| table(&header, &compared.iter().map(row).collect::<Vec<_>>()))
 }
@@ -122,7 +216,12 @@ fn differences(cells: &[Value], names: &[&str]) -> Option<String> {
 fn with_interval(summary: &Value) -> String {
     match &summary["interval"] {
         Value::Null => cell(&summary["mean"]),
-        interval => format!("{} [{}, {}]", cell(&summary["mean"]), cell(&interval["low"]), cell(&interval["high"])),
+        interval => format!(
+            "{} [{}, {}]",
+            cell(&summary["mean"]),
+            cell(&interval["low"]),
+            cell(&interval["high"])
+        ),
     }
 }
 
@@ -133,14 +232,36 @@ mod tests {
 
     #[test]
     fn columns_are_as_wide_as_their_widest_cell() {
-        let rows = vec![vec!["radar".to_owned(), "7".to_owned()], vec!["é".to_owned(), "12.500".to_owned()]];
-        assert_eq!(table(&["name", "n"], &rows), "name        n\n─────  ──────\nradar       7\né      12.500");
+        let rows = vec![
+            vec!["radar".to_owned(), "7".to_owned()],
+            vec!["é".to_owned(), "12.500".to_owned()],
+        ];
+        assert_eq!(
+            table(&["name", "n"], &rows),
+            "name        n\n─────  ──────\nradar       7\né      12.500"
+        );
     }
 
     #[test]
     fn absent_numbers_are_a_dash_and_fractions_have_three_decimals() {
-        assert_eq!([cell(&json!(13.0)), cell(&json!(-0.000123)), cell(&json!(0.0)), cell(&json!(-0.0))], ["13", "-1.230e-4", "0", "0"]);
-        assert_eq!([cell(&Value::Null), cell(&json!(3)), cell(&json!(0.56338)), cell(&json!("x"))], ["–", "3", "0.563", "x"]);
+        assert_eq!(
+            [
+                cell(&json!(13.0)),
+                cell(&json!(-0.000123)),
+                cell(&json!(0.0)),
+                cell(&json!(-0.0))
+            ],
+            ["13", "-1.230e-4", "0", "0"]
+        );
+        assert_eq!(
+            [
+                cell(&Value::Null),
+                cell(&json!(3)),
+                cell(&json!(0.56338)),
+                cell(&json!("x"))
+            ],
+            ["–", "3", "0.563", "x"]
+        );
     }
 
     #[test]
@@ -157,9 +278,13 @@ mod tests {
 
     #[test]
     fn metrics_stand_in_columns_by_sequence() {
-        let quantities = |mota: Value| json!({"clear": {"quantities": {"mota": {"value": mota, "unit": ""}}}});
+        let quantities =
+            |mota: Value| json!({"clear": {"quantities": {"mota": {"value": mota, "unit": ""}}}});
         let mut result = json!({"metrics": quantities(json!(0.5))});
-        assert_eq!(metrics(&result).unwrap().lines().last(), Some("clear mota        0.500"));
+        assert_eq!(
+            metrics(&result).unwrap().lines().last(),
+            Some("clear mota        0.500")
+        );
         result["sequences"] = json!([{"name": "a", "metrics": quantities(Value::Null)}]);
         let text = metrics(&result).unwrap();
         assert_eq!(text.lines().next(), Some("metric      unit  combined  a"));

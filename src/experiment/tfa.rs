@@ -23,14 +23,19 @@ pub(super) fn spec_of(spec: &Value, input: &EvaluationInput) -> Result<Value, Ru
     if let Some(given) = spec.get("tfa") {
         return Ok(given.clone());
     }
-    let has_origins = input.recording.is_some_and(|recording| recording.origins_known);
+    let has_origins = input
+        .recording
+        .is_some_and(|recording| recording.origins_known);
     let symbols = if has_origins && (!input.tracks.candidates.is_empty() || input.truth.is_none()) {
         json!({"kind": "detection_id"})
     } else {
         let comparison = &spec["comparison"];
         json!({"kind": "nearest_truth", "gate_m": comparison["gate_m"], "max_gap_s": comparison["alignment"]["max_gap_s"]})
     };
-    Ok(registry::check(&json!({"symbols": symbols}), &requests::TFA)?)
+    Ok(registry::check(
+        &json!({"symbols": symbols}),
+        &requests::TFA,
+    )?)
 }
 
 /// Judges tracks as the checked description `spec` says.
@@ -42,19 +47,35 @@ pub(super) fn evaluation<'a>(
 ) -> Result<TfaEvaluation<'a>, RunError> {
     // Without a recording nothing is known of sensors.
     let sensors = input.recording.map(|_| sensors);
-    Ok(TfaEvaluation::new(input, sensors, TfaSettings { time_tolerance_s, ..settings(spec)? })?)
+    Ok(TfaEvaluation::new(
+        input,
+        sensors,
+        TfaSettings {
+            time_tolerance_s,
+            ..settings(spec)?
+        },
+    )?)
 }
 
 /// `automaton.json`, `automaton.dot` and `truth_probability.csv`, where they are not too large.
-pub(super) fn artifacts(evaluation: &TfaEvaluation, warnings: &mut Vec<String>) -> Result<Vec<Artifact>, RunError> {
+pub(super) fn artifacts(
+    evaluation: &TfaEvaluation,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Artifact>, RunError> {
     let mut files = Vec::new();
     match evaluation.automaton_file(MAX_TRANSITIONS) {
         Some(automaton) => {
             let json = serde_json::to_vec(&automaton).map_err(std::io::Error::from)?;
             files.push(Artifact::file("automaton.json", "application/json", json));
-            files.push(Artifact::file("automaton.dot", "text/vnd.graphviz", automaton.dot().into_bytes()));
+            files.push(Artifact::file(
+                "automaton.dot",
+                "text/vnd.graphviz",
+                automaton.dot().into_bytes(),
+            ));
         }
-        None => warnings.push(format!("the automaton is not in a file: it has more than {MAX_TRANSITIONS} transitions")),
+        None => warnings.push(format!(
+            "the automaton is not in a file: it has more than {MAX_TRANSITIONS} transitions"
+        )),
     }
     match evaluation.scan_probabilities(MAX_CURVE_ROWS) {
         Some(curves) => files.push(Artifact::file("truth_probability.csv", "text/csv", csv(evaluation, &curves)?)),
@@ -66,15 +87,24 @@ pub(super) fn artifacts(evaluation: &TfaEvaluation, warnings: &mut Vec<String>) 
 /// The curves as a table; scans that no file names are left out.
 fn csv(evaluation: &TfaEvaluation, curves: &[ScanProbability]) -> std::io::Result<Vec<u8>> {
     let strings = &evaluation.strings;
-    let mut bytes = b"truth_id,time_s,scan,expected,track_id,probability,log_probability\n".to_vec();
+    let mut bytes =
+        b"truth_id,time_s,scan,expected,track_id,probability,log_probability\n".to_vec();
     for row in curves {
-        let Some(scan) = strings.axis.scan_at(row.position) else { continue };
+        let Some(scan) = strings.axis.scan_at(row.position) else {
+            continue;
+        };
         let truth_id = quoted(strings.target_ids[row.target as usize]);
         let expected = quoted(row.symbol.map_or(EPSILON, |symbol| strings.name_of(symbol)));
-        let track_id = row.track.map_or_else(Default::default, |track| quoted(evaluation.track_id(track)));
+        let track_id = row
+            .track
+            .map_or_else(Default::default, |track| quoted(evaluation.track_id(track)));
         let log_probability = optional(row.log_probability);
-        let (time_s, scan, probability) = (number(scan.time_s), scan.number, number(row.probability));
-        writeln!(bytes, "{truth_id},{time_s},{scan},{expected},{track_id},{probability},{log_probability}")?;
+        let (time_s, scan, probability) =
+            (number(scan.time_s), scan.number, number(row.probability));
+        writeln!(
+            bytes,
+            "{truth_id},{time_s},{scan},{expected},{track_id},{probability},{log_probability}"
+        )?;
     }
     Ok(bytes)
 }
@@ -109,11 +139,15 @@ fn settings(spec: &Value) -> Result<TfaSettings, RunError> {
         BreadthFirst,
         DepthFirst,
     }
-    let wire = Wire::deserialize(spec).map_err(|error| RunError::Faults(vec![Fault::new("/tfa", "malformed", error.to_string())]))?;
+    let wire = Wire::deserialize(spec).map_err(|error| {
+        RunError::Faults(vec![Fault::new("/tfa", "malformed", error.to_string())])
+    })?;
     let symbols = match wire.symbols {
         Symbols::DetectionId => SymbolRule::DetectionId,
         Symbols::NearestDetection { gate_m } => SymbolRule::NearestDetection { gate_m },
-        Symbols::NearestTruth { gate_m, max_gap_s } => SymbolRule::NearestTruth { gate_m, max_gap_s },
+        Symbols::NearestTruth { gate_m, max_gap_s } => {
+            SymbolRule::NearestTruth { gate_m, max_gap_s }
+        }
     };
     let decision = match wire.decision {
         Decision::MostProbable => DecisionPolicy::MostProbable,
@@ -123,8 +157,21 @@ fn settings(spec: &Value) -> Result<TfaSettings, RunError> {
         Search::BreadthFirst => Order::BreadthFirst,
         Search::DepthFirst => Order::DepthFirst,
     };
-    let Wire { max_missed, tolerance, minimise, .. } = wire;
-    Ok(TfaSettings { symbols, decision, max_missed, tolerance, search, minimise, time_tolerance_s: None })
+    let Wire {
+        max_missed,
+        tolerance,
+        minimise,
+        ..
+    } = wire;
+    Ok(TfaSettings {
+        symbols,
+        decision,
+        max_missed,
+        tolerance,
+        search,
+        minimise,
+        time_tolerance_s: None,
+    })
 }
 
 #[cfg(test)]
@@ -135,10 +182,17 @@ mod tests {
     #[test]
     fn settings_that_are_not_given_are_those_of_the_comparison() {
         let tracks = TrackSet::default();
-        let input = EvaluationInput { recording: None, truth: None, tracks: &tracks };
+        let input = EvaluationInput {
+            recording: None,
+            truth: None,
+            tracks: &tracks,
+        };
         let spec = json!({"comparison": {"gate_m": 7.5, "alignment": {"method": "interpolate", "max_gap_s": 12.0}}});
         let found = spec_of(&spec, &input).unwrap();
-        assert_eq!(found["symbols"], json!({"kind": "nearest_truth", "gate_m": 7.5, "max_gap_s": 12.0}));
+        assert_eq!(
+            found["symbols"],
+            json!({"kind": "nearest_truth", "gate_m": 7.5, "max_gap_s": 12.0})
+        );
         let given = json!({"tfa": {"max_missed": 3}, "comparison": spec["comparison"]});
         assert_eq!(spec_of(&given, &input).unwrap(), given["tfa"]);
     }

@@ -14,7 +14,11 @@ pub(super) struct Told<'o> {
 
 impl<'o> Told<'o> {
     pub fn new(observer: &'o mut dyn Observer, total: u64) -> Self {
-        Told { observer, done: 0, total }
+        Told {
+            observer,
+            done: 0,
+            total,
+        }
     }
 
     /// Tells that one more is done.
@@ -23,7 +27,15 @@ impl<'o> Told<'o> {
     /// [`RunError::Stopped`] when the observer says so.
     pub fn one_more(&mut self) -> Result<(), RunError> {
         self.done += 1;
-        if self.observer.progress(Step::Evaluate, self.done, self.total).is_break() { Err(RunError::Stopped) } else { Ok(()) }
+        if self
+            .observer
+            .progress(Step::Evaluate, self.done, self.total)
+            .is_break()
+        {
+            Err(RunError::Stopped)
+        } else {
+            Ok(())
+        }
     }
 
     /// Does work that asks on the way whether to go on.
@@ -37,6 +49,10 @@ impl<'o> Told<'o> {
         let question = || observer.borrow_mut().progress(Step::Evaluate, done, total);
         let watch = Watch::new(&question);
         let answer = work(&watch);
-        if watch.is_stopped() { Err(RunError::Stopped) } else { Ok(answer) }
+        if watch.is_stopped() {
+            Err(RunError::Stopped)
+        } else {
+            Ok(answer)
+        }
     }
 }

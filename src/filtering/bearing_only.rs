@@ -36,13 +36,21 @@ static PARAMETERS: Object = Object {
         default(
             "process_noise_deg2ps3",
             "Spectral density q of the white noise that changes the rate, which wanders by about sqrt(q·T) in T seconds.",
-            Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e6), unit: "deg²/s³" },
+            Kind::Number {
+                min: Bound::Including(0.0),
+                max: Bound::Including(1e6),
+                unit: "deg²/s³",
+            },
             "0.0001",
         ),
         default(
             "initial_rate_sigma_degps",
             "Standard deviation of the bearing rate of a new track, which starts at rest.",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(360.0), unit: "deg/s" },
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Including(360.0),
+                unit: "deg/s",
+            },
             "0.5",
         ),
     ],
@@ -75,12 +83,15 @@ pub struct BearingOnly {
 
 impl Filter<2, 1> for BearingOnly {
     fn motion(&self) -> ConstantVelocity {
-        ConstantVelocity { spectral_density: self.process_noise_rad2ps3 }
+        ConstantVelocity {
+            spectral_density: self.process_noise_rad2ps3,
+        }
     }
 
     fn measured(&self, _sensor: &Sensor, measurement: &Measurement) -> Option<Vector1<f64>> {
         match *measurement {
-            Measurement::Bearing { bearing_rad } | Measurement::RangeBearing { bearing_rad, .. } => {
+            Measurement::Bearing { bearing_rad }
+            | Measurement::RangeBearing { bearing_rad, .. } => {
                 Some(Vector1::new(wrapped(bearing_rad)))
             }
             Measurement::Position { .. } => None,
@@ -93,12 +104,29 @@ impl Filter<2, 1> for BearingOnly {
 
     fn expect(&self, state: &GaussianState<2>, sensor: &Sensor) -> Option<Expected<2, 1>> {
         let variance = Matrix1::new(state.covariance[(0, 0)] + variance_of(&sensor.report)?);
-        Expected::new(Vector1::new(wrapped(state.mean[0])), variance, state.covariance.column(0).into_owned())
+        Expected::new(
+            Vector1::new(wrapped(state.mean[0])),
+            variance,
+            state.covariance.column(0).into_owned(),
+        )
     }
 
-    fn initiate(&self, measurement: &Vector1<f64>, sensor: &Sensor, _speed_sigma_mps: f64) -> Option<GaussianState<2>> {
-        let covariance = Matrix2::new(variance_of(&sensor.report)?, 0.0, 0.0, self.initial_rate_sigma_radps.powi(2));
-        Some(GaussianState { mean: Vector2::new(measurement[0], 0.0), covariance })
+    fn initiate(
+        &self,
+        measurement: &Vector1<f64>,
+        sensor: &Sensor,
+        _speed_sigma_mps: f64,
+    ) -> Option<GaussianState<2>> {
+        let covariance = Matrix2::new(
+            variance_of(&sensor.report)?,
+            0.0,
+            0.0,
+            self.initial_rate_sigma_radps.powi(2),
+        );
+        Some(GaussianState {
+            mean: Vector2::new(measurement[0], 0.0),
+            covariance,
+        })
     }
 }
 
@@ -122,18 +150,53 @@ mod tests {
     #[test]
     fn a_bearing_that_passes_south_goes_on() {
         // 0.01 rad/s for 40 s, from 0.2 rad before π to 0.2 rad behind it.
-        let report = Report::Bearing { sigma_bearing_rad: 0.01 };
-        let sensor = Sensor { sensor_id: "sonar".into(), p_d: 0.9, clutter_density: 1.0, report };
-        let filter = BearingOnly { process_noise_rad2ps3: 1e-8, initial_rate_sigma_radps: 0.05 };
-        let at = |time_s: f64| filter.measured(&sensor, &Measurement::Bearing { bearing_rad: PI - 0.2 + 0.01 * time_s }).unwrap();
+        let report = Report::Bearing {
+            sigma_bearing_rad: 0.01,
+        };
+        let sensor = Sensor {
+            sensor_id: "sonar".into(),
+            p_d: 0.9,
+            clutter_density: 1.0,
+            report,
+        };
+        let filter = BearingOnly {
+            process_noise_rad2ps3: 1e-8,
+            initial_rate_sigma_radps: 0.05,
+        };
+        let at = |time_s: f64| {
+            filter
+                .measured(
+                    &sensor,
+                    &Measurement::Bearing {
+                        bearing_rad: PI - 0.2 + 0.01 * time_s,
+                    },
+                )
+                .unwrap()
+        };
         let mut state = filter.initiate(&at(0.0), &sensor, 0.05).unwrap();
         for scan in 1..=40 {
             Transition::new(filter.motion(), 1.0).predict(&mut state);
             let expected = filter.expect(&state, &sensor).unwrap();
-            let innovation = difference(&at(f64::from(scan)), &expected.measurement, filter.angle(&sensor));
+            let innovation = difference(
+                &at(f64::from(scan)),
+                &expected.measurement,
+                filter.angle(&sensor),
+            );
             assert!(innovation[0].abs() < 0.011, "scan {scan}: {innovation}");
-            update(&mut state, &expected.correction(), &[WeightedInnovation { innovation, weight: 1.0 }]);
+            update(
+                &mut state,
+                &expected.correction(),
+                &[WeightedInnovation {
+                    innovation,
+                    weight: 1.0,
+                }],
+            );
         }
-        assert!((wrapped(state.mean[0]) - (-PI + 0.2)).abs() < 1e-3 && (state.mean[1] - 0.01).abs() < 1e-4, "{}", state.mean);
+        assert!(
+            (wrapped(state.mean[0]) - (-PI + 0.2)).abs() < 1e-3
+                && (state.mean[1] - 0.01).abs() < 1e-4,
+            "{}",
+            state.mean
+        );
     }
 }

@@ -22,8 +22,11 @@ use crate::model::state::{GaussianState, Position, PositionCovariance};
 use crate::registry::Object;
 use serde::Deserialize;
 
-pub const METHOD: FilterMethod =
-    FilterMethod { name: "converted", parameters: &PARAMETERS, build: |spec| Converted::deserialize(spec).map(Chosen::Converted) };
+pub const METHOD: FilterMethod = FilterMethod {
+    name: "converted",
+    parameters: &PARAMETERS,
+    build: |spec| Converted::deserialize(spec).map(Chosen::Converted),
+};
 
 static PARAMETERS: Object = Object {
     name: "ConvertedMeasurementFilter",
@@ -39,30 +42,53 @@ pub struct Converted {
 
 impl Filter<4, 2> for Converted {
     fn motion(&self) -> ConstantVelocity {
-        ConstantVelocity { spectral_density: self.process_noise_m2ps3 }
+        ConstantVelocity {
+            spectral_density: self.process_noise_m2ps3,
+        }
     }
 
     fn measured(&self, sensor: &Sensor, measurement: &Measurement) -> Option<Position> {
         match (&sensor.report, measurement) {
-            (Report::Polar(polar), Measurement::RangeBearing { range_m, bearing_rad, .. }) => {
-                Some(polar::unbiased_position(polar, *range_m, *bearing_rad))
-            }
+            (
+                Report::Polar(polar),
+                Measurement::RangeBearing {
+                    range_m,
+                    bearing_rad,
+                    ..
+                },
+            ) => Some(polar::unbiased_position(polar, *range_m, *bearing_rad)),
             _ => measurement.position(),
         }
     }
 
     fn expect(&self, state: &GaussianState, sensor: &Sensor) -> Option<Expected<4, 2>> {
         let spread = state.covariance.fixed_view::<2, 2>(0, 0).into_owned();
-        kalman::expect_position(state, &noise(sensor, state.mean.fixed_rows::<2>(0).into_owned(), &spread)?)
+        kalman::expect_position(
+            state,
+            &noise(sensor, state.mean.fixed_rows::<2>(0).into_owned(), &spread)?,
+        )
     }
 
-    fn initiate(&self, measurement: &Position, sensor: &Sensor, speed_sigma_mps: f64) -> Option<GaussianState> {
-        Some(kalman::at_rest(measurement, &noise(sensor, *measurement, &PositionCovariance::zeros())?, speed_sigma_mps))
+    fn initiate(
+        &self,
+        measurement: &Position,
+        sensor: &Sensor,
+        speed_sigma_mps: f64,
+    ) -> Option<GaussianState> {
+        Some(kalman::at_rest(
+            measurement,
+            &noise(sensor, *measurement, &PositionCovariance::zeros())?,
+            speed_sigma_mps,
+        ))
     }
 }
 
 /// R of a report of a target around a place with a covariance.
-fn noise(sensor: &Sensor, position_m: Position, spread: &PositionCovariance) -> Option<PositionCovariance> {
+fn noise(
+    sensor: &Sensor,
+    position_m: Position,
+    spread: &PositionCovariance,
+) -> Option<PositionCovariance> {
     match &sensor.report {
         Report::Polar(polar) => Some(polar::unbiased_covariance(polar, position_m, spread)),
         report => kalman::noise_of(report),

@@ -24,8 +24,11 @@ use crate::registry::Object;
 use nalgebra::SVector;
 use serde::Deserialize;
 
-pub const METHOD: FilterMethod =
-    FilterMethod { name: "extended", parameters: &PARAMETERS, build: |spec| Extended::deserialize(spec).map(Chosen::Extended) };
+pub const METHOD: FilterMethod = FilterMethod {
+    name: "extended",
+    parameters: &PARAMETERS,
+    build: |spec| Extended::deserialize(spec).map(Chosen::Extended),
+};
 
 static PARAMETERS: Object = Object {
     name: "ExtendedFilter",
@@ -41,7 +44,9 @@ pub struct Extended {
 
 impl<const D: usize> Filter<4, D> for Extended {
     fn motion(&self) -> ConstantVelocity {
-        ConstantVelocity { spectral_density: self.process_noise_m2ps3 }
+        ConstantVelocity {
+            spectral_density: self.process_noise_m2ps3,
+        }
     }
 
     fn measured(&self, sensor: &Sensor, measurement: &Measurement) -> Option<SVector<f64, D>> {
@@ -53,17 +58,29 @@ impl<const D: usize> Filter<4, D> for Extended {
     }
 
     fn expect(&self, state: &GaussianState, sensor: &Sensor) -> Option<Expected<4, D>> {
-        let Report::Polar(polar) = &sensor.report else { return plane::expect_position(state, sensor) };
+        let Report::Polar(polar) = &sensor.report else {
+            return plane::expect_position(state, sensor);
+        };
         let (shift, spread) = polar::curvature(polar, state);
         let measurement = polar::project(polar, &state.mean) + shift;
-        Expected::linear(measurement, &polar::jacobian(polar, state), &(polar::noise(polar)? + spread), state)
+        Expected::linear(
+            measurement,
+            &polar::jacobian(polar, state),
+            &(polar::noise(polar)? + spread),
+            state,
+        )
     }
 
     fn log_clutter_scale(&self, sensor: &Sensor, expected: &Expected<4, D>) -> f64 {
         plane::log_clutter_scale(sensor, expected)
     }
 
-    fn initiate(&self, measurement: &SVector<f64, D>, sensor: &Sensor, speed_sigma_mps: f64) -> Option<GaussianState> {
+    fn initiate(
+        &self,
+        measurement: &SVector<f64, D>,
+        sensor: &Sensor,
+        speed_sigma_mps: f64,
+    ) -> Option<GaussianState> {
         plane::initiate(measurement, sensor, speed_sigma_mps)
     }
 }

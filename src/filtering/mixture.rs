@@ -49,14 +49,26 @@ pub struct WeightedInnovation<const D: usize> {
 impl<const N: usize, const D: usize> Expected<N, D> {
     /// `None` when S is not positive definite.
     #[inline(always)]
-    pub fn new(measurement: SVector<f64, D>, covariance: SMatrix<f64, D, D>, cross: SMatrix<f64, N, D>) -> Option<Self> {
+    pub fn new(
+        measurement: SVector<f64, D>,
+        covariance: SMatrix<f64, D, D>,
+        cross: SMatrix<f64, N, D>,
+    ) -> Option<Self> {
         let gaussian = Gaussian::new(&covariance)?;
-        Some(Expected { measurement, covariance, gaussian, cross })
+        Some(Expected {
+            measurement,
+            covariance,
+            gaussian,
+            cross,
+        })
     }
 
     #[inline(always)]
     pub fn correction(&self) -> Correction<N, D> {
-        Correction { inverse: *self.gaussian.inverse(), cross: self.cross }
+        Correction {
+            inverse: *self.gaussian.inverse(),
+            cross: self.cross,
+        }
     }
 
     /// Of a measurement that is linear in the state: S = H P Hᵀ + R, C = P Hᵀ.

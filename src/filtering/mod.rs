@@ -41,7 +41,12 @@ pub trait Filter<const N: usize, const D: usize> {
     }
 
     /// A state that knows one detection alone. Of a velocity in the plane it knows that each component is 0 ± `speed_sigma_mps`.
-    fn initiate(&self, measurement: &SVector<f64, D>, sensor: &Sensor, speed_sigma_mps: f64) -> Option<GaussianState<N>>;
+    fn initiate(
+        &self,
+        measurement: &SVector<f64, D>,
+        sensor: &Sensor,
+        speed_sigma_mps: f64,
+    ) -> Option<GaussianState<N>>;
 }
 
 /// A filter that was chosen by name.
@@ -73,7 +78,13 @@ impl Chosen {
 pub type FilterMethod = Method<fn(&serde_json::Value) -> Result<Chosen, serde_json::Error>>;
 
 /// Every filter.
-pub const FILTERS: &[FilterMethod] = &[kalman::METHOD, extended::METHOD, unscented::METHOD, converted::METHOD, bearing_only::METHOD];
+pub const FILTERS: &[FilterMethod] = &[
+    kalman::METHOD,
+    extended::METHOD,
+    unscented::METHOD,
+    converted::METHOD,
+    bearing_only::METHOD,
+];
 
 /// The name under which the filter is chosen by what the sensors report.
 pub const AUTO: &str = "auto";
@@ -88,7 +99,15 @@ pub static FILTER: Union = Union {
     name: "Filter",
     summary: "How a track is predicted and updated.",
     tag: "method",
-    variants: || [Variant { tag: AUTO, object: &AUTO_PARAMETERS }].into_iter().chain(FILTERS.iter().map(Method::variant)).collect(),
+    variants: || {
+        [Variant {
+            tag: AUTO,
+            object: &AUTO_PARAMETERS,
+        }]
+        .into_iter()
+        .chain(FILTERS.iter().map(Method::variant))
+        .collect()
+    },
 };
 
 /// The field kind of a filter choice.
@@ -98,6 +117,10 @@ pub static FILTER_KIND: Kind = Kind::Union(&FILTER);
 const PROCESS_NOISE: Field = default(
     "process_noise_m2ps3",
     "Spectral density q of the white-noise acceleration; the velocity wanders by about sqrt(q·T) in T seconds.",
-    Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e9), unit: "m²/s³" },
+    Kind::Number {
+        min: Bound::Including(0.0),
+        max: Bound::Including(1e9),
+        unit: "m²/s³",
+    },
     "1.0",
 );

@@ -8,10 +8,15 @@ use crate::model::sensor::{Report, Sensor};
 use crate::model::state::{GaussianState, Position};
 use nalgebra::{SMatrix, SVector};
 
-pub fn measured<const D: usize>(sensor: &Sensor, measurement: &Measurement) -> Option<SVector<f64, D>> {
+pub fn measured<const D: usize>(
+    sensor: &Sensor,
+    measurement: &Measurement,
+) -> Option<SVector<f64, D>> {
     match sensor.report {
         Report::Polar(_) => polar::measured(measurement),
-        Report::Position { .. } if D == 2 => measurement.position().map(|at| SVector::from_column_slice(at.as_slice())),
+        Report::Position { .. } if D == 2 => measurement
+            .position()
+            .map(|at| SVector::from_column_slice(at.as_slice())),
         _ => None,
     }
 }
@@ -21,7 +26,10 @@ pub fn angle(sensor: &Sensor) -> Option<usize> {
 }
 
 /// Of a position report, which is linear.
-pub fn expect_position<const D: usize>(state: &GaussianState, sensor: &Sensor) -> Option<Expected<4, D>> {
+pub fn expect_position<const D: usize>(
+    state: &GaussianState,
+    sensor: &Sensor,
+) -> Option<Expected<4, D>> {
     let noise = kalman::noise_of(&sensor.report).filter(|_| D == 2)?;
     let noise = SMatrix::<f64, D, D>::from_column_slice(noise.as_slice());
     let position = SVector::from_column_slice(&state.mean.as_slice()[..2]);
@@ -35,10 +43,18 @@ pub fn log_clutter_scale<const D: usize>(sensor: &Sensor, expected: &Expected<4,
     }
 }
 
-pub fn initiate<const D: usize>(measurement: &SVector<f64, D>, sensor: &Sensor, speed_sigma_mps: f64) -> Option<GaussianState> {
+pub fn initiate<const D: usize>(
+    measurement: &SVector<f64, D>,
+    sensor: &Sensor,
+    speed_sigma_mps: f64,
+) -> Option<GaussianState> {
     if let Report::Polar(polar) = &sensor.report {
         return Some(polar::initiate(polar, measurement, speed_sigma_mps));
     }
     let noise = kalman::noise_of(&sensor.report)?;
-    Some(kalman::at_rest(&Position::new(measurement[0], measurement[1]), &noise, speed_sigma_mps))
+    Some(kalman::at_rest(
+        &Position::new(measurement[0], measurement[1]),
+        &noise,
+        speed_sigma_mps,
+    ))
 }

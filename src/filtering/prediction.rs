@@ -20,7 +20,10 @@ pub struct Transition<const N: usize> {
 
 impl<const N: usize> Transition<N> {
     pub fn new(motion: ConstantVelocity, dt_s: f64) -> Self {
-        Transition { dt_s, noise: motion.process_noise(dt_s) }
+        Transition {
+            dt_s,
+            noise: motion.process_noise(dt_s),
+        }
     }
 
     #[inline]
@@ -33,7 +36,8 @@ impl<const N: usize> Transition<N> {
         // P in blocks [A B; Bᵀ C]: A ← A + dt (B + Bᵀ) + dt² C, B ← B + dt C, then + Q.
         for row in 0..axes {
             for column in row..axes {
-                p[(row, column)] += dt * (p[(row, column + axes)] + p[(column, row + axes)]) + dt * dt * p[(row + axes, column + axes)];
+                p[(row, column)] += dt * (p[(row, column + axes)] + p[(column, row + axes)])
+                    + dt * dt * p[(row + axes, column + axes)];
             }
         }
         for row in 0..axes {
@@ -53,7 +57,9 @@ mod tests {
 
     #[test]
     fn the_block_prediction_equals_f_p_ft_plus_q() {
-        let motion = ConstantVelocity { spectral_density: 0.5 };
+        let motion = ConstantVelocity {
+            spectral_density: 0.5,
+        };
         let dt = 2.0;
         let mut state = GaussianState {
             mean: Vector4::new(1.0, 2.0, 3.0, -1.0),
@@ -74,9 +80,23 @@ mod tests {
     #[test]
     fn a_bearing_and_its_rate_move_alike() {
         // P = diag(1, 4), dt = 3, q = 2: A = 1 + 9·4 + 2·27/3 = 55, B = 3·4 + 2·9/2 = 21, C = 4 + 6 = 10.
-        let mut state = GaussianState { mean: Vector2::new(0.5, 0.1), covariance: Matrix2::new(1.0, 0.0, 0.0, 4.0) };
-        Transition::new(ConstantVelocity { spectral_density: 2.0 }, 3.0).predict(&mut state);
+        let mut state = GaussianState {
+            mean: Vector2::new(0.5, 0.1),
+            covariance: Matrix2::new(1.0, 0.0, 0.0, 4.0),
+        };
+        Transition::new(
+            ConstantVelocity {
+                spectral_density: 2.0,
+            },
+            3.0,
+        )
+        .predict(&mut state);
         assert!((state.mean - Vector2::new(0.8, 0.1)).abs().max() < 1e-12);
-        assert!((state.covariance - Matrix2::new(55.0, 21.0, 21.0, 10.0)).abs().max() < 1e-12);
+        assert!(
+            (state.covariance - Matrix2::new(55.0, 21.0, 21.0, 10.0))
+                .abs()
+                .max()
+                < 1e-12
+        );
     }
 }

@@ -27,8 +27,11 @@ use crate::registry::{Bound, Kind, Object, default};
 use nalgebra::{Cholesky, SMatrix, SVector};
 use serde::Deserialize;
 
-pub const METHOD: FilterMethod =
-    FilterMethod { name: "unscented", parameters: &PARAMETERS, build: |spec| Unscented::deserialize(spec).map(Chosen::Unscented) };
+pub const METHOD: FilterMethod = FilterMethod {
+    name: "unscented",
+    parameters: &PARAMETERS,
+    build: |spec| Unscented::deserialize(spec).map(Chosen::Unscented),
+};
 
 static PARAMETERS: Object = Object {
     name: "UnscentedFilter",
@@ -38,19 +41,31 @@ static PARAMETERS: Object = Object {
         default(
             "alpha",
             "Spread of the points around the mean; 1 keeps every weight positive.",
-            Kind::Number { min: Bound::Including(1e-3), max: Bound::Including(1.0), unit: "" },
+            Kind::Number {
+                min: Bound::Including(1e-3),
+                max: Bound::Including(1.0),
+                unit: "",
+            },
             "1.0",
         ),
         default(
             "beta",
             "What is known of the distribution's fourth moment; 2 is right for a Gaussian.",
-            Kind::Number { min: Bound::Including(0.0), max: Bound::Including(10.0), unit: "" },
+            Kind::Number {
+                min: Bound::Including(0.0),
+                max: Bound::Including(10.0),
+                unit: "",
+            },
             "2.0",
         ),
         default(
             "kappa",
             "Second parameter of the spread.",
-            Kind::Number { min: Bound::Including(0.0), max: Bound::Including(100.0), unit: "" },
+            Kind::Number {
+                min: Bound::Including(0.0),
+                max: Bound::Including(100.0),
+                unit: "",
+            },
             "0.0",
         ),
     ],
@@ -71,7 +86,9 @@ const AROUND: usize = 2 * SIZE;
 
 impl<const D: usize> Filter<4, D> for Unscented {
     fn motion(&self) -> ConstantVelocity {
-        ConstantVelocity { spectral_density: self.process_noise_m2ps3 }
+        ConstantVelocity {
+            spectral_density: self.process_noise_m2ps3,
+        }
     }
 
     fn measured(&self, sensor: &Sensor, measurement: &Measurement) -> Option<SVector<f64, D>> {
@@ -83,7 +100,9 @@ impl<const D: usize> Filter<4, D> for Unscented {
     }
 
     fn expect(&self, state: &GaussianState, sensor: &Sensor) -> Option<Expected<4, D>> {
-        let Report::Polar(polar) = &sensor.report else { return plane::expect_position(state, sensor) };
+        let Report::Polar(polar) = &sensor.report else {
+            return plane::expect_position(state, sensor);
+        };
         self.expect_polar(state, polar)
     }
 
@@ -91,21 +110,37 @@ impl<const D: usize> Filter<4, D> for Unscented {
         plane::log_clutter_scale(sensor, expected)
     }
 
-    fn initiate(&self, measurement: &SVector<f64, D>, sensor: &Sensor, speed_sigma_mps: f64) -> Option<GaussianState> {
+    fn initiate(
+        &self,
+        measurement: &SVector<f64, D>,
+        sensor: &Sensor,
+        speed_sigma_mps: f64,
+    ) -> Option<GaussianState> {
         plane::initiate(measurement, sensor, speed_sigma_mps)
     }
 }
 
 impl Unscented {
-    fn expect_polar<const D: usize>(&self, state: &GaussianState, polar: &Polar) -> Option<Expected<4, D>> {
+    fn expect_polar<const D: usize>(
+        &self,
+        state: &GaussianState,
+        polar: &Polar,
+    ) -> Option<Expected<4, D>> {
         let spread = self.alpha.powi(2) * (SIZE as f64 + self.kappa);
         let weight = 1.0 / (2.0 * spread);
         let centre_weight = 1.0 - SIZE as f64 / spread + 1.0 - self.alpha.powi(2) + self.beta;
         let steps = steps(state, spread)?;
         let centre: SVector<f64, D> = polar::project(polar, &state.mean);
-        let shifts = steps.map(|step| angle::difference(&polar::project(polar, &(state.mean + step)), &centre, Some(1)));
+        let shifts = steps.map(|step| {
+            angle::difference(
+                &polar::project(polar, &(state.mean + step)),
+                &centre,
+                Some(1),
+            )
+        });
         let mean_shift = shifts.iter().sum::<SVector<f64, D>>() * weight;
-        let mut covariance = polar::noise(polar)? + mean_shift * mean_shift.transpose() * centre_weight;
+        let mut covariance =
+            polar::noise(polar)? + mean_shift * mean_shift.transpose() * centre_weight;
         let mut cross = SMatrix::<f64, 4, D>::zeros();
         for (step, shift) in steps.iter().zip(&shifts) {
             let deviation = shift - mean_shift;

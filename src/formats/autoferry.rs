@@ -49,17 +49,40 @@ const BEARINGS: &str = "expected a bearing in radians or a list of bearings";
 
 /// In the order of their names.
 pub(super) const SENSORS: [FerrySensor; 4] = [
-    FerrySensor { number: 4, name: "daylight", read: bearings, expected: BEARINGS },
-    FerrySensor { number: 3, name: "infrared", read: bearings, expected: BEARINGS },
-    FerrySensor { number: 1, name: "lidar", read: positions, expected: POSITIONS },
-    FerrySensor { number: 2, name: "radar", read: positions, expected: POSITIONS },
+    FerrySensor {
+        number: 4,
+        name: "daylight",
+        read: bearings,
+        expected: BEARINGS,
+    },
+    FerrySensor {
+        number: 3,
+        name: "infrared",
+        read: bearings,
+        expected: BEARINGS,
+    },
+    FerrySensor {
+        number: 1,
+        name: "lidar",
+        read: positions,
+        expected: POSITIONS,
+    },
+    FerrySensor {
+        number: 2,
+        name: "radar",
+        read: positions,
+        expected: POSITIONS,
+    },
 ];
 
 /// Whether a text that begins with `[` is of these files.
 pub(super) fn is_one(text: &[u8]) -> bool {
     let has = |word: &str| text.windows(word.len()).any(|part| part == word.as_bytes());
     let inside = text[1..].trim_ascii_start();
-    inside.starts_with(b"[") || ["\"sensorID\"", "\"ownshipPosition\"", "\"measurement\""].into_iter().any(has)
+    inside.starts_with(b"[")
+        || ["\"sensorID\"", "\"ownshipPosition\"", "\"measurement\""]
+            .into_iter()
+            .any(has)
 }
 
 /// Reads one file, item by item; an array of objects holds detections, an array of arrays truth.
@@ -86,12 +109,27 @@ pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcom
 
 fn detections(mut scans: Vec<FerryScan>, mut faults: FaultLog) -> Result<ReadOutcome, Vec<Fault>> {
     scans.sort_by(|a, b| a.time_s.total_cmp(&b.time_s).then(a.sensor.cmp(&b.sensor)));
-    for pair in scans.windows(2).filter(|pair| (pair[0].time_s, pair[0].sensor) == (pair[1].time_s, pair[1].sensor)) {
-        let detail = format!("the {} has another scan at {} s: item {}", name(&pair[1]), pair[1].time_s, pair[0].item);
-        faults.push(Fault::new(format!("/file/{}/time", pair[1].item), "conflict", detail));
+    for pair in scans
+        .windows(2)
+        .filter(|pair| (pair[0].time_s, pair[0].sensor) == (pair[1].time_s, pair[1].sensor))
+    {
+        let detail = format!(
+            "the {} has another scan at {} s: item {}",
+            name(&pair[1]),
+            pair[1].time_s,
+            pair[0].item
+        );
+        faults.push(Fault::new(
+            format!("/file/{}/time", pair[1].item),
+            "conflict",
+            detail,
+        ));
     }
     faults.finish()?;
-    Ok(ReadOutcome { dataset: Dataset::Detections(recording(&scans)?), warnings: Vec::new() })
+    Ok(ReadOutcome {
+        dataset: Dataset::Detections(recording(&scans)?),
+        warnings: Vec::new(),
+    })
 }
 
 fn name(scan: &FerryScan) -> &'static str {
@@ -100,13 +138,22 @@ fn name(scan: &FerryScan) -> &'static str {
 
 /// The positions of a measurement made from `[north, east]`. A flat pair is one position, not two numbers of a row.
 fn positions(measurement: Loose, from: [f64; 2]) -> Option<Vec<Measurement>> {
-    let at = |north: f64, east: f64| Measurement::Position { x_m: east + from[1], y_m: north + from[0] };
+    let at = |north: f64, east: f64| Measurement::Position {
+        x_m: east + from[1],
+        y_m: north + from[0],
+    };
     match measurement {
         Loose::Numbers(numbers) if numbers.is_empty() => Some(Vec::new()),
-        Loose::Numbers(numbers) => <[f64; 2]>::try_from(numbers).ok().map(|[north, east]| vec![at(north, east)]),
-        Loose::Pair([norths, easts]) => {
-            (norths.len() == easts.len()).then(|| norths.into_iter().zip(easts).map(|(north, east)| at(north, east)).collect())
-        }
+        Loose::Numbers(numbers) => <[f64; 2]>::try_from(numbers)
+            .ok()
+            .map(|[north, east]| vec![at(north, east)]),
+        Loose::Pair([norths, easts]) => (norths.len() == easts.len()).then(|| {
+            norths
+                .into_iter()
+                .zip(easts)
+                .map(|(north, east)| at(north, east))
+                .collect()
+        }),
         _ => None,
     }
 }
@@ -118,43 +165,92 @@ fn bearings(measurement: Loose, _from: [f64; 2]) -> Option<Vec<Measurement>> {
         Loose::Numbers(numbers) => numbers,
         _ => return None,
     };
-    Some(bearings_rad.into_iter().map(|bearing_rad| Measurement::Bearing { bearing_rad: bearing_rad.rem_euclid(TAU) }).collect())
+    Some(
+        bearings_rad
+            .into_iter()
+            .map(|bearing_rad| Measurement::Bearing {
+                bearing_rad: bearing_rad.rem_euclid(TAU),
+            })
+            .collect(),
+    )
 }
 
 fn recording(ferry_scans: &[FerryScan]) -> Result<Recording, Vec<Fault>> {
-    let present: Vec<usize> = (0..SENSORS.len()).filter(|&sensor| ferry_scans.iter().any(|scan| scan.sensor == sensor)).collect();
-    let sensors = present.iter().map(|&sensor| SensorSettings::named(SENSORS[sensor].name)).collect();
-    let mut parts = RecordingParts { sensors, ..Default::default() };
+    let present: Vec<usize> = (0..SENSORS.len())
+        .filter(|&sensor| ferry_scans.iter().any(|scan| scan.sensor == sensor))
+        .collect();
+    let sensors = present
+        .iter()
+        .map(|&sensor| SensorSettings::named(SENSORS[sensor].name))
+        .collect();
+    let mut parts = RecordingParts {
+        sensors,
+        ..Default::default()
+    };
     let mut counts = [0; SENSORS.len()];
     for (index, scan) in ferry_scans.iter().enumerate() {
         counts[scan.sensor] += 1;
         let first = parts.detections.len();
         for (nth, &measurement) in scan.measurements.iter().enumerate() {
-            parts.detection_ids.push(format!("{}-{}-{}", name(scan), counts[scan.sensor], nth + 1));
-            parts.detections.push(Detection { measurement, origin: None, amplitude: None });
+            parts.detection_ids.push(format!(
+                "{}-{}-{}",
+                name(scan),
+                counts[scan.sensor],
+                nth + 1
+            ));
+            parts.detections.push(Detection {
+                measurement,
+                origin: None,
+                amplitude: None,
+            });
         }
         let sensor = present.partition_point(|&sensor| sensor < scan.sensor);
-        parts.scans.push(Scan { number: index as u32 + 1, time_s: scan.time_s, sensor, first, count: scan.measurements.len() });
+        parts.scans.push(Scan {
+            number: index as u32 + 1,
+            time_s: scan.time_s,
+            sensor,
+            first,
+            count: scan.measurements.len(),
+        });
     }
     Recording::new(parts)
 }
 
-fn truth(entries: BTreeMap<String, Vec<Entry>>, mut faults: FaultLog) -> Result<ReadOutcome, Vec<Fault>> {
-    let mut targets: Vec<Target> = entries.into_iter().map(|(truth_id, entries)| target(truth_id, entries, &mut faults)).collect();
+fn truth(
+    entries: BTreeMap<String, Vec<Entry>>,
+    mut faults: FaultLog,
+) -> Result<ReadOutcome, Vec<Fault>> {
+    let mut targets: Vec<Target> = entries
+        .into_iter()
+        .map(|(truth_id, entries)| target(truth_id, entries, &mut faults))
+        .collect();
     faults.finish()?;
     targets.sort_by(|a, b| natural_order(&a.truth_id, &b.truth_id));
-    Ok(ReadOutcome { dataset: Dataset::Truth(TruthSet::new(targets)?), warnings: Vec::new() })
+    Ok(ReadOutcome {
+        dataset: Dataset::Truth(TruthSet::new(targets)?),
+        warnings: Vec::new(),
+    })
 }
 
 /// A target's path: in order of time, each time once.
 fn target(truth_id: String, mut entries: Vec<Entry>, faults: &mut FaultLog) -> Target {
     entries.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
     let mut points: Vec<TruthPoint> = Vec::new();
-    for Entry { time_s, position_m, item, nth } in entries {
+    for Entry {
+        time_s,
+        position_m,
+        item,
+        nth,
+    } in entries
+    {
         match points.last().filter(|last| last.time_s == time_s) {
             Some(last) if last.position_m() != Some(position_m) => {
                 let detail = format!("target {truth_id} is at two positions at {time_s} s");
-                faults.push(Fault::new(format!("/file/{item}/{nth}/position"), "conflict", detail));
+                faults.push(Fault::new(
+                    format!("/file/{item}/{nth}/position"),
+                    "conflict",
+                    detail,
+                ));
             }
             Some(_) => {}
             None => points.push(TruthPoint::in_plane(time_s, position_m, None)),

@@ -50,7 +50,15 @@ pub(super) struct Items {
 impl Items {
     pub fn new(asked: Option<DatasetKind>) -> Self {
         let (scans, entries, faults) = Default::default();
-        Items { asked, found: None, scans, entries, faults, refusal: None, item: 0 }
+        Items {
+            asked,
+            found: None,
+            scans,
+            entries,
+            faults,
+            refusal: None,
+            item: 0,
+        }
     }
 
     /// The first item tells what the file holds.
@@ -74,7 +82,11 @@ impl Items {
     fn stranger<E: Error>(&mut self) -> Result<(), E> {
         match self.found {
             None => {
-                let fault = Fault::new(format!("/file/{}", self.item), "wrong_type", "expected a scan or a list of positions");
+                let fault = Fault::new(
+                    format!("/file/{}", self.item),
+                    "wrong_type",
+                    "expected a scan or a list of positions",
+                );
                 Err(self.refuse(fault))
             }
             Some(found) => {
@@ -86,7 +98,11 @@ impl Items {
 
     fn wrong_item(&mut self, found: DatasetKind) {
         if found == DatasetKind::Truth {
-            self.faults.push(Fault::new(format!("/file/{}", self.item), "wrong_type", "expected a list of positions"));
+            self.faults.push(Fault::new(
+                format!("/file/{}", self.item),
+                "wrong_type",
+                "expected a list of positions",
+            ));
         } else {
             self.keep_scan(ScanFields::default());
         }
@@ -215,22 +231,46 @@ impl ScanFields {
     /// The scan; `None` for faults.
     fn scan(self, item: usize, faults: &mut FaultLog) -> Option<FerryScan> {
         let pointer = |field: &str| format!("/file/{item}{field}");
-        let Loose::Number { whole: Some(number), .. } = self.sensor else {
-            faults.push(Fault::new(pointer("/sensorID"), "wrong_type", "expected a sensor's number").allowing("1, 2, 3, 4"));
+        let Loose::Number {
+            whole: Some(number),
+            ..
+        } = self.sensor
+        else {
+            faults.push(
+                Fault::new(
+                    pointer("/sensorID"),
+                    "wrong_type",
+                    "expected a sensor's number",
+                )
+                .allowing("1, 2, 3, 4"),
+            );
             return None;
         };
         let Some(sensor) = SENSORS.iter().position(|known| known.number == number) else {
             let detail = format!("there is no sensor {number}");
-            faults.push(Fault::new(pointer("/sensorID"), "unknown_value", detail).allowing("1, 2, 3, 4"));
+            faults.push(
+                Fault::new(pointer("/sensorID"), "unknown_value", detail).allowing("1, 2, 3, 4"),
+            );
             return None;
         };
         let time_s = self.time.number();
         if time_s.is_none() {
-            faults.push(Fault::new(pointer("/time"), "wrong_type", "expected a time in seconds"));
+            faults.push(Fault::new(
+                pointer("/time"),
+                "wrong_type",
+                "expected a time in seconds",
+            ));
         }
-        let ownship = self.ownship.numbers().and_then(|pair| <[f64; 2]>::try_from(pair).ok());
+        let ownship = self
+            .ownship
+            .numbers()
+            .and_then(|pair| <[f64; 2]>::try_from(pair).ok());
         if ownship.is_none() {
-            faults.push(Fault::new(pointer("/ownshipPosition"), "wrong_type", "expected [north, east]"));
+            faults.push(Fault::new(
+                pointer("/ownshipPosition"),
+                "wrong_type",
+                "expected [north, east]",
+            ));
         }
         let FerrySensor { read, expected, .. } = SENSORS[sensor];
         let measurements = read(self.measurement, ownship.unwrap_or_default());
@@ -238,7 +278,12 @@ impl ScanFields {
             faults.push(Fault::new(pointer("/measurement"), "wrong_type", expected));
         }
         let (time_s, _, measurements) = (time_s?, ownship?, measurements?);
-        Some(FerryScan { sensor, time_s, measurements, item })
+        Some(FerryScan {
+            sensor,
+            time_s,
+            measurements,
+            item,
+        })
     }
 }
 
@@ -288,18 +333,37 @@ impl<'de> Visitor<'de> for EntryVisitor {
 
 impl EntryFields {
     fn entry(self, (item, nth): (usize, usize), faults: &mut FaultLog) -> Option<(String, Entry)> {
-        let target = if let Loose::Number { whole, .. } = self.target { whole } else { None };
+        let target = if let Loose::Number { whole, .. } = self.target {
+            whole
+        } else {
+            None
+        };
         let time_s = self.time.number();
-        let position = self.position.numbers().filter(|position| (2..=3).contains(&position.len()));
+        let position = self
+            .position
+            .numbers()
+            .filter(|position| (2..=3).contains(&position.len()));
         let mut expect = |present: bool, field: &str, what: &str| {
             if !present {
-                faults.push(Fault::new(format!("/file/{item}/{nth}/{field}"), "wrong_type", format!("expected {what}")));
+                faults.push(Fault::new(
+                    format!("/file/{item}/{nth}/{field}"),
+                    "wrong_type",
+                    format!("expected {what}"),
+                ));
             }
         };
         expect(target.is_some(), "targetID", "a target's number");
         expect(time_s.is_some(), "time", "a time in seconds");
         expect(position.is_some(), "position", "[north, east, 0]");
         let position = position?;
-        Some((target?.to_string(), Entry { time_s: time_s?, position_m: Position::new(position[1], position[0]), item, nth }))
+        Some((
+            target?.to_string(),
+            Entry {
+                time_s: time_s?,
+                position_m: Position::new(position[1], position[0]),
+                item,
+                nth,
+            },
+        ))
     }
 }

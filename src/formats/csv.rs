@@ -3,7 +3,9 @@
 
 use super::lines::{self, BoundedLines};
 use super::table::{self, FaultLog, Rows, Sink};
-use super::{Format, MAX_COLUMNS, MAX_HEADER_BYTES, ReadOptions, ReadOutcome, bearing_time, refuse_columns};
+use super::{
+    Format, MAX_COLUMNS, MAX_HEADER_BYTES, ReadOptions, ReadOutcome, bearing_time, refuse_columns,
+};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use csv::{ErrorKind, ReaderBuilder, StringRecord, Terminator};
@@ -47,7 +49,10 @@ pub fn write_csv(dataset: &Dataset, out: &mut dyn Write) -> io::Result<()> {
     if let Dataset::BearingTime(record) = dataset {
         return bearing_time::write(record, out);
     }
-    let mut sink = CsvSink { writer: csv::Writer::from_writer(out), number: String::new() };
+    let mut sink = CsvSink {
+        writer: csv::Writer::from_writer(out),
+        number: String::new(),
+    };
     table::write(dataset, &mut sink)?;
     sink.writer.flush()
 }
@@ -64,19 +69,42 @@ impl<'a> CsvRows<'a> {
     fn open(input: &'a mut dyn BufRead) -> Result<Self, Vec<Fault>> {
         // Records end at '\n' so that lines can be counted; the '\r' of a Windows line end is cut off by us.
         let (lines, newline) = (BoundedLines::new(input), Terminator::Any(b'\n'));
-        let reader = ReaderBuilder::new().has_headers(false).flexible(true).terminator(newline).from_reader(lines);
-        let mut rows = CsvRows { reader, names: Vec::new(), record: StringRecord::new(), line: 1 };
+        let reader = ReaderBuilder::new()
+            .has_headers(false)
+            .flexible(true)
+            .terminator(newline)
+            .from_reader(lines);
+        let mut rows = CsvRows {
+            reader,
+            names: Vec::new(),
+            record: StringRecord::new(),
+            line: 1,
+        };
         let mut faults = FaultLog::default();
         let found = rows.next_record(&mut faults);
         faults.finish()?;
         if !found {
-            let fault = Fault::new("/file", "empty", "the file is empty; its first line must name the columns");
-            return Err(vec![Fault { line: Some(1), ..fault }]);
+            let fault = Fault::new(
+                "/file",
+                "empty",
+                "the file is empty; its first line must name the columns",
+            );
+            return Err(vec![Fault {
+                line: Some(1),
+                ..fault
+            }]);
         }
         if rows.record.len() > MAX_BEARINGS || rows.record.as_slice().len() > MAX_BEARING_BYTES {
-            return Err(vec![wide_header(rows.record.len(), rows.record.as_slice().len(), MAX_BEARINGS, MAX_BEARING_BYTES)]);
+            return Err(vec![wide_header(
+                rows.record.len(),
+                rows.record.as_slice().len(),
+                MAX_BEARINGS,
+                MAX_BEARING_BYTES,
+            )]);
         }
-        rows.names = (0..rows.record.len()).map(|column| rows.cell(column).trim().to_owned()).collect();
+        rows.names = (0..rows.record.len())
+            .map(|column| rows.cell(column).trim().to_owned())
+            .collect();
         Ok(rows)
     }
 
@@ -90,7 +118,12 @@ impl<'a> CsvRows<'a> {
                 Ok(false) => return false,
                 Ok(true) => {
                     // Blank lines were skipped without being counted in `before`; lines inside quotes are in the record.
-                    let inside = self.record.as_slice().bytes().filter(|&byte| byte == b'\n').count() as u64;
+                    let inside = self
+                        .record
+                        .as_slice()
+                        .bytes()
+                        .filter(|&byte| byte == b'\n')
+                        .count() as u64;
                     self.line = before.max(after.saturating_sub(1 + inside));
                     if self.record.as_slice() != "\r" || self.record.len() != 1 {
                         return true;
@@ -110,14 +143,28 @@ impl<'a> CsvRows<'a> {
 
     /// The fault of a record that cannot be read, and whether the next one may be.
     fn unreadable(&self, error: &csv::Error, line: u64) -> (Fault, bool) {
-        let fault = |detail: String| Fault { line: Some(line), ..Fault::new("/file", "malformed", detail) };
+        let fault = |detail: String| Fault {
+            line: Some(line),
+            ..Fault::new("/file", "malformed", detail)
+        };
         match error.kind() {
             ErrorKind::Utf8 { err, .. } => {
                 let column = self.names.get(err.field()).cloned();
-                (Fault { column, ..fault("the text is not UTF-8".to_owned()) }, true)
+                (
+                    Fault {
+                        column,
+                        ..fault("the text is not UTF-8".to_owned())
+                    },
+                    true,
+                )
             }
-            ErrorKind::Io(error) if error.kind() == io::ErrorKind::FileTooLarge => (lines::too_long(line), false),
-            _ => (fault(format!("the file cannot be read further: {error}")), false),
+            ErrorKind::Io(error) if error.kind() == io::ErrorKind::FileTooLarge => {
+                (lines::too_long(line), false)
+            }
+            _ => (
+                fault(format!("the file cannot be read further: {error}")),
+                false,
+            ),
         }
     }
 
@@ -125,20 +172,32 @@ impl<'a> CsvRows<'a> {
         let (cells, columns) = (self.record.len(), self.names.len());
         let detail = || format!("the row has {cells} values, the header names {columns} columns");
         let fault = (cells != columns).then(|| Fault::new("/file", "malformed", detail()))?;
-        Some(Fault { line: Some(self.line), column: self.names.get(cells).cloned(), ..fault })
+        Some(Fault {
+            line: Some(self.line),
+            column: self.names.get(cells).cloned(),
+            ..fault
+        })
     }
 }
 
 /// Refuses a header that no sound table has.
 fn check_header(names: &[String], columns: usize, bytes: usize) -> Result<(), Vec<Fault>> {
     let found = names.iter().map(String::len).sum();
-    if names.len() > columns || found > bytes { Err(vec![wide_header(names.len(), found, columns, bytes)]) } else { Ok(()) }
+    if names.len() > columns || found > bytes {
+        Err(vec![wide_header(names.len(), found, columns, bytes)])
+    } else {
+        Ok(())
+    }
 }
 
 fn wide_header(found: usize, found_bytes: usize, columns: usize, bytes: usize) -> Fault {
     let detail = format!("the header names {found} columns in {found_bytes} bytes");
-    let fault = Fault::new("/file", "too_large", detail).allowing(format!("<= {columns} columns in <= {bytes} bytes"));
-    Fault { line: Some(1), ..fault }
+    let fault = Fault::new("/file", "too_large", detail)
+        .allowing(format!("<= {columns} columns in <= {bytes} bytes"));
+    Fault {
+        line: Some(1),
+        ..fault
+    }
 }
 
 impl Rows for CsvRows<'_> {
@@ -158,7 +217,11 @@ impl Rows for CsvRows<'_> {
 
     fn cell(&self, column: usize) -> &str {
         let cell = self.record.get(column).unwrap_or_default();
-        if column + 1 == self.record.len() { cell.strip_suffix('\r').unwrap_or(cell) } else { cell }
+        if column + 1 == self.record.len() {
+            cell.strip_suffix('\r').unwrap_or(cell)
+        } else {
+            cell
+        }
     }
 
     fn row(&self) -> u64 {
@@ -174,7 +237,11 @@ impl Rows for CsvRows<'_> {
     }
 
     fn header_fault(&self, name: Option<&str>, code: &str, detail: String) -> Fault {
-        Fault { line: Some(1), column: name.map(str::to_owned), ..Fault::new("/file", code, detail) }
+        Fault {
+            line: Some(1),
+            column: name.map(str::to_owned),
+            ..Fault::new("/file", code, detail)
+        }
     }
 }
 

@@ -31,18 +31,35 @@ pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcom
     if let (Some(asked), Some(said)) = (options.kind, document.kind)
         && asked != said
     {
-        let detail = format!("the file says it holds {}, the upload says {}", said.name(), asked.name());
+        let detail = format!(
+            "the file says it holds {}, the upload says {}",
+            said.name(),
+            asked.name()
+        );
         faults.push(Fault::new("/file/kind", "conflict", detail));
     }
     check_counts(&document, &mut faults);
     check_lengths(&document.columns, &mut faults);
     check_sensors(&document.sensors.described, &mut faults);
     faults.finish()?;
-    let mut rows = JsonRows { names: document.columns.names, columns: document.columns.columns, next: 0 };
+    let mut rows = JsonRows {
+        names: document.columns.names,
+        columns: document.columns.columns,
+        next: 0,
+    };
     let described = std::mem::take(&mut document.sensors.described);
-    let mut outcome = table::read(&mut rows, &ReadOptions { kind, ..options.clone() }, described)?;
+    let mut outcome = table::read(
+        &mut rows,
+        &ReadOptions {
+            kind,
+            ..options.clone()
+        },
+        described,
+    )?;
     if document.sensors.count > 0 && outcome.dataset.kind() != DatasetKind::Detections {
-        outcome.warnings.push("'sensors' is used for detections only".to_owned());
+        outcome
+            .warnings
+            .push("'sensors' is used for detections only".to_owned());
     }
     Ok(outcome)
 }
@@ -51,38 +68,78 @@ fn check_counts(document: &Document, faults: &mut FaultLog) {
     let name_bytes = document.columns.names.iter().map(String::len).sum();
     for (place, what, found, most) in [
         ("columns", "columns", document.columns.count, MAX_COLUMNS),
-        ("columns", "bytes of column names", name_bytes, MAX_HEADER_BYTES),
+        (
+            "columns",
+            "bytes of column names",
+            name_bytes,
+            MAX_HEADER_BYTES,
+        ),
         ("sensors", "sensors", document.sensors.count, MAX_SENSORS),
     ] {
         if found > most {
-            let fault = Fault::new(format!("/file/{place}"), "too_large", format!("there are {found} {what}"));
+            let fault = Fault::new(
+                format!("/file/{place}"),
+                "too_large",
+                format!("there are {found} {what}"),
+            );
             faults.push(fault.allowing(format!("<= {most} {what}")));
         }
     }
 }
 
 fn check_lengths(columns: &Columns, faults: &mut FaultLog) {
-    let Some((first, rest)) = columns.columns.split_first() else { return };
-    for (name, column) in columns.names[1..].iter().zip(rest).filter(|(_, column)| column.ends.len() != first.ends.len()) {
-        let detail = format!("the column has {} values, '{}' has {}", column.ends.len(), columns.names[0], first.ends.len());
-        faults.push(Fault::new(format!("/file/columns/{}", pointer_token(name)), "malformed", detail));
+    let Some((first, rest)) = columns.columns.split_first() else {
+        return;
+    };
+    for (name, column) in columns.names[1..]
+        .iter()
+        .zip(rest)
+        .filter(|(_, column)| column.ends.len() != first.ends.len())
+    {
+        let detail = format!(
+            "the column has {} values, '{}' has {}",
+            column.ends.len(),
+            columns.names[0],
+            first.ends.len()
+        );
+        faults.push(Fault::new(
+            format!("/file/columns/{}", pointer_token(name)),
+            "malformed",
+            detail,
+        ));
     }
 }
 
 fn check_sensors(sensors: &[SensorSettings], faults: &mut FaultLog) {
     let mut seen = BTreeSet::new();
     for (index, sensor) in sensors.iter().enumerate() {
-        let mut report = |code, detail| faults.push(Fault::new(format!("/file/sensors/{index}/sensor_id"), code, detail));
+        let mut report = |code, detail| {
+            faults.push(Fault::new(
+                format!("/file/sensors/{index}/sensor_id"),
+                code,
+                detail,
+            ))
+        };
         if sensor.sensor_id.is_empty() {
             report("missing", "'sensor_id' is empty".to_owned());
         } else if let Some(found) = name_fault(&sensor.sensor_id) {
             report(found.code, found.detail);
         } else if !seen.insert(sensor.sensor_id.as_str()) {
-            report("duplicate", format!("sensor '{}' is described twice", sensor.sensor_id));
+            report(
+                "duplicate",
+                format!("sensor '{}' is described twice", sensor.sensor_id),
+            );
         }
         for misfit in sensor.misfits() {
             let detail = format!("{} is out of range", misfit.value);
-            faults.push(Fault::new(format!("/file/sensors/{index}/{}", misfit.field), "out_of_range", detail).allowing(misfit.allowed));
+            faults.push(
+                Fault::new(
+                    format!("/file/sensors/{index}/{}", misfit.field),
+                    "out_of_range",
+                    detail,
+                )
+                .allowing(misfit.allowed),
+            );
         }
     }
 }
@@ -101,7 +158,9 @@ impl Rows for JsonRows {
 
     fn advance(&mut self, _faults: &mut FaultLog) -> bool {
         self.next += 1;
-        self.columns.first().is_some_and(|column| self.next <= column.ends.len())
+        self.columns
+            .first()
+            .is_some_and(|column| self.next <= column.ends.len())
     }
 
     fn cell(&self, column: usize) -> &str {
@@ -117,11 +176,17 @@ impl Rows for JsonRows {
     }
 
     fn cell_fault(&self, row: u64, column: usize, code: &str, detail: String) -> Fault {
-        Fault::new(format!("/file/columns/{}/{row}", pointer_token(&self.names[column])), code, detail)
+        Fault::new(
+            format!("/file/columns/{}/{row}", pointer_token(&self.names[column])),
+            code,
+            detail,
+        )
     }
 
     fn header_fault(&self, name: Option<&str>, code: &str, detail: String) -> Fault {
-        let token = name.map(|name| format!("/{}", pointer_token(name))).unwrap_or_default();
+        let token = name
+            .map(|name| format!("/{}", pointer_token(name)))
+            .unwrap_or_default();
         Fault::new(format!("/file/columns{token}"), code, detail)
     }
 }
@@ -133,13 +198,25 @@ impl Rows for JsonRows {
 pub fn write_json(dataset: &Dataset, out: &mut dyn Write) -> io::Result<()> {
     let mut sink = JsonSink::default();
     table::write(dataset, &mut sink)?;
-    write!(out, "{{\"kind\":\"{}\",\"columns\":{{", dataset.kind().name())?;
+    write!(
+        out,
+        "{{\"kind\":\"{}\",\"columns\":{{",
+        dataset.kind().name()
+    )?;
     for (index, (name, cells)) in sink.names.iter().zip(&sink.columns).enumerate() {
-        write!(out, "{}\"{name}\":[{cells}]", if index > 0 { "," } else { "" })?;
+        write!(
+            out,
+            "{}\"{name}\":[{cells}]",
+            if index > 0 { "," } else { "" }
+        )?;
     }
     out.write_all(b"}")?;
     if let Dataset::Detections(recording) = dataset {
-        write!(out, ",\"sensors\":{}", serde_json::to_string(&recording.sensors)?)?;
+        write!(
+            out,
+            ",\"sensors\":{}",
+            serde_json::to_string(&recording.sensors)?
+        )?;
     }
     out.write_all(b"}\n")
 }

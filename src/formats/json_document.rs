@@ -203,7 +203,10 @@ impl<'de> Visitor<'de> for ColumnVisitor {
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut cells: A) -> Result<Column, A::Error> {
         let mut column = Column::default();
-        while cells.next_element_seed(CellSeed(&mut column.text))?.is_some() {
+        while cells
+            .next_element_seed(CellSeed(&mut column.text))?
+            .is_some()
+        {
             column.ends.push(column.text.len());
         }
         Ok(column)

@@ -8,21 +8,38 @@ use std::io::{self, BufRead, BufReader, Read};
 ///
 /// # Errors
 /// One fault, with the line and, as its column, the character where the text goes wrong.
-pub(super) fn parse<T>(input: &mut dyn BufRead, seed: impl for<'de> DeserializeSeed<'de, Value = T>) -> Result<T, Vec<Fault>> {
+pub(super) fn parse<T>(
+    input: &mut dyn BufRead,
+    seed: impl for<'de> DeserializeSeed<'de, Value = T>,
+) -> Result<T, Vec<Fault>> {
     let mut is_text = false;
     let read = without_mark(input).and_then(|head| {
-        let text = Noticing { input: head.chain(input), is_text: &mut is_text };
+        let text = Noticing {
+            input: head.chain(input),
+            is_text: &mut is_text,
+        };
         let mut deserializer = serde_json::Deserializer::from_reader(BufReader::new(text));
         let value = seed.deserialize(&mut deserializer)?;
         deserializer.end().map(|()| value)
     });
     match read {
         Ok(value) => Ok(value),
-        Err(error) if error.is_io() => Err(vec![Fault::new("/file", "malformed", format!("the file cannot be read: {error}"))]),
+        Err(error) if error.is_io() => Err(vec![Fault::new(
+            "/file",
+            "malformed",
+            format!("the file cannot be read: {error}"),
+        )]),
         Err(_) if !is_text => Err(vec![Fault::new("/file", "empty", "the file is empty")]),
         Err(error) => {
-            let code = if error.is_data() { "wrong_type" } else { "malformed" };
-            Err(vec![Fault::new("/file", code, error.to_string()).at(error.line() as u64, error.column().to_string())])
+            let code = if error.is_data() {
+                "wrong_type"
+            } else {
+                "malformed"
+            };
+            Err(vec![
+                Fault::new("/file", code, error.to_string())
+                    .at(error.line() as u64, error.column().to_string()),
+            ])
         }
     }
 }
@@ -30,7 +47,10 @@ pub(super) fn parse<T>(input: &mut dyn BufRead, seed: impl for<'de> DeserializeS
 /// The first bytes, less a byte order mark.
 fn without_mark(input: &mut dyn BufRead) -> serde_json::Result<io::Cursor<Vec<u8>>> {
     let mut head = Vec::new();
-    input.take(3).read_to_end(&mut head).map_err(serde_json::Error::io)?;
+    input
+        .take(3)
+        .read_to_end(&mut head)
+        .map_err(serde_json::Error::io)?;
     if head == b"\xef\xbb\xbf" {
         head.clear();
     }
@@ -68,7 +88,10 @@ impl FieldNames {
 
     /// The fault of an array of such records.
     pub fn records_fault(&self) -> Fault {
-        let detail = format!("the file is an array of records ({}); JSON is read column by column", self.0.join(", "));
+        let detail = format!(
+            "the file is an array of records ({}); JSON is read column by column",
+            self.0.join(", ")
+        );
         Fault::new("/file", "unsupported", detail).allowing(READABLE)
     }
 }

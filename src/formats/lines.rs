@@ -8,8 +8,15 @@ pub const MAX_LINE_BYTES: usize = 1 << 22;
 
 /// The fault of a longer line.
 pub fn too_long(line: u64) -> Fault {
-    let fault = Fault::new("/file", "too_large", format!("the line is longer than {MAX_LINE_BYTES} bytes"));
-    Fault { line: Some(line), ..fault.allowing(format!("<= {MAX_LINE_BYTES} bytes a line")) }
+    let fault = Fault::new(
+        "/file",
+        "too_large",
+        format!("the line is longer than {MAX_LINE_BYTES} bytes"),
+    );
+    Fault {
+        line: Some(line),
+        ..fault.allowing(format!("<= {MAX_LINE_BYTES} bytes a line"))
+    }
 }
 
 /// Passes its input on, and fails with [`ErrorKind::FileTooLarge`] at a line that is too long.
@@ -22,7 +29,11 @@ pub struct BoundedLines<'a> {
 
 impl<'a> BoundedLines<'a> {
     pub fn new(input: &'a mut dyn BufRead) -> Self {
-        BoundedLines { input, length: 0, longest: 0 }
+        BoundedLines {
+            input,
+            length: 0,
+            longest: 0,
+        }
     }
 
     fn count(&mut self, bytes: &[u8]) {
@@ -40,7 +51,11 @@ impl Read for BoundedLines<'_> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let count = self.input.read(buffer)?;
         self.count(&buffer[..count]);
-        if self.longest > MAX_LINE_BYTES { Err(ErrorKind::FileTooLarge.into()) } else { Ok(count) }
+        if self.longest > MAX_LINE_BYTES {
+            Err(ErrorKind::FileTooLarge.into())
+        } else {
+            Ok(count)
+        }
     }
 }
 
@@ -50,8 +65,14 @@ impl Read for BoundedLines<'_> {
 /// What the input says, and [`ErrorKind::FileTooLarge`] of a line that is too long.
 pub fn read_line(mut input: &mut dyn BufRead, line: &mut Vec<u8>) -> io::Result<bool> {
     line.clear();
-    let count = (&mut input).take(MAX_LINE_BYTES as u64 + 1).read_until(b'\n', line)?;
-    if count > MAX_LINE_BYTES { Err(ErrorKind::FileTooLarge.into()) } else { Ok(count > 0) }
+    let count = (&mut input)
+        .take(MAX_LINE_BYTES as u64 + 1)
+        .read_until(b'\n', line)?;
+    if count > MAX_LINE_BYTES {
+        Err(ErrorKind::FileTooLarge.into())
+    } else {
+        Ok(count > 0)
+    }
 }
 
 #[cfg(test)]
@@ -63,13 +84,25 @@ mod tests {
         let longest = "x".repeat(MAX_LINE_BYTES - 1) + "\n";
         let read = |text: &str| {
             let mut found = Vec::new();
-            BoundedLines::new(&mut text.as_bytes()).read_to_end(&mut found).map(|_| found.len()).map_err(|error| error.kind())
+            BoundedLines::new(&mut text.as_bytes())
+                .read_to_end(&mut found)
+                .map(|_| found.len())
+                .map_err(|error| error.kind())
         };
         assert_eq!(read(&longest.repeat(2)), Ok(2 * MAX_LINE_BYTES));
-        assert_eq!(read(&format!("{longest}xx{longest}")), Err(ErrorKind::FileTooLarge));
+        assert_eq!(
+            read(&format!("{longest}xx{longest}")),
+            Err(ErrorKind::FileTooLarge)
+        );
         let (mut line, mut input) = (Vec::new(), longest.as_bytes());
-        assert!(read_line(&mut input, &mut line).is_ok_and(|is_read| is_read) && line.len() == MAX_LINE_BYTES);
+        assert!(
+            read_line(&mut input, &mut line).is_ok_and(|is_read| is_read)
+                && line.len() == MAX_LINE_BYTES
+        );
         let too_long = format!("x{longest}");
-        assert_eq!(read_line(&mut too_long.as_bytes(), &mut line).map_err(|error| error.kind()), Err(ErrorKind::FileTooLarge));
+        assert_eq!(
+            read_line(&mut too_long.as_bytes(), &mut line).map_err(|error| error.kind()),
+            Err(ErrorKind::FileTooLarge)
+        );
     }
 }

@@ -59,11 +59,19 @@ pub(super) enum Loose {
 
 impl Loose {
     pub fn number(&self) -> Option<f64> {
-        if let Loose::Number { value, .. } = *self { Some(value) } else { None }
+        if let Loose::Number { value, .. } = *self {
+            Some(value)
+        } else {
+            None
+        }
     }
 
     pub fn numbers(self) -> Option<Vec<f64>> {
-        if let Loose::Numbers(numbers) = self { Some(numbers) } else { None }
+        if let Loose::Numbers(numbers) = self {
+            Some(numbers)
+        } else {
+            None
+        }
     }
 }
 
@@ -78,7 +86,9 @@ struct Inner(Loose);
 
 impl<'de> Deserialize<'de> for Inner {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(LooseVisitor { lists: false }).map(Inner)
+        deserializer
+            .deserialize_any(LooseVisitor { lists: false })
+            .map(Inner)
     }
 }
 
@@ -99,11 +109,17 @@ impl<'de> Visitor<'de> for LooseVisitor {
     }
 
     fn visit_u64<E>(self, value: u64) -> Result<Loose, E> {
-        Ok(Loose::Number { value: value as f64, whole: Some(value) })
+        Ok(Loose::Number {
+            value: value as f64,
+            whole: Some(value),
+        })
     }
 
     fn visit_i64<E>(self, value: i64) -> Result<Loose, E> {
-        Ok(Loose::Number { value: value as f64, whole: u64::try_from(value).ok() })
+        Ok(Loose::Number {
+            value: value as f64,
+            whole: u64::try_from(value).ok(),
+        })
     }
 
     fn visit_f64<E>(self, value: f64) -> Result<Loose, E> {
@@ -122,7 +138,9 @@ impl<'de> Visitor<'de> for LooseVisitor {
         while let Some(Inner(item)) = items.next_element()? {
             match item {
                 Loose::Number { value, .. } if lists.is_empty() => numbers.push(value),
-                Loose::Numbers(list) if self.lists && numbers.is_empty() && lists.len() < 2 => lists.push(list),
+                Loose::Numbers(list) if self.lists && numbers.is_empty() && lists.len() < 2 => {
+                    lists.push(list)
+                }
                 _ => {
                     while items.next_element::<IgnoredAny>()?.is_some() {}
                     return Ok(Loose::Other);
@@ -144,15 +162,39 @@ mod tests {
     #[test]
     fn numbers_and_lists_are_kept_and_the_rest_is_read_away() {
         let read = |text: &str| serde_json::from_str::<Loose>(text).unwrap();
-        assert_eq!(read("2"), Loose::Number { value: 2.0, whole: Some(2) });
+        assert_eq!(
+            read("2"),
+            Loose::Number {
+                value: 2.0,
+                whole: Some(2)
+            }
+        );
         assert_eq!(read("-2").number(), Some(-2.0));
-        assert_eq!(read("2.0"), Loose::Number { value: 2.0, whole: None });
+        assert_eq!(
+            read("2.0"),
+            Loose::Number {
+                value: 2.0,
+                whole: None
+            }
+        );
         assert_eq!(read("[]"), Loose::Numbers(Vec::new()));
         assert_eq!(read("[1, -2.5]"), Loose::Numbers(vec![1.0, -2.5]));
-        assert_eq!(read("[[1], [2, 3]]"), Loose::Pair([vec![1.0], vec![2.0, 3.0]]));
-        for other in
-            ["null", "true", "\"1\"", "{\"a\": [1]}", "[[1]]", "[[1], [2], [3]]", "[1, [2]]", "[[1], 2]", "[[[1]], [2]]", "[\"1\", 2]"]
-        {
+        assert_eq!(
+            read("[[1], [2, 3]]"),
+            Loose::Pair([vec![1.0], vec![2.0, 3.0]])
+        );
+        for other in [
+            "null",
+            "true",
+            "\"1\"",
+            "{\"a\": [1]}",
+            "[[1]]",
+            "[[1], [2], [3]]",
+            "[1, [2]]",
+            "[[1], 2]",
+            "[[[1]], [2]]",
+            "[\"1\", 2]",
+        ] {
             assert_eq!(read(other), Loose::Other, "{other}");
         }
     }

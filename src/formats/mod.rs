@@ -61,7 +61,13 @@ pub const MAX_COLUMNS: usize = 4096;
 pub const MAX_HEADER_BYTES: usize = 1 << 16;
 
 /// Every format that trackloom reads.
-pub const FORMATS: &[Format] = &[csv::FORMAT, json::FORMAT, autoferry::FORMAT, mot::FORMAT, npy::FORMAT];
+pub const FORMATS: &[Format] = &[
+    csv::FORMAT,
+    json::FORMAT,
+    autoferry::FORMAT,
+    mot::FORMAT,
+    npy::FORMAT,
+];
 
 /// The format of that name.
 pub fn format_named(name: &str) -> Option<&'static Format> {
@@ -75,7 +81,10 @@ pub fn detect_format(file_name: &str, first_bytes: &[u8]) -> Option<&'static For
     if first_bytes.starts_with(npy::MAGIC) {
         return format_named("npy");
     }
-    let text = first_bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(first_bytes).trim_ascii_start();
+    let text = first_bytes
+        .strip_prefix(b"\xef\xbb\xbf")
+        .unwrap_or(first_bytes)
+        .trim_ascii_start();
     match text.first() {
         Some(b'{') => format_named("json"),
         Some(b'[') if autoferry::is_one(text) => format_named("autoferry"),
@@ -88,11 +97,21 @@ pub fn detect_format(file_name: &str, first_bytes: &[u8]) -> Option<&'static For
 }
 
 /// Kinds of datasets that are tables of named columns.
-const TABLES: &[DatasetKind] = &[DatasetKind::Detections, DatasetKind::Truth, DatasetKind::Tracks];
+const TABLES: &[DatasetKind] = &[
+    DatasetKind::Detections,
+    DatasetKind::Truth,
+    DatasetKind::Tracks,
+];
 
 /// Faults of a record as those of the file that it was read from.
 fn of_file(faults: Vec<Fault>) -> Vec<Fault> {
-    faults.into_iter().map(|fault| Fault { pointer: "/file".to_owned(), ..fault }).collect()
+    faults
+        .into_iter()
+        .map(|fault| Fault {
+            pointer: "/file".to_owned(),
+            ..fault
+        })
+        .collect()
 }
 
 /// The fault of renaming columns where there are none.
@@ -100,7 +119,11 @@ fn refuse_columns(options: &ReadOptions) -> Result<(), Vec<Fault>> {
     if options.columns.is_empty() {
         return Ok(());
     }
-    Err(vec![Fault::new("/meta/columns", "unsupported", "files of this format have no columns to rename")])
+    Err(vec![Fault::new(
+        "/meta/columns",
+        "unsupported",
+        "files of this format have no columns to rename",
+    )])
 }
 
 #[cfg(test)]
@@ -110,25 +133,44 @@ mod tests {
     #[test]
     fn names_are_unique_and_found() {
         for format in FORMATS {
-            assert_eq!(format_named(format.name).map(|found| found.summary), Some(format.summary));
-            assert_eq!(FORMATS.iter().filter(|other| other.name == format.name).count(), 1);
+            assert_eq!(
+                format_named(format.name).map(|found| found.summary),
+                Some(format.summary)
+            );
+            assert_eq!(
+                FORMATS
+                    .iter()
+                    .filter(|other| other.name == format.name)
+                    .count(),
+                1
+            );
         }
         assert!(format_named("xml").is_none());
     }
 
     #[test]
     fn formats_are_told_from_the_first_bytes() {
-        let detect = |name: &str, bytes: &[u8]| detect_format(name, bytes).map(|format| format.name);
+        let detect =
+            |name: &str, bytes: &[u8]| detect_format(name, bytes).map(|format| format.name);
         assert_eq!(detect("a.csv", b"time_s,truth_id"), Some("csv"));
         assert_eq!(detect("a.txt", b"\xef\xbb\xbf\n{\"columns\""), Some("json"));
         assert_eq!(detect("a.csv", b" [{\"sensorID\""), Some("autoferry"));
         assert_eq!(detect("a.json", b"[\n[], [{\"time\""), Some("autoferry"));
-        assert_eq!(detect("a.json", b"[{\"time\": 1, \"ownshipPosition\""), Some("autoferry"));
-        assert_eq!(detect("a.json", b"[{\"time\": 1, \"x_m\": 2}]"), Some("json"));
+        assert_eq!(
+            detect("a.json", b"[{\"time\": 1, \"ownshipPosition\""),
+            Some("autoferry")
+        );
+        assert_eq!(
+            detect("a.json", b"[{\"time\": 1, \"x_m\": 2}]"),
+            Some("json")
+        );
         assert_eq!(detect("a.json", b"[1,1,1"), Some("json"));
         assert_eq!(detect("a.txt", b"1\t1\t0\t0\t10\t20"), Some("mot"));
         assert_eq!(detect("A.JSON", b""), Some("json"));
-        assert_eq!(detect("gt.txt", b"1,1,399,182,121,229,1,-1,-1,-1"), Some("mot"));
+        assert_eq!(
+            detect("gt.txt", b"1,1,399,182,121,229,1,-1,-1,-1"),
+            Some("mot")
+        );
         assert_eq!(detect("a", b""), Some("csv"));
         assert_eq!(detect("a", b"\x93NUMPY\x01\x00"), Some("npy"));
         assert_eq!(detect("a.csv", b"PK\x03\x04\x00\x00"), None);

@@ -25,7 +25,16 @@ pub const FORMAT: Format = Format {
     read,
 };
 
-const COLUMNS: [&str; 8] = ["frame", "id", "left", "top", "width", "height", "confidence", "class"];
+const COLUMNS: [&str; 8] = [
+    "frame",
+    "id",
+    "left",
+    "top",
+    "width",
+    "height",
+    "confidence",
+    "class",
+];
 /// Values in a row of truth that has a class.
 const WITH_CLASS: usize = 9;
 const PEDESTRIAN: f64 = 1.0;
@@ -38,13 +47,20 @@ pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcom
     refuse_columns(options)?;
     let Some(kind) = options.kind else {
         let detail = "files in the format 'mot' do not say what they hold";
-        return Err(vec![Fault::new("/meta/kind", "missing", detail).allowing("truth, tracks")]);
+        return Err(vec![
+            Fault::new("/meta/kind", "missing", detail).allowing("truth, tracks"),
+        ]);
     };
     if !FORMAT.kinds.contains(&kind) {
         let detail = format!("files in the format 'mot' cannot hold {}", kind.name());
-        return Err(vec![Fault::new("/meta/kind", "unsupported", detail).allowing("truth, tracks")]);
+        return Err(vec![
+            Fault::new("/meta/kind", "unsupported", detail).allowing("truth, tracks"),
+        ]);
     }
-    let mut reader = Reader { is_truth: kind == DatasetKind::Truth, ..Reader::default() };
+    let mut reader = Reader {
+        is_truth: kind == DatasetKind::Truth,
+        ..Reader::default()
+    };
     reader.lines(input)?;
     reader.finish()
 }
@@ -63,18 +79,28 @@ impl Reader {
     fn lines(&mut self, input: &mut dyn BufRead) -> Result<(), Vec<Fault>> {
         let mut bytes = Vec::new();
         for line in 1.. {
-            let is_read = lines::read_line(input, &mut bytes).map_err(|error| match error.kind() {
-                io::ErrorKind::FileTooLarge => vec![lines::too_long(line)],
-                _ => vec![unreadable(line, format!("the file cannot be read further: {error}"))],
-            })?;
+            let is_read =
+                lines::read_line(input, &mut bytes).map_err(|error| match error.kind() {
+                    io::ErrorKind::FileTooLarge => vec![lines::too_long(line)],
+                    _ => vec![unreadable(
+                        line,
+                        format!("the file cannot be read further: {error}"),
+                    )],
+                })?;
             if !is_read || self.faults.is_full() {
                 break;
             }
-            let bytes = if line == 1 { bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes) } else { &bytes };
+            let bytes = if line == 1 {
+                bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes)
+            } else {
+                &bytes
+            };
             match std::str::from_utf8(bytes) {
                 Ok(text) if text.trim().is_empty() => {}
                 Ok(text) => self.row(line, text.trim()),
-                Err(_) => self.faults.push(unreadable(line, "the text is not UTF-8".to_owned())),
+                Err(_) => self
+                    .faults
+                    .push(unreadable(line, "the text is not UTF-8".to_owned())),
             }
         }
         Ok(())
@@ -96,11 +122,22 @@ impl Reader {
             text.split_whitespace().for_each(&mut keep);
         }
         if !(6..=cells.len()).contains(&count) {
-            self.faults.push(unreadable(line, format!("expected 6 to 10 values separated by commas, spaces or tabs, found {count}")));
+            self.faults.push(unreadable(
+                line,
+                format!(
+                    "expected 6 to 10 values separated by commas, spaces or tabs, found {count}"
+                ),
+            ));
             return;
         }
-        let class = if self.is_truth && count == WITH_CLASS { self.number(line, &cells, 7) } else { Some(PEDESTRIAN) };
-        let Some((id, one)) = self.object_box(line, &cells, count) else { return };
+        let class = if self.is_truth && count == WITH_CLASS {
+            self.number(line, &cells, 7)
+        } else {
+            Some(PEDESTRIAN)
+        };
+        let Some((id, one)) = self.object_box(line, &cells, count) else {
+            return;
+        };
         match class {
             None => {}
             Some(_) if self.is_truth && one.confidence == 0.0 => self.without_confidence += 1,
@@ -110,17 +147,36 @@ impl Reader {
     }
 
     /// The box of a row, and the number of its object; `None` after any fault.
-    fn object_box(&mut self, line: u64, cells: &[&str; 10], count: usize) -> Option<(i64, ObjectBox)> {
+    fn object_box(
+        &mut self,
+        line: u64,
+        cells: &[&str; 10],
+        count: usize,
+    ) -> Option<(i64, ObjectBox)> {
         let frame = self.whole_number(line, cells, 0, 1);
         let id = self.whole_number(line, cells, 1, 0);
-        let [left_px, top_px, width_px, height_px] = [2, 3, 4, 5].map(|column| self.number(line, cells, column));
-        let confidence = if count > 6 { self.number(line, cells, 6) } else { Some(1.0) };
+        let [left_px, top_px, width_px, height_px] =
+            [2, 3, 4, 5].map(|column| self.number(line, cells, column));
+        let confidence = if count > 6 {
+            self.number(line, cells, 6)
+        } else {
+            Some(1.0)
+        };
         let (left_px, top_px, width_px, height_px) = (left_px?, top_px?, width_px?, height_px?);
         let (frame, confidence) = (u32::try_from(frame?).ok()?, confidence?);
-        let one = ObjectBox { frame, object: 0, left_px, top_px, width_px, height_px, confidence };
+        let one = ObjectBox {
+            frame,
+            object: 0,
+            left_px,
+            top_px,
+            width_px,
+            height_px,
+            confidence,
+        };
         let mut is_sound = true;
         for (field, code, detail) in one.faults() {
-            self.faults.push(Fault::new("/file", code, detail).at(line, field));
+            self.faults
+                .push(Fault::new("/file", code, detail).at(line, field));
             is_sound = false;
         }
         Some((id?, one)).filter(|_| is_sound)
@@ -132,37 +188,64 @@ impl Reader {
             Ok(value) if value.is_finite() => return Some(value),
             Ok(_) => ("not_finite", format!("'{text}' is not a finite number")),
             Err(_) if text.is_empty() => ("missing", format!("'{name}' is empty")),
-            Err(_) => ("malformed", format!("expected a number, found '{}'", text.chars().take(40).collect::<String>())),
+            Err(_) => (
+                "malformed",
+                format!(
+                    "expected a number, found '{}'",
+                    text.chars().take(40).collect::<String>()
+                ),
+            ),
         };
-        self.faults.push(Fault::new("/file", code, detail).at(line, name));
+        self.faults
+            .push(Fault::new("/file", code, detail).at(line, name));
         None
     }
 
     /// Some writers put `7.0` for 7.
-    fn whole_number(&mut self, line: u64, cells: &[&str; 10], column: usize, least: i64) -> Option<i64> {
+    fn whole_number(
+        &mut self,
+        line: u64,
+        cells: &[&str; 10],
+        column: usize,
+        least: i64,
+    ) -> Option<i64> {
         let value = self.number(line, cells, column)?;
         if value.fract() == 0.0 && (least as f64..=f64::from(u32::MAX)).contains(&value) {
             return Some(value as i64);
         }
-        let code = if value.fract() == 0.0 { "out_of_range" } else { "malformed" };
+        let code = if value.fract() == 0.0 {
+            "out_of_range"
+        } else {
+            "malformed"
+        };
         let detail = format!("expected a whole number, found '{}'", cells[column]);
         let fault = Fault::new("/file", code, detail).at(line, COLUMNS[column]);
-        self.faults.push(fault.allowing(format!("{least} to {}", u32::MAX)));
+        self.faults
+            .push(fault.allowing(format!("{least} to {}", u32::MAX)));
         None
     }
 
     fn finish(mut self) -> Result<ReadOutcome, Vec<Fault>> {
-        self.boxes.sort_by_key(|(id, one, line)| (one.frame, *id, *line));
+        self.boxes
+            .sort_by_key(|(id, one, line)| (one.frame, *id, *line));
         let mut repeats = Repeats::default();
         self.boxes.dedup_by(|next, one| {
             let is_repeated = (next.0, next.1) == (one.0, one.1);
             is_repeated.then(|| repeats.add(next.2));
             is_repeated
         });
-        for pair in self.boxes.windows(2).filter(|pair| (pair[0].0, pair[0].1.frame) == (pair[1].0, pair[1].1.frame)) {
+        for pair in self
+            .boxes
+            .windows(2)
+            .filter(|pair| (pair[0].0, pair[0].1.frame) == (pair[1].0, pair[1].1.frame))
+        {
             let (id, one, line) = &pair[1];
-            let detail = format!("object {id} is in frame {} twice: also on line {}", one.frame, pair[0].2);
-            self.faults.push(Fault::new("/file", "duplicate", detail).at(*line, "id"));
+            let detail = format!(
+                "object {id} is in frame {} twice: also on line {}",
+                one.frame, pair[0].2
+            );
+            self.faults
+                .push(Fault::new("/file", "duplicate", detail).at(*line, "id"));
         }
         self.faults.finish()?;
         let mut warnings = Vec::new();
@@ -173,21 +256,41 @@ impl Reader {
             }
         };
         left_out(self.without_confidence, "of truth with confidence 0");
-        left_out(self.of_other_classes, "of truth in classes other than 1 (pedestrian), on which tracks count as false,");
+        left_out(
+            self.of_other_classes,
+            "of truth in classes other than 1 (pedestrian), on which tracks count as false,",
+        );
         if self.boxes.is_empty() {
             warnings.push("there are no boxes: the dataset is empty".to_owned());
         }
         let numbers: BTreeMap<i64, ()> = self.boxes.iter().map(|(id, ..)| (*id, ())).collect();
         let indices: BTreeMap<i64, u32> = numbers.into_keys().zip(0..).collect();
-        let boxes = self.boxes.iter().map(|(id, one, _)| ObjectBox { object: indices[id], ..*one }).collect();
-        let set = BoxSet::new(indices.into_keys().map(|id| id.to_string()).collect(), boxes)?;
-        let dataset = if self.is_truth { Dataset::TruthBoxes(set) } else { Dataset::TrackBoxes(set) };
+        let boxes = self
+            .boxes
+            .iter()
+            .map(|(id, one, _)| ObjectBox {
+                object: indices[id],
+                ..*one
+            })
+            .collect();
+        let set = BoxSet::new(
+            indices.into_keys().map(|id| id.to_string()).collect(),
+            boxes,
+        )?;
+        let dataset = if self.is_truth {
+            Dataset::TruthBoxes(set)
+        } else {
+            Dataset::TrackBoxes(set)
+        };
         Ok(ReadOutcome { dataset, warnings })
     }
 }
 
 fn unreadable(line: u64, detail: String) -> Fault {
-    Fault { line: Some(line), ..Fault::new("/file", "malformed", detail) }
+    Fault {
+        line: Some(line),
+        ..Fault::new("/file", "malformed", detail)
+    }
 }
 
 /// Writes boxes with ten values a row; reading them gives the same set when all objects are numbers and have boxes, and
@@ -199,8 +302,18 @@ pub fn write_mot(set: &BoxSet, out: &mut dyn Write) -> io::Result<()> {
     let mut text = String::new();
     for one in set.boxes() {
         text.clear();
-        text.push_str(&format!("{},{}", one.frame, set.object_ids()[one.object as usize]));
-        for value in [one.left_px, one.top_px, one.width_px, one.height_px, one.confidence] {
+        text.push_str(&format!(
+            "{},{}",
+            one.frame,
+            set.object_ids()[one.object as usize]
+        ));
+        for value in [
+            one.left_px,
+            one.top_px,
+            one.width_px,
+            one.height_px,
+            one.confidence,
+        ] {
             text.push(',');
             push_number(&mut text, value);
         }

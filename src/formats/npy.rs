@@ -34,8 +34,16 @@ pub struct BearingTimeAxes {
     pub bearing_step_deg: f64,
 }
 
-const TIME: Kind = Kind::Number { min: Bound::Including(-1e12), max: Bound::Including(1e12), unit: "s" };
-const BEARING: Kind = Kind::Number { min: Bound::Including(-360.0), max: Bound::Including(360.0), unit: "deg" };
+const TIME: Kind = Kind::Number {
+    min: Bound::Including(-1e12),
+    max: Bound::Including(1e12),
+    unit: "s",
+};
+const BEARING: Kind = Kind::Number {
+    min: Bound::Including(-360.0),
+    max: Bound::Including(360.0),
+    unit: "deg",
+};
 
 /// [`BearingTimeAxes`] in a request.
 pub static AXES: Object = Object {
@@ -46,13 +54,21 @@ pub static AXES: Object = Object {
         required(
             "time_step_s",
             "Time from row to row.",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "s" },
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Including(1e6),
+                unit: "s",
+            },
         ),
         required("first_bearing_deg", "Centre of the first column.", BEARING),
         required(
             "bearing_step_deg",
             "From the centre of a column to that of the next.",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(180.0), unit: "deg" },
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Including(180.0),
+                unit: "deg",
+            },
         ),
     ],
 };
@@ -86,18 +102,28 @@ pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcom
     let Some(axes) = options.bearing_time else {
         let detail = "an array has no axes: 'bearing_time' must tell them";
         let allowed = "first_time_s, time_step_s, first_bearing_deg, bearing_step_deg";
-        return Err(vec![Fault::new("/meta/bearing_time", "missing", detail).allowing(allowed)]);
+        return Err(vec![
+            Fault::new("/meta/bearing_time", "missing", detail).allowing(allowed),
+        ]);
     };
     let cells = layout.cells().map_err(|fault| vec![fault])?;
     let levels_db = layout.levels(input, cells).map_err(|fault| vec![fault])?;
-    let bearing_deg = |column: usize| axes.first_bearing_deg + column as f64 * axes.bearing_step_deg;
+    let bearing_deg =
+        |column: usize| axes.first_bearing_deg + column as f64 * axes.bearing_step_deg;
     let parts = BearingTimeParts {
-        times_s: (0..layout.rows).map(|row| axes.first_time_s + row as f64 * axes.time_step_s).collect(),
-        bearings_rad: (0..layout.columns).map(|column| bearing_deg(column).to_radians()).collect(),
+        times_s: (0..layout.rows)
+            .map(|row| axes.first_time_s + row as f64 * axes.time_step_s)
+            .collect(),
+        bearings_rad: (0..layout.columns)
+            .map(|column| bearing_deg(column).to_radians())
+            .collect(),
         levels_db,
     };
     let record = BearingTimeRecord::new(parts).map_err(of_file)?;
-    Ok(ReadOutcome { dataset: Dataset::BearingTime(record), warnings: Vec::new() })
+    Ok(ReadOutcome {
+        dataset: Dataset::BearingTime(record),
+        warnings: Vec::new(),
+    })
 }
 
 fn malformed(detail: impl Into<String>) -> Fault {
@@ -109,21 +135,37 @@ fn malformed(detail: impl Into<String>) -> Fault {
 fn read_header(input: &mut dyn BufRead) -> Result<String, Fault> {
     let mut take = |count: usize| {
         let mut bytes = vec![0; count];
-        input.read_exact(&mut bytes).map_err(|_| malformed("the file ends before its header does")).map(|()| bytes)
+        input
+            .read_exact(&mut bytes)
+            .map_err(|_| malformed("the file ends before its header does"))
+            .map(|()| bytes)
     };
     if take(MAGIC.len())? != MAGIC {
-        return Err(malformed("the file is no NumPy array").allowing("a file written by numpy.save"));
+        return Err(
+            malformed("the file is no NumPy array").allowing("a file written by numpy.save")
+        );
     }
     let length = match take(2)?[0] {
-        1 => take(2)?.iter().rev().fold(0, |sum, &byte| sum << 8 | usize::from(byte)),
-        2 | 3 => take(4)?.iter().rev().fold(0, |sum, &byte| sum << 8 | usize::from(byte)),
+        1 => take(2)?
+            .iter()
+            .rev()
+            .fold(0, |sum, &byte| sum << 8 | usize::from(byte)),
+        2 | 3 => take(4)?
+            .iter()
+            .rev()
+            .fold(0, |sum, &byte| sum << 8 | usize::from(byte)),
         version => {
-            let fault = Fault::new("/file", "unsupported", format!("version {version} of the format is not known"));
+            let fault = Fault::new(
+                "/file",
+                "unsupported",
+                format!("version {version} of the format is not known"),
+            );
             return Err(fault.allowing("1, 2, 3"));
         }
     };
     if length > LONGEST_HEADER {
-        return Err(malformed(format!("the header has {length} bytes")).allowing(format!("<= {LONGEST_HEADER}")));
+        return Err(malformed(format!("the header has {length} bytes"))
+            .allowing(format!("<= {LONGEST_HEADER}")));
     }
     String::from_utf8(take(length)?).map_err(|_| malformed("the header is no text"))
 }
@@ -131,14 +173,21 @@ fn read_header(input: &mut dyn BufRead) -> Result<String, Fault> {
 /// What follows `'name':` in the header.
 fn value_of<'a>(header: &'a str, name: &str) -> Option<&'a str> {
     let quoted = [format!("'{name}'"), format!("\"{name}\"")];
-    let after = quoted.iter().find_map(|name| header.split_once(name.as_str()))?.1;
+    let after = quoted
+        .iter()
+        .find_map(|name| header.split_once(name.as_str()))?
+        .1;
     after.trim_start().strip_prefix(':').map(str::trim_start)
 }
 
 impl Layout {
     fn of(header: &str) -> Result<Layout, Vec<Fault>> {
         let mut faults = Vec::new();
-        let text = value_of(header, "descr").and_then(|text| text.trim_start_matches(['\'', '"']).split(['\'', '"', ',']).next());
+        let text = value_of(header, "descr").and_then(|text| {
+            text.trim_start_matches(['\'', '"'])
+                .split(['\'', '"', ','])
+                .next()
+        });
         let text = text.unwrap_or_default();
         let number = match text.trim_start_matches(['<', '>', '=', '|']) {
             "f4" => Some(Number::Float4),
@@ -148,21 +197,33 @@ impl Layout {
             _ => None,
         };
         if number.is_none() {
-            let fault = Fault::new("/file", "unsupported", format!("values of the type '{text}' cannot be levels"));
+            let fault = Fault::new(
+                "/file",
+                "unsupported",
+                format!("values of the type '{text}' cannot be levels"),
+            );
             faults.push(fault.allowing("f4, f8, i2, i4"));
         }
         let order = value_of(header, "fortran_order").unwrap_or_default();
         if !order.starts_with("True") && !order.starts_with("False") {
-            faults.push(malformed("the header does not say the order of the values: fortran_order"));
+            faults.push(malformed(
+                "the header does not say the order of the values: fortran_order",
+            ));
         }
         let shape = value_of(header, "shape").and_then(shape_of);
         if shape.is_none() {
-            faults.push(malformed("the array is no matrix").allowing("two dimensions: times, bearings"));
+            faults.push(
+                malformed("the array is no matrix").allowing("two dimensions: times, bearings"),
+            );
         }
         match (number, shape) {
-            (Some(number), Some([rows, columns])) if faults.is_empty() => {
-                Ok(Layout { number, is_big_endian: text.starts_with('>'), is_fortran: order.starts_with("True"), rows, columns })
-            }
+            (Some(number), Some([rows, columns])) if faults.is_empty() => Ok(Layout {
+                number,
+                is_big_endian: text.starts_with('>'),
+                is_fortran: order.starts_with("True"),
+                rows,
+                columns,
+            }),
             _ => Err(faults),
         }
     }
@@ -174,12 +235,15 @@ impl Layout {
         let Layout { rows, columns, .. } = *self;
         if rows < 1 || columns < 2 {
             let detail = format!("the array has {rows} rows and {columns} columns");
-            return Err(Fault::new("/file", "out_of_range", detail).allowing("at least 1 time and 2 bearings"));
+            return Err(Fault::new("/file", "out_of_range", detail)
+                .allowing("at least 1 time and 2 bearings"));
         }
-        rows.checked_mul(columns).filter(|&cells| cells <= MAX_CELLS).ok_or_else(|| {
-            let detail = format!("the record has {rows} x {columns} cells");
-            Fault::new("/file", "too_large", detail).allowing(format!("<= {MAX_CELLS} cells"))
-        })
+        rows.checked_mul(columns)
+            .filter(|&cells| cells <= MAX_CELLS)
+            .ok_or_else(|| {
+                let detail = format!("the record has {rows} x {columns} cells");
+                Fault::new("/file", "too_large", detail).allowing(format!("<= {MAX_CELLS} cells"))
+            })
     }
 
     /// The values, in the order of rows.
@@ -192,20 +256,36 @@ impl Layout {
         };
         let mut bytes = Vec::new();
         let wanted = (cells * size) as u64;
-        input.take(wanted + 1).read_to_end(&mut bytes).map_err(|error| malformed(error.to_string()))?;
+        input
+            .take(wanted + 1)
+            .read_to_end(&mut bytes)
+            .map_err(|error| malformed(error.to_string()))?;
         if bytes.len() as u64 != wanted {
-            let found = if bytes.len() as u64 > wanted { "more".to_owned() } else { bytes.len().to_string() };
-            let detail = format!("{} x {} values need {wanted} bytes; there are {found}", self.rows, self.columns);
+            let found = if bytes.len() as u64 > wanted {
+                "more".to_owned()
+            } else {
+                bytes.len().to_string()
+            };
+            let detail = format!(
+                "{} x {} values need {wanted} bytes; there are {found}",
+                self.rows, self.columns
+            );
             return Err(malformed(detail));
         }
         let mut levels_db = vec![0.0; cells];
         for (index, value) in bytes.chunks_exact(size).enumerate() {
-            let (row, column) =
-                if self.is_fortran { (index % self.rows, index / self.rows) } else { (index / self.columns, index % self.columns) };
+            let (row, column) = if self.is_fortran {
+                (index % self.rows, index / self.rows)
+            } else {
+                (index / self.columns, index % self.columns)
+            };
             let level_db = self.level(value);
             if !level_db.is_finite() {
-                let detail = format!("the level at row {row}, column {column} is not a finite number");
-                return Err(Fault::new("/file", "not_finite", detail).allowing("finite levels in dB"));
+                let detail =
+                    format!("the level at row {row}, column {column} is not a finite number");
+                return Err(
+                    Fault::new("/file", "not_finite", detail).allowing("finite levels in dB")
+                );
             }
             levels_db[row * self.columns + column] = level_db;
         }
@@ -219,7 +299,10 @@ impl Layout {
         if self.is_big_endian {
             bytes.reverse();
         }
-        let whole = bytes.iter().rev().fold(0u64, |sum, &byte| sum << 8 | u64::from(byte));
+        let whole = bytes
+            .iter()
+            .rev()
+            .fold(0u64, |sum, &byte| sum << 8 | u64::from(byte));
         match self.number {
             Number::Float4 => f32::from_bits(whole as u32),
             Number::Float8 => f64::from_bits(whole) as f32,
@@ -232,7 +315,11 @@ impl Layout {
 /// `(3, 4)` as numbers.
 fn shape_of(text: &str) -> Option<[usize; 2]> {
     let inside = text.strip_prefix('(')?.split_once(')')?.0;
-    let numbers: Option<Vec<usize>> =
-        inside.split(',').map(str::trim).filter(|part| !part.is_empty()).map(|part| part.parse().ok()).collect();
+    let numbers: Option<Vec<usize>> = inside
+        .split(',')
+        .map(str::trim)
+        .filter(|part| !part.is_empty())
+        .map(|part| part.parse().ok())
+        .collect();
     numbers?.try_into().ok()
 }

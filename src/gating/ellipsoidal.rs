@@ -21,8 +21,12 @@ impl<const D: usize> EllipsoidalGate<D> {
     /// `probability` P_G in (0, 1]; with 1 everything is inside.
     pub fn new(probability: f64) -> Self {
         let threshold = gate_threshold(probability, D as u32);
-        let log_scale = log_unit_ball(D as u32) + D as f64 / 2.0 * (threshold / std::f64::consts::TAU).ln();
-        EllipsoidalGate { threshold, log_scale }
+        let log_scale =
+            log_unit_ball(D as u32) + D as f64 / 2.0 * (threshold / std::f64::consts::TAU).ln();
+        EllipsoidalGate {
+            threshold,
+            log_scale,
+        }
     }
 
     /// ln V of the gate around a Gaussian with covariance S: V = c_D γ^(D/2) √det S, in the units of the measurement;
@@ -45,7 +49,13 @@ impl<const D: usize> EllipsoidalGate<D> {
         mut found: impl FnMut(u32, SVector<f64, D>, f64),
     ) {
         // The ellipsoid's bounding box reaches √(γ Sᵢᵢ) along axis i.
-        let reach = |axis: usize| if axis < D { (self.threshold * covariance[(axis, axis)]).sqrt() } else { 0.0 };
+        let reach = |axis: usize| {
+            if axis < D {
+                (self.threshold * covariance[(axis, axis)]).sqrt()
+            } else {
+                0.0
+            }
+        };
         grid.near_places(centre, [reach(0), reach(1)], angle, |places| {
             for near in &placed[places] {
                 let innovation = angle::difference(&near.measurement, centre, angle);
@@ -76,16 +86,22 @@ mod tests {
 
     #[test]
     fn without_a_gate_everything_is_a_candidate() {
-        let positions: Vec<Position> = (0..50).map(|index| Position::new(1e5 * f64::from(index), -3.0 * f64::from(index))).collect();
+        let positions: Vec<Position> = (0..50)
+            .map(|index| Position::new(1e5 * f64::from(index), -3.0 * f64::from(index)))
+            .collect();
         let covariance = PositionCovariance::new(1.0, 0.5, 0.5, 2.0);
         let (mut grid, mut placed, mut found) = (Grid::default(), Vec::new(), Vec::new());
         grid.rebuild(&positions);
         grid.arrange(&positions, &mut placed);
         let gaussian = Gaussian::new(&covariance).unwrap();
         let gate = EllipsoidalGate::new(1.0);
-        gate.candidates(&grid, &placed, (&Position::new(7.0, 7.0), None), (&covariance, &gaussian), |detection, _, _| {
-            found.push(detection)
-        });
+        gate.candidates(
+            &grid,
+            &placed,
+            (&Position::new(7.0, 7.0), None),
+            (&covariance, &gaussian),
+            |detection, _, _| found.push(detection),
+        );
         found.sort_unstable();
         assert_eq!(found, (0..50).collect::<Vec<u32>>());
     }
@@ -153,12 +169,25 @@ mod tests {
         grid.arrange(measurements, &mut placed);
         let mut gated = Vec::new();
         let found = |detection, _, _| gated.push(detection);
-        gate.candidates(&grid, &placed, (&centre, Some(axis)), (&covariance, &gaussian), found);
+        gate.candidates(
+            &grid,
+            &placed,
+            (&centre, Some(axis)),
+            (&covariance, &gaussian),
+            found,
+        );
         gated.sort_unstable();
         let inside = |index: &u32| {
             let mut difference = measurements[*index as usize] - centre;
-            let ways = [difference[axis], difference[axis] - 2.0 * PI, difference[axis] + 2.0 * PI];
-            difference[axis] = ways.into_iter().min_by(|left, right| left.abs().total_cmp(&right.abs())).unwrap();
+            let ways = [
+                difference[axis],
+                difference[axis] - 2.0 * PI,
+                difference[axis] + 2.0 * PI,
+            ];
+            difference[axis] = ways
+                .into_iter()
+                .min_by(|left, right| left.abs().total_cmp(&right.abs()))
+                .unwrap();
             gaussian.squared_distance(&difference) <= gate_threshold(0.99, D as u32)
         };
         let brute: Vec<u32> = (0..measurements.len() as u32).filter(inside).collect();

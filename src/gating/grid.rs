@@ -34,9 +34,16 @@ pub struct Placed<const D: usize> {
 
 impl Grid {
     /// Writes the measurements of [`Grid::rebuild`] in the order of the cells.
-    pub fn arrange<const D: usize>(&self, measurements: &[SVector<f64, D>], placed: &mut Vec<Placed<D>>) {
+    pub fn arrange<const D: usize>(
+        &self,
+        measurements: &[SVector<f64, D>],
+        placed: &mut Vec<Placed<D>>,
+    ) {
         placed.clear();
-        let place = |&detection: &u32| Placed { measurement: measurements[detection as usize], detection };
+        let place = |&detection: &u32| Placed {
+            measurement: measurements[detection as usize],
+            detection,
+        };
         placed.extend(self.order.iter().map(place));
     }
 
@@ -46,8 +53,18 @@ impl Grid {
         let cells = measurements.len() as f64 / 2.0;
         let side = (if D == 1 { cells } else { cells.sqrt() }.ceil() as usize).clamp(1, 4096);
         let cells = [side, if D == 1 { 1 } else { side }];
-        let per_unit = |extent: f64| if extent > 0.0 { side as f64 / extent } else { 0.0 };
-        self.axes = Axes { low, cells_per_unit: [per_unit(high[0] - low[0]), per_unit(high[1] - low[1])], cells };
+        let per_unit = |extent: f64| {
+            if extent > 0.0 {
+                side as f64 / extent
+            } else {
+                0.0
+            }
+        };
+        self.axes = Axes {
+            low,
+            cells_per_unit: [per_unit(high[0] - low[0]), per_unit(high[1] - low[1])],
+            cells,
+        };
         self.sort_into_cells(measurements);
     }
 
@@ -55,7 +72,11 @@ impl Grid {
     fn sort_into_cells<const D: usize>(&mut self, measurements: &[SVector<f64, D>]) {
         let axes = self.axes;
         self.cell_of.clear();
-        self.cell_of.extend(measurements.iter().map(|measurement| axes.cell(plane(measurement))));
+        self.cell_of.extend(
+            measurements
+                .iter()
+                .map(|measurement| axes.cell(plane(measurement))),
+        );
         self.first.clear();
         self.first.resize(axes.cells[0] * axes.cells[1] + 1, 0);
         for &cell in &self.cell_of {
@@ -79,8 +100,18 @@ impl Grid {
     /// Calls `found` once for every detection that may lie within `half` of `centre` on both axes (and some that do not).
     /// `angle` names the axis that goes round, if there is one.
     #[inline]
-    pub fn near<const D: usize>(&self, centre: &SVector<f64, D>, half: [f64; 2], angle: Option<usize>, mut found: impl FnMut(u32)) {
-        self.near_places(centre, half, angle, |places| self.order[places].iter().for_each(|&detection| found(detection)));
+    pub fn near<const D: usize>(
+        &self,
+        centre: &SVector<f64, D>,
+        half: [f64; 2],
+        angle: Option<usize>,
+        mut found: impl FnMut(u32),
+    ) {
+        self.near_places(centre, half, angle, |places| {
+            self.order[places]
+                .iter()
+                .for_each(|&detection| found(detection))
+        });
     }
 
     /// The same, in stretches of the order of the cells.
@@ -99,21 +130,44 @@ impl Grid {
         if let Some(axis) = angle {
             return self.near_round(centre, half, axis, found);
         }
-        self.visit(self.span(centre[0], half[0], 0), self.span(centre[1], half[1], 1), &mut found);
+        self.visit(
+            self.span(centre[0], half[0], 0),
+            self.span(centre[1], half[1], 1),
+            &mut found,
+        );
     }
 
     /// The same with an axis that goes round.
     #[inline(never)]
-    fn near_round(&self, centre: [f64; 2], half: [f64; 2], axis: usize, mut found: impl FnMut(Range<usize>)) {
+    fn near_round(
+        &self,
+        centre: [f64; 2],
+        half: [f64; 2],
+        axis: usize,
+        mut found: impl FnMut(Range<usize>),
+    ) {
         let other = self.span(centre[1 - axis], half[1 - axis], 1 - axis);
-        for part in self.spans_round(centre[axis], half[axis], axis).into_iter().flatten() {
-            let (columns, rows) = if axis == 0 { (part, other.clone()) } else { (other.clone(), part) };
+        for part in self
+            .spans_round(centre[axis], half[axis], axis)
+            .into_iter()
+            .flatten()
+        {
+            let (columns, rows) = if axis == 0 {
+                (part, other.clone())
+            } else {
+                (other.clone(), part)
+            };
             self.visit(columns, rows, &mut found);
         }
     }
 
     #[inline(always)]
-    fn visit(&self, columns: RangeInclusive<usize>, rows: RangeInclusive<usize>, found: &mut impl FnMut(Range<usize>)) {
+    fn visit(
+        &self,
+        columns: RangeInclusive<usize>,
+        rows: RangeInclusive<usize>,
+        found: &mut impl FnMut(Range<usize>),
+    ) {
         for row in rows {
             let from = self.first[row * self.axes.cells[0] + columns.start()];
             let to = self.first[row * self.axes.cells[0] + columns.end() + 1];
@@ -128,7 +182,12 @@ impl Grid {
     }
 
     /// The same along an angle: an interval that crosses ±π has a second part on the other side. No cell is in both.
-    fn spans_round(&self, centre: f64, half: f64, axis: usize) -> [Option<RangeInclusive<usize>>; 2] {
+    fn spans_round(
+        &self,
+        centre: f64,
+        half: f64,
+        axis: usize,
+    ) -> [Option<RangeInclusive<usize>>; 2] {
         let last = self.axes.cells[axis] - 1;
         let direct = self.span(centre, half, axis);
         let (start, end) = (*direct.start(), *direct.end());
@@ -136,10 +195,18 @@ impl Grid {
             [Some(0..=last), None]
         } else if centre - half < -PI {
             let other = self.axes.column(centre - half + TAU, axis);
-            if other <= end { [Some(0..=last), None] } else { [Some(direct), Some(other..=last)] }
+            if other <= end {
+                [Some(0..=last), None]
+            } else {
+                [Some(direct), Some(other..=last)]
+            }
         } else if centre + half > PI {
             let other = self.axes.column(centre + half - TAU, axis);
-            if other >= start { [Some(0..=last), None] } else { [Some(direct), Some(0..=other)] }
+            if other >= start {
+                [Some(0..=last), None]
+            } else {
+                [Some(direct), Some(0..=other)]
+            }
         } else {
             [Some(direct), None]
         }
@@ -172,7 +239,11 @@ fn bounds<const D: usize>(measurements: &[SVector<f64, D>]) -> ([f64; 2], [f64; 
         for (axis, value) in plane(measurement).into_iter().enumerate() {
             // No value is NaN, of which `f64::min` would have to think.
             low[axis] = if value < low[axis] { value } else { low[axis] };
-            high[axis] = if value > high[axis] { value } else { high[axis] };
+            high[axis] = if value > high[axis] {
+                value
+            } else {
+                high[axis]
+            };
         }
     }
     (low, high)
@@ -185,8 +256,12 @@ mod tests {
     use proptest::prelude::*;
 
     fn within(positions: &[Position], centre: &Position, half_m: [f64; 2]) -> Vec<u32> {
-        let inside = |position: &Position| (0..2).all(|axis| (position[axis] - centre[axis]).abs() <= half_m[axis]);
-        (0..positions.len() as u32).filter(|&index| inside(&positions[index as usize])).collect()
+        let inside = |position: &Position| {
+            (0..2).all(|axis| (position[axis] - centre[axis]).abs() <= half_m[axis])
+        };
+        (0..positions.len() as u32)
+            .filter(|&index| inside(&positions[index as usize]))
+            .collect()
     }
 
     proptest! {

@@ -16,7 +16,11 @@ pub fn wrapped(angle_rad: f64) -> f64 {
 
 /// `left − right`, where the coordinate `angle`, if there is one, takes the shorter way round.
 #[inline]
-pub fn difference<const D: usize>(left: &SVector<f64, D>, right: &SVector<f64, D>, angle: Option<usize>) -> SVector<f64, D> {
+pub fn difference<const D: usize>(
+    left: &SVector<f64, D>,
+    right: &SVector<f64, D>,
+    angle: Option<usize>,
+) -> SVector<f64, D> {
     let mut difference = left - right;
     if let Some(axis) = angle {
         difference[axis] = wrapped(difference[axis]);
@@ -31,10 +35,23 @@ mod tests {
 
     #[test]
     fn angles_are_brought_into_one_turn() {
-        for (angle, expected) in [(0.5, 0.5), (PI, -PI), (-PI, -PI), (3.5 * PI, -0.5 * PI), (-3.5 * PI, 0.5 * PI)] {
-            assert!((wrapped(angle) - expected).abs() < 1e-12, "{angle}: {}", wrapped(angle));
+        for (angle, expected) in [
+            (0.5, 0.5),
+            (PI, -PI),
+            (-PI, -PI),
+            (3.5 * PI, -0.5 * PI),
+            (-3.5 * PI, 0.5 * PI),
+        ] {
+            assert!(
+                (wrapped(angle) - expected).abs() < 1e-12,
+                "{angle}: {}",
+                wrapped(angle)
+            );
         }
-        assert!((-PI..PI).contains(&wrapped(-PI - 1e-17)) && (-PI..PI).contains(&wrapped(-PI - f64::EPSILON * 4.0)));
+        assert!(
+            (-PI..PI).contains(&wrapped(-PI - 1e-17))
+                && (-PI..PI).contains(&wrapped(-PI - f64::EPSILON * 4.0))
+        );
     }
 
     #[test]

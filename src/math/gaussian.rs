@@ -16,8 +16,15 @@ impl<const D: usize> Gaussian<D> {
     /// `None` when the covariance is not positive definite.
     #[inline(always)]
     pub fn new(covariance: &SMatrix<f64, D, D>) -> Option<Self> {
-        let (inverse, determinant) = if D == 2 { inverse_of_two(covariance) } else { inverse_of_any(covariance) }?;
-        Some(Gaussian { inverse, log_peak: -0.5 * D as f64 * std::f64::consts::TAU.ln() - 0.5 * determinant.ln() })
+        let (inverse, determinant) = if D == 2 {
+            inverse_of_two(covariance)
+        } else {
+            inverse_of_any(covariance)
+        }?;
+        Some(Gaussian {
+            inverse,
+            log_peak: -0.5 * D as f64 * std::f64::consts::TAU.ln() - 0.5 * determinant.ln(),
+        })
     }
 
     /// d² = νᵀ S⁻¹ ν.
@@ -48,7 +55,9 @@ impl<const D: usize> Gaussian<D> {
 
 /// Inverse and determinant of a 2 × 2 covariance, the case that every radar scan needs thousands of times.
 #[inline(always)]
-fn inverse_of_two<const D: usize>(covariance: &SMatrix<f64, D, D>) -> Option<(SMatrix<f64, D, D>, f64)> {
+fn inverse_of_two<const D: usize>(
+    covariance: &SMatrix<f64, D, D>,
+) -> Option<(SMatrix<f64, D, D>, f64)> {
     let (xx, xy, yy) = (covariance[(0, 0)], covariance[(0, 1)], covariance[(1, 1)]);
     let determinant = xx * yy - xy * xy;
     let mut inverse = SMatrix::zeros();
@@ -60,7 +69,9 @@ fn inverse_of_two<const D: usize>(covariance: &SMatrix<f64, D, D>) -> Option<(SM
 }
 
 /// The same for any size, by Cholesky's decomposition.
-fn inverse_of_any<const D: usize>(covariance: &SMatrix<f64, D, D>) -> Option<(SMatrix<f64, D, D>, f64)> {
+fn inverse_of_any<const D: usize>(
+    covariance: &SMatrix<f64, D, D>,
+) -> Option<(SMatrix<f64, D, D>, f64)> {
     let decomposed = Cholesky::new(*covariance)?;
     let determinant = decomposed.determinant();
     (determinant > 0.0 && determinant.is_finite()).then(|| (decomposed.inverse(), determinant))
@@ -89,13 +100,16 @@ pub fn chi_square_quantile(probability: f64, degrees_of_freedom: f64) -> f64 {
         let normal = Normal::standard().inverse_cdf(probability);
         return degrees_of_freedom * (1.0 - ninth + normal * ninth.sqrt()).powi(3);
     }
-    let chi_square = ChiSquared::new(degrees_of_freedom).expect("a positive number of degrees of freedom is valid");
+    let chi_square = ChiSquared::new(degrees_of_freedom)
+        .expect("a positive number of degrees of freedom is valid");
     chi_square.inverse_cdf(probability)
 }
 
 /// The probability that a chi-square variable is above a value: the p-value of a sum of squared distances.
 pub fn chi_square_tail(value: f64, degrees_of_freedom: f64) -> f64 {
-    ChiSquared::new(degrees_of_freedom).expect("a positive number of degrees of freedom is valid").sf(value)
+    ChiSquared::new(degrees_of_freedom)
+        .expect("a positive number of degrees of freedom is valid")
+        .sf(value)
 }
 
 #[cfg(test)]
@@ -120,8 +134,14 @@ mod tests {
 
     #[test]
     fn a_singular_covariance_has_no_distance() {
-        assert_eq!(Gaussian::new(&PositionCovariance::new(1.0, 1.0, 1.0, 1.0)), None);
-        assert_eq!(Gaussian::new(&PositionCovariance::new(0.0, 0.0, 0.0, 1.0)), None);
+        assert_eq!(
+            Gaussian::new(&PositionCovariance::new(1.0, 1.0, 1.0, 1.0)),
+            None
+        );
+        assert_eq!(
+            Gaussian::new(&PositionCovariance::new(0.0, 0.0, 0.0, 1.0)),
+            None
+        );
     }
 
     #[test]
@@ -129,34 +149,56 @@ mod tests {
         // σ = 3, ν = 6: d² = 4; density exp(−2) / (3 √(2π)).
         let line = Gaussian::new(&Matrix1::new(9.0)).unwrap();
         assert!(close(line.squared_distance(&Vector1::new(6.0)), 4.0));
-        assert!(close(line.log_density(4.0).exp(), (-2.0f64).exp() / (3.0 * std::f64::consts::TAU.sqrt())));
+        assert!(close(
+            line.log_density(4.0).exp(),
+            (-2.0f64).exp() / (3.0 * std::f64::consts::TAU.sqrt())
+        ));
         // The correlated block above beside an independent σ² = 5, ν₃ = 5: d² = 2 + 5, det = 35.
-        let space = Gaussian::new(&Matrix3::new(4.0, 1.0, 0.0, 1.0, 2.0, 0.0, 0.0, 0.0, 5.0)).unwrap();
+        let space =
+            Gaussian::new(&Matrix3::new(4.0, 1.0, 0.0, 1.0, 2.0, 0.0, 0.0, 0.0, 5.0)).unwrap();
         let squared = space.squared_distance(&Vector3::new(1.0, 2.0, 5.0));
         assert!(close(squared, 7.0));
-        assert!(close(space.log_density(squared), -3.5 - 1.5 * std::f64::consts::TAU.ln() - 0.5 * 35f64.ln()));
+        assert!(close(
+            space.log_density(squared),
+            -3.5 - 1.5 * std::f64::consts::TAU.ln() - 0.5 * 35f64.ln()
+        ));
     }
 
     #[test]
     fn unit_balls_are_a_segment_a_disc_and_a_ball() {
         let pi = std::f64::consts::PI;
         for (dimensions, volume) in [(1, 2.0), (2, pi), (3, 4.0 * pi / 3.0)] {
-            assert!(close(log_unit_ball(dimensions).exp(), volume), "{dimensions}");
+            assert!(
+                close(log_unit_ball(dimensions).exp(), volume),
+                "{dimensions}"
+            );
         }
     }
 
     #[test]
     fn gate_thresholds_of_two_dimensions_are_minus_two_ln_of_the_rest() {
         for probability in [0.5f64, 0.9, 0.99, 0.9999] {
-            assert!(close(gate_threshold(probability, 2), -2.0 * (1.0 - probability).ln()), "{probability}");
+            assert!(
+                close(
+                    gate_threshold(probability, 2),
+                    -2.0 * (1.0 - probability).ln()
+                ),
+                "{probability}"
+            );
         }
-        assert_eq!([1, 2, 3].map(|dimensions| gate_threshold(1.0, dimensions)), [f64::INFINITY; 3]);
+        assert_eq!(
+            [1, 2, 3].map(|dimensions| gate_threshold(1.0, dimensions)),
+            [f64::INFINITY; 3]
+        );
     }
 
     #[test]
     fn the_tail_is_what_lies_beyond_a_quantile() {
         for (probability, degrees) in [(0.99, 2.0), (0.5, 4.0), (0.999, 80.0)] {
-            assert!(close(chi_square_tail(chi_square_quantile(probability, degrees), degrees), 1.0 - probability));
+            assert!(close(
+                chi_square_tail(chi_square_quantile(probability, degrees), degrees),
+                1.0 - probability
+            ));
         }
         // Two degrees of freedom: exp(−d²/2).
         assert!(close(chi_square_tail(3.0, 2.0), (-1.5f64).exp()));
@@ -165,9 +207,17 @@ mod tests {
     #[test]
     fn quantiles_beyond_the_search_continue_those_within_it() {
         // Tables: χ²(100, 0.975) = 129.5612, χ²(1000, 0.025) = 914.257, χ²(1000, 0.975) = 1089.531.
-        for (probability, degrees, value) in [(0.975, 100.0, 129.5612), (0.025, 1000.0, 914.2572), (0.975, 1000.0, 1089.5309)] {
-            assert!((chi_square_quantile(probability, degrees) - value).abs() < 1e-3, "{probability} {degrees}");
-            let step = chi_square_quantile(probability, degrees * 1.000001) - chi_square_quantile(probability, degrees);
+        for (probability, degrees, value) in [
+            (0.975, 100.0, 129.5612),
+            (0.025, 1000.0, 914.2572),
+            (0.975, 1000.0, 1089.5309),
+        ] {
+            assert!(
+                (chi_square_quantile(probability, degrees) - value).abs() < 1e-3,
+                "{probability} {degrees}"
+            );
+            let step = chi_square_quantile(probability, degrees * 1.000001)
+                - chi_square_quantile(probability, degrees);
             assert!(step.abs() < 3e-3, "{probability} {degrees}: {step}");
         }
     }

@@ -40,8 +40,12 @@ pub fn standard_deviation(values: &[f64]) -> Option<f64> {
 pub fn t_interval(values: &[f64], confidence: f64) -> Option<Interval> {
     let (mean, deviation) = (mean(values)?, standard_deviation(values)?);
     let students = StudentsT::new(0.0, 1.0, (values.len() - 1) as f64).ok()?;
-    let half = students.inverse_cdf(0.5 + confidence / 2.0) * deviation / (values.len() as f64).sqrt();
-    Some(Interval { low: mean - half, high: mean + half })
+    let half =
+        students.inverse_cdf(0.5 + confidence / 2.0) * deviation / (values.len() as f64).sqrt();
+    Some(Interval {
+        low: mean - half,
+        high: mean + half,
+    })
 }
 
 /// Of a mean that lies between two bounds: the t interval, and where that reaches beyond them Wilson's form with as many trials as would
@@ -58,7 +62,10 @@ pub fn bounded_interval(values: &[f64], bounds: Interval, confidence: f64) -> Op
     let centre = (share + over_trials / 2.0) / (1.0 + over_trials);
     let half = (variance + over_trials * over_trials / 4.0).sqrt() / (1.0 + over_trials);
     let place = |share: f64| (bounds.low + share * length).clamp(bounds.low, bounds.high);
-    Some(Interval { low: place(centre - half), high: place(centre + half) })
+    Some(Interval {
+        low: place(centre - half),
+        high: place(centre + half),
+    })
 }
 
 /// (p̂ + z²/2n ± z √(p̂(1 − p̂)/n + z²/4n²)) / (1 + z²/n): of the probability behind a share of `n` trials. `None` of none.
@@ -66,12 +73,18 @@ pub fn wilson_interval(successes: f64, n: usize, confidence: f64) -> Option<Inte
     if n == 0 {
         return None;
     }
-    let (n, z) = (n as f64, Normal::standard().inverse_cdf(0.5 + confidence / 2.0));
+    let (n, z) = (
+        n as f64,
+        Normal::standard().inverse_cdf(0.5 + confidence / 2.0),
+    );
     let (share, z2) = (successes / n, z * z);
     let centre = share + z2 / (2.0 * n);
     let half = z * (share * (1.0 - share) / n + z2 / (4.0 * n * n)).sqrt();
     let scale = 1.0 + z2 / n;
-    Some(Interval { low: ((centre - half) / scale).max(0.0), high: ((centre + half) / scale).min(1.0) })
+    Some(Interval {
+        low: ((centre - half) / scale).max(0.0),
+        high: ((centre + half) / scale).min(1.0),
+    })
 }
 
 /// Resamples of a bootstrap.
@@ -79,14 +92,28 @@ const RESAMPLES: usize = 2000;
 
 /// The quantiles of the means of 2 000 resamples drawn with replacement, at Φ(∓t √(n/(n − 1))) instead of (1 ∓ confidence) / 2: resamples
 /// of few values vary too little, by √((n − 1)/n) and by what t is above z. `None` of fewer than two values.
-pub fn bootstrap_interval(values: &[f64], confidence: f64, draw: &mut impl RngExt) -> Option<Interval> {
+pub fn bootstrap_interval(
+    values: &[f64],
+    confidence: f64,
+    draw: &mut impl RngExt,
+) -> Option<Interval> {
     let degrees = values.len().checked_sub(1)? as f64;
     let students = StudentsT::new(0.0, 1.0, degrees).ok()?;
-    let tail = Normal::standard().cdf(-students.inverse_cdf(0.5 + confidence / 2.0) * (values.len() as f64 / degrees).sqrt());
-    let resampled = |_| (0..values.len()).map(|_| values[draw.random_range(0..values.len())]).sum::<f64>() / values.len() as f64;
+    let tail = Normal::standard().cdf(
+        -students.inverse_cdf(0.5 + confidence / 2.0) * (values.len() as f64 / degrees).sqrt(),
+    );
+    let resampled = |_| {
+        (0..values.len())
+            .map(|_| values[draw.random_range(0..values.len())])
+            .sum::<f64>()
+            / values.len() as f64
+    };
     let mut means: Vec<f64> = (0..RESAMPLES).map(resampled).collect();
     means.sort_by(f64::total_cmp);
-    Some(Interval { low: quantile(&means, tail)?, high: quantile(&means, 1.0 - tail)? })
+    Some(Interval {
+        low: quantile(&means, tail)?,
+        high: quantile(&means, 1.0 - tail)?,
+    })
 }
 
 /// The slope of a line through points.
@@ -104,16 +131,32 @@ pub fn slope(points: &[(f64, f64)], confidence: f64) -> Option<Slope> {
     let column = |of: fn(&(f64, f64)) -> f64| mean(&points.iter().map(of).collect::<Vec<_>>());
     let (mean_x, mean_y) = (column(|point| point.0)?, column(|point| point.1)?);
     let spread: f64 = points.iter().map(|(x, _)| (x - mean_x).powi(2)).sum();
-    let slope = points.iter().map(|(x, y)| (x - mean_x) * (y - mean_y)).sum::<f64>() / spread;
-    let residuals: f64 = points.iter().map(|(x, y)| (y - mean_y - slope * (x - mean_x)).powi(2)).sum();
+    let slope = points
+        .iter()
+        .map(|(x, y)| (x - mean_x) * (y - mean_y))
+        .sum::<f64>()
+        / spread;
+    let residuals: f64 = points
+        .iter()
+        .map(|(x, y)| (y - mean_y - slope * (x - mean_x)).powi(2))
+        .sum();
     let half = students.inverse_cdf(0.5 + confidence / 2.0) * (residuals / degrees / spread).sqrt();
-    (spread > 0.0).then_some(Slope { slope, interval: Interval { low: slope - half, high: slope + half } })
+    (spread > 0.0).then_some(Slope {
+        slope,
+        interval: Interval {
+            low: slope - half,
+            high: slope + half,
+        },
+    })
 }
 
 /// The quantile of sorted values, on the line between its two neighbours; `None` of none.
 pub fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
     let place = share.clamp(0.0, 1.0) * sorted.len().checked_sub(1)? as f64;
-    let (below, above) = (sorted[place.floor() as usize], sorted[place.ceil() as usize]);
+    let (below, above) = (
+        sorted[place.floor() as usize],
+        sorted[place.ceil() as usize],
+    );
     Some(below + (above - below) * place.fract())
 }
 
@@ -126,7 +169,10 @@ mod tests {
 
     fn assert_interval(found: Option<Interval>, low: f64, high: f64) {
         let found = found.unwrap();
-        assert!((found.low - low).abs() < 1e-4 && (found.high - high).abs() < 1e-4, "{found:?}");
+        assert!(
+            (found.low - low).abs() < 1e-4 && (found.high - high).abs() < 1e-4,
+            "{found:?}"
+        );
     }
 
     #[test]
@@ -137,11 +183,28 @@ mod tests {
         // 8 of 10 at 95 %, z² = 3.84146: (0.8 + 0.192073 ± 1.95996 √(0.016 + 0.0096036)) / 1.384146.
         assert_interval(wilson_interval(8.0, 10, 0.95), 0.490_162, 0.943_318);
         assert_interval(wilson_interval(0.0, 10, 0.95), 0.0, 0.277_533);
-        assert_eq!((t_interval(&[1.0], 0.95), wilson_interval(0.0, 0, 0.95), mean(&[])), (None, None, None));
-        assert_eq!((quantile(&values, 0.5), quantile(&values, 0.875), quantile(&[], 0.5)), (Some(3.0), Some(4.5), None));
+        assert_eq!(
+            (
+                t_interval(&[1.0], 0.95),
+                wilson_interval(0.0, 0, 0.95),
+                mean(&[])
+            ),
+            (None, None, None)
+        );
+        assert_eq!(
+            (
+                quantile(&values, 0.5),
+                quantile(&values, 0.875),
+                quantile(&[], 0.5)
+            ),
+            (Some(3.0), Some(4.5), None)
+        );
     }
 
-    const SHARE: Interval = Interval { low: 0.0, high: 1.0 };
+    const SHARE: Interval = Interval {
+        low: 0.0,
+        high: 1.0,
+    };
 
     #[test]
     fn an_interval_of_a_share_by_hand() {
@@ -153,17 +216,44 @@ mod tests {
         assert_interval(bounded_interval(&values, SHARE, 0.95), 0.625_737, 0.979_777);
         // The limits are where the distance to the mean is t √(p(1 − p)/24).
         for limit in [0.625_737_f64, 0.979_777] {
-            assert!(((0.9 - limit).abs() - 2.776_445 * (limit * (1.0 - limit) / 24.0).sqrt()).abs() < 1e-5);
+            assert!(
+                ((0.9 - limit).abs() - 2.776_445 * (limit * (1.0 - limit) / 24.0).sqrt()).abs()
+                    < 1e-5
+            );
         }
         // Mirrored, and on other bounds: the same interval, mirrored and stretched.
         let mirrored = values.map(|value| 1.0 - value);
-        assert_interval(bounded_interval(&mirrored, SHARE, 0.95), 1.0 - 0.979_777, 1.0 - 0.625_737);
+        assert_interval(
+            bounded_interval(&mirrored, SHARE, 0.95),
+            1.0 - 0.979_777,
+            1.0 - 0.625_737,
+        );
         let stretched = values.map(|value| 2.0 * value - 1.0);
-        assert_interval(bounded_interval(&stretched, Interval { low: -1.0, high: 1.0 }, 0.95), 0.251_473, 0.959_553);
+        assert_interval(
+            bounded_interval(
+                &stretched,
+                Interval {
+                    low: -1.0,
+                    high: 1.0,
+                },
+                0.95,
+            ),
+            0.251_473,
+            0.959_553,
+        );
         // Within the bounds it is the t interval; equal values have one of no length.
         let inside = [0.4, 0.5, 0.6];
-        assert_eq!(bounded_interval(&inside, SHARE, 0.95), t_interval(&inside, 0.95));
-        assert_eq!(bounded_interval(&[1.0; 5], SHARE, 0.95), Some(Interval { low: 1.0, high: 1.0 }));
+        assert_eq!(
+            bounded_interval(&inside, SHARE, 0.95),
+            t_interval(&inside, 0.95)
+        );
+        assert_eq!(
+            bounded_interval(&[1.0; 5], SHARE, 0.95),
+            Some(Interval {
+                low: 1.0,
+                high: 1.0
+            })
+        );
         assert_eq!(bounded_interval(&[1.0], SHARE, 0.95), None);
     }
 
@@ -175,7 +265,10 @@ mod tests {
         let found = slope(&points, 0.95).unwrap();
         assert!((found.slope - 0.6).abs() < 1e-12);
         assert_interval(Some(found.interval), -0.300_131, 1.500_131);
-        assert_eq!((slope(&points[..2], 0.95), slope(&[(1.0, 2.0); 4], 0.95)), (None, None));
+        assert_eq!(
+            (slope(&points[..2], 0.95), slope(&[(1.0, 2.0); 4], 0.95)),
+            (None, None)
+        );
     }
 
     /// How often intervals of 95 % of `count` values hold the mean that they are drawn around.
@@ -189,7 +282,8 @@ mod tests {
         let mut draw = Seed { seed: 1, run: 0 }.stream(Purpose::Bootstrap, 0, 0);
         let covers = |_: &u32| {
             let values: Vec<f64> = (0..count).map(|_| value(&mut draw)).collect();
-            interval(&values, &mut draw).is_some_and(|interval| interval.low <= mean && mean <= interval.high)
+            interval(&values, &mut draw)
+                .is_some_and(|interval| interval.low <= mean && mean <= interval.high)
         };
         (0..repetitions).filter(covers).count() as f64 / f64::from(repetitions)
     }
@@ -224,12 +318,15 @@ mod tests {
             let scene = 10.0 * normal(draw);
             (scene + normal(draw) + 0.3) - (scene + normal(draw))
         };
-        assert_nominal(coverage(10_000, 20, pair, 0.3, |values, _| t_interval(values, 0.95)));
+        assert_nominal(coverage(10_000, 20, pair, 0.3, |values, _| {
+            t_interval(values, 0.95)
+        }));
     }
 
     #[test]
     fn bootstraps_cover_a_mean_as_often_as_they_say() {
-        let interval = |values: &[f64], draw: &mut ChaCha8Rng| bootstrap_interval(values, 0.95, draw);
+        let interval =
+            |values: &[f64], draw: &mut ChaCha8Rng| bootstrap_interval(values, 0.95, draw);
         // A standard deviation of these shares is 0.4 points.
         assert_nominal(coverage(3_000, 15, normal, 0.0, interval));
         assert_nominal(coverage(3_000, 15, |draw| draw.random(), 0.5, interval));
@@ -238,7 +335,9 @@ mod tests {
     #[test]
     fn intervals_of_shares_cover_a_mean_near_the_bound_as_often_as_they_say() {
         // A run gives the share of 50 targets; each is followed with a probability of 0.98.
-        let share = |draw: &mut ChaCha8Rng| (0..50).filter(|_| draw.random_bool(0.98)).count() as f64 / 50.0;
+        let share = |draw: &mut ChaCha8Rng| {
+            (0..50).filter(|_| draw.random_bool(0.98)).count() as f64 / 50.0
+        };
         let interval = |values: &[f64], _: &mut ChaCha8Rng| bounded_interval(values, SHARE, 0.95);
         assert_nominal(coverage(10_000, 10, share, 0.98, interval));
         // Five runs can vary too little by chance.
@@ -250,7 +349,9 @@ mod tests {
     #[test]
     fn wilson_intervals_cover_a_probability_as_often_as_they_say() {
         let flips = |p: f64| move |draw: &mut ChaCha8Rng| f64::from(u8::from(draw.random_bool(p)));
-        let interval = |values: &[f64], _: &mut ChaCha8Rng| wilson_interval(values.iter().sum(), values.len(), 0.95);
+        let interval = |values: &[f64], _: &mut ChaCha8Rng| {
+            wilson_interval(values.iter().sum(), values.len(), 0.95)
+        };
         for p in [0.3, 0.5, 0.9] {
             assert_nominal(coverage(10_000, 200, flips(p), p, interval));
         }
@@ -265,14 +366,23 @@ mod tests {
             let mut covered = 0.0;
             for successes in 0..=n {
                 let interval = wilson_interval(f64::from(successes), n as usize, 0.95).unwrap();
-                covered += if interval.low <= p && p <= interval.high { probability } else { 0.0 };
+                covered += if interval.low <= p && p <= interval.high {
+                    probability
+                } else {
+                    0.0
+                };
                 probability *= f64::from(n - successes) / f64::from(successes + 1) * p / (1.0 - p);
             }
             covered
         };
-        let shares: Vec<f64> = (0..81).map(|step| coverage(0.1 + 0.01 * f64::from(step))).collect();
+        let shares: Vec<f64> = (0..81)
+            .map(|step| coverage(0.1 + 0.01 * f64::from(step)))
+            .collect();
         let average = mean(&shares).unwrap();
         assert!((0.94..0.96).contains(&average), "{average}");
-        assert!(shares.iter().all(|share| (0.92..0.98).contains(share)), "{shares:?}");
+        assert!(
+            shares.iter().all(|share| (0.92..0.98).contains(share)),
+            "{shares:?}"
+        );
     }
 }

@@ -27,6 +27,17 @@ pub const MAX_POINTS: usize = 10_000_000;
 pub const MAX_IDS: usize = 1_000_000;
 
 /// The fault of a table that would hold more than `most`; `found` may be where counting stopped.
-pub fn too_large(pointer: impl Into<String>, what: &str, found: usize, most: usize, remedy: &str) -> Fault {
-    Fault::new(pointer, "too_large", format!("there are {found} {what} or more")).allowing(format!("at most {most}; {remedy}"))
+pub fn too_large(
+    pointer: impl Into<String>,
+    what: &str,
+    found: usize,
+    most: usize,
+    remedy: &str,
+) -> Fault {
+    Fault::new(
+        pointer,
+        "too_large",
+        format!("there are {found} {what} or more"),
+    )
+    .allowing(format!("at most {most}; {remedy}"))
 }

@@ -42,21 +42,45 @@ impl BearingTimeRecord {
         if let (Some(first), Some(last)) = (parts.bearings_rad.first(), parts.bearings_rad.last())
             && last - first >= TAU - 1e-9
         {
-            let detail = format!("the bearings reach over {} degrees", (last - first).to_degrees());
-            faults.push(Fault::new("/bearings_rad", "out_of_range", detail).allowing("less than a turn from the first to the last"));
+            let detail = format!(
+                "the bearings reach over {} degrees",
+                (last - first).to_degrees()
+            );
+            faults.push(
+                Fault::new("/bearings_rad", "out_of_range", detail)
+                    .allowing("less than a turn from the first to the last"),
+            );
         }
         let cells = parts.times_s.len().saturating_mul(parts.bearings_rad.len());
         if cells > MAX_CELLS {
-            faults.push(Fault::new("/levels_db", "too_large", format!("the record has {cells} cells")).allowing(format!("<= {MAX_CELLS}")));
+            faults.push(
+                Fault::new(
+                    "/levels_db",
+                    "too_large",
+                    format!("the record has {cells} cells"),
+                )
+                .allowing(format!("<= {MAX_CELLS}")),
+            );
         }
         if cells != parts.levels_db.len() {
-            let detail = format!("there are {} levels for {cells} cells", parts.levels_db.len());
+            let detail = format!(
+                "there are {} levels for {cells} cells",
+                parts.levels_db.len()
+            );
             faults.push(Fault::new("/levels_db", "malformed", detail));
         }
         if let Some(index) = parts.levels_db.iter().position(|level| !level.is_finite()) {
-            faults.push(Fault::new(format!("/levels_db/{index}"), "not_finite", "a level is not a finite number"));
+            faults.push(Fault::new(
+                format!("/levels_db/{index}"),
+                "not_finite",
+                "a level is not a finite number",
+            ));
         }
-        if faults.is_empty() { Ok(BearingTimeRecord(parts)) } else { Err(faults) }
+        if faults.is_empty() {
+            Ok(BearingTimeRecord(parts))
+        } else {
+            Err(faults)
+        }
     }
 
     /// Cells of a row.
@@ -98,7 +122,11 @@ impl BearingTimeRecord {
 
     /// What the cells cover: the whole turn, or a cell more than from the first centre to the last.
     pub fn span_rad(&self) -> f64 {
-        if self.wraps() { TAU } else { (self.reach_rad() + self.cell_rad()).min(TAU) }
+        if self.wraps() {
+            TAU
+        } else {
+            (self.reach_rad() + self.cell_rad()).min(TAU)
+        }
     }
 
     fn reach_rad(&self) -> f64 {
@@ -109,12 +137,21 @@ impl BearingTimeRecord {
 fn axis_faults(name: &str, values: &[f64], least: usize, faults: &mut Vec<Fault>) {
     if values.len() < least {
         let detail = format!("the axis {name} has {} values", values.len());
-        faults.push(Fault::new(format!("/{name}"), "empty", detail).allowing(format!(">= {least}")));
+        faults
+            .push(Fault::new(format!("/{name}"), "empty", detail).allowing(format!(">= {least}")));
     }
     if let Some(index) = values.iter().position(|value| !value.is_finite()) {
-        faults.push(Fault::new(format!("/{name}/{index}"), "not_finite", format!("the axis {name} has a value that is not finite")));
+        faults.push(Fault::new(
+            format!("/{name}/{index}"),
+            "not_finite",
+            format!("the axis {name} has a value that is not finite"),
+        ));
     } else if let Some(index) = values.windows(2).position(|pair| pair[0] >= pair[1]) {
-        faults.push(Fault::new(format!("/{name}/{}", index + 1), "unsorted", format!("the axis {name} does not rise strictly")));
+        faults.push(Fault::new(
+            format!("/{name}/{}", index + 1),
+            "unsorted",
+            format!("the axis {name} does not rise strictly"),
+        ));
     }
 }
 
@@ -125,7 +162,10 @@ mod tests {
     fn parts(times_s: &[f64], bearings_deg: &[f64]) -> BearingTimeParts {
         BearingTimeParts {
             times_s: times_s.to_vec(),
-            bearings_rad: bearings_deg.iter().map(|degrees| degrees.to_radians()).collect(),
+            bearings_rad: bearings_deg
+                .iter()
+                .map(|degrees| degrees.to_radians())
+                .collect(),
             levels_db: vec![60.0; times_s.len() * bearings_deg.len()],
         }
     }
@@ -147,7 +187,11 @@ mod tests {
         let mut bad = parts(&[1.0, 1.0], &[0.0, 360.0]);
         bad.levels_db.push(f32::NAN);
         let found = |parts| -> Vec<(String, String)> {
-            BearingTimeRecord::new(parts).unwrap_err().into_iter().map(|fault| (fault.pointer, fault.code)).collect()
+            BearingTimeRecord::new(parts)
+                .unwrap_err()
+                .into_iter()
+                .map(|fault| (fault.pointer, fault.code))
+                .collect()
         };
         let pair = |pointer: &str, code: &str| (pointer.to_owned(), code.to_owned());
         assert_eq!(
@@ -159,15 +203,26 @@ mod tests {
                 pair("/levels_db/4", "not_finite")
             ]
         );
-        assert_eq!(found(parts(&[], &[1.0])), [pair("/times_s", "empty"), pair("/bearings_rad", "empty")]);
-        assert_eq!(found(parts(&[f64::INFINITY], &[1.0, 2.0])), [pair("/times_s/0", "not_finite")]);
+        assert_eq!(
+            found(parts(&[], &[1.0])),
+            [pair("/times_s", "empty"), pair("/bearings_rad", "empty")]
+        );
+        assert_eq!(
+            found(parts(&[f64::INFINITY], &[1.0, 2.0])),
+            [pair("/times_s/0", "not_finite")]
+        );
     }
 
     #[test]
     fn more_cells_than_fit_are_refused() {
         let times_s: Vec<f64> = (0..20_001).map(f64::from).collect();
         let bearings_rad: Vec<f64> = (0..1000).map(|cell| f64::from(cell) * 0.001).collect();
-        let faults = BearingTimeRecord::new(BearingTimeParts { times_s, bearings_rad, levels_db: Vec::new() }).unwrap_err();
+        let faults = BearingTimeRecord::new(BearingTimeParts {
+            times_s,
+            bearings_rad,
+            levels_db: Vec::new(),
+        })
+        .unwrap_err();
         assert_eq!(faults[0].code, "too_large");
     }
 }

@@ -25,7 +25,10 @@ impl ObjectBox {
     pub fn overlap(&self, other: &ObjectBox) -> f64 {
         let right = (self.left_px + self.width_px).min(other.left_px + other.width_px);
         let bottom = (self.top_px + self.height_px).min(other.top_px + other.height_px);
-        let (width, height) = (right - self.left_px.max(other.left_px), bottom - self.top_px.max(other.top_px));
+        let (width, height) = (
+            right - self.left_px.max(other.left_px),
+            bottom - self.top_px.max(other.top_px),
+        );
         let shared = width.max(0.0) * height.max(0.0);
         shared / (self.area_px2() + other.area_px2() - shared)
     }
@@ -39,13 +42,29 @@ impl ObjectBox {
             ("height", self.height_px, true),
             ("confidence", self.confidence, false),
         ];
-        let frame = (self.frame == 0).then(|| ("frame", "out_of_range", "frames are counted from 1, found 0".to_owned()));
+        let frame = (self.frame == 0).then(|| {
+            (
+                "frame",
+                "out_of_range",
+                "frames are counted from 1, found 0".to_owned(),
+            )
+        });
         let of_field = |(name, value, is_size): (&'static str, f64, bool)| match value {
-            _ if !value.is_finite() => Some((name, "not_finite", format!("'{value}' is not a finite number"))),
-            _ if is_size && value <= 0.0 => Some((name, "out_of_range", format!("the {name} must be above 0, found {value}"))),
+            _ if !value.is_finite() => Some((
+                name,
+                "not_finite",
+                format!("'{value}' is not a finite number"),
+            )),
+            _ if is_size && value <= 0.0 => Some((
+                name,
+                "out_of_range",
+                format!("the {name} must be above 0, found {value}"),
+            )),
             _ => None,
         };
-        frame.into_iter().chain(fields.into_iter().filter_map(of_field))
+        frame
+            .into_iter()
+            .chain(fields.into_iter().filter_map(of_field))
     }
 }
 
@@ -63,20 +82,41 @@ impl BoxSet {
     /// All faults: values that are not finite, sizes not above 0, frame 0, an object twice in one frame.
     pub fn new(object_ids: Vec<String>, mut boxes: Vec<ObjectBox>) -> Result<Self, Vec<Fault>> {
         boxes.sort_by_key(|one| (one.frame, one.object));
-        let named = |one: &ObjectBox| object_ids.get(one.object as usize).map_or("?", String::as_str);
+        let named = |one: &ObjectBox| {
+            object_ids
+                .get(one.object as usize)
+                .map_or("?", String::as_str)
+        };
         let pointer = |one: &ObjectBox| format!("/objects/{}/{}", named(one), one.frame);
         let mut faults = Vec::new();
         for one in &boxes {
-            faults.extend(one.faults().map(|(field, code, detail)| Fault::new(format!("{}/{field}", pointer(one)), code, detail)));
+            faults.extend(one.faults().map(|(field, code, detail)| {
+                Fault::new(format!("{}/{field}", pointer(one)), code, detail)
+            }));
             if one.object as usize >= object_ids.len() {
-                faults.push(Fault::new(pointer(one), "not_found", format!("there is no object number {}", one.object)));
+                faults.push(Fault::new(
+                    pointer(one),
+                    "not_found",
+                    format!("there is no object number {}", one.object),
+                ));
             }
         }
-        for pair in boxes.windows(2).filter(|pair| (pair[0].frame, pair[0].object) == (pair[1].frame, pair[1].object)) {
-            let detail = format!("object '{}' is in frame {} twice", named(&pair[1]), pair[1].frame);
+        for pair in boxes
+            .windows(2)
+            .filter(|pair| (pair[0].frame, pair[0].object) == (pair[1].frame, pair[1].object))
+        {
+            let detail = format!(
+                "object '{}' is in frame {} twice",
+                named(&pair[1]),
+                pair[1].frame
+            );
             faults.push(Fault::new(pointer(&pair[1]), "duplicate", detail));
         }
-        if faults.is_empty() { Ok(BoxSet { object_ids, boxes }) } else { Err(faults) }
+        if faults.is_empty() {
+            Ok(BoxSet { object_ids, boxes })
+        } else {
+            Err(faults)
+        }
     }
 
     pub fn object_ids(&self) -> &[String] {
@@ -90,13 +130,18 @@ impl BoxSet {
 
     /// How many frames have a box.
     pub fn frames(&self) -> usize {
-        self.boxes.chunk_by(|one, next| one.frame == next.frame).count()
+        self.boxes
+            .chunk_by(|one, next| one.frame == next.frame)
+            .count()
     }
 
     /// The first boxes, with the names of all objects.
     #[must_use]
     pub fn head(&self, limit: usize) -> BoxSet {
-        BoxSet { object_ids: self.object_ids.clone(), boxes: self.boxes.iter().take(limit).copied().collect() }
+        BoxSet {
+            object_ids: self.object_ids.clone(),
+            boxes: self.boxes.iter().take(limit).copied().collect(),
+        }
     }
 }
 
@@ -105,7 +150,15 @@ mod tests {
     use super::*;
 
     fn one(frame: u32, object: u32, left_px: f64, width_px: f64) -> ObjectBox {
-        ObjectBox { frame, object, left_px, top_px: 0.0, width_px, height_px: 2.0, confidence: 1.0 }
+        ObjectBox {
+            frame,
+            object,
+            left_px,
+            top_px: 0.0,
+            width_px,
+            height_px: 2.0,
+            confidence: 1.0,
+        }
     }
 
     #[test]
@@ -113,22 +166,51 @@ mod tests {
         // 4 × 2 and 4 × 2, shifted by 1: 6 over 10. Shifted by 4: they touch, no more.
         assert_eq!(one(1, 0, 0.0, 4.0).overlap(&one(1, 1, 1.0, 4.0)), 0.6);
         assert_eq!(one(1, 0, 0.0, 4.0).overlap(&one(1, 1, 4.0, 4.0)), 0.0);
-        assert_eq!(one(1, 0, 0.0, 4.0).overlap(&ObjectBox { top_px: 9.0, ..one(1, 1, 0.0, 4.0) }), 0.0);
+        assert_eq!(
+            one(1, 0, 0.0, 4.0).overlap(&ObjectBox {
+                top_px: 9.0,
+                ..one(1, 1, 0.0, 4.0)
+            }),
+            0.0
+        );
         assert_eq!(one(1, 0, 0.5, 4.0).overlap(&one(1, 1, 0.5, 4.0)), 1.0);
     }
 
     #[test]
     fn boxes_are_sorted_and_counted() {
-        let set = BoxSet::new(vec!["a".into(), "b".into()], vec![one(7, 1, 0.0, 1.0), one(3, 0, 0.0, 1.0), one(7, 0, 0.0, 1.0)]).unwrap();
-        assert_eq!(set.boxes().iter().map(|one| (one.frame, one.object)).collect::<Vec<_>>(), [(3, 0), (7, 0), (7, 1)]);
+        let set = BoxSet::new(
+            vec!["a".into(), "b".into()],
+            vec![
+                one(7, 1, 0.0, 1.0),
+                one(3, 0, 0.0, 1.0),
+                one(7, 0, 0.0, 1.0),
+            ],
+        )
+        .unwrap();
+        assert_eq!(
+            set.boxes()
+                .iter()
+                .map(|one| (one.frame, one.object))
+                .collect::<Vec<_>>(),
+            [(3, 0), (7, 0), (7, 1)]
+        );
         assert_eq!((set.frames(), set.head(2).boxes().len()), (2, 2));
     }
 
     #[test]
     fn every_fault_is_named() {
-        let boxes = vec![one(1, 0, f64::NAN, -1.0), one(0, 0, 0.0, 1.0), one(2, 0, 0.0, 1.0), one(2, 0, 5.0, 1.0), one(3, 4, 0.0, 1.0)];
+        let boxes = vec![
+            one(1, 0, f64::NAN, -1.0),
+            one(0, 0, 0.0, 1.0),
+            one(2, 0, 0.0, 1.0),
+            one(2, 0, 5.0, 1.0),
+            one(3, 4, 0.0, 1.0),
+        ];
         let faults = BoxSet::new(vec!["a".into()], boxes).unwrap_err();
-        let found: Vec<(&str, &str)> = faults.iter().map(|fault| (fault.pointer.as_str(), fault.code.as_str())).collect();
+        let found: Vec<(&str, &str)> = faults
+            .iter()
+            .map(|fault| (fault.pointer.as_str(), fault.code.as_str()))
+            .collect();
         let expected = [
             ("/objects/a/0/frame", "out_of_range"),
             ("/objects/a/1/left", "not_finite"),

@@ -19,7 +19,12 @@ pub enum DatasetKind {
 }
 
 impl DatasetKind {
-    pub const ALL: [DatasetKind; 4] = [DatasetKind::Detections, DatasetKind::Truth, DatasetKind::Tracks, DatasetKind::BearingTime];
+    pub const ALL: [DatasetKind; 4] = [
+        DatasetKind::Detections,
+        DatasetKind::Truth,
+        DatasetKind::Tracks,
+        DatasetKind::BearingTime,
+    ];
 
     pub fn name(self) -> &'static str {
         match self {
@@ -78,7 +83,9 @@ impl Dataset {
     /// A fault for each name that is not a sensor of it.
     pub fn only_sensors(self, sensor_ids: &[String]) -> Result<Dataset, Vec<Fault>> {
         match self {
-            Dataset::Detections(recording) => recording.only_sensors(sensor_ids).map(Dataset::Detections),
+            Dataset::Detections(recording) => {
+                recording.only_sensors(sensor_ids).map(Dataset::Detections)
+            }
             Dataset::Tracks(tracks) => tracks.only_sensors(sensor_ids).map(Dataset::Tracks),
             other => Ok(other),
         }
@@ -94,29 +101,65 @@ impl Dataset {
     }
 
     pub fn summary(&self) -> DatasetSummary {
-        let (sensor_ids, scans, rows, objects, times): (Vec<String>, usize, usize, usize, Vec<f64>) = match self {
+        let (sensor_ids, scans, rows, objects, times): (
+            Vec<String>,
+            usize,
+            usize,
+            usize,
+            Vec<f64>,
+        ) = match self {
             Dataset::Detections(recording) => (
-                recording.sensors.iter().map(|sensor| sensor.sensor_id.clone()).collect(),
+                recording
+                    .sensors
+                    .iter()
+                    .map(|sensor| sensor.sensor_id.clone())
+                    .collect(),
                 recording.scans.len(),
                 recording.detections.len(),
                 recording.targets.len(),
                 recording.scans.iter().map(|scan| scan.time_s).collect(),
             ),
             Dataset::Truth(truth) => {
-                let times: Vec<f64> = truth.targets().iter().flat_map(|target| target.points.iter().map(|point| point.time_s)).collect();
+                let times: Vec<f64> = truth
+                    .targets()
+                    .iter()
+                    .flat_map(|target| target.points.iter().map(|point| point.time_s))
+                    .collect();
                 (Vec::new(), 0, times.len(), truth.targets().len(), times)
             }
             Dataset::Tracks(set) => {
-                let times: Vec<f64> = set.tracks.iter().flat_map(|track| track.points.iter().map(|point| point.time_s)).collect();
-                (set.sensor_ids.clone(), 0, times.len(), set.tracks.len(), times)
+                let times: Vec<f64> = set
+                    .tracks
+                    .iter()
+                    .flat_map(|track| track.points.iter().map(|point| point.time_s))
+                    .collect();
+                (
+                    set.sensor_ids.clone(),
+                    0,
+                    times.len(),
+                    set.tracks.len(),
+                    times,
+                )
             }
-            Dataset::TruthBoxes(set) | Dataset::TrackBoxes(set) => {
-                (Vec::new(), set.frames(), set.boxes().len(), set.object_ids().len(), Vec::new())
-            }
-            Dataset::BearingTime(record) => (Vec::new(), record.times_s.len(), record.levels_db.len(), 0, record.times_s.clone()),
+            Dataset::TruthBoxes(set) | Dataset::TrackBoxes(set) => (
+                Vec::new(),
+                set.frames(),
+                set.boxes().len(),
+                set.object_ids().len(),
+                Vec::new(),
+            ),
+            Dataset::BearingTime(record) => (
+                Vec::new(),
+                record.times_s.len(),
+                record.levels_db.len(),
+                0,
+                record.times_s.clone(),
+            ),
         };
         let bearings_deg = match self {
-            Dataset::BearingTime(record) => record.bearings_rad.first().zip(record.bearings_rad.last()),
+            Dataset::BearingTime(record) => {
+                record.bearings_rad.first().zip(record.bearings_rad.last())
+            }
             _ => None,
         };
         DatasetSummary {

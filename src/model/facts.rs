@@ -30,33 +30,66 @@ pub struct SensorFacts {
 
 impl RecordingFacts {
     pub fn of(recording: &Recording) -> Self {
-        let mut sensors: Vec<SensorFacts> = recording.sensors.iter().cloned().map(SensorFacts::nothing).collect();
+        let mut sensors: Vec<SensorFacts> = recording
+            .sensors
+            .iter()
+            .cloned()
+            .map(SensorFacts::nothing)
+            .collect();
         for scan in &recording.scans {
             let facts = &mut sensors[scan.sensor];
             facts.scans += 1;
-            recording.detections_of(scan).iter().for_each(|detection| facts.count(detection));
+            recording
+                .detections_of(scan)
+                .iter()
+                .for_each(|detection| facts.count(detection));
         }
-        RecordingFacts { sensors, origins_known: recording.origins_known }
+        RecordingFacts {
+            sensors,
+            origins_known: recording.origins_known,
+        }
     }
 
     /// Those of the named sensors; all where none are named.
     #[must_use]
     pub fn only(&self, sensor_ids: Option<&[String]>) -> Self {
-        let is_wanted = |facts: &&SensorFacts| sensor_ids.is_none_or(|wanted| wanted.contains(&facts.settings.sensor_id));
-        RecordingFacts { sensors: self.sensors.iter().filter(is_wanted).cloned().collect(), origins_known: self.origins_known }
+        let is_wanted = |facts: &&SensorFacts| {
+            sensor_ids.is_none_or(|wanted| wanted.contains(&facts.settings.sensor_id))
+        };
+        RecordingFacts {
+            sensors: self.sensors.iter().filter(is_wanted).cloned().collect(),
+            origins_known: self.origins_known,
+        }
     }
 
     /// A small recording of the same kind: of each sensor a scan with one detection of each kind that it reports.
     pub fn sample(&self) -> Recording {
-        let mut parts = RecordingParts { origins_known: self.origins_known, ..Default::default() };
+        let mut parts = RecordingParts {
+            origins_known: self.origins_known,
+            ..Default::default()
+        };
         for (sensor, facts) in self.sensors.iter().enumerate() {
             let first = parts.detections.len();
             let amplitude = (facts.amplitudes == facts.detections).then_some(1.0);
-            parts.detections.extend(facts.measurements().map(|measurement| Detection { measurement, origin: None, amplitude }));
+            parts
+                .detections
+                .extend(facts.measurements().map(|measurement| Detection {
+                    measurement,
+                    origin: None,
+                    amplitude,
+                }));
             parts.sensors.push(facts.settings.clone());
-            parts.scans.push(Scan { number: sensor as u32 + 1, time_s: 0.0, sensor, first, count: parts.detections.len() - first });
+            parts.scans.push(Scan {
+                number: sensor as u32 + 1,
+                time_s: 0.0,
+                sensor,
+                first,
+                count: parts.detections.len() - first,
+            });
         }
-        parts.detection_ids = (0..parts.detections.len()).map(|index| index.to_string()).collect();
+        parts.detection_ids = (0..parts.detections.len())
+            .map(|index| index.to_string())
+            .collect();
         // Every index is in range by construction.
         Recording::new(parts).unwrap_or_default()
     }
@@ -64,7 +97,16 @@ impl RecordingFacts {
 
 impl SensorFacts {
     fn nothing(settings: SensorSettings) -> Self {
-        SensorFacts { settings, scans: 0, detections: 0, positions: 0, ranges: 0, bearings: 0, range_rates: 0, amplitudes: 0 }
+        SensorFacts {
+            settings,
+            scans: 0,
+            detections: 0,
+            positions: 0,
+            ranges: 0,
+            bearings: 0,
+            range_rates: 0,
+            amplitudes: 0,
+        }
     }
 
     fn count(&mut self, detection: &Detection) {
@@ -81,14 +123,24 @@ impl SensorFacts {
     }
 
     fn measurements(&self) -> impl Iterator<Item = Measurement> {
-        let polar = |range_rate_mps| Measurement::RangeBearing { range_m: 1.0, bearing_rad: 0.0, range_rate_mps };
+        let polar = |range_rate_mps| Measurement::RangeBearing {
+            range_m: 1.0,
+            bearing_rad: 0.0,
+            range_rate_mps,
+        };
         let kinds = [
-            (self.positions > 0, Measurement::Position { x_m: 1.0, y_m: 1.0 }),
+            (
+                self.positions > 0,
+                Measurement::Position { x_m: 1.0, y_m: 1.0 },
+            ),
             (self.ranges > self.range_rates, polar(None)),
             (self.range_rates > 0, polar(Some(0.0))),
             (self.bearings > 0, Measurement::Bearing { bearing_rad: 0.0 }),
         ];
-        kinds.into_iter().filter(|(is_reported, _)| *is_reported).map(|(_, measurement)| measurement)
+        kinds
+            .into_iter()
+            .filter(|(is_reported, _)| *is_reported)
+            .map(|(_, measurement)| measurement)
     }
 }
 
@@ -98,24 +150,80 @@ mod tests {
 
     #[test]
     fn a_sample_has_the_kinds_that_were_counted() {
-        let polar = |range_rate_mps| Measurement::RangeBearing { range_m: 5.0, bearing_rad: 0.5, range_rate_mps };
-        let measurements = [polar(None), polar(Some(2.0)), polar(Some(3.0)), Measurement::Position { x_m: 0.0, y_m: 0.0 }];
-        let detection =
-            |(index, measurement): (usize, Measurement)| Detection { measurement, origin: None, amplitude: (index > 2).then_some(1.0) };
+        let polar = |range_rate_mps| Measurement::RangeBearing {
+            range_m: 5.0,
+            bearing_rad: 0.5,
+            range_rate_mps,
+        };
+        let measurements = [
+            polar(None),
+            polar(Some(2.0)),
+            polar(Some(3.0)),
+            Measurement::Position { x_m: 0.0, y_m: 0.0 },
+        ];
+        let detection = |(index, measurement): (usize, Measurement)| Detection {
+            measurement,
+            origin: None,
+            amplitude: (index > 2).then_some(1.0),
+        };
         let recording = Recording::new(RecordingParts {
             sensors: vec![SensorSettings::named("a"), SensorSettings::named("b")],
-            scans: [(0, 0, 3), (1, 3, 1)].map(|(sensor, first, count)| Scan { number: 1, time_s: 0.0, sensor, first, count }).to_vec(),
-            detections: measurements.into_iter().enumerate().map(detection).collect(),
+            scans: [(0, 0, 3), (1, 3, 1)]
+                .map(|(sensor, first, count)| Scan {
+                    number: 1,
+                    time_s: 0.0,
+                    sensor,
+                    first,
+                    count,
+                })
+                .to_vec(),
+            detections: measurements
+                .into_iter()
+                .enumerate()
+                .map(detection)
+                .collect(),
             detection_ids: ["1", "2", "3", "1"].map(str::to_owned).to_vec(),
             origins_known: true,
             ..Default::default()
         });
         let facts = RecordingFacts::of(&recording.unwrap());
-        let [a, b] = facts.sensors.as_slice() else { panic!("two sensors") };
-        assert_eq!((a.scans, a.detections, a.ranges, a.range_rates, a.positions, a.amplitudes), (1, 3, 3, 2, 0, 0));
-        assert_eq!((b.scans, b.detections, b.ranges, b.range_rates, b.positions, b.amplitudes), (1, 1, 0, 0, 1, 1));
+        let [a, b] = facts.sensors.as_slice() else {
+            panic!("two sensors")
+        };
+        assert_eq!(
+            (
+                a.scans,
+                a.detections,
+                a.ranges,
+                a.range_rates,
+                a.positions,
+                a.amplitudes
+            ),
+            (1, 3, 3, 2, 0, 0)
+        );
+        assert_eq!(
+            (
+                b.scans,
+                b.detections,
+                b.ranges,
+                b.range_rates,
+                b.positions,
+                b.amplitudes
+            ),
+            (1, 1, 0, 0, 1, 1)
+        );
         let sample = facts.sample();
-        assert_eq!((sample.sensors.len(), sample.detections.len(), sample.origins_known), (2, 3, true));
-        assert_eq!(RecordingFacts::of(&facts.only(Some(&["b".to_owned()])).sample()).sensors[0].positions, 1);
+        assert_eq!(
+            (
+                sample.sensors.len(),
+                sample.detections.len(),
+                sample.origins_known
+            ),
+            (2, 3, true)
+        );
+        assert_eq!(
+            RecordingFacts::of(&facts.only(Some(&["b".to_owned()])).sample()).sensors[0].positions,
+            1
+        );
     }
 }

@@ -6,22 +6,37 @@ use serde::{Deserialize, Serialize};
 /// Every `code` of a fault, and what it means.
 pub const FAULT_CODES: &[(&str, &str)] = &[
     ("missing", "something required is absent"),
-    ("unknown_field", "there is no such member, parameter or column"),
+    (
+        "unknown_field",
+        "there is no such member, parameter or column",
+    ),
     ("unknown_path", "the path leads nowhere"),
     ("unknown_value", "the text is none of the known ones"),
     ("wrong_type", "the value is of another type"),
     ("malformed", "the text cannot be read"),
-    ("out_of_range", "the number, or the count, is outside the allowed range"),
+    (
+        "out_of_range",
+        "the number, or the count, is outside the allowed range",
+    ),
     ("not_finite", "the number is infinite or not a number"),
     ("too_large", "there is more of it than the service takes"),
     ("empty", "there is nothing in it"),
     ("too_many", "it is given more often than the service takes"),
-    ("control_character", "the text has a character that texts may not have"),
+    (
+        "control_character",
+        "the text has a character that texts may not have",
+    ),
     ("duplicate", "it is there more than once"),
     ("unsorted", "it is not in order"),
-    ("conflict", "it does not go with something else that is given"),
+    (
+        "conflict",
+        "it does not go with something else that is given",
+    ),
     ("disjoint", "times or places of two inputs do not meet"),
-    ("unsupported", "what is asked for cannot be done with this input"),
+    (
+        "unsupported",
+        "what is asked for cannot be done with this input",
+    ),
     ("not_found", "what is named does not exist"),
 ];
 
@@ -43,8 +58,18 @@ pub struct Fault {
 
 impl Fault {
     pub fn new(pointer: impl Into<String>, code: &str, detail: impl Into<String>) -> Self {
-        debug_assert!(FAULT_CODES.iter().any(|(known, _)| *known == code), "{code} is no code of a fault");
-        Fault { pointer: pointer.into(), code: code.to_owned(), detail: detail.into(), allowed: None, line: None, column: None }
+        debug_assert!(
+            FAULT_CODES.iter().any(|(known, _)| *known == code),
+            "{code} is no code of a fault"
+        );
+        Fault {
+            pointer: pointer.into(),
+            code: code.to_owned(),
+            detail: detail.into(),
+            allowed: None,
+            line: None,
+            column: None,
+        }
     }
 
     #[must_use]

@@ -14,7 +14,8 @@ impl ConstantVelocity {
     /// Q(dt): q·dt³/3 on a coordinate, q·dt²/2 between it and its rate, q·dt on the rate.
     pub fn process_noise<const N: usize>(&self, dt_s: f64) -> SMatrix<f64, N, N> {
         let q = self.spectral_density;
-        let (position, cross, velocity) = (q * dt_s.powi(3) / 3.0, q * dt_s.powi(2) / 2.0, q * dt_s);
+        let (position, cross, velocity) =
+            (q * dt_s.powi(3) / 3.0, q * dt_s.powi(2) / 2.0, q * dt_s);
         let mut noise = SMatrix::zeros();
         for (axis, rate) in (0..N / 2).map(|axis| (axis, axis + N / 2)) {
             noise[(axis, axis)] = position;

@@ -54,16 +54,29 @@ pub struct NameFault {
 pub fn name_fault(name: &str) -> Option<NameFault> {
     if name.len() > MAX_NAME_BYTES {
         let detail = format!("the name '{}' has {} bytes", shortened(name), name.len());
-        return Some(NameFault { code: "too_large", detail, allowed: "at most 200 bytes" });
+        return Some(NameFault {
+            code: "too_large",
+            detail,
+            allowed: "at most 200 bytes",
+        });
     }
     let is_formula = match name.as_bytes().first()? {
         b'=' | b'@' | b'\t' | b'\r' => true,
         b'+' | b'-' => !name.parse::<f64>().is_ok_and(f64::is_finite),
         _ => false,
     };
-    let detail = || format!("the name '{}' would be a formula in a spreadsheet", shortened(name));
+    let detail = || {
+        format!(
+            "the name '{}' would be a formula in a spreadsheet",
+            shortened(name)
+        )
+    };
     let allowed = "numbers, and names that do not begin with = @ + - or a tab";
-    is_formula.then(|| NameFault { code: "malformed", detail: detail(), allowed })
+    is_formula.then(|| NameFault {
+        code: "malformed",
+        detail: detail(),
+        allowed,
+    })
 }
 
 /// A text at a length that fits a message.
@@ -80,23 +93,85 @@ mod tests {
 
     #[test]
     fn numbers_count_by_value() {
-        let mut names = vec!["10", "2", "T10", "T9", "", "1", "T9b", "02", "a2b10", "a2b9", "18446744073709551617", "18446744073709551616"];
+        let mut names = vec![
+            "10",
+            "2",
+            "T10",
+            "T9",
+            "",
+            "1",
+            "T9b",
+            "02",
+            "a2b10",
+            "a2b9",
+            "18446744073709551617",
+            "18446744073709551616",
+        ];
         names.sort_by(|a, b| natural_order(a, b));
-        assert_eq!(names, ["", "1", "02", "2", "10", "18446744073709551616", "18446744073709551617", "T9", "T9b", "T10", "a2b9", "a2b10"]);
+        assert_eq!(
+            names,
+            [
+                "",
+                "1",
+                "02",
+                "2",
+                "10",
+                "18446744073709551616",
+                "18446744073709551617",
+                "T9",
+                "T9b",
+                "T10",
+                "a2b9",
+                "a2b10"
+            ]
+        );
     }
 
     #[test]
     fn names_that_are_formulas_are_refused_and_numbers_are_not() {
-        for sound in ["", "1", "-1", "+12", "-1.5e3", "T-1", "a=b", "radar@north", " =1", "\u{e9}="] {
+        for sound in [
+            "",
+            "1",
+            "-1",
+            "+12",
+            "-1.5e3",
+            "T-1",
+            "a=b",
+            "radar@north",
+            " =1",
+            "\u{e9}=",
+        ] {
             assert_eq!(name_fault(sound), None, "{sound}");
         }
-        for formula in ["=1+1", "@SUM(A1)", "+A1", "-A1", "-", "+", "-inf", "-1+1", "\t=1", "\r=1", "=cmd|'/c calc'!A0"] {
-            assert_eq!(name_fault(formula).map(|found| found.code), Some("malformed"), "{formula}");
+        for formula in [
+            "=1+1",
+            "@SUM(A1)",
+            "+A1",
+            "-A1",
+            "-",
+            "+",
+            "-inf",
+            "-1+1",
+            "\t=1",
+            "\r=1",
+            "=cmd|'/c calc'!A0",
+        ] {
+            assert_eq!(
+                name_fault(formula).map(|found| found.code),
+                Some("malformed"),
+                "{formula}"
+            );
         }
         let long = "x".repeat(MAX_NAME_BYTES);
         assert_eq!(name_fault(&long), None);
         let found = name_fault(&(long + "x")).map(|found| (found.code, found.detail));
-        assert_eq!(found, Some(("too_large", format!("the name '{}…' has 201 bytes", "x".repeat(40)))));
+        assert_eq!(
+            found,
+            Some((
+                "too_large",
+                format!("the name '{}…' has 201 bytes", "x".repeat(40))
+            ))
+        );
     }
 
     #[test]

@@ -22,12 +22,20 @@ pub struct Gap {
 
 /// Whether each sensor counts its own scans.
 pub fn are_by_sensor(scans: &[Scan]) -> bool {
-    if scans.windows(2).all(|pair| pair[0].sensor == pair[1].sensor) {
+    if scans
+        .windows(2)
+        .all(|pair| pair[0].sensor == pair[1].sensor)
+    {
         return true;
     }
-    let mut numbers: Vec<(u32, usize)> = scans.iter().map(|scan| (scan.number, scan.sensor)).collect();
+    let mut numbers: Vec<(u32, usize)> = scans
+        .iter()
+        .map(|scan| (scan.number, scan.sensor))
+        .collect();
     numbers.sort_unstable();
-    numbers.windows(2).any(|pair| pair[0].0 == pair[1].0 && pair[0].1 != pair[1].1)
+    numbers
+        .windows(2)
+        .any(|pair| pair[0].0 == pair[1].0 && pair[0].1 != pair[1].1)
 }
 
 /// Every gap, in order of the scans behind them.
@@ -39,10 +47,18 @@ pub fn gaps(parts: &RecordingParts) -> Vec<Gap> {
     let mut gaps = Vec::new();
     for (after, scan) in parts.scans.iter().enumerate() {
         if let Some(own) = latest[scan.sensor].replace(after) {
-            let (before, counted) = if is_by_sensor { (own, parts.scans[own].number) } else { (after - 1, highest) };
+            let (before, counted) = if is_by_sensor {
+                (own, parts.scans[own].number)
+            } else {
+                (after - 1, highest)
+            };
             let missing = scan.number.saturating_sub(counted).saturating_sub(1);
             if missing > 0 {
-                gaps.push(Gap { before, after, missing });
+                gaps.push(Gap {
+                    before,
+                    after,
+                    missing,
+                });
             }
         }
         highest = highest.max(scan.number);
@@ -57,29 +73,68 @@ mod tests {
 
     /// Scans by number, time and sensor; the gaps by the numbers around them.
     fn found(scans: &[(u32, f64, usize)]) -> Vec<(u32, u32, u32)> {
-        let scan = |&(number, time_s, sensor): &(u32, f64, usize)| Scan { number, time_s, sensor, first: 0, count: 0 };
+        let scan = |&(number, time_s, sensor): &(u32, f64, usize)| Scan {
+            number,
+            time_s,
+            sensor,
+            first: 0,
+            count: 0,
+        };
         let scans: Vec<Scan> = scans.iter().map(scan).collect();
-        let parts = RecordingParts { sensors: vec![SensorSettings::named("any"); 3], scans, ..Default::default() };
-        gaps(&parts).iter().map(|gap| (parts.scans[gap.before].number, parts.scans[gap.after].number, gap.missing)).collect()
+        let parts = RecordingParts {
+            sensors: vec![SensorSettings::named("any"); 3],
+            scans,
+            ..Default::default()
+        };
+        gaps(&parts)
+            .iter()
+            .map(|gap| {
+                (
+                    parts.scans[gap.before].number,
+                    parts.scans[gap.after].number,
+                    gap.missing,
+                )
+            })
+            .collect()
     }
 
     #[test]
     fn one_sensor_lacks_what_its_numbers_leave_out() {
-        assert_eq!(found(&[(7, 0.0, 0), (8, 1.0, 0), (11, 4.0, 0), (3, 5.0, 0)]), [(8, 11, 2)]);
+        assert_eq!(
+            found(&[(7, 0.0, 0), (8, 1.0, 0), (11, 4.0, 0), (3, 5.0, 0)]),
+            [(8, 11, 2)]
+        );
         assert_eq!(found(&[]), []);
     }
 
     #[test]
     fn sensors_that_share_a_number_count_their_own_scans() {
-        let shared = [(1, 0.0, 0), (1, 0.0, 1), (2, 1.0, 0), (2, 1.0, 1), (4, 3.0, 0), (5, 4.0, 1)];
+        let shared = [
+            (1, 0.0, 0),
+            (1, 0.0, 1),
+            (2, 1.0, 0),
+            (2, 1.0, 1),
+            (4, 3.0, 0),
+            (5, 4.0, 1),
+        ];
         assert_eq!(found(&shared), [(2, 4, 1), (2, 5, 2)]);
     }
 
     #[test]
     fn scans_that_are_counted_through_lack_what_no_sensor_has() {
-        let through = [(1, 0.0, 0), (2, 0.0, 1), (3, 1.0, 0), (4, 1.0, 1), (6, 2.0, 1), (7, 3.0, 0)];
+        let through = [
+            (1, 0.0, 0),
+            (2, 0.0, 1),
+            (3, 1.0, 0),
+            (4, 1.0, 1),
+            (6, 2.0, 1),
+            (7, 3.0, 0),
+        ];
         assert_eq!(found(&through), [(4, 6, 1)]);
         // Sensors whose counts begin far apart.
-        assert_eq!(found(&[(1, 0.0, 0), (5000, 0.5, 1), (2, 1.0, 0), (5001, 1.5, 1)]), []);
+        assert_eq!(
+            found(&[(1, 0.0, 0), (5000, 0.5, 1), (2, 1.0, 0), (5001, 1.5, 1)]),
+            []
+        );
     }
 }

@@ -100,25 +100,42 @@ impl ScenarioSensor {
         if sigma_range_rate_mps.is_some() && self.sigma_range_m.is_none() {
             return None;
         }
-        match (self.sigma_x_m, self.sigma_y_m, self.sigma_range_m, self.sigma_bearing_deg) {
-            (Some(sigma_x_m), Some(sigma_y_m), None, None) => Some(ReportNoise::Position { sigma_x_m, sigma_y_m }),
+        match (
+            self.sigma_x_m,
+            self.sigma_y_m,
+            self.sigma_range_m,
+            self.sigma_bearing_deg,
+        ) {
+            (Some(sigma_x_m), Some(sigma_y_m), None, None) => Some(ReportNoise::Position {
+                sigma_x_m,
+                sigma_y_m,
+            }),
             (None, None, Some(sigma_range_m), Some(sigma_bearing_deg)) => {
                 let sigma_bearing_rad = sigma_bearing_deg.to_radians();
-                Some(ReportNoise::RangeBearing { sigma_range_m, sigma_bearing_rad, sigma_range_rate_mps })
+                Some(ReportNoise::RangeBearing {
+                    sigma_range_m,
+                    sigma_bearing_rad,
+                    sigma_range_rate_mps,
+                })
             }
-            (None, None, None, Some(sigma_bearing_deg)) => Some(ReportNoise::Bearing { sigma_bearing_rad: sigma_bearing_deg.to_radians() }),
+            (None, None, None, Some(sigma_bearing_deg)) => Some(ReportNoise::Bearing {
+                sigma_bearing_rad: sigma_bearing_deg.to_radians(),
+            }),
             _ => None,
         }
     }
 
     /// Mean number of false detections in a scan, if they lie in the whole field of view.
     pub fn mean_clutter(&self) -> f64 {
-        self.clutter_per_scan.or(self.clutter_per_deg.map(|per_deg| 360.0 * per_deg)).unwrap_or(0.0)
+        self.clutter_per_scan
+            .or(self.clutter_per_deg.map(|per_deg| 360.0 * per_deg))
+            .unwrap_or(0.0)
     }
 
     /// False detections per square metre of the field of view and scan; `None` where that has no size.
     pub fn clutter_per_m2(&self) -> Option<f64> {
-        self.max_range_m.map(|range_m| self.mean_clutter() / (std::f64::consts::PI * range_m * range_m))
+        self.max_range_m
+            .map(|range_m| self.mean_clutter() / (std::f64::consts::PI * range_m * range_m))
     }
 }
 

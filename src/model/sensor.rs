@@ -37,14 +37,18 @@ pub struct SensorSettings {
 
 impl SensorSettings {
     pub fn named(sensor_id: impl Into<String>) -> Self {
-        SensorSettings { sensor_id: sensor_id.into(), ..Default::default() }
+        SensorSettings {
+            sensor_id: sensor_id.into(),
+            ..Default::default()
+        }
     }
 
     /// The values that no sensor can have.
     pub fn misfits(&self) -> Vec<Misfit> {
         const POSITIVE: (&str, fn(f64) -> bool) = ("> 0", |value| value > 0.0 && value.is_finite());
         const FINITE: (&str, fn(f64) -> bool) = ("a finite number", f64::is_finite);
-        const PROBABILITY: (&str, fn(f64) -> bool) = ("(0, 1]", |value| value > 0.0 && value <= 1.0);
+        const PROBABILITY: (&str, fn(f64) -> bool) =
+            ("(0, 1]", |value| value > 0.0 && value <= 1.0);
         let checks = [
             ("x_m", self.x_m, FINITE),
             ("y_m", self.y_m, FINITE),
@@ -58,9 +62,15 @@ impl SensorSettings {
             ("sigma_bearing_deg", self.sigma_bearing_deg, POSITIVE),
             ("sigma_range_rate_mps", self.sigma_range_rate_mps, POSITIVE),
         ];
-        let misfits = checks.into_iter().filter_map(|(field, value, (allowed, is_sound))| {
-            value.filter(|value| !is_sound(*value)).map(|value| Misfit { field, value, allowed })
-        });
+        let misfits = checks
+            .into_iter()
+            .filter_map(|(field, value, (allowed, is_sound))| {
+                value.filter(|value| !is_sound(*value)).map(|value| Misfit {
+                    field,
+                    value,
+                    allowed,
+                })
+            });
         misfits.collect()
     }
 

@@ -40,7 +40,10 @@ impl<const N: usize> GaussianState<N> {
             covariance[(row, column)] = packed[N + place];
             covariance[(column, row)] = packed[N + place];
         }
-        GaussianState { mean: SVector::from_column_slice(&packed[..N]), covariance }
+        GaussianState {
+            mean: SVector::from_column_slice(&packed[..N]),
+            covariance,
+        }
     }
 }
 
@@ -51,7 +54,18 @@ fn upper_triangle_places(order: usize) -> impl Iterator<Item = (usize, usize)> {
 
 /// Row and column of each element of the upper triangle, in the order of the CSV columns
 /// `p_xx, p_xy, p_xvx, p_xvy, p_yy, p_yvx, p_yvy, p_vxvx, p_vxvy, p_vyvy`.
-pub const UPPER_TRIANGLE: [(usize, usize); 10] = [(0, 0), (0, 1), (0, 2), (0, 3), (1, 1), (1, 2), (1, 3), (2, 2), (2, 3), (3, 3)];
+pub const UPPER_TRIANGLE: [(usize, usize); 10] = [
+    (0, 0),
+    (0, 1),
+    (0, 2),
+    (0, 3),
+    (1, 1),
+    (1, 2),
+    (1, 3),
+    (2, 2),
+    (2, 3),
+    (3, 3),
+];
 
 /// The ten elements of the upper triangle of a symmetric covariance.
 pub fn upper_triangle(covariance: &Covariance) -> [f64; 10] {
@@ -74,11 +88,17 @@ mod tests {
 
     #[test]
     fn a_state_of_any_size_comes_back_from_its_packed_form() {
-        let bearing = GaussianState { mean: SVector::<f64, 2>::new(1.0, 2.0), covariance: SMatrix::<f64, 2, 2>::new(3.0, 4.0, 4.0, 5.0) };
+        let bearing = GaussianState {
+            mean: SVector::<f64, 2>::new(1.0, 2.0),
+            covariance: SMatrix::<f64, 2, 2>::new(3.0, 4.0, 4.0, 5.0),
+        };
         assert_eq!(bearing.packed()[..6], [1.0, 2.0, 3.0, 4.0, 5.0, 0.0]);
         assert_eq!(GaussianState::unpacked(&bearing.packed()), bearing);
         let elements = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0];
-        let plane = GaussianState { mean: State::new(-1.0, -2.0, -3.0, -4.0), covariance: from_upper_triangle(&elements) };
+        let plane = GaussianState {
+            mean: State::new(-1.0, -2.0, -3.0, -4.0),
+            covariance: from_upper_triangle(&elements),
+        };
         assert_eq!(plane.packed()[4..], elements);
         assert_eq!(GaussianState::unpacked(&plane.packed()), plane);
     }

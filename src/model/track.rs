@@ -19,8 +19,11 @@ pub enum TrackStatus {
 }
 
 impl TrackStatus {
-    pub const ALL: [(TrackStatus, &'static str); 3] =
-        [(TrackStatus::Tentative, "tentative"), (TrackStatus::Confirmed, "confirmed"), (TrackStatus::Coasted, "coasted")];
+    pub const ALL: [(TrackStatus, &'static str); 3] = [
+        (TrackStatus::Tentative, "tentative"),
+        (TrackStatus::Confirmed, "confirmed"),
+        (TrackStatus::Coasted, "coasted"),
+    ];
 
     pub fn name(self) -> &'static str {
         Self::ALL[self as usize].1
@@ -85,20 +88,29 @@ impl PlaneEstimate {
     }
 
     pub fn velocity_mps(&self) -> Option<Position> {
-        self.has_velocity.then(|| self.state.fixed_rows::<2>(2).into_owned())
+        self.has_velocity
+            .then(|| self.state.fixed_rows::<2>(2).into_owned())
     }
 }
 
 impl From<GaussianState<4>> for Estimate {
     fn from(state: GaussianState<4>) -> Self {
-        Estimate::Plane(PlaneEstimate { state: state.mean, has_velocity: true, covariance: Some(state.covariance) })
+        Estimate::Plane(PlaneEstimate {
+            state: state.mean,
+            has_velocity: true,
+            covariance: Some(state.covariance),
+        })
     }
 }
 
 impl From<GaussianState<2>> for Estimate {
     fn from(state: GaussianState<2>) -> Self {
         let bearing_rad = state.mean[0].rem_euclid(std::f64::consts::TAU);
-        Estimate::Bearing(BearingEstimate { bearing_rad, rate_radps: Some(state.mean[1]), covariance: Some(state.covariance) })
+        Estimate::Bearing(BearingEstimate {
+            bearing_rad,
+            rate_radps: Some(state.mean[1]),
+            covariance: Some(state.covariance),
+        })
     }
 }
 
@@ -138,7 +150,10 @@ pub struct TrackSet {
 impl TrackSet {
     /// Whether its points are directions instead of places.
     pub fn is_of_bearings(&self) -> bool {
-        self.tracks.iter().find_map(|track| track.points.first()).is_some_and(|point| point.estimate.bearing().is_some())
+        self.tracks
+            .iter()
+            .find_map(|track| track.points.first())
+            .is_some_and(|point| point.estimate.bearing().is_some())
     }
 
     /// Only the points of the named sensors; tracks without any are left out. Candidates keep their places.
@@ -148,8 +163,15 @@ impl TrackSet {
     pub fn only_sensors(mut self, sensor_ids: &[String]) -> Result<TrackSet, Vec<Fault>> {
         let known: Vec<&str> = self.sensor_ids.iter().map(String::as_str).collect();
         check_known("tracks have", &known, sensor_ids)?;
-        let kept: Vec<&String> = self.sensor_ids.iter().filter(|id| sensor_ids.contains(id)).collect();
-        let place_of = |sensor: u32| kept.iter().position(|id| **id == self.sensor_ids[sensor as usize]);
+        let kept: Vec<&String> = self
+            .sensor_ids
+            .iter()
+            .filter(|id| sensor_ids.contains(id))
+            .collect();
+        let place_of = |sensor: u32| {
+            kept.iter()
+                .position(|id| **id == self.sensor_ids[sensor as usize])
+        };
         for track in &mut self.tracks {
             track.points.retain_mut(|point| {
                 let place = point.sensor.and_then(place_of);

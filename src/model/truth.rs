@@ -18,18 +18,25 @@ pub enum TruePlace {
         velocity_mps: Option<Position>,
     },
     /// A direction alone, clockwise from north.
-    Bearing {
-        bearing_rad: f64,
-    },
+    Bearing { bearing_rad: f64 },
 }
 
 impl TruthPoint {
     pub fn in_plane(time_s: f64, position_m: Position, velocity_mps: Option<Position>) -> Self {
-        TruthPoint { time_s, place: TruePlace::Plane { position_m, velocity_mps } }
+        TruthPoint {
+            time_s,
+            place: TruePlace::Plane {
+                position_m,
+                velocity_mps,
+            },
+        }
     }
 
     pub fn at_bearing(time_s: f64, bearing_rad: f64) -> Self {
-        TruthPoint { time_s, place: TruePlace::Bearing { bearing_rad } }
+        TruthPoint {
+            time_s,
+            place: TruePlace::Bearing { bearing_rad },
+        }
     }
 
     /// `None` where only the direction is known.
@@ -100,7 +107,8 @@ impl Target {
         let gap_s = next.time_s - last.time_s;
         let share = (time_s - last.time_s) / gap_s;
         let (from_rad, to_rad) = (last.bearing_rad()?, next.bearing_rad()?);
-        (gap_s <= max_gap_s).then(|| (from_rad + shorter_way(from_rad, to_rad) * share).rem_euclid(TAU))
+        (gap_s <= max_gap_s)
+            .then(|| (from_rad + shorter_way(from_rad, to_rad) * share).rem_euclid(TAU))
     }
 
     /// How fast its direction turned at `time_s` (rad/s): the slope between the points around that time. `None` where
@@ -108,7 +116,11 @@ impl Target {
     pub fn bearing_rate_at(&self, time_s: f64, max_gap_s: f64) -> Option<f64> {
         let after = self.points.partition_point(|point| point.time_s < time_s);
         let is_point = self.points.get(after)?.time_s == time_s;
-        let until = if is_point { (after + 1).min(self.points.len() - 1) } else { after };
+        let until = if is_point {
+            (after + 1).min(self.points.len() - 1)
+        } else {
+            after
+        };
         let (from, to) = (&self.points[after.saturating_sub(1)], &self.points[until]);
         let gap_s = to.time_s - from.time_s;
         let turned_rad = shorter_way(from.bearing_rad()?, to.bearing_rad()?);
@@ -122,14 +134,21 @@ impl Target {
         let after = self.points.partition_point(|point| point.time_s < time_s);
         let next = self.points.get(after)?;
         if next.time_s == time_s {
-            return next.velocity_mps().or_else(|| self.slope(after.saturating_sub(1), (after + 1).min(self.points.len() - 1)));
+            return next.velocity_mps().or_else(|| {
+                self.slope(
+                    after.saturating_sub(1),
+                    (after + 1).min(self.points.len() - 1),
+                )
+            });
         }
         let last = self.points.get(after.checked_sub(1)?)?;
         if next.time_s - last.time_s > max_gap_s {
             return None;
         }
         match (last.velocity_mps(), next.velocity_mps()) {
-            (Some(from), Some(to)) => Some(from + (to - from) * ((time_s - last.time_s) / (next.time_s - last.time_s))),
+            (Some(from), Some(to)) => {
+                Some(from + (to - from) * ((time_s - last.time_s) / (next.time_s - last.time_s)))
+            }
             _ => self.slope(after - 1, after),
         }
     }
@@ -144,8 +163,13 @@ impl Target {
     pub fn nearest_point(&self, time_s: f64, max_gap_s: f64) -> Option<&TruthPoint> {
         let after = self.points.partition_point(|point| point.time_s < time_s);
         let gap_s = |point: &&TruthPoint| (point.time_s - time_s).abs();
-        let candidates = [after.checked_sub(1), Some(after)].into_iter().flatten().filter_map(|index| self.points.get(index));
-        candidates.min_by(|a, b| gap_s(a).total_cmp(&gap_s(b))).filter(|point| gap_s(point) <= max_gap_s)
+        let candidates = [after.checked_sub(1), Some(after)]
+            .into_iter()
+            .flatten()
+            .filter_map(|index| self.points.get(index));
+        candidates
+            .min_by(|a, b| gap_s(a).total_cmp(&gap_s(b)))
+            .filter(|point| gap_s(point) <= max_gap_s)
     }
 }
 
@@ -169,25 +193,47 @@ impl TruthSet {
         for target in &targets {
             let pointer = format!("/targets/{}", target.truth_id);
             if !names.insert(target.truth_id.as_str()) {
-                faults.push(Fault::new(pointer.clone(), "duplicate", format!("target '{}' occurs twice", target.truth_id)));
+                faults.push(Fault::new(
+                    pointer.clone(),
+                    "duplicate",
+                    format!("target '{}' occurs twice", target.truth_id),
+                ));
             }
-            if target.points.windows(2).any(|pair| pair[0].time_s >= pair[1].time_s) {
-                faults.push(Fault::new(pointer.clone(), "unsorted", format!("the times of target '{}' do not rise", target.truth_id)));
+            if target
+                .points
+                .windows(2)
+                .any(|pair| pair[0].time_s >= pair[1].time_s)
+            {
+                faults.push(Fault::new(
+                    pointer.clone(),
+                    "unsorted",
+                    format!("the times of target '{}' do not rise", target.truth_id),
+                ));
             }
             if target.points.iter().any(|point| !point.is_finite()) {
                 faults.push(Fault::new(
                     pointer,
                     "not_finite",
-                    format!("target '{}' has a value that is not a finite number", target.truth_id),
+                    format!(
+                        "target '{}' has a value that is not a finite number",
+                        target.truth_id
+                    ),
                 ));
             }
         }
-        if faults.is_empty() { Ok(TruthSet { targets }) } else { Err(faults) }
+        if faults.is_empty() {
+            Ok(TruthSet { targets })
+        } else {
+            Err(faults)
+        }
     }
 
     /// Whether its points are directions instead of places.
     pub fn is_of_bearings(&self) -> bool {
-        self.targets.iter().find_map(|target| target.points.first()).is_some_and(|point| point.position_m().is_none())
+        self.targets
+            .iter()
+            .find_map(|target| target.points.first())
+            .is_some_and(|point| point.position_m().is_none())
     }
 
     pub fn targets(&self) -> &[Target] {

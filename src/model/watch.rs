@@ -23,12 +23,20 @@ pub struct Watch<'a> {
 
 impl<'a> Watch<'a> {
     pub fn new(question: Question<'a>) -> Self {
-        Watch { question: Some(question), left: Cell::new(PIECES), is_stopped: Cell::new(false) }
+        Watch {
+            question: Some(question),
+            left: Cell::new(PIECES),
+            is_stopped: Cell::new(false),
+        }
     }
 
     /// Never asks, and never stops.
     pub const fn never() -> Self {
-        Watch { question: None, left: Cell::new(PIECES), is_stopped: Cell::new(false) }
+        Watch {
+            question: None,
+            left: Cell::new(PIECES),
+            is_stopped: Cell::new(false),
+        }
     }
 
     /// Whether a question was answered with a stop.
@@ -68,7 +76,11 @@ pub enum Halt {
 
 impl std::fmt::Debug for Watch<'_> {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        formatter.debug_struct("Watch").field("left", &self.left).field("is_stopped", &self.is_stopped).finish_non_exhaustive()
+        formatter
+            .debug_struct("Watch")
+            .field("left", &self.left)
+            .field("is_stopped", &self.is_stopped)
+            .finish_non_exhaustive()
     }
 }
 
@@ -81,11 +93,18 @@ mod tests {
         let asked = Cell::new(0);
         let question = || {
             asked.set(asked.get() + 1);
-            if asked.get() < 3 { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+            if asked.get() < 3 {
+                ControlFlow::Continue(())
+            } else {
+                ControlFlow::Break(())
+            }
         };
         let watch = Watch::new(&question);
         let stops: Vec<bool> = (0..9).map(|_| watch.stops_after(PIECES / 2)).collect();
-        assert_eq!(stops, [false, false, false, false, false, false, false, false, true]);
+        assert_eq!(
+            stops,
+            [false, false, false, false, false, false, false, false, true]
+        );
         assert!(watch.is_stopped() && watch.stops_after(u64::MAX));
         assert_eq!(asked.get(), 3);
         assert!(!Watch::never().stops_after(u64::MAX));

@@ -14,7 +14,11 @@ const MAX_ID_LENGTH: usize = 100;
 pub fn check(value: &Value, object: &'static Object) -> Result<Value, Vec<Fault>> {
     let mut faults = Vec::new();
     let checked = check_into(value, object, &mut faults);
-    if faults.is_empty() { Ok(checked) } else { Err(faults) }
+    if faults.is_empty() {
+        Ok(checked)
+    } else {
+        Err(faults)
+    }
 }
 
 /// The same for callers with more to check: what could be read of the value, and every fault added to `faults`.
@@ -23,7 +27,12 @@ pub fn check_into(value: &Value, object: &'static Object, faults: &mut Vec<Fault
 }
 
 /// The same for one value of the given kind at `pointer`.
-pub fn check_field(value: &Value, kind: &'static Kind, pointer: &str, faults: &mut Vec<Fault>) -> Value {
+pub fn check_field(
+    value: &Value,
+    kind: &'static Kind,
+    pointer: &str,
+    faults: &mut Vec<Fault>,
+) -> Value {
     match kind {
         Kind::Number { min, max, unit } => check_number(value, *min, *max, unit, pointer, faults),
         Kind::Integer { min, max, .. } => check_integer(value, *min, *max, pointer, faults),
@@ -35,11 +44,20 @@ pub fn check_field(value: &Value, kind: &'static Kind, pointer: &str, faults: &m
         Kind::Object(object) => check_object(value, object, None, pointer, faults),
         Kind::Union(union) => check_union(value, union, pointer, faults),
         Kind::List { item, min, max } => check_list(value, item, (*min, *max), pointer, faults),
-        Kind::TextMap { max_entries, max_length } => check_text_map(value, *max_entries, *max_length, pointer, faults),
+        Kind::TextMap {
+            max_entries,
+            max_length,
+        } => check_text_map(value, *max_entries, *max_length, pointer, faults),
     }
 }
 
-fn check_object(value: &Value, object: &'static Object, tag: Option<&str>, pointer: &str, faults: &mut Vec<Fault>) -> Value {
+fn check_object(
+    value: &Value,
+    object: &'static Object,
+    tag: Option<&str>,
+    pointer: &str,
+    faults: &mut Vec<Fault>,
+) -> Value {
     let Value::Object(given) = value else {
         return expect_type(value, false, "an object", pointer, faults);
     };
@@ -47,52 +65,116 @@ fn check_object(value: &Value, object: &'static Object, tag: Option<&str>, point
     for field in object.fields {
         check_member(given.get(field.name), field, pointer, &mut checked, faults);
     }
-    for name in given.keys().filter(|name| tag != Some(name.as_str()) && !object.fields.iter().any(|field| field.name == name.as_str())) {
-        let allowed = tag.into_iter().chain(object.fields.iter().map(|field| field.name)).collect::<Vec<_>>().join(", ");
-        faults.push(Fault::new(join(pointer, name), "unknown_field", format!("unknown field '{name}'")).allowing(allowed));
+    for name in given.keys().filter(|name| {
+        tag != Some(name.as_str())
+            && !object
+                .fields
+                .iter()
+                .any(|field| field.name == name.as_str())
+    }) {
+        let allowed = tag
+            .into_iter()
+            .chain(object.fields.iter().map(|field| field.name))
+            .collect::<Vec<_>>()
+            .join(", ");
+        faults.push(
+            Fault::new(
+                join(pointer, name),
+                "unknown_field",
+                format!("unknown field '{name}'"),
+            )
+            .allowing(allowed),
+        );
     }
     Value::Object(checked)
 }
 
-fn check_member(given: Option<&Value>, field: &'static Field, pointer: &str, checked: &mut Map<String, Value>, faults: &mut Vec<Fault>) {
+fn check_member(
+    given: Option<&Value>,
+    field: &'static Field,
+    pointer: &str,
+    checked: &mut Map<String, Value>,
+    faults: &mut Vec<Fault>,
+) {
     let place = join(pointer, field.name);
     match (given, &field.presence) {
         (Some(value), _) => {
-            checked.insert(field.name.to_owned(), check_field(value, &field.kind, &place, faults));
+            checked.insert(
+                field.name.to_owned(),
+                check_field(value, &field.kind, &place, faults),
+            );
         }
         (None, Presence::Default(text)) => {
-            let value = serde_json::from_str(text).expect("defaults in the tables are JSON; a test reads them all");
-            checked.insert(field.name.to_owned(), check_field(&value, &field.kind, &place, faults));
+            let value = serde_json::from_str(text)
+                .expect("defaults in the tables are JSON; a test reads them all");
+            checked.insert(
+                field.name.to_owned(),
+                check_field(&value, &field.kind, &place, faults),
+            );
         }
-        (None, Presence::Required) => faults.push(Fault::new(place, "missing", format!("'{}' is required", field.name))),
+        (None, Presence::Required) => faults.push(Fault::new(
+            place,
+            "missing",
+            format!("'{}' is required", field.name),
+        )),
         (None, Presence::Optional) => {}
     }
 }
 
-fn check_union(value: &Value, union: &'static Union, pointer: &str, faults: &mut Vec<Fault>) -> Value {
+fn check_union(
+    value: &Value,
+    union: &'static Union,
+    pointer: &str,
+    faults: &mut Vec<Fault>,
+) -> Value {
     if !value.is_object() {
         return expect_type(value, false, "an object", pointer, faults);
     }
     let variants = (union.variants)();
-    let allowed = variants.iter().map(|variant| variant.tag).collect::<Vec<_>>().join(", ");
+    let allowed = variants
+        .iter()
+        .map(|variant| variant.tag)
+        .collect::<Vec<_>>()
+        .join(", ");
     let place = join(pointer, union.tag);
     let Some(tag) = value.get(union.tag) else {
-        faults.push(Fault::new(place, "missing", format!("'{}' is required", union.tag)).allowing(allowed));
+        faults.push(
+            Fault::new(place, "missing", format!("'{}' is required", union.tag)).allowing(allowed),
+        );
         return Value::Null;
     };
-    let Some(variant) = variants.iter().find(|variant| tag.as_str() == Some(variant.tag)) else {
-        faults.push(Fault::new(place, "unknown_value", format!("unknown {} {tag}", union.tag)).allowing(allowed));
+    let Some(variant) = variants
+        .iter()
+        .find(|variant| tag.as_str() == Some(variant.tag))
+    else {
+        faults.push(
+            Fault::new(
+                place,
+                "unknown_value",
+                format!("unknown {} {tag}", union.tag),
+            )
+            .allowing(allowed),
+        );
         return Value::Null;
     };
     let mut tagged = Map::new();
     tagged.insert(union.tag.to_owned(), tag.clone());
-    if let Value::Object(fields) = check_object(value, variant.object, Some(union.tag), pointer, faults) {
+    if let Value::Object(fields) =
+        check_object(value, variant.object, Some(union.tag), pointer, faults)
+    {
         tagged.extend(fields);
     }
     Value::Object(tagged)
 }
 
-fn check_number(value: &Value, min: Bound, max: Bound, unit: &str, pointer: &str, faults: &mut Vec<Fault>) -> Value {
+fn check_number(
+    value: &Value,
+    min: Bound,
+    max: Bound,
+    unit: &str,
+    pointer: &str,
+    faults: &mut Vec<Fault>,
+) -> Value {
     let Some(number) = value.as_f64().filter(|number| number.is_finite()) else {
         return expect_type(value, false, "a number", pointer, faults);
     };
@@ -107,7 +189,11 @@ fn check_number(value: &Value, min: Bound, max: Bound, unit: &str, pointer: &str
         Bound::Excluding(bound) => number < bound,
     };
     if !(above && below) {
-        let fault = Fault::new(pointer, "out_of_range", format!("{number} is outside the allowed range"));
+        let fault = Fault::new(
+            pointer,
+            "out_of_range",
+            format!("{number} is outside the allowed range"),
+        );
         faults.push(fault.allowing(range_text(min, max, unit)));
     }
     value.clone()
@@ -123,7 +209,11 @@ pub(super) fn range_text(min: Bound, max: Bound, unit: &str) -> String {
         (Bound::None, Bound::Excluding(high)) => format!("< {high}"),
         (low, high) => format!("{}, {}", open_text(low), close_text(high)),
     };
-    if unit.is_empty() { range } else { format!("{range} {unit}") }
+    if unit.is_empty() {
+        range
+    } else {
+        format!("{range} {unit}")
+    }
 }
 
 fn open_text(bound: Bound) -> String {
@@ -142,12 +232,22 @@ fn close_text(bound: Bound) -> String {
     }
 }
 
-fn check_integer(value: &Value, min: i64, max: i64, pointer: &str, faults: &mut Vec<Fault>) -> Value {
+fn check_integer(
+    value: &Value,
+    min: i64,
+    max: i64,
+    pointer: &str,
+    faults: &mut Vec<Fault>,
+) -> Value {
     let Some(number) = value.as_i64() else {
         return expect_type(value, false, "a whole number", pointer, faults);
     };
     if !(min..=max).contains(&number) {
-        let fault = Fault::new(pointer, "out_of_range", format!("{number} is outside the allowed range"));
+        let fault = Fault::new(
+            pointer,
+            "out_of_range",
+            format!("{number} is outside the allowed range"),
+        );
         faults.push(fault.allowing(format!("[{min}, {max}]")));
     }
     value.clone()
@@ -163,44 +263,84 @@ fn check_text(value: &Value, max_length: usize, pointer: &str, faults: &mut Vec<
 
 fn check_length(text: &str, max_length: usize, pointer: &str, faults: &mut Vec<Fault>) {
     if text.chars().count() > max_length {
-        faults.push(Fault::new(pointer, "too_large", "the text is too long").allowing(format!("at most {max_length} characters")));
+        faults.push(
+            Fault::new(pointer, "too_large", "the text is too long")
+                .allowing(format!("at most {max_length} characters")),
+        );
     }
 }
 
 /// The fault of a text with a character from U+0000 to U+001F: no name needs one, and no database keeps U+0000.
 pub fn control_character_fault(text: &str, pointer: &str) -> Option<Fault> {
-    let (index, character) = text.chars().enumerate().find(|(_, character)| *character < ' ')?;
-    let detail = format!("the text has the control character U+{:04X} at character {}", u32::from(character), index + 1);
-    Some(Fault::new(pointer, "control_character", detail).allowing("no character from U+0000 to U+001F"))
+    let (index, character) = text
+        .chars()
+        .enumerate()
+        .find(|(_, character)| *character < ' ')?;
+    let detail = format!(
+        "the text has the control character U+{:04X} at character {}",
+        u32::from(character),
+        index + 1
+    );
+    Some(
+        Fault::new(pointer, "control_character", detail)
+            .allowing("no character from U+0000 to U+001F"),
+    )
 }
 
 fn check_choice(value: &Value, names: &[&str], pointer: &str, faults: &mut Vec<Fault>) -> Value {
     if let Some(text) = value.as_str()
         && !names.contains(&text)
     {
-        faults.push(Fault::new(pointer, "unknown_value", format!("unknown value \"{text}\"")).allowing(names.join(", ")));
+        faults.push(
+            Fault::new(
+                pointer,
+                "unknown_value",
+                format!("unknown value \"{text}\""),
+            )
+            .allowing(names.join(", ")),
+        );
     }
     expect_type(value, value.is_string(), "a text", pointer, faults)
 }
 
-fn check_list(value: &Value, item: &'static Kind, (min, max): (usize, usize), pointer: &str, faults: &mut Vec<Fault>) -> Value {
+fn check_list(
+    value: &Value,
+    item: &'static Kind,
+    (min, max): (usize, usize),
+    pointer: &str,
+    faults: &mut Vec<Fault>,
+) -> Value {
     let Value::Array(items) = value else {
         return expect_type(value, false, "a list", pointer, faults);
     };
     if !(min..=max).contains(&items.len()) {
-        let fault = Fault::new(pointer, "out_of_range", format!("the list has {} entries", items.len()));
+        let fault = Fault::new(
+            pointer,
+            "out_of_range",
+            format!("the list has {} entries", items.len()),
+        );
         faults.push(fault.allowing(format!("{min} to {max} entries")));
     }
-    let check_item = |(index, entry)| check_field(entry, item, &format!("{pointer}/{index}"), faults);
+    let check_item =
+        |(index, entry)| check_field(entry, item, &format!("{pointer}/{index}"), faults);
     Value::Array(items.iter().enumerate().map(check_item).collect())
 }
 
-fn check_text_map(value: &Value, max_entries: usize, max_length: usize, pointer: &str, faults: &mut Vec<Fault>) -> Value {
+fn check_text_map(
+    value: &Value,
+    max_entries: usize,
+    max_length: usize,
+    pointer: &str,
+    faults: &mut Vec<Fault>,
+) -> Value {
     let Value::Object(entries) = value else {
         return expect_type(value, false, "an object of texts", pointer, faults);
     };
     if entries.len() > max_entries {
-        faults.push(Fault::new(pointer, "too_large", "too many entries").allowing(format!("at most {max_entries} entries")));
+        faults.push(
+            Fault::new(pointer, "too_large", "too many entries")
+                .allowing(format!("at most {max_entries} entries")),
+        );
     }
     for (name, entry) in entries {
         let place = join(pointer, name);
@@ -212,7 +352,13 @@ fn check_text_map(value: &Value, max_entries: usize, max_length: usize, pointer:
 }
 
 /// The value itself, with a fault when it is not of the wanted type.
-fn expect_type(value: &Value, is_right: bool, wanted: &str, pointer: &str, faults: &mut Vec<Fault>) -> Value {
+fn expect_type(
+    value: &Value,
+    is_right: bool,
+    wanted: &str,
+    pointer: &str,
+    faults: &mut Vec<Fault>,
+) -> Value {
     if !is_right {
         let found = match value {
             Value::Null => "null",
@@ -222,7 +368,14 @@ fn expect_type(value: &Value, is_right: bool, wanted: &str, pointer: &str, fault
             Value::Array(_) => "a list",
             Value::Object(_) => "an object",
         };
-        faults.push(Fault::new(pointer, "wrong_type", format!("expected {wanted}, found {found}")).allowing(wanted));
+        faults.push(
+            Fault::new(
+                pointer,
+                "wrong_type",
+                format!("expected {wanted}, found {found}"),
+            )
+            .allowing(wanted),
+        );
     }
     value.clone()
 }
@@ -238,13 +391,32 @@ mod tests {
     use super::*;
     use serde_json::json;
 
-    static BAT: Object = Object { name: "Bat", summary: "", fields: &[integer("bats", "30")] };
-    static NEAREST: Object = Object { name: "Nearest", summary: "", fields: &[] };
+    static BAT: Object = Object {
+        name: "Bat",
+        summary: "",
+        fields: &[integer("bats", "30")],
+    };
+    static NEAREST: Object = Object {
+        name: "Nearest",
+        summary: "",
+        fields: &[],
+    };
     static METHOD: Union = Union {
         name: "Method",
         summary: "",
         tag: "method",
-        variants: || vec![Variant { tag: "bat", object: &BAT }, Variant { tag: "nearest", object: &NEAREST }],
+        variants: || {
+            vec![
+                Variant {
+                    tag: "bat",
+                    object: &BAT,
+                },
+                Variant {
+                    tag: "nearest",
+                    object: &NEAREST,
+                },
+            ]
+        },
     };
     static JOB: Object = Object {
         name: "Job",
@@ -253,35 +425,72 @@ mod tests {
             Field {
                 name: "p_d",
                 summary: "",
-                kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1.0), unit: "" },
+                kind: Kind::Number {
+                    min: Bound::Excluding(0.0),
+                    max: Bound::Including(1.0),
+                    unit: "",
+                },
                 presence: Presence::Required,
             },
-            Field { name: "method", summary: "", kind: Kind::Union(&METHOD), presence: Presence::Default(r#"{"method":"bat"}"#) },
+            Field {
+                name: "method",
+                summary: "",
+                kind: Kind::Union(&METHOD),
+                presence: Presence::Default(r#"{"method":"bat"}"#),
+            },
             Field {
                 name: "times",
                 summary: "",
-                kind: Kind::List { item: &Kind::Integer { min: 0, max: 9, unit: "s" }, min: 1, max: 2 },
+                kind: Kind::List {
+                    item: &Kind::Integer {
+                        min: 0,
+                        max: 9,
+                        unit: "s",
+                    },
+                    min: 1,
+                    max: 2,
+                },
                 presence: Presence::Optional,
             },
         ],
     };
 
     const fn integer(name: &'static str, default: &'static str) -> Field {
-        Field { name, summary: "", kind: Kind::Integer { min: 1, max: 100, unit: "" }, presence: Presence::Default(default) }
+        Field {
+            name,
+            summary: "",
+            kind: Kind::Integer {
+                min: 1,
+                max: 100,
+                unit: "",
+            },
+            presence: Presence::Default(default),
+        }
     }
 
     #[test]
     fn defaults_are_filled_in_at_every_depth() {
         let checked = check(&json!({"p_d": 0.9}), &JOB).unwrap();
-        assert_eq!(checked, json!({"p_d": 0.9, "method": {"method": "bat", "bats": 30}}));
+        assert_eq!(
+            checked,
+            json!({"p_d": 0.9, "method": {"method": "bat", "bats": 30}})
+        );
     }
 
     #[test]
     fn every_fault_is_named_with_its_pointer_and_what_is_allowed() {
         let body = json!({"p_d": 0, "method": {"method": "bat", "bats": 0, "wings": 2}, "times": [3, "x", 12], "q/r": 1});
         let faults = check(&body, &JOB).unwrap_err();
-        let seen: Vec<_> =
-            faults.iter().map(|fault| (fault.pointer.as_str(), fault.code.as_str(), fault.allowed.as_deref().unwrap())).collect();
+        let seen: Vec<_> = faults
+            .iter()
+            .map(|fault| {
+                (
+                    fault.pointer.as_str(),
+                    fault.code.as_str(),
+                    fault.allowed.as_deref().unwrap(),
+                )
+            })
+            .collect();
         let expected = [
             ("/p_d", "out_of_range", "(0, 1]"),
             ("/method/bats", "out_of_range", "[1, 100]"),
@@ -301,19 +510,38 @@ mod tests {
             summary: "",
             fields: &[
                 super::super::optional("name", "", Kind::Text { max_length: 5 }),
-                super::super::optional("labels", "", Kind::TextMap { max_entries: 4, max_length: 5 }),
+                super::super::optional(
+                    "labels",
+                    "",
+                    Kind::TextMap {
+                        max_entries: 4,
+                        max_length: 5,
+                    },
+                ),
             ],
         };
         let body = json!({"name": "a\u{0}b", "labels": {"k\n": "v", "kind": "\t", "long name": "v", "ok": "\u{7f}é"}});
-        let found: Vec<_> = check(&body, &TEXTS).unwrap_err().into_iter().map(|fault| (fault.pointer, fault.code, fault.detail)).collect();
+        let found: Vec<_> = check(&body, &TEXTS)
+            .unwrap_err()
+            .into_iter()
+            .map(|fault| (fault.pointer, fault.code, fault.detail))
+            .collect();
         let control = |pointer: &str, what: &str| {
-            (pointer.to_owned(), "control_character".to_owned(), format!("the text has the control character {what}"))
+            (
+                pointer.to_owned(),
+                "control_character".to_owned(),
+                format!("the text has the control character {what}"),
+            )
         };
         let expected = [
             control("/name", "U+0000 at character 2"),
             control("/labels/k\n", "U+000A at character 2"),
             control("/labels/kind", "U+0009 at character 1"),
-            ("/labels/long name".to_owned(), "too_large".to_owned(), "the text is too long".to_owned()),
+            (
+                "/labels/long name".to_owned(),
+                "too_large".to_owned(),
+                "the text is too long".to_owned(),
+            ),
         ];
         assert_eq!(found, expected);
     }
@@ -322,6 +550,9 @@ mod tests {
     fn an_unknown_variant_lists_the_known_ones() {
         let faults = check(&json!({"p_d": 1, "method": {"method": "owl"}}), &JOB).unwrap_err();
         assert_eq!(faults.len(), 1);
-        assert_eq!((faults[0].pointer.as_str(), faults[0].allowed.as_deref()), ("/method/method", Some("bat, nearest")));
+        assert_eq!(
+            (faults[0].pointer.as_str(), faults[0].allowed.as_deref()),
+            ("/method/method", Some("bat, nearest"))
+        );
     }
 }

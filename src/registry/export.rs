@@ -15,7 +15,12 @@ pub fn json_schema(object: &'static Object, components: &mut Components) -> Valu
 }
 
 /// The same of an object that a union tells apart by `tag`, a required field with one value, under a name of its own.
-pub fn tagged_schema(object: &'static Object, name: String, tag: (&str, &str), components: &mut Components) -> Value {
+pub fn tagged_schema(
+    object: &'static Object,
+    name: String,
+    tag: (&str, &str),
+    components: &mut Components,
+) -> Value {
     add_object(object, name, Some(tag), components)
 }
 
@@ -47,7 +52,12 @@ fn point_to_definitions(schema: &mut Value) {
     }
 }
 
-fn add_object(object: &'static Object, name: String, tag: Option<(&str, &str)>, components: &mut Components) -> Value {
+fn add_object(
+    object: &'static Object,
+    name: String,
+    tag: Option<(&str, &str)>,
+    components: &mut Components,
+) -> Value {
     if !components.contains_key(&name) {
         components.insert(name.clone(), Value::Null);
         let schema = object_schema(object, tag, components);
@@ -56,7 +66,11 @@ fn add_object(object: &'static Object, name: String, tag: Option<(&str, &str)>, 
     json!({"$ref": format!("#/components/schemas/{name}")})
 }
 
-fn object_schema(object: &'static Object, tag: Option<(&str, &str)>, components: &mut Components) -> Value {
+fn object_schema(
+    object: &'static Object,
+    tag: Option<(&str, &str)>,
+    components: &mut Components,
+) -> Value {
     let mut properties = Map::new();
     let mut required = Vec::new();
     if let Some((tag, value)) = tag {
@@ -80,7 +94,8 @@ fn field_schema(field: &'static Field, components: &mut Components) -> Value {
     let mut schema = kind_schema(&field.kind, components);
     schema["description"] = json!(field.summary);
     if let Presence::Default(text) = field.presence {
-        schema["default"] = serde_json::from_str(text).expect("defaults in the tables are JSON; a test reads them all");
+        schema["default"] = serde_json::from_str(text)
+            .expect("defaults in the tables are JSON; a test reads them all");
     }
     schema
 }
@@ -88,7 +103,10 @@ fn field_schema(field: &'static Field, components: &mut Components) -> Value {
 fn kind_schema(kind: &'static Kind, components: &mut Components) -> Value {
     match kind {
         Kind::Number { min, max, unit } => number_schema(*min, *max, unit),
-        Kind::Integer { min, max, unit } => with_unit(json!({"type": "integer", "format": "int64", "minimum": min, "maximum": max}), unit),
+        Kind::Integer { min, max, unit } => with_unit(
+            json!({"type": "integer", "format": "int64", "minimum": min, "maximum": max}),
+            unit,
+        ),
         Kind::Text { max_length } => json!({"type": "string", "maxLength": max_length}),
         Kind::Id => json!({"type": "string", "format": "uuid"}),
         Kind::Choice(names) => json!({"type": "string", "enum": names}),
@@ -96,8 +114,13 @@ fn kind_schema(kind: &'static Kind, components: &mut Components) -> Value {
         Kind::Flag => json!({"type": "boolean"}),
         Kind::Object(object) => json_schema(object, components),
         Kind::Union(union) => add_union(union, components),
-        Kind::List { item, min, max } => json!({"type": "array", "items": kind_schema(item, components), "minItems": min, "maxItems": max}),
-        Kind::TextMap { max_entries, max_length } => {
+        Kind::List { item, min, max } => {
+            json!({"type": "array", "items": kind_schema(item, components), "minItems": min, "maxItems": max})
+        }
+        Kind::TextMap {
+            max_entries,
+            max_length,
+        } => {
             json!({"type": "object", "additionalProperties": {"type": "string", "maxLength": max_length}, "maxProperties": max_entries})
         }
     }
@@ -107,17 +130,28 @@ fn add_union(union: &'static Union, components: &mut Components) -> Value {
     if !components.contains_key(union.name) {
         components.insert(union.name.to_owned(), Value::Null);
         let mut member = |variant: &super::Variant| {
-            add_object(variant.object, variant.object.name.to_owned(), Some((union.tag, variant.tag)), components)
+            add_object(
+                variant.object,
+                variant.object.name.to_owned(),
+                Some((union.tag, variant.tag)),
+                components,
+            )
         };
         let members: Vec<Value> = (union.variants)().iter().map(&mut member).collect();
-        components.insert(union.name.to_owned(), json!({"description": union.summary, "oneOf": members}));
+        components.insert(
+            union.name.to_owned(),
+            json!({"description": union.summary, "oneOf": members}),
+        );
     }
     json!({"$ref": format!("#/components/schemas/{}", union.name)})
 }
 
 fn number_schema(min: Bound, max: Bound, unit: &str) -> Value {
     let mut schema = json!({"type": "number", "format": "double"});
-    for (bound, including, excluding) in [(min, "minimum", "exclusiveMinimum"), (max, "maximum", "exclusiveMaximum")] {
+    for (bound, including, excluding) in [
+        (min, "minimum", "exclusiveMinimum"),
+        (max, "maximum", "exclusiveMaximum"),
+    ] {
         match bound {
             Bound::None => {}
             Bound::Including(value) => schema[including] = json!(value),
@@ -146,26 +180,57 @@ mod tests {
         fields: &[Field {
             name: "range_m",
             summary: "Range.",
-            kind: Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(9.0), unit: "m" },
+            kind: Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Including(9.0),
+                unit: "m",
+            },
             presence: Presence::Required,
         }],
     };
-    static CHOICE: Union = Union { name: "Choice", summary: "", tag: "by", variants: || vec![Variant { tag: "limit", object: &LIMIT }] };
+    static CHOICE: Union = Union {
+        name: "Choice",
+        summary: "",
+        tag: "by",
+        variants: || {
+            vec![Variant {
+                tag: "limit",
+                object: &LIMIT,
+            }]
+        },
+    };
     static JOB: Object = Object {
         name: "Job",
         summary: "A job.",
-        fields: &[Field { name: "choice", summary: "How.", kind: Kind::Union(&CHOICE), presence: Presence::Optional }],
+        fields: &[Field {
+            name: "choice",
+            summary: "How.",
+            kind: Kind::Union(&CHOICE),
+            presence: Presence::Optional,
+        }],
     };
 
     #[test]
     fn a_union_is_one_of_named_objects_with_their_tag_as_a_one_value_enum() {
         let mut components = Components::new();
-        assert_eq!(json_schema(&JOB, &mut components), json!({"$ref": "#/components/schemas/Job"}));
-        assert_eq!(components["Choice"]["oneOf"], json!([{"$ref": "#/components/schemas/Limit"}]));
+        assert_eq!(
+            json_schema(&JOB, &mut components),
+            json!({"$ref": "#/components/schemas/Job"})
+        );
+        assert_eq!(
+            components["Choice"]["oneOf"],
+            json!([{"$ref": "#/components/schemas/Limit"}])
+        );
         let limit = &components["Limit"];
         assert_eq!(limit["required"], json!(["by", "range_m"]));
-        assert_eq!(limit["properties"]["by"], json!({"type": "string", "enum": ["limit"]}));
-        assert_eq!(limit["properties"]["range_m"]["exclusiveMinimum"], json!(0.0));
+        assert_eq!(
+            limit["properties"]["by"],
+            json!({"type": "string", "enum": ["limit"]})
+        );
+        assert_eq!(
+            limit["properties"]["range_m"]["exclusiveMinimum"],
+            json!(0.0)
+        );
         assert_eq!(limit["properties"]["range_m"]["maximum"], json!(9.0));
         assert_eq!(limit["additionalProperties"], json!(false));
     }
@@ -174,6 +239,9 @@ mod tests {
     fn a_standalone_schema_refers_to_its_own_definitions() {
         let schema = standalone_schema(&JOB);
         assert_eq!(schema["properties"]["choice"]["$ref"], "#/$defs/Choice");
-        assert_eq!(schema["$defs"]["Choice"]["oneOf"][0]["$ref"], "#/$defs/Limit");
+        assert_eq!(
+            schema["$defs"]["Choice"]["oneOf"][0]["$ref"],
+            "#/$defs/Limit"
+        );
     }
 }

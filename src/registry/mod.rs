@@ -79,17 +79,37 @@ pub enum Bound {
 
 /// A field that every object must have.
 pub const fn required(name: &'static str, summary: &'static str, kind: Kind) -> Field {
-    Field { name, summary, kind, presence: Presence::Required }
+    Field {
+        name,
+        summary,
+        kind,
+        presence: Presence::Required,
+    }
 }
 
 /// A field that may be absent.
 pub const fn optional(name: &'static str, summary: &'static str, kind: Kind) -> Field {
-    Field { name, summary, kind, presence: Presence::Optional }
+    Field {
+        name,
+        summary,
+        kind,
+        presence: Presence::Optional,
+    }
 }
 
 /// A field with the value that it has when absent, as JSON text.
-pub const fn default(name: &'static str, summary: &'static str, kind: Kind, value: &'static str) -> Field {
-    Field { name, summary, kind, presence: Presence::Default(value) }
+pub const fn default(
+    name: &'static str,
+    summary: &'static str,
+    kind: Kind,
+    value: &'static str,
+) -> Field {
+    Field {
+        name,
+        summary,
+        kind,
+        presence: Presence::Default(value),
+    }
 }
 
 /// One of several objects, told apart by the text in the field `tag`.
@@ -117,6 +137,9 @@ pub struct Method<Build> {
 
 impl<Build> Method<Build> {
     pub fn variant(&self) -> Variant {
-        Variant { tag: self.name, object: self.parameters }
+        Variant {
+            tag: self.name,
+            object: self.parameters,
+        }
     }
 }

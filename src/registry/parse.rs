@@ -13,7 +13,11 @@ use std::fmt;
 pub fn parse(bytes: &[u8]) -> serde_json::Result<(Value, Vec<Fault>)> {
     let mut faults = Vec::new();
     let mut deserializer = serde_json::Deserializer::from_slice(bytes);
-    let value = Place { path: &mut Vec::new(), faults: &mut faults }.deserialize(&mut deserializer)?;
+    let value = Place {
+        path: &mut Vec::new(),
+        faults: &mut faults,
+    }
+    .deserialize(&mut deserializer)?;
     deserializer.end()?;
     Ok((value, faults))
 }
@@ -43,7 +47,11 @@ struct Place<'a> {
 impl Place<'_> {
     fn note_duplicate(&mut self, name: &str) {
         if self.faults.len() < MAX_FAULTS {
-            let fault = Fault::new(pointer(self.path), "duplicate", format!("the member '{name}' is given more than once"));
+            let fault = Fault::new(
+                pointer(self.path),
+                "duplicate",
+                format!("the member '{name}' is given more than once"),
+            );
             self.faults.push(fault.allowing("each member once"));
         }
     }
@@ -96,7 +104,10 @@ impl<'de> Visitor<'de> for Place<'_> {
         let mut items = Vec::new();
         loop {
             self.path.push(Step::Index(items.len()));
-            let item = entries.next_element_seed(Place { path: self.path, faults: self.faults })?;
+            let item = entries.next_element_seed(Place {
+                path: self.path,
+                faults: self.faults,
+            })?;
             self.path.pop();
             match item {
                 Some(item) => items.push(item),
@@ -112,7 +123,10 @@ impl<'de> Visitor<'de> for Place<'_> {
             if members.contains_key(&name) {
                 self.note_duplicate(&name);
             }
-            let value = entries.next_value_seed(Place { path: self.path, faults: self.faults })?;
+            let value = entries.next_value_seed(Place {
+                path: self.path,
+                faults: self.faults,
+            })?;
             self.path.pop();
             members.insert(name, value);
         }
@@ -127,21 +141,50 @@ mod tests {
 
     #[test]
     fn a_member_that_is_given_again_is_a_fault_at_its_place() {
-        let text = r#"{"a": 1, "b": [{"c/d": 1}, {"c/d": 1, "e": {"a": 2}, "c/d": 2}], "a": 3, "a": 4}"#;
+        let text =
+            r#"{"a": 1, "b": [{"c/d": 1}, {"c/d": 1, "e": {"a": 2}, "c/d": 2}], "a": 3, "a": 4}"#;
         let (_, faults) = parse(text.as_bytes()).unwrap();
-        let found: Vec<_> = faults.iter().map(|fault| (fault.pointer.as_str(), fault.code.as_str())).collect();
-        assert_eq!(found, [("/b/1/c~1d", "duplicate"), ("/a", "duplicate"), ("/a", "duplicate")]);
+        let found: Vec<_> = faults
+            .iter()
+            .map(|fault| (fault.pointer.as_str(), fault.code.as_str()))
+            .collect();
+        assert_eq!(
+            found,
+            [
+                ("/b/1/c~1d", "duplicate"),
+                ("/a", "duplicate"),
+                ("/a", "duplicate")
+            ]
+        );
         assert_eq!(faults[0].detail, "the member 'c/d' is given more than once");
     }
 
     #[test]
     fn what_is_no_json_is_told_as_serde_tells_it() {
-        for text in ["", "{", "[1,]", "{\"a\":1}x", "nul", "\"\u{0}\"", "1e999", "{\"a\"}"] {
+        for text in [
+            "",
+            "{",
+            "[1,]",
+            "{\"a\":1}x",
+            "nul",
+            "\"\u{0}\"",
+            "1e999",
+            "{\"a\"}",
+        ] {
             let wanted = serde_json::from_str::<Value>(text).unwrap_err().to_string();
-            assert_eq!(parse(text.as_bytes()).unwrap_err().to_string(), wanted, "{text}");
+            assert_eq!(
+                parse(text.as_bytes()).unwrap_err().to_string(),
+                wanted,
+                "{text}"
+            );
         }
         let deep = "[".repeat(100_000);
-        assert!(parse(deep.as_bytes()).unwrap_err().to_string().starts_with("recursion limit exceeded"));
+        assert!(
+            parse(deep.as_bytes())
+                .unwrap_err()
+                .to_string()
+                .starts_with("recursion limit exceeded")
+        );
     }
 
     fn json() -> impl Strategy<Value = Value> {
@@ -156,7 +199,8 @@ mod tests {
         leaf.prop_recursive(4, 32, 6, |inner| {
             prop_oneof![
                 prop::collection::vec(inner.clone(), 0..6).prop_map(Value::from),
-                prop::collection::btree_map(".*", inner, 0..6).prop_map(|members| Value::Object(members.into_iter().collect())),
+                prop::collection::btree_map(".*", inner, 0..6)
+                    .prop_map(|members| Value::Object(members.into_iter().collect())),
             ]
         })
     }

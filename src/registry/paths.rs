@@ -13,12 +13,19 @@ pub fn nearest_path(wanted: &str, value: &Value, object: &'static Object) -> Opt
 
 /// The text nearest to `wanted`, by edit distance.
 pub fn nearest_of(wanted: &str, known: Vec<String>) -> Option<String> {
-    known.into_iter().min_by_key(|path| edit_distance(path, wanted))
+    known
+        .into_iter()
+        .min_by_key(|path| edit_distance(path, wanted))
 }
 
 fn visit_object(value: &Value, object: &'static Object, pointer: &str, known: &mut Vec<String>) {
     for field in object.fields {
-        visit(&value[field.name], &field.kind, join(pointer, field.name), known);
+        visit(
+            &value[field.name],
+            &field.kind,
+            join(pointer, field.name),
+            known,
+        );
     }
 }
 
@@ -28,13 +35,17 @@ fn visit(value: &Value, kind: &'static Kind, pointer: String, known: &mut Vec<St
         Kind::Union(union) => {
             known.push(join(&pointer, union.tag));
             let tag = &value[union.tag];
-            for variant in (union.variants)().iter().filter(|variant| tag.is_null() || tag == variant.tag) {
+            for variant in (union.variants)()
+                .iter()
+                .filter(|variant| tag.is_null() || tag == variant.tag)
+            {
                 visit_object(value, variant.object, &pointer, known);
             }
         }
         Kind::List { item, .. } => {
             let items = value.as_array().into_iter().flatten().enumerate();
-            items.for_each(|(index, entry)| visit(entry, item, format!("{pointer}/{index}"), known));
+            items
+                .for_each(|(index, entry)| visit(entry, item, format!("{pointer}/{index}"), known));
         }
         _ => {}
     }
@@ -66,33 +77,80 @@ mod tests {
     #[test]
     fn letters_put_in_taken_out_and_changed_are_counted() {
         let of = |left, right| edit_distance(left, right);
-        assert_eq!((of("kitten", "sitting"), of("", "abc"), of("abc", ""), of("σx", "σy")), (3, 3, 3, 1));
+        assert_eq!(
+            (
+                of("kitten", "sitting"),
+                of("", "abc"),
+                of("abc", ""),
+                of("σx", "σy")
+            ),
+            (3, 3, 3, 1)
+        );
     }
 
-    static BAT: Object = Object { name: "Bat", summary: "", fields: &[optional("bats", "", Kind::Flag)] };
-    static OWL: Object = Object { name: "Owl", summary: "", fields: &[optional("owls", "", Kind::Flag)] };
+    static BAT: Object = Object {
+        name: "Bat",
+        summary: "",
+        fields: &[optional("bats", "", Kind::Flag)],
+    };
+    static OWL: Object = Object {
+        name: "Owl",
+        summary: "",
+        fields: &[optional("owls", "", Kind::Flag)],
+    };
     static METHOD: Union = Union {
         name: "Method",
         summary: "",
         tag: "method",
-        variants: || vec![Variant { tag: "bat", object: &BAT }, Variant { tag: "owl", object: &OWL }],
+        variants: || {
+            vec![
+                Variant {
+                    tag: "bat",
+                    object: &BAT,
+                },
+                Variant {
+                    tag: "owl",
+                    object: &OWL,
+                },
+            ]
+        },
     };
     static JOB: Object = Object {
         name: "Job",
         summary: "",
         fields: &[
             optional("night", "", Kind::Union(&METHOD)),
-            optional("nights", "", Kind::List { item: &Kind::Union(&METHOD), min: 0, max: 9 }),
+            optional(
+                "nights",
+                "",
+                Kind::List {
+                    item: &Kind::Union(&METHOD),
+                    min: 0,
+                    max: 9,
+                },
+            ),
         ],
     };
 
     #[test]
     fn the_nearest_place_is_one_that_the_value_can_have() {
         let near = |wanted, value: &Value| nearest_path(wanted, value, &JOB).unwrap();
-        assert_eq!(near("/nigth/bats", &json!({"night": {"method": "bat"}})), "/night/bats");
-        assert_eq!(near("/night/owls", &json!({"night": {"method": "bat"}})), "/night/bats");
+        assert_eq!(
+            near("/nigth/bats", &json!({"night": {"method": "bat"}})),
+            "/night/bats"
+        );
+        assert_eq!(
+            near("/night/owls", &json!({"night": {"method": "bat"}})),
+            "/night/bats"
+        );
         assert_eq!(near("/night/owl", &json!({})), "/night/owls");
-        assert_eq!(near("/nights/1/bat", &json!({"nights": [{"method": "owl"}, {"method": "bat"}]})), "/nights/1/bats");
+        assert_eq!(
+            near(
+                "/nights/1/bat",
+                &json!({"nights": [{"method": "owl"}, {"method": "bat"}]})
+            ),
+            "/nights/1/bats"
+        );
         assert_eq!(near("/methud", &json!({})), "/night");
     }
 }

@@ -4,9 +4,17 @@
 pub const VERSION: &str = env!("TRACKLOOM_VERSION");
 
 /// What `--version` prints after the name: `0.1.0+46dc801a2b3c (features: s3 parquet)`.
-pub const LONG_VERSION: &str = concat!(env!("TRACKLOOM_VERSION"), " (features: ", env!("TRACKLOOM_FEATURES"), ")");
+pub const LONG_VERSION: &str = concat!(
+    env!("TRACKLOOM_VERSION"),
+    " (features: ",
+    env!("TRACKLOOM_FEATURES"),
+    ")"
+);
 
 /// Optional features of this build.
 pub fn features() -> Vec<&'static str> {
-    env!("TRACKLOOM_FEATURES").split(' ').filter(|name| *name != "none").collect()
+    env!("TRACKLOOM_FEATURES")
+        .split(' ')
+        .filter(|name| *name != "none")
+        .collect()
 }

@@ -87,7 +87,9 @@ const USUAL_OPEN_FILES: usize = 256;
 
 impl Default for ConnectionLimits {
     fn default() -> Self {
-        ConnectionLimits::of(connections_of(open_file_limit().unwrap_or(USUAL_OPEN_FILES)))
+        ConnectionLimits::of(connections_of(
+            open_file_limit().unwrap_or(USUAL_OPEN_FILES),
+        ))
     }
 }
 
@@ -109,7 +111,9 @@ impl ConnectionLimits {
 
 /// Half of the files that may be open, so that each answer can have a file, too.
 fn connections_of(open_files: usize) -> usize {
-    (open_files / 2).min(open_files.saturating_sub(OWN_FILES)).clamp(CONNECTIONS.0, CONNECTIONS.1)
+    (open_files / 2)
+        .min(open_files.saturating_sub(OWN_FILES))
+        .clamp(CONNECTIONS.0, CONNECTIONS.1)
 }
 
 /// How many files the process may open, where the system tells.
@@ -118,7 +122,9 @@ fn open_file_limit() -> Option<usize> {
 }
 
 fn read_limit(limits: &str) -> Option<usize> {
-    let row = limits.lines().find_map(|line| line.strip_prefix("Max open files"))?;
+    let row = limits
+        .lines()
+        .find_map(|line| line.strip_prefix("Max open files"))?;
     match row.split_whitespace().next()? {
         "unlimited" => Some(usize::MAX),
         number => number.parse().ok(),
@@ -135,11 +141,24 @@ mod tests {
                      Max processes             127398               127398               processes\n\
                      Max open files            1024                 524288               files\n";
         assert_eq!(read_limit(table), Some(1024));
-        assert_eq!(read_limit("Max open files            unlimited            unlimited            files"), Some(usize::MAX));
+        assert_eq!(
+            read_limit("Max open files            unlimited            unlimited            files"),
+            Some(usize::MAX)
+        );
         assert_eq!(read_limit("Max cpu time  unlimited"), None);
-        assert_eq!([32, 64, 100, 256, 1024, 1 << 20].map(connections_of), [8, 8, 36, 128, 512, 4096]);
+        assert_eq!(
+            [32, 64, 100, 256, 1024, 1 << 20].map(connections_of),
+            [8, 8, 36, 128, 512, 4096]
+        );
         let limits = ConnectionLimits::of(512);
-        assert_eq!((limits.connections, limits.streams, limits.streams_per_client), (512, 256, 128));
+        assert_eq!(
+            (
+                limits.connections,
+                limits.streams,
+                limits.streams_per_client
+            ),
+            (512, 256, 128)
+        );
         assert_eq!(ConnectionLimits::of(1).streams_per_client, 1);
     }
 }

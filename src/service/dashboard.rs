@@ -30,7 +30,10 @@ Install Node with npm and build again.</p>
 
 /// A file of the dashboard, or its page for every path that a browser navigates to; the page reads the path itself.
 pub fn answer(path: &str, headers: &HeaderMap) -> Option<Response> {
-    if API.iter().any(|prefix| path.strip_prefix(prefix).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))) {
+    if API.iter().any(|prefix| {
+        path.strip_prefix(prefix)
+            .is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+    }) {
         return None;
     }
     let name = path.trim_start_matches('/');
@@ -43,14 +46,21 @@ fn file(name: &str, headers: &HeaderMap) -> Option<Response> {
     let bytes = Bytes::from(file.data.into_owned());
     let mut response = conditional::fixed(headers, file.metadata.mimetype(), bytes, &sha256);
     if name.starts_with(HASHED) {
-        conditional::set(&mut response, header::CACHE_CONTROL, "public, max-age=31536000, immutable");
+        conditional::set(
+            &mut response,
+            header::CACHE_CONTROL,
+            "public, max-age=31536000, immutable",
+        );
     }
     Some(response)
 }
 
 /// Browsers ask for HTML by name when they navigate; programs do not.
 fn is_navigation(path: &str, headers: &HeaderMap) -> bool {
-    let accept = headers.get(header::ACCEPT).and_then(|value| value.to_str().ok()).unwrap_or_default();
+    let accept = headers
+        .get(header::ACCEPT)
+        .and_then(|value| value.to_str().ok())
+        .unwrap_or_default();
     path == "/" || accept.contains("text/html")
 }
 

@@ -25,7 +25,10 @@ pub struct ApiError {
 
 impl ApiError {
     pub fn new(code: &str, detail: impl Into<String>) -> Self {
-        ApiError { problem: Box::new(Problem::new(code, detail)), header: None }
+        ApiError {
+            problem: Box::new(Problem::new(code, detail)),
+            header: None,
+        }
     }
 
     pub fn not_found(what: &str) -> Self {
@@ -33,7 +36,10 @@ impl ApiError {
     }
 
     pub fn validation(faults: Vec<Fault>) -> Self {
-        ApiError { problem: Box::new(Problem::validation(faults)), header: None }
+        ApiError {
+            problem: Box::new(Problem::validation(faults)),
+            header: None,
+        }
     }
 
     /// An error that is ours: told to the log, not to the client.
@@ -65,7 +71,9 @@ impl ApiError {
 
 impl IntoResponse for ApiError {
     fn into_response(self) -> Response {
-        let mut response = StatusCode::from_u16(self.problem.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR).into_response();
+        let mut response = StatusCode::from_u16(self.problem.status)
+            .unwrap_or(StatusCode::INTERNAL_SERVER_ERROR)
+            .into_response();
         if let Some((name, value)) = self.header {
             response.headers_mut().insert(name, value);
         }
@@ -80,7 +88,10 @@ impl From<JobsError> for ApiError {
         match error {
             JobsError::NotFound(_) | JobsError::NotThere(_) => ApiError::new("not_found", detail),
             JobsError::Gone(_) => ApiError::new("gone", detail),
-            JobsError::Conflict { code: code @ "result_not_ready", .. } => ApiError::new(code, detail).retry_after(RETRY_RESULT_S),
+            JobsError::Conflict {
+                code: code @ "result_not_ready",
+                ..
+            } => ApiError::new(code, detail).retry_after(RETRY_RESULT_S),
             JobsError::Conflict { code, .. } => ApiError::new(code, detail),
             JobsError::Invalid(faults) => ApiError::validation(faults),
             JobsError::InvalidCursor => ApiError::new("invalid_cursor", detail),
@@ -90,7 +101,9 @@ impl From<JobsError> for ApiError {
             JobsError::ShuttingDown => ApiError::busy("shutting_down", detail),
             JobsError::MemoryLimit(_) => ApiError::new("memory_limit", detail),
             JobsError::Crashed(_) => ApiError::new("crashed", detail),
-            JobsError::NoRoom(_) => ApiError::new("insufficient_storage", detail).retry_after(RETRY_ROOM_S),
+            JobsError::NoRoom(_) => {
+                ApiError::new("insufficient_storage", detail).retry_after(RETRY_ROOM_S)
+            }
             JobsError::Damaged(_) => ApiError::new("damaged", detail),
             JobsError::Internal(error) => ApiError::internal(format!("{error:#}")),
         }
@@ -101,10 +114,23 @@ impl From<JobsError> for ApiError {
 pub fn problem_of_status(status: StatusCode, path: &str) -> Problem {
     match status {
         StatusCode::NOT_FOUND => Problem::new("not_found", format!("there is nothing at {path}")),
-        StatusCode::METHOD_NOT_ALLOWED => Problem::new("method_not_allowed", "the header Allow names the methods that are"),
-        StatusCode::PAYLOAD_TOO_LARGE => Problem::new("payload_too_large", "the body is larger than this route takes"),
-        StatusCode::UNSUPPORTED_MEDIA_TYPE => Problem::new("unsupported_media_type", "the body has a type that this route does not take"),
-        status if status.is_client_error() => Problem::validation(vec![Fault::new("", "malformed", "the request could not be read")]),
+        StatusCode::METHOD_NOT_ALLOWED => Problem::new(
+            "method_not_allowed",
+            "the header Allow names the methods that are",
+        ),
+        StatusCode::PAYLOAD_TOO_LARGE => Problem::new(
+            "payload_too_large",
+            "the body is larger than this route takes",
+        ),
+        StatusCode::UNSUPPORTED_MEDIA_TYPE => Problem::new(
+            "unsupported_media_type",
+            "the body has a type that this route does not take",
+        ),
+        status if status.is_client_error() => Problem::validation(vec![Fault::new(
+            "",
+            "malformed",
+            "the request could not be read",
+        )]),
         _ => Problem::new("internal", "the service could not do it; its log says why"),
     }
 }

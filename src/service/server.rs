@@ -81,7 +81,10 @@ impl Server {
     /// # Errors
     /// When the address cannot be bound, or metrics cannot be set up.
     pub async fn start(config: &Config, jobs: Jobs) -> anyhow::Result<Server> {
-        let application = http::wrap(http::application(state(config, jobs.clone())?), Hosts::new(&config.allowed_hosts));
+        let application = http::wrap(
+            http::application(state(config, jobs.clone())?),
+            Hosts::new(&config.allowed_hosts),
+        );
         Server::start_with(config, jobs, application).await
     }
 
@@ -89,12 +92,28 @@ impl Server {
     ///
     /// # Errors
     /// When the address cannot be bound.
-    pub async fn start_with(config: &Config, jobs: Jobs, application: Router) -> anyhow::Result<Server> {
-        let listener = TcpListener::bind(config.listen).await.with_context(|| format!("cannot listen on {}", config.listen))?;
+    pub async fn start_with(
+        config: &Config,
+        jobs: Jobs,
+        application: Router,
+    ) -> anyhow::Result<Server> {
+        let listener = TcpListener::bind(config.listen)
+            .await
+            .with_context(|| format!("cannot listen on {}", config.listen))?;
         let address = listener.local_addr()?;
         let stop = CancellationToken::new();
-        let serving = tokio::spawn(connections::serve(listener, application, config.connections.clone(), stop.clone()));
-        Ok(Server { address, jobs, stop, serving })
+        let serving = tokio::spawn(connections::serve(
+            listener,
+            application,
+            config.connections.clone(),
+            stop.clone(),
+        ));
+        Ok(Server {
+            address,
+            jobs,
+            stop,
+            serving,
+        })
     }
 
     pub fn address(&self) -> SocketAddr {
@@ -105,7 +124,9 @@ impl Server {
     /// Then connections are closed.
     pub async fn stop(mut self) {
         if timeout(WORKERS, self.jobs.shutdown()).await.is_err() {
-            tracing::warn!("workers did not stop in time; their jobs are taken up at the next start");
+            tracing::warn!(
+                "workers did not stop in time; their jobs are taken up at the next start"
+            );
         }
         self.stop.cancel();
         if timeout(DRAIN, &mut self.serving).await.is_err() {
@@ -132,8 +153,17 @@ pub fn state(config: &Config, jobs: Jobs) -> anyhow::Result<AppState> {
 fn metrics() -> anyhow::Result<PrometheusHandle> {
     static HANDLE: OnceLock<Option<PrometheusHandle>> = OnceLock::new();
     let buckets = [0.001, 0.005, 0.025, 0.1, 0.5, 2.5, 10.0, 30.0];
-    let install = || PrometheusBuilder::new().set_buckets(&buckets).ok()?.install_recorder().ok();
-    HANDLE.get_or_init(install).clone().context("metrics cannot be recorded: another recorder is installed")
+    let install = || {
+        PrometheusBuilder::new()
+            .set_buckets(&buckets)
+            .ok()?
+            .install_recorder()
+            .ok()
+    };
+    HANDLE
+        .get_or_init(install)
+        .clone()
+        .context("metrics cannot be recorded: another recorder is installed")
 }
 
 /// SIGTERM and SIGINT. Without signals the process can only be killed, which the storage survives.
@@ -141,11 +171,17 @@ struct StopSignals(Option<(Signal, Signal)>);
 
 impl StopSignals {
     fn listen() -> Self {
-        StopSignals(signal(SignalKind::terminate()).ok().zip(signal(SignalKind::interrupt()).ok()))
+        StopSignals(
+            signal(SignalKind::terminate())
+                .ok()
+                .zip(signal(SignalKind::interrupt()).ok()),
+        )
     }
 
     async fn told_to_stop(self) {
-        let Some((mut terminate, mut interrupt)) = self.0 else { return std::future::pending().await };
+        let Some((mut terminate, mut interrupt)) = self.0 else {
+            return std::future::pending().await;
+        };
         tokio::select! {
             _ = terminate.recv() => {}
             _ = interrupt.recv() => {}

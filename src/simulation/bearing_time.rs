@@ -30,41 +30,98 @@ use std::f64::consts::{LN_2, TAU};
 use std::ops::ControlFlow;
 
 const fn above_zero(max: f64, unit: &'static str) -> Kind {
-    Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(max), unit }
+    Kind::Number {
+        min: Bound::Excluding(0.0),
+        max: Bound::Including(max),
+        unit,
+    }
 }
 
-const LEVEL: Kind = Kind::Number { min: Bound::Including(-60.0), max: Bound::Including(120.0), unit: "dB" };
-const BEARING: Kind = Kind::Number { min: Bound::Including(-360.0), max: Bound::Including(360.0), unit: "deg" };
+const LEVEL: Kind = Kind::Number {
+    min: Bound::Including(-60.0),
+    max: Bound::Including(120.0),
+    unit: "dB",
+};
+const BEARING: Kind = Kind::Number {
+    min: Bound::Including(-360.0),
+    max: Bound::Including(360.0),
+    unit: "deg",
+};
 
 /// [`RecordPlan`] in a request.
 pub static RECORD: Object = Object {
     name: "RecordPlan",
     summary: "The bearing-time record of a scene of bearings, in which a detector finds the detections: levels over the noise in cells all round.",
     fields: &[
-        default("time_step_s", "Time from row to row.", above_zero(1e4, "s"), "1.0"),
-        default("bearing_step_deg", "Width of a cell; a whole number of them is a turn.", above_zero(90.0, "deg"), "1.0"),
-        default("beam_width_deg", "Width of the beam at half power.", above_zero(90.0, "deg"), "3.0"),
+        default(
+            "time_step_s",
+            "Time from row to row.",
+            above_zero(1e4, "s"),
+            "1.0",
+        ),
+        default(
+            "bearing_step_deg",
+            "Width of a cell; a whole number of them is a turn.",
+            above_zero(90.0, "deg"),
+            "1.0",
+        ),
+        default(
+            "beam_width_deg",
+            "Width of the beam at half power.",
+            above_zero(90.0, "deg"),
+            "3.0",
+        ),
         default(
             "noise_averages",
             "Independent values of which the power in a cell is the mean.",
-            Kind::Integer { min: 1, max: 10_000, unit: "" },
+            Kind::Integer {
+                min: 1,
+                max: 10_000,
+                unit: "",
+            },
             "4",
         ),
         default(
             "levels_db",
             "Mean level of each target over the noise in a cell; one value for all of them.",
-            Kind::List { item: &LEVEL, min: 1, max: 20_000 },
+            Kind::List {
+                item: &LEVEL,
+                min: 1,
+                max: 20_000,
+            },
             "[10.0]",
         ),
         default(
             "fluctuation_db",
             "Standard deviation of a target's level.",
-            Kind::Number { min: Bound::Including(0.0), max: Bound::Including(30.0), unit: "dB" },
+            Kind::Number {
+                min: Bound::Including(0.0),
+                max: Bound::Including(30.0),
+                unit: "dB",
+            },
             "2.0",
         ),
-        default("fluctuation_time_s", "Time in which a level forgets what it was.", above_zero(1e6, "s"), "30.0"),
-        default("sectors", "Broad interference that stands still.", Kind::List { item: &Kind::Object(&SECTOR), min: 0, max: 100 }, "[]"),
-        optional("transients", "Short interference from random directions; none when absent.", Kind::Object(&TRANSIENTS)),
+        default(
+            "fluctuation_time_s",
+            "Time in which a level forgets what it was.",
+            above_zero(1e6, "s"),
+            "30.0",
+        ),
+        default(
+            "sectors",
+            "Broad interference that stands still.",
+            Kind::List {
+                item: &Kind::Object(&SECTOR),
+                min: 0,
+                max: 100,
+            },
+            "[]",
+        ),
+        optional(
+            "transients",
+            "Short interference from random directions; none when absent.",
+            Kind::Object(&TRANSIENTS),
+        ),
     ],
 };
 
@@ -74,7 +131,11 @@ static SECTOR: Object = Object {
     fields: &[
         required("centre_deg", "Its middle.", BEARING),
         required("width_deg", "From edge to edge.", above_zero(360.0, "deg")),
-        required("level_db", "Power that is added in each of its cells, over the noise.", LEVEL),
+        required(
+            "level_db",
+            "Power that is added in each of its cells, over the noise.",
+            LEVEL,
+        ),
     ],
 };
 
@@ -82,8 +143,17 @@ static TRANSIENTS: Object = Object {
     name: "Transients",
     summary: "Sounds of a Poisson number at uniform times and bearings.",
     fields: &[
-        required("per_minute", "Mean number of them.", above_zero(1e4, "1/min")),
-        default("duration_s", "How long each lasts.", above_zero(1e6, "s"), "3.0"),
+        required(
+            "per_minute",
+            "Mean number of them.",
+            above_zero(1e4, "1/min"),
+        ),
+        default(
+            "duration_s",
+            "How long each lasts.",
+            above_zero(1e6, "s"),
+            "3.0",
+        ),
         default("level_db", "Level over the noise.", LEVEL, "15.0"),
     ],
 };
@@ -106,28 +176,57 @@ pub struct SimulatedRecord {
 pub(super) fn faults(scenario: &Scenario, plan: &RecordPlan) -> Vec<Fault> {
     let mut faults = Vec::new();
     if !matches!(scenario.targets, TargetPlan::Bearings(_)) {
-        let fault = Fault::new("/record", "conflict", "a bearing-time record is made of targets of the kind bearings");
+        let fault = Fault::new(
+            "/record",
+            "conflict",
+            "a bearing-time record is made of targets of the kind bearings",
+        );
         faults.push(fault.allowing("targets of the kind bearings"));
     }
     for (index, sensor) in scenario.sensors.iter().enumerate().skip(1) {
-        let detail = format!("a bearing-time record is that of one sensor; '{}' is another", sensor.sensor_id);
-        faults.push(Fault::new(format!("/sensors/{index}"), "conflict", detail).allowing("one sensor"));
+        let detail = format!(
+            "a bearing-time record is that of one sensor; '{}' is another",
+            sensor.sensor_id
+        );
+        faults.push(
+            Fault::new(format!("/sensors/{index}"), "conflict", detail).allowing("one sensor"),
+        );
     }
     if scenario.coverage.is_some() {
-        faults.push(Fault::new("/coverage", "conflict", "a bearing-time record shows all targets").allowing("no coverage"));
+        faults.push(
+            Fault::new(
+                "/coverage",
+                "conflict",
+                "a bearing-time record shows all targets",
+            )
+            .allowing("no coverage"),
+        );
     }
     let cells = 360.0 / plan.bearing_step_deg;
     if (cells - cells.round()).abs() > 1e-6 {
         let detail = format!("{} degrees are {cells} cells a turn", plan.bearing_step_deg);
-        faults.push(Fault::new("/record/bearing_step_deg", "out_of_range", detail).allowing("360 divided by a whole number"));
+        faults.push(
+            Fault::new("/record/bearing_step_deg", "out_of_range", detail)
+                .allowing("360 divided by a whole number"),
+        );
     }
     let targets = scenario.targets.count();
     if plan.levels_db.len() != 1 && plan.levels_db.len() != targets {
-        let detail = format!("there are {} levels for {targets} targets", plan.levels_db.len());
-        faults.push(Fault::new("/record/levels_db", "conflict", detail).allowing(format!("1 or {targets} values")));
+        let detail = format!(
+            "there are {} levels for {targets} targets",
+            plan.levels_db.len()
+        );
+        faults.push(
+            Fault::new("/record/levels_db", "conflict", detail)
+                .allowing(format!("1 or {targets} values")),
+        );
     }
     if rows(scenario, plan) * cells > MAX_CELLS as f64 {
-        let fault = Fault::new("/record", "too_large", format!("the record has {:.0} cells", rows(scenario, plan) * cells));
+        let fault = Fault::new(
+            "/record",
+            "too_large",
+            format!("the record has {:.0} cells", rows(scenario, plan) * cells),
+        );
         faults.push(fault.allowing(format!("<= {MAX_CELLS} cells")));
     }
     faults
@@ -136,7 +235,9 @@ pub(super) fn faults(scenario: &Scenario, plan: &RecordPlan) -> Vec<Fault> {
 /// The record lasts as long as the scans of the scenario do.
 fn rows(scenario: &Scenario, plan: &RecordPlan) -> f64 {
     // Of 0.3 s in steps of 0.1 s, too, there are three.
-    (f64::from(scenario.scans) * scenario.scan_period_s / plan.time_step_s + 1e-9).floor().max(1.0)
+    (f64::from(scenario.scans) * scenario.scan_period_s / plan.time_step_s + 1e-9)
+        .floor()
+        .max(1.0)
 }
 
 /// Simulates the record of `scenario`; `progress(done)` is told after each row, of as many as [`row_count`] says, and may stop
@@ -151,9 +252,15 @@ pub fn simulate_record(
 ) -> Result<Option<SimulatedRecord>, Vec<Fault>> {
     super::check(scenario)?;
     let (Some(plan), Some(sensor)) = (&scenario.record, scenario.sensors.first()) else {
-        return Err(vec![Fault::new("/record", "missing", "the scenario has no bearing-time record")]);
+        return Err(vec![Fault::new(
+            "/record",
+            "missing",
+            "the scenario has no bearing-time record",
+        )]);
     };
-    let times_s: Vec<f64> = (0..row_count(scenario, plan)).map(|row| row as f64 * plan.time_step_s).collect();
+    let times_s: Vec<f64> = (0..row_count(scenario, plan))
+        .map(|row| row as f64 * plan.time_step_s)
+        .collect();
     let paths = targets::paths(scenario, seed);
     let mut scene = RecordScene::new(plan, &paths, &times_s, seed);
     let mut levels_db = Vec::with_capacity(times_s.len() * scene.bearings_rad.len());
@@ -164,16 +271,36 @@ pub fn simulate_record(
         }
     }
     let truth = |path: &Path| {
-        let point = |&time_s: &f64| TruthPoint { time_s, place: path.place_at(time_s) };
-        Target { truth_id: path.truth_id.clone(), points: times_s.iter().map(point).collect() }
+        let point = |&time_s: &f64| TruthPoint {
+            time_s,
+            place: path.place_at(time_s),
+        };
+        Target {
+            truth_id: path.truth_id.clone(),
+            points: times_s.iter().map(point).collect(),
+        }
     };
     let truth = TruthSet::new(paths.iter().map(truth).collect())?;
     let bearings_rad = scene.bearings_rad;
-    let record = BearingTimeRecord::new(BearingTimeParts { times_s, bearings_rad, levels_db })?;
+    let record = BearingTimeRecord::new(BearingTimeParts {
+        times_s,
+        bearings_rad,
+        levels_db,
+    })?;
     // What is not stated is not known: the detector, not the scenario, makes the false detections.
-    let clutter_per_deg = sensor.clutter_per_deg.or(sensor.clutter_per_scan.map(|per_scan| per_scan / 360.0));
-    let sensor = SensorSettings { clutter_per_deg, clutter_per_m2: None, ..super::sensors::settings(sensor) };
-    Ok(Some(SimulatedRecord { record, truth, sensor }))
+    let clutter_per_deg = sensor
+        .clutter_per_deg
+        .or(sensor.clutter_per_scan.map(|per_scan| per_scan / 360.0));
+    let sensor = SensorSettings {
+        clutter_per_deg,
+        clutter_per_m2: None,
+        ..super::sensors::settings(sensor)
+    };
+    Ok(Some(SimulatedRecord {
+        record,
+        truth,
+        sensor,
+    }))
 }
 
 /// Rows of the record.
@@ -208,19 +335,30 @@ fn from_db(level_db: f64) -> f64 {
 impl<'a> RecordScene<'a> {
     fn new(plan: &'a RecordPlan, paths: &'a [Path], times_s: &[f64], seed: Seed) -> Self {
         let cells = (360.0 / plan.bearing_step_deg).round() as usize;
-        let bearings_rad: Vec<f64> = (0..cells).map(|cell| (cell as f64 * plan.bearing_step_deg).to_radians()).collect();
+        let bearings_rad: Vec<f64> = (0..cells)
+            .map(|cell| (cell as f64 * plan.bearing_step_deg).to_radians())
+            .collect();
         let background = |&bearing_rad: &f64| {
-            let within = plan
-                .sectors
-                .iter()
-                .filter(|sector| wrapped(bearing_rad - sector.centre_deg.to_radians()).abs() <= sector.width_deg.to_radians() / 2.0);
+            let within = plan.sectors.iter().filter(|sector| {
+                wrapped(bearing_rad - sector.centre_deg.to_radians()).abs()
+                    <= sector.width_deg.to_radians() / 2.0
+            });
             1.0 + within.map(|sector| from_db(sector.level_db)).sum::<f64>()
         };
         let background: Vec<f64> = bearings_rad.iter().map(background).collect();
         let fluctuations = vec![0.0; paths.len()];
         let duration_s = times_s.len() as f64 * plan.time_step_s;
         let transients = transients(plan, duration_s, seed);
-        RecordScene { plan, paths, power: background.clone(), background, bearings_rad, transients, fluctuations, seed }
+        RecordScene {
+            plan,
+            paths,
+            power: background.clone(),
+            background,
+            bearings_rad,
+            transients,
+            fluctuations,
+            seed,
+        }
     }
 
     fn add_row(&mut self, row: u64, time_s: f64, levels_db: &mut Vec<f32>) {
@@ -233,7 +371,10 @@ impl<'a> RecordScene<'a> {
         }
         if let Some(kind) = self.plan.transients {
             for index in 0..self.transients.len() {
-                let Transient { start_s, bearing_rad } = self.transients[index];
+                let Transient {
+                    start_s,
+                    bearing_rad,
+                } = self.transients[index];
                 if (start_s..start_s + kind.duration_s).contains(&time_s) {
                     self.add_beam(bearing_rad, from_db(kind.level_db));
                 }
@@ -242,23 +383,40 @@ impl<'a> RecordScene<'a> {
         let averages = f64::from(self.plan.noise_averages);
         let noise = Gamma::new(averages, 1.0 / averages).expect("a shape of 1 at least is one");
         let mut draw = self.seed.stream(Purpose::BearingTime, NOISE, row);
-        levels_db.extend(self.power.iter().map(|power| (10.0 * (power * noise.sample(&mut draw)).log10()).max(LEAST_DB) as f32));
+        levels_db.extend(
+            self.power.iter().map(|power| {
+                (10.0 * (power * noise.sample(&mut draw)).log10()).max(LEAST_DB) as f32
+            }),
+        );
     }
 
     /// L(t) of step 1.
     fn target_level_db(&mut self, index: usize, row: u64) -> f64 {
-        let error: f64 = StandardNormal.sample(&mut self.seed.stream(Purpose::BearingTime, FIRST_TARGET + index as u64, row));
-        let kept = if row == 0 { 0.0 } else { (-self.plan.time_step_s / self.plan.fluctuation_time_s).exp() };
+        let error: f64 = StandardNormal.sample(&mut self.seed.stream(
+            Purpose::BearingTime,
+            FIRST_TARGET + index as u64,
+            row,
+        ));
+        let kept = if row == 0 {
+            0.0
+        } else {
+            (-self.plan.time_step_s / self.plan.fluctuation_time_s).exp()
+        };
         let value = &mut self.fluctuations[index];
         *value = kept * *value + (1.0 - kept * kept).sqrt() * error;
-        let level_db = self.plan.levels_db.get(index).unwrap_or(&self.plan.levels_db[0]);
+        let level_db = self
+            .plan
+            .levels_db
+            .get(index)
+            .unwrap_or(&self.plan.levels_db[0]);
         level_db + self.plan.fluctuation_db * *value
     }
 
     fn add_beam(&mut self, bearing_rad: f64, power: f64) {
         let width_rad = self.plan.beam_width_deg.to_radians();
         for (cell, &cell_rad) in self.power.iter_mut().zip(&self.bearings_rad) {
-            *cell += power * (-4.0 * LN_2 * (wrapped(cell_rad - bearing_rad) / width_rad).powi(2)).exp();
+            *cell +=
+                power * (-4.0 * LN_2 * (wrapped(cell_rad - bearing_rad) / width_rad).powi(2)).exp();
         }
     }
 }
@@ -267,10 +425,20 @@ impl<'a> RecordScene<'a> {
 const LEAST_DB: f64 = -300.0;
 
 fn transients(plan: &RecordPlan, duration_s: f64, seed: Seed) -> Vec<Transient> {
-    let Some(Ok(count)) = plan.transients.map(|kind| Poisson::new(kind.per_minute / 60.0 * duration_s)) else { return Vec::new() };
+    let Some(Ok(count)) = plan
+        .transients
+        .map(|kind| Poisson::new(kind.per_minute / 60.0 * duration_s))
+    else {
+        return Vec::new();
+    };
     let mut draw = seed.stream(Purpose::BearingTime, TRANSIENT, 0);
     let number = count.sample(&mut draw) as u64;
-    (0..number).map(|_| Transient { start_s: duration_s * draw.random::<f64>(), bearing_rad: TAU * draw.random::<f64>() }).collect()
+    (0..number)
+        .map(|_| Transient {
+            start_s: duration_s * draw.random::<f64>(),
+            bearing_rad: TAU * draw.random::<f64>(),
+        })
+        .collect()
 }
 
 #[cfg(test)]
@@ -285,32 +453,58 @@ mod tests {
             bearing_deg,
             rate_degps,
         };
-        let sensor: ScenarioSensor = serde_json::from_value(json!({"sensor_id": "sonar", "x_m": 0, "y_m": 0, "p_d": 0.9})).unwrap();
+        let sensor: ScenarioSensor =
+            serde_json::from_value(json!({"sensor_id": "sonar", "x_m": 0, "y_m": 0, "p_d": 0.9}))
+                .unwrap();
         let plan = crate::registry::check(plan, &RECORD).unwrap();
         Scenario {
             scans: 20,
             scan_period_s: 10.0,
             sensors: vec![sensor],
-            targets: TargetPlan::Bearings(BearingTargets { crossings: vec![], lines: lines.iter().enumerate().map(line).collect() }),
+            targets: TargetPlan::Bearings(BearingTargets {
+                crossings: vec![],
+                lines: lines.iter().enumerate().map(line).collect(),
+            }),
             coverage: None,
             record: Some(serde_json::from_value(plan).unwrap()),
         }
     }
 
     fn record(scenario: &Scenario) -> SimulatedRecord {
-        simulate_record(scenario, Seed { seed: 1, run: 0 }, &mut |_| ControlFlow::Continue(())).unwrap().unwrap()
+        simulate_record(scenario, Seed { seed: 1, run: 0 }, &mut |_| {
+            ControlFlow::Continue(())
+        })
+        .unwrap()
+        .unwrap()
     }
 
     #[test]
     fn the_noise_has_its_mean_and_its_variance_and_a_sector_has_more() {
-        let mut scenario = scenario(&json!({"levels_db": [-60.0], "noise_averages": 5}), &[(0.0, 0.0)]);
+        let mut scenario = scenario(
+            &json!({"levels_db": [-60.0], "noise_averages": 5}),
+            &[(0.0, 0.0)],
+        );
         if let Some(plan) = &mut scenario.record {
-            plan.sectors = vec![InterferenceSector { centre_deg: 0.0, width_deg: 40.0, level_db: 10.0 }];
+            plan.sectors = vec![InterferenceSector {
+                centre_deg: 0.0,
+                width_deg: 40.0,
+                level_db: 10.0,
+            }];
         }
         let found = record(&scenario);
-        assert_eq!((found.record.times_s.len(), found.record.width(), found.record.wraps()), (200, 360, true));
+        assert_eq!(
+            (
+                found.record.times_s.len(),
+                found.record.width(),
+                found.record.wraps()
+            ),
+            (200, 360, true)
+        );
         let powers = |cells: std::ops::Range<usize>| -> Vec<f64> {
-            (0..200).flat_map(|row| found.record.row(row)[cells.clone()].to_vec()).map(|level| from_db(f64::from(level))).collect()
+            (0..200)
+                .flat_map(|row| found.record.row(row)[cells.clone()].to_vec())
+                .map(|level| from_db(f64::from(level)))
+                .collect()
         };
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
         let outside = powers(30..330);
@@ -319,7 +513,10 @@ mod tests {
         let squares: Vec<f64> = outside.iter().map(|power| (power - 1.0).powi(2)).collect();
         assert!((mean(&squares) - 0.2).abs() < 0.006, "{}", mean(&squares));
         // 1 + 10 on both sides of north.
-        assert!((mean(&powers(0..20)) - 11.0).abs() < 0.4 && (mean(&powers(341..360)) - 11.0).abs() < 0.4);
+        assert!(
+            (mean(&powers(0..20)) - 11.0).abs() < 0.4
+                && (mean(&powers(341..360)) - 11.0).abs() < 0.4
+        );
     }
 
     #[test]
@@ -329,23 +526,36 @@ mod tests {
         let last = found.record.row(100);
         // At 100 s it is at 0 degrees; 2 degrees off the power is half, 3.01 dB less.
         assert!((last[0] - 50.0).abs() < 0.2, "{}", last[0]);
-        assert!((last[2] - 46.99).abs() < 0.2 && (last[358] - 46.99).abs() < 0.2, "{} {}", last[2], last[358]);
+        assert!(
+            (last[2] - 46.99).abs() < 0.2 && (last[358] - 46.99).abs() < 0.2,
+            "{} {}",
+            last[2],
+            last[358]
+        );
         assert_eq!(found.truth.targets()[0].points.len(), 200);
     }
 
     #[test]
     fn one_more_target_changes_no_other_and_transients_come_as_often_as_asked() {
-        let plan =
-            json!({"levels_db": [40.0], "noise_averages": 1000, "transients": {"per_minute": 30.0, "duration_s": 1.0, "level_db": 40.0}});
-        let (one, two) = (record(&scenario(&plan, &[(90.0, 0.0)])), record(&scenario(&plan, &[(90.0, 0.0), (270.0, 0.0)])));
+        let plan = json!({"levels_db": [40.0], "noise_averages": 1000, "transients": {"per_minute": 30.0, "duration_s": 1.0, "level_db": 40.0}});
+        let (one, two) = (
+            record(&scenario(&plan, &[(90.0, 0.0)])),
+            record(&scenario(&plan, &[(90.0, 0.0), (270.0, 0.0)])),
+        );
         for row in 0..200 {
             assert_eq!(one.record.row(row)[80..100], two.record.row(row)[80..100]);
         }
         // 200 s of 30 a minute are 100 ± 10, each seen in one row.
-        let loud = |row: usize| (0..360).filter(move |cell| !(80..100).contains(cell)).map(move |cell| (row, cell));
+        let loud = |row: usize| {
+            (0..360)
+                .filter(move |cell| !(80..100).contains(cell))
+                .map(move |cell| (row, cell))
+        };
         let peaks = (0..200).flat_map(loud).filter(|&(row, cell)| {
             let levels = one.record.row(row);
-            levels[cell] > 33.0 && levels[cell] > levels[(cell + 1) % 360] && levels[cell] > levels[(cell + 359) % 360]
+            levels[cell] > 33.0
+                && levels[cell] > levels[(cell + 1) % 360]
+                && levels[cell] > levels[(cell + 359) % 360]
         });
         let count = peaks.count();
         assert!((65..=135).contains(&count), "{count}");
@@ -353,12 +563,29 @@ mod tests {
 
     #[test]
     fn all_faults_of_a_record_are_told() {
-        let mut wrong = scenario(&json!({"bearing_step_deg": 0.7, "levels_db": [1.0, 2.0]}), &[(0.0, 0.0)]);
-        wrong.sensors.push(ScenarioSensor { sensor_id: "other".into(), ..wrong.sensors[0].clone() });
+        let mut wrong = scenario(
+            &json!({"bearing_step_deg": 0.7, "levels_db": [1.0, 2.0]}),
+            &[(0.0, 0.0)],
+        );
+        wrong.sensors.push(ScenarioSensor {
+            sensor_id: "other".into(),
+            ..wrong.sensors[0].clone()
+        });
         let pointers = |scenario: &Scenario| -> Vec<String> {
-            super::super::check(scenario).unwrap_err().into_iter().map(|fault| fault.pointer).collect()
+            super::super::check(scenario)
+                .unwrap_err()
+                .into_iter()
+                .map(|fault| fault.pointer)
+                .collect()
         };
-        assert_eq!(pointers(&wrong), ["/sensors/1", "/record/bearing_step_deg", "/record/levels_db"]);
+        assert_eq!(
+            pointers(&wrong),
+            [
+                "/sensors/1",
+                "/record/bearing_step_deg",
+                "/record/levels_db"
+            ]
+        );
         let mut large = scenario(&json!({"time_step_s": 0.001}), &[(0.0, 0.0)]);
         assert_eq!(pointers(&large), ["/record"]);
         large.targets = TargetPlan::Listed { targets: vec![] };

@@ -13,10 +13,14 @@ pub(super) struct Coverage {
 
 impl Coverage {
     pub fn new(scenario: &Scenario, seed: Seed) -> Self {
-        let Some(scenario::Coverage::Duplicates { count }) = scenario.coverage else { return Coverage { only: Vec::new() } };
+        let Some(scenario::Coverage::Duplicates { count }) = scenario.coverage else {
+            return Coverage { only: Vec::new() };
+        };
         let targets = scenario.targets.count();
         let mut draw = seed.stream(Purpose::Coverage, 0, 0);
-        let mut only: Vec<Option<usize>> = (0..targets).map(|_| Some(draw.random_range(0..scenario.sensors.len()))).collect();
+        let mut only: Vec<Option<usize>> = (0..targets)
+            .map(|_| Some(draw.random_range(0..scenario.sensors.len())))
+            .collect();
         // The first `count` places of a random order (R. A. Fisher, F. Yates).
         let mut order: Vec<usize> = (0..targets).collect();
         for place in 0..(count as usize).min(targets) {
@@ -27,7 +31,11 @@ impl Coverage {
     }
 
     pub fn includes(&self, sensor: usize, target: usize) -> bool {
-        self.only.get(target).copied().flatten().is_none_or(|only| only == sensor)
+        self.only
+            .get(target)
+            .copied()
+            .flatten()
+            .is_none_or(|only| only == sensor)
     }
 }
 

@@ -24,55 +24,139 @@ use rand_distr::{Distribution, Poisson, StandardNormal};
 use serde::Deserialize;
 use std::f64::consts::TAU;
 
-const LENGTH: Kind = Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e9), unit: "m" };
-const SHARE: Kind = Kind::Number { min: Bound::Including(0.0), max: Bound::Excluding(1.0), unit: "" };
+const LENGTH: Kind = Kind::Number {
+    min: Bound::Excluding(0.0),
+    max: Bound::Including(1e9),
+    unit: "m",
+};
+const SHARE: Kind = Kind::Number {
+    min: Bound::Including(0.0),
+    max: Bound::Excluding(1.0),
+    unit: "",
+};
 
 pub static LOCAL_TRACKS: Object = Object {
     name: "LocalTracks",
     summary: "Tracks of several sensors, drawn: the truth with errors of known covariance, without detections and trackers.",
     fields: &[
-        default("sensors", "Sensors.", Kind::Integer { min: 1, max: 64, unit: "" }, "3"),
-        default("targets", "Targets.", Kind::Integer { min: 1, max: 100_000, unit: "" }, "10"),
-        default("spacing_m", "Distance between neighbouring targets of the square in which they move.", LENGTH, "500.0"),
-        default("jitter", "Largest displacement of a target from its place along each axis, in spacings.", SHARE, "0.3"),
+        default(
+            "sensors",
+            "Sensors.",
+            Kind::Integer {
+                min: 1,
+                max: 64,
+                unit: "",
+            },
+            "3",
+        ),
+        default(
+            "targets",
+            "Targets.",
+            Kind::Integer {
+                min: 1,
+                max: 100_000,
+                unit: "",
+            },
+            "10",
+        ),
+        default(
+            "spacing_m",
+            "Distance between neighbouring targets of the square in which they move.",
+            LENGTH,
+            "500.0",
+        ),
+        default(
+            "jitter",
+            "Largest displacement of a target from its place along each axis, in spacings.",
+            SHARE,
+            "0.3",
+        ),
         default(
             "speed_mps",
             "Speed of all targets, on one course.",
-            Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e5), unit: "m/s" },
+            Kind::Number {
+                min: Bound::Including(0.0),
+                max: Bound::Including(1e5),
+                unit: "m/s",
+            },
             "200.0",
         ),
-        default("sigma_m", "Standard deviation of x and of y.", LENGTH, "100.0"),
+        default(
+            "sigma_m",
+            "Standard deviation of x and of y.",
+            LENGTH,
+            "100.0",
+        ),
         default(
             "sigma_mps",
             "Standard deviation of each component of the velocity.",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e5), unit: "m/s" },
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Including(1e5),
+                unit: "m/s",
+            },
             "10.0",
         ),
         default(
             "p_d",
             "Probability that a sensor has a track of a target.",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1.0), unit: "" },
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Including(1.0),
+                unit: "",
+            },
             "1.0",
         ),
         default(
             "false_tracks",
             "Mean number of tracks of a sensor that are of no target.",
-            Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e5), unit: "" },
+            Kind::Number {
+                min: Bound::Including(0.0),
+                max: Bound::Including(1e5),
+                unit: "",
+            },
             "0.0",
         ),
         default(
             "bias_m",
             "Displacement of all tracks of a sensor, in a direction of its own.",
-            Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e9), unit: "m" },
+            Kind::Number {
+                min: Bound::Including(0.0),
+                max: Bound::Including(1e9),
+                unit: "m",
+            },
             "0.0",
         ),
-        default("correlation", "Correlation of a track's errors from one time to the next; 0 is white.", SHARE, "0.0"),
-        default("cross_correlation", "Correlation of the errors of two sensors' tracks of one target.", SHARE, "0.0"),
-        default("times", "Times at which every track says something.", Kind::Integer { min: 1, max: 10_000, unit: "" }, "4"),
+        default(
+            "correlation",
+            "Correlation of a track's errors from one time to the next; 0 is white.",
+            SHARE,
+            "0.0",
+        ),
+        default(
+            "cross_correlation",
+            "Correlation of the errors of two sensors' tracks of one target.",
+            SHARE,
+            "0.0",
+        ),
+        default(
+            "times",
+            "Times at which every track says something.",
+            Kind::Integer {
+                min: 1,
+                max: 10_000,
+                unit: "",
+            },
+            "4",
+        ),
         default(
             "period_s",
             "Time between them.",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "s" },
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Including(1e6),
+                unit: "s",
+            },
             "2.0",
         ),
     ],
@@ -109,7 +193,9 @@ pub struct SensorTracks {
 impl LocalTracks {
     /// Points of tracks to expect.
     pub fn points(&self) -> f64 {
-        f64::from(self.sensors) * (f64::from(self.targets) * self.p_d + self.false_tracks) * f64::from(self.times)
+        f64::from(self.sensors)
+            * (f64::from(self.targets) * self.p_d + self.false_tracks)
+            * f64::from(self.times)
     }
 
     fn side(&self) -> u32 {
@@ -126,67 +212,118 @@ impl LocalTracks {
 ///
 /// # Errors
 /// Those of [`TruthSet::new`]: times or places that are not finite.
-pub fn simulate_local_tracks(plan: &LocalTracks, seed: Seed) -> Result<(Vec<SensorTracks>, TruthSet), Vec<crate::model::fault::Fault>> {
+pub fn simulate_local_tracks(
+    plan: &LocalTracks,
+    seed: Seed,
+) -> Result<(Vec<SensorTracks>, TruthSet), Vec<crate::model::fault::Fault>> {
     let heading_rad = TAU * seed.stream(Purpose::LocalTracks, 0, 0).random::<f64>();
     let course_mps = Position::new(heading_rad.sin(), heading_rad.cos()) * plan.speed_mps;
-    let starts_m: Vec<Position> = (0..plan.targets).map(|target| place(plan, target, seed)).collect();
-    let sensors = (0..plan.sensors).map(|sensor| tracks_of(plan, sensor, &starts_m, course_mps, seed)).collect();
+    let starts_m: Vec<Position> = (0..plan.targets)
+        .map(|target| place(plan, target, seed))
+        .collect();
+    let sensors = (0..plan.sensors)
+        .map(|sensor| tracks_of(plan, sensor, &starts_m, course_mps, seed))
+        .collect();
     let target = |(index, start_m): (usize, &Position)| {
         let point = |time: u32| {
             let time_s = f64::from(time) * plan.period_s;
             TruthPoint::in_plane(time_s, start_m + course_mps * time_s, Some(course_mps))
         };
-        Target { truth_id: (index + 1).to_string(), points: (0..plan.times).map(point).collect() }
+        Target {
+            truth_id: (index + 1).to_string(),
+            points: (0..plan.times).map(point).collect(),
+        }
     };
-    Ok((sensors, TruthSet::new(starts_m.iter().enumerate().map(target).collect())?))
+    Ok((
+        sensors,
+        TruthSet::new(starts_m.iter().enumerate().map(target).collect())?,
+    ))
 }
 
 /// Where a target begins; the stream of entity k draws the k-th.
 fn place(plan: &LocalTracks, target: u32, seed: Seed) -> Position {
     let mut draw = seed.stream(Purpose::LocalTracks, u64::from(target) + 1, 0);
     let side = plan.side();
-    let mut along = |number: u32| plan.spacing_m * (f64::from(number) + plan.jitter * (2.0 * draw.random::<f64>() - 1.0));
+    let mut along = |number: u32| {
+        plan.spacing_m * (f64::from(number) + plan.jitter * (2.0 * draw.random::<f64>() - 1.0))
+    };
     Position::new(along(target % side), along(target / side))
 }
 
-fn tracks_of(plan: &LocalTracks, sensor: u32, starts_m: &[Position], course_mps: Position, seed: Seed) -> SensorTracks {
+fn tracks_of(
+    plan: &LocalTracks,
+    sensor: u32,
+    starts_m: &[Position],
+    course_mps: Position,
+    seed: Seed,
+) -> SensorTracks {
     let entity = u64::from(sensor + 1) << 32;
     let mut draw = seed.stream(Purpose::LocalTracks, entity, 0);
     let bias_rad = TAU * draw.random::<f64>();
     let bias_m = Position::new(bias_rad.sin(), bias_rad.cos()) * plan.bias_m;
-    let false_tracks = Poisson::new(plan.false_tracks).map_or(0.0, |count| count.sample(&mut draw)) as u64;
+    let false_tracks =
+        Poisson::new(plan.false_tracks).map_or(0.0, |count| count.sample(&mut draw)) as u64;
     let mut found: Vec<(u64, Option<u32>, Track)> = Vec::new();
     for (target, start_m) in starts_m.iter().enumerate() {
         let mut draw = seed.stream(Purpose::LocalTracks, entity + target as u64 + 1, 0);
         if draw.random::<f64>() < plan.p_d {
             let order = draw.random();
             let mut common = seed.stream(Purpose::LocalTracks, target as u64 + 1, 1);
-            found.push((order, Some(target as u32), track(plan, start_m + bias_m, course_mps, &mut draw, &mut common)));
+            found.push((
+                order,
+                Some(target as u32),
+                track(plan, start_m + bias_m, course_mps, &mut draw, &mut common),
+            ));
         }
     }
     for number in 0..false_tracks {
         let mut draw = seed.stream(Purpose::LocalTracks, entity + number + 1, 1);
-        let mut anywhere = || plan.spacing_m * (f64::from(plan.side()) * draw.random::<f64>() - 0.5);
+        let mut anywhere =
+            || plan.spacing_m * (f64::from(plan.side()) * draw.random::<f64>() - 0.5);
         let start_m = Position::new(anywhere(), anywhere());
         let order = draw.random();
         let mut common = seed.stream(Purpose::LocalTracks, entity + number + 1, 2);
-        found.push((order, None, track(plan, start_m + bias_m, course_mps, &mut draw, &mut common)));
+        found.push((
+            order,
+            None,
+            track(plan, start_m + bias_m, course_mps, &mut draw, &mut common),
+        ));
     }
     found.sort_by_key(|(order, ..)| *order);
     let origins = found.iter().map(|(_, origin, _)| *origin).collect();
-    let named = |(index, (.., track)): (usize, (u64, Option<u32>, Track))| Track { track_id: (index + 1).to_string(), ..track };
+    let named = |(index, (.., track)): (usize, (u64, Option<u32>, Track))| Track {
+        track_id: (index + 1).to_string(),
+        ..track
+    };
     let sensor_id = (sensor + 1).to_string();
-    let tracks =
-        TrackSet { tracks: found.into_iter().enumerate().map(named).collect(), sensor_ids: vec![sensor_id.clone()], ..TrackSet::default() };
-    SensorTracks { sensor_id, tracks, origins }
+    let tracks = TrackSet {
+        tracks: found.into_iter().enumerate().map(named).collect(),
+        sensor_ids: vec![sensor_id.clone()],
+        ..TrackSet::default()
+    };
+    SensorTracks {
+        sensor_id,
+        tracks,
+        origins,
+    }
 }
 
 /// `draw` is the track's own stream, `common` that of all tracks of its target.
-fn track(plan: &LocalTracks, start_m: Position, course_mps: Position, draw: &mut ChaCha8Rng, common: &mut ChaCha8Rng) -> Track {
+fn track(
+    plan: &LocalTracks,
+    start_m: Position,
+    course_mps: Position,
+    draw: &mut ChaCha8Rng,
+    common: &mut ChaCha8Rng,
+) -> Track {
     let covariance = plan.covariance();
     let normal = |stream: &mut ChaCha8Rng| State::from_fn(|_, _| StandardNormal.sample(stream));
     let mut white = || {
-        let shared = if plan.cross_correlation > 0.0 { normal(common) * plan.cross_correlation.sqrt() } else { State::zeros() };
+        let shared = if plan.cross_correlation > 0.0 {
+            normal(common) * plan.cross_correlation.sqrt()
+        } else {
+            State::zeros()
+        };
         let mixed = shared + normal(draw) * (1.0 - plan.cross_correlation).sqrt();
         mixed.component_mul(&covariance.map_diagonal(f64::sqrt))
     };
@@ -198,8 +335,23 @@ fn track(plan: &LocalTracks, start_m: Position, course_mps: Position, draw: &mut
         let time_s = f64::from(time) * plan.period_s;
         let position_m = start_m + course_mps * time_s;
         let state = State::new(position_m[0], position_m[1], course_mps[0], course_mps[1]) + error;
-        let estimate = Estimate::Plane(PlaneEstimate { state, has_velocity: true, covariance: Some(covariance) });
-        TrackPoint { time_s, sensor: Some(0), estimate, status: None, nis: None, first_candidate: 0, candidates: 0 }
+        let estimate = Estimate::Plane(PlaneEstimate {
+            state,
+            has_velocity: true,
+            covariance: Some(covariance),
+        });
+        TrackPoint {
+            time_s,
+            sensor: Some(0),
+            estimate,
+            status: None,
+            nis: None,
+            first_candidate: 0,
+            candidates: 0,
+        }
     };
-    Track { track_id: String::new(), points: (0..plan.times).map(&mut point).collect() }
+    Track {
+        track_id: String::new(),
+        points: (0..plan.times).map(&mut point).collect(),
+    }
 }

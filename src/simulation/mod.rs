@@ -34,25 +34,50 @@ pub struct Simulated {
 /// # Errors
 /// All faults, with pointers into the scenario.
 pub fn check(scenario: &Scenario) -> Result<(), Vec<Fault>> {
-    let sensor_ids = scenario.sensors.iter().map(|sensor| sensor.sensor_id.as_str());
-    let mut faults = duplicate_faults("sensors", sensor_ids, |index| format!("/sensors/{index}/sensor_id"));
-    faults.extend(scenario.sensors.iter().enumerate().flat_map(|(index, sensor)| sensors::faults(index, sensor, scenario)));
+    let sensor_ids = scenario
+        .sensors
+        .iter()
+        .map(|sensor| sensor.sensor_id.as_str());
+    let mut faults = duplicate_faults("sensors", sensor_ids, |index| {
+        format!("/sensors/{index}/sensor_id")
+    });
+    faults.extend(
+        scenario
+            .sensors
+            .iter()
+            .enumerate()
+            .flat_map(|(index, sensor)| sensors::faults(index, sensor, scenario)),
+    );
     match &scenario.targets {
         TargetPlan::Random(plan) if plan.speed_min_mps > plan.speed_max_mps => {
             let detail = format!("{} m/s is above speed_max_mps", plan.speed_min_mps);
-            faults.push(Fault::new("/targets/speed_min_mps", "out_of_range", detail).allowing(format!("<= {} m/s", plan.speed_max_mps)));
+            faults.push(
+                Fault::new("/targets/speed_min_mps", "out_of_range", detail)
+                    .allowing(format!("<= {} m/s", plan.speed_max_mps)),
+            );
         }
         TargetPlan::Random(_) => {}
         TargetPlan::Listed { targets } => {
             let names = targets.iter().map(|target| target.truth_id.as_str());
-            faults.extend(duplicate_faults("targets", names, |index| format!("/targets/targets/{index}/truth_id")));
+            faults.extend(duplicate_faults("targets", names, |index| {
+                format!("/targets/targets/{index}/truth_id")
+            }));
         }
         TargetPlan::Bearings(plan) => faults.extend(bearing_faults(plan)),
         TargetPlan::Formation(_) => {}
     }
     faults.extend(coverage::fault(scenario));
-    faults.extend(scenario.record.iter().flat_map(|plan| bearing_time::faults(scenario, plan)));
-    if faults.is_empty() { Ok(()) } else { Err(faults) }
+    faults.extend(
+        scenario
+            .record
+            .iter()
+            .flat_map(|plan| bearing_time::faults(scenario, plan)),
+    );
+    if faults.is_empty() {
+        Ok(())
+    } else {
+        Err(faults)
+    }
 }
 
 /// Simulates `scenario`; `progress(done)` is told after each scan and may stop the work (then the result is `None`).
@@ -66,19 +91,36 @@ pub fn simulate(
 ) -> Result<Option<Simulated>, Vec<Fault>> {
     check(scenario)?;
     let paths = targets::paths(scenario, seed);
-    let times: Vec<f64> = (0..scenario.scans).map(|scan| f64::from(scan) * scenario.scan_period_s).collect();
+    let times: Vec<f64> = (0..scenario.scans)
+        .map(|scan| f64::from(scan) * scenario.scan_period_s)
+        .collect();
     let coverage = coverage::Coverage::new(scenario, seed);
     let (truth, seen) = observed_truth(scenario, &paths, &coverage, &times)?;
     let mut parts = RecordingParts {
         sensors: scenario.sensors.iter().map(sensors::settings).collect(),
-        targets: truth.targets().iter().map(|target| target.truth_id.clone()).collect(),
+        targets: truth
+            .targets()
+            .iter()
+            .map(|target| target.truth_id.clone())
+            .collect(),
         origins_known: true,
         ..Default::default()
     };
-    let fastest_mps = paths.iter().map(targets::Path::speed_mps).fold(0.0, f64::max);
+    let fastest_mps = paths
+        .iter()
+        .map(targets::Path::speed_mps)
+        .fold(0.0, f64::max);
     let radars = || {
         let sensors = scenario.sensors.iter().enumerate();
-        sensors.filter_map(|(index, sensor)| Some(radar::Radar { sensor, index, noise: sensor.noise()?, coverage: &coverage, fastest_mps }))
+        sensors.filter_map(|(index, sensor)| {
+            Some(radar::Radar {
+                sensor,
+                index,
+                noise: sensor.noise()?,
+                coverage: &coverage,
+                fastest_mps,
+            })
+        })
     };
     for (index, &time_s) in times.iter().enumerate() {
         for radar in radars() {
@@ -89,25 +131,49 @@ pub fn simulate(
             return Ok(None);
         }
     }
-    Ok(Some(Simulated { recording: Recording::new(parts)?, truth }))
+    Ok(Some(Simulated {
+        recording: Recording::new(parts)?,
+        truth,
+    }))
 }
 
 fn bearing_faults(plan: &BearingTargets) -> Vec<Fault> {
     let (names, lines): (Vec<String>, Vec<Option<usize>>) = targets::bearing_names(plan).unzip();
     if names.is_empty() {
-        return vec![Fault::new("/targets", "missing", "the scene has no target").allowing("at least one entry in crossings or lines")];
+        return vec![
+            Fault::new("/targets", "missing", "the scene has no target")
+                .allowing("at least one entry in crossings or lines"),
+        ];
     }
     // Only lines have names of their own, and they come last: none of them is repeated by a crossing.
-    let pointer = |index: usize| lines[index].map_or_else(String::new, |line| format!("/targets/lines/{line}/truth_id"));
+    let pointer = |index: usize| {
+        lines[index].map_or_else(String::new, |line| {
+            format!("/targets/lines/{line}/truth_id")
+        })
+    };
     duplicate_faults("targets", names.iter().map(String::as_str), pointer)
 }
 
 /// A fault for each name that stood in the list before.
-fn duplicate_faults<'a>(what: &str, names: impl Iterator<Item = &'a str>, pointer: impl Fn(usize) -> String) -> Vec<Fault> {
+fn duplicate_faults<'a>(
+    what: &str,
+    names: impl Iterator<Item = &'a str>,
+    pointer: impl Fn(usize) -> String,
+) -> Vec<Fault> {
     let mut seen = BTreeSet::new();
-    let repeated = names.enumerate().filter(|(_, name)| !seen.insert(name.to_owned()));
-    let fault = |index, name| Fault::new(pointer(index), "duplicate", format!("two {what} are called '{name}'"));
-    repeated.map(|(index, name)| fault(index, name).allowing("each name once")).collect()
+    let repeated = names
+        .enumerate()
+        .filter(|(_, name)| !seen.insert(name.to_owned()));
+    let fault = |index, name| {
+        Fault::new(
+            pointer(index),
+            "duplicate",
+            format!("two {what} are called '{name}'"),
+        )
+    };
+    repeated
+        .map(|(index, name)| fault(index, name).allowing("each name once"))
+        .collect()
 }
 
 /// The truth of every target that some sensor could see, and for each path its index among those.
@@ -123,14 +189,22 @@ fn observed_truth(
         let is_visible = |time_s: &f64| {
             let place = path.place_at(*time_s);
             let mut sensors = scenario.sensors.iter().enumerate();
-            sensors.any(|(sensor_index, sensor)| coverage.includes(sensor_index, index) && radar::is_in_view(sensor, &place))
+            sensors.any(|(sensor_index, sensor)| {
+                coverage.includes(sensor_index, index) && radar::is_in_view(sensor, &place)
+            })
         };
         let first = times.iter().position(is_visible);
         let last = times.iter().rposition(is_visible);
         seen.push(first.map(|_| observed.len() as u32));
         if let (Some(first), Some(last)) = (first, last) {
-            let point = |&time_s: &f64| TruthPoint { time_s, place: path.place_at(time_s) };
-            observed.push(Target { truth_id: path.truth_id.clone(), points: times[first..=last].iter().map(point).collect() });
+            let point = |&time_s: &f64| TruthPoint {
+                time_s,
+                place: path.place_at(time_s),
+            };
+            observed.push(Target {
+                truth_id: path.truth_id.clone(),
+                points: times[first..=last].iter().map(point).collect(),
+            });
         }
     }
     Ok((TruthSet::new(observed)?, seen))
@@ -140,12 +214,29 @@ fn observed_truth(
 fn append_scan(parts: &mut RecordingParts, sensor: usize, time_s: f64, mut found: Vec<Detection>) {
     let values = |detection: &Detection| match detection.measurement {
         Measurement::Position { x_m, y_m } => (x_m, y_m),
-        Measurement::RangeBearing { range_m, bearing_rad, .. } => (range_m, bearing_rad),
+        Measurement::RangeBearing {
+            range_m,
+            bearing_rad,
+            ..
+        } => (range_m, bearing_rad),
         Measurement::Bearing { bearing_rad } => (bearing_rad, 0.0),
     };
-    found.sort_by(|left, right| values(left).0.total_cmp(&values(right).0).then(values(left).1.total_cmp(&values(right).1)));
+    found.sort_by(|left, right| {
+        values(left)
+            .0
+            .total_cmp(&values(right).0)
+            .then(values(left).1.total_cmp(&values(right).1))
+    });
     let number = parts.scans.len() as u32 + 1;
-    parts.scans.push(Scan { number, time_s, sensor, first: parts.detections.len(), count: found.len() });
-    parts.detection_ids.extend((1..=found.len()).map(|index| format!("{number}-{index}")));
+    parts.scans.push(Scan {
+        number,
+        time_s,
+        sensor,
+        first: parts.detections.len(),
+        count: found.len(),
+    });
+    parts
+        .detection_ids
+        .extend((1..=found.len()).map(|index| format!("{number}-{index}")));
     parts.detections.append(&mut found);
 }

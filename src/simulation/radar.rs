@@ -32,14 +32,23 @@ pub(super) fn is_in_view(sensor: &ScenarioSensor, place: &TruePlace) -> bool {
     match place {
         TruePlace::Plane { position_m, .. } => {
             let range_m = (position_m - Position::new(sensor.x_m, sensor.y_m)).norm();
-            sensor.max_range_m.is_some_and(|max_range_m| range_m <= max_range_m)
+            sensor
+                .max_range_m
+                .is_some_and(|max_range_m| range_m <= max_range_m)
         }
         TruePlace::Bearing { .. } => true,
     }
 }
 
 /// The detections of one scan, targets first. `seen[path]` is the index of the path's target in the recording.
-pub(super) fn scan(radar: Radar, scan_index: u64, time_s: f64, paths: &[Path], seen: &[Option<u32>], seed: Seed) -> Vec<Detection> {
+pub(super) fn scan(
+    radar: Radar,
+    scan_index: u64,
+    time_s: f64,
+    paths: &[Path],
+    seen: &[Option<u32>],
+    seed: Seed,
+) -> Vec<Detection> {
     let mut found = Vec::new();
     let mut bearings_rad = Vec::new();
     for (index, path) in paths.iter().enumerate() {
@@ -51,7 +60,11 @@ pub(super) fn scan(radar: Radar, scan_index: u64, time_s: f64, paths: &[Path], s
             if draw.random::<f64>() < radar.sensor.p_d {
                 let errors: [f64; 3] = std::array::from_fn(|_| StandardNormal.sample(&mut draw));
                 let report = radar.report(&place, errors);
-                found.extend(report.map(|measurement| Detection { measurement, origin: seen[index], amplitude: None }));
+                found.extend(report.map(|measurement| Detection {
+                    measurement,
+                    origin: seen[index],
+                    amplitude: None,
+                }));
             }
         }
     }
@@ -62,41 +75,76 @@ pub(super) fn scan(radar: Radar, scan_index: u64, time_s: f64, paths: &[Path], s
 
 impl Radar<'_> {
     /// `bearings_rad`: where the targets in view really are, in rising order.
-    fn add_clutter(&self, scan_index: u64, bearings_rad: &[f64], seed: Seed, found: &mut Vec<Detection>) {
+    fn add_clutter(
+        &self,
+        scan_index: u64,
+        bearings_rad: &[f64],
+        seed: Seed,
+        found: &mut Vec<Detection>,
+    ) {
         let sensor = self.sensor;
         // A mean of zero is no distribution at all: then there is no clutter.
-        let Ok(count) = Poisson::new(sensor.mean_clutter()) else { return };
+        let Ok(count) = Poisson::new(sensor.mean_clutter()) else {
+            return;
+        };
         let mut draw = seed.stream(Purpose::Clutter, self.index as u64, scan_index);
         let number = count.sample(&mut draw) as u64;
         for _ in 0..number {
             let range_m = sensor.max_range_m.unwrap_or(0.0) * draw.random::<f64>().sqrt();
             let bearing_rad = TAU * draw.random::<f64>();
-            let (x_m, y_m) = (sensor.x_m + range_m * bearing_rad.sin(), sensor.y_m + range_m * bearing_rad.cos());
+            let (x_m, y_m) = (
+                sensor.x_m + range_m * bearing_rad.sin(),
+                sensor.y_m + range_m * bearing_rad.cos(),
+            );
             let measurement = match self.noise {
                 ReportNoise::Position { .. } => Measurement::Position { x_m, y_m },
-                ReportNoise::RangeBearing { sigma_range_rate_mps, .. } => {
-                    let range_rate_mps = sigma_range_rate_mps.map(|_| self.fastest_mps * (2.0 * draw.random::<f64>() - 1.0));
-                    Measurement::RangeBearing { range_m, bearing_rad, range_rate_mps }
+                ReportNoise::RangeBearing {
+                    sigma_range_rate_mps,
+                    ..
+                } => {
+                    let range_rate_mps = sigma_range_rate_mps
+                        .map(|_| self.fastest_mps * (2.0 * draw.random::<f64>() - 1.0));
+                    Measurement::RangeBearing {
+                        range_m,
+                        bearing_rad,
+                        range_rate_mps,
+                    }
                 }
-                ReportNoise::Bearing { .. } if self.leaves_out(bearing_rad, bearings_rad) => continue,
+                ReportNoise::Bearing { .. } if self.leaves_out(bearing_rad, bearings_rad) => {
+                    continue;
+                }
                 ReportNoise::Bearing { .. } => Measurement::Bearing { bearing_rad },
             };
-            found.push(Detection { measurement, origin: None, amplitude: None });
+            found.push(Detection {
+                measurement,
+                origin: None,
+                amplitude: None,
+            });
         }
     }
 
     /// Whether a false detection is too far from every target.
     fn leaves_out(&self, bearing_rad: f64, bearings_rad: &[f64]) -> bool {
-        let Some(within_deg) = self.sensor.clutter_within_deg else { return false };
+        let Some(within_deg) = self.sensor.clutter_within_deg else {
+            return false;
+        };
         let after = bearings_rad.partition_point(|&other| other < bearing_rad);
-        let neighbours = [bearings_rad.get(after).or(bearings_rad.first()), bearings_rad[..after].last().or(bearings_rad.last())];
-        !neighbours.into_iter().flatten().any(|other| wrapped(bearing_rad - other).abs() <= within_deg.to_radians())
+        let neighbours = [
+            bearings_rad.get(after).or(bearings_rad.first()),
+            bearings_rad[..after].last().or(bearings_rad.last()),
+        ];
+        !neighbours
+            .into_iter()
+            .flatten()
+            .any(|other| wrapped(bearing_rad - other).abs() <= within_deg.to_radians())
     }
 
     /// The direction of a place.
     fn bearing_rad(&self, place: &TruePlace) -> f64 {
         match place {
-            TruePlace::Plane { position_m, .. } => (position_m[0] - self.sensor.x_m).atan2(position_m[1] - self.sensor.y_m),
+            TruePlace::Plane { position_m, .. } => {
+                (position_m[0] - self.sensor.x_m).atan2(position_m[1] - self.sensor.y_m)
+            }
             TruePlace::Bearing { bearing_rad } => *bearing_rad,
         }
     }
@@ -106,24 +154,44 @@ impl Radar<'_> {
     fn report(&self, place: &TruePlace, errors: [f64; 3]) -> Option<Measurement> {
         let seen_rad = |error_rad: f64| (self.bearing_rad(place) + error_rad).rem_euclid(TAU);
         match (self.noise, place) {
-            (ReportNoise::Bearing { sigma_bearing_rad }, _) => {
-                Some(Measurement::Bearing { bearing_rad: seen_rad(errors[0] * sigma_bearing_rad) })
-            }
+            (ReportNoise::Bearing { sigma_bearing_rad }, _) => Some(Measurement::Bearing {
+                bearing_rad: seen_rad(errors[0] * sigma_bearing_rad),
+            }),
             (_, TruePlace::Bearing { .. }) => None,
-            (ReportNoise::Position { sigma_x_m, sigma_y_m }, TruePlace::Plane { position_m, .. }) => {
-                Some(Measurement::Position { x_m: position_m[0] + errors[0] * sigma_x_m, y_m: position_m[1] + errors[1] * sigma_y_m })
-            }
             (
-                ReportNoise::RangeBearing { sigma_range_m, sigma_bearing_rad, sigma_range_rate_mps },
-                TruePlace::Plane { position_m, velocity_mps },
+                ReportNoise::Position {
+                    sigma_x_m,
+                    sigma_y_m,
+                },
+                TruePlace::Plane { position_m, .. },
+            ) => Some(Measurement::Position {
+                x_m: position_m[0] + errors[0] * sigma_x_m,
+                y_m: position_m[1] + errors[1] * sigma_y_m,
+            }),
+            (
+                ReportNoise::RangeBearing {
+                    sigma_range_m,
+                    sigma_bearing_rad,
+                    sigma_range_rate_mps,
+                },
+                TruePlace::Plane {
+                    position_m,
+                    velocity_mps,
+                },
             ) => {
                 let offset_m = position_m - Position::new(self.sensor.x_m, self.sensor.y_m);
                 // A range below 0 would be one in the opposite direction, which no sensor reports.
                 let range_m = (offset_m.norm() + errors[0] * sigma_range_m).abs();
                 let towards = offset_m.try_normalize(0.0).unwrap_or_else(Position::zeros);
-                let approach_mps = velocity_mps.map_or(0.0, |velocity_mps| towards.dot(&velocity_mps));
-                let range_rate_mps = sigma_range_rate_mps.map(|sigma_mps| approach_mps + errors[2] * sigma_mps);
-                Some(Measurement::RangeBearing { range_m, bearing_rad: seen_rad(errors[1] * sigma_bearing_rad), range_rate_mps })
+                let approach_mps =
+                    velocity_mps.map_or(0.0, |velocity_mps| towards.dot(&velocity_mps));
+                let range_rate_mps =
+                    sigma_range_rate_mps.map(|sigma_mps| approach_mps + errors[2] * sigma_mps);
+                Some(Measurement::RangeBearing {
+                    range_m,
+                    bearing_rad: seen_rad(errors[1] * sigma_bearing_rad),
+                    range_rate_mps,
+                })
             }
         }
     }

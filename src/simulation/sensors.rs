@@ -13,15 +13,27 @@ pub(super) fn faults(index: usize, sensor: &ScenarioSensor, scenario: &Scenario)
         // The noise of what is found in a record need not be known.
         (None, _) if scenario.record.is_some() && !has_noise(sensor) => {}
         (None, _) => faults.push(unclear_noise(index, sensor)),
-        (Some(ReportNoise::Position { .. } | ReportNoise::RangeBearing { .. }), TargetPlan::Bearings(_)) => {
-            let detail = format!("targets of bearings have no places, which sensor '{}' reports", sensor.sensor_id);
-            faults.push(Fault::new(format!("/sensors/{index}"), "conflict", detail).allowing("sigma_bearing_deg alone"));
+        (
+            Some(ReportNoise::Position { .. } | ReportNoise::RangeBearing { .. }),
+            TargetPlan::Bearings(_),
+        ) => {
+            let detail = format!(
+                "targets of bearings have no places, which sensor '{}' reports",
+                sensor.sensor_id
+            );
+            faults.push(
+                Fault::new(format!("/sensors/{index}"), "conflict", detail)
+                    .allowing("sigma_bearing_deg alone"),
+            );
         }
         _ => {}
     }
     if sensor.max_range_m.is_none() && !matches!(targets, TargetPlan::Bearings(_)) {
         let detail = "'max_range_m' is required where targets have places";
-        faults.push(Fault::new(format!("/sensors/{index}/max_range_m"), "missing", detail).allowing("> 0 m"));
+        faults.push(
+            Fault::new(format!("/sensors/{index}/max_range_m"), "missing", detail)
+                .allowing("> 0 m"),
+        );
     }
     faults.extend(clutter_faults(index, sensor));
     faults
@@ -30,7 +42,8 @@ pub(super) fn faults(index: usize, sensor: &ScenarioSensor, scenario: &Scenario)
 fn clutter_faults(index: usize, sensor: &ScenarioSensor) -> Vec<Fault> {
     let mut faults = Vec::new();
     let mut refuse = |field: &str, code: &str, detail: String, allowed: &str| {
-        faults.push(Fault::new(format!("/sensors/{index}/{field}"), code, detail).allowing(allowed));
+        faults
+            .push(Fault::new(format!("/sensors/{index}/{field}"), code, detail).allowing(allowed));
     };
     let name = &sensor.sensor_id;
     if sensor.clutter_per_deg.is_some() && sensor.clutter_per_scan.is_some() {
@@ -46,14 +59,26 @@ fn clutter_faults(index: usize, sensor: &ScenarioSensor) -> Vec<Fault> {
         refuse("clutter_per_deg", "unsupported", detail, "clutter_per_scan");
     }
     if sensor.clutter_within_deg.is_some() && sensor.clutter_per_deg.is_none() {
-        let detail = "clutter near targets needs its density: 'clutter_per_deg' is missing".to_owned();
-        refuse("clutter_within_deg", "missing", detail, "with clutter_per_deg");
+        let detail =
+            "clutter near targets needs its density: 'clutter_per_deg' is missing".to_owned();
+        refuse(
+            "clutter_within_deg",
+            "missing",
+            detail,
+            "with clutter_per_deg",
+        );
     }
     faults
 }
 
 fn has_noise(sensor: &ScenarioSensor) -> bool {
-    let noises = [sensor.sigma_x_m, sensor.sigma_y_m, sensor.sigma_range_m, sensor.sigma_bearing_deg, sensor.sigma_range_rate_mps];
+    let noises = [
+        sensor.sigma_x_m,
+        sensor.sigma_y_m,
+        sensor.sigma_range_m,
+        sensor.sigma_bearing_deg,
+        sensor.sigma_range_rate_mps,
+    ];
     noises.iter().any(Option::is_some)
 }
 
@@ -70,9 +95,21 @@ fn unclear_noise(index: usize, sensor: &ScenarioSensor) -> Fault {
         ("sigma_bearing_deg", sensor.sigma_bearing_deg),
         ("sigma_range_rate_mps", sensor.sigma_range_rate_mps),
     ];
-    let names: Vec<&str> = given.iter().filter(|(_, value)| value.is_some()).map(|(name, _)| *name).collect();
-    let (code, found) = if names.len() < 2 { ("missing", "do") } else { ("conflict", "together do") };
-    let detail = format!("the noises of sensor '{}' ({}) {found} not say what it reports", sensor.sensor_id, names.join(", "));
+    let names: Vec<&str> = given
+        .iter()
+        .filter(|(_, value)| value.is_some())
+        .map(|(name, _)| *name)
+        .collect();
+    let (code, found) = if names.len() < 2 {
+        ("missing", "do")
+    } else {
+        ("conflict", "together do")
+    };
+    let detail = format!(
+        "the noises of sensor '{}' ({}) {found} not say what it reports",
+        sensor.sensor_id,
+        names.join(", ")
+    );
     Fault::new(format!("/sensors/{index}"), code, detail)
         .allowing("sigma_x_m, sigma_y_m; or sigma_range_m, sigma_bearing_deg[, sigma_range_rate_mps]; or sigma_bearing_deg alone")
 }
@@ -87,7 +124,11 @@ pub fn settings(sensor: &ScenarioSensor) -> SensorSettings {
         max_range_m: sensor.max_range_m,
         p_d: Some(sensor.p_d),
         clutter_per_m2: sensor.clutter_per_m2().filter(|_| !is_of_bearings),
-        clutter_per_deg: is_of_bearings.then(|| sensor.clutter_per_deg.unwrap_or_else(|| sensor.mean_clutter() / 360.0)),
+        clutter_per_deg: is_of_bearings.then(|| {
+            sensor
+                .clutter_per_deg
+                .unwrap_or_else(|| sensor.mean_clutter() / 360.0)
+        }),
         sigma_x_m: sensor.sigma_x_m,
         sigma_y_m: sensor.sigma_y_m,
         sigma_range_m: sensor.sigma_range_m,

@@ -4,7 +4,8 @@
 use super::weaving::Weave;
 use crate::math::rng::{Purpose, Seed};
 use crate::model::scenario::{
-    BearingLine, BearingTargets, CrossingPair, FormationMotion, FormationTargets, ListedTarget, RandomTargets, Scenario, TargetPlan,
+    BearingLine, BearingTargets, CrossingPair, FormationMotion, FormationTargets, ListedTarget,
+    RandomTargets, Scenario, TargetPlan,
 };
 use crate::model::state::Position;
 use crate::model::truth::TruePlace;
@@ -41,12 +42,23 @@ enum Law {
 impl Path {
     pub fn place_at(&self, time_s: f64) -> TruePlace {
         match self.law {
-            Law::Straight { start_m, velocity_mps } => {
-                TruePlace::Plane { position_m: start_m + velocity_mps * time_s, velocity_mps: Some(velocity_mps) }
-            }
-            Law::Weaving { start_m, course_mps, ref weave } => weaving_at(start_m, course_mps, weave, time_s),
+            Law::Straight {
+                start_m,
+                velocity_mps,
+            } => TruePlace::Plane {
+                position_m: start_m + velocity_mps * time_s,
+                velocity_mps: Some(velocity_mps),
+            },
+            Law::Weaving {
+                start_m,
+                course_mps,
+                ref weave,
+            } => weaving_at(start_m, course_mps, weave, time_s),
             Law::Crossing(pair) => at_bearing(pair.bearing_deg(time_s)),
-            Law::Turning { bearing_deg, rate_degps } => at_bearing(bearing_deg + rate_degps * time_s),
+            Law::Turning {
+                bearing_deg,
+                rate_degps,
+            } => at_bearing(bearing_deg + rate_degps * time_s),
         }
     }
 
@@ -61,7 +73,9 @@ impl Path {
 }
 
 fn at_bearing(bearing_deg: f64) -> TruePlace {
-    TruePlace::Bearing { bearing_rad: bearing_deg.to_radians().rem_euclid(TAU) }
+    TruePlace::Bearing {
+        bearing_rad: bearing_deg.to_radians().rem_euclid(TAU),
+    }
 }
 
 fn weaving_at(start_m: Position, course_mps: Position, weave: &Weave, time_s: f64) -> TruePlace {
@@ -85,7 +99,9 @@ impl CrossingPair {
 /// The paths of all targets, in the order of the scenario.
 pub(super) fn paths(scenario: &Scenario, seed: Seed) -> Vec<Path> {
     match &scenario.targets {
-        TargetPlan::Random(plan) => (0..plan.count).map(|index| random_path(plan, index, seed)).collect(),
+        TargetPlan::Random(plan) => (0..plan.count)
+            .map(|index| random_path(plan, index, seed))
+            .collect(),
         TargetPlan::Listed { targets } => targets.iter().map(listed_path).collect(),
         TargetPlan::Bearings(plan) => bearing_paths(plan),
         TargetPlan::Formation(plan) => formation(plan, seed),
@@ -93,22 +109,51 @@ pub(super) fn paths(scenario: &Scenario, seed: Seed) -> Vec<Path> {
 }
 
 /// The names of the targets of bearings, in the order of their paths, with the place in the scenario of those that it tells.
-pub(super) fn bearing_names(plan: &BearingTargets) -> impl Iterator<Item = (String, Option<usize>)> {
+pub(super) fn bearing_names(
+    plan: &BearingTargets,
+) -> impl Iterator<Item = (String, Option<usize>)> {
     let crossing = (1..=2 * plan.crossings.len()).map(|number| (number.to_string(), None));
-    crossing.chain(plan.lines.iter().enumerate().map(|(index, line)| (line.truth_id.clone(), Some(index))))
+    crossing.chain(
+        plan.lines
+            .iter()
+            .enumerate()
+            .map(|(index, line)| (line.truth_id.clone(), Some(index))),
+    )
 }
 
 fn bearing_paths(plan: &BearingTargets) -> Vec<Path> {
-    let of_pair =
-        |pair: &CrossingPair| [1.0, -1.0].map(|side| Law::Crossing(CrossingPair { half_width_deg: side * pair.half_width_deg, ..*pair }));
-    let of_line = |line: &BearingLine| Law::Turning { bearing_deg: line.bearing_deg, rate_degps: line.rate_degps };
-    let laws = plan.crossings.iter().flat_map(of_pair).chain(plan.lines.iter().map(of_line));
-    bearing_names(plan).zip(laws).map(|((truth_id, _), law)| Path { truth_id, law }).collect()
+    let of_pair = |pair: &CrossingPair| {
+        [1.0, -1.0].map(|side| {
+            Law::Crossing(CrossingPair {
+                half_width_deg: side * pair.half_width_deg,
+                ..*pair
+            })
+        })
+    };
+    let of_line = |line: &BearingLine| Law::Turning {
+        bearing_deg: line.bearing_deg,
+        rate_degps: line.rate_degps,
+    };
+    let laws = plan
+        .crossings
+        .iter()
+        .flat_map(of_pair)
+        .chain(plan.lines.iter().map(of_line));
+    bearing_names(plan)
+        .zip(laws)
+        .map(|((truth_id, _), law)| Path { truth_id, law })
+        .collect()
 }
 
 fn listed_path(target: &ListedTarget) -> Path {
-    let law = Law::Straight { start_m: Position::new(target.x_m, target.y_m), velocity_mps: Position::new(target.vx_mps, target.vy_mps) };
-    Path { truth_id: target.truth_id.clone(), law }
+    let law = Law::Straight {
+        start_m: Position::new(target.x_m, target.y_m),
+        velocity_mps: Position::new(target.vx_mps, target.vy_mps),
+    };
+    Path {
+        truth_id: target.truth_id.clone(),
+        law,
+    }
 }
 
 fn random_path(plan: &RandomTargets, index: u32, seed: Seed) -> Path {
@@ -119,7 +164,13 @@ fn random_path(plan: &RandomTargets, index: u32, seed: Seed) -> Path {
     let heading_rad = between(0.0, TAU);
     let speed_mps = between(plan.speed_min_mps, plan.speed_max_mps);
     let velocity_mps = Position::new(heading_rad.sin(), heading_rad.cos()) * speed_mps;
-    Path { truth_id: (index + 1).to_string(), law: Law::Straight { start_m, velocity_mps } }
+    Path {
+        truth_id: (index + 1).to_string(),
+        law: Law::Straight {
+            start_m,
+            velocity_mps,
+        },
+    }
 }
 
 /// Row by row from the south-west. The stream of entity 0 draws the course, that of entity k the k-th target.
@@ -135,13 +186,30 @@ fn formation(plan: &FormationTargets, seed: Seed) -> Vec<Path> {
         };
         let start_m = Position::new(place_m(column, plan.columns), place_m(row, plan.rows));
         let law = match plan.motion {
-            FormationMotion::ConstantVelocity => Law::Straight { start_m, velocity_mps: course_mps },
-            FormationMotion::Weaving { heading_amplitude_deg, period_s } => {
-                let weave = Box::new(Weave::new(heading_amplitude_deg.to_radians(), period_s, TAU * draw.random::<f64>()));
-                Law::Weaving { start_m, course_mps, weave }
+            FormationMotion::ConstantVelocity => Law::Straight {
+                start_m,
+                velocity_mps: course_mps,
+            },
+            FormationMotion::Weaving {
+                heading_amplitude_deg,
+                period_s,
+            } => {
+                let weave = Box::new(Weave::new(
+                    heading_amplitude_deg.to_radians(),
+                    period_s,
+                    TAU * draw.random::<f64>(),
+                ));
+                Law::Weaving {
+                    start_m,
+                    course_mps,
+                    weave,
+                }
             }
         };
-        Path { truth_id: (index + 1).to_string(), law }
+        Path {
+            truth_id: (index + 1).to_string(),
+            law,
+        }
     };
     places.enumerate().map(path).collect()
 }

@@ -28,7 +28,12 @@ pub(super) struct Weave {
 
 impl Weave {
     pub fn new(amplitude_rad: f64, period_s: f64, phase_rad: f64) -> Self {
-        Weave { amplitude_rad, period_s, phase_rad, bessel: std::array::from_fn(|order| bessel(order as f64, amplitude_rad)) }
+        Weave {
+            amplitude_rad,
+            period_s,
+            phase_rad,
+            bessel: std::array::from_fn(|order| bessel(order as f64, amplitude_rad)),
+        }
     }
 
     /// Displacement since time 0, along and to the right of the course, per unit of speed (s).
@@ -92,7 +97,10 @@ mod tests {
                 let heading_rad = weave.heading_rad((f64::from(step) + 0.5) * 1e-3);
                 sum += Position::new(heading_rad.cos(), heading_rad.sin()) * 1e-3;
             }
-            assert!((weave.displacement_s(25.0) - sum).norm() < 1e-7, "{amplitude_rad}");
+            assert!(
+                (weave.displacement_s(25.0) - sum).norm() < 1e-7,
+                "{amplitude_rad}"
+            );
         }
     }
 }

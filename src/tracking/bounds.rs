@@ -1,6 +1,8 @@
 //! How many candidates a tracker may hold: counted while they are found, so that what is too much is refused before memory is.
 
-use crate::model::allowance::{MAX_CANDIDATES, MAX_CANDIDATES_OF_SCAN, MAX_TIMED_CANDIDATES, too_large};
+use crate::model::allowance::{
+    MAX_CANDIDATES, MAX_CANDIDATES_OF_SCAN, MAX_TIMED_CANDIDATES, too_large,
+};
 use crate::model::scan::Scan;
 use crate::model::watch::{Halt, Watch};
 
@@ -17,7 +19,12 @@ impl Bounds {
     /// Counts the candidates of a problem that is kept for timing.
     pub fn keep(&mut self, candidates: usize, scan: &Scan) -> Result<(), Halt> {
         self.timed += candidates;
-        refuse_above(MAX_TIMED_CANDIDATES, self.timed, "candidates to be timed", scan)
+        refuse_above(
+            MAX_TIMED_CANDIDATES,
+            self.timed,
+            "candidates to be timed",
+            scan,
+        )
     }
 
     /// `surplus` counts the candidates that the history holds beyond the first of each track and scan.
@@ -26,7 +33,12 @@ impl Bounds {
         if surplus <= MAX_CANDIDATES {
             Ok(())
         } else {
-            refuse_above(MAX_CANDIDATES, surplus, "candidates of tracks to be remembered", scan)
+            refuse_above(
+                MAX_CANDIDATES,
+                surplus,
+                "candidates of tracks to be remembered",
+                scan,
+            )
         }
     }
 }
@@ -37,13 +49,22 @@ pub fn check_scan(candidates: usize, scan: &Scan) -> Result<(), Halt> {
     if candidates <= MAX_CANDIDATES_OF_SCAN {
         return Ok(());
     }
-    refuse_above(MAX_CANDIDATES_OF_SCAN, candidates, "candidates of tracks in one scan", scan)
+    refuse_above(
+        MAX_CANDIDATES_OF_SCAN,
+        candidates,
+        "candidates of tracks in one scan",
+        scan,
+    )
 }
 
 /// Whether the watch lets the work go on.
 #[inline]
 pub fn go_on(watch: &Watch) -> Result<(), Halt> {
-    if watch.is_stopped() { Err(Halt::Stopped) } else { Ok(()) }
+    if watch.is_stopped() {
+        Err(Halt::Stopped)
+    } else {
+        Ok(())
+    }
 }
 
 #[cold]
@@ -52,6 +73,12 @@ fn refuse_above(most: usize, found: usize, what: &str, scan: &Scan) -> Result<()
         return Ok(());
     }
     let fault = too_large("/tracker/gate_probability", what, found, most, REMEDY);
-    let detail = format!("at scan {} ({} s) {}", scan.number, scan.time_s, fault.detail);
-    Err(Halt::TooLarge(Box::new(crate::model::fault::Fault { detail, ..fault })))
+    let detail = format!(
+        "at scan {} ({} s) {}",
+        scan.number, scan.time_s, fault.detail
+    );
+    Err(Halt::TooLarge(Box::new(crate::model::fault::Fault {
+        detail,
+        ..fault
+    })))
 }

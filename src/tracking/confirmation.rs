@@ -38,32 +38,64 @@ pub struct ScoreRule {
     pub max_score_drop: f64,
 }
 
-static M_OF_N: Object =
-    Object { name: "MOfNConfirmation", summary: "confirm_hits of the last confirm_window scans had a detection.", fields: &[] };
+static M_OF_N: Object = Object {
+    name: "MOfNConfirmation",
+    summary: "confirm_hits of the last confirm_window scans had a detection.",
+    fields: &[],
+};
 
 static SCORE: Object = Object {
     name: "ScoreConfirmation",
     summary: "Sequential test of the track's log-likelihood ratio of target to clutter (Wald 1945; Blackman, Popoli 1999).",
     fields: &[
-        default("false_track_probability", "α: share of the tracks started by clutter that may be confirmed.", HALF, "0.001"),
-        default("missed_track_probability", "β: share of the tracks started by targets that may be dropped unconfirmed.", HALF, "0.05"),
+        default(
+            "false_track_probability",
+            "α: share of the tracks started by clutter that may be confirmed.",
+            HALF,
+            "0.001",
+        ),
+        default(
+            "missed_track_probability",
+            "β: share of the tracks started by targets that may be dropped unconfirmed.",
+            HALF,
+            "0.05",
+        ),
         default(
             "max_score_drop",
             "A confirmed track is deleted when its score (a natural logarithm) has fallen this far below its highest value.",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1000.0), unit: "" },
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Including(1000.0),
+                unit: "",
+            },
             "10.0",
         ),
     ],
 };
 
 /// Below one half each, so that the threshold of confirmation is positive and that of dropping negative.
-const HALF: Kind = Kind::Number { min: Bound::Excluding(0.0), max: Bound::Excluding(0.5), unit: "" };
+const HALF: Kind = Kind::Number {
+    min: Bound::Excluding(0.0),
+    max: Bound::Excluding(0.5),
+    unit: "",
+};
 
 pub(super) static CONFIRMATION: Union = Union {
     name: "Confirmation",
     summary: "When a track is confirmed, and by its score deleted.",
     tag: "rule",
-    variants: || vec![Variant { tag: "m_of_n", object: &M_OF_N }, Variant { tag: "score", object: &SCORE }],
+    variants: || {
+        vec![
+            Variant {
+                tag: "m_of_n",
+                object: &M_OF_N,
+            },
+            Variant {
+                tag: "score",
+                object: &SCORE,
+            },
+        ]
+    },
 };
 
 /// L, and the highest that it was.
@@ -92,7 +124,8 @@ impl ScoreRule {
         if is_confirmed {
             score.highest - score.current >= self.max_score_drop
         } else {
-            score.current <= (self.missed_track_probability / (1.0 - self.false_track_probability)).ln()
+            score.current
+                <= (self.missed_track_probability / (1.0 - self.false_track_probability)).ln()
         }
     }
 }
@@ -101,11 +134,21 @@ impl ScoreRule {
 pub(super) fn log_ratio(problem: &ScanProblem, weights: &Weights, row: usize) -> f64 {
     let row_of = &problem.rows()[row];
     let terms = || {
-        let detections = row_of.edges().map(|edge| (weights.edges[edge], problem.edges()[edge].log_likelihood));
-        detections.chain([(weights.none[row], row_of.log_none)]).filter(|(weight, _)| *weight > 0.0)
+        let detections = row_of
+            .edges()
+            .map(|edge| (weights.edges[edge], problem.edges()[edge].log_likelihood));
+        detections
+            .chain([(weights.none[row], row_of.log_none)])
+            .filter(|(weight, _)| *weight > 0.0)
     };
-    let largest = terms().map(|(_, log_likelihood)| log_likelihood).fold(f64::NEG_INFINITY, f64::max);
-    largest + terms().map(|(weight, log_likelihood)| weight * (log_likelihood - largest).exp()).sum::<f64>().ln()
+    let largest = terms()
+        .map(|(_, log_likelihood)| log_likelihood)
+        .fold(f64::NEG_INFINITY, f64::max);
+    largest
+        + terms()
+            .map(|(weight, log_likelihood)| weight * (log_likelihood - largest).exp())
+            .sum::<f64>()
+            .ln()
 }
 
 #[cfg(test)]
@@ -118,12 +161,19 @@ mod tests {
         // P_D N / λ is 30 and 10 for the two detections; 1 − P_D P_G = 0.1. With β = 0.6, 0.3 and 0.1: 18 + 3 + 0.01.
         let mut problem = ScanProblem::default();
         for (detection, ratio) in [(0, 30.0f64), (1, 10.0)] {
-            problem.push_edge(Edge { detection, squared_distance: 1.0, log_likelihood: ratio.ln() });
+            problem.push_edge(Edge {
+                detection,
+                squared_distance: 1.0,
+                log_likelihood: ratio.ln(),
+            });
         }
         problem.end_row(0.1f64.ln(), 0.0);
         let mut weights = Weights::default();
         weights.reset(&problem);
-        assert!((log_ratio(&problem, &weights, 0) - 0.1f64.ln()).abs() < 1e-12, "nothing chosen yet: a miss");
+        assert!(
+            (log_ratio(&problem, &weights, 0) - 0.1f64.ln()).abs() < 1e-12,
+            "nothing chosen yet: a miss"
+        );
         weights.edges.copy_from_slice(&[0.6, 0.3]);
         weights.none[0] = 0.1;
         assert!((log_ratio(&problem, &weights, 0) - 21.01f64.ln()).abs() < 1e-12);
@@ -135,11 +185,22 @@ mod tests {
     #[test]
     fn the_thresholds_are_walds() {
         // α = 0.01, β = 0.1: ln(0.9 / 0.01) = 4.4998 and ln(0.1 / 0.99) = −2.2925.
-        let rule = ScoreRule { false_track_probability: 0.01, missed_track_probability: 0.1, max_score_drop: 3.0 };
-        let at = |scores: &[f64]| scores.iter().fold(Score::default(), |mut score, &step| (score.add(step), score).1);
+        let rule = ScoreRule {
+            false_track_probability: 0.01,
+            missed_track_probability: 0.1,
+            max_score_drop: 3.0,
+        };
+        let at = |scores: &[f64]| {
+            scores.iter().fold(Score::default(), |mut score, &step| {
+                (score.add(step), score).1
+            })
+        };
         assert!(rule.is_confirmed(&at(&[4.5])) && !rule.is_confirmed(&at(&[4.499])));
         assert!(rule.is_over(&at(&[-2.293]), false) && !rule.is_over(&at(&[-2.292]), false));
         assert!(rule.is_over(&at(&[7.0, -3.0]), true) && !rule.is_over(&at(&[7.0, -2.9]), true));
-        assert!(rule.is_over(&at(&[5.0, -1.0, 2.0, -1.5, -1.5]), true), "the fall is from 6, not from the start");
+        assert!(
+            rule.is_over(&at(&[5.0, -1.0, 2.0, -1.5, -1.5]), true),
+            "the fall is from 6, not from the start"
+        );
     }
 }

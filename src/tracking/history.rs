@@ -43,12 +43,24 @@ pub struct History {
 
 impl History {
     pub(super) fn new(unpack: fn(&PackedState) -> Estimate) -> Self {
-        History { unpack, pieces: Vec::new(), candidates: Vec::new(), surplus: 0, started: 0, confirmed: Vec::new(), names: Vec::new() }
+        History {
+            unpack,
+            pieces: Vec::new(),
+            candidates: Vec::new(),
+            surplus: 0,
+            started: 0,
+            confirmed: Vec::new(),
+            names: Vec::new(),
+        }
     }
 
     pub(super) fn push(&mut self, entry: Entry) {
         self.surplus += entry.candidates.saturating_sub(1) as usize;
-        match self.pieces.last_mut().filter(|piece| piece.len() < piece.capacity()) {
+        match self
+            .pieces
+            .last_mut()
+            .filter(|piece| piece.len() < piece.capacity())
+        {
             Some(piece) => piece.push(entry),
             None => self.start_piece(entry),
         }
@@ -68,19 +80,34 @@ impl History {
     pub fn into_tracks(mut self, recording: &Recording) -> TrackSet {
         self.confirmed.sort_unstable();
         let mut lengths = vec![0; self.started as usize];
-        self.pieces.iter().flatten().for_each(|entry| lengths[entry.serial as usize] += 1);
+        self.pieces
+            .iter()
+            .flatten()
+            .for_each(|entry| lengths[entry.serial as usize] += 1);
         let mut number_of = vec![u32::MAX; self.started as usize];
         let mut tracks: Vec<Track> = Vec::with_capacity(self.confirmed.len());
         for (index, &serial) in self.confirmed.iter().enumerate() {
             number_of[serial as usize] = index as u32;
-            let track_id = self.names.get(serial as usize).cloned().unwrap_or_else(|| (index + 1).to_string());
-            tracks.push(Track { track_id, points: Vec::with_capacity(lengths[serial as usize]) });
+            let track_id = self
+                .names
+                .get(serial as usize)
+                .cloned()
+                .unwrap_or_else(|| (index + 1).to_string());
+            tracks.push(Track {
+                track_id,
+                points: Vec::with_capacity(lengths[serial as usize]),
+            });
         }
         let mut first_candidate = 0;
         // Each piece goes when it is read: the history of a large scene and its tracks need not be there together.
         for entry in self.pieces.into_iter().flatten() {
             if let Some(track) = tracks.get_mut(number_of[entry.serial as usize] as usize) {
-                track.points.push(point(&entry, first_candidate, (self.unpack)(&entry.state), recording));
+                track.points.push(point(
+                    &entry,
+                    first_candidate,
+                    (self.unpack)(&entry.state),
+                    recording,
+                ));
             }
             first_candidate += entry.candidates as usize;
         }
@@ -88,12 +115,21 @@ impl History {
             tracks,
             candidates: self.candidates,
             detection_ids: recording.detection_ids.clone(),
-            sensor_ids: recording.sensors.iter().map(|sensor| sensor.sensor_id.clone()).collect(),
+            sensor_ids: recording
+                .sensors
+                .iter()
+                .map(|sensor| sensor.sensor_id.clone())
+                .collect(),
         }
     }
 }
 
-fn point(entry: &Entry, first_candidate: usize, estimate: Estimate, recording: &Recording) -> TrackPoint {
+fn point(
+    entry: &Entry,
+    first_candidate: usize,
+    estimate: Estimate,
+    recording: &Recording,
+) -> TrackPoint {
     let scan = &recording.scans[entry.scan as usize];
     TrackPoint {
         time_s: scan.time_s,

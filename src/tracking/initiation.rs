@@ -67,12 +67,20 @@ static TWO_POINT: Object = Object {
         optional(
             "max_speed_mps",
             "Highest speed of a target: two detections further apart, noise allowed for, are not a pair. When absent, it follows from the targets of a scenario or is estimated from the data, and the report tells it.",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e5), unit: "m/s" },
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Including(1e5),
+                unit: "m/s",
+            },
         ),
         default(
             "max_wait_scans",
             "How many further scans of its sensor a first detection waits for a second one: 1 for the next scan alone, more where targets are missed often, at the price of more false tracks.",
-            Kind::Integer { min: 1, max: 10, unit: "scans" },
+            Kind::Integer {
+                min: 1,
+                max: 10,
+                unit: "scans",
+            },
             "1",
         ),
     ],
@@ -85,13 +93,21 @@ static TRUTH: Object = Object {
         default(
             "speed_sigma_mps",
             "Standard deviation of each velocity component of a track in the plane; its position has the noise of one detection.",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e5), unit: "m/s" },
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Including(1e5),
+                unit: "m/s",
+            },
             "0.1",
         ),
         default(
             "rate_sigma_degps",
             "Standard deviation of the bearing rate of a track of bearings; its bearing has the noise of one detection.",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(360.0), unit: "deg/s" },
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Including(360.0),
+                unit: "deg/s",
+            },
             "0.1",
         ),
     ],
@@ -103,9 +119,18 @@ pub(super) static INITIATION: Union = Union {
     tag: "method",
     variants: || {
         vec![
-            Variant { tag: "one_point", object: &ONE_POINT },
-            Variant { tag: "two_point", object: &TWO_POINT },
-            Variant { tag: "truth", object: &TRUTH },
+            Variant {
+                tag: "one_point",
+                object: &ONE_POINT,
+            },
+            Variant {
+                tag: "two_point",
+                object: &TWO_POINT,
+            },
+            Variant {
+                tag: "truth",
+                object: &TRUTH,
+            },
         ]
     },
 };
@@ -211,11 +236,16 @@ impl<const N: usize> Initiator<N> {
         self.pose(scan, rule, watch)?;
         self.weights.reset(&self.problem);
         let (solver, weights) = (&mut self.solver, &mut self.weights);
-        self.problem.for_each_cluster_until(watch, |cluster| solver.associate(cluster, weights));
+        self.problem
+            .for_each_cluster_until(watch, |cluster| solver.associate(cluster, weights));
         bounds::go_on(watch)?;
         self.conclude(sensor, rule);
         let waiting = &mut self.waiting[sensor];
-        let alone = self.fresh.iter().zip(&self.is_paired).filter(|(_, is_paired)| !**is_paired);
+        let alone = self
+            .fresh
+            .iter()
+            .zip(&self.is_paired)
+            .filter(|(_, is_paired)| !**is_paired);
         waiting.extend(alone.map(|(&point, _)| Waiting { point, missed: 0 }));
         self.fresh.clear();
         Ok(())
@@ -225,21 +255,40 @@ impl<const N: usize> Initiator<N> {
     fn pose(&mut self, scan: &Scan, rule: &PairRule, watch: &Watch) -> Result<(), Halt> {
         self.problem.begin(0, self.fresh.len());
         self.places.clear();
-        self.places.extend(self.fresh.iter().map(|point| point.state.mean));
+        self.places
+            .extend(self.fresh.iter().map(|point| point.state.mean));
         self.grid.rebuild(&self.places);
-        let largest_noise = self.fresh.iter().map(|point| noise(&point.state)).fold(0.0, f64::max);
+        let largest_noise = self
+            .fresh
+            .iter()
+            .map(|point| noise(&point.state))
+            .fold(0.0, f64::max);
         for Waiting { point: first, .. } in &self.waiting[scan.sensor] {
-            let Some(dt_s) = self.fresh.first().map(|second| second.time_s - first.time_s) else { break };
+            let Some(dt_s) = self
+                .fresh
+                .first()
+                .map(|second| second.time_s - first.time_s)
+            else {
+                break;
+            };
             // Noise along Δ is at most that of all coordinates together.
-            let farthest = rule.max_speed_mps * dt_s + (rule.gate_threshold * (noise(&first.state) + largest_noise)).sqrt();
+            let farthest = rule.max_speed_mps * dt_s
+                + (rule.gate_threshold * (noise(&first.state) + largest_noise)).sqrt();
             let (problem, fresh) = (&mut self.problem, &self.fresh);
-            self.grid.near(&first.state.mean, [farthest; 2], None, |detection| {
-                let second = &fresh[detection as usize];
-                let squared_distance = squared_distance(first, second);
-                if squared_distance <= reach(first, second, rule).powi(2) && rule.allows(first, second) {
-                    problem.push_edge(Edge { detection, squared_distance, log_likelihood: -squared_distance });
-                }
-            });
+            self.grid
+                .near(&first.state.mean, [farthest; 2], None, |detection| {
+                    let second = &fresh[detection as usize];
+                    let squared_distance = squared_distance(first, second);
+                    if squared_distance <= reach(first, second, rule).powi(2)
+                        && rule.allows(first, second)
+                    {
+                        problem.push_edge(Edge {
+                            detection,
+                            squared_distance,
+                            log_likelihood: -squared_distance,
+                        });
+                    }
+                });
             self.problem.end_row(-farthest * farthest, 0.0);
             bounds::check_scan(self.problem.edges().len(), scan)?;
             if watch.stops_after(64) {
@@ -255,22 +304,36 @@ impl<const N: usize> Initiator<N> {
         self.is_paired.resize(self.fresh.len(), false);
         self.pairs.clear();
         let mut rows = self.problem.rows().iter();
-        self.waiting[sensor].retain_mut(|Waiting { point: first, missed }| {
-            // A scan without an unused detection poses no problem.
-            let pair = rows.next().and_then(|row| row.edges().find(|&edge| self.weights.edges[edge] > 0.0));
-            let Some(edge) = pair else {
-                *missed += 1;
-                return *missed < rule.max_wait_scans;
-            };
-            let index = self.problem.edges()[edge].detection as usize;
-            let second = &self.fresh[index];
-            self.is_paired[index] = true;
-            let axes = (N / 2) as u32;
-            let log_reach_volume = log_unit_ball(axes) + f64::from(axes) * reach(first, second, rule).ln();
-            let state = difference(first, second, rule.spectral_density);
-            self.pairs.push(Pair { first: *first, second: *second, state, log_reach_volume, missed: *missed });
-            false
-        });
+        self.waiting[sensor].retain_mut(
+            |Waiting {
+                 point: first,
+                 missed,
+             }| {
+                // A scan without an unused detection poses no problem.
+                let pair = rows
+                    .next()
+                    .and_then(|row| row.edges().find(|&edge| self.weights.edges[edge] > 0.0));
+                let Some(edge) = pair else {
+                    *missed += 1;
+                    return *missed < rule.max_wait_scans;
+                };
+                let index = self.problem.edges()[edge].detection as usize;
+                let second = &self.fresh[index];
+                self.is_paired[index] = true;
+                let axes = (N / 2) as u32;
+                let log_reach_volume =
+                    log_unit_ball(axes) + f64::from(axes) * reach(first, second, rule).ln();
+                let state = difference(first, second, rule.spectral_density);
+                self.pairs.push(Pair {
+                    first: *first,
+                    second: *second,
+                    state,
+                    log_reach_volume,
+                    missed: *missed,
+                });
+                false
+            },
+        );
     }
 }
 
@@ -287,7 +350,9 @@ fn noise<const N: usize>(state: &GaussianState<N>) -> f64 {
 
 /// |Δ|².
 fn squared_distance<const N: usize>(first: &Point<N>, second: &Point<N>) -> f64 {
-    (0..N / 2).map(|axis| (second.state.mean[axis] - first.state.mean[axis]).powi(2)).sum()
+    (0..N / 2)
+        .map(|axis| (second.state.mean[axis] - first.state.mean[axis]).powi(2))
+        .sum()
 }
 
 /// `max_speed_mps` T + √(γ σ²).
@@ -301,19 +366,34 @@ fn reach<const N: usize>(first: &Point<N>, second: &Point<N>, rule: &PairRule) -
         }
     }
     let squared = squared_distance(first, second);
-    let along = if squared > 0.0 { variance / squared } else { 0.0 };
+    let along = if squared > 0.0 {
+        variance / squared
+    } else {
+        0.0
+    };
     rule.max_speed_mps * (second.time_s - first.time_s) + (rule.gate_threshold * along).sqrt()
 }
 
 /// Step 3.
-fn difference<const N: usize>(first: &Point<N>, second: &Point<N>, spectral_density: f64) -> GaussianState<N> {
+fn difference<const N: usize>(
+    first: &Point<N>,
+    second: &Point<N>,
+    spectral_density: f64,
+) -> GaussianState<N> {
     let (axes, dt_s) = (N / 2, second.time_s - first.time_s);
     let mut state = second.state;
     for row in 0..axes {
         state.mean[row + axes] = (second.state.mean[row] - first.state.mean[row]) / dt_s;
         for column in 0..axes {
-            let (before, now) = (first.state.covariance[(row, column)], second.state.covariance[(row, column)]);
-            let turned = if row == column { spectral_density * dt_s / 3.0 } else { 0.0 };
+            let (before, now) = (
+                first.state.covariance[(row, column)],
+                second.state.covariance[(row, column)],
+            );
+            let turned = if row == column {
+                spectral_density * dt_s / 3.0
+            } else {
+                0.0
+            };
             state.covariance[(row, column + axes)] = now / dt_s;
             state.covariance[(row + axes, column)] = now / dt_s;
             state.covariance[(row + axes, column + axes)] = (before + now) / (dt_s * dt_s) + turned;
@@ -327,15 +407,34 @@ mod tests {
     use super::*;
     use crate::model::state::{Covariance, State};
 
-    const RULE: PairRule =
-        PairRule { max_speed_mps: 10.0, max_wait_scans: 1, gate_threshold: 9.0, spectral_density: 6.0, by_origin: false };
+    const RULE: PairRule = PairRule {
+        max_speed_mps: 10.0,
+        max_wait_scans: 1,
+        gate_threshold: 9.0,
+        spectral_density: 6.0,
+        by_origin: false,
+    };
 
     /// A point with R = [xx, xy; xy, yy] that knows nothing of its speed.
     fn point(time_s: f64, [x, y]: [f64; 2], [xx, xy, yy]: [f64; 3]) -> Point<4> {
         let mut covariance = Covariance::from_diagonal_element(1e4);
-        (covariance[(0, 0)], covariance[(0, 1)], covariance[(1, 0)], covariance[(1, 1)]) = (xx, xy, xy, yy);
-        let state = GaussianState { mean: State::new(x, y, 0.0, 0.0), covariance };
-        Point { scan: time_s as u32, time_s, detection: x as u32, origin: None, state }
+        (
+            covariance[(0, 0)],
+            covariance[(0, 1)],
+            covariance[(1, 0)],
+            covariance[(1, 1)],
+        ) = (xx, xy, xy, yy);
+        let state = GaussianState {
+            mean: State::new(x, y, 0.0, 0.0),
+            covariance,
+        };
+        Point {
+            scan: time_s as u32,
+            time_s,
+            detection: x as u32,
+            origin: None,
+            state,
+        }
     }
 
     fn exact(time_s: f64, place: [f64; 2]) -> Point<4> {
@@ -343,7 +442,13 @@ mod tests {
     }
 
     fn end_scan(initiator: &mut Initiator<4>, sensor: usize, rule: &PairRule) {
-        let scan = Scan { number: 1, time_s: 0.0, sensor, first: 0, count: 0 };
+        let scan = Scan {
+            number: 1,
+            time_s: 0.0,
+            sensor,
+            first: 0,
+            count: 0,
+        };
         initiator.pair(&scan, rule, &Watch::never()).unwrap();
     }
 
@@ -354,28 +459,82 @@ mod tests {
             points.iter().for_each(|point| initiator.push(*point));
             end_scan(&mut initiator, 0, rule);
         }
-        initiator.pairs().iter().map(|pair| (pair.first.state.mean[0], pair.second.state.mean[0])).collect()
+        initiator
+            .pairs()
+            .iter()
+            .map(|pair| (pair.first.state.mean[0], pair.second.state.mean[0]))
+            .collect()
     }
 
     #[test]
     fn two_points_are_the_state_worked_by_hand() {
         // T = 2; R₁ = [4 1; 1 9], R₂ = [8 2; 2 7]; q = 6, so q T / 3 = 4. Δ = (6, −4): v = (3, −2).
         // R₂ / T = [4 1; 1 3.5]; (R₁ + R₂) / T² + 4 = [3 0.75; 0.75 4] + 4 I.
-        let state = difference(&point(1.0, [10.0, 20.0], [4.0, 1.0, 9.0]), &point(3.0, [16.0, 16.0], [8.0, 2.0, 7.0]), 6.0);
-        let covariance = Covariance::new(8.0, 2.0, 4.0, 1.0, 2.0, 7.0, 1.0, 3.5, 4.0, 1.0, 7.0, 0.75, 1.0, 3.5, 0.75, 8.0);
+        let state = difference(
+            &point(1.0, [10.0, 20.0], [4.0, 1.0, 9.0]),
+            &point(3.0, [16.0, 16.0], [8.0, 2.0, 7.0]),
+            6.0,
+        );
+        let covariance = Covariance::new(
+            8.0, 2.0, 4.0, 1.0, 2.0, 7.0, 1.0, 3.5, 4.0, 1.0, 7.0, 0.75, 1.0, 3.5, 0.75, 8.0,
+        );
         assert!((state.mean - State::new(16.0, 16.0, 3.0, -2.0)).norm() < 1e-12);
-        assert!((state.covariance - covariance).abs().max() < 1e-12, "{}", state.covariance);
+        assert!(
+            (state.covariance - covariance).abs().max() < 1e-12,
+            "{}",
+            state.covariance
+        );
     }
 
     #[test]
     fn the_reach_is_the_highest_speed_and_some_noise() {
-        assert_eq!(paired(&RULE, &[exact(0.0, [0.0, 0.0])], &[exact(1.0, [9.999, 0.0])]).len(), 1);
-        assert_eq!(paired(&RULE, &[exact(0.0, [0.0, 0.0])], &[exact(1.0, [10.01, 0.0])]).len(), 0);
+        assert_eq!(
+            paired(
+                &RULE,
+                &[exact(0.0, [0.0, 0.0])],
+                &[exact(1.0, [9.999, 0.0])]
+            )
+            .len(),
+            1
+        );
+        assert_eq!(
+            paired(
+                &RULE,
+                &[exact(0.0, [0.0, 0.0])],
+                &[exact(1.0, [10.01, 0.0])]
+            )
+            .len(),
+            0
+        );
         // σ² of x = 3 + 1 = 4, γ = 9: three times 2 m more, and along y nothing more.
         let noisy = |time_s, place, xx| point(time_s, place, [xx, 0.0, 1e-9]);
-        assert_eq!(paired(&RULE, &[noisy(0.0, [0.0, 0.0], 3.0)], &[noisy(1.0, [15.99, 0.0], 1.0)]).len(), 1);
-        assert_eq!(paired(&RULE, &[noisy(0.0, [0.0, 0.0], 3.0)], &[noisy(1.0, [16.01, 0.0], 1.0)]).len(), 0);
-        assert_eq!(paired(&RULE, &[noisy(0.0, [0.0, 0.0], 3.0)], &[noisy(1.0, [0.0, 10.01], 1.0)]).len(), 0);
+        assert_eq!(
+            paired(
+                &RULE,
+                &[noisy(0.0, [0.0, 0.0], 3.0)],
+                &[noisy(1.0, [15.99, 0.0], 1.0)]
+            )
+            .len(),
+            1
+        );
+        assert_eq!(
+            paired(
+                &RULE,
+                &[noisy(0.0, [0.0, 0.0], 3.0)],
+                &[noisy(1.0, [16.01, 0.0], 1.0)]
+            )
+            .len(),
+            0
+        );
+        assert_eq!(
+            paired(
+                &RULE,
+                &[noisy(0.0, [0.0, 0.0], 3.0)],
+                &[noisy(1.0, [0.0, 10.01], 1.0)]
+            )
+            .len(),
+            0
+        );
     }
 
     #[test]
@@ -383,8 +542,22 @@ mod tests {
         // Firsts at 0 and 4, seconds at 3 and −5: the closest pair, (4, 3), would leave (0, −5): 1 + 25. The other way is
         // (0, 3) and (4, −5): 9 + 81. With seconds at 3 and 12, (4, 12) and (0, 3) cost 64 + 9, (4, 3) alone 1 + 100.
         let firsts = [exact(0.0, [0.0, 0.0]), exact(0.0, [4.0, 0.0])];
-        assert_eq!(paired(&RULE, &firsts, &[exact(1.0, [3.0, 0.0]), exact(1.0, [-5.0, 0.0])]), [(0.0, -5.0), (4.0, 3.0)]);
-        assert_eq!(paired(&RULE, &firsts, &[exact(1.0, [3.0, 0.0]), exact(1.0, [12.0, 0.0])]), [(0.0, 3.0), (4.0, 12.0)]);
+        assert_eq!(
+            paired(
+                &RULE,
+                &firsts,
+                &[exact(1.0, [3.0, 0.0]), exact(1.0, [-5.0, 0.0])]
+            ),
+            [(0.0, -5.0), (4.0, 3.0)]
+        );
+        assert_eq!(
+            paired(
+                &RULE,
+                &firsts,
+                &[exact(1.0, [3.0, 0.0]), exact(1.0, [12.0, 0.0])]
+            ),
+            [(0.0, 3.0), (4.0, 12.0)]
+        );
     }
 
     #[test]
@@ -396,18 +569,43 @@ mod tests {
             initiator.pairs().len()
         };
         assert_eq!(scan(0, &[exact(0.0, [0.0, 0.0])]), 0);
-        assert_eq!(scan(1, &[exact(0.0, [0.0, 0.0])]), 0, "another sensor's point is not a second one");
-        assert_eq!(scan(0, &[exact(1.0, [1.0, 0.0]), exact(1.0, [50.0, 0.0])]), 1);
-        assert_eq!(scan(0, &[exact(2.0, [2.0, 0.0])]), 0, "what became a track is no first point any more");
-        assert_eq!(scan(0, &[exact(3.0, [51.0, 0.0])]), 0, "and what stayed alone for a scan is forgotten");
-        assert_eq!(scan(1, &[exact(3.0, [20.0, 0.0])]), 1, "successive scans of one sensor may be far apart");
+        assert_eq!(
+            scan(1, &[exact(0.0, [0.0, 0.0])]),
+            0,
+            "another sensor's point is not a second one"
+        );
+        assert_eq!(
+            scan(0, &[exact(1.0, [1.0, 0.0]), exact(1.0, [50.0, 0.0])]),
+            1
+        );
+        assert_eq!(
+            scan(0, &[exact(2.0, [2.0, 0.0])]),
+            0,
+            "what became a track is no first point any more"
+        );
+        assert_eq!(
+            scan(0, &[exact(3.0, [51.0, 0.0])]),
+            0,
+            "and what stayed alone for a scan is forgotten"
+        );
+        assert_eq!(
+            scan(1, &[exact(3.0, [20.0, 0.0])]),
+            1,
+            "successive scans of one sensor may be far apart"
+        );
     }
 
     #[test]
     fn a_point_waits_as_long_as_it_is_allowed_to() {
         // Seen at 0 s and missed at 1, 2, … s: paired at 2 s with two scans to wait, at 3 s only with three.
         let paired_at = |max_wait_scans: u32, seen_again_s: u32| {
-            let (mut initiator, rule) = (Initiator::default(), PairRule { max_wait_scans, ..RULE });
+            let (mut initiator, rule) = (
+                Initiator::default(),
+                PairRule {
+                    max_wait_scans,
+                    ..RULE
+                },
+            );
             initiator.push(exact(0.0, [0.0, 0.0]));
             end_scan(&mut initiator, 0, &rule);
             for time_s in 1..=seen_again_s {
@@ -416,29 +614,63 @@ mod tests {
                 }
                 end_scan(&mut initiator, 0, &rule);
             }
-            initiator.pairs().iter().map(|pair| (pair.missed, pair.state.mean[2])).collect::<Vec<_>>()
+            initiator
+                .pairs()
+                .iter()
+                .map(|pair| (pair.missed, pair.state.mean[2]))
+                .collect::<Vec<_>>()
         };
         assert_eq!([paired_at(1, 1), paired_at(1, 2)], [vec![(0, 9.0)], vec![]]);
         assert_eq!([paired_at(2, 2), paired_at(2, 3)], [vec![(1, 9.0)], vec![]]);
         assert_eq!([paired_at(3, 3), paired_at(3, 4)], [vec![(2, 9.0)], vec![]]);
         // With clutter in between that is out of reach, too; and who found a partner waits no longer.
-        let (mut initiator, rule) = (Initiator::default(), PairRule { max_wait_scans: 2, ..RULE });
+        let (mut initiator, rule) = (
+            Initiator::default(),
+            PairRule {
+                max_wait_scans: 2,
+                ..RULE
+            },
+        );
         let mut scan = |time_s: f64, places: &[f64]| {
-            places.iter().for_each(|&x| initiator.push(exact(time_s, [x, 0.0])));
+            places
+                .iter()
+                .for_each(|&x| initiator.push(exact(time_s, [x, 0.0])));
             end_scan(&mut initiator, 0, &rule);
-            initiator.pairs().iter().map(|pair| (pair.first.state.mean[0], pair.second.state.mean[0])).collect::<Vec<_>>()
+            initiator
+                .pairs()
+                .iter()
+                .map(|pair| (pair.first.state.mean[0], pair.second.state.mean[0]))
+                .collect::<Vec<_>>()
         };
         assert_eq!(scan(0.0, &[0.0]), []);
         assert_eq!(scan(1.0, &[100.0]), []);
         assert_eq!(scan(2.0, &[18.0, 119.0]), [(0.0, 18.0)]);
-        assert_eq!(scan(3.0, &[5.0, 118.0]), [(119.0, 118.0)], "1 + 20² (100 alone) is less than 18² + 10² (119 alone)");
+        assert_eq!(
+            scan(3.0, &[5.0, 118.0]),
+            [(119.0, 118.0)],
+            "1 + 20² (100 alone) is less than 18² + 10² (119 alone)"
+        );
     }
 
     #[test]
     fn the_oracle_pairs_points_of_one_target() {
         let of = |origin, point: Point<4>| Point { origin, ..point };
         let first = [of(Some(7), exact(0.0, [0.0, 0.0])), exact(0.0, [3.0, 0.0])];
-        let second = [of(Some(8), exact(1.0, [1.0, 0.0])), of(Some(7), exact(1.0, [5.0, 0.0])), exact(1.0, [3.5, 0.0])];
-        assert_eq!(paired(&PairRule { by_origin: true, ..RULE }, &first, &second), [(0.0, 5.0)]);
+        let second = [
+            of(Some(8), exact(1.0, [1.0, 0.0])),
+            of(Some(7), exact(1.0, [5.0, 0.0])),
+            exact(1.0, [3.5, 0.0]),
+        ];
+        assert_eq!(
+            paired(
+                &PairRule {
+                    by_origin: true,
+                    ..RULE
+                },
+                &first,
+                &second
+            ),
+            [(0.0, 5.0)]
+        );
     }
 }

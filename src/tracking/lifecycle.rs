@@ -25,33 +25,72 @@ pub static LIFECYCLE: Object = Object {
         default(
             "gate_probability",
             "P_G: the probability that a true detection lies inside its track's gate; with 1 there is no gate, and every detection of a scan is a candidate of every track.",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1.0), unit: "" },
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Including(1.0),
+                unit: "",
+            },
             "0.99",
         ),
-        default("initiation", "How tracks begin.", Kind::Union(&INITIATION), r#"{"method":"one_point"}"#),
-        default("confirmation", "When a track is confirmed.", Kind::Union(&CONFIRMATION), r#"{"rule":"m_of_n"}"#),
-        default("confirm_hits", "M of the rule m_of_n: detections that confirm a track.", Kind::Integer { min: 1, max: 64, unit: "" }, "3"),
+        default(
+            "initiation",
+            "How tracks begin.",
+            Kind::Union(&INITIATION),
+            r#"{"method":"one_point"}"#,
+        ),
+        default(
+            "confirmation",
+            "When a track is confirmed.",
+            Kind::Union(&CONFIRMATION),
+            r#"{"rule":"m_of_n"}"#,
+        ),
+        default(
+            "confirm_hits",
+            "M of the rule m_of_n: detections that confirm a track.",
+            Kind::Integer {
+                min: 1,
+                max: 64,
+                unit: "",
+            },
+            "3",
+        ),
         default(
             "confirm_window",
             "N of the rule m_of_n: the last scans among which the M detections are counted; at least M.",
-            Kind::Integer { min: 1, max: 64, unit: "scans" },
+            Kind::Integer {
+                min: 1,
+                max: 64,
+                unit: "scans",
+            },
             "5",
         ),
         default(
             "max_missed",
             "Scans in a row without a detection that delete a track, under every rule of confirmation.",
-            Kind::Integer { min: 1, max: 1000, unit: "scans" },
+            Kind::Integer {
+                min: 1,
+                max: 1000,
+                unit: "scans",
+            },
             "5",
         ),
         optional(
             "max_position_sigma_m",
             "A track is deleted when the largest standard deviation of its position exceeds this; no limit when absent.",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e9), unit: "m" },
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Including(1e9),
+                unit: "m",
+            },
         ),
         optional(
             "initial_speed_sigma_mps",
             "Standard deviation of each velocity component of a track of one point, which starts at rest. When absent, it follows from the targets of a scenario or is estimated from the data, and the report tells it.",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e5), unit: "m/s" },
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Including(1e5),
+                unit: "m/s",
+            },
         ),
     ],
 };
@@ -93,7 +132,14 @@ impl Lifecycle {
 
     /// A track after its first detection.
     pub(super) fn start(&self) -> Life {
-        let mut life = Life { hits: 0, missed: 0, is_confirmed: false, is_over: false, is_given: false, score: Score::default() };
+        let mut life = Life {
+            hits: 0,
+            missed: 0,
+            is_confirmed: false,
+            is_over: false,
+            is_given: false,
+            score: Score::default(),
+        };
         self.advance(&mut life, true, 0.0);
         life
     }
@@ -144,7 +190,14 @@ fn largest_variance<const N: usize>(covariance: &SMatrix<f64, N, N>) -> f64 {
 impl Life {
     /// A track that was there before the first scan.
     pub(super) fn given() -> Life {
-        Life { hits: 0, missed: 0, is_confirmed: true, is_over: false, is_given: true, score: Score::default() }
+        Life {
+            hits: 0,
+            missed: 0,
+            is_confirmed: true,
+            is_over: false,
+            is_given: true,
+            score: Score::default(),
+        }
     }
 
     /// Ends the track with this scan.
@@ -191,7 +244,11 @@ mod tests {
         for symbol in detected.chars().skip(1) {
             let log_ratio = if symbol == '1' { 3.0 } else { -2.0 };
             lifecycle.advance(&mut life, symbol == '1', log_ratio);
-            seen.push_str(if life.is_over() { "x" } else { &life.status().name()[..1] });
+            seen.push_str(if life.is_over() {
+                "x"
+            } else {
+                &life.status().name()[..1]
+            });
         }
         seen
     }
@@ -203,36 +260,86 @@ mod tests {
         assert_eq!(statuses(&lifecycle, "11001011"), "tttttttc");
         assert_eq!(statuses(&lifecycle, "1111001000"), "ttcccccccx");
         assert_eq!(statuses(&lifecycle, "1000"), "tttx");
-        let at_once = Lifecycle { confirm_hits: 1, confirm_window: 1, ..lifecycle };
+        let at_once = Lifecycle {
+            confirm_hits: 1,
+            confirm_window: 1,
+            ..lifecycle
+        };
         assert_eq!(statuses(&at_once, "1001"), "cccc");
-        let long = Lifecycle { confirm_hits: 2, confirm_window: 64, max_missed: 100, ..lifecycle };
-        assert_eq!(statuses(&long, &format!("1{}1", "0".repeat(62))).pop(), Some('c'));
-        assert_eq!(statuses(&long, &format!("1{}1", "0".repeat(63))).pop(), Some('t'));
+        let long = Lifecycle {
+            confirm_hits: 2,
+            confirm_window: 64,
+            max_missed: 100,
+            ..lifecycle
+        };
+        assert_eq!(
+            statuses(&long, &format!("1{}1", "0".repeat(62))).pop(),
+            Some('c')
+        );
+        assert_eq!(
+            statuses(&long, &format!("1{}1", "0".repeat(63))).pop(),
+            Some('t')
+        );
     }
     #[test]
     fn a_score_confirms_drops_and_deletes() {
         // Each detection adds 3, each miss −2. ln(0.9 / 0.005) = 5.19, ln(0.1 / 0.995) = −2.30; the first one adds nothing.
-        let rule = ScoreRule { false_track_probability: 0.005, missed_track_probability: 0.1, max_score_drop: 5.0 };
-        let scored = Lifecycle { confirmation: Confirmation::Score(rule), max_missed: 10, ..LIFE };
+        let rule = ScoreRule {
+            false_track_probability: 0.005,
+            missed_track_probability: 0.1,
+            max_score_drop: 5.0,
+        };
+        let scored = Lifecycle {
+            confirmation: Confirmation::Score(rule),
+            max_missed: 10,
+            ..LIFE
+        };
         assert_eq!(statuses(&scored, "111"), "ttc");
         assert_eq!(statuses(&scored, "100"), "ttx");
         assert_eq!(statuses(&scored, "10100"), "ttttx", "−2, 1, −1, −3");
-        assert_eq!(statuses(&scored, "1110010000"), "ttcccccxxx", "6, then 2, 5, 3, 1 and, 5 below the highest, the end");
-        let impatient = Lifecycle { max_missed: 2, ..scored };
-        assert_eq!(statuses(&impatient, "11100"), "ttccx", "misses in a row end a track before its score does");
+        assert_eq!(
+            statuses(&scored, "1110010000"),
+            "ttcccccxxx",
+            "6, then 2, 5, 3, 1 and, 5 below the highest, the end"
+        );
+        let impatient = Lifecycle {
+            max_missed: 2,
+            ..scored
+        };
+        assert_eq!(
+            statuses(&impatient, "11100"),
+            "ttccx",
+            "misses in a row end a track before its score does"
+        );
     }
 
     #[test]
     fn no_rule_ends_a_track_that_was_given() {
-        let rule = ScoreRule { false_track_probability: 0.005, missed_track_probability: 0.1, max_score_drop: 5.0 };
-        for lifecycle in [LIFE, Lifecycle { confirmation: Confirmation::Score(rule), ..LIFE }] {
-            let lifecycle = Lifecycle { max_position_sigma_m: Some(1.0), ..lifecycle };
+        let rule = ScoreRule {
+            false_track_probability: 0.005,
+            missed_track_probability: 0.1,
+            max_score_drop: 5.0,
+        };
+        for lifecycle in [
+            LIFE,
+            Lifecycle {
+                confirmation: Confirmation::Score(rule),
+                ..LIFE
+            },
+        ] {
+            let lifecycle = Lifecycle {
+                max_position_sigma_m: Some(1.0),
+                ..lifecycle
+            };
             let mut life = Life::given();
             assert_eq!(life.status(), TrackStatus::Confirmed);
             for _ in 0..10 {
                 lifecycle.advance(&mut life, false, -2.0);
                 lifecycle.limit(&mut life, &SMatrix::<f64, 4, 4>::from_diagonal_element(1e6));
-                assert_eq!((life.is_over(), life.status()), (false, TrackStatus::Coasted));
+                assert_eq!(
+                    (life.is_over(), life.status()),
+                    (false, TrackStatus::Coasted)
+                );
             }
         }
     }
@@ -241,11 +348,21 @@ mod tests {
     fn an_uncertain_position_ends_a_track() {
         // [5 2; 2 2] has the eigenvalues 6 and 1.
         let mut covariance = SMatrix::<f64, 4, 4>::from_diagonal_element(1e6);
-        (covariance[(0, 0)], covariance[(0, 1)], covariance[(1, 0)], covariance[(1, 1)]) = (5.0, 2.0, 2.0, 2.0);
+        (
+            covariance[(0, 0)],
+            covariance[(0, 1)],
+            covariance[(1, 0)],
+            covariance[(1, 1)],
+        ) = (5.0, 2.0, 2.0, 2.0);
         assert!((largest_variance(&covariance) - 6.0).abs() < 1e-12);
-        assert!((largest_variance(&SMatrix::<f64, 2, 2>::new(3.0, 1.0, 1.0, 9.0)) - 3.0).abs() < 1e-12);
+        assert!(
+            (largest_variance(&SMatrix::<f64, 2, 2>::new(3.0, 1.0, 1.0, 9.0)) - 3.0).abs() < 1e-12
+        );
         for (limit_m, is_over) in [(6.01f64.sqrt(), false), (5.99f64.sqrt(), true)] {
-            let lifecycle = Lifecycle { max_position_sigma_m: Some(limit_m), ..LIFE };
+            let lifecycle = Lifecycle {
+                max_position_sigma_m: Some(limit_m),
+                ..LIFE
+            };
             let mut life = lifecycle.start();
             lifecycle.limit(&mut life, &covariance);
             assert_eq!(life.is_over(), is_over);

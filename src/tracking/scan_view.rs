@@ -46,10 +46,24 @@ impl<const D: usize> Default for ScanView<D> {
 }
 
 impl<const D: usize> ScanView<D> {
-    pub fn rebuild<const N: usize>(&mut self, filter: &impl Filter<N, D>, sensor: &Sensor, detections: &[Detection], needs: Needs) {
+    pub fn rebuild<const N: usize>(
+        &mut self,
+        filter: &impl Filter<N, D>,
+        sensor: &Sensor,
+        detections: &[Detection],
+        needs: Needs,
+    ) {
         self.measurements.clear();
-        self.measurements.extend(detections.iter().filter_map(|detection| filter.measured(sensor, &detection.measurement)));
-        debug_assert_eq!(self.measurements.len(), detections.len(), "only reports that the filter can use are let through");
+        self.measurements.extend(
+            detections
+                .iter()
+                .filter_map(|detection| filter.measured(sensor, &detection.measurement)),
+        );
+        debug_assert_eq!(
+            self.measurements.len(),
+            detections.len(),
+            "only reports that the filter can use are let through"
+        );
         self.angle = filter.angle(sensor);
         self.used.clear();
         self.used.resize(detections.len(), false);
@@ -65,7 +79,10 @@ impl<const D: usize> ScanView<D> {
     #[inline]
     pub fn mark_used(&mut self, candidates: &[Candidate], scan: &Scan) {
         for candidate in candidates {
-            if let Some(detection) = candidate.detection.filter(|_| candidate.probability >= USED_WEIGHT) {
+            if let Some(detection) = candidate
+                .detection
+                .filter(|_| candidate.probability >= USED_WEIGHT)
+            {
                 self.used[detection as usize - scan.first] = true;
             }
         }
@@ -73,8 +90,12 @@ impl<const D: usize> ScanView<D> {
 
     fn index_origins(&mut self, detections: &[Detection]) {
         self.by_origin.clear();
-        let highest = detections.iter().filter_map(|detection| detection.origin).max();
-        self.by_origin.resize(highest.map_or(0, |origin| origin as usize + 1), None);
+        let highest = detections
+            .iter()
+            .filter_map(|detection| detection.origin)
+            .max();
+        self.by_origin
+            .resize(highest.map_or(0, |origin| origin as usize + 1), None);
         for (index, detection) in detections.iter().enumerate() {
             if let Some(origin) = detection.origin {
                 self.by_origin[origin as usize].get_or_insert(index as u32);
@@ -92,18 +113,36 @@ impl<const D: usize> ScanView<D> {
         mut found: impl FnMut(u32, SVector<f64, D>, f64),
     ) {
         if self.choose_by_origin {
-            let detection = origin.and_then(|origin| self.by_origin.get(origin as usize).copied().flatten());
+            let detection =
+                origin.and_then(|origin| self.by_origin.get(origin as usize).copied().flatten());
             if let Some(detection) = detection.filter(|&detection| !self.used[detection as usize]) {
-                let innovation = angle::difference(&self.measurements[detection as usize], &expected.measurement, self.angle);
-                found(detection, innovation, expected.gaussian.squared_distance(&innovation));
+                let innovation = angle::difference(
+                    &self.measurements[detection as usize],
+                    &expected.measurement,
+                    self.angle,
+                );
+                found(
+                    detection,
+                    innovation,
+                    expected.gaussian.squared_distance(&innovation),
+                );
             }
             return;
         }
-        let (centre, spread) = ((&expected.measurement, self.angle), (&expected.covariance, &expected.gaussian));
-        gate.candidates(&self.grid, &self.placed, centre, spread, |detection, innovation, squared| {
-            if !self.used[detection as usize] {
-                found(detection, innovation, squared);
-            }
-        });
+        let (centre, spread) = (
+            (&expected.measurement, self.angle),
+            (&expected.covariance, &expected.gaussian),
+        );
+        gate.candidates(
+            &self.grid,
+            &self.placed,
+            centre,
+            spread,
+            |detection, innovation, squared| {
+                if !self.used[detection as usize] {
+                    found(detection, innovation, squared);
+                }
+            },
+        );
     }
 }

@@ -105,12 +105,20 @@ where
     /// A track that is there from the start and never ends: its state at the time of the first scan, its name, and its target
     /// for the oracle. To be called before the first scan.
     pub fn give(&mut self, name: String, state: GaussianState<N>, origin: Option<u32>) {
-        debug_assert!(self.scans == 0 && self.history.started as usize == self.tracks.len(), "given tracks come before all others");
+        debug_assert!(
+            self.scans == 0 && self.history.started as usize == self.tracks.len(),
+            "given tracks come before all others"
+        );
         let serial = self.history.started;
         self.history.started += 1;
         self.history.names.push(name);
         self.history.confirmed.push(serial);
-        self.tracks.push(ActiveTrack { serial, life: Life::given(), state, origin });
+        self.tracks.push(ActiveTrack {
+            serial,
+            life: Life::given(),
+            state,
+            origin,
+        });
     }
 
     /// Predict, gate, associate, update and manage, for one scan and its detections. Stops when the watch says so; then the
@@ -118,23 +126,46 @@ where
     ///
     /// # Errors
     /// [`Halt::Stopped`], and [`Halt::TooLarge`] when there are more candidates than a tracker may hold.
-    pub fn step(&mut self, scan: &Scan, detections: &[Detection], watch: &Watch) -> Result<ScanOutcome, Halt> {
+    pub fn step(
+        &mut self,
+        scan: &Scan,
+        detections: &[Detection],
+        watch: &Watch,
+    ) -> Result<ScanOutcome, Halt> {
         let transition = self.transition(scan.time_s);
         let needs = self.parts.associator.needs();
-        self.view.rebuild(&self.parts.filter, &self.parts.sensors[scan.sensor], detections, needs);
+        self.view.rebuild(
+            &self.parts.filter,
+            &self.parts.sensors[scan.sensor],
+            detections,
+            needs,
+        );
         if needs == Needs::Amplitudes {
             // What has no amplitude is weaker than everything that has.
-            self.problem.set_amplitudes(detections.iter().map(|detection| detection.amplitude.unwrap_or(f64::NEG_INFINITY)));
+            self.problem.set_amplitudes(
+                detections
+                    .iter()
+                    .map(|detection| detection.amplitude.unwrap_or(f64::NEG_INFINITY)),
+            );
         }
         if needs == Needs::Places {
-            let measurements = self.view.measurements.iter().map(|measurement| measurement.as_slice());
-            self.problem.set_measurements(D, self.view.angle, measurements);
+            let measurements = self
+                .view
+                .measurements
+                .iter()
+                .map(|measurement| measurement.as_slice());
+            self.problem
+                .set_measurements(D, self.view.angle, measurements);
         }
         self.pose_confirmed(scan, &transition, watch)?;
         self.serve(scan, true, watch)?;
         self.pose_tentative(scan, watch)?;
         self.serve(scan, false, watch)?;
-        let started_before = if self.scans == 0 { 0 } else { self.history.started };
+        let started_before = if self.scans == 0 {
+            0
+        } else {
+            self.history.started
+        };
         let unused = self.initiate(scan, detections, watch)?;
         let mut confirmed = 0;
         self.tracks.retain(|track| {
@@ -143,7 +174,12 @@ where
             goes_on
         });
         self.scans += 1;
-        Ok(ScanOutcome { tracks: self.tracks.len() as u32, confirmed, unused, started: self.history.started - started_before })
+        Ok(ScanOutcome {
+            tracks: self.tracks.len() as u32,
+            confirmed,
+            unused,
+            started: self.history.started - started_before,
+        })
     }
 
     /// What the associator says of all it did so far.
@@ -200,9 +236,14 @@ where
         // The gate of a track that is still without a speed holds much that is not its own. An average over all of that
         // would never become a speed, so soft weights begin when the track is confirmed.
         let is_beginner = !confirmed && self.parts.associator.is_soft();
-        let associator: &mut dyn Associator = if is_beginner { &mut self.beginner } else { self.parts.associator.as_mut() };
+        let associator: &mut dyn Associator = if is_beginner {
+            &mut self.beginner
+        } else {
+            self.parts.associator.as_mut()
+        };
         let weights = &mut self.weights;
-        self.problem.for_each_cluster_until(watch, |cluster| associator.associate(cluster, weights));
+        self.problem
+            .for_each_cluster_until(watch, |cluster| associator.associate(cluster, weights));
         bounds::go_on(watch)?;
         for row in 0..self.posed.len() {
             self.conclude(row, scan);
@@ -216,7 +257,12 @@ where
 
     /// Predicts all tracks and writes the association problem of the confirmed ones: one pass, for a large scene does not
     /// fit into the caches.
-    fn pose_confirmed(&mut self, scan: &Scan, transition: &Transition<N>, watch: &Watch) -> Result<(), Halt> {
+    fn pose_confirmed(
+        &mut self,
+        scan: &Scan,
+        transition: &Transition<N>,
+        watch: &Watch,
+    ) -> Result<(), Halt> {
         let terms = self.begin_problem(scan, 0);
         self.tentative.clear();
         for index in 0..self.tracks.len() {
@@ -247,15 +293,23 @@ where
     fn check_pose(&self, scan: &Scan, watch: &Watch) -> Result<(), Halt> {
         bounds::check_scan(self.problem.edges().len(), scan)?;
         let candidates = self.problem.rows().last().map_or(0, |row| row.count);
-        if watch.stops_after(8 * u64::from(candidates) + 64) { Err(Halt::Stopped) } else { Ok(()) }
+        if watch.stops_after(8 * u64::from(candidates) + 64) {
+            Err(Halt::Stopped)
+        } else {
+            Ok(())
+        }
     }
 
     /// Each scan has two problems: of the confirmed tracks, then of the others.
     fn begin_problem(&mut self, scan: &Scan, part: u32) -> Terms {
-        self.problem.begin(2 * self.scans + part, self.view.measurements.len());
+        self.problem
+            .begin(2 * self.scans + part, self.view.measurements.len());
         self.edge_innovations.clear();
         self.posed.clear();
-        Terms::of(&self.parts.sensors[scan.sensor], self.parts.lifecycle.gate_probability)
+        Terms::of(
+            &self.parts.sensors[scan.sensor],
+            self.parts.lifecycle.gate_probability,
+        )
     }
 
     /// Gates one track and adds it to the problem.
@@ -271,22 +325,41 @@ where
         let log_scale = self.parts.filter.log_clutter_scale(sensor, &expected);
         let log_density = terms.log_density - log_scale;
         let (problem, innovations) = (&mut self.problem, &mut self.edge_innovations);
-        self.view.candidates(&self.gate, track.origin, &expected, |detection, innovation, squared_distance| {
-            innovations.push(innovation);
-            let log_likelihood = log_density + expected.gaussian.log_density(squared_distance);
-            problem.push_edge(Edge { detection, squared_distance, log_likelihood });
-        });
+        self.view.candidates(
+            &self.gate,
+            track.origin,
+            &expected,
+            |detection, innovation, squared_distance| {
+                innovations.push(innovation);
+                let log_likelihood = log_density + expected.gaussian.log_density(squared_distance);
+                problem.push_edge(Edge {
+                    detection,
+                    squared_distance,
+                    log_likelihood,
+                });
+            },
+        );
         if self.parts.associator.needs() == Needs::Places {
-            self.problem.push_place(expected.measurement.as_slice(), expected.gaussian.inverse().as_slice());
+            self.problem.push_place(
+                expected.measurement.as_slice(),
+                expected.gaussian.inverse().as_slice(),
+            );
         }
-        self.problem.end_row(terms.log_none, terms.log_clutter + log_scale + self.gate.log_volume(&expected.gaussian));
+        self.problem.end_row(
+            terms.log_none,
+            terms.log_clutter + log_scale + self.gate.log_volume(&expected.gaussian),
+        );
         self.posed.push((index, expected.correction()));
     }
 
     /// Updates the track of one row by its weights, and remembers what was decided.
     fn conclude(&mut self, row: usize, scan: &Scan) {
         let lifecycle = self.parts.lifecycle;
-        let log_ratio = if lifecycle.is_scored() { confirmation::log_ratio(&self.problem, &self.weights, row) } else { 0.0 };
+        let log_ratio = if lifecycle.is_scored() {
+            confirmation::log_ratio(&self.problem, &self.weights, row)
+        } else {
+            0.0
+        };
         let (index, correction) = &self.posed[row];
         let track = &mut self.tracks[*index];
         let first_candidate = self.history.candidates.len();
@@ -295,39 +368,67 @@ where
         for edge_index in self.problem.rows()[row].edges() {
             let weight = self.weights.edges[edge_index];
             if weight > 0.0 {
-                let Edge { detection, squared_distance, .. } = self.problem.edges()[edge_index];
-                self.innovations.push(WeightedInnovation { innovation: self.edge_innovations[edge_index], weight });
+                let Edge {
+                    detection,
+                    squared_distance,
+                    ..
+                } = self.problem.edges()[edge_index];
+                self.innovations.push(WeightedInnovation {
+                    innovation: self.edge_innovations[edge_index],
+                    weight,
+                });
                 weighted_nis += weight * squared_distance;
                 let detection = Some(scan.first as u32 + detection);
-                self.history.candidates.push(Candidate { detection, probability: weight });
+                self.history.candidates.push(Candidate {
+                    detection,
+                    probability: weight,
+                });
             }
         }
         if self.weights.none[row] > 0.0 {
-            self.history.candidates.push(Candidate { detection: None, probability: self.weights.none[row] });
+            self.history.candidates.push(Candidate {
+                detection: None,
+                probability: self.weights.none[row],
+            });
         }
         mixture::update(&mut track.state, correction, &self.innovations);
         let was_confirmed = track.life.is_confirmed();
         // The scan is a hit when it is more probable that the track was detected than that it was not.
-        let detected: f64 = self.innovations.iter().map(|innovation| innovation.weight).sum();
-        lifecycle.advance(&mut track.life, detected > self.weights.none[row], log_ratio);
+        let detected: f64 = self
+            .innovations
+            .iter()
+            .map(|innovation| innovation.weight)
+            .sum();
+        lifecycle.advance(
+            &mut track.life,
+            detected > self.weights.none[row],
+            log_ratio,
+        );
         lifecycle.limit(&mut track.life, &track.state.covariance);
         if track.life.is_over() {
             // It ends before this scan: what nobody carries on is not a track any more, and uses nothing.
             self.history.candidates.truncate(first_candidate);
         } else {
-            self.view.mark_used(&self.history.candidates[first_candidate..], scan);
+            self.view
+                .mark_used(&self.history.candidates[first_candidate..], scan);
             if was_confirmed && detected > 0.0 {
                 self.nis.weighted_sum += weighted_nis;
                 self.nis.weight += detected;
                 self.nis.updates += 1;
             }
             let nis = (detected > 0.0).then(|| weighted_nis / detected);
-            self.history.remember(track, self.scans, first_candidate, was_confirmed, nis);
+            self.history
+                .remember(track, self.scans, first_candidate, was_confirmed, nis);
         }
     }
 
     /// Starts tracks with the detections that no track used, and counts these.
-    fn initiate(&mut self, scan: &Scan, detections: &[Detection], watch: &Watch) -> Result<u32, Halt> {
+    fn initiate(
+        &mut self,
+        scan: &Scan,
+        detections: &[Detection],
+        watch: &Watch,
+    ) -> Result<u32, Halt> {
         if let Initiation::Truth { .. } = self.parts.lifecycle.initiation {
             return Ok(self.view.used.iter().filter(|is_used| !**is_used).count() as u32);
         }
@@ -336,11 +437,22 @@ where
             if self.view.used[index] {
                 continue;
             }
-            let (measurement, sensor) = (&self.view.measurements[index], &self.parts.sensors[scan.sensor]);
+            let (measurement, sensor) = (
+                &self.view.measurements[index],
+                &self.parts.sensors[scan.sensor],
+            );
             let sigma_mps = self.parts.lifecycle.initial_speed_sigma_mps;
-            let Some(state) = self.parts.filter.initiate(measurement, sensor, sigma_mps) else { continue };
+            let Some(state) = self.parts.filter.initiate(measurement, sensor, sigma_mps) else {
+                continue;
+            };
             let named = (scan.first + index) as u32;
-            let point = Point { scan: self.scans, time_s: scan.time_s, detection: named, origin: detection.origin, state };
+            let point = Point {
+                scan: self.scans,
+                time_s: scan.time_s,
+                detection: named,
+                origin: detection.origin,
+                state,
+            };
             unused += 1;
             if self.pair_rule.is_some() {
                 self.initiator.push(point);
@@ -362,7 +474,12 @@ where
     fn start(&mut self, point: &Point<N>) -> ActiveTrack<N> {
         let serial = self.history.started;
         self.history.started += 1;
-        let track = ActiveTrack { serial, life: self.parts.lifecycle.start(), state: point.state, origin: point.origin };
+        let track = ActiveTrack {
+            serial,
+            life: self.parts.lifecycle.start(),
+            state: point.state,
+            origin: point.origin,
+        };
         self.remember_detection(&track, point, false);
         track
     }
@@ -379,22 +496,43 @@ where
         if life.is_over() {
             return;
         }
-        let track = ActiveTrack { life, state: pair.state, ..self.start(&pair.first) };
+        let track = ActiveTrack {
+            life,
+            state: pair.state,
+            ..self.start(&pair.first)
+        };
         self.remember_detection(&track, &pair.second, was_confirmed);
         self.tracks.push(track);
     }
 
     /// Remembers a track that a detection started, alone or as the second of two.
-    fn remember_detection(&mut self, track: &ActiveTrack<N>, point: &Point<N>, was_confirmed: bool) {
+    fn remember_detection(
+        &mut self,
+        track: &ActiveTrack<N>,
+        point: &Point<N>,
+        was_confirmed: bool,
+    ) {
         let first_candidate = self.history.candidates.len();
-        self.history.candidates.push(Candidate { detection: Some(point.detection), probability: 1.0 });
-        self.history.remember(track, point.scan, first_candidate, was_confirmed, None);
+        self.history.candidates.push(Candidate {
+            detection: Some(point.detection),
+            probability: 1.0,
+        });
+        self.history
+            .remember(track, point.scan, first_candidate, was_confirmed, None);
     }
 }
 
 /// What makes two points a pair, where tracks begin with two.
-fn pair_rule<F: Filter<N, D>, const N: usize, const D: usize>(parts: &TrackerParts<F>) -> Option<PairRule> {
-    let Initiation::TwoPoint { max_speed_mps, max_wait_scans } = parts.lifecycle.initiation else { return None };
+fn pair_rule<F: Filter<N, D>, const N: usize, const D: usize>(
+    parts: &TrackerParts<F>,
+) -> Option<PairRule> {
+    let Initiation::TwoPoint {
+        max_speed_mps,
+        max_wait_scans,
+    } = parts.lifecycle.initiation
+    else {
+        return None;
+    };
     Some(PairRule {
         max_speed_mps,
         max_wait_scans,

@@ -9,54 +9,90 @@ async fn refusal(content: &str) -> Value {
     let api = Api::start().await;
     let answer = api.upload(&json!({"name": "bad"}), content).await;
     let listed = api.get("/v1/datasets?count=true").await.ok(200);
-    assert_eq!((&listed["items"], &listed["total"]), (&json!([]), &json!(0)));
+    assert_eq!(
+        (&listed["items"], &listed["total"]),
+        (&json!([]), &json!(0))
+    );
     assert_eq!(std::fs::read_dir(api.jobs.temp_dir()).unwrap().count(), 0);
     answer.problem()
 }
 
 /// The only fault: code, detail, line, column.
 fn one(code: &str, detail: &str, line: u64, column: &str) -> Value {
-    validation(detail, json!([{"pointer": "/file", "code": code, "detail": detail, "line": line, "column": column}]))
+    validation(
+        detail,
+        json!([{"pointer": "/file", "code": code, "detail": detail, "line": line, "column": column}]),
+    )
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_broken_csv_is_refused_with_line_and_column() {
     let found = refusal(&format!("{HEADER}0,1,radar,a,1,2\n0,1,radar,b,oops,2\n")).await;
-    assert_eq!(found, one("malformed", "expected a number, found 'oops'", 3, "x_m"));
+    assert_eq!(
+        found,
+        one("malformed", "expected a number, found 'oops'", 3, "x_m")
+    );
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_row_of_the_wrong_length_is_refused() {
     let found = refusal(&format!("{HEADER}0,1,radar,a,1\n")).await;
-    assert_eq!(found, one("malformed", "the row has 5 values, the header names 6 columns", 2, "y_m"));
+    assert_eq!(
+        found,
+        one(
+            "malformed",
+            "the row has 5 values, the header names 6 columns",
+            2,
+            "y_m"
+        )
+    );
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_missing_column_is_named_with_those_that_are_known() {
     let found = refusal("time_s,scan,sensor_id,detection_id,x_m\n0,1,radar,a,1\n").await;
     let detail = "column 'y_m' is missing: x_m, y_m come together";
-    let allowed =
-        "time_s, scan, sensor_id, detection_id, x_m, y_m, range_m, bearing_deg, range_rate_mps, amplitude, truth_id, z_m, elevation_deg";
+    let allowed = "time_s, scan, sensor_id, detection_id, x_m, y_m, range_m, bearing_deg, range_rate_mps, amplitude, truth_id, z_m, elevation_deg";
     let fault = json!({"pointer": "/file", "code": "missing", "detail": detail, "allowed": allowed, "line": 1, "column": "y_m"});
     assert_eq!(found, validation(detail, json!([fault])));
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_duplicate_column_is_refused() {
-    let found = refusal("time_s,scan,sensor_id,detection_id,x_m,y_m,x_m\n0,1,radar,a,1,2,3\n").await;
-    assert_eq!(found, one("duplicate", "column 'x_m' occurs twice: columns 5 and 7", 1, "x_m"));
+    let found =
+        refusal("time_s,scan,sensor_id,detection_id,x_m,y_m,x_m\n0,1,radar,a,1,2,3\n").await;
+    assert_eq!(
+        found,
+        one(
+            "duplicate",
+            "column 'x_m' occurs twice: columns 5 and 7",
+            1,
+            "x_m"
+        )
+    );
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_value_that_is_no_finite_number_is_refused() {
     let found = refusal(&format!("{HEADER}0,1,radar,a,NaN,2\n")).await;
-    assert_eq!(found, one("not_finite", "'NaN' is not a finite number", 2, "x_m"));
+    assert_eq!(
+        found,
+        one("not_finite", "'NaN' is not a finite number", 2, "x_m")
+    );
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn unsorted_times_are_refused() {
     let found = refusal(&format!("{HEADER}8,2,radar,a,1,2\n0,1,radar,b,1,2\n")).await;
-    assert_eq!(found, one("unsorted", "time 0 s comes after 8 s on line 2", 3, "time_s"));
+    assert_eq!(
+        found,
+        one(
+            "unsorted",
+            "time 0 s comes after 8 s on line 2",
+            3,
+            "time_s"
+        )
+    );
 }
 
 #[tokio::test(flavor = "multi_thread")]

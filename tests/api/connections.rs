@@ -14,13 +14,16 @@ const PATIENCE: Duration = Duration::from_secs(30);
 async fn hasty() -> Api {
     Api::start_with(|config| {
         let limits = &mut config.connections;
-        (limits.header_time, limits.idle_time, limits.transfer_time) = (HEADERS, IDLE, Duration::from_millis(700));
+        (limits.header_time, limits.idle_time, limits.transfer_time) =
+            (HEADERS, IDLE, Duration::from_millis(700));
     })
     .await
 }
 
 async fn connect(api: &Api) -> TcpStream {
-    TcpStream::connect(api.base.strip_prefix("http://").unwrap()).await.unwrap()
+    TcpStream::connect(api.base.strip_prefix("http://").unwrap())
+        .await
+        .unwrap()
 }
 
 /// What is still sent, and how long it takes until the server closes the connection.
@@ -28,7 +31,9 @@ async fn until_closed(stream: &mut TcpStream) -> (String, Duration) {
     let since = Instant::now();
     let mut said = Vec::new();
     // A reset is an end, too.
-    let _ = timeout(PATIENCE, stream.read_to_end(&mut said)).await.expect("the server never closes it");
+    let _ = timeout(PATIENCE, stream.read_to_end(&mut said))
+        .await
+        .expect("the server never closes it");
     (String::from_utf8_lossy(&said).into_owned(), since.elapsed())
 }
 
@@ -38,10 +43,16 @@ const ASK: &[u8] = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n";
 async fn who_sends_half_a_header_is_cut_off() {
     let api = hasty().await;
     let mut stream = connect(&api).await;
-    stream.write_all(b"GET /healthz HTTP/1.1\r\nHost: local").await.unwrap();
+    stream
+        .write_all(b"GET /healthz HTTP/1.1\r\nHost: local")
+        .await
+        .unwrap();
     let (said, took) = until_closed(&mut stream).await;
     assert_eq!(said, "");
-    assert!(took >= HEADERS - Duration::from_millis(50) && took < IDLE, "{took:?}");
+    assert!(
+        took >= HEADERS - Duration::from_millis(50) && took < IDLE,
+        "{took:?}"
+    );
     // Sending on, byte by byte, does not help; nor does a complete request before.
     let mut stream = connect(&api).await;
     stream.write_all(ASK).await.unwrap();
@@ -50,7 +61,11 @@ async fn who_sends_half_a_header_is_cut_off() {
     while since.elapsed() < PATIENCE && stream.write_all(b"G").await.is_ok() {
         sleep(Duration::from_millis(50)).await;
     }
-    assert!(since.elapsed() < 4 * HEADERS, "the time of the headers, not that of idling: {:?}", since.elapsed());
+    assert!(
+        since.elapsed() < 4 * HEADERS,
+        "the time of the headers, not that of idling: {:?}",
+        since.elapsed()
+    );
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -63,13 +78,25 @@ async fn an_idle_connection_is_closed_and_a_slow_answer_is_not() {
     let mut stream = connect(&api).await;
     stream.write_all(ASK).await.unwrap();
     let (said, took) = until_closed(&mut stream).await;
-    assert!(said.starts_with("HTTP/1.1 200 OK") && said.ends_with("{\"status\":\"ok\"}"), "{said}");
+    assert!(
+        said.starts_with("HTTP/1.1 200 OK") && said.ends_with("{\"status\":\"ok\"}"),
+        "{said}"
+    );
     assert!(took >= IDLE - Duration::from_millis(50), "{took:?}");
     let job = api.post("/v1/jobs/simulate", &long()).await.ok(202);
     let since = Instant::now();
-    let history = api.get(&format!("/v1/jobs/{}/history?after=1000000&wait=6", id(&job))).await.ok(200);
+    let history = api
+        .get(&format!(
+            "/v1/jobs/{}/history?after=1000000&wait=6",
+            id(&job)
+        ))
+        .await
+        .ok(200);
     assert_eq!(history["events"], serde_json::json!([]));
-    assert!(since.elapsed() > 2 * IDLE, "whoever waits for an answer is not idle");
+    assert!(
+        since.elapsed() > 2 * IDLE,
+        "whoever waits for an answer is not idle"
+    );
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -80,18 +107,33 @@ async fn a_body_that_stops_coming_is_refused_and_one_that_comes_is_not() {
     stream.write_all(head.as_bytes()).await.unwrap();
     stream.write_all(b"{ ").await.unwrap();
     let mut answer = vec![0; 4096];
-    let length = timeout(PATIENCE, stream.read(&mut answer)).await.unwrap().unwrap();
+    let length = timeout(PATIENCE, stream.read(&mut answer))
+        .await
+        .unwrap()
+        .unwrap();
     let answer = String::from_utf8_lossy(&answer[..length]).into_owned();
-    assert!(answer.starts_with("HTTP/1.1 408 ") && answer.contains("\"code\":\"request_timeout\""), "{answer}");
+    assert!(
+        answer.starts_with("HTTP/1.1 408 ") && answer.contains("\"code\":\"request_timeout\""),
+        "{answer}"
+    );
     // 20 000 bytes each quarter of a second are enough, although the whole takes far longer than one stretch.
     let mut stream = connect(&api).await;
-    stream.write_all(head.replace("\r\n\r\n", "\r\nConnection: close\r\n\r\n").as_bytes()).await.unwrap();
+    stream
+        .write_all(
+            head.replace("\r\n\r\n", "\r\nConnection: close\r\n\r\n")
+                .as_bytes(),
+        )
+        .await
+        .unwrap();
     for _ in 0..10 {
         stream.write_all(&[b' '; 20_000]).await.unwrap();
         sleep(Duration::from_millis(250)).await;
     }
     let (said, _) = until_closed(&mut stream).await;
-    assert!(said.starts_with("HTTP/1.1 400 ") && said.contains("malformed_json"), "it was read to its end: {said}");
+    assert!(
+        said.starts_with("HTTP/1.1 400 ") && said.contains("malformed_json"),
+        "it was read to its end: {said}"
+    );
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -105,10 +147,16 @@ async fn who_does_not_read_is_cut_off() {
     let length = api.get(&path).await.text.len();
     assert!(length > 8 << 20, "more than sockets keep: {length}");
     let mut stream = connect(&api).await;
-    stream.write_all(format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n").as_bytes()).await.unwrap();
+    stream
+        .write_all(format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n").as_bytes())
+        .await
+        .unwrap();
     sleep(Duration::from_secs(4)).await;
     let (said, _) = until_closed(&mut stream).await;
-    assert!(said.len() < length, "all of {length} bytes were sent to who did not read");
+    assert!(
+        said.len() < length,
+        "all of {length} bytes were sent to who did not read"
+    );
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -124,7 +172,9 @@ async fn one_connection_too_many_is_told_so() {
     third.write_all(ASK).await.unwrap();
     let (said, _) = until_closed(&mut third).await;
     assert!(
-        said.starts_with("HTTP/1.1 503 ") && said.contains("retry-after: 5") && said.contains("\"code\":\"too_many_connections\""),
+        said.starts_with("HTTP/1.1 503 ")
+            && said.contains("retry-after: 5")
+            && said.contains("\"code\":\"too_many_connections\""),
         "{said}"
     );
     drop(first);
@@ -145,31 +195,55 @@ async fn one_connection_too_many_is_told_so() {
 #[tokio::test(flavor = "multi_thread")]
 async fn event_streams_are_counted_for_each_client_and_for_all() {
     for (streams, of_client, detail) in [
-        (100, 2, "127.0.0.1 has 2 event streams open, as many as one client may"),
-        (2, 100, "2 event streams are open, as many as the service has"),
+        (
+            100,
+            2,
+            "127.0.0.1 has 2 event streams open, as many as one client may",
+        ),
+        (
+            2,
+            100,
+            "2 event streams are open, as many as the service has",
+        ),
     ] {
         let api = Api::start_with(|config| {
-            (config.connections.streams, config.connections.streams_per_client) = (streams, of_client);
+            (
+                config.connections.streams,
+                config.connections.streams_per_client,
+            ) = (streams, of_client);
         })
         .await;
         let job = api.post("/v1/jobs/simulate", &long()).await.ok(202);
         let path = format!("/v1/jobs/{}/events", id(&job));
         let open = async || api.request(Method::GET, &path).send().await.unwrap();
         let (first, _second) = (open().await, open().await);
-        assert_eq!((first.status(), first.headers()["content-type"].to_str().unwrap()), (200.try_into().unwrap(), "text/event-stream"));
+        assert_eq!(
+            (
+                first.status(),
+                first.headers()["content-type"].to_str().unwrap()
+            ),
+            (200.try_into().unwrap(), "text/event-stream")
+        );
         assert_eq!(first.headers()["x-accel-buffering"], "no");
         let refused = api.get(&path).await;
         assert_eq!(refused.header("retry-after"), "5");
         let problem = refused.problem();
         assert_eq!(
-            (problem["code"].as_str(), problem["detail"].as_str(), refused.status.as_u16()),
+            (
+                problem["code"].as_str(),
+                problem["detail"].as_str(),
+                refused.status.as_u16()
+            ),
             (Some("too_many_streams"), Some(detail), 503)
         );
         api.get(&format!("/v1/jobs/{}", id(&job))).await.ok(200);
         drop(first);
         let since = Instant::now();
         while open().await.status() != 200 {
-            assert!(since.elapsed() < PATIENCE, "the place of a stream that was closed is free again");
+            assert!(
+                since.elapsed() < PATIENCE,
+                "the place of a stream that was closed is free again"
+            );
             sleep(Duration::from_millis(50)).await;
         }
     }

@@ -12,7 +12,12 @@ const DETECTIONS: &str = "time_s,scan,sensor_id,detection_id,x_m,y_m\n0,1,radar,
 #[tokio::test(flavor = "multi_thread")]
 async fn an_upload_becomes_a_dataset_that_can_be_read_again() {
     let api = Api::start().await;
-    let answer = api.upload(&json!({"name": "trial", "sensors": [{"sensor_id": "radar", "p_d": 0.8}]}), DETECTIONS).await;
+    let answer = api
+        .upload(
+            &json!({"name": "trial", "sensors": [{"sensor_id": "radar", "p_d": 0.8}]}),
+            DETECTIONS,
+        )
+        .await;
     let dataset = answer.ok(201);
     assert_eq!(answer.header("location"), dataset["links"]["self"]);
     for (member, expected) in [
@@ -32,10 +37,22 @@ async fn an_upload_becomes_a_dataset_that_can_be_read_again() {
     }
     let content = api.get(dataset["links"]["content"].as_str().unwrap()).await;
     assert_eq!(content.text, DETECTIONS);
-    assert_eq!(content.header("etag"), format!("\"{}\"", dataset["sha256"].as_str().unwrap()));
-    assert_eq!(content.header("content-disposition"), "attachment; filename=\"file.csv\"; filename*=UTF-8''file.csv");
-    assert_eq!(api.get("/v1/datasets?kind=detections&q=tri").await.ok(200)["items"], json!([dataset]));
-    assert_eq!(api.get("/v1/datasets?kind=truth").await.ok(200)["items"], json!([]));
+    assert_eq!(
+        content.header("etag"),
+        format!("\"{}\"", dataset["sha256"].as_str().unwrap())
+    );
+    assert_eq!(
+        content.header("content-disposition"),
+        "attachment; filename=\"file.csv\"; filename*=UTF-8''file.csv"
+    );
+    assert_eq!(
+        api.get("/v1/datasets?kind=detections&q=tri").await.ok(200)["items"],
+        json!([dataset])
+    );
+    assert_eq!(
+        api.get("/v1/datasets?kind=truth").await.ok(200)["items"],
+        json!([])
+    );
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -44,9 +61,24 @@ async fn a_preview_shows_the_first_rows() {
     let path = format!("/v1/datasets/{}/preview", api.dataset(DETECTIONS).await);
     let preview = api.get(&format!("{path}?limit=2")).await.ok(200);
     assert_eq!(preview["total_rows"], 3);
-    assert_eq!(preview["columns"], json!(["time_s", "scan", "sensor_id", "detection_id", "x_m", "y_m"]));
-    assert_eq!(preview["rows"], json!([["0", "1", "radar", "a", "1", "2"], ["8", "2", "radar", "b", "3", "4"]]));
-    assert_eq!(api.get(&path).await.ok(200)["rows"].as_array().unwrap().len(), 3);
+    assert_eq!(
+        preview["columns"],
+        json!(["time_s", "scan", "sensor_id", "detection_id", "x_m", "y_m"])
+    );
+    assert_eq!(
+        preview["rows"],
+        json!([
+            ["0", "1", "radar", "a", "1", "2"],
+            ["8", "2", "radar", "b", "3", "4"]
+        ])
+    );
+    assert_eq!(
+        api.get(&path).await.ok(200)["rows"]
+            .as_array()
+            .unwrap()
+            .len(),
+        3
+    );
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -64,10 +96,30 @@ async fn boxes_of_a_video_are_a_dataset_with_a_preview() {
     ] {
         assert_eq!(tracks[member], expected, "{member}");
     }
-    let preview = api.get(&format!("/v1/datasets/{}/preview?limit=1", tracks["id"].as_str().unwrap())).await.ok(200);
+    let preview = api
+        .get(&format!(
+            "/v1/datasets/{}/preview?limit=1",
+            tracks["id"].as_str().unwrap()
+        ))
+        .await
+        .ok(200);
     assert_eq!(preview["total_rows"], 2);
-    assert_eq!(preview["columns"], json!(["frame", "track_id", "left_px", "top_px", "width_px", "height_px", "confidence"]));
-    assert_eq!(preview["rows"], json!([["1", "3", "10", "20", "5", "6", "1"]]));
+    assert_eq!(
+        preview["columns"],
+        json!([
+            "frame",
+            "track_id",
+            "left_px",
+            "top_px",
+            "width_px",
+            "height_px",
+            "confidence"
+        ])
+    );
+    assert_eq!(
+        preview["rows"],
+        json!([["1", "3", "10", "20", "5", "6", "1"]])
+    );
     // The text does not say whether it is truth or tracks.
     assert_eq!(api.upload(&json!({}), rows).await.status, 422);
 }
@@ -76,14 +128,22 @@ async fn boxes_of_a_video_are_a_dataset_with_a_preview() {
 async fn the_same_upload_again_is_the_same_dataset() {
     let api = Api::start().await;
     let first = api.upload(&json!({"name": "a"}), DETECTIONS).await.ok(201);
-    assert_eq!(api.upload(&json!({"name": "a"}), DETECTIONS).await.ok(200)["id"], first["id"]);
-    assert_ne!(api.upload(&json!({"name": "b"}), DETECTIONS).await.ok(201)["id"], first["id"]);
+    assert_eq!(
+        api.upload(&json!({"name": "a"}), DETECTIONS).await.ok(200)["id"],
+        first["id"]
+    );
+    assert_ne!(
+        api.upload(&json!({"name": "b"}), DETECTIONS).await.ok(201)["id"],
+        first["id"]
+    );
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn faults_of_the_parts_are_told_at_once() {
     let api = Api::start().await;
-    let refused = api.upload(&json!({"kind": "stars", "colour": 1}), DETECTIONS).await;
+    let refused = api
+        .upload(&json!({"kind": "stars", "colour": 1}), DETECTIONS)
+        .await;
     let faults = json!([
         {"pointer": "/meta/kind", "code": "unknown_value", "detail": "unknown value \"stars\"", "allowed": "detections, truth, tracks, bearing_time"},
         {"pointer": "/meta/colour", "code": "unknown_field", "detail": "unknown field 'colour'",
@@ -91,11 +151,18 @@ async fn faults_of_the_parts_are_told_at_once() {
     ]);
     assert_eq!(refused.problem(), validation("2 faults", faults));
     let missing = api.upload_form(Form::new().text("meta", "{}")).await;
-    let fault = json!({"pointer": "/file", "code": "missing", "detail": "the part 'file' is required"});
-    assert_eq!(missing.problem(), validation("the part 'file' is required", json!([fault])));
+    let fault =
+        json!({"pointer": "/file", "code": "missing", "detail": "the part 'file' is required"});
+    assert_eq!(
+        missing.problem(),
+        validation("the part 'file' is required", json!([fault]))
+    );
     let unknown = api.upload_form(Form::new().text("data", "x")).await;
     let fault = json!({"pointer": "/data", "code": "unknown_field", "detail": "unknown part 'data'", "allowed": "meta, file"});
-    assert_eq!(unknown.problem(), validation("unknown part 'data'", json!([fault])));
+    assert_eq!(
+        unknown.problem(),
+        validation("unknown part 'data'", json!([fault]))
+    );
     let broken = api.upload_form(Form::new().text("meta", "{")).await;
     assert_eq!(broken.problem()["code"], "malformed_json");
 }
@@ -103,12 +170,27 @@ async fn faults_of_the_parts_are_told_at_once() {
 #[tokio::test(flavor = "multi_thread")]
 async fn an_upload_over_the_limit_is_refused_announced_or_not() {
     let api = Api::start_with(|config| config.max_upload_bytes = 100_000).await;
-    let expected = problem("payload_too_large", 413, "The body is too large", "the body is larger than 100000 bytes");
+    let expected = problem(
+        "payload_too_large",
+        413,
+        "The body is too large",
+        "the body is larger than 100000 bytes",
+    );
     let rows = "x".repeat(6_000_000);
-    assert_eq!(api.upload(&json!({}), &rows).await.problem(), expected, "by its length");
+    assert_eq!(
+        api.upload(&json!({}), &rows).await.problem(),
+        expected,
+        "by its length"
+    );
     let chunks = stream::iter((0..50).map(|_| Ok::<_, std::io::Error>(vec![b'x'; 10_000])));
     let streamed = Part::stream(Body::wrap_stream(chunks)).file_name("a.csv");
-    assert_eq!(api.upload_form(Form::new().part("file", streamed)).await.problem(), expected, "by counting");
+    assert_eq!(
+        api.upload_form(Form::new().part("file", streamed))
+            .await
+            .problem(),
+        expected,
+        "by counting"
+    );
     assert_eq!(std::fs::read_dir(api.jobs.temp_dir()).unwrap().count(), 0);
 }
 
@@ -117,8 +199,15 @@ async fn an_upload_that_breaks_off_leaves_nothing() {
     let api = Api::start().await;
     let first = stream::iter([Ok::<_, std::io::Error>(DETECTIONS.as_bytes().to_vec())]);
     let chunks = futures::StreamExt::chain(first, stream::pending());
-    let form = Form::new().part("file", Part::stream(Body::wrap_stream(chunks)).file_name("a.csv"));
-    let upload = tokio::spawn(api.request(Method::POST, "/v1/datasets").multipart(form).send());
+    let form = Form::new().part(
+        "file",
+        Part::stream(Body::wrap_stream(chunks)).file_name("a.csv"),
+    );
+    let upload = tokio::spawn(
+        api.request(Method::POST, "/v1/datasets")
+            .multipart(form)
+            .send(),
+    );
     let files = || std::fs::read_dir(api.jobs.temp_dir()).unwrap().count();
     eventually(|| files() == 1).await;
     upload.abort();
@@ -131,20 +220,45 @@ async fn a_dataset_in_use_stays_and_a_deleted_one_is_gone() {
     let api = Api::start_with(|config| config.slots = 1).await;
     let dataset = api.dataset(DETECTIONS).await;
     let path = format!("/v1/datasets/{dataset}");
-    let blocker = api.post("/v1/jobs/simulate", &crate::helpers::long()).await.ok(202);
+    let blocker = api
+        .post("/v1/jobs/simulate", &crate::helpers::long())
+        .await
+        .ok(202);
     let sensors = json!([{"sensor_id": "radar", "sigma_x_m": 1.0, "sigma_y_m": 1.0}]);
     let body = json!({"input": {"source": "dataset", "dataset_id": dataset}, "sensors": sensors});
     let user = api.post("/v1/jobs/associate", &body).await.ok(202);
     let refused = api.delete(&path).await;
-    assert_eq!((refused.status.as_u16(), &refused.problem()["code"]), (409, &json!("in_use")));
-    assert!(refused.problem()["detail"].as_str().unwrap().contains(id(&user)));
+    assert_eq!(
+        (refused.status.as_u16(), &refused.problem()["code"]),
+        (409, &json!("in_use"))
+    );
+    assert!(
+        refused.problem()["detail"]
+            .as_str()
+            .unwrap()
+            .contains(id(&user))
+    );
     for job in [&user, &blocker] {
-        send(api.request(Method::POST, &format!("/v1/jobs/{}/cancel", id(job)))).await.ok(202);
-        api.jobs.wait(id(job).parse().unwrap(), Duration::from_secs(5)).await.unwrap();
+        send(api.request(Method::POST, &format!("/v1/jobs/{}/cancel", id(job))))
+            .await
+            .ok(202);
+        api.jobs
+            .wait(id(job).parse().unwrap(), Duration::from_secs(5))
+            .await
+            .unwrap();
     }
     assert_eq!(api.delete(&path).await.status, 204);
-    let gone = problem("gone", 410, "It has been deleted", "the dataset has been deleted");
-    for answer in [api.get(&path).await, api.get(&format!("{path}/content")).await, api.delete(&path).await] {
+    let gone = problem(
+        "gone",
+        410,
+        "It has been deleted",
+        "the dataset has been deleted",
+    );
+    for answer in [
+        api.get(&path).await,
+        api.get(&format!("{path}/content")).await,
+        api.delete(&path).await,
+    ] {
         assert_eq!(answer.problem(), gone);
     }
 }

@@ -11,7 +11,10 @@ use tokio::net::TcpStream;
 async fn raw(api: &Api, request: &str) -> String {
     let address = api.base.strip_prefix("http://").unwrap();
     let mut stream = TcpStream::connect(address).await.unwrap();
-    stream.write_all(request.replace("<own>", address).as_bytes()).await.unwrap();
+    stream
+        .write_all(request.replace("<own>", address).as_bytes())
+        .await
+        .unwrap();
     let mut answer = String::new();
     stream.read_to_string(&mut answer).await.unwrap();
     answer
@@ -20,26 +23,66 @@ async fn raw(api: &Api, request: &str) -> String {
 /// Status, and code of the problem if it is one.
 async fn asked(api: &Api, request: &str) -> (u16, String) {
     let answer = raw(api, request).await;
-    let status = answer.split(' ').nth(1).unwrap_or_else(|| panic!("{answer}")).parse().unwrap();
+    let status = answer
+        .split(' ')
+        .nth(1)
+        .unwrap_or_else(|| panic!("{answer}"))
+        .parse()
+        .unwrap();
     let body = answer.split_once("\r\n\r\n").map_or("", |(_, body)| body);
-    let code = serde_json::from_str::<Value>(body).ok().and_then(|body| Some(body["code"].as_str()?.to_owned()));
+    let code = serde_json::from_str::<Value>(body)
+        .ok()
+        .and_then(|body| Some(body["code"].as_str()?.to_owned()));
     (status, code.unwrap_or_default())
 }
 
 async fn by_host(api: &Api, host: &str) -> (u16, String) {
-    asked(api, &format!("GET /v1/jobs HTTP/1.1\r\n{host}Connection: close\r\n\r\n")).await
+    asked(
+        api,
+        &format!("GET /v1/jobs HTTP/1.1\r\n{host}Connection: close\r\n\r\n"),
+    )
+    .await
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn only_hosts_of_this_machine_and_allowed_ones_are_answered() {
     let api = Api::start_with(|config| config.allowed_hosts = vec!["Radar.example".into()]).await;
-    for host in ["localhost", "LOCALHOST:1", "127.0.0.1:9", "[::1]:8080", "<own>", "radar.example", "radar.example.:443"] {
-        assert_eq!(by_host(&api, &format!("Host: {host}\r\n")).await, (200, String::new()), "{host}");
+    for host in [
+        "localhost",
+        "LOCALHOST:1",
+        "127.0.0.1:9",
+        "[::1]:8080",
+        "<own>",
+        "radar.example",
+        "radar.example.:443",
+    ] {
+        assert_eq!(
+            by_host(&api, &format!("Host: {host}\r\n")).await,
+            (200, String::new()),
+            "{host}"
+        );
     }
-    for host in ["evil.example", "evil.example:80", "localhost.evil.example", "0.0.0.0", "127.0.0.2", "192.168.1.1", "[::2]", "example"] {
-        assert_eq!(by_host(&api, &format!("Host: {host}\r\n")).await, (403, "foreign_host".into()), "{host}");
+    for host in [
+        "evil.example",
+        "evil.example:80",
+        "localhost.evil.example",
+        "0.0.0.0",
+        "127.0.0.2",
+        "192.168.1.1",
+        "[::2]",
+        "example",
+    ] {
+        assert_eq!(
+            by_host(&api, &format!("Host: {host}\r\n")).await,
+            (403, "foreign_host".into()),
+            "{host}"
+        );
     }
-    let answer = raw(&api, "GET / HTTP/1.1\r\nHost: evil.example\r\nConnection: close\r\n\r\n").await;
+    let answer = raw(
+        &api,
+        "GET / HTTP/1.1\r\nHost: evil.example\r\nConnection: close\r\n\r\n",
+    )
+    .await;
     let detail = "'evil.example' is not a host of this service; start it with --allow-host evil.example if it is meant to be one";
     assert!(answer.contains(detail), "the dashboard, too: {answer}");
 }
@@ -48,14 +91,33 @@ async fn only_hosts_of_this_machine_and_allowed_ones_are_answered() {
 async fn a_request_names_one_host() {
     let api = Api::start().await;
     let malformed = (400, "malformed_request".to_owned());
-    for host in ["", "Host: localhost\r\nHost: localhost\r\n", "Host:\r\n", "Host: me@localhost\r\n", "Host: localhost/x\r\n"] {
+    for host in [
+        "",
+        "Host: localhost\r\nHost: localhost\r\n",
+        "Host:\r\n",
+        "Host: me@localhost\r\n",
+        "Host: localhost/x\r\n",
+    ] {
         assert_eq!(by_host(&api, host).await, malformed, "{host}");
     }
-    assert_eq!(asked(&api, "GET /v1/jobs HTTP/1.0\r\n\r\n").await, (200, String::new()), "HTTP/1.0 names none");
-    assert_eq!(asked(&api, "GET /v1/jobs HTTP/1.0\r\nHost: evil.example\r\n\r\n").await, (403, "foreign_host".into()));
-    let absolute = "GET http://evil.example/v1/jobs HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
-    assert_eq!(asked(&api, absolute).await, (403, "foreign_host".into()), "the target goes before the header");
-    let own = "GET http://localhost:80/v1/jobs HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
+    assert_eq!(
+        asked(&api, "GET /v1/jobs HTTP/1.0\r\n\r\n").await,
+        (200, String::new()),
+        "HTTP/1.0 names none"
+    );
+    assert_eq!(
+        asked(&api, "GET /v1/jobs HTTP/1.0\r\nHost: evil.example\r\n\r\n").await,
+        (403, "foreign_host".into())
+    );
+    let absolute =
+        "GET http://evil.example/v1/jobs HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
+    assert_eq!(
+        asked(&api, absolute).await,
+        (403, "foreign_host".into()),
+        "the target goes before the header"
+    );
+    let own =
+        "GET http://localhost:80/v1/jobs HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
     assert_eq!(asked(&api, own).await, (200, String::new()));
 }
 
@@ -73,18 +135,41 @@ async fn pages_of_other_sites_change_nothing() {
         "Origin: null\r\n",
         "Sec-Fetch-Site: cross-site\r\n",
     ] {
-        for request in [format!("POST {cancel}"), format!("DELETE {path}"), format!("PATCH {path}"), "PUT /v1/jobs".to_owned()] {
-            let request = format!("{request} HTTP/1.1\r\nHost: <own>\r\n{headers}Content-Length: 0\r\nConnection: close\r\n\r\n");
+        for request in [
+            format!("POST {cancel}"),
+            format!("DELETE {path}"),
+            format!("PATCH {path}"),
+            "PUT /v1/jobs".to_owned(),
+        ] {
+            let request = format!(
+                "{request} HTTP/1.1\r\nHost: <own>\r\n{headers}Content-Length: 0\r\nConnection: close\r\n\r\n"
+            );
             assert_eq!(asked(&api, &request).await, refused, "{request}");
         }
-        let read = format!("GET {path} HTTP/1.1\r\nHost: <own>\r\n{headers}Connection: close\r\n\r\n");
-        assert_eq!(asked(&api, &read).await.0, 200, "what only reads is kept from other pages by the browser");
+        let read =
+            format!("GET {path} HTTP/1.1\r\nHost: <own>\r\n{headers}Connection: close\r\n\r\n");
+        assert_eq!(
+            asked(&api, &read).await.0,
+            200,
+            "what only reads is kept from other pages by the browser"
+        );
     }
-    assert!(api.get(&path).await.ok(200).get("cancel_requested_at").is_none());
-    for headers in
-        ["Origin: http://<own>\r\n", "Sec-Fetch-Site: same-origin\r\nOrigin: https://proxy.example\r\n", "Sec-Fetch-Site: none\r\n", ""]
-    {
-        let rerun = format!("POST {path}/rerun HTTP/1.1\r\nHost: <own>\r\n{headers}Content-Length: 0\r\nConnection: close\r\n\r\n");
+    assert!(
+        api.get(&path)
+            .await
+            .ok(200)
+            .get("cancel_requested_at")
+            .is_none()
+    );
+    for headers in [
+        "Origin: http://<own>\r\n",
+        "Sec-Fetch-Site: same-origin\r\nOrigin: https://proxy.example\r\n",
+        "Sec-Fetch-Site: none\r\n",
+        "",
+    ] {
+        let rerun = format!(
+            "POST {path}/rerun HTTP/1.1\r\nHost: <own>\r\n{headers}Content-Length: 0\r\nConnection: close\r\n\r\n"
+        );
         assert_eq!(asked(&api, &rerun).await.0, 202, "{headers}");
     }
 }
@@ -92,11 +177,30 @@ async fn pages_of_other_sites_change_nothing() {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_form_of_another_site_uploads_nothing() {
     let api = Api::start().await;
-    let file = Part::bytes(b"time_s,truth_id,x_m,y_m\n0,t,1,2\n1,t,2,3\n".to_vec()).file_name("t.csv");
-    let request =
-        api.request(Method::POST, "/v1/datasets").multipart(Form::new().part("file", file)).header("origin", "http://evil.example");
-    assert_eq!(crate::helpers::send(request).await.problem()["code"], "cross_site");
+    let file =
+        Part::bytes(b"time_s,truth_id,x_m,y_m\n0,t,1,2\n1,t,2,3\n".to_vec()).file_name("t.csv");
+    let request = api
+        .request(Method::POST, "/v1/datasets")
+        .multipart(Form::new().part("file", file))
+        .header("origin", "http://evil.example");
+    assert_eq!(
+        crate::helpers::send(request).await.problem()["code"],
+        "cross_site"
+    );
     assert_eq!(api.get("/v1/datasets?count=true").await.ok(200)["total"], 0);
-    assert_eq!(api.post_with("/v1/jobs/simulate", &small(), "origin", "http://evil.example").await.status, 403);
-    assert_eq!(api.get("/v1/jobs?count=true").await.ok(200)["total"], json!(0));
+    assert_eq!(
+        api.post_with(
+            "/v1/jobs/simulate",
+            &small(),
+            "origin",
+            "http://evil.example"
+        )
+        .await
+        .status,
+        403
+    );
+    assert_eq!(
+        api.get("/v1/jobs?count=true").await.ok(200)["total"],
+        json!(0)
+    );
 }

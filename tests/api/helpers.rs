@@ -34,7 +34,9 @@ impl Answer {
     }
 
     pub fn header(&self, name: &str) -> &str {
-        self.headers.get(name).map_or("", |value| value.to_str().unwrap())
+        self.headers
+            .get(name)
+            .map_or("", |value| value.to_str().unwrap())
     }
 
     /// The body of a success.
@@ -47,12 +49,27 @@ impl Answer {
     /// The whole body of a refusal, but for what differs from request to request; that has to be there.
     #[track_caller]
     pub fn problem(&self) -> Value {
-        assert_eq!(self.header("content-type"), "application/problem+json", "{}", self.text);
+        assert_eq!(
+            self.header("content-type"),
+            "application/problem+json",
+            "{}",
+            self.text
+        );
         let mut body = self.json();
         assert_eq!(body["status"], self.status.as_u16(), "{body}");
         let members = body.as_object_mut().unwrap();
-        assert!(members.shift_remove("instance").unwrap().as_str().unwrap().starts_with('/'));
-        assert_eq!(members.shift_remove("request_id").unwrap(), self.header("x-request-id"));
+        assert!(
+            members
+                .shift_remove("instance")
+                .unwrap()
+                .as_str()
+                .unwrap()
+                .starts_with('/')
+        );
+        assert_eq!(
+            members.shift_remove("request_id").unwrap(),
+            self.header("x-request-id")
+        );
         body
     }
 }
@@ -80,7 +97,10 @@ impl Api {
     }
 
     /// With more routes inside the layers.
-    pub async fn start_wrapped(change: impl FnOnce(&mut Config), extend: impl FnOnce(Router) -> Router) -> Api {
+    pub async fn start_wrapped(
+        change: impl FnOnce(&mut Config),
+        extend: impl FnOnce(Router) -> Router,
+    ) -> Api {
         let directory = tempfile::tempdir().unwrap();
         let mut config = Config::new(directory.path().join("data"));
         config.listen = ([127, 0, 0, 1], 0).into();
@@ -89,8 +109,16 @@ impl Api {
         let jobs = Jobs::open(config.clone()).await.unwrap();
         let application = extend(http::application(state(&config, jobs.clone()).unwrap()));
         let application = http::wrap(application, Hosts::new(&config.allowed_hosts));
-        let server = Server::start_with(&config, jobs.clone(), application).await.unwrap();
-        Api { base: format!("http://{}", server.address()), client: Client::new(), jobs, server: Some(server), _directory: directory }
+        let server = Server::start_with(&config, jobs.clone(), application)
+            .await
+            .unwrap();
+        Api {
+            base: format!("http://{}", server.address()),
+            client: Client::new(),
+            jobs,
+            server: Some(server),
+            _directory: directory,
+        }
     }
 
     pub async fn stop(&mut self) {
@@ -106,15 +134,30 @@ impl Api {
     }
 
     pub async fn get_with(&self, path: &str, name: &'static str, value: &str) -> Answer {
-        send(self.request(Method::GET, path).header(HeaderName::from_static(name), value)).await
+        send(
+            self.request(Method::GET, path)
+                .header(HeaderName::from_static(name), value),
+        )
+        .await
     }
 
     pub async fn post(&self, path: &str, body: &Value) -> Answer {
         send(self.request(Method::POST, path).json(body)).await
     }
 
-    pub async fn post_with(&self, path: &str, body: &Value, name: &'static str, value: &str) -> Answer {
-        send(self.request(Method::POST, path).json(body).header(HeaderName::from_static(name), value)).await
+    pub async fn post_with(
+        &self,
+        path: &str,
+        body: &Value,
+        name: &'static str,
+        value: &str,
+    ) -> Answer {
+        send(
+            self.request(Method::POST, path)
+                .json(body)
+                .header(HeaderName::from_static(name), value),
+        )
+        .await
     }
 
     pub async fn delete(&self, path: &str) -> Answer {
@@ -123,13 +166,22 @@ impl Api {
 
     /// Posts a job and waits for its end.
     pub async fn run(&self, kind: &str, body: &Value) -> Value {
-        let mut job = self.post_with(&format!("/v1/jobs/{kind}"), body, "prefer", "wait=30").await.json();
+        let mut job = self
+            .post_with(&format!("/v1/jobs/{kind}"), body, "prefer", "wait=30")
+            .await
+            .json();
         for _ in 0..10 {
             if job["finished_at"].is_string() {
                 return job;
             }
-            let id = job["id"].as_str().unwrap_or_else(|| panic!("no job: {job}")).to_owned();
-            self.jobs.wait(id.parse().unwrap(), std::time::Duration::from_secs(30)).await.unwrap();
+            let id = job["id"]
+                .as_str()
+                .unwrap_or_else(|| panic!("no job: {job}"))
+                .to_owned();
+            self.jobs
+                .wait(id.parse().unwrap(), std::time::Duration::from_secs(30))
+                .await
+                .unwrap();
             job = self.get(&format!("/v1/jobs/{id}")).await.json();
         }
         panic!("the job does not end: {job}")
@@ -138,7 +190,12 @@ impl Api {
     /// Uploads a file with its meta.
     pub async fn upload(&self, meta: &Value, content: &str) -> Answer {
         let file = Part::bytes(content.as_bytes().to_vec()).file_name("file.csv");
-        self.upload_form(Form::new().part("meta", Part::text(meta.to_string())).part("file", file)).await
+        self.upload_form(
+            Form::new()
+                .part("meta", Part::text(meta.to_string()))
+                .part("file", file),
+        )
+        .await
     }
 
     pub async fn upload_form(&self, form: Form) -> Answer {
@@ -147,14 +204,21 @@ impl Api {
 
     /// Id of a dataset with this content.
     pub async fn dataset(&self, content: &str) -> String {
-        self.upload(&json!({}), content).await.ok(201)["id"].as_str().unwrap().to_owned()
+        self.upload(&json!({}), content).await.ok(201)["id"]
+            .as_str()
+            .unwrap()
+            .to_owned()
     }
 }
 
 pub async fn send(request: RequestBuilder) -> Answer {
     let response = request.send().await.unwrap();
     let (status, headers) = (response.status(), response.headers().clone());
-    Answer { status, headers, text: response.text().await.unwrap() }
+    Answer {
+        status,
+        headers,
+        text: response.text().await.unwrap(),
+    }
 }
 
 /// Two targets that cross; 20 scans.
@@ -183,8 +247,12 @@ pub fn scenario(scans: u32) -> Value {
 
 /// A job that cannot succeed, which only its data tell: tracks of places cannot begin at directions.
 pub async fn failing(api: &Api) -> Value {
-    let id = api.dataset("time_s,scan,sensor_id,detection_id,x_m,y_m\n0,1,radar,a,1,2\n1,2,radar,b,1,2\n").await;
-    let truth = api.dataset("time_s,truth_id,bearing_deg\n0,t,1\n1,t,2\n").await;
+    let id = api
+        .dataset("time_s,scan,sensor_id,detection_id,x_m,y_m\n0,1,radar,a,1,2\n1,2,radar,b,1,2\n")
+        .await;
+    let truth = api
+        .dataset("time_s,truth_id,bearing_deg\n0,t,1\n1,t,2\n")
+        .await;
     json!({
         "input": {"source": "dataset", "dataset_id": id}, "truth": {"source": "dataset", "dataset_id": truth},
         "sensors": [{"sensor_id": "radar", "sigma_x_m": 1.0, "sigma_y_m": 1.0}], "tracker": {"initiation": {"method": "truth"}}

@@ -11,7 +11,13 @@ use trackloom_domain::math::rng::Seed;
 use trackloom_domain::registry;
 
 /// Methods that answer 0 or 1 and nothing between.
-const HARD: [&str; 5] = ["nearest_neighbour", "strongest_neighbour", "global_nearest_neighbour", "fuzzy_c_means", "oracle"];
+const HARD: [&str; 5] = [
+    "nearest_neighbour",
+    "strongest_neighbour",
+    "global_nearest_neighbour",
+    "fuzzy_c_means",
+    "oracle",
+];
 
 /// A track: its candidates, P_D · P_G, the clutter expected in its gate, and where it expects a detection. Likelihoods are apart
 /// from ties.
@@ -35,21 +41,28 @@ struct Scene {
 fn scenes() -> impl Strategy<Value = Scene> {
     let track = |detections: usize| {
         let candidates = prop::collection::btree_map(0..detections, 0.0..12.0f64, 0..=detections);
-        (candidates, 0.3..0.99f64, 0.01..5.0f64, place()).prop_map(|(candidates, found, gate_clutter, place)| Track {
-            candidates: candidates.into_iter().collect(),
-            found,
-            gate_clutter,
-            place,
-        })
+        (candidates, 0.3..0.99f64, 0.01..5.0f64, place()).prop_map(
+            |(candidates, found, gate_clutter, place)| Track {
+                candidates: candidates.into_iter().collect(),
+                found,
+                gate_clutter,
+                place,
+            },
+        )
     };
     (1..=6usize).prop_flat_map(move |detections| {
         let amplitudes = prop::collection::vec(0.0..100.0f64, detections);
         let places = prop::collection::vec(place(), detections);
-        (prop::collection::vec(track(detections), 0..=6), amplitudes, places).prop_map(|(tracks, amplitudes, places)| Scene {
-            tracks,
+        (
+            prop::collection::vec(track(detections), 0..=6),
             amplitudes,
             places,
-        })
+        )
+            .prop_map(|(tracks, amplitudes, places)| Scene {
+                tracks,
+                amplitudes,
+                places,
+            })
     })
 }
 
@@ -70,11 +83,21 @@ impl Scene {
         }
         let renumbered = |track: &Track| {
             let mut track = track.clone();
-            track.candidates.iter_mut().for_each(|candidate| candidate.0 = detections[candidate.0]);
+            track
+                .candidates
+                .iter_mut()
+                .for_each(|candidate| candidate.0 = detections[candidate.0]);
             track.candidates.reverse();
             track
         };
-        Scene { tracks: tracks.iter().map(|&track| renumbered(&self.tracks[track])).collect(), amplitudes, places }
+        Scene {
+            tracks: tracks
+                .iter()
+                .map(|&track| renumbered(&self.tracks[track]))
+                .collect(),
+            amplitudes,
+            places,
+        }
     }
 
     /// The weights of each track: for every detection of the scan, then of none.
@@ -82,12 +105,20 @@ impl Scene {
         let mut problem = ScanProblem::default();
         problem.begin(0, self.amplitudes.len());
         // One that is told origins gets the one right candidate at most.
-        let limit = if associator.needs() == Needs::Origins { 1 } else { usize::MAX };
+        let limit = if associator.needs() == Needs::Origins {
+            1
+        } else {
+            usize::MAX
+        };
         problem.set_measurements(2, Some(1), self.places.iter().map(|place| &place[..]));
         for track in &self.tracks {
             for &(detection, squared_distance) in track.candidates.iter().take(limit) {
                 let log_likelihood = 2.0 - squared_distance / 2.0;
-                problem.push_edge(Edge { detection: detection as u32, squared_distance, log_likelihood });
+                problem.push_edge(Edge {
+                    detection: detection as u32,
+                    squared_distance,
+                    log_likelihood,
+                });
             }
             problem.push_place(&track.place, &INVERSE);
             problem.end_row((1.0 - track.found).ln(), track.gate_clutter.ln());
@@ -98,7 +129,9 @@ impl Scene {
         problem.for_each_cluster(|cluster| associator.associate(cluster, &mut weights));
         let spread = |(index, row): (usize, &trackloom_domain::association::problem::Row)| {
             let mut all = vec![0.0; self.amplitudes.len()];
-            row.edges().for_each(|edge| all[problem.edges()[edge].detection as usize] = weights.edges[edge]);
+            row.edges().for_each(|edge| {
+                all[problem.edges()[edge].detection as usize] = weights.edges[edge]
+            });
             all.push(weights.none[index]);
             all
         };
@@ -109,12 +142,28 @@ impl Scene {
 /// Every method with its defaults, PDA with the other clutter model, and fuzzy c-means with soft weights.
 fn associators() -> Vec<(&'static str, Box<dyn Associator>)> {
     let build = |name: &'static str, body: serde_json::Value| {
-        let method = ASSOCIATORS.iter().find(|method| method.name == name).unwrap();
-        (name, (method.build)(&registry::check(&body, method.parameters).unwrap(), Seed { seed: 1, run: 0 }).unwrap())
+        let method = ASSOCIATORS
+            .iter()
+            .find(|method| method.name == name)
+            .unwrap();
+        (
+            name,
+            (method.build)(
+                &registry::check(&body, method.parameters).unwrap(),
+                Seed { seed: 1, run: 0 },
+            )
+            .unwrap(),
+        )
     };
-    let mut all: Vec<_> = ASSOCIATORS.iter().map(|method| build(method.name, json!({}))).collect();
+    let mut all: Vec<_> = ASSOCIATORS
+        .iter()
+        .map(|method| build(method.name, json!({})))
+        .collect();
     all.push(build("pda", json!({"clutter": "nonparametric"})));
-    all.push(("fuzzy_c_means, weighted", build("fuzzy_c_means", json!({"weights": "weighted"})).1));
+    all.push((
+        "fuzzy_c_means, weighted",
+        build("fuzzy_c_means", json!({"weights": "weighted"})).1,
+    ));
     all
 }
 
@@ -195,9 +244,22 @@ fn strongest(csv: &str) -> Result<run::Outcome, run::RunError> {
         "sensors": [{"sensor_id": "radar", "p_d": 0.9, "clutter_per_m2": 1e-6, "sigma_x_m": 1.0, "sigma_y_m": 1.0}]
     });
     let plan = plan::plan(plan::JobKind::Associate, &body).unwrap();
-    let format = formats::FORMATS.iter().find(|format| format.name == "csv").unwrap();
-    let dataset = (format.read)(&mut csv.as_bytes(), &Default::default()).unwrap().dataset;
-    run::run(&plan, vec![Some(run::Input { dataset, sensors: vec![], sha256: String::new() })], &mut Silent)
+    let format = formats::FORMATS
+        .iter()
+        .find(|format| format.name == "csv")
+        .unwrap();
+    let dataset = (format.read)(&mut csv.as_bytes(), &Default::default())
+        .unwrap()
+        .dataset;
+    run::run(
+        &plan,
+        vec![Some(run::Input {
+            dataset,
+            sensors: vec![],
+            sha256: String::new(),
+        })],
+        &mut Silent,
+    )
 }
 
 #[test]
@@ -205,20 +267,51 @@ fn the_strongest_is_read_from_the_recording_and_a_gap_is_a_fault() {
     let csv = "time_s,scan,sensor_id,detection_id,x_m,y_m,amplitude\n\
                0,1,radar,a,0,0,5\n1,2,radar,near,0.1,0,3\n1,2,radar,strong,2,0,9\n";
     let outcome = strongest(csv).unwrap();
-    let tracks = outcome.artifacts.iter().find(|artifact| artifact.name == "tracks.csv").unwrap();
+    let tracks = outcome
+        .artifacts
+        .iter()
+        .find(|artifact| artifact.name == "tracks.csv")
+        .unwrap();
     let text = std::str::from_utf8(&tracks.bytes).unwrap();
-    let column = text.lines().next().unwrap().split(',').position(|name| name == "detection_id").unwrap();
-    let rows: Vec<Vec<&str>> = text.lines().skip(1).map(|line| line.split(',').collect()).collect();
-    let of_first: Vec<&str> = rows.iter().filter(|row| row[1] == "1").map(|row| row[column]).collect();
+    let column = text
+        .lines()
+        .next()
+        .unwrap()
+        .split(',')
+        .position(|name| name == "detection_id")
+        .unwrap();
+    let rows: Vec<Vec<&str>> = text
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').collect())
+        .collect();
+    let of_first: Vec<&str> = rows
+        .iter()
+        .filter(|row| row[1] == "1")
+        .map(|row| row[column])
+        .collect();
     assert_eq!(of_first, ["a", "strong"]);
 
-    let Err(run::RunError::Faults(faults)) = strongest(&csv.replace(",9", ",")) else { panic!("a gap was accepted") };
-    assert_eq!((faults[0].pointer.as_str(), faults[0].code.as_str()), ("/associator/method", "unsupported"));
-    assert_eq!(faults[0].detail, "'strongest_neighbour' needs the amplitude of every detection; 1 of 3 lack it");
+    let Err(run::RunError::Faults(faults)) = strongest(&csv.replace(",9", ",")) else {
+        panic!("a gap was accepted")
+    };
+    assert_eq!(
+        (faults[0].pointer.as_str(), faults[0].code.as_str()),
+        ("/associator/method", "unsupported")
+    );
+    assert_eq!(
+        faults[0].detail,
+        "'strongest_neighbour' needs the amplitude of every detection; 1 of 3 lack it"
+    );
 }
 
 /// The log-weight of the best joint event of the tracks from `track` on, by trying all.
-fn best_event(track: usize, tracks: usize, used: &mut Vec<bool>, log_weight: &impl Fn(usize, Option<usize>) -> f64) -> f64 {
+fn best_event(
+    track: usize,
+    tracks: usize,
+    used: &mut Vec<bool>,
+    log_weight: &impl Fn(usize, Option<usize>) -> f64,
+) -> f64 {
     if track == tracks {
         return 0.0;
     }
@@ -226,7 +319,10 @@ fn best_event(track: usize, tracks: usize, used: &mut Vec<bool>, log_weight: &im
     for detection in 0..used.len() {
         if !used[detection] {
             used[detection] = true;
-            best = best.max(log_weight(track, Some(detection)) + best_event(track + 1, tracks, used, log_weight));
+            best = best.max(
+                log_weight(track, Some(detection))
+                    + best_event(track + 1, tracks, used, log_weight),
+            );
             used[detection] = false;
         }
     }

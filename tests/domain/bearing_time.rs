@@ -16,15 +16,27 @@ fn outcome(kind: JobKind, body: &Value, inputs: Vec<Option<Input>>) -> Result<Ou
 }
 
 fn found(result: Result<Outcome, Vec<Fault>>) -> Vec<(String, String)> {
-    result.expect_err("there are faults").into_iter().map(|fault| (fault.pointer, fault.code)).collect()
+    result
+        .expect_err("there are faults")
+        .into_iter()
+        .map(|fault| (fault.pointer, fault.code))
+        .collect()
 }
 
 fn preset() -> Value {
-    presets::find("wang-bat-record").expect("the preset is there").body
+    presets::find("wang-bat-record")
+        .expect("the preset is there")
+        .body
 }
 
 fn file(outcome: &Outcome, name: &str) -> Vec<u8> {
-    outcome.artifacts.iter().find(|artifact| artifact.name == name).unwrap_or_else(|| panic!("no {name}")).bytes.clone()
+    outcome
+        .artifacts
+        .iter()
+        .find(|artifact| artifact.name == name)
+        .unwrap_or_else(|| panic!("no {name}"))
+        .bytes
+        .clone()
 }
 
 /// The preset with two targets and a quarter of its time.
@@ -40,21 +52,53 @@ fn the_preset_keeps_its_targets_and_says_how_well_it_detects() {
     let outcome = outcome(JobKind::Evaluate, &preset(), vec![]).unwrap();
     let picture = String::from_utf8(file(&outcome, "record.svg")).unwrap();
     let circles = picture.matches("<circle").count();
-    assert_eq!(circles as f64, outcome.result["detection"]["detections"].as_f64().unwrap() + 1.0, "each detection, and one in the legend");
+    assert_eq!(
+        circles as f64,
+        outcome.result["detection"]["detections"].as_f64().unwrap() + 1.0,
+        "each detection, and one in the legend"
+    );
     let detection = &outcome.result["detection"];
-    let number = |name: &str| detection[name].as_f64().unwrap_or_else(|| panic!("no {name}"));
-    assert_eq!((number("scans"), number("gate_deg"), number("cells")), (120.0, 2.0, 432_000.0));
+    let number = |name: &str| {
+        detection[name]
+            .as_f64()
+            .unwrap_or_else(|| panic!("no {name}"))
+    };
+    assert_eq!(
+        (number("scans"), number("gate_deg"), number("cells")),
+        (120.0, 2.0, 432_000.0)
+    );
     assert!((0.85..1.0).contains(&number("p_d")), "{detection}");
-    assert!((0.5..3.5).contains(&number("false_alarms_per_scan")), "{detection}");
-    assert!((0.05..0.6).contains(&number("bearing_rmse_deg")), "{detection}");
-    let error_deg = outcome.result["metrics"]["track_keeping"]["quantities"]["mean_absolute_error"]["value"].as_f64().unwrap();
+    assert!(
+        (0.5..3.5).contains(&number("false_alarms_per_scan")),
+        "{detection}"
+    );
+    assert!(
+        (0.05..0.6).contains(&number("bearing_rmse_deg")),
+        "{detection}"
+    );
+    let error_deg = outcome.result["metrics"]["track_keeping"]["quantities"]["mean_absolute_error"]
+        ["value"]
+        .as_f64()
+        .unwrap();
     assert!(error_deg < 1.0, "{error_deg}");
     // The noise that is estimated is that of the detections, within a third.
-    let sigma_deg = outcome.result["association"]["sensors"][0]["sigma_bearing_deg"].as_f64().unwrap();
-    assert!((0.75..1.33).contains(&(sigma_deg / number("bearing_rmse_deg"))), "{sigma_deg}");
+    let sigma_deg = outcome.result["association"]["sensors"][0]["sigma_bearing_deg"]
+        .as_f64()
+        .unwrap();
+    assert!(
+        (0.75..1.33).contains(&(sigma_deg / number("bearing_rmse_deg"))),
+        "{sigma_deg}"
+    );
     let kept = &outcome.result["metrics"]["track_keeping"]["quantities"]["targets_identity"];
     assert!(kept["value"].as_f64().is_some(), "{kept}");
-    assert!(outcome.warnings.iter().any(|warning| warning.contains("the noise of its bearings is not known")), "{:?}", outcome.warnings);
+    assert!(
+        outcome
+            .warnings
+            .iter()
+            .any(|warning| warning.contains("the noise of its bearings is not known")),
+        "{:?}",
+        outcome.warnings
+    );
 }
 
 #[test]
@@ -71,7 +115,11 @@ fn a_record_from_a_file_gives_what_the_simulated_one_gives() {
         let read = format_named(format).unwrap().read;
         let mut bytes = bytes;
         let dataset = read(&mut bytes, &ReadOptions::default()).unwrap().dataset;
-        Some(Input { dataset, sensors: vec![], sha256: String::new() })
+        Some(Input {
+            dataset,
+            sensors: vec![],
+            sha256: String::new(),
+        })
     };
     let direct = outcome(JobKind::Evaluate, &body, vec![]).unwrap();
     let mut from_file = json!({
@@ -81,14 +129,23 @@ fn a_record_from_a_file_gives_what_the_simulated_one_gives() {
     for name in ["seed", "associator", "filter", "tracker"] {
         from_file[name] = body[name].clone();
     }
-    let inputs = vec![read(&bytes, "csv"), read(&file(&simulated, "truth.csv"), "csv")];
+    let inputs = vec![
+        read(&bytes, "csv"),
+        read(&file(&simulated, "truth.csv"), "csv"),
+    ];
     let again = outcome(JobKind::Evaluate, &from_file, inputs.clone()).unwrap();
     assert_eq!(again.result["detection"], direct.result["detection"]);
-    assert_eq!(file(&again, "detections.csv"), file(&direct, "detections.csv"));
+    assert_eq!(
+        file(&again, "detections.csv"),
+        file(&direct, "detections.csv")
+    );
     assert_eq!(file(&again, "tracks.csv"), file(&direct, "tracks.csv"));
 
     from_file.as_object_mut().unwrap().remove("detector");
-    assert_eq!(found(outcome(JobKind::Evaluate, &from_file, inputs)), [("/input".to_owned(), "wrong_type".to_owned())]);
+    assert_eq!(
+        found(outcome(JobKind::Evaluate, &from_file, inputs)),
+        [("/input".to_owned(), "wrong_type".to_owned())]
+    );
 }
 
 #[test]
@@ -106,11 +163,23 @@ fn a_detector_stands_where_there_is_a_record() {
     );
     let mut body = short();
     body["detector"] = json!({"threshold": {"kind": "cell_averaging", "training_cells": 300}});
-    assert_eq!(found(outcome(JobKind::Evaluate, &body, vec![])), [pair("/detector/threshold/training_cells", "out_of_range")]);
+    assert_eq!(
+        found(outcome(JobKind::Evaluate, &body, vec![])),
+        [pair("/detector/threshold/training_cells", "out_of_range")]
+    );
     let mut body = short();
-    body["input"]["scenario"].as_object_mut().unwrap().remove("record");
+    body["input"]["scenario"]
+        .as_object_mut()
+        .unwrap()
+        .remove("record");
     body["input"]["scenario"]["sensors"][0]["sigma_bearing_deg"] = json!(1.0);
-    assert_eq!(found(outcome(JobKind::Evaluate, &body, vec![])), [pair("/detector", "conflict")]);
+    assert_eq!(
+        found(outcome(JobKind::Evaluate, &body, vec![])),
+        [pair("/detector", "conflict")]
+    );
     let tracks = json!({"tracks": {"source": "job", "job_id": "x"}, "detector": {}});
-    assert_eq!(found(outcome(JobKind::Evaluate, &tracks, vec![])), [pair("/detector", "conflict")]);
+    assert_eq!(
+        found(outcome(JobKind::Evaluate, &tracks, vec![])),
+        [pair("/detector", "conflict")]
+    );
 }

@@ -28,8 +28,21 @@ fn every_number_of_runs_csv_is_in_runs_parquet() {
         "runs": 12,
         "seed": 4_000_000_000_u32
     });
-    let outcome = run(&plan(JobKind::Campaign, &body).unwrap(), Vec::new(), &mut Silent).unwrap();
-    let bytes = |name| outcome.artifacts.iter().find(|artifact| artifact.name == name).unwrap().bytes.clone();
+    let outcome = run(
+        &plan(JobKind::Campaign, &body).unwrap(),
+        Vec::new(),
+        &mut Silent,
+    )
+    .unwrap();
+    let bytes = |name| {
+        outcome
+            .artifacts
+            .iter()
+            .find(|artifact| artifact.name == name)
+            .unwrap()
+            .bytes
+            .clone()
+    };
     let mut table = csv::Reader::from_reader(std::io::Cursor::new(bytes("runs.csv")));
     let mut on_disk = tempfile::tempfile().unwrap();
     on_disk.write_all(&bytes("runs.parquet")).unwrap();
@@ -61,5 +74,8 @@ fn every_number_of_runs_csv_is_in_runs_parquet() {
     }
     assert!(rows.next().is_none());
     assert_eq!(counts[0], 48);
-    assert!(counts[1] > 60 && counts[2] > 0 && counts[1] + counts[2] == 96, "{counts:?}");
+    assert!(
+        counts[1] > 60 && counts[2] > 0 && counts[1] + counts[2] == 96,
+        "{counts:?}"
+    );
 }

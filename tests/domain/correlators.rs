@@ -12,7 +12,10 @@ use trackloom_domain::math::rng::Seed;
 use trackloom_domain::registry;
 
 fn solved(method: &str, parameters: Value, problem: &Problem) -> Solution {
-    let entry = CORRELATORS.iter().find(|entry| entry.name == method).unwrap();
+    let entry = CORRELATORS
+        .iter()
+        .find(|entry| entry.name == method)
+        .unwrap();
     let parameters = registry::check(&parameters, entry.parameters).unwrap();
     let mut correlator = (entry.build)(&parameters, Seed { seed: 7, run: 0 }).unwrap();
     correlator.correlate(problem).unwrap()
@@ -21,9 +24,21 @@ fn solved(method: &str, parameters: Value, problem: &Problem) -> Solution {
 /// The least cost over all ways to divide at most 16 tracks into tuples that exist.
 fn least_cost(problem: &Problem) -> f64 {
     let tracks = problem.tracks();
-    let members = |set: usize| (0..tracks as u32).filter(|track| set >> track & 1 == 1).collect::<Vec<u32>>();
-    let is_tuple = |tuple: &[u32]| tuple.windows(2).all(|pair| problem.sensor_of(pair[0]) < problem.sensor_of(pair[1]));
-    let cost_of = |set: usize| Some(members(set)).filter(|tuple| is_tuple(tuple)).and_then(|tuple| problem.cost(&tuple));
+    let members = |set: usize| {
+        (0..tracks as u32)
+            .filter(|track| set >> track & 1 == 1)
+            .collect::<Vec<u32>>()
+    };
+    let is_tuple = |tuple: &[u32]| {
+        tuple
+            .windows(2)
+            .all(|pair| problem.sensor_of(pair[0]) < problem.sensor_of(pair[1]))
+    };
+    let cost_of = |set: usize| {
+        Some(members(set))
+            .filter(|tuple| is_tuple(tuple))
+            .and_then(|tuple| problem.cost(&tuple))
+    };
     let costs: Vec<Option<f64>> = (0..1 << tracks).map(cost_of).collect();
     let mut least = vec![0.0; 1 << tracks];
     for set in 1..1usize << tracks {
@@ -46,19 +61,43 @@ fn least_cost(problem: &Problem) -> f64 {
 }
 
 /// Close targets, missing and false tracks.
-const SMALL: Scene = Scene { sensors: 3, targets: 4, spacing: 2.0, detection_probability: 0.8, false_share: 0.2 };
+const SMALL: Scene = Scene {
+    sensors: 3,
+    targets: 4,
+    spacing: 2.0,
+    detection_probability: 0.8,
+    false_share: 0.2,
+};
 
 fn small_problems(number: u32) -> Vec<Problem> {
-    let problems = vec![SMALL.chain(number), SMALL.all_pairs(number), SMALL.fused(number)];
-    problems.into_iter().filter(|problem| problem.tracks() <= 14).collect()
+    let problems = vec![
+        SMALL.chain(number),
+        SMALL.all_pairs(number),
+        SMALL.fused(number),
+    ];
+    problems
+        .into_iter()
+        .filter(|problem| problem.tracks() <= 14)
+        .collect()
 }
 
 fn check(problem: &Problem, solution: &Solution) {
     let mut tracks: Vec<u32> = solution.tuples.iter().flatten().copied().collect();
     tracks.sort_unstable();
-    assert_eq!(tracks, (0..problem.tracks() as u32).collect::<Vec<_>>(), "every track once");
-    let sum: f64 = solution.tuples.iter().map(|tuple| problem.cost(tuple).expect("it exists")).sum();
-    assert!((sum - solution.cost).abs() < 1e-9, "J is the sum of the tuples");
+    assert_eq!(
+        tracks,
+        (0..problem.tracks() as u32).collect::<Vec<_>>(),
+        "every track once"
+    );
+    let sum: f64 = solution
+        .tuples
+        .iter()
+        .map(|tuple| problem.cost(tuple).expect("it exists"))
+        .sum();
+    assert!(
+        (sum - solution.cost).abs() < 1e-9,
+        "J is the sum of the tuples"
+    );
 }
 
 #[test]
@@ -69,7 +108,11 @@ fn the_exact_answer_is_the_least_over_all_divisions() {
             let solution = solved("exact", json!({}), &problem);
             let least = least_cost(&problem);
             check(&problem, &solution);
-            assert!((solution.cost - least).abs() < 1e-9, "problem {number}: {} for {least}", solution.cost);
+            assert!(
+                (solution.cost - least).abs() < 1e-9,
+                "problem {number}: {} for {least}",
+                solution.cost
+            );
             assert!((solution.dual_bound.unwrap() - least).abs() < 1e-9);
             compared += 1;
         }
@@ -85,8 +128,20 @@ fn no_correlator_undercuts_the_optimum_and_all_divide_the_tracks() {
             for entry in CORRELATORS {
                 let solution = solved(entry.name, json!({}), &problem);
                 check(&problem, &solution);
-                assert!(solution.cost >= least - 1e-9, "{}: {} below {least}", entry.name, solution.cost);
-                assert!(solution.dual_bound.is_none_or(|bound| bound <= least + 1e-9), "{}: {:?}", entry.name, solution.dual_bound);
+                assert!(
+                    solution.cost >= least - 1e-9,
+                    "{}: {} below {least}",
+                    entry.name,
+                    solution.cost
+                );
+                assert!(
+                    solution
+                        .dual_bound
+                        .is_none_or(|bound| bound <= least + 1e-9),
+                    "{}: {:?}",
+                    entry.name,
+                    solution.dual_bound
+                );
             }
         }
     }
@@ -94,9 +149,17 @@ fn no_correlator_undercuts_the_optimum_and_all_divide_the_tracks() {
 
 /// In how many of 1 000 problems of three sensors and ten targets, chain and all pairs, the genetic algorithm misses the optimum.
 fn misses(spacing: f64) -> usize {
-    let scene = Scene { sensors: 3, targets: 10, spacing, detection_probability: 0.9, false_share: 0.05 };
+    let scene = Scene {
+        sensors: 3,
+        targets: 10,
+        spacing,
+        detection_probability: 0.9,
+        false_share: 0.05,
+    };
     let problems = (0..500).flat_map(|number| [scene.chain(number), scene.all_pairs(number)]);
-    let is_missed = |problem: &Problem| solved("genetic", json!({}), problem).cost > solved("exact", json!({}), problem).cost + 1e-9;
+    let is_missed = |problem: &Problem| {
+        solved("genetic", json!({}), problem).cost > solved("exact", json!({}), problem).cost + 1e-9
+    };
     problems.filter(is_missed).count()
 }
 
@@ -108,13 +171,31 @@ fn the_genetic_algorithm_finds_the_optima_of_three_sensors_and_ten_targets() {
 
 #[test]
 fn the_papers_variant_finds_most_optima_of_three_by_ten() {
-    let scene = Scene { sensors: 3, targets: 10, spacing: 6.0, detection_probability: 1.0, false_share: 0.0 };
-    let settings = json!({"variant": "paper", "population": 60, "generations": 300, "stop_after": 60});
+    let scene = Scene {
+        sensors: 3,
+        targets: 10,
+        spacing: 6.0,
+        detection_probability: 1.0,
+        false_share: 0.0,
+    };
+    let settings =
+        json!({"variant": "paper", "population": 60, "generations": 300, "stop_after": 60});
     let gap = |number| {
         let problem = scene.chain(number);
-        let (found, least) = (solved("genetic", settings.clone(), &problem), solved("exact", json!({}), &problem).cost);
+        let (found, least) = (
+            solved("genetic", settings.clone(), &problem),
+            solved("exact", json!({}), &problem).cost,
+        );
         check(&problem, &found);
-        assert!(found.search.unwrap().best.windows(2).all(|pair| pair[1] <= pair[0]), "the elite lives on");
+        assert!(
+            found
+                .search
+                .unwrap()
+                .best
+                .windows(2)
+                .all(|pair| pair[1] <= pair[0]),
+            "the elite lives on"
+        );
         (found.cost - least) / least.abs()
     };
     let mean = (0..20).map(gap).sum::<f64>() / 20.0;
@@ -123,8 +204,16 @@ fn the_papers_variant_finds_most_optima_of_three_by_ten() {
 
 /// Tracks that say nothing.
 fn silent(counts: &[usize]) -> Evidence {
-    let named = counts.iter().map(|&count| (String::new(), vec![String::new(); count])).collect();
-    Evidence { estimates: Arc::new(Estimates::new(named, vec![0.0], false)), cross: None, times: Times::All, until: 1 }
+    let named = counts
+        .iter()
+        .map(|&count| (String::new(), vec![String::new(); count]))
+        .collect();
+    Evidence {
+        estimates: Arc::new(Estimates::new(named, vec![0.0], false)),
+        cross: None,
+        times: Times::All,
+        until: 1,
+    }
 }
 
 #[test]
@@ -135,15 +224,29 @@ fn problems_without_links_tracks_or_rivals_have_answers() {
             let problem = Problem::new(counts, &[], Costs::AllPairs).with_evidence(silent(counts));
             let solution = solved(entry.name, json!({}), &problem);
             check(&problem, &solution);
-            assert_eq!((solution.cost, solution.tuples.len()), (0.0, problem.tracks()), "{} {counts:?}", entry.name);
+            assert_eq!(
+                (solution.cost, solution.tuples.len()),
+                (0.0, problem.tracks()),
+                "{} {counts:?}",
+                entry.name
+            );
         }
     }
 }
 
 #[test]
 fn too_many_nodes_are_refused_with_the_size() {
-    let scene = Scene { sensors: 6, targets: 12, spacing: 0.5, detection_probability: 1.0, false_share: 0.0 };
-    let entry = CORRELATORS.iter().find(|entry| entry.name == "exact").unwrap();
+    let scene = Scene {
+        sensors: 6,
+        targets: 12,
+        spacing: 0.5,
+        detection_probability: 1.0,
+        false_share: 0.0,
+    };
+    let entry = CORRELATORS
+        .iter()
+        .find(|entry| entry.name == "exact")
+        .unwrap();
     let mut exact = (entry.build)(&json!({"max_nodes": 1000}), Seed { seed: 1, run: 0 }).unwrap();
     let fault = exact.correlate(&scene.all_pairs(1)).unwrap_err().remove(0);
     assert_eq!((&*fault.pointer, &*fault.code), ("/max_nodes", "too_large"));

@@ -22,9 +22,14 @@ fn the_same_job_gives_the_same_bytes_on_one_thread_and_on_eight() {
         let alone = result_bytes(&preset);
         assert!(alone.len() > 100_000);
         std::thread::scope(|scope| {
-            let runs: Vec<_> = (0..8).map(|_| scope.spawn(|| result_bytes(&preset))).collect();
+            let runs: Vec<_> = (0..8)
+                .map(|_| scope.spawn(|| result_bytes(&preset)))
+                .collect();
             for run in runs {
-                assert!(run.join().unwrap() == alone, "a run beside seven others differs");
+                assert!(
+                    run.join().unwrap() == alone,
+                    "a run beside seven others differs"
+                );
             }
         });
     }
@@ -43,13 +48,28 @@ fn detections_of_targets(count: u32, last: u32) -> Vec<String> {
     let preset = presets::find("liang2009-10").unwrap();
     let mut scenario = preset.body["input"]["scenario"].clone();
     scenario["targets"]["count"] = json!(count);
-    let plan = plan::plan(plan::JobKind::Simulate, &json!({"scenario": scenario, "seed": 5})).unwrap();
+    let plan = plan::plan(
+        plan::JobKind::Simulate,
+        &json!({"scenario": scenario, "seed": 5}),
+    )
+    .unwrap();
     let outcome = run::run(&plan, vec![], &mut Silent).unwrap();
-    let csv = outcome.artifacts.iter().find(|artifact| artifact.name == "detections.csv").unwrap();
+    let csv = outcome
+        .artifacts
+        .iter()
+        .find(|artifact| artifact.name == "detections.csv")
+        .unwrap();
     let mut reader = csv_rows(std::str::from_utf8(&csv.bytes).unwrap());
     reader.retain(|row| row["truth_id"].parse::<u32>().is_ok_and(|id| id <= last));
-    let mut lines: Vec<String> =
-        reader.iter().map(|row| format!("{} {} {} {}", row["time_s"], row["truth_id"], row["x_m"], row["y_m"])).collect();
+    let mut lines: Vec<String> = reader
+        .iter()
+        .map(|row| {
+            format!(
+                "{} {} {} {}",
+                row["time_s"], row["truth_id"], row["x_m"], row["y_m"]
+            )
+        })
+        .collect();
     lines.sort();
     lines
 }
@@ -57,7 +77,15 @@ fn detections_of_targets(count: u32, last: u32) -> Vec<String> {
 fn csv_rows(text: &str) -> Vec<std::collections::BTreeMap<String, String>> {
     let mut lines = text.lines();
     let header: Vec<&str> = lines.next().unwrap().split(',').collect();
-    lines.map(|line| header.iter().map(|name| name.to_string()).zip(line.split(',').map(str::to_owned)).collect()).collect()
+    lines
+        .map(|line| {
+            header
+                .iter()
+                .map(|name| name.to_string())
+                .zip(line.split(',').map(str::to_owned))
+                .collect()
+        })
+        .collect()
 }
 
 #[test]

@@ -10,7 +10,13 @@ use trackloom_domain::math::rng::Seed;
 use trackloom_domain::registry;
 
 /// Missing and false tracks, targets close to each other.
-const SCENE: Scene = Scene { sensors: 4, targets: 6, spacing: 3.0, detection_probability: 0.8, false_share: 0.1 };
+const SCENE: Scene = Scene {
+    sensors: 4,
+    targets: 6,
+    spacing: 3.0,
+    detection_probability: 0.8,
+    false_share: 0.1,
+};
 
 /// More would take the solver long.
 const MAX_TUPLES: usize = 800;
@@ -18,10 +24,15 @@ const MAX_TUPLES: usize = 800;
 /// Every tuple of two tracks or more that exists and costs less than its tracks alone.
 fn tuples(problem: &Problem) -> Vec<(Vec<u32>, f64)> {
     fn grow(problem: &Problem, tuple: &mut Vec<u32>, found: &mut Vec<(Vec<u32>, f64)>) {
-        if let Some(cost) = problem.cost(tuple).filter(|cost| tuple.len() > 1 && *cost < 0.0) {
+        if let Some(cost) = problem
+            .cost(tuple)
+            .filter(|cost| tuple.len() > 1 && *cost < 0.0)
+        {
             found.push((tuple.clone(), cost));
         }
-        let last = tuple.last().map_or(0, |&track| problem.of_sensor(problem.sensor_of(track)).end);
+        let last = tuple
+            .last()
+            .map_or(0, |&track| problem.of_sensor(problem.sensor_of(track)).end);
         for track in last..problem.tracks() as u32 {
             tuple.push(track);
             grow(problem, tuple, found);
@@ -43,28 +54,60 @@ fn least_cost(problem: &Problem) -> Option<f64> {
     let mut rows = vec![LinearExpr::empty(); problem.tracks()];
     for (tuple, cost) in &tuples {
         let variable = programme.add_binary_var(*cost);
-        tuple.iter().for_each(|&track| rows[track as usize].add(variable, 1.0));
+        tuple
+            .iter()
+            .for_each(|&track| rows[track as usize].add(variable, 1.0));
     }
-    rows.into_iter().for_each(|row| programme.add_constraint(row, ComparisonOp::Le, 1.0));
-    Some(programme.solve().unwrap().into_solution().unwrap().objective())
+    rows.into_iter()
+        .for_each(|row| programme.add_constraint(row, ComparisonOp::Le, 1.0));
+    Some(
+        programme
+            .solve()
+            .unwrap()
+            .into_solution()
+            .unwrap()
+            .objective(),
+    )
 }
 
 fn solved(method: &str, problem: &Problem) -> Solution {
-    let entry = CORRELATORS.iter().find(|entry| entry.name == method).unwrap();
+    let entry = CORRELATORS
+        .iter()
+        .find(|entry| entry.name == method)
+        .unwrap();
     let parameters = registry::check(&json!({}), entry.parameters).unwrap();
-    (entry.build)(&parameters, Seed { seed: 3, run: 0 }).unwrap().correlate(problem).unwrap()
+    (entry.build)(&parameters, Seed { seed: 3, run: 0 })
+        .unwrap()
+        .correlate(problem)
+        .unwrap()
 }
 
 #[test]
 fn the_optimum_is_that_of_an_integer_programme() {
     let mut compared = [0; 3];
     for number in 0..200 {
-        for (kind, problem) in [SCENE.chain(number), SCENE.all_pairs(number), SCENE.fused(number)].into_iter().enumerate() {
-            let Some(least) = least_cost(&problem) else { continue };
+        for (kind, problem) in [
+            SCENE.chain(number),
+            SCENE.all_pairs(number),
+            SCENE.fused(number),
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            let Some(least) = least_cost(&problem) else {
+                continue;
+            };
             let exact = solved("exact", &problem);
-            assert!((exact.cost - least).abs() < 1e-6, "problem {number}, kind {kind}: {} for {least}", exact.cost);
+            assert!(
+                (exact.cost - least).abs() < 1e-6,
+                "problem {number}, kind {kind}: {} for {least}",
+                exact.cost
+            );
             let relaxed = solved("lagrangian", &problem);
-            assert!(relaxed.dual_bound.unwrap() <= least + 1e-6 && relaxed.cost >= least - 1e-6, "{relaxed:?} for {least}");
+            assert!(
+                relaxed.dual_bound.unwrap() <= least + 1e-6 && relaxed.cost >= least - 1e-6,
+                "{relaxed:?} for {least}"
+            );
             compared[kind] += 1;
         }
     }

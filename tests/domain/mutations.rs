@@ -15,21 +15,53 @@ use trackloom_domain::formats::{ReadOptions, format_named, write_csv, write_json
 use trackloom_domain::model::dataset::{Dataset, DatasetKind};
 
 fn mutations() -> usize {
-    std::env::var("TRACKLOOM_MUTATIONS").ok().and_then(|text| text.parse().ok()).unwrap_or(500)
+    std::env::var("TRACKLOOM_MUTATIONS")
+        .ok()
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(500)
 }
 
 /// Sound files of each format, to be broken.
 fn seeds() -> Vec<(&'static str, Option<DatasetKind>, Vec<u8>)> {
     let text = |format, kind, text: &str| (format, kind, text.as_bytes().to_vec());
-    let npy_header = format!("{:<117}\n", "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3), }");
-    let npy = [b"\x93NUMPY\x01\0", &118u16.to_le_bytes()[..], npy_header.as_bytes(), &[0, 0, 128, 63].repeat(6)].concat();
+    let npy_header = format!(
+        "{:<117}\n",
+        "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3), }"
+    );
+    let npy = [
+        b"\x93NUMPY\x01\0",
+        &118u16.to_le_bytes()[..],
+        npy_header.as_bytes(),
+        &[0, 0, 128, 63].repeat(6),
+    ]
+    .concat();
     vec![
-        text("csv", None, "time_s,scan,sensor_id,detection_id,x_m,y_m,truth_id\n0,1,r,a,1,2,A\n0,1,r,b,-3.5,4e2,\n1,2,r,,,,\n"),
-        text("csv", None, "time_s,scan,sensor_id,detection_id,range_m,bearing_deg,range_rate_mps\n0,1,r,a,10,350,1\n1,2,r,a,11,10,\n"),
-        text("csv", None, "time_s,truth_id,x_m,y_m,vx_mps,vy_mps\n0,A,1,2,3,4\n1,A,4,6,3,4\n0,\"B,1\",0,0,,\n"),
-        text("csv", None, "time_s,track_id,x_m,y_m,detection_id,probability,status,nis\n0,1,1,2,a,0.5,tentative,1\n0,1,1,2,,0.5,,\n"),
+        text(
+            "csv",
+            None,
+            "time_s,scan,sensor_id,detection_id,x_m,y_m,truth_id\n0,1,r,a,1,2,A\n0,1,r,b,-3.5,4e2,\n1,2,r,,,,\n",
+        ),
+        text(
+            "csv",
+            None,
+            "time_s,scan,sensor_id,detection_id,range_m,bearing_deg,range_rate_mps\n0,1,r,a,10,350,1\n1,2,r,a,11,10,\n",
+        ),
+        text(
+            "csv",
+            None,
+            "time_s,truth_id,x_m,y_m,vx_mps,vy_mps\n0,A,1,2,3,4\n1,A,4,6,3,4\n0,\"B,1\",0,0,,\n",
+        ),
+        text(
+            "csv",
+            None,
+            "time_s,track_id,x_m,y_m,detection_id,probability,status,nis\n0,1,1,2,a,0.5,tentative,1\n0,1,1,2,,0.5,,\n",
+        ),
         text("csv", None, "time_s,0,10,20\n0,1,2,3\n1,4,5,6\n"),
-        text("json", None, r#"{"kind": "truth", "columns": {"time_s": [0, 1], "truth_id": ["A", 7], "x_m": [1, -2.5e3], "y_m": [3, 4]}}"#),
+        text(
+            "json",
+            None,
+            r#"{"kind": "truth", "columns": {"time_s": [0, 1], "truth_id": ["A", 7], "x_m": [1, -2.5e3], "y_m": [3, 4]}}"#,
+        ),
         text(
             "json",
             None,
@@ -45,8 +77,16 @@ fn seeds() -> Vec<(&'static str, Option<DatasetKind>, Vec<u8>)> {
             None,
             r#"[[{"targetID": 3, "position": [5, 1, 0], "time": 1}], [], [{"targetID": 4, "position": [5, 1], "time": 2}]]"#,
         ),
-        text("mot", Some(DatasetKind::Truth), "1,1,0,0,10,20,1,1,0.8\n2,1,0.5,0,10,20,1,8,0.8\n"),
-        text("mot", Some(DatasetKind::Tracks), "1 1 0 0 10 20 0.5\n2\t1\t0\t0\t10\t20\n"),
+        text(
+            "mot",
+            Some(DatasetKind::Truth),
+            "1,1,0,0,10,20,1,1,0.8\n2,1,0.5,0,10,20,1,8,0.8\n",
+        ),
+        text(
+            "mot",
+            Some(DatasetKind::Tracks),
+            "1 1 0 0 10 20 0.5\n2\t1\t0\t0\t10\t20\n",
+        ),
         ("npy", Some(DatasetKind::BearingTime), npy),
     ]
 }
@@ -113,7 +153,8 @@ fn reads_back(dataset: &Dataset) -> Vec<Dataset> {
     let mut found = Vec::new();
     let kind = of_kind(dataset.kind());
     let mut add = |format: &str, bytes: Vec<u8>| {
-        let read = read_with(format, &bytes, &kind).unwrap_or_else(|faults| panic!("{faults:#?}\n{}", String::from_utf8_lossy(&bytes)));
+        let read = read_with(format, &bytes, &kind)
+            .unwrap_or_else(|faults| panic!("{faults:#?}\n{}", String::from_utf8_lossy(&bytes)));
         found.push(read.dataset);
     };
     let mut bytes = Vec::new();
@@ -134,23 +175,46 @@ fn reads_back(dataset: &Dataset) -> Vec<Dataset> {
 
 #[test]
 fn broken_files_are_refused_or_read_back_as_they_were_read() {
-    let axes = BearingTimeAxes { first_time_s: 0.0, time_step_s: 1.0, first_bearing_deg: 0.0, bearing_step_deg: 1.0 };
+    let axes = BearingTimeAxes {
+        first_time_s: 0.0,
+        time_step_s: 1.0,
+        first_bearing_deg: 0.0,
+        bearing_step_deg: 1.0,
+    };
     for (number, (format, kind, sound)) in seeds().into_iter().enumerate() {
-        let options = ReadOptions { kind, bearing_time: (format == "npy").then_some(axes), ..ReadOptions::default() };
-        assert!(read_with(format, &sound, &options).is_ok(), "seed {number} is sound");
+        let options = ReadOptions {
+            kind,
+            bearing_time: (format == "npy").then_some(axes),
+            ..ReadOptions::default()
+        };
+        assert!(
+            read_with(format, &sound, &options).is_ok(),
+            "seed {number} is sound"
+        );
         let mut rng = ChaCha8Rng::seed_from_u64(number as u64);
         let mut accepted = 0;
         for _ in 0..mutations() {
             let bytes = broken(sound.clone(), &mut rng);
-            let Ok(outcome) = (format_named(format).unwrap().read)(&mut bytes.as_slice(), &options) else { continue };
+            let Ok(outcome) = (format_named(format).unwrap().read)(&mut bytes.as_slice(), &options)
+            else {
+                continue;
+            };
             accepted += 1;
             for again in reads_back(&outcome.dataset) {
                 // Bearings are written in degrees, which may round what was never written before, but only once.
                 let is_same = again == outcome.dataset || reads_back(&again).contains(&again);
-                assert!(is_same, "seed {number}: {}", String::from_utf8_lossy(&bytes));
+                assert!(
+                    is_same,
+                    "seed {number}: {}",
+                    String::from_utf8_lossy(&bytes)
+                );
             }
         }
-        assert!(accepted > 0, "seed {number}: none of {} is read", mutations());
+        assert!(
+            accepted > 0,
+            "seed {number}: none of {} is read",
+            mutations()
+        );
     }
 }
 
@@ -160,14 +224,22 @@ struct Brief(u32);
 impl Observer for Brief {
     fn progress(&mut self, _: Step, _: u64, _: u64) -> ControlFlow<()> {
         self.0 = self.0.saturating_sub(1);
-        if self.0 == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if self.0 == 0 {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
     }
 }
 
 fn changed(value: &mut Value, rng: &mut ChaCha8Rng) {
     match value {
         Value::Object(fields) if !fields.is_empty() && rng.random_bool(0.9) => {
-            let name = fields.keys().nth(rng.random_range(0..fields.len())).unwrap().clone();
+            let name = fields
+                .keys()
+                .nth(rng.random_range(0..fields.len()))
+                .unwrap()
+                .clone();
             if rng.random_bool(0.1) {
                 fields.shift_remove(&name);
             } else {
@@ -176,7 +248,11 @@ fn changed(value: &mut Value, rng: &mut ChaCha8Rng) {
         }
         Value::Array(items) if !items.is_empty() && rng.random_bool(0.9) => {
             let place = rng.random_range(0..items.len());
-            if rng.random_bool(0.1) { items.push(items[place].clone()) } else { changed(&mut items[place], rng) }
+            if rng.random_bool(0.1) {
+                items.push(items[place].clone())
+            } else {
+                changed(&mut items[place], rng)
+            }
         }
         other => *other = strange(other, rng),
     }
@@ -184,7 +260,20 @@ fn changed(value: &mut Value, rng: &mut ChaCha8Rng) {
 
 fn strange(value: &Value, rng: &mut ChaCha8Rng) -> Value {
     let number = value.as_f64().unwrap_or(1.0);
-    let numbers = [0.0, -1.0, 1.0, 0.5 * number, 2.0 * number, -number, 1e-300, 1e300, 1e-9, 1.0 - 1e-16, 4294967296.0, 0.1];
+    let numbers = [
+        0.0,
+        -1.0,
+        1.0,
+        0.5 * number,
+        2.0 * number,
+        -number,
+        1e-300,
+        1e300,
+        1e-9,
+        1.0 - 1e-16,
+        4294967296.0,
+        0.1,
+    ];
     match rng.random_range(0..8) {
         0 => Value::Null,
         1 => json!([]),
@@ -206,18 +295,35 @@ fn changed_requests_are_refused_or_planned_and_run_to_sound_numbers() {
         for _ in 0..rng.random_range(1..4) {
             changed(&mut body, &mut rng);
         }
-        let Ok(plan) = plan(preset.kind, &body) else { continue };
+        let Ok(plan) = plan(preset.kind, &body) else {
+            continue;
+        };
         planned += 1;
         if plan.campaign.is_some() || plan.estimate.cost_s > 0.02 || !plan.inputs.is_empty() {
             continue;
         }
-        let Ok(outcome) = run(&plan, Vec::new(), &mut Brief(300)) else { continue };
+        let Ok(outcome) = run(&plan, Vec::new(), &mut Brief(300)) else {
+            continue;
+        };
         finished += 1;
-        for file in outcome.artifacts.iter().filter(|file| file.media_type.starts_with("text/csv")) {
+        for file in outcome
+            .artifacts
+            .iter()
+            .filter(|file| file.media_type.starts_with("text/csv"))
+        {
             let text = String::from_utf8_lossy(&file.bytes);
-            let is_strange = |cell: &str| cell.parse::<f64>().is_ok_and(|number| !number.is_finite());
-            assert!(!text.split([',', '\n']).any(is_strange), "{} of {body}", file.name);
+            let is_strange =
+                |cell: &str| cell.parse::<f64>().is_ok_and(|number| !number.is_finite());
+            assert!(
+                !text.split([',', '\n']).any(is_strange),
+                "{} of {body}",
+                file.name
+            );
         }
     }
-    assert!(planned * 20 > mutations() && finished > 0, "{planned} planned, {finished} finished of {}", mutations());
+    assert!(
+        planned * 20 > mutations() && finished > 0,
+        "{planned} planned, {finished} finished of {}",
+        mutations()
+    );
 }

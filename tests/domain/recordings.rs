@@ -35,8 +35,12 @@ fn request(associator: &str) -> Value {
 
 fn load(folder: &Path, name: &str, kind: DatasetKind) -> Dataset {
     let format = format_named("autoferry").expect("the format is in the table");
-    let options = ReadOptions { kind: Some(kind), ..ReadOptions::default() };
-    let read = (format.read)(&mut bytes_of(folder, name).as_slice(), &options).unwrap_or_else(|faults| panic!("{name}: {faults:?}"));
+    let options = ReadOptions {
+        kind: Some(kind),
+        ..ReadOptions::default()
+    };
+    let read = (format.read)(&mut bytes_of(folder, name).as_slice(), &options)
+        .unwrap_or_else(|faults| panic!("{name}: {faults:?}"));
     read.dataset
 }
 
@@ -46,21 +50,48 @@ fn bytes_of(folder: &Path, name: &str) -> Vec<u8> {
 
 /// Detections of one sensor, and truth.
 fn inputs(detections: &Dataset, sensor_id: &str, truth: &Dataset) -> [Option<Input>; 2] {
-    let Dataset::Detections(recording) = detections else { panic!("detections") };
+    let Dataset::Detections(recording) = detections else {
+        panic!("detections")
+    };
     let of_sensor = Dataset::Detections(recording.only_sensors(&[sensor_id.to_owned()]).unwrap());
-    [of_sensor, truth.clone()].map(|dataset| Some(Input { dataset, sensors: Vec::new(), sha256: String::new() }))
+    [of_sensor, truth.clone()].map(|dataset| {
+        Some(Input {
+            dataset,
+            sensors: Vec::new(),
+            sha256: String::new(),
+        })
+    })
 }
 
 /// One line of the table.
 fn line(scenario: u32, associator: &str, inputs: &[Option<Input>]) -> String {
     let plan = plan::plan(JobKind::Evaluate, &request(associator)).unwrap();
     let outcome = run::run(&plan, inputs.to_vec(), &mut Silent).unwrap();
-    let value = |pointer: &str| outcome.result.pointer(pointer).cloned().unwrap_or(Value::Null);
-    let whole = |pointer: &str| value(pointer).as_u64().map_or("–".to_owned(), |count| count.to_string());
-    let decimal = |pointer: &str, digits: usize| value(pointer).as_f64().map_or("–".to_owned(), |number| format!("{number:.digits$}"));
+    let value = |pointer: &str| {
+        outcome
+            .result
+            .pointer(pointer)
+            .cloned()
+            .unwrap_or(Value::Null)
+    };
+    let whole = |pointer: &str| {
+        value(pointer)
+            .as_u64()
+            .map_or("–".to_owned(), |count| count.to_string())
+    };
+    let decimal = |pointer: &str, digits: usize| {
+        value(pointer)
+            .as_f64()
+            .map_or("–".to_owned(), |number| format!("{number:.digits$}"))
+    };
     let causes = |cause: &str| {
         let breaks = value("/events/breaks");
-        breaks.as_array().unwrap().iter().filter(|found| found["cause"] == cause).count()
+        breaks
+            .as_array()
+            .unwrap()
+            .iter()
+            .filter(|found| found["cause"] == cause)
+            .count()
     };
     format!(
         "| {scenario} | {associator} | {} | {} / {} / {} | {} | {} | {} | {} | {} ({} / {} / {}) |\n",
@@ -85,10 +116,17 @@ fn files_of(scenario: u32) -> [String; 2] {
 
 /// The scenarios whose files are all there; says of the others what they lack.
 fn present(folder: &Path) -> Vec<u32> {
-    let lacks = |scenario: u32| files_of(scenario).into_iter().find(|name| !folder.join(name).exists());
+    let lacks = |scenario: u32| {
+        files_of(scenario)
+            .into_iter()
+            .find(|name| !folder.join(name).exists())
+    };
     let is_present = |scenario: &u32| match lacks(*scenario) {
         Some(name) => {
-            println!("skipped: scenario {scenario}, for {name} is not in {}", folder.display());
+            println!(
+                "skipped: scenario {scenario}, for {name} is not in {}",
+                folder.display()
+            );
             false
         }
         None => true,
@@ -99,10 +137,19 @@ fn present(folder: &Path) -> Vec<u32> {
 /// The lines of a table that are not of scenarios left out.
 fn lines_of(table: &str, scenarios: &[u32]) -> String {
     let is_left_out = |line: &&str| {
-        let first = line.trim_start_matches('|').split('|').next().and_then(|cell| cell.trim().parse::<u32>().ok());
+        let first = line
+            .trim_start_matches('|')
+            .split('|')
+            .next()
+            .and_then(|cell| cell.trim().parse::<u32>().ok());
         first.is_some_and(|scenario| !scenarios.contains(&scenario))
     };
-    table.trim().lines().filter(|line| !is_left_out(line)).collect::<Vec<_>>().join("\n")
+    table
+        .trim()
+        .lines()
+        .filter(|line| !is_left_out(line))
+        .collect::<Vec<_>>()
+        .join("\n")
 }
 
 fn table(folder: &Path, scenarios: &[u32]) -> String {
@@ -112,9 +159,15 @@ fn table(folder: &Path, scenarios: &[u32]) -> String {
     );
     for &scenario in scenarios {
         let [detections, truth] = files_of(scenario);
-        let [detections, truth] = [load(folder, &detections, DatasetKind::Detections), load(folder, &truth, DatasetKind::Truth)];
+        let [detections, truth] = [
+            load(folder, &detections, DatasetKind::Detections),
+            load(folder, &truth, DatasetKind::Truth),
+        ];
         let inputs = inputs(&detections, "radar", &truth);
-        for method in ASSOCIATORS.iter().filter(|method| !["oracle", "strongest_neighbour"].contains(&method.name)) {
+        for method in ASSOCIATORS
+            .iter()
+            .filter(|method| !["oracle", "strongest_neighbour"].contains(&method.name))
+        {
             text.push_str(&line(scenario, method.name, &inputs));
         }
     }
@@ -140,46 +193,96 @@ fn camera_request(camera: &str, associator: &str) -> Value {
 
 /// Truth as directions from where the ferry is at that time.
 fn seen_from_the_ferry(truth: &Dataset, detections: &[u8]) -> Dataset {
-    let Dataset::Truth(truth) = truth else { panic!("truth") };
+    let Dataset::Truth(truth) = truth else {
+        panic!("truth")
+    };
     let scans: Vec<Value> = serde_json::from_slice(detections).unwrap();
     let number = |value: &Value| value.as_f64().unwrap();
-    let place = |scan: &Value| Position::new(number(&scan["ownshipPosition"][1]), number(&scan["ownshipPosition"][0]));
-    let mut places: Vec<(f64, Position)> = scans.iter().map(|scan| (number(&scan["time"]), place(scan))).collect();
+    let place = |scan: &Value| {
+        Position::new(
+            number(&scan["ownshipPosition"][1]),
+            number(&scan["ownshipPosition"][0]),
+        )
+    };
+    let mut places: Vec<(f64, Position)> = scans
+        .iter()
+        .map(|scan| (number(&scan["time"]), place(scan)))
+        .collect();
     places.sort_by(|left, right| left.0.total_cmp(&right.0));
-    let ferry_at = |time_s: f64| places[places.partition_point(|place| place.0 < time_s).min(places.len() - 1)].1;
+    let ferry_at = |time_s: f64| {
+        places[places
+            .partition_point(|place| place.0 < time_s)
+            .min(places.len() - 1)]
+        .1
+    };
     let direction = |point: &TruthPoint| {
         let away_m = point.position_m().unwrap() - ferry_at(point.time_s);
-        TruthPoint::at_bearing(point.time_s, away_m.x.atan2(away_m.y).rem_euclid(std::f64::consts::TAU))
+        TruthPoint::at_bearing(
+            point.time_s,
+            away_m.x.atan2(away_m.y).rem_euclid(std::f64::consts::TAU),
+        )
     };
-    let target = |target: &Target| Target { truth_id: target.truth_id.clone(), points: target.points.iter().map(direction).collect() };
+    let target = |target: &Target| Target {
+        truth_id: target.truth_id.clone(),
+        points: target.points.iter().map(direction).collect(),
+    };
     Dataset::Truth(TruthSet::new(truth.targets().iter().map(target).collect()).unwrap())
 }
 
 /// The inputs of a camera, each detection with the boat that it is of, and what that says of the camera.
-fn camera_inputs(detections: &Dataset, camera: &str, truth: &Dataset) -> ([Option<Input>; 2], Quality) {
+fn camera_inputs(
+    detections: &Dataset,
+    camera: &str,
+    truth: &Dataset,
+) -> ([Option<Input>; 2], Quality) {
     let mut inputs = inputs(detections, camera, truth);
-    let (Some(Input { dataset: Dataset::Detections(recording), .. }), Dataset::Truth(truth)) = (&mut inputs[0], truth) else {
+    let (
+        Some(Input {
+            dataset: Dataset::Detections(recording),
+            ..
+        }),
+        Dataset::Truth(truth),
+    ) = (&mut inputs[0], truth)
+    else {
         panic!("detections and truth")
     };
-    let (with_origins, quality) = assign_origins(std::mem::take(recording), truth, CAMERA_GATE_DEG).unwrap();
+    let (with_origins, quality) =
+        assign_origins(std::mem::take(recording), truth, CAMERA_GATE_DEG).unwrap();
     *recording = with_origins;
     (inputs, quality)
 }
 
 /// One line of the table of cameras.
-fn camera_line((scenario, camera): (u32, &str), quality: &Quality, associator: &str, inputs: &[Option<Input>]) -> String {
+fn camera_line(
+    (scenario, camera): (u32, &str),
+    quality: &Quality,
+    associator: &str,
+    inputs: &[Option<Input>],
+) -> String {
     let plan = plan::plan(JobKind::Evaluate, &camera_request(camera, associator)).unwrap();
     let outcome = run::run(&plan, inputs.to_vec(), &mut Silent).unwrap();
     let count = |name: &str| outcome.result["events"]["counts"][name].as_u64().unwrap();
     let (matches, misses) = (count("match"), count("miss"));
     let idle = count("false_alarm") + count("divergence") + count("redundant");
-    let tracks = outcome.result["association"]["counts"]["tracks"].as_u64().unwrap();
-    let shares = [matches as f64 / (matches + misses) as f64, idle as f64 / (matches + idle) as f64];
+    let tracks = outcome.result["association"]["counts"]["tracks"]
+        .as_u64()
+        .unwrap();
+    let shares = [
+        matches as f64 / (matches + misses) as f64,
+        idle as f64 / (matches + idle) as f64,
+    ];
     let [followed, other] = shares.map(|share| format!("{:.0} %", 100.0 * share));
     let (switches, breaks) = (count("switch"), count("break"));
-    let [p_d, clutter, error_deg] = [quality.p_d, quality.false_alarms_per_scan, quality.bearing_rmse_deg].map(Option::unwrap);
+    let [p_d, clutter, error_deg] = [
+        quality.p_d,
+        quality.false_alarms_per_scan,
+        quality.bearing_rmse_deg,
+    ]
+    .map(Option::unwrap);
     let of_camera = format!("{p_d:.2} | {clutter:.1} | {error_deg:.1}");
-    format!("| {scenario} | {camera} | {of_camera} | {associator} | {tracks} | {followed} | {other} | {switches} | {breaks} |\n")
+    format!(
+        "| {scenario} | {camera} | {of_camera} | {associator} | {tracks} | {followed} | {other} | {switches} | {breaks} |\n"
+    )
 }
 
 fn camera_table(folder: &Path, scenarios: &[u32]) -> String {
@@ -194,8 +297,18 @@ fn camera_table(folder: &Path, scenarios: &[u32]) -> String {
         let detections = load(folder, &detections, DatasetKind::Detections);
         for camera in ["daylight", "infrared"] {
             let (inputs, quality) = camera_inputs(&detections, camera, &truth);
-            for associator in ["nearest_neighbour", "global_nearest_neighbour", "pda", "jpda"] {
-                text.push_str(&camera_line((scenario, camera), &quality, associator, &inputs));
+            for associator in [
+                "nearest_neighbour",
+                "global_nearest_neighbour",
+                "pda",
+                "jpda",
+            ] {
+                text.push_str(&camera_line(
+                    (scenario, camera),
+                    &quality,
+                    associator,
+                    &inputs,
+                ));
             }
         }
     }
@@ -204,34 +317,51 @@ fn camera_table(folder: &Path, scenarios: &[u32]) -> String {
 
 #[test]
 fn the_table_of_recordings_is_what_the_tracker_does() {
-    let folder = std::env::var_os("TRACKLOOM_DATA").map(|folder| PathBuf::from(folder).join("autoferry"));
+    let folder =
+        std::env::var_os("TRACKLOOM_DATA").map(|folder| PathBuf::from(folder).join("autoferry"));
     let Some(folder) = folder else {
         println!("skipped: TRACKLOOM_DATA names no folder with autoferry recordings");
         return;
     };
     let scenarios = present(&folder);
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(DOCUMENT);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("..")
+        .join(DOCUMENT);
     let document = std::fs::read_to_string(&path).unwrap();
-    let (head, written) = document.split_once(BEGIN).expect("the document has the line before its table");
+    let (head, written) = document
+        .split_once(BEGIN)
+        .expect("the document has the line before its table");
     let made = table(&folder, &scenarios) + &camera_table(&folder, &scenarios);
     if std::env::var_os("TRACKLOOM_WRITE_RECORDINGS").is_some() {
-        assert_eq!(scenarios, SCENARIOS, "the table is written of all scenarios or not at all");
+        assert_eq!(
+            scenarios, SCENARIOS,
+            "the table is written of all scenarios or not at all"
+        );
         std::fs::write(&path, format!("{head}{BEGIN}\n{made}")).unwrap();
         return;
     }
-    assert_eq!(lines_of(written, &scenarios), made.trim(), "write it anew with TRACKLOOM_WRITE_RECORDINGS=1 and look at what changed");
+    assert_eq!(
+        lines_of(written, &scenarios),
+        made.trim(),
+        "write it anew with TRACKLOOM_WRITE_RECORDINGS=1 and look at what changed"
+    );
 }
 
 #[test]
 fn a_scenario_that_lacks_a_file_is_left_out_of_both_tables() {
     let folder = tempfile::tempdir().unwrap();
     for scenario in [3, 17] {
-        files_of(scenario).iter().for_each(|name| std::fs::write(folder.path().join(name), "[]").unwrap());
+        files_of(scenario)
+            .iter()
+            .for_each(|name| std::fs::write(folder.path().join(name), "[]").unwrap());
     }
     std::fs::write(folder.path().join(&files_of(4)[0]), "[]").unwrap();
     assert_eq!(present(folder.path()), [3, 17]);
     assert_eq!(
-        lines_of("| scenario | x |\n|---|---|\n| 3 | a |\n| 4 | b |\n| 17 | c |\n", &[3, 17]),
+        lines_of(
+            "| scenario | x |\n|---|---|\n| 3 | a |\n| 4 | b |\n| 17 | c |\n",
+            &[3, 17]
+        ),
         "| scenario | x |\n|---|---|\n| 3 | a |\n| 17 | c |"
     );
 }

@@ -9,8 +9,15 @@ use trackloom_domain::math::rng::Seed;
 use trackloom_domain::registry::check;
 
 fn jpda(parameters: Value) -> Box<dyn Associator> {
-    let jpda = ASSOCIATORS.iter().find(|method| method.name == "jpda").unwrap();
-    (jpda.build)(&check(&parameters, jpda.parameters).unwrap(), Seed { seed: 0, run: 0 }).unwrap()
+    let jpda = ASSOCIATORS
+        .iter()
+        .find(|method| method.name == "jpda")
+        .unwrap();
+    (jpda.build)(
+        &check(&parameters, jpda.parameters).unwrap(),
+        Seed { seed: 0, run: 0 },
+    )
+    .unwrap()
 }
 
 /// Answers as `exact` does, and notes how far `listed` was from it: largest difference, clusters, largest cluster.
@@ -27,15 +34,31 @@ impl Associator for Comparing {
 
     fn associate(&mut self, problem: &Problem, weights: &mut Weights) {
         let of_cluster = |weights: &Weights| -> Vec<f64> {
-            problem.rows().flat_map(|(row, state)| state.edges().map(|edge| weights.edges[edge]).chain([weights.none[row]])).collect()
+            problem
+                .rows()
+                .flat_map(|(row, state)| {
+                    state
+                        .edges()
+                        .map(|edge| weights.edges[edge])
+                        .chain([weights.none[row]])
+                })
+                .collect()
         };
         self.listed.associate(problem, weights);
         let listed = of_cluster(weights);
         self.exact.associate(problem, weights);
         let exact = of_cluster(weights);
-        let largest = listed.iter().zip(&exact).map(|(listed, exact)| (listed - exact).abs()).fold(0.0, f64::max);
+        let largest = listed
+            .iter()
+            .zip(&exact)
+            .map(|(listed, exact)| (listed - exact).abs())
+            .fold(0.0, f64::max);
         let mut found = self.found.lock().unwrap();
-        *found = (found.0.max(largest), found.1 + 1, found.2.max(problem.row_count()));
+        *found = (
+            found.0.max(largest),
+            found.1 + 1,
+            found.2.max(problem.row_count()),
+        );
     }
 }
 
@@ -45,8 +68,19 @@ fn the_exact_sums_equal_the_list_of_all_events() {
     let found = Arc::new(Mutex::new((0.0, 0, 0)));
     let exact = jpda(json!({"marginals": "exact"}));
     let listed = jpda(json!({"marginals": "enumerate", "max_events": 100_000_000}));
-    line.tracked(Box::new(Comparing { exact, listed, found: found.clone() }));
+    line.tracked(Box::new(Comparing {
+        exact,
+        listed,
+        found: found.clone(),
+    }));
     let (largest, clusters, tracks) = *found.lock().unwrap();
-    assert!(largest < 1e-12, "{} scenes: a difference of {largest}", line.name);
-    assert!(clusters >= 30 && tracks >= 8, "{clusters} clusters, the largest of {tracks}");
+    assert!(
+        largest < 1e-12,
+        "{} scenes: a difference of {largest}",
+        line.name
+    );
+    assert!(
+        clusters >= 30 && tracks >= 8,
+        "{clusters} clusters, the largest of {tracks}"
+    );
 }

@@ -21,7 +21,10 @@ fn fusion(method: &str) -> Box<dyn Fusion> {
 }
 
 fn state(mean: [f64; 4], variances: [f64; 4]) -> GaussianState {
-    GaussianState { mean: State::from(mean), covariance: Covariance::from_diagonal(&Vector4::from(variances)) }
+    GaussianState {
+        mean: State::from(mean),
+        covariance: Covariance::from_diagonal(&Vector4::from(variances)),
+    }
 }
 
 fn estimate(mean: State, covariance: Covariance) -> Estimate {
@@ -31,14 +34,25 @@ fn estimate(mean: State, covariance: Covariance) -> Estimate {
 /// x and its variance of two tracks at x = 0 ± 1 and x = 3 ± √2, with P₁₂ = ρ I.
 fn fused_by(method: &str, cross: Option<f64>) -> (f64, f64) {
     let covariance = |variance: f64| Covariance::identity() * variance;
-    let (one, other) = (estimate(State::zeros(), covariance(1.0)), estimate(State::new(3.0, 0.0, 0.0, 0.0), covariance(2.0)));
+    let (one, other) = (
+        estimate(State::zeros(), covariance(1.0)),
+        estimate(State::new(3.0, 0.0, 0.0, 0.0), covariance(2.0)),
+    );
     let cross: Vec<Covariance> = cross.iter().map(|&value| covariance(value)).collect();
-    let fused = fusion(method).fuse(&Members { estimates: &[&one, &other], cross: &cross }).unwrap();
+    let fused = fusion(method)
+        .fuse(&Members {
+            estimates: &[&one, &other],
+            cross: &cross,
+        })
+        .unwrap();
     (fused.mean[0], fused.covariance[(0, 0)])
 }
 
 fn assert_near(found: (f64, f64), expected: (f64, f64)) {
-    assert!((found.0 - expected.0).abs() < 1e-9 && (found.1 - expected.1).abs() < 1e-9, "{found:?} for {expected:?}");
+    assert!(
+        (found.0 - expected.0).abs() < 1e-9 && (found.1 - expected.1).abs() < 1e-9,
+        "{found:?} for {expected:?}"
+    );
 }
 
 #[test]
@@ -56,11 +70,32 @@ fn two_tracks_by_hand() {
 #[test]
 fn covariance_intersection_of_two_crossed_ellipses_by_hand() {
     // By symmetry ω = ½: P⁻¹ = ½ · 1 + ½ · ¼ on both axes, x̂ = P (½ · 1 · 1, ½ · ¼ · 1).
-    let one = estimate(State::new(1.0, 1.0, 0.0, 0.0), Covariance::from_diagonal(&Vector4::new(1.0, 4.0, 1.0, 1.0)));
-    let other = estimate(State::zeros(), Covariance::from_diagonal(&Vector4::new(4.0, 1.0, 1.0, 1.0)));
-    let fused = fusion("covariance_intersection").fuse(&Members { estimates: &[&one, &other], cross: &[] }).unwrap();
-    let expected = [(fused.covariance[(0, 0)], 1.6), (fused.covariance[(1, 1)], 1.6), (fused.mean[0], 0.8), (fused.mean[1], 0.2)];
-    assert!(expected.iter().all(|(is, should)| (is - should).abs() < 1e-5), "{expected:?}");
+    let one = estimate(
+        State::new(1.0, 1.0, 0.0, 0.0),
+        Covariance::from_diagonal(&Vector4::new(1.0, 4.0, 1.0, 1.0)),
+    );
+    let other = estimate(
+        State::zeros(),
+        Covariance::from_diagonal(&Vector4::new(4.0, 1.0, 1.0, 1.0)),
+    );
+    let fused = fusion("covariance_intersection")
+        .fuse(&Members {
+            estimates: &[&one, &other],
+            cross: &[],
+        })
+        .unwrap();
+    let expected = [
+        (fused.covariance[(0, 0)], 1.6),
+        (fused.covariance[(1, 1)], 1.6),
+        (fused.mean[0], 0.8),
+        (fused.mean[1], 0.2),
+    ];
+    assert!(
+        expected
+            .iter()
+            .all(|(is, should)| (is - should).abs() < 1e-5),
+        "{expected:?}"
+    );
 }
 
 fn random_covariance(draw: &mut impl RngExt) -> Covariance {
@@ -72,15 +107,29 @@ fn random_covariance(draw: &mut impl RngExt) -> Covariance {
 fn slack(fusion: &dyn Fusion, [left, right]: [Covariance; 2], correlation: &Covariance) -> f64 {
     let fuse = |mean: State| {
         let (left, right) = (estimate(mean, left), estimate(State::zeros(), right));
-        fusion.fuse(&Members { estimates: &[&left, &right], cross: &[] }).unwrap()
+        fusion
+            .fuse(&Members {
+                estimates: &[&left, &right],
+                cross: &[],
+            })
+            .unwrap()
     };
     // The fused state is linear in the two: its weights are what it makes of unit vectors.
-    let weights = Covariance::from_columns(&[0, 1, 2, 3].map(|axis| fuse(State::from_fn(|row, _| f64::from(u8::from(row == axis)))).mean));
+    let weights = Covariance::from_columns(
+        &[0, 1, 2, 3]
+            .map(|axis| fuse(State::from_fn(|row, _| f64::from(u8::from(row == axis)))).mean),
+    );
     let others = Covariance::identity() - weights;
-    let cross = left.cholesky().unwrap().l() * correlation * right.cholesky().unwrap().l().transpose();
+    let cross =
+        left.cholesky().unwrap().l() * correlation * right.cholesky().unwrap().l().transpose();
     let mixed = weights * cross * others.transpose();
-    let real = weights * left * weights.transpose() + others * right * others.transpose() + mixed + mixed.transpose();
-    (fuse(State::zeros()).covariance - real).symmetric_eigenvalues().min()
+    let real = weights * left * weights.transpose()
+        + others * right * others.transpose()
+        + mixed
+        + mixed.transpose();
+    (fuse(State::zeros()).covariance - real)
+        .symmetric_eigenvalues()
+        .min()
 }
 
 #[test]
@@ -102,21 +151,48 @@ fn covariance_intersection_claims_no_more_than_it_knows_and_the_weighted_mean_do
 
 #[test]
 fn system_tracks_have_the_times_of_any_member() {
-    let sensors = vec![("a".to_owned(), vec!["1".to_owned()]), ("b".to_owned(), vec!["1".to_owned(), "2".to_owned()])];
+    let sensors = vec![
+        ("a".to_owned(), vec!["1".to_owned()]),
+        ("b".to_owned(), vec!["1".to_owned(), "2".to_owned()]),
+    ];
     let mut estimates = Estimates::new(sensors, vec![0.0, 1.0, 2.0], true);
     let place = |x_m: f64, variance: f64| state([x_m, 0.0, 0.0, 0.0], [variance; 4]);
-    for (track, time, x_m, variance) in [(0, 0, 0.0, 1.0), (0, 1, 0.0, 1.0), (1, 1, 3.0, 2.0), (2, 2, 7.0, 1.0)] {
+    for (track, time, x_m, variance) in [
+        (0, 0, 0.0, 1.0),
+        (0, 1, 0.0, 1.0),
+        (1, 1, 3.0, 2.0),
+        (2, 2, 7.0, 1.0),
+    ] {
         assert!(estimates.set(track, time, &place(x_m, variance)));
     }
-    let evidence = Evidence { estimates: Arc::new(estimates), cross: None, times: Times::All, until: 3 };
+    let evidence = Evidence {
+        estimates: Arc::new(estimates),
+        cross: None,
+        times: Times::All,
+        until: 3,
+    };
     let tracks = system_tracks(&evidence, &[vec![0, 1], vec![2]], &*fusion("weighted")).tracks;
     let rounded = |x_m: f64| (x_m * 1e9).round() / 1e9;
     let x_m = |track: &Track| {
-        let points = track.points.iter().map(|point| (point.time_s, rounded(point.estimate.plane().unwrap().state[0])));
+        let points = track.points.iter().map(|point| {
+            (
+                point.time_s,
+                rounded(point.estimate.plane().unwrap().state[0]),
+            )
+        });
         points.collect::<Vec<_>>()
     };
-    assert_eq!((x_m(&tracks[0]), x_m(&tracks[1])), (vec![(0.0, 0.0), (1.0, 1.0)], vec![(2.0, 7.0)]));
-    assert_eq!(tracks.iter().map(|track| &*track.track_id).collect::<Vec<_>>(), ["1", "2"]);
+    assert_eq!(
+        (x_m(&tracks[0]), x_m(&tracks[1])),
+        (vec![(0.0, 0.0), (1.0, 1.0)], vec![(2.0, 7.0)])
+    );
+    assert_eq!(
+        tracks
+            .iter()
+            .map(|track| &*track.track_id)
+            .collect::<Vec<_>>(),
+        ["1", "2"]
+    );
 }
 
 /// A Kalman filter of one target: positions measured every second with its own noise.
@@ -146,7 +222,8 @@ impl Filter {
     fn step(&mut self) -> Matrix4<f64> {
         let (transition, noise, measured) = model(1.0);
         let predicted = transition * self.covariance * transition.transpose() + noise;
-        let innovation = measured * predicted * measured.transpose() + SMatrix::<f64, 2, 2>::identity() * self.noise_m.powi(2);
+        let innovation = measured * predicted * measured.transpose()
+            + SMatrix::<f64, 2, 2>::identity() * self.noise_m.powi(2);
         let gain = predicted * measured.transpose() * innovation.try_inverse().unwrap();
         let left = Matrix4::identity() - gain * measured;
         self.covariance = left * predicted;
@@ -158,15 +235,21 @@ impl Filter {
 #[test]
 fn the_recursion_finds_what_two_filters_have_in_common() {
     const TIMES: usize = 8;
-    let mut filters =
-        [(5.0, 100.0), (12.0, 60.0)].map(|(noise_m, variance)| Filter { covariance: Matrix4::identity() * variance, noise_m });
+    let mut filters = [(5.0, 100.0), (12.0, 60.0)].map(|(noise_m, variance)| Filter {
+        covariance: Matrix4::identity() * variance,
+        noise_m,
+    });
     let (transition, noise, _) = model(1.0);
     let mut expected = vec![Matrix4::zeros()];
     let mut tracks: Vec<Vec<TrackPoint>> = vec![Vec::new(), Vec::new()];
     let point = |time: usize, covariance: Matrix4<f64>| TrackPoint {
         time_s: time as f64,
         sensor: None,
-        estimate: TrackEstimate::Plane(PlaneEstimate { state: State::zeros(), has_velocity: true, covariance: Some(covariance) }),
+        estimate: TrackEstimate::Plane(PlaneEstimate {
+            state: State::zeros(),
+            has_velocity: true,
+            covariance: Some(covariance),
+        }),
         status: None,
         nis: None,
         first_candidate: 0,
@@ -178,15 +261,36 @@ fn the_recursion_finds_what_two_filters_have_in_common() {
             let predicted = transition * expected[time - 1] * transition.transpose() + noise;
             expected.push(left * predicted * right.transpose());
         }
-        tracks.iter_mut().zip(&filters).for_each(|(track, filter)| track.push(point(time, filter.covariance)));
+        tracks
+            .iter_mut()
+            .zip(&filters)
+            .for_each(|(track, filter)| track.push(point(time, filter.covariance)));
     }
-    let tracks: Vec<Track> = tracks.into_iter().map(|points| Track { track_id: "1".to_owned(), points }).collect();
+    let tracks: Vec<Track> = tracks
+        .into_iter()
+        .map(|points| Track {
+            track_id: "1".to_owned(),
+            points,
+        })
+        .collect();
     let named = |name: &str| (name.to_owned(), vec!["1".to_owned()]);
-    let estimates = Estimates::new(vec![named("a"), named("b")], (0..TIMES).map(|time| time as f64).collect(), true);
-    let table = CrossTable::by_recursion(&estimates, &[&tracks[0], &tracks[1]], &[(0, 1)], PROCESS_NOISE_M2PS3);
+    let estimates = Estimates::new(
+        vec![named("a"), named("b")],
+        (0..TIMES).map(|time| time as f64).collect(),
+        true,
+    );
+    let table = CrossTable::by_recursion(
+        &estimates,
+        &[&tracks[0], &tracks[1]],
+        &[(0, 1)],
+        PROCESS_NOISE_M2PS3,
+    );
     for (time, expected) in expected.iter().enumerate() {
         let difference = (table.at(0, 1, time) - expected).abs().max();
-        assert!(difference < 1e-8 * expected.abs().max().max(1.0), "at {time}: {difference}");
+        assert!(
+            difference < 1e-8 * expected.abs().max().max(1.0),
+            "at {time}: {difference}"
+        );
     }
     // It settles far from nothing: the filters meet the same manoeuvres.
     assert!(expected[TIMES - 1][(0, 0)] > 3.0, "{}", expected[TIMES - 1]);

@@ -17,9 +17,18 @@ use trackloom_domain::model::state::{Covariance, GaussianState, State};
 /// Tracks by sensor, each with its states by time.
 fn estimates(sensors: &[Vec<Vec<Option<GaussianState>>>], has_velocity: bool) -> Estimates {
     let times = sensors[0][0].len();
-    let names = |(index, tracks): (usize, &Vec<Vec<_>>)| (format!("S{index}"), (0..tracks.len()).map(|track| track.to_string()).collect());
+    let names = |(index, tracks): (usize, &Vec<Vec<_>>)| {
+        (
+            format!("S{index}"),
+            (0..tracks.len()).map(|track| track.to_string()).collect(),
+        )
+    };
     let times_s = (0..times).map(|time| time as f64).collect();
-    let mut made = Estimates::new(sensors.iter().enumerate().map(names).collect(), times_s, has_velocity);
+    let mut made = Estimates::new(
+        sensors.iter().enumerate().map(names).collect(),
+        times_s,
+        has_velocity,
+    );
     for (track, states) in sensors.iter().flatten().enumerate() {
         for (time, state) in states.iter().enumerate() {
             if let Some(state) = state {
@@ -31,17 +40,31 @@ fn estimates(sensors: &[Vec<Vec<Option<GaussianState>>>], has_velocity: bool) ->
 }
 
 fn state(x_m: f64, y_m: f64, variances: [f64; 4]) -> GaussianState {
-    GaussianState { mean: State::new(x_m, y_m, 0.0, 0.0), covariance: Covariance::from_diagonal(&Vector4::from(variances)) }
+    GaussianState {
+        mean: State::new(x_m, y_m, 0.0, 0.0),
+        covariance: Covariance::from_diagonal(&Vector4::from(variances)),
+    }
 }
 
 fn evidence(estimates: Estimates, times: Times) -> Evidence {
     let until = estimates.times();
-    Evidence { estimates: Arc::new(estimates), cross: None, times, until }
+    Evidence {
+        estimates: Arc::new(estimates),
+        cross: None,
+        times,
+        until,
+    }
 }
 
 fn correlation(estimates: Estimates, statistic: Statistic, p_d: &[f64]) -> Correlation {
     let pairs = pairs_of(&estimates, &statistic).unwrap();
-    Correlation { statistic, estimates: Arc::new(estimates), cross: None, pairs, p_d: p_d.to_vec() }
+    Correlation {
+        statistic,
+        estimates: Arc::new(estimates),
+        cross: None,
+        pairs,
+        p_d: p_d.to_vec(),
+    }
 }
 
 /// A covariance with everything correlated.
@@ -60,7 +83,9 @@ fn kolmogorov_smirnov(mut sample: Vec<f64>, distribution: impl Fn(f64) -> f64) -
     let count = sample.len() as f64;
     let distance = sample.iter().enumerate().map(|(index, &value)| {
         let expected = distribution(value);
-        (expected - index as f64 / count).abs().max(((index + 1) as f64 / count - expected).abs())
+        (expected - index as f64 / count)
+            .abs()
+            .max(((index + 1) as f64 / count - expected).abs())
     });
     (distance.fold(0.0, f64::max), 1.628 / count.sqrt())
 }
@@ -75,21 +100,35 @@ fn lambda_of_one_target_is_chi_square_and_alpha_of_the_true_pairs_are_rejected()
         .map(|_| {
             let covariances = [random_covariance(&mut draw), random_covariance(&mut draw)];
             let track = |covariance: &Covariance, draw: &mut rand_chacha::ChaCha8Rng| {
-                let state =
-                    |_| Some(GaussianState { mean: State::new(1e5, -3e4, 200.0, 10.0) + error(covariance, draw), covariance: *covariance });
+                let state = |_| {
+                    Some(GaussianState {
+                        mean: State::new(1e5, -3e4, 200.0, 10.0) + error(covariance, draw),
+                        covariance: *covariance,
+                    })
+                };
                 vec![(0..TIMES).map(state).collect()]
             };
-            let sensors = [track(&covariances[0], &mut draw), track(&covariances[1], &mut draw)];
-            let pair = evidence(estimates(&sensors, true), Times::All).pair(0, 1).unwrap();
+            let sensors = [
+                track(&covariances[0], &mut draw),
+                track(&covariances[1], &mut draw),
+            ];
+            let pair = evidence(estimates(&sensors, true), Times::All)
+                .pair(0, 1)
+                .unwrap();
             assert_eq!(pair.times, TIMES);
             rejected += usize::from(pair.lambda > threshold);
             pair.lambda
         })
         .collect();
-    let (distance, allowed) = kolmogorov_smirnov(lambdas, |value| 1.0 - chi_square_tail(value, 4.0 * TIMES as f64));
+    let (distance, allowed) = kolmogorov_smirnov(lambdas, |value| {
+        1.0 - chi_square_tail(value, 4.0 * TIMES as f64)
+    });
     assert!(distance < allowed, "{distance} against {allowed}");
     let interval = wilson_interval(rejected as f64, 10_000, 0.99).unwrap();
-    assert!(interval.low < 0.01 && 0.01 < interval.high, "{rejected} of 10 000");
+    assert!(
+        interval.low < 0.01 && 0.01 < interval.high,
+        "{rejected} of 10 000"
+    );
 }
 
 #[test]
@@ -99,7 +138,10 @@ fn q_of_five_tracks_of_one_target_is_chi_square() {
         .map(|_| {
             let mut sensor = || {
                 let covariance = random_covariance(&mut draw);
-                vec![vec![Some(GaussianState { mean: State::new(-2e4, 4e4, 3.0, 0.0) + error(&covariance, &mut draw), covariance })]]
+                vec![vec![Some(GaussianState {
+                    mean: State::new(-2e4, 4e4, 3.0, 0.0) + error(&covariance, &mut draw),
+                    covariance,
+                })]]
             };
             let sensors: Vec<_> = (0..5).map(|_| sensor()).collect();
             let spread = evidence(estimates(&sensors, true), Times::All).spread(&[0, 1, 2, 3, 4]);
@@ -107,7 +149,8 @@ fn q_of_five_tracks_of_one_target_is_chi_square() {
             spread.q
         })
         .collect();
-    let (distance, allowed) = kolmogorov_smirnov(values, |value| 1.0 - chi_square_tail(value, 16.0));
+    let (distance, allowed) =
+        kolmogorov_smirnov(values, |value| 1.0 - chi_square_tail(value, 16.0));
     assert!(distance < allowed, "{distance} against {allowed}");
 }
 
@@ -123,13 +166,22 @@ fn errors_that_last_reject_far_more_than_alpha() {
             let mut last = error(&covariance, &mut draw);
             let mut next = |_| {
                 last = last * 0.9 + error(&covariance, &mut draw) * (1.0f64 - 0.81).sqrt();
-                Some(GaussianState { mean: last, covariance })
+                Some(GaussianState {
+                    mean: last,
+                    covariance,
+                })
             };
             vec![(0..times).map(&mut next).collect::<Vec<_>>()]
         };
         let sensors = [track(), track()];
-        for (count, (kind, degrees)) in rejected.iter_mut().zip([(Times::All, 80.0), (Times::Latest, 4.0)]) {
-            let lambda = evidence(estimates(&sensors, true), kind).pair(0, 1).unwrap().lambda;
+        for (count, (kind, degrees)) in rejected
+            .iter_mut()
+            .zip([(Times::All, 80.0), (Times::Latest, 4.0)])
+        {
+            let lambda = evidence(estimates(&sensors, true), kind)
+                .pair(0, 1)
+                .unwrap()
+                .lambda;
             *count += usize::from(lambda > chi_square_quantile(0.99, degrees));
         }
     }
@@ -152,17 +204,54 @@ fn two_sensors_by_hand() {
     assert!((spread.q - 2.0).abs() < 1e-9 && spread.degrees_of_freedom == 8);
     assert!((p_value(&spread).unwrap() - chi_square_tail(2.0, 8.0)).abs() < 1e-12);
     let latest = evidence(estimates(&sensors, true), Times::Latest);
-    assert!((latest.pair(0, 1).unwrap().lambda - 1.0).abs() < 1e-12 && latest.spread(&[0, 1]).degrees_of_freedom == 4);
+    assert!(
+        (latest.pair(0, 1).unwrap().lambda - 1.0).abs() < 1e-12
+            && latest.spread(&[0, 1]).degrees_of_freedom == 4
+    );
     // Without velocities the same λ with half of the degrees of freedom.
     let positions = evidence(estimates(&sensors, false), Times::All);
-    assert!((positions.pair(0, 1).unwrap().lambda - 2.0).abs() < 1e-12 && positions.spread(&[0, 1]).degrees_of_freedom == 4);
+    assert!(
+        (positions.pair(0, 1).unwrap().lambda - 2.0).abs() < 1e-12
+            && positions.spread(&[0, 1]).degrees_of_freedom == 4
+    );
     // The costs: χ²(0.99, 8) = 20.0902, χ²(0.99, 4) = 13.2767.
-    let cost = |statistic| correlation(estimates(&sensors, true), statistic, &[0.9; 2]).problem(2).cost(&[0, 1]).unwrap();
+    let cost = |statistic| {
+        correlation(estimates(&sensors, true), statistic, &[0.9; 2])
+            .problem(2)
+            .cost(&[0, 1])
+            .unwrap()
+    };
     let expected = 2.0 - 20.090_235;
-    assert!((cost(Statistic::Chain { alpha: 0.01, k: Times::All }) - expected).abs() < 1e-5);
-    assert!((cost(Statistic::AllPairs { alpha: 0.01, k: Times::All, gate_probability: 0.9999 }) - expected).abs() < 1e-5);
-    assert!((cost(Statistic::Fused { alpha: 0.01, k: Times::All, gate_probability: 0.9999 }) - expected).abs() < 1e-5);
-    let latest = cost(Statistic::Chain { alpha: 0.01, k: Times::Latest });
+    assert!(
+        (cost(Statistic::Chain {
+            alpha: 0.01,
+            k: Times::All
+        }) - expected)
+            .abs()
+            < 1e-5
+    );
+    assert!(
+        (cost(Statistic::AllPairs {
+            alpha: 0.01,
+            k: Times::All,
+            gate_probability: 0.9999
+        }) - expected)
+            .abs()
+            < 1e-5
+    );
+    assert!(
+        (cost(Statistic::Fused {
+            alpha: 0.01,
+            k: Times::All,
+            gate_probability: 0.9999
+        }) - expected)
+            .abs()
+            < 1e-5
+    );
+    let latest = cost(Statistic::Chain {
+        alpha: 0.01,
+        k: Times::Latest,
+    });
     assert!((latest - (1.0 - 13.276_704)).abs() < 1e-5);
 }
 
@@ -175,12 +264,38 @@ fn three_sensors_by_hand() {
     let spread = evidence(made(), Times::All).spread(&[0, 1, 2]);
     assert!((spread.q - 18.0).abs() < 1e-9 && spread.degrees_of_freedom == 4);
     let quantile = |degrees: f64| chi_square_quantile(0.99, degrees);
-    let chain = correlation(made(), Statistic::Chain { alpha: 0.01, k: Times::All }, &[0.9; 3]).problem(1);
+    let chain = correlation(
+        made(),
+        Statistic::Chain {
+            alpha: 0.01,
+            k: Times::All,
+        },
+        &[0.9; 3],
+    )
+    .problem(1);
     assert!((chain.cost(&[0, 1, 2]).unwrap() - (9.0 - 2.0 * quantile(2.0))).abs() < 1e-9);
     assert_eq!(chain.cost(&[0, 2]), None, "λ = 18 is no link of a chain");
-    let all = correlation(made(), Statistic::AllPairs { alpha: 0.01, k: Times::All, gate_probability: 0.9999 }, &[0.9; 3]).problem(1);
+    let all = correlation(
+        made(),
+        Statistic::AllPairs {
+            alpha: 0.01,
+            k: Times::All,
+            gate_probability: 0.9999,
+        },
+        &[0.9; 3],
+    )
+    .problem(1);
     assert!((all.cost(&[0, 1, 2]).unwrap() - (27.0 - 3.0 * quantile(2.0))).abs() < 1e-9);
-    let fused = correlation(made(), Statistic::Fused { alpha: 0.01, k: Times::All, gate_probability: 0.9999 }, &[0.9; 3]).problem(1);
+    let fused = correlation(
+        made(),
+        Statistic::Fused {
+            alpha: 0.01,
+            k: Times::All,
+            gate_probability: 0.9999,
+        },
+        &[0.9; 3],
+    )
+    .problem(1);
     assert!((fused.cost(&[0, 1, 2]).unwrap() - (18.0 - quantile(4.0))).abs() < 1e-9);
     assert_eq!(fused.cost(&[1]), Some(0.0));
 }
@@ -190,9 +305,17 @@ fn the_likelihood_ratio_is_the_integral() {
     // Three tracks in the plane whose y agree exactly: the integral over x by Simpson's rule, that over y by the same.
     let sigmas = [1.0, 2.0, 1.5];
     let places = [0.0, 1.0, -0.5];
-    let track = |index: usize| vec![vec![Some(state(places[index], 0.0, [sigmas[index] * sigmas[index]; 4]))]];
+    let track = |index: usize| {
+        vec![vec![Some(state(
+            places[index],
+            0.0,
+            [sigmas[index] * sigmas[index]; 4],
+        ))]]
+    };
     let sensors: Vec<_> = (0..3).map(track).collect();
-    let density = |x: f64, mean: f64, sigma: f64| (-0.5 * ((x - mean) / sigma).powi(2)).exp() / (sigma * std::f64::consts::TAU.sqrt());
+    let density = |x: f64, mean: f64, sigma: f64| {
+        (-0.5 * ((x - mean) / sigma).powi(2)).exp() / (sigma * std::f64::consts::TAU.sqrt())
+    };
     let integral = |members: &[usize], means: &dyn Fn(usize) -> f64| {
         let (steps, low, high) = (4000, -20.0, 20.0);
         let width = (high - low) / steps as f64;
@@ -205,7 +328,11 @@ fn the_likelihood_ratio_is_the_integral() {
             } else {
                 2.0
             };
-            weight * members.iter().map(|&index| density(x, means(index), sigmas[index])).product::<f64>()
+            weight
+                * members
+                    .iter()
+                    .map(|&index| density(x, means(index), sigmas[index]))
+                    .product::<f64>()
         };
         (0..=steps).map(value).sum::<f64>() * width / 3.0
     };
@@ -220,13 +347,34 @@ fn the_likelihood_ratio_is_the_integral() {
     let problem = correlation(estimates(&sensors, false), statistic, &p_d).problem(1);
     let absent = |sensor: usize| 1.0 - p_d[sensor];
     for members in [vec![0usize, 1, 2], vec![0, 1], vec![1, 2]] {
-        let alone = |sensor: usize| clutter + target * p_d[sensor] * (0..3).filter(|&other| other != sensor).map(absent).product::<f64>();
-        let detected: f64 = (0..3).map(|sensor| if members.contains(&sensor) { p_d[sensor] } else { absent(sensor) }).product();
+        let alone = |sensor: usize| {
+            clutter
+                + target
+                    * p_d[sensor]
+                    * (0..3)
+                        .filter(|&other| other != sensor)
+                        .map(absent)
+                        .product::<f64>()
+        };
+        let detected: f64 = (0..3)
+            .map(|sensor| {
+                if members.contains(&sensor) {
+                    p_d[sensor]
+                } else {
+                    absent(sensor)
+                }
+            })
+            .product();
         let kinematic = integral(&members, &|index| places[index]) * integral(&members, &|_| 0.0);
-        let expected = -(target * detected * kinematic / members.iter().map(|&sensor| alone(sensor)).product::<f64>()).ln();
+        let expected = -(target * detected * kinematic
+            / members.iter().map(|&sensor| alone(sensor)).product::<f64>())
+        .ln();
         let tuple: Vec<u32> = members.iter().map(|&member| member as u32).collect();
         let cost = problem.cost(&tuple).unwrap();
-        assert!((cost - expected).abs() < 1e-6, "{members:?}: {cost} against {expected}");
+        assert!(
+            (cost - expected).abs() < 1e-6,
+            "{members:?}: {cost} against {expected}"
+        );
     }
 }
 
@@ -234,8 +382,16 @@ fn the_likelihood_ratio_is_the_integral() {
 fn the_likelihood_ratio_of_full_states_is_the_density_of_their_difference() {
     let mut draw = Seed { seed: 4, run: 0 }.stream(Purpose::LocalTracks, 0, 0);
     let covariances = [random_covariance(&mut draw), random_covariance(&mut draw)];
-    let means = [error(&covariances[0], &mut draw), error(&covariances[1], &mut draw)];
-    let track = |index: usize| vec![vec![Some(GaussianState { mean: means[index], covariance: covariances[index] })]];
+    let means = [
+        error(&covariances[0], &mut draw),
+        error(&covariances[1], &mut draw),
+    ];
+    let track = |index: usize| {
+        vec![vec![Some(GaussianState {
+            mean: means[index],
+            covariance: covariances[index],
+        })]]
+    };
     let spread = evidence(estimates(&[track(0), track(1)], true), Times::All).spread(&[0, 1]);
     let sum = covariances[0] + covariances[1];
     let difference = means[0] - means[1];
@@ -249,25 +405,48 @@ fn a_cross_covariance_of_nothing_changes_nothing_and_a_coefficient_shrinks_what_
     let mut draw = Seed { seed: 5, run: 0 }.stream(Purpose::LocalTracks, 0, 0);
     let mut track = || {
         let covariance = random_covariance(&mut draw);
-        vec![vec![Some(GaussianState { mean: error(&covariance, &mut draw), covariance })]]
+        vec![vec![Some(GaussianState {
+            mean: error(&covariance, &mut draw),
+            covariance,
+        })]]
     };
     let sensors = [track(), track(), track()];
     let made = estimates(&sensors, true);
     let independent = evidence(made.clone(), Times::All);
     let pairs = [(0, 1), (0, 2), (1, 2)];
     let with = |coefficient: f64| {
-        let cross = Some(Arc::new(CrossTable::with_coefficient(&made, &pairs, coefficient)));
-        Evidence { cross, ..evidence(made.clone(), Times::All) }
+        let cross = Some(Arc::new(CrossTable::with_coefficient(
+            &made,
+            &pairs,
+            coefficient,
+        )));
+        Evidence {
+            cross,
+            ..evidence(made.clone(), Times::All)
+        }
     };
     let (plain, zero) = (independent.spread(&[0, 1, 2]), with(0.0).spread(&[0, 1, 2]));
     assert!((plain.q - zero.q).abs() < 1e-9 && (plain.log_density - zero.log_density).abs() < 1e-9);
-    assert!((independent.pair(0, 2).unwrap().lambda - with(0.0).pair(0, 2).unwrap().lambda).abs() < 1e-12);
+    assert!(
+        (independent.pair(0, 2).unwrap().lambda - with(0.0).pair(0, 2).unwrap().lambda).abs()
+            < 1e-12
+    );
     // Equal covariances: C = 2 (1 − ρ) P, so that ρ = 0.5 doubles λ.
     let covariance = random_covariance(&mut draw);
     let alike = |mean: State| vec![vec![Some(GaussianState { mean, covariance })]];
-    let made = estimates(&[alike(State::zeros()), alike(State::new(1.0, 2.0, 0.5, 0.1))], true);
-    let cross = Some(Arc::new(CrossTable::with_coefficient(&made, &[(0, 1)], 0.5)));
-    let correlated = Evidence { cross, ..evidence(made.clone(), Times::All) };
+    let made = estimates(
+        &[alike(State::zeros()), alike(State::new(1.0, 2.0, 0.5, 0.1))],
+        true,
+    );
+    let cross = Some(Arc::new(CrossTable::with_coefficient(
+        &made,
+        &[(0, 1)],
+        0.5,
+    )));
+    let correlated = Evidence {
+        cross,
+        ..evidence(made.clone(), Times::All)
+    };
     let single = evidence(made, Times::All).pair(0, 1).unwrap().lambda;
     assert!((correlated.pair(0, 1).unwrap().lambda / single - 2.0).abs() < 1e-9);
     assert!((correlated.spread(&[0, 1]).q / single - 2.0).abs() < 1e-9);
@@ -287,7 +466,11 @@ fn every_pair_within_the_gate_is_found() {
         let sensors = [sensor(), sensor(), sensor()];
         let made = estimates(&sensors, false);
         let all = evidence(made.clone(), Times::All);
-        let statistic = Statistic::AllPairs { alpha: 0.01, k: Times::All, gate_probability: 0.99 };
+        let statistic = Statistic::AllPairs {
+            alpha: 0.01,
+            k: Times::All,
+            gate_probability: 0.99,
+        };
         let problem = correlation(made, statistic, &[0.9; 3]).problem(2);
         let (mut linked, gate) = (0, chi_square_quantile(0.99, 2.0));
         for a in 0..36u32 {

@@ -13,35 +13,64 @@ use trackloom_domain::model::dataset::{Dataset, DatasetKind};
 use trackloom_domain::registry;
 
 fn evaluate(name: &str, comparisons: &[Comparison]) -> MetricReport {
-    let method = METRICS.iter().find(|method| method.name == name).expect("a name of the table");
-    let defaults = registry::check(&json!({}), method.parameters).expect("every parameter has a default");
+    let method = METRICS
+        .iter()
+        .find(|method| method.name == name)
+        .expect("a name of the table");
+    let defaults =
+        registry::check(&json!({}), method.parameters).expect("every parameter has a default");
     let metric = (method.build)(&defaults).expect("defaults build");
     let logs: Vec<EventLog> = comparisons.iter().map(EventLog::new).collect();
-    let sequence = |(comparison, events)| Sequence { comparison, events, input: None };
-    metric.evaluate(&comparisons.iter().zip(&logs).map(sequence).collect::<Vec<_>>())
+    let sequence = |(comparison, events)| Sequence {
+        comparison,
+        events,
+        input: None,
+    };
+    metric.evaluate(
+        &comparisons
+            .iter()
+            .zip(&logs)
+            .map(sequence)
+            .collect::<Vec<_>>(),
+    )
 }
 
 fn assert_close(what: &str, found: Option<f64>, expected: f64, tolerance: f64) {
     let found = found.unwrap_or_else(|| panic!("{what} is null, not {expected}"));
-    assert!((found - expected).abs() <= tolerance, "{what} is {found}, not {expected}");
+    assert!(
+        (found - expected).abs() <= tolerance,
+        "{what} is {found}, not {expected}"
+    );
 }
 
 /// TUD-Campus of MOTChallenge with the tracks of one tracker; `None` where the machine has it not.
 fn tud_campus() -> Option<Comparison> {
-    let Some(folder) = std::env::var_os("TRACKLOOM_DATA").map(|folder| PathBuf::from(folder).join("mot-tud/TUD-Campus")) else {
+    let Some(folder) = std::env::var_os("TRACKLOOM_DATA")
+        .map(|folder| PathBuf::from(folder).join("mot-tud/TUD-Campus"))
+    else {
         println!("skipped: TRACKLOOM_DATA names no folder with mot-tud/TUD-Campus");
         return None;
     };
     let read = |file: &str, kind| {
         let bytes = std::fs::read(folder.join(file)).expect("the folder has the file");
         let format = format_named("mot").expect("the format is known");
-        let options = ReadOptions { kind: Some(kind), ..ReadOptions::default() };
-        match (format.read)(&mut bytes.as_slice(), &options).expect("the file is sound").dataset {
+        let options = ReadOptions {
+            kind: Some(kind),
+            ..ReadOptions::default()
+        };
+        match (format.read)(&mut bytes.as_slice(), &options)
+            .expect("the file is sound")
+            .dataset
+        {
             Dataset::TruthBoxes(set) | Dataset::TrackBoxes(set) => set,
             other => panic!("expected boxes, found {}", other.kind().name()),
         }
     };
-    Some(Comparison::of_boxes(&read("gt.txt", DatasetKind::Truth), &read("test.txt", DatasetKind::Tracks), 0.5))
+    Some(Comparison::of_boxes(
+        &read("gt.txt", DatasetKind::Truth),
+        &read("test.txt", DatasetKind::Tracks),
+        0.5,
+    ))
 }
 
 const CLEAR: [(&str, f64); 22] = [
@@ -111,10 +140,23 @@ const HOTA_BY_ALPHA: [(&str, [f64; 19]); 12] = [
 
 #[test]
 fn tud_campus_equals_the_reference() {
-    let Some(comparison) = tud_campus() else { return };
+    let Some(comparison) = tud_campus() else {
+        return;
+    };
     let comparisons = [comparison];
-    assert_eq!((comparisons[0].steps.len(), comparisons[0].truth_ids.len(), comparisons[0].track_ids.len()), (71, 8, 13));
-    for (metric, expected) in [("clear", &CLEAR[..]), ("identity", &IDENTITY), ("hota", &HOTA)] {
+    assert_eq!(
+        (
+            comparisons[0].steps.len(),
+            comparisons[0].truth_ids.len(),
+            comparisons[0].track_ids.len()
+        ),
+        (71, 8, 13)
+    );
+    for (metric, expected) in [
+        ("clear", &CLEAR[..]),
+        ("identity", &IDENTITY),
+        ("hota", &HOTA),
+    ] {
         let report = evaluate(metric, &comparisons);
         for &(name, value) in expected {
             let tolerance = if value.fract() == 0.0 { 0.0 } else { 1e-9 };
@@ -123,9 +165,18 @@ fn tud_campus_equals_the_reference() {
     }
     let report = evaluate("hota", &comparisons);
     for (name, values) in HOTA_BY_ALPHA {
-        let series = report.series.iter().find(|series| series.name == name).expect("a curve of this name");
+        let series = report
+            .series
+            .iter()
+            .find(|series| series.name == name)
+            .expect("a curve of this name");
         for (index, value) in values.into_iter().enumerate() {
-            assert_close(&format!("{name} at {}", series.at[index]), series.values[index], value, 1e-9);
+            assert_close(
+                &format!("{name} at {}", series.at[index]),
+                series.values[index],
+                value,
+                1e-9,
+            );
         }
     }
 }
@@ -133,16 +184,25 @@ fn tud_campus_equals_the_reference() {
 /// A sequence and its copy combined: counts double, ratios stay.
 #[test]
 fn copies_of_tud_campus_have_the_same_ratios() {
-    let Some(comparison) = tud_campus() else { return };
+    let Some(comparison) = tud_campus() else {
+        return;
+    };
     let comparisons = [comparison.clone(), comparison];
-    for (metric, expected) in [("clear", &CLEAR[..10]), ("identity", &IDENTITY[..3]), ("hota", &HOTA)] {
+    for (metric, expected) in [
+        ("clear", &CLEAR[..10]),
+        ("identity", &IDENTITY[..3]),
+        ("hota", &HOTA),
+    ] {
         let report = evaluate(metric, &comparisons);
         for &(name, value) in expected.iter().filter(|(name, _)| *name != "motal") {
             assert_close(name, report.quantity(name), value, 1e-9);
         }
     }
     assert_eq!(evaluate("clear", &comparisons).quantity("idsw"), Some(14.0));
-    assert_eq!(evaluate("identity", &comparisons).quantity("idtp"), Some(324.0));
+    assert_eq!(
+        evaluate("identity", &comparisons).quantity("idtp"),
+        Some(324.0)
+    );
 }
 
 /// Numbers from a seed, in [0, 1).
@@ -150,7 +210,10 @@ struct Noise(u64);
 
 impl Noise {
     fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1u64 << 53) as f64
     }
 
@@ -165,11 +228,20 @@ impl Noise {
                 top_px += self.next() * 2.0 - 1.0;
                 if self.next() < 0.75 {
                     let (width_px, height_px) = (8.0 + self.next() * 4.0, 8.0 + self.next() * 4.0);
-                    boxes.push(ObjectBox { frame, object, left_px, top_px, width_px, height_px, confidence: 1.0 });
+                    boxes.push(ObjectBox {
+                        frame,
+                        object,
+                        left_px,
+                        top_px,
+                        width_px,
+                        height_px,
+                        confidence: 1.0,
+                    });
                 }
             }
         }
-        BoxSet::new((0..count).map(|object| object.to_string()).collect(), boxes).expect("the boxes are sound")
+        BoxSet::new((0..count).map(|object| object.to_string()).collect(), boxes)
+            .expect("the boxes are sound")
     }
 }
 
@@ -182,28 +254,64 @@ fn random_boxes_have_the_metrics_of_a_dense_implementation() {
         let (truth, tracks) = (noise.objects(4.0, frames), noise.objects(4.0, frames));
         let scene = dense::Scene::new(&truth, &tracks, frames);
         let comparisons = [Comparison::of_boxes(&truth, &tracks, 0.5)];
-        let (truth_points, track_points) = (truth.boxes().len() as f64, tracks.boxes().len() as f64);
+        let (truth_points, track_points) =
+            (truth.boxes().len() as f64, tracks.boxes().len() as f64);
         let identity = evaluate("identity", &comparisons);
         assert_eq!(identity.quantity("idtp"), Some(scene.idtp()), "case {case}");
         let clear = evaluate("clear", &comparisons);
         let expected = scene.clear();
         assert_eq!(clear.quantity("tp"), Some(expected.matches), "case {case}");
-        assert_eq!(clear.quantity("idsw"), Some(expected.switches), "case {case}");
-        assert_eq!(clear.quantity("frag_trackeval"), Some(expected.fragments), "case {case}");
-        assert_eq!(clear.quantity("fn"), Some(truth_points - expected.matches), "case {case}");
-        assert_eq!(clear.quantity("fp"), Some(track_points - expected.matches), "case {case}");
+        assert_eq!(
+            clear.quantity("idsw"),
+            Some(expected.switches),
+            "case {case}"
+        );
+        assert_eq!(
+            clear.quantity("frag_trackeval"),
+            Some(expected.fragments),
+            "case {case}"
+        );
+        assert_eq!(
+            clear.quantity("fn"),
+            Some(truth_points - expected.matches),
+            "case {case}"
+        );
+        assert_eq!(
+            clear.quantity("fp"),
+            Some(track_points - expected.matches),
+            "case {case}"
+        );
         (switches, matches) = (switches + expected.switches, matches + expected.matches);
         if truth_points + track_points == 0.0 {
-            assert_eq!((identity.value, clear.value, evaluate("hota", &comparisons).value), (None, None, None));
+            assert_eq!(
+                (
+                    identity.value,
+                    clear.value,
+                    evaluate("hota", &comparisons).value
+                ),
+                (None, None, None)
+            );
             continue;
         }
         let hota = evaluate("hota", &comparisons);
         for (name, values) in scene.hota() {
-            let series = hota.series.iter().find(|series| series.name == name).expect("a curve of this name");
+            let series = hota
+                .series
+                .iter()
+                .find(|series| series.name == name)
+                .expect("a curve of this name");
             for (index, value) in values.into_iter().enumerate() {
-                assert_close(&format!("case {case}: {name} number {index}"), series.values[index], value, 1e-12);
+                assert_close(
+                    &format!("case {case}: {name} number {index}"),
+                    series.values[index],
+                    value,
+                    1e-12,
+                );
             }
         }
     }
-    assert!(switches > 100.0 && matches > 1000.0, "{switches} switches, {matches} matches: the cases are too easy");
+    assert!(
+        switches > 100.0 && matches > 1000.0,
+        "{switches} switches, {matches} matches: the cases are too easy"
+    );
 }

@@ -20,7 +20,13 @@ async fn a_walk_through_the_pages_sees_each_job_once_while_others_are_added() {
         let mut seen = Vec::new();
         let mut cursor = None;
         loop {
-            let filter = JobFilter { sort, limit: 7, cursor, count: true, ..Default::default() };
+            let filter = JobFilter {
+                sort,
+                limit: 7,
+                cursor,
+                count: true,
+                ..Default::default()
+            };
             let page = service.list(filter).await.unwrap();
             assert!(page.items.len() <= 7 && page.total.unwrap() >= 25);
             seen.extend(page.items.iter().map(|job| job.id));
@@ -31,13 +37,31 @@ async fn a_walk_through_the_pages_sees_each_job_once_while_others_are_added() {
             }
         }
         let known: BTreeSet<Uuid> = wanted.iter().copied().collect();
-        let old: Vec<Uuid> = seen.iter().copied().filter(|id| known.contains(id)).collect();
-        let expected: Vec<Uuid> = if sort == Sort::NewestFirst { wanted.iter().rev().copied().collect() } else { wanted.clone() };
+        let old: Vec<Uuid> = seen
+            .iter()
+            .copied()
+            .filter(|id| known.contains(id))
+            .collect();
+        let expected: Vec<Uuid> = if sort == Sort::NewestFirst {
+            wanted.iter().rev().copied().collect()
+        } else {
+            wanted.clone()
+        };
         assert_eq!(old, expected);
-        assert_eq!(seen.iter().collect::<BTreeSet<_>>().len(), seen.len(), "a job was listed twice");
+        assert_eq!(
+            seen.iter().collect::<BTreeSet<_>>().len(),
+            seen.len(),
+            "a job was listed twice"
+        );
     }
-    let wrong = JobFilter { cursor: Some("page2".into()), ..Default::default() };
-    assert!(matches!(service.list(wrong).await, Err(JobsError::InvalidCursor)));
+    let wrong = JobFilter {
+        cursor: Some("page2".into()),
+        ..Default::default()
+    };
+    assert!(matches!(
+        service.list(wrong).await,
+        Err(JobsError::InvalidCursor)
+    ));
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -50,20 +74,97 @@ async fn filters_narrow_a_list_and_all_must_match() {
     named["labels"] = json!({"site": "north", "rig": "a"});
     let named = service.submit_ok(JobKind::Simulate, named).await;
     let input = json!({"source": "scenario", "scenario": small(1)["scenario"]});
-    let associate = service.submit_ok(JobKind::Associate, json!({"input": input, "labels": {"site": "north"}})).await;
-    let ids = async |filter: JobFilter| service.list(filter).await.unwrap().items.iter().map(|job| job.id).collect::<Vec<_>>();
+    let associate = service
+        .submit_ok(
+            JobKind::Associate,
+            json!({"input": input, "labels": {"site": "north"}}),
+        )
+        .await;
+    let ids = async |filter: JobFilter| {
+        service
+            .list(filter)
+            .await
+            .unwrap()
+            .items
+            .iter()
+            .map(|job| job.id)
+            .collect::<Vec<_>>()
+    };
     let label = |key: &str, value: &str| (key.to_owned(), value.to_owned());
 
-    assert_eq!(ids(JobFilter { states: vec![JobState::Running], ..Default::default() }).await, [blocker.id]);
-    assert_eq!(ids(JobFilter { kinds: vec![JobKind::Associate, JobKind::Evaluate], ..Default::default() }).await, [associate.id]);
-    assert_eq!(ids(JobFilter { labels: vec![label("site", "north")], ..Default::default() }).await, [associate.id, named.id]);
-    assert_eq!(ids(JobFilter { labels: vec![label("site", "north"), label("rig", "a")], ..Default::default() }).await, [named.id]);
-    assert_eq!(ids(JobFilter { q: Some("night".into()), ..Default::default() }).await, [named.id]);
-    assert_eq!(ids(JobFilter { q: Some(blocker.id.to_string()), ..Default::default() }).await, [blocker.id]);
-    assert_eq!(ids(JobFilter { created_before: Some(named.created_at), ..Default::default() }).await, [blocker.id]);
-    assert_eq!(ids(JobFilter { created_after: Some(named.created_at), ..Default::default() }).await, [associate.id]);
+    assert_eq!(
+        ids(JobFilter {
+            states: vec![JobState::Running],
+            ..Default::default()
+        })
+        .await,
+        [blocker.id]
+    );
+    assert_eq!(
+        ids(JobFilter {
+            kinds: vec![JobKind::Associate, JobKind::Evaluate],
+            ..Default::default()
+        })
+        .await,
+        [associate.id]
+    );
+    assert_eq!(
+        ids(JobFilter {
+            labels: vec![label("site", "north")],
+            ..Default::default()
+        })
+        .await,
+        [associate.id, named.id]
+    );
+    assert_eq!(
+        ids(JobFilter {
+            labels: vec![label("site", "north"), label("rig", "a")],
+            ..Default::default()
+        })
+        .await,
+        [named.id]
+    );
+    assert_eq!(
+        ids(JobFilter {
+            q: Some("night".into()),
+            ..Default::default()
+        })
+        .await,
+        [named.id]
+    );
+    assert_eq!(
+        ids(JobFilter {
+            q: Some(blocker.id.to_string()),
+            ..Default::default()
+        })
+        .await,
+        [blocker.id]
+    );
+    assert_eq!(
+        ids(JobFilter {
+            created_before: Some(named.created_at),
+            ..Default::default()
+        })
+        .await,
+        [blocker.id]
+    );
+    assert_eq!(
+        ids(JobFilter {
+            created_after: Some(named.created_at),
+            ..Default::default()
+        })
+        .await,
+        [associate.id]
+    );
     let counts = service.counts().await.unwrap();
-    assert_eq!((counts[&JobState::Running], counts[&JobState::Queued], counts[&JobState::Failed]), (1, 2, 0));
+    assert_eq!(
+        (
+            counts[&JobState::Running],
+            counts[&JobState::Queued],
+            counts[&JobState::Failed]
+        ),
+        (1, 2, 0)
+    );
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -72,20 +173,48 @@ async fn a_key_makes_one_job_however_often_and_from_however_many_it_comes() {
     let key = || Some("k1".to_owned());
     let asked = (0..8).map(|_| service.submit(JobKind::Simulate, small(1), key()));
     let answers = futures::future::join_all(asked).await;
-    let ids: BTreeSet<Uuid> = answers.iter().map(|answer| answer.as_ref().unwrap().job.id).collect();
+    let ids: BTreeSet<Uuid> = answers
+        .iter()
+        .map(|answer| answer.as_ref().unwrap().job.id)
+        .collect();
     assert_eq!(ids.len(), 1);
-    assert_eq!(answers.iter().filter(|answer| !answer.as_ref().unwrap().replayed).count(), 1);
+    assert_eq!(
+        answers
+            .iter()
+            .filter(|answer| !answer.as_ref().unwrap().replayed)
+            .count(),
+        1
+    );
     let id = *ids.first().unwrap();
     service.succeeded(id).await;
-    let later = service.submit(JobKind::Simulate, small(1), key()).await.unwrap();
-    assert_eq!((later.job.id, later.job.state, later.replayed), (id, JobState::Succeeded, true));
+    let later = service
+        .submit(JobKind::Simulate, small(1), key())
+        .await
+        .unwrap();
+    assert_eq!(
+        (later.job.id, later.job.state, later.replayed),
+        (id, JobState::Succeeded, true)
+    );
 
-    for (kind, body) in [(JobKind::Simulate, small(2)), (JobKind::Evaluate, small(1)), (JobKind::Simulate, json!(null))] {
-        assert!(matches!(service.submit(kind, body, key()).await, Err(JobsError::IdempotencyMismatch)));
+    for (kind, body) in [
+        (JobKind::Simulate, small(2)),
+        (JobKind::Evaluate, small(1)),
+        (JobKind::Simulate, json!(null)),
+    ] {
+        assert!(matches!(
+            service.submit(kind, body, key()).await,
+            Err(JobsError::IdempotencyMismatch)
+        ));
     }
-    assert_eq!(service.list(Default::default()).await.unwrap().items.len(), 1);
+    assert_eq!(
+        service.list(Default::default()).await.unwrap().items.len(),
+        1
+    );
     service.delete(id).await.unwrap();
-    assert!(matches!(service.submit(JobKind::Simulate, small(1), key()).await, Err(JobsError::Gone("job"))));
+    assert!(matches!(
+        service.submit(JobKind::Simulate, small(1), key()).await,
+        Err(JobsError::Gone("job"))
+    ));
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -102,13 +231,28 @@ async fn a_list_of_a_hundred_thousand_jobs_is_as_quick_as_a_short_one() {
                  '{}', 'x', 1, '0', created_at + i, created_at, 0 FROM n, jobs"])
         .await;
     let recent = JobFilter::default();
-    let failed = JobFilter { states: vec![JobState::Failed], kinds: vec![JobKind::Associate], ..Default::default() };
-    let labelled = JobFilter { labels: vec![("site".into(), "north".into())], ..Default::default() };
+    let failed = JobFilter {
+        states: vec![JobState::Failed],
+        kinds: vec![JobKind::Associate],
+        ..Default::default()
+    };
+    let labelled = JobFilter {
+        labels: vec![("site".into(), "north".into())],
+        ..Default::default()
+    };
     for (filter, items) in [(recent, 50), (failed, 50), (labelled, 1)] {
-        let took = quickest(async || assert_eq!(service.list(filter.clone()).await.unwrap().items.len(), items)).await;
+        let took = quickest(async || {
+            assert_eq!(
+                service.list(filter.clone()).await.unwrap().items.len(),
+                items
+            )
+        })
+        .await;
         assert!(took < Duration::from_millis(50), "{filter:?} took {took:?}");
     }
-    let took = quickest(async || assert_eq!(service.counts().await.unwrap()[&JobState::Failed], 25_000)).await;
+    let took =
+        quickest(async || assert_eq!(service.counts().await.unwrap()[&JobState::Failed], 25_000))
+            .await;
     assert!(took < Duration::from_millis(100), "{took:?}");
 }
 
@@ -126,23 +270,72 @@ async fn texts_that_no_database_keeps_are_refused_whichever_it_is() {
         (with("labels", json!({"\u{0}": "v"})), "/labels/\u{0}"),
     ] {
         let faults = service.refused(JobKind::Simulate, body).await;
-        assert_eq!((faults[0].pointer.as_str(), faults[0].code.as_str(), faults.len()), (pointer, "control_character", 1));
+        assert_eq!(
+            (
+                faults[0].pointer.as_str(),
+                faults[0].code.as_str(),
+                faults.len()
+            ),
+            (pointer, "control_character", 1)
+        );
     }
     let job = service.submit_ok(JobKind::Simulate, small(1)).await;
-    let patch = JobPatch { name: Some("\u{0}".into()), labels: Some([("k".to_owned(), "\u{0}".to_owned())].into()) };
-    let Err(JobsError::Invalid(faults)) = service.patch(job.id, patch).await else { panic!("not refused") };
-    assert_eq!(faults.iter().map(|fault| fault.pointer.as_str()).collect::<Vec<_>>(), ["/name", "/labels/k"]);
+    let patch = JobPatch {
+        name: Some("\u{0}".into()),
+        labels: Some([("k".to_owned(), "\u{0}".to_owned())].into()),
+    };
+    let Err(JobsError::Invalid(faults)) = service.patch(job.id, patch).await else {
+        panic!("not refused")
+    };
+    assert_eq!(
+        faults
+            .iter()
+            .map(|fault| fault.pointer.as_str())
+            .collect::<Vec<_>>(),
+        ["/name", "/labels/k"]
+    );
     let nul = || Some("\u{0}".to_owned());
-    let filter = JobFilter { q: nul(), labels: vec![("\u{0}".into(), "v".into())], ..Default::default() };
-    let Err(JobsError::Invalid(faults)) = service.list(filter).await else { panic!("not refused") };
-    assert_eq!(faults.iter().map(|fault| fault.pointer.as_str()).collect::<Vec<_>>(), ["/query/label", "/query/q"]);
-    let filter = DatasetFilter { q: nul(), ..Default::default() };
-    assert!(matches!(service.list_datasets(filter).await, Err(JobsError::Invalid(faults)) if faults[0].pointer == "/query/q"));
-    let file = |name: &str| DatasetMeta { name: Some(name.into()), ..Default::default() };
+    let filter = JobFilter {
+        q: nul(),
+        labels: vec![("\u{0}".into(), "v".into())],
+        ..Default::default()
+    };
+    let Err(JobsError::Invalid(faults)) = service.list(filter).await else {
+        panic!("not refused")
+    };
+    assert_eq!(
+        faults
+            .iter()
+            .map(|fault| fault.pointer.as_str())
+            .collect::<Vec<_>>(),
+        ["/query/label", "/query/q"]
+    );
+    let filter = DatasetFilter {
+        q: nul(),
+        ..Default::default()
+    };
+    assert!(
+        matches!(service.list_datasets(filter).await, Err(JobsError::Invalid(faults)) if faults[0].pointer == "/query/q")
+    );
+    let file = |name: &str| DatasetMeta {
+        name: Some(name.into()),
+        ..Default::default()
+    };
     let content = "time_s,truth_id,x_m,y_m\n0,t,1,2\n1,t,2,3\n";
-    let meta = DatasetMeta { file_name: Some("\u{0}.csv".into()), ..file("a\u{0}") };
-    let Err(JobsError::Invalid(faults)) = service.upload(content, meta).await else { panic!("not refused") };
-    assert_eq!(faults.iter().map(|fault| fault.pointer.as_str()).collect::<Vec<_>>(), ["/meta/name", "/file"]);
+    let meta = DatasetMeta {
+        file_name: Some("\u{0}.csv".into()),
+        ..file("a\u{0}")
+    };
+    let Err(JobsError::Invalid(faults)) = service.upload(content, meta).await else {
+        panic!("not refused")
+    };
+    assert_eq!(
+        faults
+            .iter()
+            .map(|fault| fault.pointer.as_str())
+            .collect::<Vec<_>>(),
+        ["/meta/name", "/file"]
+    );
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -150,20 +343,49 @@ async fn lists_are_narrowed_by_few_labels_quickly() {
     let service = start().await;
     let label = |index: usize| (format!("k{index}"), "v".to_owned());
     let mut body = small(1);
-    body["labels"] = (0..16).map(label).map(|(key, value)| (key, json!(value))).collect::<serde_json::Map<_, _>>().into();
+    body["labels"] = (0..16)
+        .map(label)
+        .map(|(key, value)| (key, json!(value)))
+        .collect::<serde_json::Map<_, _>>()
+        .into();
     let job = service.submit_ok(JobKind::Simulate, body).await;
-    let filter = |count: usize| JobFilter { labels: (0..count).map(label).collect(), count: true, ..Default::default() };
+    let filter = |count: usize| JobFilter {
+        labels: (0..count).map(label).collect(),
+        count: true,
+        ..Default::default()
+    };
     let since = Instant::now();
     let page = service.list(filter(16)).await.unwrap();
     assert_eq!((page.items[0].id, page.total), (job.id, Some(1)));
-    assert!(since.elapsed() < Duration::from_secs(2), "{:?}", since.elapsed());
+    assert!(
+        since.elapsed() < Duration::from_secs(2),
+        "{:?}",
+        since.elapsed()
+    );
     for count in [17, 1100] {
-        let Err(JobsError::Invalid(faults)) = service.list(filter(count)).await else { panic!("{count} labels") };
+        let Err(JobsError::Invalid(faults)) = service.list(filter(count)).await else {
+            panic!("{count} labels")
+        };
         assert_eq!(faults[0].detail, format!("{count} labels are named"));
     }
     let states = vec![JobState::Queued; 9000];
-    let Err(JobsError::Invalid(faults)) = service.list(JobFilter { states, ..Default::default() }).await else { panic!("not refused") };
-    assert_eq!((faults.len(), faults[0].pointer.as_str(), faults[0].code.as_str()), (1, "/query/state", "duplicate"));
+    let Err(JobsError::Invalid(faults)) = service
+        .list(JobFilter {
+            states,
+            ..Default::default()
+        })
+        .await
+    else {
+        panic!("not refused")
+    };
+    assert_eq!(
+        (
+            faults.len(),
+            faults[0].pointer.as_str(),
+            faults[0].code.as_str()
+        ),
+        (1, "/query/state", "duplicate")
+    );
 }
 
 /// The quickest of some tries: other tests share the machine.
@@ -188,10 +410,20 @@ async fn a_full_queue_refuses_jobs_but_never_a_cancellation() {
     service.in_progress(running.id).await;
     let first = service.submit_ok(JobKind::Simulate, small(1)).await;
     service.submit_ok(JobKind::Simulate, small(2)).await;
-    assert!(matches!(service.submit(JobKind::Simulate, small(3), None).await, Err(JobsError::QueueFull)));
+    assert!(matches!(
+        service.submit(JobKind::Simulate, small(3), None).await,
+        Err(JobsError::QueueFull)
+    ));
     let since = Instant::now();
-    assert_eq!(service.cancel(first.id).await.unwrap().state, JobState::Canceled);
-    assert!(since.elapsed() < Duration::from_millis(100), "{:?}", since.elapsed());
+    assert_eq!(
+        service.cancel(first.id).await.unwrap().state,
+        JobState::Canceled
+    );
+    assert!(
+        since.elapsed() < Duration::from_millis(100),
+        "{:?}",
+        since.elapsed()
+    );
     service.submit_ok(JobKind::Simulate, small(4)).await;
     service.cancel(running.id).await.unwrap();
 }
@@ -202,9 +434,15 @@ async fn waiting_ends_with_the_job_or_with_patience() {
     let running = service.submit_ok(JobKind::Simulate, long()).await;
     service.in_progress(running.id).await;
     let since = Instant::now();
-    let job = service.wait(running.id, Duration::from_millis(200)).await.unwrap();
+    let job = service
+        .wait(running.id, Duration::from_millis(200))
+        .await
+        .unwrap();
     assert!(job.state == JobState::Running && since.elapsed() >= Duration::from_millis(200));
-    let (ended, canceled) = tokio::join!(service.wait(running.id, Duration::from_secs(30)), service.cancel(running.id));
+    let (ended, canceled) = tokio::join!(
+        service.wait(running.id, Duration::from_secs(30)),
+        service.cancel(running.id)
+    );
     canceled.unwrap();
     assert_eq!(ended.unwrap().state, JobState::Canceled);
     assert!(since.elapsed() < Duration::from_secs(5));

@@ -33,14 +33,22 @@ pub async fn start_with(change: impl FnOnce(&mut Config)) -> Service {
     let directory = tempfile::tempdir().unwrap();
     let database = new_database().await;
     let jobs = open_on(&database, directory.path(), change).await;
-    Service { jobs, directory, database }
+    Service {
+        jobs,
+        directory,
+        database,
+    }
 }
 
 pub async fn open(directory: &Path, change: impl FnOnce(&mut Config)) -> Jobs {
     open_on(&None, directory, change).await
 }
 
-async fn open_on(database: &Option<String>, directory: &Path, change: impl FnOnce(&mut Config)) -> Jobs {
+async fn open_on(
+    database: &Option<String>,
+    directory: &Path,
+    change: impl FnOnce(&mut Config),
+) -> Jobs {
     let mut config = Config::new(directory);
     config.slots = 2;
     config.child_program = Some(env!("CARGO_BIN_EXE_trackloom").into());
@@ -53,8 +61,13 @@ async fn open_on(database: &Option<String>, directory: &Path, change: impl FnOnc
 async fn new_database() -> Option<String> {
     let server = std::env::var("TRACKLOOM_TEST_DATABASE_SERVER").ok()?;
     let name = format!("jobs_{}", Uuid::now_v7().simple());
-    let pool = sqlx::PgPool::connect(&format!("{server}/postgres")).await.unwrap();
-    sqlx::query(sqlx::AssertSqlSafe(format!("CREATE DATABASE {name}"))).execute(&pool).await.unwrap();
+    let pool = sqlx::PgPool::connect(&format!("{server}/postgres"))
+        .await
+        .unwrap();
+    sqlx::query(sqlx::AssertSqlSafe(format!("CREATE DATABASE {name}")))
+        .execute(&pool)
+        .await
+        .unwrap();
     pool.close().await;
     Some(format!("{server}/{name}"))
 }
@@ -63,16 +76,26 @@ impl Service {
     /// Stops the service, lets `meanwhile` at its tables, and starts it again.
     pub async fn restart(self, meanwhile: &[&'static str]) -> Service {
         self.jobs.shutdown().await;
-        let Service { jobs, directory, database } = self;
+        let Service {
+            jobs,
+            directory,
+            database,
+        } = self;
         drop(jobs);
-        let url = database.clone().unwrap_or_else(|| format!("sqlite://{}", directory.path().join("app.db").display()));
+        let url = database
+            .clone()
+            .unwrap_or_else(|| format!("sqlite://{}", directory.path().join("app.db").display()));
         let pool = sqlx::AnyPool::connect(&url).await.unwrap();
         for statement in meanwhile {
             sqlx::query(*statement).execute(&pool).await.unwrap();
         }
         pool.close().await;
         let jobs = open_on(&database, directory.path(), |_| {}).await;
-        Service { jobs, directory, database }
+        Service {
+            jobs,
+            directory,
+            database,
+        }
     }
 
     pub async fn submit_ok(&self, kind: JobKind, body: Value) -> Job {
@@ -89,7 +112,12 @@ impl Service {
     /// Waits for the end of a job.
     pub async fn ended(&self, id: Uuid) -> Job {
         let job = self.wait(id, Duration::from_secs(60)).await.unwrap();
-        assert!(job.state.is_terminal(), "still {:?} with {:?}", job.state, job.progress);
+        assert!(
+            job.state.is_terminal(),
+            "still {:?} with {:?}",
+            job.state,
+            job.progress
+        );
         job
     }
 
@@ -119,15 +147,30 @@ impl Service {
         serde_json::from_slice(&std::fs::read(file.path).unwrap()).unwrap()
     }
 
-    pub async fn upload(&self, content: &str, meta: DatasetMeta) -> Result<(DatasetInfo, bool), JobsError> {
+    pub async fn upload(
+        &self,
+        content: &str,
+        meta: DatasetMeta,
+    ) -> Result<(DatasetInfo, bool), JobsError> {
         let path = self.temp_dir().join(Uuid::now_v7().to_string());
         std::fs::write(&path, content).unwrap();
-        self.add_dataset(ReceivedFile { path, sha256: sha256(content.as_bytes()), bytes: content.len() as u64 }, meta).await
+        self.add_dataset(
+            ReceivedFile {
+                path,
+                sha256: sha256(content.as_bytes()),
+                bytes: content.len() as u64,
+            },
+            meta,
+        )
+        .await
     }
 }
 
 pub fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    Sha256::digest(bytes)
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
 }
 
 pub fn scenario(scans: u32, targets: u32, clutter_per_scan: f64) -> Value {

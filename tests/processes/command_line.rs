@@ -22,18 +22,36 @@ fn stderr(output: &Output) -> String {
 #[test]
 fn the_version_names_features() {
     let printed = stdout(&run(&["--version"]));
-    assert!(printed.starts_with(&format!("trackloom {}", env!("CARGO_PKG_VERSION"))), "{printed}");
+    assert!(
+        printed.starts_with(&format!("trackloom {}", env!("CARGO_PKG_VERSION"))),
+        "{printed}"
+    );
     assert!(printed.contains("(features: "), "{printed}");
 }
 
 #[test]
 fn methods_and_presets_are_tables_for_people_and_json_for_programs() {
     let table = stdout(&run(&["methods"]));
-    assert!(table.lines().any(|line| line.starts_with("associator  jpda ")), "{table}");
+    assert!(
+        table
+            .lines()
+            .any(|line| line.starts_with("associator  jpda ")),
+        "{table}"
+    );
     let parameters = stdout(&run(&["methods", "jpda"]));
-    assert!(parameters.lines().any(|line| line.starts_with("marginals ")), "{parameters}");
+    assert!(
+        parameters
+            .lines()
+            .any(|line| line.starts_with("marginals ")),
+        "{parameters}"
+    );
     let catalogue: Value = serde_json::from_slice(&run(&["methods", "--json"]).stdout).unwrap();
-    let named: usize = catalogue["families"].as_array().unwrap().iter().map(|family| family["methods"].as_array().unwrap().len()).sum();
+    let named: usize = catalogue["families"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|family| family["methods"].as_array().unwrap().len())
+        .sum();
     // The header, an empty line, and the last line stand around the methods.
     assert_eq!(table.lines().count(), named + 3);
 
@@ -41,11 +59,21 @@ fn methods_and_presets_are_tables_for_people_and_json_for_programs() {
     let table = stdout(&run(&["presets"]));
     for preset in &presets {
         let name = preset["name"].as_str().unwrap();
-        assert!(table.lines().any(|line| line.split_whitespace().next() == Some(name)), "{name} is not listed:\n{table}");
+        assert!(
+            table
+                .lines()
+                .any(|line| line.split_whitespace().next() == Some(name)),
+            "{name} is not listed:\n{table}"
+        );
     }
     // Every alias that is listed is a preset.
     for alias in ["liang2009", "liang2009-polar"] {
-        assert!(table.lines().any(|line| line.split_whitespace().next() == Some(alias)), "{table}");
+        assert!(
+            table
+                .lines()
+                .any(|line| line.split_whitespace().next() == Some(alias)),
+            "{table}"
+        );
         assert_eq!(run(&["presets", alias]).status.code(), Some(0));
     }
     for arguments in [["methods", "jdpa"], ["presets", "liang"]] {
@@ -72,11 +100,19 @@ fn a_job_is_read_from_standard_input_and_its_paths_from_where_one_stands() {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    child.stdin.take().unwrap().write_all(job.to_string().as_bytes()).unwrap();
+    child
+        .stdin
+        .take()
+        .unwrap()
+        .write_all(job.to_string().as_bytes())
+        .unwrap();
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let head = stdout(&output).lines().next().unwrap().to_owned();
-    assert!(head.starts_with("associate, seed ") && head.contains(": det.csv; "), "{head}");
+    assert!(
+        head.starts_with("associate, seed ") && head.contains(": det.csv; "),
+        "{head}"
+    );
 }
 
 #[test]
@@ -96,20 +132,40 @@ fn what_is_missing_is_told_together() {
     }
     let refused = run(&["run"]);
     assert_eq!(refused.status.code(), Some(2));
-    assert!(stderr(&refused).contains("--preset"), "{}", stderr(&refused));
+    assert!(
+        stderr(&refused).contains("--preset"),
+        "{}",
+        stderr(&refused)
+    );
     let refused = run(&["run", "--preset", "liang2009-10", "--runs", "3"]);
     assert_eq!(refused.status.code(), Some(2));
-    assert!(stderr(&refused).contains("--runs is of campaigns"), "{}", stderr(&refused));
+    assert!(
+        stderr(&refused).contains("--runs is of campaigns"),
+        "{}",
+        stderr(&refused)
+    );
 }
 
 #[test]
 fn what_was_written_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("result");
-    let output = run(&["run", "--preset", "liang2009-10", "--out", out.to_str().unwrap()]);
+    let output = run(&[
+        "run",
+        "--preset",
+        "liang2009-10",
+        "--out",
+        out.to_str().unwrap(),
+    ]);
     assert_eq!(output.status.code(), Some(0));
     let said = stderr(&output);
-    let told = said.lines().find_map(|line| line.strip_prefix("wrote ")).unwrap().split(" into ").next().unwrap();
+    let told = said
+        .lines()
+        .find_map(|line| line.strip_prefix("wrote "))
+        .unwrap()
+        .split(" into ")
+        .next()
+        .unwrap();
     let mut told: Vec<&str> = told.split(", ").collect();
     told.sort_unstable();
     let mut written: Vec<String> = files(&out);
@@ -118,7 +174,10 @@ fn what_was_written_is_told() {
 }
 
 fn files(folder: &Path) -> Vec<String> {
-    std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect()
 }
 
 #[test]
@@ -126,7 +185,11 @@ fn a_port_that_is_taken_is_told_before_the_tour() {
     let taken = TcpListener::bind("127.0.0.1:0").unwrap();
     let data = tempfile::tempdir().unwrap();
     let address = taken.local_addr().unwrap().to_string();
-    let output = trackloom().args(["demo", "--listen", &address, "--data"]).arg(data.path()).output().unwrap();
+    let output = trackloom()
+        .args(["demo", "--listen", &address, "--data"])
+        .arg(data.path())
+        .output()
+        .unwrap();
     assert_eq!(output.status.code(), Some(1));
     assert!(stderr(&output).contains("--listen"), "{}", stderr(&output));
     assert_eq!(stdout(&output), "");

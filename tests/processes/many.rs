@@ -10,11 +10,16 @@ use std::time::Duration;
 const RUNS: u32 = 1500;
 
 #[tokio::test(flavor = "multi_thread")]
-async fn a_campaign_has_one_result_on_a_file_and_on_many_processes_that_are_killed_stopped_and_cut_off() {
-    let Some(postgres) = Postgres::start() else { return };
+async fn a_campaign_has_one_result_on_a_file_and_on_many_processes_that_are_killed_stopped_and_cut_off()
+ {
+    let Some(postgres) = Postgres::start() else {
+        return;
+    };
     let alone = tempfile::tempdir().unwrap();
     let server = Server::start(alone.path(), &["--workers", "1"]);
-    let expected = server.result(&server.submit("campaign", &campaign(RUNS)).await).await;
+    let expected = server
+        .result(&server.submit("campaign", &campaign(RUNS)).await)
+        .await;
     drop(server);
     let data = tempfile::tempdir().unwrap();
     one_round(&postgres, data.path(), &expected).await;
@@ -25,7 +30,8 @@ async fn one_round(postgres: &Postgres, data: &Path, expected: &str) {
     let server = Server::start(data, &["--database-url", &url, "--workers", "1"]);
     let [killed, stopped, _left] = [1, 1, 1].map(|slots| Process::worker(&url, data, slots));
     let id = server.submit("campaign", &campaign(RUNS)).await;
-    let has_done = |runs: u64| move |job: &serde_json::Value| job["progress"]["done"].as_u64() >= Some(runs);
+    let has_done =
+        |runs: u64| move |job: &serde_json::Value| job["progress"]["done"].as_u64() >= Some(runs);
     server.job_until(&id, has_done(200)).await;
     killed.kill();
     server.job_until(&id, has_done(400)).await;
@@ -36,12 +42,33 @@ async fn one_round(postgres: &Postgres, data: &Path, expected: &str) {
     tokio::time::sleep(Duration::from_secs(8)).await;
     postgres.up();
     let result = server.result(&id).await;
-    assert!(result == expected, "the result differs from that of one process on a file");
-    let events = server.get(&format!("/v1/jobs/{id}/history")).await["events"].as_array().unwrap().clone();
-    let counts: Vec<u64> =
-        events.iter().filter(|event| event["type"] == "progress").filter_map(|event| event["data"]["done"].as_u64()).collect();
-    assert!(counts.is_sorted() && counts.last() == Some(&u64::from(2 * RUNS)), "runs are counted once: {counts:?}");
-    assert_eq!(events.iter().filter(|event| event["type"] == "done").count(), 1);
+    assert!(
+        result == expected,
+        "the result differs from that of one process on a file"
+    );
+    let events = server.get(&format!("/v1/jobs/{id}/history")).await["events"]
+        .as_array()
+        .unwrap()
+        .clone();
+    let counts: Vec<u64> = events
+        .iter()
+        .filter(|event| event["type"] == "progress")
+        .filter_map(|event| event["data"]["done"].as_u64())
+        .collect();
+    assert!(
+        counts.is_sorted() && counts.last() == Some(&u64::from(2 * RUNS)),
+        "runs are counted once: {counts:?}"
+    );
+    assert_eq!(
+        events
+            .iter()
+            .filter(|event| event["type"] == "done")
+            .count(),
+        1
+    );
     assert_eq!(postgres.number("SELECT count(*) FROM chunks").await, 0);
-    assert_eq!(server.count("queued").await + server.count("running").await + server.count("failed").await, 0);
+    assert_eq!(
+        server.count("queued").await + server.count("running").await + server.count("failed").await,
+        0
+    );
 }

@@ -13,12 +13,22 @@ impl Postgres {
     /// A new one, running; `None`, with the reason printed, where PostgreSQL is not installed.
     pub fn start() -> Option<Postgres> {
         let is_there = |path: &str| std::path::Path::new(path).exists();
-        if !is_there("/usr/lib/postgresql") && Command::new("postgres").arg("--version").output().is_err() {
+        if !is_there("/usr/lib/postgresql")
+            && Command::new("postgres").arg("--version").output().is_err()
+        {
             println!("skipped: PostgreSQL is not installed");
             return None;
         }
-        let port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
-        let postgres = Postgres { directory: std::env::temp_dir().join(format!("trackloom-postgres-{}", uuid::Uuid::now_v7())), port };
+        let port = TcpListener::bind("127.0.0.1:0")
+            .unwrap()
+            .local_addr()
+            .unwrap()
+            .port();
+        let postgres = Postgres {
+            directory: std::env::temp_dir()
+                .join(format!("trackloom-postgres-{}", uuid::Uuid::now_v7())),
+            port,
+        };
         postgres.up();
         Some(postgres)
     }
@@ -54,7 +64,12 @@ impl Postgres {
 
     fn script(&self, command: &str) {
         let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/postgres.sh");
-        let done = Command::new(script).arg(command).arg(&self.directory).arg(self.port.to_string()).status().unwrap();
+        let done = Command::new(script)
+            .arg(command)
+            .arg(&self.directory)
+            .arg(self.port.to_string())
+            .status()
+            .unwrap();
         assert!(done.success(), "{command}");
     }
 }
@@ -62,6 +77,9 @@ impl Postgres {
 impl Drop for Postgres {
     fn drop(&mut self) {
         let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/postgres.sh");
-        let _ = Command::new(script).arg("drop").arg(&self.directory).status();
+        let _ = Command::new(script)
+            .arg("drop")
+            .arg(&self.directory)
+            .status();
     }
 }

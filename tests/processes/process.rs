@@ -22,13 +22,29 @@ impl Process {
     pub fn start(command: &mut Command) -> Process {
         let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
         let mut said = String::new();
-        BufReader::new(child.stdout.take().unwrap()).read_line(&mut said).unwrap();
-        Process { child, said: said.trim().to_owned() }
+        BufReader::new(child.stdout.take().unwrap())
+            .read_line(&mut said)
+            .unwrap();
+        Process {
+            child,
+            said: said.trim().to_owned(),
+        }
     }
 
     pub fn worker(database_url: &str, data: &Path, slots: u32) -> Process {
         let slots = slots.to_string();
-        let process = Process::start(trackloom().args(["worker", "--database-url", database_url, "--slots", &slots, "--data"]).arg(data));
+        let process = Process::start(
+            trackloom()
+                .args([
+                    "worker",
+                    "--database-url",
+                    database_url,
+                    "--slots",
+                    &slots,
+                    "--data",
+                ])
+                .arg(data),
+        );
         assert_eq!(process.said, format!("trackloom worker with {slots} slots"));
         process
     }
@@ -52,7 +68,13 @@ impl Process {
 }
 
 pub fn signal(process: u32, name: &str) {
-    assert!(Command::new("kill").args([&format!("-{name}"), &process.to_string()]).status().unwrap().success());
+    assert!(
+        Command::new("kill")
+            .args([&format!("-{name}"), &process.to_string()])
+            .status()
+            .unwrap()
+            .success()
+    );
 }
 
 impl Drop for Process {
@@ -64,8 +86,12 @@ impl Drop for Process {
 
 /// A server that cannot start: what it says and its exit code.
 pub fn refused(data: &Path, arguments: &[&str]) -> (String, Option<i32>) {
-    let Output { status, stderr, .. } =
-        trackloom().args(["serve", "--listen", "127.0.0.1:0", "--data"]).arg(data).args(arguments).output().unwrap();
+    let Output { status, stderr, .. } = trackloom()
+        .args(["serve", "--listen", "127.0.0.1:0", "--data"])
+        .arg(data)
+        .args(arguments)
+        .output()
+        .unwrap();
     (String::from_utf8(stderr).unwrap(), status.code())
 }
 
@@ -79,7 +105,9 @@ pub struct Server {
 impl Server {
     pub fn start(data: &Path, arguments: &[&str]) -> Server {
         let mut command = trackloom();
-        command.args(["serve", "--listen", "127.0.0.1:0", "--data"]).arg(data);
+        command
+            .args(["serve", "--listen", "127.0.0.1:0", "--data"])
+            .arg(data);
         if !arguments.contains(&"--workers") {
             command.args(["--workers", "2"]);
         }
@@ -89,8 +117,15 @@ impl Server {
     /// A process that has said where it listens.
     pub fn of(process: Process) -> Server {
         let said = &process.said;
-        let url = said.strip_prefix("trackloom listening on ").unwrap_or_else(|| panic!("said '{said}'")).to_owned();
-        Server { process, url, client: reqwest::Client::new() }
+        let url = said
+            .strip_prefix("trackloom listening on ")
+            .unwrap_or_else(|| panic!("said '{said}'"))
+            .to_owned();
+        Server {
+            process,
+            url,
+            client: reqwest::Client::new(),
+        }
     }
 
     pub fn id(&self) -> u32 {
@@ -109,7 +144,12 @@ impl Server {
     pub async fn get(&self, path: &str) -> Value {
         let since = Instant::now();
         loop {
-            let answer = self.client.get(format!("{}{path}", self.url)).send().await.unwrap();
+            let answer = self
+                .client
+                .get(format!("{}{path}", self.url))
+                .send()
+                .await
+                .unwrap();
             if answer.status() == 503 && since.elapsed() < PATIENCE {
                 tokio::time::sleep(Duration::from_millis(200)).await;
                 continue;
@@ -121,7 +161,13 @@ impl Server {
 
     /// Queues a job of a kind; gives its id.
     pub async fn submit(&self, kind: &str, body: &Value) -> String {
-        let answer = self.client.post(format!("{}/v1/jobs/{kind}", self.url)).json(body).send().await.unwrap();
+        let answer = self
+            .client
+            .post(format!("{}/v1/jobs/{kind}", self.url))
+            .json(body)
+            .send()
+            .await
+            .unwrap();
         let (status, answer) = (answer.status(), answer.json::<Value>().await.unwrap());
         assert_eq!(status, 202, "{answer}");
         answer["id"].as_str().unwrap().to_owned()
@@ -129,7 +175,12 @@ impl Server {
 
     /// Asks a job for something without a body: `cancel`, `rerun`.
     pub async fn ask(&self, id: &str, what: &str) -> Value {
-        let answer = self.client.post(format!("{}/v1/jobs/{id}/{what}", self.url)).send().await.unwrap();
+        let answer = self
+            .client
+            .post(format!("{}/v1/jobs/{id}/{what}", self.url))
+            .send()
+            .await
+            .unwrap();
         assert!(answer.status().is_success(), "{what}: {}", answer.status());
         answer.json().await.unwrap()
     }
@@ -139,13 +190,20 @@ impl Server {
     }
 
     pub async fn count(&self, state: &str) -> u64 {
-        self.get(&format!("/v1/jobs?state={state}&limit=1&count=true")).await["total"].as_u64().unwrap()
+        self.get(&format!("/v1/jobs?state={state}&limit=1&count=true"))
+            .await["total"]
+            .as_u64()
+            .unwrap()
     }
 
     pub async fn until(&self, state: &str, count: u64) {
         let since = Instant::now();
         while self.count(state).await != count {
-            assert!(since.elapsed() < PATIENCE, "{} jobs are {state}, not {count}", self.count(state).await);
+            assert!(
+                since.elapsed() < PATIENCE,
+                "{} jobs are {state}, not {count}",
+                self.count(state).await
+            );
             tokio::time::sleep(Duration::from_millis(20)).await;
         }
     }
@@ -165,14 +223,29 @@ impl Server {
 
     /// The job when it has ended.
     pub async fn ended(&self, id: &str) -> Value {
-        self.job_until(id, |job| !["queued", "running"].contains(&job["state"].as_str().unwrap())).await
+        self.job_until(id, |job| {
+            !["queued", "running"].contains(&job["state"].as_str().unwrap())
+        })
+        .await
     }
 
     /// The bytes of `result` in the report of a job, which must succeed.
     pub async fn result(&self, id: &str) -> String {
         let job = self.ended(id).await;
         assert_eq!(job["state"], "succeeded", "{job}");
-        let report = self.client.get(format!("{}/v1/jobs/{id}/report", self.url)).send().await.unwrap().text().await.unwrap();
-        report.split_once("\"result\":").unwrap_or_else(|| panic!("{report}")).1.to_owned()
+        let report = self
+            .client
+            .get(format!("{}/v1/jobs/{id}/report", self.url))
+            .send()
+            .await
+            .unwrap()
+            .text()
+            .await
+            .unwrap();
+        report
+            .split_once("\"result\":")
+            .unwrap_or_else(|| panic!("{report}"))
+            .1
+            .to_owned()
     }
 }

@@ -50,11 +50,23 @@ impl Cluster {
     /// Copies a cluster of the problem.
     pub(super) fn load(&mut self, problem: &Problem, settings: &Settings) {
         self.clear();
-        let level = |edge: usize| problem.edge(edge).log_likelihood.clamp(-MAX_LOG_RATIO, MAX_LOG_RATIO);
-        let top = problem.rows().flat_map(|(_, row)| row.edges()).map(level).fold(f64::NEG_INFINITY, f64::max);
+        let level = |edge: usize| {
+            problem
+                .edge(edge)
+                .log_likelihood
+                .clamp(-MAX_LOG_RATIO, MAX_LOG_RATIO)
+        };
+        let top = problem
+            .rows()
+            .flat_map(|(_, row)| row.edges())
+            .map(level)
+            .fold(f64::NEG_INFINITY, f64::max);
         let takes_all = settings.candidates == Candidates::All;
         for (_, row) in problem.rows() {
-            self.rows.push(Span { first: self.codes.len() as u32, count: row.count });
+            self.rows.push(Span {
+                first: self.codes.len() as u32,
+                count: row.count,
+            });
             for edge in row.edges() {
                 let log_ratio = (level(edge) - row.log_none).clamp(-MAX_LOG_RATIO, MAX_LOG_RATIO);
                 let gain = match settings.objective {
@@ -62,15 +74,33 @@ impl Cluster {
                     Objective::LogLikelihoodRatio => log_ratio,
                 };
                 let number = problem.edge(edge).detection;
-                let detection = if takes_all { number } else { self.number_of(number) };
-                self.codes.push(Code { gain, log_ratio, key: mixed(self.codes.len() as u64), detection });
+                let detection = if takes_all {
+                    number
+                } else {
+                    self.number_of(number)
+                };
+                self.codes.push(Code {
+                    gain,
+                    log_ratio,
+                    key: mixed(self.codes.len() as u64),
+                    detection,
+                });
             }
         }
         self.edges = self.codes.len() as u32;
         self.drawn_from = if takes_all { problem.detections() } else { 0 };
-        self.detections = if takes_all { problem.detections() } else { self.numbered.len() as u32 };
+        self.detections = if takes_all {
+            problem.detections()
+        } else {
+            self.numbered.len() as u32
+        };
         self.none_draws = u32::from(settings.draws_none());
-        let nothing = |detection| Code { gain: 0.0, log_ratio: 0.0, key: 0, detection };
+        let nothing = |detection| Code {
+            gain: 0.0,
+            log_ratio: 0.0,
+            key: 0,
+            detection,
+        };
         self.codes.extend((0..self.drawn_from).map(nothing));
         self.codes.push(nothing(self.detections));
     }
@@ -154,7 +184,11 @@ impl Cluster {
         }
         let Span { first, count } = self.rows[row];
         let place = scaled(bits, count + self.none_draws);
-        if place < count { first + place } else { self.none() }
+        if place < count {
+            first + place
+        } else {
+            self.none()
+        }
     }
 
     /// The objective of an assignment, summed.
@@ -166,15 +200,29 @@ impl Cluster {
     /// assignment which has them all is worth exactly this.
     pub(super) fn bound(&self) -> f64 {
         // None gains 0, and a likelihood is never below that.
-        let largest = |row: usize| self.codes_of(row).map(|code| self.code(code).gain).fold(0.0, f64::max);
+        let largest = |row: usize| {
+            self.codes_of(row)
+                .map(|code| self.code(code).gain)
+                .fold(0.0, f64::max)
+        };
         (0..self.rows.len()).map(largest).sum()
     }
 
     /// The optimum of the first row alone: its first largest gain, none when that is better and may be.
     pub(super) fn best_of_first(&self) -> u32 {
-        let least = if self.none_draws == 1 { 0.0 } else { f64::NEG_INFINITY };
+        let least = if self.none_draws == 1 {
+            0.0
+        } else {
+            f64::NEG_INFINITY
+        };
         let start = (least, self.none());
-        let better = |best: (f64, u32), code: u32| if self.code(code).gain > best.0 { (self.code(code).gain, code) } else { best };
+        let better = |best: (f64, u32), code: u32| {
+            if self.code(code).gain > best.0 {
+                (self.code(code).gain, code)
+            } else {
+                best
+            }
+        };
         self.codes_of(0).fold(start, better).1
     }
 

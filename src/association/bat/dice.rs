@@ -59,7 +59,10 @@ mod tests {
         let mut counts = [0u32; 7];
         (0..70_000).for_each(|_| counts[dice.below(7) as usize] += 1);
         // Five standard deviations of a count are 463.
-        assert!(counts.iter().all(|count| count.abs_diff(10_000) < 463), "{counts:?}");
+        assert!(
+            counts.iter().all(|count| count.abs_diff(10_000) < 463),
+            "{counts:?}"
+        );
         let mean = (0..70_000).map(|_| dice.unit()).sum::<f64>() / 70_000.0;
         assert!((mean - 0.5).abs() < 0.0055, "{mean}");
         assert_eq!((scaled(0, 7), scaled(u32::MAX, 7)), (0, 6));

@@ -64,9 +64,18 @@ impl Judge {
             self.solver.end_row(0.0);
         }
         let is_solved = self.solver.solve().is_some();
-        debug_assert!(is_solved, "a cluster in which every track may miss has an assignment");
-        let taken = |row: usize| self.solver.edge_of(row).map_or(cluster.none(), |place| cluster.codes_of(row).start + place as u32);
-        (0..cluster.row_count()).map(|row| cluster.code(taken(row)).gain).sum()
+        debug_assert!(
+            is_solved,
+            "a cluster in which every track may miss has an assignment"
+        );
+        let taken = |row: usize| {
+            self.solver.edge_of(row).map_or(cluster.none(), |place| {
+                cluster.codes_of(row).start + place as u32
+            })
+        };
+        (0..cluster.row_count())
+            .map(|row| cluster.code(taken(row)).gain)
+            .sum()
     }
 
     pub(super) fn single(&mut self, candidates: usize) {
@@ -94,7 +103,12 @@ impl Judge {
             largest_gap: share(searched * self.largest_gap),
         };
         let visited_events = is_soft.then_some(self.visited_events);
-        Report { clusters: self.clusters, evaluations: self.evaluations, optimum, visited_events }
+        Report {
+            clusters: self.clusters,
+            evaluations: self.evaluations,
+            optimum,
+            visited_events,
+        }
     }
 }
 
@@ -112,7 +126,11 @@ pub(super) fn assignment(problem: &Problem, cluster: &Cluster, entries: &[u32]) 
     for (place, ((_, row), &code)) in problem.rows().zip(entries).enumerate() {
         let is_edge = (code as usize) < cluster.edges();
         let edge = || row.first as usize + (code - cluster.codes_of(place).start) as usize;
-        let number = if is_edge { problem.edge(edge()).detection + 1 } else { 0 };
+        let number = if is_edge {
+            problem.edge(edge()).detection + 1
+        } else {
+            0
+        };
         let space = if place == 0 { "" } else { " " };
         write!(text, "{space}{number}").expect("a string takes all text");
     }

@@ -51,8 +51,11 @@ use visited::Visited;
 /// Bats × iterations that a request may ask for: a cluster of six tracks then takes some 30 ms.
 pub const MAX_MOVES: u64 = 1_000_000;
 
-pub const METHOD: Method<BuildAssociator> =
-    Method { name: "bat", parameters: &PARAMETERS, build: |spec, seed| Ok(Box::new(Bat::new(Settings::deserialize(spec)?, seed))) };
+pub const METHOD: Method<BuildAssociator> = Method {
+    name: "bat",
+    parameters: &PARAMETERS,
+    build: |spec, seed| Ok(Box::new(Bat::new(Settings::deserialize(spec)?, seed))),
+};
 
 static PARAMETERS: Object = Object {
     name: "Bat",
@@ -61,10 +64,23 @@ static PARAMETERS: Object = Object {
         default(
             "population",
             "Bats. Population times iterations is at most 1000000.",
-            Kind::Integer { min: 1, max: 10_000, unit: "bats" },
+            Kind::Integer {
+                min: 1,
+                max: 10_000,
+                unit: "bats",
+            },
             "20",
         ),
-        default("iterations", "Times that every bat moves.", Kind::Integer { min: 1, max: 10_000, unit: "" }, "15"),
+        default(
+            "iterations",
+            "Times that every bat moves.",
+            Kind::Integer {
+                min: 1,
+                max: 10_000,
+                unit: "",
+            },
+            "15",
+        ),
         default(
             "objective",
             "likelihood_sum: the sum of the pairs' likelihoods, as in the paper, which takes a detection wherever the gate has one; \
@@ -89,22 +105,39 @@ static PARAMETERS: Object = Object {
         default(
             "loudness",
             "Loudness A at the start: below 1, better bats are refused at random.",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(2.0), unit: "" },
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Including(2.0),
+                unit: "",
+            },
             "1",
         ),
         default(
             "alpha",
             "Factor of the loudness when a bat is accepted as the best.",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1.0), unit: "" },
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Including(1.0),
+                unit: "",
+            },
             "0.98",
         ),
         default(
             "gamma",
             "Speed at which the pulse rate returns to its first value.",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(100.0), unit: "" },
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Including(100.0),
+                unit: "",
+            },
             "0.98",
         ),
-        default("trace", "Whether to write down every iteration of every cluster (association_trace.csv).", Kind::Flag, "false"),
+        default(
+            "trace",
+            "Whether to write down every iteration of every cluster (association_trace.csv).",
+            Kind::Flag,
+            "false",
+        ),
     ],
 };
 
@@ -167,7 +200,8 @@ impl Settings {
     }
 }
 
-const TRACE_HEADER: &str = "occasion,cluster,iteration,best_j,mean_j,evaluations,optimal_j,gap,assignment";
+const TRACE_HEADER: &str =
+    "occasion,cluster,iteration,best_j,mean_j,evaluations,optimal_j,gap,assignment";
 
 #[derive(Debug)]
 struct Bat {
@@ -196,9 +230,21 @@ impl Bat {
 
     /// The swarm's search of the loaded cluster.
     fn search(&mut self, problem: &Problem) {
-        let Bat { settings, seed, cluster, swarm, visited, judge, trace } = self;
+        let Bat {
+            settings,
+            seed,
+            cluster,
+            swarm,
+            visited,
+            judge,
+            trace,
+        } = self;
         let name = problem.rows().next().map_or(0, |(row, _)| row);
-        let mut dice = Dice::new(seed.stream(Purpose::Associator, name as u64, u64::from(problem.occasion())));
+        let mut dice = Dice::new(seed.stream(
+            Purpose::Associator,
+            name as u64,
+            u64::from(problem.occasion()),
+        ));
         let optimum = judge.optimum(cluster);
         swarm.search(cluster, settings, visited.as_mut(), &mut dice, |swarm, iteration| {
             if let Some(trace) = trace {
@@ -233,7 +279,10 @@ impl Associator for Bat {
                 }
                 visited.store(&self.cluster, problem, weights);
             }
-            None if is_single => self.cluster.choose(problem, &[self.cluster.best_of_first()], weights),
+            None if is_single => {
+                self.cluster
+                    .choose(problem, &[self.cluster.best_of_first()], weights)
+            }
             None => self.cluster.choose(problem, self.swarm.best(), weights),
         }
     }

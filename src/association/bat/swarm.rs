@@ -57,7 +57,11 @@ impl Swarm {
         if !goes_on(self, 0) {
             return;
         }
-        let enough = if visited.is_none() { cluster.bound() } else { f64::INFINITY };
+        let enough = if visited.is_none() {
+            cluster.bound()
+        } else {
+            f64::INFINITY
+        };
         for iteration in 1..=settings.iterations {
             if self.best_value() >= enough {
                 break;
@@ -81,13 +85,21 @@ impl Swarm {
     }
 
     /// Step 1.
-    fn start(&mut self, cluster: &Cluster, settings: &Settings, mut visited: Option<&mut Visited>, dice: &mut Dice) {
+    fn start(
+        &mut self,
+        cluster: &Cluster,
+        settings: &Settings,
+        mut visited: Option<&mut Visited>,
+        dice: &mut Dice,
+    ) {
         self.population = settings.population as usize;
         (self.rows, self.places) = (cluster.row_count(), cluster.detections() + 1);
         self.entries.clear();
-        self.entries.resize((self.population + 1) * self.rows, cluster.none());
+        self.entries
+            .resize((self.population + 1) * self.rows, cluster.none());
         self.owners.clear();
-        self.owners.resize((self.population + 1) * self.places, NOBODY);
+        self.owners
+            .resize((self.population + 1) * self.places, NOBODY);
         self.bats.clear();
         self.evaluations = self.population as u64;
         if let Some(visited) = &mut visited {
@@ -116,8 +128,12 @@ impl Swarm {
             let is_free = |code: &u32| owners[cluster.code(*code).detection as usize] == NOBODY;
             let drawn = cluster.draw_for(row, dice.pair().0);
             let others = cluster.codes_of(row);
-            let next = (drawn.max(others.start)..others.end).chain(others.start..drawn.min(others.end));
-            *entry = std::iter::once(drawn).chain(next).find(is_free).unwrap_or(cluster.none());
+            let next =
+                (drawn.max(others.start)..others.end).chain(others.start..drawn.min(others.end));
+            *entry = std::iter::once(drawn)
+                .chain(next)
+                .find(is_free)
+                .unwrap_or(cluster.none());
             let code = cluster.code(*entry);
             hash ^= code.key;
             if *entry != cluster.none() {
@@ -125,12 +141,24 @@ impl Swarm {
             }
         }
         let (value, first_pulse_rate) = (cluster.value_of(entries), dice.unit());
-        self.bats.push(BatState { value, hash, loudness: settings.loudness, pulse_rate: first_pulse_rate, first_pulse_rate });
+        self.bats.push(BatState {
+            value,
+            hash,
+            loudness: settings.loudness,
+            pulse_rate: first_pulse_rate,
+            first_pulse_rate,
+        });
     }
 
     /// Step 2.
     #[inline]
-    fn fly(&mut self, cluster: &Cluster, bat: usize, mut visited: Option<&mut Visited>, dice: &mut Dice) {
+    fn fly(
+        &mut self,
+        cluster: &Cluster,
+        bat: usize,
+        mut visited: Option<&mut Visited>,
+        dice: &mut Dice,
+    ) {
         let speed = match self.distance_to_best(bat) {
             0 | 1 => 1,
             distance => 1 + dice.below(distance),
@@ -147,7 +175,13 @@ impl Swarm {
 
     /// Step 3.
     #[inline]
-    fn approach_best(&mut self, cluster: &Cluster, bat: usize, visited: Option<&mut Visited>, dice: &mut Dice) {
+    fn approach_best(
+        &mut self,
+        cluster: &Cluster,
+        bat: usize,
+        visited: Option<&mut Visited>,
+        dice: &mut Dice,
+    ) {
         self.copy(self.population, bat);
         let step = self.neighbour(cluster, bat, visited, dice);
         self.take(cluster, bat, step);
@@ -170,17 +204,32 @@ impl Swarm {
     /// D.
     #[inline]
     fn distance_to_best(&self, bat: usize) -> u32 {
-        self.entries_of(bat).iter().zip(self.best()).map(|(left, right)| u32::from(left != right)).sum()
+        self.entries_of(bat)
+            .iter()
+            .zip(self.best())
+            .map(|(left, right)| u32::from(left != right))
+            .sum()
     }
 
     /// Makes and evaluates a neighbour.
     #[inline]
-    fn neighbour(&mut self, cluster: &Cluster, bat: usize, visited: Option<&mut Visited>, dice: &mut Dice) -> Step {
+    fn neighbour(
+        &mut self,
+        cluster: &Cluster,
+        bat: usize,
+        visited: Option<&mut Visited>,
+        dice: &mut Dice,
+    ) -> Step {
         let (row, code) = cluster.draw(dice);
         let step = self.step_to(cluster, bat, row, code);
         self.evaluations += 1;
         if let Some(visited) = visited {
-            visited.see_neighbour(cluster, &self.entries[bat * self.rows..][..self.rows], self.bats[bat].hash, &step);
+            visited.see_neighbour(
+                cluster,
+                &self.entries[bat * self.rows..][..self.rows],
+                self.bats[bat].hash,
+                &step,
+            );
         }
         step
     }
@@ -193,11 +242,24 @@ impl Swarm {
         let delta = new.gain - old.gain;
         let other = self.owners[bat * self.places + new.detection as usize];
         if other == NOBODY || other == row {
-            return Step { row, code, other: NOBODY, other_code: code, delta };
+            return Step {
+                row,
+                code,
+                other: NOBODY,
+                other_code: code,
+                delta,
+            };
         }
         let other_code = cluster.code_for(other as usize, old.detection);
-        let other_delta = cluster.code(other_code).gain - cluster.code(entries[other as usize]).gain;
-        Step { row, code, other, other_code, delta: delta + other_delta }
+        let other_delta =
+            cluster.code(other_code).gain - cluster.code(entries[other as usize]).gain;
+        Step {
+            row,
+            code,
+            other,
+            other_code,
+            delta: delta + other_delta,
+        }
     }
 
     #[inline]
@@ -206,7 +268,10 @@ impl Swarm {
         let owners = &mut self.owners[bat * self.places..][..self.places];
         let state = &mut self.bats[bat];
         let mut put = |row: u32, code: u32| {
-            let (old, new) = (cluster.code(std::mem::replace(&mut entries[row as usize], code)), cluster.code(code));
+            let (old, new) = (
+                cluster.code(std::mem::replace(&mut entries[row as usize], code)),
+                cluster.code(code),
+            );
             state.hash ^= old.key ^ new.key;
             if owners[old.detection as usize] == row {
                 owners[old.detection as usize] = NOBODY;
@@ -225,8 +290,10 @@ impl Swarm {
     #[inline]
     fn copy(&mut self, from: usize, to: usize) {
         let (rows, places) = (self.rows, self.places);
-        self.entries.copy_within(from * rows..(from + 1) * rows, to * rows);
-        self.owners.copy_within(from * places..(from + 1) * places, to * places);
+        self.entries
+            .copy_within(from * rows..(from + 1) * rows, to * rows);
+        self.owners
+            .copy_within(from * places..(from + 1) * places, to * places);
         let BatState { value, hash, .. } = self.bats[from];
         (self.bats[to].value, self.bats[to].hash) = (value, hash);
     }
@@ -250,7 +317,11 @@ impl Swarm {
 
     /// Of the bats, without x*.
     pub(super) fn mean_value(&self) -> f64 {
-        self.bats[..self.population].iter().map(|bat| bat.value).sum::<f64>() / self.population as f64
+        self.bats[..self.population]
+            .iter()
+            .map(|bat| bat.value)
+            .sum::<f64>()
+            / self.population as f64
     }
 
     /// Objectives computed so far in this search: one a bat and one a neighbour.
@@ -274,7 +345,15 @@ mod tests {
     /// A swarm of one bat whose rows hold these detections.
     fn swarm_of(cluster: &Cluster, detections: &[u32]) -> Swarm {
         let mut swarm = Swarm::default();
-        swarm.start(cluster, &Settings { population: 1, ..Settings::default() }, None, &mut dice(0));
+        swarm.start(
+            cluster,
+            &Settings {
+                population: 1,
+                ..Settings::default()
+            },
+            None,
+            &mut dice(0),
+        );
         swarm.owners.fill(NOBODY);
         for (row, &detection) in detections.iter().enumerate() {
             swarm.entries[row] = cluster.code_for(row, detection);
@@ -294,7 +373,11 @@ mod tests {
                 let mut swarm = swarm_of(&cluster, &[1, 4, 2, 8]);
                 let step = swarm.step_to(&cluster, 0, 2, cluster.code_for(2, given - 1));
                 swarm.take(&cluster, 0, step);
-                let after: Vec<u32> = swarm.entries_of(0).iter().map(|&code| cluster.code(code).detection + 1).collect();
+                let after: Vec<u32> = swarm
+                    .entries_of(0)
+                    .iter()
+                    .map(|&code| cluster.code(code).detection + 1)
+                    .collect();
                 assert_eq!(after, expected);
             }
         });
@@ -305,9 +388,16 @@ mod tests {
         let mut owners = vec![NOBODY; swarm.places];
         for (row, &code) in swarm.entries_of(bat).iter().enumerate() {
             if code != cluster.none() {
-                assert!(cluster.codes_of(row).contains(&code), "row {row} has {code}");
+                assert!(
+                    cluster.codes_of(row).contains(&code),
+                    "row {row} has {code}"
+                );
                 let owner = &mut owners[cluster.code(code).detection as usize];
-                assert_eq!(std::mem::replace(owner, row as u32), NOBODY, "a detection twice");
+                assert_eq!(
+                    std::mem::replace(owner, row as u32),
+                    NOBODY,
+                    "a detection twice"
+                );
             }
         }
         assert_eq!(swarm.owners[bat * swarm.places..][..swarm.places], owners);
@@ -318,10 +408,15 @@ mod tests {
         let mut random = Seed { seed: 5, run: 0 }.stream(Purpose::Clutter, 0, 0);
         let mut moves = 0;
         for number in 0..50 {
-            let settings = Settings { population: 4, weights: super::super::Answer::Visited, ..Settings::default() };
+            let settings = Settings {
+                population: 4,
+                weights: super::super::Answer::Visited,
+                ..Settings::default()
+            };
             let tracks = random.random_range(2..=7);
             random_problem(&mut random, tracks, 8, 0.5).for_each_cluster(|problem| {
-                let (mut cluster, mut swarm, mut dice) = (Cluster::default(), Swarm::default(), dice(number));
+                let (mut cluster, mut swarm, mut dice) =
+                    (Cluster::default(), Swarm::default(), dice(number));
                 cluster.load(problem, &settings);
                 swarm.start(&cluster, &settings, None, &mut dice);
                 for step in 0..25_000 {

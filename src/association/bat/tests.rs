@@ -10,14 +10,23 @@ use rand::RngExt;
 const SEED: Seed = Seed { seed: 7, run: 0 };
 
 /// Tracks that may have each of the detections; ln(P_D g / λ) between −2 and 4, none 0.05.
-pub(super) fn random_problem(random: &mut impl RngExt, tracks: u32, detections: u32, density: f64) -> ScanProblem {
+pub(super) fn random_problem(
+    random: &mut impl RngExt,
+    tracks: u32,
+    detections: u32,
+    density: f64,
+) -> ScanProblem {
     let mut problem = ScanProblem::default();
     problem.begin(0, detections as usize);
     for _ in 0..tracks {
         for detection in 0..detections {
             if random.random::<f64>() < density {
                 let squared_distance = 12.0 * random.random::<f64>();
-                problem.push_edge(Edge { detection, squared_distance, log_likelihood: 4.0 - squared_distance / 2.0 });
+                problem.push_edge(Edge {
+                    detection,
+                    squared_distance,
+                    log_likelihood: 4.0 - squared_distance / 2.0,
+                });
             }
         }
         problem.end_row(0.05f64.ln(), 0.0);
@@ -44,13 +53,25 @@ fn searched(objective: Objective) -> (f64, f64, f64) {
         let (tracks, detections) = (random.random_range(2..=4), random.random_range(1..=6));
         let mut problem = random_problem(&mut random, tracks, detections, 0.8);
         for seed in 0..5 {
-            let mut bat = bat(Settings { objective, ..Settings::default() }, seed);
+            let mut bat = bat(
+                Settings {
+                    objective,
+                    ..Settings::default()
+                },
+                seed,
+            );
             weights_of(&mut bat, &mut problem);
             let report = serde_json::to_value(bat.judge.report(false)).unwrap();
             reached += report["optimum"]["reached"].as_f64().unwrap();
             searched += report["clusters"]["searched"].as_f64().unwrap();
             let gap = report["optimum"]["largest_gap"].as_f64();
-            near += gap.map_or(0.0, |gap| if gap <= 0.01 { report["clusters"]["searched"].as_f64().unwrap() } else { 0.0 });
+            near += gap.map_or(0.0, |gap| {
+                if gap <= 0.01 {
+                    report["clusters"]["searched"].as_f64().unwrap()
+                } else {
+                    0.0
+                }
+            });
             gaps += gap.unwrap_or(0.0);
         }
     }
@@ -62,7 +83,10 @@ fn searched(objective: Objective) -> (f64, f64, f64) {
 fn the_optimum_is_reached_on_small_problems() {
     for objective in [Objective::LikelihoodSum, Objective::LogLikelihoodRatio] {
         let (share, near, gap) = searched(objective);
-        assert!(share >= 0.95, "{objective:?}: J* in {share} of the searches");
+        assert!(
+            share >= 0.95,
+            "{objective:?}: J* in {share} of the searches"
+        );
         assert!(near >= 0.99, "{objective:?}: within 1 % in {near}");
         assert!(gap <= 0.001, "{objective:?}: a mean gap of {gap}");
     }
@@ -71,18 +95,32 @@ fn the_optimum_is_reached_on_small_problems() {
 #[test]
 fn where_the_ratio_reaches_its_optimum_it_is_the_global_nearest_neighbour() {
     let mut random = SEED.stream(Purpose::Clutter, 2, 0);
-    let settings = Settings { objective: Objective::LogLikelihoodRatio, population: 50, iterations: 50, ..Settings::default() };
+    let settings = Settings {
+        objective: Objective::LogLikelihoodRatio,
+        population: 50,
+        iterations: 50,
+        ..Settings::default()
+    };
     for seed in 0..50 {
         let mut problem = random_problem(&mut random, 4, 5, 0.7);
         let found = chosen_by(&mut bat(settings, seed), &mut problem);
-        assert_eq!(found, chosen_by(&mut GlobalNearestNeighbour::default(), &mut problem), "seed {seed}");
+        assert_eq!(
+            found,
+            chosen_by(&mut GlobalNearestNeighbour::default(), &mut problem),
+            "seed {seed}"
+        );
     }
 }
 
 #[test]
 fn a_search_repeats_and_another_seed_searches_otherwise() {
     let mut random = SEED.stream(Purpose::Clutter, 3, 0);
-    let settings = Settings { population: 3, iterations: 2, trace: true, ..Settings::default() };
+    let settings = Settings {
+        population: 3,
+        iterations: 2,
+        trace: true,
+        ..Settings::default()
+    };
     let mut problem = random_problem(&mut random, 6, 9, 0.9);
     let mut traced = |seed| {
         let mut bat = bat(settings, seed);
@@ -92,22 +130,42 @@ fn a_search_repeats_and_another_seed_searches_otherwise() {
     assert_eq!(traced(1), traced(1));
     assert_ne!(traced(1), traced(2));
     let text = traced(1);
-    assert_eq!(text.lines().count(), 1 + 3, "a header, the start and two iterations");
+    assert_eq!(
+        text.lines().count(),
+        1 + 3,
+        "a header, the start and two iterations"
+    );
     assert!(text.starts_with(TRACE_HEADER));
 }
 
 #[test]
 fn the_visited_assignments_weigh_as_joint_events_do() {
     let mut random = SEED.stream(Purpose::Clutter, 4, 0);
-    let jpda = ASSOCIATORS.iter().find(|method| method.name == "jpda").unwrap();
-    let settings = Settings { weights: Answer::Visited, population: 60, iterations: 60, ..Settings::default() };
+    let jpda = ASSOCIATORS
+        .iter()
+        .find(|method| method.name == "jpda")
+        .unwrap();
+    let settings = Settings {
+        weights: Answer::Visited,
+        population: 60,
+        iterations: 60,
+        ..Settings::default()
+    };
     for seed in 0..30 {
         let mut problem = random_problem(&mut random, 3, 3, 0.8);
         let mut exact = (jpda.build)(&serde_json::json!({"marginals": "enumerate"}), SEED).unwrap();
         let expected = weights_of(exact.as_mut(), &mut problem);
         let found = weights_of(&mut bat(settings, seed), &mut problem);
-        for (found, expected) in found.edges.iter().chain(&found.none).zip(expected.edges.iter().chain(&expected.none)) {
-            assert!((found - expected).abs() < 1e-12, "seed {seed}: {found} for {expected}");
+        for (found, expected) in found
+            .edges
+            .iter()
+            .chain(&found.none)
+            .zip(expected.edges.iter().chain(&expected.none))
+        {
+            assert!(
+                (found - expected).abs() < 1e-12,
+                "seed {seed}: {found} for {expected}"
+            );
         }
     }
 }
@@ -117,7 +175,13 @@ fn a_swarm_that_sees_part_of_the_events_still_sums_to_one() {
     let mut random = SEED.stream(Purpose::Clutter, 5, 0);
     for objective in [Objective::LikelihoodSum, Objective::LogLikelihoodRatio] {
         let mut problem = random_problem(&mut random, 8, 12, 0.6);
-        let settings = Settings { weights: Answer::Visited, objective, population: 5, iterations: 3, ..Settings::default() };
+        let settings = Settings {
+            weights: Answer::Visited,
+            objective,
+            population: 5,
+            iterations: 3,
+            ..Settings::default()
+        };
         let weights = weights_of(&mut bat(settings, 1), &mut problem);
         for (index, row) in problem.rows().iter().enumerate() {
             let total = weights.none[index] + weights.edges[row.edges()].iter().sum::<f64>();
@@ -131,13 +195,23 @@ fn free_candidates_never_leave_the_gate_in_the_answer() {
     let mut random = SEED.stream(Purpose::Clutter, 6, 0);
     for seed in 0..20 {
         let mut problem = random_problem(&mut random, 5, 8, 0.3);
-        let settings = Settings { candidates: Candidates::All, ..Settings::default() };
+        let settings = Settings {
+            candidates: Candidates::All,
+            ..Settings::default()
+        };
         let chosen = chosen_by(&mut bat(settings, seed), &mut problem);
         let mut taken: Vec<u32> = chosen.iter().flatten().copied().collect();
         taken.sort_unstable();
-        assert!(taken.windows(2).all(|pair| pair[0] != pair[1]), "{chosen:?}");
+        assert!(
+            taken.windows(2).all(|pair| pair[0] != pair[1]),
+            "{chosen:?}"
+        );
         for (row, detection) in problem.rows().iter().zip(&chosen) {
-            let is_gated = |detection: &u32| problem.edges()[row.edges()].iter().any(|edge| edge.detection == *detection);
+            let is_gated = |detection: &u32| {
+                problem.edges()[row.edges()]
+                    .iter()
+                    .any(|edge| edge.detection == *detection)
+            };
             assert!(detection.as_ref().is_none_or(is_gated));
         }
     }
@@ -148,11 +222,21 @@ fn a_lone_track_takes_the_most_likely() {
     let mut problem = ScanProblem::default();
     problem.begin(0, 3);
     for (detection, log_likelihood) in [(0, -4.0), (2, -3.5)] {
-        problem.push_edge(Edge { detection, squared_distance: 1.0, log_likelihood });
+        problem.push_edge(Edge {
+            detection,
+            squared_distance: 1.0,
+            log_likelihood,
+        });
     }
     problem.end_row(0.05f64.ln(), 0.0);
     // ln 0.05 = −3.0 is more than both: the ratio leaves them alone, the sum never does.
-    assert_eq!(chosen_by(&mut bat(Settings::default(), 1), &mut problem), [Some(2)]);
-    let ratio = Settings { objective: Objective::LogLikelihoodRatio, ..Settings::default() };
+    assert_eq!(
+        chosen_by(&mut bat(Settings::default(), 1), &mut problem),
+        [Some(2)]
+    );
+    let ratio = Settings {
+        objective: Objective::LogLikelihoodRatio,
+        ..Settings::default()
+    };
     assert_eq!(chosen_by(&mut bat(ratio, 1), &mut problem), [None]);
 }

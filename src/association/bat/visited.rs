@@ -61,7 +61,13 @@ impl Visited {
 
     /// Counts the neighbour that is a step away from an assignment.
     #[inline]
-    pub(super) fn see_neighbour(&mut self, cluster: &Cluster, entries: &[u32], hash: u64, step: &Step) {
+    pub(super) fn see_neighbour(
+        &mut self,
+        cluster: &Cluster,
+        entries: &[u32],
+        hash: u64,
+        step: &Step,
+    ) {
         let key = |code: u32| cluster.code(code).key;
         let mut hash = hash ^ key(entries[step.row as usize]) ^ key(step.code);
         if step.other != NOBODY {
@@ -125,10 +131,16 @@ impl Visited {
 
     /// Step 2.
     fn add(&mut self, cluster: &Cluster, entries: impl Iterator<Item = u32> + Clone) {
-        let log_weight: f64 = entries.clone().map(|code| cluster.code(code).log_ratio).sum();
+        let log_weight: f64 = entries
+            .clone()
+            .map(|code| cluster.code(code).log_ratio)
+            .sum();
         if log_weight > self.log_unit {
             let factor = (self.log_unit - log_weight).exp();
-            self.edge_mass.iter_mut().chain(&mut self.none_mass).for_each(|mass| *mass *= factor);
+            self.edge_mass
+                .iter_mut()
+                .chain(&mut self.none_mass)
+                .for_each(|mass| *mass *= factor);
             self.log_unit = log_weight;
         }
         let weight = (log_weight - self.log_unit).exp();

@@ -70,36 +70,71 @@ impl Clustering {
             self.rows.push(row as u32);
             self.noise_of.push(noise_of(problem, state));
             self.centres.extend_from_slice(places.expected(row));
-            let pair = |edge: usize| Pair { detection: problem.edge(edge).detection, row: place as u32, edge: edge as u32 };
+            let pair = |edge: usize| Pair {
+                detection: problem.edge(edge).detection,
+                row: place as u32,
+                edge: edge as u32,
+            };
             self.pairs.extend(state.edges().map(pair));
         }
-        self.pairs.sort_unstable_by_key(|pair| (pair.detection, pair.row));
+        self.pairs
+            .sort_unstable_by_key(|pair| (pair.detection, pair.row));
         for values in [&mut self.memberships, &mut self.before, &mut self.odds] {
             values.clear();
             values.resize(self.pairs.len(), 0.0);
         }
         let noise_of = &self.noise_of;
-        let mean = |pairs: &[Pair]| pairs.iter().map(|pair| noise_of[pair.row as usize]).sum::<f64>() / pairs.len() as f64;
+        let mean = |pairs: &[Pair]| {
+            pairs
+                .iter()
+                .map(|pair| noise_of[pair.row as usize])
+                .sum::<f64>()
+                / pairs.len() as f64
+        };
         self.noise.clear();
-        self.noise.extend(by_detection(&self.pairs).map(|pairs| Noise { squared: mean(pairs), membership: 0.0 }));
+        self.noise
+            .extend(by_detection(&self.pairs).map(|pairs| Noise {
+                squared: mean(pairs),
+                membership: 0.0,
+            }));
     }
 
     /// Step 3: memberships for the present centres. Returns J.
     pub(super) fn share(&mut self, places: &Places, fuzzifier: Fuzzifier) -> f64 {
         std::mem::swap(&mut self.memberships, &mut self.before);
-        let Clustering { dimensions, angle, rows, centres, pairs, memberships, noise, squared, shares, .. } = self;
+        let Clustering {
+            dimensions,
+            angle,
+            rows,
+            centres,
+            pairs,
+            memberships,
+            noise,
+            squared,
+            shares,
+            ..
+        } = self;
         let (mut cost, mut first) = (0.0, 0);
         for (pairs, noise) in by_detection(pairs).zip(noise) {
             squared.clear();
             for pair in pairs {
                 let centre = &centres[pair.row as usize * *dimensions..][..*dimensions];
                 let inverse = places.inverse(rows[pair.row as usize] as usize);
-                squared.push(squared_distance(places.measured(pair.detection), centre, inverse, *angle));
+                squared.push(squared_distance(
+                    places.measured(pair.detection),
+                    centre,
+                    inverse,
+                    *angle,
+                ));
             }
             squared.push(noise.squared);
             shares.resize(squared.len(), 0.0);
             fuzzifier.share(squared, shares);
-            cost += shares.iter().zip(squared.iter()).map(|(&share, &squared)| fuzzifier.raised(share) * squared).sum::<f64>();
+            cost += shares
+                .iter()
+                .zip(squared.iter())
+                .map(|(&share, &squared)| fuzzifier.raised(share) * squared)
+                .sum::<f64>();
             memberships[first..first + pairs.len()].copy_from_slice(&shares[..pairs.len()]);
             noise.membership = shares[pairs.len()];
             first += pairs.len();
@@ -123,14 +158,28 @@ impl Clustering {
             self.totals[pair.row as usize] += weight;
             let first = pair.row as usize * self.dimensions;
             for (axis, measured) in places.measured(pair.detection).iter().enumerate() {
-                self.steps[first + axis] += weight * difference(*measured, self.centres[first + axis], self.angle == Some(axis));
+                self.steps[first + axis] += weight
+                    * difference(
+                        *measured,
+                        self.centres[first + axis],
+                        self.angle == Some(axis),
+                    );
             }
         }
-        for (row, &total) in self.totals.iter().enumerate().filter(|(_, total)| **total > 0.0) {
+        for (row, &total) in self
+            .totals
+            .iter()
+            .enumerate()
+            .filter(|(_, total)| **total > 0.0)
+        {
             for axis in 0..self.dimensions {
                 let place = row * self.dimensions + axis;
                 let moved = self.centres[place] + self.steps[place] / total;
-                self.centres[place] = if self.angle == Some(axis) { wrapped(moved) } else { moved };
+                self.centres[place] = if self.angle == Some(axis) {
+                    wrapped(moved)
+                } else {
+                    moved
+                };
             }
         }
     }
@@ -157,7 +206,10 @@ impl Clustering {
             self.steps[pair.row as usize] += if is_certain { 0.0 } else { odds };
         }
         for (pair, &odds) in self.pairs.iter().zip(&self.odds) {
-            let (certain, sum) = (self.totals[pair.row as usize], self.steps[pair.row as usize]);
+            let (certain, sum) = (
+                self.totals[pair.row as usize],
+                self.steps[pair.row as usize],
+            );
             weights.edges[pair.edge as usize] = match odds == f64::INFINITY {
                 true => 1.0 / certain,
                 false if certain > 0.0 => 0.0,
@@ -165,7 +217,11 @@ impl Clustering {
             };
         }
         for (place, &row) in self.rows.iter().enumerate() {
-            weights.none[row as usize] = if self.totals[place] > 0.0 { 0.0 } else { 1.0 / (1.0 + self.steps[place]) };
+            weights.none[row as usize] = if self.totals[place] > 0.0 {
+                0.0
+            } else {
+                1.0 / (1.0 + self.steps[place])
+            };
         }
     }
 
@@ -176,8 +232,18 @@ impl Clustering {
             let memberships = &self.memberships[first..first + pairs.len()];
             for (place, &membership) in memberships.iter().enumerate() {
                 // Near 1 the difference from 1 would be rounding; the others' sum is not.
-                let others = || memberships.iter().enumerate().filter(|(other, _)| *other != place).map(|(_, membership)| membership);
-                let rest = if membership < 0.5 { 1.0 - membership } else { noise.membership + others().sum::<f64>() };
+                let others = || {
+                    memberships
+                        .iter()
+                        .enumerate()
+                        .filter(|(other, _)| *other != place)
+                        .map(|(_, membership)| membership)
+                };
+                let rest = if membership < 0.5 {
+                    1.0 - membership
+                } else {
+                    noise.membership + others().sum::<f64>()
+                };
                 self.odds[first + place] = membership / rest;
             }
             first += pairs.len();
@@ -186,16 +252,34 @@ impl Clustering {
 
     /// The state for a trace, as `write(quantity, row of the track, detection, value)`: J; u, without a track for noise; v1 and
     /// so on, the coordinates of the centres.
-    pub(super) fn describe(&self, cost: f64, mut write: impl FnMut(&str, Option<u32>, Option<u32>, f64)) {
+    pub(super) fn describe(
+        &self,
+        cost: f64,
+        mut write: impl FnMut(&str, Option<u32>, Option<u32>, f64),
+    ) {
         write("J", None, None, cost);
         let mut memberships = self.memberships.iter();
         for (pairs, noise) in by_detection(&self.pairs).zip(&self.noise) {
             for (pair, &membership) in pairs.iter().zip(memberships.by_ref()) {
-                write("u", Some(self.rows[pair.row as usize]), Some(pair.detection), membership);
+                write(
+                    "u",
+                    Some(self.rows[pair.row as usize]),
+                    Some(pair.detection),
+                    membership,
+                );
             }
-            write("u", None, pairs.first().map(|pair| pair.detection), noise.membership);
+            write(
+                "u",
+                None,
+                pairs.first().map(|pair| pair.detection),
+                noise.membership,
+            );
         }
-        for (&row, centre) in self.rows.iter().zip(self.centres.chunks_exact(self.dimensions)) {
+        for (&row, centre) in self
+            .rows
+            .iter()
+            .zip(self.centres.chunks_exact(self.dimensions))
+        {
             for (name, &value) in ["v1", "v2", "v3"].into_iter().zip(centre) {
                 write(name, Some(row), None, value);
             }
@@ -205,8 +289,14 @@ impl Clustering {
 
 /// δ_i² of step 1; any edge of the row tells it.
 fn noise_of(problem: &Problem, row: &Row) -> f64 {
-    let squared = problem.edges_of(row).first().map(|edge| 2.0 * (edge.log_likelihood - row.log_none) + edge.squared_distance);
-    squared.filter(|squared| !squared.is_nan()).unwrap_or(MOST_NOISE).clamp(LEAST_NOISE, MOST_NOISE)
+    let squared = problem
+        .edges_of(row)
+        .first()
+        .map(|edge| 2.0 * (edge.log_likelihood - row.log_none) + edge.squared_distance);
+    squared
+        .filter(|squared| !squared.is_nan())
+        .unwrap_or(MOST_NOISE)
+        .clamp(LEAST_NOISE, MOST_NOISE)
 }
 
 fn by_detection(pairs: &[Pair]) -> impl Iterator<Item = &[Pair]> {
@@ -215,12 +305,21 @@ fn by_detection(pairs: &[Pair]) -> impl Iterator<Item = &[Pair]> {
 
 #[inline]
 fn difference(left: f64, right: f64, is_angle: bool) -> f64 {
-    if is_angle { wrapped(left - right) } else { left - right }
+    if is_angle {
+        wrapped(left - right)
+    } else {
+        left - right
+    }
 }
 
 /// d².
 #[inline]
-fn squared_distance(measured: &[f64], centre: &[f64], inverse: &[f64], angle: Option<usize>) -> f64 {
+fn squared_distance(
+    measured: &[f64],
+    centre: &[f64],
+    inverse: &[f64],
+    angle: Option<usize>,
+) -> f64 {
     let dimensions = measured.len();
     let difference = |axis: usize| difference(measured[axis], centre[axis], angle == Some(axis));
     let mut sum = 0.0;

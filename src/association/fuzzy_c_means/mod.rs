@@ -61,19 +61,31 @@ static PARAMETERS: Object = Object {
         default(
             "fuzzifier",
             "q: the larger, the fuzzier.",
-            Kind::Number { min: Bound::Excluding(1.0), max: Bound::Including(100.0), unit: "" },
+            Kind::Number {
+                min: Bound::Excluding(1.0),
+                max: Bound::Including(100.0),
+                unit: "",
+            },
             "2.0",
         ),
         default(
             "tolerance",
             "The clustering is at rest when no membership changes by more.",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Excluding(1.0), unit: "" },
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Excluding(1.0),
+                unit: "",
+            },
             "1e-4",
         ),
         default(
             "max_iterations",
             "Iterations after which a cluster ends, at rest or not; those that are not are counted.",
-            Kind::Integer { min: 1, max: 10_000, unit: "" },
+            Kind::Integer {
+                min: 1,
+                max: 10_000,
+                unit: "",
+            },
             "100",
         ),
         default(
@@ -177,7 +189,10 @@ impl Associator for FuzzyCMeans {
 fn choose_nearest(problem: &Problem, weights: &mut Weights) {
     for (row, state) in problem.rows() {
         let squared = |&edge: &usize| problem.edge(edge).squared_distance;
-        if let Some(nearest) = state.edges().min_by(|left, right| squared(left).total_cmp(&squared(right))) {
+        if let Some(nearest) = state
+            .edges()
+            .min_by(|left, right| squared(left).total_cmp(&squared(right)))
+        {
             weights.choose(row, nearest);
         }
     }
@@ -203,25 +218,36 @@ impl FuzzyCMeans {
             return;
         }
         let (mut iterations, mut change) = (0, f64::INFINITY);
-        let pieces = 8 * problem.rows().map(|(_, row)| u64::from(row.count)).sum::<u64>();
-        while change > self.settings.tolerance && iterations < self.settings.max_iterations && !problem.stops_after(pieces) {
-            self.clustering.move_centres(problem.places(), self.fuzzifier);
+        let pieces = 8 * problem
+            .rows()
+            .map(|(_, row)| u64::from(row.count))
+            .sum::<u64>();
+        while change > self.settings.tolerance
+            && iterations < self.settings.max_iterations
+            && !problem.stops_after(pieces)
+        {
+            self.clustering
+                .move_centres(problem.places(), self.fuzzifier);
             cost = self.clustering.share(problem.places(), self.fuzzifier);
             change = self.clustering.largest_change();
             iterations += 1;
             self.write(problem, iterations, cost);
         }
-        self.diagnostics.clustered(iterations, change <= self.settings.tolerance);
+        self.diagnostics
+            .clustered(iterations, change <= self.settings.tolerance);
     }
 
     fn write(&mut self, problem: &Problem, iteration: u32, cost: f64) {
         let Some(trace) = &mut self.trace else { return };
         let cluster = problem.rows().next().map_or(0, |(row, _)| row);
         let occasion = problem.occasion();
-        self.clustering.describe(cost, |quantity, track, detection, value| {
-            let (track, detection) = (Cell(track), Cell(detection));
-            trace.push(format_args!("{occasion},{cluster},{iteration},{quantity},{track},{detection},{value}"));
-        });
+        self.clustering
+            .describe(cost, |quantity, track, detection, value| {
+                let (track, detection) = (Cell(track), Cell(detection));
+                trace.push(format_args!(
+                    "{occasion},{cluster},{iteration},{quantity},{track},{detection},{value}"
+                ));
+            });
     }
 
     /// Step 4, hard.
@@ -231,12 +257,18 @@ impl FuzzyCMeans {
         for (_, row) in problem.rows() {
             for index in row.edges() {
                 let edge = problem.edge(index);
-                self.solver.push_edge(edge.detection, TIE_BREAK * edge.squared_distance - weights.edges[index]);
+                self.solver.push_edge(
+                    edge.detection,
+                    TIE_BREAK * edge.squared_distance - weights.edges[index],
+                );
             }
             self.solver.end_row(0.0);
         }
         let is_solved = self.solver.solve().is_some();
-        debug_assert!(is_solved, "a cluster in which every track may miss has an assignment");
+        debug_assert!(
+            is_solved,
+            "a cluster in which every track may miss has an assignment"
+        );
         for (index, (row, state)) in problem.rows().enumerate() {
             weights.edges[state.edges()].fill(0.0);
             if let Some(edge) = self.solver.edge_of(index) {

@@ -6,8 +6,17 @@ use super::*;
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
-const HARD: Settings = Settings { weights: Answer::Hard, fuzzifier: 2.0, tolerance: 1e-4, max_iterations: 100, trace: false };
-const WEIGHTED: Settings = Settings { weights: Answer::Weighted, ..HARD };
+const HARD: Settings = Settings {
+    weights: Answer::Hard,
+    fuzzifier: 2.0,
+    tolerance: 1e-4,
+    max_iterations: 100,
+    trace: false,
+};
+const WEIGHTED: Settings = Settings {
+    weights: Answer::Weighted,
+    ..HARD
+};
 
 /// δ² of every track below.
 const NOISE: f64 = 9.0;
@@ -24,11 +33,19 @@ fn around(tracks: &[f64], detections: &[f64], angle: Option<usize>) -> ScanProbl
     problem.set_measurements(1, angle, measured.iter().map(|place| &place[..]));
     for &track in tracks {
         for (detection, &place) in detections.iter().enumerate() {
-            let difference = if angle.is_some() { crate::math::angle::wrapped(place - track) } else { place - track };
+            let difference = if angle.is_some() {
+                crate::math::angle::wrapped(place - track)
+            } else {
+                place - track
+            };
             if difference.abs() <= 4.0 {
                 let squared_distance = difference * difference;
                 let log_likelihood = 0.5 * (NOISE - squared_distance) + 0.1f64.ln();
-                problem.push_edge(Edge { detection: detection as u32, squared_distance, log_likelihood });
+                problem.push_edge(Edge {
+                    detection: detection as u32,
+                    squared_distance,
+                    log_likelihood,
+                });
             }
         }
         problem.push_place(&[track], &[1.0]);
@@ -50,14 +67,23 @@ fn weighed(settings: Settings, problem: &mut ScanProblem) -> Weights {
 }
 
 fn assert_close(found: &[f64], expected: &[f64]) {
-    let close = found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-12);
-    assert!(close && found.len() == expected.len(), "{found:?} is not {expected:?}");
+    let close = found
+        .iter()
+        .zip(expected)
+        .all(|(found, expected)| (found - expected).abs() < 1e-12);
+    assert!(
+        close && found.len() == expected.len(),
+        "{found:?} is not {expected:?}"
+    );
 }
 
 #[test]
 fn a_lone_track_takes_its_nearest_detection() {
     assert_eq!(chosen(line(&[0.0], &[3.9])), [Some(0)]);
-    assert_eq!(chosen(line(&[0.0, 50.0], &[3.0, -1.0, 2.0])), [Some(1), None]);
+    assert_eq!(
+        chosen(line(&[0.0, 50.0], &[3.0, -1.0, 2.0])),
+        [Some(1), None]
+    );
 }
 
 #[test]
@@ -67,7 +93,13 @@ fn a_track_alone_shares_its_detections_with_noise_by_hand() {
     assert_close(&weights.edges, &[36.0 / 49.0, 9.0 / 49.0]);
     assert_close(&weights.none, &[4.0 / 49.0]);
     // q = 3: 1/1 : 1/2 : 1/3 = 6 : 3 : 2.
-    let weights = weighed(Settings { fuzzifier: 3.0, ..WEIGHTED }, &mut line(&[0.0], &[1.0, -2.0]));
+    let weights = weighed(
+        Settings {
+            fuzzifier: 3.0,
+            ..WEIGHTED
+        },
+        &mut line(&[0.0], &[1.0, -2.0]),
+    );
     assert_close(&weights.edges, &[6.0 / 11.0, 3.0 / 11.0]);
     // A detection exactly where it was expected is certain.
     let weights = weighed(WEIGHTED, &mut line(&[0.0], &[0.0, -2.0]));
@@ -76,12 +108,20 @@ fn a_track_alone_shares_its_detections_with_noise_by_hand() {
 
 /// The rows of a trace as (iteration, quantity, track, detection) and value.
 fn traced(settings: Settings, problem: &mut ScanProblem) -> Vec<(String, f64)> {
-    let mut means = FuzzyCMeans::new(Settings { trace: true, ..settings }).unwrap();
+    let mut means = FuzzyCMeans::new(Settings {
+        trace: true,
+        ..settings
+    })
+    .unwrap();
     let mut weights = Weights::default();
     weights.reset(problem);
     problem.for_each_cluster(|cluster| means.associate(cluster, &mut weights));
     let text = means.trace().unwrap().text().to_owned();
-    let row = |line: &str| line.rsplit_once(',').map(|(name, value)| (name.to_owned(), value.parse().unwrap())).unwrap();
+    let row = |line: &str| {
+        line.rsplit_once(',')
+            .map(|(name, value)| (name.to_owned(), value.parse().unwrap()))
+            .unwrap()
+    };
     text.lines().skip(1).map(row).collect()
 }
 
@@ -89,10 +129,41 @@ fn traced(settings: Settings, problem: &mut ScanProblem) -> Vec<(String, f64)> {
 fn two_tracks_and_noise_by_hand() {
     // Tracks at 0 and 4, detections at 1 and 3, all pairs gated. Detection 0: d² = 1, 9, δ² = 9: 1 : 1/9 : 1/9 = 9 : 1 : 1 of 11.
     // By symmetry J = 2 · (81·1 + 1·9 + 1·9) / 121 = 198/121. v₁ = (81·1 + 1·3) / 82 = 84/82.
-    let rows = traced(Settings { max_iterations: 1, ..HARD }, &mut line(&[0.0, 4.0], &[1.0, 3.0]));
-    let value = |name: &str| rows.iter().find(|(found, _)| found == name).unwrap_or_else(|| panic!("no {name}")).1;
-    let found = ["3,0,0,J,,", "3,0,0,u,0,0", "3,0,0,u,1,0", "3,0,0,u,,0", "3,0,0,u,0,1", "3,0,0,v1,1,", "3,0,1,v1,0,"].map(value);
-    assert_close(&found, &[198.0 / 121.0, 9.0 / 11.0, 1.0 / 11.0, 1.0 / 11.0, 1.0 / 11.0, 4.0, 84.0 / 82.0]);
+    let rows = traced(
+        Settings {
+            max_iterations: 1,
+            ..HARD
+        },
+        &mut line(&[0.0, 4.0], &[1.0, 3.0]),
+    );
+    let value = |name: &str| {
+        rows.iter()
+            .find(|(found, _)| found == name)
+            .unwrap_or_else(|| panic!("no {name}"))
+            .1
+    };
+    let found = [
+        "3,0,0,J,,",
+        "3,0,0,u,0,0",
+        "3,0,0,u,1,0",
+        "3,0,0,u,,0",
+        "3,0,0,u,0,1",
+        "3,0,0,v1,1,",
+        "3,0,1,v1,0,",
+    ]
+    .map(value);
+    assert_close(
+        &found,
+        &[
+            198.0 / 121.0,
+            9.0 / 11.0,
+            1.0 / 11.0,
+            1.0 / 11.0,
+            1.0 / 11.0,
+            4.0,
+            84.0 / 82.0,
+        ],
+    );
     assert_eq!(chosen(line(&[0.0, 4.0], &[1.0, 3.0])), [Some(0), Some(1)]);
 }
 
@@ -112,16 +183,30 @@ fn bearings_are_averaged_across_the_end_of_the_turn() {
     // Around ±π the same as on the line; tracks at π − 0.2 and −π + 0.2, that is 0.4 apart.
     let tracks = [PI - 0.2, -PI + 0.2];
     let detections = [PI - 0.15, -PI + 0.15];
-    assert_eq!(chosen(around(&tracks, &detections, Some(0))), [Some(0), Some(1)]);
+    assert_eq!(
+        chosen(around(&tracks, &detections, Some(0))),
+        [Some(0), Some(1)]
+    );
     let shifted = weighed(WEIGHTED, &mut around(&[-0.2, 0.2], &[-0.15, 0.15], None));
     assert!(shifted.none.iter().all(|none| *none < 0.1));
     let wrapped = weighed(WEIGHTED, &mut around(&tracks, &detections, Some(0)));
-    assert!(wrapped.edges.iter().zip(&shifted.edges).all(|(left, right)| (left - right).abs() < 1e-9), "{wrapped:?} {shifted:?}");
+    assert!(
+        wrapped
+            .edges
+            .iter()
+            .zip(&shifted.edges)
+            .all(|(left, right)| (left - right).abs() < 1e-9),
+        "{wrapped:?} {shifted:?}"
+    );
 }
 
 #[test]
 fn diagnostics_count_clusters_and_iterations() {
-    let mut means = FuzzyCMeans::new(Settings { max_iterations: 1, ..HARD }).unwrap();
+    let mut means = FuzzyCMeans::new(Settings {
+        max_iterations: 1,
+        ..HARD
+    })
+    .unwrap();
     let mut problem = line(&[0.0, 3.0, 90.0], &[1.0, 2.0, 91.0]);
     let mut weights = Weights::default();
     weights.reset(&problem);

@@ -37,12 +37,23 @@ pub(super) struct Settled {
 }
 
 impl BeliefPropagation {
-    pub(super) fn marginals(&mut self, cluster: &mut Cluster, (tolerance, max_iterations): (f64, u32), watch: &Watch) -> Settled {
+    pub(super) fn marginals(
+        &mut self,
+        cluster: &mut Cluster,
+        (tolerance, max_iterations): (f64, u32),
+        watch: &Watch,
+    ) -> Settled {
         self.scale(cluster);
-        let mut settled = Settled { iterations: 0, is_converged: false };
+        let mut settled = Settled {
+            iterations: 0,
+            is_converged: false,
+        };
         // Two messages an edge and round.
         let pieces = 4 * self.weight.len() as u64;
-        while settled.iterations < max_iterations && !settled.is_converged && !watch.stops_after(pieces) {
+        while settled.iterations < max_iterations
+            && !settled.is_converged
+            && !watch.stops_after(pieces)
+        {
             self.tell_detections(&cluster.tracks);
             settled.is_converged = self.tell_tracks(&cluster.detections) <= tolerance;
             settled.iterations += 1;
@@ -56,7 +67,11 @@ impl BeliefPropagation {
         self.weight.clear();
         self.none.clear();
         for track in 0..cluster.tracks.len() {
-            let ratios = cluster.tracks.edges_of(track).iter().map(|&edge| cluster.log_ratio[edge as usize]);
+            let ratios = cluster
+                .tracks
+                .edges_of(track)
+                .iter()
+                .map(|&edge| cluster.log_ratio[edge as usize]);
             let top = ratios.clone().fold(0.0, f64::max);
             self.none.push((-top).exp().max(SMALLEST_NONE));
             self.weight.extend(ratios.map(|ratio| (ratio - top).exp()));
@@ -72,7 +87,9 @@ impl BeliefPropagation {
         for track in 0..tracks.len() {
             let edges = tracks.edges_of(track);
             let term = |edge: u32| self.weight[edge as usize] * self.to_track[edge as usize];
-            let total = edges.iter().fold(self.none[track], |sum, &edge| sum + term(edge));
+            let total = edges
+                .iter()
+                .fold(self.none[track], |sum, &edge| sum + term(edge));
             for &edge in edges {
                 let rest = sum_without(edge, self.none[track], total, edges, term);
                 self.to_detection[edge as usize] = self.weight[edge as usize] / rest;
@@ -120,5 +137,12 @@ impl BeliefPropagation {
 #[inline]
 fn sum_without(edge: u32, first: f64, total: f64, edges: &[u32], term: impl Fn(u32) -> f64) -> f64 {
     let own = term(edge);
-    if own <= 0.5 * total { total - own } else { edges.iter().filter(|&&other| other != edge).fold(first, |sum, &other| sum + term(other)) }
+    if own <= 0.5 * total {
+        total - own
+    } else {
+        edges
+            .iter()
+            .filter(|&&other| other != edge)
+            .fold(first, |sum, &other| sum + term(other))
+    }
 }

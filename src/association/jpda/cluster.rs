@@ -39,8 +39,17 @@ pub(super) struct Sides<'a> {
 impl Sides<'_> {
     /// How many of an element's nodes others want, too.
     pub(super) fn shared_nodes(&self, element: usize) -> usize {
-        let is_shared = |&&edge: &&u32| self.others.edges_of(self.other_of[edge as usize] as usize).len() > 1;
-        self.elements.edges_of(element).iter().filter(is_shared).count()
+        let is_shared = |&&edge: &&u32| {
+            self.others
+                .edges_of(self.other_of[edge as usize] as usize)
+                .len()
+                > 1
+        };
+        self.elements
+            .edges_of(element)
+            .iter()
+            .filter(is_shared)
+            .count()
     }
 }
 
@@ -86,7 +95,9 @@ impl Cluster {
                 let detection = self.number_of(edge.detection);
                 self.track_of.push(index as u32);
                 self.detection_of.push(detection);
-                self.log_ratio.push((edge.log_likelihood - row.log_none).clamp(-MAX_LOG_RATIO, MAX_LOG_RATIO));
+                self.log_ratio.push(
+                    (edge.log_likelihood - row.log_none).clamp(-MAX_LOG_RATIO, MAX_LOG_RATIO),
+                );
             }
             self.tracks.ends.push(self.track_of.len() as u32);
         }
@@ -101,7 +112,12 @@ impl Cluster {
         for detection in self.numbered.drain(..) {
             self.local_of[detection as usize] = NOBODY;
         }
-        for list in [&mut self.tracks.ends, &mut self.tracks.incident, &mut self.track_of, &mut self.detection_of] {
+        for list in [
+            &mut self.tracks.ends,
+            &mut self.tracks.incident,
+            &mut self.track_of,
+            &mut self.detection_of,
+        ] {
             list.clear();
         }
         for list in [&mut self.log_ratio, &mut self.beta, &mut self.none] {
@@ -145,12 +161,20 @@ impl Cluster {
     }
 
     pub(super) fn sides(&self, turn: Turn) -> Sides<'_> {
-        let (tracks, detections) = ((&self.tracks, &self.track_of[..]), (&self.detections, &self.detection_of[..]));
+        let (tracks, detections) = (
+            (&self.tracks, &self.track_of[..]),
+            (&self.detections, &self.detection_of[..]),
+        );
         let ((elements, element_of), (others, other_of)) = match turn {
             Turn::Tracks => (tracks, detections),
             Turn::Detections => (detections, tracks),
         };
-        Sides { elements, others, other_of, element_of }
+        Sides {
+            elements,
+            others,
+            other_of,
+            element_of,
+        }
     }
 
     #[inline]
@@ -166,20 +190,28 @@ impl Cluster {
             let ratios = || edges.iter().map(|&edge| self.log_ratio[edge as usize]);
             range += ratios().fold(0.0, f64::max) - ratios().fold(0.0, f64::min);
             // 1 + the number of edges is below two to the power of its bits.
-            range += f64::from(u32::BITS - edges.len().leading_zeros().min(u32::BITS)).max(1.0) * std::f64::consts::LN_2;
+            range += f64::from(u32::BITS - edges.len().leading_zeros().min(u32::BITS)).max(1.0)
+                * std::f64::consts::LN_2;
         }
         range < NARROW_LOG_RANGE
     }
 
     /// Upper bound of the number of joint events: every track free to choose.
     pub(super) fn most_events(&self) -> f64 {
-        (0..self.tracks.len()).map(|track| 1.0 + self.tracks.edges_of(track).len() as f64).product()
+        (0..self.tracks.len())
+            .map(|track| 1.0 + self.tracks.edges_of(track).len() as f64)
+            .product()
     }
 
     /// β₀ of every track as what its edges leave.
     pub(super) fn leave_none(&mut self) {
         for track in 0..self.tracks.len() {
-            let given: f64 = self.tracks.edges_of(track).iter().map(|&edge| self.beta[edge as usize]).sum();
+            let given: f64 = self
+                .tracks
+                .edges_of(track)
+                .iter()
+                .map(|&edge| self.beta[edge as usize])
+                .sum();
             self.none[track] = (1.0 - given).max(0.0);
         }
     }
@@ -187,7 +219,11 @@ impl Cluster {
     /// Writes the marginals, each track's scaled to sum to 1, to the weights of the scan.
     pub(super) fn store(&self, problem: &Problem, weights: &mut Weights) {
         for (track, (index, row)) in problem.rows().enumerate() {
-            let beta = self.tracks.edges_of(track).iter().map(|&edge| self.beta[edge as usize]);
+            let beta = self
+                .tracks
+                .edges_of(track)
+                .iter()
+                .map(|&edge| self.beta[edge as usize]);
             let total = self.none[track] + beta.clone().sum::<f64>();
             for (edge, beta) in row.edges().zip(beta) {
                 weights.edges[edge] = beta / total;

@@ -61,13 +61,23 @@ struct Approximation {
 
 impl Diagnostics {
     pub(super) fn new() -> Self {
-        let approximation = Approximation { estimated_largest_error: Some(0.0), ..Approximation::default() };
-        Diagnostics { approximation, ..Diagnostics::default() }
+        let approximation = Approximation {
+            estimated_largest_error: Some(0.0),
+            ..Approximation::default()
+        };
+        Diagnostics {
+            approximation,
+            ..Diagnostics::default()
+        }
     }
 
     pub(super) fn single(&mut self, detections: usize) {
         self.clusters.single += 1;
-        self.largest_cluster.grow(Size { tracks: 1, detections, edges: detections });
+        self.largest_cluster.grow(Size {
+            tracks: 1,
+            detections,
+            edges: detections,
+        });
     }
 
     pub(super) fn enumerated(&mut self, cluster: &Cluster) {
@@ -90,7 +100,9 @@ impl Diagnostics {
         if size.has_cycle() {
             approximation.clusters += 1;
             approximation.largest_cluster.grow(size);
-            approximation.estimated_largest_error = approximation.estimated_largest_error.map(|_| LARGEST_MEASURED_ERROR);
+            approximation.estimated_largest_error = approximation
+                .estimated_largest_error
+                .map(|_| LARGEST_MEASURED_ERROR);
         }
         if !settled.is_converged {
             approximation.not_converged += 1;
@@ -105,7 +117,11 @@ impl Diagnostics {
 
 impl Size {
     fn of(cluster: &Cluster) -> Self {
-        Size { tracks: cluster.tracks.len(), detections: cluster.detections.len(), edges: cluster.log_ratio.len() }
+        Size {
+            tracks: cluster.tracks.len(),
+            detections: cluster.detections.len(),
+            edges: cluster.log_ratio.len(),
+        }
     }
 
     fn grow(&mut self, other: Size) {

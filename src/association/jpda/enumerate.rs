@@ -38,14 +38,19 @@ impl Enumerate {
         if cluster.tracks.len() > MAX_TRACKS {
             return false;
         }
-        if cluster.is_narrow() { self.ordinary.run(cluster, max_events) } else { self.extreme.run(cluster, max_events) }
+        if cluster.is_narrow() {
+            self.ordinary.run(cluster, max_events)
+        } else {
+            self.extreme.run(cluster, max_events)
+        }
     }
 }
 
 impl<T: Number> Search<T> {
     fn run(&mut self, cluster: &mut Cluster, max_events: u64) -> bool {
         self.weight.clear();
-        self.weight.extend(cluster.log_ratio.iter().map(|&logarithm| T::exp(logarithm)));
+        self.weight
+            .extend(cluster.log_ratio.iter().map(|&logarithm| T::exp(logarithm)));
         self.mass.clear();
         self.mass.resize(self.weight.len(), T::default());
         self.none.clear();
@@ -53,7 +58,9 @@ impl<T: Number> Search<T> {
         self.used.clear();
         self.used.resize(cluster.detections.len(), false);
         self.events_left = max_events;
-        let Some(total) = self.visit(cluster, 0, T::ONE) else { return false };
+        let Some(total) = self.visit(cluster, 0, T::ONE) else {
+            return false;
+        };
         for (beta, mass) in cluster.beta.iter_mut().zip(&self.mass) {
             *beta = mass.share_of(total);
         }

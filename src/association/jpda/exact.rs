@@ -50,8 +50,13 @@ impl Exact {
         if first.is_some_and(|cost| cost <= CHEAP_COST) {
             return Some(self.planned(Turn::Detections));
         }
-        let cheaper = Limits { cost: first.unwrap_or(limits.cost), ..limits };
-        if plan::least_cost(cluster.sides(Turn::Tracks)) <= cheaper.cost && self.make(cluster, Turn::Tracks, cheaper).is_some() {
+        let cheaper = Limits {
+            cost: first.unwrap_or(limits.cost),
+            ..limits
+        };
+        if plan::least_cost(cluster.sides(Turn::Tracks)) <= cheaper.cost
+            && self.make(cluster, Turn::Tracks, cheaper).is_some()
+        {
             return Some(self.planned(Turn::Tracks));
         }
         first.map(|_| self.planned(Turn::Detections))
@@ -70,12 +75,19 @@ impl Exact {
     }
 
     fn planned(&mut self, turn: Turn) -> Planned {
-        Planned { turn, frontier: self.plan_of(turn).frontier }
+        Planned {
+            turn,
+            frontier: self.plan_of(turn).frontier,
+        }
     }
 
     /// Writes the marginals by the plan last made.
     pub(super) fn marginals(&mut self, cluster: &mut Cluster, planned: Planned) {
-        let plan = if planned.turn == Turn::Tracks { &self.by_track } else { &self.by_detection };
+        let plan = if planned.turn == Turn::Tracks {
+            &self.by_track
+        } else {
+            &self.by_detection
+        };
         if cluster.is_narrow() {
             self.ordinary.run(plan, planned.turn, cluster);
         } else {
@@ -99,7 +111,8 @@ struct Tables<T> {
 impl<T: Number> Tables<T> {
     fn run(&mut self, plan: &Plan, turn: Turn, cluster: &mut Cluster) {
         self.weight.clear();
-        self.weight.extend(cluster.log_ratio.iter().map(|&logarithm| T::exp(logarithm)));
+        self.weight
+            .extend(cluster.log_ratio.iter().map(|&logarithm| T::exp(logarithm)));
         self.sweep_forward(plan);
         let total = self.table[0];
         self.sweep_backward(plan, turn, total, cluster);
@@ -119,7 +132,10 @@ impl<T: Number> Tables<T> {
         for step in &plan.steps {
             self.starts.push(self.forward.len());
             self.forward.extend_from_slice(&self.table);
-            self.expand(step, &plan.choices[choices_start..step.choices_end as usize]);
+            self.expand(
+                step,
+                &plan.choices[choices_start..step.choices_end as usize],
+            );
             for &bit in &plan.leaving[leaving_start..step.leaving_end as usize] {
                 add_halves(&self.table, &mut self.scratch, bit);
                 std::mem::swap(&mut self.table, &mut self.scratch);
@@ -132,16 +148,22 @@ impl<T: Number> Tables<T> {
     fn expand(&mut self, step: &Step, choices: &[Choice]) {
         let size = 1 << step.width;
         let private = choices.iter().filter(|choice| choice.bit == PRIVATE);
-        let alone = private.fold(T::ONE, |sum, choice| sum + self.weight[choice.edge as usize]);
+        let alone = private.fold(T::ONE, |sum, choice| {
+            sum + self.weight[choice.edge as usize]
+        });
         self.alone.push(alone);
         self.scratch.clear();
-        self.scratch.extend(self.table.iter().map(|&cell| alone * cell));
+        self.scratch
+            .extend(self.table.iter().map(|&cell| alone * cell));
         self.scratch.resize(size << step.fresh, T::default());
         for choice in choices.iter().filter(|choice| choice.bit != PRIVATE) {
             let weight = self.weight[choice.edge as usize];
             if u32::from(choice.bit) >= step.width {
                 let start = 1 << choice.bit;
-                for (to, &from) in self.scratch[start..start + size].iter_mut().zip(&self.table) {
+                for (to, &from) in self.scratch[start..start + size]
+                    .iter_mut()
+                    .zip(&self.table)
+                {
                     *to = weight * from;
                 }
             } else {
@@ -159,7 +181,10 @@ impl<T: Number> Tables<T> {
             let before = index.checked_sub(1).map(|before| &plan.steps[before]);
             let choices_start = before.map_or(0, |before| before.choices_end as usize);
             let leaving_start = before.map_or(0, |before| before.leaving_end as usize);
-            for &bit in plan.leaving[leaving_start..step.leaving_end as usize].iter().rev() {
+            for &bit in plan.leaving[leaving_start..step.leaving_end as usize]
+                .iter()
+                .rev()
+            {
                 repeat_halves(&self.table, &mut self.scratch, bit);
                 std::mem::swap(&mut self.table, &mut self.scratch);
             }
@@ -172,7 +197,14 @@ impl<T: Number> Tables<T> {
     }
 
     /// `table` from Bₜ to Bₜ₋₁, and the marginals of one element; returns that of "none".
-    fn contract(&mut self, index: usize, step: &Step, choices: &[Choice], total: T, beta: &mut [f64]) -> f64 {
+    fn contract(
+        &mut self,
+        index: usize,
+        step: &Step,
+        choices: &[Choice],
+        total: T,
+        beta: &mut [f64],
+    ) -> f64 {
         let size = 1 << step.width;
         let forward = &self.forward[self.starts[index]..self.starts[index] + size];
         let alone = self.alone[index];
@@ -188,9 +220,20 @@ impl<T: Number> Tables<T> {
                 weight * kept
             } else if u32::from(choice.bit) >= step.width {
                 let start = 1 << choice.bit;
-                add_gain(forward, &self.table[start..start + size], &mut self.scratch, weight)
+                add_gain(
+                    forward,
+                    &self.table[start..start + size],
+                    &mut self.scratch,
+                    weight,
+                )
             } else {
-                add_unused(forward, &self.table[..size], &mut self.scratch, choice.bit, weight)
+                add_unused(
+                    forward,
+                    &self.table[..size],
+                    &mut self.scratch,
+                    choice.bit,
+                    weight,
+                )
             };
             beta[choice.edge as usize] = mass.share_of(total);
         }
@@ -217,7 +260,10 @@ fn add_used<T: Number>(from: &[T], to: &mut [T], bit: u8, weight: T) {
         2 => add_used_small::<T, 4>(from, to, weight),
         _ => {
             let half = 1 << bit;
-            for (from, to) in from.chunks_exact(2 * half).zip(to.chunks_exact_mut(2 * half)) {
+            for (from, to) in from
+                .chunks_exact(2 * half)
+                .zip(to.chunks_exact_mut(2 * half))
+            {
                 for (to, &from) in to[half..].iter_mut().zip(&from[..half]) {
                     *to = *to + weight * from;
                 }
@@ -228,7 +274,10 @@ fn add_used<T: Number>(from: &[T], to: &mut [T], bit: u8, weight: T) {
 
 /// The same for the lowest bits: in stretches of eight cells, whose places are known to the compiler.
 fn add_used_small<T: Number, const HALF: usize>(from: &[T], to: &mut [T], weight: T) {
-    let (whole, rest) = (from.chunks_exact(SMALL_BLOCK), from.len() / SMALL_BLOCK * SMALL_BLOCK);
+    let (whole, rest) = (
+        from.chunks_exact(SMALL_BLOCK),
+        from.len() / SMALL_BLOCK * SMALL_BLOCK,
+    );
     for (from, to) in whole.zip(to.chunks_exact_mut(SMALL_BLOCK)) {
         for cell in (0..SMALL_BLOCK / 2).map(|index| cell_without(HALF, index)) {
             to[cell + HALF] = to[cell + HALF] + weight * from[cell];
@@ -247,19 +296,35 @@ fn add_unused<T: Number>(forward: &[T], after: &[T], before: &mut [T], bit: u8, 
         2 => add_unused_small::<T, 4>(forward, after, before, weight),
         _ => {
             let half = 1 << bit;
-            let blocks = forward.chunks_exact(2 * half).zip(after.chunks_exact(2 * half)).zip(before.chunks_exact_mut(2 * half));
+            let blocks = forward
+                .chunks_exact(2 * half)
+                .zip(after.chunks_exact(2 * half))
+                .zip(before.chunks_exact_mut(2 * half));
             blocks.fold(T::default(), |mass, ((forward, after), before)| {
-                mass + add_gain(&forward[..half], &after[half..], &mut before[..half], weight)
+                mass + add_gain(
+                    &forward[..half],
+                    &after[half..],
+                    &mut before[..half],
+                    weight,
+                )
             })
         }
     }
 }
 
 /// The same for the lowest bits.
-fn add_unused_small<T: Number, const HALF: usize>(forward: &[T], after: &[T], before: &mut [T], weight: T) -> T {
+fn add_unused_small<T: Number, const HALF: usize>(
+    forward: &[T],
+    after: &[T],
+    before: &mut [T],
+    weight: T,
+) -> T {
     let mut sums = [T::default(); SMALL_BLOCK / 2];
     let rest = before.len() / SMALL_BLOCK * SMALL_BLOCK;
-    let whole = forward.chunks_exact(SMALL_BLOCK).zip(after.chunks_exact(SMALL_BLOCK)).zip(before.chunks_exact_mut(SMALL_BLOCK));
+    let whole = forward
+        .chunks_exact(SMALL_BLOCK)
+        .zip(after.chunks_exact(SMALL_BLOCK))
+        .zip(before.chunks_exact_mut(SMALL_BLOCK));
     for ((forward, after), before) in whole {
         for (lane, sum) in sums.iter_mut().enumerate() {
             let cell = cell_without(HALF, lane);
@@ -281,7 +346,10 @@ fn add_unused_small<T: Number, const HALF: usize>(forward: &[T], after: &[T], be
 fn add_gain<T: Number>(forward: &[T], after: &[T], before: &mut [T], weight: T) -> T {
     let mut sums = [T::default(); 4];
     let quads = before.len() / 4 * 4;
-    let whole = forward[..quads].chunks_exact(4).zip(after[..quads].chunks_exact(4)).zip(before[..quads].chunks_exact_mut(4));
+    let whole = forward[..quads]
+        .chunks_exact(4)
+        .zip(after[..quads].chunks_exact(4))
+        .zip(before[..quads].chunks_exact_mut(4));
     for ((forward, after), before) in whole {
         for lane in 0..4 {
             let gain = weight * after[lane];
@@ -303,12 +371,21 @@ fn add_halves<T: Number>(from: &[T], to: &mut Vec<T>, bit: u8) {
     let half = 1 << bit;
     to.clear();
     if half < SMALL_BLOCK {
-        to.extend((0..from.len() / 2).map(|index| cell_without(half, index)).map(|cell| from[cell] + from[cell + half]));
+        to.extend(
+            (0..from.len() / 2)
+                .map(|index| cell_without(half, index))
+                .map(|cell| from[cell] + from[cell + half]),
+        );
         return;
     }
     for block in from.chunks_exact(2 * half) {
         let (without, with) = block.split_at(half);
-        to.extend(without.iter().zip(with).map(|(&without, &with)| without + with));
+        to.extend(
+            without
+                .iter()
+                .zip(with)
+                .map(|(&without, &with)| without + with),
+        );
     }
 }
 
@@ -317,7 +394,10 @@ fn repeat_halves<T: Number>(from: &[T], to: &mut Vec<T>, bit: u8) {
     let half = 1 << bit;
     to.clear();
     if half < SMALL_BLOCK {
-        to.extend((0..2 * from.len()).map(|index| from[((index >> (bit + 1)) << bit) | (index & (half - 1))]));
+        to.extend(
+            (0..2 * from.len())
+                .map(|index| from[((index >> (bit + 1)) << bit) | (index & (half - 1))]),
+        );
         return;
     }
     for block in from.chunks_exact(half) {

@@ -40,8 +40,11 @@ use exact::{Exact, Planned};
 use plan::Limits;
 use serde::Deserialize;
 
-pub const METHOD: Method<BuildAssociator> =
-    Method { name: "jpda", parameters: &PARAMETERS, build: |spec, _| Ok(Box::new(Jpda::new(Settings::deserialize(spec)?))) };
+pub const METHOD: Method<BuildAssociator> = Method {
+    name: "jpda",
+    parameters: &PARAMETERS,
+    build: |spec, _| Ok(Box::new(Jpda::new(Settings::deserialize(spec)?))),
+};
 
 static PARAMETERS: Object = Object {
     name: "Jpda",
@@ -59,34 +62,54 @@ static PARAMETERS: Object = Object {
             "max_events",
             "Joint events of a cluster that enumerate lists; a cluster with more is left to auto, and counted. A hundred \
                       million take about a second.",
-            Kind::Integer { min: 1, max: 100_000_000, unit: "events" },
+            Kind::Integer {
+                min: 1,
+                max: 100_000_000,
+                unit: "events",
+            },
             "1000000",
         ),
         default(
             "max_states",
             "Cells of one table of exact; a cluster that needs more goes to belief propagation, and is counted.",
-            Kind::Integer { min: 1, max: 16_777_216, unit: "states" },
+            Kind::Integer {
+                min: 1,
+                max: 16_777_216,
+                unit: "states",
+            },
             "65536",
         ),
         default(
             "max_auto_cost",
             "Cells that auto lets an exact sum visit, over all its tables; a cluster that needs more goes to belief \
                       propagation, and is counted. A million take a few milliseconds.",
-            Kind::Integer { min: 1, max: MAX_EXACT_COST as i64, unit: "cells" },
+            Kind::Integer {
+                min: 1,
+                max: MAX_EXACT_COST as i64,
+                unit: "cells",
+            },
             "200000",
         ),
         default(
             "tolerance",
             "Belief propagation ends when no message changes by more than this, relative to itself; below 1e-14 rounding \
                       alone would keep it from ending.",
-            Kind::Number { min: Bound::Including(1e-14), max: Bound::Including(0.1), unit: "" },
+            Kind::Number {
+                min: Bound::Including(1e-14),
+                max: Bound::Including(0.1),
+                unit: "",
+            },
             "1e-9",
         ),
         default(
             "max_iterations",
             "Belief propagation ends after this many rounds of messages; a cluster that has not settled is counted. Ten \
                       thousand rounds of a cluster with 30 000 edges take a few seconds.",
-            Kind::Integer { min: 1, max: 10_000, unit: "" },
+            Kind::Integer {
+                min: 1,
+                max: 10_000,
+                unit: "",
+            },
             "1000",
         ),
     ],
@@ -172,7 +195,10 @@ impl Associator for Jpda {
 fn weigh_single(problem: &Problem, weights: &mut Weights) -> usize {
     let mut detections = 0;
     for (index, row) in problem.rows() {
-        let top = row.edges().map(|edge| problem.edge(edge).log_likelihood).fold(row.log_none, f64::max);
+        let top = row
+            .edges()
+            .map(|edge| problem.edge(edge).log_likelihood)
+            .fold(row.log_none, f64::max);
         let none = (row.log_none - top).exp();
         let mut total = none;
         for edge in row.edges() {
@@ -217,7 +243,10 @@ impl Jpda {
     }
 
     fn sum_or_propagate(&mut self, max_cost: u64, watch: &Watch) {
-        let limits = Limits { width: self.settings.max_states.ilog2(), cost: max_cost };
+        let limits = Limits {
+            width: self.settings.max_states.ilog2(),
+            cost: max_cost,
+        };
         match self.exact.plan(&self.cluster, limits) {
             Some(planned) => self.sum(planned),
             None => {
@@ -229,7 +258,9 @@ impl Jpda {
 
     /// Whether the events were few enough to be listed.
     fn list(&mut self) -> bool {
-        let is_listed = self.enumerate.marginals(&mut self.cluster, self.settings.max_events);
+        let is_listed = self
+            .enumerate
+            .marginals(&mut self.cluster, self.settings.max_events);
         if is_listed {
             self.diagnostics.enumerated(&self.cluster);
         }
@@ -242,8 +273,16 @@ impl Jpda {
     }
 
     fn propagate(&mut self, watch: &Watch) {
-        let Settings { tolerance, max_iterations, .. } = self.settings;
-        let settled = self.belief_propagation.marginals(&mut self.cluster, (tolerance, max_iterations), watch);
+        let Settings {
+            tolerance,
+            max_iterations,
+            ..
+        } = self.settings;
+        let settled = self.belief_propagation.marginals(
+            &mut self.cluster,
+            (tolerance, max_iterations),
+            watch,
+        );
         self.diagnostics.propagated(&self.cluster, settled);
     }
 }

@@ -45,14 +45,22 @@ impl Wide {
         }
         let bits = fraction.to_bits();
         let shift = (bits >> FRACTION_BITS) as i64 - BIAS as i64;
-        let fraction = f64::from_bits((bits & ((1 << FRACTION_BITS) - 1)) | (BIAS << FRACTION_BITS));
-        Wide { fraction, exponent: exponent + shift }
+        let fraction =
+            f64::from_bits((bits & ((1 << FRACTION_BITS) - 1)) | (BIAS << FRACTION_BITS));
+        Wide {
+            fraction,
+            exponent: exponent + shift,
+        }
     }
 
     /// The fraction as it stands beside a larger exponent; 0 when it is too small to be seen there.
     fn aligned_to(self, exponent: i64) -> f64 {
         let shift = exponent - self.exponent;
-        if shift >= BIAS as i64 { 0.0 } else { self.fraction * f64::from_bits((BIAS - shift as u64) << FRACTION_BITS) }
+        if shift >= BIAS as i64 {
+            0.0
+        } else {
+            self.fraction * f64::from_bits((BIAS - shift as u64) << FRACTION_BITS)
+        }
     }
 }
 
@@ -63,8 +71,15 @@ impl Add for Wide {
         if self.fraction == 0.0 || other.fraction == 0.0 {
             return if self.fraction == 0.0 { other } else { self };
         }
-        let (large, small) = if self.exponent >= other.exponent { (self, other) } else { (other, self) };
-        Wide::new(large.fraction + small.aligned_to(large.exponent), large.exponent)
+        let (large, small) = if self.exponent >= other.exponent {
+            (self, other)
+        } else {
+            (other, self)
+        };
+        Wide::new(
+            large.fraction + small.aligned_to(large.exponent),
+            large.exponent,
+        )
     }
 }
 
@@ -72,20 +87,33 @@ impl Mul for Wide {
     type Output = Wide;
 
     fn mul(self, other: Wide) -> Wide {
-        Wide::new(self.fraction * other.fraction, self.exponent + other.exponent)
+        Wide::new(
+            self.fraction * other.fraction,
+            self.exponent + other.exponent,
+        )
     }
 }
 
 impl Number for Wide {
-    const ONE: Self = Wide { fraction: 1.0, exponent: 0 };
+    const ONE: Self = Wide {
+        fraction: 1.0,
+        exponent: 0,
+    };
 
     fn exp(logarithm: f64) -> Self {
         let exponent = (logarithm * std::f64::consts::LOG2_E).floor();
-        Wide::new((logarithm - exponent * std::f64::consts::LN_2).exp(), exponent as i64)
+        Wide::new(
+            (logarithm - exponent * std::f64::consts::LN_2).exp(),
+            exponent as i64,
+        )
     }
 
     fn share_of(self, total: Self) -> f64 {
-        if self.fraction == 0.0 { 0.0 } else { self.aligned_to(total.exponent) / total.fraction }
+        if self.fraction == 0.0 {
+            0.0
+        } else {
+            self.aligned_to(total.exponent) / total.fraction
+        }
     }
 }
 

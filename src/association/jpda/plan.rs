@@ -88,8 +88,12 @@ pub(super) struct Limits {
 
 /// No order costs less: every element's table has at least the nodes that others want, too.
 pub(super) fn least_cost(sides: Sides) -> u64 {
-    let cost = |element: usize| (sides.elements.edges_of(element).len() as u64 + 2) << sides.shared_nodes(element).min(40);
-    (0..sides.elements.len()).map(cost).fold(0, u64::saturating_add)
+    let cost = |element: usize| {
+        (sides.elements.edges_of(element).len() as u64 + 2) << sides.shared_nodes(element).min(40)
+    };
+    (0..sides.elements.len())
+        .map(cost)
+        .fold(0, u64::saturating_add)
 }
 
 impl Plan {
@@ -102,7 +106,11 @@ impl Plan {
             if !self.take(sides, element as u32, limits) {
                 return false;
             }
-            next = self.fringe.iter().min_by_key(|&&element| (self.effects[element as usize], element)).map(|&element| element as usize);
+            next = self
+                .fringe
+                .iter()
+                .min_by_key(|&&element| (self.effects[element as usize], element))
+                .map(|&element| element as usize);
         }
         true
     }
@@ -115,19 +123,31 @@ impl Plan {
         self.fringe.clear();
         (self.cost, self.frontier) = (0, 0);
         self.wanted.clear();
-        self.wanted.extend((0..sides.others.len()).map(|node| sides.others.edges_of(node).len() as u32));
+        self.wanted
+            .extend((0..sides.others.len()).map(|node| sides.others.edges_of(node).len() as u32));
         self.bit_of.clear();
         self.bit_of.resize(sides.others.len(), ABSENT);
         self.state.clear();
         self.state.resize(sides.elements.len(), Seen::No);
-        let wanted_by = |node| sides.others.edges_of(node).iter().fold(0, |all, &edge| all ^ sides.element_of[edge as usize]);
+        let wanted_by = |node| {
+            sides
+                .others
+                .edges_of(node)
+                .iter()
+                .fold(0, |all, &edge| all ^ sides.element_of[edge as usize])
+        };
         self.wanted_by.clear();
-        self.wanted_by.extend((0..sides.others.len()).map(wanted_by));
+        self.wanted_by
+            .extend((0..sides.others.len()).map(wanted_by));
         self.effects.clear();
-        self.effects.extend((0..sides.elements.len()).map(|element| {
-            let fresh = sides.shared_nodes(element) as i32;
-            Effect { growth: fresh, fresh }
-        }));
+        self.effects
+            .extend((0..sides.elements.len()).map(|element| {
+                let fresh = sides.shared_nodes(element) as i32;
+                Effect {
+                    growth: fresh,
+                    fresh,
+                }
+            }));
     }
 
     /// Adds the step of an element; false when it would break a limit.
@@ -149,7 +169,13 @@ impl Plan {
         self.cost += (edges.len() as u64 + 2) << full;
         self.leave();
         let (choices_end, leaving_end) = (self.choices.len() as u32, self.leaving.len() as u32);
-        self.steps.push(Step { element, width, fresh: full - width, choices_end, leaving_end });
+        self.steps.push(Step {
+            element,
+            width,
+            fresh: full - width,
+            choices_end,
+            leaving_end,
+        });
         self.cost <= limits.cost
     }
 
@@ -178,7 +204,10 @@ impl Plan {
         for &edge in sides.others.edges_of(node as usize) {
             let other = sides.element_of[edge as usize];
             let effect = &mut self.effects[other as usize];
-            *effect = Effect { growth: effect.growth - 1, fresh: effect.fresh - 1 };
+            *effect = Effect {
+                growth: effect.growth - 1,
+                fresh: effect.fresh - 1,
+            };
             if self.state[other as usize] == Seen::No {
                 self.state[other as usize] = Seen::Fringe;
                 self.fringe.push(other);

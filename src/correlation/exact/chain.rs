@@ -14,12 +14,19 @@ pub(in crate::correlation) fn cheapest_chains(problem: &Problem) -> (Vec<Vec<u32
     solver.clear();
     for track in 0..problem.tracks() as u32 {
         // Links ascend, and tracks of later sensors have larger numbers.
-        for link in problem.links(track).iter().filter(|link| link.track > track && link.cost < 0.0) {
+        for link in problem
+            .links(track)
+            .iter()
+            .filter(|link| link.track > track && link.cost < 0.0)
+        {
             solver.push_edge(link.track, link.cost);
         }
         solver.end_row(0.0);
     }
-    let bound = solver.solve().map(|_| sum_of_duals(&solver, problem.tracks())).unwrap_or_default();
+    let bound = solver
+        .solve()
+        .map(|_| sum_of_duals(&solver, problem.tracks()))
+        .unwrap_or_default();
     let mut tuple_of = vec![usize::MAX; problem.tracks()];
     let mut tuples: Vec<Vec<u32>> = Vec::new();
     for track in 0..problem.tracks() {
@@ -36,5 +43,7 @@ pub(in crate::correlation) fn cheapest_chains(problem: &Problem) -> (Vec<Vec<u32
 }
 
 fn sum_of_duals(solver: &AssignmentSolver, tracks: usize) -> f64 {
-    (0..tracks).map(|track| solver.row_dual(track) + solver.column_dual(track as u32)).sum()
+    (0..tracks)
+        .map(|track| solver.row_dual(track) + solver.column_dual(track as u32))
+        .sum()
 }

@@ -31,35 +31,71 @@ struct Cover<'w> {
 }
 
 /// The cheapest tuples of a cluster, numbered as it does, if they cost less than `known`. `nodes` is what may yet be looked at.
-pub(super) fn cheapest_cover(cluster: &Cluster, known: f64, nodes: &mut u64, watch: &Watch) -> Result<Option<Vec<Vec<u32>>>, TooLarge> {
-    let Relaxation { tuples, multipliers, .. } = relaxed(&listed(cluster, nodes, watch)?, known, ROUNDS);
+pub(super) fn cheapest_cover(
+    cluster: &Cluster,
+    known: f64,
+    nodes: &mut u64,
+    watch: &Watch,
+) -> Result<Option<Vec<Vec<u32>>>, TooLarge> {
+    let Relaxation {
+        tuples,
+        multipliers,
+        ..
+    } = relaxed(&listed(cluster, nodes, watch)?, known, ROUNDS);
     let prices = prices(&tuples, &multipliers);
     let rest = prices.iter().sum();
     let is_free = vec![true; cluster.len()];
-    let mut cover = Cover { watch, tuples, prices, is_free, chosen: Vec::new(), best_cost: known, best: None };
+    let mut cover = Cover {
+        watch,
+        tuples,
+        prices,
+        is_free,
+        chosen: Vec::new(),
+        best_cost: known,
+        best: None,
+    };
     cover.descend(0, 0.0, rest, nodes)?;
     Ok(cover.best)
 }
 
 impl Cover<'_> {
     /// `rest` is Σ u(t) over the free tracks.
-    fn descend(&mut self, from: u32, cost: f64, rest: f64, nodes: &mut u64) -> Result<(), TooLarge> {
-        *nodes = nodes.checked_sub(1).filter(|_| !self.watch.stops_after(64)).ok_or(TooLarge)?;
+    fn descend(
+        &mut self,
+        from: u32,
+        cost: f64,
+        rest: f64,
+        nodes: &mut u64,
+    ) -> Result<(), TooLarge> {
+        *nodes = nodes
+            .checked_sub(1)
+            .filter(|_| !self.watch.stops_after(64))
+            .ok_or(TooLarge)?;
         if cost + rest >= self.best_cost - LEAST_GAIN {
             return Ok(());
         }
-        let Some(track) = (from..self.is_free.len() as u32).find(|&track| self.is_free[track as usize]) else {
-            let tuple = |&(track, place): &(u32, u32)| self.tuples[track as usize][place as usize].members.clone();
+        let Some(track) =
+            (from..self.is_free.len() as u32).find(|&track| self.is_free[track as usize])
+        else {
+            let tuple = |&(track, place): &(u32, u32)| {
+                self.tuples[track as usize][place as usize].members.clone()
+            };
             self.best = Some(self.chosen.iter().map(tuple).collect());
             self.best_cost = cost;
             return Ok(());
         };
         for place in 0..self.tuples[track as usize].len() {
-            let Tuple { members, cost: of_tuple } = &self.tuples[track as usize][place];
+            let Tuple {
+                members,
+                cost: of_tuple,
+            } = &self.tuples[track as usize][place];
             if !members.iter().all(|&member| self.is_free[member as usize]) {
                 continue;
             }
-            let price: f64 = members.iter().map(|&member| self.prices[member as usize]).sum();
+            let price: f64 = members
+                .iter()
+                .map(|&member| self.prices[member as usize])
+                .sum();
             let with_tuple = cost + of_tuple;
             self.set_free(track, place, false);
             self.chosen.push((track, place as u32));

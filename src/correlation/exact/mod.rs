@@ -18,8 +18,11 @@ use crate::model::watch::Watch;
 use crate::registry::{Kind, Method, Object, default};
 use serde::Deserialize;
 
-pub const METHOD: Method<BuildCorrelator> =
-    Method { name: "exact", parameters: &PARAMETERS, build: |spec, _| Ok(Box::new(Exact::deserialize(spec)?)) };
+pub const METHOD: Method<BuildCorrelator> = Method {
+    name: "exact",
+    parameters: &PARAMETERS,
+    build: |spec, _| Ok(Box::new(Exact::deserialize(spec)?)),
+};
 
 static PARAMETERS: Object = Object {
     name: "ExactCorrelator",
@@ -27,7 +30,11 @@ static PARAMETERS: Object = Object {
     fields: &[default(
         "max_nodes",
         "Nodes that branch and bound may look at in a cluster before the problem is refused.",
-        Kind::Integer { min: 1, max: 1_000_000_000, unit: "" },
+        Kind::Integer {
+            min: 1,
+            max: 1_000_000_000,
+            unit: "",
+        },
         "10000000",
     )],
 };
@@ -42,10 +49,16 @@ impl Correlator for Exact {
         self.correlate_until(problem, &Watch::never())
     }
 
-    fn correlate_until(&mut self, problem: &Problem, watch: &Watch) -> Result<Solution, Vec<Fault>> {
+    fn correlate_until(
+        &mut self,
+        problem: &Problem,
+        watch: &Watch,
+    ) -> Result<Solution, Vec<Fault>> {
         let (tuples, bound) = match problem.costs {
             Costs::Chain => cheapest_chains(problem),
-            Costs::AllPairs | Costs::Joint(_) => (self.cheapest_covers(problem, watch)?, f64::INFINITY),
+            Costs::AllPairs | Costs::Joint(_) => {
+                (self.cheapest_covers(problem, watch)?, f64::INFINITY)
+            }
         };
         Ok(proven(Solution::of(problem, tuples), bound))
     }
@@ -53,7 +66,11 @@ impl Correlator for Exact {
 
 impl Exact {
     /// Cluster by cluster.
-    fn cheapest_covers(&self, problem: &Problem, watch: &Watch) -> Result<Vec<Vec<u32>>, Vec<Fault>> {
+    fn cheapest_covers(
+        &self,
+        problem: &Problem,
+        watch: &Watch,
+    ) -> Result<Vec<Vec<u32>>, Vec<Fault>> {
         let known = [nearest_tuples(problem), weighted_tuples(problem)];
         let mut improver = Improver::default();
         let mut tuples = Vec::new();
@@ -77,7 +94,11 @@ impl Exact {
 }
 
 /// What others answer for a cluster, after local search, the better first.
-pub(super) fn improved(cluster: &Cluster, known: &[Vec<Vec<u32>>], improver: &mut Improver) -> Vec<Partition> {
+pub(super) fn improved(
+    cluster: &Cluster,
+    known: &[Vec<Vec<u32>>],
+    improver: &mut Improver,
+) -> Vec<Partition> {
     let improve = |tuples: &Vec<Vec<u32>>| {
         let mut partition = Partition::of_problem(cluster, tuples);
         improver.improve_all(cluster, &mut partition);
@@ -89,6 +110,15 @@ pub(super) fn improved(cluster: &Cluster, known: &[Vec<Vec<u32>>], improver: &mu
 }
 
 fn proven(solution: Solution, bound: f64) -> Solution {
-    let search = Search { best: vec![solution.cost], mean: vec![solution.cost], evaluations: 1, stop: "optimal" };
-    Solution { dual_bound: Some(bound.min(solution.cost)), search: Some(search), ..solution }
+    let search = Search {
+        best: vec![solution.cost],
+        mean: vec![solution.cost],
+        evaluations: 1,
+        stop: "optimal",
+    };
+    Solution {
+        dual_bound: Some(bound.min(solution.cost)),
+        search: Some(search),
+        ..solution
+    }
 }

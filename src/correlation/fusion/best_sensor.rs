@@ -11,17 +11,31 @@ use crate::correlation::estimates::Estimate;
 use crate::model::state::GaussianState;
 use crate::registry::{Method, Object};
 
-static PARAMETERS: Object =
-    Object { name: "BestSensorFusion", summary: "At each time the track with the least variance of position, as it is.", fields: &[] };
+static PARAMETERS: Object = Object {
+    name: "BestSensorFusion",
+    summary: "At each time the track with the least variance of position, as it is.",
+    fields: &[],
+};
 
-pub(super) const METHOD: Method<BuildFusion> = Method { name: "best_sensor", parameters: &PARAMETERS, build: |_| Ok(Box::new(BestSensor)) };
+pub(super) const METHOD: Method<BuildFusion> = Method {
+    name: "best_sensor",
+    parameters: &PARAMETERS,
+    build: |_| Ok(Box::new(BestSensor)),
+};
 
 struct BestSensor;
 
 impl Fusion for BestSensor {
     fn fuse(&self, members: &Members) -> Option<GaussianState> {
-        let variance = |estimate: &Estimate| estimate.covariance[(0, 0)] + estimate.covariance[(1, 1)];
-        let best = members.estimates.iter().min_by(|left, right| variance(left).total_cmp(&variance(right)))?;
-        Some(GaussianState { mean: best.mean, covariance: best.covariance })
+        let variance =
+            |estimate: &Estimate| estimate.covariance[(0, 0)] + estimate.covariance[(1, 1)];
+        let best = members
+            .estimates
+            .iter()
+            .min_by(|left, right| variance(left).total_cmp(&variance(right)))?;
+        Some(GaussianState {
+            mean: best.mean,
+            covariance: best.covariance,
+        })
     }
 }

@@ -59,11 +59,17 @@ impl Fusion for CovarianceIntersection {
     fn fuse(&self, members: &Members) -> Option<GaussianState> {
         let informations = members.estimates.iter().map(|estimate| {
             let matrix = *estimate.gaussian.inverse();
-            Information { matrix, vector: matrix * estimate.mean }
+            Information {
+                matrix,
+                vector: matrix * estimate.mean,
+            }
         });
         let fused = informations.reduce(|left, right| self.two(&left, &right))?;
         let covariance = *Gaussian::new(&fused.matrix)?.inverse();
-        Some(GaussianState { mean: covariance * fused.vector, covariance })
+        Some(GaussianState {
+            mean: covariance * fused.vector,
+            covariance,
+        })
     }
 }
 
@@ -77,7 +83,8 @@ impl CovarianceIntersection {
     fn size(&self, information: &Covariance) -> f64 {
         match self.criterion {
             Criterion::Determinant => -information.determinant(),
-            Criterion::Trace => Gaussian::new(information).map_or(f64::INFINITY, |gaussian| gaussian.inverse().trace()),
+            Criterion::Trace => Gaussian::new(information)
+                .map_or(f64::INFINITY, |gaussian| gaussian.inverse().trace()),
         }
     }
 }
@@ -107,5 +114,8 @@ fn golden_section(size: impl Fn(f64) -> f64) -> f64 {
         }
     }
     let middle = (low + high) / 2.0;
-    [0.0, 1.0].into_iter().fold(middle, |best, end| if size(end) <= size(best) { end } else { best })
+    [0.0, 1.0].into_iter().fold(
+        middle,
+        |best, end| if size(end) <= size(best) { end } else { best },
+    )
 }

@@ -30,7 +30,12 @@ pub trait Fusion {
 pub type BuildFusion = fn(&serde_json::Value) -> Result<Box<dyn Fusion>, serde_json::Error>;
 
 /// Every fusion.
-pub const FUSIONS: &[Method<BuildFusion>] = &[weighted::METHOD, covariance_intersection::METHOD, best_sensor::METHOD, modified::METHOD];
+pub const FUSIONS: &[Method<BuildFusion>] = &[
+    weighted::METHOD,
+    covariance_intersection::METHOD,
+    best_sensor::METHOD,
+    modified::METHOD,
+];
 
 pub static FUSION: Union = Union {
     name: "Fusion",
@@ -43,25 +48,68 @@ pub static FUSION: Union = Union {
 pub fn system_tracks(evidence: &Evidence, tuples: &[Vec<u32>], fusion: &dyn Fusion) -> TrackSet {
     let track = |(index, tuple): (usize, &Vec<u32>)| Track {
         track_id: (index + 1).to_string(),
-        points: (0..evidence.estimates.times()).filter_map(|time| point(evidence, tuple, time, fusion)).collect(),
+        points: (0..evidence.estimates.times())
+            .filter_map(|time| point(evidence, tuple, time, fusion))
+            .collect(),
     };
-    let tracks = tuples.iter().enumerate().map(track).filter(|track| !track.points.is_empty()).collect();
-    TrackSet { tracks, ..TrackSet::default() }
+    let tracks = tuples
+        .iter()
+        .enumerate()
+        .map(track)
+        .filter(|track| !track.points.is_empty())
+        .collect();
+    TrackSet {
+        tracks,
+        ..TrackSet::default()
+    }
 }
 
-fn point(evidence: &Evidence, tuple: &[u32], time: usize, fusion: &dyn Fusion) -> Option<TrackPoint> {
-    let (present, estimates): (Vec<u32>, Vec<&Estimate>) =
-        tuple.iter().filter_map(|&track| Some((track, evidence.estimates.at(track, time)?))).unzip();
-    let pairs = || (0..present.len()).flat_map(|left| (left + 1..present.len()).map(move |right| (left, right)));
-    let cross: Vec<Covariance> =
-        evidence.cross.iter().flat_map(|table| pairs().map(|(left, right)| table.at(present[left], present[right], time))).collect();
+fn point(
+    evidence: &Evidence,
+    tuple: &[u32],
+    time: usize,
+    fusion: &dyn Fusion,
+) -> Option<TrackPoint> {
+    let (present, estimates): (Vec<u32>, Vec<&Estimate>) = tuple
+        .iter()
+        .filter_map(|&track| Some((track, evidence.estimates.at(track, time)?)))
+        .unzip();
+    let pairs = || {
+        (0..present.len())
+            .flat_map(|left| (left + 1..present.len()).map(move |right| (left, right)))
+    };
+    let cross: Vec<Covariance> = evidence
+        .cross
+        .iter()
+        .flat_map(|table| {
+            pairs().map(|(left, right)| table.at(present[left], present[right], time))
+        })
+        .collect();
     let state = match estimates.as_slice() {
         [] => return None,
-        [alone] => GaussianState { mean: alone.mean, covariance: alone.covariance },
-        several => fusion.fuse(&Members { estimates: several, cross: &cross })?,
+        [alone] => GaussianState {
+            mean: alone.mean,
+            covariance: alone.covariance,
+        },
+        several => fusion.fuse(&Members {
+            estimates: several,
+            cross: &cross,
+        })?,
     };
     let has_velocity = evidence.estimates.has_velocity;
-    let estimate = TrackEstimate::Plane(PlaneEstimate { state: state.mean, has_velocity, covariance: Some(state.covariance) });
+    let estimate = TrackEstimate::Plane(PlaneEstimate {
+        state: state.mean,
+        has_velocity,
+        covariance: Some(state.covariance),
+    });
     let time_s = evidence.estimates.times_s[time];
-    Some(TrackPoint { time_s, sensor: None, estimate, status: None, nis: None, first_candidate: 0, candidates: 0 })
+    Some(TrackPoint {
+        time_s,
+        sensor: None,
+        estimate,
+        status: None,
+        nis: None,
+        first_candidate: 0,
+        candidates: 0,
+    })
 }

@@ -24,7 +24,11 @@ static PARAMETERS: Object = Object {
     fields: &[],
 };
 
-pub(super) const METHOD: Method<BuildFusion> = Method { name: "modified", parameters: &PARAMETERS, build: |_| Ok(Box::new(Modified)) };
+pub(super) const METHOD: Method<BuildFusion> = Method {
+    name: "modified",
+    parameters: &PARAMETERS,
+    build: |_| Ok(Box::new(Modified)),
+};
 
 struct Modified;
 
@@ -36,14 +40,23 @@ impl Fusion for Modified {
         let mut identities = DMatrix::zeros(4 * count, 4);
         for (member, estimate) in members.estimates.iter().enumerate() {
             states.rows_mut(4 * member, 4).copy_from(&estimate.mean);
-            identities.view_mut((4 * member, 0), (4, 4)).copy_from(&Covariance::identity());
+            identities
+                .view_mut((4 * member, 0), (4, 4))
+                .copy_from(&Covariance::identity());
         }
         let decomposed = joint.cholesky()?;
         let weights = decomposed.solve(&identities);
-        let information: Covariance = (identities.transpose() * &weights).fixed_view::<4, 4>(0, 0).into_owned();
-        let vector: State = (weights.transpose() * states).fixed_rows::<4>(0).into_owned();
+        let information: Covariance = (identities.transpose() * &weights)
+            .fixed_view::<4, 4>(0, 0)
+            .into_owned();
+        let vector: State = (weights.transpose() * states)
+            .fixed_rows::<4>(0)
+            .into_owned();
         let covariance = *Gaussian::new(&information)?.inverse();
-        Some(GaussianState { mean: covariance * vector, covariance })
+        Some(GaussianState {
+            mean: covariance * vector,
+            covariance,
+        })
     }
 }
 
@@ -51,7 +64,11 @@ impl Fusion for Modified {
 fn joint_covariance(members: &Members) -> DMatrix<f64> {
     let count = members.estimates.len();
     let mut joint = DMatrix::zeros(4 * count, 4 * count);
-    let mut place = |row: usize, column: usize, block: &Covariance| joint.view_mut((4 * row, 4 * column), (4, 4)).copy_from(block);
+    let mut place = |row: usize, column: usize, block: &Covariance| {
+        joint
+            .view_mut((4 * row, 4 * column), (4, 4))
+            .copy_from(block)
+    };
     for (member, estimate) in members.estimates.iter().enumerate() {
         place(member, member, &estimate.covariance);
     }

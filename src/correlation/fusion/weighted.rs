@@ -21,15 +21,30 @@ static PARAMETERS: Object = Object {
     fields: &[],
 };
 
-pub(super) const METHOD: Method<BuildFusion> = Method { name: "weighted", parameters: &PARAMETERS, build: |_| Ok(Box::new(Weighted)) };
+pub(super) const METHOD: Method<BuildFusion> = Method {
+    name: "weighted",
+    parameters: &PARAMETERS,
+    build: |_| Ok(Box::new(Weighted)),
+};
 
 struct Weighted;
 
 impl Fusion for Weighted {
     fn fuse(&self, members: &Members) -> Option<GaussianState> {
-        let information: Covariance = members.estimates.iter().map(|estimate| estimate.gaussian.inverse()).sum();
-        let vector: State = members.estimates.iter().map(|estimate| estimate.gaussian.inverse() * estimate.mean).sum();
+        let information: Covariance = members
+            .estimates
+            .iter()
+            .map(|estimate| estimate.gaussian.inverse())
+            .sum();
+        let vector: State = members
+            .estimates
+            .iter()
+            .map(|estimate| estimate.gaussian.inverse() * estimate.mean)
+            .sum();
         let covariance = *Gaussian::new(&information)?.inverse();
-        Some(GaussianState { mean: covariance * vector, covariance })
+        Some(GaussianState {
+            mean: covariance * vector,
+            covariance,
+        })
     }
 }

@@ -21,7 +21,12 @@ pub(super) trait Coding {
     fn create(&mut self, number: usize, dice: &mut Xoshiro256PlusPlus) -> Self::Individual;
 
     /// Both become children.
-    fn cross(&mut self, left: &mut Self::Individual, right: &mut Self::Individual, dice: &mut Xoshiro256PlusPlus);
+    fn cross(
+        &mut self,
+        left: &mut Self::Individual,
+        right: &mut Self::Individual,
+        dice: &mut Xoshiro256PlusPlus,
+    );
 
     fn mutate(&mut self, individual: &mut Self::Individual, dice: &mut Xoshiro256PlusPlus);
 
@@ -47,10 +52,19 @@ impl<Individual> Evolution<Individual> {
     pub(super) fn then(mut self, other: Self) -> Self {
         let cost = self.best_costs[self.best_costs.len() - 1];
         let of_other = other.best_costs[other.best_costs.len() - 1];
-        self.best_costs.extend(other.best_costs.iter().map(|found| found.min(cost)));
+        self.best_costs
+            .extend(other.best_costs.iter().map(|found| found.min(cost)));
         self.mean_costs.extend(other.mean_costs);
-        let best = if of_other < cost { other.best } else { self.best };
-        Evolution { best, stop: other.stop, ..self }
+        let best = if of_other < cost {
+            other.best
+        } else {
+            self.best
+        };
+        Evolution {
+            best,
+            stop: other.stop,
+            ..self
+        }
     }
 }
 
@@ -69,7 +83,10 @@ pub(super) fn evolve<C: Coding>(
 ) -> Evolution<C::Individual> {
     let mut members: Vec<Member<C::Individual>> = Vec::new();
     let is_spent = |coding: &C| coding.evaluations() >= settings.max_evaluations;
-    while members.len() < settings.population && !is_least(&members, least_cost) && (members.len() < 2 || !is_spent(coding)) {
+    while members.len() < settings.population
+        && !is_least(&members, least_cost)
+        && (members.len() < 2 || !is_spent(coding))
+    {
         let individual = coding.create(members.len(), dice);
         members.push(measured(coding, individual));
     }
@@ -89,11 +106,20 @@ pub(super) fn evolve<C: Coding>(
         evaluated = coding.evaluations();
         members = next_generation(coding, settings, members, dice);
         let change = best_costs[best_costs.len() - 1] - members[0].cost;
-        unchanged = if change <= settings.epsilon { unchanged + 1 } else { 0 };
+        unchanged = if change <= settings.epsilon {
+            unchanged + 1
+        } else {
+            0
+        };
         best_costs.push(members[0].cost);
         mean_costs.push(mean(&members));
     };
-    Evolution { best: members.swap_remove(0).individual, best_costs, mean_costs, stop }
+    Evolution {
+        best: members.swap_remove(0).individual,
+        best_costs,
+        mean_costs,
+        stop,
+    }
 }
 
 fn next_generation<C: Coding>(
@@ -107,8 +133,15 @@ fn next_generation<C: Coding>(
     let kept = (((1.0 - settings.generation_gap) * population as f64).round() as usize).max(elite);
     let mut next: Vec<Member<C::Individual>> = Vec::with_capacity(population + 1);
     for place in 0..kept {
-        let Member { individual, cost } = &members[if place < elite { place } else { ranked(population, dice) }];
-        next.push(Member { individual: individual.clone(), cost: *cost });
+        let Member { individual, cost } = &members[if place < elite {
+            place
+        } else {
+            ranked(population, dice)
+        }];
+        next.push(Member {
+            individual: individual.clone(),
+            cost: *cost,
+        });
     }
     while next.len() < population {
         let mut children = [(); 2].map(|()| members[ranked(population, dice)].individual.clone());
@@ -133,7 +166,9 @@ fn measured<C: Coding>(coding: &mut C, mut individual: C::Individual) -> Member<
 }
 
 fn is_least<Individual>(members: &[Member<Individual>], least_cost: f64) -> bool {
-    members.iter().any(|member| member.cost <= least_cost + LEAST_GAIN)
+    members
+        .iter()
+        .any(|member| member.cost <= least_cost + LEAST_GAIN)
 }
 
 fn sort<Individual>(members: &mut [Member<Individual>]) {
@@ -146,5 +181,6 @@ fn mean<Individual>(members: &[Member<Individual>]) -> f64 {
 
 /// A place among so many, by rank.
 fn ranked(population: usize, dice: &mut Xoshiro256PlusPlus) -> usize {
-    dice.random_range(0..population).min(dice.random_range(0..population))
+    dice.random_range(0..population)
+        .min(dice.random_range(0..population))
 }

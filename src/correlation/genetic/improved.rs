@@ -43,10 +43,23 @@ struct Region {
 
 impl<'a> Partitions<'a> {
     /// `seeds` at rest under local search, of which a relaxation knows how good they are, if they are bounded.
-    pub(super) fn new(cluster: &'a Cluster, seeds: Vec<Partition>, is_bounded: bool, mut improver: Improver) -> Self {
+    pub(super) fn new(
+        cluster: &'a Cluster,
+        seeds: Vec<Partition>,
+        is_bounded: bool,
+        mut improver: Improver,
+    ) -> Self {
         improver.begin(cluster);
         let before = improver.evaluations;
-        Partitions { cluster, seeds, is_bounded, improver, region: Region::default(), row: Vec::new(), before }
+        Partitions {
+            cluster,
+            seeds,
+            is_bounded,
+            improver,
+            region: Region::default(),
+            row: Vec::new(),
+            before,
+        }
     }
 
     /// From now on individuals begin without the answers of others.
@@ -59,7 +72,12 @@ impl<'a> Partitions<'a> {
     }
 
     /// Notes tracks in random order and improves.
-    fn improve(&mut self, tracks: &mut [u32], partition: &mut Partition, dice: &mut Xoshiro256PlusPlus) {
+    fn improve(
+        &mut self,
+        tracks: &mut [u32],
+        partition: &mut Partition,
+        dice: &mut Xoshiro256PlusPlus,
+    ) {
         tracks.shuffle(dice);
         tracks.iter().for_each(|&track| self.improver.note(track));
         self.improver.improve(self.cluster, partition);
@@ -69,7 +87,11 @@ impl<'a> Partitions<'a> {
     fn graft(&mut self, parent: &Partition, child: &mut Partition) {
         for index in 0..self.region.rows.len() {
             let row = parent.row(self.region.rows[index]);
-            if row.iter().find(|&&track| track != NONE).is_some_and(|&track| child.row(child.row_of(track)) == row) {
+            if row
+                .iter()
+                .find(|&&track| track != NONE)
+                .is_some_and(|&track| child.row(child.row_of(track)) == row)
+            {
                 continue;
             }
             for sensor in 0..row.len() {
@@ -78,20 +100,31 @@ impl<'a> Partitions<'a> {
                 }
             }
             child.add(self.cluster, row);
-            row.iter().filter(|&&track| track != NONE).for_each(|&track| self.improver.note(track));
+            row.iter()
+                .filter(|&&track| track != NONE)
+                .for_each(|&track| self.improver.note(track));
         }
     }
 
     /// Takes the tracks of `row` out of a row of the child; those that stay behind are noted.
     fn take_out(&mut self, child: &mut Partition, row: &[u32], from: u32) {
         self.row.clear();
-        self.row.extend(child.row(from).iter().zip(row).map(|(&track, &taken)| if track == taken { NONE } else { track }));
+        self.row.extend(
+            child
+                .row(from)
+                .iter()
+                .zip(row)
+                .map(|(&track, &taken)| if track == taken { NONE } else { track }),
+        );
         if self.row == child.row(from) {
             return;
         }
         child.clear(from);
         child.add(self.cluster, &self.row);
-        self.row.iter().filter(|&&track| track != NONE).for_each(|&track| self.improver.note(track));
+        self.row
+            .iter()
+            .filter(|&&track| track != NONE)
+            .for_each(|&track| self.improver.note(track));
     }
 }
 
@@ -105,8 +138,16 @@ impl Region {
         self.take(partition.row_of(dice.random_range(0..cluster.len() as u32)));
         let mut next = 0;
         while next < self.rows.len() && self.rows.len() < size {
-            for &track in partition.row(self.rows[next]).iter().filter(|&&track| track != NONE) {
-                cluster.edges(track).iter().filter(|edge| edge.cost < 0.0).for_each(|edge| self.take(partition.row_of(edge.track)));
+            for &track in partition
+                .row(self.rows[next])
+                .iter()
+                .filter(|&&track| track != NONE)
+            {
+                cluster
+                    .edges(track)
+                    .iter()
+                    .filter(|edge| edge.cost < 0.0)
+                    .for_each(|edge| self.take(partition.row_of(edge.track)));
             }
             next += 1;
         }
@@ -129,7 +170,8 @@ impl Coding for Partitions<'_> {
         }
         if self.is_bounded && !self.seeds.is_empty() && self.cluster.len() > MAX_FROM_NOTHING {
             let mut partition = self.seeds[number % self.seeds.len()].clone();
-            (0..self.cluster.len() / TRACKS_A_MUTATION).for_each(|_| self.mutate(&mut partition, dice));
+            (0..self.cluster.len() / TRACKS_A_MUTATION)
+                .for_each(|_| self.mutate(&mut partition, dice));
             return partition;
         }
         let mut partition = Partition::singles(self.cluster);
@@ -138,7 +180,12 @@ impl Coding for Partitions<'_> {
         partition
     }
 
-    fn cross(&mut self, left: &mut Partition, right: &mut Partition, dice: &mut Xoshiro256PlusPlus) {
+    fn cross(
+        &mut self,
+        left: &mut Partition,
+        right: &mut Partition,
+        dice: &mut Xoshiro256PlusPlus,
+    ) {
         let parents = [left.clone(), right.clone()];
         for (child, parent) in [(right, &parents[0]), (left, &parents[1])] {
             let mut region = std::mem::take(&mut self.region);
@@ -155,7 +202,13 @@ impl Coding for Partitions<'_> {
         let other = edges[dice.random_range(0..edges.len())].track;
         let mut tracks = Vec::new();
         for number in [partition.row_of(track), partition.row_of(other)] {
-            tracks.extend(partition.row(number).iter().copied().filter(|&track| track != NONE));
+            tracks.extend(
+                partition
+                    .row(number)
+                    .iter()
+                    .copied()
+                    .filter(|&track| track != NONE),
+            );
             partition.clear(number);
         }
         for &track in &tracks {

@@ -53,7 +53,13 @@ use serde::Deserialize;
 pub const METHOD: Method<BuildCorrelator> = Method {
     name: "genetic",
     parameters: &PARAMETERS,
-    build: |spec, seed| Ok(Box::new(Genetic { settings: Settings::deserialize(spec)?, seed, occasion: 0 })),
+    build: |spec, seed| {
+        Ok(Box::new(Genetic {
+            settings: Settings::deserialize(spec)?,
+            seed,
+            occasion: 0,
+        }))
+    },
 };
 
 static PARAMETERS: Object = Object {
@@ -68,39 +74,96 @@ static PARAMETERS: Object = Object {
             Kind::Choice(&["improved", "unseeded", "paper"]),
             "\"improved\"",
         ),
-        default("population", "Individuals.", Kind::Integer { min: 2, max: 10_000, unit: "" }, "20"),
-        default("generations", "G, generations after the first population.", Kind::Integer { min: 1, max: 100_000, unit: "" }, "200"),
-        default("crossover_rate", "P_c, probability that a pair is crossed.", SHARE, "0.8"),
-        default("mutation_rate", "P_m, probability that a child mutates.", SHARE, "0.3"),
+        default(
+            "population",
+            "Individuals.",
+            Kind::Integer {
+                min: 2,
+                max: 10_000,
+                unit: "",
+            },
+            "20",
+        ),
+        default(
+            "generations",
+            "G, generations after the first population.",
+            Kind::Integer {
+                min: 1,
+                max: 100_000,
+                unit: "",
+            },
+            "200",
+        ),
+        default(
+            "crossover_rate",
+            "P_c, probability that a pair is crossed.",
+            SHARE,
+            "0.8",
+        ),
+        default(
+            "mutation_rate",
+            "P_m, probability that a child mutates.",
+            SHARE,
+            "0.3",
+        ),
         default(
             "generation_gap",
             "Share of a generation that is new; the others live on (P_r = 1 less the gap).",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1.0), unit: "" },
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Including(1.0),
+                unit: "",
+            },
             "0.5",
         ),
-        default("elite", "Fittest individuals that live on in any case.", Kind::Integer { min: 1, max: 10_000, unit: "" }, "2"),
+        default(
+            "elite",
+            "Fittest individuals that live on in any case.",
+            Kind::Integer {
+                min: 1,
+                max: 10_000,
+                unit: "",
+            },
+            "2",
+        ),
         default(
             "stop_after",
             "G', generations in a row with the best cost unchanged after which the search ends.",
-            Kind::Integer { min: 1, max: 100_000, unit: "" },
+            Kind::Integer {
+                min: 1,
+                max: 100_000,
+                unit: "",
+            },
             "30",
         ),
         default(
             "max_evaluations",
             "Solutions, or changes of one, whose cost is computed in a cluster before the search ends.",
-            Kind::Integer { min: 1, max: 1_000_000_000_000, unit: "" },
+            Kind::Integer {
+                min: 1,
+                max: 1_000_000_000_000,
+                unit: "",
+            },
             "100000",
         ),
         default(
             "epsilon",
             "A change of the best cost by no more than this counts as none.",
-            Kind::Number { min: Bound::Including(0.0), max: Bound::None, unit: "" },
+            Kind::Number {
+                min: Bound::Including(0.0),
+                max: Bound::None,
+                unit: "",
+            },
             "1e-9",
         ),
     ],
 };
 
-const SHARE: Kind = Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1.0), unit: "" };
+const SHARE: Kind = Kind::Number {
+    min: Bound::Including(0.0),
+    max: Bound::Including(1.0),
+    unit: "",
+};
 
 /// Searches of a cluster whose answer is not proven.
 const ISLANDS: usize = 4;
@@ -141,7 +204,11 @@ impl Correlator for Genetic {
         self.correlate_until(problem, &Watch::never())
     }
 
-    fn correlate_until(&mut self, problem: &Problem, watch: &Watch) -> Result<Solution, Vec<Fault>> {
+    fn correlate_until(
+        &mut self,
+        problem: &Problem,
+        watch: &Watch,
+    ) -> Result<Solution, Vec<Fault>> {
         self.occasion += 1;
         Ok(match self.settings.variant {
             Variant::Paper => self.evolve_chromosomes(problem, watch),
@@ -152,16 +219,38 @@ impl Correlator for Genetic {
 
 impl Genetic {
     fn dice(&self, name: u64) -> Xoshiro256PlusPlus {
-        Xoshiro256PlusPlus::from_rng(&mut self.seed.stream(Purpose::Correlator, name, self.occasion - 1))
+        Xoshiro256PlusPlus::from_rng(&mut self.seed.stream(
+            Purpose::Correlator,
+            name,
+            self.occasion - 1,
+        ))
     }
 
     fn evolve_chromosomes(&self, problem: &Problem, watch: &Watch) -> Solution {
         let mut coding = Chromosomes::new(problem);
-        let Evolution { best, best_costs, mean_costs, stop } =
-            evolve(&mut coding, &self.settings, f64::NEG_INFINITY, &mut self.dice(0), watch);
+        let Evolution {
+            best,
+            best_costs,
+            mean_costs,
+            stop,
+        } = evolve(
+            &mut coding,
+            &self.settings,
+            f64::NEG_INFINITY,
+            &mut self.dice(0),
+            watch,
+        );
         let tuples = coding.tuples(&best);
-        let search = Search { best: best_costs, mean: mean_costs, evaluations: coding.evaluations(), stop };
-        Solution { search: Some(search), ..Solution::of(problem, tuples).bounded(dual_bound(problem)) }
+        let search = Search {
+            best: best_costs,
+            mean: mean_costs,
+            evaluations: coding.evaluations(),
+            stop,
+        };
+        Solution {
+            search: Some(search),
+            ..Solution::of(problem, tuples).bounded(dual_bound(problem))
+        }
     }
 
     fn evolve_clusters(&self, problem: &Problem, watch: &Watch) -> Solution {
@@ -173,8 +262,12 @@ impl Genetic {
                 break;
             }
             let before = improver.evaluations;
-            let (seeds, of_cluster) = start.as_ref().map_or((Vec::new(), None), |start| start.of_cluster(&cluster, &mut improver));
-            let least_cost = of_cluster.map_or(cluster.least_cost(), |bound| bound.max(cluster.least_cost()));
+            let (seeds, of_cluster) = start.as_ref().map_or((Vec::new(), None), |start| {
+                start.of_cluster(&cluster, &mut improver)
+            });
+            let least_cost = of_cluster.map_or(cluster.least_cost(), |bound| {
+                bound.max(cluster.least_cost())
+            });
             let mut coding = Partitions::new(&cluster, seeds, of_cluster.is_some(), improver);
             let mut dice = self.dice(cluster.name());
             let mut found = evolve(&mut coding, &self.settings, least_cost, &mut dice, watch);
@@ -183,17 +276,40 @@ impl Genetic {
                     break;
                 }
                 coding.forget_seeds();
-                found = found.then(evolve(&mut coding, &self.settings, least_cost, &mut dice, watch));
+                found = found.then(evolve(
+                    &mut coding,
+                    &self.settings,
+                    least_cost,
+                    &mut dice,
+                    watch,
+                ));
             }
             improver = coding.into_improver();
             tuples.extend(found.best.tuples().map(|tuple| cluster.names(&tuple)));
-            bound = bound.zip(of_cluster).map(|(sum, of_cluster)| sum + of_cluster.min(found.best.cost()));
-            let Evolution { best_costs, mean_costs, stop, .. } = found;
-            searches.push(Search { best: best_costs, mean: mean_costs, evaluations: improver.evaluations - before, stop });
+            bound = bound
+                .zip(of_cluster)
+                .map(|(sum, of_cluster)| sum + of_cluster.min(found.best.cost()));
+            let Evolution {
+                best_costs,
+                mean_costs,
+                stop,
+                ..
+            } = found;
+            searches.push(Search {
+                best: best_costs,
+                mean: mean_costs,
+                evaluations: improver.evaluations - before,
+                stop,
+            });
         }
-        let of_problem = start.and_then(|start| start.least_of_chain).or_else(|| dual_bound(problem));
+        let of_problem = start
+            .and_then(|start| start.least_of_chain)
+            .or_else(|| dual_bound(problem));
         let bound = [bound, of_problem].into_iter().flatten().reduce(f64::max);
-        Solution { search: Some(summed(&searches)), ..Solution::of(problem, tuples).bounded(bound) }
+        Solution {
+            search: Some(summed(&searches)),
+            ..Solution::of(problem, tuples).bounded(bound)
+        }
     }
 }
 
@@ -209,13 +325,23 @@ impl Start {
     fn new(problem: &Problem) -> Self {
         if let Costs::Chain = problem.costs {
             let (tuples, least) = cheapest_chains(problem);
-            return Start { answers: vec![tuples], least_of_chain: Some(least) };
+            return Start {
+                answers: vec![tuples],
+                least_of_chain: Some(least),
+            };
         }
-        Start { answers: vec![nearest_tuples(problem), weighted_tuples(problem)], least_of_chain: None }
+        Start {
+            answers: vec![nearest_tuples(problem), weighted_tuples(problem)],
+            least_of_chain: None,
+        }
     }
 
     /// The first individuals of a cluster, at rest under local search, and what no other undercuts, where that is known.
-    fn of_cluster(&self, cluster: &Cluster, improver: &mut Improver) -> (Vec<Partition>, Option<f64>) {
+    fn of_cluster(
+        &self,
+        cluster: &Cluster,
+        improver: &mut Improver,
+    ) -> (Vec<Partition>, Option<f64>) {
         if self.least_of_chain.is_some() {
             let optimum = Partition::of_problem(cluster, &self.answers[0]);
             let bound = optimum.cost();
@@ -230,13 +356,25 @@ impl Start {
 
 /// The searches of all clusters as one: those that have ended stay where they are.
 fn summed(searches: &[Search]) -> Search {
-    let generations = searches.iter().map(|search| search.best.len()).max().unwrap_or(1);
+    let generations = searches
+        .iter()
+        .map(|search| search.best.len())
+        .max()
+        .unwrap_or(1);
     let sum = |costs: fn(&Search) -> &[f64]| -> Vec<f64> {
-        let at = |generation: usize| searches.iter().map(|search| costs(search)[generation.min(costs(search).len() - 1)]).sum();
+        let at = |generation: usize| {
+            searches
+                .iter()
+                .map(|search| costs(search)[generation.min(costs(search).len() - 1)])
+                .sum()
+        };
         (0..generations).map(at).collect()
     };
     let stops = ["evaluations", "generations", "unchanged"];
-    let stop = stops.into_iter().find(|stop| searches.iter().any(|search| search.stop == *stop)).unwrap_or("optimal");
+    let stop = stops
+        .into_iter()
+        .find(|stop| searches.iter().any(|search| search.stop == *stop))
+        .unwrap_or("optimal");
     Search {
         best: sum(|search| &search.best),
         mean: sum(|search| &search.mean),

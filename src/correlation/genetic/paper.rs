@@ -29,7 +29,13 @@ pub(super) struct Chromosomes<'a> {
 
 impl<'a> Chromosomes<'a> {
     pub(super) fn new(problem: &'a Problem) -> Self {
-        Chromosomes { problem, rows: problem.tracks(), crossover: Crossover::default(), row: Vec::new(), evaluations: 0 }
+        Chromosomes {
+            problem,
+            rows: problem.tracks(),
+            crossover: Crossover::default(),
+            row: Vec::new(),
+            evaluations: 0,
+        }
     }
 
     pub(super) fn tuples(&mut self, chromosome: &[u32]) -> Vec<Vec<u32>> {
@@ -66,16 +72,27 @@ impl Coding for Chromosomes<'_> {
 
     fn create(&mut self, _: usize, dice: &mut Xoshiro256PlusPlus) -> Vec<u32> {
         let permutations = self.problem.sensors().saturating_sub(1);
-        let mut chromosome: Vec<u32> = (0..permutations).flat_map(|_| 0..self.rows as u32).collect();
-        chromosome.chunks_exact_mut(self.rows.max(1)).for_each(|permutation| permutation.shuffle(dice));
+        let mut chromosome: Vec<u32> = (0..permutations)
+            .flat_map(|_| 0..self.rows as u32)
+            .collect();
+        chromosome
+            .chunks_exact_mut(self.rows.max(1))
+            .for_each(|permutation| permutation.shuffle(dice));
         chromosome
     }
 
     fn cross(&mut self, left: &mut Vec<u32>, right: &mut Vec<u32>, dice: &mut Xoshiro256PlusPlus) {
         for number in 0..left.len() / self.rows {
-            let (one, other) = (dice.random_range(0..=self.rows), dice.random_range(0..=self.rows));
+            let (one, other) = (
+                dice.random_range(0..=self.rows),
+                dice.random_range(0..=self.rows),
+            );
             let range = self.permutation_of(number);
-            self.crossover.cross(&mut left[range.clone()], &mut right[range], one.min(other)..one.max(other));
+            self.crossover.cross(
+                &mut left[range.clone()],
+                &mut right[range],
+                one.min(other)..one.max(other),
+            );
         }
     }
 
@@ -85,7 +102,10 @@ impl Coding for Chromosomes<'_> {
         }
         let range = self.permutation_of(dice.random_range(0..chromosome.len() / self.rows));
         let permutation = &mut chromosome[range];
-        permutation.swap(dice.random_range(0..self.rows), dice.random_range(0..self.rows));
+        permutation.swap(
+            dice.random_range(0..self.rows),
+            dice.random_range(0..self.rows),
+        );
     }
 
     fn cost(&mut self, chromosome: &mut Vec<u32>) -> f64 {
@@ -108,7 +128,10 @@ mod tests {
 
     fn decoded(problem: &Problem, chromosome: &[u32]) -> (Vec<Vec<u32>>, f64) {
         let mut coding = Chromosomes::new(problem);
-        (coding.tuples(chromosome), coding.cost(&mut chromosome.to_vec()))
+        (
+            coding.tuples(chromosome),
+            coding.cost(&mut chromosome.to_vec()),
+        )
     }
 
     #[test]
@@ -117,12 +140,21 @@ mod tests {
         let pairs = [(0, 2, -3.0), (2, 3, 1.0), (0, 3, -2.0), (1, 3, -1.0)];
         let chain = Problem::new(&[2, 1, 1], &pairs, Costs::Chain);
         let in_one_row = [0, 1, 2, 3, 0, 2, 1, 3];
-        assert_eq!(decoded(&chain, &in_one_row), (vec![vec![0, 2], vec![3], vec![1]], -3.0));
+        assert_eq!(
+            decoded(&chain, &in_one_row),
+            (vec![vec![0, 2], vec![3], vec![1]], -3.0)
+        );
         // Two absent between 0 and 3 are skipped; 2 stands behind the rows of the first sensor.
-        assert_eq!(decoded(&chain, &[1, 2, 0, 3, 0, 2, 1, 3]), (vec![vec![0, 3], vec![1], vec![2]], -2.0));
+        assert_eq!(
+            decoded(&chain, &[1, 2, 0, 3, 0, 2, 1, 3]),
+            (vec![vec![0, 3], vec![1], vec![2]], -2.0)
+        );
         // All pairs: 3 lowers the cost of (0, 2) by 1.
         let all = Problem::new(&[2, 1, 1], &pairs, Costs::AllPairs);
-        assert_eq!(decoded(&all, &in_one_row), (vec![vec![0, 2, 3], vec![1]], -4.0));
+        assert_eq!(
+            decoded(&all, &in_one_row),
+            (vec![vec![0, 2, 3], vec![1]], -4.0)
+        );
     }
 
     #[test]
@@ -131,16 +163,31 @@ mod tests {
         let counts = [4, 3, 5];
         let sensor_of = |track: u32| [4, 7, 12].iter().position(|&end| track < end);
         for number in 0..200 {
-            let all = (0..12).flat_map(|a| (a + 1..12).map(move |b| (a, b))).filter(|&(a, b)| sensor_of(a) != sensor_of(b));
-            let pairs: Vec<(u32, u32, f64)> =
-                all.filter(|_| dice.random_bool(0.6)).map(|(a, b)| (a, b, f64::from(a * 7 + b * 5) % 11.0 - 7.0)).collect();
-            let costs = if number % 2 == 0 { Costs::Chain } else { Costs::AllPairs };
+            let all = (0..12)
+                .flat_map(|a| (a + 1..12).map(move |b| (a, b)))
+                .filter(|&(a, b)| sensor_of(a) != sensor_of(b));
+            let pairs: Vec<(u32, u32, f64)> = all
+                .filter(|_| dice.random_bool(0.6))
+                .map(|(a, b)| (a, b, f64::from(a * 7 + b * 5) % 11.0 - 7.0))
+                .collect();
+            let costs = if number % 2 == 0 {
+                Costs::Chain
+            } else {
+                Costs::AllPairs
+            };
             let problem = Problem::new(&counts, &pairs, costs);
             let mut coding = Chromosomes::new(&problem);
             let mut chromosome = coding.create(0, &mut dice);
             coding.mutate(&mut chromosome, &mut dice);
             let tuples = coding.tuples(&chromosome);
-            let sum: f64 = tuples.iter().map(|tuple| problem.cost(tuple).expect("a row is made of tuples that exist")).sum();
+            let sum: f64 = tuples
+                .iter()
+                .map(|tuple| {
+                    problem
+                        .cost(tuple)
+                        .expect("a row is made of tuples that exist")
+                })
+                .sum();
             assert!((coding.cost(&mut chromosome) - sum).abs() < 1e-9);
             assert_eq!(tuples.iter().map(Vec::len).sum::<usize>(), 12);
         }

@@ -23,9 +23,17 @@ pub(super) struct Crossover {
 impl Crossover {
     /// PMX of two permutations of 0..n.
     pub(super) fn cross(&mut self, left: &mut [u32], right: &mut [u32], cut: Range<usize>) {
-        for ((places, stretch), parent) in self.places.iter_mut().zip(&mut self.stretches).zip([&*left, &*right]) {
+        for ((places, stretch), parent) in self
+            .places
+            .iter_mut()
+            .zip(&mut self.stretches)
+            .zip([&*left, &*right])
+        {
             places.resize(parent.len(), 0);
-            parent.iter().enumerate().for_each(|(place, &value)| places[value as usize] = place as u32);
+            parent
+                .iter()
+                .enumerate()
+                .for_each(|(place, &value)| places[value as usize] = place as u32);
             stretch.clear();
             stretch.extend_from_slice(&parent[cut.clone()]);
         }
@@ -71,19 +79,29 @@ mod tests {
 
     #[test]
     fn a_million_crossovers_and_swaps_leave_permutations() {
-        let mut dice = Xoshiro256PlusPlus::from_rng(&mut Seed { seed: 2, run: 0 }.stream(Purpose::Correlator, 0, 0));
+        let mut dice = Xoshiro256PlusPlus::from_rng(&mut Seed { seed: 2, run: 0 }.stream(
+            Purpose::Correlator,
+            0,
+            0,
+        ));
         let (mut crossover, mut seen) = (Crossover::default(), 0);
         for length in 1..=20 {
             let mut parents: [Vec<u32>; 2] = std::array::from_fn(|_| (0..length).collect());
             for _ in 0..25_000 {
                 let [left, right] = &mut parents;
-                let (one, other) = (dice.random_range(0..=length as usize), dice.random_range(0..=length as usize));
+                let (one, other) = (
+                    dice.random_range(0..=length as usize),
+                    dice.random_range(0..=length as usize),
+                );
                 let cut = one.min(other)..one.max(other);
                 let given = right[cut.clone()].to_vec();
                 crossover.cross(left, right, cut.clone());
                 assert_eq!(left[cut], given);
                 assert!(is_permutation(left, &mut seen) && is_permutation(right, &mut seen));
-                left.swap(dice.random_range(0..length as usize), dice.random_range(0..length as usize));
+                left.swap(
+                    dice.random_range(0..length as usize),
+                    dice.random_range(0..length as usize),
+                );
                 assert!(is_permutation(left, &mut seen));
             }
         }

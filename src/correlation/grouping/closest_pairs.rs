@@ -11,7 +11,9 @@ pub(super) fn choose(
     squared_distance: impl Fn(usize, usize) -> f64,
 ) -> Vec<Option<usize>> {
     if !one_per_group {
-        return reports.map(|report| nearest(groups, gate, |group| squared_distance(report, group))).collect();
+        return reports
+            .map(|report| nearest(groups, gate, |group| squared_distance(report, group)))
+            .collect();
     }
     let first = reports.start;
     let mut chosen = vec![None; reports.len()];
@@ -20,7 +22,11 @@ pub(super) fn choose(
         .map(|(group, report)| (squared_distance(report, group), group, report))
         .filter(|pair| pair.0 <= gate)
         .collect();
-    pairs.sort_by(|left, right| left.0.total_cmp(&right.0).then((left.1, left.2).cmp(&(right.1, right.2))));
+    pairs.sort_by(|left, right| {
+        left.0
+            .total_cmp(&right.0)
+            .then((left.1, left.2).cmp(&(right.1, right.2)))
+    });
     let mut is_taken = vec![false; groups];
     for (_, group, report) in pairs {
         if !is_taken[group] && chosen[report - first].is_none() {
@@ -32,8 +38,12 @@ pub(super) fn choose(
 }
 
 fn nearest(groups: usize, gate: f64, squared_distance: impl Fn(usize) -> f64) -> Option<usize> {
-    let distances = (0..groups).map(|group| (squared_distance(group), group)).filter(|pair| pair.0 <= gate);
-    distances.min_by(|left, right| left.0.total_cmp(&right.0)).map(|pair| pair.1)
+    let distances = (0..groups)
+        .map(|group| (squared_distance(group), group))
+        .filter(|pair| pair.0 <= gate);
+    distances
+        .min_by(|left, right| left.0.total_cmp(&right.0))
+        .map(|pair| pair.1)
 }
 
 /// The squared distance of a gate of `sigmas`; infinite without a gate.

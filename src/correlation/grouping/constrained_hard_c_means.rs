@@ -28,7 +28,11 @@ use crate::registry::{Method, Object};
 use serde::Deserialize;
 use serde_json::Value;
 
-pub const METHOD: Method<BuildGrouper> = Method { name: "constrained_hard_c_means", parameters: &PARAMETERS, build };
+pub const METHOD: Method<BuildGrouper> = Method {
+    name: "constrained_hard_c_means",
+    parameters: &PARAMETERS,
+    build,
+};
 
 static PARAMETERS: Object = Object {
     name: "ConstrainedHardCMeansGrouper",
@@ -38,7 +42,10 @@ static PARAMETERS: Object = Object {
 
 fn build(parameters: &Value, _: Seed) -> Result<Box<dyn Grouper>, serde_json::Error> {
     let Parameters { max_iterations } = Parameters::deserialize(parameters)?;
-    Ok(Box::new(ConstrainedHardCMeans { max_iterations, hardener: BySource::default() }))
+    Ok(Box::new(ConstrainedHardCMeans {
+        max_iterations,
+        hardener: BySource::default(),
+    }))
 }
 
 #[derive(Debug, Deserialize)]
@@ -58,9 +65,16 @@ impl Grouper for ConstrainedHardCMeans {
     }
 
     fn group(&mut self, snapshot: &Snapshot) -> Result<Grouping, Vec<Fault>> {
-        let Snapshot { reports, predictions, .. } = *snapshot;
+        let Snapshot {
+            reports,
+            predictions,
+            ..
+        } = *snapshot;
         let sensors: Vec<u32> = reports.iter().map(|report| report.sensor).collect();
-        let metrics: Vec<Option<Gaussian<2>>> = reports.iter().map(|report| Gaussian::new(&report.place.covariance)).collect();
+        let metrics: Vec<Option<Gaussian<2>>> = reports
+            .iter()
+            .map(|report| Gaussian::new(&report.place.covariance))
+            .collect();
         let mut centres: Vec<Place> = predictions.to_vec();
         let (mut labels, mut before) = (Vec::new(), Vec::new());
         let mut iterations = 0;
@@ -72,7 +86,8 @@ impl Grouper for ConstrainedHardCMeans {
                 let difference = reports[report].place.position_m - centres[centre].position_m;
                 metrics[report].map_or(0.0, |metric| metric.squared_distance(&difference))
             };
-            self.hardener.harden(centres.len(), &sensors, cost, &mut labels);
+            self.hardener
+                .harden(centres.len(), &sensors, cost, &mut labels);
             iterations += 1;
             converged = labels == before;
             move_centres(reports, &labels, &mut centres);

@@ -20,7 +20,9 @@ use super::constrained_hard_c_means::with_groups_of_their_own;
 use super::{BuildGrouper, Grouper, Grouping, Place, Report, Snapshot, by_sensor};
 use crate::math::fuzzy_c_means::genetic::{self, GeneticSettings};
 use crate::math::fuzzy_c_means::harden::{self, BySource};
-use crate::math::fuzzy_c_means::{FuzzyCMeans, FuzzyError, Metric, Objects, Outcome, Settings, Step, start, validity};
+use crate::math::fuzzy_c_means::{
+    FuzzyCMeans, FuzzyError, Metric, Objects, Outcome, Settings, Step, start, validity,
+};
 use crate::math::gaussian::Gaussian;
 use crate::math::rng::{Purpose, Seed};
 use crate::model::fault::Fault;
@@ -28,18 +30,32 @@ use crate::registry::{Bound, Field, Kind, Method, Object, Union, Variant, defaul
 use serde::Deserialize;
 use serde_json::Value;
 
-pub const METHOD: Method<BuildGrouper> = Method { name: "fuzzy_c_means", parameters: &PARAMETERS, build };
+pub const METHOD: Method<BuildGrouper> = Method {
+    name: "fuzzy_c_means",
+    parameters: &PARAMETERS,
+    build,
+};
 
 static PARAMETERS: Object = Object {
     name: "FuzzyCMeansGrouper",
     summary: "Each report goes to the cluster to which it belongs most.",
     fields: &[
-        default("initial", "Where the first centres come from.", Kind::Union(&INITIAL), r#"{"from":"predictions"}"#),
+        default(
+            "initial",
+            "Where the first centres come from.",
+            Kind::Union(&INITIAL),
+            r#"{"from":"predictions"}"#,
+        ),
         super::FUZZIFIER,
         super::TOLERANCE,
         super::MAX_ITERATIONS,
         super::ONE_PER_SENSOR,
-        default("trace", "Whether to keep costs, centres and memberships of every iteration for a file.", Kind::Flag, "false"),
+        default(
+            "trace",
+            "Whether to keep costs, centres and memberships of every iteration for a file.",
+            Kind::Flag,
+            "false",
+        ),
     ],
 };
 
@@ -49,15 +65,31 @@ static INITIAL: Union = Union {
     tag: "from",
     variants: || {
         vec![
-            Variant { tag: "predictions", object: &PREDICTIONS },
-            Variant { tag: "sensor", object: &SENSOR },
-            Variant { tag: "random", object: &RANDOM },
-            Variant { tag: "genetic", object: &GENETIC },
+            Variant {
+                tag: "predictions",
+                object: &PREDICTIONS,
+            },
+            Variant {
+                tag: "sensor",
+                object: &SENSOR,
+            },
+            Variant {
+                tag: "random",
+                object: &RANDOM,
+            },
+            Variant {
+                tag: "genetic",
+                object: &GENETIC,
+            },
         ]
     },
 };
 
-static PREDICTIONS: Object = Object { name: "CentresOfPredictions", summary: "One centre where each track is predicted.", fields: &[] };
+static PREDICTIONS: Object = Object {
+    name: "CentresOfPredictions",
+    summary: "One centre where each track is predicted.",
+    fields: &[],
+};
 
 static SENSOR: Object = Object {
     name: "CentresOfOneSensor",
@@ -65,32 +97,87 @@ static SENSOR: Object = Object {
     fields: &[CLUSTERS],
 };
 
-static RANDOM: Object = Object { name: "CentresAtRandom", summary: "Different reports, drawn at random.", fields: &[CLUSTERS] };
+static RANDOM: Object = Object {
+    name: "CentresAtRandom",
+    summary: "Different reports, drawn at random.",
+    fields: &[CLUSTERS],
+};
 
 static GENETIC: Object = Object {
     name: "CentresOfGeneticSearch",
     summary: "The best of a population of centres, each driven to its optimum before it is crossed and mutated. The cost is (generations + 1) · population runs.",
     fields: &[
         CLUSTERS,
-        default("population", "Individuals.", Kind::Integer { min: 2, max: 1000, unit: "" }, "10"),
-        default("generations", "Generations after the first population.", Kind::Integer { min: 0, max: 1000, unit: "" }, "10"),
-        default("crossover_rate", "Probability that a child has two parents.", SHARE, "0.8"),
-        default("mutation_rate", "Probability that a centre of a child becomes a random report.", SHARE, "0.15"),
+        default(
+            "population",
+            "Individuals.",
+            Kind::Integer {
+                min: 2,
+                max: 1000,
+                unit: "",
+            },
+            "10",
+        ),
+        default(
+            "generations",
+            "Generations after the first population.",
+            Kind::Integer {
+                min: 0,
+                max: 1000,
+                unit: "",
+            },
+            "10",
+        ),
+        default(
+            "crossover_rate",
+            "Probability that a child has two parents.",
+            SHARE,
+            "0.8",
+        ),
+        default(
+            "mutation_rate",
+            "Probability that a centre of a child becomes a random report.",
+            SHARE,
+            "0.15",
+        ),
     ],
 };
 
-const SHARE: Kind = Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1.0), unit: "" };
+const SHARE: Kind = Kind::Number {
+    min: Bound::Including(0.0),
+    max: Bound::Including(1.0),
+    unit: "",
+};
 
-const CLUSTERS: Field = required("clusters", "c, the number of clusters.", Kind::Union(&CLUSTER_COUNT));
+const CLUSTERS: Field = required(
+    "clusters",
+    "c, the number of clusters.",
+    Kind::Union(&CLUSTER_COUNT),
+);
 
 static CLUSTER_COUNT: Union = Union {
     name: "ClusterCount",
     summary: "How the number of clusters is known.",
     tag: "by",
-    variants: || vec![Variant { tag: "count", object: &COUNT }, Variant { tag: "validity", object: &VALIDITY }],
+    variants: || {
+        vec![
+            Variant {
+                tag: "count",
+                object: &COUNT,
+            },
+            Variant {
+                tag: "validity",
+                object: &VALIDITY,
+            },
+        ]
+    },
 };
 
-static COUNT: Object = Object { name: "GivenClusterCount", summary: "It is given.", fields: &[required("count", "c.", NUMBER)] };
+static COUNT: Object = Object {
+    name: "GivenClusterCount",
+    summary: "It is given.",
+    fields: &[required("count", "c.", NUMBER)],
+};
 
 static VALIDITY: Object = Object {
     name: "ValidClusterCount",
@@ -107,7 +194,11 @@ static VALIDITY: Object = Object {
     ],
 };
 
-const NUMBER: Kind = Kind::Integer { min: 2, max: 10_000, unit: "" };
+const NUMBER: Kind = Kind::Integer {
+    min: 2,
+    max: 10_000,
+    unit: "",
+};
 
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 struct Parameters {
@@ -123,16 +214,32 @@ struct Parameters {
 #[serde(tag = "from", rename_all = "snake_case")]
 enum Initial {
     Predictions,
-    Sensor { clusters: Clusters },
-    Random { clusters: Clusters },
-    Genetic { clusters: Clusters, population: u32, generations: u32, crossover_rate: f64, mutation_rate: f64 },
+    Sensor {
+        clusters: Clusters,
+    },
+    Random {
+        clusters: Clusters,
+    },
+    Genetic {
+        clusters: Clusters,
+        population: u32,
+        generations: u32,
+        crossover_rate: f64,
+        mutation_rate: f64,
+    },
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(tag = "by", rename_all = "snake_case")]
 enum Clusters {
-    Count { count: usize },
-    Validity { index: ValidityIndex, min: usize, max: usize },
+    Count {
+        count: usize,
+    },
+    Validity {
+        index: ValidityIndex,
+        min: usize,
+        max: usize,
+    },
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -144,10 +251,26 @@ enum ValidityIndex {
 
 fn build(parameters: &Value, seed: Seed) -> Result<Box<dyn Grouper>, serde_json::Error> {
     let parameters = Parameters::deserialize(parameters)?;
-    let Parameters { fuzzifier, tolerance, max_iterations, .. } = parameters;
-    let clustering = FuzzyCMeans::new(Settings { fuzzifier, tolerance, max_iterations }).map_err(serde::de::Error::custom)?;
+    let Parameters {
+        fuzzifier,
+        tolerance,
+        max_iterations,
+        ..
+    } = parameters;
+    let clustering = FuzzyCMeans::new(Settings {
+        fuzzifier,
+        tolerance,
+        max_iterations,
+    })
+    .map_err(serde::de::Error::custom)?;
     let history = parameters.trace.then(History::default);
-    Ok(Box::new(FuzzyGrouper { parameters, seed, clustering, hardener: BySource::default(), history }))
+    Ok(Box::new(FuzzyGrouper {
+        parameters,
+        seed,
+        clustering,
+        hardener: BySource::default(),
+        history,
+    }))
 }
 
 /// One iteration at one instant; 0 is that of the first centres.
@@ -184,7 +307,13 @@ impl History {
         }
         self.size += size;
         let (centres, memberships) = (step.centres.to_vec(), step.memberships.to_vec());
-        self.iterations.push(Iteration { snapshot, iteration: step.iteration, cost: step.cost, centres, memberships });
+        self.iterations.push(Iteration {
+            snapshot,
+            iteration: step.iteration,
+            cost: step.cost,
+            centres,
+            memberships,
+        });
     }
 }
 
@@ -202,16 +331,29 @@ impl Grouper for FuzzyGrouper {
     }
 
     fn group(&mut self, snapshot: &Snapshot) -> Result<Grouping, Vec<Fault>> {
-        let values: Vec<f64> = snapshot.reports.iter().flat_map(|report| coordinates(&report.place)).collect();
+        let values: Vec<f64> = snapshot
+            .reports
+            .iter()
+            .flat_map(|report| coordinates(&report.place))
+            .collect();
         let inverses = inverse_covariances(snapshot.reports);
-        let objects = Objects::new(&values, &[false, false], Metric::Mahalanobis(&inverses)).map_err(fault)?;
+        let objects = Objects::new(&values, &[false, false], Metric::Mahalanobis(&inverses))
+            .map_err(fault)?;
         let (centres, spent) = self.first_centres(snapshot, &objects).map_err(fault)?;
         let run = match &mut self.history {
             None => self.clustering.run(&objects, &centres),
-            Some(history) => self.clustering.run_observed(&objects, &centres, |step| history.keep(snapshot.number, step)),
+            Some(history) => self.clustering.run_observed(&objects, &centres, |step| {
+                history.keep(snapshot.number, step)
+            }),
         };
         let outcome = run.map_err(fault)?;
-        Ok(self.harden(snapshot.reports, &Outcome { iterations: spent + outcome.iterations, ..outcome }))
+        Ok(self.harden(
+            snapshot.reports,
+            &Outcome {
+                iterations: spent + outcome.iterations,
+                ..outcome
+            },
+        ))
     }
 
     fn trace(&self) -> Option<&History> {
@@ -225,32 +367,62 @@ type FirstCentres = Result<(Vec<f64>, u32), FuzzyError>;
 impl FuzzyGrouper {
     fn first_centres(&mut self, snapshot: &Snapshot, objects: &Objects) -> FirstCentres {
         let clusters = match self.parameters.initial {
-            Initial::Predictions => return Ok((snapshot.predictions.iter().flat_map(coordinates).collect(), 0)),
-            Initial::Sensor { clusters } | Initial::Random { clusters } | Initial::Genetic { clusters, .. } => clusters,
+            Initial::Predictions => {
+                return Ok((
+                    snapshot.predictions.iter().flat_map(coordinates).collect(),
+                    0,
+                ));
+            }
+            Initial::Sensor { clusters }
+            | Initial::Random { clusters }
+            | Initial::Genetic { clusters, .. } => clusters,
         };
         match clusters {
             Clusters::Count { count } => self.centres_of_count(count, snapshot, objects),
-            Clusters::Validity { index, min, max } => self.centres_of_index(index, min..=max, snapshot, objects),
+            Clusters::Validity { index, min, max } => {
+                self.centres_of_index(index, min..=max, snapshot, objects)
+            }
         }
     }
 
-    fn centres_of_count(&mut self, count: usize, snapshot: &Snapshot, objects: &Objects) -> FirstCentres {
+    fn centres_of_count(
+        &mut self,
+        count: usize,
+        snapshot: &Snapshot,
+        objects: &Objects,
+    ) -> FirstCentres {
         let mut centres = Vec::new();
         let mut spent = 0;
         // Each instant draws from a stream of its own, each number of clusters anew.
-        let mut draw = self.seed.stream(Purpose::Clustering, count as u64, snapshot.number);
+        let mut draw = self
+            .seed
+            .stream(Purpose::Clustering, count as u64, snapshot.number);
         match self.parameters.initial {
             // Nothing to do: these have no count.
             Initial::Predictions => {}
             Initial::Sensor { .. } => {
-                let most = by_sensor(snapshot.reports).fold(0..0, |most, next| if next.len() > most.len() { next } else { most });
+                let most = by_sensor(snapshot.reports).fold(0..0, |most, next| {
+                    if next.len() > most.len() { next } else { most }
+                });
                 centres.extend(most.take(count).flat_map(|report| objects.object(report)));
                 start::farthest_first(objects, count, &mut centres)?;
             }
             Initial::Random { .. } => start::random(objects, count, &mut draw, &mut centres)?,
-            Initial::Genetic { population, generations, crossover_rate, mutation_rate, .. } => {
-                let settings = GeneticSettings { population, generations, crossover_rate, mutation_rate };
-                let found = genetic::search(&mut self.clustering, objects, count, settings, &mut draw)?;
+            Initial::Genetic {
+                population,
+                generations,
+                crossover_rate,
+                mutation_rate,
+                ..
+            } => {
+                let settings = GeneticSettings {
+                    population,
+                    generations,
+                    crossover_rate,
+                    mutation_rate,
+                };
+                let found =
+                    genetic::search(&mut self.clustering, objects, count, settings, &mut draw)?;
                 centres.extend_from_slice(self.clustering.centres());
                 spent = u32::try_from(found.iterations).unwrap_or(u32::MAX);
             }
@@ -286,13 +458,20 @@ impl FuzzyGrouper {
         let mut labels = Vec::new();
         if self.parameters.one_per_sensor {
             let sensors: Vec<u32> = reports.iter().map(|report| report.sensor).collect();
-            self.hardener.harden(clusters, &sensors, |report, cluster| -memberships[report * clusters + cluster], &mut labels);
+            self.hardener.harden(
+                clusters,
+                &sensors,
+                |report, cluster| -memberships[report * clusters + cluster],
+                &mut labels,
+            );
         } else {
             let mut largest = Vec::new();
             harden::largest(memberships, clusters, &mut largest);
             labels.extend(largest.into_iter().map(Some));
         }
-        let membership = |(report, label): (usize, &Option<usize>)| label.map(|cluster| memberships[report * clusters + cluster]);
+        let membership = |(report, label): (usize, &Option<usize>)| {
+            label.map(|cluster| memberships[report * clusters + cluster])
+        };
         Grouping {
             memberships: labels.iter().enumerate().map(membership).collect(),
             group_of: with_groups_of_their_own(&labels, clusters),
@@ -309,7 +488,13 @@ fn coordinates(place: &Place) -> [f64; 2] {
 
 /// A number of clusters stands in the parameters of the first centres; what else is at fault, beside them.
 fn fault(error: FuzzyError) -> Vec<Fault> {
-    vec![error.fault(if matches!(error, FuzzyError::Clusters { .. }) { "/initial" } else { "" })]
+    vec![
+        error.fault(if matches!(error, FuzzyError::Clusters { .. }) {
+            "/initial"
+        } else {
+            ""
+        }),
+    ]
 }
 
 /// Four numbers for each report.
@@ -318,7 +503,12 @@ fn inverse_covariances(reports: &[Report]) -> Vec<f64> {
         let gaussian = Gaussian::new(&report.place.covariance);
         gaussian.map_or([0.0; 4], |gaussian| {
             let inverse = gaussian.inverse();
-            [inverse[(0, 0)], inverse[(0, 1)], inverse[(1, 0)], inverse[(1, 1)]]
+            [
+                inverse[(0, 0)],
+                inverse[(0, 1)],
+                inverse[(1, 0)],
+                inverse[(1, 1)],
+            ]
         })
     };
     reports.iter().flat_map(inverse).collect()

@@ -17,7 +17,10 @@ pub(super) struct Information {
 
 impl Information {
     pub fn none() -> Self {
-        Information { matrix: PositionCovariance::zeros(), vector: Position::zeros() }
+        Information {
+            matrix: PositionCovariance::zeros(),
+            vector: Position::zeros(),
+        }
     }
 
     pub fn of(place: &Place) -> Self {
@@ -36,12 +39,17 @@ impl Information {
     /// The mean and its covariance; `None` of nothing.
     pub fn mean(&self) -> Option<Place> {
         let covariance = *Gaussian::new(&self.matrix)?.inverse();
-        Some(Place { position_m: covariance * self.vector, covariance })
+        Some(Place {
+            position_m: covariance * self.vector,
+            covariance,
+        })
     }
 }
 
 /// d² = νᵀ (R₁ + R₂)⁻¹ ν; infinite where the sum has no inverse.
 pub(super) fn squared_distance(left: &Place, right: &Place) -> f64 {
     let gaussian = Gaussian::new(&(left.covariance + right.covariance));
-    gaussian.map_or(f64::INFINITY, |gaussian| gaussian.squared_distance(&(left.position_m - right.position_m)))
+    gaussian.map_or(f64::INFINITY, |gaussian| {
+        gaussian.squared_distance(&(left.position_m - right.position_m))
+    })
 }

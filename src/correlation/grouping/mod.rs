@@ -61,7 +61,13 @@ pub struct Grouping {
 impl Grouping {
     /// Found without a search, and without memberships.
     fn direct(group_of: Vec<usize>) -> Self {
-        Grouping { memberships: vec![None; group_of.len()], group_of, iterations: None, cost: None, converged: true }
+        Grouping {
+            memberships: vec![None; group_of.len()],
+            group_of,
+            iterations: None,
+            cost: None,
+            converged: true,
+        }
     }
 
     /// Groups with members.
@@ -94,8 +100,12 @@ pub trait Grouper: Send {
 pub type BuildGrouper = fn(&serde_json::Value, Seed) -> Result<Box<dyn Grouper>, serde_json::Error>;
 
 /// Every grouper.
-pub const GROUPERS: &[Method<BuildGrouper>] =
-    &[nearest_neighbour::METHOD, sequential_nearest_neighbour::METHOD, fuzzy_c_means::METHOD, constrained_hard_c_means::METHOD];
+pub const GROUPERS: &[Method<BuildGrouper>] = &[
+    nearest_neighbour::METHOD,
+    sequential_nearest_neighbour::METHOD,
+    fuzzy_c_means::METHOD,
+    constrained_hard_c_means::METHOD,
+];
 
 pub static GROUPER: Union = Union {
     name: "Grouper",
@@ -104,13 +114,22 @@ pub static GROUPER: Union = Union {
     variants: || GROUPERS.iter().map(Method::variant).collect(),
 };
 
-const ONE_PER_SENSOR: Field = default("one_per_sensor", "Whether a group has at most one report of each sensor.", Kind::Flag, "false");
+const ONE_PER_SENSOR: Field = default(
+    "one_per_sensor",
+    "Whether a group has at most one report of each sensor.",
+    Kind::Flag,
+    "false",
+);
 
 /// Of fuzzy c-means, as a grouper and as a correlator.
 pub(super) const FUZZIFIER: Field = default(
     "fuzzifier",
     "q: the larger, the fuzzier.",
-    Kind::Number { min: Bound::Excluding(1.0), max: Bound::Including(100.0), unit: "" },
+    Kind::Number {
+        min: Bound::Excluding(1.0),
+        max: Bound::Including(100.0),
+        unit: "",
+    },
     "2.0",
 );
 
@@ -118,23 +137,33 @@ pub(super) const FUZZIFIER: Field = default(
 pub(super) const TOLERANCE: Field = default(
     "tolerance",
     "The search is at rest when no membership changes by more.",
-    Kind::Number { min: Bound::Excluding(0.0), max: Bound::Excluding(1.0), unit: "" },
+    Kind::Number {
+        min: Bound::Excluding(0.0),
+        max: Bound::Excluding(1.0),
+        unit: "",
+    },
     "1e-4",
 );
 
 const MAX_ITERATIONS: Field = default(
     "max_iterations",
     "Iterations after which the search ends, at rest or not.",
-    Kind::Integer { min: 1, max: 10_000, unit: "" },
+    Kind::Integer {
+        min: 1,
+        max: 10_000,
+        unit: "",
+    },
     "100",
 );
 
 /// The reports of each sensor, by their places in the list.
 fn by_sensor(reports: &[Report]) -> impl Iterator<Item = std::ops::Range<usize>> {
     let mut first = 0;
-    reports.chunk_by(|left, right| left.sensor == right.sensor).map(move |chunk| {
-        let range = first..first + chunk.len();
-        first = range.end;
-        range
-    })
+    reports
+        .chunk_by(|left, right| left.sensor == right.sensor)
+        .map(move |chunk| {
+            let range = first..first + chunk.len();
+            first = range.end;
+            range
+        })
 }

@@ -23,18 +23,30 @@ use crate::registry::{Bound, Kind, Method, Object, optional};
 use serde::Deserialize;
 use serde_json::Value;
 
-pub const METHOD: Method<BuildGrouper> = Method { name: "nearest_neighbour", parameters: &PARAMETERS, build };
+pub const METHOD: Method<BuildGrouper> = Method {
+    name: "nearest_neighbour",
+    parameters: &PARAMETERS,
+    build,
+};
 
 static PARAMETERS: Object = Object {
     name: "NearestNeighbourGrouper",
     summary: "Each report goes to the nearest prediction within the gate, or is a group of its own.",
     fields: &[
-        optional("gate_sigmas", "Largest distance of a report from its prediction, in σ; without a gate when absent.", SIGMAS),
+        optional(
+            "gate_sigmas",
+            "Largest distance of a report from its prediction, in σ; without a gate when absent.",
+            SIGMAS,
+        ),
         super::ONE_PER_SENSOR,
     ],
 };
 
-pub(super) const SIGMAS: Kind = Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1000.0), unit: "σ" };
+pub(super) const SIGMAS: Kind = Kind::Number {
+    min: Bound::Excluding(0.0),
+    max: Bound::Including(1000.0),
+    unit: "σ",
+};
 
 fn build(parameters: &Value, _: Seed) -> Result<Box<dyn Grouper>, serde_json::Error> {
     Ok(Box::new(NearestNeighbour::deserialize(parameters)?))
@@ -53,12 +65,24 @@ impl Grouper for NearestNeighbour {
     }
 
     fn group(&mut self, snapshot: &Snapshot) -> Result<Grouping, Vec<Fault>> {
-        let Snapshot { reports, predictions, .. } = *snapshot;
-        let distance = |report: usize, prediction: usize| squared_distance(&reports[report].place, &predictions[prediction]);
+        let Snapshot {
+            reports,
+            predictions,
+            ..
+        } = *snapshot;
+        let distance = |report: usize, prediction: usize| {
+            squared_distance(&reports[report].place, &predictions[prediction])
+        };
         let mut group_of = Vec::with_capacity(reports.len());
         let mut next = predictions.len();
         for range in by_sensor(reports) {
-            for chosen in choose(range, predictions.len(), gate(self.gate_sigmas), self.one_per_sensor, distance) {
+            for chosen in choose(
+                range,
+                predictions.len(),
+                gate(self.gate_sigmas),
+                self.one_per_sensor,
+                distance,
+            ) {
                 group_of.push(chosen.unwrap_or(next));
                 next += usize::from(chosen.is_none());
             }

@@ -25,16 +25,30 @@ use crate::registry::{Method, Object, default};
 use serde::Deserialize;
 use serde_json::Value;
 
-pub const METHOD: Method<BuildGrouper> = Method { name: "sequential_nearest_neighbour", parameters: &PARAMETERS, build };
+pub const METHOD: Method<BuildGrouper> = Method {
+    name: "sequential_nearest_neighbour",
+    parameters: &PARAMETERS,
+    build,
+};
 
 static PARAMETERS: Object = Object {
     name: "SequentialNearestNeighbourGrouper",
     summary: "Sensor by sensor, without tracks: each report joins the nearest group of the sensors before, or founds one.",
-    fields: &[default("gate_sigmas", "Largest distance of a report from a group, in σ.", SIGMAS, "4.0"), super::ONE_PER_SENSOR],
+    fields: &[
+        default(
+            "gate_sigmas",
+            "Largest distance of a report from a group, in σ.",
+            SIGMAS,
+            "4.0",
+        ),
+        super::ONE_PER_SENSOR,
+    ],
 };
 
 fn build(parameters: &Value, _: Seed) -> Result<Box<dyn Grouper>, serde_json::Error> {
-    Ok(Box::new(SequentialNearestNeighbour::deserialize(parameters)?))
+    Ok(Box::new(SequentialNearestNeighbour::deserialize(
+        parameters,
+    )?))
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -51,9 +65,17 @@ impl SequentialNearestNeighbour {
         for range in by_sensor(reports) {
             let centres: Vec<Option<Place>> = groups.iter().map(Information::mean).collect();
             let distance = |report: usize, group: usize| {
-                centres[group].map_or(f64::INFINITY, |centre| squared_distance(&reports[report].place, &centre))
+                centres[group].map_or(f64::INFINITY, |centre| {
+                    squared_distance(&reports[report].place, &centre)
+                })
             };
-            let chosen = choose(range.clone(), centres.len(), gate(Some(self.gate_sigmas)), self.one_per_sensor, distance);
+            let chosen = choose(
+                range.clone(),
+                centres.len(),
+                gate(Some(self.gate_sigmas)),
+                self.one_per_sensor,
+                distance,
+            );
             for (report, chosen) in range.zip(chosen) {
                 let place = &reports[report].place;
                 match chosen {

@@ -86,7 +86,10 @@ impl EventLog {
     /// The same, unless the watch says to stop; then it is not whole.
     pub fn new_until(comparison: &Comparison, watch: &Watch) -> EventLog {
         let events = Vec::with_capacity(comparison.truths.len() + comparison.tracks.len());
-        let mut log = EventLog { events, steps: Vec::with_capacity(comparison.steps.len()) };
+        let mut log = EventLog {
+            events,
+            steps: Vec::with_capacity(comparison.steps.len()),
+        };
         let mut matcher = StepMatcher::until(watch);
         let mut memory = Memory::new(comparison);
         for (index, step) in comparison.steps.iter().enumerate() {
@@ -95,7 +98,9 @@ impl EventLog {
             memory.tell_truths(index as u32, step, &mut log.events);
             memory.tell_tracks(index as u32, step, &mut log.events);
             log.steps.push(first..log.events.len());
-            if watch.stops_after(8 * (step.truths.len() + step.tracks.len() + step.pairs.len()) as u64) {
+            if watch
+                .stops_after(8 * (step.truths.len() + step.tracks.len() + step.pairs.len()) as u64)
+            {
                 break;
             }
         }
@@ -103,7 +108,10 @@ impl EventLog {
     }
 
     pub fn count(&self, kind: EventKind) -> usize {
-        self.events.iter().filter(|event| event.kind == kind).count()
+        self.events
+            .iter()
+            .filter(|event| event.kind == kind)
+            .count()
     }
 }
 
@@ -141,7 +149,14 @@ impl<'a> Memory<'a> {
         Memory {
             comparison,
             round: 0,
-            pasts: vec![Past { track: NONE, round: 0, was_matched: false }; comparison.truth_ids.len()],
+            pasts: vec![
+                Past {
+                    track: NONE,
+                    round: 0,
+                    was_matched: false
+                };
+                comparison.truth_ids.len()
+            ],
             followed: vec![NONE; comparison.track_ids.len()],
             pair_of_truth: Vec::new(),
             pair_of_track: Vec::new(),
@@ -164,7 +179,8 @@ impl<'a> Memory<'a> {
                 return 0.0;
             }
             let past = &self.pasts[comparison.truths[pair.truth as usize].id as usize];
-            let is_kept = past.round + 1 == self.round && past.track == comparison.tracks[pair.track as usize].id;
+            let is_kept = past.round + 1 == self.round
+                && past.track == comparison.tracks[pair.track as usize].id;
             pair.similarity + if is_kept { KEEP } else { 0.0 }
         };
         for &index in matcher.best(comparison, step, worth) {
@@ -176,10 +192,24 @@ impl<'a> Memory<'a> {
 
     fn tell_truths(&mut self, index: u32, step: &Step, events: &mut Vec<Event>) {
         let comparison = self.comparison;
-        for (presence, &pair) in comparison.truths[step.truths.clone()].iter().zip(&self.pair_of_truth) {
+        for (presence, &pair) in comparison.truths[step.truths.clone()]
+            .iter()
+            .zip(&self.pair_of_truth)
+        {
             let past = &mut self.pasts[presence.id as usize];
-            let mut push = |kind, track, distance| events.push(Event { step: index, kind, truth: Some(presence.id), track, distance });
-            let Some(&Pair { track, distance, .. }) = comparison.pairs.get(pair as usize) else {
+            let mut push = |kind, track, distance| {
+                events.push(Event {
+                    step: index,
+                    kind,
+                    truth: Some(presence.id),
+                    track,
+                    distance,
+                })
+            };
+            let Some(&Pair {
+                track, distance, ..
+            }) = comparison.pairs.get(pair as usize)
+            else {
                 push(EventKind::Miss, None, None);
                 if past.was_matched {
                     push(EventKind::Break, Some(past.track), None);
@@ -195,7 +225,11 @@ impl<'a> Memory<'a> {
             if past.track != NONE && !past.was_matched {
                 push(EventKind::Reacquisition, Some(track), Some(distance));
             }
-            *past = Past { track, round: self.round, was_matched: true };
+            *past = Past {
+                track,
+                round: self.round,
+                was_matched: true,
+            };
             self.followed[track as usize] = presence.id;
         }
     }
@@ -205,10 +239,19 @@ impl<'a> Memory<'a> {
             return;
         }
         self.look_around(step);
-        for (offset, presence) in self.comparison.tracks[step.tracks.clone()].iter().enumerate() {
+        for (offset, presence) in self.comparison.tracks[step.tracks.clone()]
+            .iter()
+            .enumerate()
+        {
             if self.pair_of_track[offset] == NONE {
                 let (kind, truth, distance) = self.unmatched(step, offset, presence.id);
-                events.push(Event { step: index, kind, truth, track: Some(presence.id), distance });
+                events.push(Event {
+                    step: index,
+                    kind,
+                    truth,
+                    track: Some(presence.id),
+                    distance,
+                });
             }
         }
     }
@@ -221,10 +264,15 @@ impl<'a> Memory<'a> {
         for index in step.pairs.clone() {
             let pair = &comparison.pairs[index];
             let offset = pair.track as usize - step.tracks.start;
-            if self.followed[comparison.tracks[pair.track as usize].id as usize] == comparison.truths[pair.truth as usize].id {
+            if self.followed[comparison.tracks[pair.track as usize].id as usize]
+                == comparison.truths[pair.truth as usize].id
+            {
                 self.old[offset] = index as u32;
             }
-            let is_nearer = comparison.pairs.get(self.nearest[offset] as usize).is_none_or(|other| pair.distance < other.distance);
+            let is_nearer = comparison
+                .pairs
+                .get(self.nearest[offset] as usize)
+                .is_none_or(|other| pair.distance < other.distance);
             if pair.distance <= comparison.gate && is_nearer {
                 self.nearest[offset] = index as u32;
             }
@@ -232,18 +280,34 @@ impl<'a> Memory<'a> {
     }
 
     /// What a track without a truth of its own is: kind, the truth it has to do with, their distance.
-    fn unmatched(&self, step: &Step, offset: usize, track: u32) -> (EventKind, Option<u32>, Option<f64>) {
+    fn unmatched(
+        &self,
+        step: &Step,
+        offset: usize,
+        track: u32,
+    ) -> (EventKind, Option<u32>, Option<f64>) {
         let comparison = self.comparison;
         let pair = |index: u32| comparison.pairs.get(index as usize);
         if let Some(pair) = pair(self.nearest[offset]) {
-            return (EventKind::Redundant, Some(comparison.truths[pair.truth as usize].id), Some(pair.distance));
+            return (
+                EventKind::Redundant,
+                Some(comparison.truths[pair.truth as usize].id),
+                Some(pair.distance),
+            );
         }
         let followed = self.followed[track as usize];
         let truths = &comparison.truths[step.truths.clone()];
-        if truths.binary_search_by_key(&followed, |presence| presence.id).is_err() {
+        if truths
+            .binary_search_by_key(&followed, |presence| presence.id)
+            .is_err()
+        {
             return (EventKind::FalseAlarm, None, None);
         }
-        (EventKind::Divergence, Some(followed), pair(self.old[offset]).map(|pair| pair.distance))
+        (
+            EventKind::Divergence,
+            Some(followed),
+            pair(self.old[offset]).map(|pair| pair.distance),
+        )
     }
 }
 

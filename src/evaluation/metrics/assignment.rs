@@ -23,8 +23,11 @@ use crate::registry::{Bound, Kind, Method, Object, optional};
 use serde::Deserialize;
 use serde_json::json;
 
-pub const METHOD: Method<BuildMetric> =
-    Method { name: "assignment", parameters: &PARAMETERS, build: |spec| Ok(Box::new(Assignment::deserialize(spec)?)) };
+pub const METHOD: Method<BuildMetric> = Method {
+    name: "assignment",
+    parameters: &PARAMETERS,
+    build: |spec| Ok(Box::new(Assignment::deserialize(spec)?)),
+};
 
 static PARAMETERS: Object = Object {
     name: "AssignmentMetrics",
@@ -32,7 +35,11 @@ static PARAMETERS: Object = Object {
     fields: &[optional(
         "divergence_gate",
         "A track keeps its truth up to this distance (m, or 1 - intersection over union of boxes); default: the gate.",
-        Kind::Number { min: Bound::Excluding(0.0), max: Bound::None, unit: "" },
+        Kind::Number {
+            min: Bound::Excluding(0.0),
+            max: Bound::None,
+            unit: "",
+        },
     )],
 };
 
@@ -65,9 +72,21 @@ impl Metric for Assignment {
             tracks.extend(walk.tracks.into_iter().filter(|track| track.steps > 0));
         }
         let gate = sequences.first().map(|sequence| sequence.comparison.gate);
-        let parameters = json!({"gate": gate, "divergence_gate": gate.map(|gate| self.divergence_gate(gate))});
-        let report = MetricReport::new("associated_share", true, parameters, totals(&truths, &tracks));
-        MetricReport { per_truth, per_track, pairs, origins: FROM.to_vec(), ..report }
+        let parameters =
+            json!({"gate": gate, "divergence_gate": gate.map(|gate| self.divergence_gate(gate))});
+        let report = MetricReport::new(
+            "associated_share",
+            true,
+            parameters,
+            totals(&truths, &tracks),
+        );
+        MetricReport {
+            per_truth,
+            per_track,
+            pairs,
+            origins: FROM.to_vec(),
+            ..report
+        }
     }
 }
 
@@ -75,10 +94,24 @@ const FROM: &[Origin] = &[
     TRUTH_POINTS,
     Origin::rows("associated", Statistic::Count, PAIRS, "associated"),
     Origin::ratio("associated_share", &["associated"], &["truth_points"]),
-    Origin::rows("truths", Statistic::CountPositive, TRUTHS, "steps_inside_coverage"),
+    Origin::rows(
+        "truths",
+        Statistic::CountPositive,
+        TRUTHS,
+        "steps_inside_coverage",
+    ),
     Origin::rows("truths_established", Statistic::Sum, TRUTHS, "established"),
-    Origin::ratio("truths_established_share", &["truths_established"], &["truths"]),
-    Origin::rows("mean_establishment_length", Statistic::Mean, TRUTHS, "establishment_length"),
+    Origin::ratio(
+        "truths_established_share",
+        &["truths_established"],
+        &["truths"],
+    ),
+    Origin::rows(
+        "mean_establishment_length",
+        Statistic::Mean,
+        TRUTHS,
+        "establishment_length",
+    ),
     Origin::sum("breaks", TRUTHS),
     Origin::sum("break_length", TRUTHS),
     Origin::rows("tracks", Statistic::CountPositive, TRACKS, "length"),
@@ -94,7 +127,8 @@ const FROM: &[Origin] = &[
 
 impl Assignment {
     fn divergence_gate(self, gate: f64) -> f64 {
-        self.divergence_gate.map_or(gate, |divergence_gate| divergence_gate.max(gate))
+        self.divergence_gate
+            .map_or(gate, |divergence_gate| divergence_gate.max(gate))
     }
 }
 
@@ -172,11 +206,18 @@ impl<'a> Walk<'a> {
         self.nearest.resize(step.tracks.len(), None);
         for pair in &self.comparison.pairs[step.pairs.clone()] {
             let offset = pair.track as usize - step.tracks.start;
-            let (truth, track) = (self.comparison.truths[pair.truth as usize].id, self.comparison.tracks[pair.track as usize].id);
-            if self.tracks[track as usize].truth == Some(truth) && pair.distance <= self.divergence_gate {
+            let (truth, track) = (
+                self.comparison.truths[pair.truth as usize].id,
+                self.comparison.tracks[pair.track as usize].id,
+            );
+            if self.tracks[track as usize].truth == Some(truth)
+                && pair.distance <= self.divergence_gate
+            {
                 self.kept[offset] = Some(pair.distance);
             }
-            if pair.distance <= self.comparison.gate && self.nearest[offset].is_none_or(|nearest| pair.distance < nearest.0) {
+            if pair.distance <= self.comparison.gate
+                && self.nearest[offset].is_none_or(|nearest| pair.distance < nearest.0)
+            {
                 self.nearest[offset] = Some((pair.distance, truth));
             }
         }
@@ -185,17 +226,27 @@ impl<'a> Walk<'a> {
     /// Method, 1.
     fn assign(&mut self, index: u32, step: &Step) {
         let truths = &self.comparison.truths[step.truths.clone()];
-        for (offset, presence) in self.comparison.tracks[step.tracks.clone()].iter().enumerate() {
+        for (offset, presence) in self.comparison.tracks[step.tracks.clone()]
+            .iter()
+            .enumerate()
+        {
             let track = &mut self.tracks[presence.id as usize];
             track.steps += 1;
             if let Some(truth) = track.truth.filter(|_| self.kept[offset].is_none()) {
                 track.truth = None;
-                track.is_divergent = truths.binary_search_by_key(&truth, |truth| truth.id).is_ok();
+                track.is_divergent = truths
+                    .binary_search_by_key(&truth, |truth| truth.id)
+                    .is_ok();
                 track.divergences += u32::from(track.is_divergent);
             }
             if let (None, Some((_, truth))) = (track.truth, self.nearest[offset]) {
                 track.swaps += u32::from(track.last_truth.is_some_and(|last| last != truth));
-                (track.truth, track.last_truth, track.since, track.is_divergent) = (Some(truth), Some(truth), index, false);
+                (
+                    track.truth,
+                    track.last_truth,
+                    track.since,
+                    track.is_divergent,
+                ) = (Some(truth), Some(truth), index, false);
             }
             track.assigned += u32::from(track.truth.is_some());
             track.divergence_length += u32::from(track.is_divergent);
@@ -208,10 +259,16 @@ impl<'a> Walk<'a> {
         self.associated.clear();
         self.associated.resize(step.truths.len(), None);
         let truths = &comparison.truths[step.truths.clone()];
-        let place = |truth: u32| truths.binary_search_by_key(&truth, |presence| presence.id).ok();
+        let place = |truth: u32| {
+            truths
+                .binary_search_by_key(&truth, |presence| presence.id)
+                .ok()
+        };
         for presence in &comparison.tracks[step.tracks.clone()] {
             let track = &self.tracks[presence.id as usize];
-            let Some(place) = track.truth.and_then(place) else { continue };
+            let Some(place) = track.truth.and_then(place) else {
+                continue;
+            };
             let is_longer = |other: u32| track.since < self.tracks[other as usize].since;
             if self.associated[place].is_none_or(is_longer) {
                 self.associated[place] = Some(presence.id);
@@ -220,10 +277,19 @@ impl<'a> Walk<'a> {
         for (offset, presence) in comparison.tracks[step.tracks.clone()].iter().enumerate() {
             let track = &mut self.tracks[presence.id as usize];
             let place = track.truth.and_then(place);
-            let is_redundant = place.is_some_and(|place| self.associated[place] != Some(presence.id));
+            let is_redundant =
+                place.is_some_and(|place| self.associated[place] != Some(presence.id));
             if let Some(place) = place {
-                let pairs = if is_redundant { &mut self.redundant_pairs } else { &mut self.associated_pairs };
-                pairs.push(((step.truths.start + place) as u32, (step.tracks.start + offset) as u32, 1.0));
+                let pairs = if is_redundant {
+                    &mut self.redundant_pairs
+                } else {
+                    &mut self.associated_pairs
+                };
+                pairs.push((
+                    (step.truths.start + place) as u32,
+                    (step.tracks.start + offset) as u32,
+                    1.0,
+                ));
             }
             track.redundancies += u32::from(is_redundant && !track.was_redundant);
             track.redundancy_length += u32::from(is_redundant);
@@ -233,7 +299,10 @@ impl<'a> Walk<'a> {
 
     /// Method, 3.
     fn count_truths(&mut self, step: &Step) {
-        for (presence, associated) in self.comparison.truths[step.truths.clone()].iter().zip(&self.associated) {
+        for (presence, associated) in self.comparison.truths[step.truths.clone()]
+            .iter()
+            .zip(&self.associated)
+        {
             let life = &mut self.truths[presence.id as usize];
             life.steps += 1;
             match associated {
@@ -256,10 +325,21 @@ impl TruthLife {
         vec![
             count("steps_inside_coverage", self.steps),
             count("established", u32::from(self.associated > 0)),
-            Quantity::or("establishment_length", establishment, "steps", "never established"),
+            Quantity::or(
+                "establishment_length",
+                establishment,
+                "steps",
+                "never established",
+            ),
             count("breaks", self.breaks),
             Quantity::new("break_length", f64::from(self.break_length), "steps"),
-            Quantity::ratio("associated_share", f64::from(self.associated), f64::from(self.steps), "", "does not exist at any step"),
+            Quantity::ratio(
+                "associated_share",
+                f64::from(self.associated),
+                f64::from(self.steps),
+                "",
+                "does not exist at any step",
+            ),
         ]
     }
 }
@@ -286,57 +366,136 @@ impl TrackLife {
     }
 }
 
-fn lines<Life>(ids: &[String], lives: &[Life], quantities: impl Fn(&Life) -> Vec<Quantity>) -> Vec<Line> {
-    ids.iter().zip(lives).map(|(id, life)| Line { id: id.clone(), quantities: quantities(life) }).collect()
+fn lines<Life>(
+    ids: &[String],
+    lives: &[Life],
+    quantities: impl Fn(&Life) -> Vec<Quantity>,
+) -> Vec<Line> {
+    ids.iter()
+        .zip(lives)
+        .map(|(id, life)| Line {
+            id: id.clone(),
+            quantities: quantities(life),
+        })
+        .collect()
 }
 
 fn totals(truths: &[TruthLife], tracks: &[TrackLife]) -> Vec<Quantity> {
-    let of_truths = |part: fn(&TruthLife) -> u32| truths.iter().map(|life| f64::from(part(life))).sum::<f64>();
-    let of_tracks = |part: fn(&TrackLife) -> u32| tracks.iter().map(|life| f64::from(part(life))).sum::<f64>();
+    let of_truths =
+        |part: fn(&TruthLife) -> u32| truths.iter().map(|life| f64::from(part(life))).sum::<f64>();
+    let of_tracks =
+        |part: fn(&TrackLife) -> u32| tracks.iter().map(|life| f64::from(part(life))).sum::<f64>();
     let established = of_truths(|life| u32::from(life.associated > 0));
-    let establishment = of_truths(|life| if life.associated > 0 { life.establishment } else { 0 });
+    let establishment = of_truths(|life| {
+        if life.associated > 0 {
+            life.establishment
+        } else {
+            0
+        }
+    });
     let false_tracks = of_tracks(|life| u32::from(life.is_false()));
     let no_truth = "no truth at any step";
     vec![
-        Quantity::ratio("associated_share", of_truths(|life| life.associated), of_truths(|life| life.steps), "", no_truth),
+        Quantity::ratio(
+            "associated_share",
+            of_truths(|life| life.associated),
+            of_truths(|life| life.steps),
+            "",
+            no_truth,
+        ),
         Quantity::new("truths", truths.len() as f64, ""),
         Quantity::new("truths_established", established, ""),
-        Quantity::ratio("truths_established_share", established, truths.len() as f64, "", no_truth),
-        Quantity::ratio("mean_establishment_length", establishment, established, "steps", "no truth was established"),
+        Quantity::ratio(
+            "truths_established_share",
+            established,
+            truths.len() as f64,
+            "",
+            no_truth,
+        ),
+        Quantity::ratio(
+            "mean_establishment_length",
+            establishment,
+            established,
+            "steps",
+            "no truth was established",
+        ),
         Quantity::new("breaks", of_truths(|life| life.breaks), ""),
         Quantity::new("break_length", of_truths(|life| life.break_length), "steps"),
         Quantity::new("tracks", tracks.len() as f64, ""),
         Quantity::new("swaps", of_tracks(|life| life.swaps), ""),
         Quantity::new("divergences", of_tracks(|life| life.divergences), ""),
-        Quantity::new("divergence_length", of_tracks(|life| life.divergence_length), "steps"),
+        Quantity::new(
+            "divergence_length",
+            of_tracks(|life| life.divergence_length),
+            "steps",
+        ),
         Quantity::new("redundancies", of_tracks(|life| life.redundancies), ""),
-        Quantity::new("redundancy_length", of_tracks(|life| life.redundancy_length), "steps"),
+        Quantity::new(
+            "redundancy_length",
+            of_tracks(|life| life.redundancy_length),
+            "steps",
+        ),
         Quantity::new("false_tracks", false_tracks, ""),
-        Quantity::ratio("false_tracks_share", false_tracks, tracks.len() as f64, "", "no track at any step"),
-        Quantity::new("false_track_length", of_tracks(|life| if life.is_false() { life.steps } else { 0 }), "steps"),
+        Quantity::ratio(
+            "false_tracks_share",
+            false_tracks,
+            tracks.len() as f64,
+            "",
+            "no track at any step",
+        ),
+        Quantity::new(
+            "false_track_length",
+            of_tracks(|life| if life.is_false() { life.steps } else { 0 }),
+            "steps",
+        ),
     ]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluation::tests::{GONE, assert_quantities, compare, evaluate, line, main_scene, swap_scene};
+    use crate::evaluation::tests::{
+        GONE, assert_quantities, compare, evaluate, line, main_scene, swap_scene,
+    };
 
     fn numbers(lines: &[Line], id: &str) -> Vec<f64> {
-        line(lines, id).into_iter().map(|(_, value)| value.unwrap_or(f64::INFINITY)).collect()
+        line(lines, id)
+            .into_iter()
+            .map(|(_, value)| value.unwrap_or(f64::INFINITY))
+            .collect()
     }
 
     #[test]
     fn the_main_scene_by_hand() {
         let report = evaluate("assignment", json!({}), &[main_scene(10.0)]);
         // A is there at 0..=9, established at once, broken at 6. B is there at 2..=9, established at 3.
-        assert_eq!(numbers(&report.per_truth, "A"), [10.0, 1.0, 0.0, 1.0, 1.0, 0.9]);
-        assert_eq!(numbers(&report.per_truth, "B"), [8.0, 1.0, 1.0, 0.0, 0.0, 7.0 / 8.0]);
-        assert_eq!(numbers(&report.per_track, "T4"), [3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 3.0]);
-        assert_quantities(&report, &[("associated_share", Some(16.0 / 18.0)), ("mean_establishment_length", Some(0.5))]);
+        assert_eq!(
+            numbers(&report.per_truth, "A"),
+            [10.0, 1.0, 0.0, 1.0, 1.0, 0.9]
+        );
+        assert_eq!(
+            numbers(&report.per_truth, "B"),
+            [8.0, 1.0, 1.0, 0.0, 0.0, 7.0 / 8.0]
+        );
+        assert_eq!(
+            numbers(&report.per_track, "T4"),
+            [3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 3.0]
+        );
         assert_quantities(
             &report,
-            &[("false_tracks", Some(1.0)), ("breaks", Some(1.0)), ("swaps", Some(0.0)), ("truths_established", Some(2.0))],
+            &[
+                ("associated_share", Some(16.0 / 18.0)),
+                ("mean_establishment_length", Some(0.5)),
+            ],
+        );
+        assert_quantities(
+            &report,
+            &[
+                ("false_tracks", Some(1.0)),
+                ("breaks", Some(1.0)),
+                ("swaps", Some(0.0)),
+                ("truths_established", Some(2.0)),
+            ],
         );
     }
 
@@ -345,54 +504,147 @@ mod tests {
         let report = evaluate("assignment", json!({}), &[swap_scene(10.0)]);
         assert_quantities(
             &report,
-            &[("swaps", Some(2.0)), ("divergences", Some(2.0)), ("divergence_length", Some(0.0)), ("breaks", Some(0.0))],
+            &[
+                ("swaps", Some(2.0)),
+                ("divergences", Some(2.0)),
+                ("divergence_length", Some(0.0)),
+                ("breaks", Some(0.0)),
+            ],
         );
     }
 
     #[test]
     fn a_track_keeps_its_truth_up_to_the_divergence_gate() {
         // 1, 15, 15, 30, 30, 5 m from A at a gate of 10.
-        let scene = || [compare(&[("A", &[0.0; 6])], &[("T", &[1.0, 15.0, 15.0, 30.0, 30.0, 5.0])], 10.0)];
+        let scene = || {
+            [compare(
+                &[("A", &[0.0; 6])],
+                &[("T", &[1.0, 15.0, 15.0, 30.0, 30.0, 5.0])],
+                10.0,
+            )]
+        };
         let report = evaluate("assignment", json!({"divergence_gate": 20.0}), &scene());
-        assert_eq!(numbers(&report.per_track, "T"), [6.0, 4.0, 0.0, 1.0, 2.0, 0.0, 0.0, 0.0, 0.0]);
-        assert_eq!(numbers(&report.per_truth, "A"), [6.0, 1.0, 0.0, 1.0, 2.0, 4.0 / 6.0]);
+        assert_eq!(
+            numbers(&report.per_track, "T"),
+            [6.0, 4.0, 0.0, 1.0, 2.0, 0.0, 0.0, 0.0, 0.0]
+        );
+        assert_eq!(
+            numbers(&report.per_truth, "A"),
+            [6.0, 1.0, 0.0, 1.0, 2.0, 4.0 / 6.0]
+        );
         assert_eq!(report.parameters["divergence_gate"], 20.0);
         let report = evaluate("assignment", json!({}), &scene());
-        assert_eq!(numbers(&report.per_track, "T")[..5], [6.0, 2.0, 0.0, 1.0, 4.0]);
+        assert_eq!(
+            numbers(&report.per_track, "T")[..5],
+            [6.0, 2.0, 0.0, 1.0, 4.0]
+        );
         // Below the gate it is the gate.
-        assert_eq!(Assignment { divergence_gate: Some(3.0) }.reach_m(10.0), 10.0);
+        assert_eq!(
+            Assignment {
+                divergence_gate: Some(3.0)
+            }
+            .reach_m(10.0),
+            10.0
+        );
     }
 
     #[test]
     fn the_track_that_has_kept_a_truth_longest_is_associated() {
         // T has A from the start, U joins at 1. T leaves at 3, so U is associated; T comes back and is redundant.
-        let tracks = [("U", &[GONE, 1.0, 1.0, 1.0, 1.0][..]), ("T", &[2.0, 2.0, 2.0, 40.0, 2.0])];
-        let report = evaluate("assignment", json!({}), &[compare(&[("A", &[0.0; 5])], &tracks, 10.0)]);
+        let tracks = [
+            ("U", &[GONE, 1.0, 1.0, 1.0, 1.0][..]),
+            ("T", &[2.0, 2.0, 2.0, 40.0, 2.0]),
+        ];
+        let report = evaluate(
+            "assignment",
+            json!({}),
+            &[compare(&[("A", &[0.0; 5])], &tracks, 10.0)],
+        );
         assert_eq!(numbers(&report.per_track, "U")[5..7], [1.0, 2.0]);
-        assert_eq!(numbers(&report.per_track, "T"), [5.0, 4.0, 0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0]);
-        assert_quantities(&report, &[("breaks", Some(0.0)), ("redundancies", Some(2.0)), ("redundancy_length", Some(3.0))]);
+        assert_eq!(
+            numbers(&report.per_track, "T"),
+            [5.0, 4.0, 0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0]
+        );
+        assert_quantities(
+            &report,
+            &[
+                ("breaks", Some(0.0)),
+                ("redundancies", Some(2.0)),
+                ("redundancy_length", Some(3.0)),
+            ],
+        );
     }
 
     #[test]
     fn a_truth_that_ends_frees_its_track_without_divergence() {
-        let truths = [("A", &[0.0, 0.0, GONE, GONE][..]), ("B", &[GONE, GONE, GONE, 3.0])];
-        let report = evaluate("assignment", json!({}), &[compare(&truths, &[("T", &[1.0; 4])], 10.0)]);
-        assert_eq!(numbers(&report.per_track, "T")[..5], [4.0, 3.0, 1.0, 0.0, 0.0]);
+        let truths = [
+            ("A", &[0.0, 0.0, GONE, GONE][..]),
+            ("B", &[GONE, GONE, GONE, 3.0]),
+        ];
+        let report = evaluate(
+            "assignment",
+            json!({}),
+            &[compare(&truths, &[("T", &[1.0; 4])], 10.0)],
+        );
+        assert_eq!(
+            numbers(&report.per_track, "T")[..5],
+            [4.0, 3.0, 1.0, 0.0, 0.0]
+        );
     }
 
     #[test]
     fn edges() {
-        let report = evaluate("assignment", json!({}), &[compare(&[("A", &[0.0; 3])], &[], 10.0)]);
-        assert_quantities(&report, &[("associated_share", Some(0.0)), ("mean_establishment_length", None), ("false_tracks_share", None)]);
-        assert_eq!(line(&report.per_truth, "A")[2], ("establishment_length", None));
-        let report = evaluate("assignment", json!({}), &[compare(&[], &[("T", &[0.0; 3])], 10.0)]);
-        assert_quantities(&report, &[("associated_share", None), ("false_tracks", Some(1.0)), ("false_track_length", Some(3.0))]);
-        let report = evaluate("assignment", json!({}), &[compare(&[], &[], 10.0)]);
-        assert_quantities(&report, &[("associated_share", None), ("truths", Some(0.0)), ("truths_established_share", None)]);
-        let report = evaluate("assignment", json!({}), &[main_scene(10.0), swap_scene(10.0)]);
+        let report = evaluate(
+            "assignment",
+            json!({}),
+            &[compare(&[("A", &[0.0; 3])], &[], 10.0)],
+        );
         assert_quantities(
             &report,
-            &[("associated_share", Some(38.0 / 40.0)), ("truths", Some(4.0)), ("mean_establishment_length", Some(0.25))],
+            &[
+                ("associated_share", Some(0.0)),
+                ("mean_establishment_length", None),
+                ("false_tracks_share", None),
+            ],
+        );
+        assert_eq!(
+            line(&report.per_truth, "A")[2],
+            ("establishment_length", None)
+        );
+        let report = evaluate(
+            "assignment",
+            json!({}),
+            &[compare(&[], &[("T", &[0.0; 3])], 10.0)],
+        );
+        assert_quantities(
+            &report,
+            &[
+                ("associated_share", None),
+                ("false_tracks", Some(1.0)),
+                ("false_track_length", Some(3.0)),
+            ],
+        );
+        let report = evaluate("assignment", json!({}), &[compare(&[], &[], 10.0)]);
+        assert_quantities(
+            &report,
+            &[
+                ("associated_share", None),
+                ("truths", Some(0.0)),
+                ("truths_established_share", None),
+            ],
+        );
+        let report = evaluate(
+            "assignment",
+            json!({}),
+            &[main_scene(10.0), swap_scene(10.0)],
+        );
+        assert_quantities(
+            &report,
+            &[
+                ("associated_share", Some(38.0 / 40.0)),
+                ("truths", Some(4.0)),
+                ("mean_establishment_length", Some(0.25)),
+            ],
         );
         assert!(report.per_track.is_empty());
     }

@@ -24,8 +24,11 @@ use crate::registry::{Kind, Method, Object, default};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-pub const METHOD: Method<BuildMetric> =
-    Method { name: "clear", parameters: &PARAMETERS, build: |spec| Ok(Box::new(Clear::deserialize(spec)?)) };
+pub const METHOD: Method<BuildMetric> = Method {
+    name: "clear",
+    parameters: &PARAMETERS,
+    build: |spec| Ok(Box::new(Clear::deserialize(spec)?)),
+};
 
 static PARAMETERS: Object = Object {
     name: "Clear",
@@ -85,14 +88,21 @@ impl Metric for Clear {
         for sequence in sequences {
             let lives = counts.add(sequence);
             let classes: Vec<[u64; 3]> = lives.iter().map(|life| self.class(life)).collect();
-            classes.iter().flat_map(|class| class.iter().enumerate()).for_each(|(place, one)| counts.classes[place] += one);
+            classes
+                .iter()
+                .flat_map(|class| class.iter().enumerate())
+                .for_each(|(place, one)| counts.classes[place] += one);
             if sequences.len() == 1 {
                 per_truth = truth_lines(sequence, &lives, &classes);
                 per_track = track_lines(sequence);
             }
         }
         let first = sequences.first().map(|sequence| sequence.comparison);
-        let unit = if first.is_some_and(|comparison| comparison.shape == Shape::Points) { "m" } else { "" };
+        let unit = if first.is_some_and(|comparison| comparison.shape == Shape::Points) {
+            "m"
+        } else {
+            ""
+        };
         let parameters = json!({
             "gate": first.map(|comparison| comparison.gate),
             "mostly_tracked": self.mostly_tracked,
@@ -100,7 +110,12 @@ impl Metric for Clear {
             "mostly_lost_share": 0.2,
         });
         let report = MetricReport::new("mota", true, parameters, counts.quantities(unit));
-        MetricReport { per_truth, per_track, origins: FROM.to_vec(), ..report }
+        MetricReport {
+            per_truth,
+            per_track,
+            origins: FROM.to_vec(),
+            ..report
+        }
     }
 }
 
@@ -108,7 +123,15 @@ const FALSE: &[&str] = &["false_alarm", "redundant", "divergence"];
 
 /// A statistic of a column of the matches in the log.
 const fn of_matches(quantity: &'static str, statistic: Statistic, column: &'static str) -> Origin {
-    Origin { quantity, statistic, source: Source::Rows { file: EVENTS, column: Some(column), events: &["match"] } }
+    Origin {
+        quantity,
+        statistic,
+        source: Source::Rows {
+            file: EVENTS,
+            column: Some(column),
+            events: &["match"],
+        },
+    }
 }
 
 const FROM: &[Origin] = &[
@@ -162,7 +185,9 @@ impl Clear {
 impl Counts {
     /// Adds a sequence; says how each of its truths fared.
     fn add(&mut self, sequence: &Sequence) -> Vec<Life> {
-        let Sequence { comparison, events, .. } = sequence;
+        let Sequence {
+            comparison, events, ..
+        } = sequence;
         let mut lives = vec![Life::default(); comparison.truth_ids.len()];
         let mut round = 0;
         self.steps += comparison.steps.len() as u64;
@@ -170,7 +195,9 @@ impl Counts {
             round += u32::from(!step.truths.is_empty() && !step.tracks.is_empty());
             for event in &events.events[range.clone()] {
                 self.kinds[event.kind as usize] += 1;
-                let Some(life) = event.truth.map(|truth| &mut lives[truth as usize]) else { continue };
+                let Some(life) = event.truth.map(|truth| &mut lives[truth as usize]) else {
+                    continue;
+                };
                 match event.kind {
                     EventKind::Match => {
                         let distance = event.distance.unwrap_or(0.0);
@@ -178,7 +205,8 @@ impl Counts {
                         self.similarity += comparison.similarity(distance);
                         life.steps += 1;
                         life.matched += 1;
-                        life.interruptions_trackeval += u32::from(life.round > 0 && life.round + 1 < round);
+                        life.interruptions_trackeval +=
+                            u32::from(life.round > 0 && life.round + 1 < round);
                         life.round = round;
                     }
                     EventKind::Miss => life.steps += 1,
@@ -188,7 +216,10 @@ impl Counts {
                 }
             }
         }
-        self.frag_trackeval += lives.iter().map(|life| u64::from(life.interruptions_trackeval)).sum::<u64>();
+        self.frag_trackeval += lives
+            .iter()
+            .map(|life| u64::from(life.interruptions_trackeval))
+            .sum::<u64>();
         lives
     }
 
@@ -197,17 +228,34 @@ impl Counts {
     }
 
     fn quantities(&self, distance_unit: &'static str) -> Vec<Quantity> {
-        let (tp, missed, switches) = (self.of(EventKind::Match), self.of(EventKind::Miss), self.of(EventKind::Switch));
-        let parts = [EventKind::FalseAlarm, EventKind::Redundant, EventKind::Divergence].map(|kind| self.of(kind));
+        let (tp, missed, switches) = (
+            self.of(EventKind::Match),
+            self.of(EventKind::Miss),
+            self.of(EventKind::Switch),
+        );
+        let parts = [
+            EventKind::FalseAlarm,
+            EventKind::Redundant,
+            EventKind::Divergence,
+        ]
+        .map(|kind| self.of(kind));
         let fp: f64 = parts.iter().sum();
         let truth_points = tp + missed;
-        let log_switches = if switches > 0.0 { switches.log10() } else { 0.0 };
+        let log_switches = if switches > 0.0 {
+            switches.log10()
+        } else {
+            0.0
+        };
         let truths = self.classes.iter().sum::<u64>() as f64;
-        let [mostly_tracked, partly_tracked, mostly_lost] = self.classes.map(|truths| truths as f64);
+        let [mostly_tracked, partly_tracked, mostly_lost] =
+            self.classes.map(|truths| truths as f64);
         let count = |name, count: f64| Quantity::new(name, count, "");
-        let of_truth = |name, over: f64| Quantity::ratio(name, over, truth_points, "", "no truth at any step");
-        let of_matches = |name, over: f64, unit| Quantity::ratio(name, over, tp, unit, "nothing was matched");
-        let of_truths = |name, over: f64| Quantity::ratio(name, over, truths, "", "no truth at any step");
+        let of_truth =
+            |name, over: f64| Quantity::ratio(name, over, truth_points, "", "no truth at any step");
+        let of_matches =
+            |name, over: f64, unit| Quantity::ratio(name, over, tp, unit, "nothing was matched");
+        let of_truths =
+            |name, over: f64| Quantity::ratio(name, over, truths, "", "no truth at any step");
         vec![
             of_truth("mota", tp - fp - switches),
             of_truth("moda", tp - fp),
@@ -217,7 +265,13 @@ impl Counts {
             of_truth("motal", tp - fp - log_switches),
             of_truth("recall", tp),
             Quantity::ratio("precision", tp, tp + fp, "", "no track at any step"),
-            Quantity::ratio("f1", tp, tp + (missed + fp) / 2.0, "", "neither truth nor track at any step"),
+            Quantity::ratio(
+                "f1",
+                tp,
+                tp + (missed + fp) / 2.0,
+                "",
+                "neither truth nor track at any step",
+            ),
             count("tp", tp),
             count("fn", missed),
             count("fp", fp),
@@ -254,9 +308,19 @@ fn truth_lines(sequence: &Sequence, lives: &[Life], classes: &[[u64; 3]]) -> Vec
             Quantity::new("pt", class[1] as f64, ""),
             Quantity::new("ml", class[2] as f64, ""),
         ];
-        Line { id: id.clone(), quantities }
+        Line {
+            id: id.clone(),
+            quantities,
+        }
     };
-    sequence.comparison.truth_ids.iter().zip(lives).zip(classes).map(line).collect()
+    sequence
+        .comparison
+        .truth_ids
+        .iter()
+        .zip(lives)
+        .zip(classes)
+        .map(line)
+        .collect()
 }
 
 fn track_lines(sequence: &Sequence) -> Vec<Line> {
@@ -280,15 +344,26 @@ fn track_lines(sequence: &Sequence) -> Vec<Line> {
             Quantity::new("fp_redundant", redundant, ""),
             Quantity::new("fp_divergence", divergence, ""),
         ];
-        Line { id: id.clone(), quantities }
+        Line {
+            id: id.clone(),
+            quantities,
+        }
     };
-    sequence.comparison.track_ids.iter().zip(&counts).map(line).collect()
+    sequence
+        .comparison
+        .track_ids
+        .iter()
+        .zip(&counts)
+        .map(line)
+        .collect()
 }
 
 #[cfg(test)]
 mod tests {
     use crate::evaluation::comparison::Comparison;
-    use crate::evaluation::tests::{GONE, Places, assert_quantities, compare, evaluate, line, main_scene, swap_scene};
+    use crate::evaluation::tests::{
+        GONE, Places, assert_quantities, compare, evaluate, line, main_scene, swap_scene,
+    };
     use serde_json::json;
 
     fn clear(comparisons: &[Comparison]) -> super::MetricReport {
@@ -300,29 +375,71 @@ mod tests {
         // After the crossing both pairs are kept for one step (distances √37 and √36.25), then exchanged.
         let report = clear(&[swap_scene(10.0)]);
         let distance_m = (10.0 * 1.5 + 37f64.sqrt() + 36.25f64.sqrt()) / 22.0;
-        let expected = [("mota", Some(20.0 / 22.0)), ("motp_distance", Some(distance_m)), ("idsw", Some(2.0)), ("frag", Some(0.0))];
+        let expected = [
+            ("mota", Some(20.0 / 22.0)),
+            ("motp_distance", Some(distance_m)),
+            ("idsw", Some(2.0)),
+            ("frag", Some(0.0)),
+        ];
         assert_quantities(&report, &expected);
-        assert!((report.quantity("motp_distance").unwrap() - 1.231_979_991_804_289_5).abs() < 1e-12);
-        assert_quantities(&report, &[("motp_similarity", Some(1.0 - distance_m / 20.0)), ("mt", Some(2.0)), ("moda", Some(1.0))]);
+        assert!(
+            (report.quantity("motp_distance").unwrap() - 1.231_979_991_804_289_5).abs() < 1e-12
+        );
+        assert_quantities(
+            &report,
+            &[
+                ("motp_similarity", Some(1.0 - distance_m / 20.0)),
+                ("mt", Some(2.0)),
+                ("moda", Some(1.0)),
+            ],
+        );
     }
 
     #[test]
     fn the_main_scene_by_hand() {
         // 18 truth points. A: T1 at 0..5, T3 at 7..9 (a break, a switch); B: T2 at 3..9, at 7 with an error of 10.
         let report = clear(&[main_scene(10.0)]);
-        let counts = [("tp", Some(16.0)), ("fn", Some(2.0)), ("fp", Some(3.0)), ("idsw", Some(1.0)), ("frag", Some(1.0))];
+        let counts = [
+            ("tp", Some(16.0)),
+            ("fn", Some(2.0)),
+            ("fp", Some(3.0)),
+            ("idsw", Some(1.0)),
+            ("frag", Some(1.0)),
+        ];
         assert_quantities(&report, &counts);
-        let ratios =
-            [("mota", Some(12.0 / 18.0)), ("motal", Some(13.0 / 18.0)), ("precision", Some(16.0 / 19.0)), ("f1", Some(16.0 / 18.5))];
+        let ratios = [
+            ("mota", Some(12.0 / 18.0)),
+            ("motal", Some(13.0 / 18.0)),
+            ("precision", Some(16.0 / 19.0)),
+            ("f1", Some(16.0 / 18.5)),
+        ];
         assert_quantities(&report, &ratios);
         assert_quantities(
             &report,
-            &[("motp_distance", Some(2.544_383_064_661_009_3)), ("fp_false_alarm", Some(3.0)), ("fp_per_step", Some(0.3))],
+            &[
+                ("motp_distance", Some(2.544_383_064_661_009_3)),
+                ("fp_false_alarm", Some(3.0)),
+                ("fp_per_step", Some(0.3)),
+            ],
         );
         // Just below 10 m the error is a miss and a diverged track: the reference's mean of the other 15.
         let report = clear(&[main_scene(9.999)]);
-        assert_quantities(&report, &[("motp_distance", Some(2.047_341_935_638_409_7)), ("fp_divergence", Some(1.0)), ("fn", Some(3.0))]);
-        assert_quantities(&report, &[("mota", Some(1.0 - 8.0 / 18.0)), ("frag", Some(2.0)), ("frag_trackeval", Some(2.0))]);
+        assert_quantities(
+            &report,
+            &[
+                ("motp_distance", Some(2.047_341_935_638_409_7)),
+                ("fp_divergence", Some(1.0)),
+                ("fn", Some(3.0)),
+            ],
+        );
+        assert_quantities(
+            &report,
+            &[
+                ("mota", Some(1.0 - 8.0 / 18.0)),
+                ("frag", Some(2.0)),
+                ("frag_trackeval", Some(2.0)),
+            ],
+        );
     }
 
     #[test]
@@ -343,9 +460,18 @@ mod tests {
         assert_eq!(line(&report.per_truth, "A"), truth);
         assert_eq!(
             line(&report.per_track, "T4")[..4],
-            [("steps", Some(3.0)), ("tp", Some(0.0)), ("fp", Some(3.0)), ("precision", Some(0.0))]
+            [
+                ("steps", Some(3.0)),
+                ("tp", Some(0.0)),
+                ("fp", Some(3.0)),
+                ("precision", Some(0.0))
+            ]
         );
-        assert!(clear(&[main_scene(10.0), main_scene(10.0)]).per_truth.is_empty());
+        assert!(
+            clear(&[main_scene(10.0), main_scene(10.0)])
+                .per_truth
+                .is_empty()
+        );
     }
 
     #[test]
@@ -353,11 +479,30 @@ mod tests {
         // One hole in the only track: a step without any track, which TrackEval does not see.
         let hole = [0.0, 0.0, GONE, 0.0, 0.0];
         let report = clear(&[compare(&[("A", &[0.0; 5])], &[("T", &hole)], 10.0)]);
-        assert_quantities(&report, &[("frag", Some(1.0)), ("frag_trackeval", Some(0.0)), ("mota", Some(0.8)), ("idsw", Some(0.0))]);
+        assert_quantities(
+            &report,
+            &[
+                ("frag", Some(1.0)),
+                ("frag_trackeval", Some(0.0)),
+                ("mota", Some(0.8)),
+                ("idsw", Some(0.0)),
+            ],
+        );
         // The truth is gone while another is tracked: no interruption, but TrackEval counts one.
         let other: Places = ("B", &[50.0; 5]);
-        let report = clear(&[compare(&[("A", &hole), other], &[("T", &hole), ("U", &[50.0; 5])], 10.0)]);
-        assert_quantities(&report, &[("frag", Some(0.0)), ("frag_trackeval", Some(1.0)), ("mota", Some(1.0))]);
+        let report = clear(&[compare(
+            &[("A", &hole), other],
+            &[("T", &hole), ("U", &[50.0; 5])],
+            10.0,
+        )]);
+        assert_quantities(
+            &report,
+            &[
+                ("frag", Some(0.0)),
+                ("frag_trackeval", Some(1.0)),
+                ("mota", Some(1.0)),
+            ],
+        );
     }
 
     #[test]
@@ -365,26 +510,45 @@ mod tests {
         let scene = || {
             [compare(
                 &[("A", &[0.0; 5]), ("B", &[50.0; 5])],
-                &[("T", &[0.0, 0.0, 0.0, 0.0, 30.0]), ("U", &[50.0, GONE, GONE, GONE, GONE])],
+                &[
+                    ("T", &[0.0, 0.0, 0.0, 0.0, 30.0]),
+                    ("U", &[50.0, GONE, GONE, GONE, GONE]),
+                ],
                 10.0,
             )]
         };
         // A at 4 of 5 steps; B at 1 of 5, which is not below 20 %.
-        let expected = [("mt", Some(1.0)), ("pt", Some(1.0)), ("ml", Some(0.0)), ("mt_share", Some(0.5))];
+        let expected = [
+            ("mt", Some(1.0)),
+            ("pt", Some(1.0)),
+            ("ml", Some(0.0)),
+            ("mt_share", Some(0.5)),
+        ];
         assert_quantities(&clear(&scene()), &expected);
         let report = evaluate("clear", json!({"mostly_tracked": "above"}), &scene());
-        assert_quantities(&report, &[("mt", Some(0.0)), ("pt", Some(2.0)), ("ml", Some(0.0))]);
+        assert_quantities(
+            &report,
+            &[("mt", Some(0.0)), ("pt", Some(2.0)), ("ml", Some(0.0))],
+        );
         assert_eq!(report.parameters["mostly_tracked"], "above");
     }
 
     #[test]
     fn the_logarithm_of_switches() {
         // A and B exchange their tracks at steps 1 and 2: four switches; TP 6 of 6.
-        let report =
-            clear(&[compare(&[("A", &[0.0; 3]), ("B", &[50.0; 3])], &[("T", &[0.0, 50.0, 0.0]), ("U", &[50.0, 0.0, 50.0])], 10.0)]);
+        let report = clear(&[compare(
+            &[("A", &[0.0; 3]), ("B", &[50.0; 3])],
+            &[("T", &[0.0, 50.0, 0.0]), ("U", &[50.0, 0.0, 50.0])],
+            10.0,
+        )]);
         assert_quantities(
             &report,
-            &[("idsw", Some(4.0)), ("mota", Some(2.0 / 6.0)), ("motal", Some((6.0 - 4f64.log10()) / 6.0)), ("smota", Some(2.0 / 6.0))],
+            &[
+                ("idsw", Some(4.0)),
+                ("mota", Some(2.0 / 6.0)),
+                ("motal", Some((6.0 - 4f64.log10()) / 6.0)),
+                ("smota", Some(2.0 / 6.0)),
+            ],
         );
     }
 
@@ -394,14 +558,49 @@ mod tests {
         let report = clear(&[compare(&truth, &[], 10.0)]);
         assert_quantities(
             &report,
-            &[("mota", Some(0.0)), ("recall", Some(0.0)), ("precision", None), ("motp_distance", None), ("ml", Some(2.0))],
+            &[
+                ("mota", Some(0.0)),
+                ("recall", Some(0.0)),
+                ("precision", None),
+                ("motp_distance", None),
+                ("ml", Some(2.0)),
+            ],
         );
-        assert_quantities(&report, &[("ml_share", Some(1.0)), ("fn", Some(6.0)), ("f1", Some(0.0)), ("motp_similarity", None)]);
+        assert_quantities(
+            &report,
+            &[
+                ("ml_share", Some(1.0)),
+                ("fn", Some(6.0)),
+                ("f1", Some(0.0)),
+                ("motp_similarity", None),
+            ],
+        );
         let report = clear(&[compare(&[], &truth, 10.0)]);
-        assert_quantities(&report, &[("mota", None), ("fp", Some(6.0)), ("recall", None), ("precision", Some(0.0)), ("ml_share", None)]);
-        assert_eq!((report.value, report.reason), (None, Some("no truth at any step")));
+        assert_quantities(
+            &report,
+            &[
+                ("mota", None),
+                ("fp", Some(6.0)),
+                ("recall", None),
+                ("precision", Some(0.0)),
+                ("ml_share", None),
+            ],
+        );
+        assert_eq!(
+            (report.value, report.reason),
+            (None, Some("no truth at any step"))
+        );
         let report = clear(&[compare(&[], &[], 10.0)]);
-        assert_quantities(&report, &[("mota", None), ("f1", None), ("precision", None), ("fp_per_step", None), ("tp", Some(0.0))]);
+        assert_quantities(
+            &report,
+            &[
+                ("mota", None),
+                ("f1", None),
+                ("precision", None),
+                ("fp_per_step", None),
+                ("tp", Some(0.0)),
+            ],
+        );
         assert_quantities(&clear(&[]), &[("mota", None), ("tp", Some(0.0))]);
     }
 
@@ -410,6 +609,14 @@ mod tests {
         // 12 of 18 and −3 with nothing to find: together (12 − 3) / 18, not the mean of the ratios.
         let alarms = compare(&[], &[("T", &[0.0; 3])], 10.0);
         let report = clear(&[main_scene(10.0), alarms]);
-        assert_quantities(&report, &[("mota", Some(9.0 / 18.0)), ("fp", Some(6.0)), ("fp_per_step", Some(6.0 / 13.0)), ("mt", Some(2.0))]);
+        assert_quantities(
+            &report,
+            &[
+                ("mota", Some(9.0 / 18.0)),
+                ("fp", Some(6.0)),
+                ("fp_per_step", Some(6.0 / 13.0)),
+                ("mt", Some(2.0)),
+            ],
+        );
     }
 }

@@ -13,14 +13,27 @@ use crate::registry::{Bound, Field, Kind, default};
 use serde::Deserialize;
 
 /// Distances of targets, from a millimetre to ten thousand kilometres: no power of them overflows.
-pub const METRES: Kind = Kind::Number { min: Bound::Including(1e-3), max: Bound::Including(1e7), unit: "m" };
+pub const METRES: Kind = Kind::Number {
+    min: Bound::Including(1e-3),
+    max: Bound::Including(1e7),
+    unit: "m",
+};
 
-pub const CUTOFF_M: Field = default("cutoff_m", "The distance c at which a track is as bad as none.", METRES, "100.0");
+pub const CUTOFF_M: Field = default(
+    "cutoff_m",
+    "The distance c at which a track is as bad as none.",
+    METRES,
+    "100.0",
+);
 
 pub const ORDER: Field = default(
     "p",
     "The order: the larger, the more one large error counts against many small ones.",
-    Kind::Number { min: Bound::Including(1.0), max: Bound::Including(10.0), unit: "" },
+    Kind::Number {
+        min: Bound::Including(1.0),
+        max: Bound::Including(10.0),
+        unit: "",
+    },
     "2.0",
 );
 
@@ -34,12 +47,21 @@ impl Cutoff {
     /// (d / c)ᵖ of a distance or penalty.
     pub fn share_of(self, distance_m: f64) -> f64 {
         let ratio = distance_m / self.cutoff_m;
-        if self.p == 2.0 { ratio * ratio } else { ratio.powf(self.p) }
+        if self.p == 2.0 {
+            ratio * ratio
+        } else {
+            ratio.powf(self.p)
+        }
     }
 
     /// The distance of which this is the share, or the sum of shares.
     pub fn metres(self, share: f64) -> f64 {
-        self.cutoff_m * if self.p == 2.0 { share.max(0.0).sqrt() } else { share.max(0.0).powf(1.0 / self.p) }
+        self.cutoff_m
+            * if self.p == 2.0 {
+                share.max(0.0).sqrt()
+            } else {
+                share.max(0.0).powf(1.0 / self.p)
+            }
     }
 
     /// A sum of shares as a sum of p-th powers of metres.
@@ -58,22 +80,36 @@ pub struct Matcher {
 
 impl Matcher {
     /// Calls back with each pair of a best assignment of a step and its share.
-    pub fn assign(&mut self, comparison: &Comparison, step: &Step, cutoff: Cutoff, mut matched: impl FnMut(&Pair, f64)) {
+    pub fn assign(
+        &mut self,
+        comparison: &Comparison,
+        step: &Step,
+        cutoff: Cutoff,
+        mut matched: impl FnMut(&Pair, f64),
+    ) {
         let pairs = &comparison.pairs[step.pairs.clone()];
         self.solver.clear();
         self.first_of_row.clear();
         let mut first = 0;
         for row in pairs.chunk_by(|left, right| left.truth == right.truth) {
             for pair in row {
-                let gain = if pair.distance < cutoff.cutoff_m { cutoff.share_of(pair.distance) - 1.0 } else { f64::NAN };
-                self.solver.push_edge(pair.track - step.tracks.start as u32, gain);
+                let gain = if pair.distance < cutoff.cutoff_m {
+                    cutoff.share_of(pair.distance) - 1.0
+                } else {
+                    f64::NAN
+                };
+                self.solver
+                    .push_edge(pair.track - step.tracks.start as u32, gain);
             }
             self.solver.end_row(0.0);
             self.first_of_row.push(first);
             first += row.len();
         }
         let is_solved = self.solver.solve().is_some();
-        debug_assert!(is_solved, "an assignment in which everyone may stay alone exists");
+        debug_assert!(
+            is_solved,
+            "an assignment in which everyone may stay alone exists"
+        );
         for (row, first) in self.first_of_row.iter().enumerate() {
             if let Some(edge) = self.solver.edge_of(row) {
                 let pair = &pairs[first + edge];

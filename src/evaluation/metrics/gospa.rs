@@ -16,15 +16,20 @@
 //! 3. The headline is the mean over all steps of all sequences. The parts are p-th powers, summed over steps.
 
 use super::cutoff::{CUTOFF_M, Cutoff, Matcher, ORDER};
-use super::origin::{Origin, PAIRS, PairColumn, SERIES, STEPS, Statistic, TRACK_POINTS, TRUTH_POINTS};
+use super::origin::{
+    Origin, PAIRS, PairColumn, SERIES, STEPS, Statistic, TRACK_POINTS, TRUTH_POINTS,
+};
 use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence, Series};
 use crate::evaluation::comparison::{Comparison, Shape, Step};
 use crate::registry::{Bound, Kind, Method, Object, default};
 use serde::Deserialize;
 use serde_json::json;
 
-pub const METHOD: Method<BuildMetric> =
-    Method { name: "gospa", parameters: &PARAMETERS, build: |spec| Ok(Box::new(Gospa::deserialize(spec)?)) };
+pub const METHOD: Method<BuildMetric> = Method {
+    name: "gospa",
+    parameters: &PARAMETERS,
+    build: |spec| Ok(Box::new(Gospa::deserialize(spec)?)),
+};
 
 static PARAMETERS: Object = Object {
     name: "Gospa",
@@ -35,7 +40,11 @@ static PARAMETERS: Object = Object {
         default(
             "switch_penalty_m",
             "What a truth's change of track costs at a step; 0 leaves changes out.",
-            Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e7), unit: "m" },
+            Kind::Number {
+                min: Bound::Including(0.0),
+                max: Bound::Including(1e7),
+                unit: "m",
+            },
             "0.0",
         ),
     ],
@@ -81,8 +90,12 @@ impl Metric for Gospa {
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
         let mut powers = Vec::new();
-        let steps: Vec<Parts> = sequences.iter().flat_map(|sequence| self.steps(sequence.comparison, &mut powers)).collect();
-        let mut report = MetricReport::new("gospa", false, self.parameters(), self.quantities(&steps));
+        let steps: Vec<Parts> = sequences
+            .iter()
+            .flat_map(|sequence| self.steps(sequence.comparison, &mut powers))
+            .collect();
+        let mut report =
+            MetricReport::new("gospa", false, self.parameters(), self.quantities(&steps));
         report.origins = self.origins();
         if sequences.len() == 1 {
             report.series = self.series(&steps);
@@ -100,13 +113,26 @@ impl Gospa {
 
     fn steps(&self, comparison: &Comparison, powers: &mut Powers) -> Vec<Parts> {
         let truths = comparison.truth_ids.len();
-        let mut memory = Memory { track: vec![None; truths], was_tracked: vec![false; truths], now: Vec::new() };
+        let mut memory = Memory {
+            track: vec![None; truths],
+            was_tracked: vec![false; truths],
+            now: Vec::new(),
+        };
         let mut matcher = Matcher::default();
-        comparison.steps.iter().map(|step| self.step((&mut matcher, &mut memory, powers), comparison, step)).collect()
+        comparison
+            .steps
+            .iter()
+            .map(|step| self.step((&mut matcher, &mut memory, powers), comparison, step))
+            .collect()
     }
 
     /// Steps 1 and 2.
-    fn step(&self, (matcher, memory, powers): (&mut Matcher, &mut Memory, &mut Powers), comparison: &Comparison, step: &Step) -> Parts {
+    fn step(
+        &self,
+        (matcher, memory, powers): (&mut Matcher, &mut Memory, &mut Powers),
+        comparison: &Comparison,
+        step: &Step,
+    ) -> Parts {
         let mut parts = Parts::default();
         memory.now.clear();
         memory.now.resize(step.truths.len(), None);
@@ -114,14 +140,17 @@ impl Gospa {
             parts.localisation += share;
             parts.matched += 1;
             powers.push((pair.truth, pair.track, self.cutoff.powers(share)));
-            memory.now[pair.truth as usize - step.truths.start] = Some(comparison.tracks[pair.track as usize].id);
+            memory.now[pair.truth as usize - step.truths.start] =
+                Some(comparison.tracks[pair.track as usize].id);
         });
         parts.missed = step.truths.len() - parts.matched;
         parts.unwanted = step.tracks.len() - parts.matched;
         parts.switches = memory.switches(comparison, step);
         let strangers = 0.5 * (parts.missed + parts.unwanted) as f64;
         let switching = parts.switches * self.cutoff.share_of(self.switch_penalty_m);
-        parts.distance_m = self.cutoff.metres(parts.localisation + strangers + switching);
+        parts.distance_m = self
+            .cutoff
+            .metres(parts.localisation + strangers + switching);
         parts
     }
 
@@ -130,11 +159,37 @@ impl Gospa {
         let count = steps.len() as f64;
         let sum = |of: fn(&Parts) -> f64| steps.iter().map(of).sum::<f64>();
         let parts = PARTS.map(|(_, of)| self.cutoff.powers(of(self, &Parts::sum(steps))));
-        let mut quantities = vec![Quantity::ratio("gospa", sum(|step| step.distance_m), count, "m", NO_STEP)];
-        let totals = ["localisation_sum", "missed_sum", "false_sum", "switching_sum"];
-        let means = ["localisation_mean", "missed_mean", "false_mean", "switching_mean"];
-        quantities.extend(totals.iter().zip(parts).map(|(name, part)| Quantity::new(name, part, "m^p")));
-        quantities.extend(means.iter().zip(parts).map(|(name, part)| Quantity::ratio(name, part, count, "m^p", NO_STEP)));
+        let mut quantities = vec![Quantity::ratio(
+            "gospa",
+            sum(|step| step.distance_m),
+            count,
+            "m",
+            NO_STEP,
+        )];
+        let totals = [
+            "localisation_sum",
+            "missed_sum",
+            "false_sum",
+            "switching_sum",
+        ];
+        let means = [
+            "localisation_mean",
+            "missed_mean",
+            "false_mean",
+            "switching_mean",
+        ];
+        quantities.extend(
+            totals
+                .iter()
+                .zip(parts)
+                .map(|(name, part)| Quantity::new(name, part, "m^p")),
+        );
+        quantities.extend(
+            means
+                .iter()
+                .zip(parts)
+                .map(|(name, part)| Quantity::ratio(name, part, count, "m^p", NO_STEP)),
+        );
         quantities.extend([
             Quantity::new("matched", sum(|step| step.matched as f64), ""),
             Quantity::new("missed", sum(|step| step.missed as f64), ""),
@@ -146,12 +201,26 @@ impl Gospa {
     }
 
     fn origins(&self) -> Vec<Origin> {
-        let (sum, half, penalty) =
-            (Statistic::Sum, 0.5 * self.cutoff.powers(1.0), self.cutoff.powers(self.cutoff.share_of(self.switch_penalty_m)));
+        let (sum, half, penalty) = (
+            Statistic::Sum,
+            0.5 * self.cutoff.powers(1.0),
+            self.cutoff
+                .powers(self.cutoff.share_of(self.switch_penalty_m)),
+        );
         let parts = ["localisation", "missed", "false", "switching"];
-        let totals = ["localisation_sum", "missed_sum", "false_sum", "switching_sum"];
+        let totals = [
+            "localisation_sum",
+            "missed_sum",
+            "false_sum",
+            "switching_sum",
+        ];
         let mut origins = vec![Origin::rows("gospa", Statistic::Mean, SERIES, "gospa")];
-        origins.extend(totals.into_iter().zip(parts).map(|(total, part)| Origin::rows(total, sum, SERIES, part)));
+        origins.extend(
+            totals
+                .into_iter()
+                .zip(parts)
+                .map(|(total, part)| Origin::rows(total, sum, SERIES, part)),
+        );
         origins.extend([
             Origin::ratio("localisation_mean", &["localisation_sum"], &["steps"]),
             Origin::ratio("missed_mean", &["missed_sum"], &["steps"]),
@@ -168,19 +237,37 @@ impl Gospa {
             Origin::terms("series.missed", &["series.truth_points", "-series.matched"]).times(half),
             Origin::terms("series.false", &["series.track_points", "-series.matched"]).times(half),
             Origin::terms("series.switching", &["series.switches"]).times(penalty),
-            Origin::terms("series.gospa", &["series.localisation", "series.missed", "series.false", "series.switching"])
-                .root(self.cutoff.p),
+            Origin::terms(
+                "series.gospa",
+                &[
+                    "series.localisation",
+                    "series.missed",
+                    "series.false",
+                    "series.switching",
+                ],
+            )
+            .root(self.cutoff.p),
         ]);
         origins
     }
 
     fn series(&self, steps: &[Parts]) -> Vec<Series> {
-        let mut series = vec![Series::over_time("gospa", "m", steps.iter().map(|step| Some(step.distance_m)))];
+        let mut series = vec![Series::over_time(
+            "gospa",
+            "m",
+            steps.iter().map(|step| Some(step.distance_m)),
+        )];
         series.extend(PARTS.map(|(name, of)| {
-            let values = steps.iter().map(|step| Some(self.cutoff.powers(of(self, step))));
+            let values = steps
+                .iter()
+                .map(|step| Some(self.cutoff.powers(of(self, step))));
             Series::over_time(name, "m^p", values)
         }));
-        series.push(Series::over_time("switches", "", steps.iter().map(|step| Some(step.switches))));
+        series.push(Series::over_time(
+            "switches",
+            "",
+            steps.iter().map(|step| Some(step.switches)),
+        ));
         series
     }
 }
@@ -191,7 +278,9 @@ const PARTS: [(&str, Part); 4] = [
     ("localisation", |_, parts| parts.localisation),
     ("missed", |_, parts| 0.5 * parts.missed as f64),
     ("false", |_, parts| 0.5 * parts.unwanted as f64),
-    ("switching", |gospa, parts| parts.switches * gospa.cutoff.share_of(gospa.switch_penalty_m)),
+    ("switching", |gospa, parts| {
+        parts.switches * gospa.cutoff.share_of(gospa.switch_penalty_m)
+    }),
 ];
 
 impl Parts {

@@ -27,7 +27,11 @@ use crate::evaluation::matching::StepMatcher;
 use crate::registry::{Method, Object};
 use serde_json::json;
 
-pub const METHOD: Method<BuildMetric> = Method { name: "hota", parameters: &PARAMETERS, build: |_| Ok(Box::new(Hota)) };
+pub const METHOD: Method<BuildMetric> = Method {
+    name: "hota",
+    parameters: &PARAMETERS,
+    build: |_| Ok(Box::new(Hota)),
+};
 
 static PARAMETERS: Object = Object {
     name: "Hota",
@@ -91,18 +95,42 @@ impl Metric for Hota {
             Some(Shape::Points) => "1 - distance / (2 gate)",
             _ => "intersection over union",
         };
-        let gate = first.filter(|comparison| comparison.shape == Shape::Points).map(|comparison| comparison.gate);
+        let gate = first
+            .filter(|comparison| comparison.shape == Shape::Points)
+            .map(|comparison| comparison.gate);
         let alphas: Vec<f64> = (0..ALPHAS).map(alpha).collect();
         let parameters = json!({"alphas": alphas, "similarity": similarity, "gate": gate});
         let curves = sums.curves();
         let report = MetricReport::new("hota", true, parameters, sums.quantities(&curves));
         let over_alpha = |(name, values): (&'static str, [f64; ALPHAS])| {
-            let values = values.into_iter().map(|value| Some(value).filter(|_| sums.is_defined())).collect();
-            Series { name, unit: "", axis: "alpha", at: alphas.clone(), values }
+            let values = values
+                .into_iter()
+                .map(|value| Some(value).filter(|_| sums.is_defined()))
+                .collect();
+            Series {
+                name,
+                unit: "",
+                axis: "alpha",
+                at: alphas.clone(),
+                values,
+            }
         };
-        let pairs = if sequences.len() == 1 { vec![PairColumn::new("thresholds", "", reached)] } else { Vec::new() };
-        let series = curves.into_iter().chain(sums.counts()).map(over_alpha).collect();
-        MetricReport { series, pairs, origins: FROM.to_vec(), ..report }
+        let pairs = if sequences.len() == 1 {
+            vec![PairColumn::new("thresholds", "", reached)]
+        } else {
+            Vec::new()
+        };
+        let series = curves
+            .into_iter()
+            .chain(sums.counts())
+            .map(over_alpha)
+            .collect();
+        MetricReport {
+            series,
+            pairs,
+            origins: FROM.to_vec(),
+            ..report
+        }
     }
 }
 
@@ -117,15 +145,27 @@ const FROM: &[Origin] = &[
     reaching("curves.tp", Statistic::CountReaching),
     Origin::terms("curves.fn", &["truth_points", "-curves.tp"]),
     Origin::terms("curves.fp", &["track_points", "-curves.tp"]),
-    Origin::ratio("curves.det_a", &["curves.tp"], &["curves.tp", "curves.fn", "curves.fp"]),
+    Origin::ratio(
+        "curves.det_a",
+        &["curves.tp"],
+        &["curves.tp", "curves.fn", "curves.fp"],
+    ),
     Origin::ratio("curves.det_re", &["curves.tp"], &["curves.tp", "curves.fn"]),
     Origin::ratio("curves.det_pr", &["curves.tp"], &["curves.tp", "curves.fp"]),
     reaching("curves.ass_a", Statistic::AssociationJaccard),
     reaching("curves.ass_re", Statistic::AssociationRecall),
     reaching("curves.ass_pr", Statistic::AssociationPrecision),
     reaching("curves.loc_a", Statistic::MeanReaching),
-    Origin::numbers("curves.hota", Statistic::GeometricMean, &["curves.det_a", "curves.ass_a"]),
-    Origin::numbers("curves.owta", Statistic::GeometricMean, &["curves.det_re", "curves.ass_a"]),
+    Origin::numbers(
+        "curves.hota",
+        Statistic::GeometricMean,
+        &["curves.det_a", "curves.ass_a"],
+    ),
+    Origin::numbers(
+        "curves.owta",
+        Statistic::GeometricMean,
+        &["curves.det_re", "curves.ass_a"],
+    ),
     Origin::numbers("hota", Statistic::MeanOfCurve, &["curves.hota"]),
     Origin::numbers("det_a", Statistic::MeanOfCurve, &["curves.det_a"]),
     Origin::numbers("ass_a", Statistic::MeanOfCurve, &["curves.ass_a"]),
@@ -144,9 +184,13 @@ impl Sums {
     /// Adds a sequence; says of each match how many thresholds it reaches.
     fn add(&mut self, comparison: &Comparison) -> Vec<(u32, u32, f64)> {
         let acquaintances = Acquaintances::new(comparison);
-        let (truth_points, track_points) =
-            (points(&comparison.truths, &comparison.truth_ids), points(&comparison.tracks, &comparison.track_ids));
-        let points_of = |(truth, track): (u32, u32)| (truth_points[truth as usize], track_points[track as usize]);
+        let (truth_points, track_points) = (
+            points(&comparison.truths, &comparison.truth_ids),
+            points(&comparison.tracks, &comparison.track_ids),
+        );
+        let points_of = |(truth, track): (u32, u32)| {
+            (truth_points[truth as usize], track_points[track as usize])
+        };
         let alignment = alignment(comparison, &acquaintances, points_of);
         let (matches, reached) = self.matches(comparison, &acquaintances, &alignment);
         for (&ids, matches) in acquaintances.ids.iter().zip(&matches) {
@@ -158,13 +202,20 @@ impl Sums {
     }
 
     /// Step 2: for each acquaintance how many of its matches reach exactly 0, 1, 2 … thresholds, and how many each match does.
-    fn matches(&mut self, comparison: &Comparison, acquaintances: &Acquaintances, alignment: &[f64]) -> Matches {
+    fn matches(
+        &mut self,
+        comparison: &Comparison,
+        acquaintances: &Acquaintances,
+        alignment: &[f64],
+    ) -> Matches {
         let mut of_each = Vec::with_capacity(comparison.truths.len());
         let mut matches = vec![[0; ALPHAS + 1]; acquaintances.ids.len()];
         let mut similarity = [0.0; ALPHAS + 1];
         let mut matcher = StepMatcher::default();
         for step in &comparison.steps {
-            let worth = |index: usize, pair: &Pair| alignment[acquaintances.of_pair[index] as usize] * pair.similarity;
+            let worth = |index: usize, pair: &Pair| {
+                alignment[acquaintances.of_pair[index] as usize] * pair.similarity
+            };
             for &index in matcher.best(comparison, step, worth) {
                 let pair = &comparison.pairs[index as usize];
                 let reached = alphas_reached(pair.similarity);
@@ -182,13 +233,18 @@ impl Sums {
     }
 
     /// Step 3 for one truth and one track.
-    fn add_acquaintance(&mut self, (truth_points, track_points): (f64, f64), reached: &[u32; ALPHAS + 1]) {
+    fn add_acquaintance(
+        &mut self,
+        (truth_points, track_points): (f64, f64),
+        reached: &[u32; ALPHAS + 1],
+    ) {
         let mut matches = 0.0;
         for index in (0..ALPHAS).rev() {
             matches += f64::from(reached[index + 1]);
             if matches > 0.0 {
                 self.tp[index] += matches;
-                self.association[index] += matches * matches / (truth_points + track_points - matches);
+                self.association[index] +=
+                    matches * matches / (truth_points + track_points - matches);
                 self.association_recall[index] += matches * matches / truth_points;
                 self.association_precision[index] += matches * matches / track_points;
             }
@@ -202,12 +258,21 @@ impl Sums {
     /// Every part at each α.
     fn curves(&self) -> [(&'static str, [f64; ALPHAS]); 9] {
         let of_matches = |sums: &[f64; ALPHAS], alone: f64| -> [f64; ALPHAS] {
-            std::array::from_fn(|index| if self.tp[index] > 0.0 { sums[index] / self.tp[index] } else { alone })
+            std::array::from_fn(|index| {
+                if self.tp[index] > 0.0 {
+                    sums[index] / self.tp[index]
+                } else {
+                    alone
+                }
+            })
         };
         let det_re = self.tp.map(|tp| tp / self.truth_points.max(1.0));
-        let det_a = self.tp.map(|tp| tp / (self.truth_points + self.track_points - tp).max(1.0));
+        let det_a = self
+            .tp
+            .map(|tp| tp / (self.truth_points + self.track_points - tp).max(1.0));
         let ass_a = of_matches(&self.association, 0.0);
-        let root = |left: &[f64; ALPHAS]| std::array::from_fn(|index| (left[index] * ass_a[index]).sqrt());
+        let root =
+            |left: &[f64; ALPHAS]| std::array::from_fn(|index| (left[index] * ass_a[index]).sqrt());
         [
             ("hota", root(&det_a)),
             ("det_a", det_a),
@@ -222,12 +287,17 @@ impl Sums {
     }
 
     fn counts(&self) -> [(&'static str, [f64; ALPHAS]); 3] {
-        [("tp", self.tp), ("fn", self.tp.map(|tp| self.truth_points - tp)), ("fp", self.tp.map(|tp| self.track_points - tp))]
+        [
+            ("tp", self.tp),
+            ("fn", self.tp.map(|tp| self.truth_points - tp)),
+            ("fp", self.tp.map(|tp| self.track_points - tp)),
+        ]
     }
 
     /// The means over α; 0 / 0 is `null` with a reason.
     fn quantities(&self, curves: &[(&'static str, [f64; ALPHAS]); 9]) -> Vec<Quantity> {
-        let unless = |is_missing: bool, reason: &'static str| if is_missing { Some(reason) } else { None };
+        let unless =
+            |is_missing: bool, reason: &'static str| if is_missing { Some(reason) } else { None };
         let no_truth = unless(self.truth_points == 0.0, "no truth at any step");
         let no_track = unless(self.track_points == 0.0, "no track at any step");
         let nothing = unless(!self.is_defined(), "neither truth nor track at any step");
@@ -239,13 +309,22 @@ impl Sums {
                 "det_pr" => no_track,
                 _ => no_match,
             };
-            let value = if reason.is_none() { Some(values.iter().sum::<f64>() / ALPHAS as f64) } else { None };
+            let value = if reason.is_none() {
+                Some(values.iter().sum::<f64>() / ALPHAS as f64)
+            } else {
+                None
+            };
             Quantity::or(name, value, "", reason.unwrap_or("not a finite number"))
         };
         let mut quantities: Vec<Quantity> = curves.iter().map(mean).collect();
         let (hota_0, loc_a_0) = (curves[0].1[0], curves[3].1[0]);
         let at_first = |name, value, reason: Option<&'static str>| {
-            Quantity::or(name, Some(value).filter(|_| reason.is_none()), "", reason.unwrap_or("not a finite number"))
+            Quantity::or(
+                name,
+                Some(value).filter(|_| reason.is_none()),
+                "",
+                reason.unwrap_or("not a finite number"),
+            )
         };
         quantities.push(at_first("hota_0", hota_0, nothing));
         quantities.push(at_first("loc_a_0", loc_a_0, no_match));
@@ -257,20 +336,30 @@ impl Sums {
 /// At how many steps each exists.
 fn points(presences: &[Presence], ids: &[String]) -> Vec<f64> {
     let mut points = vec![0.0; ids.len()];
-    presences.iter().for_each(|presence| points[presence.id as usize] += 1.0);
+    presences
+        .iter()
+        .for_each(|presence| points[presence.id as usize] += 1.0);
     points
 }
 
 /// Step 1: a for each acquaintance.
-fn alignment(comparison: &Comparison, acquaintances: &Acquaintances, points_of: impl Fn((u32, u32)) -> (f64, f64)) -> Vec<f64> {
+fn alignment(
+    comparison: &Comparison,
+    acquaintances: &Acquaintances,
+    points_of: impl Fn((u32, u32)) -> (f64, f64),
+) -> Vec<f64> {
     let mut shares = vec![0.0; acquaintances.ids.len()];
-    let (mut of_truth, mut of_track) = (vec![0.0; comparison.truths.len()], vec![0.0; comparison.tracks.len()]);
+    let (mut of_truth, mut of_track) = (
+        vec![0.0; comparison.truths.len()],
+        vec![0.0; comparison.tracks.len()],
+    );
     for pair in &comparison.pairs {
         of_truth[pair.truth as usize] += pair.similarity;
         of_track[pair.track as usize] += pair.similarity;
     }
     for (pair, &acquaintance) in comparison.pairs.iter().zip(&acquaintances.of_pair) {
-        let together = of_truth[pair.truth as usize] + of_track[pair.track as usize] - pair.similarity;
+        let together =
+            of_truth[pair.truth as usize] + of_track[pair.track as usize] - pair.similarity;
         if together > f64::EPSILON {
             shares[acquaintance as usize] += pair.similarity / together;
         }
@@ -293,8 +382,14 @@ mod tests {
 
     #[test]
     fn thresholds_are_reached_exactly() {
-        assert_eq!([0.0, 0.049, 0.05, 0.1, 0.15, 0.5, 0.95, 1.0].map(alphas_reached), [0, 0, 1, 2, 3, 10, 19, 19]);
-        assert_eq!([0.35, 0.349_999, 0.7, 0.9 - 1e-9].map(alphas_reached), [7, 6, 14, 17]);
+        assert_eq!(
+            [0.0, 0.049, 0.05, 0.1, 0.15, 0.5, 0.95, 1.0].map(alphas_reached),
+            [0, 0, 1, 2, 3, 10, 19, 19]
+        );
+        assert_eq!(
+            [0.35, 0.349_999, 0.7, 0.9 - 1e-9].map(alphas_reached),
+            [7, 6, 14, 17]
+        );
     }
 
     #[test]
@@ -302,7 +397,10 @@ mod tests {
         // A at 6 steps; T on it at 0..=3 at the same place, U at 4 and 5 at 10 m: similarity 1 − 10 / 20 = 0.5.
         // Up to α = 0.5: TP 6, AssA = (16 / 6 + 4 / 6) / 6 = 5 / 9, DetA 1, HOTA √(5/9), LocA 5 / 6.
         // Above: TP 4, DetA = 4 / (6 + 6 − 4) = 1 / 2, AssA = 16 / 6 / 4 = 2 / 3, HOTA √(1/3), LocA 1.
-        let tracks: [Places; 2] = [("T", &[0.0, 0.0, 0.0, 0.0, GONE, GONE]), ("U", &[GONE, GONE, GONE, GONE, 10.0, 10.0])];
+        let tracks: [Places; 2] = [
+            ("T", &[0.0, 0.0, 0.0, 0.0, GONE, GONE]),
+            ("U", &[GONE, GONE, GONE, GONE, 10.0, 10.0]),
+        ];
         let report = hota(&[compare(&[("A", &[0.0; 6])], &tracks, 10.0)]);
         let mean = |low: f64, high: f64| Some((10.0 * low + 9.0 * high) / 19.0);
         let expected = [
@@ -319,8 +417,15 @@ mod tests {
             ("loc_a_0", Some(5.0 / 6.0)),
         ];
         assert_quantities(&report, &expected);
-        let fp = report.series.iter().find(|series| series.name == "fp").unwrap();
-        assert_eq!((fp.axis, fp.at.len(), fp.values[9], fp.values[10]), ("alpha", 19, Some(0.0), Some(2.0)));
+        let fp = report
+            .series
+            .iter()
+            .find(|series| series.name == "fp")
+            .unwrap();
+        assert_eq!(
+            (fp.axis, fp.at.len(), fp.values[9], fp.values[10]),
+            ("alpha", 19, Some(0.0), Some(2.0))
+        );
     }
 
     #[test]
@@ -328,7 +433,10 @@ mod tests {
         // 16 m at a gate of 10: similarity 0.2, so a match up to α = 0.2.
         assert_eq!(Hota.reach_m(10.0), 20.0);
         let report = hota(&[compare(&[("A", &[0.0])], &[("T", &[16.0])], 10.0)]);
-        assert_quantities(&report, &[("det_re", Some(4.0 / 19.0)), ("hota_0", Some(1.0))]);
+        assert_quantities(
+            &report,
+            &[("det_re", Some(4.0 / 19.0)), ("hota_0", Some(1.0))],
+        );
     }
 
     #[test]
@@ -337,18 +445,62 @@ mod tests {
         let report = hota(&[compare(&truth, &[], 10.0)]);
         assert_quantities(
             &report,
-            &[("hota", Some(0.0)), ("det_a", Some(0.0)), ("det_re", Some(0.0)), ("owta", Some(0.0)), ("det_pr", None)],
+            &[
+                ("hota", Some(0.0)),
+                ("det_a", Some(0.0)),
+                ("det_re", Some(0.0)),
+                ("owta", Some(0.0)),
+                ("det_pr", None),
+            ],
         );
-        assert_quantities(&report, &[("ass_a", None), ("loc_a", None), ("ass_re", None), ("ass_pr", None), ("loc_a_0", None)]);
-        let report = hota(&[compare(&[], &truth, 10.0)]);
-        assert_quantities(&report, &[("hota", Some(0.0)), ("det_pr", Some(0.0)), ("det_re", None), ("owta", None), ("loc_a", None)]);
-        let report = hota(&[compare(&[], &[], 10.0)]);
-        assert_quantities(&report, &[("hota", None), ("det_a", None), ("ass_a", None), ("loc_a", None), ("owta", None), ("hota_0", None)]);
-        assert_eq!(report.series[0].values, [None; ALPHAS]);
-        let report = hota(&[compare(&[("A", &[0.0; 5])], &[("T", &[0.0, 0.0, GONE, 0.0, 0.0])], 10.0)]);
         assert_quantities(
             &report,
-            &[("hota", Some(0.8)), ("det_a", Some(0.8)), ("ass_a", Some(0.8)), ("loc_a", Some(1.0)), ("det_pr", Some(1.0))],
+            &[
+                ("ass_a", None),
+                ("loc_a", None),
+                ("ass_re", None),
+                ("ass_pr", None),
+                ("loc_a_0", None),
+            ],
+        );
+        let report = hota(&[compare(&[], &truth, 10.0)]);
+        assert_quantities(
+            &report,
+            &[
+                ("hota", Some(0.0)),
+                ("det_pr", Some(0.0)),
+                ("det_re", None),
+                ("owta", None),
+                ("loc_a", None),
+            ],
+        );
+        let report = hota(&[compare(&[], &[], 10.0)]);
+        assert_quantities(
+            &report,
+            &[
+                ("hota", None),
+                ("det_a", None),
+                ("ass_a", None),
+                ("loc_a", None),
+                ("owta", None),
+                ("hota_0", None),
+            ],
+        );
+        assert_eq!(report.series[0].values, [None; ALPHAS]);
+        let report = hota(&[compare(
+            &[("A", &[0.0; 5])],
+            &[("T", &[0.0, 0.0, GONE, 0.0, 0.0])],
+            10.0,
+        )]);
+        assert_quantities(
+            &report,
+            &[
+                ("hota", Some(0.8)),
+                ("det_a", Some(0.8)),
+                ("ass_a", Some(0.8)),
+                ("loc_a", Some(1.0)),
+                ("det_pr", Some(1.0)),
+            ],
         );
     }
 
@@ -357,8 +509,19 @@ mod tests {
         // One sequence found whole (TP 4), one at 1 of 4 steps (TP 1, association 1 / 4): AssA = (4 + 1 / 4) / 5,
         // DetA = 5 / 8. The mean of the two HOTAs would be (1 + 1 / 4) / 2.
         let whole = compare(&[("A", &[0.0; 4])], &[("T", &[0.0; 4])], 10.0);
-        let part = compare(&[("A", &[0.0; 4])], &[("T", &[0.0, GONE, GONE, GONE])], 10.0);
+        let part = compare(
+            &[("A", &[0.0; 4])],
+            &[("T", &[0.0, GONE, GONE, GONE])],
+            10.0,
+        );
         let report = hota(&[whole, part]);
-        assert_quantities(&report, &[("ass_a", Some(0.85)), ("det_a", Some(0.625)), ("hota", Some((0.85f64 * 0.625).sqrt()))]);
+        assert_quantities(
+            &report,
+            &[
+                ("ass_a", Some(0.85)),
+                ("det_a", Some(0.625)),
+                ("hota", Some((0.85f64 * 0.625).sqrt())),
+            ],
+        );
     }
 }

@@ -52,13 +52,29 @@ impl Quantity {
     }
 
     /// A value that may be undefined, then for this reason.
-    pub fn or(name: &'static str, value: Option<f64>, unit: &'static str, reason: &'static str) -> Quantity {
+    pub fn or(
+        name: &'static str,
+        value: Option<f64>,
+        unit: &'static str,
+        reason: &'static str,
+    ) -> Quantity {
         let value = value.filter(|value| value.is_finite());
-        Quantity { name, value, unit, reason: value.is_none().then_some(reason) }
+        Quantity {
+            name,
+            value,
+            unit,
+            reason: value.is_none().then_some(reason),
+        }
     }
 
     /// A ratio of counts or sums; undefined over zero, then for this reason.
-    pub fn ratio(name: &'static str, over: f64, under: f64, unit: &'static str, reason: &'static str) -> Quantity {
+    pub fn ratio(
+        name: &'static str,
+        over: f64,
+        under: f64,
+        unit: &'static str,
+        reason: &'static str,
+    ) -> Quantity {
         Quantity::or(name, (under != 0.0).then(|| over / under), unit, reason)
     }
 }
@@ -76,9 +92,21 @@ pub struct Series {
 
 impl Series {
     /// One value a step.
-    pub fn over_time(name: &'static str, unit: &'static str, values: impl Iterator<Item = Option<f64>>) -> Series {
-        let values = values.map(|value| value.filter(|value| value.is_finite())).collect();
-        Series { name, unit, axis: "time_s", at: Vec::new(), values }
+    pub fn over_time(
+        name: &'static str,
+        unit: &'static str,
+        values: impl Iterator<Item = Option<f64>>,
+    ) -> Series {
+        let values = values
+            .map(|value| value.filter(|value| value.is_finite()))
+            .collect();
+        Series {
+            name,
+            unit,
+            axis: "time_s",
+            at: Vec::new(),
+            values,
+        }
     }
 }
 
@@ -124,12 +152,22 @@ pub struct MetricReport {
 
 impl MetricReport {
     /// The report whose headline is the quantity of this name.
-    pub fn new(headline: &str, higher_is_better: bool, parameters: Value, quantities: Vec<Quantity>) -> MetricReport {
-        let (value, unit, reason) = match quantities.iter().find(|quantity| quantity.name == headline) {
-            Some(quantity) => (quantity.value, quantity.unit, quantity.reason),
-            None => (None, "", Some("not computed")),
+    pub fn new(
+        headline: &str,
+        higher_is_better: bool,
+        parameters: Value,
+        quantities: Vec<Quantity>,
+    ) -> MetricReport {
+        let (value, unit, reason) =
+            match quantities.iter().find(|quantity| quantity.name == headline) {
+                Some(quantity) => (quantity.value, quantity.unit, quantity.reason),
+                None => (None, "", Some("not computed")),
+            };
+        let parameters = if let Value::Object(map) = parameters {
+            map
+        } else {
+            Map::new()
         };
-        let parameters = if let Value::Object(map) = parameters { map } else { Map::new() };
         let (per_truth, per_track, series, pairs) = Default::default();
         let (origins, warnings, findings) = Default::default();
         MetricReport {
@@ -151,7 +189,10 @@ impl MetricReport {
 
     /// The value of a quantity, by name.
     pub fn quantity(&self, name: &str) -> Option<f64> {
-        self.quantities.iter().find(|quantity| quantity.name == name).and_then(|quantity| quantity.value)
+        self.quantities
+            .iter()
+            .find(|quantity| quantity.name == name)
+            .and_then(|quantity| quantity.value)
     }
 }
 

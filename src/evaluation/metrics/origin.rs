@@ -28,9 +28,18 @@ pub struct Origin {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Source {
     /// Rows of a file: of these events, or those in which the column is filled; all where neither is named.
-    Rows { file: &'static str, column: Option<&'static str>, events: &'static [&'static str] },
+    Rows {
+        file: &'static str,
+        column: Option<&'static str>,
+        events: &'static [&'static str],
+    },
     /// factor · (Σ over / Σ under)^(1/power); without `under` nothing is divided. A name after `-` is subtracted.
-    Numbers { over: &'static [&'static str], under: &'static [&'static str], factor: f64, power: f64 },
+    Numbers {
+        over: &'static [&'static str],
+        under: &'static [&'static str],
+        factor: f64,
+        power: f64,
+    },
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -70,23 +79,55 @@ pub enum Statistic {
 
 /// Points of truths and of tracks: every one is exactly one of these events.
 pub const TRUTH_POINTS: Origin = Origin::events("truth_points", &["match", "miss"]);
-pub const TRACK_POINTS: Origin = Origin::events("track_points", &["match", "false_alarm", "redundant", "divergence"]);
+pub const TRACK_POINTS: Origin = Origin::events(
+    "track_points",
+    &["match", "false_alarm", "redundant", "divergence"],
+);
 pub const STEPS: Origin = Origin::all_rows("steps", SERIES);
 
 impl Origin {
     /// How often these events occurred.
     pub const fn events(quantity: &'static str, events: &'static [&'static str]) -> Origin {
-        Origin { quantity, statistic: Statistic::Count, source: Source::Rows { file: EVENTS, column: None, events } }
+        Origin {
+            quantity,
+            statistic: Statistic::Count,
+            source: Source::Rows {
+                file: EVENTS,
+                column: None,
+                events,
+            },
+        }
     }
 
     /// How many rows a file has.
     pub const fn all_rows(quantity: &'static str, file: &'static str) -> Origin {
-        Origin { quantity, statistic: Statistic::Count, source: Source::Rows { file, column: None, events: &[] } }
+        Origin {
+            quantity,
+            statistic: Statistic::Count,
+            source: Source::Rows {
+                file,
+                column: None,
+                events: &[],
+            },
+        }
     }
 
     /// A statistic of the rows in which a column is filled.
-    pub const fn rows(quantity: &'static str, statistic: Statistic, file: &'static str, column: &'static str) -> Origin {
-        Origin { quantity, statistic, source: Source::Rows { file, column: Some(column), events: &[] } }
+    pub const fn rows(
+        quantity: &'static str,
+        statistic: Statistic,
+        file: &'static str,
+        column: &'static str,
+    ) -> Origin {
+        Origin {
+            quantity,
+            statistic,
+            source: Source::Rows {
+                file,
+                column: Some(column),
+                events: &[],
+            },
+        }
     }
 
     /// The sum of a column that is called like the quantity.
@@ -94,12 +135,38 @@ impl Origin {
         Origin::rows(quantity, Statistic::Sum, file, quantity)
     }
 
-    pub const fn numbers(quantity: &'static str, statistic: Statistic, over: &'static [&'static str]) -> Origin {
-        Origin { quantity, statistic, source: Source::Numbers { over, under: &[], factor: 1.0, power: 1.0 } }
+    pub const fn numbers(
+        quantity: &'static str,
+        statistic: Statistic,
+        over: &'static [&'static str],
+    ) -> Origin {
+        Origin {
+            quantity,
+            statistic,
+            source: Source::Numbers {
+                over,
+                under: &[],
+                factor: 1.0,
+                power: 1.0,
+            },
+        }
     }
 
-    pub const fn ratio(quantity: &'static str, over: &'static [&'static str], under: &'static [&'static str]) -> Origin {
-        Origin { quantity, statistic: Statistic::Ratio, source: Source::Numbers { over, under, factor: 1.0, power: 1.0 } }
+    pub const fn ratio(
+        quantity: &'static str,
+        over: &'static [&'static str],
+        under: &'static [&'static str],
+    ) -> Origin {
+        Origin {
+            quantity,
+            statistic: Statistic::Ratio,
+            source: Source::Numbers {
+                over,
+                under,
+                factor: 1.0,
+                power: 1.0,
+            },
+        }
     }
 
     /// A sum of other numbers.
@@ -110,9 +177,20 @@ impl Origin {
     /// The same, times a factor.
     pub fn times(self, times: f64) -> Origin {
         match self.source {
-            Source::Numbers { over, under, factor, power } => {
-                Origin { source: Source::Numbers { over, under, factor: factor * times, power }, ..self }
-            }
+            Source::Numbers {
+                over,
+                under,
+                factor,
+                power,
+            } => Origin {
+                source: Source::Numbers {
+                    over,
+                    under,
+                    factor: factor * times,
+                    power,
+                },
+                ..self
+            },
             Source::Rows { .. } => self,
         }
     }
@@ -120,7 +198,20 @@ impl Origin {
     /// The same, under a root.
     pub fn root(self, order: f64) -> Origin {
         match self.source {
-            Source::Numbers { over, under, factor, .. } => Origin { source: Source::Numbers { over, under, factor, power: order }, ..self },
+            Source::Numbers {
+                over,
+                under,
+                factor,
+                ..
+            } => Origin {
+                source: Source::Numbers {
+                    over,
+                    under,
+                    factor,
+                    power: order,
+                },
+                ..self
+            },
             Source::Rows { .. } => self,
         }
     }
@@ -136,7 +227,11 @@ pub struct PairColumn {
 }
 
 impl PairColumn {
-    pub fn new(name: &'static str, unit: &'static str, mut cells: Vec<(u32, u32, f64)>) -> PairColumn {
+    pub fn new(
+        name: &'static str,
+        unit: &'static str,
+        mut cells: Vec<(u32, u32, f64)>,
+    ) -> PairColumn {
         cells.sort_unstable_by_key(|&(truth, track, _)| (truth, track));
         PairColumn { name, unit, cells }
     }

@@ -14,15 +14,20 @@
 //! 2. The headline is the mean over all steps of all sequences.
 
 use super::cutoff::{CUTOFF_M, Cutoff, Matcher, ORDER};
-use super::origin::{Origin, PAIRS, PairColumn, SERIES, STEPS, Statistic, TRACK_POINTS, TRUTH_POINTS};
+use super::origin::{
+    Origin, PAIRS, PairColumn, SERIES, STEPS, Statistic, TRACK_POINTS, TRUTH_POINTS,
+};
 use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence, Series};
 use crate::evaluation::comparison::{Comparison, Shape, Step};
 use crate::registry::{Method, Object};
 use serde::Deserialize;
 use serde_json::json;
 
-pub const METHOD: Method<BuildMetric> =
-    Method { name: "ospa", parameters: &PARAMETERS, build: |spec| Ok(Box::new(Ospa(Cutoff::deserialize(spec)?))) };
+pub const METHOD: Method<BuildMetric> = Method {
+    name: "ospa",
+    parameters: &PARAMETERS,
+    build: |spec| Ok(Box::new(Ospa(Cutoff::deserialize(spec)?))),
+};
 
 static PARAMETERS: Object = Object {
     name: "Ospa",
@@ -51,10 +56,25 @@ impl Metric for Ospa {
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
         let (mut matcher, mut powers) = (Matcher::default(), Vec::new());
-        let steps = sequences.iter().flat_map(|sequence| sequence.comparison.steps.iter().map(|step| (sequence.comparison, step)));
-        let parts: Vec<Parts> = steps.map(|(comparison, step)| self.step(&mut matcher, comparison, step, &mut powers)).collect();
-        let mean =
-            |name, of: fn(&Parts) -> f64| Quantity::ratio(name, parts.iter().map(of).sum(), parts.len() as f64, "m", "there is no step");
+        let steps = sequences.iter().flat_map(|sequence| {
+            sequence
+                .comparison
+                .steps
+                .iter()
+                .map(|step| (sequence.comparison, step))
+        });
+        let parts: Vec<Parts> = steps
+            .map(|(comparison, step)| self.step(&mut matcher, comparison, step, &mut powers))
+            .collect();
+        let mean = |name, of: fn(&Parts) -> f64| {
+            Quantity::ratio(
+                name,
+                parts.iter().map(of).sum(),
+                parts.len() as f64,
+                "m",
+                "there is no step",
+            )
+        };
         let quantities = vec![
             mean("ospa", |parts| parts.distance_m),
             mean("localisation", |parts| parts.localisation_m),
@@ -65,7 +85,9 @@ impl Metric for Ospa {
         let mut report = MetricReport::new("ospa", false, parameters, quantities);
         report.origins = self.origins();
         if sequences.len() == 1 {
-            let series = |name, of: fn(&Parts) -> f64| Series::over_time(name, "m", parts.iter().map(|parts| Some(of(parts))));
+            let series = |name, of: fn(&Parts) -> f64| {
+                Series::over_time(name, "m", parts.iter().map(|parts| Some(of(parts))))
+            };
             report.series = vec![
                 series("ospa", |parts| parts.distance_m),
                 series("localisation", |parts| parts.localisation_m),
@@ -89,15 +111,37 @@ impl Ospa {
             TRACK_POINTS,
             Origin::rows("powers", Statistic::Sum, PAIRS, "power"),
             Origin::rows("matched", Statistic::Count, PAIRS, "power"),
-            Origin::numbers("series.larger_set", Statistic::Largest, &["series.truth_points", "series.track_points"]),
-            Origin::terms("series.unmatched_powers", &["series.larger_set", "-series.matched"]).times(self.0.powers(1.0)),
-            Origin::ratio("series.ospa", &["series.powers", "series.unmatched_powers"], &["series.larger_set"]).root(self.0.p),
+            Origin::numbers(
+                "series.larger_set",
+                Statistic::Largest,
+                &["series.truth_points", "series.track_points"],
+            ),
+            Origin::terms(
+                "series.unmatched_powers",
+                &["series.larger_set", "-series.matched"],
+            )
+            .times(self.0.powers(1.0)),
+            Origin::ratio(
+                "series.ospa",
+                &["series.powers", "series.unmatched_powers"],
+                &["series.larger_set"],
+            )
+            .root(self.0.p),
         ]
     }
 
     /// Step 1. A member of the smaller set without a pair within the cutoff costs c as part of the localisation.
-    fn step(&self, matcher: &mut Matcher, comparison: &Comparison, step: &Step, powers: &mut Vec<(u32, u32, f64)>) -> Parts {
-        let (fewer, more) = (step.truths.len().min(step.tracks.len()), step.truths.len().max(step.tracks.len()));
+    fn step(
+        &self,
+        matcher: &mut Matcher,
+        comparison: &Comparison,
+        step: &Step,
+        powers: &mut Vec<(u32, u32, f64)>,
+    ) -> Parts {
+        let (fewer, more) = (
+            step.truths.len().min(step.tracks.len()),
+            step.truths.len().max(step.tracks.len()),
+        );
         if more == 0 {
             return Parts::default();
         }
@@ -110,6 +154,10 @@ impl Ospa {
         let localisation = sum + (fewer - pairs) as f64;
         let cardinality = (more - fewer) as f64;
         let metres = |share: f64| self.0.metres(share / more as f64);
-        Parts { distance_m: metres(localisation + cardinality), localisation_m: metres(localisation), cardinality_m: metres(cardinality) }
+        Parts {
+            distance_m: metres(localisation + cardinality),
+            localisation_m: metres(localisation),
+            cardinality_m: metres(cardinality),
+        }
     }
 }

@@ -28,8 +28,11 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
-pub const METHOD: Method<BuildMetric> =
-    Method { name: "track_keeping", parameters: &PARAMETERS, build: |spec| Ok(Box::new(TrackKeeping::deserialize(spec)?)) };
+pub const METHOD: Method<BuildMetric> = Method {
+    name: "track_keeping",
+    parameters: &PARAMETERS,
+    build: |spec| Ok(Box::new(TrackKeeping::deserialize(spec)?)),
+};
 
 static PARAMETERS: Object = Object {
     name: "TrackKeeping",
@@ -38,16 +41,36 @@ static PARAMETERS: Object = Object {
         optional(
             "sigma",
             "Standard deviation of a measurement, in degrees of directions, else in metres; that of the sensors when absent (the largest, of bearings or of x and y).",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "deg or m" },
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Including(1e6),
+                unit: "deg or m",
+            },
         ),
-        factor("apart_sigmas", "Beyond this many sigmas from all others a target must be the nearest one to its track.", "6.0"),
-        factor("lost_sigmas", "An error of more sigmas than this has lost the target.", "10.0"),
-        factor("stay_sigmas", "The largest error, in sigmas, of a track that stays with its target.", "5.0"),
+        factor(
+            "apart_sigmas",
+            "Beyond this many sigmas from all others a target must be the nearest one to its track.",
+            "6.0",
+        ),
+        factor(
+            "lost_sigmas",
+            "An error of more sigmas than this has lost the target.",
+            "10.0",
+        ),
+        factor(
+            "stay_sigmas",
+            "The largest error, in sigmas, of a track that stays with its target.",
+            "5.0",
+        ),
     ],
 };
 
 const fn factor(name: &'static str, summary: &'static str, value: &'static str) -> Field {
-    let kind = Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e6), unit: "" };
+    let kind = Kind::Number {
+        min: Bound::Excluding(0.0),
+        max: Bound::Including(1e6),
+        unit: "",
+    };
     default(name, summary, kind, value)
 }
 
@@ -92,8 +115,15 @@ impl Metric for TrackKeeping {
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
-        let sigmas: Vec<Option<f64>> = sequences.iter().map(|sequence| self.sigma.or(sigma_of(sequence))).collect();
-        let runs: Vec<Run> = sequences.iter().zip(&sigmas).map(|(sequence, sigma)| self.run(sequence, sigma.unwrap_or(f64::NAN))).collect();
+        let sigmas: Vec<Option<f64>> = sequences
+            .iter()
+            .map(|sequence| self.sigma.or(sigma_of(sequence)))
+            .collect();
+        let runs: Vec<Run> = sequences
+            .iter()
+            .zip(&sigmas)
+            .map(|(sequence, sigma)| self.run(sequence, sigma.unwrap_or(f64::NAN)))
+            .collect();
         let unit = unit_of(sequences);
         let quantities = quantities(&runs, undefined(sequences, &sigmas), unit);
         let parameters = json!({
@@ -105,8 +135,13 @@ impl Metric for TrackKeeping {
         if let ([sequence], [run]) = (sequences, &runs[..]) {
             let is_defined = undefined(sequences, &sigmas).is_none();
             let lines = sequence.comparison.truth_ids.iter().zip(&run.targets);
-            report.per_truth = lines.map(|(id, kept)| line(id, kept, sequence.comparison, is_defined, unit)).collect();
-            let means = run.errors.iter().map(|&(sum, count)| (count > 0).then(|| sum / count as f64));
+            report.per_truth = lines
+                .map(|(id, kept)| line(id, kept, sequence.comparison, is_defined, unit))
+                .collect();
+            let means = run
+                .errors
+                .iter()
+                .map(|&(sum, count)| (count > 0).then(|| sum / count as f64));
             report.series = vec![Series::over_time("mean_absolute_error", unit, means)];
             report.pairs = vec![PairColumn::new("error", unit, run.pairs.clone())];
             if is_defined {
@@ -128,7 +163,9 @@ const FROM: &[Origin] = &[
 ];
 
 fn unit_of(sequences: &[Sequence]) -> &'static str {
-    let is_of_bearings = sequences.first().is_some_and(|sequence| sequence.comparison.shape == Shape::Bearings);
+    let is_of_bearings = sequences
+        .first()
+        .is_some_and(|sequence| sequence.comparison.shape == Shape::Bearings);
     if is_of_bearings { "deg" } else { "m" }
 }
 
@@ -138,7 +175,12 @@ fn undefined(sequences: &[Sequence], sigmas: &[Option<f64>]) -> Option<&'static 
     if comparisons().all(|comparison| comparison.truth_ids.is_empty()) {
         return Some(NO_TARGET);
     }
-    let is_named = |comparison: &Comparison| comparison.track_ids.iter().any(|id| comparison.truth_ids.contains(id));
+    let is_named = |comparison: &Comparison| {
+        comparison
+            .track_ids
+            .iter()
+            .any(|id| comparison.truth_ids.contains(id))
+    };
     if !comparisons().any(is_named) {
         return Some(NO_NAME);
     }
@@ -161,14 +203,26 @@ impl TrackKeeping {
     fn run(&self, sequence: &Sequence, sigma: f64) -> Run {
         let comparison = sequence.comparison;
         let track_of = track_of_each(comparison);
-        let start = Kept { identity: true, stay: true, lost: None, swapped_with: None, error_sum: 0.0, errors: 0, missing: 0 };
-        let mut run =
-            Run { targets: vec![start; comparison.truth_ids.len()], errors: vec![(0.0, 0); comparison.steps.len()], pairs: Vec::new() };
+        let start = Kept {
+            identity: true,
+            stay: true,
+            lost: None,
+            swapped_with: None,
+            error_sum: 0.0,
+            errors: 0,
+            missing: 0,
+        };
+        let mut run = Run {
+            targets: vec![start; comparison.truth_ids.len()],
+            errors: vec![(0.0, 0); comparison.steps.len()],
+            pairs: Vec::new(),
+        };
         for (index, step) in comparison.steps.iter().enumerate() {
             let places = Places::new(comparison, step);
             for truth_place in step.truths.clone() {
                 let truth = &comparison.truths[truth_place];
-                let track = track_of[truth.id as usize].and_then(|id| found(&comparison.tracks, step, id));
+                let track =
+                    track_of[truth.id as usize].and_then(|id| found(&comparison.tracks, step, id));
                 let kept = &mut run.targets[truth.id as usize];
                 let Some(track_place) = track else {
                     kept.missing += 1;
@@ -177,16 +231,22 @@ impl TrackKeeping {
                     continue;
                 };
                 let track = &comparison.tracks[track_place];
-                let error = comparison.shape.distance(&track.position_m, &truth.position_m);
-                run.pairs.push((truth_place as u32, track_place as u32, error));
+                let error = comparison
+                    .shape
+                    .distance(&track.position_m, &truth.position_m);
+                run.pairs
+                    .push((truth_place as u32, track_place as u32, error));
                 kept.error_sum += error;
                 kept.errors += 1;
                 run.errors[index].0 += error;
                 run.errors[index].1 += 1;
                 kept.stay &= error <= self.stay_sigmas * sigma;
-                let nearest = places.nearest(&track.position_m, None).filter(|(distance, id)| *id != truth.id && *distance < error);
+                let nearest = places
+                    .nearest(&track.position_m, None)
+                    .filter(|(distance, id)| *id != truth.id && *distance < error);
                 let apart = places.nearest(&truth.position_m, Some(truth.id));
-                let is_apart = apart.is_none_or(|(distance, _)| distance > self.apart_sigmas * sigma);
+                let is_apart =
+                    apart.is_none_or(|(distance, _)| distance > self.apart_sigmas * sigma);
                 if (is_apart && nearest.is_some()) || error > self.lost_sigmas * sigma {
                     kept.lose(index, nearest.map(|(_, id)| id));
                 }
@@ -211,12 +271,24 @@ impl Kept {
 
 /// For each target the track of its name.
 fn track_of_each(comparison: &Comparison) -> Vec<Option<u32>> {
-    let ids: BTreeMap<&str, u32> = comparison.track_ids.iter().enumerate().map(|(id, name)| (name.as_str(), id as u32)).collect();
-    comparison.truth_ids.iter().map(|name| ids.get(name.as_str()).copied()).collect()
+    let ids: BTreeMap<&str, u32> = comparison
+        .track_ids
+        .iter()
+        .enumerate()
+        .map(|(id, name)| (name.as_str(), id as u32))
+        .collect();
+    comparison
+        .truth_ids
+        .iter()
+        .map(|name| ids.get(name.as_str()).copied())
+        .collect()
 }
 
 fn found(tracks: &[Presence], step: &Step, id: u32) -> Option<usize> {
-    tracks[step.tracks.clone()].binary_search_by_key(&id, |presence| presence.id).ok().map(|place| step.tracks.start + place)
+    tracks[step.tracks.clone()]
+        .binary_search_by_key(&id, |presence| presence.id)
+        .ok()
+        .map(|place| step.tracks.start + place)
 }
 
 /// The targets of a step, in order of x.
@@ -227,10 +299,15 @@ struct Places {
 
 impl Places {
     fn new(comparison: &Comparison, step: &Step) -> Places {
-        let mut by_x: Vec<(Position, u32)> =
-            comparison.truths[step.truths.clone()].iter().map(|truth| (truth.position_m, truth.id)).collect();
+        let mut by_x: Vec<(Position, u32)> = comparison.truths[step.truths.clone()]
+            .iter()
+            .map(|truth| (truth.position_m, truth.id))
+            .collect();
         by_x.sort_by(|a, b| a.0.x.total_cmp(&b.0.x).then(a.1.cmp(&b.1)));
-        Places { shape: comparison.shape, by_x }
+        Places {
+            shape: comparison.shape,
+            by_x,
+        }
     }
 
     /// Distance and id of the nearest target other than `except`.
@@ -248,7 +325,13 @@ impl Places {
 }
 
 /// Goes on until no place can be nearer than the best.
-fn look(places: &mut dyn Iterator<Item = &(Position, u32)>, x: f64, y: f64, except: Option<u32>, best: &mut Option<(f64, u32)>) {
+fn look(
+    places: &mut dyn Iterator<Item = &(Position, u32)>,
+    x: f64,
+    y: f64,
+    except: Option<u32>,
+    best: &mut Option<(f64, u32)>,
+) {
     for (other, id) in places {
         if best.is_some_and(|(distance, _)| (other.x - x).abs() > distance) {
             break;
@@ -265,15 +348,32 @@ fn quantities(runs: &[Run], undefined: Option<&'static str>, unit: &'static str)
     let all = |run: &&Run, is_kept: fn(&Kept) -> bool| run.targets.iter().all(is_kept);
     let of_runs = |name, is_kept: fn(&Kept) -> bool| {
         let kept = runs.iter().filter(|run| all(run, is_kept)).count();
-        Quantity::or(name, undefined.is_none().then(|| kept as f64 / runs.len() as f64), "", undefined.unwrap_or_default())
+        Quantity::or(
+            name,
+            undefined.is_none().then(|| kept as f64 / runs.len() as f64),
+            "",
+            undefined.unwrap_or_default(),
+        )
     };
     let of_targets = |name, is_kept: fn(&Kept) -> bool| {
-        let kept = runs.iter().flat_map(|run| &run.targets).filter(|kept| is_kept(kept)).count();
-        Quantity::or(name, undefined.is_none().then_some(kept as f64), "", undefined.unwrap_or_default())
+        let kept = runs
+            .iter()
+            .flat_map(|run| &run.targets)
+            .filter(|kept| is_kept(kept))
+            .count();
+        Quantity::or(
+            name,
+            undefined.is_none().then_some(kept as f64),
+            "",
+            undefined.unwrap_or_default(),
+        )
     };
     let error = |name, reason, of: &dyn Fn(&&Run) -> bool| {
         let targets = || runs.iter().filter(of).flat_map(|run| &run.targets);
-        let (sum, count) = (targets().map(|kept| kept.error_sum).sum(), targets().map(|kept| kept.errors).sum::<usize>());
+        let (sum, count) = (
+            targets().map(|kept| kept.error_sum).sum(),
+            targets().map(|kept| kept.errors).sum::<usize>(),
+        );
         Quantity::ratio(name, sum, count as f64, unit, reason)
     };
     let targets = || runs.iter().flat_map(|run| &run.targets);
@@ -281,24 +381,51 @@ fn quantities(runs: &[Run], undefined: Option<&'static str>, unit: &'static str)
         of_runs("identity", |kept| kept.identity),
         of_runs("stay", |kept| kept.stay),
         error("mean_absolute_error", NO_NAME, &|_| true),
-        error("mean_absolute_error_kept", "no run is kept", &|run| undefined.is_none() && all(run, |kept| kept.identity)),
+        error("mean_absolute_error_kept", "no run is kept", &|run| {
+            undefined.is_none() && all(run, |kept| kept.identity)
+        }),
         of_targets("targets_identity", |kept| kept.identity),
         of_targets("targets_stay", |kept| kept.stay),
         Quantity::new("targets", targets().count() as f64, ""),
-        Quantity::new("missing_points", targets().map(|kept| kept.missing).sum::<usize>() as f64, ""),
+        Quantity::new(
+            "missing_points",
+            targets().map(|kept| kept.missing).sum::<usize>() as f64,
+            "",
+        ),
     ]
 }
 
-fn line(id: &str, kept: &Kept, comparison: &Comparison, is_defined: bool, unit: &'static str) -> Line {
-    let flag = |name, is_kept: bool| Quantity::or(name, is_defined.then(|| f64::from(u8::from(is_kept))), "", NO_SIGMA);
-    let lost_time_s = kept.lost.filter(|_| is_defined).map(|step| comparison.steps[step].time_s);
+fn line(
+    id: &str,
+    kept: &Kept,
+    comparison: &Comparison,
+    is_defined: bool,
+    unit: &'static str,
+) -> Line {
+    let flag = |name, is_kept: bool| {
+        Quantity::or(
+            name,
+            is_defined.then(|| f64::from(u8::from(is_kept))),
+            "",
+            NO_SIGMA,
+        )
+    };
+    let lost_time_s = kept
+        .lost
+        .filter(|_| is_defined)
+        .map(|step| comparison.steps[step].time_s);
     Line {
         id: id.to_owned(),
         quantities: vec![
             flag("identity", kept.identity),
             flag("stay", kept.stay),
             Quantity::or("lost_time", lost_time_s, "s", "never lost"),
-            Quantity::or("mean_absolute_error", kept.mean_absolute_error(), unit, NO_NAME),
+            Quantity::or(
+                "mean_absolute_error",
+                kept.mean_absolute_error(),
+                unit,
+                NO_NAME,
+            ),
         ],
     }
 }
@@ -330,43 +457,105 @@ mod tests {
     #[test]
     fn a_swap_is_told_at_the_first_step_at_which_the_targets_are_apart_again() {
         // The targets are 20, 2, 4 and 8 apart; the tracks change sides at the third step, and 4 is not yet apart (6).
-        let truths: [(&str, &[f64]); 2] = [("a", &[-10.0, -1.0, 2.0, 4.0]), ("b", &[10.0, 1.0, -2.0, -4.0])];
-        let swapped = compare(&truths, &[("a", &[-10.0, -1.0, -2.0, -4.0]), ("b", &[10.0, 1.0, 2.0, 4.0])], 50.0);
+        let truths: [(&str, &[f64]); 2] = [
+            ("a", &[-10.0, -1.0, 2.0, 4.0]),
+            ("b", &[10.0, 1.0, -2.0, -4.0]),
+        ];
+        let swapped = compare(
+            &truths,
+            &[
+                ("a", &[-10.0, -1.0, -2.0, -4.0]),
+                ("b", &[10.0, 1.0, 2.0, 4.0]),
+            ],
+            50.0,
+        );
         let found = report(std::slice::from_ref(&swapped));
-        let expected =
-            [("identity", Some(0.0)), ("stay", Some(0.0)), ("mean_absolute_error", Some(3.0)), ("mean_absolute_error_kept", None)];
+        let expected = [
+            ("identity", Some(0.0)),
+            ("stay", Some(0.0)),
+            ("mean_absolute_error", Some(3.0)),
+            ("mean_absolute_error_kept", None),
+        ];
         assert_quantities(&found, &expected);
         let target = &found.findings["targets"][0];
-        assert_eq!((&target["lost_step"], &target["lost_time_s"], &target["swapped_with"]), (&json!(4), &json!(3.0), &json!("b")));
+        assert_eq!(
+            (
+                &target["lost_step"],
+                &target["lost_time_s"],
+                &target["swapped_with"]
+            ),
+            (&json!(4), &json!(3.0), &json!("b"))
+        );
         let kept = compare(&truths, &truths, 50.0);
         assert_quantities(
             &report(&[swapped, kept]),
-            &[("identity", Some(0.5)), ("mean_absolute_error", Some(1.5)), ("targets_identity", Some(2.0))],
+            &[
+                ("identity", Some(0.5)),
+                ("mean_absolute_error", Some(1.5)),
+                ("targets_identity", Some(2.0)),
+            ],
         );
     }
 
     #[test]
     fn a_lag_of_more_than_five_sigma_breaks_stay_and_of_more_than_ten_identity() {
-        let of = |error: f64| report(&[compare(&[("a", &[0.0, 0.0])], &[("a", &[0.0, error])], 50.0)]);
-        for (error, identity, stay) in [(5.0, 1.0, 1.0), (5.01, 1.0, 0.0), (10.0, 1.0, 0.0), (10.01, 0.0, 0.0)] {
-            assert_quantities(&of(error), &[("identity", Some(identity)), ("stay", Some(stay))]);
+        let of = |error: f64| {
+            report(&[compare(
+                &[("a", &[0.0, 0.0])],
+                &[("a", &[0.0, error])],
+                50.0,
+            )])
+        };
+        for (error, identity, stay) in [
+            (5.0, 1.0, 1.0),
+            (5.01, 1.0, 0.0),
+            (10.0, 1.0, 0.0),
+            (10.01, 0.0, 0.0),
+        ] {
+            assert_quantities(
+                &of(error),
+                &[("identity", Some(identity)), ("stay", Some(stay))],
+            );
         }
-        assert_eq!(of(11.0).findings["targets"][0]["swapped_with"], Value::Null, "there is no other target");
+        assert_eq!(
+            of(11.0).findings["targets"][0]["swapped_with"],
+            Value::Null,
+            "there is no other target"
+        );
     }
 
     #[test]
     fn a_missing_track_is_a_lost_one_and_names_and_sigma_are_needed() {
         let truths: [(&str, &[f64]); 2] = [("a", &[0.0, 0.0]), ("b", &[50.0, 50.0])];
-        let found = report(&[compare(&truths, &[("a", &[0.0, 0.0]), ("b", &[50.0, GONE])], 50.0)]);
+        let found = report(&[compare(
+            &truths,
+            &[("a", &[0.0, 0.0]), ("b", &[50.0, GONE])],
+            50.0,
+        )]);
         assert_quantities(
             &found,
-            &[("identity", Some(0.0)), ("stay", Some(0.0)), ("targets_identity", Some(1.0)), ("missing_points", Some(1.0))],
+            &[
+                ("identity", Some(0.0)),
+                ("stay", Some(0.0)),
+                ("targets_identity", Some(1.0)),
+                ("missing_points", Some(1.0)),
+            ],
         );
         assert_eq!(found.findings["targets"][1]["lost_step"], 2);
         let strangers = report(&[compare(&truths, &[("1", &[0.0, 0.0])], 50.0)]);
-        assert_quantities(&strangers, &[("identity", None), ("mean_absolute_error", None)]);
-        let unknown = evaluate("track_keeping", json!({}), &[compare(&truths, &truths, 50.0)]);
-        assert_quantities(&unknown, &[("identity", None), ("mean_absolute_error", Some(0.0))]);
+        assert_quantities(
+            &strangers,
+            &[("identity", None), ("mean_absolute_error", None)],
+        );
+        let unknown = evaluate(
+            "track_keeping",
+            json!({}),
+            &[compare(&truths, &truths, 50.0)],
+        );
+        assert_quantities(
+            &unknown,
+            &[("identity", None), ("mean_absolute_error", Some(0.0))],
+        );
         assert_eq!(unknown.reason, Some(NO_SIGMA));
     }
 }

@@ -13,15 +13,26 @@ pub struct Choices {
 impl Default for Choices {
     /// One step without choices: the place before the first string.
     fn default() -> Self {
-        Choices { first: vec![0, 0], all: Vec::new() }
+        Choices {
+            first: vec![0, 0],
+            all: Vec::new(),
+        }
     }
 }
 
 impl Choices {
     /// Of the next step; when no others are given the step itself is the only choice.
     pub fn push(&mut self, step: Step, others: &[Step]) {
-        let steps = if others.is_empty() { std::slice::from_ref(&step) } else { others };
-        self.all.extend(steps.iter().map(|step| (step.symbol.unwrap_or(EPSILON), step.weight)));
+        let steps = if others.is_empty() {
+            std::slice::from_ref(&step)
+        } else {
+            others
+        };
+        self.all.extend(
+            steps
+                .iter()
+                .map(|step| (step.symbol.unwrap_or(EPSILON), step.weight)),
+        );
         self.first.push(self.all.len());
     }
 

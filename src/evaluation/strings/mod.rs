@@ -81,20 +81,34 @@ pub struct Strings<'a> {
 
 impl Strings<'_> {
     pub fn name_of(&self, symbol: u32) -> &str {
-        if self.symbols_are_targets { self.target_ids[symbol as usize] } else { self.identities.name(symbol) }
+        if self.symbols_are_targets {
+            self.target_ids[symbol as usize]
+        } else {
+            self.identities.name(symbol)
+        }
     }
 
     /// The target behind a symbol; `None` is clutter.
     pub fn target_of(&self, symbol: u32) -> Option<u32> {
-        if self.symbols_are_targets { Some(symbol) } else { self.identities.origin(symbol) }
+        if self.symbols_are_targets {
+            Some(symbol)
+        } else {
+            self.identities.origin(symbol)
+        }
     }
 
     /// Index of the truth string that has a symbol at a place of the axis.
     pub fn truth_string_of(&self, symbol: u32, position: usize) -> Option<usize> {
         let own = self.truth.of_owner(self.target_of(symbol)? as usize);
-        let passed = self.truth.strings()[own.clone()].partition_point(|string| string.end() <= position);
+        let passed =
+            self.truth.strings()[own.clone()].partition_point(|string| string.end() <= position);
         let string = own.start + passed;
-        (string < own.end && self.truth.symbol_at(&self.truth.strings()[string], position) == Some(symbol)).then_some(string)
+        (string < own.end
+            && self
+                .truth
+                .symbol_at(&self.truth.strings()[string], position)
+                == Some(symbol))
+        .then_some(string)
     }
 }
 
@@ -102,10 +116,15 @@ impl Strings<'_> {
 ///
 /// # Errors
 /// The inputs that the rule of symbols needs and does not have.
-pub fn write_strings<'a>(input: &EvaluationInput<'a>, rules: &StringRules) -> Result<Strings<'a>, Vec<Fault>> {
+pub fn write_strings<'a>(
+    input: &EvaluationInput<'a>,
+    rules: &StringRules,
+) -> Result<Strings<'a>, Vec<Fault>> {
     check_places(input, rules.symbols)?;
     match rules.symbols {
-        SymbolRule::NearestTruth { gate_m, max_gap_s } => by_nearest_truth(input, gate_m, max_gap_s, rules),
+        SymbolRule::NearestTruth { gate_m, max_gap_s } => {
+            by_nearest_truth(input, gate_m, max_gap_s, rules)
+        }
         SymbolRule::DetectionId => by_detection(input, None, rules),
         SymbolRule::NearestDetection { gate_m } => by_detection(input, Some(gate_m), rules),
     }
@@ -115,31 +134,72 @@ pub fn write_strings<'a>(input: &EvaluationInput<'a>, rules: &StringRules) -> Re
 fn check_places(input: &EvaluationInput, rule: SymbolRule) -> Result<(), Vec<Fault>> {
     let needs_truth = matches!(rule, SymbolRule::NearestTruth { .. });
     let is_truth_of_bearings = needs_truth && input.truth.is_some_and(TruthSet::is_of_bearings);
-    let of_bearings = [("tracks", input.tracks.is_of_bearings()), ("truth", is_truth_of_bearings)];
+    let of_bearings = [
+        ("tracks", input.tracks.is_of_bearings()),
+        ("truth", is_truth_of_bearings),
+    ];
     let fault = |(name, _): &(&str, bool)| {
-        let detail = format!("the {name} are directions (bearing_deg): what is nearest to them in metres is not defined");
+        let detail = format!(
+            "the {name} are directions (bearing_deg): what is nearest to them in metres is not defined"
+        );
         Fault::new("/tfa/symbols", "unsupported", detail).allowing("detection_id")
     };
-    let faults: Vec<Fault> = of_bearings.iter().filter(|(_, is_of_bearings)| *is_of_bearings).map(fault).collect();
-    if rule == SymbolRule::DetectionId || faults.is_empty() { Ok(()) } else { Err(faults) }
+    let faults: Vec<Fault> = of_bearings
+        .iter()
+        .filter(|(_, is_of_bearings)| *is_of_bearings)
+        .map(fault)
+        .collect();
+    if rule == SymbolRule::DetectionId || faults.is_empty() {
+        Ok(())
+    } else {
+        Err(faults)
+    }
 }
 
 /// Symbols are detections: those that tracks name, or the nearest within a gate.
-fn by_detection<'a>(input: &EvaluationInput<'a>, gate_m: Option<f64>, rules: &StringRules) -> Result<Strings<'a>, Vec<Fault>> {
+fn by_detection<'a>(
+    input: &EvaluationInput<'a>,
+    gate_m: Option<f64>,
+    rules: &StringRules,
+) -> Result<Strings<'a>, Vec<Fault>> {
     let Some(recording) = input.recording else {
-        return Err(vec![Fault::new("/detections", "missing", "'detections' is required when symbols are detections")]);
+        return Err(vec![Fault::new(
+            "/detections",
+            "missing",
+            "'detections' is required when symbols are detections",
+        )]);
     };
     if !recording.origins_known {
         let detail = "the detections do not say which target they came from, so the tracks cannot be compared by detection";
-        return Err(vec![Fault::new("/tfa/symbols", "unsupported", detail).allowing("nearest_truth")]);
+        return Err(vec![
+            Fault::new("/tfa/symbols", "unsupported", detail).allowing("nearest_truth"),
+        ]);
     }
     let sensors = rules.sensors.unwrap_or(&recording.sensors);
-    let nearest = gate_m.map(|gate_m| NearestDetection::new(recording, sensors, gate_m)).transpose()?;
+    let nearest = gate_m
+        .map(|gate_m| NearestDetection::new(recording, sensors, gate_m))
+        .transpose()?;
     // Nearly all tracks are at the times of the scans exactly; then nobody has to go through their times beforehand.
-    let exact = rules.time_tolerance_s.is_none().then(|| on_scans(input, recording, Steps::exactly(recording), nearest.as_ref(), rules));
-    Ok(exact.filter(|strings| strings.outputs.lost == 0).unwrap_or_else(|| {
-        on_scans(input, recording, Steps::new(Some(recording), None, input.tracks, rules.time_tolerance_s), nearest.as_ref(), rules)
-    }))
+    let exact = rules.time_tolerance_s.is_none().then(|| {
+        on_scans(
+            input,
+            recording,
+            Steps::exactly(recording),
+            nearest.as_ref(),
+            rules,
+        )
+    });
+    Ok(exact
+        .filter(|strings| strings.outputs.lost == 0)
+        .unwrap_or_else(|| {
+            on_scans(
+                input,
+                recording,
+                Steps::new(Some(recording), None, input.tracks, rules.time_tolerance_s),
+                nearest.as_ref(),
+                rules,
+            )
+        }))
 }
 
 /// Strings on the scans of a recording; `steps` are their times.
@@ -150,27 +210,69 @@ fn on_scans<'a>(
     nearest: Option<&NearestDetection>,
     rules: &StringRules,
 ) -> Strings<'a> {
-    let &StringRules { decision, max_missed, .. } = rules;
+    let &StringRules {
+        decision,
+        max_missed,
+        ..
+    } = rules;
     let mut warnings = std::mem::take(&mut steps.warnings);
     let axis = Axis::of_recording(recording, input.tracks, steps, max_missed);
     let mut identities = Identities::new(Some(recording), &input.tracks.detection_ids);
-    if let Some(alone) = nearest.map(|nearest| nearest.bearings_alone).filter(|&alone| alone > 0) {
+    if let Some(alone) = nearest
+        .map(|nearest| nearest.bearings_alone)
+        .filter(|&alone| alone > 0)
+    {
         warnings
             .push(format!("{alone} detection(s) are bearings alone, which are near to nothing, and were left out as symbols of tracks"));
     }
     let target_ids = targets_of(recording, input.truth);
-    let truth = truth_strings(recording, &axis, target_ids.len(), max_missed, &mut warnings);
+    let truth = truth_strings(
+        recording,
+        &axis,
+        target_ids.len(),
+        max_missed,
+        &mut warnings,
+    );
     let source = nearest.map_or(Source::Candidates(decision), Source::NearestDetection);
-    let outputs = outputs::read(input.tracks, &axis, &mut identities, source, max_missed, &mut warnings);
-    Strings { axis, target_ids, truth, outputs, identities, warnings, symbols_are_targets: false }
+    let outputs = outputs::read(
+        input.tracks,
+        &axis,
+        &mut identities,
+        source,
+        max_missed,
+        &mut warnings,
+    );
+    Strings {
+        axis,
+        target_ids,
+        truth,
+        outputs,
+        identities,
+        warnings,
+        symbols_are_targets: false,
+    }
 }
 
-fn by_nearest_truth<'a>(input: &EvaluationInput<'a>, gate_m: f64, max_gap_s: f64, rules: &StringRules) -> Result<Strings<'a>, Vec<Fault>> {
+fn by_nearest_truth<'a>(
+    input: &EvaluationInput<'a>,
+    gate_m: f64,
+    max_gap_s: f64,
+    rules: &StringRules,
+) -> Result<Strings<'a>, Vec<Fault>> {
     let max_missed = rules.max_missed;
     let Some(truth) = input.truth else {
-        return Err(vec![Fault::new("/truth", "missing", "'truth' is required when symbols are the nearest targets")]);
+        return Err(vec![Fault::new(
+            "/truth",
+            "missing",
+            "'truth' is required when symbols are the nearest targets",
+        )]);
     };
-    let mut steps = Steps::new(input.recording, Some(truth), input.tracks, rules.time_tolerance_s);
+    let mut steps = Steps::new(
+        input.recording,
+        Some(truth),
+        input.tracks,
+        rules.time_tolerance_s,
+    );
     let mut warnings = std::mem::take(&mut steps.warnings);
     let axis = match input.recording {
         Some(recording) => Axis::of_recording(recording, input.tracks, steps, max_missed),
@@ -179,27 +281,62 @@ fn by_nearest_truth<'a>(input: &EvaluationInput<'a>, gate_m: f64, max_gap_s: f64
     let nearest = NearestTruth::new(truth, &axis, gate_m, max_gap_s, input.recording.is_none())?;
     let mut strings = StringSet::new(max_missed);
     for (target, scans) in nearest.scans_of_target.iter().enumerate() {
-        strings.push_owner(scans.iter().map(|&scan| (axis.scans()[scan].position, Step::certain(target as u32))));
+        strings.push_owner(
+            scans
+                .iter()
+                .map(|&scan| (axis.scans()[scan].position, Step::certain(target as u32))),
+        );
     }
     if nearest.never_watched > 0 {
-        warnings.push(format!("{} target(s) exist at no scan of the recording and were left out", nearest.never_watched));
+        warnings.push(format!(
+            "{} target(s) exist at no scan of the recording and were left out",
+            nearest.never_watched
+        ));
     }
     let mut identities = Identities::new(input.recording, &input.tracks.detection_ids);
-    let outputs = outputs::read(input.tracks, &axis, &mut identities, Source::NearestTruth(&nearest), max_missed, &mut warnings);
-    Ok(Strings { axis, target_ids: nearest.target_ids, truth: strings, outputs, identities, warnings, symbols_are_targets: true })
+    let outputs = outputs::read(
+        input.tracks,
+        &axis,
+        &mut identities,
+        Source::NearestTruth(&nearest),
+        max_missed,
+        &mut warnings,
+    );
+    Ok(Strings {
+        axis,
+        target_ids: nearest.target_ids,
+        truth: strings,
+        outputs,
+        identities,
+        warnings,
+        symbols_are_targets: true,
+    })
 }
 
 /// The targets that origins refer to, then those that only the truth names: they were never detected.
 fn targets_of<'a>(recording: &'a Recording, truth: Option<&'a TruthSet>) -> Vec<&'a str> {
     let mut names: Vec<&str> = recording.targets.iter().map(String::as_str).collect();
     let detected: std::collections::HashSet<&str> = names.iter().copied().collect();
-    let others = truth.map_or(&[][..], TruthSet::targets).iter().map(|target| target.truth_id.as_str());
+    let others = truth
+        .map_or(&[][..], TruthSet::targets)
+        .iter()
+        .map(|target| target.truth_id.as_str());
     names.extend(others.filter(|name| !detected.contains(name)));
     names
 }
 
-fn truth_strings(recording: &Recording, axis: &Axis, targets: usize, max_missed: u32, warnings: &mut Vec<String>) -> StringSet {
-    let DetectionsByTarget { ends, places, doubled } = detections_by_target(recording, axis, targets);
+fn truth_strings(
+    recording: &Recording,
+    axis: &Axis,
+    targets: usize,
+    max_missed: u32,
+    warnings: &mut Vec<String>,
+) -> StringSet {
+    let DetectionsByTarget {
+        ends,
+        places,
+        doubled,
+    } = detections_by_target(recording, axis, targets);
     if doubled > 0 {
         warnings.push(format!("{doubled} detection(s) come from a target that already has one in the same scan; the first counts"));
     }
@@ -207,7 +344,11 @@ fn truth_strings(recording: &Recording, axis: &Axis, targets: usize, max_missed:
     strings.reserve(places.len(), targets);
     let mut first = 0;
     for (room, end) in ends {
-        strings.push_owner(places[first..end].iter().map(|&(position, symbol)| (position as usize, Step::certain(symbol))));
+        strings.push_owner(
+            places[first..end]
+                .iter()
+                .map(|&(position, symbol)| (position as usize, Step::certain(symbol))),
+        );
         first = room;
     }
     strings
@@ -224,7 +365,11 @@ struct DetectionsByTarget {
 
 fn detections_by_target(recording: &Recording, axis: &Axis, targets: usize) -> DetectionsByTarget {
     let mut ends = vec![(0, 0); targets];
-    for origin in recording.detections.iter().filter_map(|detection| detection.origin) {
+    for origin in recording
+        .detections
+        .iter()
+        .filter_map(|detection| detection.origin)
+    {
         ends[origin as usize].0 += 1;
     }
     let mut total = 0;
@@ -237,8 +382,12 @@ fn detections_by_target(recording: &Recording, axis: &Axis, targets: usize) -> D
     let mut doubled = 0;
     for (scan, place) in recording.scans.iter().zip(axis.scans()) {
         for index in scan.range() {
-            let Some(origin) = recording.detections[index].origin else { continue };
-            let first = origin.checked_sub(1).map_or(0, |before| ends[before as usize].0);
+            let Some(origin) = recording.detections[index].origin else {
+                continue;
+            };
+            let first = origin
+                .checked_sub(1)
+                .map_or(0, |before| ends[before as usize].0);
             let end = &mut ends[origin as usize].1;
             if *end > first && places[*end - 1].0 == place.position as u32 {
                 doubled += 1;
@@ -248,5 +397,9 @@ fn detections_by_target(recording: &Recording, axis: &Axis, targets: usize) -> D
             }
         }
     }
-    DetectionsByTarget { ends, places, doubled }
+    DetectionsByTarget {
+        ends,
+        places,
+        doubled,
+    }
 }

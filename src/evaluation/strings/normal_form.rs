@@ -20,10 +20,16 @@ pub struct Step {
 
 impl Step {
     /// ε for want of anything said.
-    pub const NOTHING: Step = Step { symbol: None, weight: 1.0 };
+    pub const NOTHING: Step = Step {
+        symbol: None,
+        weight: 1.0,
+    };
 
     pub fn certain(symbol: u32) -> Self {
-        Step { symbol: Some(symbol), weight: 1.0 }
+        Step {
+            symbol: Some(symbol),
+            weight: 1.0,
+        }
     }
 }
 
@@ -91,7 +97,11 @@ impl StringSet {
     /// Strings with a weight for each symbol, and with choices at each step if asked for.
     pub fn weighted(max_missed: u32, with_choices: bool) -> Self {
         let choices = with_choices.then(Choices::default);
-        StringSet { weights: vec![0.0], choices, ..StringSet::new(max_missed) }
+        StringSet {
+            weights: vec![0.0],
+            choices,
+            ..StringSet::new(max_missed)
+        }
     }
 
     /// Makes room for so many more symbols of so many more strings.
@@ -144,21 +154,37 @@ impl StringSet {
     fn open_string(&self, start: usize) -> TrackString {
         let owner = self.first_of_owner.len() - 1;
         let part = self.strings.len() - self.first_of_owner[owner];
-        TrackString { owner: owner as u32, part: part as u32, start, first_step: self.symbols.len(), len: 0, real: 0 }
+        TrackString {
+            owner: owner as u32,
+            part: part as u32,
+            start,
+            first_step: self.symbols.len(),
+            len: 0,
+            real: 0,
+        }
     }
 
     fn close_string(&mut self) {
         self.pending.clear();
         if let Some(string) = self.open.take() {
             self.strings.push(string);
-            self.write(Step { symbol: Some(END), weight: 0.0 }, &[]);
+            self.write(
+                Step {
+                    symbol: Some(END),
+                    weight: 0.0,
+                },
+                &[],
+            );
         }
     }
 
     /// Adds a step and what is pending to the open string, or opens one.
     #[inline]
     fn append(&mut self, position: usize, step: Step, choices: &[Step]) {
-        let mut open = self.open.take().unwrap_or_else(|| self.open_string(position));
+        let mut open = self
+            .open
+            .take()
+            .unwrap_or_else(|| self.open_string(position));
         open.len += self.pending.len() + 1;
         open.real += usize::from(step.symbol.is_some());
         self.open = Some(open);
@@ -201,7 +227,9 @@ impl StringSet {
 
     /// Index of the string that a place in the list of symbols belongs to.
     pub fn string_of_step(&self, step: usize) -> usize {
-        self.strings.partition_point(|string| string.first_step <= step) - 1
+        self.strings
+            .partition_point(|string| string.first_step <= step)
+            - 1
     }
 
     /// The list of all symbols, strings closed by [`END`].
@@ -226,20 +254,30 @@ impl StringSet {
 
     /// Everything that a place in the list of symbols may be, by symbol.
     pub fn choices_at(&self, step: usize) -> impl Iterator<Item = (u32, f64)> {
-        let several = self.choices.as_ref().map_or(&[][..], |choices| choices.at(step));
-        let alone = several.is_empty().then(|| (self.symbols[step], self.weight(step)));
+        let several = self
+            .choices
+            .as_ref()
+            .map_or(&[][..], |choices| choices.at(step));
+        let alone = several
+            .is_empty()
+            .then(|| (self.symbols[step], self.weight(step)));
         several.iter().copied().chain(alone)
     }
 
     /// The weight with which a place in the list of symbols may be this symbol.
     pub fn weight_of(&self, step: usize, symbol: u32) -> Option<f64> {
-        self.choices_at(step).find(|&(choice, _)| choice == symbol).map(|(_, weight)| weight)
+        self.choices_at(step)
+            .find(|&(choice, _)| choice == symbol)
+            .map(|(_, weight)| weight)
     }
 
     /// The symbol of a string at a place of the axis; outside the string it is ε.
     pub fn symbol_at(&self, string: &TrackString, position: usize) -> Option<u32> {
         let offset = position.checked_sub(string.start)?;
-        self.symbols_of(string).get(offset).copied().filter(|&symbol| symbol != EPSILON)
+        self.symbols_of(string)
+            .get(offset)
+            .copied()
+            .filter(|&symbol| symbol != EPSILON)
     }
 
     /// The weight with which a string is `symbol` at a place of the axis; outside the string it is surely ε.
@@ -259,9 +297,32 @@ mod tests {
     fn written(text: &str, max_missed: u32) -> Vec<(usize, String)> {
         let mut set = StringSet::new(max_missed);
         let steps = text.bytes().enumerate().filter(|&(_, byte)| byte != b' ');
-        set.push_owner(steps.map(|(position, byte)| (position, if byte == b'.' { Step::NOTHING } else { Step::certain(byte.into()) })));
-        let letter = |&symbol: &u32| if symbol == EPSILON { '.' } else { symbol as u8 as char };
-        set.strings().iter().map(|string| (string.start, set.symbols_of(string).iter().map(letter).collect())).collect()
+        set.push_owner(steps.map(|(position, byte)| {
+            (
+                position,
+                if byte == b'.' {
+                    Step::NOTHING
+                } else {
+                    Step::certain(byte.into())
+                },
+            )
+        }));
+        let letter = |&symbol: &u32| {
+            if symbol == EPSILON {
+                '.'
+            } else {
+                symbol as u8 as char
+            }
+        };
+        set.strings()
+            .iter()
+            .map(|string| {
+                (
+                    string.start,
+                    set.symbols_of(string).iter().map(letter).collect(),
+                )
+            })
+            .collect()
     }
 
     #[test]
@@ -277,35 +338,74 @@ mod tests {
             assert_eq!(written(&format!("a{gap}b"), 5), [(0, "a....b".to_owned())]);
         }
         for gap in [".....", "     ", ". . .", " ..  "] {
-            assert_eq!(written(&format!("a{gap}b"), 5), [(0, "a".to_owned()), (6, "b".to_owned())]);
+            assert_eq!(
+                written(&format!("a{gap}b"), 5),
+                [(0, "a".to_owned()), (6, "b".to_owned())]
+            );
         }
-        assert_eq!(written("a.b", 1), [(0, "a".to_owned()), (2, "b".to_owned())]);
+        assert_eq!(
+            written("a.b", 1),
+            [(0, "a".to_owned()), (2, "b".to_owned())]
+        );
     }
 
     #[test]
     fn weights_of_epsilon_are_kept() {
         let mut set = StringSet::weighted(3, false);
-        let doubted = Step { symbol: None, weight: 0.25 };
+        let doubted = Step {
+            symbol: None,
+            weight: 0.25,
+        };
         set.push_owner([(0, Step::certain(1)), (2, doubted), (3, Step::certain(2))]);
         let string = set.strings()[0];
         assert_eq!(set.symbols_of(&string), [1, EPSILON, EPSILON, 2]);
-        assert_eq!(string.steps().map(|step| set.weight(step)).collect::<Vec<_>>(), [1.0, 1.0, 0.25, 1.0]);
+        assert_eq!(
+            string
+                .steps()
+                .map(|step| set.weight(step))
+                .collect::<Vec<_>>(),
+            [1.0, 1.0, 0.25, 1.0]
+        );
         assert_eq!(set.symbols()[string.steps().end], END);
     }
 
     #[test]
     fn a_scan_that_may_have_been_real_is_not_missed() {
         let mut set = StringSet::weighted(1, true);
-        let (nothing, maybe) = (Step { symbol: None, weight: 0.6 }, Step { symbol: Some(7), weight: 0.4 });
+        let (nothing, maybe) = (
+            Step {
+                symbol: None,
+                weight: 0.6,
+            },
+            Step {
+                symbol: Some(7),
+                weight: 0.4,
+            },
+        );
         set.push_step(0, Step::certain(1), &[Step::certain(1)]);
         set.push_step(1, nothing, &[nothing, maybe]);
         set.push_step(2, Step::certain(2), &[Step::certain(2)]);
         set.push_step(3, Step::NOTHING, &[Step::NOTHING]);
         set.end_owner();
         let string = set.strings()[0];
-        assert_eq!((set.strings().len(), string.start, string.end(), string.real), (1, 0, 3, 2));
-        assert_eq!(set.choices_at(string.first_step + 1).collect::<Vec<_>>(), [(EPSILON, 0.6), (7, 0.4)]);
-        assert_eq!((set.weight_at(&string, 1, 7), set.weight_at(&string, 2, 7)), (Some(0.4), None));
-        assert_eq!((set.weight_at(&string, 3, EPSILON), set.weight_at(&string, 3, 2)), (Some(1.0), None));
+        assert_eq!(
+            (set.strings().len(), string.start, string.end(), string.real),
+            (1, 0, 3, 2)
+        );
+        assert_eq!(
+            set.choices_at(string.first_step + 1).collect::<Vec<_>>(),
+            [(EPSILON, 0.6), (7, 0.4)]
+        );
+        assert_eq!(
+            (set.weight_at(&string, 1, 7), set.weight_at(&string, 2, 7)),
+            (Some(0.4), None)
+        );
+        assert_eq!(
+            (
+                set.weight_at(&string, 3, EPSILON),
+                set.weight_at(&string, 3, 2)
+            ),
+            (Some(1.0), None)
+        );
     }
 }

@@ -68,7 +68,18 @@ pub fn read<'a>(
         lost: 0,
     };
     let (at_scan, choices, lost_points) = (Vec::new(), Vec::new(), Vec::new());
-    let mut reader = Reader { tracks, axis, identities, source, outputs, at_scan, choices, lost_points, between: 0, never_confirmed: 0 };
+    let mut reader = Reader {
+        tracks,
+        axis,
+        identities,
+        source,
+        outputs,
+        at_scan,
+        choices,
+        lost_points,
+        between: 0,
+        never_confirmed: 0,
+    };
     let mut points = Vec::new();
     for (index, track) in tracks.tracks.iter().enumerate() {
         reader.read_track(index as u32, track, &mut points);
@@ -96,7 +107,11 @@ struct Reader<'r, 'a> {
 impl Reader<'_, '_> {
     /// `points` is memory that goes from track to track.
     fn read_track(&mut self, index: u32, track: &Track, points: &mut Vec<(usize, usize)>) {
-        if track.points.iter().all(|point| point.status == Some(TrackStatus::Tentative)) {
+        if track
+            .points
+            .iter()
+            .all(|point| point.status == Some(TrackStatus::Tentative))
+        {
             self.never_confirmed += 1;
             self.outputs.strings.end_owner();
             return;
@@ -116,7 +131,11 @@ impl Reader<'_, '_> {
         points.clear();
         let mut guess = 0;
         for (index, point) in track.points.iter().enumerate() {
-            match self.axis.scan_near(point, guess).or_else(|| self.scan_named_by(point)) {
+            match self
+                .axis
+                .scan_near(point, guess)
+                .or_else(|| self.scan_named_by(point))
+            {
                 Some(scan) => {
                     points.push((scan, index));
                     guess = scan + 1;
@@ -127,7 +146,8 @@ impl Reader<'_, '_> {
                     self.outputs.lost += 1;
                     self.between += usize::from(self.is_between(point));
                     if self.lost_points.len() < EXAMPLES {
-                        self.lost_points.push(format!("track '{}' at {} s", track.track_id, point.time_s));
+                        self.lost_points
+                            .push(format!("track '{}' at {} s", track.track_id, point.time_s));
                     }
                 }
             }
@@ -147,52 +167,92 @@ impl Reader<'_, '_> {
         if !self.is_between(point) {
             return None;
         }
-        let has_any = |&scan: &usize| self.named_by(point).any(|name| self.identities.is_in(scan, name));
+        let has_any = |&scan: &usize| {
+            self.named_by(point)
+                .any(|name| self.identities.is_in(scan, name))
+        };
         let mut found = self.axis.scans_at(point.time_s).filter(has_any);
         found.next().filter(|_| found.next().is_none())
     }
 
     fn named_by(&self, point: &TrackPoint) -> impl Iterator<Item = u32> {
-        self.tracks.candidates_of(point).iter().filter_map(|candidate| candidate.detection)
+        self.tracks
+            .candidates_of(point)
+            .iter()
+            .filter_map(|candidate| candidate.detection)
     }
 
     /// The step of a track at one scan, from all its points there (more than one only in careless files).
     fn read_scan(&mut self, index: u32, track: &Track, points: &[(usize, usize)]) {
         let (scan, first) = points[0];
         self.choices.clear();
-        let alone = if let [(_, point)] = points { self.only_candidate(&track.points[*point]) } else { None };
+        let alone = if let [(_, point)] = points {
+            self.only_candidate(&track.points[*point])
+        } else {
+            None
+        };
         let decision = match alone {
-            Some(one) => Step { symbol: one.detection.map(|name| self.identify(index, scan, name)), weight: one.probability },
+            Some(one) => Step {
+                symbol: one.detection.map(|name| self.identify(index, scan, name)),
+                weight: one.probability,
+            },
             None => self.decide_of_many(index, scan, track, points),
         };
         if let Some(detection) = decision.symbol {
-            self.outputs.decisions.push(Consumed { track: index, scan: scan as u32, detection });
+            self.outputs.decisions.push(Consumed {
+                track: index,
+                scan: scan as u32,
+                detection,
+            });
         }
         let step = match self.source {
             Source::NearestTruth(nearest) => {
                 let place_m = place_of(&track.points[first]);
-                Step { symbol: place_m.and_then(|place_m| nearest.symbol(scan, &place_m)), weight: 1.0 }
+                Step {
+                    symbol: place_m.and_then(|place_m| nearest.symbol(scan, &place_m)),
+                    weight: 1.0,
+                }
             }
             _ => decision,
         };
-        self.outputs.strings.push_step(self.axis.scans()[scan].position, step, &self.choices);
+        self.outputs
+            .strings
+            .push_step(self.axis.scans()[scan].position, step, &self.choices);
     }
 
     /// What a track decides among the candidates of all its points at a scan.
-    fn decide_of_many(&mut self, index: u32, scan: usize, track: &Track, points: &[(usize, usize)]) -> Step {
-        self.gather(index, scan, points.iter().map(|&(_, point)| &track.points[point]));
+    fn decide_of_many(
+        &mut self,
+        index: u32,
+        scan: usize,
+        track: &Track,
+        points: &[(usize, usize)],
+    ) -> Step {
+        self.gather(
+            index,
+            scan,
+            points.iter().map(|&(_, point)| &track.points[point]),
+        );
         match self.source {
             Source::Candidates(DecisionPolicy::AllGated { min_weight }) => {
                 allow(&self.at_scan, min_weight, &mut self.choices);
-                decide(self.choices.iter().map(|step| Candidate { detection: step.symbol, probability: step.weight }))
+                decide(self.choices.iter().map(|step| Candidate {
+                    detection: step.symbol,
+                    probability: step.weight,
+                }))
             }
             Source::Candidates(DecisionPolicy::MostProbable) | Source::NearestTruth(_) => {
                 self.report_crowd(index, scan);
                 decide(self.at_scan.iter().copied())
             }
             Source::NearestDetection(nearest) => {
-                let place_m = points.first().and_then(|&(_, first)| place_of(&track.points[first]));
-                Step { symbol: place_m.and_then(|place_m| nearest.nearest(scan, &place_m)), weight: 1.0 }
+                let place_m = points
+                    .first()
+                    .and_then(|&(_, first)| place_of(&track.points[first]));
+                Step {
+                    symbol: place_m.and_then(|place_m| nearest.nearest(scan, &place_m)),
+                    weight: 1.0,
+                }
             }
         }
     }
@@ -201,21 +261,37 @@ impl Reader<'_, '_> {
     /// decides hard, so it is not copied about.
     fn only_candidate(&self, point: &TrackPoint) -> Option<Candidate> {
         match (self.source, self.tracks.candidates_of(point)) {
-            (Source::Candidates(DecisionPolicy::MostProbable) | Source::NearestTruth(_), [one]) if !one.probability.is_nan() => Some(*one),
+            (Source::Candidates(DecisionPolicy::MostProbable) | Source::NearestTruth(_), [one])
+                if !one.probability.is_nan() =>
+            {
+                Some(*one)
+            }
             _ => None,
         }
     }
 
     /// Collects the candidates of points, with identities.
-    fn gather<'p>(&mut self, track: u32, scan: usize, points: impl Iterator<Item = &'p TrackPoint>) {
+    fn gather<'p>(
+        &mut self,
+        track: u32,
+        scan: usize,
+        points: impl Iterator<Item = &'p TrackPoint>,
+    ) {
         self.at_scan.clear();
         if matches!(self.source, Source::NearestDetection(_)) {
             return;
         }
         for point in points {
-            for &Candidate { detection, probability } in self.tracks.candidates_of(point) {
+            for &Candidate {
+                detection,
+                probability,
+            } in self.tracks.candidates_of(point)
+            {
                 let detection = detection.map(|index| self.identify(track, scan, index));
-                self.at_scan.push(Candidate { detection, probability });
+                self.at_scan.push(Candidate {
+                    detection,
+                    probability,
+                });
             }
         }
     }
@@ -223,7 +299,11 @@ impl Reader<'_, '_> {
     fn identify(&mut self, track: u32, scan: usize, index: u32) -> u32 {
         let detection = self.identities.resolve(scan, index);
         if self.identities.is_unknown(detection) {
-            self.outputs.unknown.push(Consumed { track, scan: scan as u32, detection });
+            self.outputs.unknown.push(Consumed {
+                track,
+                scan: scan as u32,
+                detection,
+            });
         }
         detection
     }
@@ -235,20 +315,30 @@ impl Reader<'_, '_> {
         let mut detections: Vec<u32> = Vec::new();
         let mut total = 0.0;
         for candidate in &self.at_scan {
-            if let Some(detection) = candidate.detection.filter(|it| candidate.probability > 0.0 && !detections.contains(it)) {
+            if let Some(detection) = candidate
+                .detection
+                .filter(|it| candidate.probability > 0.0 && !detections.contains(it))
+            {
                 detections.push(detection);
                 total += candidate.probability;
             }
         }
         if detections.len() > 1 && total > 1.0 + ROUNDING {
-            self.outputs.crowded.push(Crowded { track, scan: scan as u32, detections });
+            self.outputs.crowded.push(Crowded {
+                track,
+                scan: scan as u32,
+                detections,
+            });
         }
     }
 
     fn warn(&self, warnings: &mut Vec<String>) {
         if self.outputs.lost > 0 {
             let examples = self.lost_points.join(", ");
-            warnings.push(format!("{} track point(s) belong to no scan and were left out, first: {examples}", self.outputs.lost));
+            warnings.push(format!(
+                "{} track point(s) belong to no scan and were left out, first: {examples}",
+                self.outputs.lost
+            ));
         }
         if self.between > 0 {
             warnings.push(format!(
@@ -258,7 +348,10 @@ impl Reader<'_, '_> {
             ));
         }
         if self.never_confirmed > 0 {
-            warnings.push(format!("{} track(s) were never confirmed and are not output tracks", self.never_confirmed));
+            warnings.push(format!(
+                "{} track(s) were never confirmed and are not output tracks",
+                self.never_confirmed
+            ));
         }
     }
 }
@@ -271,7 +364,10 @@ fn place_of(point: &TrackPoint) -> Option<Position> {
 /// The most probable candidate; ε when there is none.
 fn decide(candidates: impl Iterator<Item = Candidate>) -> Step {
     let best = candidates.fold(None, more_probable);
-    best.map_or(Step::NOTHING, |best| Step { symbol: best.detection, weight: best.probability })
+    best.map_or(Step::NOTHING, |best| Step {
+        symbol: best.detection,
+        weight: best.probability,
+    })
 }
 
 /// The better of two candidates, the earlier one first; a probability that is not a number never wins.
@@ -280,22 +376,47 @@ fn more_probable(best: Option<Candidate>, next: Candidate) -> Option<Candidate> 
         return best;
     }
     let Some(kept) = best else { return Some(next) };
-    let tie_to_detection = next.probability == kept.probability && kept.detection.is_none() && next.detection.is_some();
-    Some(if next.probability > kept.probability || tie_to_detection { next } else { kept })
+    let tie_to_detection = next.probability == kept.probability
+        && kept.detection.is_none()
+        && next.detection.is_some();
+    Some(if next.probability > kept.probability || tie_to_detection {
+        next
+    } else {
+        kept
+    })
 }
 
 /// Every candidate of at least the least weight; where there is none, ε with what is said of it or what is left for it.
 fn allow(candidates: &[Candidate], min_weight: f64, choices: &mut Vec<Step>) {
-    for candidate in candidates.iter().filter(|candidate| candidate.probability >= min_weight) {
-        match choices.iter_mut().find(|choice| choice.symbol == candidate.detection) {
+    for candidate in candidates
+        .iter()
+        .filter(|candidate| candidate.probability >= min_weight)
+    {
+        match choices
+            .iter_mut()
+            .find(|choice| choice.symbol == candidate.detection)
+        {
             Some(known) => known.weight = known.weight.max(candidate.probability),
-            None => choices.push(Step { symbol: candidate.detection, weight: candidate.probability }),
+            None => choices.push(Step {
+                symbol: candidate.detection,
+                weight: candidate.probability,
+            }),
         }
     }
     if choices.is_empty() {
-        let said = candidates.iter().find(|candidate| candidate.detection.is_none()).map(|candidate| candidate.probability);
-        let taken: f64 = candidates.iter().map(|candidate| candidate.probability).filter(|probability| !probability.is_nan()).sum();
-        choices.push(Step { symbol: None, weight: said.unwrap_or((1.0 - taken).max(0.0)) });
+        let said = candidates
+            .iter()
+            .find(|candidate| candidate.detection.is_none())
+            .map(|candidate| candidate.probability);
+        let taken: f64 = candidates
+            .iter()
+            .map(|candidate| candidate.probability)
+            .filter(|probability| !probability.is_nan())
+            .sum();
+        choices.push(Step {
+            symbol: None,
+            weight: said.unwrap_or((1.0 - taken).max(0.0)),
+        });
     }
 }
 
@@ -304,38 +425,68 @@ mod tests {
     use super::*;
 
     fn decide(candidates: &[(Option<u32>, f64)]) -> Option<Option<u32>> {
-        candidates_of(candidates).into_iter().fold(None, more_probable).map(|decision| decision.detection)
+        candidates_of(candidates)
+            .into_iter()
+            .fold(None, more_probable)
+            .map(|decision| decision.detection)
     }
 
     #[test]
     fn the_most_probable_candidate_counts_and_ties_go_to_the_first_detection() {
         assert_eq!(decide(&[]), None);
-        assert_eq!(decide(&[(None, 0.5), (Some(1), 0.3), (Some(2), 0.2)]), Some(None));
-        assert_eq!(decide(&[(None, 0.2), (Some(1), 0.4), (Some(2), 0.4)]), Some(Some(1)));
+        assert_eq!(
+            decide(&[(None, 0.5), (Some(1), 0.3), (Some(2), 0.2)]),
+            Some(None)
+        );
+        assert_eq!(
+            decide(&[(None, 0.2), (Some(1), 0.4), (Some(2), 0.4)]),
+            Some(Some(1))
+        );
         assert_eq!(decide(&[(None, 0.5), (Some(7), 0.5)]), Some(Some(7)));
         assert_eq!(decide(&[(Some(7), 0.5), (None, 0.5)]), Some(Some(7)));
         assert_eq!(decide(&[(Some(7), f64::NAN), (None, 0.1)]), Some(None));
     }
 
     fn candidates_of(candidates: &[(Option<u32>, f64)]) -> Vec<Candidate> {
-        candidates.iter().map(|&(detection, probability)| Candidate { detection, probability }).collect()
+        candidates
+            .iter()
+            .map(|&(detection, probability)| Candidate {
+                detection,
+                probability,
+            })
+            .collect()
     }
 
     fn allowed(candidates: &[(Option<u32>, f64)], min_weight: f64) -> Vec<(Option<u32>, f64)> {
         let mut choices = Vec::new();
         allow(&candidates_of(candidates), min_weight, &mut choices);
-        choices.into_iter().map(|step| (step.symbol, step.weight)).collect()
+        choices
+            .into_iter()
+            .map(|step| (step.symbol, step.weight))
+            .collect()
     }
 
     #[test]
     fn candidates_of_enough_weight_are_choices_and_epsilon_where_none_is() {
-        let soft = [(None, 0.25), (Some(1), 0.5), (Some(2), 0.125), (Some(3), 0.125)];
+        let soft = [
+            (None, 0.25),
+            (Some(1), 0.5),
+            (Some(2), 0.125),
+            (Some(3), 0.125),
+        ];
         assert_eq!(allowed(&soft, 0.125), soft);
         assert_eq!(allowed(&soft, 0.2), [(None, 0.25), (Some(1), 0.5)]);
         assert_eq!(allowed(&soft, 0.4), [(Some(1), 0.5)]);
         assert_eq!(allowed(&soft, 0.6), [(None, 0.25)], "nothing else is");
-        assert_eq!(allowed(&[(Some(1), 0.25), (Some(2), 0.5)], 0.6), [(None, 0.25)], "what the others leave");
+        assert_eq!(
+            allowed(&[(Some(1), 0.25), (Some(2), 0.5)], 0.6),
+            [(None, 0.25)],
+            "what the others leave"
+        );
         assert_eq!(allowed(&[], 0.1), [(None, 1.0)]);
-        assert_eq!(allowed(&[(Some(1), 0.25), (Some(1), 0.5), (Some(2), f64::NAN)], 0.1), [(Some(1), 0.5)]);
+        assert_eq!(
+            allowed(&[(Some(1), 0.25), (Some(1), 0.5), (Some(2), f64::NAN)], 0.1),
+            [(Some(1), 0.5)]
+        );
     }
 }

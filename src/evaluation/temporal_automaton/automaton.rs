@@ -30,9 +30,14 @@ pub struct Automaton {
 impl Automaton {
     /// From the transitions of each state and whether it is final.
     pub fn new(states: impl IntoIterator<Item = (Vec<Transition>, bool)>) -> Self {
-        let mut automaton = Automaton { first: vec![0], transitions: Vec::new(), is_final: Vec::new() };
+        let mut automaton = Automaton {
+            first: vec![0],
+            transitions: Vec::new(),
+            is_final: Vec::new(),
+        };
         for (mut transitions, is_final) in states {
-            transitions.sort_by_key(|transition| (transition.time, transition.symbol, transition.to));
+            transitions
+                .sort_by_key(|transition| (transition.time, transition.symbol, transition.to));
             automaton.transitions.append(&mut transitions);
             automaton.end_state(is_final);
         }
@@ -57,7 +62,12 @@ impl Automaton {
             let step = outputs.strings()[birth.string as usize].first_step + birth.offset as usize;
             let weight = outputs.weight_of(step, birth.symbol).unwrap_or(0.0);
             let to = first_state[birth.string as usize] + birth.offset;
-            automaton.transitions.push(Transition { time: birth.time, symbol: birth.symbol, weight, to });
+            automaton.transitions.push(Transition {
+                time: birth.time,
+                symbol: birth.symbol,
+                weight,
+                to,
+            });
         }
         automaton.end_state(false);
         for (string, &first) in outputs.strings().iter().zip(&first_state) {
@@ -80,7 +90,13 @@ impl Automaton {
         if step < end {
             let from = self.transitions.len();
             let time = time as u32;
-            self.transitions.extend(outputs.choices_at(step).map(|(symbol, weight)| Transition { time, symbol, weight, to }));
+            self.transitions
+                .extend(outputs.choices_at(step).map(|(symbol, weight)| Transition {
+                    time,
+                    symbol,
+                    weight,
+                    to,
+                }));
             self.transitions[from..].sort_by_key(|transition| transition.symbol);
         }
     }
@@ -107,8 +123,11 @@ impl Automaton {
 impl Transitions for Automaton {
     fn each(&self, state: u32, time: u32, symbol: u32, mut go: impl FnMut(u32, f64)) {
         let all = self.out_of(state);
-        let from = all.partition_point(|transition| (transition.time, transition.symbol) < (time, symbol));
-        let here = all[from..].iter().take_while(|transition| (transition.time, transition.symbol) == (time, symbol));
+        let from =
+            all.partition_point(|transition| (transition.time, transition.symbol) < (time, symbol));
+        let here = all[from..]
+            .iter()
+            .take_while(|transition| (transition.time, transition.symbol) == (time, symbol));
         here.for_each(|transition| go(transition.to, transition.weight));
     }
 

@@ -26,11 +26,22 @@ impl Births {
                 let passed = outputs.max_missed().min(offset);
                 (offset - passed..offset).all(|before| may_be_nothing(outputs, string, before))
             };
-            let offsets = if outputs.has_choices() { string.steps().len() } else { 1 };
+            let offsets = if outputs.has_choices() {
+                string.steps().len()
+            } else {
+                1
+            };
             for offset in (0..offsets).filter(|&offset| may_begin(offset)) {
-                let real = outputs.choices_at(string.first_step + offset).filter(|&(symbol, _)| symbol != EPSILON);
+                let real = outputs
+                    .choices_at(string.first_step + offset)
+                    .filter(|&(symbol, _)| symbol != EPSILON);
                 let time = (string.start + offset) as u32;
-                births.extend(real.map(|(symbol, _)| Birth { time, symbol, string: index as u32, offset: offset as u32 }));
+                births.extend(real.map(|(symbol, _)| Birth {
+                    time,
+                    symbol,
+                    string: index as u32,
+                    offset: offset as u32,
+                }));
             }
         }
         births.sort_unstable();
@@ -43,8 +54,13 @@ impl Births {
 
     /// The births on one symbol at one time.
     pub fn on(&self, time: u32, symbol: u32) -> &[Birth] {
-        let from = self.0.partition_point(|birth| (birth.time, birth.symbol) < (time, symbol));
-        let count = self.0[from..].iter().take_while(|birth| (birth.time, birth.symbol) == (time, symbol)).count();
+        let from = self
+            .0
+            .partition_point(|birth| (birth.time, birth.symbol) < (time, symbol));
+        let count = self.0[from..]
+            .iter()
+            .take_while(|birth| (birth.time, birth.symbol) == (time, symbol))
+            .count();
         &self.0[from..from + count]
     }
 }
@@ -52,9 +68,13 @@ impl Births {
 /// Whether a string may end with the step at `offset`: what follows may be ε so long that it belongs to the string no more.
 pub fn may_end(outputs: &StringSet, string: &TrackString, offset: usize) -> bool {
     let behind = offset + 1..string.steps().len().min(offset + 1 + outputs.max_missed());
-    behind.into_iter().all(|behind| may_be_nothing(outputs, string, behind))
+    behind
+        .into_iter()
+        .all(|behind| may_be_nothing(outputs, string, behind))
 }
 
 fn may_be_nothing(outputs: &StringSet, string: &TrackString, offset: usize) -> bool {
-    outputs.weight_of(string.first_step + offset, EPSILON).is_some()
+    outputs
+        .weight_of(string.first_step + offset, EPSILON)
+        .is_some()
 }

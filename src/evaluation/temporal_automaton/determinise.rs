@@ -33,12 +33,20 @@ pub fn determinise(automaton: &Automaton, max_states: usize) -> Option<Automaton
                 sets.push(goals.clone());
                 sets.len() as u32 - 1
             });
-            transitions.push(Transition { time, symbol, weight: 1.0, to });
+            transitions.push(Transition {
+                time,
+                symbol,
+                weight: 1.0,
+                to,
+            });
         }
         if sets.len() > max_states {
             return None;
         }
-        states.push((transitions, set.iter().any(|&state| automaton.is_final(state))));
+        states.push((
+            transitions,
+            set.iter().any(|&state| automaton.is_final(state)),
+        ));
     }
     Some(Automaton::new(states))
 }
@@ -46,7 +54,10 @@ pub fn determinise(automaton: &Automaton, max_states: usize) -> Option<Automaton
 fn goals_of(automaton: &Automaton, set: &[u32]) -> Goals {
     let mut goals = Goals::new();
     for transition in set.iter().flat_map(|&state| automaton.out_of(state)) {
-        goals.entry((transition.time, transition.symbol)).or_default().insert(transition.to);
+        goals
+            .entry((transition.time, transition.symbol))
+            .or_default()
+            .insert(transition.to);
     }
     goals
 }
@@ -59,12 +70,25 @@ pub fn minimise(automaton: &Automaton) -> Automaton {
     let mut class_of = vec![u32::MAX; automaton.states()];
     let mut classes: BTreeMap<Signature, u32> = BTreeMap::new();
     for state in ends_first(automaton) {
-        let goal = |transition: &Transition| (transition.time, transition.symbol, class_of[transition.to as usize]);
+        let goal = |transition: &Transition| {
+            (
+                transition.time,
+                transition.symbol,
+                class_of[transition.to as usize],
+            )
+        };
         // What never leads to an end is no part of the language.
-        let living: Vec<(u32, u32, u32)> = automaton.out_of(state).iter().map(goal).filter(|&(.., class)| class != u32::MAX).collect();
+        let living: Vec<(u32, u32, u32)> = automaton
+            .out_of(state)
+            .iter()
+            .map(goal)
+            .filter(|&(.., class)| class != u32::MAX)
+            .collect();
         if state == START || automaton.is_final(state) || !living.is_empty() {
             let next = classes.len() as u32;
-            class_of[state as usize] = *classes.entry((automaton.is_final(state), living)).or_insert(next);
+            class_of[state as usize] = *classes
+                .entry((automaton.is_final(state), living))
+                .or_insert(next);
         }
     }
     renumbered(classes, class_of[START as usize])
@@ -112,7 +136,12 @@ fn renumbered(classes: BTreeMap<Signature, u32>, start: u32) -> Automaton {
                 *number = order.len() as u32;
                 order.push(class);
             }
-            Transition { time, symbol, weight: 1.0, to: *number }
+            Transition {
+                time,
+                symbol,
+                weight: 1.0,
+                to: *number,
+            }
         };
         let transitions = transitions.into_iter().map(renumber).collect();
         states.push((transitions, is_final));

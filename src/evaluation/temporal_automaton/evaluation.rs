@@ -42,33 +42,91 @@ impl<'a> TfaEvaluation<'a> {
     ///
     /// # Errors
     /// Settings that make no sense; what is missing or unfit in the inputs for the chosen symbols.
-    pub fn new(input: EvaluationInput<'a>, sensors: Option<&[SensorSettings]>, settings: TfaSettings) -> Result<Self, Vec<Fault>> {
+    pub fn new(
+        input: EvaluationInput<'a>,
+        sensors: Option<&[SensorSettings]>,
+        settings: TfaSettings,
+    ) -> Result<Self, Vec<Fault>> {
         settings.check()?;
-        let TfaSettings { symbols, decision, max_missed, time_tolerance_s, .. } = settings;
-        let strings = strings::write_strings(&input, &StringRules { symbols, decision, max_missed, sensors, time_tolerance_s })?;
+        let TfaSettings {
+            symbols,
+            decision,
+            max_missed,
+            time_tolerance_s,
+            ..
+        } = settings;
+        let strings = strings::write_strings(
+            &input,
+            &StringRules {
+                symbols,
+                decision,
+                max_missed,
+                sensors,
+                time_tolerance_s,
+            },
+        )?;
         Ok(Self::of_strings(input, settings, strings))
     }
 
     /// What follows when the strings are written.
-    pub fn of_strings(input: EvaluationInput<'a>, settings: TfaSettings, mut strings: Strings<'a>) -> Self {
+    pub fn of_strings(
+        input: EvaluationInput<'a>,
+        settings: TfaSettings,
+        mut strings: Strings<'a>,
+    ) -> Self {
         let target_ranks = id_order::ranks(strings.target_ids.iter().copied());
-        let track_ranks = id_order::ranks(input.tracks.tracks.iter().map(|track| track.track_id.as_str()));
+        let track_ranks = id_order::ranks(
+            input
+                .tracks
+                .tracks
+                .iter()
+                .map(|track| track.track_id.as_str()),
+        );
         let outputs = &strings.outputs.strings;
         let births = Births::new(outputs);
-        let sides = Sides { truth: &strings.truth, outputs, births: &births, track_ranks: &track_ranks };
+        let sides = Sides {
+            truth: &strings.truth,
+            outputs,
+            births: &births,
+            track_ranks: &track_ranks,
+        };
         let mut search = Search::new(settings.search);
-        let table = outputs.has_choices().then(|| Automaton::of_strings(outputs, &births));
+        let table = outputs
+            .has_choices()
+            .then(|| Automaton::of_strings(outputs, &births));
         let verdicts = match &table {
             Some(table) => verdict::judge(sides, table, &mut search),
-            None => verdict::judge(sides, &Paths { outputs, births: &births }, &mut search),
+            None => verdict::judge(
+                sides,
+                &Paths {
+                    outputs,
+                    births: &births,
+                },
+                &mut search,
+            ),
         };
         let classes = output_tracks::classify(&strings, &target_ranks, &track_ranks);
         let broken = model_check::check(&strings.outputs);
         let (least_errors, bridges) = tolerant::least_errors(&strings, &verdicts);
         let bridged = bridged(&strings, input, &bridges);
         strings.warnings.extend(bridged);
-        let minimal = settings.minimise.then(|| minimal(outputs, &births, &mut strings.warnings)).flatten();
-        TfaEvaluation { input, settings, strings, track_ranks, births, table, minimal, verdicts, classes, broken, least_errors }
+        let minimal = settings
+            .minimise
+            .then(|| minimal(outputs, &births, &mut strings.warnings))
+            .flatten();
+        TfaEvaluation {
+            input,
+            settings,
+            strings,
+            track_ranks,
+            births,
+            table,
+            minimal,
+            verdicts,
+            classes,
+            broken,
+            least_errors,
+        }
     }
 
     pub fn report(&self) -> TfaReport {
@@ -78,16 +136,30 @@ impl<'a> TfaEvaluation<'a> {
     /// The sizes of the automaton as built.
     pub fn size(&self) -> Size {
         if let Some(table) = &self.table {
-            return Size { states: table.states(), transitions: table.transitions() };
+            return Size {
+                states: table.states(),
+                transitions: table.transitions(),
+            };
         }
-        let symbols: usize = self.strings.outputs.strings.strings().iter().map(|string| string.steps().len()).sum();
-        Size { states: 1 + symbols, transitions: symbols }
+        let symbols: usize = self
+            .strings
+            .outputs
+            .strings
+            .strings()
+            .iter()
+            .map(|string| string.steps().len())
+            .sum();
+        Size {
+            states: 1 + symbols,
+            transitions: symbols,
+        }
     }
 
     /// The automaton as a file: the minimal one if it was asked for. `None` when it has more than `max_transitions`.
     pub fn automaton_file(&self, max_transitions: usize) -> Option<AutomatonFile> {
         if let Some(minimal) = &self.minimal {
-            return (minimal.transitions() <= max_transitions).then(|| AutomatonFile::new(minimal, true, &self.strings));
+            return (minimal.transitions() <= max_transitions)
+                .then(|| AutomatonFile::new(minimal, true, &self.strings));
         }
         (self.size().transitions <= max_transitions).then(|| {
             let outputs = &self.strings.outputs.strings;
@@ -99,9 +171,18 @@ impl<'a> TfaEvaluation<'a> {
     /// How probable each truth string is, scan by scan. `None` when the truth strings have more than `max_scans` in all.
     pub fn scan_probabilities(&self, max_scans: usize) -> Option<Vec<ScanProbability>> {
         let truth = &self.strings.truth;
-        let scans: usize = truth.strings().iter().map(|string| string.steps().len()).sum();
+        let scans: usize = truth
+            .strings()
+            .iter()
+            .map(|string| string.steps().len())
+            .sum();
         let outputs = &self.strings.outputs.strings;
-        let sides = Sides { truth, outputs, births: &self.births, track_ranks: &self.track_ranks };
+        let sides = Sides {
+            truth,
+            outputs,
+            births: &self.births,
+            track_ranks: &self.track_ranks,
+        };
         (scans <= max_scans).then(|| weighted::scan_probabilities(&self.strings, sides))
     }
 
@@ -114,7 +195,10 @@ impl<'a> TfaEvaluation<'a> {
 /// A warning where one track goes on across gaps that end strings of its target.
 fn bridged(strings: &Strings, input: EvaluationInput, bridges: &[Bridge]) -> Option<String> {
     let first = bridges.first()?;
-    let (target, track) = (strings.target_ids[first.target as usize], &input.tracks.tracks[first.track as usize].track_id);
+    let (target, track) = (
+        strings.target_ids[first.target as usize],
+        &input.tracks.tracks[first.track as usize].track_id,
+    );
     Some(format!(
         "{} track(s) go on across a gap of {} scans or more that ends a string of their target, first track '{track}' of target '{target}': \
          least_errors give each string a track of its own, so that what follows the gap counts as missing there unless another track took it \
@@ -124,10 +208,19 @@ fn bridged(strings: &Strings, input: EvaluationInput, bridges: &[Bridge]) -> Opt
     ))
 }
 
-fn minimal(outputs: &strings::normal_form::StringSet, births: &Births, warnings: &mut Vec<String>) -> Option<Automaton> {
-    let deterministic = determinise(&Automaton::of_strings(outputs, births), MAX_MINIMISED_STATES);
+fn minimal(
+    outputs: &strings::normal_form::StringSet,
+    births: &Births,
+    warnings: &mut Vec<String>,
+) -> Option<Automaton> {
+    let deterministic = determinise(
+        &Automaton::of_strings(outputs, births),
+        MAX_MINIMISED_STATES,
+    );
     if deterministic.is_none() {
-        warnings.push(format!("the automaton was not minimised: it would take more than {MAX_MINIMISED_STATES} states"));
+        warnings.push(format!(
+            "the automaton was not minimised: it would take more than {MAX_MINIMISED_STATES} states"
+        ));
     }
     deterministic.map(|deterministic| minimise(&deterministic))
 }

@@ -41,7 +41,12 @@ impl AutomatonFile {
                 to: transition.to,
                 scan: scan.map(|scan| scan.number),
                 time_s: scan.map(|scan| scan.time_s),
-                symbol: if symbol == normal_form::EPSILON { EPSILON } else { strings.name_of(symbol) }.to_owned(),
+                symbol: if symbol == normal_form::EPSILON {
+                    EPSILON
+                } else {
+                    strings.name_of(symbol)
+                }
+                .to_owned(),
                 weight: (!minimised).then_some(transition.weight),
             }
         };
@@ -49,8 +54,18 @@ impl AutomatonFile {
             minimised,
             start_state: START,
             states: automaton.states(),
-            final_states: states.clone().filter(|&state| automaton.is_final(state)).collect(),
-            transitions: states.flat_map(|from| automaton.out_of(from).iter().map(move |transition| line(from, transition))).collect(),
+            final_states: states
+                .clone()
+                .filter(|&state| automaton.is_final(state))
+                .collect(),
+            transitions: states
+                .flat_map(|from| {
+                    automaton
+                        .out_of(from)
+                        .iter()
+                        .map(move |transition| line(from, transition))
+                })
+                .collect(),
         }
     }
 
@@ -61,10 +76,23 @@ impl AutomatonFile {
             // Writing to a text cannot fail.
             let _ = writeln!(text, "  {state} [shape=doublecircle];");
         }
-        for TransitionLine { from, to, scan, symbol, weight, .. } in &self.transitions {
+        for TransitionLine {
+            from,
+            to,
+            scan,
+            symbol,
+            weight,
+            ..
+        } in &self.transitions
+        {
             let scan = scan.map_or_else(String::new, |scan| format!("{scan}: "));
-            let weight = weight.filter(|&weight| weight != 1.0).map_or_else(String::new, |weight| format!(" ({weight})"));
-            let label = format!("{scan}{symbol}{weight}").replace('\\', "\\\\").replace('"', "\\\"").replace('\n', "\\n");
+            let weight = weight
+                .filter(|&weight| weight != 1.0)
+                .map_or_else(String::new, |weight| format!(" ({weight})"));
+            let label = format!("{scan}{symbol}{weight}")
+                .replace('\\', "\\\\")
+                .replace('"', "\\\"")
+                .replace('\n', "\\n");
             let _ = writeln!(text, "  {from} -> {to} [label=\"{label}\"];");
         }
         text.push_str("}\n");

@@ -5,8 +5,8 @@ use super::evaluation::TfaEvaluation;
 use super::model_check::Broken;
 use super::output_tracks::TrackClass;
 use super::report::{
-    AutomatonSizes, Counts, EPSILON, OutputTrackReport, Parameters, Probabilities, Ratios, Size, TargetReport, TfaReport, Tolerance,
-    TookKind, UnknownDetection, Violation,
+    AutomatonSizes, Counts, EPSILON, OutputTrackReport, Parameters, Probabilities, Ratios, Size,
+    TargetReport, TfaReport, Tolerance, TookKind, UnknownDetection, Violation,
 };
 use super::search::Order;
 use super::verdict::{Difference, Verdict};
@@ -40,10 +40,19 @@ impl Findings<'_, '_> {
             automaton: self.sizes(),
             tolerance: self.tolerance(counts.output_tracks),
             consistent: counts.correct == counts.targets,
-            missed_with_matched_track: matched.filter(|(judged, track)| judged.verdict == Verdict::Missed && track.is_some()).count(),
-            targets: (0..found.verdicts.len()).map(|target| self.target(target)).collect(),
+            missed_with_matched_track: matched
+                .filter(|(judged, track)| judged.verdict == Verdict::Missed && track.is_some())
+                .count(),
+            targets: (0..found.verdicts.len())
+                .map(|target| self.target(target))
+                .collect(),
             output_tracks,
-            violations: found.broken.iter().take(MAX_LISTED).map(|broken| self.violation(broken)).collect(),
+            violations: found
+                .broken
+                .iter()
+                .take(MAX_LISTED)
+                .map(|broken| self.violation(broken))
+                .collect(),
             violations_left_out: counts.violations.saturating_sub(MAX_LISTED),
             unknown_detections: self.unknown_detections(),
             unknown_detections_left_out: counts.unknown_detections.saturating_sub(MAX_LISTED),
@@ -53,20 +62,46 @@ impl Findings<'_, '_> {
     }
 
     fn sizes(&self) -> AutomatonSizes {
-        let Size { states, transitions } = self.0.size();
-        let size = |automaton: &Automaton| Size { states: automaton.states(), transitions: automaton.transitions() };
-        AutomatonSizes { states, transitions, minimised: self.0.minimal.as_ref().map(size) }
+        let Size {
+            states,
+            transitions,
+        } = self.0.size();
+        let size = |automaton: &Automaton| Size {
+            states: automaton.states(),
+            transitions: automaton.transitions(),
+        };
+        AutomatonSizes {
+            states,
+            transitions,
+            minimised: self.0.minimal.as_ref().map(size),
+        }
     }
 
     fn tolerance(&self, output_tracks: usize) -> Vec<Tolerance> {
-        let correct = tolerant::correct_by_budget(&self.0.least_errors, self.0.settings.tolerance as usize);
-        let line = |(k, correct)| Tolerance { k, correct, probability: ratio(correct, output_tracks) };
+        let correct =
+            tolerant::correct_by_budget(&self.0.least_errors, self.0.settings.tolerance as usize);
+        let line = |(k, correct)| Tolerance {
+            k,
+            correct,
+            probability: ratio(correct, output_tracks),
+        };
         correct.into_iter().enumerate().map(line).collect()
     }
 
     fn counts(&self, output_tracks: &[OutputTrackReport]) -> Counts {
-        let verdicts = |wanted| self.0.verdicts.iter().filter(|judged| judged.verdict == wanted).count();
-        let classes = |wanted| output_tracks.iter().filter(|track| track.class == wanted).count();
+        let verdicts = |wanted| {
+            self.0
+                .verdicts
+                .iter()
+                .filter(|judged| judged.verdict == wanted)
+                .count()
+        };
+        let classes = |wanted| {
+            output_tracks
+                .iter()
+                .filter(|track| track.class == wanted)
+                .count()
+        };
         Counts {
             targets: self.0.verdicts.len(),
             output_tracks: output_tracks.len(),
@@ -83,8 +118,14 @@ impl Findings<'_, '_> {
 
     fn target(&self, index: usize) -> TargetReport {
         let judged = &self.0.verdicts[index];
-        let record = judged.first.as_ref().map(|first| self.record(first)).unwrap_or_default();
-        let scan = judged.first.map(|first| self.0.strings.axis.at_position(first.position));
+        let record = judged
+            .first
+            .as_ref()
+            .map(|first| self.record(first))
+            .unwrap_or_default();
+        let scan = judged
+            .first
+            .map(|first| self.0.strings.axis.at_position(first.position));
         let truth = &self.0.strings.truth;
         let own = &truth.strings()[truth.of_owner(index)];
         TargetReport {
@@ -97,7 +138,10 @@ impl Findings<'_, '_> {
             took: record.took,
             took_kind: record.took_kind,
             took_truth_id: record.took_truth_id,
-            track_id: judged.first.and_then(|first| first.speaker).map(|output| self.track_of(output)),
+            track_id: judged
+                .first
+                .and_then(|first| first.speaker)
+                .map(|output| self.track_of(output)),
             errors: judged.errors,
             least_errors: self.0.least_errors[index],
             log_probability: judged.ln_weight.filter(|value| value.is_finite()),
@@ -110,13 +154,19 @@ impl Findings<'_, '_> {
     }
 
     fn record(&self, first: &Difference) -> Record {
-        let inside = |set: &StringSet, string: &TrackString| (first.position < string.end()).then(|| set.symbol_at(string, first.position));
+        let inside = |set: &StringSet, string: &TrackString| {
+            (first.position < string.end()).then(|| set.symbol_at(string, first.position))
+        };
         let truth = &self.0.strings.truth;
         let expected = inside(truth, &truth.strings()[first.string]);
         let outputs = &self.0.strings.outputs.strings;
         // Where no track speaks nothing was taken: ε.
-        let took = first.speaker.map_or(Some(None), |output| inside(outputs, &outputs.strings()[output]));
-        let took_target = took.flatten().and_then(|symbol| self.0.strings.target_of(symbol));
+        let took = first.speaker.map_or(Some(None), |output| {
+            inside(outputs, &outputs.strings()[output])
+        });
+        let took_target = took
+            .flatten()
+            .and_then(|symbol| self.0.strings.target_of(symbol));
         let took_kind = match took {
             None => TookKind::Ended,
             Some(None) => TookKind::Epsilon,
@@ -127,7 +177,8 @@ impl Findings<'_, '_> {
             expected: expected.map(|symbol| self.written(symbol)),
             took: took.map(|symbol| self.written(symbol)),
             took_kind: Some(took_kind),
-            took_truth_id: took_target.map(|target| self.0.strings.target_ids[target as usize].to_owned()),
+            took_truth_id: took_target
+                .map(|target| self.0.strings.target_ids[target as usize].to_owned()),
         }
     }
 
@@ -137,11 +188,25 @@ impl Findings<'_, '_> {
         let mut empty = self.0.strings.outputs.empty_tracks.iter().peekable();
         let mut reports = Vec::with_capacity(outputs.strings().len());
         for track in 0..outputs.owners() {
-            reports.extend(outputs.of_owner(track).map(|output| self.output_track(output)));
+            reports.extend(
+                outputs
+                    .of_owner(track)
+                    .map(|output| self.output_track(output)),
+            );
             if empty.next_if(|&&index| index as usize == track).is_some() {
                 let track_id = self.0.input.tracks.tracks[track].track_id.clone();
-                let (class, follows, start_scan, end_scan, errors) = (TrackClass::False, None, None, None, None);
-                reports.push(OutputTrackReport { track_id, part: 1, class, follows, start_scan, end_scan, symbols: 0, errors });
+                let (class, follows, start_scan, end_scan, errors) =
+                    (TrackClass::False, None, None, None, None);
+                reports.push(OutputTrackReport {
+                    track_id,
+                    part: 1,
+                    class,
+                    follows,
+                    start_scan,
+                    end_scan,
+                    symbols: 0,
+                    errors,
+                });
             }
         }
         reports
@@ -154,7 +219,8 @@ impl Findings<'_, '_> {
             track_id: self.track_of(output),
             part: string.part + 1,
             class: self.0.classes.class(output),
-            follows: following.map(|following| self.0.strings.target_ids[following.target as usize].to_owned()),
+            follows: following
+                .map(|following| self.0.strings.target_ids[following.target as usize].to_owned()),
             start_scan: Some(self.number_at(string.start)),
             end_scan: Some(self.number_at(string.end() - 1)),
             symbols: string.real,
@@ -168,21 +234,38 @@ impl Findings<'_, '_> {
             kind: broken.kind,
             scan: scan.number,
             time_s: scan.time_s,
-            detection_ids: broken.detections.iter().map(|&detection| self.0.strings.identities.name(detection).to_owned()).collect(),
-            track_ids: broken.tracks.iter().map(|&track| self.0.input.tracks.tracks[track as usize].track_id.clone()).collect(),
+            detection_ids: broken
+                .detections
+                .iter()
+                .map(|&detection| self.0.strings.identities.name(detection).to_owned())
+                .collect(),
+            track_ids: broken
+                .tracks
+                .iter()
+                .map(|&track| self.0.input.tracks.tracks[track as usize].track_id.clone())
+                .collect(),
         }
     }
 
     fn unknown_detections(&self) -> Vec<UnknownDetection> {
-        let named = self.0.strings.outputs.unknown.iter().take(MAX_LISTED).map(|unknown| {
-            let scan = &self.0.strings.axis.scans()[unknown.scan as usize];
-            UnknownDetection {
-                track_id: self.0.input.tracks.tracks[unknown.track as usize].track_id.clone(),
-                scan: scan.number,
-                time_s: scan.time_s,
-                detection_id: self.0.strings.identities.name(unknown.detection).to_owned(),
-            }
-        });
+        let named = self
+            .0
+            .strings
+            .outputs
+            .unknown
+            .iter()
+            .take(MAX_LISTED)
+            .map(|unknown| {
+                let scan = &self.0.strings.axis.scans()[unknown.scan as usize];
+                UnknownDetection {
+                    track_id: self.0.input.tracks.tracks[unknown.track as usize]
+                        .track_id
+                        .clone(),
+                    scan: scan.number,
+                    time_s: scan.time_s,
+                    detection_id: self.0.strings.identities.name(unknown.detection).to_owned(),
+                }
+            });
         named.collect()
     }
 
@@ -196,7 +279,9 @@ impl Findings<'_, '_> {
     }
 
     fn written(&self, symbol: Option<u32>) -> String {
-        symbol.map_or(EPSILON, |symbol| self.0.strings.name_of(symbol)).to_owned()
+        symbol
+            .map_or(EPSILON, |symbol| self.0.strings.name_of(symbol))
+            .to_owned()
     }
 }
 
@@ -212,7 +297,9 @@ fn parameters(settings: &TfaSettings) -> Parameters {
     let (symbols, gate_m, max_gap_s) = match settings.symbols {
         SymbolRule::DetectionId => ("detection_id", None, None),
         SymbolRule::NearestDetection { gate_m } => ("nearest_detection", Some(gate_m), None),
-        SymbolRule::NearestTruth { gate_m, max_gap_s } => ("nearest_truth", Some(gate_m), Some(max_gap_s)),
+        SymbolRule::NearestTruth { gate_m, max_gap_s } => {
+            ("nearest_truth", Some(gate_m), Some(max_gap_s))
+        }
     };
     let (decision, min_weight) = match settings.decision {
         DecisionPolicy::MostProbable => ("most_probable", None),
@@ -222,8 +309,21 @@ fn parameters(settings: &TfaSettings) -> Parameters {
         Order::BreadthFirst => "breadth_first",
         Order::DepthFirst => "depth_first",
     };
-    let &TfaSettings { max_missed, tolerance, .. } = settings;
-    Parameters { symbols, gate_m, max_gap_s, decision, min_weight, max_missed, tolerance, search }
+    let &TfaSettings {
+        max_missed,
+        tolerance,
+        ..
+    } = settings;
+    Parameters {
+        symbols,
+        gate_m,
+        max_gap_s,
+        decision,
+        min_weight,
+        max_missed,
+        tolerance,
+        search,
+    }
 }
 
 fn ratio(part: usize, whole: usize) -> Option<f64> {

@@ -81,25 +81,45 @@ impl TfaSettings {
     pub fn check(&self) -> Result<(), Vec<Fault>> {
         let mut faults = Vec::new();
         if self.max_missed == 0 {
-            faults.push(Fault::new("/tfa/max_missed", "out_of_range", "no string is left when none missed ends it").allowing("1 or more"));
+            faults.push(
+                Fault::new(
+                    "/tfa/max_missed",
+                    "out_of_range",
+                    "no string is left when none missed ends it",
+                )
+                .allowing("1 or more"),
+            );
         }
-        if let SymbolRule::NearestDetection { gate_m } | SymbolRule::NearestTruth { gate_m, .. } = self.symbols
+        if let SymbolRule::NearestDetection { gate_m } | SymbolRule::NearestTruth { gate_m, .. } =
+            self.symbols
             && !(gate_m.is_finite() && gate_m > 0.0)
         {
             let detail = format!("a gate of {gate_m} m holds nothing");
-            faults.push(Fault::new("/tfa/symbols/gate_m", "out_of_range", detail).allowing("above 0"));
+            faults.push(
+                Fault::new("/tfa/symbols/gate_m", "out_of_range", detail).allowing("above 0"),
+            );
         }
         if let DecisionPolicy::AllGated { min_weight } = self.decision {
             if !(min_weight > 0.0 && min_weight <= 1.0) {
                 let detail = format!("{min_weight} is not a weight that candidates could have");
-                faults.push(Fault::new("/tfa/decision/min_weight", "out_of_range", detail).allowing("above 0, at most 1"));
+                faults.push(
+                    Fault::new("/tfa/decision/min_weight", "out_of_range", detail)
+                        .allowing("above 0, at most 1"),
+                );
             }
             if self.symbols != SymbolRule::DetectionId {
                 let detail = "only symbols that tracks give weights to can all be kept; the nearest of something is one alone";
-                faults.push(Fault::new("/tfa/decision/policy", "conflict", detail).allowing("most_probable"));
+                faults.push(
+                    Fault::new("/tfa/decision/policy", "conflict", detail)
+                        .allowing("most_probable"),
+                );
             }
         }
-        if faults.is_empty() { Ok(()) } else { Err(faults) }
+        if faults.is_empty() {
+            Ok(())
+        } else {
+            Err(faults)
+        }
     }
 }
 
@@ -107,6 +127,9 @@ impl TfaSettings {
 ///
 /// # Errors
 /// Settings that make no sense; what is missing or unfit in the inputs for the chosen symbols.
-pub fn evaluate_temporal_automaton(input: &EvaluationInput, settings: &TfaSettings) -> Result<TfaReport, Vec<Fault>> {
+pub fn evaluate_temporal_automaton(
+    input: &EvaluationInput,
+    settings: &TfaSettings,
+) -> Result<TfaReport, Vec<Fault>> {
     Ok(TfaEvaluation::new(*input, None, *settings)?.report())
 }

@@ -32,17 +32,28 @@ pub fn check(outputs: &Outputs) -> Vec<Broken> {
         detections: crowded.detections.clone(),
         tracks: vec![crowded.track],
     }));
-    broken.sort_by(|a, b| (a.scan, a.kind, &a.detections, &a.tracks).cmp(&(b.scan, b.kind, &b.detections, &b.tracks)));
+    broken.sort_by(|a, b| {
+        (a.scan, a.kind, &a.detections, &a.tracks).cmp(&(b.scan, b.kind, &b.detections, &b.tracks))
+    });
     broken
 }
 
 /// A detection belongs to one scan, so its number alone tells takers of the same detection.
 fn shared(decisions: &[Consumed]) -> Vec<Broken> {
     const NOBODY: u32 = u32::MAX;
-    let numbers = decisions.iter().map(|decision| decision.detection as usize + 1).max().unwrap_or(0);
+    let numbers = decisions
+        .iter()
+        .map(|decision| decision.detection as usize + 1)
+        .max()
+        .unwrap_or(0);
     let mut first_taker = vec![NOBODY; numbers];
     let mut broken: BTreeMap<u32, Broken> = BTreeMap::new();
-    for &Consumed { track, scan, detection } in decisions {
+    for &Consumed {
+        track,
+        scan,
+        detection,
+    } in decisions
+    {
         let first = &mut first_taker[detection as usize];
         if *first == NOBODY {
             *first = track;
@@ -50,7 +61,15 @@ fn shared(decisions: &[Consumed]) -> Vec<Broken> {
         }
         let kind = ViolationKind::DetectionSharedByTracks;
         let of_detection = broken.entry(detection);
-        of_detection.or_insert_with(|| Broken { scan, kind, detections: vec![detection], tracks: vec![*first] }).tracks.push(track);
+        of_detection
+            .or_insert_with(|| Broken {
+                scan,
+                kind,
+                detections: vec![detection],
+                tracks: vec![*first],
+            })
+            .tracks
+            .push(track);
     }
     broken.into_values().collect()
 }

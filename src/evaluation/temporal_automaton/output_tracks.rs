@@ -39,7 +39,9 @@ impl Classes {
     pub fn class(&self, output: usize) -> TrackClass {
         match self.following[output] {
             None => TrackClass::False,
-            Some(following) if self.matched[following.target as usize] == Some(output) => TrackClass::Matched,
+            Some(following) if self.matched[following.target as usize] == Some(output) => {
+                TrackClass::Matched
+            }
             Some(_) => TrackClass::Redundant,
         }
     }
@@ -48,18 +50,34 @@ impl Classes {
 pub fn classify(strings: &Strings, target_ranks: &[u32], track_ranks: &[u32]) -> Classes {
     let outputs = &strings.outputs.strings;
     let real_of_target: Vec<usize> = (0..strings.truth.owners())
-        .map(|owner| strings.truth.strings()[strings.truth.of_owner(owner)].iter().map(|s| s.real).sum())
+        .map(|owner| {
+            strings.truth.strings()[strings.truth.of_owner(owner)]
+                .iter()
+                .map(|s| s.real)
+                .sum()
+        })
         .collect();
     let mut targets = Vec::new();
     let follow = |string| {
         let (target, hits) = most_hit(strings, target_ranks, string, &mut targets)?;
-        let errors = real_of_target[target as usize] + string.real - agreement(strings, string, target);
-        Some(Following { target, hits, errors })
+        let errors =
+            real_of_target[target as usize] + string.real - agreement(strings, string, target);
+        Some(Following {
+            target,
+            hits,
+            errors,
+        })
     };
     let following: Vec<Option<Following>> = outputs.strings().iter().map(follow).collect();
     let merit = |index: usize, following: &Following| {
         let string = &outputs.strings()[index];
-        Reverse((Reverse(following.hits), following.errors, string.start, track_ranks[string.owner as usize], string.part))
+        Reverse((
+            Reverse(following.hits),
+            following.errors,
+            string.start,
+            track_ranks[string.owner as usize],
+            string.part,
+        ))
     };
     let mut best = vec![None; strings.target_ids.len()];
     for (index, following) in following.iter().enumerate() {
@@ -67,23 +85,44 @@ pub fn classify(strings: &Strings, target_ranks: &[u32], track_ranks: &[u32]) ->
         let slot = &mut best[following.target as usize];
         *slot = (*slot).max(Some((merit(index, following), index)));
     }
-    Classes { following, matched: best.into_iter().map(|best| best.map(|(_, index)| index)).collect() }
+    Classes {
+        following,
+        matched: best
+            .into_iter()
+            .map(|best| best.map(|(_, index)| index))
+            .collect(),
+    }
 }
 
 /// The target with most detections of a string and how many; `None` for a false track.
-fn most_hit(strings: &Strings, target_ranks: &[u32], string: &TrackString, targets: &mut Vec<u32>) -> Option<(u32, usize)> {
-    let symbols = strings.outputs.strings.symbols_of(string).iter().filter(|&&symbol| symbol != EPSILON);
+fn most_hit(
+    strings: &Strings,
+    target_ranks: &[u32],
+    string: &TrackString,
+    targets: &mut Vec<u32>,
+) -> Option<(u32, usize)> {
+    let symbols = strings
+        .outputs
+        .strings
+        .symbols_of(string)
+        .iter()
+        .filter(|&&symbol| symbol != EPSILON);
     targets.clear();
     targets.extend(symbols.filter_map(|&symbol| strings.target_of(symbol)));
     if 2 * (string.real - targets.len()) > string.real {
         return None;
     }
     // Most tracks follow one target all their life.
-    if let Some(&target) = targets.first().filter(|first| targets.iter().all(|target| target == *first)) {
+    if let Some(&target) = targets
+        .first()
+        .filter(|first| targets.iter().all(|target| target == *first))
+    {
         return Some((target, targets.len()));
     }
     targets.sort_unstable();
-    let counted = targets.chunk_by(|a, b| a == b).map(|same| (same.len(), Reverse(target_ranks[same[0] as usize]), same[0]));
+    let counted = targets
+        .chunk_by(|a, b| a == b)
+        .map(|same| (same.len(), Reverse(target_ranks[same[0] as usize]), same[0]));
     counted.max().map(|(hits, _, target)| (target, hits))
 }
 
@@ -92,14 +131,27 @@ fn most_hit(strings: &Strings, target_ranks: &[u32], string: &TrackString, targe
 fn agreement(strings: &Strings, output: &TrackString, target: u32) -> usize {
     let truth = &strings.truth.strings()[strings.truth.of_owner(target as usize)];
     let from = truth.partition_point(|piece| piece.end() <= output.start);
-    let overlapping = truth[from..].iter().take_while(|piece| piece.start < output.end());
-    overlapping.map(|piece| agreement_with(&strings.outputs.strings, output, &strings.truth, piece)).sum()
+    let overlapping = truth[from..]
+        .iter()
+        .take_while(|piece| piece.start < output.end());
+    overlapping
+        .map(|piece| agreement_with(&strings.outputs.strings, output, &strings.truth, piece))
+        .sum()
 }
 
-fn agreement_with(outputs: &StringSet, output: &TrackString, truth: &StringSet, piece: &TrackString) -> usize {
+fn agreement_with(
+    outputs: &StringSet,
+    output: &TrackString,
+    truth: &StringSet,
+    piece: &TrackString,
+) -> usize {
     let from = output.start.max(piece.start);
     let taken = &outputs.symbols_of(output)[from - output.start..];
     let expected = &truth.symbols_of(piece)[from - piece.start..];
-    let both = taken.iter().zip(expected).filter(|(taken, expected)| **taken != EPSILON && **expected != EPSILON);
-    both.map(|(taken, expected)| 1 + usize::from(taken == expected)).sum()
+    let both = taken
+        .iter()
+        .zip(expected)
+        .filter(|(taken, expected)| **taken != EPSILON && **expected != EPSILON);
+    both.map(|(taken, expected)| 1 + usize::from(taken == expected))
+        .sum()
 }

@@ -39,12 +39,25 @@ struct Product {
 }
 
 impl Product {
-    const ONE: Product = Product { factor: 1.0, ln: 0.0 };
+    const ONE: Product = Product {
+        factor: 1.0,
+        ln: 0.0,
+    };
 
     #[inline]
     fn times(self, weight: f64) -> Product {
         let factor = self.factor * weight;
-        if factor > 1e-200 { Product { factor, ln: self.ln } } else { Product { factor: 1.0, ln: self.ln + factor.ln() } }
+        if factor > 1e-200 {
+            Product {
+                factor,
+                ln: self.ln,
+            }
+        } else {
+            Product {
+                factor: 1.0,
+                ln: self.ln + factor.ln(),
+            }
+        }
     }
 
     fn ln(self) -> f64 {
@@ -62,7 +75,11 @@ pub struct Search {
 
 impl Search {
     pub fn new(order: Order) -> Self {
-        Search { order, present: Vec::new(), next: Vec::new() }
+        Search {
+            order,
+            present: Vec::new(),
+            next: Vec::new(),
+        }
     }
 
     /// Feeds a string whose first symbol is at time `start`.
@@ -81,17 +98,25 @@ impl Search {
         for (offset, &symbol) in symbols.iter().enumerate() {
             next.clear();
             for &(state, product) in present.iter() {
-                automaton.each(state, start + offset as u32, symbol, |to, weight| next.push((to, product.times(weight))));
+                automaton.each(state, start + offset as u32, symbol, |to, weight| {
+                    next.push((to, product.times(weight)))
+                });
             }
             if next.is_empty() {
-                return if offset == 0 { Run::NeverLeft } else { Run::Rejected };
+                return if offset == 0 {
+                    Run::NeverLeft
+                } else {
+                    Run::Rejected
+                };
             }
             if next.len() > 1 {
                 keep_best_of_each_state(next);
             }
             std::mem::swap(present, next);
         }
-        let ended = present.iter().filter(|(state, _)| automaton.is_final(*state));
+        let ended = present
+            .iter()
+            .filter(|(state, _)| automaton.is_final(*state));
         accepted(ended.map(|(_, product)| product.ln()))
     }
 }
@@ -102,7 +127,9 @@ fn keep_best_of_each_state(states: &mut Vec<(u32, Product)>) {
 }
 
 fn accepted(ln_weights: impl Iterator<Item = f64>) -> Run {
-    ln_weights.reduce(f64::max).map_or(Run::Rejected, |ln_weight| Run::Accepted { ln_weight })
+    ln_weights
+        .reduce(f64::max)
+        .map_or(Run::Rejected, |ln_weight| Run::Accepted { ln_weight })
 }
 
 /// One way after the other to its end, never twice through the same state at the same symbol; then the best weight of
@@ -111,7 +138,9 @@ fn depth_first(automaton: &impl Transitions, start: u32, symbols: &[u32]) -> Run
     let mut met = BTreeMap::from([((0, START), Some(Product::ONE))]);
     let mut open = vec![(0, START)];
     while let Some((offset, state)) = open.pop() {
-        let Some(&symbol) = symbols.get(offset) else { continue };
+        let Some(&symbol) = symbols.get(offset) else {
+            continue;
+        };
         automaton.each(state, start + offset as u32, symbol, |to, _| {
             let place = (offset + 1, to);
             met.entry(place).or_insert_with(|| {
@@ -124,15 +153,27 @@ fn depth_first(automaton: &impl Transitions, start: u32, symbols: &[u32]) -> Run
     if places.len() == 1 && !symbols.is_empty() {
         return Run::NeverLeft;
     }
-    for &(offset, state) in places.iter().take_while(|(offset, _)| *offset < symbols.len()) {
-        let Some(so_far) = met[&(offset, state)] else { continue };
-        automaton.each(state, start + offset as u32, symbols[offset], |to, weight| {
-            if let Some(best) = met.get_mut(&(offset + 1, to)) {
-                let next = so_far.times(weight);
-                *best = Some(best.filter(|best| best.ln() >= next.ln()).unwrap_or(next));
-            }
-        });
+    for &(offset, state) in places
+        .iter()
+        .take_while(|(offset, _)| *offset < symbols.len())
+    {
+        let Some(so_far) = met[&(offset, state)] else {
+            continue;
+        };
+        automaton.each(
+            state,
+            start + offset as u32,
+            symbols[offset],
+            |to, weight| {
+                if let Some(best) = met.get_mut(&(offset + 1, to)) {
+                    let next = so_far.times(weight);
+                    *best = Some(best.filter(|best| best.ln() >= next.ln()).unwrap_or(next));
+                }
+            },
+        );
     }
-    let ended = places.iter().filter(|(offset, state)| *offset == symbols.len() && automaton.is_final(*state));
+    let ended = places
+        .iter()
+        .filter(|(offset, state)| *offset == symbols.len() && automaton.is_final(*state));
     accepted(ended.filter_map(|place| met[place]).map(Product::ln))
 }

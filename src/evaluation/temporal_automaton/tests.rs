@@ -15,7 +15,14 @@ fn any_strings() -> impl Strategy<Value = StringSet> {
     prop::collection::vec(prop::collection::vec(step, 0..8), 0..7).prop_map(|lines| {
         let mut set = StringSet::weighted(2, false);
         for line in lines {
-            set.push_owner(line.into_iter().map(|(symbol, tenths)| Step { symbol, weight: f64::from(tenths) / 10.0 }).enumerate());
+            set.push_owner(
+                line.into_iter()
+                    .map(|(symbol, tenths)| Step {
+                        symbol,
+                        weight: f64::from(tenths) / 10.0,
+                    })
+                    .enumerate(),
+            );
         }
         set
     })
@@ -24,13 +31,22 @@ fn any_strings() -> impl Strategy<Value = StringSet> {
 /// The same with up to three choices a scan.
 fn any_choices() -> impl Strategy<Value = StringSet> {
     let choice = (prop::option::weighted(0.6, 0..3u32), 1..9u32);
-    prop::collection::vec(prop::collection::vec(prop::collection::vec(choice, 1..4), 0..6), 0..5).prop_map(|lines| {
+    prop::collection::vec(
+        prop::collection::vec(prop::collection::vec(choice, 1..4), 0..6),
+        0..5,
+    )
+    .prop_map(|lines| {
         let mut set = StringSet::weighted(2, true);
         for line in lines {
             for (position, scan) in line.into_iter().enumerate() {
                 let by_symbol: BTreeMap<Option<u32>, u32> = scan.into_iter().collect();
-                let choices: Vec<Step> =
-                    by_symbol.into_iter().map(|(symbol, tenths)| Step { symbol, weight: f64::from(tenths) / 10.0 }).collect();
+                let choices: Vec<Step> = by_symbol
+                    .into_iter()
+                    .map(|(symbol, tenths)| Step {
+                        symbol,
+                        weight: f64::from(tenths) / 10.0,
+                    })
+                    .collect();
                 set.push_step(position, choices[0], &choices);
             }
             set.end_owner();
@@ -43,19 +59,28 @@ fn any_choices() -> impl Strategy<Value = StringSet> {
 fn any_automaton() -> impl Strategy<Value = Automaton> {
     const STATES: u32 = 6;
     let one = (0..STATES - 1, 0..3u32, 0..3u32, 1..9u32, 1..STATES);
-    (prop::collection::vec(one, 0..30), prop::collection::vec(any::<bool>(), STATES as usize)).prop_map(|(all, is_final)| {
-        let transitions = |state: u32| {
-            let own = all.iter().filter(move |&&(from, ..)| from == state);
-            let forward = own.map(move |&(from, time, symbol, tenths, to)| Transition {
-                time,
-                symbol,
-                weight: f64::from(tenths) / 10.0,
-                to: to.max(from + 1),
-            });
-            forward.collect()
-        };
-        Automaton::new((0..STATES).zip(&is_final).map(|(state, &is_final)| (transitions(state), is_final)).collect::<Vec<_>>())
-    })
+    (
+        prop::collection::vec(one, 0..30),
+        prop::collection::vec(any::<bool>(), STATES as usize),
+    )
+        .prop_map(|(all, is_final)| {
+            let transitions = |state: u32| {
+                let own = all.iter().filter(move |&&(from, ..)| from == state);
+                let forward = own.map(move |&(from, time, symbol, tenths, to)| Transition {
+                    time,
+                    symbol,
+                    weight: f64::from(tenths) / 10.0,
+                    to: to.max(from + 1),
+                });
+                forward.collect()
+            };
+            Automaton::new(
+                (0..STATES)
+                    .zip(&is_final)
+                    .map(|(state, &is_final)| (transitions(state), is_final))
+                    .collect::<Vec<_>>(),
+            )
+        })
 }
 
 type Word = Vec<(u32, u32)>;
@@ -77,9 +102,16 @@ fn language(automaton: &Automaton, state: u32) -> BTreeSet<Word> {
 
 /// The best logarithm of all paths to a final state, each tried to its end.
 fn naive(automaton: &Automaton, state: u32, time: u32, symbols: &[u32]) -> Option<f64> {
-    let Some((&symbol, rest)) = symbols.split_first() else { return automaton.is_final(state).then_some(0.0) };
-    let going = automaton.out_of(state).iter().filter(|transition| (transition.time, transition.symbol) == (time, symbol));
-    let ways = going.filter_map(|transition| Some(transition.weight.ln() + naive(automaton, transition.to, time + 1, rest)?));
+    let Some((&symbol, rest)) = symbols.split_first() else {
+        return automaton.is_final(state).then_some(0.0);
+    };
+    let going = automaton
+        .out_of(state)
+        .iter()
+        .filter(|transition| (transition.time, transition.symbol) == (time, symbol));
+    let ways = going.filter_map(|transition| {
+        Some(transition.weight.ln() + naive(automaton, transition.to, time + 1, rest)?)
+    });
     ways.reduce(f64::max)
 }
 
@@ -102,8 +134,17 @@ fn any_word() -> impl Strategy<Value = Vec<u32>> {
 fn reads(lines: &[Vec<u32>], max_missed: usize, start: usize, word: &[u32]) -> bool {
     lines.iter().any(|line| {
         let mut set = StringSet::new(max_missed as u32);
-        set.push_owner(line.iter().map(|&symbol| Step { symbol: Some(symbol).filter(|&it| it != EPSILON), weight: 1.0 }).enumerate());
-        set.strings().iter().any(|string| string.start == start && set.symbols_of(string) == word)
+        set.push_owner(
+            line.iter()
+                .map(|&symbol| Step {
+                    symbol: Some(symbol).filter(|&it| it != EPSILON),
+                    weight: 1.0,
+                })
+                .enumerate(),
+        );
+        set.strings()
+            .iter()
+            .any(|string| string.start == start && set.symbols_of(string) == word)
     })
 }
 
@@ -114,7 +155,14 @@ fn readings(set: &StringSet) -> Vec<Vec<u32>> {
         let mut lines = vec![vec![EPSILON; string.start]];
         for step in string.steps() {
             let choices: Vec<u32> = set.choices_at(step).map(|(symbol, _)| symbol).collect();
-            lines = lines.iter().flat_map(|line| choices.iter().map(|&choice| [line.as_slice(), &[choice]].concat())).collect();
+            lines = lines
+                .iter()
+                .flat_map(|line| {
+                    choices
+                        .iter()
+                        .map(|&choice| [line.as_slice(), &[choice]].concat())
+                })
+                .collect();
         }
         all.append(&mut lines);
     }
@@ -202,7 +250,12 @@ fn more_states_than_allowed_are_not_made() {
     let table = Automaton::of_strings(&set, &Births::new(&set));
     assert_eq!((table.states(), table.transitions()), (10, 9));
     assert!(determinise(&table, 9).is_none());
-    assert_eq!(determinise(&table, 10), Some(Automaton::new((0..10).map(|state| (table.out_of(state).to_vec(), state == 9)))));
+    assert_eq!(
+        determinise(&table, 10),
+        Some(Automaton::new(
+            (0..10).map(|state| (table.out_of(state).to_vec(), state == 9))
+        ))
+    );
 }
 
 #[test]
@@ -220,9 +273,27 @@ fn strings_that_begin_and_end_alike_share_states() {
 #[test]
 fn very_long_products_do_not_vanish() {
     let mut set = StringSet::weighted(5, false);
-    set.push_owner((0..5000).map(|position| (position, Step { symbol: Some(1), weight: 0.5 })));
+    set.push_owner((0..5000).map(|position| {
+        (
+            position,
+            Step {
+                symbol: Some(1),
+                weight: 0.5,
+            },
+        )
+    }));
     let births = Births::new(&set);
-    let found = run(Order::BreadthFirst, &Paths { outputs: &set, births: &births }, 0, &[1; 5000]);
-    let Run::Accepted { ln_weight } = found else { panic!("{found:?}") };
+    let found = run(
+        Order::BreadthFirst,
+        &Paths {
+            outputs: &set,
+            births: &births,
+        },
+        0,
+        &[1; 5000],
+    );
+    let Run::Accepted { ln_weight } = found else {
+        panic!("{found:?}")
+    };
     assert!((ln_weight - 5000.0 * 0.5_f64.ln()).abs() < 1e-8);
 }

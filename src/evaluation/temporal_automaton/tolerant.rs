@@ -29,7 +29,10 @@ struct Pair {
 }
 
 /// The least errors of each target, and the tracks that bridge gaps.
-pub fn least_errors(strings: &Strings, verdicts: &[TargetVerdict]) -> (Vec<Option<usize>>, Vec<Bridge>) {
+pub fn least_errors(
+    strings: &Strings,
+    verdicts: &[TargetVerdict],
+) -> (Vec<Option<usize>>, Vec<Bridge>) {
     let pairs = pairs(strings);
     let matched = assign(strings, &pairs);
     let of_target = |(owner, judged): (usize, &TargetVerdict)| {
@@ -38,9 +41,15 @@ pub fn least_errors(strings: &Strings, verdicts: &[TargetVerdict]) -> (Vec<Optio
         }
         let own = strings.truth.of_owner(owner);
         let has_track = own.clone().any(|string| matched[string].is_some());
-        has_track.then(|| own.map(|string| matched[string].unwrap_or(strings.truth.strings()[string].real)).sum())
+        has_track.then(|| {
+            own.map(|string| matched[string].unwrap_or(strings.truth.strings()[string].real))
+                .sum()
+        })
     };
-    (verdicts.iter().enumerate().map(of_target).collect(), bridges(strings, &pairs))
+    (
+        verdicts.iter().enumerate().map(of_target).collect(),
+        bridges(strings, &pairs),
+    )
 }
 
 /// A track that goes on across a gap which ends a string of its target.
@@ -54,12 +63,19 @@ pub struct Bridge {
 /// target count it as missing, the errors of the track do not.
 fn bridges(strings: &Strings, pairs: &[Pair]) -> Vec<Bridge> {
     let owner = |pair: &Pair| strings.truth.strings()[pair.truth as usize].owner;
-    let mut of_several: Vec<(u32, u32)> =
-        pairs.iter().filter(|pair| strings.truth.of_owner(owner(pair) as usize).len() > 1).map(|pair| (owner(pair), pair.output)).collect();
+    let mut of_several: Vec<(u32, u32)> = pairs
+        .iter()
+        .filter(|pair| strings.truth.of_owner(owner(pair) as usize).len() > 1)
+        .map(|pair| (owner(pair), pair.output))
+        .collect();
     of_several.sort_unstable();
     let twice = of_several.windows(2).filter(|two| two[0] == two[1]);
-    let mut bridges: Vec<Bridge> =
-        twice.map(|two| Bridge { target: two[0].0, track: strings.outputs.strings.strings()[two[0].1 as usize].owner }).collect();
+    let mut bridges: Vec<Bridge> = twice
+        .map(|two| Bridge {
+            target: two[0].0,
+            track: strings.outputs.strings.strings()[two[0].1 as usize].owner,
+        })
+        .collect();
     bridges.dedup();
     bridges
 }
@@ -67,7 +83,11 @@ fn bridges(strings: &Strings, pairs: &[Pair]) -> Vec<Bridge> {
 /// How many targets are correct for each error budget 0..=`tolerance`.
 pub fn correct_by_budget(least_errors: &[Option<usize>], tolerance: usize) -> Vec<usize> {
     let mut correct = vec![0; tolerance + 1];
-    for &errors in least_errors.iter().flatten().filter(|&&errors| errors <= tolerance) {
+    for &errors in least_errors
+        .iter()
+        .flatten()
+        .filter(|&&errors| errors <= tolerance)
+    {
         correct[errors] += 1;
     }
     for budget in 1..correct.len() {
@@ -88,7 +108,11 @@ fn pairs(strings: &Strings) -> Vec<Pair> {
             let string = &truths.strings()[truth];
             let places = string.start.min(output.start)..string.end().max(output.end());
             let errors = differences((truths, string), (outputs, output), places).count();
-            pairs.push(Pair { truth: truth as u32, output: index as u32, errors: errors as u32 });
+            pairs.push(Pair {
+                truth: truth as u32,
+                output: index as u32,
+                errors: errors as u32,
+            });
         }
     }
     pairs.sort_unstable();
@@ -100,10 +124,17 @@ fn find_sharing(strings: &Strings, output: &TrackString, sharing: &mut Vec<usize
     let (truths, outputs) = (&strings.truth, &strings.outputs.strings);
     for (offset, step) in output.steps().enumerate() {
         let position = output.start + offset;
-        for (symbol, _) in outputs.choices_at(step).filter(|&(symbol, _)| symbol != EPSILON) {
+        for (symbol, _) in outputs
+            .choices_at(step)
+            .filter(|&(symbol, _)| symbol != EPSILON)
+        {
             // Most often it is the string that was found last.
-            let is_again = sharing.last().is_some_and(|&last| truths.symbol_at(&truths.strings()[last], position) == Some(symbol));
-            if let Some(truth) = (!is_again).then(|| strings.truth_string_of(symbol, position)).flatten()
+            let is_again = sharing.last().is_some_and(|&last| {
+                truths.symbol_at(&truths.strings()[last], position) == Some(symbol)
+            });
+            if let Some(truth) = (!is_again)
+                .then(|| strings.truth_string_of(symbol, position))
+                .flatten()
                 && !sharing.contains(&truth)
             {
                 sharing.push(truth);
@@ -115,18 +146,27 @@ fn find_sharing(strings: &Strings, output: &TrackString, sharing: &mut Vec<usize
 /// Step 2: for each truth string its errors with the output string that it was given.
 fn assign(strings: &Strings, pairs: &[Pair]) -> Vec<Option<usize>> {
     let (truths, outputs) = (&strings.truth, &strings.outputs.strings);
-    let surplus: Vec<f64> = outputs.strings().iter().map(|output| must_be_real(strings, output) as f64).collect();
+    let surplus: Vec<f64> = outputs
+        .strings()
+        .iter()
+        .map(|output| must_be_real(strings, output) as f64)
+        .collect();
     let mut solver = AssignmentSolver::default();
     for of_truth in pairs.chunk_by(|a, b| a.truth == b.truth) {
         for pair in of_truth {
-            solver.push_edge(pair.output, f64::from(pair.errors) - surplus[pair.output as usize]);
+            solver.push_edge(
+                pair.output,
+                f64::from(pair.errors) - surplus[pair.output as usize],
+            );
         }
         solver.end_row(truths.strings()[of_truth[0].truth as usize].real as f64);
     }
     let mut matched = vec![None; truths.strings().len()];
     if solver.solve().is_some() {
         for (row, of_truth) in pairs.chunk_by(|a, b| a.truth == b.truth).enumerate() {
-            matched[of_truth[0].truth as usize] = solver.edge_of(row).map(|edge| of_truth[edge].errors as usize);
+            matched[of_truth[0].truth as usize] = solver
+                .edge_of(row)
+                .map(|edge| of_truth[edge].errors as usize);
         }
     }
     matched
@@ -135,5 +175,12 @@ fn assign(strings: &Strings, pairs: &[Pair]) -> Vec<Option<usize>> {
 /// The scans at which an output string cannot be ε.
 fn must_be_real(strings: &Strings, output: &TrackString) -> usize {
     let outputs = &strings.outputs.strings;
-    if outputs.has_choices() { output.steps().filter(|&step| outputs.weight_of(step, EPSILON).is_none()).count() } else { output.real }
+    if outputs.has_choices() {
+        output
+            .steps()
+            .filter(|&step| outputs.weight_of(step, EPSILON).is_none())
+            .count()
+    } else {
+        output.real
+    }
 }

@@ -51,20 +51,44 @@ pub struct Sides<'a> {
 }
 
 /// The verdict on every target.
-pub fn judge(sides: Sides, automaton: &impl Transitions, search: &mut Search) -> Vec<TargetVerdict> {
-    (0..sides.truth.owners()).map(|owner| target(sides, automaton, search, owner)).collect()
+pub fn judge(
+    sides: Sides,
+    automaton: &impl Transitions,
+    search: &mut Search,
+) -> Vec<TargetVerdict> {
+    (0..sides.truth.owners())
+        .map(|owner| target(sides, automaton, search, owner))
+        .collect()
 }
 
-fn target(sides: Sides, automaton: &impl Transitions, search: &mut Search, owner: usize) -> TargetVerdict {
-    let mut judged = TargetVerdict { verdict: Verdict::Missed, first: None, errors: 0, ln_weight: None };
+fn target(
+    sides: Sides,
+    automaton: &impl Transitions,
+    search: &mut Search,
+    owner: usize,
+) -> TargetVerdict {
+    let mut judged = TargetVerdict {
+        verdict: Verdict::Missed,
+        first: None,
+        errors: 0,
+        ln_weight: None,
+    };
     for (count, index) in sides.truth.of_owner(owner).enumerate() {
         let string = &sides.truth.strings()[index];
         let run = search.run(automaton, string.start, sides.truth.symbols_of(string));
         let one = sides.verdict_of(index, run);
-        judged.verdict = if count == 0 || judged.verdict == one.verdict { one.verdict } else { Verdict::False };
+        judged.verdict = if count == 0 || judged.verdict == one.verdict {
+            one.verdict
+        } else {
+            Verdict::False
+        };
         judged.first = judged.first.or(one.first);
         judged.errors += one.errors;
-        judged.ln_weight = if count == 0 { one.ln_weight } else { judged.ln_weight.zip(one.ln_weight).map(|(a, b)| a + b) };
+        judged.ln_weight = if count == 0 {
+            one.ln_weight
+        } else {
+            judged.ln_weight.zip(one.ln_weight).map(|(a, b)| a + b)
+        };
     }
     if judged.verdict != Verdict::False {
         judged.first = None;
@@ -85,17 +109,42 @@ impl<'a> Sides<'a> {
     fn verdict_of(&self, index: usize, run: Run) -> TargetVerdict {
         let string = &self.truth.strings()[index];
         match run {
-            Run::Accepted { ln_weight } => TargetVerdict { verdict: Verdict::Correct, first: None, errors: 0, ln_weight: Some(ln_weight) },
+            Run::Accepted { ln_weight } => TargetVerdict {
+                verdict: Verdict::Correct,
+                first: None,
+                errors: 0,
+                ln_weight: Some(ln_weight),
+            },
             Run::NeverLeft => {
-                let first = Difference { position: string.start, string: index, speaker: None };
-                TargetVerdict { verdict: Verdict::Missed, first: Some(first), errors: string.real, ln_weight: None }
+                let first = Difference {
+                    position: string.start,
+                    string: index,
+                    speaker: None,
+                };
+                TargetVerdict {
+                    verdict: Verdict::Missed,
+                    first: Some(first),
+                    errors: string.real,
+                    ln_weight: None,
+                }
             }
             Run::Rejected => {
                 let speaking = self.speaker(string);
                 let differing = speaking.and_then(|it| Some((it.output, it.differs_at?)));
-                let first = differing.map(|(output, position)| Difference { position, string: index, speaker: Some(output) });
-                let errors = differing.map_or(string.real, |(output, from)| self.differences(string, output, from).count());
-                TargetVerdict { verdict: Verdict::False, first, errors, ln_weight: None }
+                let first = differing.map(|(output, position)| Difference {
+                    position,
+                    string: index,
+                    speaker: Some(output),
+                });
+                let errors = differing.map_or(string.real, |(output, from)| {
+                    self.differences(string, output, from).count()
+                });
+                TargetVerdict {
+                    verdict: Verdict::False,
+                    first,
+                    errors,
+                    ln_weight: None,
+                }
             }
         }
     }
@@ -104,12 +153,19 @@ impl<'a> Sides<'a> {
     /// then the one with the smaller id.
     pub fn speaker(&self, string: &'a TrackString) -> Option<Speaker> {
         let first = *self.truth.symbols_of(string).first()?;
-        let followers = self.births.on(string.start as u32, first).iter().map(|birth| birth.string as usize);
+        let followers = self
+            .births
+            .on(string.start as u32, first)
+            .iter()
+            .map(|birth| birth.string as usize);
         let mut best: Option<(Speaker, Reverse<(u32, u32)>)> = None;
         for output in followers {
             let track = &self.outputs.strings()[output];
             let differs_at = self.differences(string, output, string.start).next();
-            let next = (Speaker { output, differs_at }, Reverse((self.track_ranks[track.owner as usize], track.part)));
+            let next = (
+                Speaker { output, differs_at },
+                Reverse((self.track_ranks[track.owner as usize], track.part)),
+            );
             if best.is_none_or(|kept| self.is_better(string, &next, &kept)) {
                 best = Some(next);
             }
@@ -117,25 +173,51 @@ impl<'a> Sides<'a> {
         best.map(|(speaker, _)| speaker)
     }
 
-    fn is_better(&self, string: &TrackString, next: &(Speaker, Reverse<(u32, u32)>), kept: &(Speaker, Reverse<(u32, u32)>)) -> bool {
+    fn is_better(
+        &self,
+        string: &TrackString,
+        next: &(Speaker, Reverse<(u32, u32)>),
+        kept: &(Speaker, Reverse<(u32, u32)>),
+    ) -> bool {
         let length = |speaker: &Speaker| speaker.differs_at.unwrap_or(usize::MAX);
         let by_length = length(&next.0).cmp(&length(&kept.0));
         let by_weight = || match (next.0.differs_at, kept.0.differs_at) {
-            (None, None) => self.ln_weight(string, next.0.output).total_cmp(&self.ln_weight(string, kept.0.output)),
+            (None, None) => self
+                .ln_weight(string, next.0.output)
+                .total_cmp(&self.ln_weight(string, kept.0.output)),
             _ => std::cmp::Ordering::Equal,
         };
-        by_length.then_with(by_weight).then(next.1.cmp(&kept.1)).is_gt()
+        by_length
+            .then_with(by_weight)
+            .then(next.1.cmp(&kept.1))
+            .is_gt()
     }
 
     fn ln_weight(&self, string: &TrackString, output: usize) -> f64 {
         let symbols = self.truth.symbols_of(string).iter().enumerate();
         let track = &self.outputs.strings()[output];
-        symbols.map(|(offset, &symbol)| self.outputs.weight_at(track, string.start + offset, symbol).unwrap_or(0.0).ln()).sum()
+        symbols
+            .map(|(offset, &symbol)| {
+                self.outputs
+                    .weight_at(track, string.start + offset, symbol)
+                    .unwrap_or(0.0)
+                    .ln()
+            })
+            .sum()
     }
 
     /// The places from `from` on at which a truth string is what the output string cannot have been.
-    fn differences(&self, truth: &'a TrackString, output: usize, from: usize) -> impl Iterator<Item = usize> + 'a {
+    fn differences(
+        &self,
+        truth: &'a TrackString,
+        output: usize,
+        from: usize,
+    ) -> impl Iterator<Item = usize> + 'a {
         let output = &self.outputs.strings()[output];
-        differences((self.truth, truth), (self.outputs, output), from..truth.end().max(output.end()))
+        differences(
+            (self.truth, truth),
+            (self.outputs, output),
+            from..truth.end().max(output.end()),
+        )
     }
 }

@@ -31,12 +31,16 @@ pub fn scan_probabilities(strings: &Strings, sides: Sides) -> Vec<ScanProbabilit
         if string.part == 0 {
             log_probability = Some(0.0);
         }
-        let speaker = sides.speaker(string).map(|speaker| &sides.outputs.strings()[speaker.output]);
+        let speaker = sides
+            .speaker(string)
+            .map(|speaker| &sides.outputs.strings()[speaker.output]);
         for (offset, &symbol) in truth.symbols_of(string).iter().enumerate() {
             let position = string.start + offset;
             let weight = speaker.and_then(|track| sides.outputs.weight_at(track, position, symbol));
             let probability = weight.unwrap_or(0.0);
-            log_probability = log_probability.filter(|_| probability > 0.0).map(|so_far| so_far + probability.ln());
+            log_probability = log_probability
+                .filter(|_| probability > 0.0)
+                .map(|so_far| so_far + probability.ln());
             all.push(ScanProbability {
                 target: string.owner,
                 position,

@@ -38,7 +38,10 @@ impl Outcome {
 
     /// The number in a result; `None` where it is null, absent, or the run is not one of those that count.
     pub(super) fn of(&self, result: &Value) -> Option<f64> {
-        let counts = self.only_where.as_ref().is_none_or(|path| number_at(result, path) == Some(1.0));
+        let counts = self
+            .only_where
+            .as_ref()
+            .is_none_or(|path| number_at(result, path) == Some(1.0));
         number_at(result, &self.path).filter(|number| counts && number.is_finite())
     }
 
@@ -52,43 +55,73 @@ impl Outcome {
 
     /// Why this result of a run, which said `warnings`, has no number for it.
     pub(super) fn lack(&self, result: &Value, warnings: &[String]) -> String {
-        if let Some(path) = self.only_where.as_ref().filter(|path| number_at(result, path).is_none()) {
-            return format!("'where' has no number at '{path}'{}", nearest_to(path, result));
+        if let Some(path) = self
+            .only_where
+            .as_ref()
+            .filter(|path| number_at(result, path).is_none())
+        {
+            return format!(
+                "'where' has no number at '{path}'{}",
+                nearest_to(path, result)
+            );
         }
         // Of all that a run says, what it did not have is the cause.
         let cause = warnings.iter().find(|warning| warning.starts_with("no "));
         let said = cause.map_or_else(String::new, |warning| format!("; the run says: {warning}"));
         match place_of(result, &self.path) {
-            None => format!("there is no number at '{}' in any result{}", self.path, nearest_to(&self.path, result)),
-            Some(Value::Null) => format!("'{}' is null, as a share or a mean of nothing is{said}", self.path),
+            None => format!(
+                "there is no number at '{}' in any result{}",
+                self.path,
+                nearest_to(&self.path, result)
+            ),
+            Some(Value::Null) => format!(
+                "'{}' is null, as a share or a mean of nothing is{said}",
+                self.path
+            ),
             Some(found) if !found.is_object() || found.get("value").is_none() => {
-                format!("'{}' is no number{}", self.path, nearest_to(&self.path, result))
+                format!(
+                    "'{}' is no number{}",
+                    self.path,
+                    nearest_to(&self.path, result)
+                )
             }
             Some(_) => format!("'{}' has no value{said}", self.path),
         }
     }
 
     /// The interval that it asks for, of the numbers that runs have; `draw` makes the resamples of a bootstrap.
-    pub(super) fn interval_of(&self, present: &[f64], confidence: f64, mut draw: impl RngExt) -> Option<Interval> {
+    pub(super) fn interval_of(
+        &self,
+        present: &[f64],
+        confidence: f64,
+        mut draw: impl RngExt,
+    ) -> Option<Interval> {
         match self.interval {
-            Method::T if is_share(&self.path) => stats::bounded_interval(present, SHARE, confidence),
+            Method::T if is_share(&self.path) => {
+                stats::bounded_interval(present, SHARE, confidence)
+            }
             Method::T => stats::t_interval(present, confidence),
             Method::Wilson if !present.iter().copied().all(is_success_or_failure) => None,
-            Method::Wilson => stats::wilson_interval(present.iter().sum(), present.len(), confidence),
+            Method::Wilson => {
+                stats::wilson_interval(present.iter().sum(), present.len(), confidence)
+            }
             Method::Bootstrap => stats::bootstrap_interval(present, confidence, &mut draw),
         }
     }
 }
 
 fn place_of<'a>(result: &'a Value, path: &str) -> Option<&'a Value> {
-    path.split('.').try_fold(result, |place, step| place.get(step))
+    path.split('.')
+        .try_fold(result, |place, step| place.get(step))
 }
 
 /// `; the nearest path is 'tfa.probability.correct'`.
 fn nearest_to(path: &str, result: &Value) -> String {
     let mut known = Vec::new();
     number_paths(result, String::new(), &mut known);
-    nearest_of(path, known).map_or_else(String::new, |nearest| format!("; the nearest path is '{nearest}'"))
+    nearest_of(path, known).map_or_else(String::new, |nearest| {
+        format!("; the nearest path is '{nearest}'")
+    })
 }
 
 /// The paths of all numbers, flags and quantities of a result, those that are null too; lists have none.
@@ -96,11 +129,22 @@ fn number_paths(place: &Value, path: String, known: &mut Vec<String>) {
     match place {
         Value::Object(fields) if !path.is_empty() && fields.contains_key("value") => {
             known.push(path.clone());
-            fields.iter().filter(|(name, _)| *name != "value").for_each(|(name, part)| number_paths(part, format!("{path}.{name}"), known));
+            fields
+                .iter()
+                .filter(|(name, _)| *name != "value")
+                .for_each(|(name, part)| number_paths(part, format!("{path}.{name}"), known));
         }
         Value::Object(fields) => {
             for (name, part) in fields {
-                number_paths(part, if path.is_empty() { name.clone() } else { format!("{path}.{name}") }, known);
+                number_paths(
+                    part,
+                    if path.is_empty() {
+                        name.clone()
+                    } else {
+                        format!("{path}.{name}")
+                    },
+                    known,
+                );
             }
         }
         Value::Null | Value::Bool(_) | Value::Number(_) => known.push(path),
@@ -120,32 +164,50 @@ fn number_at(result: &Value, path: &str) -> Option<f64> {
 
 /// The outcomes that a checked spec lists.
 pub(super) fn listed(spec: &Value) -> Option<Vec<Outcome>> {
-    spec.get("outcomes").and_then(|outcomes| Vec::deserialize(outcomes).ok())
+    spec.get("outcomes")
+        .and_then(|outcomes| Vec::deserialize(outcomes).ok())
 }
 
 /// A name that two outcomes have, for each is a column of the tables.
 pub(super) fn named_twice(spec: &Value) -> Vec<Fault> {
     let outcomes = listed(spec).unwrap_or_default();
-    let is_second = |index: &usize| outcomes[..*index].iter().any(|outcome| outcome.name() == outcomes[*index].name());
+    let is_second = |index: &usize| {
+        outcomes[..*index]
+            .iter()
+            .any(|outcome| outcome.name() == outcomes[*index].name())
+    };
     let fault = |index: usize| {
         let detail = format!("two outcomes are named '{}'", outcomes[index].name());
-        Fault::new(format!("/outcomes/{index}"), "duplicate", detail).allowing("each name once; 'name' sets it")
+        Fault::new(format!("/outcomes/{index}"), "duplicate", detail)
+            .allowing("each name once; 'name' sets it")
     };
     (0..outcomes.len()).filter(is_second).map(fault).collect()
 }
 
 /// What the reader of the tables should know: outcomes that no run has, and shares that are none.
-pub(super) fn doubts(outcomes: &[Outcome], rows: &[Rows], lacking: &[Option<String>]) -> Vec<String> {
-    let numbers = |number: usize| rows.iter().flat_map(move |cell| cell[number].iter().flatten().copied());
+pub(super) fn doubts(
+    outcomes: &[Outcome],
+    rows: &[Rows],
+    lacking: &[Option<String>],
+) -> Vec<String> {
+    let numbers = |number: usize| {
+        rows.iter()
+            .flat_map(move |cell| cell[number].iter().flatten().copied())
+    };
     let mut doubts = Vec::new();
     for (number, outcome) in outcomes.iter().enumerate() {
         let (name, path) = (outcome.name(), &outcome.path);
         if numbers(number).next().is_none() {
             let absent = || format!("there is no number at '{path}' in any result");
-            doubts.push(format!("no run has the outcome '{name}': {}", lacking[number].clone().unwrap_or_else(absent)));
+            doubts.push(format!(
+                "no run has the outcome '{name}': {}",
+                lacking[number].clone().unwrap_or_else(absent)
+            ));
         }
         if outcome.interval == Method::Wilson && !numbers(number).all(is_success_or_failure) {
-            doubts.push(format!("outcome '{name}' is not 0 or 1 in every run, so it has no Wilson interval"));
+            doubts.push(format!(
+                "outcome '{name}' is not 0 or 1 in every run, so it has no Wilson interval"
+            ));
         }
     }
     doubts
@@ -158,20 +220,44 @@ fn is_success_or_failure(number: f64) -> bool {
 /// What is kept when nothing is listed: every number of these parts of the result.
 pub(super) fn found_in(result: &Value) -> Vec<Outcome> {
     let mut paths = Vec::new();
-    for part in
-        ["counts", "tfa.counts", "tfa.probability", "grouping.accuracy", "grouping.precision", "grouping.recall", "cost", "gap", "truth"]
-    {
-        match part.split('.').try_fold(result, |place, step| place.get(step)) {
-            Some(Value::Object(fields)) => paths.extend(fields.keys().map(|name| format!("{part}.{name}"))),
+    for part in [
+        "counts",
+        "tfa.counts",
+        "tfa.probability",
+        "grouping.accuracy",
+        "grouping.precision",
+        "grouping.recall",
+        "cost",
+        "gap",
+        "truth",
+    ] {
+        match part
+            .split('.')
+            .try_fold(result, |place, step| place.get(step))
+        {
+            Some(Value::Object(fields)) => {
+                paths.extend(fields.keys().map(|name| format!("{part}.{name}")))
+            }
             Some(_) => paths.push(part.to_owned()),
             None => {}
         }
     }
     for (metric, report) in result["metrics"].as_object().into_iter().flatten() {
-        let names = report["quantities"].as_object().into_iter().flat_map(Map::keys);
+        let names = report["quantities"]
+            .as_object()
+            .into_iter()
+            .flat_map(Map::keys);
         paths.extend(names.map(|name| format!("metrics.{metric}.quantities.{name}")));
     }
-    paths.into_iter().map(|path| Outcome { path, name: None, interval: Method::T, only_where: None }).collect()
+    paths
+        .into_iter()
+        .map(|path| Outcome {
+            path,
+            name: None,
+            interval: Method::T,
+            only_where: None,
+        })
+        .collect()
 }
 
 /// The kept numbers of one cell: by outcome, by run.
@@ -222,10 +308,21 @@ pub(super) struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    pub fn report(&self, cell: &Cell, index: usize, (rows, ended): (&Rows, Ended), reference: Option<(&Cell, &Rows)>) -> CellReport {
+    pub fn report(
+        &self,
+        cell: &Cell,
+        index: usize,
+        (rows, ended): (&Rows, Ended),
+        reference: Option<(&Cell, &Rows)>,
+    ) -> CellReport {
         let named = |number: usize| self.outcomes[number].name().to_owned();
         let summary = |number: usize| (named(number), self.summary(number, index, &rows[number]));
-        let difference = |theirs: &Rows, number: usize| (named(number), self.difference(number, &rows[number], &theirs[number]));
+        let difference = |theirs: &Rows, number: usize| {
+            (
+                named(number),
+                self.difference(number, &rows[number], &theirs[number]),
+            )
+        };
         let numbers = || 0..self.outcomes.len();
         CellReport {
             name: cell.name.clone(),
@@ -233,7 +330,10 @@ impl Judge<'_> {
             runs: rows.first().map_or(0, Vec::len),
             ended,
             outcomes: numbers().map(summary).collect(),
-            differences: reference.iter().flat_map(|(_, theirs)| numbers().map(|number| difference(theirs, number))).collect(),
+            differences: reference
+                .iter()
+                .flat_map(|(_, theirs)| numbers().map(|number| difference(theirs, number)))
+                .collect(),
             compared_with: reference.map(|(cell, _)| cell.name.clone()),
         }
     }
@@ -241,9 +341,12 @@ impl Judge<'_> {
     fn summary(&self, number: usize, cell: usize, values: &[Option<f64>]) -> Summary {
         let mut present: Vec<f64> = values.iter().flatten().copied().collect();
         let method = self.outcomes[number].interval;
-        let draw = self.seed.stream(Purpose::Bootstrap, cell as u64, number as u64);
+        let draw = self
+            .seed
+            .stream(Purpose::Bootstrap, cell as u64, number as u64);
         let interval = self.outcomes[number].interval_of(&present, self.confidence, draw);
-        let (mean, standard_deviation) = (stats::mean(&present), stats::standard_deviation(&present));
+        let (mean, standard_deviation) =
+            (stats::mean(&present), stats::standard_deviation(&present));
         present.sort_by(f64::total_cmp);
         Summary {
             count: present.len(),
@@ -258,8 +361,17 @@ impl Judge<'_> {
         }
     }
 
-    fn difference(&self, number: usize, ours: &[Option<f64>], theirs: &[Option<f64>]) -> Difference {
-        let pairs: Vec<f64> = ours.iter().zip(theirs).filter_map(|(ours, theirs)| Some((*ours)? - (*theirs)?)).collect();
+    fn difference(
+        &self,
+        number: usize,
+        ours: &[Option<f64>],
+        theirs: &[Option<f64>],
+    ) -> Difference {
+        let pairs: Vec<f64> = ours
+            .iter()
+            .zip(theirs)
+            .filter_map(|(ours, theirs)| Some((*ours)? - (*theirs)?))
+            .collect();
         Difference {
             pairs: pairs.len(),
             mean: stats::mean(&pairs),
@@ -273,22 +385,47 @@ mod tests {
     use super::*;
 
     fn outcome(path: &str) -> Outcome {
-        Outcome { path: path.to_owned(), name: None, interval: Method::T, only_where: None }
+        Outcome {
+            path: path.to_owned(),
+            name: None,
+            interval: Method::T,
+            only_where: None,
+        }
     }
 
     #[test]
     fn the_interval_of_a_share_ends_within_0_and_1() {
         // Mean 0.9, s² = 0.01875: ± 0.170022 by t; with Wilson's form of 24 trials (0.9 + 0.160597 ∓ …) / 1.321194.
         let rows = vec![vec![Some(1.0), Some(1.0), Some(1.0), Some(0.75), Some(0.75)]; 2];
-        let outcomes = [outcome("tfa.probability.correct"), outcome("metrics.gospa.quantities.gospa")];
-        let judge = Judge { outcomes: &outcomes, axes: &[], confidence: 0.95, seed: Seed { seed: 1, run: 0 } };
+        let outcomes = [
+            outcome("tfa.probability.correct"),
+            outcome("metrics.gospa.quantities.gospa"),
+        ];
+        let judge = Judge {
+            outcomes: &outcomes,
+            axes: &[],
+            confidence: 0.95,
+            seed: Seed { seed: 1, run: 0 },
+        };
         let interval = |number: usize| judge.summary(number, 0, &rows[number]).interval.unwrap();
-        assert!((interval(0).low - 0.625_737).abs() < 1e-5 && (interval(0).high - 0.979_777).abs() < 1e-5, "{:?}", interval(0));
-        assert!((interval(1).high - 1.070_022).abs() < 1e-5, "{:?}", interval(1));
+        assert!(
+            (interval(0).low - 0.625_737).abs() < 1e-5
+                && (interval(0).high - 0.979_777).abs() < 1e-5,
+            "{:?}",
+            interval(0)
+        );
+        assert!(
+            (interval(1).high - 1.070_022).abs() < 1e-5,
+            "{:?}",
+            interval(1)
+        );
         // Differences of shares end within −1 and 1: (0.9 + 1) / 2 = 0.95 of that length, ± 0.085011 by t, reaches to 1.035011.
         let none = vec![Some(0.0); 5];
         let difference = judge.difference(0, &rows[0], &none).interval.unwrap();
-        assert!((difference.low - 0.583125).abs() < 1e-5 && (difference.high - 0.979180).abs() < 1e-5, "{difference:?}");
+        assert!(
+            (difference.low - 0.583125).abs() < 1e-5 && (difference.high - 0.979180).abs() < 1e-5,
+            "{difference:?}"
+        );
     }
 
     #[test]
@@ -296,16 +433,38 @@ mod tests {
         // Two methods on six scenes; the third scene has no number of the second. The differences are
         // 1, 2, 3, 4, 5: mean 3, s² = 10/4, t(0.975; 4) = 2.77645, 3 ± 2.77645 · 1.58114 / 2.23607.
         let ours = [11.0, 17.0, 99.0, 23.0, 29.0, 35.0].map(Some);
-        let theirs = [Some(10.0), Some(15.0), None, Some(20.0), Some(25.0), Some(30.0)];
+        let theirs = [
+            Some(10.0),
+            Some(15.0),
+            None,
+            Some(20.0),
+            Some(25.0),
+            Some(30.0),
+        ];
         let outcomes = [outcome("metrics.gospa.quantities.gospa")];
-        let judge = Judge { outcomes: &outcomes, axes: &[], confidence: 0.95, seed: Seed { seed: 1, run: 0 } };
+        let judge = Judge {
+            outcomes: &outcomes,
+            axes: &[],
+            confidence: 0.95,
+            seed: Seed { seed: 1, run: 0 },
+        };
         let found = judge.difference(0, &ours, &theirs);
         assert_eq!((found.pairs, found.mean), (5, Some(3.0)));
         let interval = found.interval.unwrap();
-        assert!((interval.low - 1.036_757).abs() < 1e-5 && (interval.high - 4.963_243).abs() < 1e-5, "{interval:?}");
+        assert!(
+            (interval.low - 1.036_757).abs() < 1e-5 && (interval.high - 4.963_243).abs() < 1e-5,
+            "{interval:?}"
+        );
         // The means alone, 23 and 20 over the same scenes, have intervals that overlap widely.
         let alone = stats::t_interval(&[11.0, 17.0, 23.0, 29.0, 35.0], 0.95).unwrap();
         assert!(alone.low < 20.0);
-        assert_eq!(judge.difference(0, &ours[2..3], &theirs[2..3]), Difference { pairs: 0, mean: None, interval: None });
+        assert_eq!(
+            judge.difference(0, &ours[2..3], &theirs[2..3]),
+            Difference {
+                pairs: 0,
+                mean: None,
+                interval: None
+            }
+        );
     }
 }

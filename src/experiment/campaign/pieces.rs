@@ -73,13 +73,21 @@ impl Piece {
 
     /// Forgets the runs from an item on.
     pub(super) fn keep_before(&mut self, item: u64) {
-        let kept: Vec<usize> = (0..self.items.len()).filter(|&place| self.items[place] < item).collect();
+        let kept: Vec<usize> = (0..self.items.len())
+            .filter(|&place| self.items[place] < item)
+            .collect();
         *self = Piece {
             items: kept.iter().map(|&place| self.items[place]).collect(),
-            numbers: kept.iter().map(|&place| std::mem::take(&mut self.numbers[place])).collect(),
+            numbers: kept
+                .iter()
+                .map(|&place| std::mem::take(&mut self.numbers[place]))
+                .collect(),
             decided_us: kept.iter().map(|&place| self.decided_us[place]).collect(),
             spent_us: kept.iter().map(|&place| self.spent_us[place]).collect(),
-            lacking: std::mem::take(&mut self.lacking).into_iter().filter(|(_, lack)| lack.item < item).collect(),
+            lacking: std::mem::take(&mut self.lacking)
+                .into_iter()
+                .filter(|(_, lack)| lack.item < item)
+                .collect(),
         };
     }
 
@@ -93,30 +101,62 @@ impl Campaign {
     ///
     /// # Errors
     /// As [`run::run`]; a fault names the cell and the run that has it.
-    pub fn make(&self, order: Order, inputs: &Inputs, observer: &mut dyn Observer) -> Result<(Piece, Vec<Outcome>), RunError> {
+    pub fn make(
+        &self,
+        order: Order,
+        inputs: &Inputs,
+        observer: &mut dyn Observer,
+    ) -> Result<(Piece, Vec<Outcome>), RunError> {
         let mut outcomes = self.outcomes.clone().or(order.outcomes);
         let mut piece = Piece::default();
-        let mut inner = Inner { observer, done: order.done, total: order.total };
+        let mut inner = Inner {
+            observer,
+            done: order.done,
+            total: order.total,
+        };
         let started = inner.now();
         let mut now = started;
         for item in order.items.into_iter().flatten() {
-            let is_enough = order.enough.is_some_and(|enough| now.zip(started).is_some_and(|(now, started)| now - started >= enough));
+            let is_enough = order.enough.is_some_and(|enough| {
+                now.zip(started)
+                    .is_some_and(|(now, started)| now - started >= enough)
+            });
             if is_enough && !piece.is_empty() {
                 break;
             }
             let (run, cell) = self.run_of(item);
-            let job = Plan { run, is_timed: run < self.timed_runs, ..cell.plan.clone() };
-            let outcome = run::run(&job, inputs.clone(), &mut inner).map_err(|error| placed(error, cell, run))?;
+            let job = Plan {
+                run,
+                is_timed: run < self.timed_runs,
+                ..cell.plan.clone()
+            };
+            let outcome = run::run(&job, inputs.clone(), &mut inner)
+                .map_err(|error| placed(error, cell, run))?;
             let kept = outcomes.get_or_insert_with(|| outcomes::found_in(&outcome.result));
             let before = std::mem::replace(&mut now, inner.now());
             piece.items.push(item);
-            let numbers: Vec<Option<f64>> = kept.iter().map(|wanted| wanted.of(&outcome.result)).collect();
-            for (index, wanted) in kept.iter().enumerate().filter(|(index, _)| numbers[*index].is_none()) {
-                piece.lacking.entry(index).or_insert_with(|| Lack { item, why: wanted.lack(&outcome.result, &outcome.warnings) });
+            let numbers: Vec<Option<f64>> = kept
+                .iter()
+                .map(|wanted| wanted.of(&outcome.result))
+                .collect();
+            for (index, wanted) in kept
+                .iter()
+                .enumerate()
+                .filter(|(index, _)| numbers[*index].is_none())
+            {
+                piece.lacking.entry(index).or_insert_with(|| Lack {
+                    item,
+                    why: wanted.lack(&outcome.result, &outcome.warnings),
+                });
             }
             piece.numbers.push(numbers);
-            piece.decided_us.push(outcome.decided.filter(|_| job.is_timed).map(us_per_scan));
-            piece.spent_us.push(now.zip(before).map_or(0, |(now, before)| (now - before).as_micros() as u64));
+            piece
+                .decided_us
+                .push(outcome.decided.filter(|_| job.is_timed).map(us_per_scan));
+            piece.spent_us.push(
+                now.zip(before)
+                    .map_or(0, |(now, before)| (now - before).as_micros() as u64),
+            );
             inner.done += 1;
             if inner.progress(Step::Run, 0, 0).is_break() {
                 return Err(RunError::Stopped);
@@ -174,7 +214,11 @@ impl Observer for Inner<'_> {
 
 /// Of the run with the least number, so that it does not matter how the runs were cut into pieces.
 fn first_lack(pieces: &[Piece], outcome: usize) -> Option<String> {
-    pieces.iter().filter_map(|piece| piece.lacking.get(&outcome)).min_by_key(|lack| lack.item).map(|lack| lack.why.clone())
+    pieces
+        .iter()
+        .filter_map(|piece| piece.lacking.get(&outcome))
+        .min_by_key(|lack| lack.item)
+        .map(|lack| lack.why.clone())
 }
 
 /// Everything that the runs gave, by cell and there by run.
@@ -189,15 +233,24 @@ pub(super) struct Harvest {
 impl Harvest {
     /// Puts pieces together, in whatever order they were made.
     pub fn of(campaign: &Campaign, pieces: &[Piece], outcomes: usize) -> Harvest {
-        let mut order: Vec<(u64, u32, u32)> = Vec::with_capacity(pieces.iter().map(Piece::len).sum());
+        let mut order: Vec<(u64, u32, u32)> =
+            Vec::with_capacity(pieces.iter().map(Piece::len).sum());
         for (number, piece) in pieces.iter().enumerate() {
-            order.extend(piece.items.iter().enumerate().map(|(place, &item)| (item, number as u32, place as u32)));
+            order.extend(
+                piece
+                    .items
+                    .iter()
+                    .enumerate()
+                    .map(|(place, &item)| (item, number as u32, place as u32)),
+            );
         }
         order.sort_unstable();
         let cells = campaign.cells.len();
         let mut harvest = Harvest {
             rows: vec![vec![Vec::new(); outcomes]; cells],
-            lacking: (0..outcomes).map(|outcome| first_lack(pieces, outcome)).collect(),
+            lacking: (0..outcomes)
+                .map(|outcome| first_lack(pieces, outcome))
+                .collect(),
             decided_us: vec![Vec::new(); cells],
             runs: vec![0; cells],
         };
@@ -205,7 +258,10 @@ impl Harvest {
             let cell = (item % cells as u64) as usize;
             harvest.runs[cell] += 1;
             let piece = &pieces[number as usize];
-            for (column, &value) in harvest.rows[cell].iter_mut().zip(&piece.numbers[place as usize]) {
+            for (column, &value) in harvest.rows[cell]
+                .iter_mut()
+                .zip(&piece.numbers[place as usize])
+            {
                 column.push(value);
             }
             harvest.decided_us[cell].extend(piece.decided_us[place as usize]);

@@ -7,7 +7,11 @@ pub(super) const MAX_RUNS: i64 = 1_000_000;
 
 const PATH: Kind = Kind::Text { max_length: 500 };
 
-const POINTER: Field = required("path", "JSON pointer into `base`, such as `/associator` or `/tracker/gate_probability`.", PATH);
+const POINTER: Field = required(
+    "path",
+    "JSON pointer into `base`, such as `/associator` or `/tracker/gate_probability`.",
+    PATH,
+);
 
 static CHANGE: Object = Object {
     name: "CampaignChange",
@@ -20,7 +24,15 @@ static VARIANT: Object = Object {
     summary: "A named set of changes.",
     fields: &[
         required("name", "Name of the variant in the table.", NAME),
-        required("set", "The changes.", Kind::List { item: &Kind::Object(&CHANGE), min: 0, max: 50 }),
+        required(
+            "set",
+            "The changes.",
+            Kind::List {
+                item: &Kind::Object(&CHANGE),
+                min: 0,
+                max: 50,
+            },
+        ),
     ],
 };
 
@@ -30,7 +42,15 @@ static BY_VALUES: Object = Object {
     fields: &[
         optional("name", "Name of the axis; the path when absent.", NAME),
         POINTER,
-        required("values", "The values.", Kind::List { item: &Kind::Json, min: 1, max: 1000 }),
+        required(
+            "values",
+            "The values.",
+            Kind::List {
+                item: &Kind::Json,
+                min: 1,
+                max: 1000,
+            },
+        ),
     ],
 };
 
@@ -39,7 +59,15 @@ static BY_VARIANTS: Object = Object {
     summary: "Named variants, each of which changes several places of the base.",
     fields: &[
         required("name", "Name of the axis.", NAME),
-        required("variants", "The variants.", Kind::List { item: &Kind::Object(&VARIANT), min: 1, max: 1000 }),
+        required(
+            "variants",
+            "The variants.",
+            Kind::List {
+                item: &Kind::Object(&VARIANT),
+                min: 1,
+                max: 1000,
+            },
+        ),
     ],
 };
 
@@ -47,14 +75,29 @@ static AXIS: Union = Union {
     name: "CampaignAxis",
     summary: "One direction of the grid.",
     tag: "by",
-    variants: || vec![Variant { tag: "values", object: &BY_VALUES }, Variant { tag: "variants", object: &BY_VARIANTS }],
+    variants: || {
+        vec![
+            Variant {
+                tag: "values",
+                object: &BY_VALUES,
+            },
+            Variant {
+                tag: "variants",
+                object: &BY_VARIANTS,
+            },
+        ]
+    },
 };
 
 static OUTCOME: Object = Object {
     name: "CampaignOutcome",
     summary: "A number of every run's result.",
     fields: &[
-        required("path", "Where it stands in the result, names divided by dots, such as `tfa.probability.correct`.", PATH),
+        required(
+            "path",
+            "Where it stands in the result, names divided by dots, such as `tfa.probability.correct`.",
+            PATH,
+        ),
         optional("name", "Its name in the table; the path when absent.", NAME),
         default(
             "interval",
@@ -62,7 +105,11 @@ static OUTCOME: Object = Object {
             Kind::Choice(&["t", "wilson", "bootstrap"]),
             "\"t\"",
         ),
-        optional("where", "Only runs in which the number at this path is 1 (or true).", PATH),
+        optional(
+            "where",
+            "Only runs in which the number at this path is 1 (or true).",
+            PATH,
+        ),
     ],
 };
 
@@ -71,7 +118,11 @@ static COMPARE: Object = Object {
     summary: "What the cells are compared with, run by run on the same scenes.",
     fields: &[
         required("axis", "Name of an axis.", NAME),
-        required("to", "The point of that axis that the others are compared with; a value as JSON writes it.", NAME),
+        required(
+            "to",
+            "The point of that axis that the others are compared with; a value as JSON writes it.",
+            NAME,
+        ),
     ],
 };
 
@@ -83,7 +134,11 @@ static STOP: Object = Object {
         required(
             "half_width",
             "Half of the length of its interval, in the unit of the outcome, at which it is narrow enough.",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Including(1e300), unit: "" },
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Including(1e300),
+                unit: "",
+            },
         ),
     ],
 };
@@ -95,35 +150,67 @@ pub static CAMPAIGN: Object = Object {
         JOB_NAME,
         LABELS,
         SEED,
-        required("base", "The job of each run: the body of a job of another kind, with its `kind`.", Kind::Json),
+        required(
+            "base",
+            "The job of each run: the body of a job of another kind, with its `kind`.",
+            Kind::Json,
+        ),
         optional(
             "grid",
             "The axes; the cells are their product. When absent, the base is the one cell.",
-            Kind::List { item: &Kind::Union(&AXIS), min: 1, max: 8 },
+            Kind::List {
+                item: &Kind::Union(&AXIS),
+                min: 1,
+                max: 8,
+            },
         ),
         default(
             "runs",
             "Runs of each cell, the most where `stop_at` may end it before.",
-            Kind::Integer { min: 1, max: MAX_RUNS, unit: "runs" },
+            Kind::Integer {
+                min: 1,
+                max: MAX_RUNS,
+                unit: "runs",
+            },
             "20",
         ),
         default(
             "confidence",
             "Confidence of the intervals.",
-            Kind::Number { min: Bound::Excluding(0.0), max: Bound::Excluding(1.0), unit: "" },
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Excluding(1.0),
+                unit: "",
+            },
             "0.95",
         ),
         optional(
             "outcomes",
             "The numbers that are kept of each run; when absent, counts and probabilities of the automaton and every metric.",
-            Kind::List { item: &Kind::Object(&OUTCOME), min: 1, max: 100 },
+            Kind::List {
+                item: &Kind::Object(&OUTCOME),
+                min: 1,
+                max: 100,
+            },
         ),
-        optional("compare", "When absent, the first point of the last axis.", Kind::Object(&COMPARE)),
-        optional("stop_at", "When absent, every cell has all its runs.", Kind::Object(&STOP)),
+        optional(
+            "compare",
+            "When absent, the first point of the last axis.",
+            Kind::Object(&COMPARE),
+        ),
+        optional(
+            "stop_at",
+            "When absent, every cell has all its runs.",
+            Kind::Object(&STOP),
+        ),
         default(
             "timed_runs",
             "In the first so many runs of a cell the associator or grouper is timed by itself.",
-            Kind::Integer { min: 0, max: 1000, unit: "runs" },
+            Kind::Integer {
+                min: 0,
+                max: 1000,
+                unit: "runs",
+            },
             "20",
         ),
     ],

@@ -30,7 +30,9 @@ fn join(ranges: &mut Vec<Items>, item: u64) {
 impl Campaign {
     /// What is missing. It depends on the numbers of the runs alone, not on how the pieces were cut or who made them.
     pub fn next(&self, pieces: &[Piece]) -> Next {
-        let Some(stop) = &self.stop else { return self.missing(pieces, 0..self.runs, 0, |_| false) };
+        let Some(stop) = &self.stop else {
+            return self.missing(pieces, 0..self.runs, 0, |_| false);
+        };
         let harvest = Harvest::of(self, pieces, self.outcomes.as_ref().map_or(0, Vec::len));
         let mut has_ended = vec![false; self.cells.len()];
         let (mut from, mut spared) = (0, 0);
@@ -39,7 +41,11 @@ impl Campaign {
             if missing != Next::Result || until == self.runs {
                 return missing;
             }
-            for (cell, has_ended) in has_ended.iter_mut().enumerate().filter(|(_, has_ended)| !**has_ended) {
+            for (cell, has_ended) in has_ended
+                .iter_mut()
+                .enumerate()
+                .filter(|(_, has_ended)| !**has_ended)
+            {
                 *has_ended = stop.is_reached(cell, &harvest.rows[cell], until as usize);
                 spared += u64::from(*has_ended) * u64::from(self.runs - until);
             }
@@ -48,24 +54,55 @@ impl Campaign {
         Next::Result
     }
 
-    fn missing(&self, pieces: &[Piece], runs: Range<u32>, spared: u64, has_ended: impl Fn(usize) -> bool) -> Next {
+    fn missing(
+        &self,
+        pieces: &[Piece],
+        runs: Range<u32>,
+        spared: u64,
+        has_ended: impl Fn(usize) -> bool,
+    ) -> Next {
         let cells = self.cells.len() as u64;
         let (first, last) = (u64::from(runs.start) * cells, u64::from(runs.end) * cells);
-        let made: HashSet<u64> = pieces.iter().flat_map(Piece::items).copied().filter(|item| (first..last).contains(item)).collect();
+        let made: HashSet<u64> = pieces
+            .iter()
+            .flat_map(Piece::items)
+            .copied()
+            .filter(|item| (first..last).contains(item))
+            .collect();
         let mut missing: Vec<Items> = Vec::new();
-        for item in (first..last).filter(|item| !made.contains(item) && !has_ended((item % cells) as usize)) {
+        for item in
+            (first..last).filter(|item| !made.contains(item) && !has_ended((item % cells) as usize))
+        {
             join(&mut missing, item);
         }
-        if missing.is_empty() { Next::Result } else { Next::Runs { items: missing, spared } }
+        if missing.is_empty() {
+            Next::Result
+        } else {
+            Next::Runs {
+                items: missing,
+                spared,
+            }
+        }
     }
 
     /// Cuts runs into lots that take about `longest` each, towards the end less, down to `shortest`, so that nobody waits long for the last
     /// one. What a run takes is what the runs made so far took: a cell without any is reckoned by its estimate, as much too low or too
     /// high as those of the others were.
-    pub fn cut(&self, items: Vec<Items>, pieces: &[Piece], shortest: Duration, longest: Duration) -> Vec<Vec<Items>> {
-        let (costs_s, mut left_s) = (self.costs_s(pieces), self.cost(&items, pieces).as_secs_f64());
-        let target_of = |left_s: f64| (left_s / LOTS_LEFT).clamp(shortest.as_secs_f64(), longest.as_secs_f64());
-        let (mut lots, mut lot, mut cost_s, mut target_s) = (Vec::new(), Vec::<Items>::new(), 0.0, target_of(left_s));
+    pub fn cut(
+        &self,
+        items: Vec<Items>,
+        pieces: &[Piece],
+        shortest: Duration,
+        longest: Duration,
+    ) -> Vec<Vec<Items>> {
+        let (costs_s, mut left_s) = (
+            self.costs_s(pieces),
+            self.cost(&items, pieces).as_secs_f64(),
+        );
+        let target_of =
+            |left_s: f64| (left_s / LOTS_LEFT).clamp(shortest.as_secs_f64(), longest.as_secs_f64());
+        let (mut lots, mut lot, mut cost_s, mut target_s) =
+            (Vec::new(), Vec::<Items>::new(), 0.0, target_of(left_s));
         for item in items.into_iter().flatten() {
             join(&mut lot, item);
             cost_s += costs_s[(item % costs_s.len() as u64) as usize];
@@ -89,7 +126,10 @@ impl Campaign {
     /// What a run of each cell takes.
     fn costs_s(&self, pieces: &[Piece]) -> Vec<f64> {
         let mut spent = vec![(0.0, 0.0); self.cells.len()];
-        for (&item, &spent_us) in pieces.iter().flat_map(|piece| piece.items().iter().zip(piece.spent_us())) {
+        for (&item, &spent_us) in pieces
+            .iter()
+            .flat_map(|piece| piece.items().iter().zip(piece.spent_us()))
+        {
             let (sum_s, count) = &mut spent[(item % self.cells.len() as u64) as usize];
             *sum_s += spent_us as f64 / 1e6;
             *count += 1.0;
@@ -100,9 +140,17 @@ impl Campaign {
             made_s += sum_s;
             reckoned_s += count * estimate_s(&cell.plan);
         }
-        let ratio = if reckoned_s > 0.0 { made_s / reckoned_s } else { 1.0 };
+        let ratio = if reckoned_s > 0.0 {
+            made_s / reckoned_s
+        } else {
+            1.0
+        };
         let cost_s = |(cell, (sum_s, count)): (&super::Cell, &(f64, f64))| {
-            if *count > 0.0 { sum_s / count } else { estimate_s(&cell.plan) * ratio }
+            if *count > 0.0 {
+                sum_s / count
+            } else {
+                estimate_s(&cell.plan) * ratio
+            }
         };
         self.cells.iter().zip(&spent).map(cost_s).collect()
     }

@@ -42,24 +42,55 @@ impl Stop {
     /// # Errors
     /// It names an outcome that is not listed.
     pub fn of(spec: &Value, seed: Seed) -> Result<Option<Stop>, Box<Fault>> {
-        let Some(rule) = spec.get("stop_at") else { return Ok(None) };
-        let (name, outcomes) = (rule["outcome"].as_str().unwrap_or_default(), listed(spec).unwrap_or_default());
+        let Some(rule) = spec.get("stop_at") else {
+            return Ok(None);
+        };
+        let (name, outcomes) = (
+            rule["outcome"].as_str().unwrap_or_default(),
+            listed(spec).unwrap_or_default(),
+        );
         let Some(number) = outcomes.iter().position(|outcome| outcome.name() == name) else {
-            let known = outcomes.iter().map(Outcome::name).collect::<Vec<_>>().join(", ");
-            let allowed = if known.is_empty() { "an outcome listed in 'outcomes'".to_owned() } else { known };
+            let known = outcomes
+                .iter()
+                .map(Outcome::name)
+                .collect::<Vec<_>>()
+                .join(", ");
+            let allowed = if known.is_empty() {
+                "an outcome listed in 'outcomes'".to_owned()
+            } else {
+                known
+            };
             let detail = format!("there is no outcome '{name}' in the list of outcomes");
-            return Err(Box::new(Fault::new("/stop_at/outcome", "unknown_value", detail).allowing(allowed)));
+            return Err(Box::new(
+                Fault::new("/stop_at/outcome", "unknown_value", detail).allowing(allowed),
+            ));
         };
         let half_width = rule["half_width"].as_f64().unwrap_or_default();
         let confidence = spec["confidence"].as_f64().unwrap_or(0.95);
-        Ok(Some(Stop { number, outcome: outcomes[number].clone(), half_width, confidence, seed }))
+        Ok(Some(Stop {
+            number,
+            outcome: outcomes[number].clone(),
+            half_width,
+            confidence,
+            seed,
+        }))
     }
 
     /// Whether the numbers of the first `runs` runs of a cell tell enough. What varies not at all in the first runs tells nothing of how much it may, but by Wilson.
     pub fn is_reached(&self, cell: usize, rows: &Rows, runs: usize) -> bool {
-        let present: Vec<f64> = rows[self.number].iter().take(runs).flatten().copied().collect();
-        let draw = self.seed.stream(Purpose::Bootstrap, cell as u64, self.number as u64);
-        let half_width = self.outcome.interval_of(&present, self.confidence, draw).map(|interval| (interval.high - interval.low) / 2.0);
+        let present: Vec<f64> = rows[self.number]
+            .iter()
+            .take(runs)
+            .flatten()
+            .copied()
+            .collect();
+        let draw = self
+            .seed
+            .stream(Purpose::Bootstrap, cell as u64, self.number as u64);
+        let half_width = self
+            .outcome
+            .interval_of(&present, self.confidence, draw)
+            .map(|interval| (interval.high - interval.low) / 2.0);
         half_width.is_some_and(|half_width| 0.0 < half_width && half_width <= self.half_width)
     }
 }
@@ -73,7 +104,10 @@ mod tests {
     fn intervals_are_looked_at_after_ten_runs_and_each_doubling() {
         let all = |runs: u32| looks(runs).collect::<Vec<_>>();
         assert_eq!(all(1000), [10, 20, 40, 80, 160, 320, 640, 1000]);
-        assert_eq!((all(3), all(10), all(11)), (vec![3], vec![10], vec![10, 11]));
+        assert_eq!(
+            (all(3), all(10), all(11)),
+            (vec![3], vec![10], vec![10, 11])
+        );
     }
 
     #[test]
@@ -85,9 +119,24 @@ mod tests {
             Stop::of(&spec, Seed { seed: 1, run: 0 }).unwrap().unwrap()
         };
         let numbers = vec![[1.0, 2.0, 3.0, 4.0, 5.0].map(Some).to_vec()];
-        assert_eq!((stop("t", 1.9633).is_reached(0, &numbers, 5), stop("t", 1.9632).is_reached(0, &numbers, 5)), (true, false));
+        assert_eq!(
+            (
+                stop("t", 1.9633).is_reached(0, &numbers, 5),
+                stop("t", 1.9632).is_reached(0, &numbers, 5)
+            ),
+            (true, false)
+        );
         let ones = vec![vec![Some(1.0); 10]];
-        assert_eq!((stop("wilson", 0.1388).is_reached(0, &ones, 10), stop("wilson", 0.1387).is_reached(0, &ones, 10)), (true, false));
-        assert!(!stop("t", 1.0).is_reached(0, &ones, 10) && !stop("t", 1.0).is_reached(0, &vec![vec![None; 10]], 10));
+        assert_eq!(
+            (
+                stop("wilson", 0.1388).is_reached(0, &ones, 10),
+                stop("wilson", 0.1387).is_reached(0, &ones, 10)
+            ),
+            (true, false)
+        );
+        assert!(
+            !stop("t", 1.0).is_reached(0, &ones, 10)
+                && !stop("t", 1.0).is_reached(0, &vec![vec![None; 10]], 10)
+        );
     }
 }

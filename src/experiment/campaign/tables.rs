@@ -8,12 +8,29 @@ use crate::math::stats::Interval;
 use std::io::{Error, Write};
 
 /// `runs.csv`: a line a cell and run, empty where a run has no such number.
-pub(super) fn runs(cells: &[Cell], names: &[&str], rows: &[Rows], seed: u32) -> Result<Artifact, Error> {
-    let mut bytes = format!("cell,run,seed,{}\n", names.iter().map(|name| quoted(name)).collect::<Vec<_>>().join(",")).into_bytes();
+pub(super) fn runs(
+    cells: &[Cell],
+    names: &[&str],
+    rows: &[Rows],
+    seed: u32,
+) -> Result<Artifact, Error> {
+    let mut bytes = format!(
+        "cell,run,seed,{}\n",
+        names
+            .iter()
+            .map(|name| quoted(name))
+            .collect::<Vec<_>>()
+            .join(",")
+    )
+    .into_bytes();
     for (cell, columns) in cells.iter().zip(rows) {
         let name = quoted(&cell.name);
         for run in 0..columns.first().map_or(0, Vec::len) {
-            let numbers = columns.iter().map(|column| optional(column[run])).collect::<Vec<_>>().join(",");
+            let numbers = columns
+                .iter()
+                .map(|column| optional(column[run]))
+                .collect::<Vec<_>>()
+                .join(",");
             writeln!(bytes, "{name},{run},{seed},{numbers}")?;
         }
     }
@@ -26,7 +43,9 @@ pub(super) fn cells(reports: &[CellReport], names: &[&str]) -> Result<Artifact, 
         b"cell,outcome,count,missing,mean,low,high,standard_deviation,min,median,max,difference,difference_low,difference_high\n".to_vec();
     for report in reports {
         for &name in names {
-            let Some(summary) = report.outcomes.get(name) else { continue };
+            let Some(summary) = report.outcomes.get(name) else {
+                continue;
+            };
             let difference = report.differences.get(name);
             let numbers = [
                 summary.mean,
@@ -37,11 +56,22 @@ pub(super) fn cells(reports: &[CellReport], names: &[&str]) -> Result<Artifact, 
                 summary.median,
                 summary.max,
                 difference.and_then(|difference| difference.mean),
-                difference.and_then(|difference| difference.interval).map(|interval| interval.low),
-                difference.and_then(|difference| difference.interval).map(|interval| interval.high),
+                difference
+                    .and_then(|difference| difference.interval)
+                    .map(|interval| interval.low),
+                difference
+                    .and_then(|difference| difference.interval)
+                    .map(|interval| interval.high),
             ];
             let numbers = numbers.map(optional).join(",");
-            writeln!(bytes, "{},{},{},{},{numbers}", quoted(&report.name), quoted(name), summary.count, summary.missing)?;
+            writeln!(
+                bytes,
+                "{},{},{},{},{numbers}",
+                quoted(&report.name),
+                quoted(name),
+                summary.count,
+                summary.missing
+            )?;
         }
     }
     Ok(Artifact::file("cells.csv", "text/csv", bytes))
@@ -52,32 +82,73 @@ pub(super) fn cells(reports: &[CellReport], names: &[&str]) -> Result<Artifact, 
 pub(super) fn markdown(reports: &[CellReport], names: &[&str]) -> Artifact {
     let escaped = |text: &str| text.replace('|', "\\|");
     let head = |first: &str| {
-        let outcomes = names.iter().map(|name| escaped(name)).collect::<Vec<_>>().join(" | ");
-        format!("| {first} | {outcomes} |\n{}|\n", "|---".repeat(names.len() + 1))
+        let outcomes = names
+            .iter()
+            .map(|name| escaped(name))
+            .collect::<Vec<_>>()
+            .join(" | ");
+        format!(
+            "| {first} | {outcomes} |\n{}|\n",
+            "|---".repeat(names.len() + 1)
+        )
     };
     let mut text = head("cell");
     for report in reports {
-        let of = |name: &&str| report.outcomes.get(*name).map_or_else(String::new, |summary| with_interval(summary.mean, summary.interval));
-        text.push_str(&format!("| {} | {} |\n", escaped(&report.name), names.iter().map(of).collect::<Vec<_>>().join(" | ")));
+        let of = |name: &&str| {
+            report
+                .outcomes
+                .get(*name)
+                .map_or_else(String::new, |summary| {
+                    with_interval(summary.mean, summary.interval)
+                })
+        };
+        text.push_str(&format!(
+            "| {} | {} |\n",
+            escaped(&report.name),
+            names.iter().map(of).collect::<Vec<_>>().join(" | ")
+        ));
     }
     let mut differences = String::new();
     for report in reports {
-        let Some(other) = &report.compared_with else { continue };
-        let of = |name: &&str| report.differences.get(*name).map_or_else(String::new, |found| with_interval(found.mean, found.interval));
+        let Some(other) = &report.compared_with else {
+            continue;
+        };
+        let of = |name: &&str| {
+            report
+                .differences
+                .get(*name)
+                .map_or_else(String::new, |found| {
+                    with_interval(found.mean, found.interval)
+                })
+        };
         let row = names.iter().map(of).collect::<Vec<_>>().join(" | ");
-        differences.push_str(&format!("| {} − {} | {row} |\n", escaped(&report.name), escaped(other)));
+        differences.push_str(&format!(
+            "| {} − {} | {row} |\n",
+            escaped(&report.name),
+            escaped(other)
+        ));
     }
     if !differences.is_empty() {
-        text.push_str(&format!("\n{}{differences}", head("difference, run by run")));
+        text.push_str(&format!(
+            "\n{}{differences}",
+            head("difference, run by run")
+        ));
     }
     Artifact::file("cells.md", "text/markdown", text.into_bytes())
 }
 
 /// `0.987 (0.978 to 0.993)`.
 fn with_interval(mean: Option<f64>, interval: Option<Interval>) -> String {
-    let Some(mean) = mean else { return "–".to_owned() };
+    let Some(mean) = mean else {
+        return "–".to_owned();
+    };
     match interval {
-        Some(interval) => format!("{} ({} to {})", rounded(mean), rounded(interval.low), rounded(interval.high)),
+        Some(interval) => format!(
+            "{} ({} to {})",
+            rounded(mean),
+            rounded(interval.low),
+            rounded(interval.high)
+        ),
         None => rounded(mean),
     }
 }
@@ -85,5 +156,9 @@ fn with_interval(mean: Option<f64>, interval: Option<Interval>) -> String {
 /// With four decimals; what rounds to zero has no sign.
 fn rounded(number: f64) -> String {
     let text = format!("{number:.4}");
-    if text == "-0.0000" { "0.0000".to_owned() } else { text }
+    if text == "-0.0000" {
+        "0.0000".to_owned()
+    } else {
+        text
+    }
 }

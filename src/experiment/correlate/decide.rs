@@ -41,22 +41,50 @@ pub(super) fn decide(
     for number in 1..=confirm.of {
         let problem = correlation.problem(times - (confirm.of - number) as usize);
         let begun = observer.now();
-        let solution = watched(correlator, &problem, (u64::from(number - 1).max(1), total), observer)?;
-        spent = spent.zip(begun).zip(observer.now()).and_then(|((spent, begun), now)| Some(spent + now.checked_sub(begun)?));
+        let solution = watched(
+            correlator,
+            &problem,
+            (u64::from(number - 1).max(1), total),
+            observer,
+        )?;
+        spent = spent
+            .zip(begun)
+            .zip(observer.now())
+            .and_then(|((spent, begun), now)| Some(spent + now.checked_sub(begun)?));
         for tuple in solution.tuples.iter().filter(|tuple| tuple.len() > 1) {
             *counts.entry(tuple.clone()).or_default() += 1;
         }
         told(observer, Step::Correlate, u64::from(number), total)?;
         last = Some((solution, problem));
     }
-    let (solution, problem) = last.ok_or_else(|| vec![Fault::new("/confirm/of", "out_of_range", "no decision was made")])?;
+    let (solution, problem) = last.ok_or_else(|| {
+        vec![Fault::new(
+            "/confirm/of",
+            "out_of_range",
+            "no decision was made",
+        )]
+    })?;
     counts.retain(|_, count| *count >= confirm.found);
     let tuples = standing(counts, &problem);
     let mut is_alone = vec![true; problem.tracks()];
-    tuples.iter().flat_map(|(tuple, _)| tuple).for_each(|&track| is_alone[track as usize] = false);
-    let alone = (0..problem.tracks() as u32).filter(|&track| is_alone[track as usize]).collect();
-    let decided = spent.map(|spent| Decided { spent, scans: total });
-    Ok(Decisions { solution, problem, tuples, alone, decided })
+    tuples
+        .iter()
+        .flat_map(|(tuple, _)| tuple)
+        .for_each(|&track| is_alone[track as usize] = false);
+    let alone = (0..problem.tracks() as u32)
+        .filter(|&track| is_alone[track as usize])
+        .collect();
+    let decided = spent.map(|spent| Decided {
+        spent,
+        scans: total,
+    });
+    Ok(Decisions {
+        solution,
+        problem,
+        tuples,
+        alone,
+        decided,
+    })
 }
 
 /// What the correlator finds, unless the observer stops it on the way.
@@ -70,7 +98,11 @@ fn watched(
     let question = || observer.borrow_mut().progress(Step::Correlate, done, total);
     let watch = Watch::new(&question);
     let solution = correlator.correlate_until(problem, &watch);
-    if watch.is_stopped() { Err(RunError::Stopped) } else { solution.map_err(refused) }
+    if watch.is_stopped() {
+        Err(RunError::Stopped)
+    } else {
+        solution.map_err(refused)
+    }
 }
 
 /// Tuples without a track in common, the most frequent first chosen; in the order of their first tracks.
@@ -82,12 +114,20 @@ fn standing(counts: BTreeMap<Vec<u32>, u32>, problem: &Problem) -> Vec<(Vec<u32>
             (tuple, count, cost)
         })
         .collect();
-    found.sort_by(|left, right| right.1.cmp(&left.1).then(left.2.total_cmp(&right.2)).then(left.0.cmp(&right.0)));
+    found.sort_by(|left, right| {
+        right
+            .1
+            .cmp(&left.1)
+            .then(left.2.total_cmp(&right.2))
+            .then(left.0.cmp(&right.0))
+    });
     let mut is_taken = vec![false; problem.tracks()];
     let mut stand = Vec::with_capacity(found.len());
     for (tuple, count, _) in found {
         if tuple.iter().all(|&track| !is_taken[track as usize]) {
-            tuple.iter().for_each(|&track| is_taken[track as usize] = true);
+            tuple
+                .iter()
+                .for_each(|&track| is_taken[track as usize] = true);
             stand.push((tuple, count));
         }
     }
@@ -96,7 +136,10 @@ fn standing(counts: BTreeMap<Vec<u32>, u32>, problem: &Problem) -> Vec<(Vec<u32>
 }
 
 fn refused(faults: Vec<Fault>) -> RunError {
-    let placed = |fault: Fault| Fault { pointer: format!("/correlator{}", fault.pointer), ..fault };
+    let placed = |fault: Fault| Fault {
+        pointer: format!("/correlator{}", fault.pointer),
+        ..fault
+    };
     RunError::Faults(faults.into_iter().map(placed).collect())
 }
 
@@ -107,9 +150,29 @@ mod tests {
 
     #[test]
     fn the_more_frequent_tuple_stands_and_of_equals_the_cheaper() {
-        let problem = Problem::new(&[2, 2], &[(0, 2, -1.0), (0, 3, -5.0), (1, 2, -2.0), (1, 3, -1.0)], Costs::Chain);
-        let counts = |list: &[(&[u32], u32)]| list.iter().map(|(tuple, count)| (tuple.to_vec(), *count)).collect();
-        assert_eq!(standing(counts(&[(&[0, 2], 3), (&[0, 3], 2), (&[1, 3], 1)]), &problem), [(vec![0, 2], 3), (vec![1, 3], 1)]);
-        assert_eq!(standing(counts(&[(&[0, 2], 2), (&[0, 3], 2), (&[1, 2], 2)]), &problem), [(vec![0, 3], 2), (vec![1, 2], 2)]);
+        let problem = Problem::new(
+            &[2, 2],
+            &[(0, 2, -1.0), (0, 3, -5.0), (1, 2, -2.0), (1, 3, -1.0)],
+            Costs::Chain,
+        );
+        let counts = |list: &[(&[u32], u32)]| {
+            list.iter()
+                .map(|(tuple, count)| (tuple.to_vec(), *count))
+                .collect()
+        };
+        assert_eq!(
+            standing(
+                counts(&[(&[0, 2], 3), (&[0, 3], 2), (&[1, 3], 1)]),
+                &problem
+            ),
+            [(vec![0, 2], 3), (vec![1, 3], 1)]
+        );
+        assert_eq!(
+            standing(
+                counts(&[(&[0, 2], 2), (&[0, 3], 2), (&[1, 2], 2)]),
+                &problem
+            ),
+            [(vec![0, 3], 2), (vec![1, 2], 2)]
+        );
     }
 }

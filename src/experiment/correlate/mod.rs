@@ -80,7 +80,10 @@ enum Cross {
 
 impl AlignmentSettings {
     fn assumed(&self) -> Option<Assumed> {
-        self.sigma_m.map(|sigma_m| Assumed { sigma_m, sigma_mps: self.sigma_mps })
+        self.sigma_m.map(|sigma_m| Assumed {
+            sigma_m,
+            sigma_mps: self.sigma_mps,
+        })
     }
 }
 
@@ -94,7 +97,11 @@ pub(super) struct Material<'a> {
 
 /// The checked spec fits its tables; anything else is a fault of ours, reported like one of the request.
 fn unusable(pointer: &str) -> RunError {
-    RunError::Faults(vec![Fault::new(pointer, "malformed", "the settings cannot be used")])
+    RunError::Faults(vec![Fault::new(
+        pointer,
+        "malformed",
+        "the settings cannot be used",
+    )])
 }
 
 fn read<'a, T: Deserialize<'a>>(spec: &'a Value, name: &str) -> Result<T, RunError> {
@@ -109,33 +116,100 @@ pub(super) fn correlate(
 ) -> Result<Correlated, RunError> {
     let spec = &plan.spec;
     let settings: AlignmentSettings = read(spec, "alignment")?;
-    let (statistic, confirm): (Statistic, Confirm) = (read(spec, "statistic")?, read(spec, "confirm")?);
-    let Material { nodes: Nodes { nodes, mut origins, mut truth_ids }, truth, sensors } = material;
-    nodes::check(&nodes, spec.get("sets").is_some(), settings.assumed(), warnings)?;
+    let (statistic, confirm): (Statistic, Confirm) =
+        (read(spec, "statistic")?, read(spec, "confirm")?);
+    let Material {
+        nodes:
+            Nodes {
+                nodes,
+                mut origins,
+                mut truth_ids,
+            },
+        truth,
+        sensors,
+    } = material;
+    nodes::check(
+        &nodes,
+        spec.get("sets").is_some(),
+        settings.assumed(),
+        warnings,
+    )?;
     if let Some(truth) = truth.filter(|_| origins.is_none()) {
-        origins = Some(nodes::by_truth(&nodes, truth, spec["truth_gate_m"].as_f64().unwrap_or(100.0)));
-        truth_ids = truth.targets().iter().map(|target| target.truth_id.clone()).collect();
+        origins = Some(nodes::by_truth(
+            &nodes,
+            truth,
+            spec["truth_gate_m"].as_f64().unwrap_or(100.0),
+        ));
+        truth_ids = truth
+            .targets()
+            .iter()
+            .map(|target| target.truth_id.clone())
+            .collect();
     }
     let estimates = aligned(&nodes, &settings, spec.get("sets").is_some(), warnings)?;
     if confirm.of as usize > estimates.times() {
-        return Err(vec![checks::too_few_times(confirm.of as usize, estimates.times())].into());
+        return Err(vec![checks::too_few_times(
+            confirm.of as usize,
+            estimates.times(),
+        )]
+        .into());
     }
-    let place = if spec.get("sets").is_some() { "/sets" } else { "/input" };
-    let pairs = pairs_of(&estimates, &statistic)
-        .map_err(|detail| vec![Fault::new(place, "too_large", detail).allowing("fewer tracks, fewer common times, or a smaller gate")])?;
-    let cross = cross_of(read(spec, "cross_covariance")?, &estimates, &nodes, &pairs, warnings)?;
+    let place = if spec.get("sets").is_some() {
+        "/sets"
+    } else {
+        "/input"
+    };
+    let pairs = pairs_of(&estimates, &statistic).map_err(|detail| {
+        vec![
+            Fault::new(place, "too_large", detail)
+                .allowing("fewer tracks, fewer common times, or a smaller gate"),
+        ]
+    })?;
+    let cross = cross_of(
+        read(spec, "cross_covariance")?,
+        &estimates,
+        &nodes,
+        &pairs,
+        warnings,
+    )?;
     let p_d = p_d_of(&statistic, &estimates.sensor_ids, sensors);
-    let correlation = Correlation { statistic, estimates: Arc::new(estimates), cross: cross.map(Arc::new), pairs, p_d };
+    let correlation = Correlation {
+        statistic,
+        estimates: Arc::new(estimates),
+        cross: cross.map(Arc::new),
+        pairs,
+        p_d,
+    };
     warn(&correlation, spec, warnings);
-    let entry = CORRELATORS.iter().find(|entry| spec["correlator"]["method"] == entry.name).ok_or_else(|| unusable("/correlator"))?;
-    let mut correlator = (entry.build)(&spec["correlator"], plan.stream()).map_err(|_| unusable("/correlator"))?;
+    let entry = CORRELATORS
+        .iter()
+        .find(|entry| spec["correlator"]["method"] == entry.name)
+        .ok_or_else(|| unusable("/correlator"))?;
+    let mut correlator =
+        (entry.build)(&spec["correlator"], plan.stream()).map_err(|_| unusable("/correlator"))?;
     let decisions = decide::decide(&correlation, confirm, &mut *correlator, observer)?;
-    let fusion = FUSIONS.iter().find(|entry| spec["fusion"]["method"] == entry.name).ok_or_else(|| unusable("/fusion"))?;
+    let fusion = FUSIONS
+        .iter()
+        .find(|entry| spec["fusion"]["method"] == entry.name)
+        .ok_or_else(|| unusable("/fusion"))?;
     let fusion = (fusion.build)(&spec["fusion"]).map_err(|_| unusable("/fusion"))?;
     let keeps_alone = spec["keep_unassociated"] == true;
-    let kept = decisions.alone.iter().filter(|_| keeps_alone).map(|&track| vec![track]);
-    let sources: Vec<Vec<u32>> = decisions.tuples.iter().map(|(tuple, _)| tuple.clone()).chain(kept).collect();
-    let system_tracks = system_tracks(&correlation.evidence(correlation.estimates.times()), &sources, &*fusion);
+    let kept = decisions
+        .alone
+        .iter()
+        .filter(|_| keeps_alone)
+        .map(|&track| vec![track]);
+    let sources: Vec<Vec<u32>> = decisions
+        .tuples
+        .iter()
+        .map(|(tuple, _)| tuple.clone())
+        .chain(kept)
+        .collect();
+    let system_tracks = system_tracks(
+        &correlation.evidence(correlation.estimates.times()),
+        &sources,
+        &*fusion,
+    );
     told(observer, Step::Evaluate, 1, 1)?;
     Ok(Correlated {
         correlator: entry.name,
@@ -155,11 +229,20 @@ pub(super) fn correlate(
 }
 
 fn told(observer: &mut dyn Observer, step: Step, done: u64, total: u64) -> Result<(), RunError> {
-    if observer.progress(step, done, total).is_break() { Err(RunError::Stopped) } else { Ok(()) }
+    if observer.progress(step, done, total).is_break() {
+        Err(RunError::Stopped)
+    } else {
+        Ok(())
+    }
 }
 
 /// All tracks at the common times.
-fn aligned(nodes: &[Node], settings: &AlignmentSettings, is_of_sets: bool, warnings: &mut Vec<String>) -> Result<Estimates, RunError> {
+fn aligned(
+    nodes: &[Node],
+    settings: &AlignmentSettings,
+    is_of_sets: bool,
+    warnings: &mut Vec<String>,
+) -> Result<Estimates, RunError> {
     let times_s = common_times(nodes, settings)?;
     let tracks: usize = nodes.iter().map(|node| node.tracks.tracks.len()).sum();
     let place = if is_of_sets { "/sets" } else { "/input" };
@@ -167,17 +250,24 @@ fn aligned(nodes: &[Node], settings: &AlignmentSettings, is_of_sets: bool, warni
         let points = (tracks * times_s.len()) as f64;
         return Err(vec![checks::too_many_estimates(place, points, points * 2e-6)].into());
     }
-    let alignment =
-        Alignment { process_noise_m2ps3: settings.process_noise_m2ps3, max_gap_s: settings.max_gap_s, assumed: settings.assumed() };
+    let alignment = Alignment {
+        process_noise_m2ps3: settings.process_noise_m2ps3,
+        max_gap_s: settings.max_gap_s,
+        assumed: settings.assumed(),
+    };
     let (estimates, left_out) = alignment::align(nodes, &times_s, &alignment);
     if estimates.times() == 0 {
         let detail = "there is no common time at which two sensors have a track";
-        return Err(
-            vec![Fault::new(place, "disjoint", detail).allowing("tracks that overlap in time, or a longer alignment/max_gap_s")].into()
-        );
+        return Err(vec![
+            Fault::new(place, "disjoint", detail)
+                .allowing("tracks that overlap in time, or a longer alignment/max_gap_s"),
+        ]
+        .into());
     }
     if left_out > 0 {
-        warnings.push(format!("{left_out} estimates are left out: their covariance is not positive definite"));
+        warnings.push(format!(
+            "{left_out} estimates are left out: their covariance is not positive definite"
+        ));
     }
     if !estimates.has_velocity {
         warnings.push(
@@ -190,16 +280,25 @@ fn aligned(nodes: &[Node], settings: &AlignmentSettings, is_of_sets: bool, warni
 
 fn common_times(nodes: &[Node], settings: &AlignmentSettings) -> Result<Vec<f64>, RunError> {
     if let Some(period_s) = settings.period_s {
-        let times_s: Vec<f64> = nodes.iter().flat_map(|node| alignment::times_of(&node.tracks)).collect();
+        let times_s: Vec<f64> = nodes
+            .iter()
+            .flat_map(|node| alignment::times_of(&node.tracks))
+            .collect();
         let first_s = times_s.iter().copied().fold(f64::INFINITY, f64::min);
         let last_s = times_s.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let count = ((last_s - first_s) / period_s + 1e-9).floor().max(0.0);
         if count > checks::MAX_ESTIMATES as f64 {
             let detail = format!("{last_s} s − {first_s} s make {count:.0} common times");
             let fault = Fault::new("/alignment/period_s", "too_large", detail);
-            return Err(vec![fault.allowing(format!("at most {} tracks × common times", checks::MAX_ESTIMATES))].into());
+            return Err(vec![fault.allowing(format!(
+                "at most {} tracks × common times",
+                checks::MAX_ESTIMATES
+            ))]
+            .into());
         }
-        return Ok((0..=count as u64).map(|number| first_s + number as f64 * period_s).collect());
+        return Ok((0..=count as u64)
+            .map(|number| first_s + number as f64 * period_s)
+            .collect());
     }
     let reference = match &settings.reference {
         None => nodes.first(),
@@ -207,7 +306,14 @@ fn common_times(nodes: &[Node], settings: &AlignmentSettings) -> Result<Vec<f64>
     };
     let reference = reference.ok_or_else(|| {
         let names: Vec<&str> = nodes.iter().map(|node| node.sensor_id.as_str()).collect();
-        vec![Fault::new("/alignment/reference", "unknown_value", "there is no sensor of this name").allowing(names.join(", "))]
+        vec![
+            Fault::new(
+                "/alignment/reference",
+                "unknown_value",
+                "there is no sensor of this name",
+            )
+            .allowing(names.join(", ")),
+        ]
     })?;
     Ok(alignment::times_of(&reference.tracks))
 }
@@ -223,37 +329,74 @@ fn cross_of(
     match cross {
         Cross::None => Ok(None),
         Cross::Coefficient { coefficient } => {
-            warnings.push(format!("the errors of all tracks are assumed to be correlated with ρ = {coefficient}"));
-            Ok(Some(CrossTable::with_coefficient(estimates, pairs, coefficient)))
+            warnings.push(format!(
+                "the errors of all tracks are assumed to be correlated with ρ = {coefficient}"
+            ));
+            Ok(Some(CrossTable::with_coefficient(
+                estimates,
+                pairs,
+                coefficient,
+            )))
         }
-        Cross::Recursion { process_noise_m2ps3 } => {
+        Cross::Recursion {
+            process_noise_m2ps3,
+        } => {
             let is_known = |node: &Node| {
                 let points = node.tracks.tracks.iter().flat_map(|track| &track.points);
-                points.filter_map(|point| point.estimate.plane()).all(|plane| plane.has_velocity && plane.covariance.is_some())
+                points
+                    .filter_map(|point| point.estimate.plane())
+                    .all(|plane| plane.has_velocity && plane.covariance.is_some())
             };
             if let Some(node) = nodes.iter().find(|node| !is_known(node)) {
-                let detail =
-                    format!("the recursion needs the velocity and the covariance of every point, which '{}' lacks", node.sensor_id);
-                return Err(vec![Fault::new("/cross_covariance/kind", "unsupported", detail).allowing("none, coefficient")].into());
+                let detail = format!(
+                    "the recursion needs the velocity and the covariance of every point, which '{}' lacks",
+                    node.sensor_id
+                );
+                return Err(vec![
+                    Fault::new("/cross_covariance/kind", "unsupported", detail)
+                        .allowing("none, coefficient"),
+                ]
+                .into());
             }
             let tracks: Vec<&Track> = nodes.iter().flat_map(|node| &node.tracks.tracks).collect();
-            Ok(Some(CrossTable::by_recursion(estimates, &tracks, pairs, process_noise_m2ps3)))
+            Ok(Some(CrossTable::by_recursion(
+                estimates,
+                &tracks,
+                pairs,
+                process_noise_m2ps3,
+            )))
         }
     }
 }
 
 /// What the settings of each sensor say, else the statistic; a sensor is never certain.
 fn p_d_of(statistic: &Statistic, sensor_ids: &[String], sensors: &[SensorSettings]) -> Vec<f64> {
-    let Statistic::LikelihoodRatio { p_d, .. } = *statistic else { return vec![0.9; sensor_ids.len()] };
-    let of_sensor = |name: &String| sensors.iter().find(|sensor| sensor.sensor_id == *name).and_then(|sensor| sensor.p_d);
-    sensor_ids.iter().map(|name| of_sensor(name).unwrap_or(p_d).min(0.999)).collect()
+    let Statistic::LikelihoodRatio { p_d, .. } = *statistic else {
+        return vec![0.9; sensor_ids.len()];
+    };
+    let of_sensor = |name: &String| {
+        sensors
+            .iter()
+            .find(|sensor| sensor.sensor_id == *name)
+            .and_then(|sensor| sensor.p_d)
+    };
+    sensor_ids
+        .iter()
+        .map(|name| of_sensor(name).unwrap_or(p_d).min(0.999))
+        .collect()
 }
 
 /// What a reader must know of the statistic.
 fn warn(correlation: &Correlation, spec: &Value, warnings: &mut Vec<String>) {
     let (statistic, estimates) = (&correlation.statistic, &correlation.estimates);
-    let correlated = spec.pointer("/input/tracks/correlation").and_then(Value::as_f64);
-    if statistic.alpha().is_some() && statistic.times() == Times::All && estimates.times() > 1 && correlated != Some(0.0) {
+    let correlated = spec
+        .pointer("/input/tracks/correlation")
+        .and_then(Value::as_f64);
+    if statistic.alpha().is_some()
+        && statistic.times() == Times::All
+        && estimates.times() > 1
+        && correlated != Some(0.0)
+    {
         warnings.push(format!(
             "λ is summed over up to {} times: it is chi-square only where a track's errors are white in time, and those of filtered \
              tracks are not, so that more than α of the true pairs are taken apart; statistic.k 'latest' tests one time",
@@ -268,7 +411,10 @@ fn warn(correlation: &Correlation, spec: &Value, warnings: &mut Vec<String>) {
         );
     }
     if spec["correlator"]["method"] == "modified" && correlation.cross.is_none() {
-        warnings.push("cross_covariance is none: the correlator 'modified' does what 'weighted' does".to_owned());
+        warnings.push(
+            "cross_covariance is none: the correlator 'modified' does what 'weighted' does"
+                .to_owned(),
+        );
     }
     if let Some((target_density, false_density)) = correlation.densities() {
         warnings

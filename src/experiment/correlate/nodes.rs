@@ -28,12 +28,38 @@ pub(in super::super) struct Nodes {
 
 /// Drawn tracks; `None` when the job has others.
 pub(in super::super) fn drawn(plan: &Plan) -> Result<Option<(Nodes, TruthSet)>, RunError> {
-    let Some(Ok(settings)) = plan.spec.pointer("/input/tracks").map(LocalTracks::deserialize) else { return Ok(None) };
+    let Some(Ok(settings)) = plan
+        .spec
+        .pointer("/input/tracks")
+        .map(LocalTracks::deserialize)
+    else {
+        return Ok(None);
+    };
     let (sensors, truth) = simulate_local_tracks(&settings, plan.stream())?;
-    let origins = sensors.iter().flat_map(|sensor| sensor.origins.iter().copied()).collect();
-    let nodes = sensors.into_iter().map(|sensor| Node { sensor_id: sensor.sensor_id, tracks: sensor.tracks }).collect();
-    let truth_ids = truth.targets().iter().map(|target| target.truth_id.clone()).collect();
-    Ok(Some((Nodes { nodes, origins: Some(origins), truth_ids }, truth)))
+    let origins = sensors
+        .iter()
+        .flat_map(|sensor| sensor.origins.iter().copied())
+        .collect();
+    let nodes = sensors
+        .into_iter()
+        .map(|sensor| Node {
+            sensor_id: sensor.sensor_id,
+            tracks: sensor.tracks,
+        })
+        .collect();
+    let truth_ids = truth
+        .targets()
+        .iter()
+        .map(|target| target.truth_id.clone())
+        .collect();
+    Ok(Some((
+        Nodes {
+            nodes,
+            origins: Some(origins),
+            truth_ids,
+        },
+        truth,
+    )))
 }
 
 /// Uploaded tracks, or those of other jobs: a set is called by its sensor, or by its place where it has none or several.
@@ -45,56 +71,105 @@ pub(in super::super) fn of_sets(sets: Vec<TrackSet>) -> Nodes {
         };
         Node { sensor_id, tracks }
     };
-    Nodes { nodes: sets.into_iter().enumerate().map(name).collect(), ..Nodes::default() }
+    Nodes {
+        nodes: sets.into_iter().enumerate().map(name).collect(),
+        ..Nodes::default()
+    }
 }
 
 /// What makes tracks impossible to compare: every fault, and what is assumed of tracks without covariance.
-pub(super) fn check(nodes: &[Node], is_of_sets: bool, assumed: Option<Assumed>, warnings: &mut Vec<String>) -> Result<(), Vec<Fault>> {
+pub(super) fn check(
+    nodes: &[Node],
+    is_of_sets: bool,
+    assumed: Option<Assumed>,
+    warnings: &mut Vec<String>,
+) -> Result<(), Vec<Fault>> {
     let mut faults = Vec::new();
-    let place = |index: usize| if is_of_sets { format!("/sets/{index}") } else { "/input".to_owned() };
+    let place = |index: usize| {
+        if is_of_sets {
+            format!("/sets/{index}")
+        } else {
+            "/input".to_owned()
+        }
+    };
     if nodes.len() < 2 {
-        faults.push(one_sensor(if is_of_sets { "/sets" } else { "/input" }, nodes.len()));
+        faults.push(one_sensor(
+            if is_of_sets { "/sets" } else { "/input" },
+            nodes.len(),
+        ));
     }
     for (index, node) in nodes.iter().enumerate() {
         let name = &node.sensor_id;
         if nodes[..index].iter().any(|other| other.sensor_id == *name) {
-            let detail = format!("two sets are of sensor '{name}', whose tracks are not put together with each other");
+            let detail = format!(
+                "two sets are of sensor '{name}', whose tracks are not put together with each other"
+            );
             faults.push(Fault::new(place(index), "duplicate", detail).allowing("each sensor once"));
         }
         if node.tracks.is_of_bearings() {
-            let detail = format!("the tracks of '{name}' are directions (bearing_deg), which are not compared with places");
-            faults.push(Fault::new(place(index), "unsupported", detail).allowing("tracks in the plane (x_m, y_m)"));
+            let detail = format!(
+                "the tracks of '{name}' are directions (bearing_deg), which are not compared with places"
+            );
+            faults.push(
+                Fault::new(place(index), "unsupported", detail)
+                    .allowing("tracks in the plane (x_m, y_m)"),
+            );
             continue;
         }
         let lacking = lacking_covariance(&node.tracks);
         match assumed {
             _ if lacking == 0 => {}
             Some(Assumed { sigma_m, sigma_mps }) => {
-                let of_velocity = sigma_mps.map_or("their velocities are not used".to_owned(), |sigma| format!("{sigma} m/s"));
+                let of_velocity = sigma_mps
+                    .map_or("their velocities are not used".to_owned(), |sigma| {
+                        format!("{sigma} m/s")
+                    });
                 warnings.push(format!("{lacking} points of '{name}' carry no covariance: σ = {sigma_m} m is assumed, {of_velocity}"));
             }
             None => {
-                let detail = format!("{lacking} points of '{name}' carry no covariance, and nothing is assumed in its place");
-                faults.push(Fault::new(place(index), "missing", detail).allowing("columns p_xx … p_vyvy, or alignment/sigma_m"));
+                let detail = format!(
+                    "{lacking} points of '{name}' carry no covariance, and nothing is assumed in its place"
+                );
+                faults.push(
+                    Fault::new(place(index), "missing", detail)
+                        .allowing("columns p_xx … p_vyvy, or alignment/sigma_m"),
+                );
             }
         }
     }
-    if faults.is_empty() { Ok(()) } else { Err(faults) }
+    if faults.is_empty() {
+        Ok(())
+    } else {
+        Err(faults)
+    }
 }
 
 fn lacking_covariance(tracks: &TrackSet) -> usize {
     let points = tracks.tracks.iter().flat_map(|track| &track.points);
-    points.filter(|point| point.estimate.plane().is_some_and(|plane| plane.covariance.is_none())).count()
+    points
+        .filter(|point| {
+            point
+                .estimate
+                .plane()
+                .is_some_and(|plane| plane.covariance.is_none())
+        })
+        .count()
 }
 
 /// For each track of one sensor the target of most of its detections.
-pub(in super::super) fn by_detections(tracks: &TrackSet, recording: &Recording) -> Vec<Option<u32>> {
+pub(in super::super) fn by_detections(
+    tracks: &TrackSet,
+    recording: &Recording,
+) -> Vec<Option<u32>> {
     let of_track = |track: &Track| {
         let best = |point| {
             let candidates = tracks.candidates_of(point).iter();
             candidates.max_by(|left, right| left.probability.total_cmp(&right.probability))
         };
-        let detections = track.points.iter().filter_map(|point| best(point)?.detection);
+        let detections = track
+            .points
+            .iter()
+            .filter_map(|point| best(point)?.detection);
         most_frequent(detections.map(|detection| recording.detections[detection as usize].origin))
     };
     tracks.tracks.iter().map(of_track).collect()
@@ -109,12 +184,20 @@ pub(super) fn by_truth(nodes: &[Node], truth: &TruthSet, gate_m: f64) -> Vec<Opt
                 (distance_m <= gate_m).then_some((distance_m, index as u32))
             };
             let near = truth.targets().iter().enumerate().filter_map(distance_m);
-            near.min_by(|left, right| left.0.total_cmp(&right.0)).map(|(_, index)| index)
+            near.min_by(|left, right| left.0.total_cmp(&right.0))
+                .map(|(_, index)| index)
         };
-        let places = track.points.iter().filter_map(|point| Some((point.time_s, point.estimate.plane()?.position_m())));
+        let places = track
+            .points
+            .iter()
+            .filter_map(|point| Some((point.time_s, point.estimate.plane()?.position_m())));
         most_frequent(places.map(nearest))
     };
-    nodes.iter().flat_map(|node| &node.tracks.tracks).map(of_track).collect()
+    nodes
+        .iter()
+        .flat_map(|node| &node.tracks.tracks)
+        .map(of_track)
+        .collect()
 }
 
 /// The most frequent, "none" included; the smaller of two.
@@ -122,5 +205,8 @@ fn most_frequent(found: impl Iterator<Item = Option<u32>>) -> Option<u32> {
     let mut counts: BTreeMap<Option<u32>, usize> = BTreeMap::new();
     found.for_each(|origin| *counts.entry(origin).or_default() += 1);
     let most = counts.values().copied().max()?;
-    counts.into_iter().find(|(_, count)| *count == most).and_then(|(origin, _)| origin)
+    counts
+        .into_iter()
+        .find(|(_, count)| *count == most)
+        .and_then(|(origin, _)| origin)
 }

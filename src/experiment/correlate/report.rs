@@ -122,12 +122,18 @@ struct TruthReport {
 }
 
 /// The report; `tuples` are those of [`tuple_lines`].
-pub(in super::super) fn report(correlated: &Correlated, mut tuples: Vec<TupleLine>) -> CorrelationReport {
+pub(in super::super) fn report(
+    correlated: &Correlated,
+    mut tuples: Vec<TupleLine>,
+) -> CorrelationReport {
     let (estimates, solution) = (&correlated.correlation.estimates, &correlated.solution);
     let sensors = estimates.sensor_ids.iter().zip(&estimates.tracks_of);
     let sensors_of_tracks = estimates.sensors_of_tracks();
     let problem = &correlated.problem;
-    let links = (0..problem.tracks() as u32).map(|track| problem.links(track).len()).sum::<usize>() / 2;
+    let links = (0..problem.tracks() as u32)
+        .map(|track| problem.links(track).len())
+        .sum::<usize>()
+        / 2;
     let name = |&track: &u32| TrackName {
         sensor_id: estimates.sensor_ids[sensors_of_tracks[track as usize]].clone(),
         track_id: estimates.track_ids[track as usize].clone(),
@@ -135,7 +141,12 @@ pub(in super::super) fn report(correlated: &Correlated, mut tuples: Vec<TupleLin
     CorrelationReport {
         correlator: correlated.correlator,
         statistic: correlated.correlation.statistic.name(),
-        sensors: sensors.map(|(sensor_id, &tracks)| SensorLine { sensor_id: sensor_id.clone(), tracks }).collect(),
+        sensors: sensors
+            .map(|(sensor_id, &tracks)| SensorLine {
+                sensor_id: sensor_id.clone(),
+                tracks,
+            })
+            .collect(),
         counts: Counts {
             sensors: estimates.tracks_of.len(),
             tracks: estimates.tracks(),
@@ -156,7 +167,10 @@ pub(in super::super) fn report(correlated: &Correlated, mut tuples: Vec<TupleLin
             evaluations: search.evaluations,
             stop: search.stop,
         }),
-        confirm: ConfirmReport { found: correlated.confirm.found, of: correlated.confirm.of },
+        confirm: ConfirmReport {
+            found: correlated.confirm.found,
+            of: correlated.confirm.of,
+        },
         tuples_left_out: tuples.len().saturating_sub(MAX_LINES),
         unassociated: correlated.alone.iter().take(MAX_LINES).map(name).collect(),
         unassociated_left_out: correlated.alone.len().saturating_sub(MAX_LINES),
@@ -182,7 +196,10 @@ pub(in super::super) fn tuple_lines(correlated: &Correlated) -> Vec<TupleLine> {
     let line = |(index, (tuple, found)): (usize, &(Vec<u32>, u32))| {
         let spread = evidence.spread(tuple);
         let mut tracks = vec![None; correlation.estimates.tracks_of.len()];
-        tuple.iter().for_each(|&track| tracks[sensors[track as usize]] = Some(correlation.estimates.track_ids[track as usize].clone()));
+        tuple.iter().for_each(|&track| {
+            tracks[sensors[track as usize]] =
+                Some(correlation.estimates.track_ids[track as usize].clone())
+        });
         TupleLine {
             system_track_id: (index + 1).to_string(),
             tracks,
@@ -202,22 +219,41 @@ pub(in super::super) fn tuple_lines(correlated: &Correlated) -> Vec<TupleLine> {
 /// Whether these are all the tracks of one target, and nothing else.
 fn is_right(correlated: &Correlated, tuple: &[u32]) -> Option<bool> {
     let origins = correlated.origins.as_ref()?;
-    let Some(target) = origins[tuple[0] as usize] else { return Some(false) };
-    let of_target = origins.iter().filter(|origin| **origin == Some(target)).count();
-    Some(of_target == tuple.len() && tuple.iter().all(|&track| origins[track as usize] == Some(target)))
+    let Some(target) = origins[tuple[0] as usize] else {
+        return Some(false);
+    };
+    let of_target = origins
+        .iter()
+        .filter(|origin| **origin == Some(target))
+        .count();
+    Some(
+        of_target == tuple.len()
+            && tuple
+                .iter()
+                .all(|&track| origins[track as usize] == Some(target)),
+    )
 }
 
 /// b: Σ λ over neighbours.
 fn chain(evidence: &Evidence, tuple: &[u32]) -> Option<f64> {
-    tuple.windows(2).map(|pair| evidence.pair(pair[0], pair[1]).map(|pair| pair.lambda)).sum()
+    tuple
+        .windows(2)
+        .map(|pair| evidence.pair(pair[0], pair[1]).map(|pair| pair.lambda))
+        .sum()
 }
 
 /// The target of most of the tracks; the first of equals.
 fn truth_of(correlated: &Correlated, tuple: &[u32]) -> Option<String> {
-    let origins: Vec<u32> = tuple.iter().filter_map(|&track| correlated.origins.as_ref()?[track as usize]).collect();
+    let origins: Vec<u32> = tuple
+        .iter()
+        .filter_map(|&track| correlated.origins.as_ref()?[track as usize])
+        .collect();
     let count = |origin: &u32| origins.iter().filter(|other| *other == origin).count();
     let most = origins.iter().map(count).max()?;
-    let origin = origins.iter().filter(|origin| count(origin) == most).min()?;
+    let origin = origins
+        .iter()
+        .filter(|origin| count(origin) == most)
+        .min()?;
     correlated.truth_ids.get(*origin as usize).cloned()
 }
 
@@ -225,9 +261,21 @@ fn truth(correlated: &Correlated) -> Option<TruthReport> {
     let origins = correlated.origins.as_ref()?;
     let sensors = correlated.correlation.estimates.sensors_of_tracks();
     let mut group_of = vec![0; origins.len()];
-    let groups = correlated.tuples.iter().map(|(tuple, _)| tuple.as_slice()).chain(correlated.alone.chunks(1));
-    groups.enumerate().for_each(|(group, tuple)| tuple.iter().for_each(|&track| group_of[track as usize] = group));
-    let report = |(track, &origin): (usize, &Option<u32>)| GroupedReport { sensor: sensors[track] as u32, origin, group: group_of[track] };
+    let groups = correlated
+        .tuples
+        .iter()
+        .map(|(tuple, _)| tuple.as_slice())
+        .chain(correlated.alone.chunks(1));
+    groups.enumerate().for_each(|(group, tuple)| {
+        tuple
+            .iter()
+            .for_each(|&track| group_of[track as usize] = group)
+    });
+    let report = |(track, &origin): (usize, &Option<u32>)| GroupedReport {
+        sensor: sensors[track] as u32,
+        origin,
+        group: group_of[track],
+    };
     let reports: Vec<GroupedReport> = origins.iter().enumerate().map(report).collect();
     let counts = GroupingCounts::of(&reports);
     Some(TruthReport {
@@ -241,13 +289,25 @@ fn truth(correlated: &Correlated) -> Option<TruthReport> {
 }
 
 /// `tuples.csv`, `system_tracks.csv` and `local_tracks.csv`.
-pub(in super::super) fn artifacts(correlated: &Correlated, tuples: &[TupleLine]) -> Result<Vec<Artifact>, Error> {
+pub(in super::super) fn artifacts(
+    correlated: &Correlated,
+    tuples: &[TupleLine],
+) -> Result<Vec<Artifact>, Error> {
     let mut bytes = Vec::new();
     let dataset = Dataset::Tracks(correlated.system_tracks.clone());
     formats::write_csv(&dataset, &mut bytes)?;
-    let tracks =
-        Artifact { name: "system_tracks.csv", media_type: "text/csv", bytes, dataset: Some(dataset.summary()), sensors: Vec::new() };
-    Ok(vec![tracks, table(correlated, tuples), local_tracks(&correlated.nodes)?])
+    let tracks = Artifact {
+        name: "system_tracks.csv",
+        media_type: "text/csv",
+        bytes,
+        dataset: Some(dataset.summary()),
+        sensors: Vec::new(),
+    };
+    Ok(vec![
+        tracks,
+        table(correlated, tuples),
+        local_tracks(&correlated.nodes)?,
+    ])
 }
 
 /// The tracks that were put together, with all that they say of their targets: a table of tracks, of which the points of each sensor
@@ -256,17 +316,32 @@ fn local_tracks(nodes: &[Node]) -> Result<Artifact, Error> {
     let mut of_name: BTreeMap<&str, Vec<TrackPoint>> = BTreeMap::new();
     for (sensor, node) in nodes.iter().enumerate() {
         for track in &node.tracks.tracks {
-            let points = track.points.iter().filter(|point| point.estimate.plane().is_some());
-            let bare = points.map(|point| TrackPoint { sensor: Some(sensor as u32), first_candidate: 0, candidates: 0, ..*point });
+            let points = track
+                .points
+                .iter()
+                .filter(|point| point.estimate.plane().is_some());
+            let bare = points.map(|point| TrackPoint {
+                sensor: Some(sensor as u32),
+                first_candidate: 0,
+                candidates: 0,
+                ..*point
+            });
             of_name.entry(&track.track_id).or_default().extend(bare);
         }
     }
     let track = |(name, mut points): (&str, Vec<TrackPoint>)| {
         points.sort_by(|left, right| left.time_s.total_cmp(&right.time_s));
-        Track { track_id: name.to_owned(), points }
+        Track {
+            track_id: name.to_owned(),
+            points,
+        }
     };
     let sensor_ids = nodes.iter().map(|node| node.sensor_id.clone()).collect();
-    let set = TrackSet { tracks: of_name.into_iter().map(track).collect(), sensor_ids, ..TrackSet::default() };
+    let set = TrackSet {
+        tracks: of_name.into_iter().map(track).collect(),
+        sensor_ids,
+        ..TrackSet::default()
+    };
     let mut bytes = Vec::new();
     formats::write_csv(&Dataset::Tracks(set), &mut bytes)?;
     Ok(Artifact::file("local_tracks.csv", "text/csv", bytes))
@@ -275,8 +350,25 @@ fn local_tracks(nodes: &[Node]) -> Result<Artifact, Error> {
 /// A row a tuple, the tracks that are alone below them, with the track of each sensor.
 fn table(correlated: &Correlated, tuples: &[TupleLine]) -> Artifact {
     let estimates = &correlated.correlation.estimates;
-    let mut table = Table::new(false, &["system_track_id", "cost", "b", "statistic", "degrees_of_freedom", "p_value", "found", "truth_id"]);
-    table.columns(estimates.sensor_ids.iter().map(|sensor_id| format!("track_of_{sensor_id}")));
+    let mut table = Table::new(
+        false,
+        &[
+            "system_track_id",
+            "cost",
+            "b",
+            "statistic",
+            "degrees_of_freedom",
+            "p_value",
+            "found",
+            "truth_id",
+        ],
+    );
+    table.columns(
+        estimates
+            .sensor_ids
+            .iter()
+            .map(|sensor_id| format!("track_of_{sensor_id}")),
+    );
     for line in tuples {
         let mut cells = vec![
             line.system_track_id.clone(),
@@ -288,18 +380,38 @@ fn table(correlated: &Correlated, tuples: &[TupleLine]) -> Artifact {
             line.found.to_string(),
             line.truth_id.clone().unwrap_or_default(),
         ];
-        cells.extend(line.tracks.iter().map(|track| track.clone().unwrap_or_default()));
+        cells.extend(
+            line.tracks
+                .iter()
+                .map(|track| track.clone().unwrap_or_default()),
+        );
         table.row(&cells);
     }
     let sensors = estimates.sensors_of_tracks();
     for (index, &track) in correlated.alone.iter().enumerate() {
-        let id = if correlated.keeps_alone { (correlated.tuples.len() + index + 1).to_string() } else { String::new() };
+        let id = if correlated.keeps_alone {
+            (correlated.tuples.len() + index + 1).to_string()
+        } else {
+            String::new()
+        };
         let truth_id = truth_of(correlated, &[track]).unwrap_or_default();
-        let mut cells = vec![id, "0".to_owned(), String::new(), String::new(), "0".to_owned(), String::new(), String::new(), truth_id];
-        cells.extend(
-            (0..estimates.tracks_of.len())
-                .map(|sensor| if sensor == sensors[track as usize] { estimates.track_ids[track as usize].clone() } else { String::new() }),
-        );
+        let mut cells = vec![
+            id,
+            "0".to_owned(),
+            String::new(),
+            String::new(),
+            "0".to_owned(),
+            String::new(),
+            String::new(),
+            truth_id,
+        ];
+        cells.extend((0..estimates.tracks_of.len()).map(|sensor| {
+            if sensor == sensors[track as usize] {
+                estimates.track_ids[track as usize].clone()
+            } else {
+                String::new()
+            }
+        }));
         table.row(&cells);
     }
     table.artifact("tuples.csv")

@@ -12,15 +12,27 @@ use serde_json::{Value, json};
 const TARGETS: u32 = 25;
 
 pub(super) fn presets() -> Vec<Preset> {
-    let scenes = [("cv", "straight"), ("weave", "weaving")].into_iter().flat_map(|scene| [10, 15].map(|count| (scene, count)));
+    let scenes = [("cv", "straight"), ("weave", "weaving")]
+        .into_iter()
+        .flat_map(|scene| [10, 15].map(|count| (scene, count)));
     let preset = |((name, motion), duplicates): ((&str, &str), u32)| {
         let summary = format!(
             "Cai et al.: six sensors, 25 {motion} targets, {duplicates} of them reported by every sensor; grouped by fuzzy c-means, \
              nearest neighbours and others. The paper gives no noise and no spacing: they are chosen for its nearest-neighbour column."
         );
-        campaign(format!("cai-fuzzy-{name}-{duplicates}"), summary, scenario(motion, duplicates), &[axis()], 5)
+        campaign(
+            format!("cai-fuzzy-{name}-{duplicates}"),
+            summary,
+            scenario(motion, duplicates),
+            &[axis()],
+            5,
+        )
     };
-    scenes.clone().map(preset).chain([tables(scenes.collect())]).collect()
+    scenes
+        .clone()
+        .map(preset)
+        .chain([tables(scenes.collect())])
+        .collect()
 }
 
 /// Both tables in one: four scenes by contenders.
@@ -34,7 +46,13 @@ fn tables(scenes: Vec<((&str, &str), u32)>) -> Preset {
     };
     let summary = "Cai et al., Tables 1 and 2: the scenes of cai-fuzzy-{cv,weave}-{10,15} in one, every contender on each.".to_owned();
     let scenes = json!({"by": "variants", "name": "scene", "variants": scenes.iter().map(variant).collect::<Vec<_>>()});
-    campaign("cai-fuzzy-tables".to_owned(), summary, scenario("straight", 10), &[scenes, axis()], 25)
+    campaign(
+        "cai-fuzzy-tables".to_owned(),
+        summary,
+        scenario("straight", 10),
+        &[scenes, axis()],
+        25,
+    )
 }
 
 fn campaign(name: String, summary: String, scenario: Value, grid: &[Value], runs: u32) -> Preset {
@@ -70,10 +88,17 @@ fn campaign(name: String, summary: String, scenario: Value, grid: &[Value], runs
 fn axis() -> Value {
     let changes = |parts: &Value| {
         let parts = parts.as_object().into_iter().flatten();
-        parts.map(|(name, value)| json!({"path": format!("/{name}"), "value": value})).collect::<Vec<_>>()
+        parts
+            .map(|(name, value)| json!({"path": format!("/{name}"), "value": value}))
+            .collect::<Vec<_>>()
     };
-    let variant = |(name, parts): (&'static str, Value)| json!({"name": name, "set": changes(&parts)});
-    let variants = contenders().into_iter().filter(|(name, _)| !name.starts_with("FCM genetic")).map(variant).collect::<Vec<_>>();
+    let variant =
+        |(name, parts): (&'static str, Value)| json!({"name": name, "set": changes(&parts)});
+    let variants = contenders()
+        .into_iter()
+        .filter(|(name, _)| !name.starts_with("FCM genetic"))
+        .map(variant)
+        .collect::<Vec<_>>();
     json!({"by": "variants", "name": "grouper", "variants": variants})
 }
 
@@ -82,7 +107,8 @@ pub fn contenders() -> Vec<(&'static str, Value)> {
     let clusters = json!({"by": "count", "count": TARGETS});
     let sensor = json!({"from": "sensor", "clusters": clusters});
     let random = json!({"from": "random", "clusters": clusters});
-    let genetic = json!({"from": "genetic", "clusters": clusters, "population": 6, "generations": 6});
+    let genetic =
+        json!({"from": "genetic", "clusters": clusters, "population": 6, "generations": 6});
     let nearest = json!({"method": "nearest_neighbour", "gate_sigmas": 3.0});
     let fuzzy = json!({"method": "fuzzy_c_means"});
     let from = |initial: Value, one_per_sensor: bool| json!({"grouper": {"method": "fuzzy_c_means", "initial": initial, "one_per_sensor": one_per_sensor}});
@@ -90,22 +116,43 @@ pub fn contenders() -> Vec<(&'static str, Value)> {
     let closed = json!({"start": "truth", "loop": "closed", "process_noise_m2ps3": 100.0});
     vec![
         ("NN, 3 σ", json!({"grouper": nearest})),
-        ("NN, 3 σ, closed loop", json!({"grouper": nearest, "predictions": closed})),
-        ("NN, no gate", json!({"grouper": {"method": "nearest_neighbour"}})),
-        ("NN, no gate, one per sensor", json!({"grouper": {"method": "nearest_neighbour", "one_per_sensor": true}})),
-        ("sequential NN, 3 σ", json!({"grouper": {"method": "sequential_nearest_neighbour", "gate_sigmas": 3.0}})),
+        (
+            "NN, 3 σ, closed loop",
+            json!({"grouper": nearest, "predictions": closed}),
+        ),
+        (
+            "NN, no gate",
+            json!({"grouper": {"method": "nearest_neighbour"}}),
+        ),
+        (
+            "NN, no gate, one per sensor",
+            json!({"grouper": {"method": "nearest_neighbour", "one_per_sensor": true}}),
+        ),
+        (
+            "sequential NN, 3 σ",
+            json!({"grouper": {"method": "sequential_nearest_neighbour", "gate_sigmas": 3.0}}),
+        ),
         (
             "sequential NN, 4 σ, one per sensor",
             json!({"grouper": {"method": "sequential_nearest_neighbour", "gate_sigmas": 4.0, "one_per_sensor": true}}),
         ),
         ("FCM from predictions", from(predictions(), false)),
-        ("FCM from predictions, closed loop", json!({"grouper": fuzzy, "predictions": closed})),
-        ("FCM from predictions, one per sensor", from(predictions(), true)),
+        (
+            "FCM from predictions, closed loop",
+            json!({"grouper": fuzzy, "predictions": closed}),
+        ),
+        (
+            "FCM from predictions, one per sensor",
+            from(predictions(), true),
+        ),
         ("FCM from one sensor", from(sensor.clone(), false)),
         ("FCM from one sensor, one per sensor", from(sensor, true)),
         ("FCM from random reports", from(random, false)),
         ("FCM genetic, 6 × 6", from(genetic, false)),
-        ("constrained hard c-means", json!({"grouper": {"method": "constrained_hard_c_means"}})),
+        (
+            "constrained hard c-means",
+            json!({"grouper": {"method": "constrained_hard_c_means"}}),
+        ),
     ]
 }
 

@@ -10,7 +10,13 @@ use serde_json::{Value, json};
 
 pub(super) fn presets() -> Vec<Preset> {
     // Without a correlator there is nothing to preset.
-    let Some(first) = CORRELATORS.iter().find(|method| method.name == "genetic").or(CORRELATORS.first()) else { return Vec::new() };
+    let Some(first) = CORRELATORS
+        .iter()
+        .find(|method| method.name == "genetic")
+        .or(CORRELATORS.first())
+    else {
+        return Vec::new();
+    };
     let body = json!({
         "name": "huo2008",
         "seed": 1,
@@ -30,17 +36,38 @@ pub(super) fn presets() -> Vec<Preset> {
             {"path": path("sensors"), "value": sensors}, {"path": path("targets"), "value": targets}, {"path": path("p_d"), "value": 0.9}
         ]})
     };
-    let sizes = [(3, 10), (3, 50), (5, 50), (10, 50), (10, 200)].map(|(sensors, targets)| size(sensors, targets));
+    let sizes = [(3, 10), (3, 50), (5, 50), (10, 50), (10, 200)]
+        .map(|(sensors, targets)| size(sensors, targets));
     let grids = [
-        ("spacing", 20, values("spacing (m)", "spacing_m", json!([150.0, 250.0, 500.0]))),
+        (
+            "spacing",
+            20,
+            values("spacing (m)", "spacing_m", json!([150.0, 250.0, 500.0])),
+        ),
         ("p-d", 20, values("P_D", "p_d", json!([0.7, 0.9, 1.0]))),
-        ("false-tracks", 20, values("false tracks", "false_tracks", json!([0.0, 2.0, 5.0]))),
+        (
+            "false-tracks",
+            20,
+            values("false tracks", "false_tracks", json!([0.0, 2.0, 5.0])),
+        ),
         ("cross-correlation", 20, cross_correlations()),
         ("statistic", 20, statistics()),
-        ("bias", 20, values("bias (m)", "bias_m", json!([0.0, 100.0, 200.0]))),
-        ("size", 1, json!({"by": "variants", "name": "sensors × targets", "variants": sizes})),
+        (
+            "bias",
+            20,
+            values("bias (m)", "bias_m", json!([0.0, 100.0, 200.0])),
+        ),
+        (
+            "size",
+            1,
+            json!({"by": "variants", "name": "sensors × targets", "variants": sizes}),
+        ),
     ];
-    presets.extend(grids.into_iter().map(|(name, runs, axis)| grid(&body, name, runs, &axis)));
+    presets.extend(
+        grids
+            .into_iter()
+            .map(|(name, runs, axis)| grid(&body, name, runs, &axis)),
+    );
     presets.push(study(&body));
     presets
 }
@@ -48,12 +75,24 @@ pub(super) fn presets() -> Vec<Preset> {
 /// The setting of the paper and one change of it at a time, every correlator and the paper's own coding, all against the optimum.
 fn study(body: &Value) -> Preset {
     let setting = |name: &str, tracks: Value, more: &[(&str, Value)]| {
-        let of_tracks = tracks.as_object().into_iter().flatten().map(|(field, value)| (format!("/input/tracks/{field}"), value.clone()));
-        let of_job = more.iter().map(|(path, value)| ((*path).to_owned(), value.clone()));
-        let set: Vec<Value> = of_tracks.chain(of_job).map(|(path, value)| json!({"path": path, "value": value})).collect();
+        let of_tracks = tracks
+            .as_object()
+            .into_iter()
+            .flatten()
+            .map(|(field, value)| (format!("/input/tracks/{field}"), value.clone()));
+        let of_job = more
+            .iter()
+            .map(|(path, value)| ((*path).to_owned(), value.clone()));
+        let set: Vec<Value> = of_tracks
+            .chain(of_job)
+            .map(|(path, value)| json!({"path": path, "value": value}))
+            .collect();
         json!({"name": name, "set": set})
     };
-    let in_common = [("/cross_covariance", json!({"kind": "coefficient", "coefficient": 0.5}))];
+    let in_common = [(
+        "/cross_covariance",
+        json!({"kind": "coefficient", "coefficient": 0.5}),
+    )];
     let settings = [
         setting("3 × 10", json!({}), &[]),
         setting("spacing 250 m", json!({"spacing_m": 250.0}), &[]),
@@ -64,12 +103,29 @@ fn study(body: &Value) -> Preset {
         setting("5 false tracks", json!({"false_tracks": 5.0}), &[]),
         setting("bias 100 m", json!({"bias_m": 100.0}), &[]),
         setting("bias 200 m", json!({"bias_m": 200.0}), &[]),
-        setting("errors in common, 250 m", json!({"cross_correlation": 0.5, "spacing_m": 250.0}), &in_common),
-        setting("all pairs, 250 m, P_D 0.9", json!({"spacing_m": 250.0, "p_d": 0.9}), &[("/statistic", json!({"kind": "all_pairs"}))]),
+        setting(
+            "errors in common, 250 m",
+            json!({"cross_correlation": 0.5, "spacing_m": 250.0}),
+            &in_common,
+        ),
+        setting(
+            "all pairs, 250 m, P_D 0.9",
+            json!({"spacing_m": 250.0, "p_d": 0.9}),
+            &[("/statistic", json!({"kind": "all_pairs"}))],
+        ),
         setting("3 × 50, P_D 0.9", json!({"targets": 50, "p_d": 0.9}), &[]),
-        setting("5 × 50, P_D 0.9", json!({"sensors": 5, "targets": 50, "p_d": 0.9}), &[]),
+        setting(
+            "5 × 50, P_D 0.9",
+            json!({"sensors": 5, "targets": 50, "p_d": 0.9}),
+            &[],
+        ),
     ];
-    let mut preset = grid(body, "study", 20, &json!({"by": "variants", "name": "setting", "variants": settings}));
+    let mut preset = grid(
+        body,
+        "study",
+        20,
+        &json!({"by": "variants", "name": "setting", "variants": settings}),
+    );
     let published = json!({"method": "genetic", "variant": "paper", "population": 100, "generations": 500, "stop_after": 100});
     if let Some(variants) = preset.body["grid"][1]["variants"].as_array_mut() {
         variants.push(json!({"name": "genetic, as published", "set": [{"path": "/correlator", "value": published}]}));

@@ -34,10 +34,22 @@ pub(super) fn presets() -> Vec<Preset> {
 /// Targets by associators, judged by the automaton alone.
 fn table1() -> Preset {
     let name = "liang2009-table1".to_owned();
-    let mut base = preset(String::new(), String::new(), "kalman", json!({"method": "one_point"}), scenario_of_paper(TARGETS[0])).body;
+    let mut base = preset(
+        String::new(),
+        String::new(),
+        "kalman",
+        json!({"method": "one_point"}),
+        scenario_of_paper(TARGETS[0]),
+    )
+    .body;
     (base["kind"], base["profile"]) = (json!("evaluate"), json!("tfa"));
     let variant = |(name, method): (&str, &str)| json!({"name": name, "set": [{"path": "/associator", "value": {"method": method}}]});
-    let associators = [("NN", "nearest_neighbour"), ("PDA", "pda"), ("JPDA", "jpda")].map(variant);
+    let associators = [
+        ("NN", "nearest_neighbour"),
+        ("PDA", "pda"),
+        ("JPDA", "jpda"),
+    ]
+    .map(variant);
     Preset {
         summary: "Liang & Liu 2009, Table 1 and Figures 1 and 2: nearest neighbour, PDA and JPDA with 10 to 100 targets, judged by the \
                   automaton; means with intervals, and JPDA and PDA against nearest neighbour on the same scenes."
@@ -70,7 +82,13 @@ fn scenario_of_paper(count: u32) -> Value {
     scenario(count, json!({"sigma_x_m": 15.0, "sigma_y_m": 5.2}))
 }
 
-fn preset(name: String, summary: String, filter: &str, initiation: Value, scenario: Value) -> Preset {
+fn preset(
+    name: String,
+    summary: String,
+    filter: &str,
+    initiation: Value,
+    scenario: Value,
+) -> Preset {
     Preset {
         summary,
         kind: JobKind::Evaluate,

@@ -19,7 +19,12 @@ pub struct Preset {
 }
 
 /// The campaigns that compute what four papers claim.
-pub const PAPERS: [&str; 4] = ["liang2009-table1", "cai-fuzzy-tables", "huo2008-study", "wang-bat-tables"];
+pub const PAPERS: [&str; 4] = [
+    "liang2009-table1",
+    "cai-fuzzy-tables",
+    "huo2008-study",
+    "wang-bat-tables",
+];
 
 /// Every preset.
 pub fn all() -> Vec<Preset> {
@@ -32,10 +37,16 @@ pub fn all() -> Vec<Preset> {
 }
 
 /// Other names of presets: of a series of scenes, the largest.
-pub const ALIASES: [(&str, &str); 2] = [("liang2009", "liang2009-100"), ("liang2009-polar", "liang2009-polar-100")];
+pub const ALIASES: [(&str, &str); 2] = [
+    ("liang2009", "liang2009-100"),
+    ("liang2009-polar", "liang2009-polar-100"),
+];
 
 /// The preset with this name or alias.
 pub fn find(name: &str) -> Option<Preset> {
-    let name = ALIASES.iter().find(|(alias, _)| *alias == name).map_or(name, |(_, preset)| preset);
+    let name = ALIASES
+        .iter()
+        .find(|(alias, _)| *alias == name)
+        .map_or(name, |(_, preset)| preset);
     all().into_iter().find(|preset| preset.name == name)
 }

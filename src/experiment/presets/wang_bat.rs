@@ -39,8 +39,20 @@ pub(super) fn presets() -> Vec<Preset> {
     };
     let noise = json!({"by": "values", "name": "sigma_deg", "path": "/input/scenario/sensors/0/sigma_bearing_deg", "values": [0.3, 0.6]});
     vec![
-        preset("wang-bat-2", "two targets that cross once, noise 0.3° and 0.6°", &two, &[noise, contenders()], 100),
-        preset("wang-bat-6", "six targets with several crossings", &six(5.0), &[contenders()], 100),
+        preset(
+            "wang-bat-2",
+            "two targets that cross once, noise 0.3° and 0.6°",
+            &two,
+            &[noise, contenders()],
+            100,
+        ),
+        preset(
+            "wang-bat-6",
+            "six targets with several crossings",
+            &six(5.0),
+            &[contenders()],
+            100,
+        ),
         preset(
             "wang-bat-6-ungated",
             "six targets, JPDA's events listed with and without gates beside the bats",
@@ -67,7 +79,11 @@ fn scenes(two: &Scene, six: &Scene) -> Value {
             {"path": "/input/scenario", "value": scenario}, {"path": "/filter/process_noise_deg2ps3", "value": scene.process_noise}
         ]})
     };
-    let variants = [variant("two, 0.3°", two, 0.3), variant("two, 0.6°", two, 0.6), variant("six, 0.35°", six, six.sigma_deg)];
+    let variants = [
+        variant("two, 0.3°", two, 0.3),
+        variant("two, 0.6°", two, 0.6),
+        variant("six, 0.35°", six, six.sigma_deg),
+    ];
     json!({"by": "variants", "name": "scene", "variants": variants})
 }
 
@@ -140,7 +156,10 @@ fn contenders() -> Value {
         variant("BADA, sum", bats("likelihood_sum", "best")),
         variant("BADA, ratio", bats("log_likelihood_ratio", "best")),
         variant("BADA, sum, visited", bats("likelihood_sum", "visited")),
-        variant("BADA, ratio, visited", bats("log_likelihood_ratio", "visited")),
+        variant(
+            "BADA, ratio, visited",
+            bats("log_likelihood_ratio", "visited"),
+        ),
     ])
 }
 
@@ -152,7 +171,10 @@ fn ungated() -> Value {
         {"path": "/tracker/gate_probability", "value": 1.0}
     ]);
     axis(vec![
-        variant("JPDA, enumerated", json!({"method": "jpda", "marginals": "enumerate"})),
+        variant(
+            "JPDA, enumerated",
+            json!({"method": "jpda", "marginals": "enumerate"}),
+        ),
         json!({"name": "JPDA, enumerated without gates", "set": without_gate}),
         variant("BADA, sum", json!({"method": "bat"})),
     ])

@@ -9,11 +9,25 @@ use std::io;
 /// # Errors
 /// What the output says.
 pub fn write(set: &BoxSet, id: &'static str, sink: &mut dyn Sink) -> io::Result<()> {
-    sink.begin(&["frame", id, "left_px", "top_px", "width_px", "height_px", "confidence"])?;
+    sink.begin(&[
+        "frame",
+        id,
+        "left_px",
+        "top_px",
+        "width_px",
+        "height_px",
+        "confidence",
+    ])?;
     for one in set.boxes() {
         sink.number(Some(f64::from(one.frame)))?;
         sink.text(Some(&set.object_ids()[one.object as usize]))?;
-        for value in [one.left_px, one.top_px, one.width_px, one.height_px, one.confidence] {
+        for value in [
+            one.left_px,
+            one.top_px,
+            one.width_px,
+            one.height_px,
+            one.confidence,
+        ] {
             sink.number(Some(value))?;
         }
         sink.end_row()?;

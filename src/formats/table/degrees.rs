@@ -4,7 +4,9 @@ const RADIANS: f64 = std::f64::consts::PI / 180.0;
 
 /// Degrees that read back as the same radians: the rounding of two conversions may miss by one step.
 pub fn degrees(radians: f64) -> f64 {
-    reading_back(radians.to_degrees(), |degrees| degrees.to_radians() == radians)
+    reading_back(radians.to_degrees(), |degrees| {
+        degrees.to_radians() == radians
+    })
 }
 
 pub fn radians_of_square_degrees(square_degrees: f64) -> f64 {
@@ -13,13 +15,18 @@ pub fn radians_of_square_degrees(square_degrees: f64) -> f64 {
 
 /// The inverse of [`radians_of_square_degrees`], for variances.
 pub fn square_degrees(square_radians: f64) -> f64 {
-    reading_back(square_radians / (RADIANS * RADIANS), |degrees| radians_of_square_degrees(degrees) == square_radians)
+    reading_back(square_radians / (RADIANS * RADIANS), |degrees| {
+        radians_of_square_degrees(degrees) == square_radians
+    })
 }
 
 fn reading_back(nearest: f64, is_right: impl Fn(f64) -> bool) -> f64 {
     let (down, up) = (nearest.next_down(), nearest.next_up());
     let candidates = [nearest, down, up, down.next_down(), up.next_up()];
-    candidates.into_iter().find(|&candidate| is_right(candidate)).unwrap_or(nearest)
+    candidates
+        .into_iter()
+        .find(|&candidate| is_right(candidate))
+        .unwrap_or(nearest)
 }
 
 #[cfg(test)]

@@ -92,7 +92,9 @@ pub fn read(
     builder.sort_scans(&mut reader, &columns);
     reader.faults.finish()?;
     if builder.ambiguous {
-        warnings.push("rows have x_m, y_m and also range_m or bearing_deg: the position is used".to_owned());
+        warnings.push(
+            "rows have x_m, y_m and also range_m or bearing_deg: the position is used".to_owned(),
+        );
     }
     let empty = builder.scans.is_empty();
     let recording = builder.finish(sensors, columns.truth.is_some())?;
@@ -104,20 +106,42 @@ impl Builder {
         let time_s = reader.number(columns.time);
         let number = reader.whole_number(columns.scan);
         reader.require_name(columns.sensor);
-        columns.truth.into_iter().for_each(|column| reader.check_name(column));
+        columns
+            .truth
+            .into_iter()
+            .for_each(|column| reader.check_name(column));
         reader.check_name(columns.id);
         let measurement = self.measurement(reader, columns);
         let amplitude = reader.optional_number(columns.amplitude);
         if let Some(time_s) = time_s {
             self.check_order(reader, columns, time_s);
         }
-        let (Some(time_s), Some(number), true) = (time_s, number, reader.is_sound()) else { return };
+        let (Some(time_s), Some(number), true) = (time_s, number, reader.is_sound()) else {
+            return;
+        };
         let sensor = self.sensors.number(reader.text(columns.sensor));
-        let Some(scan) = self.scan(reader, columns, OpenScan { sensor, number, time_s, row: reader.row() }) else { return };
-        let Some(measurement) = measurement else { return };
+        let Some(scan) = self.scan(
+            reader,
+            columns,
+            OpenScan {
+                sensor,
+                number,
+                time_s,
+                row: reader.row(),
+            },
+        ) else {
+            return;
+        };
+        let Some(measurement) = measurement else {
+            return;
+        };
         let truth = reader.optional_text(columns.truth);
         let origin = (!truth.is_empty()).then(|| self.targets.number(truth));
-        self.detections.push(Detection { measurement, origin, amplitude });
+        self.detections.push(Detection {
+            measurement,
+            origin,
+            amplitude,
+        });
         self.ids.push(reader.text(columns.id).to_owned());
         self.scan_of.push(scan as u32);
         self.rows.push(reader.row());
@@ -127,8 +151,15 @@ impl Builder {
     fn measurement(&mut self, reader: &mut RowReader, columns: &Columns) -> Option<Measurement> {
         let position = reader.all_or_none(columns.x.zip(columns.y).map(|(x, y)| [x, y]));
         let range_m = reader.optional_number(columns.range);
-        if let (Some(column), Some(range_m)) = (columns.range, range_m.filter(|range_m| *range_m < 0.0)) {
-            reader.fault_allowing(column, "out_of_range", format!("a range of {range_m} m is below zero"), ">= 0 m");
+        if let (Some(column), Some(range_m)) =
+            (columns.range, range_m.filter(|range_m| *range_m < 0.0))
+        {
+            reader.fault_allowing(
+                column,
+                "out_of_range",
+                format!("a range of {range_m} m is below zero"),
+                ">= 0 m",
+            );
         }
         let bearing = reader.optional_number(columns.bearing);
         let range_rate_mps = reader.optional_number(columns.range_rate);
@@ -138,14 +169,22 @@ impl Builder {
         self.ambiguous |= position.is_some() && (range_m.is_some() || bearing.is_some());
         let measurement = match (position, range_m, bearing.map(f64::to_radians)) {
             (Some([x_m, y_m]), _, _) => Measurement::Position { x_m, y_m },
-            (None, Some(range_m), Some(bearing_rad)) => Measurement::RangeBearing { range_m, bearing_rad, range_rate_mps },
+            (None, Some(range_m), Some(bearing_rad)) => Measurement::RangeBearing {
+                range_m,
+                bearing_rad,
+                range_rate_mps,
+            },
             (None, None, Some(bearing_rad)) => Measurement::Bearing { bearing_rad },
             (None, range_m, None) => {
-                let column = range_m.and(columns.bearing).or(columns.x).or(columns.bearing)?;
+                let column = range_m
+                    .and(columns.bearing)
+                    .or(columns.x)
+                    .or(columns.bearing)?;
                 if range_m.is_some() {
                     reader.fault(column, "missing", "a range needs a bearing".to_owned());
                 } else if !reader.text(columns.id).is_empty() {
-                    let detail = format!("detection '{}' has no measurement", reader.text(columns.id));
+                    let detail =
+                        format!("detection '{}' has no measurement", reader.text(columns.id));
                     reader.fault(column, "missing", detail);
                 }
                 return None;
@@ -159,7 +198,10 @@ impl Builder {
         if let Some((before_s, row)) = self.last_row.replace((time_s, reader.row()))
             && time_s < before_s
         {
-            let detail = format!("time {time_s} s comes after {before_s} s on {}", reader.called(row));
+            let detail = format!(
+                "time {time_s} s comes after {before_s} s on {}",
+                reader.called(row)
+            );
             reader.fault(columns.time, "unsorted", detail);
         }
     }
@@ -176,7 +218,11 @@ impl Builder {
                 return Some(index);
             }
             if let Some((column, code, what)) = misfit(&latest, &scan, columns) {
-                let detail = format!("sensor '{}': {what} ({})", self.sensors.name(scan.sensor), reader.called(latest.row));
+                let detail = format!(
+                    "sensor '{}': {what} ({})",
+                    self.sensors.name(scan.sensor),
+                    reader.called(latest.row)
+                );
                 reader.fault(column, code, detail);
                 return None;
             }
@@ -193,18 +239,28 @@ impl Builder {
         let mut scan_order: Vec<usize> = (0..self.scans.len()).collect();
         scan_order.sort_by(|&a, &b| {
             let ((time_a, name_a), (time_b, name_b)) = (key(&self.scans[a]), key(&self.scans[b]));
-            time_a.total_cmp(&time_b).then_with(|| natural_order(name_a, name_b))
+            time_a
+                .total_cmp(&time_b)
+                .then_with(|| natural_order(name_a, name_b))
         });
         let mut place = vec![0; scan_order.len()];
         for (new, &old) in scan_order.iter().enumerate() {
             place[old] = new as u32;
         }
         self.scans = scan_order.iter().map(|&old| self.scans[old]).collect();
-        self.scan_of.iter_mut().for_each(|scan| *scan = place[*scan as usize]);
+        self.scan_of
+            .iter_mut()
+            .for_each(|scan| *scan = place[*scan as usize]);
         if !self.scan_of.is_sorted() {
             order.sort_by_key(|&index| self.scan_of[index as usize]);
-            self.detections = order.iter().map(|&old| self.detections[old as usize]).collect();
-            self.ids = order.iter().map(|&old| std::mem::take(&mut self.ids[old as usize])).collect();
+            self.detections = order
+                .iter()
+                .map(|&old| self.detections[old as usize])
+                .collect();
+            self.ids = order
+                .iter()
+                .map(|&old| std::mem::take(&mut self.ids[old as usize]))
+                .collect();
             self.rows = order.iter().map(|&old| self.rows[old as usize]).collect();
             self.scan_of.sort_unstable();
         }
@@ -219,7 +275,10 @@ impl Builder {
             sorted.extend(first..first + group.len());
             first += group.len();
             sorted.sort_by(|&a, &b| self.ids[a].cmp(&self.ids[b]));
-            for pair in sorted.windows(2).filter(|pair| self.ids[pair[0]] == self.ids[pair[1]]) {
+            for pair in sorted
+                .windows(2)
+                .filter(|pair| self.ids[pair[0]] == self.ids[pair[1]])
+            {
                 let scan = self.scans[group[0] as usize];
                 let detail = format!(
                     "detection '{}' occurs twice in scan {} of sensor '{}': also on {}",
@@ -233,7 +292,11 @@ impl Builder {
         }
     }
 
-    fn finish(mut self, declared: Vec<SensorSettings>, origins_known: bool) -> Result<Recording, Vec<Fault>> {
+    fn finish(
+        mut self,
+        declared: Vec<SensorSettings>,
+        origins_known: bool,
+    ) -> Result<Recording, Vec<Fault>> {
         for settings in &declared {
             self.sensors.number(&settings.sensor_id);
         }
@@ -245,27 +308,74 @@ impl Builder {
         let mut scans: Vec<Scan> = Vec::with_capacity(self.scans.len());
         let mut first = 0;
         for (index, scan) in self.scans.iter().enumerate() {
-            let count = self.scan_of[first..].iter().take_while(|&&of| of as usize == index).count();
+            let count = self.scan_of[first..]
+                .iter()
+                .take_while(|&&of| of as usize == index)
+                .count();
             let sensor = sensor_place[scan.sensor as usize] as usize;
-            scans.push(Scan { number: scan.number, time_s: scan.time_s, sensor, first, count });
+            scans.push(Scan {
+                number: scan.number,
+                time_s: scan.time_s,
+                sensor,
+                first,
+                count,
+            });
             first += count;
         }
-        let settings = |name: String| declared.iter().find(|known| known.sensor_id == name).cloned().unwrap_or(SensorSettings::named(name));
+        let settings = |name: String| {
+            declared
+                .iter()
+                .find(|known| known.sensor_id == name)
+                .cloned()
+                .unwrap_or(SensorSettings::named(name))
+        };
         let sensors = names.into_iter().map(settings).collect();
         let (detections, detection_ids) = (self.detections, self.ids);
-        Recording::new(RecordingParts { sensors, scans, detections, detection_ids, targets, origins_known })
+        Recording::new(RecordingParts {
+            sensors,
+            scans,
+            detections,
+            detection_ids,
+            targets,
+            origins_known,
+        })
     }
 }
 
 /// Why `scan` cannot follow the sensor's `latest` one: column, code and words.
-fn misfit(latest: &OpenScan, scan: &OpenScan, columns: &Columns) -> Option<(usize, &'static str, String)> {
+fn misfit(
+    latest: &OpenScan,
+    scan: &OpenScan,
+    columns: &Columns,
+) -> Option<(usize, &'static str, String)> {
     let (number, time_s) = (scan.number, scan.time_s);
     if number == latest.number {
-        Some((columns.time, "conflict", format!("scan {number} is at {time_s} s here and at {} s before", latest.time_s)))
+        Some((
+            columns.time,
+            "conflict",
+            format!(
+                "scan {number} is at {time_s} s here and at {} s before",
+                latest.time_s
+            ),
+        ))
     } else if number < latest.number {
-        Some((columns.scan, "unsorted", format!("scan {number} comes after scan {}; scan numbers rise with time", latest.number)))
+        Some((
+            columns.scan,
+            "unsorted",
+            format!(
+                "scan {number} comes after scan {}; scan numbers rise with time",
+                latest.number
+            ),
+        ))
     } else if time_s == latest.time_s {
-        Some((columns.time, "conflict", format!("scans {} and {number} are both at {time_s} s", latest.number)))
+        Some((
+            columns.time,
+            "conflict",
+            format!(
+                "scans {} and {number} are both at {time_s} s",
+                latest.number
+            ),
+        ))
     } else {
         None
     }
@@ -302,18 +412,48 @@ struct Layout {
 
 impl Layout {
     fn of(recording: &Recording) -> Self {
-        let has = |wanted: fn(&Measurement) -> bool| recording.detections.iter().any(|detection| wanted(&detection.measurement));
+        let has = |wanted: fn(&Measurement) -> bool| {
+            recording
+                .detections
+                .iter()
+                .any(|detection| wanted(&detection.measurement))
+        };
         let range = has(|measurement| matches!(measurement, Measurement::RangeBearing { .. }));
-        let bearing = range || has(|measurement| matches!(measurement, Measurement::Bearing { .. }));
-        let range_rate = has(|measurement| matches!(measurement, Measurement::RangeBearing { range_rate_mps: Some(_), .. }));
-        let amplitude = recording.detections.iter().any(|detection| detection.amplitude.is_some());
-        let position = !bearing || has(|measurement| matches!(measurement, Measurement::Position { .. }));
-        Layout { position, range, bearing, range_rate, amplitude, origin: recording.origins_known }
+        let bearing =
+            range || has(|measurement| matches!(measurement, Measurement::Bearing { .. }));
+        let range_rate = has(|measurement| {
+            matches!(
+                measurement,
+                Measurement::RangeBearing {
+                    range_rate_mps: Some(_),
+                    ..
+                }
+            )
+        });
+        let amplitude = recording
+            .detections
+            .iter()
+            .any(|detection| detection.amplitude.is_some());
+        let position =
+            !bearing || has(|measurement| matches!(measurement, Measurement::Position { .. }));
+        Layout {
+            position,
+            range,
+            bearing,
+            range_rate,
+            amplitude,
+            origin: recording.origins_known,
+        }
     }
 
     fn columns(self) -> Vec<&'static str> {
         let mut columns = vec!["time_s", "scan", "sensor_id", "detection_id"];
-        columns.extend(self.position.then_some(["x_m", "y_m"]).into_iter().flatten());
+        columns.extend(
+            self.position
+                .then_some(["x_m", "y_m"])
+                .into_iter()
+                .flatten(),
+        );
         columns.extend(self.range.then_some("range_m"));
         columns.extend(self.bearing.then_some("bearing_deg"));
         columns.extend(self.range_rate.then_some("range_rate_mps"));
@@ -323,20 +463,29 @@ impl Layout {
     }
 }
 
-fn write_row(recording: &Recording, scan: &Scan, index: Option<usize>, layout: Layout, sink: &mut dyn Sink) -> io::Result<()> {
+fn write_row(
+    recording: &Recording,
+    scan: &Scan,
+    index: Option<usize>,
+    layout: Layout,
+    sink: &mut dyn Sink,
+) -> io::Result<()> {
     let detection = index.map(|index| recording.detections[index]);
     sink.number(Some(scan.time_s))?;
     sink.number(Some(f64::from(scan.number)))?;
     sink.text(Some(&recording.sensors[scan.sensor].sensor_id))?;
     sink.text(index.map(|index| recording.detection_ids[index].as_str()))?;
-    let (position, range_m, bearing_rad, range_rate_mps) = match detection.map(|detection| detection.measurement) {
-        Some(Measurement::Position { x_m, y_m }) => (Some([x_m, y_m]), None, None, None),
-        Some(Measurement::RangeBearing { range_m, bearing_rad, range_rate_mps }) => {
-            (None, Some(range_m), Some(bearing_rad), range_rate_mps)
-        }
-        Some(Measurement::Bearing { bearing_rad }) => (None, None, Some(bearing_rad), None),
-        None => (None, None, None, None),
-    };
+    let (position, range_m, bearing_rad, range_rate_mps) =
+        match detection.map(|detection| detection.measurement) {
+            Some(Measurement::Position { x_m, y_m }) => (Some([x_m, y_m]), None, None, None),
+            Some(Measurement::RangeBearing {
+                range_m,
+                bearing_rad,
+                range_rate_mps,
+            }) => (None, Some(range_m), Some(bearing_rad), range_rate_mps),
+            Some(Measurement::Bearing { bearing_rad }) => (None, None, Some(bearing_rad), None),
+            None => (None, None, None, None),
+        };
     if layout.position {
         sink.number(position.map(|[x_m, _]| x_m))?;
         sink.number(position.map(|[_, y_m]| y_m))?;

@@ -31,8 +31,16 @@ impl FaultLog {
         }
         self.faults.sort_by_key(|fault| fault.line);
         if self.is_full() {
-            let more = if self.overflowed { "there are more" } else { "there may be more" };
-            self.faults.push(Fault::new("/file", "too_large", format!("reading stopped after {MAX_FAULTS} faults; {more}")));
+            let more = if self.overflowed {
+                "there are more"
+            } else {
+                "there may be more"
+            };
+            self.faults.push(Fault::new(
+                "/file",
+                "too_large",
+                format!("reading stopped after {MAX_FAULTS} faults; {more}"),
+            ));
         }
         Err(self.faults)
     }

@@ -8,7 +8,9 @@ use crate::model::names::shortened;
 use std::collections::BTreeMap;
 
 /// The ten columns of a covariance, upper triangle.
-pub const COVARIANCE: [&str; 10] = ["p_xx", "p_xy", "p_xvx", "p_xvy", "p_yy", "p_yvx", "p_yvy", "p_vxvx", "p_vxvy", "p_vyvy"];
+pub const COVARIANCE: [&str; 10] = [
+    "p_xx", "p_xy", "p_xvx", "p_xvy", "p_yy", "p_yvx", "p_yvy", "p_vxvx", "p_vxvy", "p_vyvy",
+];
 
 /// The three columns of a bearing's covariance, upper triangle (deg², deg²/s, deg²/s²).
 pub const BEARING_COVARIANCE: [&str; 3] = ["p_bb", "p_bbr", "p_brbr"];
@@ -25,7 +27,15 @@ struct Schema {
 
 const DETECTIONS: Schema = Schema {
     required: &["time_s", "scan", "sensor_id", "detection_id"],
-    optional: &["x_m", "y_m", "range_m", "bearing_deg", "range_rate_mps", "amplitude", "truth_id"],
+    optional: &[
+        "x_m",
+        "y_m",
+        "range_m",
+        "bearing_deg",
+        "range_rate_mps",
+        "amplitude",
+        "truth_id",
+    ],
     unused: &["z_m", "elevation_deg"],
     together: &[&["x_m", "y_m"]],
 };
@@ -38,7 +48,12 @@ const TRUTH: Schema = Schema {
 };
 
 /// Of targets whose direction alone is known.
-const TRUE_BEARINGS: Schema = Schema { required: &["time_s", "truth_id", "bearing_deg"], optional: &[], unused: &[], together: &[] };
+const TRUE_BEARINGS: Schema = Schema {
+    required: &["time_s", "truth_id", "bearing_deg"],
+    optional: &[],
+    unused: &[],
+    together: &[],
+};
 
 const TRACKS: Schema = Schema {
     required: &["time_s", "track_id", "x_m", "y_m"],
@@ -68,7 +83,17 @@ const TRACKS: Schema = Schema {
 /// Of trackers that know directions alone.
 const BEARING_TRACKS: Schema = Schema {
     required: &["time_s", "track_id", "bearing_deg"],
-    optional: &["sensor_id", "bearing_rate_degps", "p_bb", "p_bbr", "p_brbr", "detection_id", "probability", "status", "nis"],
+    optional: &[
+        "sensor_id",
+        "bearing_rate_degps",
+        "p_bb",
+        "p_bbr",
+        "p_brbr",
+        "detection_id",
+        "probability",
+        "status",
+        "nis",
+    ],
     unused: &["existence"],
     together: &[&BEARING_COVARIANCE],
 };
@@ -94,11 +119,14 @@ impl Schema {
     }
 
     fn is_unused(&self, name: &str) -> bool {
-        self.unused.contains(&name) || (std::ptr::eq(self, &DETECTIONS) && name.starts_with("sigma_"))
+        self.unused.contains(&name)
+            || (std::ptr::eq(self, &DETECTIONS) && name.starts_with("sigma_"))
     }
 
     fn known(&self) -> String {
-        [self.required, self.optional, self.unused].concat().join(", ")
+        [self.required, self.optional, self.unused]
+            .concat()
+            .join(", ")
     }
 }
 
@@ -115,12 +143,16 @@ impl Header {
     /// The places of all these columns, if none is missing.
     pub fn all<const N: usize>(&self, names: [&str; N]) -> Option<[usize; N]> {
         let places = names.map(|name| self.find(name));
-        places.iter().all(Option::is_some).then(|| places.map(Option::unwrap_or_default))
+        places
+            .iter()
+            .all(Option::is_some)
+            .then(|| places.map(Option::unwrap_or_default))
     }
 
     /// A column that [`resolve`] made sure of.
     pub fn required(&self, name: &str) -> usize {
-        self.find(name).expect("resolve refuses a header without its required columns")
+        self.find(name)
+            .expect("resolve refuses a header without its required columns")
     }
 }
 
@@ -128,14 +160,23 @@ impl Header {
 ///
 /// # Errors
 /// Every fault of the header and of the renaming.
-pub fn resolve(rows: &dyn Rows, options: &ReadOptions) -> Result<(DatasetKind, Header, Vec<String>), Vec<Fault>> {
+pub fn resolve(
+    rows: &dyn Rows,
+    options: &ReadOptions,
+) -> Result<(DatasetKind, Header, Vec<String>), Vec<Fault>> {
     let mut faults = FaultLog::default();
-    let names: Vec<String> = rows.names().iter().map(|name| options.columns.get(name).unwrap_or(name).clone()).collect();
+    let names: Vec<String> = rows
+        .names()
+        .iter()
+        .map(|name| options.columns.get(name).unwrap_or(name).clone())
+        .collect();
     check_renaming_source(rows, options, &mut faults);
     let Some(kind) = options.kind.or_else(|| kind_of(&names)) else {
-        let detail =
-            "the columns do not say what the file holds: tracks need 'track_id', detections 'detection_id' and 'scan', truth 'truth_id'";
-        faults.push(rows.header_fault(None, "missing", detail.to_owned()).allowing("tracks, detections, truth"));
+        let detail = "the columns do not say what the file holds: tracks need 'track_id', detections 'detection_id' and 'scan', truth 'truth_id'";
+        faults.push(
+            rows.header_fault(None, "missing", detail.to_owned())
+                .allowing("tracks, detections, truth"),
+        );
         return Err(faults.finish().err().unwrap_or_default());
     };
     let schema = Schema::of(kind, &names).ok_or_else(|| vec![super::no_table()])?;
@@ -159,13 +200,24 @@ fn kind_of(names: &[String]) -> Option<DatasetKind> {
 }
 
 fn check_renaming_source(rows: &dyn Rows, options: &ReadOptions, faults: &mut FaultLog) {
-    for name in options.columns.keys().filter(|name| !rows.names().contains(name)) {
+    for name in options
+        .columns
+        .keys()
+        .filter(|name| !rows.names().contains(name))
+    {
         let detail = format!("the file has no column '{name}'");
-        faults.push(renaming_fault(name, &detail).allowing(listed(rows.names().iter().map(String::as_str))));
+        faults.push(
+            renaming_fault(name, &detail).allowing(listed(rows.names().iter().map(String::as_str))),
+        );
     }
 }
 
-fn check_renaming_target(schema: &Schema, kind: DatasetKind, options: &ReadOptions, faults: &mut FaultLog) {
+fn check_renaming_target(
+    schema: &Schema,
+    kind: DatasetKind,
+    options: &ReadOptions,
+    faults: &mut FaultLog,
+) {
     for (name, target) in &options.columns {
         if !schema.is_used(target) && !schema.is_unused(target) {
             let detail = format!("'{target}' is not a column of {}", kind.name());
@@ -175,7 +227,11 @@ fn check_renaming_target(schema: &Schema, kind: DatasetKind, options: &ReadOptio
 }
 
 fn renaming_fault(name: &str, detail: &str) -> Fault {
-    Fault::new(format!("/meta/columns/{}", pointer_token(name)), "unknown_value", detail)
+    Fault::new(
+        format!("/meta/columns/{}", pointer_token(name)),
+        "unknown_value",
+        detail,
+    )
 }
 
 /// A name as a token of a JSON pointer.
@@ -190,28 +246,63 @@ fn check_duplicates(rows: &dyn Rows, names: &[String], faults: &mut FaultLog) {
         if first == index {
             continue;
         }
-        let detail = format!("column '{name}' occurs twice: columns {} and {}", first + 1, index + 1);
+        let detail = format!(
+            "column '{name}' occurs twice: columns {} and {}",
+            first + 1,
+            index + 1
+        );
         faults.push(rows.header_fault(Some(&rows.names()[index]), "duplicate", detail));
     }
 }
 
-fn check_missing(rows: &dyn Rows, schema: &Schema, kind: DatasetKind, names: &[String], faults: &mut FaultLog) {
+fn check_missing(
+    rows: &dyn Rows,
+    schema: &Schema,
+    kind: DatasetKind,
+    names: &[String],
+    faults: &mut FaultLog,
+) {
     let has = |name: &str| names.iter().any(|known| known == name);
     let mut missing = |name: &str, detail: String| {
-        faults.push(rows.header_fault(Some(name), "missing", detail).allowing(schema.known()));
+        faults.push(
+            rows.header_fault(Some(name), "missing", detail)
+                .allowing(schema.known()),
+        );
     };
     for &name in schema.required.iter().filter(|name| !has(name)) {
-        missing(name, format!("a file of {} needs a column '{name}'", kind.name()));
+        missing(
+            name,
+            format!("a file of {} needs a column '{name}'", kind.name()),
+        );
     }
-    for group in schema.together.iter().filter(|group| group.iter().any(|name| has(name))) {
+    for group in schema
+        .together
+        .iter()
+        .filter(|group| group.iter().any(|name| has(name)))
+    {
         for &name in group.iter().filter(|name| !has(name)) {
-            missing(name, format!("column '{name}' is missing: {} come together", group.join(", ")));
+            missing(
+                name,
+                format!(
+                    "column '{name}' is missing: {} come together",
+                    group.join(", ")
+                ),
+            );
         }
     }
     if kind == DatasetKind::Detections && has("range_m") && !has("bearing_deg") {
-        missing("bearing_deg", "column 'bearing_deg' is missing: range_m, bearing_deg come together".to_owned());
-    } else if kind == DatasetKind::Detections && !["x_m", "y_m", "bearing_deg"].iter().any(|name| has(name)) {
-        missing("x_m", "detections need measurements: x_m, y_m or range_m, bearing_deg or bearing_deg".to_owned());
+        missing(
+            "bearing_deg",
+            "column 'bearing_deg' is missing: range_m, bearing_deg come together".to_owned(),
+        );
+    } else if kind == DatasetKind::Detections
+        && !["x_m", "y_m", "bearing_deg"].iter().any(|name| has(name))
+    {
+        missing(
+            "x_m",
+            "detections need measurements: x_m, y_m or range_m, bearing_deg or bearing_deg"
+                .to_owned(),
+        );
     }
 }
 
@@ -219,22 +310,41 @@ fn check_missing(rows: &dyn Rows, schema: &Schema, kind: DatasetKind, names: &[S
 fn listed<'n>(names: impl ExactSizeIterator<Item = &'n str>) -> String {
     const MOST: usize = 50;
     let more = names.len().saturating_sub(MOST);
-    let first = names.take(MOST).map(shortened).collect::<Vec<_>>().join(", ");
-    if more > 0 { format!("{first} and {more} more") } else { first }
+    let first = names
+        .take(MOST)
+        .map(shortened)
+        .collect::<Vec<_>>()
+        .join(", ");
+    if more > 0 {
+        format!("{first} and {more} more")
+    } else {
+        first
+    }
 }
 
 fn warnings(schema: &Schema, file_names: &[String], names: &[String]) -> Vec<String> {
     let list = |wanted: &dyn Fn(&str) -> bool| -> Vec<&str> {
-        file_names.iter().zip(names).filter(|(_, name)| wanted(name)).map(|(file_name, _)| file_name.as_str()).collect()
+        file_names
+            .iter()
+            .zip(names)
+            .filter(|(_, name)| wanted(name))
+            .map(|(file_name, _)| file_name.as_str())
+            .collect()
     };
     let unused = list(&|name| schema.is_unused(name));
     let unknown = list(&|name| !schema.is_unused(name) && !schema.is_used(name));
     let mut warnings = Vec::new();
     if !unused.is_empty() {
-        warnings.push(format!("columns kept in the file but not used: {}", listed(unused.iter().copied())));
+        warnings.push(format!(
+            "columns kept in the file but not used: {}",
+            listed(unused.iter().copied())
+        ));
     }
     if !unknown.is_empty() {
-        warnings.push(format!("unknown columns, kept in the file but not used: {}", listed(unknown.iter().copied())));
+        warnings.push(format!(
+            "unknown columns, kept in the file but not used: {}",
+            listed(unknown.iter().copied())
+        ));
     }
     warnings
 }

@@ -14,7 +14,11 @@ pub struct Interner {
 impl Interner {
     pub fn number(&mut self, name: &str) -> u32 {
         // Files repeat the name of the row before more often than not.
-        if self.names.get(self.latest as usize).is_some_and(|latest| latest == name) {
+        if self
+            .names
+            .get(self.latest as usize)
+            .is_some_and(|latest| latest == name)
+        {
             return self.latest;
         }
         self.latest = match self.numbers.get(name) {
@@ -67,7 +71,10 @@ mod tests {
     #[test]
     fn numbers_follow_first_sight_and_sort_naturally() {
         let mut interner = Interner::default();
-        let numbers: Vec<u32> = ["10", "2", "10", "2", "1"].iter().map(|name| interner.number(name)).collect();
+        let numbers: Vec<u32> = ["10", "2", "10", "2", "1"]
+            .iter()
+            .map(|name| interner.number(name))
+            .collect();
         assert_eq!(numbers, [0, 1, 0, 1, 2]);
         assert_eq!(interner.name(1), "2");
         let (names, place) = interner.sorted();

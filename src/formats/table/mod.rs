@@ -53,7 +53,11 @@ pub trait Sink {
 ///
 /// # Errors
 /// Every fault found, up to the limit of [`FaultLog`].
-pub fn read(rows: &mut dyn Rows, options: &ReadOptions, sensors: Vec<SensorSettings>) -> Result<ReadOutcome, Vec<Fault>> {
+pub fn read(
+    rows: &mut dyn Rows,
+    options: &ReadOptions,
+    sensors: Vec<SensorSettings>,
+) -> Result<ReadOutcome, Vec<Fault>> {
     let (kind, header, mut warnings) = header::resolve(rows, options)?;
     let (dataset, empty) = match kind {
         DatasetKind::Detections => detections::read(rows, &header, sensors, &mut warnings)?,
@@ -62,13 +66,21 @@ pub fn read(rows: &mut dyn Rows, options: &ReadOptions, sensors: Vec<SensorSetti
         DatasetKind::BearingTime => return Err(vec![no_table()]),
     };
     if empty {
-        warnings.push(format!("there are columns of {} but no rows: the dataset is empty", kind.name()));
+        warnings.push(format!(
+            "there are columns of {} but no rows: the dataset is empty",
+            kind.name()
+        ));
     }
     Ok(ReadOutcome { dataset, warnings })
 }
 
 fn no_table() -> Fault {
-    Fault::new("/meta/kind", "unsupported", "a bearing-time record is a matrix, not a table of named columns").allowing("csv, npy")
+    Fault::new(
+        "/meta/kind",
+        "unsupported",
+        "a bearing-time record is a matrix, not a table of named columns",
+    )
+    .allowing("csv, npy")
 }
 
 /// Writes a whole table.
@@ -82,7 +94,10 @@ pub fn write(dataset: &Dataset, sink: &mut dyn Sink) -> io::Result<()> {
         Dataset::Tracks(set) => tracks::write(set, sink),
         Dataset::TruthBoxes(set) => boxes::write(set, "truth_id", sink),
         Dataset::TrackBoxes(set) => boxes::write(set, "track_id", sink),
-        Dataset::BearingTime(_) => Err(io::Error::new(io::ErrorKind::Unsupported, no_table().detail)),
+        Dataset::BearingTime(_) => Err(io::Error::new(
+            io::ErrorKind::Unsupported,
+            no_table().detail,
+        )),
     }
 }
 
@@ -92,6 +107,10 @@ pub fn push_number(text: &mut String, value: f64) {
     let value = value + 0.0;
     let size = value.abs();
     let plain = value == 0.0 || (1e-5..1e16).contains(&size);
-    let written = if plain { write!(text, "{value}") } else { write!(text, "{value:e}") };
+    let written = if plain {
+        write!(text, "{value}")
+    } else {
+        write!(text, "{value:e}")
+    };
     debug_assert!(written.is_ok(), "a String takes any text");
 }

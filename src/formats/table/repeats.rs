@@ -9,7 +9,11 @@ pub struct Repeats {
 
 impl Repeats {
     pub fn add(&mut self, row: u64) {
-        self.first = if self.rows == 0 { row } else { self.first.min(row) };
+        self.first = if self.rows == 0 {
+            row
+        } else {
+            self.first.min(row)
+        };
         self.rows += 1;
     }
 
@@ -18,8 +22,12 @@ impl Repeats {
         let first = self.first;
         match self.rows {
             0 => None,
-            1 => Some(format!("{row_word} {first} repeats an earlier one and is taken once")),
-            rows => Some(format!("{rows} rows repeat earlier ones and are taken once; the first is {row_word} {first}")),
+            1 => Some(format!(
+                "{row_word} {first} repeats an earlier one and is taken once"
+            )),
+            rows => Some(format!(
+                "{rows} rows repeat earlier ones and are taken once; the first is {row_word} {first}"
+            )),
         }
     }
 }

@@ -13,7 +13,11 @@ pub struct RowReader<'a> {
 
 impl<'a> RowReader<'a> {
     pub fn new(rows: &'a mut dyn Rows) -> Self {
-        RowReader { rows, faults: FaultLog::default(), sound: true }
+        RowReader {
+            rows,
+            faults: FaultLog::default(),
+            sound: true,
+        }
     }
 
     /// Goes to the next row; `false` at the end, or when there are too many faults.
@@ -49,7 +53,10 @@ impl<'a> RowReader<'a> {
 
     /// Reports a fault of the current row that names the values allowed.
     pub fn fault_allowing(&mut self, column: usize, code: &str, detail: String, allowed: &str) {
-        let fault = self.rows.cell_fault(self.rows.row(), column, code, detail).allowing(allowed);
+        let fault = self
+            .rows
+            .cell_fault(self.rows.row(), column, code, detail)
+            .allowing(allowed);
         self.push(fault);
     }
 
@@ -70,7 +77,11 @@ impl<'a> RowReader<'a> {
     /// Reports a cell that is empty or no name.
     pub fn require_name(&mut self, column: usize) {
         if self.text(column).is_empty() {
-            self.fault(column, "missing", format!("'{}' is empty", self.rows.names()[column]));
+            self.fault(
+                column,
+                "missing",
+                format!("'{}' is empty", self.rows.names()[column]),
+            );
         } else {
             self.check_name(column);
         }
@@ -93,9 +104,21 @@ impl<'a> RowReader<'a> {
         let text = self.rows.cell(column).trim_ascii();
         match text.parse::<f64>() {
             Ok(value) if value.is_finite() => return Some(value),
-            Ok(_) => self.fault(column, "not_finite", format!("'{text}' is not a finite number")),
-            Err(_) if text.is_empty() => self.fault(column, "missing", format!("'{}' is empty", self.rows.names()[column])),
-            Err(_) => self.fault(column, "malformed", format!("expected a number, found '{}'", shortened(text))),
+            Ok(_) => self.fault(
+                column,
+                "not_finite",
+                format!("'{text}' is not a finite number"),
+            ),
+            Err(_) if text.is_empty() => self.fault(
+                column,
+                "missing",
+                format!("'{}' is empty", self.rows.names()[column]),
+            ),
+            Err(_) => self.fault(
+                column,
+                "malformed",
+                format!("expected a number, found '{}'", shortened(text)),
+            ),
         }
         None
     }
@@ -103,7 +126,11 @@ impl<'a> RowReader<'a> {
     /// A finite number, or `None` where the column or the cell is empty; what is there must be a number.
     pub fn optional_number(&mut self, column: Option<usize>) -> Option<f64> {
         let column = column?;
-        if self.rows.cell(column).trim_ascii().is_empty() { None } else { self.number(column) }
+        if self.rows.cell(column).trim_ascii().is_empty() {
+            None
+        } else {
+            self.number(column)
+        }
     }
 
     /// A whole number that fits 32 bits.
@@ -111,9 +138,17 @@ impl<'a> RowReader<'a> {
         let text = self.rows.cell(column).trim_ascii();
         match text.parse::<u32>() {
             Ok(value) => return Some(value),
-            Err(_) if text.is_empty() => self.fault(column, "missing", format!("'{}' is empty", self.rows.names()[column])),
+            Err(_) if text.is_empty() => self.fault(
+                column,
+                "missing",
+                format!("'{}' is empty", self.rows.names()[column]),
+            ),
             Err(_) => {
-                let detail = format!("expected a whole number from 0 to {}, found '{}'", u32::MAX, shortened(text));
+                let detail = format!(
+                    "expected a whole number from 0 to {}, found '{}'",
+                    u32::MAX,
+                    shortened(text)
+                );
                 self.fault(column, "malformed", detail);
             }
         }

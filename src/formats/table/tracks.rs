@@ -65,7 +65,11 @@ struct Builder {
 ///
 /// # Errors
 /// Every fault of the rows.
-pub fn read(rows: &mut dyn Rows, header: &Header, warnings: &mut Vec<String>) -> Result<(Dataset, bool), Vec<Fault>> {
+pub fn read(
+    rows: &mut dyn Rows,
+    header: &Header,
+    warnings: &mut Vec<String>,
+) -> Result<(Dataset, bool), Vec<Fault>> {
     let columns = Columns::of(header);
     let mut reader = RowReader::new(rows);
     let mut builder = Builder::default();
@@ -100,19 +104,39 @@ impl Builder {
             && columns.detection.is_some()
         {
             let detection = (!detection.is_empty()).then(|| self.detections.number(detection));
-            let candidate = Candidate { detection, probability };
-            self.candidates.push(CandidateRow { track, point, row: reader.row(), candidate });
+            let candidate = Candidate {
+                detection,
+                probability,
+            };
+            self.candidates.push(CandidateRow {
+                track,
+                point,
+                row: reader.row(),
+                candidate,
+            });
         }
     }
 
     /// The point of a row within its track: one that is there already, or a new one at the end.
-    fn place(&mut self, reader: &mut RowReader, columns: &Columns, track: u32, point: TrackPoint) -> u32 {
+    fn place(
+        &mut self,
+        reader: &mut RowReader,
+        columns: &Columns,
+        track: u32,
+        point: TrackPoint,
+    ) -> u32 {
         if self.points.len() <= track as usize {
             self.points.resize_with(track as usize + 1, Vec::new);
         }
         let points = &mut self.points[track as usize];
-        let latest = self.latest.entry((track, point.sensor)).or_insert(points.len());
-        if let Some((known, row)) = points.get(*latest).filter(|(known, _)| known.time_s == point.time_s) {
+        let latest = self
+            .latest
+            .entry((track, point.sensor))
+            .or_insert(points.len());
+        if let Some((known, row)) = points
+            .get(*latest)
+            .filter(|(known, _)| known.time_s == point.time_s)
+        {
             if columns.detection.is_none() && *known == point {
                 self.repeats.add(reader.row());
             } else {
@@ -122,7 +146,10 @@ impl Builder {
         }
         if let Some((last, row)) = points.last().filter(|(last, _)| point.time_s < last.time_s) {
             let (name, before) = (reader.text(columns.track), reader.called(*row));
-            let detail = format!("track '{name}': time {} s comes after {} s on {before}", point.time_s, last.time_s);
+            let detail = format!(
+                "track '{name}': time {} s comes after {} s on {before}",
+                point.time_s, last.time_s
+            );
             reader.fault(columns.time, "unsorted", detail);
         }
         *latest = points.len();
@@ -133,15 +160,27 @@ impl Builder {
     /// Brings candidates into the order of tracks and points, and finds detections named twice for one point: with the same
     /// probability one of the two is dropped.
     fn check_candidates(&mut self, reader: &mut RowReader, columns: &Columns) {
-        let Some(column) = columns.detection else { return };
+        let Some(column) = columns.detection else {
+            return;
+        };
         let places = self.tracks.places();
-        self.candidates.iter_mut().for_each(|candidate| candidate.track = places[candidate.track as usize]);
-        self.candidates.sort_by_key(|candidate| (candidate.track, candidate.point));
+        self.candidates
+            .iter_mut()
+            .for_each(|candidate| candidate.track = places[candidate.track as usize]);
+        self.candidates
+            .sort_by_key(|candidate| (candidate.track, candidate.point));
         let mut named: Vec<(Option<u32>, u64, f64)> = Vec::new();
         let mut repeated = BTreeSet::new();
-        for group in self.candidates.chunk_by(|a, b| (a.track, a.point) == (b.track, b.point)) {
+        for group in self
+            .candidates
+            .chunk_by(|a, b| (a.track, a.point) == (b.track, b.point))
+        {
             named.clear();
-            named.extend(group.iter().map(|row| (row.candidate.detection, row.row, row.candidate.probability)));
+            named.extend(
+                group
+                    .iter()
+                    .map(|row| (row.candidate.detection, row.row, row.candidate.probability)),
+            );
             named.sort_unstable_by_key(|&(detection, row, _)| (detection, row));
             for pair in named.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
                 if pair[0].2 == pair[1].2 {
@@ -149,13 +188,19 @@ impl Builder {
                     self.repeats.add(pair[1].1);
                     continue;
                 }
-                let what = pair[1].0.map_or("'no detection'".to_owned(), |number| format!("detection '{}'", self.detections.name(number)));
-                let detail = format!("{what} occurs twice for one track and time: also on {}", reader.called(pair[0].1));
+                let what = pair[1].0.map_or("'no detection'".to_owned(), |number| {
+                    format!("detection '{}'", self.detections.name(number))
+                });
+                let detail = format!(
+                    "{what} occurs twice for one track and time: also on {}",
+                    reader.called(pair[0].1)
+                );
                 reader.fault_in(pair[1].1, column, "duplicate", detail);
             }
         }
         if !repeated.is_empty() {
-            self.candidates.retain(|candidate| !repeated.contains(&candidate.row));
+            self.candidates
+                .retain(|candidate| !repeated.contains(&candidate.row));
         }
     }
 
@@ -163,15 +208,28 @@ impl Builder {
     fn finish(self) -> TrackSet {
         let (names, track_place) = self.tracks.sorted();
         let (sensor_ids, sensor_place) = self.sensors.sorted();
-        let mut tracks: Vec<Track> = names.into_iter().map(|track_id| Track { track_id, points: Vec::new() }).collect();
+        let mut tracks: Vec<Track> = names
+            .into_iter()
+            .map(|track_id| Track {
+                track_id,
+                points: Vec::new(),
+            })
+            .collect();
         for (points, &place) in self.points.into_iter().zip(&track_place) {
             tracks[place as usize].points = points.into_iter().map(|(point, _)| point).collect();
         }
         let mut candidates = Vec::with_capacity(self.candidates.len());
         let mut rest = self.candidates.as_slice();
-        for (track, points) in tracks.iter_mut().enumerate().map(|(index, track)| (index as u32, &mut track.points)) {
+        for (track, points) in tracks
+            .iter_mut()
+            .enumerate()
+            .map(|(index, track)| (index as u32, &mut track.points))
+        {
             for (index, point) in points.iter_mut().enumerate() {
-                let count = rest.iter().take_while(|row| (row.track, row.point) == (track, index as u32)).count();
+                let count = rest
+                    .iter()
+                    .take_while(|row| (row.track, row.point) == (track, index as u32))
+                    .count();
                 (point.first_candidate, point.candidates) = (candidates.len(), count);
                 point.sensor = point.sensor.map(|sensor| sensor_place[sensor as usize]);
                 candidates.extend(rest[..count].iter().map(|row| row.candidate));
@@ -179,7 +237,12 @@ impl Builder {
             }
         }
         let detection_ids = renumber(&mut candidates, self.detections.into_names());
-        TrackSet { tracks, candidates, detection_ids, sensor_ids }
+        TrackSet {
+            tracks,
+            candidates,
+            detection_ids,
+            sensor_ids,
+        }
     }
 }
 
@@ -187,7 +250,10 @@ impl Builder {
 fn renumber(candidates: &mut [Candidate], mut names: Vec<String>) -> Vec<String> {
     let mut numbers: Vec<Option<u32>> = vec![None; names.len()];
     let mut ordered = Vec::with_capacity(names.len());
-    for detection in candidates.iter_mut().filter_map(|candidate| candidate.detection.as_mut()) {
+    for detection in candidates
+        .iter_mut()
+        .filter_map(|candidate| candidate.detection.as_mut())
+    {
         let old = *detection as usize;
         *detection = *numbers[old].get_or_insert_with(|| {
             ordered.push(std::mem::take(&mut names[old]));
@@ -203,13 +269,26 @@ fn read_point(reader: &mut RowReader, columns: &Columns) -> Option<TrackPoint> {
     let estimate = columns.estimate.read(reader);
     let status = read_status(reader, columns);
     let nis = read_nis(reader, columns);
-    Some(TrackPoint { time_s: time_s?, sensor: None, estimate: estimate?, status, nis, first_candidate: 0, candidates: 0 })
+    Some(TrackPoint {
+        time_s: time_s?,
+        sensor: None,
+        estimate: estimate?,
+        status,
+        nis,
+        first_candidate: 0,
+        candidates: 0,
+    })
 }
 
 fn read_nis(reader: &mut RowReader, columns: &Columns) -> Option<f64> {
     let (column, nis) = (columns.nis?, reader.optional_number(columns.nis)?);
     if nis < 0.0 {
-        reader.fault_allowing(column, "out_of_range", format!("{nis} is not a square"), ">= 0");
+        reader.fault_allowing(
+            column,
+            "out_of_range",
+            format!("{nis} is not a square"),
+            ">= 0",
+        );
     }
     Some(nis)
 }
@@ -217,10 +296,18 @@ fn read_nis(reader: &mut RowReader, columns: &Columns) -> Option<f64> {
 fn read_status(reader: &mut RowReader, columns: &Columns) -> Option<TrackStatus> {
     let column = columns.status?;
     let text = reader.text(column);
-    let status = TrackStatus::ALL.into_iter().find(|(_, name)| *name == text).map(|(status, _)| status);
+    let status = TrackStatus::ALL
+        .into_iter()
+        .find(|(_, name)| *name == text)
+        .map(|(status, _)| status);
     if status.is_none() && !text.is_empty() {
         let detail = format!("'{text}' is not a status");
-        reader.fault_allowing(column, "unknown_value", detail, &TrackStatus::ALL.map(|(_, name)| name).join(", "));
+        reader.fault_allowing(
+            column,
+            "unknown_value",
+            detail,
+            &TrackStatus::ALL.map(|(_, name)| name).join(", "),
+        );
     }
     status
 }
@@ -228,20 +315,33 @@ fn read_status(reader: &mut RowReader, columns: &Columns) -> Option<TrackStatus>
 /// The probability of the row's candidate: 1 where the file does not say; `None` where there is no candidate, which a
 /// row says by leaving both the detection and the probability empty.
 fn read_probability(reader: &mut RowReader, columns: &Columns) -> Option<f64> {
-    let Some(column) = columns.probability else { return Some(1.0) };
+    let Some(column) = columns.probability else {
+        return Some(1.0);
+    };
     if reader.text(column).trim_ascii().is_empty() {
         return (!reader.optional_text(columns.detection).is_empty()).then_some(1.0);
     }
     let probability = reader.number(column)?;
     if !(0.0..=1.0).contains(&probability) {
-        reader.fault_allowing(column, "out_of_range", format!("{probability} is not a probability"), "0 to 1");
+        reader.fault_allowing(
+            column,
+            "out_of_range",
+            format!("{probability} is not a probability"),
+            "0 to 1",
+        );
         return None;
     }
     Some(probability)
 }
 
 /// A second row of one track, time and sensor must be another candidate of the same point.
-fn check_same_point(reader: &mut RowReader, columns: &Columns, known: &TrackPoint, point: &TrackPoint, row: u64) {
+fn check_same_point(
+    reader: &mut RowReader,
+    columns: &Columns,
+    known: &TrackPoint,
+    point: &TrackPoint,
+    row: u64,
+) {
     let (name, time_s, before) = (reader.text(columns.track), point.time_s, reader.called(row));
     if columns.detection.is_none() {
         let detail = format!("track '{name}' is at {time_s} s twice: also on {before}");
@@ -285,7 +385,11 @@ struct Layout {
 
 impl Layout {
     fn of(set: &TrackSet) -> Self {
-        let has = |wanted: fn(&TrackPoint) -> bool| set.tracks.iter().any(|track| track.points.iter().any(wanted));
+        let has = |wanted: fn(&TrackPoint) -> bool| {
+            set.tracks
+                .iter()
+                .any(|track| track.points.iter().any(wanted))
+        };
         Layout {
             sensor: has(|point| point.sensor.is_some()),
             estimate: EstimateLayout::of(set),
@@ -299,7 +403,12 @@ impl Layout {
         let mut columns = vec!["time_s", "track_id"];
         columns.extend(self.sensor.then_some("sensor_id"));
         columns.extend(self.estimate.columns());
-        columns.extend(self.candidates.then_some(["detection_id", "probability"]).into_iter().flatten());
+        columns.extend(
+            self.candidates
+                .then_some(["detection_id", "probability"])
+                .into_iter()
+                .flatten(),
+        );
         columns.extend(self.status.then_some("status"));
         columns.extend(self.nis.then_some("nis"));
         columns
@@ -317,7 +426,11 @@ fn write_row(
     sink.number(Some(point.time_s))?;
     sink.text(Some(&track.track_id))?;
     if layout.sensor {
-        sink.text(point.sensor.map(|sensor| set.sensor_ids[sensor as usize].as_str()))?;
+        sink.text(
+            point
+                .sensor
+                .map(|sensor| set.sensor_ids[sensor as usize].as_str()),
+        )?;
     }
     layout.estimate.write(point, sink)?;
     if layout.candidates {

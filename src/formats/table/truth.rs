@@ -20,7 +20,10 @@ struct Columns {
 }
 
 enum PlaceColumns {
-    Plane { position: [usize; 2], velocity: Option<[usize; 2]> },
+    Plane {
+        position: [usize; 2],
+        velocity: Option<[usize; 2]>,
+    },
     Bearing(usize),
 }
 
@@ -35,13 +38,26 @@ struct Path {
 ///
 /// # Errors
 /// Every fault of the rows.
-pub fn read(rows: &mut dyn Rows, header: &Header, warnings: &mut Vec<String>) -> Result<(Dataset, bool), Vec<Fault>> {
-    let columns = Columns { time: header.required("time_s"), truth: header.required("truth_id"), place: PlaceColumns::of(header) };
+pub fn read(
+    rows: &mut dyn Rows,
+    header: &Header,
+    warnings: &mut Vec<String>,
+) -> Result<(Dataset, bool), Vec<Fault>> {
+    let columns = Columns {
+        time: header.required("time_s"),
+        truth: header.required("truth_id"),
+        place: PlaceColumns::of(header),
+    };
     let mut reader = RowReader::new(rows);
     let mut names = Interner::default();
     let (mut paths, mut repeats): (Vec<Path>, Repeats) = Default::default();
     while reader.advance() {
-        read_row(&mut reader, &columns, &mut names, (&mut paths, &mut repeats));
+        read_row(
+            &mut reader,
+            &columns,
+            &mut names,
+            (&mut paths, &mut repeats),
+        );
     }
     warnings.extend(reader.repeats_warning(&repeats));
     reader.faults.finish()?;
@@ -49,7 +65,12 @@ pub fn read(rows: &mut dyn Rows, header: &Header, warnings: &mut Vec<String>) ->
     Ok((Dataset::Truth(TruthSet::new(sorted(names, paths))?), empty))
 }
 
-fn read_row(reader: &mut RowReader, columns: &Columns, names: &mut Interner, (paths, repeats): (&mut Vec<Path>, &mut Repeats)) {
+fn read_row(
+    reader: &mut RowReader,
+    columns: &Columns,
+    names: &mut Interner,
+    (paths, repeats): (&mut Vec<Path>, &mut Repeats),
+) {
     let time_s = reader.number(columns.time);
     reader.require_name(columns.truth);
     let place = columns.place.read(reader);
@@ -61,7 +82,9 @@ fn read_row(reader: &mut RowReader, columns: &Columns, names: &mut Interner, (pa
         paths.resize_with(index + 1, Path::default);
     }
     let path = &mut paths[index];
-    let point = time_s.zip(place).map(|(time_s, place)| TruthPoint { time_s, place });
+    let point = time_s
+        .zip(place)
+        .map(|(time_s, place)| TruthPoint { time_s, place });
     if point.is_some() && point.as_ref() == path.points.last() {
         return repeats.add(reader.row());
     }
@@ -79,17 +102,29 @@ impl PlaceColumns {
         if header.find("x_m").is_none() {
             return PlaceColumns::Bearing(header.required("bearing_deg"));
         }
-        PlaceColumns::Plane { position: [header.required("x_m"), header.required("y_m")], velocity: header.all(["vx_mps", "vy_mps"]) }
+        PlaceColumns::Plane {
+            position: [header.required("x_m"), header.required("y_m")],
+            velocity: header.all(["vx_mps", "vy_mps"]),
+        }
     }
 
     fn read(&self, reader: &mut RowReader) -> Option<TruePlace> {
         match *self {
             PlaceColumns::Plane { position, velocity } => {
                 let [x_m, y_m] = position.map(|column| reader.number(column));
-                let velocity_mps = reader.all_or_none(velocity).map(|[vx, vy]| Position::new(vx, vy));
-                Some(TruePlace::Plane { position_m: Position::new(x_m?, y_m?), velocity_mps })
+                let velocity_mps = reader
+                    .all_or_none(velocity)
+                    .map(|[vx, vy]| Position::new(vx, vy));
+                Some(TruePlace::Plane {
+                    position_m: Position::new(x_m?, y_m?),
+                    velocity_mps,
+                })
             }
-            PlaceColumns::Bearing(column) => reader.number(column).map(|degrees| TruePlace::Bearing { bearing_rad: degrees.to_radians() }),
+            PlaceColumns::Bearing(column) => {
+                reader.number(column).map(|degrees| TruePlace::Bearing {
+                    bearing_rad: degrees.to_radians(),
+                })
+            }
         }
     }
 }
@@ -100,7 +135,8 @@ fn check_order(reader: &mut RowReader, columns: &Columns, time_s: f64, before_s:
         let detail = format!("target '{target}' is at {time_s} s twice: also on {before}");
         reader.fault(columns.time, "duplicate", detail);
     } else if time_s < before_s {
-        let detail = format!("target '{target}': time {time_s} s comes after {before_s} s on {before}");
+        let detail =
+            format!("target '{target}': time {time_s} s comes after {before_s} s on {before}");
         reader.fault(columns.time, "unsorted", detail);
     }
 }
@@ -108,7 +144,13 @@ fn check_order(reader: &mut RowReader, columns: &Columns, time_s: f64, before_s:
 /// The targets in natural order of their names.
 fn sorted(names: Interner, mut paths: Vec<Path>) -> Vec<Target> {
     let (names, place) = names.sorted();
-    let mut targets: Vec<Target> = names.into_iter().map(|truth_id| Target { truth_id, points: Vec::new() }).collect();
+    let mut targets: Vec<Target> = names
+        .into_iter()
+        .map(|truth_id| Target {
+            truth_id,
+            points: Vec::new(),
+        })
+        .collect();
     for (path, &place) in paths.iter_mut().zip(&place) {
         targets[place as usize].points = std::mem::take(&mut path.points);
     }
@@ -121,7 +163,10 @@ fn sorted(names: Interner, mut paths: Vec<Path>) -> Vec<Target> {
 /// What the output says.
 pub fn write(truth: &TruthSet, sink: &mut dyn Sink) -> io::Result<()> {
     let has_velocity = |point: &TruthPoint| point.velocity_mps().is_some();
-    let with_velocity = truth.targets().iter().any(|target| target.points.iter().any(has_velocity));
+    let with_velocity = truth
+        .targets()
+        .iter()
+        .any(|target| target.points.iter().any(has_velocity));
     let of_bearings = truth.is_of_bearings();
     let columns: &[&str] = match (of_bearings, with_velocity) {
         (true, _) => &["time_s", "truth_id", "bearing_deg"],
@@ -143,7 +188,10 @@ pub fn write(truth: &TruthSet, sink: &mut dyn Sink) -> io::Result<()> {
 fn write_place(place: &TruePlace, with_velocity: bool, sink: &mut dyn Sink) -> io::Result<()> {
     match place {
         TruePlace::Bearing { bearing_rad } => sink.number(Some(degrees(*bearing_rad))),
-        TruePlace::Plane { position_m, velocity_mps } => {
+        TruePlace::Plane {
+            position_m,
+            velocity_mps,
+        } => {
             sink.number(Some(position_m.x))?;
             sink.number(Some(position_m.y))?;
             if with_velocity {

@@ -18,11 +18,19 @@ pub struct DenseAssignment {
 pub fn assign_dense(costs: &[f64], columns: usize) -> Option<DenseAssignment> {
     let rows = costs.len().checked_div(columns).unwrap_or(0);
     let is_wide = rows <= columns;
-    let (short, long) = if is_wide { (rows, columns) } else { (columns, rows) };
+    let (short, long) = if is_wide {
+        (rows, columns)
+    } else {
+        (columns, rows)
+    };
     let mut solver = AssignmentSolver::default();
     for near in 0..short {
         for far in 0..long {
-            let cost = if is_wide { costs[near * columns + far] } else { costs[far * columns + near] };
+            let cost = if is_wide {
+                costs[near * columns + far]
+            } else {
+                costs[far * columns + near]
+            };
             solver.push_edge(far as u32, cost);
         }
         solver.end_row(f64::INFINITY);
@@ -30,14 +38,26 @@ pub fn assign_dense(costs: &[f64], columns: usize) -> Option<DenseAssignment> {
     let cost = solver.solve()?;
     let far_of: Vec<usize> = (0..short).filter_map(|near| solver.edge_of(near)).collect();
     let near_duals = (0..short).map(|near| solver.row_dual(near)).collect();
-    let far_duals = (0..long).map(|far| solver.column_dual(far as u32)).collect();
+    let far_duals = (0..long)
+        .map(|far| solver.column_dual(far as u32))
+        .collect();
     if is_wide {
         let column_of = far_of.into_iter().map(Some).collect();
-        return Some(DenseAssignment { cost, column_of, row_duals: near_duals, column_duals: far_duals });
+        return Some(DenseAssignment {
+            cost,
+            column_of,
+            row_duals: near_duals,
+            column_duals: far_duals,
+        });
     }
     let mut column_of = vec![None; rows];
     for (near, far) in far_of.into_iter().enumerate() {
         column_of[far] = Some(near);
     }
-    Some(DenseAssignment { cost, column_of, row_duals: far_duals, column_duals: near_duals })
+    Some(DenseAssignment {
+        cost,
+        column_of,
+        row_duals: far_duals,
+        column_duals: near_duals,
+    })
 }

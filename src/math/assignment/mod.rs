@@ -109,17 +109,40 @@ impl AssignmentSolver {
         if *place == NONE {
             *place = self.columns.len() as u32;
             let (distance, from) = (f64::INFINITY, NONE);
-            self.columns.push(ColumnState { number: column, row: NONE, dual: 0.0, distance, from_row: from, from_edge: from });
+            self.columns.push(ColumnState {
+                number: column,
+                row: NONE,
+                dual: 0.0,
+                distance,
+                from_row: from,
+                from_edge: from,
+            });
         }
-        self.edges.push(Edge { column: *place, cost: if cost.is_finite() { cost } else { f64::INFINITY } });
+        self.edges.push(Edge {
+            column: *place,
+            cost: if cost.is_finite() {
+                cost
+            } else {
+                f64::INFINITY
+            },
+        });
     }
 
     /// Closes a row: every edge pushed since the last one is its. `miss` is what it costs to leave it unassigned;
     /// when that is not finite, it must be assigned.
     #[inline]
     pub fn end_row(&mut self, miss: f64) {
-        let miss = if miss.is_finite() { miss } else { f64::INFINITY };
-        self.rows.push(RowState { end: self.edges.len() as u32, taken: NONE, miss, dual: 0.0 });
+        let miss = if miss.is_finite() {
+            miss
+        } else {
+            f64::INFINITY
+        };
+        self.rows.push(RowState {
+            end: self.edges.len() as u32,
+            taken: NONE,
+            miss,
+            dual: 0.0,
+        });
     }
 
     /// The least total cost; `None` when there is no assignment, because rows that must be assigned compete.
@@ -171,12 +194,18 @@ impl AssignmentSolver {
     /// vⱼ; 0 for a column that no edge names.
     pub fn column_dual(&self, column: u32) -> f64 {
         let place = self.place_of.get(column as usize).copied().unwrap_or(NONE);
-        self.columns.get(place as usize).map_or(0.0, |state| state.dual)
+        self.columns
+            .get(place as usize)
+            .map_or(0.0, |state| state.dual)
     }
 
     #[inline]
     fn range(&self, row: u32) -> std::ops::Range<usize> {
-        let start = if row == 0 { 0 } else { self.rows[row as usize - 1].end };
+        let start = if row == 0 {
+            0
+        } else {
+            self.rows[row as usize - 1].end
+        };
         start as usize..self.rows[row as usize].end as usize
     }
 
@@ -218,7 +247,12 @@ impl AssignmentSolver {
         let (mut row, mut length) = (start, 0.0);
         loop {
             self.look_at(row, length, &mut best);
-            let Some(next) = self.nearest_in_frontier().filter(|&(_, distance)| distance < best.0) else { break };
+            let Some(next) = self
+                .nearest_in_frontier()
+                .filter(|&(_, distance)| distance < best.0)
+            else {
+                break;
+            };
             let (place, distance) = next;
             let column = self.frontier.swap_remove(place);
             self.settled.push(column);
@@ -261,8 +295,13 @@ impl AssignmentSolver {
     /// Place in the frontier and distance of its nearest column.
     #[inline]
     fn nearest_in_frontier(&self) -> Option<(usize, f64)> {
-        let distances = self.frontier.iter().map(|&column| self.columns[column as usize].distance);
-        distances.enumerate().min_by(|left, right| left.1.total_cmp(&right.1))
+        let distances = self
+            .frontier
+            .iter()
+            .map(|&column| self.columns[column as usize].distance);
+        distances
+            .enumerate()
+            .min_by(|left, right| left.1.total_cmp(&right.1))
     }
 
     /// Keeps the reduced costs at 0 or above, and at 0 along every shortest path.
@@ -291,7 +330,11 @@ impl AssignmentSolver {
             }
         };
         loop {
-            let ColumnState { from_row, from_edge, .. } = self.columns[column as usize];
+            let ColumnState {
+                from_row,
+                from_edge,
+                ..
+            } = self.columns[column as usize];
             let given_up = self.rows[from_row as usize].taken;
             self.take(from_row, from_edge, column);
             if from_row == start {
@@ -302,7 +345,11 @@ impl AssignmentSolver {
     }
 
     fn cost(&self) -> f64 {
-        let cost = |row: &RowState| self.edges.get(row.taken as usize).map_or(row.miss, |edge| edge.cost);
+        let cost = |row: &RowState| {
+            self.edges
+                .get(row.taken as usize)
+                .map_or(row.miss, |edge| edge.cost)
+        };
         self.rows.iter().map(cost).sum()
     }
 }

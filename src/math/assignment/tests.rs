@@ -27,8 +27,22 @@ impl Matrix {
     /// The same problem without misses: each is a column that only its own row may take.
     fn padded(&self) -> Vec<f64> {
         let rows = self.rows();
-        let pad = |row: usize| (0..rows).map(move |other| if other == row { self.misses[row] } else { ABSENT });
-        (0..rows).flat_map(|row| (0..self.columns).map(move |column| self.cost(row, column)).chain(pad(row))).collect()
+        let pad = |row: usize| {
+            (0..rows).map(move |other| {
+                if other == row {
+                    self.misses[row]
+                } else {
+                    ABSENT
+                }
+            })
+        };
+        (0..rows)
+            .flat_map(|row| {
+                (0..self.columns)
+                    .map(move |column| self.cost(row, column))
+                    .chain(pad(row))
+            })
+            .collect()
     }
 
     /// Solves it sparse, edges in an order of its own.
@@ -36,7 +50,11 @@ impl Matrix {
         solver.clear();
         for row in 0..self.rows() {
             for index in 0..self.columns {
-                let column = if backwards { self.columns - 1 - index } else { index };
+                let column = if backwards {
+                    self.columns - 1 - index
+                } else {
+                    index
+                };
                 if self.cost(row, column) < ABSENT {
                     solver.push_edge(column as u32 * 3, self.cost(row, column));
                 }
@@ -69,17 +87,26 @@ impl Matrix {
             let dual = solver.row_dual(row);
             assert!(dual <= self.misses[row] + 1e-9, "{self:?}");
             for column in 0..self.columns {
-                assert!(dual + solver.column_dual(column as u32 * 3) <= self.cost(row, column) + 1e-9, "{self:?}");
+                assert!(
+                    dual + solver.column_dual(column as u32 * 3) <= self.cost(row, column) + 1e-9,
+                    "{self:?}"
+                );
             }
             let column = solver.column_of(row).map(|number| number as usize / 3);
             let (tight, price) = match column {
-                Some(column) => (dual + solver.column_dual(column as u32 * 3), self.cost(row, column)),
+                Some(column) => (
+                    dual + solver.column_dual(column as u32 * 3),
+                    self.cost(row, column),
+                ),
                 None => (dual, self.misses[row]),
             };
             assert!((tight - price).abs() < 1e-9, "{self:?}");
             paid += price;
             if let Some(column) = column {
-                assert!(!std::mem::replace(&mut taken[column], true), "column {column} is taken twice in {self:?}");
+                assert!(
+                    !std::mem::replace(&mut taken[column], true),
+                    "column {column} is taken twice in {self:?}"
+                );
             }
         }
         let mut worth: f64 = (0..self.rows()).map(|row| solver.row_dual(row)).sum();
@@ -88,27 +115,48 @@ impl Matrix {
             assert!(dual <= 1e-9 && (is_taken || dual == 0.0), "{self:?}");
             worth += dual;
         }
-        assert!((worth - cost).abs() < 1e-8 && (paid - cost).abs() < 1e-9, "{self:?}");
+        assert!(
+            (worth - cost).abs() < 1e-8 && (paid - cost).abs() < 1e-9,
+            "{self:?}"
+        );
     }
 }
 
 /// Random and degenerate matrices: sizes from 0, single rows and columns, ties, equal rows, absent entries and misses.
 fn matrix(draw: &mut ChaCha8Rng, trial: u32) -> Matrix {
     let largest = if trial % 100 == 99 { 40 } else { 8 };
-    let mut side = || if draw.random::<f64>() < 0.1 { 1 } else { (draw.random::<f64>() * f64::from(largest + 1)) as usize };
+    let mut side = || {
+        if draw.random::<f64>() < 0.1 {
+            1
+        } else {
+            (draw.random::<f64>() * f64::from(largest + 1)) as usize
+        }
+    };
     let (rows, columns) = (side(), side());
-    let (ties, equal_rows, absent) = (trial.is_multiple_of(2), trial.is_multiple_of(7), f64::from(trial % 3) * 0.35);
+    let (ties, equal_rows, absent) = (
+        trial.is_multiple_of(2),
+        trial.is_multiple_of(7),
+        f64::from(trial % 3) * 0.35,
+    );
     let mut number = || {
         let value = draw.random::<f64>() * 20.0 - 10.0;
         if ties { (value / 4.0).round() } else { value }
     };
     let mut costs: Vec<f64> = (0..rows * columns).map(|_| number()).collect();
     let mut misses: Vec<f64> = (0..rows).map(|_| number()).collect();
-    costs.iter_mut().chain(&mut misses).filter(|_| draw.random::<f64>() < absent).for_each(|cost| *cost = ABSENT);
+    costs
+        .iter_mut()
+        .chain(&mut misses)
+        .filter(|_| draw.random::<f64>() < absent)
+        .for_each(|cost| *cost = ABSENT);
     if equal_rows {
         (columns..costs.len()).for_each(|index| costs[index] = costs[index - columns]);
     }
-    Matrix { columns, costs, misses }
+    Matrix {
+        columns,
+        costs,
+        misses,
+    }
 }
 
 fn matrices() -> impl Iterator<Item = Matrix> {
@@ -122,13 +170,20 @@ fn elsewhere(costs: &[f64], rows: usize, columns: usize) -> Option<f64> {
     const FORBIDDEN: f64 = 1e6;
     let costs: Vec<f64> = costs.iter().map(|cost| cost.min(FORBIDDEN)).collect();
     let (row_of, column_of) = lsap::solve(rows, columns, &costs, false).unwrap();
-    let cost = row_of.iter().zip(&column_of).map(|(row, column)| costs[row * columns + column]).sum();
+    let cost = row_of
+        .iter()
+        .zip(&column_of)
+        .map(|(row, column)| costs[row * columns + column])
+        .sum();
     Some(cost).filter(|cost| *cost < FORBIDDEN / 2.0)
 }
 
 fn assert_same(ours: Option<f64>, theirs: Option<f64>, matrix: &Matrix) {
     match (ours, theirs) {
-        (Some(ours), Some(theirs)) => assert!((ours - theirs).abs() < 1e-9, "{ours} and {theirs} for {matrix:?}"),
+        (Some(ours), Some(theirs)) => assert!(
+            (ours - theirs).abs() < 1e-9,
+            "{ours} and {theirs} for {matrix:?}"
+        ),
         _ => assert_eq!(ours, theirs, "{matrix:?}"),
     }
 }
@@ -142,23 +197,43 @@ fn sparse_with_misses_equals_the_padded_matrix_here_and_elsewhere() {
         let padded = matrix.padded();
         let columns = matrix.columns + matrix.rows();
         assert_same(cost, elsewhere(&padded, matrix.rows(), columns), &matrix);
-        assert_same(cost, assign_dense(&padded, columns).map(|found| found.cost), &matrix);
+        assert_same(
+            cost,
+            assign_dense(&padded, columns).map(|found| found.cost),
+            &matrix,
+        );
         if let Some(cost) = cost {
             matrix.assert_certified(&solver, cost);
             solved += 1;
-            missed += (0..matrix.rows()).filter(|&row| solver.edge_of(row).is_none()).count();
+            missed += (0..matrix.rows())
+                .filter(|&row| solver.edge_of(row).is_none())
+                .count();
         }
     }
-    assert!(solved > 7_000 && missed > 7_000, "{solved} solved, {missed} rows missed");
+    assert!(
+        solved > 7_000 && missed > 7_000,
+        "{solved} solved, {missed} rows missed"
+    );
 }
 
 #[test]
 fn dense_equals_elsewhere_with_more_rows_and_with_more_columns() {
     let (mut solved, mut infeasible) = (0, 0);
     for matrix in matrices() {
-        let (rows, columns) = (if matrix.columns == 0 { 0 } else { matrix.rows() }, matrix.columns);
+        let (rows, columns) = (
+            if matrix.columns == 0 {
+                0
+            } else {
+                matrix.rows()
+            },
+            matrix.columns,
+        );
         let ours = assign_dense(&matrix.costs, columns);
-        assert_same(ours.as_ref().map(|found| found.cost), elsewhere(&matrix.costs, rows, columns), &matrix);
+        assert_same(
+            ours.as_ref().map(|found| found.cost),
+            elsewhere(&matrix.costs, rows, columns),
+            &matrix,
+        );
         let Some(found) = ours else {
             infeasible += 1;
             continue;
@@ -167,11 +242,18 @@ fn dense_equals_elsewhere_with_more_rows_and_with_more_columns() {
         assert_eq!(found.column_of.iter().flatten().count(), rows.min(columns));
         let worth: f64 = found.row_duals.iter().chain(&found.column_duals).sum();
         assert!((worth - found.cost).abs() < 1e-8);
-        for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
-            assert!(found.row_duals[row] + found.column_duals[column] <= matrix.cost(row, column) + 1e-9);
+        for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column)))
+        {
+            assert!(
+                found.row_duals[row] + found.column_duals[column]
+                    <= matrix.cost(row, column) + 1e-9
+            );
         }
     }
-    assert!(solved > 5_000 && infeasible > 500, "{solved} solved, {infeasible} infeasible");
+    assert!(
+        solved > 5_000 && infeasible > 500,
+        "{solved} solved, {infeasible} infeasible"
+    );
 }
 
 #[test]
@@ -180,7 +262,11 @@ fn small_ones_equal_brute_force() {
     let mut tried = 0;
     for matrix in matrices().filter(|matrix| matrix.rows() <= 5 && matrix.columns <= 5) {
         let best = matrix.brute_force(0, &mut vec![false; matrix.columns]);
-        assert_same(matrix.solve(&mut solver, false), Some(best).filter(|best| *best < ABSENT), &matrix);
+        assert_same(
+            matrix.solve(&mut solver, false),
+            Some(best).filter(|best| *best < ABSENT),
+            &matrix,
+        );
         tried += 1;
     }
     assert!(tried > 2_000, "{tried}");
@@ -189,19 +275,39 @@ fn small_ones_equal_brute_force() {
 #[test]
 fn a_cheap_miss_frees_a_column_for_a_row_that_needs_it() {
     // Both rows want column 0. Row 0 could miss for 2 more; row 1's other choices cost 7 and 9 more.
-    let matrix = Matrix { columns: 2, costs: vec![1.0, ABSENT, 1.0, 8.0], misses: vec![3.0, 10.0] };
+    let matrix = Matrix {
+        columns: 2,
+        costs: vec![1.0, ABSENT, 1.0, 8.0],
+        misses: vec![3.0, 10.0],
+    };
     let mut solver = AssignmentSolver::default();
     assert_eq!(matrix.solve(&mut solver, false), Some(4.0));
     assert_eq!((solver.column_of(0), solver.column_of(1)), (None, Some(0)));
     assert_eq!((solver.edge_of(0), solver.edge_of(1)), (None, Some(0)));
     // u = (3, 3), v₀ = −2: row 1 would pay 2 less if there were a second column 0.
-    assert_eq!((solver.row_dual(0), solver.row_dual(1), solver.column_dual(0), solver.column_dual(3)), (3.0, 3.0, -2.0, 0.0));
+    assert_eq!(
+        (
+            solver.row_dual(0),
+            solver.row_dual(1),
+            solver.column_dual(0),
+            solver.column_dual(3)
+        ),
+        (3.0, 3.0, -2.0, 0.0)
+    );
 }
 
 #[test]
 fn rows_that_must_be_assigned_and_compete_have_no_assignment() {
-    let matrix = Matrix { columns: 1, costs: vec![1.0, 2.0], misses: vec![ABSENT, ABSENT] };
+    let matrix = Matrix {
+        columns: 1,
+        costs: vec![1.0, 2.0],
+        misses: vec![ABSENT, ABSENT],
+    };
     assert_eq!(matrix.solve(&mut AssignmentSolver::default(), false), None);
-    let alone = Matrix { columns: 1, costs: vec![f64::NAN], misses: vec![f64::NAN] };
+    let alone = Matrix {
+        columns: 1,
+        costs: vec![f64::NAN],
+        misses: vec![f64::NAN],
+    };
     assert_eq!(alone.solve(&mut AssignmentSolver::default(), false), None);
 }

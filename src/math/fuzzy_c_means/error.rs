@@ -22,9 +22,17 @@ pub enum FuzzyError {
     #[error("the inverse covariance of object {object} is not positive definite")]
     Inverse { object: usize },
     #[error("'{field}' has {found} values")]
-    Length { field: &'static str, found: usize, wanted: &'static str },
+    Length {
+        field: &'static str,
+        found: usize,
+        wanted: &'static str,
+    },
     #[error("the {field} is {found}")]
-    Search { field: &'static str, found: f64, allowed: &'static str },
+    Search {
+        field: &'static str,
+        found: f64,
+        allowed: &'static str,
+    },
 }
 
 impl FuzzyError {
@@ -46,7 +54,9 @@ impl FuzzyError {
     /// What would have been accepted.
     pub fn allowed(&self) -> String {
         match self {
-            FuzzyError::Clusters { objects, .. } => format!("[2, {objects}], the number of objects"),
+            FuzzyError::Clusters { objects, .. } => {
+                format!("[2, {objects}], the number of objects")
+            }
             FuzzyError::Fuzzifier(_) => "> 1".to_owned(),
             FuzzyError::Tolerance(_) | FuzzyError::Sigma { .. } => "> 0".to_owned(),
             FuzzyError::MaxIterations => ">= 1".to_owned(),
@@ -59,6 +69,11 @@ impl FuzzyError {
 
     /// The same as a fault of the request whose object at `pointer` has the field.
     pub fn fault(&self, pointer: &str) -> Fault {
-        Fault::new(format!("{pointer}/{}", self.field()), "out_of_range", self.to_string()).allowing(self.allowed())
+        Fault::new(
+            format!("{pointer}/{}", self.field()),
+            "out_of_range",
+            self.to_string(),
+        )
+        .allowing(self.allowed())
     }
 }

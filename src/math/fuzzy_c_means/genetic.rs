@@ -38,7 +38,12 @@ pub struct GeneticSettings {
 
 impl Default for GeneticSettings {
     fn default() -> Self {
-        GeneticSettings { population: 10, generations: 10, crossover_rate: 0.8, mutation_rate: 0.15 }
+        GeneticSettings {
+            population: 10,
+            generations: 10,
+            crossover_rate: 0.8,
+            mutation_rate: 0.15,
+        }
     }
 }
 
@@ -46,11 +51,20 @@ impl GeneticSettings {
     /// # Errors
     /// The first value out of its range.
     pub fn check(&self) -> Result<(), FuzzyError> {
-        let refuse = |field, found, allowed| Err(FuzzyError::Search { field, found, allowed });
+        let refuse = |field, found, allowed| {
+            Err(FuzzyError::Search {
+                field,
+                found,
+                allowed,
+            })
+        };
         if self.population < 2 {
             return refuse("population", f64::from(self.population), ">= 2");
         }
-        for (field, rate) in [("crossover_rate", self.crossover_rate), ("mutation_rate", self.mutation_rate)] {
+        for (field, rate) in [
+            ("crossover_rate", self.crossover_rate),
+            ("mutation_rate", self.mutation_rate),
+        ] {
             if !(0.0..=1.0).contains(&rate) {
                 return refuse(field, rate, "[0, 1]");
             }
@@ -93,7 +107,14 @@ pub fn search(
     stream: &mut impl Rng,
 ) -> Result<GeneticOutcome, FuzzyError> {
     settings.check()?;
-    let mut search = Search { means, objects, settings, runs: 0, iterations: 0, population: Vec::new() };
+    let mut search = Search {
+        means,
+        objects,
+        settings,
+        runs: 0,
+        iterations: 0,
+        population: Vec::new(),
+    };
     search.populate(clusters, stream)?;
     let mut trace = vec![search.population[0].cost];
     for _ in 0..settings.generations {
@@ -103,7 +124,12 @@ pub fn search(
     // The best is run once more from its own centres, so that `means` holds it.
     let best = search.population.swap_remove(0);
     let outcome = search.drive(&best.centres)?;
-    Ok(GeneticOutcome { cost: outcome.cost.min(best.cost), runs: search.runs, iterations: search.iterations, trace })
+    Ok(GeneticOutcome {
+        cost: outcome.cost.min(best.cost),
+        runs: search.runs,
+        iterations: search.iterations,
+        trace,
+    })
 }
 
 struct Search<'a, 'o> {
@@ -134,7 +160,10 @@ impl Search<'_, '_> {
         let outcome = self.means.run(self.objects, centres)?;
         self.runs += 1;
         self.iterations += u64::from(outcome.iterations);
-        Ok(Individual { centres: self.means.centres().to_vec(), cost: outcome.cost })
+        Ok(Individual {
+            centres: self.means.centres().to_vec(),
+            cost: outcome.cost,
+        })
     }
 
     /// Steps 2 to 4.
@@ -151,15 +180,23 @@ impl Search<'_, '_> {
 
     /// Step 4.
     fn select(&mut self) {
-        self.population.sort_by(|left, right| left.cost.total_cmp(&right.cost));
-        self.population.dedup_by(|later, kept| later.cost - kept.cost <= SAME_OPTIMUM * kept.cost);
+        self.population
+            .sort_by(|left, right| left.cost.total_cmp(&right.cost));
+        self.population
+            .dedup_by(|later, kept| later.cost - kept.cost <= SAME_OPTIMUM * kept.cost);
         self.population.truncate(self.settings.population as usize);
     }
 
     fn child(&self, parents: usize, stream: &mut impl Rng) -> Vec<f64> {
-        let (first, second) = (self.tournament(parents, stream), self.tournament(parents, stream));
+        let (first, second) = (
+            self.tournament(parents, stream),
+            self.tournament(parents, stream),
+        );
         let is_crossed = stream.random_bool(self.settings.crossover_rate) && first != second;
-        let (first, second) = (&self.population[first].centres, &self.population[second].centres);
+        let (first, second) = (
+            &self.population[first].centres,
+            &self.population[second].centres,
+        );
         let mut child = first.clone();
         if is_crossed {
             self.cross(&mut child, second, stream);
@@ -174,15 +211,25 @@ impl Search<'_, '_> {
 
     /// The fitter of two; the population is sorted.
     fn tournament(&self, parents: usize, stream: &mut impl Rng) -> usize {
-        stream.random_range(0..parents).min(stream.random_range(0..parents))
+        stream
+            .random_range(0..parents)
+            .min(stream.random_range(0..parents))
     }
 
     fn cross(&self, child: &mut [f64], other: &[f64], stream: &mut impl Rng) {
         let attributes = self.objects.attributes();
         let clusters = child.len() / attributes;
-        let pairs = child.chunks_exact(attributes).flat_map(|left| other.chunks_exact(attributes).map(move |right| (left, right)));
-        let costs: Vec<f64> = pairs.map(|(left, right)| self.squared_distance(left, right)).collect();
-        let Some(paired) = assign_dense(&costs, clusters) else { return };
+        let pairs = child.chunks_exact(attributes).flat_map(|left| {
+            other
+                .chunks_exact(attributes)
+                .map(move |right| (left, right))
+        });
+        let costs: Vec<f64> = pairs
+            .map(|(left, right)| self.squared_distance(left, right))
+            .collect();
+        let Some(paired) = assign_dense(&costs, clusters) else {
+            return;
+        };
         for (centre, partner) in child.chunks_exact_mut(attributes).zip(&paired.column_of) {
             if let Some(partner) = partner.filter(|_| stream.random_bool(0.5)) {
                 centre.copy_from_slice(&other[partner * attributes..][..attributes]);

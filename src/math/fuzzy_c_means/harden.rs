@@ -36,13 +36,22 @@ pub struct BySource {
 impl BySource {
     /// For each object its cluster, if there was one left. `sources` names the source of each object; `cost` is that of an
     /// object in a cluster, a finite number.
-    pub fn harden(&mut self, clusters: usize, sources: &[u32], cost: impl Fn(usize, usize) -> f64, labels: &mut Vec<Option<usize>>) {
+    pub fn harden(
+        &mut self,
+        clusters: usize,
+        sources: &[u32],
+        cost: impl Fn(usize, usize) -> f64,
+        labels: &mut Vec<Option<usize>>,
+    ) {
         labels.clear();
         labels.resize(sources.len(), None);
         self.order.clear();
         self.order.extend(0..sources.len());
         self.order.sort_by_key(|&object| sources[object]);
-        for members in self.order.chunk_by(|&left, &right| sources[left] == sources[right]) {
+        for members in self
+            .order
+            .chunk_by(|&left, &right| sources[left] == sources[right])
+        {
             assign(&mut self.solver, members, clusters, &cost, labels);
         }
     }
@@ -57,11 +66,19 @@ fn assign(
     labels: &mut [Option<usize>],
 ) {
     let rows_are_objects = members.len() <= clusters;
-    let (rows, columns) = if rows_are_objects { (members.len(), clusters) } else { (clusters, members.len()) };
+    let (rows, columns) = if rows_are_objects {
+        (members.len(), clusters)
+    } else {
+        (clusters, members.len())
+    };
     solver.clear();
     for row in 0..rows {
         for column in 0..columns {
-            let (object, cluster) = if rows_are_objects { (row, column) } else { (column, row) };
+            let (object, cluster) = if rows_are_objects {
+                (row, column)
+            } else {
+                (column, row)
+            };
             solver.push_edge(column as u32, cost(members[object], cluster));
         }
         solver.end_row(f64::INFINITY);
@@ -71,7 +88,11 @@ fn assign(
     }
     for row in 0..rows {
         let column = solver.edge_of(row);
-        let (object, cluster) = if rows_are_objects { (Some(row), column) } else { (column, Some(row)) };
+        let (object, cluster) = if rows_are_objects {
+            (Some(row), column)
+        } else {
+            (column, Some(row))
+        };
         if let Some(object) = object {
             labels[members[object]] = cluster;
         }
@@ -94,7 +115,12 @@ mod tests {
         // Objects 0 and 2 of source 7 both prefer cluster 0: 0.9 + 0.4 beats 0.1 + 0.6. Object 1 of source 3 is free.
         let memberships = [0.9, 0.1, 0.8, 0.2, 0.6, 0.4];
         let mut labels = Vec::new();
-        BySource::default().harden(2, &[7, 3, 7], |object, cluster| -memberships[object * 2 + cluster], &mut labels);
+        BySource::default().harden(
+            2,
+            &[7, 3, 7],
+            |object, cluster| -memberships[object * 2 + cluster],
+            &mut labels,
+        );
         assert_eq!(labels, [Some(0), Some(0), Some(1)]);
     }
 
@@ -103,7 +129,12 @@ mod tests {
         // d²: all of (0 → 0, 2 → 1) cost 1 + 2; any with object 1 costs more.
         let squared = [1.0, 9.0, 8.0, 7.0, 5.0, 2.0];
         let mut labels = Vec::new();
-        BySource::default().harden(2, &[0, 0, 0], |object, cluster| squared[object * 2 + cluster], &mut labels);
+        BySource::default().harden(
+            2,
+            &[0, 0, 0],
+            |object, cluster| squared[object * 2 + cluster],
+            &mut labels,
+        );
         assert_eq!(labels, [Some(0), None, Some(1)]);
     }
 }

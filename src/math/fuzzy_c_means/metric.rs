@@ -47,7 +47,11 @@ impl<'a> Objects<'a> {
     ///
     /// # Errors
     /// Values that are not finite, a σ that is not positive, a matrix that is no inverse covariance, wrong lengths.
-    pub fn new(values: &'a [f64], angles: &'a [bool], metric: Metric<'a>) -> Result<Self, FuzzyError> {
+    pub fn new(
+        values: &'a [f64],
+        angles: &'a [bool],
+        metric: Metric<'a>,
+    ) -> Result<Self, FuzzyError> {
         let attributes = angles.len();
         if !(1..=MAX_ATTRIBUTES).contains(&attributes) || !values.len().is_multiple_of(attributes) {
             return Err(FuzzyError::Length {
@@ -57,30 +61,58 @@ impl<'a> Objects<'a> {
             });
         }
         if let Some(place) = values.iter().position(|value| !value.is_finite()) {
-            return Err(FuzzyError::Object { object: place / attributes, attribute: place % attributes });
+            return Err(FuzzyError::Object {
+                object: place / attributes,
+                attribute: place % attributes,
+            });
         }
-        let objects = Objects { attributes, values, metric, angles, has_angles: angles.contains(&true) };
+        let objects = Objects {
+            attributes,
+            values,
+            metric,
+            angles,
+            has_angles: angles.contains(&true),
+        };
         objects.check_metric()?;
         Ok(objects)
     }
 
     fn check_metric(&self) -> Result<(), FuzzyError> {
         match self.metric {
-            Metric::Scaled(sigmas) if sigmas.len() != self.attributes => {
-                Err(FuzzyError::Length { field: "sigmas", found: sigmas.len(), wanted: "one for each attribute" })
-            }
-            Metric::Scaled(sigmas) => match sigmas.iter().position(|sigma| !(sigma.is_finite() && *sigma > 0.0)) {
-                Some(attribute) => Err(FuzzyError::Sigma { attribute, found: sigmas[attribute] }),
+            Metric::Scaled(sigmas) if sigmas.len() != self.attributes => Err(FuzzyError::Length {
+                field: "sigmas",
+                found: sigmas.len(),
+                wanted: "one for each attribute",
+            }),
+            Metric::Scaled(sigmas) => match sigmas
+                .iter()
+                .position(|sigma| !(sigma.is_finite() && *sigma > 0.0))
+            {
+                Some(attribute) => Err(FuzzyError::Sigma {
+                    attribute,
+                    found: sigmas[attribute],
+                }),
                 None => Ok(()),
             },
-            Metric::Mahalanobis(inverses) if inverses.len() != self.values.len() * self.attributes => {
-                Err(FuzzyError::Length { field: "inverses", found: inverses.len(), wanted: "a square matrix for each object" })
+            Metric::Mahalanobis(inverses)
+                if inverses.len() != self.values.len() * self.attributes =>
+            {
+                Err(FuzzyError::Length {
+                    field: "inverses",
+                    found: inverses.len(),
+                    wanted: "a square matrix for each object",
+                })
             }
             Metric::Mahalanobis(inverses) => {
                 let (mut factor, size) = (Vec::new(), self.attributes * self.attributes);
-                let is_wrong =
-                    |inverse: &[f64]| !is_symmetric(inverse, self.attributes) || !factorise(inverse, self.attributes, &mut factor);
-                inverses.chunks_exact(size).position(is_wrong).map_or(Ok(()), |object| Err(FuzzyError::Inverse { object }))
+                let is_wrong = |inverse: &[f64]| {
+                    !is_symmetric(inverse, self.attributes)
+                        || !factorise(inverse, self.attributes, &mut factor)
+                };
+                inverses
+                    .chunks_exact(size)
+                    .position(is_wrong)
+                    .map_or(Ok(()), |object| Err(FuzzyError::Inverse { object }))
             }
         }
     }
@@ -118,7 +150,11 @@ impl<'a> Objects<'a> {
     #[inline]
     pub(super) fn difference(&self, attribute: usize, left: f64, right: f64) -> f64 {
         let difference = left - right;
-        if self.has_angles && self.angles[attribute] { wrapped(difference) } else { difference }
+        if self.has_angles && self.angles[attribute] {
+            wrapped(difference)
+        } else {
+            difference
+        }
     }
 
     /// d² of an object from any point.
@@ -126,7 +162,9 @@ impl<'a> Objects<'a> {
         let values = self.object(object);
         match self.metric {
             Metric::Scaled(sigmas) => self.scaled(values, point, sigmas),
-            Metric::Mahalanobis(inverses) => self.quadratic(values, point, self.inverse(inverses, object)),
+            Metric::Mahalanobis(inverses) => {
+                self.quadratic(values, point, self.inverse(inverses, object))
+            }
         }
     }
 
@@ -134,7 +172,8 @@ impl<'a> Objects<'a> {
     pub(super) fn scaled(&self, left: &[f64], right: &[f64], sigmas: &[f64]) -> f64 {
         let mut sum = 0.0;
         for attribute in 0..self.attributes {
-            let scaled = self.difference(attribute, left[attribute], right[attribute]) / sigmas[attribute];
+            let scaled =
+                self.difference(attribute, left[attribute], right[attribute]) / sigmas[attribute];
             sum += scaled * scaled;
         }
         sum
@@ -156,7 +195,12 @@ impl<'a> Objects<'a> {
 
     /// δ. An angle gains the whole turns that bring it nearest to −(Σ_b W_ab δ_b) / W_aa, b ≠ a, where δᵀ W δ is least.
     #[inline]
-    pub(super) fn turned(&self, left: &[f64], right: &[f64], inverse: &[f64]) -> [f64; MAX_ATTRIBUTES] {
+    pub(super) fn turned(
+        &self,
+        left: &[f64],
+        right: &[f64],
+        inverse: &[f64],
+    ) -> [f64; MAX_ATTRIBUTES] {
         let mut differences = [0.0; MAX_ATTRIBUTES];
         for attribute in 0..self.attributes {
             differences[attribute] = self.difference(attribute, left[attribute], right[attribute]);
@@ -164,7 +208,11 @@ impl<'a> Objects<'a> {
         if self.has_angles {
             for angle in (0..self.attributes).filter(|&attribute| self.angles[attribute]) {
                 let row = &inverse[angle * self.attributes..][..self.attributes];
-                let slope: f64 = row.iter().zip(&differences).map(|(inverse, difference)| inverse * difference).sum();
+                let slope: f64 = row
+                    .iter()
+                    .zip(&differences)
+                    .map(|(inverse, difference)| inverse * difference)
+                    .sum();
                 differences[angle] -= TAU * (slope / row[angle] / TAU).round();
             }
         }
@@ -202,13 +250,21 @@ const ROUNDING: f64 = 1e-13;
 
 impl CentreUpdate {
     /// Moves each centre to where it fits the memberships best, or with angles one round nearer.
-    pub(super) fn centres(&mut self, objects: &Objects, fuzzifier: Fuzzifier, memberships: &[f64], centres: &mut [f64]) {
+    pub(super) fn centres(
+        &mut self,
+        objects: &Objects,
+        fuzzifier: Fuzzifier,
+        memberships: &[f64],
+        centres: &mut [f64],
+    ) {
         let clusters = centres.len() / objects.attributes;
         for (cluster, centre) in centres.chunks_exact_mut(objects.attributes).enumerate() {
             let weight = |object: usize| fuzzifier.raised(memberships[object * clusters + cluster]);
             match objects.metric {
                 Metric::Scaled(_) => self.mean(objects, weight, centre),
-                Metric::Mahalanobis(inverses) => self.informed_mean(objects, inverses, weight, centre),
+                Metric::Mahalanobis(inverses) => {
+                    self.informed_mean(objects, inverses, weight, centre)
+                }
             }
         }
     }
@@ -222,7 +278,8 @@ impl CentreUpdate {
             total += weight;
             let values = objects.object(object);
             for attribute in 0..objects.attributes {
-                self.step[attribute] += weight * objects.difference(attribute, values[attribute], centre[attribute]);
+                self.step[attribute] +=
+                    weight * objects.difference(attribute, values[attribute], centre[attribute]);
             }
         }
         // A centre to which nothing belongs stays where it is.
@@ -232,7 +289,13 @@ impl CentreUpdate {
         }
     }
 
-    fn informed_mean(&mut self, objects: &Objects, inverses: &[f64], weight: impl Fn(usize) -> f64, centre: &mut [f64]) {
+    fn informed_mean(
+        &mut self,
+        objects: &Objects,
+        inverses: &[f64],
+        weight: impl Fn(usize) -> f64,
+        centre: &mut [f64],
+    ) {
         self.sum_information(objects, inverses, &weight, centre);
         if !factorise(&self.information, objects.attributes, &mut self.factor) {
             return;
@@ -242,12 +305,21 @@ impl CentreUpdate {
             walk(objects, &self.step, 1.0, centre);
             return;
         }
-        let cost = |point: &[f64]| (0..objects.len()).map(|object| weight(object) * objects.squared_distance(object, point)).sum::<f64>();
+        let cost = |point: &[f64]| {
+            (0..objects.len())
+                .map(|object| weight(object) * objects.squared_distance(object, point))
+                .sum::<f64>()
+        };
         let before = cost(centre);
         for halvings in 0..MOST_HALVINGS {
             self.trial.clear();
             self.trial.extend_from_slice(centre);
-            walk(objects, &self.step, 0.5f64.powi(halvings as i32), &mut self.trial);
+            walk(
+                objects,
+                &self.step,
+                0.5f64.powi(halvings as i32),
+                &mut self.trial,
+            );
             if cost(&self.trial) <= before * (1.0 + ROUNDING) {
                 centre.copy_from_slice(&self.trial);
                 return;
@@ -256,7 +328,13 @@ impl CentreUpdate {
     }
 
     /// Σ w W_k and Σ w W_k δ_k.
-    fn sum_information(&mut self, objects: &Objects, inverses: &[f64], weight: &impl Fn(usize) -> f64, centre: &[f64]) {
+    fn sum_information(
+        &mut self,
+        objects: &Objects,
+        inverses: &[f64],
+        weight: &impl Fn(usize) -> f64,
+        centre: &[f64],
+    ) {
         let size = objects.attributes;
         for (values, length) in [(&mut self.information, size * size), (&mut self.step, size)] {
             values.clear();
@@ -264,7 +342,8 @@ impl CentreUpdate {
         }
         let inverse_of = |object: usize| &inverses[object * size * size..][..size * size];
         for object in 0..objects.len() {
-            let (weight, inverse, values) = (weight(object), inverse_of(object), objects.object(object));
+            let (weight, inverse, values) =
+                (weight(object), inverse_of(object), objects.object(object));
             let differences = objects.turned(values, centre, inverse);
             for row in 0..size {
                 for column in 0..size {
@@ -281,13 +360,19 @@ impl CentreUpdate {
 fn walk(objects: &Objects, step: &[f64], part: f64, centre: &mut [f64]) {
     for attribute in 0..objects.attributes {
         let moved = centre[attribute] + part * step[attribute];
-        centre[attribute] = if objects.angles[attribute] { wrapped(moved) } else { moved };
+        centre[attribute] = if objects.angles[attribute] {
+            wrapped(moved)
+        } else {
+            moved
+        };
     }
 }
 
 fn is_symmetric(matrix: &[f64], size: usize) -> bool {
     let close = |left: f64, right: f64| (left - right).abs() <= 1e-9 * left.abs().max(right.abs());
-    (0..size).all(|row| (0..row).all(|column| close(matrix[row * size + column], matrix[column * size + row])))
+    (0..size).all(|row| {
+        (0..row).all(|column| close(matrix[row * size + column], matrix[column * size + row]))
+    })
 }
 
 /// Cholesky's lower factor; false when the matrix is not positive definite.
@@ -296,7 +381,9 @@ fn factorise(matrix: &[f64], size: usize, factor: &mut Vec<f64>) -> bool {
     factor.resize(size * size, 0.0);
     for row in 0..size {
         for column in 0..=row {
-            let inner: f64 = (0..column).map(|inner| factor[row * size + inner] * factor[column * size + inner]).sum();
+            let inner: f64 = (0..column)
+                .map(|inner| factor[row * size + inner] * factor[column * size + inner])
+                .sum();
             let rest = matrix[row * size + column] - inner;
             if row != column {
                 factor[row * size + column] = rest / factor[column * size + column];
@@ -313,11 +400,15 @@ fn factorise(matrix: &[f64], size: usize, factor: &mut Vec<f64>) -> bool {
 /// Solves L Lᵀ x = b in place of b.
 fn solve(factor: &[f64], size: usize, values: &mut [f64]) {
     for row in 0..size {
-        let known: f64 = (0..row).map(|column| factor[row * size + column] * values[column]).sum();
+        let known: f64 = (0..row)
+            .map(|column| factor[row * size + column] * values[column])
+            .sum();
         values[row] = (values[row] - known) / factor[row * size + row];
     }
     for row in (0..size).rev() {
-        let known: f64 = (row + 1..size).map(|column| factor[column * size + row] * values[column]).sum();
+        let known: f64 = (row + 1..size)
+            .map(|column| factor[column * size + row] * values[column])
+            .sum();
         values[row] = (values[row] - known) / factor[row * size + row];
     }
 }

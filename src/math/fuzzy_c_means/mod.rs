@@ -48,7 +48,11 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Settings { fuzzifier: 2.0, tolerance: 1e-4, max_iterations: 100 }
+        Settings {
+            fuzzifier: 2.0,
+            tolerance: 1e-4,
+            max_iterations: 100,
+        }
     }
 }
 
@@ -134,15 +138,26 @@ impl FuzzyCMeans {
     ///
     /// # Errors
     /// As [`run`](Self::run).
-    pub fn run_observed(&mut self, objects: &Objects, initial: &[f64], mut observe: impl FnMut(&Step)) -> Result<Outcome, FuzzyError> {
+    pub fn run_observed(
+        &mut self,
+        objects: &Objects,
+        initial: &[f64],
+        mut observe: impl FnMut(&Step),
+    ) -> Result<Outcome, FuzzyError> {
         self.begin(objects, initial)?;
-        let mut outcome = Outcome { iterations: 0, converged: false, cost: self.show(0, &mut observe) };
+        let mut outcome = Outcome {
+            iterations: 0,
+            converged: false,
+            cost: self.show(0, &mut observe),
+        };
         while !outcome.converged && outcome.iterations < self.settings.max_iterations {
             std::mem::swap(&mut self.memberships, &mut self.before);
-            self.update.centres(objects, self.fuzzifier, &self.before, &mut self.centres);
+            self.update
+                .centres(objects, self.fuzzifier, &self.before, &mut self.centres);
             self.share(objects);
             outcome.iterations += 1;
-            outcome.converged = largest_change(&self.before, &self.memberships) <= self.settings.tolerance;
+            outcome.converged =
+                largest_change(&self.before, &self.memberships) <= self.settings.tolerance;
             outcome.cost = self.show(outcome.iterations, &mut observe);
         }
         Ok(outcome)
@@ -152,19 +167,30 @@ impl FuzzyCMeans {
     fn begin(&mut self, objects: &Objects, initial: &[f64]) -> Result<(), FuzzyError> {
         let attributes = objects.attributes();
         if !initial.len().is_multiple_of(attributes) {
-            return Err(FuzzyError::Length { field: "initial", found: initial.len(), wanted: "a multiple of the attributes" });
+            return Err(FuzzyError::Length {
+                field: "initial",
+                found: initial.len(),
+                wanted: "a multiple of the attributes",
+            });
         }
         let clusters = initial.len() / attributes;
         check_clusters(clusters, objects.len())?;
         if let Some(place) = initial.iter().position(|value| !value.is_finite()) {
-            return Err(FuzzyError::Centre { centre: place / attributes, attribute: place % attributes });
+            return Err(FuzzyError::Centre {
+                centre: place / attributes,
+                attribute: place % attributes,
+            });
         }
         self.clusters = clusters;
         self.centres.clear();
         self.centres.extend_from_slice(initial);
         self.costs.clear();
         let size = clusters * objects.len();
-        for values in [&mut self.memberships, &mut self.before, &mut self.squared_distances] {
+        for values in [
+            &mut self.memberships,
+            &mut self.before,
+            &mut self.squared_distances,
+        ] {
             values.clear();
             values.resize(size, 0.0);
         }
@@ -175,16 +201,26 @@ impl FuzzyCMeans {
     /// Distances and memberships for the present centres.
     fn share(&mut self, objects: &Objects) {
         objects.squared_distances(&self.centres, &mut self.squared_distances);
-        let rows = self.squared_distances.chunks_exact(self.clusters).zip(self.memberships.chunks_exact_mut(self.clusters));
+        let rows = self
+            .squared_distances
+            .chunks_exact(self.clusters)
+            .zip(self.memberships.chunks_exact_mut(self.clusters));
         rows.for_each(|(squared, memberships)| self.fuzzifier.share(squared, memberships));
     }
 
     /// J, remembered and shown.
     fn show(&mut self, iteration: u32, observe: &mut impl FnMut(&Step)) -> f64 {
         let pairs = self.memberships.iter().zip(&self.squared_distances);
-        let cost = pairs.map(|(&membership, &squared)| self.fuzzifier.raised(membership) * squared).sum();
+        let cost = pairs
+            .map(|(&membership, &squared)| self.fuzzifier.raised(membership) * squared)
+            .sum();
         self.costs.push(cost);
-        observe(&Step { iteration, cost, memberships: &self.memberships, centres: &self.centres });
+        observe(&Step {
+            iteration,
+            cost,
+            memberships: &self.memberships,
+            centres: &self.centres,
+        });
         cost
     }
 
@@ -221,10 +257,22 @@ impl FuzzyCMeans {
 /// # Errors
 /// c outside 2 to n.
 pub(crate) fn check_clusters(clusters: usize, objects: usize) -> Result<(), FuzzyError> {
-    if (2..=objects).contains(&clusters) { Ok(()) } else { Err(FuzzyError::Clusters { found: clusters, objects }) }
+    if (2..=objects).contains(&clusters) {
+        Ok(())
+    } else {
+        Err(FuzzyError::Clusters {
+            found: clusters,
+            objects,
+        })
+    }
 }
 
 /// max |U(l+1) − U(l)|.
 pub fn largest_change(before: &[f64], after: &[f64]) -> f64 {
-    before.iter().zip(after).fold(0.0, |largest, (before, after)| (before - after).abs().max(largest))
+    before
+        .iter()
+        .zip(after)
+        .fold(0.0, |largest, (before, after)| {
+            (before - after).abs().max(largest)
+        })
 }

@@ -8,10 +8,17 @@ use rand::seq::index::sample;
 ///
 /// # Errors
 /// c outside 2 to n.
-pub fn random(objects: &Objects, clusters: usize, stream: &mut impl Rng, centres: &mut Vec<f64>) -> Result<(), FuzzyError> {
+pub fn random(
+    objects: &Objects,
+    clusters: usize,
+    stream: &mut impl Rng,
+    centres: &mut Vec<f64>,
+) -> Result<(), FuzzyError> {
     check_clusters(clusters, objects.len())?;
     centres.clear();
-    sample(stream, objects.len(), clusters).iter().for_each(|object| centres.extend_from_slice(objects.object(object)));
+    sample(stream, objects.len(), clusters)
+        .iter()
+        .for_each(|object| centres.extend_from_slice(objects.object(object)));
     Ok(())
 }
 
@@ -20,7 +27,11 @@ pub fn random(objects: &Objects, clusters: usize, stream: &mut impl Rng, centres
 ///
 /// # Errors
 /// c outside 2 to n.
-pub fn farthest_first(objects: &Objects, clusters: usize, centres: &mut Vec<f64>) -> Result<(), FuzzyError> {
+pub fn farthest_first(
+    objects: &Objects,
+    clusters: usize,
+    centres: &mut Vec<f64>,
+) -> Result<(), FuzzyError> {
     check_clusters(clusters, objects.len())?;
     let attributes = objects.attributes();
     if centres.is_empty() {
@@ -38,7 +49,9 @@ pub fn farthest_first(objects: &Objects, clusters: usize, centres: &mut Vec<f64>
             return Ok(());
         }
         measured = centres.len();
-        let farthest = (0..nearest.len()).rev().max_by(|&left, &right| nearest[left].total_cmp(&nearest[right]));
+        let farthest = (0..nearest.len())
+            .rev()
+            .max_by(|&left, &right| nearest[left].total_cmp(&nearest[right]));
         centres.extend_from_slice(objects.object(farthest.expect("there are two objects or more")));
     }
 }
@@ -51,7 +64,8 @@ mod tests {
     #[test]
     fn the_farthest_object_is_next() {
         // From 0: 10 is farthest, then 4 (distance 4 from 0, 6 from 10), of 3 (3 from 0) and 4.
-        let objects = Objects::new(&[0.0, 10.0, 3.0, 4.0], &[false], Metric::Scaled(&[1.0])).unwrap();
+        let objects =
+            Objects::new(&[0.0, 10.0, 3.0, 4.0], &[false], Metric::Scaled(&[1.0])).unwrap();
         let mut centres = Vec::new();
         farthest_first(&objects, 3, &mut centres).unwrap();
         assert_eq!(centres, [0.0, 10.0, 4.0]);

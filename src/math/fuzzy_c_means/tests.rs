@@ -7,7 +7,11 @@ use crate::math::rng::{Purpose, Seed};
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-const TIGHT: Settings = Settings { fuzzifier: 2.0, tolerance: 1e-12, max_iterations: 10_000 };
+const TIGHT: Settings = Settings {
+    fuzzifier: 2.0,
+    tolerance: 1e-12,
+    max_iterations: 10_000,
+};
 
 fn run(settings: Settings, objects: &Objects, initial: &[f64]) -> (FuzzyCMeans, Outcome) {
     let mut means = FuzzyCMeans::new(settings).unwrap();
@@ -22,15 +26,38 @@ fn one_iteration_by_hand() {
     // v₁ = (0.64 + 4/289) / (1 + 0.64 + 1/289) = 0.6538408 / 1.6434602 = 0.3978440,
     // v₂ = (0.04 + 4·256/289) / (0.04 + 256/289) = 3.5832526 / 0.9258131 = 3.8703844.
     let objects = Objects::new(&[0.0, 1.0, 4.0], &[false], Metric::Scaled(&[1.0])).unwrap();
-    let settings = Settings { max_iterations: 1, ..Settings::default() };
+    let settings = Settings {
+        max_iterations: 1,
+        ..Settings::default()
+    };
     let mut means = FuzzyCMeans::new(settings).unwrap();
     let mut seen = Vec::new();
-    let outcome = means.run_observed(&objects, &[0.0, 3.0], |step| seen.push((step.iteration, step.cost, step.centres.to_vec()))).unwrap();
+    let outcome = means
+        .run_observed(&objects, &[0.0, 3.0], |step| {
+            seen.push((step.iteration, step.cost, step.centres.to_vec()))
+        })
+        .unwrap();
     assert!((means.costs()[0] - (0.8 + 272.0 / 289.0)).abs() < 1e-12);
-    assert!((means.centres()[0] - 0.397_844_0).abs() < 1e-6 && (means.centres()[1] - 3.870_384_4).abs() < 1e-6, "{:?}", means.centres());
-    assert_eq!((outcome.iterations, outcome.converged, outcome.cost), (1, false, means.costs()[1]));
-    assert_eq!(seen.iter().map(|(iteration, cost, _)| (*iteration, *cost)).collect::<Vec<_>>(), [(0, means.costs()[0]), (1, outcome.cost)]);
-    assert_eq!((&seen[0].2[..], &seen[1].2[..]), (&[0.0, 3.0][..], means.centres()));
+    assert!(
+        (means.centres()[0] - 0.397_844_0).abs() < 1e-6
+            && (means.centres()[1] - 3.870_384_4).abs() < 1e-6,
+        "{:?}",
+        means.centres()
+    );
+    assert_eq!(
+        (outcome.iterations, outcome.converged, outcome.cost),
+        (1, false, means.costs()[1])
+    );
+    assert_eq!(
+        seen.iter()
+            .map(|(iteration, cost, _)| (*iteration, *cost))
+            .collect::<Vec<_>>(),
+        [(0, means.costs()[0]), (1, outcome.cost)]
+    );
+    assert_eq!(
+        (&seen[0].2[..], &seen[1].2[..]),
+        (&[0.0, 3.0][..], means.centres())
+    );
 }
 
 #[test]
@@ -38,12 +65,25 @@ fn two_objects_become_two_clusters() {
     // From 1 and 9 the objects 0 and 10 have d² 1 and 81: u = 81/82, 1/82 and v₁ = 10 · (1/82)² / ((81/82)² + (1/82)²)
     // = 10 / 6562; each iteration comes much nearer, and on the objects J is 0 and U the unit matrix.
     let objects = Objects::new(&[0.0, 10.0], &[false], Metric::Scaled(&[1.0])).unwrap();
-    let (first, _) = run(Settings { max_iterations: 1, ..TIGHT }, &objects, &[1.0, 9.0]);
+    let (first, _) = run(
+        Settings {
+            max_iterations: 1,
+            ..TIGHT
+        },
+        &objects,
+        &[1.0, 9.0],
+    );
     assert!((first.centres()[0] - 10.0 / 6562.0).abs() < 1e-12);
     let (means, outcome) = run(TIGHT, &objects, &[1.0, 9.0]);
     assert!(outcome.converged && outcome.cost < 1e-20 && outcome.iterations < 10);
     assert!((means.centres()[0]).abs() < 1e-9 && (means.centres()[1] - 10.0).abs() < 1e-9);
-    assert!(means.memberships().iter().zip([1.0, 0.0, 0.0, 1.0]).all(|(found, wanted)| (found - wanted).abs() < 1e-9));
+    assert!(
+        means
+            .memberships()
+            .iter()
+            .zip([1.0, 0.0, 0.0, 1.0])
+            .all(|(found, wanted)| (found - wanted).abs() < 1e-9)
+    );
 }
 
 #[test]
@@ -51,10 +91,23 @@ fn a_covariance_of_its_own_makes_the_centre_the_information_weighted_mean() {
     // Both clusters start alike, so every u is ½ and stays: the centre is (3·0 + 1·4) / (3 + 1) = 1 in x, (1·0 + 1·4) / 2
     // = 2 in y for inverse covariances diag(3, 1) and diag(1, 1); the plain mean would be (2, 2).
     let inverses = [3.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0];
-    let objects = Objects::new(&[0.0, 0.0, 4.0, 4.0], &[false, false], Metric::Mahalanobis(&inverses)).unwrap();
+    let objects = Objects::new(
+        &[0.0, 0.0, 4.0, 4.0],
+        &[false, false],
+        Metric::Mahalanobis(&inverses),
+    )
+    .unwrap();
     let (means, _) = run(TIGHT, &objects, &[3.0, 3.0, 3.0, 3.0]);
     let expected = [1.0, 2.0, 1.0, 2.0];
-    assert!(means.centres().iter().zip(expected).all(|(found, wanted)| (found - wanted).abs() < 1e-12), "{:?}", means.centres());
+    assert!(
+        means
+            .centres()
+            .iter()
+            .zip(expected)
+            .all(|(found, wanted)| (found - wanted).abs() < 1e-12),
+        "{:?}",
+        means.centres()
+    );
 }
 
 #[test]
@@ -68,7 +121,11 @@ fn a_cluster_across_north_is_one_cluster() {
         harden::largest(means.memberships(), 2, &mut labels);
         assert_eq!(labels, [0, 0, 0, 1, 1, 1]);
         // The mean of −0.083185, 0.1, −0.02 is −0.001062; the far cluster weighs next to nothing.
-        assert!(outcome.converged && (means.centres()[0] - (6.2 - TAU + 0.08) / 3.0).abs() < 0.005, "{:?}", means.centres());
+        assert!(
+            outcome.converged && (means.centres()[0] - (6.2 - TAU + 0.08) / 3.0).abs() < 0.005,
+            "{:?}",
+            means.centres()
+        );
         assert!((means.centres()[1] - 3.0).abs() < 0.005);
     }
 }
@@ -80,23 +137,74 @@ fn faults_name_the_field_and_what_is_allowed() {
     let named = |error: FuzzyError| (error.field(), error.allowed());
     let mut means = FuzzyCMeans::new(settings).unwrap();
     for initial in [&[1.0][..], &[1.0; 4][..]] {
-        assert_eq!(named(means.run(&objects, initial).unwrap_err()), ("clusters", "[2, 3], the number of objects".to_owned()));
+        assert_eq!(
+            named(means.run(&objects, initial).unwrap_err()),
+            ("clusters", "[2, 3], the number of objects".to_owned())
+        );
     }
-    assert_eq!(means.run(&objects, &[0.0, f64::NAN]).unwrap_err(), FuzzyError::Centre { centre: 1, attribute: 0 });
+    assert_eq!(
+        means.run(&objects, &[0.0, f64::NAN]).unwrap_err(),
+        FuzzyError::Centre {
+            centre: 1,
+            attribute: 0
+        }
+    );
     let refused = |settings| named(FuzzyCMeans::new(settings).unwrap_err());
-    assert_eq!(refused(Settings { fuzzifier: 1.0, ..settings }), ("fuzzifier", "> 1".to_owned()));
-    assert_eq!(refused(Settings { tolerance: 0.0, ..settings }), ("tolerance", "> 0".to_owned()));
-    assert_eq!(refused(Settings { max_iterations: 0, ..settings }), ("max_iterations", ">= 1".to_owned()));
+    assert_eq!(
+        refused(Settings {
+            fuzzifier: 1.0,
+            ..settings
+        }),
+        ("fuzzifier", "> 1".to_owned())
+    );
+    assert_eq!(
+        refused(Settings {
+            tolerance: 0.0,
+            ..settings
+        }),
+        ("tolerance", "> 0".to_owned())
+    );
+    assert_eq!(
+        refused(Settings {
+            max_iterations: 0,
+            ..settings
+        }),
+        ("max_iterations", ">= 1".to_owned())
+    );
     let flat = [false, false];
-    let not_finite = Objects::new(&[0.0, 1.0, f64::INFINITY, 2.0], &flat, Metric::Scaled(&[1.0, 1.0]));
-    assert_eq!(not_finite.unwrap_err(), FuzzyError::Object { object: 1, attribute: 0 });
+    let not_finite = Objects::new(
+        &[0.0, 1.0, f64::INFINITY, 2.0],
+        &flat,
+        Metric::Scaled(&[1.0, 1.0]),
+    );
+    assert_eq!(
+        not_finite.unwrap_err(),
+        FuzzyError::Object {
+            object: 1,
+            attribute: 0
+        }
+    );
     let bad_sigma = Objects::new(&[0.0, 1.0], &flat, Metric::Scaled(&[1.0, 0.0]));
-    assert_eq!(bad_sigma.unwrap_err(), FuzzyError::Sigma { attribute: 1, found: 0.0 });
-    let bad_inverse = Objects::new(&[0.0; 4], &flat, Metric::Mahalanobis(&[1.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 1.0]));
+    assert_eq!(
+        bad_sigma.unwrap_err(),
+        FuzzyError::Sigma {
+            attribute: 1,
+            found: 0.0
+        }
+    );
+    let bad_inverse = Objects::new(
+        &[0.0; 4],
+        &flat,
+        Metric::Mahalanobis(&[1.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 1.0]),
+    );
     assert_eq!(bad_inverse.unwrap_err(), FuzzyError::Inverse { object: 1 });
     let fault = FuzzyError::Tolerance(-1.0).fault("/correlator");
     assert_eq!(
-        (fault.pointer.as_str(), fault.detail.as_str(), fault.allowed.as_deref()),
+        (
+            fault.pointer.as_str(),
+            fault.detail.as_str(),
+            fault.allowed.as_deref()
+        ),
         ("/correlator/tolerance", "the tolerance is -1", Some("> 0"))
     );
 }
@@ -110,21 +218,38 @@ fn indices_by_hand_and_the_choice_of_three_groups() {
     let objects = Objects::new(&GROUPS, &[false], Metric::Scaled(&[1.0])).unwrap();
     let mut means = FuzzyCMeans::new(TIGHT).unwrap();
     for index in [Index::PartitionCoefficient, Index::XieBeni] {
-        let (clusters, tried) =
-            choose(&mut means, &objects, 2..=5, index, |clusters, centres| start::farthest_first(&objects, clusters, centres)).unwrap();
-        assert_eq!((clusters, means.clusters(), tried.len()), (3, 3, 4), "{index:?}: {tried:?}");
+        let (clusters, tried) = choose(&mut means, &objects, 2..=5, index, |clusters, centres| {
+            start::farthest_first(&objects, clusters, centres)
+        })
+        .unwrap();
+        assert_eq!(
+            (clusters, means.clusters(), tried.len()),
+            (3, 3, 4),
+            "{index:?}: {tried:?}"
+        );
     }
     // J is nearly 3 · (1 + 0 + 1) = 6, the centres 100 apart: 6 / (9 · 10 000).
     assert!((xie_beni(&means, &objects) - 6.0 / 90_000.0).abs() < 1e-6);
     assert!(
-        choose(&mut means, &objects, 1..=3, Index::XieBeni, |clusters, centres| start::farthest_first(&objects, clusters, centres))
-            .is_err()
+        choose(
+            &mut means,
+            &objects,
+            1..=3,
+            Index::XieBeni,
+            |clusters, centres| start::farthest_first(&objects, clusters, centres)
+        )
+        .is_err()
     );
 }
 
 /// Pairs of close groups far apart: FCM from random objects often gives one pair a centre too many and another one too few.
 fn pairs() -> Vec<f64> {
-    let centre = |pair: usize| (f64::from(pair as u32 % 2) * 1000.0, f64::from(pair as u32 / 2) * 1000.0);
+    let centre = |pair: usize| {
+        (
+            f64::from(pair as u32 % 2) * 1000.0,
+            f64::from(pair as u32 / 2) * 1000.0,
+        )
+    };
     let mut values = Vec::new();
     for pair in 0..4 {
         let (x, y) = centre(pair);
@@ -142,7 +267,12 @@ fn pairs() -> Vec<f64> {
 fn genetic_search_is_never_above_the_best_of_twenty_random_starts() {
     let values = pairs();
     let objects = Objects::new(&values, &[false, false], Metric::Scaled(&[1.0, 1.0])).unwrap();
-    let mut means = FuzzyCMeans::new(Settings { tolerance: 1e-6, max_iterations: 300, ..Settings::default() }).unwrap();
+    let mut means = FuzzyCMeans::new(Settings {
+        tolerance: 1e-6,
+        max_iterations: 300,
+        ..Settings::default()
+    })
+    .unwrap();
     let (mut worst_of_plain, mut initial) = (0.0f64, Vec::new());
     for seed in 0..3 {
         let seed = Seed { seed, run: 0 };
@@ -154,15 +284,29 @@ fn genetic_search_is_never_above_the_best_of_twenty_random_starts() {
             best = best.min(cost);
             worst_of_plain = worst_of_plain.max(cost);
         }
-        let found = search(&mut means, &objects, 8, GeneticSettings::default(), &mut seed.stream(Purpose::Clustering, 0, 0)).unwrap();
-        assert!(found.cost <= best * (1.0 + 1e-6), "{} is above {best}", found.cost);
+        let found = search(
+            &mut means,
+            &objects,
+            8,
+            GeneticSettings::default(),
+            &mut seed.stream(Purpose::Clustering, 0, 0),
+        )
+        .unwrap();
+        assert!(
+            found.cost <= best * (1.0 + 1e-6),
+            "{} is above {best}",
+            found.cost
+        );
         assert!(found.trace.windows(2).all(|pair| pair[1] <= pair[0]));
         assert_eq!((found.runs, means.clusters()), (111, 8));
         assert!((means.costs().last().unwrap() - found.cost).abs() <= 1e-9 * found.cost);
         // Five objects at distance 1 from each of eight centres: the optimum is a little below 40.
         assert!((35.0..40.0).contains(&found.cost), "{}", found.cost);
     }
-    assert!(worst_of_plain > 100.0, "no random start was caught in a bad optimum: {worst_of_plain}");
+    assert!(
+        worst_of_plain > 100.0,
+        "no random start was caught in a bad optimum: {worst_of_plain}"
+    );
 }
 
 #[test]
@@ -170,12 +314,42 @@ fn genetic_search_repeats_and_refuses_bad_rates() {
     let values = pairs();
     let objects = Objects::new(&values, &[false, false], Metric::Scaled(&[1.0, 1.0])).unwrap();
     let mut means = FuzzyCMeans::new(Settings::default()).unwrap();
-    let few = GeneticSettings { population: 3, generations: 2, ..GeneticSettings::default() };
-    let mut once = || search(&mut means, &objects, 8, few, &mut Seed { seed: 5, run: 0 }.stream(Purpose::Clustering, 0, 0)).unwrap();
+    let few = GeneticSettings {
+        population: 3,
+        generations: 2,
+        ..GeneticSettings::default()
+    };
+    let mut once = || {
+        search(
+            &mut means,
+            &objects,
+            8,
+            few,
+            &mut Seed { seed: 5, run: 0 }.stream(Purpose::Clustering, 0, 0),
+        )
+        .unwrap()
+    };
     assert_eq!(once(), once());
-    let refused = GeneticSettings { mutation_rate: 1.5, ..few }.check().unwrap_err();
-    assert_eq!((refused.field(), refused.allowed().as_str()), ("mutation_rate", "[0, 1]"));
-    assert_eq!(GeneticSettings { population: 1, ..few }.check().unwrap_err().field(), "population");
+    let refused = GeneticSettings {
+        mutation_rate: 1.5,
+        ..few
+    }
+    .check()
+    .unwrap_err();
+    assert_eq!(
+        (refused.field(), refused.allowed().as_str()),
+        ("mutation_rate", "[0, 1]")
+    );
+    assert_eq!(
+        GeneticSettings {
+            population: 1,
+            ..few
+        }
+        .check()
+        .unwrap_err()
+        .field(),
+        "population"
+    );
 }
 
 /// A random case: objects of two attributes, the second an angle or not, a metric, a fuzzifier and a start.
@@ -190,7 +364,10 @@ struct Case {
 
 impl Case {
     fn objects(&self) -> Objects<'_> {
-        let metric = self.inverses.as_deref().map_or(Metric::Scaled(&[2.0, 0.5]), Metric::Mahalanobis);
+        let metric = self
+            .inverses
+            .as_deref()
+            .map_or(Metric::Scaled(&[2.0, 0.5]), Metric::Mahalanobis);
         Objects::new(&self.values, &self.angles, metric).unwrap()
     }
 
@@ -204,18 +381,27 @@ fn cases() -> impl Strategy<Value = Case> {
         let xy = correlation * (xx * yy).sqrt();
         [xx, xy, xy, yy]
     });
-    (4..20usize, any::<bool>(), any::<bool>(), prop::sample::select(vec![1.3, 1.5, 2.0, 3.0])).prop_flat_map(
-        move |(count, wraps, own, fuzzifier)| {
-            let values = prop::collection::vec((-10.0..10.0f64, -PI..PI), count);
-            (values, prop::collection::vec(inverse.clone(), count), 2..=count.min(5)).prop_map(move |(values, inverses, clusters)| Case {
-                values: values.into_iter().flat_map(|(x, y)| [x, y]).collect(),
-                angles: [false, wraps],
-                inverses: own.then(|| inverses.concat()),
-                fuzzifier,
-                clusters,
-            })
-        },
+    (
+        4..20usize,
+        any::<bool>(),
+        any::<bool>(),
+        prop::sample::select(vec![1.3, 1.5, 2.0, 3.0]),
     )
+        .prop_flat_map(move |(count, wraps, own, fuzzifier)| {
+            let values = prop::collection::vec((-10.0..10.0f64, -PI..PI), count);
+            (
+                values,
+                prop::collection::vec(inverse.clone(), count),
+                2..=count.min(5),
+            )
+                .prop_map(move |(values, inverses, clusters)| Case {
+                    values: values.into_iter().flat_map(|(x, y)| [x, y]).collect(),
+                    angles: [false, wraps],
+                    inverses: own.then(|| inverses.concat()),
+                    fuzzifier,
+                    clusters,
+                })
+        })
 }
 
 proptest! {

@@ -27,7 +27,9 @@ impl Index {
     /// Of the last run, which was on these objects.
     pub fn of(self, found: &FuzzyCMeans, objects: &Objects) -> f64 {
         match self {
-            Index::PartitionCoefficient => partition_coefficient(found.memberships(), found.clusters()),
+            Index::PartitionCoefficient => {
+                partition_coefficient(found.memberships(), found.clusters())
+            }
             Index::XieBeni => xie_beni(found, objects),
         }
     }
@@ -43,7 +45,11 @@ impl Index {
 /// F.
 pub fn partition_coefficient(memberships: &[f64], clusters: usize) -> f64 {
     let objects = memberships.len() / clusters;
-    memberships.iter().map(|membership| membership * membership).sum::<f64>() / objects as f64
+    memberships
+        .iter()
+        .map(|membership| membership * membership)
+        .sum::<f64>()
+        / objects as f64
 }
 
 /// X.
@@ -53,7 +59,10 @@ pub fn xie_beni(found: &FuzzyCMeans, objects: &Objects) -> f64 {
         let size = objects.attributes() * objects.attributes();
         inverse.resize(size, 0.0);
         let share = 1.0 / objects.len() as f64;
-        inverses.iter().enumerate().for_each(|(place, value)| inverse[place % size] += share * value);
+        inverses
+            .iter()
+            .enumerate()
+            .for_each(|(place, value)| inverse[place % size] += share * value);
     }
     let distance = |left: &[f64], right: &[f64]| match objects.metric() {
         Metric::Scaled(sigmas) => objects.scaled(left, right, sigmas),
@@ -62,10 +71,16 @@ pub fn xie_beni(found: &FuzzyCMeans, objects: &Objects) -> f64 {
     let centres: Vec<&[f64]> = found.centres().chunks_exact(objects.attributes()).collect();
     let mut separation = f64::INFINITY;
     for (index, left) in centres.iter().enumerate() {
-        separation = centres[..index].iter().fold(separation, |least, right| least.min(distance(left, right)));
+        separation = centres[..index]
+            .iter()
+            .fold(separation, |least, right| least.min(distance(left, right)));
     }
     let cost = found.costs().last().copied().unwrap_or(0.0);
-    if separation > 0.0 { cost / (objects.len() as f64 * separation) } else { f64::INFINITY }
+    if separation > 0.0 {
+        cost / (objects.len() as f64 * separation)
+    } else {
+        f64::INFINITY
+    }
 }
 
 /// A number of clusters tried, and its index.
@@ -98,13 +113,24 @@ pub fn choose(
         start(clusters, &mut initial)?;
         let outcome = means.run(objects, &initial)?;
         let (iterations, converged) = (outcome.iterations, outcome.converged);
-        let this = Tried { clusters, index: index.of(means, objects), iterations, converged };
+        let this = Tried {
+            clusters,
+            index: index.of(means, objects),
+            iterations,
+            converged,
+        };
         tried.push(this);
-        if best.as_ref().is_none_or(|(best, _)| index.is_better(this.index, best.index)) {
+        if best
+            .as_ref()
+            .is_none_or(|(best, _)| index.is_better(this.index, best.index))
+        {
             best = Some((this, means.clone()));
         }
     }
-    let (chosen, found) = best.ok_or(FuzzyError::Clusters { found: *range.start(), objects: objects.len() })?;
+    let (chosen, found) = best.ok_or(FuzzyError::Clusters {
+        found: *range.start(),
+        objects: objects.len(),
+    })?;
     *means = found;
     Ok((chosen.clusters, tried))
 }

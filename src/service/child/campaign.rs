@@ -52,20 +52,41 @@ impl Kept {
                 let plan = plan::plan(JobKind::Campaign, &order.spec).map_err(Failure::Faults)?;
                 let (inputs, read) = load(&plan, order.inputs, meter)?;
                 let campaign = plan.campaign.clone().context("a campaign has no cells")?;
-                Loaded { id: order.id, plan, campaign, inputs, read }
+                Loaded {
+                    id: order.id,
+                    plan,
+                    campaign,
+                    inputs,
+                    read,
+                }
             }
         };
         Ok(self.0.insert(loaded))
     }
 
-    pub(super) fn make_runs(&mut self, campaign: CampaignOrder, runs: Runs, meter: &mut Meter) -> Result<Made, Failure> {
+    pub(super) fn make_runs(
+        &mut self,
+        campaign: CampaignOrder,
+        runs: Runs,
+        meter: &mut Meter,
+    ) -> Result<Made, Failure> {
         let loaded = self.loaded(campaign, meter)?;
         let items = match runs.is_pilot.then(|| loaded.campaign.next(&[])) {
             Some(Next::Runs { items, .. }) => items,
             _ => runs.items,
         };
-        let outcomes = runs.outcomes.as_deref().map(|json| read_outcomes(Some(json))).transpose()?;
-        let order = Order { items, outcomes, enough: runs.is_pilot.then_some(PILOT), done: runs.done, total: runs.total };
+        let outcomes = runs
+            .outcomes
+            .as_deref()
+            .map(|json| read_outcomes(Some(json)))
+            .transpose()?;
+        let order = Order {
+            items,
+            outcomes,
+            enough: runs.is_pilot.then_some(PILOT),
+            done: runs.done,
+            total: runs.total,
+        };
         let (piece, outcomes) = loaded.campaign.make(order, &loaded.inputs, meter)?;
         Ok(Made::Piece {
             runs: piece.len() as u64,
@@ -89,23 +110,48 @@ impl Kept {
         if let Next::Runs { items, spared } = campaign.next(&pieces) {
             let target = CHUNK.max(campaign.cost(&items, &pieces) / MOST_CHUNKS);
             let chunks = campaign.cut(items, &pieces, SHORTEST_CHUNK, target);
-            return Ok(Made::Looked(Looked::More { chunks, runs_total: campaign.total() - spared }));
+            return Ok(Made::Looked(Looked::More {
+                chunks,
+                runs_total: campaign.total() - spared,
+            }));
         }
         let outcome = campaign.report(&pieces, &outcomes)?;
-        let spent_s = pieces.iter().map(Piece::spent).sum::<Duration>().as_secs_f64();
+        let spent_s = pieces
+            .iter()
+            .map(Piece::spent)
+            .sum::<Duration>()
+            .as_secs_f64();
         let timing = meter.timing();
-        let timing = Timing { total_s: timing.total_s + spent_s, ..timing };
-        let report = report::build(loaded.id, &loaded.plan, &loaded.read, &outcome, timing).map_err(internal)?;
-        let made = Looked::Report { files: leave(directory, outcome.artifacts, report)?, warnings: outcome.warnings };
+        let timing = Timing {
+            total_s: timing.total_s + spent_s,
+            ..timing
+        };
+        let report = report::build(loaded.id, &loaded.plan, &loaded.read, &outcome, timing)
+            .map_err(internal)?;
+        let made = Looked::Report {
+            files: leave(directory, outcome.artifacts, report)?,
+            warnings: outcome.warnings,
+        };
         // Nothing more is asked of it.
         self.0 = None;
         Ok(Made::Looked(made))
     }
 
-    pub(super) fn so_far(&mut self, order: CampaignOrder, pieces: &Path, outcomes: &str, meter: &mut Meter) -> Result<Made, Failure> {
+    pub(super) fn so_far(
+        &mut self,
+        order: CampaignOrder,
+        pieces: &Path,
+        outcomes: &str,
+        meter: &mut Meter,
+    ) -> Result<Made, Failure> {
         let loaded = self.loaded(order, meter)?;
-        let (outcome, runs) = loaded.campaign.report_so_far(read_pieces(pieces)?, &read_outcomes(Some(outcomes))?)?;
-        Ok(Made::SoFar { runs, result: to_raw_value(&outcome.result).map_err(internal)? })
+        let (outcome, runs) = loaded
+            .campaign
+            .report_so_far(read_pieces(pieces)?, &read_outcomes(Some(outcomes))?)?;
+        Ok(Made::SoFar {
+            runs,
+            result: to_raw_value(&outcome.result).map_err(internal)?,
+        })
     }
 }
 
@@ -113,11 +159,15 @@ fn read_pieces(path: &Path) -> anyhow::Result<Vec<Piece>> {
     let file = File::open(path).with_context(|| format!("cannot open {}", path.display()))?;
     let mut pieces = Vec::new();
     for line in BufReader::new(file).lines() {
-        pieces.push(serde_json::from_str(&line.context("cannot read the pieces")?).context("a stored piece is damaged")?);
+        pieces.push(
+            serde_json::from_str(&line.context("cannot read the pieces")?)
+                .context("a stored piece is damaged")?,
+        );
     }
     Ok(pieces)
 }
 
 fn read_outcomes(json: Option<&str>) -> anyhow::Result<Vec<Outcome>> {
-    json.map_or(Ok(Vec::new()), serde_json::from_str).context("stored outcomes are damaged")
+    json.map_or(Ok(Vec::new()), serde_json::from_str)
+        .context("stored outcomes are damaged")
 }

@@ -45,11 +45,25 @@ impl Children {
     ///
     /// # Errors
     /// When it does not begin.
-    pub async fn open(program: Option<PathBuf>, memory_bytes: Option<u64>, slots: usize) -> anyhow::Result<Children> {
-        let program = program.map_or_else(own_program, Ok).context("the program has no name")?;
+    pub async fn open(
+        program: Option<PathBuf>,
+        memory_bytes: Option<u64>,
+        slots: usize,
+    ) -> anyhow::Result<Children> {
+        let program = program
+            .map_or_else(own_program, Ok)
+            .context("the program has no name")?;
         let first = started(&program, memory_bytes).await?;
-        let pool = Mutex::new(Pool { idle: vec![first], ..Pool::default() });
-        let children = Children(Arc::new(Inner { program, memory_bytes, wanted: slots + 1, pool }));
+        let pool = Mutex::new(Pool {
+            idle: vec![first],
+            ..Pool::default()
+        });
+        let children = Children(Arc::new(Inner {
+            program,
+            memory_bytes,
+            wanted: slots + 1,
+            pool,
+        }));
         children.fill();
         Ok(children)
     }
@@ -60,10 +74,14 @@ impl Children {
     /// When none can be started.
     pub async fn take(&self, campaign: Option<Uuid>) -> anyhow::Result<Lent> {
         // Counts from now on.
-        let mut lent = Lent { child: None, children: self.clone() };
+        let mut lent = Lent {
+            child: None,
+            children: self.clone(),
+        };
         self.lock().lent += 1;
         while let Some(mut child) = self.chosen(campaign) {
-            let has_too_much = child.is_grown() && (campaign.is_none() || child.campaign() != campaign);
+            let has_too_much =
+                child.is_grown() && (campaign.is_none() || child.campaign() != campaign);
             if !has_too_much && !child.is_dead() {
                 lent.child = Some(child);
                 return Ok(lent);
@@ -79,7 +97,10 @@ impl Children {
         loop {
             match started(&self.0.program, self.0.memory_bytes).await {
                 Err(error) if tries < START_TRIES => {
-                    tracing::warn!(error = format!("{error:#}"), "a child did not begin; trying again");
+                    tracing::warn!(
+                        error = format!("{error:#}"),
+                        "a child did not begin; trying again"
+                    );
                     tries += 1;
                     tokio::time::sleep(START_PAUSE).await;
                 }
@@ -90,14 +111,21 @@ impl Children {
 
     fn chosen(&self, campaign: Option<Uuid>) -> Option<Child> {
         let mut pool = self.lock();
-        let having = |wanted: Option<Uuid>| pool.idle.iter().rposition(|child| child.campaign() == wanted);
-        let place = having(campaign).or_else(|| having(None)).or_else(|| pool.idle.len().checked_sub(1))?;
+        let having = |wanted: Option<Uuid>| {
+            pool.idle
+                .iter()
+                .rposition(|child| child.campaign() == wanted)
+        };
+        let place = having(campaign)
+            .or_else(|| having(None))
+            .or_else(|| pool.idle.len().checked_sub(1))?;
         Some(pool.idle.remove(place))
     }
 
     /// A campaign has ended: what was loaded for it is not asked for again.
     pub fn forget(&self, campaign: Uuid) {
-        let is_full_of_it = |child: &mut Child| child.is_grown() && child.campaign() == Some(campaign);
+        let is_full_of_it =
+            |child: &mut Child| child.is_grown() && child.campaign() == Some(campaign);
         let ended: Vec<Child> = self.lock().idle.extract_if(.., is_full_of_it).collect();
         drop(ended);
         self.fill();
@@ -114,13 +142,21 @@ impl Children {
     fn fill(&self) {
         let missing = {
             let mut pool = self.lock();
-            let missing = if pool.is_closed { 0 } else { self.0.wanted.saturating_sub(pool.idle.len() + pool.starting + pool.lent) };
+            let missing = if pool.is_closed {
+                0
+            } else {
+                self.0
+                    .wanted
+                    .saturating_sub(pool.idle.len() + pool.starting + pool.lent)
+            };
             pool.starting += missing;
             missing
         };
         for _ in 0..missing {
             let children = self.clone();
-            let begun = Child::start(&self.0.program, self.0.memory_bytes, move |started| children.add(started));
+            let begun = Child::start(&self.0.program, self.0.memory_bytes, move |started| {
+                children.add(started)
+            });
             if let Err(error) = begun {
                 self.add(Err(error.into()));
             }
@@ -152,7 +188,10 @@ impl Children {
 impl Lent {
     /// Gives back a child that has answered. One that keeps memory of nothing that is asked for again ends.
     pub fn give_back(mut self) {
-        let child = self.child.take().filter(|child| !child.is_grown() || child.campaign().is_some());
+        let child = self
+            .child
+            .take()
+            .filter(|child| !child.is_grown() || child.campaign().is_some());
         if let Some(child) = child {
             self.children.put(&mut self.children.lock(), child);
         }
@@ -170,12 +209,16 @@ impl Drop for Lent {
 impl Deref for Lent {
     type Target = Child;
     fn deref(&self) -> &Child {
-        self.child.as_ref().expect("it is there until it is given back")
+        self.child
+            .as_ref()
+            .expect("it is there until it is given back")
     }
 }
 
 impl DerefMut for Lent {
     fn deref_mut(&mut self) -> &mut Child {
-        self.child.as_mut().expect("it is there until it is given back")
+        self.child
+            .as_mut()
+            .expect("it is there until it is given back")
     }
 }

@@ -37,36 +37,57 @@ impl InputFile {
     }
 
     fn read_from(&self, file: File) -> Result<Dataset, Failure> {
-        let format = format_named(&self.format).with_context(|| format!("a stored dataset has the unknown format {}", self.format))?;
-        let options = ReadOptions { kind: Some(self.kind), columns: self.columns.clone(), bearing_time: self.bearing_time };
+        let format = format_named(&self.format)
+            .with_context(|| format!("a stored dataset has the unknown format {}", self.format))?;
+        let options = ReadOptions {
+            kind: Some(self.kind),
+            columns: self.columns.clone(),
+            bearing_time: self.bearing_time,
+        };
         let read = (format.read)(&mut BufReader::with_capacity(1 << 16, file), &options);
         Ok(read.map_err(faults_or_memory)?.dataset)
     }
 
     /// Reads what the request asks for: the file, or the named sensors' part of it. Blocks.
     pub(super) fn load(self, file: File, request: &InputRequest) -> Result<Input, Failure> {
-        let mut dataset = self.read_from(file).map_err(|failure| repoint(failure, &request.pointer))?;
+        let mut dataset = self
+            .read_from(file)
+            .map_err(|failure| repoint(failure, &request.pointer))?;
         let (Source::Dataset { sensor_ids, .. } | Source::Job { sensor_ids, .. }) = &request.source;
         let mut sensors = self.sensors;
         if let Some(wanted) = sensor_ids {
-            dataset = dataset
-                .only_sensors(wanted)
-                .map_err(|faults| repoint(Failure::Faults(faults), &format!("{}/sensor_ids", request.pointer)))?;
+            dataset = dataset.only_sensors(wanted).map_err(|faults| {
+                repoint(
+                    Failure::Faults(faults),
+                    &format!("{}/sensor_ids", request.pointer),
+                )
+            })?;
             sensors.retain(|sensor| wanted.contains(&sensor.sensor_id));
         }
-        Ok(Input { dataset, sensors, sha256: self.sha256 })
+        Ok(Input {
+            dataset,
+            sensors,
+            sha256: self.sha256,
+        })
     }
 }
 
 /// The faults of a file. Reading a whole file at once does not abort where memory is refused, as everything else does; it says so.
 pub(super) fn faults_or_memory(faults: Vec<Fault>) -> Failure {
     let refused = io::Error::from(io::ErrorKind::OutOfMemory).to_string();
-    if faults.iter().any(|fault| fault.detail.contains(&refused)) { Failure::Memory } else { Failure::Faults(faults) }
+    if faults.iter().any(|fault| fault.detail.contains(&refused)) {
+        Failure::Memory
+    } else {
+        Failure::Faults(faults)
+    }
 }
 
 /// Puts the place in the request before the pointers of faults.
 fn repoint(failure: Failure, pointer: &str) -> Failure {
-    let placed = |fault: Fault| Fault { pointer: format!("{pointer}{}", fault.pointer), ..fault };
+    let placed = |fault: Fault| Fault {
+        pointer: format!("{pointer}{}", fault.pointer),
+        ..fault
+    };
     match failure {
         Failure::Faults(faults) => Failure::Faults(faults.into_iter().map(placed).collect()),
         other => other,

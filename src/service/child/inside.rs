@@ -33,19 +33,27 @@ pub fn run(memory_bytes: Option<u64>) -> anyhow::Result<()> {
     limit::depend_on_parent().context("cannot be bound to the service")?;
     leave_signals_to_the_service()?;
     let (sender, orders) = channel::<Ordered>();
-    let worker = std::thread::Builder::new().name("work".to_owned()).stack_size(STACK_BYTES);
+    let worker = std::thread::Builder::new()
+        .name("work".to_owned())
+        .stack_size(STACK_BYTES);
     let growth = memory_bytes.map_or(GROWTH_BYTES, |bytes| GROWTH_BYTES.min(bytes / GROWTH_PART));
-    worker.spawn(move || work_off(&orders, growth)).context("cannot start a thread")?;
+    worker
+        .spawn(move || work_off(&orders, growth))
+        .context("cannot start a thread")?;
     if let Some(bytes) = memory_bytes {
         limit::limit_memory(bytes).context("cannot limit the memory")?;
     }
-    say(&Answer::Ready { version: ENGINE_VERSION.to_owned() });
+    say(&Answer::Ready {
+        version: ENGINE_VERSION.to_owned(),
+    });
     let (mut input, mut stop) = (io::stdin().lock(), Arc::new(AtomicBool::new(false)));
     loop {
         match protocol::read(&mut input).context("cannot understand the service")? {
             Some(Message::Work(order)) => {
                 stop = Arc::default();
-                sender.send((order, stop.clone())).context("the thread that works is gone")?;
+                sender
+                    .send((order, stop.clone()))
+                    .context("the thread that works is gone")?;
             }
             Some(Message::Stop) => stop.store(true, Ordering::Relaxed),
             // Threads that work are not waited for.
@@ -56,10 +64,16 @@ pub fn run(memory_bytes: Option<u64>) -> anyhow::Result<()> {
 
 /// Whoever stops a group of processes means the service, which tells its children in its own time.
 fn leave_signals_to_the_service() -> anyhow::Result<()> {
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .build()?;
     let _inside = runtime.enter();
     // A signal that was once listened to does nothing else, also when nobody listens any more.
-    for kind in [SignalKind::terminate(), SignalKind::interrupt(), SignalKind::hangup()] {
+    for kind in [
+        SignalKind::terminate(),
+        SignalKind::interrupt(),
+        SignalKind::hangup(),
+    ] {
         let _ = signal(kind)?;
     }
     Ok(())
@@ -70,10 +84,15 @@ fn work_off(orders: &Receiver<Ordered>, growth_bytes: u64) {
     let mut kept = Kept::default();
     for (order, stop) in orders {
         kept.only(order.campaign());
-        let meter = |kind: JobKind| Meter::new(kind, stop.clone(), |progress| say(&Answer::Progress(progress)));
+        let meter = |kind: JobKind| {
+            Meter::new(kind, stop.clone(), |progress| {
+                say(&Answer::Progress(progress))
+            })
+        };
         let made = catch_unwind(AssertUnwindSafe(|| work::work(order, &mut kept, meter)));
         let has_panicked = made.is_err();
-        let made = made.unwrap_or_else(|_| Err(Failure::Internal(anyhow::anyhow!("the work panicked"))));
+        let made =
+            made.unwrap_or_else(|_| Err(Failure::Internal(anyhow::anyhow!("the work panicked"))));
         let made = made.unwrap_or_else(told);
         let is_grown = has_panicked || limit::used_bytes() > before + growth_bytes;
         say(&Answer::Done { made, is_grown });
@@ -87,11 +106,19 @@ fn told(failure: Failure) -> Made {
         Failure::Faults(faults) => Made::Faults(faults),
         Failure::Memory => Made::Memory,
         Failure::Internal(error) | Failure::Died(error) => {
-            let is = |kind| error.chain().filter_map(|cause| cause.downcast_ref::<io::Error>()).any(|error| error.kind() == kind);
+            let is = |kind| {
+                error
+                    .chain()
+                    .filter_map(|cause| cause.downcast_ref::<io::Error>())
+                    .any(|error| error.kind() == kind)
+            };
             if is(ErrorKind::OutOfMemory) {
                 return Made::Memory;
             }
-            Made::Internal { text: format!("{error:#}"), is_full: is(ErrorKind::StorageFull) || is(ErrorKind::QuotaExceeded) }
+            Made::Internal {
+                text: format!("{error:#}"),
+                is_full: is(ErrorKind::StorageFull) || is(ErrorKind::QuotaExceeded),
+            }
         }
     }
 }

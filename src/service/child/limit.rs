@@ -13,8 +13,12 @@ const OTHERS: u64 = 2;
 
 /// What a job may have where nobody says it: its share of the memory of the machine, or of the container.
 pub fn default_memory(slots: usize) -> Option<u64> {
-    let machine = fs::read_to_string("/proc/meminfo").ok().and_then(|text| kilobytes(&text, "MemTotal:"))?;
-    let container = fs::read_to_string("/sys/fs/cgroup/memory.max").ok().and_then(|text| text.trim().parse().ok());
+    let machine = fs::read_to_string("/proc/meminfo")
+        .ok()
+        .and_then(|text| kilobytes(&text, "MemTotal:"))?;
+    let container = fs::read_to_string("/sys/fs/cgroup/memory.max")
+        .ok()
+        .and_then(|text| text.trim().parse().ok());
     let shared = container.map_or(machine, |container: u64| container.min(machine));
     Some((shared / (slots as u64 + OTHERS)).max(SMALLEST_BYTES))
 }
@@ -23,18 +27,30 @@ pub fn default_memory(slots: usize) -> Option<u64> {
 pub fn size_text(bytes: u64) -> String {
     let (mebibyte, gibibyte) = (f64::from(1 << 20), f64::from(1 << 30));
     let bytes = bytes as f64;
-    if bytes < gibibyte { format!("{:.0} MiB", bytes / mebibyte) } else { format!("{:.1} GiB", bytes / gibibyte) }
+    if bytes < gibibyte {
+        format!("{:.0} MiB", bytes / mebibyte)
+    } else {
+        format!("{:.1} GiB", bytes / gibibyte)
+    }
 }
 
 /// Bytes of addresses that this process uses, which is what is limited; 0 where the system does not tell.
 pub(super) fn used_bytes() -> u64 {
-    fs::read_to_string("/proc/self/status").ok().and_then(|text| kilobytes(&text, "VmSize:")).unwrap_or(0)
+    fs::read_to_string("/proc/self/status")
+        .ok()
+        .and_then(|text| kilobytes(&text, "VmSize:"))
+        .unwrap_or(0)
 }
 
 /// The value in kB of a line of a file in `/proc`, in bytes.
 fn kilobytes(text: &str, name: &str) -> Option<u64> {
     let line = text.lines().find_map(|line| line.strip_prefix(name))?;
-    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?.checked_mul(1024)
+    line.trim()
+        .strip_suffix("kB")?
+        .trim()
+        .parse::<u64>()
+        .ok()?
+        .checked_mul(1024)
 }
 
 /// From now on this process may use so many bytes more; what it asks for beyond is refused. It leaves no image of its memory when it dies.
@@ -45,11 +61,23 @@ fn kilobytes(text: &str, name: &str) -> Option<u64> {
 pub(super) fn limit_memory(bytes: u64) -> std::io::Result<()> {
     use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
     let no_image = getrlimit(Resource::Core);
-    setrlimit(Resource::Core, Rlimit { current: Some(0), ..no_image })?;
+    setrlimit(
+        Resource::Core,
+        Rlimit {
+            current: Some(0),
+            ..no_image
+        },
+    )?;
     let given = getrlimit(Resource::As);
     let wanted = used_bytes().saturating_add(bytes);
     let current = given.maximum.map_or(wanted, |maximum| maximum.min(wanted));
-    Ok(setrlimit(Resource::As, Rlimit { current: Some(current), ..given })?)
+    Ok(setrlimit(
+        Resource::As,
+        Rlimit {
+            current: Some(current),
+            ..given
+        },
+    )?)
 }
 
 #[cfg(not(target_os = "linux"))]
@@ -85,14 +113,22 @@ mod tests {
 
     #[test]
     fn the_memory_is_shared_by_the_slots_the_service_and_an_upload() {
-        let Some(of_one) = default_memory(1) else { return };
+        let Some(of_one) = default_memory(1) else {
+            return;
+        };
         let of_four = default_memory(4).unwrap();
-        assert!(of_one.abs_diff(2 * of_four) < 8, "{of_one} is a third, {of_four} a sixth");
+        assert!(
+            of_one.abs_diff(2 * of_four) < 8,
+            "{of_one} is a third, {of_four} a sixth"
+        );
         assert_eq!(default_memory(1 << 40).unwrap(), SMALLEST_BYTES);
     }
 
     #[test]
     fn sizes_are_told_in_the_unit_that_fits() {
-        assert_eq!((size_text(64 << 20), size_text(3 << 29)), ("64 MiB".to_owned(), "1.5 GiB".to_owned()));
+        assert_eq!(
+            (size_text(64 << 20), size_text(3 << 29)),
+            ("64 MiB".to_owned(), "1.5 GiB".to_owned())
+        );
     }
 }

@@ -20,7 +20,11 @@ use uuid::Uuid;
 /// # Errors
 /// When the system does not tell.
 pub(super) fn own_program() -> io::Result<PathBuf> {
-    if cfg!(target_os = "linux") { Ok(PathBuf::from("/proc/self/exe")) } else { std::env::current_exe() }
+    if cfg!(target_os = "linux") {
+        Ok(PathBuf::from("/proc/self/exe"))
+    } else {
+        std::env::current_exe()
+    }
 }
 
 /// Of the threads that attend to a child.
@@ -68,13 +72,24 @@ impl Child {
         ready: impl FnOnce(anyhow::Result<Child>) + Send + 'static,
     ) -> io::Result<()> {
         let mut command = Command::new(program);
-        command.arg0("trackloom").arg("child").stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+            .arg0("trackloom")
+            .arg("child")
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
         if let Some(bytes) = memory_bytes {
             command.args(["--memory", &bytes.to_string()]);
         }
         // It needs no secrets. One heap for its two threads: each further one would take 64 MiB of addresses.
-        command.env_clear().env("MALLOC_ARENA_MAX", "1").process_group(0);
-        Builder::new().name("child".to_owned()).stack_size(STACK_BYTES).spawn(move || attend(command, ready))?;
+        command
+            .env_clear()
+            .env("MALLOC_ARENA_MAX", "1")
+            .process_group(0);
+        Builder::new()
+            .name("child".to_owned())
+            .stack_size(STACK_BYTES)
+            .spawn(move || attend(command, ready))?;
         Ok(())
     }
 
@@ -90,7 +105,10 @@ impl Child {
 
     /// Whether it died since it was used last.
     pub(super) fn is_dead(&mut self) -> bool {
-        !matches!(self.answers.try_recv(), Err(mpsc::error::TryRecvError::Empty))
+        !matches!(
+            self.answers.try_recv(),
+            Err(mpsc::error::TryRecvError::Empty)
+        )
     }
 
     /// Gives it something to do; [`Self::hear`] tells what comes of it.
@@ -137,17 +155,26 @@ impl Drop for Child {
 
 fn kill(process: &Mutex<std::process::Child>) {
     // It may be dead already.
-    let _ = process.lock().unwrap_or_else(PoisonError::into_inner).kill();
+    let _ = process
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .kill();
 }
 
 /// Starts the process and hears it until it dies. Linux kills a child when the thread that started it ends.
 fn attend(mut command: Command, ready: impl FnOnce(anyhow::Result<Child>)) {
-    let started = command.spawn().with_context(|| format!("cannot start {}", command.get_program().display()));
+    let started = command
+        .spawn()
+        .with_context(|| format!("cannot start {}", command.get_program().display()));
     let mut process = match started {
         Ok(process) => process,
         Err(error) => return ready(Err(error)),
     };
-    let (Some(input), Some(mut output), Some(complaints)) = (process.stdin.take(), process.stdout.take(), process.stderr.take()) else {
+    let (Some(input), Some(mut output), Some(complaints)) = (
+        process.stdin.take(),
+        process.stdout.take(),
+        process.stderr.take(),
+    ) else {
         return ready(Err(anyhow::anyhow!("a child has no pipes")));
     };
     let process = Arc::new(Mutex::new(process));
@@ -162,9 +189,17 @@ fn attend(mut command: Command, ready: impl FnOnce(anyhow::Result<Child>)) {
     };
     if let Err(error) = greet(&mut output) {
         let death = death_of(&process, complaints);
-        return ready(Err(error.context(format!("a process for jobs did not begin: {death:?}"))));
+        return ready(Err(
+            error.context(format!("a process for jobs did not begin: {death:?}"))
+        ));
     }
-    ready(Ok(Child { process: process.clone(), words, answers, campaign: None, is_grown: false }));
+    ready(Ok(Child {
+        process: process.clone(),
+        words,
+        answers,
+        campaign: None,
+        is_grown: false,
+    }));
     while let Ok(Some(answer)) = protocol::read::<Answer>(&mut output) {
         if sender.send(Ok(answer)).is_err() {
             break;
@@ -178,7 +213,10 @@ fn attend(mut command: Command, ready: impl FnOnce(anyhow::Result<Child>)) {
 fn greet(output: &mut impl Read) -> anyhow::Result<()> {
     match protocol::read(output)? {
         Some(Answer::Ready { version }) => {
-            ensure!(version == ENGINE_VERSION, "it is version {version}, and this is {ENGINE_VERSION}");
+            ensure!(
+                version == ENGINE_VERSION,
+                "it is version {version}, and this is {ENGINE_VERSION}"
+            );
             Ok(())
         }
         _ => bail!("it did not say that it is ready"),
@@ -188,27 +226,40 @@ fn greet(output: &mut impl Read) -> anyhow::Result<()> {
 /// Passes words on; the end of the words is the end of the child's input, and so of the child.
 fn speak(mut input: ChildStdin) -> io::Result<blocking::Sender<Vec<u8>>> {
     let (sender, words) = blocking::channel::<Vec<u8>>();
-    Builder::new().name("child-words".to_owned()).stack_size(STACK_BYTES).spawn(move || {
-        for word in words {
-            if input.write_all(&word).is_err() {
-                break;
+    Builder::new()
+        .name("child-words".to_owned())
+        .stack_size(STACK_BYTES)
+        .spawn(move || {
+            for word in words {
+                if input.write_all(&word).is_err() {
+                    break;
+                }
             }
-        }
-    })?;
+        })?;
     Ok(sender)
 }
 
 /// Logs the complaints line by line, and keeps the last ones.
 fn listen(complaints: ChildStderr) -> io::Result<JoinHandle<String>> {
-    Builder::new().name("child-complaints".to_owned()).stack_size(STACK_BYTES).spawn(move || {
-        let (mut complaints, mut kept, mut line) = (BufReader::new(complaints), Vec::new(), Vec::new());
-        while let Ok(1..) = (&mut complaints).take(COMPLAINT_BYTES as u64).read_until(b'\n', &mut line) {
-            tracing::warn!(text = String::from_utf8_lossy(&line).trim_end(), "a child complains");
-            kept.append(&mut line);
-            kept.drain(..kept.len().saturating_sub(COMPLAINT_BYTES));
-        }
-        String::from_utf8_lossy(&kept).into_owned()
-    })
+    Builder::new()
+        .name("child-complaints".to_owned())
+        .stack_size(STACK_BYTES)
+        .spawn(move || {
+            let (mut complaints, mut kept, mut line) =
+                (BufReader::new(complaints), Vec::new(), Vec::new());
+            while let Ok(1..) = (&mut complaints)
+                .take(COMPLAINT_BYTES as u64)
+                .read_until(b'\n', &mut line)
+            {
+                tracing::warn!(
+                    text = String::from_utf8_lossy(&line).trim_end(),
+                    "a child complains"
+                );
+                kept.append(&mut line);
+                kept.drain(..kept.len().saturating_sub(COMPLAINT_BYTES));
+            }
+            String::from_utf8_lossy(&kept).into_owned()
+        })
 }
 
 /// Waits for the end of a process that says nothing more.
@@ -226,7 +277,11 @@ fn death_of(process: &Mutex<std::process::Child>, complaints: JoinHandle<String>
 
 fn death(status: ExitStatus, said: &str) -> Death {
     let was_refused = said.contains("memory allocation of ") && said.contains(" bytes failed");
-    if status.signal() == Some(ABORTED) && was_refused { Death::Memory } else { Death::Other(status.to_string()) }
+    if status.signal() == Some(ABORTED) && was_refused {
+        Death::Memory
+    } else {
+        Death::Other(status.to_string())
+    }
 }
 
 /// Starts a child and waits until it is ready.
@@ -248,27 +303,50 @@ mod tests {
         let said = "memory allocation of 8589934592 bytes failed\n";
         assert_eq!(death(ExitStatus::from_raw(6), said), Death::Memory);
         assert_eq!(
-            death(ExitStatus::from_raw(6), "thread caused non-unwinding panic. aborting."),
+            death(
+                ExitStatus::from_raw(6),
+                "thread caused non-unwinding panic. aborting."
+            ),
             Death::Other("signal: 6 (SIGABRT)".into())
         );
-        assert_eq!(death(ExitStatus::from_raw(9), said), Death::Other("signal: 9 (SIGKILL)".into()));
-        assert_eq!(death(ExitStatus::from_raw(1 << 8), ""), Death::Other("exit status: 1".into()));
+        assert_eq!(
+            death(ExitStatus::from_raw(9), said),
+            Death::Other("signal: 9 (SIGKILL)".into())
+        );
+        assert_eq!(
+            death(ExitStatus::from_raw(1 << 8), ""),
+            Death::Other("exit status: 1".into())
+        );
     }
 
     #[test]
     fn a_program_that_is_no_child_is_told_from_one() {
-        let greeting = protocol::frame(&Answer::Ready { version: "0".into() }).unwrap();
+        let greeting = protocol::frame(&Answer::Ready {
+            version: "0".into(),
+        })
+        .unwrap();
         let error = greet(&mut greeting.as_slice()).unwrap_err();
-        assert_eq!(error.to_string(), format!("it is version 0, and this is {ENGINE_VERSION}"));
+        assert_eq!(
+            error.to_string(),
+            format!("it is version 0, and this is {ENGINE_VERSION}")
+        );
         assert!(greet(&mut "usage: something else".as_bytes()).is_err());
         assert!(greet(&mut [].as_slice()).is_err());
     }
 
     #[tokio::test]
     async fn a_program_that_cannot_be_started_is_named() {
-        let error = started(Path::new("/nowhere/trackloom"), None).await.err().unwrap();
+        let error = started(Path::new("/nowhere/trackloom"), None)
+            .await
+            .err()
+            .unwrap();
         assert_eq!(error.to_string(), "cannot start /nowhere/trackloom");
         let error = started(Path::new("/bin/true"), None).await.err().unwrap();
-        assert!(error.to_string().starts_with("a process for jobs did not begin"), "{error:#}");
+        assert!(
+            error
+                .to_string()
+                .starts_with("a process for jobs did not begin"),
+            "{error:#}"
+        );
     }
 }

@@ -80,7 +80,9 @@ impl Order {
     /// The campaign that it is about.
     pub fn campaign(&self) -> Option<Uuid> {
         match self {
-            Order::Runs { campaign, .. } | Order::Look { campaign, .. } | Order::SoFar { campaign, .. } => Some(campaign.id),
+            Order::Runs { campaign, .. }
+            | Order::Look { campaign, .. }
+            | Order::SoFar { campaign, .. } => Some(campaign.id),
             Order::Check(_) | Order::Preview { .. } | Order::Job { .. } => None,
         }
     }
@@ -156,8 +158,14 @@ pub enum Made {
 /// What a look at a campaign gave.
 #[derive(Debug, Serialize, Deserialize)]
 pub enum Looked {
-    More { chunks: Vec<Vec<Range<u64>>>, runs_total: u64 },
-    Report { files: Vec<MadeFile>, warnings: Vec<String> },
+    More {
+        chunks: Vec<Vec<Range<u64>>>,
+        runs_total: u64,
+    },
+    Report {
+        files: Vec<MadeFile>,
+        warnings: Vec<String>,
+    },
 }
 
 /// A file that was made, ready to be adopted.
@@ -177,7 +185,8 @@ pub struct MadeFile {
 pub(super) fn frame(value: &impl Serialize) -> io::Result<Vec<u8>> {
     let mut bytes = vec![0; 4];
     serde_json::to_writer(&mut bytes, value)?;
-    let length = u32::try_from(bytes.len() - 4).map_err(|_| io::Error::other("a message is too long"))?;
+    let length =
+        u32::try_from(bytes.len() - 4).map_err(|_| io::Error::other("a message is too long"))?;
     bytes[..4].copy_from_slice(&length.to_le_bytes());
     Ok(bytes)
 }
@@ -214,19 +223,33 @@ mod tests {
         bytes.extend(frame(&json!("b")).unwrap());
         bytes.extend([200, 0, 0, 0, b'1']);
         let mut input = bytes.as_slice();
-        assert_eq!(read::<Value>(&mut input).unwrap(), Some(json!({"a": [1, 0.1]})));
+        assert_eq!(
+            read::<Value>(&mut input).unwrap(),
+            Some(json!({"a": [1, 0.1]}))
+        );
         assert_eq!(read::<Value>(&mut input).unwrap(), Some(json!("b")));
         assert_eq!(read::<Value>(&mut input).unwrap(), None);
     }
 
     #[test]
     fn numbers_and_raw_texts_come_through_as_they_are() {
-        let result = RawValue::from_string("{\"x\":0.30000000000000004,\"y\":1e-320}".to_owned()).unwrap();
-        let done = Answer::Done { made: Made::SoFar { runs: 3, result }, is_grown: true };
+        let result =
+            RawValue::from_string("{\"x\":0.30000000000000004,\"y\":1e-320}".to_owned()).unwrap();
+        let done = Answer::Done {
+            made: Made::SoFar { runs: 3, result },
+            is_grown: true,
+        };
         let bytes = frame(&done).unwrap();
-        let Some(Answer::Done { made: Made::SoFar { runs, result }, is_grown }) = read(&mut bytes.as_slice()).unwrap() else {
+        let Some(Answer::Done {
+            made: Made::SoFar { runs, result },
+            is_grown,
+        }) = read(&mut bytes.as_slice()).unwrap()
+        else {
             panic!("another answer")
         };
-        assert_eq!((runs, result.get(), is_grown), (3, "{\"x\":0.30000000000000004,\"y\":1e-320}", true));
+        assert_eq!(
+            (runs, result.get(), is_grown),
+            (3, "{\"x\":0.30000000000000004,\"y\":1e-320}", true)
+        );
     }
 }

@@ -25,16 +25,43 @@ use uuid::Uuid;
 const FIRST_BYTES: u64 = 4096;
 
 /// Does what is ordered.
-pub(super) fn work(order: Order, kept: &mut Kept, meter: impl Fn(JobKind) -> Meter) -> Result<Made, Failure> {
+pub(super) fn work(
+    order: Order,
+    kept: &mut Kept,
+    meter: impl Fn(JobKind) -> Meter,
+) -> Result<Made, Failure> {
     match order {
         Order::Check(upload) => check(&upload),
-        Order::Preview { input, rows } => Ok(Made::Preview(to_raw_value(&preview::of(&input.read()?, rows)).map_err(internal)?)),
-        Order::Job { id, kind, spec, inputs, directory } => job(id, (kind, &spec), inputs, &directory, meter(kind)),
-        Order::Runs { campaign, runs } => kept.make_runs(campaign, runs, &mut meter(JobKind::Campaign)),
-        Order::Look { campaign, pieces, outcomes, directory } => {
-            kept.look(campaign, &pieces, outcomes.as_deref(), &directory, &mut meter(JobKind::Campaign))
+        Order::Preview { input, rows } => Ok(Made::Preview(
+            to_raw_value(&preview::of(&input.read()?, rows)).map_err(internal)?,
+        )),
+        Order::Job {
+            id,
+            kind,
+            spec,
+            inputs,
+            directory,
+        } => job(id, (kind, &spec), inputs, &directory, meter(kind)),
+        Order::Runs { campaign, runs } => {
+            kept.make_runs(campaign, runs, &mut meter(JobKind::Campaign))
         }
-        Order::SoFar { campaign, pieces, outcomes } => kept.so_far(campaign, &pieces, &outcomes, &mut meter(JobKind::Campaign)),
+        Order::Look {
+            campaign,
+            pieces,
+            outcomes,
+            directory,
+        } => kept.look(
+            campaign,
+            &pieces,
+            outcomes.as_deref(),
+            &directory,
+            &mut meter(JobKind::Campaign),
+        ),
+        Order::SoFar {
+            campaign,
+            pieces,
+            outcomes,
+        } => kept.so_far(campaign, &pieces, &outcomes, &mut meter(JobKind::Campaign)),
     }
 }
 
@@ -46,32 +73,69 @@ pub(super) fn internal(error: serde_json::Error) -> Failure {
 fn check(upload: &Upload) -> Result<Made, Failure> {
     let mut file = open(&upload.path)?;
     let format = match &upload.format {
-        Some(name) => format_named(name).ok_or_else(|| unknown_format(format!("there is no format '{name}'"))),
+        Some(name) => {
+            format_named(name).ok_or_else(|| unknown_format(format!("there is no format '{name}'")))
+        }
         None => {
             let mut first_bytes = Vec::new();
-            (&file).take(FIRST_BYTES).read_to_end(&mut first_bytes).context("cannot read an upload")?;
+            (&file)
+                .take(FIRST_BYTES)
+                .read_to_end(&mut first_bytes)
+                .context("cannot read an upload")?;
             file.rewind().context("cannot read an upload")?;
-            detect_format(upload.file_name.as_deref().unwrap_or_default(), &first_bytes)
-                .ok_or_else(|| unknown_format("the format could not be told from the file; say which it is".to_owned()))
+            detect_format(
+                upload.file_name.as_deref().unwrap_or_default(),
+                &first_bytes,
+            )
+            .ok_or_else(|| {
+                unknown_format(
+                    "the format could not be told from the file; say which it is".to_owned(),
+                )
+            })
         }
     }?;
     let ReadOutcome { dataset, warnings } = check_as(format, upload, file)?;
-    Ok(Made::Checked { format: format.name.to_owned(), summary: dataset.summary(), warnings })
+    Ok(Made::Checked {
+        format: format.name.to_owned(),
+        summary: dataset.summary(),
+        warnings,
+    })
 }
 
 fn check_as(format: &Format, upload: &Upload, file: File) -> Result<ReadOutcome, Failure> {
     if let Some(kind) = upload.kind.filter(|kind| !format.kinds.contains(kind)) {
-        let detail = format!("files in the format '{}' cannot hold {}", format.name, kind.name());
-        let allowed = format.kinds.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ");
-        return Err(Failure::Faults(vec![Fault::new("/meta/kind", "unsupported", detail).allowing(allowed)]));
+        let detail = format!(
+            "files in the format '{}' cannot hold {}",
+            format.name,
+            kind.name()
+        );
+        let allowed = format
+            .kinds
+            .iter()
+            .map(|kind| kind.name())
+            .collect::<Vec<_>>()
+            .join(", ");
+        return Err(Failure::Faults(vec![
+            Fault::new("/meta/kind", "unsupported", detail).allowing(allowed),
+        ]));
     }
-    let options = ReadOptions { kind: upload.kind, columns: upload.columns.clone(), bearing_time: upload.bearing_time };
+    let options = ReadOptions {
+        kind: upload.kind,
+        columns: upload.columns.clone(),
+        bearing_time: upload.bearing_time,
+    };
     (format.read)(&mut BufReader::with_capacity(1 << 16, file), &options).map_err(faults_or_memory)
 }
 
 fn unknown_format(detail: String) -> Failure {
-    let known = FORMATS.iter().map(|format| format.name).collect::<Vec<_>>().join(", ");
-    Failure::Faults(vec![Fault::new("/meta/format", "unknown_value", detail).allowing(known)])
+    let known = FORMATS
+        .iter()
+        .map(|format| format.name)
+        .collect::<Vec<_>>()
+        .join(", ");
+    Failure::Faults(vec![
+        Fault::new("/meta/format", "unknown_value", detail).allowing(known),
+    ])
 }
 
 /// Loads, runs and reports.
@@ -87,22 +151,34 @@ fn job(
     let outcome = run::run(&plan, inputs, &mut meter)?;
     let report = report::build(id, &plan, &read, &outcome, meter.timing()).map_err(internal)?;
     let files = leave(directory, outcome.artifacts, report)?;
-    Ok(Made::Files { files, warnings: outcome.warnings })
+    Ok(Made::Files {
+        files,
+        warnings: outcome.warnings,
+    })
 }
 
 /// Reads the inputs of the plan, in its order. All files are opened first: a copy of an object in a bucket may be gone later.
-pub(super) fn load(plan: &Plan, files: Vec<Option<InputFile>>, meter: &mut Meter) -> Result<(Inputs, Vec<ReportInput>), Failure> {
+pub(super) fn load(
+    plan: &Plan,
+    files: Vec<Option<InputFile>>,
+    meter: &mut Meter,
+) -> Result<(Inputs, Vec<ReportInput>), Failure> {
     let total = files.len() as u64;
     let mut opened = Vec::new();
     for file in files {
-        opened.push(file.map(|file| Ok::<_, Failure>((open(&file.path)?, file))).transpose()?);
+        opened.push(
+            file.map(|file| Ok::<_, Failure>((open(&file.path)?, file)))
+                .transpose()?,
+        );
     }
     let (mut inputs, mut read) = (Vec::new(), Vec::new());
     for (done, (request, opened)) in plan.inputs.iter().zip(opened).enumerate() {
         if meter.progress(Step::Load, done as u64, total).is_break() {
             return Err(Failure::Stopped);
         }
-        let input = opened.map(|(file, input)| input.load(file, request)).transpose()?;
+        let input = opened
+            .map(|(file, input)| input.load(file, request))
+            .transpose()?;
         read.extend(input.as_ref().map(|input| ReportInput::new(request, input)));
         inputs.push(input);
     }
@@ -113,14 +189,33 @@ pub(super) fn load(plan: &Plan, files: Vec<Option<InputFile>>, meter: &mut Meter
 }
 
 /// Writes what a job leaves behind, its report last, into the directory that the service gave.
-pub(super) fn leave(directory: &Path, artifacts: Vec<Artifact>, report: Vec<u8>) -> Result<Vec<MadeFile>, Failure> {
+pub(super) fn leave(
+    directory: &Path,
+    artifacts: Vec<Artifact>,
+    report: Vec<u8>,
+) -> Result<Vec<MadeFile>, Failure> {
     let report = Artifact::file("report.json", "application/json", report);
     let write = |artifact: Artifact| -> Result<MadeFile, Failure> {
-        let Artifact { name, media_type, bytes, dataset, sensors } = artifact;
+        let Artifact {
+            name,
+            media_type,
+            bytes,
+            dataset,
+            sensors,
+        } = artifact;
         let path: PathBuf = directory.join(name);
-        std::fs::write(&path, &bytes).with_context(|| format!("cannot write {}", path.display()))?;
+        std::fs::write(&path, &bytes)
+            .with_context(|| format!("cannot write {}", path.display()))?;
         let (name, media_type) = (name.to_owned(), media_type.to_owned());
-        Ok(MadeFile { name, media_type, path, bytes: bytes.len() as u64, sha256: sha256_hex(&bytes), dataset, sensors })
+        Ok(MadeFile {
+            name,
+            media_type,
+            path,
+            bytes: bytes.len() as u64,
+            sha256: sha256_hex(&bytes),
+            dataset,
+            sensors,
+        })
     };
     artifacts.into_iter().chain([report]).map(write).collect()
 }

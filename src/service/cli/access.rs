@@ -25,7 +25,10 @@ pub(super) struct AccessArguments {
 
 /// What stands in the header `Host` without its port; every port is allowed.
 fn host_name(text: &str) -> Result<String, String> {
-    let is_name = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"-._".contains(&byte));
+    let is_name = !text.is_empty()
+        && text
+            .bytes()
+            .all(|byte| byte.is_ascii_alphanumeric() || b"-._".contains(&byte));
     let is_address = text.starts_with('[') && text.ends_with(']');
     if is_name || is_address {
         Ok(text.to_owned())
@@ -47,7 +50,9 @@ impl AccessArguments {
                  Listen on 127.0.0.1 behind a reverse proxy that asks who it is, or say --insecure if every machine that reaches it is trusted"
             ));
         }
-        eprintln!("trackloom: warning: everybody who reaches {listen} can read and change everything");
+        eprintln!(
+            "trackloom: warning: everybody who reaches {listen} can read and change everything"
+        );
         Ok(())
     }
 

@@ -32,43 +32,80 @@ pub(super) struct PresetsArguments {
 pub(super) fn print_methods(arguments: &MethodsArguments) -> ExitCode {
     match &arguments.name {
         Some(name) => {
-            let found = methods().into_iter().filter(|(_, variant)| variant.tag == name).collect::<Vec<_>>();
+            let found = methods()
+                .into_iter()
+                .filter(|(_, variant)| variant.tag == name)
+                .collect::<Vec<_>>();
             if found.is_empty() {
                 return unknown("method", name, "methods");
             }
-            let describe = |(family, variant): &(&str, Variant)| describe(family, variant, arguments.json);
+            let describe =
+                |(family, variant): &(&str, Variant)| describe(family, variant, arguments.json);
             printed(&found.iter().map(describe).collect::<Vec<_>>().join("\n\n"))
         }
         None if arguments.json => {
-            let families: Vec<Value> = catalogue::FAMILIES.iter().map(catalogue::describe).collect();
+            let families: Vec<Value> = catalogue::FAMILIES
+                .iter()
+                .map(catalogue::describe)
+                .collect();
             printed(&pretty(&json!({"families": families})))
         }
         None => {
-            let row =
-                |(family, variant): (&str, Variant)| vec![family.to_owned(), variant.tag.to_owned(), variant.object.summary.to_owned()];
+            let row = |(family, variant): (&str, Variant)| {
+                vec![
+                    family.to_owned(),
+                    variant.tag.to_owned(),
+                    variant.object.summary.to_owned(),
+                ]
+            };
             let rows: Vec<_> = methods().into_iter().map(row).collect();
-            printed(&format!("{}\n\n`trackloom methods NAME` lists the parameters of one.", list(&["family", "method", "summary"], &rows)))
+            printed(&format!(
+                "{}\n\n`trackloom methods NAME` lists the parameters of one.",
+                list(&["family", "method", "summary"], &rows)
+            ))
         }
     }
 }
 
 /// Every method with the name of its family.
 fn methods() -> Vec<(&'static str, Variant)> {
-    catalogue::FAMILIES.iter().flat_map(|family| family.methods().into_iter().map(|variant| (family.name, variant))).collect()
+    catalogue::FAMILIES
+        .iter()
+        .flat_map(|family| {
+            family
+                .methods()
+                .into_iter()
+                .map(|variant| (family.name, variant))
+        })
+        .collect()
 }
 
 /// A method with its parameters.
 fn describe(family: &str, variant: &Variant, as_json: bool) -> String {
     let object = variant.object;
     if as_json {
-        return pretty(&json!({"family": family, "name": variant.tag, "parameters": crate::registry::standalone_schema(object)}));
+        return pretty(
+            &json!({"family": family, "name": variant.tag, "parameters": crate::registry::standalone_schema(object)}),
+        );
     }
     let head = format!("{family} {}: {}", variant.tag, object.summary);
     if object.fields.is_empty() {
         return format!("{head}\n\nIt has no parameters.");
     }
-    let row = |field: &Field| vec![field.name.to_owned(), presence(&field.presence), field.summary.to_owned()];
-    format!("{head}\n\n{}", list(&["parameter", "default", "meaning"], &object.fields.iter().map(row).collect::<Vec<_>>()))
+    let row = |field: &Field| {
+        vec![
+            field.name.to_owned(),
+            presence(&field.presence),
+            field.summary.to_owned(),
+        ]
+    };
+    format!(
+        "{head}\n\n{}",
+        list(
+            &["parameter", "default", "meaning"],
+            &object.fields.iter().map(row).collect::<Vec<_>>()
+        )
+    )
 }
 
 fn presence(presence: &Presence) -> String {
@@ -95,22 +132,44 @@ pub(super) fn print_presets(arguments: &PresetsArguments) -> ExitCode {
 }
 
 fn presets_table() -> String {
-    let row = |preset: presets::Preset| vec![preset.name, preset.kind.name().to_owned(), preset.summary];
+    let row =
+        |preset: presets::Preset| vec![preset.name, preset.kind.name().to_owned(), preset.summary];
     let mut rows: Vec<_> = presets::all().into_iter().map(row).collect();
-    rows.extend(ALIASES.map(|(alias, name)| vec![alias.to_owned(), String::new(), format!("the same as {name}")]));
-    rows.push(vec!["papers".to_owned(), String::new(), format!("{}, one after the other", presets::PAPERS.join(", "))]);
+    rows.extend(ALIASES.map(|(alias, name)| {
+        vec![
+            alias.to_owned(),
+            String::new(),
+            format!("the same as {name}"),
+        ]
+    }));
+    rows.push(vec![
+        "papers".to_owned(),
+        String::new(),
+        format!("{}, one after the other", presets::PAPERS.join(", ")),
+    ]);
     let presets = list(&["preset", "kind", "summary"], &rows);
-    format!("{presets}\n\n`trackloom run --preset NAME` runs one, `trackloom presets NAME` prints its job file.")
+    format!(
+        "{presets}\n\n`trackloom run --preset NAME` runs one, `trackloom presets NAME` prints its job file."
+    )
 }
 
 /// A table of texts: columns as wide as their widest cell, the last one as long as it is.
 fn list(header: &[&str], rows: &[Vec<String>]) -> String {
     let header = header.iter().map(ToString::to_string).collect();
     let lines: Vec<&Vec<String>> = std::iter::once(&header).chain(rows).collect();
-    let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
+    let width = |column: usize| {
+        lines
+            .iter()
+            .map(|line| line[column].chars().count())
+            .max()
+            .unwrap_or(0)
+    };
     let widths: Vec<usize> = (0..header.len() - 1).map(width).chain([0]).collect();
     let padded = |line: &&Vec<String>| {
-        let cells = line.iter().zip(&widths).map(|(cell, &width)| format!("{cell:<width$}"));
+        let cells = line
+            .iter()
+            .zip(&widths)
+            .map(|(cell, &width)| format!("{cell:<width$}"));
         cells.collect::<Vec<_>>().join("  ").trim_end().to_owned()
     };
     lines.iter().map(padded).collect::<Vec<_>>().join("\n")
@@ -122,7 +181,11 @@ fn unknown(what: &str, name: &str, command: &str) -> ExitCode {
 }
 
 pub(super) fn print_openapi(as_3_0: bool) -> ExitCode {
-    printed(&pretty(&if as_3_0 { openapi::document_3_0() } else { openapi::document() }))
+    printed(&pretty(&if as_3_0 {
+        openapi::document_3_0()
+    } else {
+        openapi::document()
+    }))
 }
 
 fn pretty(value: &Value) -> String {

@@ -15,8 +15,10 @@ use std::time::Duration;
 use uuid::Uuid;
 
 /// The recording of the tour: its files, shipped with the program, and the job that judges it.
-const RADAR_DETECTIONS: &[u8] = include_bytes!("../../../examples/data/autoferry-scenario2/detections.json");
-const RADAR_TRUTH: &[u8] = include_bytes!("../../../examples/data/autoferry-scenario2/groundTruth.json");
+const RADAR_DETECTIONS: &[u8] =
+    include_bytes!("../../../examples/data/autoferry-scenario2/detections.json");
+const RADAR_TRUTH: &[u8] =
+    include_bytes!("../../../examples/data/autoferry-scenario2/groundTruth.json");
 const RADAR_JOB: &str = include_str!("../../../examples/autoferry-scenario2.json");
 /// A sonar that knows directions alone.
 const SONAR_JOB: &str = include_str!("../../../examples/bearing-crossing.json");
@@ -34,8 +36,15 @@ examples/autoferry-scenario2.json and `trackloom run JOB`.";
 
 /// A port that is taken is told before the tour, not after it.
 fn check_address(config: &Config) -> anyhow::Result<()> {
-    let taken = || format!("cannot listen on {}; choose another address with --listen", config.listen);
-    std::net::TcpListener::bind(config.listen).map(drop).with_context(taken)
+    let taken = || {
+        format!(
+            "cannot listen on {}; choose another address with --listen",
+            config.listen
+        )
+    };
+    std::net::TcpListener::bind(config.listen)
+        .map(drop)
+        .with_context(taken)
 }
 
 /// The tour, then, unless `once`, the service until it is told to stop.
@@ -58,19 +67,30 @@ pub(super) async fn demo(config: Config, once: bool) -> anyhow::Result<()> {
 }
 
 async fn tour(jobs: &Jobs) -> anyhow::Result<()> {
-    println!("trackloom tour: scenes and a recording, tracked and judged by the temporal automaton and by metrics\n");
+    println!(
+        "trackloom tour: scenes and a recording, tracked and judged by the temporal automaton and by metrics\n"
+    );
     let preset = presets::find("liang2009-100").context("the preset of the tour is missing")?;
     let mut submitted = Vec::new();
     for (method, name) in [("nearest_neighbour", "nearest neighbour"), ("jpda", "JPDA")] {
         let mut body = preset.body.clone();
         body["name"] = json!(format!("Liang 2009, {name}"));
         body["associator"] = json!({"method": method});
-        submitted.push((format!("Liang 2009, radar scene, {name}"), submit(jobs, body).await?));
+        submitted.push((
+            format!("Liang 2009, radar scene, {name}"),
+            submit(jobs, body).await?,
+        ));
     }
-    submitted.push(("autoferry 2, radar, recorded".to_owned(), submit(jobs, radar_job(jobs).await?).await?));
+    submitted.push((
+        "autoferry 2, radar, recorded".to_owned(),
+        submit(jobs, radar_job(jobs).await?).await?,
+    ));
     let mut sonar: Value = serde_json::from_str(SONAR_JOB)?;
     without_kind(&mut sonar);
-    submitted.push(("two ships crossing, bearings alone".to_owned(), submit(jobs, sonar).await?));
+    submitted.push((
+        "two ships crossing, bearings alone".to_owned(),
+        submit(jobs, sonar).await?,
+    ));
     let mut rows = Vec::new();
     for (scene, job) in submitted {
         rows.push(row(&scene, &follow(jobs, job).await?));
@@ -102,7 +122,10 @@ fn without_kind(body: &mut Value) {
 /// The example job, its files replaced by datasets.
 async fn radar_job(jobs: &Jobs) -> anyhow::Result<Value> {
     let mut body: Value = serde_json::from_str(RADAR_JOB)?;
-    for (name, file_name, bytes) in [("input", "detections.json", RADAR_DETECTIONS), ("truth", "groundTruth.json", RADAR_TRUTH)] {
+    for (name, file_name, bytes) in [
+        ("input", "detections.json", RADAR_DETECTIONS),
+        ("truth", "groundTruth.json", RADAR_TRUTH),
+    ] {
         let dataset_id = upload(jobs, file_name, bytes).await?;
         let mut source = json!({"source": "dataset", "dataset_id": dataset_id});
         if let Some(sensor_ids) = body[name].get("sensor_ids") {
@@ -118,7 +141,11 @@ async fn upload(jobs: &Jobs, file_name: &str, bytes: &[u8]) -> anyhow::Result<Uu
     let path = jobs.temp_dir().join(Uuid::now_v7().to_string());
     tokio::fs::write(&path, bytes).await?;
     let sha256 = sha256_hex(bytes);
-    let file = ReceivedFile { path, sha256, bytes: bytes.len() as u64 };
+    let file = ReceivedFile {
+        path,
+        sha256,
+        bytes: bytes.len() as u64,
+    };
     let meta = DatasetMeta {
         name: Some(format!("autoferry scenario 2, {file_name}")),
         format: Some("autoferry".to_owned()),
@@ -130,25 +157,46 @@ async fn upload(jobs: &Jobs, file_name: &str, bytes: &[u8]) -> anyhow::Result<Uu
 
 async fn submit(jobs: &Jobs, mut body: Value) -> anyhow::Result<Job> {
     body["labels"] = json!({"tour": "demo"});
-    Ok(jobs.submit(JobKind::Evaluate, body, None).await.map_err(explain)?.job)
+    Ok(jobs
+        .submit(JobKind::Evaluate, body, None)
+        .await
+        .map_err(explain)?
+        .job)
 }
 
 /// Waits for the job with a progress bar (shown when stderr is a terminal), and gives its report.
 async fn follow(jobs: &Jobs, job: Job) -> anyhow::Result<Value> {
     let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr());
-    bar.set_style(ProgressStyle::with_template("{msg:36} {bar:40} {percent:>3} %").unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.set_style(
+        ProgressStyle::with_template("{msg:36} {bar:40} {percent:>3} %")
+            .unwrap_or_else(|_| ProgressStyle::default_bar()),
+    );
     bar.set_message(job.name.clone().unwrap_or_default());
     let mut job = job;
     while !job.state.is_terminal() {
-        job = jobs.wait(job.id, Duration::from_millis(200)).await.map_err(explain)?;
-        bar.set_position(job.progress.as_ref().map_or(0, |progress| (progress.fraction * 1000.0) as u64));
+        job = jobs
+            .wait(job.id, Duration::from_millis(200))
+            .await
+            .map_err(explain)?;
+        bar.set_position(
+            job.progress
+                .as_ref()
+                .map_or(0, |progress| (progress.fraction * 1000.0) as u64),
+        );
     }
     bar.finish_and_clear();
     if job.state != JobState::Succeeded {
-        bail!("job {} {}: {}", job.id, job.state.name(), serde_json::to_string(&job.error)?);
+        bail!(
+            "job {} {}: {}",
+            job.id,
+            job.state.name(),
+            serde_json::to_string(&job.error)?
+        );
     }
     let report = jobs.report(job.id).await.map_err(explain)?;
-    Ok(serde_json::from_slice(&tokio::fs::read(&report.path).await?)?)
+    Ok(serde_json::from_slice(
+        &tokio::fs::read(&report.path).await?,
+    )?)
 }
 
 fn row(scene: &str, report: &Value) -> Vec<String> {

@@ -46,23 +46,54 @@ static FILE_SOURCE: Object = Object {
     fields: &[
         required("source", "file", Kind::Choice(&["file"])),
         required("path", "Where the file is.", TEXT),
-        optional("format", "Its format; told from the file when absent.", TEXT),
-        optional("columns", "The file's column name to the canonical one.", Kind::TextMap { max_entries: 64, max_length: 100 }),
-        optional("bearing_time", "The axes of a bearing-time record whose file does not have them.", Kind::Object(&formats::npy::AXES)),
-        optional("sensor_ids", "Only these sensors.", Kind::List { item: &TEXT, min: 1, max: 64 }),
+        optional(
+            "format",
+            "Its format; told from the file when absent.",
+            TEXT,
+        ),
+        optional(
+            "columns",
+            "The file's column name to the canonical one.",
+            Kind::TextMap {
+                max_entries: 64,
+                max_length: 100,
+            },
+        ),
+        optional(
+            "bearing_time",
+            "The axes of a bearing-time record whose file does not have them.",
+            Kind::Object(&formats::npy::AXES),
+        ),
+        optional(
+            "sensor_ids",
+            "Only these sensors.",
+            Kind::List {
+                item: &TEXT,
+                min: 1,
+                max: 64,
+            },
+        ),
     ],
 };
 
 /// The JSON pointers of every place in a request that may name a source; those of a campaign are in its base.
 fn source_pointers(body: &Value) -> Vec<String> {
     if let Some(base) = body.get("base") {
-        return source_pointers(base).into_iter().map(|pointer| format!("/base{pointer}")).collect();
+        return source_pointers(base)
+            .into_iter()
+            .map(|pointer| format!("/base{pointer}"))
+            .collect();
     }
-    let mut pointers = ["/input", "/truth", "/tracks", "/detections"].map(String::from).to_vec();
+    let mut pointers = ["/input", "/truth", "/tracks", "/detections"]
+        .map(String::from)
+        .to_vec();
     let sequences = body["sequences"].as_array().map_or(0, Vec::len);
     let sets = body["sets"].as_array().map_or(0, Vec::len);
     pointers.extend((0..sets).map(|index| format!("/sets/{index}")));
-    pointers.extend((0..sequences).flat_map(|index| ["truth", "tracks"].map(|name| format!("/sequences/{index}/{name}"))));
+    pointers
+        .extend((0..sequences).flat_map(|index| {
+            ["truth", "tracks"].map(|name| format!("/sequences/{index}/{name}"))
+        }));
     pointers
 }
 
@@ -73,19 +104,36 @@ impl JobFile {
         let mut files = BTreeMap::new();
         let mut faults = Vec::new();
         for pointer in source_pointers(&body) {
-            let Some(source) = body.pointer_mut(&pointer).filter(|source| source["source"] == "file") else { continue };
+            let Some(source) = body
+                .pointer_mut(&pointer)
+                .filter(|source| source["source"] == "file")
+            else {
+                continue;
+            };
             match registry::check(source, &FILE_SOURCE).map(FileSource::deserialize) {
                 Ok(Ok(file)) => {
                     files.insert(pointer.clone(), file);
                 }
-                Ok(Err(error)) => faults.push(Fault::new(pointer.clone(), "malformed", error.to_string())),
-                Err(found) => {
-                    faults.extend(found.into_iter().map(|fault| Fault { pointer: format!("{pointer}{}", fault.pointer), ..fault }))
+                Ok(Err(error)) => {
+                    faults.push(Fault::new(pointer.clone(), "malformed", error.to_string()))
                 }
+                Err(found) => faults.extend(found.into_iter().map(|fault| Fault {
+                    pointer: format!("{pointer}{}", fault.pointer),
+                    ..fault
+                })),
             }
             *source = json!({"source": "dataset", "dataset_id": pointer});
         }
-        if faults.is_empty() { Ok(JobFile { kind, body, files, folder: folder.to_owned() }) } else { Err(faults) }
+        if faults.is_empty() {
+            Ok(JobFile {
+                kind,
+                body,
+                files,
+                folder: folder.to_owned(),
+            })
+        } else {
+            Err(faults)
+        }
     }
 
     /// A fault for each file that is not there, to be told with what else is wrong with the job.
@@ -121,53 +169,111 @@ impl JobFile {
     }
 
     /// Loads what the plan asks for. A source that is no file has no server to come from: a fault.
-    pub(super) fn load(&self, plan: &Plan, warnings: &mut Vec<String>) -> Result<Inputs, Vec<Fault>> {
+    pub(super) fn load(
+        &self,
+        plan: &Plan,
+        warnings: &mut Vec<String>,
+    ) -> Result<Inputs, Vec<Fault>> {
         let mut faults = Vec::new();
         let mut inputs = Vec::new();
         for request in &plan.inputs {
-            let (Source::Dataset { dataset_id: pointer, .. } | Source::Job { job_id: pointer, .. }) = &request.source;
+            let (Source::Dataset {
+                dataset_id: pointer,
+                ..
+            }
+            | Source::Job {
+                job_id: pointer, ..
+            }) = &request.source;
             match self.files.get(pointer.as_str()) {
                 Some(file) => match self.read(file, request.role, warnings) {
                     Ok(input) => inputs.push(Some(input)),
                     Err(found) => {
-                        faults.extend(
-                            found.into_iter().map(|fault| Fault { pointer: format!("{}{}", request.pointer, fault.pointer), ..fault }),
-                        );
+                        faults.extend(found.into_iter().map(|fault| Fault {
+                            pointer: format!("{}{}", request.pointer, fault.pointer),
+                            ..fault
+                        }));
                     }
                 },
                 None => {
                     let detail = "without a server a source is a file, a scenario or a preset";
                     faults.push(
-                        Fault::new(format!("{}/source", request.pointer), "unknown_value", detail).allowing("file, scenario, preset"),
+                        Fault::new(
+                            format!("{}/source", request.pointer),
+                            "unknown_value",
+                            detail,
+                        )
+                        .allowing("file, scenario, preset"),
                     );
                 }
             }
         }
-        if faults.is_empty() { Ok(inputs) } else { Err(faults) }
+        if faults.is_empty() {
+            Ok(inputs)
+        } else {
+            Err(faults)
+        }
     }
 
-    fn read(&self, file: &FileSource, role: DatasetKind, warnings: &mut Vec<String>) -> Result<Input, Vec<Fault>> {
+    fn read(
+        &self,
+        file: &FileSource,
+        role: DatasetKind,
+        warnings: &mut Vec<String>,
+    ) -> Result<Input, Vec<Fault>> {
         let path = self.folder.join(&file.path);
-        let bytes = std::fs::read(&path).map_err(|error| vec![Fault::new("/path", "not_found", format!("{}: {error}", path.display()))])?;
+        let bytes = std::fs::read(&path).map_err(|error| {
+            vec![Fault::new(
+                "/path",
+                "not_found",
+                format!("{}: {error}", path.display()),
+            )]
+        })?;
         let format = match &file.format {
             Some(name) => formats::format_named(name),
             None => formats::detect_format(&file.path, &bytes),
         };
-        let known = || formats::FORMATS.iter().map(|format| format.name).collect::<Vec<_>>().join(", ");
-        let format = format.ok_or_else(|| vec![Fault::new("/format", "unknown_value", "the format is not known").allowing(known())])?;
-        let options = ReadOptions { kind: Some(role), columns: file.columns.clone(), bearing_time: file.bearing_time };
+        let known = || {
+            formats::FORMATS
+                .iter()
+                .map(|format| format.name)
+                .collect::<Vec<_>>()
+                .join(", ")
+        };
+        let format = format.ok_or_else(|| {
+            vec![
+                Fault::new("/format", "unknown_value", "the format is not known").allowing(known()),
+            ]
+        })?;
+        let options = ReadOptions {
+            kind: Some(role),
+            columns: file.columns.clone(),
+            bearing_time: file.bearing_time,
+        };
         let read = (format.read)(&mut bytes.as_slice(), &options)?;
-        warnings.extend(read.warnings.into_iter().map(|warning| format!("{}: {warning}", file.path)));
+        warnings.extend(
+            read.warnings
+                .into_iter()
+                .map(|warning| format!("{}: {warning}", file.path)),
+        );
         let dataset = match &file.sensor_ids {
             Some(wanted) => only(read.dataset, wanted)?,
             None => read.dataset,
         };
         let sha256 = sha256_hex(&bytes);
-        Ok(Input { dataset, sensors: Vec::new(), sha256 })
+        Ok(Input {
+            dataset,
+            sensors: Vec::new(),
+            sha256,
+        })
     }
 }
 
 fn only(dataset: Dataset, wanted: &[String]) -> Result<Dataset, Vec<Fault>> {
-    let repoint = |fault: Fault| Fault { pointer: format!("/sensor_ids{}", fault.pointer), ..fault };
-    dataset.only_sensors(wanted).map_err(|faults| faults.into_iter().map(repoint).collect())
+    let repoint = |fault: Fault| Fault {
+        pointer: format!("/sensor_ids{}", fault.pointer),
+        ..fault
+    };
+    dataset
+        .only_sensors(wanted)
+        .map_err(|faults| faults.into_iter().map(repoint).collect())
 }

@@ -195,7 +195,10 @@ const BAD_INPUT: u8 = 2;
 /// Runs the command of the process's arguments. Exit codes: 0 done, 1 failed, 2 bad input.
 pub fn main() -> ExitCode {
     let command = Arguments::parse().command;
-    if let Some(Err(refusal)) = command.listener().map(|serve| serve.access.check(serve.listen)) {
+    if let Some(Err(refusal)) = command
+        .listener()
+        .map(|serve| serve.access.check(serve.listen))
+    {
         eprintln!("trackloom: {refusal}");
         return ExitCode::from(BAD_INPUT);
     }
@@ -207,7 +210,9 @@ pub fn main() -> ExitCode {
         Command::Methods(arguments) => return catalogue::print_methods(&arguments),
         Command::Presets(arguments) => return catalogue::print_presets(&arguments),
         Command::Child { memory } => child::run(memory),
-        Command::Openapi { version } => return catalogue::print_openapi(matches!(version, OpenapiVersion::V30)),
+        Command::Openapi { version } => {
+            return catalogue::print_openapi(matches!(version, OpenapiVersion::V30));
+        }
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -220,13 +225,21 @@ pub fn main() -> ExitCode {
 
 /// What the service says of itself goes to stderr, as much as `RUST_LOG` asks for.
 fn log() {
-    let level = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("warn,trackloom=info"));
+    let level =
+        EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("warn,trackloom=info"));
     let stderr = std::io::stderr;
-    tracing_subscriber::fmt().with_env_filter(level).with_writer(stderr).with_ansi(stderr().is_terminal()).init();
+    tracing_subscriber::fmt()
+        .with_env_filter(level)
+        .with_writer(stderr)
+        .with_ansi(stderr().is_terminal())
+        .init();
 }
 
 /// Runs the service on a runtime of its own.
 fn blocking(service: impl Future<Output = anyhow::Result<()>>) -> anyhow::Result<()> {
     log();
-    tokio::runtime::Builder::new_multi_thread().enable_all().build()?.block_on(service)
+    tokio::runtime::Builder::new_multi_thread()
+        .enable_all()
+        .build()?
+        .block_on(service)
 }

@@ -92,7 +92,11 @@ pub(super) fn run(arguments: &RunArguments) -> ExitCode {
 
 /// `/tracker/max_missed: 0 is outside the allowed range (allowed: [1, 1000])`
 fn fault_line(fault: &Fault) -> String {
-    let mut line = if fault.pointer.is_empty() { "job".to_owned() } else { fault.pointer.clone() };
+    let mut line = if fault.pointer.is_empty() {
+        "job".to_owned()
+    } else {
+        fault.pointer.clone()
+    };
     if let Some(number) = fault.line {
         line.push_str(&format!(" line {number}"));
     }
@@ -107,14 +111,26 @@ fn fault_line(fault: &Fault) -> String {
 }
 
 fn finish(arguments: &RunArguments) -> Result<(), Trouble> {
-    match (&arguments.job, arguments.preset.as_deref().unwrap_or_default()) {
+    match (
+        &arguments.job,
+        arguments.preset.as_deref().unwrap_or_default(),
+    ) {
         (Some(path), _) => {
             let is_stdin = path == Path::new("-");
-            let folder = if is_stdin { Path::new(".") } else { path.parent().unwrap_or(Path::new(".")) };
+            let folder = if is_stdin {
+                Path::new(".")
+            } else {
+                path.parent().unwrap_or(Path::new("."))
+            };
             let job = JobFile::new(read_json(path, is_stdin)?, folder)?;
             finish_job(job, arguments, arguments.out.as_deref())
         }
-        (None, "") => Err(vec![Fault::new("JOB", "missing", "say which job: a job file, - for standard input, or --preset NAME")].into()),
+        (None, "") => Err(vec![Fault::new(
+            "JOB",
+            "missing",
+            "say which job: a job file, - for standard input, or --preset NAME",
+        )]
+        .into()),
         (None, "papers") => presets::PAPERS.into_iter().try_for_each(|name| {
             let out = arguments.out.as_ref().map(|folder| folder.join(name));
             finish_job(preset_job(name)?, arguments, out.as_deref())
@@ -123,25 +139,45 @@ fn finish(arguments: &RunArguments) -> Result<(), Trouble> {
     }
 }
 
-fn finish_job(mut job: JobFile, arguments: &RunArguments, out: Option<&Path>) -> Result<(), Trouble> {
+fn finish_job(
+    mut job: JobFile,
+    arguments: &RunArguments,
+    out: Option<&Path>,
+) -> Result<(), Trouble> {
     if let Some(seed) = arguments.seed {
         job.body["seed"] = json!(seed);
     }
     if let Some(runs) = arguments.runs {
         if job.kind != JobKind::Campaign {
-            let detail = format!("a job of the kind '{}' is one run; --runs is of campaigns", job.kind.name());
+            let detail = format!(
+                "a job of the kind '{}' is one run; --runs is of campaigns",
+                job.kind.name()
+            );
             return Err(vec![Fault::new("--runs", "unsupported", detail)].into());
         }
         job.body["runs"] = json!(runs);
     }
     let plan = match (plan::plan(job.kind, &job.body), job.missing_files()) {
         (Ok(plan), missing) if missing.is_empty() => plan,
-        (planned, missing) => return Err(planned.err().into_iter().flatten().chain(missing).collect::<Vec<_>>().into()),
+        (planned, missing) => {
+            return Err(planned
+                .err()
+                .into_iter()
+                .flatten()
+                .chain(missing)
+                .collect::<Vec<_>>()
+                .into());
+        }
     };
     let (report, outcome) = compute(&job, plan)?;
     if let Some(folder) = out {
         write_out(folder, &report, &outcome.artifacts)?;
-        let names: Vec<&str> = outcome.artifacts.iter().map(|artifact| artifact.name).chain(["report.json"]).collect();
+        let names: Vec<&str> = outcome
+            .artifacts
+            .iter()
+            .map(|artifact| artifact.name)
+            .chain(["report.json"])
+            .collect();
         eprintln!("wrote {} into {}", names.join(", "), folder.display());
     }
     print(&report, arguments.format)?;
@@ -156,18 +192,42 @@ fn preset_job(name: &str) -> Result<JobFile, Trouble> {
             .chain(presets::ALIASES.map(|(alias, _)| alias.to_owned()))
             .chain(["papers".to_owned()])
             .collect();
-        vec![Fault::new("--preset", "unknown_value", format!("there is no preset '{name}'")).allowing(known.join(", "))]
+        vec![
+            Fault::new(
+                "--preset",
+                "unknown_value",
+                format!("there is no preset '{name}'"),
+            )
+            .allowing(known.join(", ")),
+        ]
     };
     let preset = presets::find(name).ok_or_else(unknown)?;
-    Ok(JobFile::new(with_kind(preset.kind, &preset.body), Path::new("."))?)
+    Ok(JobFile::new(
+        with_kind(preset.kind, &preset.body),
+        Path::new("."),
+    )?)
 }
 
 fn read_json(path: &Path, is_stdin: bool) -> Result<Value, Vec<Fault>> {
-    let name = if is_stdin { "standard input".to_owned() } else { path.display().to_string() };
+    let name = if is_stdin {
+        "standard input".to_owned()
+    } else {
+        path.display().to_string()
+    };
     let fault = |code: &str, detail: String| vec![Fault::new(name.clone(), code, detail)];
-    let bytes = if is_stdin { read_stdin() } else { std::fs::read(path) }.map_err(|error| fault("not_found", error.to_string()))?;
-    let (value, duplicates) = registry::parse(&bytes).map_err(|error| fault("malformed", error.to_string()))?;
-    if duplicates.is_empty() { Ok(value) } else { Err(duplicates) }
+    let bytes = if is_stdin {
+        read_stdin()
+    } else {
+        std::fs::read(path)
+    }
+    .map_err(|error| fault("not_found", error.to_string()))?;
+    let (value, duplicates) =
+        registry::parse(&bytes).map_err(|error| fault("malformed", error.to_string()))?;
+    if duplicates.is_empty() {
+        Ok(value)
+    } else {
+        Err(duplicates)
+    }
 }
 
 fn read_stdin() -> std::io::Result<Vec<u8>> {
@@ -187,8 +247,14 @@ fn compute(job: &JobFile, mut plan: Plan) -> Result<(Vec<u8>, Outcome), Trouble>
     let _ = meter.progress(Step::Load, 0, 1);
     let mut warnings = Vec::new();
     let inputs = job.load(&plan, &mut warnings)?;
-    let known: Vec<Option<Known>> =
-        inputs.iter().map(|input| input.as_ref().and_then(|input| Known::of(&input.dataset, &input.sensors))).collect();
+    let known: Vec<Option<Known>> = inputs
+        .iter()
+        .map(|input| {
+            input
+                .as_ref()
+                .and_then(|input| Known::of(&input.dataset, &input.sensors))
+        })
+        .collect();
     let faults = known_data::check(&mut plan, &known);
     if !faults.is_empty() {
         return Err(faults.into());
@@ -212,7 +278,8 @@ fn compute(job: &JobFile, mut plan: Plan) -> Result<(Vec<u8>, Outcome), Trouble>
     warnings.append(&mut outcome.warnings);
     outcome.warnings = warnings;
     job.restore(&mut plan.spec);
-    let report = report::build(Uuid::now_v7(), &plan, &read, &outcome, timing).context("the report cannot be written")?;
+    let report = report::build(Uuid::now_v7(), &plan, &read, &outcome, timing)
+        .context("the report cannot be written")?;
     Ok((report, outcome))
 }
 
@@ -228,8 +295,8 @@ impl Bar {
     /// Shows what is told until the sender is gone.
     fn start(told: watch::Receiver<Option<Progress>>) -> Self {
         let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr());
-        let style =
-            ProgressStyle::with_template("{msg:10} {bar:40} {percent:>3} %  {eta} left").unwrap_or_else(|_| ProgressStyle::default_bar());
+        let style = ProgressStyle::with_template("{msg:10} {bar:40} {percent:>3} %  {eta} left")
+            .unwrap_or_else(|_| ProgressStyle::default_bar());
         bar.set_style(style);
         let thread = std::thread::spawn(move || {
             let is_terminal = std::io::stderr().is_terminal();
@@ -259,14 +326,19 @@ impl Bar {
 /// `associate  45 %  12 s left`
 fn progress_line(progress: &Progress) -> String {
     let step = format!("{:?}", progress.step).to_lowercase();
-    let left = progress.eta_s.map_or_else(String::new, |eta_s| format!("  {eta_s:.0} s left"));
+    let left = progress
+        .eta_s
+        .map_or_else(String::new, |eta_s| format!("  {eta_s:.0} s left"));
     format!("{step}  {:.0} %{left}", 100.0 * progress.fraction)
 }
 
 /// Writes each file under another name first, so that none is ever half written.
 fn write_out(folder: &Path, report: &[u8], artifacts: &[Artifact]) -> anyhow::Result<()> {
     std::fs::create_dir_all(folder).with_context(|| format!("cannot make {}", folder.display()))?;
-    let files = artifacts.iter().map(|artifact| (artifact.name, artifact.bytes.as_slice())).chain([("report.json", report)]);
+    let files = artifacts
+        .iter()
+        .map(|artifact| (artifact.name, artifact.bytes.as_slice()))
+        .chain([("report.json", report)]);
     for (name, bytes) in files {
         let (part, path) = (folder.join(format!(".{name}.part")), folder.join(name));
         let written = std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, &path));

@@ -7,7 +7,10 @@ const UNITS: [(&str, u32); 4] = [("KiB", 10), ("MiB", 20), ("GiB", 30), ("TiB", 
 
 /// Bytes of `2GiB`, `512 MiB` or `1000000`.
 pub(super) fn bytes(text: &str) -> Result<u64, String> {
-    let (number, shift) = UNITS.iter().find_map(|(unit, shift)| Some((text.strip_suffix(unit)?.trim_end(), *shift))).unwrap_or((text, 0));
+    let (number, shift) = UNITS
+        .iter()
+        .find_map(|(unit, shift)| Some((text.strip_suffix(unit)?.trim_end(), *shift)))
+        .unwrap_or((text, 0));
     let wrong = || "a size is a whole number of bytes, or one with KiB, MiB, GiB or TiB".to_owned();
     let number: u64 = number.parse().map_err(|_| wrong())?;
     number.checked_mul(1 << shift).ok_or_else(wrong)
@@ -16,7 +19,10 @@ pub(super) fn bytes(text: &str) -> Result<u64, String> {
 /// A size that leaves a job something to work with.
 pub(super) fn job_memory(text: &str) -> Result<u64, String> {
     match bytes(text)? {
-        bytes if bytes < SMALLEST_BYTES => Err(format!("a job needs at least {}", size_text(SMALLEST_BYTES))),
+        bytes if bytes < SMALLEST_BYTES => Err(format!(
+            "a job needs at least {}",
+            size_text(SMALLEST_BYTES)
+        )),
         bytes => Ok(bytes),
     }
 }
@@ -37,7 +43,10 @@ mod tests {
 
     #[test]
     fn a_job_needs_some_memory() {
-        assert_eq!(job_memory("63MiB"), Err("a job needs at least 64 MiB".to_owned()));
+        assert_eq!(
+            job_memory("63MiB"),
+            Err("a job needs at least 64 MiB".to_owned())
+        );
         assert_eq!(job_memory("64MiB"), Ok(67_108_864));
     }
 }

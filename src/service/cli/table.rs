@@ -14,14 +14,26 @@ pub(super) fn summary(report: &Value) -> String {
         }
     };
     for (part, name) in [
-        ("/counts", if result.get("tuples").is_some() { "correlation" } else { "simulation" }),
+        (
+            "/counts",
+            if result.get("tuples").is_some() {
+                "correlation"
+            } else {
+                "simulation"
+            },
+        ),
         ("/truth", "truth"),
         ("/association/counts", "association"),
         ("/tfa/counts", "tfa"),
         ("/tfa/probability", "tfa probability"),
         ("/events/counts", "event"),
     ] {
-        for (key, value) in result.pointer(part).and_then(Value::as_object).into_iter().flatten() {
+        for (key, value) in result
+            .pointer(part)
+            .and_then(Value::as_object)
+            .into_iter()
+            .flatten()
+        {
             add(format!("{name} {}", key.replace('_', " ")), "", value);
         }
     }
@@ -57,17 +69,33 @@ fn head_line(report: &Value) -> String {
     let spec = &report["spec"];
     // A campaign's job stands in its base.
     let job = spec.get("base").unwrap_or(spec);
-    let sources = ["input", "detections", "truth", "tracks"].iter().filter_map(|role| source(&job[*role])).collect::<Vec<_>>();
-    let methods = ["associator", "filter", "grouper", "correlator"].iter().filter_map(|family| job[*family]["method"].as_str());
-    let parts = [sources.join(" and "), methods.collect::<Vec<_>>().join(", "), format!("trackloom {}", cell(&report["engine_version"]))];
+    let sources = ["input", "detections", "truth", "tracks"]
+        .iter()
+        .filter_map(|role| source(&job[*role]))
+        .collect::<Vec<_>>();
+    let methods = ["associator", "filter", "grouper", "correlator"]
+        .iter()
+        .filter_map(|family| job[*family]["method"].as_str());
+    let parts = [
+        sources.join(" and "),
+        methods.collect::<Vec<_>>().join(", "),
+        format!("trackloom {}", cell(&report["engine_version"])),
+    ];
     let parts: Vec<_> = parts.into_iter().filter(|part| !part.is_empty()).collect();
-    format!("{}, seed {}: {}", cell(&report["kind"]), cell(&report["seed"]), parts.join("; "))
+    format!(
+        "{}, seed {}: {}",
+        cell(&report["kind"]),
+        cell(&report["seed"]),
+        parts.join("; ")
+    )
 }
 
 fn source(source: &Value) -> Option<String> {
     match source["source"].as_str()? {
         "file" => source["path"].as_str().map(str::to_owned),
-        "preset" => source["preset"].as_str().map(|name| format!("preset {name}")),
+        "preset" => source["preset"]
+            .as_str()
+            .map(|name| format!("preset {name}")),
         other => Some(other.to_owned()),
     }
 }
@@ -88,11 +116,17 @@ mod tests {
                 "filter": {"method": "kalman"}
             }
         });
-        assert_eq!(head_line(&report), "evaluate, seed 7: radar.csv and truth.csv; jpda, kalman; trackloom 0.1.0");
+        assert_eq!(
+            head_line(&report),
+            "evaluate, seed 7: radar.csv and truth.csv; jpda, kalman; trackloom 0.1.0"
+        );
         let campaign = json!({
             "kind": "campaign", "seed": 1, "engine_version": "0.1.0",
             "spec": {"base": {"input": {"source": "preset", "preset": "liang2009-10"}, "associator": {"method": "pda"}}}
         });
-        assert_eq!(head_line(&campaign), "campaign, seed 1: preset liang2009-10; pda; trackloom 0.1.0");
+        assert_eq!(
+            head_line(&campaign),
+            "campaign, seed 1: preset liang2009-10; pda; trackloom 0.1.0"
+        );
     }
 }

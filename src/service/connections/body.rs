@@ -23,7 +23,10 @@ pub(super) struct Paced {
 
 impl Paced {
     pub fn new(body: Incoming, limits: &ConnectionLimits) -> Self {
-        Paced { body, sender: Pace::new(limits) }
+        Paced {
+            body,
+            sender: Pace::new(limits),
+        }
     }
 }
 
@@ -31,11 +34,18 @@ impl HttpBody for Paced {
     type Data = Bytes;
     type Error = BoxError;
 
-    fn poll_frame(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, BoxError>>> {
+    fn poll_frame(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+    ) -> Poll<Option<Result<Frame<Bytes>, BoxError>>> {
         let polled = Pin::new(&mut self.body).poll_frame(context);
         match &polled {
-            Poll::Ready(Some(Ok(frame))) => self.sender.note(frame.data_ref().map_or(0, Bytes::len)),
-            Poll::Pending if self.sender.is_too_slow(context) => return Poll::Ready(Some(Err(TooSlow.into()))),
+            Poll::Ready(Some(Ok(frame))) => {
+                self.sender.note(frame.data_ref().map_or(0, Bytes::len))
+            }
+            Poll::Pending if self.sender.is_too_slow(context) => {
+                return Poll::Ready(Some(Err(TooSlow.into())));
+            }
             _ => {}
         }
         polled.map_err(BoxError::from)
@@ -67,7 +77,10 @@ impl HttpBody for Answer {
     type Data = Bytes;
     type Error = axum::Error;
 
-    fn poll_frame(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
+    fn poll_frame(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+    ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
         Pin::new(&mut self.body).poll_frame(context)
     }
 

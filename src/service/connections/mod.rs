@@ -48,7 +48,12 @@ pub struct Ends {
 }
 
 /// Serves until `stop`; then nobody can connect any more, requests that run are answered, and their connections closed.
-pub async fn serve(mut listener: TcpListener, application: Router, limits: ConnectionLimits, stop: CancellationToken) {
+pub async fn serve(
+    mut listener: TcpListener,
+    application: Router,
+    limits: ConnectionLimits,
+    stop: CancellationToken,
+) {
     let permits = Arc::new(Semaphore::new(limits.connections));
     let refusals = Arc::new(Semaphore::new(REFUSED));
     let limits = Arc::new(limits);
@@ -59,7 +64,13 @@ pub async fn serve(mut listener: TcpListener, application: Router, limits: Conne
             () = stop.cancelled() => break,
         };
         if let Ok(permit) = permits.clone().try_acquire_owned() {
-            let connection = converse(stream, client, application.clone(), limits.clone(), stop.clone());
+            let connection = converse(
+                stream,
+                client,
+                application.clone(),
+                limits.clone(),
+                stop.clone(),
+            );
             connections.spawn(async move {
                 connection.await;
                 drop(permit);
@@ -77,16 +88,37 @@ pub async fn serve(mut listener: TcpListener, application: Router, limits: Conne
 }
 
 /// Answers the requests of one connection.
-async fn converse(stream: TcpStream, client: SocketAddr, application: Router, limits: Arc<ConnectionLimits>, stop: CancellationToken) {
+async fn converse(
+    stream: TcpStream,
+    client: SocketAddr,
+    application: Router,
+    limits: Arc<ConnectionLimits>,
+    stop: CancellationToken,
+) {
     // An answer is sent at once: headers and body go in two writes, and the second must not wait for the first to be acknowledged.
-    let (Ok(()), Ok(own)) = (stream.set_nodelay(true), stream.local_addr()) else { return };
+    let (Ok(()), Ok(own)) = (stream.set_nodelay(true), stream.local_addr()) else {
+        return;
+    };
     let requests = Arc::new(Requests::default());
     let io = TokioIo::new(Client::new(stream, requests.clone(), &limits));
     let ends = Ends { client, own };
     // Of hyper's own timer, which runs from one request to the end of the next one's headers; `Client` limits the headers alone.
     let idle_time = limits.idle_time;
-    let service = service_fn(move |request| respond(request, ends, application.clone(), limits.clone(), Busy::begin(&requests)));
-    let mut connection = pin!(http1::Builder::new().timer(TokioTimer::new()).header_read_timeout(idle_time).serve_connection(io, service));
+    let service = service_fn(move |request| {
+        respond(
+            request,
+            ends,
+            application.clone(),
+            limits.clone(),
+            Busy::begin(&requests),
+        )
+    });
+    let mut connection = pin!(
+        http1::Builder::new()
+            .timer(TokioTimer::new())
+            .header_read_timeout(idle_time)
+            .serve_connection(io, service)
+    );
     tokio::select! {
         // A connection that breaks is the client's affair.
         _ = connection.as_mut() => return,
@@ -136,7 +168,10 @@ impl Drop for Busy {
 
 /// Tells a client that there are too many, whatever it asks.
 async fn refuse(mut stream: TcpStream) {
-    let problem = Problem::new("too_many_connections", "as many connections as the service takes are open");
+    let problem = Problem::new(
+        "too_many_connections",
+        "as many connections as the service takes are open",
+    );
     let body = serde_json::to_string(&problem).unwrap_or_default();
     let head = "HTTP/1.1 503 Service Unavailable\r\ncontent-type: application/problem+json\r\nretry-after: 5\r\nconnection: close";
     let answer = format!("{head}\r\ncontent-length: {}\r\n\r\n{body}", body.len());

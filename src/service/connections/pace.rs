@@ -20,7 +20,12 @@ pub(super) struct Pace {
 
 impl Pace {
     pub fn new(limits: &ConnectionLimits) -> Self {
-        Pace { transfer_time: limits.transfer_time, least_bytes: limits.least_bytes, end: None, moved: 0 }
+        Pace {
+            transfer_time: limits.transfer_time,
+            least_bytes: limits.least_bytes,
+            end: None,
+            moved: 0,
+        }
     }
 
     /// Bytes have come, or been taken.
@@ -33,10 +38,16 @@ impl Pace {
 
     /// Nothing moves just now: whether that has been so for too long. The task is woken when it will have been.
     pub fn is_too_slow(&mut self, context: &mut Context<'_>) -> bool {
-        if self.end.as_ref().is_some_and(|end| end.deadline() + LATE < Instant::now()) {
+        if self
+            .end
+            .as_ref()
+            .is_some_and(|end| end.deadline() + LATE < Instant::now())
+        {
             self.reset();
         }
-        let end = self.end.get_or_insert_with(|| Box::pin(sleep(self.transfer_time)));
+        let end = self
+            .end
+            .get_or_insert_with(|| Box::pin(sleep(self.transfer_time)));
         end.as_mut().poll(context).is_ready()
     }
 
@@ -52,7 +63,11 @@ mod tests {
     use std::task::Waker;
 
     fn limits() -> ConnectionLimits {
-        ConnectionLimits { transfer_time: Duration::from_millis(300), least_bytes: 100, ..ConnectionLimits::of(1) }
+        ConnectionLimits {
+            transfer_time: Duration::from_millis(300),
+            least_bytes: 100,
+            ..ConnectionLimits::of(1)
+        }
     }
 
     #[tokio::test]

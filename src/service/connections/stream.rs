@@ -31,7 +31,13 @@ struct Headers {
 
 impl Client {
     pub fn new(stream: TcpStream, requests: Arc<Requests>, limits: &ConnectionLimits) -> Self {
-        Client { stream, requests, header_time: limits.header_time, headers: None, reader: Pace::new(limits) }
+        Client {
+            stream,
+            requests,
+            header_time: limits.header_time,
+            headers: None,
+            reader: Pace::new(limits),
+        }
     }
 
     /// Bytes have come.
@@ -40,15 +46,26 @@ impl Client {
             return;
         }
         let before = self.requests.begun.load(Ordering::Acquire);
-        if self.headers.as_ref().is_none_or(|headers| headers.before != before) {
-            self.headers = Some(Headers { before, until: Box::pin(sleep(self.header_time)) });
+        if self
+            .headers
+            .as_ref()
+            .is_none_or(|headers| headers.before != before)
+        {
+            self.headers = Some(Headers {
+                before,
+                until: Box::pin(sleep(self.header_time)),
+            });
         }
     }
 
     fn wait_for_headers(&mut self, context: &mut Context<'_>) -> Poll<io::Result<()>> {
         let begun = self.requests.begun.load(Ordering::Acquire);
         match &mut self.headers {
-            Some(headers) if headers.before == begun => headers.until.as_mut().poll(context).map(|()| Err(ErrorKind::TimedOut.into())),
+            Some(headers) if headers.before == begun => headers
+                .until
+                .as_mut()
+                .poll(context)
+                .map(|()| Err(ErrorKind::TimedOut.into())),
             _ => {
                 self.headers = None;
                 Poll::Pending
@@ -56,22 +73,35 @@ impl Client {
         }
     }
 
-    fn written(&mut self, context: &mut Context<'_>, written: Poll<io::Result<usize>>) -> Poll<io::Result<usize>> {
+    fn written(
+        &mut self,
+        context: &mut Context<'_>,
+        written: Poll<io::Result<usize>>,
+    ) -> Poll<io::Result<usize>> {
         match written {
             Poll::Ready(Ok(bytes)) => {
                 self.reader.note(bytes);
                 Poll::Ready(Ok(bytes))
             }
-            Poll::Pending if self.reader.is_too_slow(context) => Poll::Ready(Err(ErrorKind::TimedOut.into())),
+            Poll::Pending if self.reader.is_too_slow(context) => {
+                Poll::Ready(Err(ErrorKind::TimedOut.into()))
+            }
             other => other,
         }
     }
 }
 
 impl AsyncRead for Client {
-    fn poll_read(mut self: Pin<&mut Self>, context: &mut Context<'_>, buffer: &mut ReadBuf<'_>) -> Poll<io::Result<()>> {
+    fn poll_read(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+        buffer: &mut ReadBuf<'_>,
+    ) -> Poll<io::Result<()>> {
         let before = buffer.filled().len();
-        if Pin::new(&mut self.stream).poll_read(context, buffer)?.is_pending() {
+        if Pin::new(&mut self.stream)
+            .poll_read(context, buffer)?
+            .is_pending()
+        {
             return self.wait_for_headers(context);
         }
         if buffer.filled().len() > before {
@@ -82,7 +112,11 @@ impl AsyncRead for Client {
 }
 
 impl AsyncWrite for Client {
-    fn poll_write(mut self: Pin<&mut Self>, context: &mut Context<'_>, bytes: &[u8]) -> Poll<io::Result<usize>> {
+    fn poll_write(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+        bytes: &[u8],
+    ) -> Poll<io::Result<usize>> {
         let written = Pin::new(&mut self.stream).poll_write(context, bytes);
         self.written(context, written)
     }
@@ -95,7 +129,11 @@ impl AsyncWrite for Client {
         Pin::new(&mut self.stream).poll_shutdown(context)
     }
 
-    fn poll_write_vectored(mut self: Pin<&mut Self>, context: &mut Context<'_>, slices: &[IoSlice<'_>]) -> Poll<io::Result<usize>> {
+    fn poll_write_vectored(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+        slices: &[IoSlice<'_>],
+    ) -> Poll<io::Result<usize>> {
         let written = Pin::new(&mut self.stream).poll_write_vectored(context, slices);
         self.written(context, written)
     }

@@ -26,7 +26,9 @@ use uuid::Uuid;
 pub struct Handler(Arc<dyn Fn(Entry) -> BoxFuture<'static, anyhow::Result<()>> + Send + Sync>);
 
 impl Handler {
-    pub fn new(look: impl Fn(Entry) -> BoxFuture<'static, anyhow::Result<()>> + Send + Sync + 'static) -> Self {
+    pub fn new(
+        look: impl Fn(Entry) -> BoxFuture<'static, anyhow::Result<()>> + Send + Sync + 'static,
+    ) -> Self {
         Handler(Arc::new(look))
     }
 
@@ -51,7 +53,11 @@ pub struct Entry {
 
 impl Entry {
     fn new(ready: &Ready) -> Entry {
-        Entry { id: Uuid::now_v7(), job_id: ready.job_id, chunk: ready.chunk }
+        Entry {
+            id: Uuid::now_v7(),
+            job_id: ready.job_id,
+            chunk: ready.chunk,
+        }
     }
 }
 
@@ -117,7 +123,13 @@ impl Engine {
             }
             Database::Postgres(url) => Queue::Shared(Arc::new(Shared::open(url).await?)),
         };
-        Ok(Engine { queue, slots, stop: CancellationToken::new(), tasks: TaskTracker::new(), worker: Mutex::new(None) })
+        Ok(Engine {
+            queue,
+            slots,
+            stop: CancellationToken::new(),
+            tasks: TaskTracker::new(),
+            worker: Mutex::new(None),
+        })
     }
 
     /// Puts entries in, but for those that wait there already.
@@ -137,7 +149,12 @@ impl Engine {
         if let Queue::Shared(queue) = &self.queue {
             tokio::spawn(shared::stay_alive(queue.clone(), self.stop.clone()));
         }
-        let working = Working { queue: self.queue.clone(), handler, stop: self.stop.clone(), tasks: self.tasks.clone() };
+        let working = Working {
+            queue: self.queue.clone(),
+            handler,
+            stop: self.stop.clone(),
+            tasks: self.tasks.clone(),
+        };
         let worker = tokio::spawn(working.keep_working(self.slots));
         *self.worker.lock().unwrap_or_else(PoisonError::into_inner) = Some(worker);
     }
@@ -145,7 +162,11 @@ impl Engine {
     /// Takes no more entries and waits for the handlers that run, which must not take long.
     pub async fn stop(&self) {
         self.stop.cancel();
-        let worker = self.worker.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let worker = self
+            .worker
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .take();
         self.tasks.close();
         let ended = async {
             if let Some(worker) = worker {
@@ -185,15 +206,31 @@ impl Working {
                 () = self.stop.cancelled() => return,
                 next = next => next,
             };
-            let Some((permit, (entry, place))) = next else { return };
-            let work = work(self.queue.clone(), self.handler.clone(), self.stop.clone(), entry, place, permit);
+            let Some((permit, (entry, place))) = next else {
+                return;
+            };
+            let work = work(
+                self.queue.clone(),
+                self.handler.clone(),
+                self.stop.clone(),
+                entry,
+                place,
+                permit,
+            );
             self.tasks.spawn(work);
         }
     }
 }
 
 /// Calls the handler; a panic of it is an error like any other.
-async fn work(queue: Queue, handler: Handler, stop: CancellationToken, entry: Entry, place: i64, permit: OwnedSemaphorePermit) {
+async fn work(
+    queue: Queue,
+    handler: Handler,
+    stop: CancellationToken,
+    entry: Entry,
+    place: i64,
+    permit: OwnedSemaphorePermit,
+) {
     let error = match tokio::spawn(handler.look(entry)).await {
         Ok(Ok(())) => None,
         Ok(Err(error)) => Some(error),

@@ -48,8 +48,16 @@ struct Known {
 
 impl Shared {
     pub async fn open(url: &str) -> anyhow::Result<Shared> {
-        let pool = PgPoolOptions::new().max_connections(CONNECTIONS).acquire_timeout(PATIENCE).connect_lazy(url)?;
-        let queue = Shared { pool, worker: Uuid::now_v7().to_string(), news: Notify::new(), known: Mutex::default() };
+        let pool = PgPoolOptions::new()
+            .max_connections(CONNECTIONS)
+            .acquire_timeout(PATIENCE)
+            .connect_lazy(url)?;
+        let queue = Shared {
+            pool,
+            worker: Uuid::now_v7().to_string(),
+            news: Notify::new(),
+            known: Mutex::default(),
+        };
         queue.beat().await.context("cannot use the queue")?;
         Ok(queue)
     }
@@ -74,7 +82,10 @@ impl Shared {
             .bind(ready.iter().map(place).collect::<Vec<_>>())
             .execute(&mut *transaction)
             .await?;
-            sqlx::query("SELECT pg_notify($1, '')").bind(QUEUE_CHANNEL).execute(&mut *transaction).await?;
+            sqlx::query("SELECT pg_notify($1, '')")
+                .bind(QUEUE_CHANNEL)
+                .execute(&mut *transaction)
+                .await?;
             transaction.commit().await?;
         }
         // Its own notice comes as well, but later.
@@ -92,7 +103,10 @@ impl Shared {
                     let _ = tokio::time::timeout(LOOK, self.news.notified()).await;
                 }
                 Err(error) => {
-                    tracing::warn!(error = format!("{error:#}"), "the queue was not read; trying again");
+                    tracing::warn!(
+                        error = format!("{error:#}"),
+                        "the queue was not read; trying again"
+                    );
                     self.known().may_have_more = true;
                     tokio::time::sleep(PAUSE).await;
                 }
@@ -115,8 +129,15 @@ impl Shared {
         .await?;
         let Some(row) = row else { return Ok(None) };
         let id = |name: &str| anyhow::Ok(Uuid::try_parse(row.try_get(name)?)?);
-        let chunk = row.try_get::<Option<i64>, _>("chunk")?.map(u32::try_from).transpose()?;
-        let entry = Entry { id: id("id")?, job_id: id("job_id")?, chunk };
+        let chunk = row
+            .try_get::<Option<i64>, _>("chunk")?
+            .map(u32::try_from)
+            .transpose()?;
+        let entry = Entry {
+            id: id("id")?,
+            job_id: id("job_id")?,
+            chunk,
+        };
         self.known().held.insert(entry.id);
         Ok(Some((entry, row.try_get("place")?)))
     }
@@ -124,7 +145,10 @@ impl Shared {
     /// Puts back what the table gave this worker in an answer that was lost.
     async fn put_back_unknown(&self) -> anyhow::Result<()> {
         let held: Vec<String> = self.known().held.iter().map(Uuid::to_string).collect();
-        let query = sqlx::query("UPDATE queue SET worker = NULL WHERE worker = $1 AND id <> ALL($2)").bind(&self.worker).bind(held);
+        let query =
+            sqlx::query("UPDATE queue SET worker = NULL WHERE worker = $1 AND id <> ALL($2)")
+                .bind(&self.worker)
+                .bind(held);
         query.execute(&self.pool).await?;
         Ok(())
     }
@@ -133,7 +157,10 @@ impl Shared {
     pub async fn answer(&self, id: Uuid, is_done: bool) {
         self.known().answers.push((id, is_done));
         if let Err(error) = self.send_answers().await {
-            tracing::warn!(error = format!("{error:#}"), "the queue was not answered; trying again with the next heartbeat");
+            tracing::warn!(
+                error = format!("{error:#}"),
+                "the queue was not answered; trying again with the next heartbeat"
+            );
         }
     }
 
@@ -142,7 +169,9 @@ impl Shared {
         let sent = self.send(&answers).await;
         let mut known = self.known();
         match &sent {
-            Ok(()) => known.held.retain(|id| !answers.iter().any(|(answered, _)| answered == id)),
+            Ok(()) => known
+                .held
+                .retain(|id| !answers.iter().any(|(answered, _)| answered == id)),
             Err(_) => known.answers.extend(answers),
         }
         sent
@@ -150,10 +179,20 @@ impl Shared {
 
     /// Nothing happens to entries that another worker has by now.
     async fn send(&self, answers: &[(Uuid, bool)]) -> anyhow::Result<()> {
-        let ids = |done: bool| answers.iter().filter(|(_, is_done)| *is_done == done).map(|(id, _)| id.to_string()).collect::<Vec<_>>();
+        let ids = |done: bool| {
+            answers
+                .iter()
+                .filter(|(_, is_done)| *is_done == done)
+                .map(|(id, _)| id.to_string())
+                .collect::<Vec<_>>()
+        };
         let (done, again) = (ids(true), ids(false));
         if !done.is_empty() {
-            sqlx::query("DELETE FROM queue WHERE id = ANY($1) AND worker = $2").bind(done).bind(&self.worker).execute(&self.pool).await?;
+            sqlx::query("DELETE FROM queue WHERE id = ANY($1) AND worker = $2")
+                .bind(done)
+                .bind(&self.worker)
+                .execute(&self.pool)
+                .await?;
         }
         if !again.is_empty() {
             sqlx::query("UPDATE queue SET worker = NULL WHERE id = ANY($1) AND worker = $2")
@@ -161,7 +200,10 @@ impl Shared {
                 .bind(&self.worker)
                 .execute(&self.pool)
                 .await?;
-            sqlx::query("SELECT pg_notify($1, '')").bind(QUEUE_CHANNEL).execute(&self.pool).await?;
+            sqlx::query("SELECT pg_notify($1, '')")
+                .bind(QUEUE_CHANNEL)
+                .execute(&self.pool)
+                .await?;
             self.wake();
         }
         Ok(())
@@ -186,10 +228,18 @@ impl Shared {
         .execute(&self.pool)
         .await?
         .rows_affected();
-        sqlx::query("DELETE FROM workers WHERE last_seen < now() - interval '1 hour'").execute(&self.pool).await?;
+        sqlx::query("DELETE FROM workers WHERE last_seen < now() - interval '1 hour'")
+            .execute(&self.pool)
+            .await?;
         if back > 0 {
-            tracing::warn!(entries = back, "a worker is dead; what it had is given out again");
-            sqlx::query("SELECT pg_notify($1, '')").bind(QUEUE_CHANNEL).execute(&self.pool).await?;
+            tracing::warn!(
+                entries = back,
+                "a worker is dead; what it had is given out again"
+            );
+            sqlx::query("SELECT pg_notify($1, '')")
+                .bind(QUEUE_CHANNEL)
+                .execute(&self.pool)
+                .await?;
         }
         Ok(())
     }
@@ -198,14 +248,20 @@ impl Shared {
     pub async fn close(&self, have_ended: bool) {
         let goodbye = async {
             if have_ended {
-                sqlx::query("DELETE FROM workers WHERE id = $1").bind(&self.worker).execute(&self.pool).await?;
+                sqlx::query("DELETE FROM workers WHERE id = $1")
+                    .bind(&self.worker)
+                    .execute(&self.pool)
+                    .await?;
             }
             self.pool.close().await;
             anyhow::Ok(())
         };
         match tokio::time::timeout(GOODBYE, goodbye).await {
             Ok(Ok(())) => {}
-            Ok(Err(error)) => tracing::warn!(error = format!("{error:#}"), "the queue was not told of the end of its worker"),
+            Ok(Err(error)) => tracing::warn!(
+                error = format!("{error:#}"),
+                "the queue was not told of the end of its worker"
+            ),
             Err(_) => tracing::warn!("the queue did not answer to the end of its worker"),
         }
     }
@@ -234,12 +290,19 @@ pub(super) async fn stay_alive(queue: Arc<Shared>, stop: CancellationToken) {
         let done = match beaten {
             Ok(()) => {
                 last = Instant::now();
-                if since.elapsed() >= LEASE { queue.bury_the_dead().await } else { Ok(()) }
+                if since.elapsed() >= LEASE {
+                    queue.bury_the_dead().await
+                } else {
+                    Ok(())
+                }
             }
             failed => failed,
         };
         if let Err(error) = done {
-            tracing::warn!(error = format!("{error:#}"), "the queue's heartbeat failed; trying again");
+            tracing::warn!(
+                error = format!("{error:#}"),
+                "the queue's heartbeat failed; trying again"
+            );
         }
     }
 }

@@ -7,11 +7,17 @@ use std::time::Instant;
 use tokio::sync::mpsc;
 
 async fn engine(slots: usize) -> Engine {
-    Engine::open(&Database::Sqlite("nowhere/app.db".into()), slots).await.unwrap()
+    Engine::open(&Database::Sqlite("nowhere/app.db".into()), slots)
+        .await
+        .unwrap()
 }
 
 fn job(job_id: Uuid) -> Ready {
-    Ready { job_id, chunk: None, priority: 0 }
+    Ready {
+        job_id,
+        chunk: None,
+        priority: 0,
+    }
 }
 
 fn telling(sender: mpsc::UnboundedSender<Uuid>) -> Handler {
@@ -38,25 +44,48 @@ async fn an_idle_queue_is_woken_by_every_entry_and_stops_quickly() {
     }
     took.sort();
     assert!(took[500] < Duration::from_millis(5), "{:?}", took[500]);
-    assert!(took[999] < Duration::from_millis(500), "none waits for a clock: {:?}", took[999]);
+    assert!(
+        took[999] < Duration::from_millis(500),
+        "none waits for a clock: {:?}",
+        took[999]
+    );
     let since = Instant::now();
     engine.stop().await;
-    assert!(since.elapsed() < Duration::from_secs(1), "{:?}", since.elapsed());
+    assert!(
+        since.elapsed() < Duration::from_secs(1),
+        "{:?}",
+        since.elapsed()
+    );
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn what_waits_already_is_not_put_in_again() {
     let engine = engine(1).await;
     let (one, two) = (Uuid::now_v7(), Uuid::now_v7());
-    let chunk = |number| Ready { chunk: Some(number), ..job(two) };
+    let chunk = |number| Ready {
+        chunk: Some(number),
+        ..job(two)
+    };
     for _ in 0..3 {
-        engine.enqueue(&[job(one), chunk(0), chunk(1)]).await.unwrap();
+        engine
+            .enqueue(&[job(one), chunk(0), chunk(1)])
+            .await
+            .unwrap();
     }
     let (sender, mut told) = mpsc::unbounded_channel();
     engine.run(telling(sender));
-    let seen = [told.recv().await.unwrap(), told.recv().await.unwrap(), told.recv().await.unwrap()];
+    let seen = [
+        told.recv().await.unwrap(),
+        told.recv().await.unwrap(),
+        told.recv().await.unwrap(),
+    ];
     assert_eq!(seen.iter().filter(|&&id| id == two).count(), 2);
-    assert!(tokio::time::timeout(Duration::from_millis(100), told.recv()).await.is_err(), "nothing comes twice");
+    assert!(
+        tokio::time::timeout(Duration::from_millis(100), told.recv())
+            .await
+            .is_err(),
+        "nothing comes twice"
+    );
     engine.enqueue(&[job(one)]).await.unwrap();
     assert_eq!(told.recv().await, Some(one), "what was done may come again");
     engine.stop().await;
@@ -67,21 +96,35 @@ async fn no_more_handlers_run_than_there_are_slots_and_one_that_fails_or_panics_
     let engine = engine(2).await;
     let (sender, mut told) = mpsc::unbounded_channel();
     let running = Arc::new(AtomicUsize::new(0));
-    let (failed, panicked) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
+    let (failed, panicked) = (
+        Arc::new(AtomicBool::new(false)),
+        Arc::new(AtomicBool::new(false)),
+    );
     engine.run(Handler::new(move |entry| {
-        let (sender, running, failed, panicked) = (sender.clone(), running.clone(), failed.clone(), panicked.clone());
+        let (sender, running, failed, panicked) = (
+            sender.clone(),
+            running.clone(),
+            failed.clone(),
+            panicked.clone(),
+        );
         async move {
             let at_once = running.fetch_add(1, Ordering::SeqCst) + 1;
             tokio::time::sleep(Duration::from_millis(30)).await;
             running.fetch_sub(1, Ordering::SeqCst);
             anyhow::ensure!(failed.swap(true, Ordering::SeqCst), "the first call fails");
-            assert!(panicked.swap(true, Ordering::SeqCst), "the second call panics");
+            assert!(
+                panicked.swap(true, Ordering::SeqCst),
+                "the second call panics"
+            );
             Ok(sender.send((entry, at_once))?)
         }
         .boxed()
     }));
     let ids: Vec<Uuid> = (0..10).map(|_| Uuid::now_v7()).collect();
-    engine.enqueue(&ids.iter().copied().map(job).collect::<Vec<_>>()).await.unwrap();
+    engine
+        .enqueue(&ids.iter().copied().map(job).collect::<Vec<_>>())
+        .await
+        .unwrap();
     let (mut seen, mut most) = (Vec::new(), 0);
     while seen.len() < ids.len() {
         let (entry, at_once) = told.recv().await.unwrap();
@@ -95,18 +138,41 @@ async fn no_more_handlers_run_than_there_are_slots_and_one_that_fails_or_panics_
 
 #[test]
 fn the_first_chunk_goes_first_and_what_is_more_urgent_before_it() {
-    let chunk = |priority, number| Ready { chunk: Some(number), priority, ..job(Uuid::nil()) };
-    let ready =
-        [Ready { priority: 100, ..job(Uuid::nil()) }, chunk(90, 0), chunk(90, 1), chunk(90, 9_999), chunk(80, 0), chunk(0, u32::MAX)];
+    let chunk = |priority, number| Ready {
+        chunk: Some(number),
+        priority,
+        ..job(Uuid::nil())
+    };
+    let ready = [
+        Ready {
+            priority: 100,
+            ..job(Uuid::nil())
+        },
+        chunk(90, 0),
+        chunk(90, 1),
+        chunk(90, 9_999),
+        chunk(80, 0),
+        chunk(0, u32::MAX),
+    ];
     let places: Vec<i64> = ready.iter().map(place).collect();
-    assert!(places.is_sorted_by(|before, after| before > after), "{places:?}");
+    assert!(
+        places.is_sorted_by(|before, after| before > after),
+        "{places:?}"
+    );
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn the_urgent_goes_first_and_of_two_the_older() {
     let engine = engine(1).await;
     let ids: Vec<Uuid> = (0..6).map(|_| Uuid::now_v7()).collect();
-    let ready: Vec<Ready> = ids.iter().zip([3, 50, 4, 100, 0, 50]).map(|(&id, priority)| Ready { priority, ..job(id) }).collect();
+    let ready: Vec<Ready> = ids
+        .iter()
+        .zip([3, 50, 4, 100, 0, 50])
+        .map(|(&id, priority)| Ready {
+            priority,
+            ..job(id)
+        })
+        .collect();
     engine.enqueue(&ready).await.unwrap();
     let (sender, mut told) = mpsc::unbounded_channel();
     engine.run(telling(sender));

@@ -36,8 +36,10 @@ impl<S: Sync> FromRequest<S> for JsonBody {
         if media_type != "application/json" {
             drain(&parts.headers, body).await;
             let detail = format!("the body must be application/json, not '{media_type}'");
-            return Err(ApiError::new("unsupported_media_type", detail)
-                .with_header(header::ACCEPT, header::HeaderValue::from_static("application/json")));
+            return Err(ApiError::new("unsupported_media_type", detail).with_header(
+                header::ACCEPT,
+                header::HeaderValue::from_static("application/json"),
+            ));
         }
         let bytes = read_limited(&parts.headers, body, JSON_LIMIT_BYTES).await?;
         parse_json(&bytes, "").map(JsonBody)
@@ -50,49 +52,95 @@ impl<S: Sync> FromRequest<S> for JsonBody {
 /// `malformed_json` with line and column; members that are given twice; `unsupported_media_type` of bytes that are compressed.
 pub fn parse_json(bytes: &[u8], pointer: &str) -> Result<Value, ApiError> {
     if let Some(name) = compression_of(bytes) {
-        return Err(compressed(&format!("the body is compressed ({name}); send it as it is")));
+        return Err(compressed(&format!(
+            "the body is compressed ({name}); send it as it is"
+        )));
     }
-    let malformed = |error| ApiError::new("malformed_json", format!("the body is not JSON: {error}"));
+    let malformed =
+        |error| ApiError::new("malformed_json", format!("the body is not JSON: {error}"));
     let (value, faults) = registry::parse(bytes).map_err(malformed)?;
-    if faults.is_empty() { Ok(value) } else { Err(ApiError::validation(prefixed(faults, pointer))) }
+    if faults.is_empty() {
+        Ok(value)
+    } else {
+        Err(ApiError::validation(prefixed(faults, pointer)))
+    }
 }
 
 /// The name of a compression by the first bytes that it makes.
 pub fn compression_of(bytes: &[u8]) -> Option<&'static str> {
-    const MAGIC: [(&[u8], &str); 5] =
-        [(b"\x1f\x8b", "gzip"), (b"\x28\xb5\x2f\xfd", "zstd"), (b"\xfd7zXZ\x00", "xz"), (b"BZh", "bzip2"), (b"PK\x03\x04", "zip")];
-    MAGIC.iter().find(|(magic, _)| bytes.starts_with(magic)).map(|(_, name)| *name)
+    const MAGIC: [(&[u8], &str); 5] = [
+        (b"\x1f\x8b", "gzip"),
+        (b"\x28\xb5\x2f\xfd", "zstd"),
+        (b"\xfd7zXZ\x00", "xz"),
+        (b"BZh", "bzip2"),
+        (b"PK\x03\x04", "zip"),
+    ];
+    MAGIC
+        .iter()
+        .find(|(magic, _)| bytes.starts_with(magic))
+        .map(|(_, name)| *name)
 }
 
 fn prefixed(faults: Vec<Fault>, prefix: &str) -> Vec<Fault> {
-    faults.into_iter().map(|fault| Fault { pointer: format!("{prefix}{}", fault.pointer), ..fault }).collect()
+    faults
+        .into_iter()
+        .map(|fault| Fault {
+            pointer: format!("{prefix}{}", fault.pointer),
+            ..fault
+        })
+        .collect()
 }
 
 /// The value checked against its description, as a type.
 ///
 /// # Errors
 /// Every fault, with `prefix` before its pointer.
-pub fn checked<T: DeserializeOwned>(value: &Value, object: &'static Object, prefix: &str) -> Result<T, ApiError> {
-    let value = registry::check(value, object).map_err(|faults| ApiError::validation(prefixed(faults, prefix)))?;
+pub fn checked<T: DeserializeOwned>(
+    value: &Value,
+    object: &'static Object,
+    prefix: &str,
+) -> Result<T, ApiError> {
+    let value = registry::check(value, object)
+        .map_err(|faults| ApiError::validation(prefixed(faults, prefix)))?;
     serde_json::from_value(value).map_err(ApiError::internal)
 }
 
 /// The media type of the body, without parameters, in lower case.
 pub fn media_type(headers: &HeaderMap) -> String {
-    let value = headers.get(header::CONTENT_TYPE).and_then(|value| value.to_str().ok()).unwrap_or_default();
-    value.split(';').next().unwrap_or_default().trim().to_ascii_lowercase()
+    let value = headers
+        .get(header::CONTENT_TYPE)
+        .and_then(|value| value.to_str().ok())
+        .unwrap_or_default();
+    value
+        .split(';')
+        .next()
+        .unwrap_or_default()
+        .trim()
+        .to_ascii_lowercase()
 }
 
 pub fn too_large(limit_bytes: u64) -> ApiError {
-    ApiError::new("payload_too_large", format!("the body is larger than {limit_bytes} bytes"))
+    ApiError::new(
+        "payload_too_large",
+        format!("the body is larger than {limit_bytes} bytes"),
+    )
 }
 
 /// The length that the client announced.
 pub fn content_length(headers: &HeaderMap) -> Option<u64> {
-    headers.get(header::CONTENT_LENGTH)?.to_str().ok()?.parse().ok()
+    headers
+        .get(header::CONTENT_LENGTH)?
+        .to_str()
+        .ok()?
+        .parse()
+        .ok()
 }
 
-async fn read_limited(headers: &HeaderMap, body: Body, limit_bytes: u64) -> Result<Bytes, ApiError> {
+async fn read_limited(
+    headers: &HeaderMap,
+    body: Body,
+    limit_bytes: u64,
+) -> Result<Bytes, ApiError> {
     if content_length(headers).is_some_and(|length| length > limit_bytes) {
         drain(headers, body).await;
         return Err(too_large(limit_bytes));
@@ -114,7 +162,10 @@ pub fn broken_off(error: &(dyn Error + 'static)) -> ApiError {
     let mut cause = Some(error);
     while let Some(error) = cause {
         if error.is::<TooSlow>() {
-            return ApiError::new("request_timeout", "the body comes too slowly, so it is not waited for any longer");
+            return ApiError::new(
+                "request_timeout",
+                "the body comes too slowly, so it is not waited for any longer",
+            );
         }
         cause = error.source();
     }
@@ -126,7 +177,11 @@ pub async fn drain(headers: &HeaderMap, body: Body) {
     if headers.contains_key(header::EXPECT) {
         return;
     }
-    read_away(body.into_data_stream().map(|chunk| chunk.map(|bytes| bytes.len()).ok())).await;
+    read_away(
+        body.into_data_stream()
+            .map(|chunk| chunk.map(|bytes| bytes.len()).ok()),
+    )
+    .await;
 }
 
 /// Reads lengths of chunks until there is none, an error, or enough.

@@ -19,7 +19,11 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 pub fn routes() -> OpenApiRouter<AppState> {
-    OpenApiRouter::new().routes(routes!(list_methods)).routes(routes!(get_method)).routes(routes!(list_presets)).routes(routes!(get_preset))
+    OpenApiRouter::new()
+        .routes(routes!(list_methods))
+        .routes(routes!(get_method))
+        .routes(routes!(list_presets))
+        .routes(routes!(get_preset))
 }
 
 /// Everything that can be chosen.
@@ -88,8 +92,18 @@ impl From<Variant> for MethodEntry {
 
 impl From<presets::Preset> for PresetInfo {
     fn from(preset: presets::Preset) -> Self {
-        let presets::Preset { name, summary, kind, body } = preset;
-        PresetInfo { name, summary, body: with_kind(kind, &body), kind: kind.into() }
+        let presets::Preset {
+            name,
+            summary,
+            kind,
+            body,
+        } = preset;
+        PresetInfo {
+            name,
+            summary,
+            body: with_kind(kind, &body),
+            kind: kind.into(),
+        }
     }
 }
 
@@ -108,7 +122,11 @@ fn method_catalogue() -> MethodCatalogue {
     let family = |family: &catalogue::Family| MethodFamily {
         family: family.name.to_owned(),
         summary: family.summary().to_owned(),
-        methods: family.methods().into_iter().map(MethodEntry::from).collect(),
+        methods: family
+            .methods()
+            .into_iter()
+            .map(MethodEntry::from)
+            .collect(),
     };
     let schema = |kind| JsonSchema(standalone_schema(catalogue::request_object(kind)));
     let requests = RequestSchemas {
@@ -119,7 +137,10 @@ fn method_catalogue() -> MethodCatalogue {
         correlate: schema(plan::JobKind::Correlate),
         campaign: schema(plan::JobKind::Campaign),
     };
-    MethodCatalogue { families: catalogue::FAMILIES.iter().map(family).collect(), requests }
+    MethodCatalogue {
+        families: catalogue::FAMILIES.iter().map(family).collect(),
+        requests,
+    }
 }
 
 /// Get a method
@@ -131,17 +152,38 @@ fn method_catalogue() -> MethodCatalogue {
         ("name" = String, Path, description = "Such as `nearest_neighbour`."),
     ),
     responses((status = 200, description = "The method.", body = MethodEntry)))]
-async fn get_method(Path((family, name)): Path<(String, String)>, _: NoParams, headers: HeaderMap) -> ApiResult {
-    let known = catalogue::FAMILIES.iter().find(|known| known.name == family);
-    let family = known.ok_or_else(|| nothing("family", &family, names(catalogue::FAMILIES.iter().map(|family| family.name))))?;
+async fn get_method(
+    Path((family, name)): Path<(String, String)>,
+    _: NoParams,
+    headers: HeaderMap,
+) -> ApiResult {
+    let known = catalogue::FAMILIES
+        .iter()
+        .find(|known| known.name == family);
+    let family = known.ok_or_else(|| {
+        nothing(
+            "family",
+            &family,
+            names(catalogue::FAMILIES.iter().map(|family| family.name)),
+        )
+    })?;
     let methods = family.methods();
     let method = methods.iter().find(|method| method.tag == name).copied();
-    let method = method.ok_or_else(|| nothing("method", &name, names(methods.iter().map(|method| method.tag))))?;
+    let method = method.ok_or_else(|| {
+        nothing(
+            "method",
+            &name,
+            names(methods.iter().map(|method| method.tag)),
+        )
+    })?;
     Ok(Constant::new(&MethodEntry::from(method)).answer(&headers))
 }
 
 fn nothing(what: &str, name: &str, known: String) -> ApiError {
-    ApiError::new("not_found", format!("there is no {what} '{name}'; there are {known}"))
+    ApiError::new(
+        "not_found",
+        format!("there is no {what} '{name}'; there are {known}"),
+    )
 }
 
 /// List the presets
@@ -150,8 +192,11 @@ fn nothing(what: &str, name: &str, known: String) -> ApiError {
 #[utoipa::path(get, path = "/v1/presets", operation_id = "listPresets", tag = "catalogue",
     responses((status = 200, description = "The presets.", body = PresetList)))]
 async fn list_presets(_: NoParams, headers: HeaderMap) -> Response {
-    static PRESETS: LazyLock<Constant> =
-        LazyLock::new(|| Constant::new(&PresetList { items: presets::all().into_iter().map(PresetInfo::from).collect() }));
+    static PRESETS: LazyLock<Constant> = LazyLock::new(|| {
+        Constant::new(&PresetList {
+            items: presets::all().into_iter().map(PresetInfo::from).collect(),
+        })
+    });
     PRESETS.answer(&headers)
 }
 

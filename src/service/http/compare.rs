@@ -37,22 +37,52 @@ async fn compare_jobs(State(app): State<AppState>, mut params: Params) -> ApiRes
 /// The jobs, the place of the baseline among them, and the confidence.
 fn read(params: &mut Params) -> (Vec<Uuid>, usize, f64) {
     let texts = params.all("job");
-    let jobs: Vec<Uuid> = texts.iter().filter_map(|text| Uuid::try_parse(text).ok()).collect();
+    let jobs: Vec<Uuid> = texts
+        .iter()
+        .filter_map(|text| Uuid::try_parse(text).ok())
+        .collect();
     for text in texts.iter().filter(|text| Uuid::try_parse(text).is_err()) {
-        params.fault("job", "unknown_value", &format!("'{text}' is not the id of a job"), "ids of jobs");
+        params.fault(
+            "job",
+            "unknown_value",
+            &format!("'{text}' is not the id of a job"),
+            "ids of jobs",
+        );
     }
     if jobs.len() < texts.len() {
         // Told already, one by one.
     } else if !JOBS.contains(&jobs.len()) {
-        params.fault("job", "out_of_range", &format!("{} jobs are named", jobs.len()), "2 to 20 jobs");
-    } else if jobs.iter().enumerate().any(|(index, job)| jobs[..index].contains(job)) {
-        params.fault("job", "duplicate", "a job is named more than once", "each job once");
+        params.fault(
+            "job",
+            "out_of_range",
+            &format!("{} jobs are named", jobs.len()),
+            "2 to 20 jobs",
+        );
+    } else if jobs
+        .iter()
+        .enumerate()
+        .any(|(index, job)| jobs[..index].contains(job))
+    {
+        params.fault(
+            "job",
+            "duplicate",
+            "a job is named more than once",
+            "each job once",
+        );
     }
     let baseline = params.read("baseline", "one of the jobs", |text| {
         let id = Uuid::try_parse(text).ok()?;
         jobs.iter().position(|job| *job == id)
     });
     let allowed = "above 0, below 1";
-    let confidence = params.read("confidence", allowed, |text| text.parse().ok().filter(|share: &f64| *share > 0.0 && *share < 1.0));
-    (jobs, baseline.unwrap_or(0), confidence.unwrap_or(CONFIDENCE))
+    let confidence = params.read("confidence", allowed, |text| {
+        text.parse()
+            .ok()
+            .filter(|share: &f64| *share > 0.0 && *share < 1.0)
+    });
+    (
+        jobs,
+        baseline.unwrap_or(0),
+        confidence.unwrap_or(CONFIDENCE),
+    )
 }

@@ -30,7 +30,11 @@ pub fn weakly_tagged(request: &HeaderMap, value: &impl Serialize) -> ApiResult {
 /// Bytes that are part of the program, with a strong tag.
 pub fn fixed(request: &HeaderMap, media_type: &str, bytes: Bytes, sha256: &str) -> Response {
     let tag = format!("\"{sha256}\"");
-    let mut response = if matches(request, &tag) { StatusCode::NOT_MODIFIED.into_response() } else { bytes.into_response() };
+    let mut response = if matches(request, &tag) {
+        StatusCode::NOT_MODIFIED.into_response()
+    } else {
+        bytes.into_response()
+    };
     set(&mut response, header::CONTENT_TYPE, media_type);
     set(&mut response, header::ETAG, &tag);
     set(&mut response, header::CACHE_CONTROL, "no-cache");
@@ -45,23 +49,45 @@ pub struct Constant {
 
 impl Constant {
     pub fn new(value: &impl Serialize) -> Self {
-        let bytes = Bytes::from(serde_json::to_vec(value).expect("what the program says of itself is JSON"));
-        Constant { sha256: sha256_hex(&bytes), bytes }
+        let bytes = Bytes::from(
+            serde_json::to_vec(value).expect("what the program says of itself is JSON"),
+        );
+        Constant {
+            sha256: sha256_hex(&bytes),
+            bytes,
+        }
     }
 
     pub fn answer(&self, request: &HeaderMap) -> Response {
-        fixed(request, "application/json", self.bytes.clone(), &self.sha256)
+        fixed(
+            request,
+            "application/json",
+            self.bytes.clone(),
+            &self.sha256,
+        )
     }
 }
 
 /// A stored file: whole, a range of it, or 304. Its content never changes.
 pub async fn stored(request: &HeaderMap, file: StoredFile, as_attachment: bool) -> ApiResult {
     let tag = format!("\"{}\"", file.sha256);
-    let mut response = if matches(request, &tag) { StatusCode::NOT_MODIFIED.into_response() } else { send(request, &file, &tag).await? };
+    let mut response = if matches(request, &tag) {
+        StatusCode::NOT_MODIFIED.into_response()
+    } else {
+        send(request, &file, &tag).await?
+    };
     set(&mut response, header::ETAG, &tag);
-    set(&mut response, header::CACHE_CONTROL, "private, max-age=31536000, immutable");
+    set(
+        &mut response,
+        header::CACHE_CONTROL,
+        "private, max-age=31536000, immutable",
+    );
     if as_attachment {
-        set(&mut response, header::CONTENT_DISPOSITION, &disposition(&file.file_name));
+        set(
+            &mut response,
+            header::CONTENT_DISPOSITION,
+            &disposition(&file.file_name),
+        );
     }
     Ok(response)
 }
@@ -69,31 +95,55 @@ pub async fn stored(request: &HeaderMap, file: StoredFile, as_attachment: bool) 
 async fn send(request: &HeaderMap, file: &StoredFile, tag: &str) -> ApiResult {
     let wanted = wanted_range(request, tag, file.bytes)?;
     let (first, length) = wanted.unwrap_or((0, file.bytes));
-    let mut source = tokio::fs::File::open(&file.path).await.map_err(|error| match error.kind() {
-        ErrorKind::NotFound => ApiError::new("gone", "the file has been deleted"),
-        _ => ApiError::internal(error),
-    })?;
-    source.seek(SeekFrom::Start(first)).await.map_err(ApiError::internal)?;
+    let mut source =
+        tokio::fs::File::open(&file.path)
+            .await
+            .map_err(|error| match error.kind() {
+                ErrorKind::NotFound => ApiError::new("gone", "the file has been deleted"),
+                _ => ApiError::internal(error),
+            })?;
+    source
+        .seek(SeekFrom::Start(first))
+        .await
+        .map_err(ApiError::internal)?;
     let mut response = Body::from_stream(ReaderStream::new(source.take(length))).into_response();
     set(&mut response, header::CONTENT_TYPE, &file.media_type);
     set(&mut response, header::ACCEPT_RANGES, "bytes");
-    response.headers_mut().insert(header::CONTENT_LENGTH, length.into());
+    response
+        .headers_mut()
+        .insert(header::CONTENT_LENGTH, length.into());
     if wanted.is_some() {
         *response.status_mut() = StatusCode::PARTIAL_CONTENT;
-        set(&mut response, header::CONTENT_RANGE, &format!("bytes {first}-{}/{}", first + length - 1, file.bytes));
+        set(
+            &mut response,
+            header::CONTENT_RANGE,
+            &format!("bytes {first}-{}/{}", first + length - 1, file.bytes),
+        );
     }
     Ok(response)
 }
 
 /// First byte and length of the range that is asked for. Several ranges, other units and a stale `If-Range` mean the
 /// whole file, as RFC 9110 allows.
-fn wanted_range(request: &HeaderMap, tag: &str, bytes: u64) -> Result<Option<(u64, u64)>, ApiError> {
-    let text = |name| request.get(name).and_then(|value: &HeaderValue| value.to_str().ok());
+fn wanted_range(
+    request: &HeaderMap,
+    tag: &str,
+    bytes: u64,
+) -> Result<Option<(u64, u64)>, ApiError> {
+    let text = |name| {
+        request
+            .get(name)
+            .and_then(|value: &HeaderValue| value.to_str().ok())
+    };
     if text(header::IF_RANGE).is_some_and(|given| given != tag) {
         return Ok(None);
     }
-    let Some(spec) = text(header::RANGE).and_then(|range| range.strip_prefix("bytes=")) else { return Ok(None) };
-    let Some((from, to)) = spec.split_once('-').filter(|_| !spec.contains(',')) else { return Ok(None) };
+    let Some(spec) = text(header::RANGE).and_then(|range| range.strip_prefix("bytes=")) else {
+        return Ok(None);
+    };
+    let Some((from, to)) = spec.split_once('-').filter(|_| !spec.contains(',')) else {
+        return Ok(None);
+    };
     let (first, end) = match (from.trim().parse::<u64>(), to.trim().parse::<u64>()) {
         (Ok(first), Ok(last)) if first <= last => (first, last.saturating_add(1).min(bytes)),
         (Ok(first), Err(_)) if to.trim().is_empty() => (first, bytes),
@@ -101,8 +151,13 @@ fn wanted_range(request: &HeaderMap, tag: &str, bytes: u64) -> Result<Option<(u6
         _ => return Ok(None),
     };
     if first >= end {
-        let size = HeaderValue::from_str(&format!("bytes */{bytes}")).map_err(ApiError::internal)?;
-        return Err(ApiError::new("range_not_satisfiable", format!("the file has {bytes} bytes")).with_header(header::CONTENT_RANGE, size));
+        let size =
+            HeaderValue::from_str(&format!("bytes */{bytes}")).map_err(ApiError::internal)?;
+        return Err(ApiError::new(
+            "range_not_satisfiable",
+            format!("the file has {bytes} bytes"),
+        )
+        .with_header(header::CONTENT_RANGE, size));
     }
     Ok(Some((first, end - first)))
 }
@@ -110,14 +165,32 @@ fn wanted_range(request: &HeaderMap, tag: &str, bytes: u64) -> Result<Option<(u6
 /// Whether `If-None-Match` names the tag; weak comparison.
 fn matches(request: &HeaderMap, tag: &str) -> bool {
     let opaque = |tag: &str| tag.trim().trim_start_matches("W/").to_owned();
-    let mut given = request.get_all(header::IF_NONE_MATCH).iter().filter_map(|value| value.to_str().ok());
-    given.any(|list| list.split(',').any(|entry| entry.trim() == "*" || opaque(entry) == opaque(tag)))
+    let mut given = request
+        .get_all(header::IF_NONE_MATCH)
+        .iter()
+        .filter_map(|value| value.to_str().ok());
+    given.any(|list| {
+        list.split(',')
+            .any(|entry| entry.trim() == "*" || opaque(entry) == opaque(tag))
+    })
 }
 
 /// `attachment` with the file's name, in ASCII and in full (RFC 6266).
 fn disposition(file_name: &str) -> String {
-    let plain: String = file_name.chars().map(|c| if c.is_ascii_alphanumeric() || "-_. ".contains(c) { c } else { '_' }).collect();
-    format!("attachment; filename=\"{plain}\"; filename*=UTF-8''{}", encoded(file_name))
+    let plain: String = file_name
+        .chars()
+        .map(|c| {
+            if c.is_ascii_alphanumeric() || "-_. ".contains(c) {
+                c
+            } else {
+                '_'
+            }
+        })
+        .collect();
+    format!(
+        "attachment; filename=\"{plain}\"; filename*=UTF-8''{}",
+        encoded(file_name)
+    )
 }
 
 /// Sets a header whose value we wrote; a value that is no header text is left out.
@@ -163,6 +236,9 @@ mod tests {
 
     #[test]
     fn file_names_cannot_leave_their_quotes() {
-        assert_eq!(disposition("a\"b\r\nü.csv"), "attachment; filename=\"a_b___.csv\"; filename*=UTF-8''a%22b%0D%0A%C3%BC.csv");
+        assert_eq!(
+            disposition("a\"b\r\nü.csv"),
+            "attachment; filename=\"a_b___.csv\"; filename*=UTF-8''a%22b%0D%0A%C3%BC.csv"
+        );
     }
 }

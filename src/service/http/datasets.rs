@@ -42,14 +42,22 @@ pub fn routes() -> OpenApiRouter<AppState> {
         (status = 201, description = "The dataset, checked and kept.", body = DatasetInfo),
     ))]
 async fn upload_dataset(State(app): State<AppState>, _: NoParams, request: Request) -> ApiResult {
-    if let Err(error) = app.jobs.check_room(content_length(request.headers()).unwrap_or(0)) {
+    if let Err(error) = app
+        .jobs
+        .check_room(content_length(request.headers()).unwrap_or(0))
+    {
         let headers = request.headers().clone();
         drain(&headers, request.into_body()).await;
         return Err(JobsError::from(error).into());
     }
     let upload = upload::receive(request, app.jobs.temp_dir(), app.max_upload_bytes).await?;
-    let added = app.jobs.add_dataset(upload.file.clone(), upload.meta.clone()).await;
-    added.map(answer).map_err(|error| upload::repoint(error, "/meta", "/file"))
+    let added = app
+        .jobs
+        .add_dataset(upload.file.clone(), upload.meta.clone())
+        .await;
+    added
+        .map(answer)
+        .map_err(|error| upload::repoint(error, "/meta", "/file"))
 }
 
 /// Upload a dataset as the body
@@ -61,15 +69,29 @@ async fn upload_dataset(State(app): State<AppState>, _: NoParams, request: Reque
         (status = 200, description = "The dataset that exists already.", body = DatasetInfo),
         (status = 201, description = "The dataset, checked and kept.", body = DatasetInfo),
     ))]
-async fn upload_raw_dataset(State(app): State<AppState>, params: Params, request: Request) -> ApiResult {
-    let upload = raw_upload::receive(params, request, app.jobs.temp_dir(), app.max_upload_bytes).await?;
-    let added = app.jobs.add_dataset(upload.file.clone(), upload.meta.clone()).await;
-    added.map(answer).map_err(|error| upload::repoint(error, "/query", ""))
+async fn upload_raw_dataset(
+    State(app): State<AppState>,
+    params: Params,
+    request: Request,
+) -> ApiResult {
+    let upload =
+        raw_upload::receive(params, request, app.jobs.temp_dir(), app.max_upload_bytes).await?;
+    let added = app
+        .jobs
+        .add_dataset(upload.file.clone(), upload.meta.clone())
+        .await;
+    added
+        .map(answer)
+        .map_err(|error| upload::repoint(error, "/query", ""))
 }
 
 /// 201 with the dataset, or 200 where it was there before.
 fn answer((dataset, is_new): (DatasetInfo, bool)) -> Response {
-    let status = if is_new { StatusCode::CREATED } else { StatusCode::OK };
+    let status = if is_new {
+        StatusCode::CREATED
+    } else {
+        StatusCode::OK
+    };
     let location = dataset.links.self_path.clone();
     created(status, &location, dataset)
 }
@@ -102,7 +124,12 @@ async fn list_datasets(State(app): State<AppState>, mut params: Params) -> ApiRe
     let next = params.next_page();
     params.finish()?;
     let page = app.jobs.list_datasets(filter).await?;
-    Ok(with_next("/v1/datasets", &next, page.next_cursor.as_deref(), Json(&page).into_response()))
+    Ok(with_next(
+        "/v1/datasets",
+        &next,
+        page.next_cursor.as_deref(),
+        Json(&page).into_response(),
+    ))
 }
 
 /// Get a dataset
@@ -111,7 +138,12 @@ async fn list_datasets(State(app): State<AppState>, mut params: Params) -> ApiRe
 #[utoipa::path(get, path = "/v1/datasets/{id}", operation_id = "getDataset", tag = "datasets",
     params(("id" = uuid::Uuid, Path, description = "Identity of the dataset.")),
     responses((status = 200, description = "The dataset.", body = DatasetInfo)))]
-async fn get_dataset(State(app): State<AppState>, Id(id): Id, _: NoParams, headers: HeaderMap) -> ApiResult {
+async fn get_dataset(
+    State(app): State<AppState>,
+    Id(id): Id,
+    _: NoParams,
+    headers: HeaderMap,
+) -> ApiResult {
     conditional::weakly_tagged(&headers, &app.jobs.dataset(id).await?)
 }
 
@@ -136,7 +168,9 @@ async fn delete_dataset(State(app): State<AppState>, Id(id): Id, _: NoParams) ->
     ),
     responses((status = 200, description = "The first rows.", body = preview::Preview)))]
 async fn preview_dataset(State(app): State<AppState>, Id(id): Id, mut params: Params) -> ApiResult {
-    let rows = params.whole_number("limit", 1..=PREVIEW_ROWS.1).unwrap_or(PREVIEW_ROWS.0);
+    let rows = params
+        .whole_number("limit", 1..=PREVIEW_ROWS.1)
+        .unwrap_or(PREVIEW_ROWS.0);
     params.finish()?;
     Ok(Json(app.jobs.preview(id, rows as usize).await?).into_response())
 }
@@ -147,7 +181,12 @@ async fn preview_dataset(State(app): State<AppState>, Id(id): Id, mut params: Pa
 #[utoipa::path(get, path = "/v1/datasets/{id}/content", operation_id = "downloadDataset", tag = "datasets",
     params(("id" = uuid::Uuid, Path, description = "Identity of the dataset.")),
     responses((status = 200, description = "The file.", content_type = "application/octet-stream", body = super::state::FileContent)))]
-async fn download_dataset(State(app): State<AppState>, Id(id): Id, _: NoParams, headers: HeaderMap) -> ApiResult {
+async fn download_dataset(
+    State(app): State<AppState>,
+    Id(id): Id,
+    _: NoParams,
+    headers: HeaderMap,
+) -> ApiResult {
     conditional::stored(&headers, app.jobs.dataset_content(id).await?, true).await
 }
 
@@ -157,18 +196,31 @@ pub(super) fn sort(params: &mut Params) -> Sort {
         "created_at" => Some(Sort::OldestFirst),
         _ => None,
     };
-    params.read("sort", "-created_at, created_at", read).unwrap_or_default()
+    params
+        .read("sort", "-created_at, created_at", read)
+        .unwrap_or_default()
 }
 
 /// Rows of a page; 0 stands for what the storage thinks right.
 pub(super) fn limit(params: &mut Params) -> u32 {
-    params.whole_number("limit", 1..=200).map_or(0, |limit| limit as u32)
+    params
+        .whole_number("limit", 1..=200)
+        .map_or(0, |limit| limit as u32)
 }
 
 /// Adds `Link: <…>; rel="next"` where there is a next page.
-pub(super) fn with_next(path: &str, query: &str, cursor: Option<&str>, mut response: Response<Body>) -> Response {
+pub(super) fn with_next(
+    path: &str,
+    query: &str,
+    cursor: Option<&str>,
+    mut response: Response<Body>,
+) -> Response {
     if let Some(cursor) = cursor {
-        conditional::set(&mut response, axum::http::header::LINK, &format!("<{path}?{query}cursor={cursor}>; rel=\"next\""));
+        conditional::set(
+            &mut response,
+            axum::http::header::LINK,
+            &format!("<{path}?{query}cursor={cursor}>; rel=\"next\""),
+        );
     }
     response
 }

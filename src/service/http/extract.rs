@@ -23,15 +23,24 @@ impl<S: Send + Sync> FromRequestParts<S> for IdAndName {
     type Rejection = ApiError;
 
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, ApiError> {
-        named(parts, state).await.map(|(id, name)| IdAndName(id, name))
+        named(parts, state)
+            .await
+            .map(|(id, name)| IdAndName(id, name))
     }
 }
 
 async fn named<S: Send + Sync>(parts: &mut Parts, state: &S) -> Result<(Uuid, String), ApiError> {
-    let Path(names) = Path::<Vec<String>>::from_request_parts(parts, state).await.map_err(|_| ApiError::not_found("path"))?;
-    let [id, rest @ ..] = names.as_slice() else { return Err(ApiError::not_found("path")) };
+    let Path(names) = Path::<Vec<String>>::from_request_parts(parts, state)
+        .await
+        .map_err(|_| ApiError::not_found("path"))?;
+    let [id, rest @ ..] = names.as_slice() else {
+        return Err(ApiError::not_found("path"));
+    };
     // Only the hyphenated form in lower case is an id; anything else would be a second name of the same thing.
-    let parsed = Uuid::try_parse(id).ok().filter(|parsed| parsed.to_string() == *id);
-    let parsed = parsed.ok_or_else(|| ApiError::new("not_found", format!("'{id}' is not the id of anything")))?;
+    let parsed = Uuid::try_parse(id)
+        .ok()
+        .filter(|parsed| parsed.to_string() == *id);
+    let parsed = parsed
+        .ok_or_else(|| ApiError::new("not_found", format!("'{id}' is not the id of anything")))?;
     Ok((parsed, rest.first().cloned().unwrap_or_default()))
 }

@@ -30,8 +30,14 @@ impl Hosts {
     /// Whether `host:port` is ours; `own` is the address that was connected to.
     fn allow(&self, host: &str, own: Option<SocketAddr>) -> bool {
         let host = plain(host);
-        let address = host.trim_start_matches('[').trim_end_matches(']').parse::<IpAddr>().ok();
-        let is_own = address.is_some_and(|address| own.is_some_and(|own| own.ip().to_canonical() == address.to_canonical()));
+        let address = host
+            .trim_start_matches('[')
+            .trim_end_matches(']')
+            .parse::<IpAddr>()
+            .ok();
+        let is_own = address.is_some_and(|address| {
+            own.is_some_and(|own| own.ip().to_canonical() == address.to_canonical())
+        });
         is_own || self.0.contains(&host)
     }
 }
@@ -57,15 +63,25 @@ pub async fn guard(State(hosts): State<Hosts>, request: Request, next: Next) -> 
 fn check(hosts: &Hosts, request: &Request) -> Result<(), ApiError> {
     let own = request.extensions().get::<Ends>().map(|ends| ends.own);
     let asked = host_header(request)?;
-    let target = request.uri().authority().map(|authority| authority.as_str());
+    let target = request
+        .uri()
+        .authority()
+        .map(|authority| authority.as_str());
     for authority in asked.into_iter().chain(target) {
-        let host = host_of(authority).ok_or_else(|| malformed("the header Host is not a name or address with an optional port"))?;
+        let host = host_of(authority).ok_or_else(|| {
+            malformed("the header Host is not a name or address with an optional port")
+        })?;
         if !hosts.allow(host, own) {
-            let detail = format!("'{host}' is not a host of this service; start it with --allow-host {host} if it is meant to be one");
+            let detail = format!(
+                "'{host}' is not a host of this service; start it with --allow-host {host} if it is meant to be one"
+            );
             return Err(ApiError::new("foreign_host", detail));
         }
     }
-    if !matches!(*request.method(), Method::GET | Method::HEAD | Method::OPTIONS | Method::TRACE) {
+    if !matches!(
+        *request.method(),
+        Method::GET | Method::HEAD | Method::OPTIONS | Method::TRACE
+    ) {
         check_site(request.headers(), asked)?;
     }
     check_encoding(request.headers())
@@ -80,7 +96,9 @@ fn host_header(request: &Request) -> Result<Option<&str>, ApiError> {
         (Some(_), Some(_)) => Err(malformed("the header Host is given more than once")),
         (Some(value), None) => match value.to_str() {
             Ok(text) => Ok(Some(text)),
-            Err(_) => Err(malformed("the header Host is not a name or address with an optional port")),
+            Err(_) => Err(malformed(
+                "the header Host is not a name or address with an optional port",
+            )),
         },
     }
 }
@@ -91,9 +109,16 @@ fn malformed(detail: &str) -> ApiError {
 
 /// The host of `host`, `host:port`, `[address]` or `[address]:port`.
 fn host_of(authority: &str) -> Option<&str> {
-    let end = if authority.starts_with('[') { authority.find(']')? + 1 } else { authority.find(':').unwrap_or(authority.len()) };
+    let end = if authority.starts_with('[') {
+        authority.find(']')? + 1
+    } else {
+        authority.find(':').unwrap_or(authority.len())
+    };
     let (host, port) = authority.split_at(end);
-    let is_port = port.is_empty() || port.strip_prefix(':').is_some_and(|digits| digits.bytes().all(|byte| byte.is_ascii_digit()));
+    let is_port = port.is_empty()
+        || port
+            .strip_prefix(':')
+            .is_some_and(|digits| digits.bytes().all(|byte| byte.is_ascii_digit()));
     let is_host = |byte: u8| byte.is_ascii_alphanumeric() || b"-._[]:".contains(&byte);
     (is_port && !host.is_empty() && host.bytes().all(is_host)).then_some(host)
 }
@@ -108,14 +133,19 @@ fn check_site(headers: &HeaderMap, host: Option<&str>) -> Result<(), ApiError> {
     match headers.get(header::ORIGIN) {
         None if site.is_none() => Ok(()),
         Some(origin) if is_of_host(origin, host) => Ok(()),
-        _ => {
-            Err(ApiError::new("cross_site", "a page of another site sent the request; this service takes changes from its own pages alone"))
-        }
+        _ => Err(ApiError::new(
+            "cross_site",
+            "a page of another site sent the request; this service takes changes from its own pages alone",
+        )),
     }
 }
 
 fn is_of_host(origin: &HeaderValue, host: Option<&str>) -> bool {
-    let authority = origin.to_str().ok().and_then(|origin| origin.split_once("://")).map(|(_, authority)| authority);
+    let authority = origin
+        .to_str()
+        .ok()
+        .and_then(|origin| origin.split_once("://"))
+        .map(|(_, authority)| authority);
     authority.is_some_and(|authority| host.is_some_and(|host| host.eq_ignore_ascii_case(authority)))
 }
 
@@ -124,7 +154,9 @@ fn check_encoding(headers: &HeaderMap) -> Result<(), ApiError> {
     for value in headers.get_all(header::CONTENT_ENCODING) {
         let encoding = value.to_str().unwrap_or_default();
         if !encoding.trim().eq_ignore_ascii_case("identity") {
-            return Err(compressed(&format!("the body is encoded as '{encoding}'; send it as it is, without Content-Encoding")));
+            return Err(compressed(&format!(
+                "the body is encoded as '{encoding}'; send it as it is, without Content-Encoding"
+            )));
         }
     }
     Ok(())
@@ -132,7 +164,10 @@ fn check_encoding(headers: &HeaderMap) -> Result<(), ApiError> {
 
 /// The refusal of a body that is compressed, which says what would be taken (RFC 7694).
 pub fn compressed(detail: &str) -> ApiError {
-    ApiError::new("unsupported_media_type", detail).with_header(header::ACCEPT_ENCODING, HeaderValue::from_static("identity"))
+    ApiError::new("unsupported_media_type", detail).with_header(
+        header::ACCEPT_ENCODING,
+        HeaderValue::from_static("identity"),
+    )
 }
 
 #[cfg(test)]
@@ -164,10 +199,25 @@ mod tests {
     fn this_machine_the_address_asked_and_allowed_names_are_ours() {
         let hosts = Hosts::new(&["Radar.Example".to_owned()]);
         let own = Some(SocketAddr::from(([192, 168, 1, 5], 8080)));
-        for host in ["localhost", "LocalHost.", "127.0.0.1", "[::1]", "radar.example", "192.168.1.5", "[::ffff:192.168.1.5]"] {
+        for host in [
+            "localhost",
+            "LocalHost.",
+            "127.0.0.1",
+            "[::1]",
+            "radar.example",
+            "192.168.1.5",
+            "[::ffff:192.168.1.5]",
+        ] {
             assert!(hosts.allow(host, own), "{host}");
         }
-        for host in ["evil.example", "localhost.evil.example", "192.168.1.6", "127.0.0.2", "[::2]", "example"] {
+        for host in [
+            "evil.example",
+            "localhost.evil.example",
+            "192.168.1.6",
+            "127.0.0.2",
+            "[::2]",
+            "example",
+        ] {
             assert!(!hosts.allow(host, own), "{host}");
         }
     }

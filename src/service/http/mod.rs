@@ -44,5 +44,8 @@ pub fn routes() -> OpenApiRouter<AppState> {
 /// The whole application without its layers.
 pub fn application(state: AppState) -> Router {
     let (api, _) = routes().split_for_parts();
-    api.merge(system::documents()).fallback(system::dashboard_or_nothing).with_state(state).merge(system::docs_page())
+    api.merge(system::documents())
+        .fallback(system::dashboard_or_nothing)
+        .with_state(state)
+        .merge(system::docs_page())
 }

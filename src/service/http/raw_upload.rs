@@ -21,7 +21,9 @@ pub const TEXTS: [&str; 3] = ["name", "kind", "format"];
 pub const JSON_TEXTS: [&str; 3] = ["columns", "bearing_time", "sensors"];
 /// Longest name of a file.
 pub const MAX_FILE_NAME: usize = 255;
-static FILE_NAME: Kind = Kind::Text { max_length: MAX_FILE_NAME };
+static FILE_NAME: Kind = Kind::Text {
+    max_length: MAX_FILE_NAME,
+};
 const OCTETS: &str = "application/octet-stream";
 
 /// Receives a file that is the whole body. What is known of it besides stands in the query: texts as they are, the other
@@ -29,13 +31,27 @@ const OCTETS: &str = "application/octet-stream";
 ///
 /// # Errors
 /// Another media type, a body over the limit, faults in the query.
-pub async fn receive(params: Params, request: Request, directory: &Path, limit_bytes: u64) -> Result<Upload, ApiError> {
+pub async fn receive(
+    params: Params,
+    request: Request,
+    directory: &Path,
+    limit_bytes: u64,
+) -> Result<Upload, ApiError> {
     let (Parts { headers, .. }, body) = request.into_parts();
     let mut stream = body.into_data_stream();
     let received = match check_head(&headers, limit_bytes).and_then(|()| read_query(params)) {
         Ok(meta) => {
-            let stored = store(&mut stream.by_ref().map_err(|error| broken_off(&error)), directory, limit_bytes).await;
-            stored.map(|(file, temporary)| Upload { meta, file, _temporary: temporary })
+            let stored = store(
+                &mut stream.by_ref().map_err(|error| broken_off(&error)),
+                directory,
+                limit_bytes,
+            )
+            .await;
+            stored.map(|(file, temporary)| Upload {
+                meta,
+                file,
+                _temporary: temporary,
+            })
         }
         Err(refusal) => Err(refusal),
     };
@@ -48,7 +64,11 @@ pub async fn receive(params: Params, request: Request, directory: &Path, limit_b
 fn read_query(mut params: Params) -> Result<DatasetMeta, ApiError> {
     let mut meta = Map::new();
     for name in TEXTS {
-        meta.extend(params.text(name).map(|text| (name.to_owned(), Value::from(text))));
+        meta.extend(
+            params
+                .text(name)
+                .map(|text| (name.to_owned(), Value::from(text))),
+        );
     }
     for name in JSON_TEXTS {
         meta.extend(params.json(name).map(|value| (name.to_owned(), value)));
@@ -62,18 +82,26 @@ fn read_query(mut params: Params) -> Result<DatasetMeta, ApiError> {
     params.add_within(faults);
     params.finish()?;
     let meta: Meta = serde_json::from_value(meta).map_err(ApiError::internal)?;
-    Ok(DatasetMeta { file_name, ..meta.into() })
+    Ok(DatasetMeta {
+        file_name,
+        ..meta.into()
+    })
 }
 
 /// A form would be kept with its boundaries in it.
 fn check_head(headers: &HeaderMap, limit_bytes: u64) -> Result<(), ApiError> {
     let media_type = media_type(headers);
-    let is_file = media_type.is_empty() || media_type == OCTETS || FORMATS.iter().any(|format| format.media_type == media_type);
+    let is_file = media_type.is_empty()
+        || media_type == OCTETS
+        || FORMATS.iter().any(|format| format.media_type == media_type);
     if !is_file {
         let allowed = media_types();
-        let detail = format!("the body must be a file in one of the types {allowed}, not '{media_type}'");
+        let detail =
+            format!("the body must be a file in one of the types {allowed}, not '{media_type}'");
         let accept = HeaderValue::from_str(&allowed).map_err(ApiError::internal)?;
-        return Err(ApiError::new("unsupported_media_type", detail).with_header(header::ACCEPT, accept));
+        return Err(
+            ApiError::new("unsupported_media_type", detail).with_header(header::ACCEPT, accept)
+        );
     }
     if content_length(headers).is_some_and(|length| length > limit_bytes) {
         return Err(too_large(limit_bytes));
@@ -83,6 +111,10 @@ fn check_head(headers: &HeaderMap, limit_bytes: u64) -> Result<(), ApiError> {
 
 /// Every format has its type; the bytes alone are enough.
 fn media_types() -> String {
-    let types: BTreeSet<&str> = FORMATS.iter().map(|format| format.media_type).chain([OCTETS]).collect();
+    let types: BTreeSet<&str> = FORMATS
+        .iter()
+        .map(|format| format.media_type)
+        .chain([OCTETS])
+        .collect();
     names(types)
 }

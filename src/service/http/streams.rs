@@ -26,7 +26,11 @@ pub struct OpenStream {
 
 impl Streams {
     pub fn new(limits: &ConnectionLimits) -> Self {
-        Streams(Arc::new(Inner { most: limits.streams, most_of_a_client: limits.streams_per_client, open: Mutex::default() }))
+        Streams(Arc::new(Inner {
+            most: limits.streams,
+            most_of_a_client: limits.streams_per_client,
+            open: Mutex::default(),
+        }))
     }
 
     /// # Errors
@@ -34,14 +38,23 @@ impl Streams {
     pub fn open(&self, client: IpAddr) -> Result<OpenStream, ApiError> {
         let mut open = self.locked();
         if open.values().sum::<usize>() >= self.0.most {
-            return Err(too_many(&format!("{} event streams are open, as many as the service has", self.0.most)));
+            return Err(too_many(&format!(
+                "{} event streams are open, as many as the service has",
+                self.0.most
+            )));
         }
         let of_client = open.entry(client).or_default();
         if *of_client >= self.0.most_of_a_client {
-            return Err(too_many(&format!("{client} has {} event streams open, as many as one client may", self.0.most_of_a_client)));
+            return Err(too_many(&format!(
+                "{client} has {} event streams open, as many as one client may",
+                self.0.most_of_a_client
+            )));
         }
         *of_client += 1;
-        Ok(OpenStream { streams: self.clone(), client })
+        Ok(OpenStream {
+            streams: self.clone(),
+            client,
+        })
     }
 
     /// Nothing panics while it is locked.

@@ -57,10 +57,15 @@ async fn get_health(_: NoParams) -> Json<Health> {
     responses((status = 200, description = "It does.", body = Health)))]
 async fn get_readiness(State(app): State<AppState>, _: NoParams) -> ApiResult<Json<Health>> {
     if app.jobs.is_shutting_down() {
-        return Err(ApiError::busy("shutting_down", "the service is shutting down"));
+        return Err(ApiError::busy(
+            "shutting_down",
+            "the service is shutting down",
+        ));
     }
     app.jobs.check().await?;
-    app.jobs.check_room(0).map_err(|reason| ApiError::new("disk", reason.to_string()))?;
+    app.jobs
+        .check_room(0)
+        .map_err(|reason| ApiError::new("disk", reason.to_string()))?;
     Ok(Json(Health { status: "ok" }))
 }
 
@@ -76,7 +81,14 @@ async fn get_metrics(State(app): State<AppState>, _: NoParams) -> ApiResult {
         metrics::gauge!("trackloom_jobs", "state" => state.name()).set(count as f64);
     }
     app.metrics.run_upkeep();
-    Ok(([(header::CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], app.metrics.render()).into_response())
+    Ok((
+        [(
+            header::CONTENT_TYPE,
+            "text/plain; version=0.0.4; charset=utf-8",
+        )],
+        app.metrics.render(),
+    )
+        .into_response())
 }
 
 /// Which program is this?
@@ -85,25 +97,43 @@ async fn get_metrics(State(app): State<AppState>, _: NoParams) -> ApiResult {
 #[utoipa::path(get, path = "/v1/version", operation_id = "getVersion", tag = "system",
     responses((status = 200, description = "Name and version.", body = Version)))]
 async fn get_version(_: NoParams) -> Json<Version> {
-    Json(Version { name: env!("CARGO_PKG_NAME"), version: build_info::VERSION, features: build_info::features() })
+    Json(Version {
+        name: env!("CARGO_PKG_NAME"),
+        version: build_info::VERSION,
+        features: build_info::features(),
+    })
 }
 
 /// The API documents.
 pub fn documents() -> Router<AppState> {
-    Router::new().route("/openapi.json", get(document)).route("/openapi-3.0.json", get(document_3_0))
+    Router::new()
+        .route("/openapi.json", get(document))
+        .route("/openapi-3.0.json", get(document_3_0))
 }
 
 async fn document(State(app): State<AppState>, headers: HeaderMap) -> Response {
-    conditional::fixed(&headers, "application/json", app.documents.v3_1.bytes.clone(), &app.documents.v3_1.sha256)
+    conditional::fixed(
+        &headers,
+        "application/json",
+        app.documents.v3_1.bytes.clone(),
+        &app.documents.v3_1.sha256,
+    )
 }
 
 async fn document_3_0(State(app): State<AppState>, headers: HeaderMap) -> Response {
-    conditional::fixed(&headers, "application/json", app.documents.v3_0.bytes.clone(), &app.documents.v3_0.sha256)
+    conditional::fixed(
+        &headers,
+        "application/json",
+        app.documents.v3_0.bytes.clone(),
+        &app.documents.v3_0.sha256,
+    )
 }
 
 /// The document made readable; its scripts are part of the program.
 pub fn docs_page() -> Router {
-    SwaggerUi::new("/docs").config(utoipa_swagger_ui::Config::from("/openapi.json")).into()
+    SwaggerUi::new("/docs")
+        .config(utoipa_swagger_ui::Config::from("/openapi.json"))
+        .into()
 }
 
 /// A path that is no route belongs to the dashboard, or to nobody.

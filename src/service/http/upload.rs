@@ -2,7 +2,8 @@
 //! breaks off, because the temporary file goes with the request.
 
 use super::body::{
-    JSON_LIMIT_BYTES, broken_off, checked, compression_of, content_length, drain, media_type, parse_json, read_away, too_large,
+    JSON_LIMIT_BYTES, broken_off, checked, compression_of, content_length, drain, media_type,
+    parse_json, read_away, too_large,
 };
 use super::hosts::compressed;
 use crate::experiment::catalogue;
@@ -49,24 +50,43 @@ pub static META: Object = Object {
     name: "DatasetMeta",
     summary: "What is known of an uploaded file besides its content. Everything may be absent.",
     fields: &[
-        optional("name", "A name for people; the file's name when absent.", Kind::Text { max_length: 200 }),
+        optional(
+            "name",
+            "A name for people; the file's name when absent.",
+            Kind::Text { max_length: 200 },
+        ),
         optional(
             "kind",
             "What the file holds; told from its columns when absent.",
             Kind::Choice(&["detections", "truth", "tracks", "bearing_time"]),
         ),
-        optional("format", "How the file is written; told from its content when absent.", Kind::Choice(&FORMAT_NAMES)),
+        optional(
+            "format",
+            "How the file is written; told from its content when absent.",
+            Kind::Choice(&FORMAT_NAMES),
+        ),
         optional(
             "columns",
             "The file's column name to the canonical one, where they differ.",
-            Kind::TextMap { max_entries: 64, max_length: 100 },
+            Kind::TextMap {
+                max_entries: 64,
+                max_length: 100,
+            },
         ),
         optional(
             "bearing_time",
             "The axes of a bearing-time record in a file that does not have them, such as a NumPy array.",
             Kind::Object(&formats::npy::AXES),
         ),
-        optional("sensors", "What is known of the sensors.", Kind::List { item: &SENSOR, min: 1, max: 64 }),
+        optional(
+            "sensors",
+            "What is known of the sensors.",
+            Kind::List {
+                item: &SENSOR,
+                min: 1,
+                max: 64,
+            },
+        ),
     ],
 };
 
@@ -86,8 +106,23 @@ pub(super) struct Meta {
 
 impl From<Meta> for DatasetMeta {
     fn from(meta: Meta) -> Self {
-        let Meta { name, kind, format, columns, bearing_time, sensors } = meta;
-        DatasetMeta { name, kind, format, columns, bearing_time, sensors, file_name: None }
+        let Meta {
+            name,
+            kind,
+            format,
+            columns,
+            bearing_time,
+            sensors,
+        } = meta;
+        DatasetMeta {
+            name,
+            kind,
+            format,
+            columns,
+            bearing_time,
+            sensors,
+            file_name: None,
+        }
     }
 }
 
@@ -103,19 +138,29 @@ pub struct Upload {
 ///
 /// # Errors
 /// Another media type, a body over the limit, faults in `meta`, missing and unknown parts.
-pub async fn receive(request: Request, directory: &Path, limit_bytes: u64) -> Result<Upload, ApiError> {
+pub async fn receive(
+    request: Request,
+    directory: &Path,
+    limit_bytes: u64,
+) -> Result<Upload, ApiError> {
     let headers = request.headers().clone();
     if media_type(&headers) != "multipart/form-data" {
         drain(&headers, request.into_body()).await;
-        return Err(ApiError::new("unsupported_media_type", "the body must be multipart/form-data with the parts 'meta' and 'file'"));
+        return Err(ApiError::new(
+            "unsupported_media_type",
+            "the body must be multipart/form-data with the parts 'meta' and 'file'",
+        ));
     }
     // The parts around the file are small; what they add is allowed for.
-    if content_length(&headers).is_some_and(|length| length > limit_bytes.saturating_add(2 * JSON_LIMIT_BYTES)) {
+    if content_length(&headers)
+        .is_some_and(|length| length > limit_bytes.saturating_add(2 * JSON_LIMIT_BYTES))
+    {
         drain(&headers, request.into_body()).await;
         return Err(too_large(limit_bytes));
     }
     let multipart = Multipart::from_request(request, &()).await;
-    let mut multipart = multipart.map_err(|rejection| part_fault("", "malformed", &rejection.body_text()))?;
+    let mut multipart =
+        multipart.map_err(|rejection| part_fault("", "malformed", &rejection.body_text()))?;
     let received = receive_parts(&mut multipart, directory, limit_bytes).await;
     if received.is_err() {
         read_away(rest_of(multipart)).await;
@@ -123,27 +168,63 @@ pub async fn receive(request: Request, directory: &Path, limit_bytes: u64) -> Re
     received
 }
 
-async fn receive_parts(multipart: &mut Multipart, directory: &Path, limit_bytes: u64) -> Result<Upload, ApiError> {
+async fn receive_parts(
+    multipart: &mut Multipart,
+    directory: &Path,
+    limit_bytes: u64,
+) -> Result<Upload, ApiError> {
     let mut meta = None;
     let mut file = None;
-    while let Some(part) = multipart.next_field().await.map_err(|error| broken_off(&error))? {
+    while let Some(part) = multipart
+        .next_field()
+        .await
+        .map_err(|error| broken_off(&error))?
+    {
         match part.name().unwrap_or_default() {
-            "meta" if meta.is_some() => return Err(part_fault("/meta", "duplicate", "there are two parts 'meta'")),
-            "file" if file.is_some() => return Err(part_fault("/file", "duplicate", "there are two parts 'file'")),
+            "meta" if meta.is_some() => {
+                return Err(part_fault(
+                    "/meta",
+                    "duplicate",
+                    "there are two parts 'meta'",
+                ));
+            }
+            "file" if file.is_some() => {
+                return Err(part_fault(
+                    "/file",
+                    "duplicate",
+                    "there are two parts 'file'",
+                ));
+            }
             "meta" => meta = Some(read_meta(part).await?),
             "file" => file = Some(read_file(part, directory, limit_bytes).await?),
             other => {
                 let name: String = other.chars().take(MAX_PART_NAME).collect();
-                let fault = Fault::new(format!("/{name}"), "unknown_field", format!("unknown part '{name}'")).allowing("meta, file");
+                let fault = Fault::new(
+                    format!("/{name}"),
+                    "unknown_field",
+                    format!("unknown part '{name}'"),
+                )
+                .allowing("meta, file");
                 return Err(ApiError::validation(vec![fault]));
             }
         }
     }
     let Some((file, temporary, file_name)) = file else {
-        return Err(part_fault("/file", "missing", "the part 'file' is required"));
+        return Err(part_fault(
+            "/file",
+            "missing",
+            "the part 'file' is required",
+        ));
     };
-    let meta = DatasetMeta { file_name, ..meta.unwrap_or_default() };
-    Ok(Upload { meta, file, _temporary: temporary })
+    let meta = DatasetMeta {
+        file_name,
+        ..meta.unwrap_or_default()
+    };
+    Ok(Upload {
+        meta,
+        file,
+        _temporary: temporary,
+    })
 }
 
 /// Lengths of the parts that nobody wants any more.
@@ -170,7 +251,11 @@ async fn read_meta(mut part: Part<'_>) -> Result<DatasetMeta, ApiError> {
     checked::<Meta>(&parse_json(&bytes, "/meta")?, &META, "/meta").map(DatasetMeta::from)
 }
 
-async fn read_file(part: Part<'_>, directory: &Path, limit_bytes: u64) -> Result<(ReceivedFile, TempPath, Option<String>), ApiError> {
+async fn read_file(
+    part: Part<'_>,
+    directory: &Path,
+    limit_bytes: u64,
+) -> Result<(ReceivedFile, TempPath, Option<String>), ApiError> {
     let file_name = file_name(part.file_name().unwrap_or_default())?;
     let mut chunks = part.map_err(|error| broken_off(&error));
     let (file, temporary) = store(&mut chunks, directory, limit_bytes).await?;
@@ -183,7 +268,9 @@ pub(super) async fn store(
     directory: &Path,
     limit_bytes: u64,
 ) -> Result<(ReceivedFile, TempPath), ApiError> {
-    let (file, path) = tempfile::NamedTempFile::new_in(directory).map_err(ApiError::writing)?.into_parts();
+    let (file, path) = tempfile::NamedTempFile::new_in(directory)
+        .map_err(ApiError::writing)?
+        .into_parts();
     let mut file = File::from_std(file);
     let mut hash = Sha256::new();
     let mut bytes = 0;
@@ -203,25 +290,49 @@ pub(super) async fn store(
     }
     file.flush().await.map_err(ApiError::writing)?;
     let sha256 = hex(&hash.finalize());
-    Ok((ReceivedFile { path: path.to_path_buf(), sha256, bytes }, path))
+    Ok((
+        ReceivedFile {
+            path: path.to_path_buf(),
+            sha256,
+            bytes,
+        },
+        path,
+    ))
 }
 
 /// The fault where the request says what it is about: what the checks of the meta and of the file call `/meta` and `/file`.
 pub fn repoint(error: JobsError, meta: &str, file: &str) -> ApiError {
-    let JobsError::Invalid(faults) = error else { return error.into() };
-    let place = |pointer: String| match (pointer.strip_prefix("/meta"), pointer.strip_prefix("/file")) {
-        (Some(rest), _) => format!("{meta}{rest}"),
-        (_, Some(rest)) => format!("{file}{rest}"),
-        _ => pointer,
+    let JobsError::Invalid(faults) = error else {
+        return error.into();
     };
-    ApiError::validation(faults.into_iter().map(|fault| Fault { pointer: place(fault.pointer), ..fault }).collect())
+    let place =
+        |pointer: String| match (pointer.strip_prefix("/meta"), pointer.strip_prefix("/file")) {
+            (Some(rest), _) => format!("{meta}{rest}"),
+            (_, Some(rest)) => format!("{file}{rest}"),
+            _ => pointer,
+        };
+    ApiError::validation(
+        faults
+            .into_iter()
+            .map(|fault| Fault {
+                pointer: place(fault.pointer),
+                ..fault
+            })
+            .collect(),
+    )
 }
 
 /// The name of the file, if it has one.
 fn file_name(name: &str) -> Result<Option<String>, ApiError> {
     if name.len() > MAX_FILE_NAME_BYTES {
-        let fault = Fault::new("/file", "too_large", format!("the name of the file has {} bytes", name.len()));
-        return Err(ApiError::validation(vec![fault.allowing(format!("at most {MAX_FILE_NAME_BYTES} bytes"))]));
+        let fault = Fault::new(
+            "/file",
+            "too_large",
+            format!("the name of the file has {} bytes", name.len()),
+        );
+        return Err(ApiError::validation(vec![
+            fault.allowing(format!("at most {MAX_FILE_NAME_BYTES} bytes")),
+        ]));
     }
     match control_character_fault(name, "/file") {
         Some(fault) => Err(ApiError::validation(vec![fault])),
@@ -231,7 +342,9 @@ fn file_name(name: &str) -> Result<Option<String>, ApiError> {
 
 fn refuse_compressed(first_bytes: &[u8]) -> Result<(), ApiError> {
     match compression_of(first_bytes) {
-        Some(name) => Err(compressed(&format!("the file is compressed ({name}); upload it unpacked"))),
+        Some(name) => Err(compressed(&format!(
+            "the file is compressed ({name}); upload it unpacked"
+        ))),
         None => Ok(()),
     }
 }

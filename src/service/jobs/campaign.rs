@@ -10,7 +10,9 @@ use crate::experiment::campaign::{Campaign, Items};
 use crate::experiment::plan::JobKind;
 use crate::service::child::{self, CampaignOrder, Looked, Order, Runs};
 use crate::service::engine::Entry;
-use crate::service::storage::{Chunk, ChunkKind, ChunkResult, ClaimedChunk, ClaimedJob, Ending, NewChunk};
+use crate::service::storage::{
+    Chunk, ChunkKind, ChunkResult, ClaimedChunk, ClaimedJob, Ending, NewChunk,
+};
 use crate::service::types::{CampaignResult, CampaignSoFar, JobState, Problem};
 use anyhow::Context;
 use futures::{FutureExt, TryStreamExt};
@@ -41,7 +43,9 @@ pub(super) struct Campaigns(Mutex<VecDeque<(Uuid, Arc<Known>)>>);
 impl Campaigns {
     fn get(&self, id: Uuid) -> Option<Arc<Known>> {
         let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.iter().find(|(kept_id, _)| *kept_id == id).map(|(_, known)| known.clone())
+        kept.iter()
+            .find(|(kept_id, _)| *kept_id == id)
+            .map(|(_, known)| known.clone())
     }
 
     fn keep(&self, id: Uuid, known: Arc<Known>) {
@@ -54,7 +58,10 @@ impl Campaigns {
     }
 
     pub(super) fn forget(&self, id: Uuid) {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).retain(|(kept_id, _)| *kept_id != id);
+        self.0
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .retain(|(kept_id, _)| *kept_id != id);
     }
 }
 
@@ -75,7 +82,8 @@ impl Inner {
     pub(super) async fn start_campaign(&self, job: &ClaimedJob) -> anyhow::Result<()> {
         let control = self.begin((job.id, None));
         let runs_total = self.known(job.id).await.map(|known| known.campaign.total());
-        let begun = runs_total.map_err(|failure| self.ending_of(job.id, "the job", &control, failure));
+        let begun =
+            runs_total.map_err(|failure| self.ending_of(job.id, "the job", &control, failure));
         let changed = self
             .written(job.id, || match &begun {
                 Ok(runs_total) => self.storage.start_campaign(job, *runs_total).boxed(),
@@ -88,9 +96,18 @@ impl Inner {
         Ok(())
     }
 
-    pub(super) async fn look_at_chunk(&self, entry: Entry, number: u32, permit: OwnedSemaphorePermit) -> anyhow::Result<()> {
+    pub(super) async fn look_at_chunk(
+        &self,
+        entry: Entry,
+        number: u32,
+        permit: OwnedSemaphorePermit,
+    ) -> anyhow::Result<()> {
         let job_id = entry.job_id;
-        match self.storage.claim_chunk(job_id, number, entry.id, self.config.crash_limit).await? {
+        match self
+            .storage
+            .claim_chunk(job_id, number, entry.id, self.config.crash_limit)
+            .await?
+        {
             Chunk::NotNow => Ok(()),
             Chunk::Refused(changed) => {
                 self.publish(changed).await;
@@ -106,10 +123,17 @@ impl Inner {
         }
     }
 
-    async fn make_chunk(&self, chunk: &ClaimedChunk, control: &Control, permit: OwnedSemaphorePermit) -> Result<Made, Failure> {
+    async fn make_chunk(
+        &self,
+        chunk: &ClaimedChunk,
+        control: &Control,
+        permit: OwnedSemaphorePermit,
+    ) -> Result<Made, Failure> {
         let known = self.known(chunk.job_id).await?;
         if chunk.kind == ChunkKind::Look {
-            return self.look_at_pieces(chunk.job_id, &known, control, permit).await;
+            return self
+                .look_at_pieces(chunk.job_id, &known, control, permit)
+                .await;
         }
         let runs = Runs {
             is_pilot: chunk.kind == ChunkKind::Pilot,
@@ -118,15 +142,35 @@ impl Inner {
             done: chunk.runs_done,
             total: chunk.runs_total,
         };
-        let order = Order::Runs { campaign: known.order(chunk.job_id).await?, runs };
+        let order = Order::Runs {
+            campaign: known.order(chunk.job_id).await?,
+            runs,
+        };
         // Progress is told with each chunk that ends; a chunk is short.
-        match self.in_child(chunk.job_id, order, control, permit, |_| async {}.boxed()).await? {
-            child::Made::Piece { piece, runs, outcomes } => Ok(Made::Result(ChunkResult::Piece { piece, runs, outcomes })),
+        match self
+            .in_child(chunk.job_id, order, control, permit, |_| async {}.boxed())
+            .await?
+        {
+            child::Made::Piece {
+                piece,
+                runs,
+                outcomes,
+            } => Ok(Made::Result(ChunkResult::Piece {
+                piece,
+                runs,
+                outcomes,
+            })),
             made => Err(unexpected(&made).into()),
         }
     }
 
-    async fn look_at_pieces(&self, id: Uuid, known: &Known, control: &Control, permit: OwnedSemaphorePermit) -> Result<Made, Failure> {
+    async fn look_at_pieces(
+        &self,
+        id: Uuid,
+        known: &Known,
+        control: &Control,
+        permit: OwnedSemaphorePermit,
+    ) -> Result<Made, Failure> {
         let failed = self.storage.failed_chunks(id).await?;
         if let Some(items) = failed.first() {
             let problem = given_up(&known.campaign, items, failed.len());
@@ -139,11 +183,21 @@ impl Inner {
             outcomes: self.storage.outcomes(id).await?,
             directory: directory.path().to_owned(),
         };
-        match self.in_child(id, order, control, permit, |_| async {}.boxed()).await? {
+        match self
+            .in_child(id, order, control, permit, |_| async {}.boxed())
+            .await?
+        {
             child::Made::Looked(Looked::More { chunks, runs_total }) => {
-                Ok(Made::Result(ChunkResult::More { chunks: chunks.into_iter().map(NewChunk).collect(), runs_total }))
+                Ok(Made::Result(ChunkResult::More {
+                    chunks: chunks.into_iter().map(NewChunk).collect(),
+                    runs_total,
+                }))
             }
-            child::Made::Looked(Looked::Report { files, warnings }) => Ok(Made::Report(Product { files, warnings, directory })),
+            child::Made::Looked(Looked::Report { files, warnings }) => Ok(Made::Report(Product {
+                files,
+                warnings,
+                directory,
+            })),
             made => Err(unexpected(&made).into()),
         }
     }
@@ -151,7 +205,9 @@ impl Inner {
     /// Writes the pieces of a campaign into a file, however many they are.
     async fn write_pieces(&self, id: Uuid, directory: &Path) -> anyhow::Result<PathBuf> {
         let path = directory.join("pieces");
-        let file = File::create(&path).await.with_context(|| format!("cannot write {}", path.display()))?;
+        let file = File::create(&path)
+            .await
+            .with_context(|| format!("cannot write {}", path.display()))?;
         let (mut file, mut pieces) = (BufWriter::new(file), self.storage.pieces(id));
         while let Some(piece) = pieces.try_next().await? {
             file.write_all(piece.as_bytes()).await?;
@@ -162,12 +218,25 @@ impl Inner {
     }
 
     /// Writes what came of the chunk; an error means that somebody has to work it off again.
-    async fn conclude_chunk(&self, chunk: &ClaimedChunk, control: &Control, made: Result<Made, Failure>) -> anyhow::Result<()> {
+    async fn conclude_chunk(
+        &self,
+        chunk: &ClaimedChunk,
+        control: &Control,
+        made: Result<Made, Failure>,
+    ) -> anyhow::Result<()> {
         // Until the end is written, the files belong to nobody; nobody may sweep them up meanwhile.
-        let _no_sweeping = if let Ok(Made::Report(_)) = &made { Some(self.surely_no_sweeping().await?) } else { None };
+        let _no_sweeping = if let Ok(Made::Report(_)) = &made {
+            Some(self.surely_no_sweeping().await?)
+        } else {
+            None
+        };
         let kept = match made {
             Ok(Made::Result(result)) => Ok(result),
-            Ok(Made::Report(product)) => self.keep(product).await.map(ChunkResult::Ended).map_err(Failure::Internal),
+            Ok(Made::Report(product)) => self
+                .keep(product)
+                .await
+                .map(ChunkResult::Ended)
+                .map_err(Failure::Internal),
             Err(failure) => Err(failure),
         };
         let result = match kept {
@@ -177,7 +246,9 @@ impl Inner {
                 tracing::error!(job_id = %chunk.job_id, error = format!("{how:#}"), "runs of a campaign are given up: their process died twice");
                 Some(ChunkResult::GivenUp)
             }
-            Err(failure) => self.ending_of(chunk.job_id, "a chunk of the campaign", control, failure).map(ChunkResult::Ended),
+            Err(failure) => self
+                .ending_of(chunk.job_id, "a chunk of the campaign", control, failure)
+                .map(ChunkResult::Ended),
         };
         let changed = self
             .written(chunk.job_id, || match &result {
@@ -185,7 +256,9 @@ impl Inner {
                 None => self.storage.release_chunk(chunk).boxed(),
             })
             .await?;
-        let Some(changed) = changed else { return Ok(()) };
+        let Some(changed) = changed else {
+            return Ok(());
+        };
         if let Some(ChunkResult::Ended(_)) = result {
             self.campaigns.forget(chunk.job_id);
             self.children.forget(chunk.job_id);
@@ -199,27 +272,60 @@ impl Inner {
     pub(super) async fn cells_so_far(&self, id: Uuid) -> Result<CampaignSoFar, JobsError> {
         let job = self.job(id).await?;
         if job.kind != crate::service::types::JobKind::Campaign {
-            let detail = format!("the job is of the kind '{}'; only a campaign has cells", job.kind.name());
+            let detail = format!(
+                "the job is of the kind '{}'; only a campaign has cells",
+                job.kind.name()
+            );
             return Err(JobsError::NotThere(detail));
         }
         if job.state == JobState::Succeeded {
             let path = self.artifact(id, "report.json").await?.path;
-            let read = move || anyhow::Ok(serde_json::from_slice::<WithResult>(&std::fs::read(&path)?)?.result);
-            let result = tokio::task::spawn_blocking(read).await.context("reading a report panicked")?.context("a report is damaged")?;
+            let read = move || {
+                anyhow::Ok(serde_json::from_slice::<WithResult>(&std::fs::read(&path)?)?.result)
+            };
+            let result = tokio::task::spawn_blocking(read)
+                .await
+                .context("reading a report panicked")?
+                .context("a report is damaged")?;
             let runs = result.cells.iter().map(|cell| cell.runs).sum();
-            return Ok(CampaignSoFar { is_final: true, runs, result });
+            return Ok(CampaignSoFar {
+                is_final: true,
+                runs,
+                result,
+            });
         }
         let Some(outcomes) = self.storage.outcomes(id).await? else {
-            return Err(JobsError::conflict("result_not_ready", format!("the job is {}, and no run has been made yet", job.state.name())));
+            return Err(JobsError::conflict(
+                "result_not_ready",
+                format!(
+                    "the job is {}, and no run has been made yet",
+                    job.state.name()
+                ),
+            ));
         };
         let directory = self.directory()?;
         let pieces = self.write_pieces(id, directory.path()).await?;
-        let known = self.known(id).await.map_err(|_| anyhow::anyhow!("the campaign could not be planned"))?;
-        let order = Order::SoFar { campaign: known.order(id).await?, pieces, outcomes };
-        match self.ask(order, (&self.looks, LOOKS), "putting the runs together").await? {
+        let known = self
+            .known(id)
+            .await
+            .map_err(|_| anyhow::anyhow!("the campaign could not be planned"))?;
+        let order = Order::SoFar {
+            campaign: known.order(id).await?,
+            pieces,
+            outcomes,
+        };
+        match self
+            .ask(order, (&self.looks, LOOKS), "putting the runs together")
+            .await?
+        {
             child::Made::SoFar { runs, result } => {
-                let result = serde_json::from_str(result.get()).context("the result of a campaign is another")?;
-                Ok(CampaignSoFar { is_final: false, runs, result })
+                let result = serde_json::from_str(result.get())
+                    .context("the result of a campaign is another")?;
+                Ok(CampaignSoFar {
+                    is_final: false,
+                    runs,
+                    result,
+                })
             }
             made => Err(unexpected(&made).into()),
         }
@@ -231,10 +337,16 @@ impl Inner {
             return Ok(known);
         }
         let spec = self.storage.spec(id).await?;
-        let plan = planned(JobKind::Campaign, spec.clone()).await?.map_err(Failure::Faults)?;
+        let plan = planned(JobKind::Campaign, spec.clone())
+            .await?
+            .map_err(Failure::Faults)?;
         let located = self.locate(&plan).await?;
         let campaign = plan.campaign.context("a campaign has no cells")?;
-        let known = Arc::new(Known { spec, campaign, located });
+        let known = Arc::new(Known {
+            spec,
+            campaign,
+            located,
+        });
         self.campaigns.keep(id, known.clone());
         Ok(known)
     }
@@ -242,15 +354,25 @@ impl Inner {
 
 impl Known {
     async fn order(&self, id: Uuid) -> anyhow::Result<CampaignOrder> {
-        Ok(CampaignOrder { id, spec: self.spec.clone(), inputs: local_files(self.located.clone()).await? })
+        Ok(CampaignOrder {
+            id,
+            spec: self.spec.clone(),
+            inputs: local_files(self.located.clone()).await?,
+        })
     }
 }
 
 /// The end of a campaign that has chunks nobody can work off.
 fn given_up(campaign: &Campaign, items: &[Items], chunks: usize) -> Problem {
     let runs: u64 = items.iter().map(|range| range.end - range.start).sum();
-    let place = items.first().map_or_else(String::new, |range| format!(", from {} on", campaign.name_of(range.start)));
-    let others = if chunks > 1 { format!("; so it was with {} other parts", chunks - 1) } else { String::new() };
+    let place = items.first().map_or_else(String::new, |range| {
+        format!(", from {} on", campaign.name_of(range.start))
+    });
+    let others = if chunks > 1 {
+        format!("; so it was with {} other parts", chunks - 1)
+    } else {
+        String::new()
+    };
     let detail = format!(
         "the process ended again and again while it made {runs} of the runs{place}{others}; all other runs are kept for when the job is rerun"
     );

@@ -14,8 +14,19 @@ pub static JOB_PATCH: Object = Object {
     name: "JobPatch",
     summary: "What to change of a job; absent members stay as they are.",
     fields: &[
-        optional("name", "A name for people; an empty one removes it.", Kind::Text { max_length: 100 }),
-        optional("labels", "All labels from now on.", Kind::TextMap { max_entries: 32, max_length: 100 }),
+        optional(
+            "name",
+            "A name for people; an empty one removes it.",
+            Kind::Text { max_length: 100 },
+        ),
+        optional(
+            "labels",
+            "All labels from now on.",
+            Kind::TextMap {
+                max_entries: 32,
+                max_length: 100,
+            },
+        ),
     ],
 };
 
@@ -25,9 +36,15 @@ impl Inner {
         let JobPatch { name, labels } = patch;
         let mut body = Map::new();
         body.extend(name.as_ref().map(|name| ("name".to_owned(), json!(name))));
-        body.extend(labels.as_ref().map(|labels| ("labels".to_owned(), json!(labels))));
+        body.extend(
+            labels
+                .as_ref()
+                .map(|labels| ("labels".to_owned(), json!(labels))),
+        );
         registry::check(&body.into(), &JOB_PATCH).map_err(JobsError::Invalid)?;
-        self.storage.patch_job(id, name.as_deref(), labels.as_ref()).await?;
+        self.storage
+            .patch_job(id, name.as_deref(), labels.as_ref())
+            .await?;
         self.job(id).await
     }
 
@@ -43,7 +60,10 @@ impl Inner {
                 self.publish(changed).await;
             }
             Cancellation::AlreadyEnded(state) => {
-                return Err(JobsError::conflict("job_terminal", format!("the job has already {}", ended(state.name()))));
+                return Err(JobsError::conflict(
+                    "job_terminal",
+                    format!("the job has already {}", ended(state.name())),
+                ));
             }
         }
         self.job(id).await
@@ -53,15 +73,29 @@ impl Inner {
         self.job(id).await?;
         match self.storage.delete_job(id).await? {
             Deletion::Deleted(contents) => {
-                self.publish(Changed { touched: vec![id], ready: Vec::new() }).await;
+                self.publish(Changed {
+                    touched: vec![id],
+                    ready: Vec::new(),
+                })
+                .await;
                 self.sweep(contents).await
             }
-            Deletion::StillActive(state) => Err(JobsError::conflict("job_active", format!("the job is {}; cancel it first", state.name()))),
-            Deletion::NeededBy(users) => Err(JobsError::conflict("in_use", format!("the job's results are needed by {}", listed(&users)))),
+            Deletion::StillActive(state) => Err(JobsError::conflict(
+                "job_active",
+                format!("the job is {}; cancel it first", state.name()),
+            )),
+            Deletion::NeededBy(users) => Err(JobsError::conflict(
+                "in_use",
+                format!("the job's results are needed by {}", listed(&users)),
+            )),
         }
     }
 }
 
 fn ended(state: &str) -> String {
-    if state == "canceled" { "been canceled".to_owned() } else { state.to_owned() }
+    if state == "canceled" {
+        "been canceled".to_owned()
+    } else {
+        state.to_owned()
+    }
 }

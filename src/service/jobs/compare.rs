@@ -19,7 +19,12 @@ struct Files {
 }
 
 impl Inner {
-    pub(super) async fn compare(&self, ids: &[Uuid], baseline: usize, confidence: f64) -> Result<Comparison, JobsError> {
+    pub(super) async fn compare(
+        &self,
+        ids: &[Uuid],
+        baseline: usize,
+        confidence: f64,
+    ) -> Result<Comparison, JobsError> {
         self.refuse_unknown(ids).await?;
         let mut files = Vec::new();
         for &id in ids {
@@ -27,10 +32,15 @@ impl Inner {
         }
         let blobs = self.blobs.clone();
         let work = move || -> Result<Comparison, JobsError> {
-            let sides = files.into_iter().map(|files| side(&blobs, files)).collect::<anyhow::Result<Vec<Side>>>()?;
+            let sides = files
+                .into_iter()
+                .map(|files| side(&blobs, files))
+                .collect::<anyhow::Result<Vec<Side>>>()?;
             Ok(compare::of(&sides, baseline, confidence))
         };
-        tokio::task::spawn_blocking(work).await.context("comparing jobs panicked")?
+        tokio::task::spawn_blocking(work)
+            .await
+            .context("comparing jobs panicked")?
     }
 
     /// All jobs that are not there are told at once.
@@ -44,22 +54,39 @@ impl Inner {
                 Err(error) => return Err(error),
             }
         }
-        if missing.is_empty() { Ok(()) } else { Err(JobsError::NotThere(missing.join("; "))) }
+        if missing.is_empty() {
+            Ok(())
+        } else {
+            Err(JobsError::NotThere(missing.join("; ")))
+        }
     }
 
     async fn files_of(&self, id: Uuid) -> Result<Files, JobsError> {
         self.ended_well(id).await?;
         let artifacts = self.storage.artifacts(id).await?;
-        let named = |name: &str| artifacts.iter().find(|artifact| artifact.name == name).map(|artifact| artifact.sha256.clone());
+        let named = |name: &str| {
+            artifacts
+                .iter()
+                .find(|artifact| artifact.name == name)
+                .map(|artifact| artifact.sha256.clone())
+        };
         let report = named("report.json").ok_or(JobsError::NotFound("report"))?;
-        Ok(Files { job: self.job(id).await?, report, metrics: named(METRIC_SERIES), runs: named("runs.csv") })
+        Ok(Files {
+            job: self.job(id).await?,
+            report,
+            metrics: named(METRIC_SERIES),
+            runs: named("runs.csv"),
+        })
     }
 }
 
 /// The conflict of one job among several.
 fn of_job(id: Uuid, error: JobsError) -> JobsError {
     match error {
-        JobsError::Conflict { code, detail } => JobsError::Conflict { code, detail: format!("job {id}: {detail}") },
+        JobsError::Conflict { code, detail } => JobsError::Conflict {
+            code,
+            detail: format!("job {id}: {detail}"),
+        },
         other => other,
     }
 }
@@ -70,9 +97,11 @@ fn side(blobs: &Blobs, files: Files) -> anyhow::Result<Side> {
         let path = blobs.local(&sha256)?;
         std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))
     };
-    let mut report: Value = serde_json::from_slice(&read(files.report)?).context("a report is damaged")?;
+    let mut report: Value =
+        serde_json::from_slice(&read(files.report)?).context("a report is damaged")?;
     let metrics = match files.metrics {
-        Some(sha256) => MetricTable::read(&read(sha256)?).with_context(|| format!("{METRIC_SERIES} is damaged"))?,
+        Some(sha256) => MetricTable::read(&read(sha256)?)
+            .with_context(|| format!("{METRIC_SERIES} is damaged"))?,
         None => MetricTable::default(),
     };
     let mut spec = report["spec"].take();
@@ -80,9 +109,21 @@ fn side(blobs: &Blobs, files: Files) -> anyhow::Result<Side> {
         // Kinds are compared by themselves.
         members.shift_remove("kind");
     }
-    let Job { id, kind, name, seed, .. } = files.job;
+    let Job {
+        id,
+        kind,
+        name,
+        seed,
+        ..
+    } = files.job;
     Ok(Side {
-        job: ComparedJob { id, kind, name, seed, total_s: report["timing"]["total_s"].as_f64().unwrap_or(0.0) },
+        job: ComparedJob {
+            id,
+            kind,
+            name,
+            seed,
+            total_s: report["timing"]["total_s"].as_f64().unwrap_or(0.0),
+        },
         spec,
         result: report["result"].take(),
         metrics,

@@ -24,7 +24,8 @@ pub(super) struct Control(watch::Sender<Option<Stop>>);
 
 impl Control {
     pub(super) fn stop(&self, reason: Stop) {
-        self.0.send_if_modified(|current| current.is_none() && current.replace(reason).is_none());
+        self.0
+            .send_if_modified(|current| current.is_none() && current.replace(reason).is_none());
     }
 
     pub(super) fn reason(&self) -> Option<Stop> {
@@ -40,7 +41,12 @@ impl Control {
     /// Ends when the job was asked to stop and has let its time pass.
     pub(super) async fn grace_over(&self) {
         self.asked().await;
-        tokio::time::sleep(if self.reason() == Some(Stop::ShuttingDown) { CLOSING_GRACE } else { GRACE }).await;
+        tokio::time::sleep(if self.reason() == Some(Stop::ShuttingDown) {
+            CLOSING_GRACE
+        } else {
+            GRACE
+        })
+        .await;
     }
 }
 
@@ -76,11 +82,16 @@ impl Running {
 
     /// Stops a job and every chunk of it.
     pub(super) fn stop(&self, id: Uuid, reason: Stop) {
-        self.lock().iter().filter(|((job_id, _), _)| *job_id == id).for_each(|(_, control)| control.stop(reason));
+        self.lock()
+            .iter()
+            .filter(|((job_id, _), _)| *job_id == id)
+            .for_each(|(_, control)| control.stop(reason));
     }
 
     pub(super) fn stop_all(&self, reason: Stop) {
-        self.lock().values().for_each(|control| control.stop(reason));
+        self.lock()
+            .values()
+            .for_each(|control| control.stop(reason));
     }
 
     fn lock(&self) -> std::sync::MutexGuard<'_, HashMap<Work, Arc<Control>>> {

@@ -24,7 +24,11 @@ use uuid::Uuid;
 pub(super) type NoSweepingHere<'a> = (RwLockReadGuard<'a, ()>, NoSweeping);
 
 impl Inner {
-    pub(super) async fn add_dataset(&self, file: ReceivedFile, meta: DatasetMeta) -> Result<(DatasetInfo, bool), JobsError> {
+    pub(super) async fn add_dataset(
+        &self,
+        file: ReceivedFile,
+        meta: DatasetMeta,
+    ) -> Result<(DatasetInfo, bool), JobsError> {
         if self.closing.is_cancelled() {
             return Err(JobsError::ShuttingDown);
         }
@@ -35,13 +39,19 @@ impl Inner {
             let (blobs, ReceivedFile { path, sha256, .. }) = (self.blobs.clone(), file);
             move || blobs.adopt(&path, &sha256)
         };
-        spawn_blocking(adopt).await.context("keeping an upload panicked")??;
+        spawn_blocking(adopt)
+            .await
+            .context("keeping an upload panicked")??;
         let (id, is_new) = self.storage.add_dataset(&new).await?;
         Ok((self.stored_dataset(id).await?.info, is_new))
     }
 
     /// Has a child tell the format and read the file with it.
-    async fn checked(&self, file: &ReceivedFile, meta: DatasetMeta) -> Result<NewDataset, JobsError> {
+    async fn checked(
+        &self,
+        file: &ReceivedFile,
+        meta: DatasetMeta,
+    ) -> Result<NewDataset, JobsError> {
         let upload = Upload {
             path: file.path.clone(),
             file_name: meta.file_name.clone(),
@@ -54,49 +64,102 @@ impl Inner {
         Ok(new_dataset(file, meta, format, summary, warnings))
     }
 
-    async fn check_file(&self, upload: Upload) -> Result<(String, DatasetSummary, Vec<String>), JobsError> {
-        match self.ask(Order::Check(upload), (&self.uploads, UPLOADS), "reading the file").await? {
-            Made::Checked { format, summary, warnings } => Ok((format, summary, warnings)),
+    async fn check_file(
+        &self,
+        upload: Upload,
+    ) -> Result<(String, DatasetSummary, Vec<String>), JobsError> {
+        match self
+            .ask(
+                Order::Check(upload),
+                (&self.uploads, UPLOADS),
+                "reading the file",
+            )
+            .await?
+        {
+            Made::Checked {
+                format,
+                summary,
+                warnings,
+            } => Ok((format, summary, warnings)),
             made => Err(unexpected(&made).into()),
         }
     }
 
     /// Summarises a dataset that is kept already.
-    pub(super) async fn summarize(&self, stored: StoredDataset) -> Result<DatasetSummary, JobsError> {
+    pub(super) async fn summarize(
+        &self,
+        stored: StoredDataset,
+    ) -> Result<DatasetSummary, JobsError> {
         let path = self.local(&stored.info.sha256).await?;
-        let StoredDataset { info, columns, bearing_time, .. } = stored;
+        let StoredDataset {
+            info,
+            columns,
+            bearing_time,
+            ..
+        } = stored;
         let (format, kind) = (Some(info.format), Some(info.kind.into()));
-        Ok(self.check_file(Upload { path, file_name: None, format, kind, columns, bearing_time }).await?.1)
+        Ok(self
+            .check_file(Upload {
+                path,
+                file_name: None,
+                format,
+                kind,
+                columns,
+                bearing_time,
+            })
+            .await?
+            .1)
     }
 
     /// The dataset, unless there is none or it has been deleted.
     pub(super) async fn stored_dataset(&self, id: Uuid) -> Result<StoredDataset, JobsError> {
-        let stored = self.storage.dataset(id).await?.ok_or(JobsError::NotFound("dataset"))?;
-        if stored.deleted { Err(JobsError::Gone("dataset")) } else { Ok(stored) }
+        let stored = self
+            .storage
+            .dataset(id)
+            .await?
+            .ok_or(JobsError::NotFound("dataset"))?;
+        if stored.deleted {
+            Err(JobsError::Gone("dataset"))
+        } else {
+            Ok(stored)
+        }
     }
 
-    pub(super) async fn list_datasets(&self, filter: DatasetFilter) -> Result<DatasetPage, JobsError> {
+    pub(super) async fn list_datasets(
+        &self,
+        filter: DatasetFilter,
+    ) -> Result<DatasetPage, JobsError> {
         refuse_any(filter.faults())?;
         let cursor = match &filter.cursor {
             Some(text) => Some(Cursor::decode(text, filter.sort).ok_or(JobsError::InvalidCursor)?),
             None => None,
         };
         let (items, next_cursor, total) = self.storage.datasets(&filter, cursor).await?;
-        Ok(DatasetPage { items, next_cursor, total })
+        Ok(DatasetPage {
+            items,
+            next_cursor,
+            total,
+        })
     }
 
     pub(super) async fn delete_dataset(&self, id: Uuid) -> Result<(), JobsError> {
         let stored = self.stored_dataset(id).await?;
         let users = self.storage.delete_dataset(id).await?;
         if !users.is_empty() {
-            return Err(JobsError::conflict("in_use", format!("the dataset is needed by {}", listed(&users))));
+            return Err(JobsError::conflict(
+                "in_use",
+                format!("the dataset is needed by {}", listed(&users)),
+            ));
         }
         self.sweep(vec![stored.info.sha256]).await
     }
 
     pub(super) async fn dataset_content(&self, id: Uuid) -> Result<StoredFile, JobsError> {
-        let StoredDataset { info, file_name, .. } = self.stored_dataset(id).await?;
-        let media_type = format_named(&info.format).map_or("application/octet-stream", |format| format.media_type);
+        let StoredDataset {
+            info, file_name, ..
+        } = self.stored_dataset(id).await?;
+        let media_type = format_named(&info.format)
+            .map_or("application/octet-stream", |format| format.media_type);
         Ok(StoredFile {
             path: self.local(&info.sha256).await?,
             media_type: media_type.to_owned(),
@@ -108,8 +171,17 @@ impl Inner {
 
     pub(super) async fn preview(&self, id: Uuid, rows: usize) -> Result<Box<RawValue>, JobsError> {
         let located = self.located(self.stored_dataset(id).await?);
-        let input = spawn_blocking(|| located.local()).await.context("fetching a file panicked")??;
-        match self.ask(Order::Preview { input, rows }, (&self.looks, LOOKS), "reading the dataset").await? {
+        let input = spawn_blocking(|| located.local())
+            .await
+            .context("fetching a file panicked")??;
+        match self
+            .ask(
+                Order::Preview { input, rows },
+                (&self.looks, LOOKS),
+                "reading the dataset",
+            )
+            .await?
+        {
             Made::Preview(preview) => Ok(preview),
             made => Err(unexpected(&made).into()),
         }
@@ -118,12 +190,17 @@ impl Inner {
     /// A local file of the content.
     pub(super) async fn local(&self, sha256: &str) -> Result<PathBuf, JobsError> {
         let (blobs, sha256) = (self.blobs.clone(), sha256.to_owned());
-        Ok(spawn_blocking(move || blobs.local(&sha256)).await.context("fetching a file panicked")??)
+        Ok(spawn_blocking(move || blobs.local(&sha256))
+            .await
+            .context("fetching a file panicked")??)
     }
 
     /// While the answer lives, nobody sweeps, here or in another process.
     pub(super) async fn no_sweeping(&self) -> anyhow::Result<NoSweepingHere<'_>> {
-        Ok((self.sweeping.read().await, self.storage.no_sweeping().await?))
+        Ok((
+            self.sweeping.read().await,
+            self.storage.no_sweeping().await?,
+        ))
     }
 
     /// Removes contents that nothing has any more.
@@ -136,32 +213,58 @@ impl Inner {
             }
         }
         let blobs = self.blobs.clone();
-        Ok(spawn_blocking(move || blobs.remove(&unused)).await.context("removing files panicked")??)
+        Ok(spawn_blocking(move || blobs.remove(&unused))
+            .await
+            .context("removing files panicked")??)
     }
 }
 
 /// Ids for a sentence, not too many.
 pub(super) fn listed(jobs: &[Uuid]) -> String {
     const MOST: usize = 5;
-    let named = jobs.iter().take(MOST).map(|id| format!("job {id}")).collect::<Vec<_>>().join(", ");
-    if jobs.len() > MOST { format!("{named} and {} more", jobs.len() - MOST) } else { named }
+    let named = jobs
+        .iter()
+        .take(MOST)
+        .map(|id| format!("job {id}"))
+        .collect::<Vec<_>>()
+        .join(", ");
+    if jobs.len() > MOST {
+        format!("{named} and {} more", jobs.len() - MOST)
+    } else {
+        named
+    }
 }
 
 /// Names with characters that not every database keeps.
 fn text_faults(meta: &DatasetMeta) -> Vec<Fault> {
-    let name = meta.name.as_deref().and_then(|name| control_character_fault(name, "/meta/name"));
-    let file_name = meta.file_name.as_deref().and_then(|name| control_character_fault(name, "/file"));
+    let name = meta
+        .name
+        .as_deref()
+        .and_then(|name| control_character_fault(name, "/meta/name"));
+    let file_name = meta
+        .file_name
+        .as_deref()
+        .and_then(|name| control_character_fault(name, "/file"));
     name.into_iter().chain(file_name).collect()
 }
 
-fn new_dataset(file: &ReceivedFile, meta: DatasetMeta, format: String, summary: DatasetSummary, warnings: Vec<String>) -> NewDataset {
+fn new_dataset(
+    file: &ReceivedFile,
+    meta: DatasetMeta,
+    format: String,
+    summary: DatasetSummary,
+    warnings: Vec<String>,
+) -> NewDataset {
     let mut said = json!({
         "name": meta.name, "kind": summary.kind, "format": format, "columns": meta.columns, "sensors": meta.sensors
     });
     if let Some(axes) = meta.bearing_time {
         said["bearing_time"] = json!(axes);
     }
-    let name = meta.name.or_else(|| meta.file_name.clone()).unwrap_or_else(|| summary.kind.name().to_owned());
+    let name = meta
+        .name
+        .or_else(|| meta.file_name.clone())
+        .unwrap_or_else(|| summary.kind.name().to_owned());
     NewDataset {
         name,
         format,

@@ -25,8 +25,12 @@ impl Inner {
         permit: OwnedSemaphorePermit,
         tell: impl Fn(Progress) -> BoxFuture<'a, ()> + Send + Sync,
     ) -> Result<Made, Failure> {
-        let first = self.try_in_child(job_id, order.clone(), control, &tell).await;
-        let Err(Failure::Died(how)) = first else { return first };
+        let first = self
+            .try_in_child(job_id, order.clone(), control, &tell)
+            .await;
+        let Err(Failure::Died(how)) = first else {
+            return first;
+        };
         tracing::warn!(%job_id, error = format!("{how:#}"), "a child died; its work is done again, alone");
         // All slots are waited for; this one is among them.
         drop(permit);
@@ -44,7 +48,10 @@ impl Inner {
         control: &Control,
         tell: &(impl Fn(Progress) -> BoxFuture<'a, ()> + Send + Sync),
     ) -> Result<Made, Failure> {
-        let (limit, grace_over) = (tokio::time::sleep(self.config.job_time_limit), control.grace_over());
+        let (limit, grace_over) = (
+            tokio::time::sleep(self.config.job_time_limit),
+            control.grace_over(),
+        );
         tokio::pin!(limit, grace_over);
         let mut child = tokio::select! {
             biased;
@@ -78,12 +85,26 @@ impl Inner {
     }
 
     /// Does what somebody waits for in a child; `desk` says how much of the kind is done at the same time, and `what` it is.
-    pub(super) async fn ask(&self, order: Order, (desk, places): (&Arc<Semaphore>, usize), what: &str) -> Result<Made, JobsError> {
+    pub(super) async fn ask(
+        &self,
+        order: Order,
+        (desk, places): (&Arc<Semaphore>, usize),
+        what: &str,
+    ) -> Result<Made, JobsError> {
         let asked = async {
-            let permit = desk.clone().acquire_owned().await.context("nobody is asked any more")?;
+            let permit = desk
+                .clone()
+                .acquire_owned()
+                .await
+                .context("nobody is asked any more")?;
             let first = self.ask_once(order.clone()).await;
-            let Err(Failure::Died(how)) = first else { return first };
-            tracing::warn!(error = format!("{how:#}"), "a child died; its work is done again, alone");
+            let Err(Failure::Died(how)) = first else {
+                return first;
+            };
+            tracing::warn!(
+                error = format!("{how:#}"),
+                "a child died; its work is done again, alone"
+            );
             drop(permit);
             let _alone = all_of(desk, places).await?;
             self.ask_once(order).await
@@ -119,7 +140,10 @@ impl Inner {
     /// Says that something needs too much memory.
     pub(super) fn memory_text(&self, what: &str) -> String {
         match self.config.job_memory_bytes {
-            Some(bytes) => format!("{what} needs more memory than the {} that --job-memory allows", size_text(bytes)),
+            Some(bytes) => format!(
+                "{what} needs more memory than the {} that --job-memory allows",
+                size_text(bytes)
+            ),
             None => format!("{what} needs more memory than there is"),
         }
     }
@@ -130,8 +154,14 @@ pub(super) fn crash_text(what: &str, how: &anyhow::Error) -> String {
     format!("the process of {what} died twice, the second time while nothing else ran ({how})")
 }
 
-async fn all_of(semaphore: &Arc<Semaphore>, permits: usize) -> anyhow::Result<OwnedSemaphorePermit> {
-    Ok(semaphore.clone().acquire_many_owned(u32::try_from(permits)?).await?)
+async fn all_of(
+    semaphore: &Arc<Semaphore>,
+    permits: usize,
+) -> anyhow::Result<OwnedSemaphorePermit> {
+    Ok(semaphore
+        .clone()
+        .acquire_many_owned(u32::try_from(permits)?)
+        .await?)
 }
 
 fn failure_of(death: Death) -> Failure {
@@ -146,7 +176,12 @@ fn result_of(made: Made) -> Result<Made, Failure> {
         Made::Stopped => Err(Failure::Stopped),
         Made::Faults(faults) => Err(Failure::Faults(faults)),
         Made::Memory => Err(Failure::Memory),
-        Made::Internal { text, is_full: true } => Err(Failure::Internal(std::io::Error::new(std::io::ErrorKind::StorageFull, text).into())),
+        Made::Internal {
+            text,
+            is_full: true,
+        } => Err(Failure::Internal(
+            std::io::Error::new(std::io::ErrorKind::StorageFull, text).into(),
+        )),
         Made::Internal { text, .. } => Err(Failure::Internal(anyhow!(text))),
         made => Ok(made),
     }

@@ -22,14 +22,29 @@ pub(in crate::service) struct Meter {
 }
 
 impl Meter {
-    pub(in crate::service) fn new(kind: JobKind, stop: Arc<AtomicBool>, news: impl FnMut(Progress) + 'static) -> Self {
+    pub(in crate::service) fn new(
+        kind: JobKind,
+        stop: Arc<AtomicBool>,
+        news: impl FnMut(Progress) + 'static,
+    ) -> Self {
         let now = Instant::now();
-        Meter { kind, stop, news: Box::new(news), started: now, last: (now, Step::Load), told: None, timing: Timing::default() }
+        Meter {
+            kind,
+            stop,
+            news: Box::new(news),
+            started: now,
+            last: (now, Step::Load),
+            told: None,
+            timing: Timing::default(),
+        }
     }
 
     /// What was measured until now.
     pub(in crate::service) fn timing(&self) -> Timing {
-        Timing { total_s: self.started.elapsed().as_secs_f64(), ..self.timing }
+        Timing {
+            total_s: self.started.elapsed().as_secs_f64(),
+            ..self.timing
+        }
     }
 
     /// The time since the last call belongs to the step that this call is about, or, when it only begins, to the one before.
@@ -52,13 +67,22 @@ impl Meter {
     fn tell(&mut self, now: Instant, step: Step, done: u64, total: u64) {
         let elapsed = now.duration_since(self.started);
         let pause = Progress::pause_after(elapsed);
-        if self.told.is_some_and(|told| now.duration_since(told) < pause) {
+        if self
+            .told
+            .is_some_and(|told| now.duration_since(told) < pause)
+        {
             return;
         }
         self.told = Some(now);
         let fraction = fraction(self.kind, step, done, total);
         let eta_s = Progress::left_s(elapsed, fraction);
-        (self.news)(Progress { step: wire_step(step), done, total, fraction, eta_s });
+        (self.news)(Progress {
+            step: wire_step(step),
+            done,
+            total,
+            fraction,
+            eta_s,
+        });
     }
 }
 
@@ -71,7 +95,11 @@ impl Observer for Meter {
         let now = Instant::now();
         self.book(now, step, done);
         self.tell(now, step, done, total);
-        if self.stop.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if self.stop.load(Ordering::Relaxed) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
     }
 }
 
@@ -87,7 +115,11 @@ fn fraction(kind: JobKind, step: Step, done: u64, total: u64) -> f64 {
     };
     let index = step as usize;
     let before: f64 = shares[..index].iter().sum();
-    let part = if total == 0 { 0.0 } else { done as f64 / total as f64 };
+    let part = if total == 0 {
+        0.0
+    } else {
+        done as f64 / total as f64
+    };
     (before + shares[index] * part).min(1.0)
 }
 
@@ -112,25 +144,52 @@ mod tests {
 
     #[test]
     fn the_fraction_rises_through_the_steps_to_one() {
-        let steps = [Step::Load, Step::Run, Step::Simulate, Step::Detect, Step::Associate, Step::Evaluate, Step::Write];
+        let steps = [
+            Step::Load,
+            Step::Run,
+            Step::Simulate,
+            Step::Detect,
+            Step::Associate,
+            Step::Evaluate,
+            Step::Write,
+        ];
         for kind in JobKind::ALL {
-            let fractions: Vec<f64> = steps.iter().flat_map(|&step| [0, 5, 10].map(|done| fraction(kind, step, done, 10))).collect();
+            let fractions: Vec<f64> = steps
+                .iter()
+                .flat_map(|&step| [0, 5, 10].map(|done| fraction(kind, step, done, 10)))
+                .collect();
             assert!(fractions.is_sorted(), "{kind:?}: {fractions:?}");
-            assert!((fractions[20] - 1.0).abs() < 1e-12, "{kind:?} ends at {}", fractions[20]);
+            assert!(
+                (fractions[20] - 1.0).abs() < 1e-12,
+                "{kind:?} ends at {}",
+                fractions[20]
+            );
         }
     }
 
     #[test]
     fn a_stop_sign_breaks_and_the_first_news_are_told_at_once() {
-        let (stop, told) = (Arc::new(AtomicBool::new(false)), Rc::new(RefCell::new(Vec::new())));
+        let (stop, told) = (
+            Arc::new(AtomicBool::new(false)),
+            Rc::new(RefCell::new(Vec::new())),
+        );
         let news = told.clone();
-        let mut meter = Meter::new(JobKind::Associate, stop.clone(), move |progress| news.borrow_mut().push(progress));
+        let mut meter = Meter::new(JobKind::Associate, stop.clone(), move |progress| {
+            news.borrow_mut().push(progress)
+        });
         assert!(meter.progress(Step::Associate, 5, 10).is_continue());
         let first = told.borrow()[0].clone();
-        assert_eq!((first.step, first.done, first.total, first.eta_s), (ProgressStep::Associate, 5, 10, None));
+        assert_eq!(
+            (first.step, first.done, first.total, first.eta_s),
+            (ProgressStep::Associate, 5, 10, None)
+        );
         assert!((first.fraction - 0.575).abs() < 1e-12);
         assert!(meter.progress(Step::Associate, 6, 10).is_continue());
-        assert_eq!(told.borrow().len(), 1, "the second comes too soon to be told");
+        assert_eq!(
+            told.borrow().len(),
+            1,
+            "the second comes too soon to be told"
+        );
         stop.store(true, Ordering::Relaxed);
         assert!(meter.progress(Step::Associate, 7, 10).is_break());
     }
@@ -146,7 +205,16 @@ mod tests {
         meter.book(at(10), Step::Evaluate, 0);
         meter.book(at(15), Step::Evaluate, 1);
         meter.book(at(16), Step::Write, 1);
-        let Timing { load_s, associate_s, evaluate_s, simulate_s, .. } = meter.timing;
-        assert_eq!((load_s, simulate_s, associate_s, evaluate_s), (1.0, 0.0, 9.0, 5.0));
+        let Timing {
+            load_s,
+            associate_s,
+            evaluate_s,
+            simulate_s,
+            ..
+        } = meter.timing;
+        assert_eq!(
+            (load_s, simulate_s, associate_s, evaluate_s),
+            (1.0, 0.0, 9.0, 5.0)
+        );
     }
 }

@@ -33,7 +33,10 @@ use super::storage::blobs::Blobs;
 use super::storage::notices::{Notice, Notices};
 use super::storage::room::{NoRoom, Room};
 use super::storage::{Changed, Database, Storage};
-use super::types::{ArtifactList, CampaignSoFar, Comparison, DatasetInfo, DatasetPage, Event, EventPage, Job, JobKind, JobPage, JobState};
+use super::types::{
+    ArtifactList, CampaignSoFar, Comparison, DatasetInfo, DatasetPage, Event, EventPage, Job,
+    JobKind, JobPage, JobState,
+};
 use crate::experiment::job_shape::with_kind;
 use anyhow::{Context, bail, ensure};
 use campaign::Campaigns;
@@ -104,7 +107,11 @@ impl Jobs {
             None => Database::Sqlite(directory.join("app.db")),
             Some(url) => Database::Postgres(url.clone()),
         };
-        let lock = if config.database_url.is_none() { Some(lock(directory)?) } else { None };
+        let lock = if config.database_url.is_none() {
+            Some(lock(directory)?)
+        } else {
+            None
+        };
         let slots = config.slots.max(1);
         let storage = Storage::open(&database).await?;
         let blobs = Blobs::open(directory, config.artifacts.as_ref(), lock.is_none()).await?;
@@ -114,11 +121,20 @@ impl Jobs {
             "the files of this database are kept elsewhere: say --data with the directory that its server uses, which all must reach, \
              or --artifacts with its bucket"
         );
-        let room = Room::open(directory, lock.as_ref().map(|lock| (lock, LOCK)), config.min_free)?;
-        let job_memory_bytes = config.job_memory_bytes.or_else(|| default_memory(slots)).filter(|_| IS_LIMITED);
+        let room = Room::open(
+            directory,
+            lock.as_ref().map(|lock| (lock, LOCK)),
+            config.min_free,
+        )?;
+        let job_memory_bytes = config
+            .job_memory_bytes
+            .or_else(|| default_memory(slots))
+            .filter(|_| IS_LIMITED);
         match job_memory_bytes {
             Some(bytes) => tracing::info!(slots, "a job may use {} of memory", size_text(bytes)),
-            None => tracing::warn!("this system does not limit the memory of a process: one job may take all there is"),
+            None => tracing::warn!(
+                "this system does not limit the memory of a process: one job may take all there is"
+            ),
         }
         let children = Children::open(config.child_program.clone(), job_memory_bytes, slots).await;
         let children = children.context("no process for jobs can be started")?;
@@ -138,14 +154,25 @@ impl Jobs {
             sweeping: RwLock::new(()),
             closing: CancellationToken::new(),
             must_requeue: AtomicBool::new(false),
-            config: Config { slots, job_memory_bytes, ..config },
+            config: Config {
+                slots,
+                job_memory_bytes,
+                ..config
+            },
             lock,
         });
         if let Some(url) = &inner.config.database_url {
-            let notices = Notices::listen(url).await.context("cannot listen to the database")?;
+            let notices = Notices::listen(url)
+                .await
+                .context("cannot listen to the database")?;
             tokio::spawn(hear(notices, Arc::downgrade(&inner), inner.closing.clone()));
         } else {
-            inner.take_up().await.with_context(|| format!("cannot use the tables in {}", inner.config.data_dir.display()))?;
+            inner.take_up().await.with_context(|| {
+                format!(
+                    "cannot use the tables in {}",
+                    inner.config.data_dir.display()
+                )
+            })?;
         }
         inner.enqueue_ready(inner.lock.is_none()).await?;
         inner.engine.run(handler(Arc::downgrade(&inner)));
@@ -159,7 +186,12 @@ impl Jobs {
     }
 
     /// Checks a request and queues its job. A key that was used for the same request gives the job of that time.
-    pub async fn submit(&self, kind: JobKind, body: Value, idempotency_key: Option<String>) -> Result<Submitted, JobsError> {
+    pub async fn submit(
+        &self,
+        kind: JobKind,
+        body: Value,
+        idempotency_key: Option<String>,
+    ) -> Result<Submitted, JobsError> {
         self.0.submit(kind, body, idempotency_key, None).await
     }
 
@@ -206,12 +238,21 @@ impl Jobs {
     }
 
     /// Events after number `after`; if there are none yet, waits up to `patience` for one.
-    pub async fn history(&self, id: Uuid, after: u64, patience: Duration) -> Result<EventPage, JobsError> {
+    pub async fn history(
+        &self,
+        id: Uuid,
+        after: u64,
+        patience: Duration,
+    ) -> Result<EventPage, JobsError> {
         self.0.history(id, after, patience).await
     }
 
     /// Events after number `after` as they happen; ends after the last one, and when the service stops.
-    pub async fn events(&self, id: Uuid, after: u64) -> Result<impl Stream<Item = Event> + Send + use<>, JobsError> {
+    pub async fn events(
+        &self,
+        id: Uuid,
+        after: u64,
+    ) -> Result<impl Stream<Item = Event> + Send + use<>, JobsError> {
         self.0.job(id).await?;
         Ok(read::live_events(self.0.clone(), id, after))
     }
@@ -245,12 +286,21 @@ impl Jobs {
     }
 
     /// Jobs side by side; `baseline` is the place of the one that the others are compared with.
-    pub async fn compare(&self, ids: &[Uuid], baseline: usize, confidence: f64) -> Result<Comparison, JobsError> {
+    pub async fn compare(
+        &self,
+        ids: &[Uuid],
+        baseline: usize,
+        confidence: f64,
+    ) -> Result<Comparison, JobsError> {
         self.0.compare(ids, baseline, confidence).await
     }
 
     /// Checks a received file and keeps it. The same content with the same meta gives the dataset that exists, and `false`.
-    pub async fn add_dataset(&self, file: ReceivedFile, meta: DatasetMeta) -> Result<(DatasetInfo, bool), JobsError> {
+    pub async fn add_dataset(
+        &self,
+        file: ReceivedFile,
+        meta: DatasetMeta,
+    ) -> Result<(DatasetInfo, bool), JobsError> {
         self.0.add_dataset(file, meta).await
     }
 
@@ -319,7 +369,10 @@ impl Inner {
             Err(error) => Err(error),
         };
         if let Err(error) = queued {
-            tracing::error!(error = format!("{error:#}"), "jobs were not queued; trying again soon");
+            tracing::error!(
+                error = format!("{error:#}"),
+                "jobs were not queued; trying again soon"
+            );
             self.must_requeue.store(true, Ordering::Release);
         }
     }
@@ -328,7 +381,10 @@ impl Inner {
     async fn announce(&self, ids: &[Uuid]) {
         self.hub.wake(ids);
         if let Err(error) = self.storage.notify(ids).await {
-            tracing::warn!(error = format!("{error:#}"), "other processes were not told of a change");
+            tracing::warn!(
+                error = format!("{error:#}"),
+                "other processes were not told of a change"
+            );
         }
     }
 
@@ -344,7 +400,8 @@ impl Inner {
         let must = self.must_requeue.swap(false, Ordering::AcqRel);
         if must || self.lock.is_none() {
             let queued = self.enqueue_ready(!must).await;
-            self.must_requeue.fetch_or(must && queued.is_err(), Ordering::AcqRel);
+            self.must_requeue
+                .fetch_or(must && queued.is_err(), Ordering::AcqRel);
             queued?;
         }
         Ok(())
@@ -354,7 +411,9 @@ impl Inner {
     async fn stop_unwanted(&self, ids: &[Uuid]) -> anyhow::Result<()> {
         for &id in ids {
             let stored = self.storage.job(id).await?;
-            if stored.is_none_or(|stored| stored.job.state.is_terminal() || stored.job.cancel_requested_at.is_some()) {
+            if stored.is_none_or(|stored| {
+                stored.job.state.is_terminal() || stored.job.cancel_requested_at.is_some()
+            }) {
                 self.running.stop(id, Stop::Canceled);
             }
         }
@@ -379,17 +438,28 @@ const LOCK: &str = "lock";
 
 /// Makes the directory where it is missing, for nobody but its owner.
 fn make_private(directory: &Path) -> std::io::Result<()> {
-    DirBuilder::new().recursive(true).mode(0o700).create(directory)
+    DirBuilder::new()
+        .recursive(true)
+        .mode(0o700)
+        .create(directory)
 }
 
 fn lock(directory: &Path) -> anyhow::Result<File> {
     let path = directory.join(LOCK);
-    let file =
-        File::options().create(true).truncate(false).write(true).open(&path).with_context(|| format!("cannot open {}", path.display()))?;
+    let file = File::options()
+        .create(true)
+        .truncate(false)
+        .write(true)
+        .open(&path)
+        .with_context(|| format!("cannot open {}", path.display()))?;
     match file.try_lock() {
         Ok(()) => Ok(file),
-        Err(TryLockError::WouldBlock) => bail!("{} is in use by another trackloom", directory.display()),
-        Err(TryLockError::Error(error)) => Err(error).with_context(|| format!("cannot lock {}", path.display())),
+        Err(TryLockError::WouldBlock) => {
+            bail!("{} is in use by another trackloom", directory.display())
+        }
+        Err(TryLockError::Error(error)) => {
+            Err(error).with_context(|| format!("cannot lock {}", path.display()))
+        }
     }
 }
 
@@ -398,7 +468,9 @@ fn handler(inner: Weak<Inner>) -> Handler {
     Handler::new(move |entry: Entry| {
         let inner = inner.upgrade();
         async move {
-            let Some(inner) = inner else { bail!("the service has stopped") };
+            let Some(inner) = inner else {
+                bail!("the service has stopped")
+            };
             let looked = inner.clone().look(entry).await;
             if looked.is_err() {
                 inner.must_requeue.store(true, Ordering::Release);
@@ -446,7 +518,12 @@ async fn hear(mut notices: Notices, inner: Weak<Inner>, closing: CancellationTok
         let concerned = match heard {
             Ok(Notice::Changed(ids)) => {
                 inner.hub.wake(&ids);
-                inner.running.jobs().into_iter().filter(|id| ids.contains(id)).collect()
+                inner
+                    .running
+                    .jobs()
+                    .into_iter()
+                    .filter(|id| ids.contains(id))
+                    .collect()
             }
             Ok(Notice::Queued) => {
                 inner.engine.wake();
@@ -458,13 +535,19 @@ async fn hear(mut notices: Notices, inner: Weak<Inner>, closing: CancellationTok
                 inner.running.jobs()
             }
             Err(error) => {
-                tracing::warn!(error = format!("{error:#}"), "news of other processes were not heard; trying again");
+                tracing::warn!(
+                    error = format!("{error:#}"),
+                    "news of other processes were not heard; trying again"
+                );
                 tokio::time::sleep(Duration::from_secs(1)).await;
                 Vec::new()
             }
         };
         if let Err(error) = inner.stop_unwanted(&concerned).await {
-            tracing::warn!(error = format!("{error:#}"), "the state of running jobs was not read");
+            tracing::warn!(
+                error = format!("{error:#}"),
+                "the state of running jobs was not read"
+            );
         }
     }
 }

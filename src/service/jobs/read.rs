@@ -21,14 +21,26 @@ use uuid::Uuid;
 /// # Errors
 /// When there is a fault.
 pub(super) fn refuse_any(faults: Vec<Fault>) -> Result<(), JobsError> {
-    if faults.is_empty() { Ok(()) } else { Err(JobsError::Invalid(faults)) }
+    if faults.is_empty() {
+        Ok(())
+    } else {
+        Err(JobsError::Invalid(faults))
+    }
 }
 
 impl Inner {
     /// The job, unless there is none or it has been deleted.
     pub(super) async fn job(&self, id: Uuid) -> Result<Job, JobsError> {
-        let stored = self.storage.job(id).await?.ok_or(JobsError::NotFound("job"))?;
-        if stored.deleted { Err(JobsError::Gone("job")) } else { Ok(stored.job) }
+        let stored = self
+            .storage
+            .job(id)
+            .await?
+            .ok_or(JobsError::NotFound("job"))?;
+        if stored.deleted {
+            Err(JobsError::Gone("job"))
+        } else {
+            Ok(stored.job)
+        }
     }
 
     pub(super) async fn list(&self, filter: JobFilter) -> Result<JobPage, JobsError> {
@@ -38,7 +50,11 @@ impl Inner {
             None => None,
         };
         let (items, next_cursor, total) = self.storage.jobs(&filter, cursor).await?;
-        Ok(JobPage { items, next_cursor, total })
+        Ok(JobPage {
+            items,
+            next_cursor,
+            total,
+        })
     }
 
     pub(super) async fn wait(&self, id: Uuid, patience: Duration) -> Result<Job, JobsError> {
@@ -52,14 +68,25 @@ impl Inner {
         }
     }
 
-    pub(super) async fn history(&self, id: Uuid, after: u64, patience: Duration) -> Result<EventPage, JobsError> {
+    pub(super) async fn history(
+        &self,
+        id: Uuid,
+        after: u64,
+        patience: Duration,
+    ) -> Result<EventPage, JobsError> {
         let deadline = Instant::now() + patience;
         let mut news = self.hub.subscribe(id);
         loop {
             let job = self.job(id).await?;
             let events = self.storage.events(id, after).await?;
-            if !events.is_empty() || job.state.is_terminal() || !self.news_before(deadline, &mut news).await {
-                return Ok(EventPage { next_after: events.last().map_or(after, Event::seq), events });
+            if !events.is_empty()
+                || job.state.is_terminal()
+                || !self.news_before(deadline, &mut news).await
+            {
+                return Ok(EventPage {
+                    next_after: events.last().map_or(after, Event::seq),
+                    events,
+                });
             }
         }
     }
@@ -82,28 +109,62 @@ impl Inner {
             sha256: artifact.sha256,
             dataset_id: artifact.dataset_id,
         };
-        Ok(ArtifactList { items: self.storage.artifacts(id).await?.into_iter().map(info).collect() })
+        Ok(ArtifactList {
+            items: self
+                .storage
+                .artifacts(id)
+                .await?
+                .into_iter()
+                .map(info)
+                .collect(),
+        })
     }
 
     pub(super) async fn artifact(&self, id: Uuid, name: &str) -> Result<StoredFile, JobsError> {
         self.ended_well(id).await?;
         let artifacts = self.storage.artifacts(id).await?;
-        let Some(artifact) = artifacts.iter().find(|artifact| artifact.name == name).cloned() else {
-            let known: Vec<&str> = artifacts.iter().map(|artifact| artifact.name.as_str()).collect();
-            return Err(JobsError::NotThere(format!("the job has no file '{name}'; it has {}", known.join(", "))));
+        let Some(artifact) = artifacts
+            .iter()
+            .find(|artifact| artifact.name == name)
+            .cloned()
+        else {
+            let known: Vec<&str> = artifacts
+                .iter()
+                .map(|artifact| artifact.name.as_str())
+                .collect();
+            return Err(JobsError::NotThere(format!(
+                "the job has no file '{name}'; it has {}",
+                known.join(", ")
+            )));
         };
-        let StoredArtifact { name, media_type, bytes, sha256, .. } = artifact;
-        Ok(StoredFile { path: self.local(&sha256).await?, media_type, bytes, sha256, file_name: name })
+        let StoredArtifact {
+            name,
+            media_type,
+            bytes,
+            sha256,
+            ..
+        } = artifact;
+        Ok(StoredFile {
+            path: self.local(&sha256).await?,
+            media_type,
+            bytes,
+            sha256,
+            file_name: name,
+        })
     }
 
     /// Refuses a job that has no results.
     pub(super) async fn ended_well(&self, id: Uuid) -> Result<(), JobsError> {
         match self.job(id).await?.state {
             JobState::Succeeded => Ok(()),
-            state @ (JobState::Queued | JobState::Running) => {
-                Err(JobsError::conflict("result_not_ready", format!("the job is {}", state.name())))
-            }
-            JobState::Failed => Err(JobsError::conflict("job_failed", "the job failed; its error says why")),
+            state @ (JobState::Queued | JobState::Running) => Err(JobsError::conflict(
+                "result_not_ready",
+                format!("the job is {}", state.name()),
+            )),
+            JobState::Failed => Err(JobsError::conflict(
+                "job_failed",
+                "the job failed; its error says why",
+            )),
             JobState::Canceled => Err(JobsError::conflict("job_failed", "the job was canceled")),
         }
     }
@@ -112,39 +173,75 @@ impl Inner {
     pub(super) async fn layers(&self, id: Uuid) -> Result<Arc<JobLayers>, JobsError> {
         self.ended_well(id).await?;
         let artifacts = self.storage.artifacts(id).await?;
-        let bytes = artifacts.iter().filter(|artifact| artifact.dataset_id.is_some()).map(|artifact| artifact.bytes).sum();
-        self.recent.get(id, bytes, || self.read_layers(id, artifacts)).await
+        let bytes = artifacts
+            .iter()
+            .filter(|artifact| artifact.dataset_id.is_some())
+            .map(|artifact| artifact.bytes)
+            .sum();
+        self.recent
+            .get(id, bytes, || self.read_layers(id, artifacts))
+            .await
     }
 
-    async fn read_layers(&self, id: Uuid, artifacts: Vec<StoredArtifact>) -> Result<JobLayers, JobsError> {
+    async fn read_layers(
+        &self,
+        id: Uuid,
+        artifacts: Vec<StoredArtifact>,
+    ) -> Result<JobLayers, JobsError> {
         let mut files = Vec::new();
         // Of a bearing-time record the job has a picture.
-        for kind in [DatasetKind::Detections, DatasetKind::Truth, DatasetKind::Tracks] {
+        for kind in [
+            DatasetKind::Detections,
+            DatasetKind::Truth,
+            DatasetKind::Tracks,
+        ] {
             files.extend(self.locate_artifact(&id.to_string(), kind).await?);
         }
         let spec = self.storage.spec(id).await?;
-        let metrics = artifacts.into_iter().find(|artifact| artifact.name == METRIC_SERIES);
+        let metrics = artifacts
+            .into_iter()
+            .find(|artifact| artifact.name == METRIC_SERIES);
         let blobs = self.blobs.clone();
         let read = move || {
-            let metrics = metrics.map(|artifact| blobs.local(&artifact.sha256)).transpose()?;
+            let metrics = metrics
+                .map(|artifact| blobs.local(&artifact.sha256))
+                .transpose()?;
             read_files(spec, &files, metrics)
         };
-        tokio::task::spawn_blocking(read).await.context("reading a job's files panicked")?
+        tokio::task::spawn_blocking(read)
+            .await
+            .context("reading a job's files panicked")?
     }
 }
 
 /// Reads the files side by side. Blocks.
-fn read_files(spec: Value, files: &[Located], metrics: Option<PathBuf>) -> Result<JobLayers, JobsError> {
-    let mut layers = JobLayers { spec, ..JobLayers::default() };
+fn read_files(
+    spec: Value,
+    files: &[Located],
+    metrics: Option<PathBuf>,
+) -> Result<JobLayers, JobsError> {
+    let mut layers = JobLayers {
+        spec,
+        ..JobLayers::default()
+    };
     if let Some(path) = metrics {
-        let bytes = std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
-        layers.metrics = MetricTable::read(&bytes).with_context(|| format!("{METRIC_SERIES} is damaged"))?;
+        let bytes =
+            std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        layers.metrics =
+            MetricTable::read(&bytes).with_context(|| format!("{METRIC_SERIES} is damaged"))?;
     }
     let datasets = std::thread::scope(|scope| {
-        let readers: Vec<_> = files.iter().map(|file| scope.spawn(|| file.read())).collect();
+        let readers: Vec<_> = files
+            .iter()
+            .map(|file| scope.spawn(|| file.read()))
+            .collect();
         readers
             .into_iter()
-            .map(|reader| reader.join().map_err(|_| anyhow!("reading a file panicked"))?)
+            .map(|reader| {
+                reader
+                    .join()
+                    .map_err(|_| anyhow!("reading a file panicked"))?
+            })
             .collect::<Result<Vec<_>, JobsError>>()
     })?;
     for (file, dataset) in files.iter().zip(datasets) {
@@ -176,9 +273,20 @@ struct Reading {
 }
 
 /// Events after number `after`, until the last one or until the service stops.
-pub(super) fn live_events(inner: Arc<Inner>, id: Uuid, after: u64) -> impl Stream<Item = Event> + Send + use<> {
+pub(super) fn live_events(
+    inner: Arc<Inner>,
+    id: Uuid,
+    after: u64,
+) -> impl Stream<Item = Event> + Send + use<> {
     let news = inner.hub.subscribe(id);
-    let reading = Reading { inner, id, after, read: VecDeque::new(), news, is_over: false };
+    let reading = Reading {
+        inner,
+        id,
+        after,
+        read: VecDeque::new(),
+        news,
+        is_over: false,
+    };
     futures::stream::unfold(reading, |mut reading| async move {
         let event = reading.next().await?;
         reading.after = event.seq();
@@ -196,7 +304,9 @@ impl Reading {
             // Asked before the events are read, so that none can slip in between.
             let has_ended = self.has_ended().await;
             match self.inner.storage.events(self.id, self.after).await {
-                Ok(events) if events.is_empty() => self.is_over = has_ended || !self.hears_more().await,
+                Ok(events) if events.is_empty() => {
+                    self.is_over = has_ended || !self.hears_more().await
+                }
                 Ok(events) => self.read.extend(events),
                 Err(error) => {
                     tracing::warn!(job_id = %self.id, %error, "events could not be read");
@@ -209,7 +319,10 @@ impl Reading {
 
     /// Nothing will ever come: the reader already knew the last event, or the job has been deleted.
     async fn has_ended(&self) -> bool {
-        self.inner.job(self.id).await.map_or(true, |job| job.state.is_terminal())
+        self.inner
+            .job(self.id)
+            .await
+            .map_or(true, |job| job.state.is_terminal())
     }
 
     async fn hears_more(&mut self) -> bool {

@@ -29,22 +29,39 @@ struct Entry {
 
 impl Recent {
     /// The data of a job whose files have this many bytes: those in memory, else what `read` reads.
-    pub(super) async fn get<F>(&self, id: Uuid, bytes: u64, read: impl FnOnce() -> F) -> Result<Arc<JobLayers>, JobsError>
+    pub(super) async fn get<F>(
+        &self,
+        id: Uuid,
+        bytes: u64,
+        read: impl FnOnce() -> F,
+    ) -> Result<Arc<JobLayers>, JobsError>
     where
         F: Future<Output = Result<JobLayers, JobsError>>,
     {
         let slot = self.slot(id, bytes);
-        slot.get_or_try_init(|| async { read().await.map(Arc::new) }).await.cloned()
+        slot.get_or_try_init(|| async { read().await.map(Arc::new) })
+            .await
+            .cloned()
     }
 
     /// The slot of the job, the newest from now on; older ones go where there is too much.
     fn slot(&self, id: Uuid, bytes: u64) -> Slot {
         let mut entries = self.entries.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = entries.iter().position(|entry| entry.id == id).map(|index| entries.remove(index));
-        let entry = known.unwrap_or_else(|| Entry { id, bytes, slot: Slot::default() });
+        let known = entries
+            .iter()
+            .position(|entry| entry.id == id)
+            .map(|index| entries.remove(index));
+        let entry = known.unwrap_or_else(|| Entry {
+            id,
+            bytes,
+            slot: Slot::default(),
+        });
         let slot = entry.slot.clone();
         entries.push(entry);
-        while entries.len() > MOST_JOBS || entries.len() > 1 && entries.iter().map(|entry| entry.bytes).sum::<u64>() > MOST_BYTES {
+        while entries.len() > MOST_JOBS
+            || entries.len() > 1
+                && entries.iter().map(|entry| entry.bytes).sum::<u64>() > MOST_BYTES
+        {
             entries.remove(0);
         }
         slot
@@ -67,13 +84,23 @@ mod tests {
     }
 
     fn kept(recent: &Recent) -> Vec<u128> {
-        recent.entries.lock().unwrap().iter().map(|entry| entry.id.as_u128()).collect()
+        recent
+            .entries
+            .lock()
+            .unwrap()
+            .iter()
+            .map(|entry| entry.id.as_u128())
+            .collect()
     }
 
     #[tokio::test]
     async fn data_are_read_once_also_by_those_who_ask_at_the_same_time() {
         let (recent, readings) = (Recent::default(), AtomicUsize::new(0));
-        tokio::join!(ask(&recent, 1, 5, &readings), ask(&recent, 1, 5, &readings), ask(&recent, 1, 5, &readings));
+        tokio::join!(
+            ask(&recent, 1, 5, &readings),
+            ask(&recent, 1, 5, &readings),
+            ask(&recent, 1, 5, &readings)
+        );
         ask(&recent, 1, 5, &readings).await;
         assert_eq!(readings.load(Ordering::Relaxed), 1);
     }
@@ -97,7 +124,11 @@ mod tests {
     #[tokio::test]
     async fn a_reading_that_failed_is_tried_again() {
         let (recent, readings) = (Recent::default(), AtomicUsize::new(0));
-        let failed = recent.get(Uuid::nil(), 1, || async { Err(JobsError::NotFound("file")) }).await;
+        let failed = recent
+            .get(Uuid::nil(), 1, || async {
+                Err(JobsError::NotFound("file"))
+            })
+            .await;
         assert!(failed.is_err());
         ask(&recent, 0, 1, &readings).await;
         assert_eq!(readings.load(Ordering::Relaxed), 1);

@@ -61,12 +61,24 @@ impl ReportInput {
             Source::Dataset { dataset_id, .. } => ("dataset", Some(dataset_id.clone()), None),
             Source::Job { job_id, .. } => ("job", None, Some(job_id.clone())),
         };
-        ReportInput { role: request.role, source, dataset_id, job_id, sha256: input.sha256.clone() }
+        ReportInput {
+            role: request.role,
+            source,
+            dataset_id,
+            job_id,
+            sha256: input.sha256.clone(),
+        }
     }
 }
 
 /// The bytes of `report.json`.
-pub fn build(job_id: Uuid, plan: &Plan, inputs: &[ReportInput], outcome: &Outcome, timing: Timing) -> serde_json::Result<Vec<u8>> {
+pub fn build(
+    job_id: Uuid,
+    plan: &Plan,
+    inputs: &[ReportInput],
+    outcome: &Outcome,
+    timing: Timing,
+) -> serde_json::Result<Vec<u8>> {
     let result = serde_json::value::to_raw_value(&outcome.result)?;
     serde_json::to_vec(&Report {
         kind: plan.kind,
@@ -76,7 +88,10 @@ pub fn build(job_id: Uuid, plan: &Plan, inputs: &[ReportInput], outcome: &Outcom
         engine_version: ENGINE_VERSION,
         inputs,
         warnings: &outcome.warnings,
-        timing: WholeTiming { steps: timing, cells: &outcome.cell_times },
+        timing: WholeTiming {
+            steps: timing,
+            cells: &outcome.cell_times,
+        },
         result: &result,
     })
 }

@@ -51,7 +51,11 @@ impl Inner {
         // What was running when a process died runs alone, so that it cannot take others with it.
         let crashes = match entry.chunk {
             None => self.storage.crashes(entry.job_id, entry.id).await?,
-            Some(number) => self.storage.chunk_crashes(entry.job_id, number, entry.id).await?,
+            Some(number) => {
+                self.storage
+                    .chunk_crashes(entry.job_id, number, entry.id)
+                    .await?
+            }
         };
         let slots = if crashes > 0 { self.config.slots } else { 1 };
         let permit = tokio::select! {
@@ -59,7 +63,10 @@ impl Inner {
             // An error leaves the entry to another process.
             () = self.closing.cancelled() => bail!("the service stops"),
         };
-        ensure!(!self.running.has(work), "another entry has begun the same work meanwhile");
+        ensure!(
+            !self.running.has(work),
+            "another entry has begun the same work meanwhile"
+        );
         match entry.chunk {
             None => self.look_at_job(entry, permit).await,
             Some(number) => self.look_at_chunk(entry, number, permit).await,
@@ -68,7 +75,11 @@ impl Inner {
 
     async fn look_at_job(&self, entry: Entry, permit: OwnedSemaphorePermit) -> anyhow::Result<()> {
         let id = entry.job_id;
-        match self.storage.claim(id, entry.id, self.config.crash_limit).await? {
+        match self
+            .storage
+            .claim(id, entry.id, self.config.crash_limit)
+            .await?
+        {
             Claim::NotNow => Ok(()),
             Claim::Refused(changed) => {
                 self.publish(changed).await;
@@ -96,7 +107,12 @@ impl Inner {
     }
 
     /// Makes what the job makes, with an ear for wishes that came before the stop sign was up.
-    async fn attend(&self, job: &ClaimedJob, control: &Control, permit: OwnedSemaphorePermit) -> Result<Product, Failure> {
+    async fn attend(
+        &self,
+        job: &ClaimedJob,
+        control: &Control,
+        permit: OwnedSemaphorePermit,
+    ) -> Result<Product, Failure> {
         let stored = self.storage.job(job.id).await.map_err(Failure::Internal)?;
         if stored.is_some_and(|stored| stored.job.cancel_requested_at.is_some()) {
             control.stop(Stop::Canceled);
@@ -105,14 +121,26 @@ impl Inner {
     }
 
     /// Keeps what was made, and writes how the job ended; an error means that somebody has to run it again.
-    async fn conclude(&self, job: &ClaimedJob, control: &Control, made: Result<Product, Failure>) -> anyhow::Result<()> {
+    async fn conclude(
+        &self,
+        job: &ClaimedJob,
+        control: &Control,
+        made: Result<Product, Failure>,
+    ) -> anyhow::Result<()> {
         // Until the end is written, the files belong to nobody; nobody may sweep them up meanwhile.
-        let _no_sweeping = if made.is_ok() { Some(self.surely_no_sweeping().await?) } else { None };
+        let _no_sweeping = if made.is_ok() {
+            Some(self.surely_no_sweeping().await?)
+        } else {
+            None
+        };
         let kept = match made {
             Ok(product) => self.keep(product).await.map_err(Failure::Internal),
             Err(failure) => Err(failure),
         };
-        let ending = kept.map_or_else(|failure| self.ending_of(job.id, "the job", control, failure), Some);
+        let ending = kept.map_or_else(
+            |failure| self.ending_of(job.id, "the job", control, failure),
+            Some,
+        );
         let changed = self
             .written(job.id, || match &ending {
                 Some(ending) => self.storage.finish(job, ending).boxed(),
@@ -138,38 +166,81 @@ impl Inner {
     }
 
     /// `None` hands the work back to the queue.
-    pub(super) fn ending_of(&self, job_id: Uuid, what: &str, control: &Control, failure: Failure) -> Option<Ending> {
+    pub(super) fn ending_of(
+        &self,
+        job_id: Uuid,
+        what: &str,
+        control: &Control,
+        failure: Failure,
+    ) -> Option<Ending> {
         match (failure, control.reason()) {
             (Failure::Stopped, Some(Stop::ShuttingDown)) => None,
             (Failure::Stopped, Some(Stop::TimeLimit)) => {
-                let detail = format!("{what} ran longer than {} s", self.config.job_time_limit.as_secs_f64());
+                let detail = format!(
+                    "{what} ran longer than {} s",
+                    self.config.job_time_limit.as_secs_f64()
+                );
                 Some(Ending::Failed(Problem::new("time_limit", detail)))
             }
             (Failure::Stopped, _) => Some(Ending::Canceled),
             (Failure::Faults(faults), _) => Some(Ending::Failed(Problem::validation(faults))),
-            (Failure::Memory, _) => Some(Ending::Failed(Problem::new("memory_limit", self.memory_text(what)))),
-            (Failure::Died(how), _) => Some(Ending::Failed(Problem::new("crashed", crash_text(what, &how)))),
+            (Failure::Memory, _) => Some(Ending::Failed(Problem::new(
+                "memory_limit",
+                self.memory_text(what),
+            ))),
+            (Failure::Died(how), _) => Some(Ending::Failed(Problem::new(
+                "crashed",
+                crash_text(what, &how),
+            ))),
             (Failure::Internal(error), _) if may_pass(&error) => {
                 tracing::warn!(%job_id, error = format!("{error:#}"), "the database or the disk was not there; the work is queued again");
                 None
             }
             (Failure::Internal(error), _) if error.downcast_ref::<Damaged>().is_some() => {
-                Some(Ending::Failed(Problem::new("damaged", "a file that the job reads is damaged; the log says which")))
+                Some(Ending::Failed(Problem::new(
+                    "damaged",
+                    "a file that the job reads is damaged; the log says which",
+                )))
             }
             (Failure::Internal(error), _) => {
                 tracing::error!(%job_id, error = format!("{error:#}"), "a job failed inside the service");
-                Some(Ending::Failed(Problem::new("internal", "the job failed inside the service; its log says why")))
+                Some(Ending::Failed(Problem::new(
+                    "internal",
+                    "the job failed inside the service; its log says why",
+                )))
             }
         }
     }
 
-    async fn make(&self, job: &ClaimedJob, control: &Control, permit: OwnedSemaphorePermit) -> Result<Product, Failure> {
-        let plan = planned(job.kind, job.spec.clone()).await?.map_err(Failure::Faults)?;
+    async fn make(
+        &self,
+        job: &ClaimedJob,
+        control: &Control,
+        permit: OwnedSemaphorePermit,
+    ) -> Result<Product, Failure> {
+        let plan = planned(job.kind, job.spec.clone())
+            .await?
+            .map_err(Failure::Faults)?;
         let inputs = local_files(self.locate(&plan).await?).await?;
         let directory = self.directory()?;
-        let order = Order::Job { id: job.id, kind: job.kind, spec: job.spec.clone(), inputs, directory: directory.path().to_owned() };
-        match self.in_child(job.id, order, control, permit, |progress| self.tell(job, progress).boxed()).await? {
-            Made::Files { files, warnings } => Ok(Product { files, warnings, directory }),
+        let order = Order::Job {
+            id: job.id,
+            kind: job.kind,
+            spec: job.spec.clone(),
+            inputs,
+            directory: directory.path().to_owned(),
+        };
+        match self
+            .in_child(job.id, order, control, permit, |progress| {
+                self.tell(job, progress).boxed()
+            })
+            .await?
+        {
+            Made::Files { files, warnings } => Ok(Product {
+                files,
+                warnings,
+                directory,
+            }),
             made => Err(unexpected(&made).into()),
         }
     }
@@ -189,7 +260,11 @@ impl Inner {
 
     /// Puts the files in place, however often that has to be tried: what was made is not thrown away.
     pub(super) async fn keep(&self, product: Product) -> anyhow::Result<Ending> {
-        let Product { files, warnings, directory } = product;
+        let Product {
+            files,
+            warnings,
+            directory,
+        } = product;
         let files = Arc::new(files);
         let mut tries = 0;
         let kept = loop {
@@ -197,14 +272,20 @@ impl Inner {
             match tokio::task::spawn_blocking(move || keep_all(&blobs, &files)).await? {
                 // A bucket has tried for long by itself.
                 Err(error) if may_pass(&error) && self.may_try_again(&error, &mut tries) => {
-                    tracing::error!(error = format!("{error:#}"), "the files of a job were not kept; trying again");
+                    tracing::error!(
+                        error = format!("{error:#}"),
+                        "the files of a job were not kept; trying again"
+                    );
                     tokio::time::sleep(Duration::from_secs(1)).await;
                 }
                 kept => break kept?,
             }
         };
         drop(directory);
-        Ok(Ending::Succeeded { artifacts: kept, warnings })
+        Ok(Ending::Succeeded {
+            artifacts: kept,
+            warnings,
+        })
     }
 
     /// Whether what failed is tried once more. A service that stops has no time for what may take long.
@@ -245,16 +326,23 @@ impl Inner {
 
 /// Makes the files blobs. Blocks.
 fn keep_all(blobs: &Blobs, files: &[MadeFile]) -> anyhow::Result<Vec<NewArtifact>> {
-    let received = |file: &MadeFile| ReceivedFile { path: file.path.clone(), sha256: file.sha256.clone(), bytes: file.bytes };
-    let unsynced = blobs.adopt_all(&files.iter().map(received).collect::<Vec<_>>())?;
-    let kept = files.iter().zip(unsynced).map(|(file, unsynced)| NewArtifact {
-        name: file.name.clone(),
-        media_type: file.media_type.clone(),
-        bytes: file.bytes,
+    let received = |file: &MadeFile| ReceivedFile {
+        path: file.path.clone(),
         sha256: file.sha256.clone(),
-        dataset: file.dataset.clone(),
-        sensors: file.sensors.clone(),
-        unsynced,
-    });
+        bytes: file.bytes,
+    };
+    let unsynced = blobs.adopt_all(&files.iter().map(received).collect::<Vec<_>>())?;
+    let kept = files
+        .iter()
+        .zip(unsynced)
+        .map(|(file, unsynced)| NewArtifact {
+            name: file.name.clone(),
+            media_type: file.media_type.clone(),
+            bytes: file.bytes,
+            sha256: file.sha256.clone(),
+            dataset: file.dataset.clone(),
+            sensors: file.sensors.clone(),
+            unsynced,
+        });
     Ok(kept.collect())
 }

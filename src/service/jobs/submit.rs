@@ -25,7 +25,10 @@ impl Inner {
         if self.closing.is_cancelled() {
             return Err(JobsError::ShuttingDown);
         }
-        let idempotency = key.map(|key| IdempotencyKey { key, request_sha256: request_sha256(kind, &body) });
+        let idempotency = key.map(|key| IdempotencyKey {
+            key,
+            request_sha256: request_sha256(kind, &body),
+        });
         // A repeated request is answered as before, even if it would be refused by now.
         if let Some(key) = &idempotency
             && let Some(admission) = self.storage.remembered(key).await?
@@ -33,7 +36,9 @@ impl Inner {
             return self.answer(admission).await;
         }
         self.room.check(0)?;
-        let mut plan = planned(kind.into(), body).await?.map_err(JobsError::Invalid)?;
+        let mut plan = planned(kind.into(), body)
+            .await?
+            .map_err(JobsError::Invalid)?;
         let (known, _) = self.known_of(&plan).await?;
         let faults = known_data::check(&mut plan, &known);
         if !faults.is_empty() {
@@ -50,17 +55,31 @@ impl Inner {
                 // As it was taken in: a moment later it may be running.
                 let job = self.job(id).await;
                 self.publish(changed).await;
-                Ok(Submitted { job: job?, replayed: false })
+                Ok(Submitted {
+                    job: job?,
+                    replayed: false,
+                })
             }
-            Admission::Replayed(id) => Ok(Submitted { job: self.job(id).await?, replayed: true }),
+            Admission::Replayed(id) => Ok(Submitted {
+                job: self.job(id).await?,
+                replayed: true,
+            }),
             Admission::Mismatch => Err(JobsError::IdempotencyMismatch),
             Admission::QueueFull => Err(JobsError::QueueFull),
             Admission::Missing(faults) => Err(JobsError::Invalid(faults)),
         }
     }
 
-    pub(super) async fn validate(&self, kind: JobKind, body: Value) -> Result<Validation, JobsError> {
-        let refused = |faults| Validation { faults, warnings: Vec::new(), estimate: None };
+    pub(super) async fn validate(
+        &self,
+        kind: JobKind,
+        body: Value,
+    ) -> Result<Validation, JobsError> {
+        let refused = |faults| Validation {
+            faults,
+            warnings: Vec::new(),
+            estimate: None,
+        };
         let mut plan = match planned(kind.into(), body).await? {
             Ok(plan) => plan,
             Err(faults) => return Ok(refused(faults)),
@@ -74,28 +93,50 @@ impl Inner {
         if !faults.is_empty() {
             return Ok(refused(faults));
         }
-        Ok(Validation { faults, warnings, estimate: Some(plan.estimate) })
+        Ok(Validation {
+            faults,
+            warnings,
+            estimate: Some(plan.estimate),
+        })
     }
 
     pub(super) async fn rerun(&self, id: Uuid) -> Result<Job, JobsError> {
-        let Job { kind, name, labels, .. } = self.job(id).await?;
+        let Job {
+            kind, name, labels, ..
+        } = self.job(id).await?;
         let mut body = self.storage.spec(id).await?;
         if let (Value::Object(members), Some(name)) = (&mut body, name) {
             members.insert("name".to_owned(), name.into());
         }
         if let (Value::Object(members), false) = (&mut body, labels.is_empty()) {
-            members.insert("labels".to_owned(), labels.into_iter().map(|(key, value)| (key, Value::from(value))).collect());
+            members.insert(
+                "labels".to_owned(),
+                labels
+                    .into_iter()
+                    .map(|(key, value)| (key, Value::from(value)))
+                    .collect(),
+            );
         }
         Ok(self.submit(kind, body, None, Some(id)).await?.job)
     }
 }
 
 /// Checks a request. The cells of a large campaign take a second, too long for the threads that answer requests.
-pub(super) async fn planned(kind: plan::JobKind, body: Value) -> anyhow::Result<Result<Plan, Vec<Fault>>> {
-    tokio::task::spawn_blocking(move || plan::plan(kind, &body)).await.context("planning panicked")
+pub(super) async fn planned(
+    kind: plan::JobKind,
+    body: Value,
+) -> anyhow::Result<Result<Plan, Vec<Fault>>> {
+    tokio::task::spawn_blocking(move || plan::plan(kind, &body))
+        .await
+        .context("planning panicked")
 }
 
-fn new_job(kind: JobKind, plan: Plan, rerun_of: Option<Uuid>, idempotency: Option<IdempotencyKey>) -> Result<NewJob, JobsError> {
+fn new_job(
+    kind: JobKind,
+    plan: Plan,
+    rerun_of: Option<Uuid>,
+    idempotency: Option<IdempotencyKey>,
+) -> Result<NewJob, JobsError> {
     let sources = source_refs(&plan);
     let priority = priority(kind, &plan);
     let mut spec = plan.spec;
@@ -120,14 +161,26 @@ fn new_job(kind: JobKind, plan: Plan, rerun_of: Option<Uuid>, idempotency: Optio
 
 /// Nobody waits behind a campaign with a job that takes a moment, nor behind a long campaign with a short one.
 fn priority(kind: JobKind, plan: &Plan) -> i64 {
-    if kind == JobKind::Campaign { 90 - (10.0 * plan.estimate.cost_s.clamp(1.0, 1e8).log10()).round() as i64 } else { 100 }
+    if kind == JobKind::Campaign {
+        90 - (10.0 * plan.estimate.cost_s.clamp(1.0, 1e8).log10()).round() as i64
+    } else {
+        100
+    }
 }
 
 /// Takes what people call the job out of what it does: two jobs that differ in nothing else are duplicates.
 fn take_names(spec: &mut Value) -> (Option<String>, BTreeMap<String, String>) {
-    let Value::Object(members) = spec else { return (None, BTreeMap::new()) };
-    let name = members.shift_remove("name").and_then(|name| name.as_str().map(str::to_owned)).filter(|name| !name.is_empty());
-    let labels = members.shift_remove("labels").and_then(|labels| serde_json::from_value(labels).ok()).unwrap_or_default();
+    let Value::Object(members) = spec else {
+        return (None, BTreeMap::new());
+    };
+    let name = members
+        .shift_remove("name")
+        .and_then(|name| name.as_str().map(str::to_owned))
+        .filter(|name| !name.is_empty());
+    let labels = members
+        .shift_remove("labels")
+        .and_then(|labels| serde_json::from_value(labels).ok())
+        .unwrap_or_default();
     (name, labels)
 }
 
@@ -140,8 +193,16 @@ pub(super) fn sorted(value: &Value) -> Value {
     match value {
         Value::Array(items) => items.iter().map(sorted).collect(),
         Value::Object(members) => {
-            let in_order: BTreeMap<&String, Value> = members.iter().map(|(name, value)| (name, sorted(value))).collect();
-            Value::Object(in_order.into_iter().map(|(name, value)| (name.clone(), value)).collect::<Map<_, _>>())
+            let in_order: BTreeMap<&String, Value> = members
+                .iter()
+                .map(|(name, value)| (name, sorted(value)))
+                .collect();
+            Value::Object(
+                in_order
+                    .into_iter()
+                    .map(|(name, value)| (name.clone(), value))
+                    .collect::<Map<_, _>>(),
+            )
         }
         other => other.clone(),
     }
@@ -157,9 +218,18 @@ mod tests {
         let one = json!({"a": 1, "b": {"c": [1, 2], "d": null}});
         let same = json!({"b": {"d": null, "c": [1, 2]}, "a": 1});
         let other = json!({"b": {"d": null, "c": [2, 1]}, "a": 1});
-        assert_eq!(request_sha256(JobKind::Simulate, &one), request_sha256(JobKind::Simulate, &same));
-        assert_ne!(request_sha256(JobKind::Simulate, &one), request_sha256(JobKind::Simulate, &other));
-        assert_ne!(request_sha256(JobKind::Simulate, &one), request_sha256(JobKind::Associate, &one));
+        assert_eq!(
+            request_sha256(JobKind::Simulate, &one),
+            request_sha256(JobKind::Simulate, &same)
+        );
+        assert_ne!(
+            request_sha256(JobKind::Simulate, &one),
+            request_sha256(JobKind::Simulate, &other)
+        );
+        assert_ne!(
+            request_sha256(JobKind::Simulate, &one),
+            request_sha256(JobKind::Associate, &one)
+        );
     }
 
     #[test]

@@ -47,22 +47,31 @@ impl Inner {
             }
             let blobs = self.blobs.clone();
             let restore = move || {
-                wanted.iter().try_for_each(|blob| blobs.restore(&blob.sha256, &blob.content))?;
+                wanted
+                    .iter()
+                    .try_for_each(|blob| blobs.restore(&blob.sha256, &blob.content))?;
                 blobs.sync()
             };
             on_a_thread(restore).await?;
-            self.storage.forget_unsynced(left.into_iter().map(|blob| blob.id).collect()).await?;
+            self.storage
+                .forget_unsynced(left.into_iter().map(|blob| blob.id).collect())
+                .await?;
         }
     }
 }
 
 /// A thread of its own, not one of the runtime's: the process can end without waiting for a slow disk.
-async fn on_a_thread(work: impl FnOnce() -> anyhow::Result<()> + Send + 'static) -> anyhow::Result<()> {
+async fn on_a_thread(
+    work: impl FnOnce() -> anyhow::Result<()> + Send + 'static,
+) -> anyhow::Result<()> {
     let (sender, done) = oneshot::channel();
     let work = move || {
         // Nobody waits any more when the service has stopped.
         let _ = sender.send(work());
     };
-    std::thread::Builder::new().name("upkeep".to_owned()).spawn(work).context("cannot start a thread")?;
+    std::thread::Builder::new()
+        .name("upkeep".to_owned())
+        .spawn(work)
+        .context("cannot start a thread")?;
     done.await.context("the upkeep of files panicked")?
 }

@@ -15,12 +15,24 @@ pub fn request_bodies(components: &mut Components) -> BTreeMap<String, Value> {
     let mut bodies = BTreeMap::new();
     for kind in JobKind::ALL {
         let schema = request_schema(kind, &mut tables);
-        bodies.insert(format!("create{}Job", capital(kind)), with_examples(&schema, &examples::job_examples(kind)));
+        bodies.insert(
+            format!("create{}Job", capital(kind)),
+            with_examples(&schema, &examples::job_examples(kind)),
+        );
     }
     add_specs(&mut tables);
-    bodies.insert("createJob".to_owned(), with_examples(&reference("JobSpec"), &examples::jobs()));
-    bodies.insert("validateJob".to_owned(), with_examples(&reference("JobSpec"), &examples::jobs()));
-    bodies.insert("updateJob".to_owned(), with_examples(&json_schema(&http::PATCH, &mut tables), &examples::patch()));
+    bodies.insert(
+        "createJob".to_owned(),
+        with_examples(&reference("JobSpec"), &examples::jobs()),
+    );
+    bodies.insert(
+        "validateJob".to_owned(),
+        with_examples(&reference("JobSpec"), &examples::jobs()),
+    );
+    bodies.insert(
+        "updateJob".to_owned(),
+        with_examples(&json_schema(&http::PATCH, &mut tables), &examples::patch()),
+    );
     bodies.insert("uploadDataset".to_owned(), upload_body(&mut tables));
     bodies.insert("uploadRawDataset".to_owned(), raw_body());
     tables.values_mut().for_each(tell_defaults);
@@ -38,9 +50,15 @@ pub fn capital(kind: JobKind) -> String {
 fn request_schema(kind: JobKind, tables: &mut Components) -> Value {
     let object = catalogue::request_object(kind);
     let schema = json_schema(object, tables);
-    if let Some(properties) = tables.get_mut(object.name).and_then(|request| request["properties"].as_object_mut()) {
+    if let Some(properties) = tables
+        .get_mut(object.name)
+        .and_then(|request| request["properties"].as_object_mut())
+    {
         let description = "Need not be said here; a job file has it.";
-        properties.insert("kind".to_owned(), json!({"type": "string", "enum": [kind.name()], "description": description}));
+        properties.insert(
+            "kind".to_owned(),
+            json!({"type": "string", "enum": [kind.name()], "description": description}),
+        );
     }
     schema
 }
@@ -49,18 +67,34 @@ fn request_schema(kind: JobKind, tables: &mut Components) -> Value {
 fn add_specs(tables: &mut Components) {
     let mut add = |kind: JobKind| {
         let object: &'static Object = catalogue::request_object(kind);
-        tagged_schema(object, format!("{}Spec", capital(kind)), ("kind", kind.name()), tables)
+        tagged_schema(
+            object,
+            format!("{}Spec", capital(kind)),
+            ("kind", kind.name()),
+            tables,
+        )
     };
     let variants: Vec<Value> = JobKind::ALL.into_iter().map(&mut add).collect();
     let description = "A job: the body of a request with its kind. The same text is a job file of `trackloom run`.";
-    tables.insert("JobSpec".to_owned(), json!({"description": description, "oneOf": variants}));
+    tables.insert(
+        "JobSpec".to_owned(),
+        json!({"description": description, "oneOf": variants}),
+    );
 }
 
 /// A default becomes part of the description: generators take a property with the keyword `default` for one that is always
 /// there, and one of a union they do not understand.
 fn tell_defaults(schema: &mut Value) {
-    for property in schema.get_mut("properties").and_then(Value::as_object_mut).into_iter().flat_map(Map::values_mut) {
-        if let Some(default) = property.as_object_mut().and_then(|members| members.shift_remove("default")) {
+    for property in schema
+        .get_mut("properties")
+        .and_then(Value::as_object_mut)
+        .into_iter()
+        .flat_map(Map::values_mut)
+    {
+        if let Some(default) = property
+            .as_object_mut()
+            .and_then(|members| members.shift_remove("default"))
+        {
             let description = property["description"].as_str().unwrap_or_default();
             property["description"] = json!(format!("{description} Default: `{default}`."));
         }
@@ -71,7 +105,12 @@ fn with_examples(schema: &Value, examples: &[(&str, Value)]) -> Value {
     let named: Map<String, Value> = examples
         .iter()
         .enumerate()
-        .map(|(index, (summary, value))| (format!("example{}", index + 1), json!({"summary": summary, "value": value})))
+        .map(|(index, (summary, value))| {
+            (
+                format!("example{}", index + 1),
+                json!({"summary": summary, "value": value}),
+            )
+        })
         .collect();
     json!({"required": true, "content": {"application/json": {"schema": schema, "examples": named}}})
 }
@@ -106,16 +145,32 @@ pub fn raw_upload_query() -> Value {
     let mut parameters = Vec::new();
     for name in http::TEXTS {
         let mut schema = meta[name].clone();
-        let description = schema.as_object_mut().and_then(|members| members.shift_remove("description"));
-        parameters.push(query_parameter(name, description.unwrap_or_default(), schema));
+        let description = schema
+            .as_object_mut()
+            .and_then(|members| members.shift_remove("description"));
+        parameters.push(query_parameter(
+            name,
+            description.unwrap_or_default(),
+            schema,
+        ));
     }
     for name in http::JSON_TEXTS {
-        let description =
-            format!("{} Written as JSON, as `{name}` of DatasetMeta.", meta[name]["description"].as_str().unwrap_or_default());
-        parameters.push(query_parameter(name, json!(description), json!({"type": "string"})));
+        let description = format!(
+            "{} Written as JSON, as `{name}` of DatasetMeta.",
+            meta[name]["description"].as_str().unwrap_or_default()
+        );
+        parameters.push(query_parameter(
+            name,
+            json!(description),
+            json!({"type": "string"}),
+        ));
     }
     let file_name = json!({"type": "string", "maxLength": http::MAX_FILE_NAME});
-    parameters.push(query_parameter("file_name", json!("What the file is called where it comes from."), file_name));
+    parameters.push(query_parameter(
+        "file_name",
+        json!("What the file is called where it comes from."),
+        file_name,
+    ));
     Value::Array(parameters)
 }
 
@@ -129,11 +184,9 @@ mod tests {
 
     #[test]
     fn a_default_is_told_and_no_keyword() {
-        let mut schema =
-            json!({"properties": {"default": {"type": "number", "description": "Ratio.", "default": 0.5}, "a": {"type": "string"}}});
+        let mut schema = json!({"properties": {"default": {"type": "number", "description": "Ratio.", "default": 0.5}, "a": {"type": "string"}}});
         tell_defaults(&mut schema);
-        let expected =
-            json!({"properties": {"default": {"type": "number", "description": "Ratio. Default: `0.5`."}, "a": {"type": "string"}}});
+        let expected = json!({"properties": {"default": {"type": "number", "description": "Ratio. Default: `0.5`."}, "a": {"type": "string"}}});
         assert_eq!(schema, expected);
     }
 }

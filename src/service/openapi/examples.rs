@@ -31,7 +31,10 @@ fn simulate() -> Vec<(&'static str, Value)> {
             {"truth_id": "B", "x_m": 0.0, "y_m": -4000.0, "vx_mps": 0.0, "vy_mps": 200.0}
         ]}
     });
-    vec![("Two crossing targets", json!({"name": "crossing", "seed": 7, "scenario": crossing}))]
+    vec![(
+        "Two crossing targets",
+        json!({"name": "crossing", "seed": 7, "scenario": crossing}),
+    )]
 }
 
 fn associate() -> Vec<(&'static str, Value)> {
@@ -44,14 +47,22 @@ fn associate() -> Vec<(&'static str, Value)> {
                 "associator": {"method": "nearest_neighbour"}
             }),
         ),
-        ("The output of a simulation", json!({"input": {"source": "job", "job_id": SOME_ID}, "labels": {"paper": "figure-3"}})),
+        (
+            "The output of a simulation",
+            json!({"input": {"source": "job", "job_id": SOME_ID}, "labels": {"paper": "figure-3"}}),
+        ),
     ]
 }
 
 fn evaluate() -> Vec<(&'static str, Value)> {
-    let preset = presets::all().into_iter().find(|preset| preset.kind == JobKind::Evaluate);
+    let preset = presets::all()
+        .into_iter()
+        .find(|preset| preset.kind == JobKind::Evaluate);
     let mut examples = vec![
-        ("The tracks of a job against the truth that it knows", json!({"tracks": {"source": "job", "job_id": SOME_ID}})),
+        (
+            "The tracks of a job against the truth that it knows",
+            json!({"tracks": {"source": "job", "job_id": SOME_ID}}),
+        ),
         (
             "Uploaded tracks against uploaded truth",
             json!({
@@ -61,12 +72,19 @@ fn evaluate() -> Vec<(&'static str, Value)> {
             }),
         ),
     ];
-    examples.extend(preset.map(|preset| ("A preset: simulate, track and judge in one job", preset.body)));
+    examples.extend(preset.map(|preset| {
+        (
+            "A preset: simulate, track and judge in one job",
+            preset.body,
+        )
+    }));
     examples
 }
 
 fn group() -> Vec<(&'static str, Value)> {
-    let preset = presets::all().into_iter().find(|preset| preset.kind == JobKind::Group);
+    let preset = presets::all()
+        .into_iter()
+        .find(|preset| preset.kind == JobKind::Group);
     let uploaded = json!({
         "input": {"source": "dataset", "dataset_id": SOME_ID},
         "grouper": {"method": "sequential_nearest_neighbour", "gate_sigmas": 4.0, "one_per_sensor": true}
@@ -78,14 +96,28 @@ fn group() -> Vec<(&'static str, Value)> {
 
 /// The preset, where there is a correlator.
 fn correlate() -> Vec<(&'static str, Value)> {
-    let preset = presets::all().into_iter().find(|preset| preset.kind == JobKind::Correlate);
-    preset.into_iter().map(|preset| ("A preset: draw tracks of three sensors and put them together", preset.body)).collect()
+    let preset = presets::all()
+        .into_iter()
+        .find(|preset| preset.kind == JobKind::Correlate);
+    preset
+        .into_iter()
+        .map(|preset| {
+            (
+                "A preset: draw tracks of three sensors and put them together",
+                preset.body,
+            )
+        })
+        .collect()
 }
 
 fn campaign() -> Vec<(&'static str, Value)> {
     let base = json!({"kind": "evaluate", "input": {"source": "preset", "preset": "liang2009-30"}});
     let variant = |name: &str, method: &str| json!({"name": name, "set": [{"path": "/associator", "value": {"method": method}}]});
-    let methods = [variant("NN", "nearest_neighbour"), variant("GNN", "global_nearest_neighbour"), variant("JPDA", "jpda")];
+    let methods = [
+        variant("NN", "nearest_neighbour"),
+        variant("GNN", "global_nearest_neighbour"),
+        variant("JPDA", "jpda"),
+    ];
     let body = json!({
         "name": "three associators", "base": base, "runs": 50,
         "grid": [
@@ -104,6 +136,11 @@ pub(super) fn patch() -> Vec<(&'static str, Value)> {
 /// Jobs of several kinds, each with its kind.
 pub(super) fn jobs() -> Vec<(&'static str, Value)> {
     let kinds = [JobKind::Simulate, JobKind::Associate];
-    let first = |kind: JobKind| job_examples(kind).into_iter().next().map(|(summary, body)| (summary, with_kind(kind, &body)));
+    let first = |kind: JobKind| {
+        job_examples(kind)
+            .into_iter()
+            .next()
+            .map(|(summary, body)| (summary, with_kind(kind, &body)))
+    };
     kinds.into_iter().filter_map(first).collect()
 }

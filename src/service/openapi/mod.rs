@@ -35,7 +35,10 @@ pub struct Document {
 
 impl Documents {
     pub fn new() -> Self {
-        Documents { v3_1: Document::new(&document()), v3_0: Document::new(&document_3_0()) }
+        Documents {
+            v3_1: Document::new(&document()),
+            v3_0: Document::new(&document_3_0()),
+        }
     }
 }
 
@@ -48,14 +51,23 @@ impl Default for Documents {
 impl Document {
     fn new(value: &Value) -> Self {
         let bytes = Bytes::from(value.to_string());
-        Document { sha256: sha256_hex(&bytes), bytes }
+        Document {
+            sha256: sha256_hex(&bytes),
+            bytes,
+        }
     }
 }
 
 const TAGS: [(&str, &str); 5] = [
     ("jobs", "Ask for work, follow it, cancel it, run it again."),
-    ("results", "What a job found: report, series, plan view, files."),
-    ("datasets", "Recordings, truth and tracks: upload, look into, download."),
+    (
+        "results",
+        "What a job found: report, series, plan view, files.",
+    ),
+    (
+        "datasets",
+        "Recordings, truth and tracks: upload, look into, download.",
+    ),
     ("catalogue", "Methods with their parameters, and presets."),
     ("system", "Health, numbers, version, problems."),
 ];
@@ -67,10 +79,15 @@ pub fn document() -> Value {
     document["openapi"] = json!("3.1.0");
     document["info"] = info();
     document["servers"] = json!([{"url": "/", "description": "This service."}]);
-    document["tags"] = TAGS.iter().map(|(name, description)| json!({"name": name, "description": description})).collect();
+    document["tags"] = TAGS
+        .iter()
+        .map(|(name, description)| json!({"name": name, "description": description}))
+        .collect();
     let mut components = components(&document);
     let bodies = request_bodies(&mut components);
-    JobKind::ALL.into_iter().for_each(|kind| refer_to_spec(kind, &mut components));
+    JobKind::ALL
+        .into_iter()
+        .for_each(|kind| refer_to_spec(kind, &mut components));
     tell_codes(&mut components);
     let tags = take_tags(&mut components);
     document["components"] = json!({"schemas": components});
@@ -97,27 +114,51 @@ fn info() -> Value {
 
 /// The schemas that the handlers name, with `Problem`, which every operation may answer.
 fn components(document: &Value) -> Components {
-    let named = document.pointer("/components/schemas").and_then(Value::as_object).cloned().unwrap_or_default();
+    let named = document
+        .pointer("/components/schemas")
+        .and_then(Value::as_object)
+        .cloned()
+        .unwrap_or_default();
     let mut components: Components = named.into_iter().collect();
     components.insert("Problem".to_owned(), json!(Problem::schema()));
-    components.insert("FaultItem".to_owned(), json!(super::types::FaultItem::schema()));
+    components.insert(
+        "FaultItem".to_owned(),
+        json!(super::types::FaultItem::schema()),
+    );
     components
 }
 
 /// The `spec` of a report is a job of its kind.
 fn refer_to_spec(kind: JobKind, components: &mut Components) {
     let name = capital(kind);
-    if let Some(spec) = components.get_mut(&format!("{name}Report")).and_then(|schema| schema.pointer_mut("/properties/spec")) {
+    if let Some(spec) = components
+        .get_mut(&format!("{name}Report"))
+        .and_then(|schema| schema.pointer_mut("/properties/spec"))
+    {
         *spec = reference(&format!("{name}Spec"));
     }
 }
 
 /// The schemas of one text: what tells the members of a union apart. Taken out, by the reference that names them.
 fn take_tags(components: &mut Components) -> BTreeMap<String, Value> {
-    let is_tag = |schema: &Value| schema["type"] == "string" && schema["enum"].as_array().is_some_and(|values| values.len() == 1);
-    let (tags, rest): (Components, Components) = std::mem::take(components).into_iter().partition(|(_, schema)| is_tag(schema));
+    let is_tag = |schema: &Value| {
+        schema["type"] == "string"
+            && schema["enum"]
+                .as_array()
+                .is_some_and(|values| values.len() == 1)
+    };
+    let (tags, rest): (Components, Components) = std::mem::take(components)
+        .into_iter()
+        .partition(|(_, schema)| is_tag(schema));
     *components = rest;
-    tags.into_iter().map(|(name, schema)| (format!("#/components/schemas/{name}"), schema["enum"].clone())).collect()
+    tags.into_iter()
+        .map(|(name, schema)| {
+            (
+                format!("#/components/schemas/{name}"),
+                schema["enum"].clone(),
+            )
+        })
+        .collect()
 }
 
 /// A tag stands in the member itself: behind a reference one generator does not look at its value, and takes the first
@@ -125,12 +166,18 @@ fn take_tags(components: &mut Components) -> BTreeMap<String, Value> {
 fn inline_tags(value: &mut Value, tags: &BTreeMap<String, Value>) {
     match value {
         Value::Object(members) => {
-            if let Some(tag) = members.get("$ref").and_then(Value::as_str).and_then(|target| tags.get(target)) {
+            if let Some(tag) = members
+                .get("$ref")
+                .and_then(Value::as_str)
+                .and_then(|target| tags.get(target))
+            {
                 members.shift_remove("$ref");
                 members.insert("type".to_owned(), json!("string"));
                 members.insert("enum".to_owned(), tag.clone());
             }
-            members.values_mut().for_each(|child| inline_tags(child, tags));
+            members
+                .values_mut()
+                .for_each(|child| inline_tags(child, tags));
         }
         Value::Array(items) => items.iter_mut().for_each(|item| inline_tags(item, tags)),
         _ => {}
@@ -140,25 +187,46 @@ fn inline_tags(value: &mut Value, tags: &BTreeMap<String, Value>) {
 /// The names of problems and of faults are told, and are no closed list: a later version may have more, and a client of an
 /// earlier one still has to read its answers.
 fn tell_codes(components: &mut Components) {
-    let problems: Vec<String> = PROBLEMS.iter().map(|(code, status, _)| format!("`{code}` ({status})")).collect();
-    let faults: Vec<String> = FAULT_CODES.iter().map(|(code, meaning)| format!("`{code}`: {meaning}")).collect();
+    let problems: Vec<String> = PROBLEMS
+        .iter()
+        .map(|(code, status, _)| format!("`{code}` ({status})"))
+        .collect();
+    let faults: Vec<String> = FAULT_CODES
+        .iter()
+        .map(|(code, meaning)| format!("`{code}`: {meaning}"))
+        .collect();
     for (schema, codes) in [("Problem", problems), ("FaultItem", faults)] {
-        if let Some(description) = components.get_mut(schema).and_then(|schema| schema.pointer_mut("/properties/code/description")) {
-            *description = json!(format!("{} One of {}; there may be more.", description.as_str().unwrap_or_default(), codes.join(", ")));
+        if let Some(description) = components
+            .get_mut(schema)
+            .and_then(|schema| schema.pointer_mut("/properties/code/description"))
+        {
+            *description = json!(format!(
+                "{} One of {}; there may be more.",
+                description.as_str().unwrap_or_default(),
+                codes.join(", ")
+            ));
         }
     }
 }
 
 /// Adds what handlers do not say of an operation.
 fn complete(operation: &mut Value, bodies: &BTreeMap<String, Value>) {
-    let id = operation["operationId"].as_str().unwrap_or_default().to_owned();
+    let id = operation["operationId"]
+        .as_str()
+        .unwrap_or_default()
+        .to_owned();
     if let Some(body) = bodies.get(&id) {
         operation["requestBody"] = body.clone();
     }
     if id == "uploadRawDataset" {
         operation["parameters"] = bodies::raw_upload_query();
     }
-    for parameter in operation.get_mut("parameters").and_then(Value::as_array_mut).into_iter().flatten() {
+    for parameter in operation
+        .get_mut("parameters")
+        .and_then(Value::as_array_mut)
+        .into_iter()
+        .flatten()
+    {
         never_null(&mut parameter["schema"]);
         refine(parameter);
     }
@@ -173,9 +241,18 @@ fn name_file_types(operation: &mut Value) {
         Some("downloadJobArtifact") => ARTIFACT_TYPES.to_vec(),
         _ => return,
     };
-    let Some(content) = operation.pointer_mut("/responses/200/content").and_then(Value::as_object_mut) else { return };
+    let Some(content) = operation
+        .pointer_mut("/responses/200/content")
+        .and_then(Value::as_object_mut)
+    else {
+        return;
+    };
     if let Some(file) = content.get("application/octet-stream").cloned() {
-        content.extend(types.into_iter().map(|media_type| (media_type.to_owned(), file.clone())));
+        content.extend(
+            types
+                .into_iter()
+                .map(|media_type| (media_type.to_owned(), file.clone())),
+        );
     }
 }
 
@@ -192,9 +269,13 @@ fn never_null(schema: &mut Value) {
 /// What a text of a parameter has to be.
 fn refine(parameter: &mut Value) {
     let schema = match parameter["name"].as_str() {
-        Some("created_after" | "created_before") => json!({"type": "string", "format": "date-time"}),
+        Some("created_after" | "created_before") => {
+            json!({"type": "string", "format": "date-time"})
+        }
         Some("Idempotency-Key") => json!({"type": "string", "minLength": 1, "maxLength": 255}),
-        Some("Last-Event-ID") => json!({"type": "integer", "format": "int64", "minimum": 0, "maximum": i64::MAX}),
+        Some("Last-Event-ID") => {
+            json!({"type": "integer", "format": "int64", "minimum": 0, "maximum": i64::MAX})
+        }
         _ => return,
     };
     parameter["schema"] = schema;
@@ -206,9 +287,16 @@ fn reference(name: &str) -> Value {
 
 /// Calls `change` for every operation of the document.
 fn each_operation(document: &mut Value, change: &mut dyn FnMut(&mut Value)) {
-    let paths = document["paths"].as_object_mut().into_iter().flat_map(Map::values_mut);
-    let operations = paths.filter_map(Value::as_object_mut).flat_map(Map::values_mut);
-    operations.filter(|operation| operation.get("operationId").is_some()).for_each(change);
+    let paths = document["paths"]
+        .as_object_mut()
+        .into_iter()
+        .flat_map(Map::values_mut);
+    let operations = paths
+        .filter_map(Value::as_object_mut)
+        .flat_map(Map::values_mut);
+    operations
+        .filter(|operation| operation.get("operationId").is_some())
+        .for_each(change);
 }
 
 /// The document with its parts in the usual order, whatever order they were made in.

@@ -6,12 +6,23 @@ use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 
 /// Operations that ask no database.
-const FIXED: [&str; 7] = ["getHealth", "getVersion", "getProblemType", "listMethods", "getMethod", "listPresets", "getPreset"];
+const FIXED: [&str; 7] = [
+    "getHealth",
+    "getVersion",
+    "getProblemType",
+    "listMethods",
+    "getMethod",
+    "listPresets",
+    "getPreset",
+];
 
 /// What the work of an operation is refused for, besides what its parameters and its body are refused for.
 const OF_WORK: [(&str, &[&str]); 20] = [
     ("cancelJob", &["job_terminal"]),
-    ("compareJobs", &["not_found", "gone", "result_not_ready", "job_failed"]),
+    (
+        "compareJobs",
+        &["not_found", "gone", "result_not_ready", "job_failed"],
+    ),
     ("createAssociateJob", NEW_JOB),
     ("createCampaignJob", NEW_JOB),
     ("createCorrelateJob", NEW_JOB),
@@ -22,10 +33,16 @@ const OF_WORK: [(&str, &[&str]); 20] = [
     ("deleteDataset", &["in_use"]),
     ("deleteJob", &["job_active"]),
     ("downloadDataset", &["range_not_satisfiable"]),
-    ("downloadJobArtifact", &["result_not_ready", "job_failed", "range_not_satisfiable"]),
+    (
+        "downloadJobArtifact",
+        &["result_not_ready", "job_failed", "range_not_satisfiable"],
+    ),
     ("getCampaignCells", RESULT),
     ("getJobPlan", RESULT),
-    ("getJobReport", &["result_not_ready", "job_failed", "range_not_satisfiable"]),
+    (
+        "getJobReport",
+        &["result_not_ready", "job_failed", "range_not_satisfiable"],
+    ),
     ("getJobSeries", RESULT),
     ("getReadiness", &["shutting_down"]),
     ("listJobArtifacts", RESULT),
@@ -39,16 +56,33 @@ const RESULT: &[&str] = &["result_not_ready", "job_failed"];
 /// proxy or a later version answers.
 pub fn add(operation: &mut Value) {
     let mut by_status: BTreeMap<u16, Vec<String>> = BTreeMap::new();
-    for (code, status, title) in PROBLEMS.iter().filter(|(code, ..)| codes(operation).contains(code)) {
-        by_status.entry(*status).or_default().push(format!("`{code}`: {title}."));
+    for (code, status, title) in PROBLEMS
+        .iter()
+        .filter(|(code, ..)| codes(operation).contains(code))
+    {
+        by_status
+            .entry(*status)
+            .or_default()
+            .push(format!("`{code}`: {title}."));
     }
     let content = json!({"application/problem+json": {"schema": reference("Problem")}});
-    let Some(responses) = operation["responses"].as_object_mut() else { return };
+    let Some(responses) = operation["responses"].as_object_mut() else {
+        return;
+    };
     for (status, titles) in by_status {
-        responses.insert(status.to_string(), json!({"description": titles.join(" "), "content": content}));
+        responses.insert(
+            status.to_string(),
+            json!({"description": titles.join(" "), "content": content}),
+        );
     }
-    for (range, description) in [("4XX", "The request is refused."), ("5XX", "The service cannot do it.")] {
-        responses.insert(range.to_owned(), json!({"description": description, "content": content}));
+    for (range, description) in [
+        ("4XX", "The request is refused."),
+        ("5XX", "The service cannot do it."),
+    ] {
+        responses.insert(
+            range.to_owned(),
+            json!({"description": description, "content": content}),
+        );
     }
 }
 
@@ -56,9 +90,23 @@ fn codes(operation: &Value) -> Vec<&'static str> {
     let id = operation["operationId"].as_str().unwrap_or_default();
     // Every route refuses a query that it does not know.
     let mut codes = vec!["validation"];
-    codes.extend(of_parameters(operation["parameters"].as_array().map_or(&[], Vec::as_slice)));
-    codes.extend(operation.pointer("/requestBody/content").and_then(Value::as_object).map_or(&[][..], of_body));
-    codes.extend(OF_WORK.iter().filter(|(name, _)| *name == id).flat_map(|(_, codes)| *codes));
+    codes.extend(of_parameters(
+        operation["parameters"]
+            .as_array()
+            .map_or(&[], Vec::as_slice),
+    ));
+    codes.extend(
+        operation
+            .pointer("/requestBody/content")
+            .and_then(Value::as_object)
+            .map_or(&[][..], of_body),
+    );
+    codes.extend(
+        OF_WORK
+            .iter()
+            .filter(|(name, _)| *name == id)
+            .flat_map(|(_, codes)| *codes),
+    );
     if !FIXED.contains(&id) {
         codes.push("unavailable");
     }
@@ -67,7 +115,9 @@ fn codes(operation: &Value) -> Vec<&'static str> {
 
 fn of_parameters(parameters: &[Value]) -> Vec<&'static str> {
     let is_there = |place: &str, name: Option<&str>| {
-        parameters.iter().any(|parameter| parameter["in"] == place && name.is_none_or(|name| parameter["name"] == name))
+        parameters.iter().any(|parameter| {
+            parameter["in"] == place && name.is_none_or(|name| parameter["name"] == name)
+        })
     };
     let mut codes = Vec::new();
     if is_there("path", None) {
@@ -83,9 +133,22 @@ fn of_parameters(parameters: &[Value]) -> Vec<&'static str> {
 }
 
 fn of_body(content: &Map<String, Value>) -> &'static [&'static str] {
-    const FILE: &[&str] = &["payload_too_large", "unsupported_media_type", "shutting_down"];
-    const FORM: &[&str] = &["malformed_json", "payload_too_large", "unsupported_media_type", "shutting_down"];
-    const JSON: &[&str] = &["malformed_json", "payload_too_large", "unsupported_media_type"];
+    const FILE: &[&str] = &[
+        "payload_too_large",
+        "unsupported_media_type",
+        "shutting_down",
+    ];
+    const FORM: &[&str] = &[
+        "malformed_json",
+        "payload_too_large",
+        "unsupported_media_type",
+        "shutting_down",
+    ];
+    const JSON: &[&str] = &[
+        "malformed_json",
+        "payload_too_large",
+        "unsupported_media_type",
+    ];
     match content.keys().next().map(String::as_str) {
         Some("application/json") => JSON,
         Some("multipart/form-data") => FORM,

@@ -1,7 +1,9 @@
 //! Letting a job in: its sources exist, its idempotency key is free, the queue has room; then row, key, dependencies and
 //! first event in one transaction.
 
-use super::change::{Changed, append_state, dependency_failed, end_job, parse_id, ready_job, unfinished_dependencies};
+use super::change::{
+    Changed, append_state, dependency_failed, end_job, parse_id, ready_job, unfinished_dependencies,
+};
 use super::jobs::write_labels;
 use super::{Storage, now, to_micros};
 use crate::model::dataset::DatasetKind;
@@ -77,9 +79,11 @@ impl Storage {
         if !faults.is_empty() {
             return Ok(Admission::Missing(faults));
         }
-        let queued: i64 = sqlx::query_scalar("SELECT count(*) FROM jobs WHERE state = 'queued' AND deleted_at IS NULL")
-            .fetch_one(&mut *transaction)
-            .await?;
+        let queued: i64 = sqlx::query_scalar(
+            "SELECT count(*) FROM jobs WHERE state = 'queued' AND deleted_at IS NULL",
+        )
+        .fetch_one(&mut *transaction)
+        .await?;
         if queued.cast_unsigned() >= queue_limit {
             return Ok(Admission::QueueFull);
         }
@@ -102,14 +106,22 @@ impl Storage {
     pub async fn forget_keys(&self, older_than: Duration) -> anyhow::Result<()> {
         let age_micros = i64::try_from(older_than.as_micros())?;
         let mut change = self.begin().await?;
-        sqlx::query("DELETE FROM idempotency_keys WHERE created_at < $1").bind(to_micros(now()) - age_micros).execute(&mut *change).await?;
+        sqlx::query("DELETE FROM idempotency_keys WHERE created_at < $1")
+            .bind(to_micros(now()) - age_micros)
+            .execute(&mut *change)
+            .await?;
         Ok(change.commit().await?)
     }
 }
 
-async fn remembered(connection: &mut AnyConnection, key: &IdempotencyKey) -> anyhow::Result<Option<Admission>> {
-    let row =
-        sqlx::query("SELECT request_sha256, job_id FROM idempotency_keys WHERE key = $1").bind(&key.key).fetch_optional(connection).await?;
+async fn remembered(
+    connection: &mut AnyConnection,
+    key: &IdempotencyKey,
+) -> anyhow::Result<Option<Admission>> {
+    let row = sqlx::query("SELECT request_sha256, job_id FROM idempotency_keys WHERE key = $1")
+        .bind(&key.key)
+        .fetch_optional(connection)
+        .await?;
     let Some(row) = row else { return Ok(None) };
     if row.try_get::<&str, _>("request_sha256")? != key.request_sha256 {
         return Ok(Some(Admission::Mismatch));
@@ -117,7 +129,10 @@ async fn remembered(connection: &mut AnyConnection, key: &IdempotencyKey) -> any
     Ok(Some(Admission::Replayed(parse_id(row.try_get("job_id")?)?)))
 }
 
-async fn missing_sources(connection: &mut AnyConnection, sources: &[SourceRef]) -> anyhow::Result<Vec<Fault>> {
+async fn missing_sources(
+    connection: &mut AnyConnection,
+    sources: &[SourceRef],
+) -> anyhow::Result<Vec<Fault>> {
     let mut faults: Vec<Fault> = Vec::new();
     for source in sources {
         let fault = match &source.id {
@@ -129,28 +144,53 @@ async fn missing_sources(connection: &mut AnyConnection, sources: &[SourceRef]) 
     Ok(faults)
 }
 
-async fn dataset_fault(connection: &mut AnyConnection, source: &SourceRef, id: &str) -> anyhow::Result<Option<Fault>> {
+async fn dataset_fault(
+    connection: &mut AnyConnection,
+    source: &SourceRef,
+    id: &str,
+) -> anyhow::Result<Option<Fault>> {
     let pointer = format!("{}/dataset_id", source.pointer);
-    let kind: Option<String> = sqlx::query_scalar("SELECT kind FROM datasets WHERE id = $1 AND deleted_at IS NULL")
-        .bind(id.to_lowercase())
-        .fetch_optional(connection)
-        .await?;
+    let kind: Option<String> =
+        sqlx::query_scalar("SELECT kind FROM datasets WHERE id = $1 AND deleted_at IS NULL")
+            .bind(id.to_lowercase())
+            .fetch_optional(connection)
+            .await?;
     let needed = source.role.name();
     Ok(match kind {
-        None => Some(Fault::new(pointer, "not_found", format!("there is no dataset '{id}'"))),
-        Some(kind) if kind != needed => {
-            Some(Fault::new(pointer, "conflict", format!("dataset '{id}' holds {kind}, not {needed}")).allowing(needed))
-        }
+        None => Some(Fault::new(
+            pointer,
+            "not_found",
+            format!("there is no dataset '{id}'"),
+        )),
+        Some(kind) if kind != needed => Some(
+            Fault::new(
+                pointer,
+                "conflict",
+                format!("dataset '{id}' holds {kind}, not {needed}"),
+            )
+            .allowing(needed),
+        ),
         Some(_) => None,
     })
 }
 
-async fn job_fault(connection: &mut AnyConnection, source: &SourceRef, id: &str) -> anyhow::Result<Option<Fault>> {
-    let known: i64 = sqlx::query_scalar("SELECT count(*) FROM jobs WHERE id = $1 AND deleted_at IS NULL")
-        .bind(id.to_lowercase())
-        .fetch_one(connection)
-        .await?;
-    let fault = || Fault::new(format!("{}/job_id", source.pointer), "not_found", format!("there is no job '{id}'"));
+async fn job_fault(
+    connection: &mut AnyConnection,
+    source: &SourceRef,
+    id: &str,
+) -> anyhow::Result<Option<Fault>> {
+    let known: i64 =
+        sqlx::query_scalar("SELECT count(*) FROM jobs WHERE id = $1 AND deleted_at IS NULL")
+            .bind(id.to_lowercase())
+            .fetch_one(connection)
+            .await?;
+    let fault = || {
+        Fault::new(
+            format!("{}/job_id", source.pointer),
+            "not_found",
+            format!("there is no job '{id}'"),
+        )
+    };
     Ok((known == 0).then(fault))
 }
 
@@ -187,7 +227,11 @@ async fn insert(connection: &mut AnyConnection, new: &NewJob) -> anyhow::Result<
             .execute(&mut *connection)
             .await?;
     }
-    if let Some(IdempotencyKey { key, request_sha256 }) = &new.idempotency {
+    if let Some(IdempotencyKey {
+        key,
+        request_sha256,
+    }) = &new.idempotency
+    {
         sqlx::query("INSERT INTO idempotency_keys (key, request_sha256, job_id, created_at) VALUES ($1, $2, $3, $4)")
             .bind(key)
             .bind(request_sha256)
@@ -211,10 +255,18 @@ async fn start(connection: &mut AnyConnection, id: Uuid) -> anyhow::Result<Chang
     .fetch_optional(&mut *connection)
     .await?;
     if let Some(row) = failed {
-        let state = JobState::from_name(row.try_get("state")?).context("a stored job has an unknown state")?;
+        let state = JobState::from_name(row.try_get("state")?)
+            .context("a stored job has an unknown state")?;
         let problem = dependency_failed(parse_id(row.try_get("id")?)?, state);
         return end_job(connection, id, at, JobState::Failed, Some(problem)).await;
     }
-    let ready = if unfinished_dependencies(connection, id).await? == 0 { vec![ready_job(connection, id).await?] } else { Vec::new() };
-    Ok(Changed { touched: vec![id], ready })
+    let ready = if unfinished_dependencies(connection, id).await? == 0 {
+        vec![ready_job(connection, id).await?]
+    } else {
+        Vec::new()
+    };
+    Ok(Changed {
+        touched: vec![id],
+        ready,
+    })
 }

@@ -26,21 +26,31 @@ pub struct Ready {
 
 impl Changed {
     pub(super) fn touch(id: Uuid) -> Self {
-        Changed { touched: vec![id], ready: Vec::new() }
+        Changed {
+            touched: vec![id],
+            ready: Vec::new(),
+        }
     }
 }
 
-pub(super) async fn append_event(connection: &mut AnyConnection, id: Uuid, at: Timestamp, data: &EventData) -> anyhow::Result<()> {
+pub(super) async fn append_event(
+    connection: &mut AnyConnection,
+    id: Uuid,
+    at: Timestamp,
+    data: &EventData,
+) -> anyhow::Result<()> {
     let json = match data {
         EventData::State(data) => serde_json::to_string(data),
         EventData::Progress(data) => serde_json::to_string(data),
         EventData::Log(data) => serde_json::to_string(data),
         EventData::Done(data) => serde_json::to_string(data),
     }?;
-    let seq: i64 = sqlx::query_scalar("UPDATE jobs SET last_seq = last_seq + 1 WHERE id = $1 RETURNING last_seq")
-        .bind(id.to_string())
-        .fetch_one(&mut *connection)
-        .await?;
+    let seq: i64 = sqlx::query_scalar(
+        "UPDATE jobs SET last_seq = last_seq + 1 WHERE id = $1 RETURNING last_seq",
+    )
+    .bind(id.to_string())
+    .fetch_one(&mut *connection)
+    .await?;
     sqlx::query("INSERT INTO job_events (job_id, seq, type, at, data) VALUES ($1, $2, $3, $4, $5)")
         .bind(id.to_string())
         .bind(seq)
@@ -53,10 +63,26 @@ pub(super) async fn append_event(connection: &mut AnyConnection, id: Uuid, at: T
 }
 
 /// Tells the job's present state as an event.
-pub(super) async fn append_state(connection: &mut AnyConnection, id: Uuid, at: Timestamp, state: JobState) -> anyhow::Result<()> {
-    let attempt: i64 =
-        sqlx::query_scalar("SELECT attempt FROM jobs WHERE id = $1").bind(id.to_string()).fetch_one(&mut *connection).await?;
-    append_event(connection, id, at, &EventData::State(StateChange { state, attempt: u32::try_from(attempt)? })).await
+pub(super) async fn append_state(
+    connection: &mut AnyConnection,
+    id: Uuid,
+    at: Timestamp,
+    state: JobState,
+) -> anyhow::Result<()> {
+    let attempt: i64 = sqlx::query_scalar("SELECT attempt FROM jobs WHERE id = $1")
+        .bind(id.to_string())
+        .fetch_one(&mut *connection)
+        .await?;
+    append_event(
+        connection,
+        id,
+        at,
+        &EventData::State(StateChange {
+            state,
+            attempt: u32::try_from(attempt)?,
+        }),
+    )
+    .await
 }
 
 /// Ends a job, and with it every job that needed its result and now cannot have it.
@@ -73,22 +99,41 @@ pub(super) async fn end_job(
         write_end(connection, id, at, state, error).await?;
         changed.touched.push(id);
         if state == JobState::Succeeded {
-            changed.ready.extend(ready_dependents(connection, id).await?);
+            changed
+                .ready
+                .extend(ready_dependents(connection, id).await?);
             continue;
         }
         for waiting in queued_dependents(connection, id).await? {
-            ended.push((waiting, JobState::Failed, Some(dependency_failed(id, state))));
+            ended.push((
+                waiting,
+                JobState::Failed,
+                Some(dependency_failed(id, state)),
+            ));
         }
     }
     Ok(changed)
 }
 
 pub(super) fn dependency_failed(id: Uuid, state: JobState) -> Problem {
-    let how = if state == JobState::Canceled { "was canceled" } else { "failed" };
-    Problem::new("dependency_failed", format!("job {id}, whose result this job needs, {how}"))
+    let how = if state == JobState::Canceled {
+        "was canceled"
+    } else {
+        "failed"
+    };
+    Problem::new(
+        "dependency_failed",
+        format!("job {id}, whose result this job needs, {how}"),
+    )
 }
 
-async fn write_end(connection: &mut AnyConnection, id: Uuid, at: Timestamp, state: JobState, error: Option<Problem>) -> anyhow::Result<()> {
+async fn write_end(
+    connection: &mut AnyConnection,
+    id: Uuid,
+    at: Timestamp,
+    state: JobState,
+    error: Option<Problem>,
+) -> anyhow::Result<()> {
     let json = error.as_ref().map(serde_json::to_string).transpose()?;
     sqlx::query("UPDATE jobs SET state = $1, finished_at = $2, error = $3 WHERE id = $4")
         .bind(state.name())
@@ -98,10 +143,24 @@ async fn write_end(connection: &mut AnyConnection, id: Uuid, at: Timestamp, stat
         .execute(&mut *connection)
         .await?;
     // What is left of a campaign: nobody makes it any more, and the runs of one that succeeded are in its files.
-    let kept = if state == JobState::Succeeded { "" } else { "done" };
-    sqlx::query("DELETE FROM chunks WHERE job_id = $1 AND state <> $2").bind(id.to_string()).bind(kept).execute(&mut *connection).await?;
+    let kept = if state == JobState::Succeeded {
+        ""
+    } else {
+        "done"
+    };
+    sqlx::query("DELETE FROM chunks WHERE job_id = $1 AND state <> $2")
+        .bind(id.to_string())
+        .bind(kept)
+        .execute(&mut *connection)
+        .await?;
     append_state(connection, id, at, state).await?;
-    append_event(connection, id, at, &EventData::Done(JobEnd { state, error })).await
+    append_event(
+        connection,
+        id,
+        at,
+        &EventData::Done(JobEnd { state, error }),
+    )
+    .await
 }
 
 async fn queued_dependents(connection: &mut AnyConnection, id: Uuid) -> anyhow::Result<Vec<Uuid>> {
@@ -127,15 +186,30 @@ async fn ready_dependents(connection: &mut AnyConnection, id: Uuid) -> anyhow::R
 }
 
 /// The job as something to be done.
-pub(super) async fn ready_job(connection: &mut AnyConnection, job_id: Uuid) -> anyhow::Result<Ready> {
-    Ok(Ready { job_id, chunk: None, priority: priority_of(connection, job_id).await? })
+pub(super) async fn ready_job(
+    connection: &mut AnyConnection,
+    job_id: Uuid,
+) -> anyhow::Result<Ready> {
+    Ok(Ready {
+        job_id,
+        chunk: None,
+        priority: priority_of(connection, job_id).await?,
+    })
 }
 
 pub(super) async fn priority_of(connection: &mut AnyConnection, id: Uuid) -> anyhow::Result<i64> {
-    Ok(sqlx::query_scalar("SELECT priority FROM jobs WHERE id = $1").bind(id.to_string()).fetch_one(connection).await?)
+    Ok(
+        sqlx::query_scalar("SELECT priority FROM jobs WHERE id = $1")
+            .bind(id.to_string())
+            .fetch_one(connection)
+            .await?,
+    )
 }
 
-pub(super) async fn unfinished_dependencies(connection: &mut AnyConnection, id: Uuid) -> anyhow::Result<i64> {
+pub(super) async fn unfinished_dependencies(
+    connection: &mut AnyConnection,
+    id: Uuid,
+) -> anyhow::Result<i64> {
     let count = sqlx::query_scalar(
         "SELECT count(*) FROM job_dependencies JOIN jobs ON jobs.id = source_id
          WHERE source_kind = 'job' AND job_id = $1 AND state <> 'succeeded'",

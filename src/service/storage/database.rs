@@ -15,13 +15,31 @@ type Migrations = [(i64, &'static str, &'static str)];
 
 const SQLITE_TABLES: &Migrations = &[
     (1, "start", include_str!("migrations/sqlite/0001_start.sql")),
-    (2, "bearing time", include_str!("migrations/sqlite/0002_bearing_time.sql")),
-    (3, "chunks", include_str!("migrations/sqlite/0003_chunks.sql")),
+    (
+        2,
+        "bearing time",
+        include_str!("migrations/sqlite/0002_bearing_time.sql"),
+    ),
+    (
+        3,
+        "chunks",
+        include_str!("migrations/sqlite/0003_chunks.sql"),
+    ),
     (4, "blobs", include_str!("migrations/sqlite/0004_blobs.sql")),
 ];
 
-const POSTGRES_TABLES: &Migrations =
-    &[(3, "start", include_str!("migrations/postgres/0003_start.sql")), (4, "queue", include_str!("migrations/postgres/0004_queue.sql"))];
+const POSTGRES_TABLES: &Migrations = &[
+    (
+        3,
+        "start",
+        include_str!("migrations/postgres/0003_start.sql"),
+    ),
+    (
+        4,
+        "queue",
+        include_str!("migrations/postgres/0004_queue.sql"),
+    ),
+];
 
 /// SQLite connections that may read at the same time.
 const READERS: u32 = 4;
@@ -45,8 +63,7 @@ const OLDEST_POSTGRES: i64 = 150_000;
 /// What each connection to a SQLite file begins with. Somebody else may hold the file for a moment, such as a backup.
 const SQLITE_SETUP: &str = "PRAGMA busy_timeout = 3000";
 /// The log is written back by [`Storage::tidy`], so that no change waits for that, unless it has grown to 16 MB.
-const SQLITE_WRITER: &str =
-    "PRAGMA busy_timeout = 3000; PRAGMA journal_mode = WAL; PRAGMA wal_autocheckpoint = 4000; PRAGMA foreign_keys = ON";
+const SQLITE_WRITER: &str = "PRAGMA busy_timeout = 3000; PRAGMA journal_mode = WAL; PRAGMA wal_autocheckpoint = 4000; PRAGMA foreign_keys = ON";
 /// A request that reads for so long is given up by the server.
 const POSTGRES_REQUEST: &str = "SET statement_timeout = '5s'";
 /// Whoever stops in the midst of a change does not hold up the others.
@@ -103,10 +120,12 @@ impl Storage {
     pub async fn open(database: &Database) -> anyhow::Result<Storage> {
         sqlx::any::install_default_drivers();
         match database {
-            Database::Sqlite(path) => open_sqlite(path).await.with_context(|| format!("cannot use {}", path.display())),
-            Database::Postgres(url) => {
-                open_postgres(url).await.with_context(|| format!("cannot use the database {}", without_secrets(url)))
-            }
+            Database::Sqlite(path) => open_sqlite(path)
+                .await
+                .with_context(|| format!("cannot use {}", path.display())),
+            Database::Postgres(url) => open_postgres(url)
+                .await
+                .with_context(|| format!("cannot use the database {}", without_secrets(url))),
         }
     }
 
@@ -120,19 +139,29 @@ impl Storage {
             (false, Durability::Kept) => "PRAGMA synchronous = FULL; BEGIN IMMEDIATE",
             (false, Durability::Passing) => "PRAGMA synchronous = NORMAL; BEGIN IMMEDIATE",
             (true, Durability::Kept) => "BEGIN; LOCK TABLE one_writer IN EXCLUSIVE MODE",
-            (true, Durability::Passing) => "BEGIN; SET LOCAL synchronous_commit = off; LOCK TABLE one_writer IN EXCLUSIVE MODE",
+            (true, Durability::Passing) => {
+                "BEGIN; SET LOCAL synchronous_commit = off; LOCK TABLE one_writer IN EXCLUSIVE MODE"
+            }
         };
         Ok(Change::begin(&self.write, statements).await?)
     }
 
     /// For whoever keeps files whose rows come later.
     pub async fn no_sweeping(&self) -> anyhow::Result<NoSweeping> {
-        Ok(NoSweeping { _held: self.guard("BEGIN; LOCK TABLE sweeping IN SHARE MODE").await? })
+        Ok(NoSweeping {
+            _held: self
+                .guard("BEGIN; LOCK TABLE sweeping IN SHARE MODE")
+                .await?,
+        })
     }
 
     /// For whoever removes files that no row has.
     pub async fn sweeping(&self) -> anyhow::Result<Sweeping> {
-        Ok(Sweeping { _held: self.guard("BEGIN; LOCK TABLE sweeping IN EXCLUSIVE MODE").await? })
+        Ok(Sweeping {
+            _held: self
+                .guard("BEGIN; LOCK TABLE sweeping IN EXCLUSIVE MODE")
+                .await?,
+        })
     }
 
     /// On connections of its own: whoever holds a guard needs another for the change itself.
@@ -154,7 +183,10 @@ impl Storage {
             .bind(value)
             .execute(&mut *transaction)
             .await?;
-        let set = sqlx::query_scalar("SELECT value FROM settings WHERE name = $1").bind(name).fetch_one(&mut *transaction).await?;
+        let set = sqlx::query_scalar("SELECT value FROM settings WHERE name = $1")
+            .bind(name)
+            .fetch_one(&mut *transaction)
+            .await?;
         transaction.commit().await?;
         Ok(set)
     }
@@ -168,7 +200,9 @@ impl Storage {
     /// Writes the log of a SQLite file back into it, as far as nobody reads there, while changes go on.
     pub async fn tidy(&self) -> anyhow::Result<()> {
         if !self.is_shared {
-            sqlx::raw_sql("PRAGMA wal_checkpoint(PASSIVE)").execute(&self.guards).await?;
+            sqlx::raw_sql("PRAGMA wal_checkpoint(PASSIVE)")
+                .execute(&self.guards)
+                .await?;
         }
         Ok(())
     }
@@ -176,7 +210,10 @@ impl Storage {
     /// Writes nothing from now on; reading goes on until the last reader has gone. Then a SQLite file has everything in itself.
     pub async fn close(&self) {
         if !self.is_shared
-            && let Err(error) = sqlx::raw_sql("PRAGMA busy_timeout = 200; PRAGMA wal_checkpoint(TRUNCATE)").execute(&self.write).await
+            && let Err(error) =
+                sqlx::raw_sql("PRAGMA busy_timeout = 200; PRAGMA wal_checkpoint(TRUNCATE)")
+                    .execute(&self.write)
+                    .await
         {
             tracing::warn!(%error, "the log of the tables was not written back; the next start does it");
         }
@@ -189,18 +226,37 @@ async fn open_sqlite(path: &Path) -> anyhow::Result<Storage> {
     let mut first = AnyConnection::connect_with(&sqlite_options(path, "rwc")?).await?;
     first.execute(sqlx::raw_sql(SQLITE_WRITER)).await?;
     first.close().await?;
-    let write = pool(1, TURN_PATIENCE, SQLITE_WRITER).connect_with(sqlite_options(path, "rwc")?).await?;
+    let write = pool(1, TURN_PATIENCE, SQLITE_WRITER)
+        .connect_with(sqlite_options(path, "rwc")?)
+        .await?;
     migrate(SQLITE_TABLES, &write).await?;
-    let read = pool(READERS, TURN_PATIENCE, SQLITE_SETUP).connect_with(sqlite_options(path, "ro")?).await?;
+    let read = pool(READERS, TURN_PATIENCE, SQLITE_SETUP)
+        .connect_with(sqlite_options(path, "ro")?)
+        .await?;
     // What writes the log back needs another connection that may write, or changes would wait.
-    let guards = pool(1, TURN_PATIENCE, SQLITE_SETUP).connect_lazy_with(sqlite_options(path, "rw")?);
-    Ok(Storage { work: read.clone(), read, write, owner: String::new(), is_shared: false, guards })
+    let guards =
+        pool(1, TURN_PATIENCE, SQLITE_SETUP).connect_lazy_with(sqlite_options(path, "rw")?);
+    Ok(Storage {
+        work: read.clone(),
+        read,
+        write,
+        owner: String::new(),
+        is_shared: false,
+        guards,
+    })
 }
 
 fn sqlite_options(path: &Path, mode: &str) -> anyhow::Result<AnyConnectOptions> {
     let path = std::path::absolute(path)?;
-    let path = path.to_str().context("the path is not UTF-8")?.replace('%', "%25").replace('?', "%3f").replace('#', "%23");
-    Ok(AnyConnectOptions::from_str(&format!("sqlite://{path}?mode={mode}"))?)
+    let path = path
+        .to_str()
+        .context("the path is not UTF-8")?
+        .replace('%', "%25")
+        .replace('?', "%3f")
+        .replace('#', "%23");
+    Ok(AnyConnectOptions::from_str(&format!(
+        "sqlite://{path}?mode={mode}"
+    ))?)
 }
 
 async fn open_postgres(url: &str) -> anyhow::Result<Storage> {
@@ -211,14 +267,28 @@ async fn open_postgres(url: &str) -> anyhow::Result<Storage> {
     let options = AnyConnectOptions::from_str(url)?;
     let work = pool(WORKERS, WORK_PATIENCE, "").connect_lazy_with(options.clone());
     wait_for(&work).await?;
-    let version: String = sqlx::query_scalar("SELECT current_setting('server_version_num')").fetch_one(&work).await?;
+    let version: String = sqlx::query_scalar("SELECT current_setting('server_version_num')")
+        .fetch_one(&work)
+        .await?;
     let number: i64 = version.parse().unwrap_or(0);
-    ensure!(number >= OLDEST_POSTGRES, "it is PostgreSQL {}; {} or newer is needed", number / 10_000, OLDEST_POSTGRES / 10_000);
+    ensure!(
+        number >= OLDEST_POSTGRES,
+        "it is PostgreSQL {}; {} or newer is needed",
+        number / 10_000,
+        OLDEST_POSTGRES / 10_000
+    );
     migrate(POSTGRES_TABLES, &work).await?;
     let read = pool(REQUESTS, PATIENCE, POSTGRES_REQUEST).connect_lazy_with(options.clone());
     let write = pool(CHANGES, PATIENCE, POSTGRES_CHANGE).connect_lazy_with(options.clone());
     let guards = pool(GUARDS, PATIENCE, "").connect_lazy_with(options);
-    Ok(Storage { read, write, work, owner: Uuid::now_v7().to_string(), is_shared: true, guards })
+    Ok(Storage {
+        read,
+        write,
+        work,
+        owner: Uuid::now_v7().to_string(),
+        is_shared: true,
+        guards,
+    })
 }
 
 /// Waits until the database answers, for it may be starting as well.
@@ -241,20 +311,35 @@ async fn wait_for(pool: &AnyPool) -> anyhow::Result<()> {
 }
 
 fn pool(size: u32, patience: Duration, setup: &'static str) -> AnyPoolOptions {
-    AnyPoolOptions::new().max_connections(size).acquire_timeout(patience).after_connect(move |connection, _| {
-        Box::pin(async move {
-            if !setup.is_empty() {
-                (connection as &mut AnyConnection).execute(sqlx::raw_sql(setup)).await?;
-            }
-            Ok(())
+    AnyPoolOptions::new()
+        .max_connections(size)
+        .acquire_timeout(patience)
+        .after_connect(move |connection, _| {
+            Box::pin(async move {
+                if !setup.is_empty() {
+                    (connection as &mut AnyConnection)
+                        .execute(sqlx::raw_sql(setup))
+                        .await?;
+                }
+                Ok(())
+            })
         })
-    })
 }
 
 async fn migrate(tables: &Migrations, pool: &AnyPool) -> anyhow::Result<()> {
-    let known = tables.iter().map(|(version, ..)| *version).max().unwrap_or(0);
+    let known = tables
+        .iter()
+        .map(|(version, ..)| *version)
+        .max()
+        .unwrap_or(0);
     let migration = |&(version, description, sql): &(i64, &'static str, &'static str)| {
-        Migration::new(version, description.into(), MigrationType::Simple, sql.into_sql_str(), false)
+        Migration::new(
+            version,
+            description.into(),
+            MigrationType::Simple,
+            sql.into_sql_str(),
+            false,
+        )
     };
     Migrator::with_migrations(tables.iter().map(migration).collect()).run(pool).await.map_err(|error| match error {
         MigrateError::VersionMissing(version) => anyhow::anyhow!(
@@ -267,7 +352,9 @@ async fn migrate(tables: &Migrations, pool: &AnyPool) -> anyhow::Result<()> {
 
 /// The URL for a message.
 fn without_secrets(url: &str) -> String {
-    let Some((scheme, rest)) = url.split_once("://") else { return url.to_owned() };
+    let Some((scheme, rest)) = url.split_once("://") else {
+        return url.to_owned();
+    };
     let place = rest.rsplit_once('@').map_or(rest, |(_, place)| place);
     format!("{scheme}://{}", place.split('?').next().unwrap_or(place))
 }
@@ -278,7 +365,10 @@ mod tests {
 
     #[test]
     fn a_message_shows_no_password() {
-        assert_eq!(without_secrets("postgres://me:se@cret@host:5432/db?password=secret"), "postgres://host:5432/db");
+        assert_eq!(
+            without_secrets("postgres://me:se@cret@host:5432/db?password=secret"),
+            "postgres://host:5432/db"
+        );
         assert_eq!(without_secrets("postgres://host/db"), "postgres://host/db");
     }
 
@@ -286,7 +376,11 @@ mod tests {
     async fn a_path_of_any_letters_is_that_file() {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("a b%41?#ü.db");
-        Storage::open(&Database::Sqlite(path.clone())).await.unwrap().close().await;
+        Storage::open(&Database::Sqlite(path.clone()))
+            .await
+            .unwrap()
+            .close()
+            .await;
         assert!(path.exists());
     }
 
@@ -294,7 +388,9 @@ mod tests {
     async fn tables_of_a_newer_version_and_files_of_something_else_are_refused() {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("app.db");
-        let storage = Storage::open(&Database::Sqlite(path.clone())).await.unwrap();
+        let storage = Storage::open(&Database::Sqlite(path.clone()))
+            .await
+            .unwrap();
         sqlx::query(
             "INSERT INTO _sqlx_migrations (version, description, success, checksum, execution_time) VALUES (99, 'later', 1, x'00', 0)",
         )
@@ -302,11 +398,29 @@ mod tests {
         .await
         .unwrap();
         storage.close().await;
-        let error = format!("{:#}", Storage::open(&Database::Sqlite(path)).await.unwrap_err());
-        assert!(error.contains("version 99") && error.contains("up to version 4") && error.contains("newer trackloom"), "{error}");
+        let error = format!(
+            "{:#}",
+            Storage::open(&Database::Sqlite(path)).await.unwrap_err()
+        );
+        assert!(
+            error.contains("version 99")
+                && error.contains("up to version 4")
+                && error.contains("newer trackloom"),
+            "{error}"
+        );
         let other = directory.path().join("other.db");
-        std::fs::write(&other, "this is not a database, whatever it is called; it is long enough to look like one").unwrap();
-        let error = format!("{:#}", Storage::open(&Database::Sqlite(other)).await.unwrap_err());
-        assert!(error.contains("other.db") && error.contains("not a database"), "{error}");
+        std::fs::write(
+            &other,
+            "this is not a database, whatever it is called; it is long enough to look like one",
+        )
+        .unwrap();
+        let error = format!(
+            "{:#}",
+            Storage::open(&Database::Sqlite(other)).await.unwrap_err()
+        );
+        assert!(
+            error.contains("other.db") && error.contains("not a database"),
+            "{error}"
+        );
     }
 }

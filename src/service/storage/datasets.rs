@@ -10,7 +10,10 @@ use crate::formats::npy::BearingTimeAxes;
 use crate::model::dataset::DatasetSummary;
 use crate::model::facts::RecordingFacts;
 use crate::model::sensor::SensorSettings;
-use crate::service::types::{DatasetInfo, DatasetLinks, DatasetOrigin, JobOrigin, JobOriginKind, UploadOrigin, UploadOriginKind};
+use crate::service::types::{
+    DatasetInfo, DatasetLinks, DatasetOrigin, JobOrigin, JobOriginKind, UploadOrigin,
+    UploadOriginKind,
+};
 use sqlx::any::AnyRow;
 use sqlx::{AnyConnection, Row};
 use std::collections::BTreeMap;
@@ -38,7 +41,10 @@ impl NewDataset {
     /// An artefact of a job that other jobs can use; it is canonical CSV.
     pub(super) fn from_job(job: &ClaimedJob, artifact: &NewArtifact) -> Option<Self> {
         let summary = artifact.dataset.clone()?;
-        let maker = job.name.clone().unwrap_or_else(|| format!("job {}", job.id));
+        let maker = job
+            .name
+            .clone()
+            .unwrap_or_else(|| format!("job {}", job.id));
         Some(NewDataset {
             name: format!("{} of {maker}", summary.kind.name()),
             format: "csv".to_owned(),
@@ -93,7 +99,13 @@ impl Storage {
     pub async fn dataset(&self, id: Uuid) -> anyhow::Result<Option<StoredDataset>> {
         let mut query = Statement::new(COLUMNS);
         query.push("id = ").bind(id.to_string());
-        query.query().fetch_optional(&self.read).await?.as_ref().map(stored).transpose()
+        query
+            .query()
+            .fetch_optional(&self.read)
+            .await?
+            .as_ref()
+            .map(stored)
+            .transpose()
     }
 
     /// One page, the cursor of the next, and the count if it was asked for.
@@ -114,8 +126,13 @@ impl Storage {
         push_filter(&mut query, filter);
         push_page(&mut query, filter.sort, cursor, limit);
         let rows = query.query().fetch_all(&self.read).await?;
-        let items = rows.iter().map(|row| Ok(stored(row)?.info)).collect::<anyhow::Result<Vec<_>>>()?;
-        let (items, next) = cut(items, limit, |info| Cursor::new(filter.sort, info.created_at, info.id));
+        let items = rows
+            .iter()
+            .map(|row| Ok(stored(row)?.info))
+            .collect::<anyhow::Result<Vec<_>>>()?;
+        let (items, next) = cut(items, limit, |info| {
+            Cursor::new(filter.sort, info.created_at, info.id)
+        });
         Ok((items, next, total))
     }
 
@@ -158,7 +175,11 @@ impl Storage {
 }
 
 /// Queued and running jobs that read this source.
-pub(super) async fn active_users(connection: &mut AnyConnection, source_kind: &str, id: Uuid) -> anyhow::Result<Vec<Uuid>> {
+pub(super) async fn active_users(
+    connection: &mut AnyConnection,
+    source_kind: &str,
+    id: Uuid,
+) -> anyhow::Result<Vec<Uuid>> {
     let rows = sqlx::query(
         "SELECT jobs.id FROM job_dependencies JOIN jobs ON jobs.id = job_id
          WHERE source_kind = $1 AND source_id = $2 AND state IN ('queued', 'running') ORDER BY created_at, jobs.id",
@@ -170,7 +191,10 @@ pub(super) async fn active_users(connection: &mut AnyConnection, source_kind: &s
     rows.iter().map(|row| parse_id(row.try_get(0)?)).collect()
 }
 
-pub(super) async fn insert_dataset(connection: &mut AnyConnection, new: &NewDataset) -> anyhow::Result<Uuid> {
+pub(super) async fn insert_dataset(
+    connection: &mut AnyConnection,
+    new: &NewDataset,
+) -> anyhow::Result<Uuid> {
     let id = Uuid::now_v7();
     sqlx::query(
         "INSERT INTO datasets (id, name, kind, format, bytes, sha256, meta_sha256, columns, bearing_time, summary, sensors, warnings,
@@ -199,7 +223,9 @@ pub(super) async fn insert_dataset(connection: &mut AnyConnection, new: &NewData
 fn push_filter(query: &mut Statement, filter: &DatasetFilter) {
     query.push("deleted_at IS NULL");
     if !filter.kinds.is_empty() {
-        query.push(" AND kind IN ").bind_list(filter.kinds.iter().map(|kind| kind.name().to_owned()));
+        query
+            .push(" AND kind IN ")
+            .bind_list(filter.kinds.iter().map(|kind| kind.name().to_owned()));
     }
     if let Some(q) = &filter.q {
         push_search(query, q);
@@ -212,8 +238,14 @@ fn stored(row: &AnyRow) -> anyhow::Result<StoredDataset> {
     let sensors: Vec<SensorSettings> = serde_json::from_str(row.try_get("sensors")?)?;
     let file_name: Option<String> = row.try_get("file_name")?;
     let origin = match row.try_get::<Option<&str>, _>("origin_job_id")? {
-        Some(job_id) => DatasetOrigin::Job(JobOrigin { kind: JobOriginKind::Job, job_id: parse_id(job_id)? }),
-        None => DatasetOrigin::Upload(UploadOrigin { kind: UploadOriginKind::Upload, file_name: file_name.clone() }),
+        Some(job_id) => DatasetOrigin::Job(JobOrigin {
+            kind: JobOriginKind::Job,
+            job_id: parse_id(job_id)?,
+        }),
+        None => DatasetOrigin::Upload(UploadOrigin {
+            kind: UploadOriginKind::Upload,
+            file_name: file_name.clone(),
+        }),
     };
     let info = DatasetInfo {
         id,
@@ -230,7 +262,12 @@ fn stored(row: &AnyRow) -> anyhow::Result<StoredDataset> {
         end_s: summary.end_s,
         first_bearing_deg: summary.first_bearing_deg,
         last_bearing_deg: summary.last_bearing_deg,
-        reports: summary.facts.iter().flat_map(|facts| &facts.sensors).map(Into::into).collect(),
+        reports: summary
+            .facts
+            .iter()
+            .flat_map(|facts| &facts.sensors)
+            .map(Into::into)
+            .collect(),
         has_truth_id: summary.facts.as_ref().map(|facts| facts.origins_known),
         origin,
         warnings: serde_json::from_str(row.try_get("warnings")?)?,

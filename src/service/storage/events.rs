@@ -32,5 +32,10 @@ fn event(id: Uuid, row: &AnyRow) -> anyhow::Result<Event> {
         "done" => EventData::Done(serde_json::from_str(json)?),
         other => bail!("a stored event has the unknown type {other}"),
     };
-    Ok(Event::new(id, row.try_get::<i64, _>("seq")?.cast_unsigned(), from_micros(row.try_get("at")?)?, data))
+    Ok(Event::new(
+        id,
+        row.try_get::<i64, _>("seq")?.cast_unsigned(),
+        from_micros(row.try_get("at")?)?,
+        data,
+    ))
 }

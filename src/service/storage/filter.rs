@@ -59,11 +59,19 @@ impl JobFilter {
         faults.extend(repeated("state", &self.states));
         faults.extend(repeated("kind", &self.kinds));
         if self.labels.len() > MAX_LABELS {
-            let fault = Fault::new("/query/label", "too_large", format!("{} labels are named", self.labels.len()));
+            let fault = Fault::new(
+                "/query/label",
+                "too_large",
+                format!("{} labels are named", self.labels.len()),
+            );
             faults.push(fault.allowing(format!("at most {MAX_LABELS} labels")));
         }
         let texts = self.labels.iter().flat_map(|(key, value)| [key, value]);
-        faults.extend(texts.filter_map(|text| control_character_fault(text, "/query/label")).take(1));
+        faults.extend(
+            texts
+                .filter_map(|text| control_character_fault(text, "/query/label"))
+                .take(1),
+        );
         faults.extend(search_fault(self.q.as_deref()));
         faults
     }
@@ -72,19 +80,35 @@ impl JobFilter {
 impl DatasetFilter {
     /// The same for datasets.
     pub fn faults(&self) -> Vec<Fault> {
-        repeated("kind", &self.kinds).into_iter().chain(search_fault(self.q.as_deref())).collect()
+        repeated("kind", &self.kinds)
+            .into_iter()
+            .chain(search_fault(self.q.as_deref()))
+            .collect()
     }
 }
 
 fn repeated<T: PartialEq>(name: &str, entries: &[T]) -> Option<Fault> {
-    let is_repeated = entries.iter().enumerate().any(|(index, entry)| entries[..index].contains(entry));
-    is_repeated.then(|| Fault::new(format!("/query/{name}"), "duplicate", "a value is named more than once").allowing("each value once"))
+    let is_repeated = entries
+        .iter()
+        .enumerate()
+        .any(|(index, entry)| entries[..index].contains(entry));
+    is_repeated.then(|| {
+        Fault::new(
+            format!("/query/{name}"),
+            "duplicate",
+            "a value is named more than once",
+        )
+        .allowing("each value once")
+    })
 }
 
 fn search_fault(q: Option<&str>) -> Option<Fault> {
     let q = q?;
     if q.chars().count() > MAX_SEARCH {
-        return Some(Fault::new("/query/q", "too_large", "the text is too long").allowing(format!("at most {MAX_SEARCH} characters")));
+        return Some(
+            Fault::new("/query/q", "too_large", "the text is too long")
+                .allowing(format!("at most {MAX_SEARCH} characters")),
+        );
     }
     control_character_fault(q, "/query/q")
 }

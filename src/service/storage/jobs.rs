@@ -59,17 +59,30 @@ impl Storage {
     pub async fn job(&self, id: Uuid) -> anyhow::Result<Option<StoredJob>> {
         let mut query = Statement::new(COLUMNS);
         query.push("id = ").bind(id.to_string());
-        query.query().fetch_optional(&self.read).await?.as_ref().map(stored).transpose()
+        query
+            .query()
+            .fetch_optional(&self.read)
+            .await?
+            .as_ref()
+            .map(stored)
+            .transpose()
     }
 
     /// The job's request as normalised.
     pub async fn spec(&self, id: Uuid) -> anyhow::Result<serde_json::Value> {
-        let json: String = sqlx::query_scalar("SELECT spec FROM jobs WHERE id = $1").bind(id.to_string()).fetch_one(&self.read).await?;
+        let json: String = sqlx::query_scalar("SELECT spec FROM jobs WHERE id = $1")
+            .bind(id.to_string())
+            .fetch_one(&self.read)
+            .await?;
         serde_json::from_str(&json).context("a stored spec is not JSON")
     }
 
     /// One page, the cursor of the next, and the count if it was asked for.
-    pub async fn jobs(&self, filter: &JobFilter, cursor: Option<Cursor>) -> anyhow::Result<(Vec<Job>, Option<String>, Option<u64>)> {
+    pub async fn jobs(
+        &self,
+        filter: &JobFilter,
+        cursor: Option<Cursor>,
+    ) -> anyhow::Result<(Vec<Job>, Option<String>, Option<u64>)> {
         let total = if filter.count {
             let mut query = Statement::new("SELECT count(*) FROM jobs WHERE ");
             push_filter(&mut query, filter);
@@ -82,23 +95,38 @@ impl Storage {
         push_filter(&mut query, filter);
         push_page(&mut query, filter.sort, cursor, limit);
         let rows = query.query().fetch_all(&self.read).await?;
-        let items = rows.iter().map(|row| Ok(stored(row)?.job)).collect::<anyhow::Result<Vec<_>>>()?;
-        let (items, next) = cut(items, limit, |job| Cursor::new(filter.sort, job.created_at, job.id));
+        let items = rows
+            .iter()
+            .map(|row| Ok(stored(row)?.job))
+            .collect::<anyhow::Result<Vec<_>>>()?;
+        let (items, next) = cut(items, limit, |job| {
+            Cursor::new(filter.sort, job.created_at, job.id)
+        });
         Ok((items, next, total))
     }
 
     pub async fn job_counts(&self) -> anyhow::Result<BTreeMap<JobState, u64>> {
-        let rows = sqlx::query("SELECT state, count(*) FROM jobs WHERE deleted_at IS NULL GROUP BY state").fetch_all(&self.read).await?;
-        let mut counts: BTreeMap<JobState, u64> = JobState::ALL.into_iter().map(|state| (state, 0)).collect();
+        let rows =
+            sqlx::query("SELECT state, count(*) FROM jobs WHERE deleted_at IS NULL GROUP BY state")
+                .fetch_all(&self.read)
+                .await?;
+        let mut counts: BTreeMap<JobState, u64> =
+            JobState::ALL.into_iter().map(|state| (state, 0)).collect();
         for row in rows {
-            let state = JobState::from_name(row.try_get(0)?).context("a stored job has an unknown state")?;
+            let state = JobState::from_name(row.try_get(0)?)
+                .context("a stored job has an unknown state")?;
             counts.insert(state, row.try_get::<i64, _>(1)?.cast_unsigned());
         }
         Ok(counts)
     }
 
     /// Renames; an empty name removes the name, and labels replace all labels.
-    pub async fn patch_job(&self, id: Uuid, name: Option<&str>, labels: Option<&BTreeMap<String, String>>) -> anyhow::Result<()> {
+    pub async fn patch_job(
+        &self,
+        id: Uuid,
+        name: Option<&str>,
+        labels: Option<&BTreeMap<String, String>>,
+    ) -> anyhow::Result<()> {
         let mut transaction = self.begin().await?;
         if let Some(name) = name {
             sqlx::query("UPDATE jobs SET name = nullif($1, '') WHERE id = $2")
@@ -118,8 +146,10 @@ impl Storage {
     pub async fn cancel(&self, id: Uuid) -> anyhow::Result<Cancellation> {
         let mut transaction = self.begin().await?;
         let at = now();
-        let state: String =
-            sqlx::query_scalar("SELECT state FROM jobs WHERE id = $1").bind(id.to_string()).fetch_one(&mut *transaction).await?;
+        let state: String = sqlx::query_scalar("SELECT state FROM jobs WHERE id = $1")
+            .bind(id.to_string())
+            .fetch_one(&mut *transaction)
+            .await?;
         let state = JobState::from_name(&state).context("a stored job has an unknown state")?;
         if state.is_terminal() {
             return Ok(Cancellation::AlreadyEnded(state));
@@ -129,16 +159,21 @@ impl Storage {
             .bind(id.to_string())
             .execute(&mut *transaction)
             .await?;
-        let is_campaign: i64 = sqlx::query_scalar("SELECT count(*) FROM campaigns WHERE job_id = $1")
-            .bind(id.to_string())
-            .fetch_one(&mut *transaction)
-            .await?;
+        let is_campaign: i64 =
+            sqlx::query_scalar("SELECT count(*) FROM campaigns WHERE job_id = $1")
+                .bind(id.to_string())
+                .fetch_one(&mut *transaction)
+                .await?;
         // A running campaign is in nobody's hands as a whole; who makes a chunk of it finds that it has ended.
         let outcome = if state == JobState::Queued || is_campaign > 0 {
-            Cancellation::Canceled(end_job(&mut transaction, id, at, JobState::Canceled, None).await?)
+            Cancellation::Canceled(
+                end_job(&mut transaction, id, at, JobState::Canceled, None).await?,
+            )
         } else {
             if asked.rows_affected() == 1 {
-                let data = EventData::Log(LogLine { message: "cancel requested".to_owned() });
+                let data = EventData::Log(LogLine {
+                    message: "cancel requested".to_owned(),
+                });
                 append_event(&mut transaction, id, at, &data).await?;
             }
             Cancellation::Requested(Changed::touch(id))
@@ -151,7 +186,10 @@ impl Storage {
     pub async fn delete_job(&self, id: Uuid) -> anyhow::Result<Deletion> {
         let mut transaction = self.begin().await?;
         let key = id.to_string();
-        let state: String = sqlx::query_scalar("SELECT state FROM jobs WHERE id = $1").bind(&key).fetch_one(&mut *transaction).await?;
+        let state: String = sqlx::query_scalar("SELECT state FROM jobs WHERE id = $1")
+            .bind(&key)
+            .fetch_one(&mut *transaction)
+            .await?;
         let state = JobState::from_name(&state).context("a stored job has an unknown state")?;
         if !state.is_terminal() {
             return Ok(Deletion::StillActive(state));
@@ -160,8 +198,15 @@ impl Storage {
         if !users.is_empty() {
             return Ok(Deletion::NeededBy(users));
         }
-        let contents = sqlx::query_scalar("SELECT sha256 FROM artifacts WHERE job_id = $1").bind(&key).fetch_all(&mut *transaction).await?;
-        sqlx::query("UPDATE jobs SET deleted_at = $1 WHERE id = $2").bind(to_micros(now())).bind(&key).execute(&mut *transaction).await?;
+        let contents = sqlx::query_scalar("SELECT sha256 FROM artifacts WHERE job_id = $1")
+            .bind(&key)
+            .fetch_all(&mut *transaction)
+            .await?;
+        sqlx::query("UPDATE jobs SET deleted_at = $1 WHERE id = $2")
+            .bind(to_micros(now()))
+            .bind(&key)
+            .execute(&mut *transaction)
+            .await?;
         for statement in [
             "DELETE FROM artifacts WHERE job_id = $1",
             "DELETE FROM job_events WHERE job_id = $1",
@@ -169,7 +214,10 @@ impl Storage {
             "DELETE FROM chunks WHERE job_id = $1",
             "DELETE FROM campaigns WHERE job_id = $1",
         ] {
-            sqlx::query(statement).bind(&key).execute(&mut *transaction).await?;
+            sqlx::query(statement)
+                .bind(&key)
+                .execute(&mut *transaction)
+                .await?;
         }
         transaction.commit().await?;
         Ok(Deletion::Deleted(contents))
@@ -191,19 +239,29 @@ fn artifact(row: &AnyRow) -> anyhow::Result<StoredArtifact> {
         media_type: row.try_get("media_type")?,
         bytes: row.try_get::<i64, _>("bytes")?.cast_unsigned(),
         sha256: row.try_get("sha256")?,
-        dataset_id: row.try_get::<Option<&str>, _>("dataset_id")?.map(parse_id).transpose()?,
+        dataset_id: row
+            .try_get::<Option<&str>, _>("dataset_id")?
+            .map(parse_id)
+            .transpose()?,
     })
 }
 
 /// Writes the labels twice: on the row to be read, and by value to be searched.
-pub(super) async fn write_labels(connection: &mut AnyConnection, id: Uuid, labels: &BTreeMap<String, String>) -> anyhow::Result<()> {
+pub(super) async fn write_labels(
+    connection: &mut AnyConnection,
+    id: Uuid,
+    labels: &BTreeMap<String, String>,
+) -> anyhow::Result<()> {
     let key = id.to_string();
     sqlx::query("UPDATE jobs SET labels = $1 WHERE id = $2")
         .bind(serde_json::to_string(labels)?)
         .bind(&key)
         .execute(&mut *connection)
         .await?;
-    sqlx::query("DELETE FROM job_labels WHERE job_id = $1").bind(&key).execute(&mut *connection).await?;
+    sqlx::query("DELETE FROM job_labels WHERE job_id = $1")
+        .bind(&key)
+        .execute(&mut *connection)
+        .await?;
     for (label, value) in labels {
         sqlx::query("INSERT INTO job_labels (job_id, key, value) VALUES ($1, $2, $3)")
             .bind(&key)
@@ -217,10 +275,16 @@ pub(super) async fn write_labels(connection: &mut AnyConnection, id: Uuid, label
 
 fn push_filter(query: &mut Statement, filter: &JobFilter) {
     query.push("deleted_at IS NULL");
-    push_names(query, "state", filter.states.iter().map(|state| state.name()));
+    push_names(
+        query,
+        "state",
+        filter.states.iter().map(|state| state.name()),
+    );
     push_names(query, "kind", filter.kinds.iter().map(|kind| kind.name()));
     for (key, value) in &filter.labels {
-        query.push(" AND id IN (SELECT job_id FROM job_labels WHERE key = ").bind(key.clone());
+        query
+            .push(" AND id IN (SELECT job_id FROM job_labels WHERE key = ")
+            .bind(key.clone());
         query.push(" AND value = ").bind(value.clone()).push(")");
     }
     if let Some(after) = filter.created_after {
@@ -234,22 +298,42 @@ fn push_filter(query: &mut Statement, filter: &JobFilter) {
     }
 }
 
-fn push_names(query: &mut Statement, column: &'static str, names: impl ExactSizeIterator<Item = &'static str>) {
+fn push_names(
+    query: &mut Statement,
+    column: &'static str,
+    names: impl ExactSizeIterator<Item = &'static str>,
+) {
     if names.len() == 0 {
         return;
     }
-    query.push(" AND ").push(column).push(" IN ").bind_list(names.map(str::to_owned));
+    query
+        .push(" AND ")
+        .push(column)
+        .push(" IN ")
+        .bind_list(names.map(str::to_owned));
 }
 
 fn stored(row: &AnyRow) -> anyhow::Result<StoredJob> {
     let id = parse_id(row.try_get("id")?)?;
-    let state = JobState::from_name(row.try_get("state")?).context("a stored job has an unknown state")?;
-    let time = |column: &str| row.try_get::<Option<i64>, _>(column).map_err(anyhow::Error::from)?.map(from_micros).transpose();
-    let optional_id = |column: &str| row.try_get::<Option<&str>, _>(column).map_err(anyhow::Error::from)?.map(parse_id).transpose();
+    let state =
+        JobState::from_name(row.try_get("state")?).context("a stored job has an unknown state")?;
+    let time = |column: &str| {
+        row.try_get::<Option<i64>, _>(column)
+            .map_err(anyhow::Error::from)?
+            .map(from_micros)
+            .transpose()
+    };
+    let optional_id = |column: &str| {
+        row.try_get::<Option<&str>, _>(column)
+            .map_err(anyhow::Error::from)?
+            .map(parse_id)
+            .transpose()
+    };
     let cancel_requested_at = time("cancel_requested_at")?;
     let job = Job {
         id,
-        kind: JobKind::from_name(row.try_get("kind")?).context("a stored job has an unknown kind")?,
+        kind: JobKind::from_name(row.try_get("kind")?)
+            .context("a stored job has an unknown kind")?,
         state,
         attempt: u32::try_from(row.try_get::<i64, _>("attempt")?)?,
         name: row.try_get("name")?,
@@ -260,8 +344,14 @@ fn stored(row: &AnyRow) -> anyhow::Result<StoredJob> {
         finished_at: time("finished_at")?,
         cancel_requested_at,
         can_cancel: !state.is_terminal() && cancel_requested_at.is_none(),
-        progress: row.try_get::<Option<&str>, _>("progress")?.map(serde_json::from_str).transpose()?,
-        error: row.try_get::<Option<&str>, _>("error")?.map(serde_json::from_str).transpose()?,
+        progress: row
+            .try_get::<Option<&str>, _>("progress")?
+            .map(serde_json::from_str)
+            .transpose()?,
+        error: row
+            .try_get::<Option<&str>, _>("error")?
+            .map(serde_json::from_str)
+            .transpose()?,
         warnings: serde_json::from_str(row.try_get("warnings")?)?,
         depends_on: row
             .try_get::<Option<&str>, _>("depends_on")?
@@ -276,5 +366,8 @@ fn stored(row: &AnyRow) -> anyhow::Result<StoredJob> {
         rerun_of: optional_id("rerun_of")?,
         links: JobLinks::of(id),
     };
-    Ok(StoredJob { job, deleted: row.try_get::<i64, _>("deleted")? != 0 })
+    Ok(StoredJob {
+        job,
+        deleted: row.try_get::<i64, _>("deleted")? != 0,
+    })
 }

@@ -3,7 +3,9 @@
 //! Claiming, running and ending are three steps; only the first and the last touch the tables. A claim takes effect for
 //! one caller, and an end only for the attempt that was claimed, so a second copy of the same work changes nothing.
 
-use super::change::{Changed, append_event, append_state, end_job, parse_id, ready_job, unfinished_dependencies};
+use super::change::{
+    Changed, append_event, append_state, end_job, parse_id, ready_job, unfinished_dependencies,
+};
 use super::chunks::recover_chunks;
 use super::database::Durability;
 use super::datasets::{NewDataset, insert_dataset};
@@ -12,7 +14,9 @@ use super::{Storage, now, to_micros};
 use crate::experiment::plan::JobKind as PlanKind;
 use crate::model::dataset::DatasetSummary;
 use crate::model::sensor::SensorSettings;
-use crate::service::types::{EventData, JobKind, JobState, LogLine, Problem, Progress, ProgressStep};
+use crate::service::types::{
+    EventData, JobKind, JobState, LogLine, Problem, Progress, ProgressStep,
+};
 use anyhow::Context;
 use serde_json::Value;
 use sqlx::{AnyConnection, Row};
@@ -55,7 +59,10 @@ pub struct NewArtifact {
 /// How a running job ended.
 #[derive(Debug)]
 pub enum Ending {
-    Succeeded { artifacts: Vec<NewArtifact>, warnings: Vec<String> },
+    Succeeded {
+        artifacts: Vec<NewArtifact>,
+        warnings: Vec<String>,
+    },
     Failed(Problem),
     Canceled,
 }
@@ -77,15 +84,26 @@ impl Storage {
         .bind(entry.to_string())
         .fetch_optional(&mut *transaction)
         .await?;
-        let Some(row) = row else { return Ok(Claim::NotNow) };
-        let crashes = row.try_get::<i64, _>("crashes")? + i64::from(row.try_get::<&str, _>("state")? == "running");
+        let Some(row) = row else {
+            return Ok(Claim::NotNow);
+        };
+        let crashes = row.try_get::<i64, _>("crashes")?
+            + i64::from(row.try_get::<&str, _>("state")? == "running");
         if crashes >= i64::from(crash_limit) {
             let detail = format!("the process ended {crash_limit} times while it ran this job");
-            let changed = end_job(&mut transaction, id, at, JobState::Failed, Some(Problem::new("crashed", detail))).await?;
+            let changed = end_job(
+                &mut transaction,
+                id,
+                at,
+                JobState::Failed,
+                Some(Problem::new("crashed", detail)),
+            )
+            .await?;
             transaction.commit().await?;
             return Ok(Claim::Refused(changed));
         }
-        let kind = JobKind::from_name(row.try_get("kind")?).context("a stored job has an unknown kind")?;
+        let kind =
+            JobKind::from_name(row.try_get("kind")?).context("a stored job has an unknown kind")?;
         let attempt = u32::try_from(row.try_get::<i64, _>("attempt")?)? + 1;
         sqlx::query("UPDATE jobs SET state = 'running', attempt = $1, started_at = $2, entry = $3, crashes = $4 WHERE id = $5")
             .bind(i64::from(attempt))
@@ -97,8 +115,15 @@ impl Storage {
             .await?;
         append_state(&mut transaction, id, at, JobState::Running).await?;
         transaction.commit().await?;
-        let spec = serde_json::from_str(row.try_get("spec")?).context("a stored spec is not JSON")?;
-        Ok(Claim::Run(ClaimedJob { id, kind: kind.into(), name: row.try_get("name")?, spec, attempt }))
+        let spec =
+            serde_json::from_str(row.try_get("spec")?).context("a stored spec is not JSON")?;
+        Ok(Claim::Run(ClaimedJob {
+            id,
+            kind: kind.into(),
+            name: row.try_get("name")?,
+            spec,
+            attempt,
+        }))
     }
 
     /// How often the process died while it ran the job, with the death that brings this entry again.
@@ -113,24 +138,41 @@ impl Storage {
     }
 
     /// Writes how far the claimed attempt is; `None` when it is no longer running.
-    pub async fn progress(&self, id: Uuid, attempt: u32, progress: &Progress) -> anyhow::Result<Option<Changed>> {
+    pub async fn progress(
+        &self,
+        id: Uuid,
+        attempt: u32,
+        progress: &Progress,
+    ) -> anyhow::Result<Option<Changed>> {
         let mut transaction = self.begin_with(Durability::Passing).await?;
-        let done = sqlx::query("UPDATE jobs SET progress = $1 WHERE id = $2 AND attempt = $3 AND state = 'running'")
-            .bind(serde_json::to_string(progress)?)
-            .bind(id.to_string())
-            .bind(i64::from(attempt))
-            .execute(&mut *transaction)
-            .await?;
+        let done = sqlx::query(
+            "UPDATE jobs SET progress = $1 WHERE id = $2 AND attempt = $3 AND state = 'running'",
+        )
+        .bind(serde_json::to_string(progress)?)
+        .bind(id.to_string())
+        .bind(i64::from(attempt))
+        .execute(&mut *transaction)
+        .await?;
         if done.rows_affected() == 0 {
             return Ok(None);
         }
-        append_event(&mut transaction, id, now(), &EventData::Progress(progress.clone())).await?;
+        append_event(
+            &mut transaction,
+            id,
+            now(),
+            &EventData::Progress(progress.clone()),
+        )
+        .await?;
         transaction.commit().await?;
         Ok(Some(Changed::touch(id)))
     }
 
     /// Ends the claimed attempt, with its results. `None`: that attempt is no longer running, and nothing was written.
-    pub async fn finish(&self, job: &ClaimedJob, ending: &Ending) -> anyhow::Result<Option<Changed>> {
+    pub async fn finish(
+        &self,
+        job: &ClaimedJob,
+        ending: &Ending,
+    ) -> anyhow::Result<Option<Changed>> {
         let mut transaction = self.begin().await?;
         if !is_running(&mut transaction, job).await? {
             return Ok(None);
@@ -149,7 +191,10 @@ impl Storage {
         requeue(&mut transaction, job.id, false).await?;
         let ready = vec![ready_job(&mut transaction, job.id).await?];
         transaction.commit().await?;
-        Ok(Some(Changed { touched: vec![job.id], ready }))
+        Ok(Some(Changed {
+            touched: vec![job.id],
+            ready,
+        }))
     }
 
     /// Puts every job and chunk that an earlier process left running back into the queue, or ends the job if it was to be canceled.
@@ -177,17 +222,31 @@ impl Storage {
 }
 
 /// Writes what a job made, and its end.
-pub(super) async fn end_with(connection: &mut AnyConnection, owner: &str, job: &ClaimedJob, ending: &Ending) -> anyhow::Result<Changed> {
+pub(super) async fn end_with(
+    connection: &mut AnyConnection,
+    owner: &str,
+    job: &ClaimedJob,
+    ending: &Ending,
+) -> anyhow::Result<Changed> {
     let at = now();
     match ending {
-        Ending::Succeeded { artifacts, warnings } => {
+        Ending::Succeeded {
+            artifacts,
+            warnings,
+        } => {
             for (position, artifact) in artifacts.iter().enumerate() {
                 insert_artifact(connection, job, position, artifact).await?;
                 if let Some(content) = &artifact.unsynced {
                     note_unsynced(connection, owner, &artifact.sha256, content).await?;
                 }
             }
-            let complete = Progress { step: ProgressStep::Write, done: 1, total: 1, fraction: 1.0, eta_s: None };
+            let complete = Progress {
+                step: ProgressStep::Write,
+                done: 1,
+                total: 1,
+                fraction: 1.0,
+                eta_s: None,
+            };
             sqlx::query("UPDATE jobs SET warnings = $1, progress = $2 WHERE id = $3")
                 .bind(serde_json::to_string(warnings)?)
                 .bind(serde_json::to_string(&complete)?)
@@ -196,17 +255,31 @@ pub(super) async fn end_with(connection: &mut AnyConnection, owner: &str, job: &
                 .await?;
             end_job(connection, job.id, at, JobState::Succeeded, None).await
         }
-        Ending::Failed(problem) => end_job(connection, job.id, at, JobState::Failed, Some(problem.clone())).await,
+        Ending::Failed(problem) => {
+            end_job(
+                connection,
+                job.id,
+                at,
+                JobState::Failed,
+                Some(problem.clone()),
+            )
+            .await
+        }
         Ending::Canceled => end_job(connection, job.id, at, JobState::Canceled, None).await,
     }
 }
 
-pub(super) async fn is_running(connection: &mut AnyConnection, job: &ClaimedJob) -> anyhow::Result<bool> {
-    let running: i64 = sqlx::query_scalar("SELECT count(*) FROM jobs WHERE id = $1 AND attempt = $2 AND state = 'running'")
-        .bind(job.id.to_string())
-        .bind(i64::from(job.attempt))
-        .fetch_one(connection)
-        .await?;
+pub(super) async fn is_running(
+    connection: &mut AnyConnection,
+    job: &ClaimedJob,
+) -> anyhow::Result<bool> {
+    let running: i64 = sqlx::query_scalar(
+        "SELECT count(*) FROM jobs WHERE id = $1 AND attempt = $2 AND state = 'running'",
+    )
+    .bind(job.id.to_string())
+    .bind(i64::from(job.attempt))
+    .fetch_one(connection)
+    .await?;
     Ok(running == 1)
 }
 
@@ -221,11 +294,28 @@ async fn requeue(connection: &mut AnyConnection, id: Uuid, crashed: bool) -> any
     .execute(&mut *connection)
     .await?;
     append_state(connection, id, at, JobState::Queued).await?;
-    let message = if crashed { "the process ended while it ran the job; queued again" } else { "the service stopped; queued again" };
-    append_event(connection, id, at, &EventData::Log(LogLine { message: message.to_owned() })).await
+    let message = if crashed {
+        "the process ended while it ran the job; queued again"
+    } else {
+        "the service stopped; queued again"
+    };
+    append_event(
+        connection,
+        id,
+        at,
+        &EventData::Log(LogLine {
+            message: message.to_owned(),
+        }),
+    )
+    .await
 }
 
-async fn insert_artifact(connection: &mut AnyConnection, job: &ClaimedJob, position: usize, artifact: &NewArtifact) -> anyhow::Result<()> {
+async fn insert_artifact(
+    connection: &mut AnyConnection,
+    job: &ClaimedJob,
+    position: usize,
+    artifact: &NewArtifact,
+) -> anyhow::Result<()> {
     let dataset_id = match NewDataset::from_job(job, artifact) {
         Some(dataset) => Some(insert_dataset(connection, &dataset).await?),
         None => None,
@@ -253,11 +343,20 @@ mod tests {
 
     async fn storage() -> (Storage, tempfile::TempDir) {
         let directory = tempfile::tempdir().unwrap();
-        (Storage::open(&Database::Sqlite(directory.path().join("app.db"))).await.unwrap(), directory)
+        (
+            Storage::open(&Database::Sqlite(directory.path().join("app.db")))
+                .await
+                .unwrap(),
+            directory,
+        )
     }
 
     async fn admit(storage: &Storage, needs: &[Uuid]) -> (Uuid, Changed) {
-        let source = |id: &Uuid| SourceRef { pointer: "/input".into(), role: DatasetKind::Detections, id: SourceId::Job(id.to_string()) };
+        let source = |id: &Uuid| SourceRef {
+            pointer: "/input".into(),
+            role: DatasetKind::Detections,
+            id: SourceId::Job(id.to_string()),
+        };
         let new = NewJob {
             kind: JobKind::Simulate,
             name: None,
@@ -278,7 +377,11 @@ mod tests {
     }
 
     fn ready(job_id: Uuid) -> Ready {
-        Ready { job_id, chunk: None, priority: 7 }
+        Ready {
+            job_id,
+            chunk: None,
+            priority: 7,
+        }
     }
 
     async fn claimed(storage: &Storage, id: Uuid) -> Option<ClaimedJob> {
@@ -298,16 +401,32 @@ mod tests {
             sensors: Vec::new(),
             unsynced: None,
         };
-        Ending::Succeeded { artifacts: vec![artifact("a"), artifact("b")], warnings: vec!["w".into()] }
+        Ending::Succeeded {
+            artifacts: vec![artifact("a"), artifact("b")],
+            warnings: vec!["w".into()],
+        }
     }
 
     #[tokio::test]
     async fn of_many_who_claim_a_job_one_gets_it() {
         let (storage, _directory) = storage().await;
         let (id, changed) = admit(&storage, &[]).await;
-        assert_eq!(changed, Changed { touched: vec![id], ready: vec![ready(id)] });
+        assert_eq!(
+            changed,
+            Changed {
+                touched: vec![id],
+                ready: vec![ready(id)]
+            }
+        );
         let claims = futures::future::join_all((0..10).map(|_| claimed(&storage, id))).await;
-        assert_eq!(claims.iter().flatten().map(|job| job.attempt).collect::<Vec<_>>(), [1]);
+        assert_eq!(
+            claims
+                .iter()
+                .flatten()
+                .map(|job| job.attempt)
+                .collect::<Vec<_>>(),
+            [1]
+        );
         assert!(claimed(&storage, Uuid::now_v7()).await.is_none());
     }
 
@@ -318,15 +437,50 @@ mod tests {
         let first = claimed(&storage, id).await.unwrap();
         storage.recover().await.unwrap();
         let second = claimed(&storage, id).await.unwrap();
-        assert_eq!((first.attempt, second.attempt, storage.crashes(id, Uuid::now_v7()).await.unwrap()), (1, 2, 1));
-        let progress = Progress { step: ProgressStep::Load, done: 1, total: 2, fraction: 0.5, eta_s: None };
-        assert_eq!(storage.progress(id, first.attempt, &progress).await.unwrap(), None);
-        assert_eq!(storage.finish(&first, &done()).await.unwrap(), None, "the first attempt was given up");
-        assert_eq!(storage.finish(&second, &done()).await.unwrap(), Some(Changed { touched: vec![id], ready: vec![] }));
-        assert_eq!(storage.finish(&second, &Ending::Canceled).await.unwrap(), None);
+        assert_eq!(
+            (
+                first.attempt,
+                second.attempt,
+                storage.crashes(id, Uuid::now_v7()).await.unwrap()
+            ),
+            (1, 2, 1)
+        );
+        let progress = Progress {
+            step: ProgressStep::Load,
+            done: 1,
+            total: 2,
+            fraction: 0.5,
+            eta_s: None,
+        };
+        assert_eq!(
+            storage
+                .progress(id, first.attempt, &progress)
+                .await
+                .unwrap(),
+            None
+        );
+        assert_eq!(
+            storage.finish(&first, &done()).await.unwrap(),
+            None,
+            "the first attempt was given up"
+        );
+        assert_eq!(
+            storage.finish(&second, &done()).await.unwrap(),
+            Some(Changed {
+                touched: vec![id],
+                ready: vec![]
+            })
+        );
+        assert_eq!(
+            storage.finish(&second, &Ending::Canceled).await.unwrap(),
+            None
+        );
         assert_eq!(storage.release(&second).await.unwrap(), None);
         let job = storage.job(id).await.unwrap().unwrap().job;
-        assert_eq!((job.state, job.warnings), (JobState::Succeeded, vec!["w".to_owned()]));
+        assert_eq!(
+            (job.state, job.warnings),
+            (JobState::Succeeded, vec!["w".to_owned()])
+        );
         assert_eq!(storage.artifacts(id).await.unwrap().len(), 2);
     }
 
@@ -335,12 +489,30 @@ mod tests {
         let (storage, _directory) = storage().await;
         let ((one, _), (two, _)) = (admit(&storage, &[]).await, admit(&storage, &[]).await);
         let (both, changed) = admit(&storage, &[one, two]).await;
-        assert_eq!(changed, Changed { touched: vec![both], ready: vec![] });
-        assert_eq!(storage.ready(false).await.unwrap(), [ready(one), ready(two)]);
-        assert!(claimed(&storage, both).await.is_none(), "it cannot be had before");
+        assert_eq!(
+            changed,
+            Changed {
+                touched: vec![both],
+                ready: vec![]
+            }
+        );
+        assert_eq!(
+            storage.ready(false).await.unwrap(),
+            [ready(one), ready(two)]
+        );
+        assert!(
+            claimed(&storage, both).await.is_none(),
+            "it cannot be had before"
+        );
         for (id, ready) in [(one, vec![]), (two, vec![self::ready(both)])] {
             let job = claimed(&storage, id).await.unwrap();
-            assert_eq!(storage.finish(&job, &done()).await.unwrap(), Some(Changed { touched: vec![id], ready }));
+            assert_eq!(
+                storage.finish(&job, &done()).await.unwrap(),
+                Some(Changed {
+                    touched: vec![id],
+                    ready
+                })
+            );
         }
         assert!(claimed(&storage, both).await.is_some());
     }

@@ -19,9 +19,15 @@ impl Storage {
             return Ok(());
         }
         for ids in ids.chunks(IDS_AT_ONCE) {
-            let ids = ids.iter().map(Uuid::to_string).collect::<Vec<_>>().join(",");
+            let ids = ids
+                .iter()
+                .map(Uuid::to_string)
+                .collect::<Vec<_>>()
+                .join(",");
             // A notice takes no parameters; the text is made of ids alone.
-            sqlx::raw_sql(AssertSqlSafe(format!("NOTIFY {CHANNEL}, '{ids}'"))).execute(&self.write).await?;
+            sqlx::raw_sql(AssertSqlSafe(format!("NOTIFY {CHANNEL}, '{ids}'")))
+                .execute(&self.write)
+                .await?;
         }
         Ok(())
     }
@@ -50,7 +56,13 @@ impl Notices {
     pub async fn next(&mut self) -> anyhow::Result<Notice> {
         Ok(match self.0.try_recv().await? {
             Some(notice) if notice.channel() == QUEUE_CHANNEL => Notice::Queued,
-            Some(notice) => Notice::Changed(notice.payload().split(',').filter_map(|id| parse_id(id).ok()).collect()),
+            Some(notice) => Notice::Changed(
+                notice
+                    .payload()
+                    .split(',')
+                    .filter_map(|id| parse_id(id).ok())
+                    .collect(),
+            ),
             None => Notice::Anything,
         })
     }

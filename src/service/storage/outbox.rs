@@ -22,8 +22,15 @@ impl Storage {
         .fetch_all(&self.work)
         .await?;
         let ready = |row: &sqlx::any::AnyRow| {
-            let chunk = row.try_get::<Option<i64>, _>("number")?.map(u32::try_from).transpose()?;
-            Ok(Ready { job_id: parse_id(row.try_get("job_id")?)?, chunk, priority: row.try_get("priority")? })
+            let chunk = row
+                .try_get::<Option<i64>, _>("number")?
+                .map(u32::try_from)
+                .transpose()?;
+            Ok(Ready {
+                job_id: parse_id(row.try_get("job_id")?)?,
+                chunk,
+                priority: row.try_get("priority")?,
+            })
         };
         rows.iter().map(ready).collect()
     }
@@ -34,13 +41,17 @@ impl Storage {
             return Ok(());
         }
         let mut transaction = self.begin().await?;
-        for run in
-            entries.chunk_by(|one, next| one.job_id == next.job_id && one.chunk.is_some() && next.chunk == one.chunk.map(|it| it + 1))
-        {
+        for run in entries.chunk_by(|one, next| {
+            one.job_id == next.job_id
+                && one.chunk.is_some()
+                && next.chunk == one.chunk.map(|it| it + 1)
+        }) {
             let (first, last) = (run[0], run[run.len() - 1]);
             let query = match first.chunk {
                 None => sqlx::query("UPDATE jobs SET enqueued_at = $1 WHERE id = $2"),
-                Some(_) => sqlx::query("UPDATE chunks SET enqueued_at = $1 WHERE job_id = $2 AND number BETWEEN $3 AND $4"),
+                Some(_) => sqlx::query(
+                    "UPDATE chunks SET enqueued_at = $1 WHERE job_id = $2 AND number BETWEEN $3 AND $4",
+                ),
             };
             let query = query.bind(to_micros(now())).bind(first.job_id.to_string());
             let query = match (first.chunk, last.chunk) {

@@ -19,27 +19,45 @@ pub struct Cursor {
 
 impl Cursor {
     pub fn new(sort: Sort, created_at: Timestamp, id: Uuid) -> Self {
-        Cursor { sort, created_micros: to_micros(created_at), id }
+        Cursor {
+            sort,
+            created_micros: to_micros(created_at),
+            id,
+        }
     }
 
     /// The opaque text of the cursor.
     pub fn encode(&self) -> String {
-        let letter = if self.sort == Sort::NewestFirst { 'n' } else { 'o' };
+        let letter = if self.sort == Sort::NewestFirst {
+            'n'
+        } else {
+            'o'
+        };
         format!("{letter}{:016x}{}", self.created_micros, self.id.simple())
     }
 
     /// The cursor of a text, if it is one of ours and of this order.
     pub fn decode(text: &str, sort: Sort) -> Option<Self> {
-        let micros = text.get(1..17).and_then(|part| u64::from_str_radix(part, 16).ok())?;
+        let micros = text
+            .get(1..17)
+            .and_then(|part| u64::from_str_radix(part, 16).ok())?;
         let id = text.get(17..).and_then(|part| Uuid::try_parse(part).ok())?;
-        let cursor = Cursor { sort, created_micros: micros.cast_signed(), id };
+        let cursor = Cursor {
+            sort,
+            created_micros: micros.cast_signed(),
+            id,
+        };
         (cursor.encode() == text).then_some(cursor)
     }
 }
 
 /// `limit` as asked for, brought into its range.
 pub(super) fn row_limit(asked: u32) -> u32 {
-    if asked == 0 { LIMIT.0 } else { asked.min(LIMIT.1) }
+    if asked == 0 {
+        LIMIT.0
+    } else {
+        asked.min(LIMIT.1)
+    }
 }
 
 /// Restricts to the rows after the cursor, in order, one more than a page holds.
@@ -49,24 +67,49 @@ pub(super) fn push_page(query: &mut Statement, sort: Sort, cursor: Option<Cursor
         Sort::OldestFirst => (" ASC", " > ("),
     };
     if let Some(cursor) = cursor {
-        query.push(" AND (created_at, id)").push(beyond).bind(cursor.created_micros);
+        query
+            .push(" AND (created_at, id)")
+            .push(beyond)
+            .bind(cursor.created_micros);
         query.push(", ").bind(cursor.id.to_string()).push(")");
     }
-    query.push(" ORDER BY created_at").push(order).push(", id").push(order).push(" LIMIT ").bind(i64::from(limit) + 1);
+    query
+        .push(" ORDER BY created_at")
+        .push(order)
+        .push(", id")
+        .push(order)
+        .push(" LIMIT ")
+        .bind(i64::from(limit) + 1);
 }
 
 /// Restricts to rows whose name holds `q`, or whose id starts with it.
 pub(super) fn push_search(query: &mut Statement, q: &str) {
-    let needle = q.to_lowercase().replace('\\', "\\\\").replace('%', "\\%").replace('_', "\\_");
-    query.push(" AND (lower(coalesce(name, '')) LIKE ").bind(format!("%{needle}%"));
-    query.push(" ESCAPE '\\' OR id LIKE ").bind(format!("{needle}%")).push(" ESCAPE '\\')");
+    let needle = q
+        .to_lowercase()
+        .replace('\\', "\\\\")
+        .replace('%', "\\%")
+        .replace('_', "\\_");
+    query
+        .push(" AND (lower(coalesce(name, '')) LIKE ")
+        .bind(format!("%{needle}%"));
+    query
+        .push(" ESCAPE '\\' OR id LIKE ")
+        .bind(format!("{needle}%"))
+        .push(" ESCAPE '\\')");
 }
 
 /// Cuts the surplus row off; its presence means that there is a next page.
-pub(super) fn cut<Row>(mut rows: Vec<Row>, limit: u32, cursor_of: impl Fn(&Row) -> Cursor) -> (Vec<Row>, Option<String>) {
+pub(super) fn cut<Row>(
+    mut rows: Vec<Row>,
+    limit: u32,
+    cursor_of: impl Fn(&Row) -> Cursor,
+) -> (Vec<Row>, Option<String>) {
     let more = rows.len() > limit as usize;
     rows.truncate(limit as usize);
-    let next = rows.last().filter(|_| more).map(|row| cursor_of(row).encode());
+    let next = rows
+        .last()
+        .filter(|_| more)
+        .map(|row| cursor_of(row).encode());
     (rows, next)
 }
 
@@ -76,11 +119,27 @@ mod tests {
 
     #[test]
     fn a_cursor_survives_its_text_and_nothing_else_is_one() {
-        let cursor = Cursor { sort: Sort::NewestFirst, created_micros: 1_795_000_000_123_456, id: Uuid::now_v7() };
+        let cursor = Cursor {
+            sort: Sort::NewestFirst,
+            created_micros: 1_795_000_000_123_456,
+            id: Uuid::now_v7(),
+        };
         let text = cursor.encode();
         assert_eq!(Cursor::decode(&text, Sort::NewestFirst), Some(cursor));
-        assert_eq!(Cursor::decode(&text, Sort::OldestFirst), None, "a cursor belongs to its order");
-        for wrong in ["", "n", "x", &text[..40], &format!("{text}0"), &text.to_uppercase(), "nüüüüüüüüüüüüüüüüüüüü"] {
+        assert_eq!(
+            Cursor::decode(&text, Sort::OldestFirst),
+            None,
+            "a cursor belongs to its order"
+        );
+        for wrong in [
+            "",
+            "n",
+            "x",
+            &text[..40],
+            &format!("{text}0"),
+            &text.to_uppercase(),
+            "nüüüüüüüüüüüüüüüüüüüü",
+        ] {
             assert_eq!(Cursor::decode(wrong, Sort::NewestFirst), None, "{wrong}");
         }
     }

@@ -36,18 +36,30 @@ impl FromStr for MinFree {
 
     fn from_str(text: &str) -> Result<MinFree, String> {
         let read = match text.strip_suffix('%') {
-            Some(percent) => percent.trim().parse().ok().filter(|percent| (0.0..=100.0).contains(percent)).map(MinFree::Percent),
+            Some(percent) => percent
+                .trim()
+                .parse()
+                .ok()
+                .filter(|percent| (0.0..=100.0).contains(percent))
+                .map(MinFree::Percent),
             None => text.parse().ok().map(MinFree::Bytes),
         };
-        read.ok_or_else(|| "it is neither a number of bytes nor a percentage, such as 500000000 or 5%".to_owned())
+        read.ok_or_else(|| {
+            "it is neither a number of bytes nor a percentage, such as 500000000 or 5%".to_owned()
+        })
     }
 }
 
 /// Why nothing more can be kept.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NoRoom {
-    #[error("the disk has {free_bytes} bytes free, of which {min_free_bytes} are kept for what is at work")]
-    Little { free_bytes: u64, min_free_bytes: u64 },
+    #[error(
+        "the disk has {free_bytes} bytes free, of which {min_free_bytes} are kept for what is at work"
+    )]
+    Little {
+        free_bytes: u64,
+        min_free_bytes: u64,
+    },
     #[error("the disk is full, or the data directory cannot be written")]
     Full,
     #[error("the data directory cannot be written: {0}")]
@@ -70,14 +82,25 @@ impl Room {
     ///
     /// # Errors
     /// When nothing can be known of the file.
-    pub fn open(directory: &Path, witness: Option<(&File, &str)>, min_free: MinFree) -> anyhow::Result<Room> {
+    pub fn open(
+        directory: &Path,
+        witness: Option<(&File, &str)>,
+        min_free: MinFree,
+    ) -> anyhow::Result<Room> {
         let witness = match witness {
-            Some((file, name)) => {
-                Some((directory.join(name), file.metadata().context("cannot look at a file of the data directory")?.ino()))
-            }
+            Some((file, name)) => Some((
+                directory.join(name),
+                file.metadata()
+                    .context("cannot look at a file of the data directory")?
+                    .ino(),
+            )),
             None => None,
         };
-        Ok(Room { directory: directory.to_owned(), witness, min_free })
+        Ok(Room {
+            directory: directory.to_owned(),
+            witness,
+            min_free,
+        })
     }
 
     /// Whether so many bytes more can be kept.
@@ -85,18 +108,37 @@ impl Room {
     /// # Errors
     /// The reason why not.
     pub fn check(&self, bytes: u64) -> Result<(), NoRoom> {
-        let is_same = |(path, inode): &(PathBuf, u64)| fs::metadata(path).is_ok_and(|data| data.ino() == *inode);
-        if !self.directory.exists() || self.witness.as_ref().is_some_and(|witness| !is_same(witness)) {
+        let is_same = |(path, inode): &(PathBuf, u64)| {
+            fs::metadata(path).is_ok_and(|data| data.ino() == *inode)
+        };
+        if !self.directory.exists()
+            || self
+                .witness
+                .as_ref()
+                .is_some_and(|witness| !is_same(witness))
+        {
             return Err(NoRoom::Gone);
         }
-        let no = |error: rustix::io::Errno| NoRoom::NotWritable(std::io::Error::from(error).to_string());
+        let no =
+            |error: rustix::io::Errno| NoRoom::NotWritable(std::io::Error::from(error).to_string());
         access(&self.directory, Access::WRITE_OK).map_err(no)?;
-        let StatVfs { f_blocks, f_bavail, f_frsize, .. } = statvfs(&self.directory).map_err(no)?;
-        let (total_bytes, free_bytes) = (f_blocks.saturating_mul(f_frsize), f_bavail.saturating_mul(f_frsize));
+        let StatVfs {
+            f_blocks,
+            f_bavail,
+            f_frsize,
+            ..
+        } = statvfs(&self.directory).map_err(no)?;
+        let (total_bytes, free_bytes) = (
+            f_blocks.saturating_mul(f_frsize),
+            f_bavail.saturating_mul(f_frsize),
+        );
         let min_free_bytes = self.min_free.bytes(total_bytes);
         // Even where nothing is to be kept free, a disk without a byte is full.
         if free_bytes < min_free_bytes.saturating_add(bytes.max(1)) {
-            return Err(NoRoom::Little { free_bytes, min_free_bytes });
+            return Err(NoRoom::Little {
+                free_bytes,
+                min_free_bytes,
+            });
         }
         Ok(())
     }
@@ -111,11 +153,26 @@ mod tests {
         assert_eq!("5%".parse(), Ok(MinFree::Percent(5.0)));
         assert_eq!("1000000".parse(), Ok(MinFree::Bytes(1_000_000)));
         for wrong in ["", "%", "101%", "-1%", "NaN%", "-1", "1.5", "5 GB"] {
-            assert!(wrong.parse::<MinFree>().unwrap_err().contains("such as 500000000 or 5%"), "{wrong}");
+            assert!(
+                wrong
+                    .parse::<MinFree>()
+                    .unwrap_err()
+                    .contains("such as 500000000 or 5%"),
+                "{wrong}"
+            );
         }
         let (small, large) = (24 << 20, 1 << 40);
-        assert_eq!((MinFree::Usual.bytes(small), MinFree::Usual.bytes(large)), (1_258_291, 1 << 30));
-        assert_eq!((MinFree::Percent(50.0).bytes(small), MinFree::Bytes(7).bytes(small)), (12 << 20, 7));
+        assert_eq!(
+            (MinFree::Usual.bytes(small), MinFree::Usual.bytes(large)),
+            (1_258_291, 1 << 30)
+        );
+        assert_eq!(
+            (
+                MinFree::Percent(50.0).bytes(small),
+                MinFree::Bytes(7).bytes(small)
+            ),
+            (12 << 20, 7)
+        );
     }
 
     #[test]
@@ -126,14 +183,28 @@ mod tests {
         let lock = File::create(directory.join("lock")).unwrap();
         let room = |min_free| Room::open(&directory, Some((&lock, "lock")), min_free).unwrap();
         assert_eq!(room(MinFree::Bytes(0)).check(1), Ok(()));
-        assert!(matches!(room(MinFree::Percent(100.0)).check(0), Err(NoRoom::Little { .. })));
-        assert!(matches!(room(MinFree::Bytes(1)).check(u64::MAX), Err(NoRoom::Little { .. })));
+        assert!(matches!(
+            room(MinFree::Percent(100.0)).check(0),
+            Err(NoRoom::Little { .. })
+        ));
+        assert!(matches!(
+            room(MinFree::Bytes(1)).check(u64::MAX),
+            Err(NoRoom::Little { .. })
+        ));
         let open = room(MinFree::Bytes(0));
         fs::remove_dir_all(&directory).unwrap();
         assert_eq!(open.check(0), Err(NoRoom::Gone));
         fs::create_dir(&directory).unwrap();
-        fs::write(directory.join("other"), "takes the place of the file on the disk").unwrap();
+        fs::write(
+            directory.join("other"),
+            "takes the place of the file on the disk",
+        )
+        .unwrap();
         File::create(directory.join("lock")).unwrap();
-        assert_eq!(open.check(0), Err(NoRoom::Gone), "another directory of the same name");
+        assert_eq!(
+            open.check(0),
+            Err(NoRoom::Gone),
+            "another directory of the same name"
+        );
     }
 }

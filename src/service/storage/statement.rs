@@ -29,7 +29,10 @@ impl From<i64> for Value {
 
 impl Statement {
     pub fn new(sql: &'static str) -> Self {
-        Statement { sql: sql.to_owned(), values: Vec::new() }
+        Statement {
+            sql: sql.to_owned(),
+            values: Vec::new(),
+        }
     }
 
     pub fn push(&mut self, sql: &'static str) -> &mut Self {
@@ -54,17 +57,21 @@ impl Statement {
 
     pub fn query(self) -> Query<'static, Any, AnyArguments> {
         let query = sqlx::query(AssertSqlSafe(self.sql));
-        self.values.into_iter().fold(query, |query, value| match value {
-            Value::Text(text) => query.bind(text),
-            Value::Number(number) => query.bind(number),
-        })
+        self.values
+            .into_iter()
+            .fold(query, |query, value| match value {
+                Value::Text(text) => query.bind(text),
+                Value::Number(number) => query.bind(number),
+            })
     }
 
     pub fn count(self) -> QueryScalar<'static, Any, i64, AnyArguments> {
         let query = sqlx::query_scalar(AssertSqlSafe(self.sql));
-        self.values.into_iter().fold(query, |query, value| match value {
-            Value::Text(text) => query.bind(text),
-            Value::Number(number) => query.bind(number),
-        })
+        self.values
+            .into_iter()
+            .fold(query, |query, value| match value {
+                Value::Text(text) => query.bind(text),
+                Value::Number(number) => query.bind(number),
+            })
     }
 }

@@ -18,7 +18,9 @@ impl Change {
     /// `statements` begin it.
     pub async fn begin(pool: &AnyPool, statements: &'static str) -> sqlx::Result<Change> {
         // Made before the first statement, so that a caller who goes away meanwhile leaves nothing open either.
-        let mut change = Change { connection: Some(pool.acquire().await?) };
+        let mut change = Change {
+            connection: Some(pool.acquire().await?),
+        };
         if let Err(error) = change.execute(sqlx::raw_sql(statements)).await {
             change.close();
             return Err(error);
@@ -44,7 +46,9 @@ impl Change {
 
 impl Drop for Change {
     fn drop(&mut self) {
-        let Some(mut connection) = self.connection.take() else { return };
+        let Some(mut connection) = self.connection.take() else {
+            return;
+        };
         tokio::spawn(async move {
             if let Err(error) = connection.execute(sqlx::raw_sql("ROLLBACK")).await {
                 tracing::debug!(%error, "a change was not taken back; its connection is closed");

@@ -22,8 +22,14 @@ pub struct UnsyncedBlob {
 impl Storage {
     /// Ids of what this process has noted; at most a batch of them.
     pub async fn unsynced(&self) -> anyhow::Result<Vec<String>> {
-        let ids = sqlx::query_scalar("SELECT id FROM unsynced_blobs WHERE owner = $1 ORDER BY id LIMIT $2");
-        Ok(ids.bind(&self.owner).bind(BATCH).fetch_all(&self.work).await?)
+        let ids = sqlx::query_scalar(
+            "SELECT id FROM unsynced_blobs WHERE owner = $1 ORDER BY id LIMIT $2",
+        );
+        Ok(ids
+            .bind(&self.owner)
+            .bind(BATCH)
+            .fetch_all(&self.work)
+            .await?)
     }
 
     /// What a process noted at least so long ago, or at any time, and has not forgotten since; some of it.
@@ -37,7 +43,11 @@ impl Storage {
             .fetch_all(&self.work)
             .await?;
         let blob = |row: &sqlx::any::AnyRow| {
-            Ok(UnsyncedBlob { id: row.try_get("id")?, sha256: row.try_get("sha256")?, content: row.try_get("content")? })
+            Ok(UnsyncedBlob {
+                id: row.try_get("id")?,
+                sha256: row.try_get("sha256")?,
+                content: row.try_get("content")?,
+            })
         };
         rows.iter().map(blob).collect()
     }
@@ -56,7 +66,12 @@ impl Storage {
     }
 }
 
-pub(super) async fn note_unsynced(connection: &mut AnyConnection, owner: &str, sha256: &str, content: &[u8]) -> anyhow::Result<()> {
+pub(super) async fn note_unsynced(
+    connection: &mut AnyConnection,
+    owner: &str,
+    sha256: &str,
+    content: &[u8],
+) -> anyhow::Result<()> {
     sqlx::query("INSERT INTO unsynced_blobs (id, sha256, owner, content, noted_at) VALUES ($1, $2, $3, $4, $5)")
         .bind(Uuid::now_v7().to_string())
         .bind(sha256)

@@ -273,7 +273,11 @@ pub struct DatasetLinks {
 impl DatasetLinks {
     pub fn of(id: Uuid) -> Self {
         let base = format!("/v1/datasets/{id}");
-        DatasetLinks { preview: format!("{base}/preview"), content: format!("{base}/content"), self_path: base }
+        DatasetLinks {
+            preview: format!("{base}/preview"),
+            content: format!("{base}/content"),
+            self_path: base,
+        }
     }
 }
 

@@ -108,10 +108,34 @@ impl EventData {
 impl Event {
     pub fn new(job_id: Uuid, seq: u64, at: Timestamp, data: EventData) -> Self {
         match data {
-            EventData::State(data) => Event::State(StateEvent { seq, job_id, event_type: StateEventType::State, at, data }),
-            EventData::Progress(data) => Event::Progress(ProgressEvent { seq, job_id, event_type: ProgressEventType::Progress, at, data }),
-            EventData::Log(data) => Event::Log(LogEvent { seq, job_id, event_type: LogEventType::Log, at, data }),
-            EventData::Done(data) => Event::Done(DoneEvent { seq, job_id, event_type: DoneEventType::Done, at, data }),
+            EventData::State(data) => Event::State(StateEvent {
+                seq,
+                job_id,
+                event_type: StateEventType::State,
+                at,
+                data,
+            }),
+            EventData::Progress(data) => Event::Progress(ProgressEvent {
+                seq,
+                job_id,
+                event_type: ProgressEventType::Progress,
+                at,
+                data,
+            }),
+            EventData::Log(data) => Event::Log(LogEvent {
+                seq,
+                job_id,
+                event_type: LogEventType::Log,
+                at,
+                data,
+            }),
+            EventData::Done(data) => Event::Done(DoneEvent {
+                seq,
+                job_id,
+                event_type: DoneEventType::Done,
+                at,
+                data,
+            }),
         }
     }
 

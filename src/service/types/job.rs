@@ -22,8 +22,14 @@ pub enum JobKind {
 }
 
 impl JobKind {
-    pub const ALL: [JobKind; 6] =
-        [JobKind::Simulate, JobKind::Associate, JobKind::Evaluate, JobKind::Group, JobKind::Correlate, JobKind::Campaign];
+    pub const ALL: [JobKind; 6] = [
+        JobKind::Simulate,
+        JobKind::Associate,
+        JobKind::Evaluate,
+        JobKind::Group,
+        JobKind::Correlate,
+        JobKind::Campaign,
+    ];
 
     pub fn name(self) -> &'static str {
         plan::JobKind::from(self).name()
@@ -72,7 +78,13 @@ pub enum JobState {
 }
 
 impl JobState {
-    pub const ALL: [JobState; 5] = [JobState::Queued, JobState::Running, JobState::Succeeded, JobState::Failed, JobState::Canceled];
+    pub const ALL: [JobState; 5] = [
+        JobState::Queued,
+        JobState::Running,
+        JobState::Succeeded,
+        JobState::Failed,
+        JobState::Canceled,
+    ];
 
     pub fn name(self) -> &'static str {
         match self {
@@ -90,7 +102,10 @@ impl JobState {
 
     /// Nothing will change it any more.
     pub fn is_terminal(self) -> bool {
-        matches!(self, JobState::Succeeded | JobState::Failed | JobState::Canceled)
+        matches!(
+            self,
+            JobState::Succeeded | JobState::Failed | JobState::Canceled
+        )
     }
 }
 

@@ -20,17 +20,37 @@ pub const PROBLEMS: &[(&str, u16, &str)] = &[
     ("in_use", 409, "Something still needs it"),
     ("result_not_ready", 409, "The job has no result yet"),
     ("job_failed", 409, "The job ended without a result"),
-    ("dependency_failed", 409, "A job that this job needs did not succeed"),
+    (
+        "dependency_failed",
+        409,
+        "A job that this job needs did not succeed",
+    ),
     ("gone", 410, "It has been deleted"),
     ("payload_too_large", 413, "The body is too large"),
     ("memory_limit", 413, "It needs more memory than it may have"),
-    ("unsupported_media_type", 415, "The media type is not supported"),
-    ("range_not_satisfiable", 416, "The range is outside the file"),
+    (
+        "unsupported_media_type",
+        415,
+        "The media type is not supported",
+    ),
+    (
+        "range_not_satisfiable",
+        416,
+        "The range is outside the file",
+    ),
     ("validation", 422, "The request is not valid"),
-    ("idempotency_mismatch", 422, "The idempotency key belongs to another request"),
+    (
+        "idempotency_mismatch",
+        422,
+        "The idempotency key belongs to another request",
+    ),
     ("internal", 500, "An error inside the service"),
     ("damaged", 500, "A stored file is damaged"),
-    ("crashed", 500, "The job ended the process that ran it, too often"),
+    (
+        "crashed",
+        500,
+        "The job ended the process that ran it, too often",
+    ),
     ("queue_full", 503, "The queue is full"),
     ("too_many_connections", 503, "Too many connections are open"),
     ("too_many_streams", 503, "Too many event streams are open"),
@@ -68,8 +88,10 @@ pub struct Problem {
 impl Problem {
     /// The problem named `code`; a code that is not in [`PROBLEMS`] becomes `internal`.
     pub fn new(code: &str, detail: impl Into<String>) -> Self {
-        let &(code, status, title) =
-            PROBLEMS.iter().find(|(name, ..)| *name == code).unwrap_or(&("internal", 500, "An error inside the service"));
+        let &(code, status, title) = PROBLEMS
+            .iter()
+            .find(|(name, ..)| *name == code)
+            .unwrap_or(&("internal", 500, "An error inside the service"));
         Problem {
             type_uri: format!("/problems/{code}"),
             title: title.to_owned(),
@@ -89,11 +111,20 @@ impl Problem {
             _ => format!("{} faults", faults.len()),
         };
         let more = faults.len().saturating_sub(MAX_FAULTS);
-        let mut errors: Vec<FaultItem> = faults.into_iter().take(MAX_FAULTS).map(FaultItem::from).collect();
+        let mut errors: Vec<FaultItem> = faults
+            .into_iter()
+            .take(MAX_FAULTS)
+            .map(FaultItem::from)
+            .collect();
         if more > 0 {
-            errors.push(Fault::new("", "too_many", format!("{more} more faults are not listed")).into());
+            errors.push(
+                Fault::new("", "too_many", format!("{more} more faults are not listed")).into(),
+            );
         }
-        Problem { errors, ..Problem::new("validation", detail) }
+        Problem {
+            errors,
+            ..Problem::new("validation", detail)
+        }
     }
 }
 
@@ -133,7 +164,14 @@ pub struct FaultItem {
 
 impl From<Fault> for FaultItem {
     fn from(fault: Fault) -> Self {
-        let Fault { pointer, code, detail, allowed, line, column } = fault;
+        let Fault {
+            pointer,
+            code,
+            detail,
+            allowed,
+            line,
+            column,
+        } = fault;
         FaultItem {
             pointer: clipped(pointer),
             code,

@@ -2,7 +2,10 @@
 
 /// Cause and remedy of the problem with this code; empty where there is no such problem.
 pub fn explanation(code: &str) -> (&'static str, &'static str) {
-    EXPLANATIONS.iter().find(|(known, ..)| *known == code).map_or(("", ""), |(_, cause, remedy)| (cause, remedy))
+    EXPLANATIONS
+        .iter()
+        .find(|(known, ..)| *known == code)
+        .map_or(("", ""), |(_, cause, remedy)| (cause, remedy))
 }
 
 /// Code, cause, remedy. Plain text that can stand in HTML as it is.
@@ -37,7 +40,11 @@ const EXPLANATIONS: &[(&str, &str, &str)] = &[
         "There is nothing with this path, id or name. The detail says which.",
         "Look it up in the list of jobs, datasets or files.",
     ),
-    ("method_not_allowed", "The path exists, but not with this method.", "Use a method that the header Allow of the answer names."),
+    (
+        "method_not_allowed",
+        "The path exists, but not with this method.",
+        "Use a method that the header Allow of the answer names.",
+    ),
     (
         "not_acceptable",
         "The header Accept of the request does not admit what the path answers with.",
@@ -48,21 +55,41 @@ const EXPLANATIONS: &[(&str, &str, &str)] = &[
         "The body of the request came too slowly, or stopped coming.",
         "Send it again over a better connection. Less than 16 KiB in 30 seconds is too slow.",
     ),
-    ("job_terminal", "The job has ended, so it cannot be canceled any more.", "Nothing has to be done. Run it again if it is needed."),
-    ("job_active", "The job is queued or running, so it cannot be deleted.", "Cancel it first, or wait for its end."),
-    ("in_use", "A queued or running job needs what should be deleted.", "Wait for the jobs that the detail names, or cancel them."),
+    (
+        "job_terminal",
+        "The job has ended, so it cannot be canceled any more.",
+        "Nothing has to be done. Run it again if it is needed.",
+    ),
+    (
+        "job_active",
+        "The job is queued or running, so it cannot be deleted.",
+        "Cancel it first, or wait for its end.",
+    ),
+    (
+        "in_use",
+        "A queued or running job needs what should be deleted.",
+        "Wait for the jobs that the detail names, or cancel them.",
+    ),
     (
         "result_not_ready",
         "The job is queued or running, so there is no report yet.",
         "Ask again after the time in Retry-After, follow the events of the job, or submit with Prefer: wait.",
     ),
-    ("job_failed", "The job failed or was canceled, so it has no result.", "Read error of the job. Mend the request and submit it anew."),
+    (
+        "job_failed",
+        "The job failed or was canceled, so it has no result.",
+        "Read error of the job. Mend the request and submit it anew.",
+    ),
     (
         "dependency_failed",
         "A job whose result this job reads failed or was canceled.",
         "Look at the job that the detail names. When it has succeeded, submit this one anew.",
     ),
-    ("gone", "It was here and has been deleted.", "Upload the dataset or run the job anew."),
+    (
+        "gone",
+        "It was here and has been deleted.",
+        "Upload the dataset or run the job anew.",
+    ),
     (
         "payload_too_large",
         "The body is larger than the limit that the detail names.",
@@ -138,7 +165,11 @@ const EXPLANATIONS: &[(&str, &str, &str)] = &[
         "The disk of the data directory is full or cannot be written, so the service takes no uploads and no jobs.",
         "Make room on the disk, or start the service with a smaller --min-free. Reading goes on meanwhile.",
     ),
-    ("time_limit", "The job ran longer than a job may.", "Give it less to do, or start the service with a longer --job-time-limit."),
+    (
+        "time_limit",
+        "The job ran longer than a job may.",
+        "Give it less to do, or start the service with a longer --job-time-limit.",
+    ),
     (
         "insufficient_storage",
         "There is not enough room on the disk of the service for an upload or a new job.",
@@ -162,7 +193,10 @@ mod tests {
     fn explanations_are_sentences_that_can_stand_in_html() {
         for (code, cause, remedy) in EXPLANATIONS {
             for text in [cause, remedy] {
-                assert!(text.len() > 20 && text.ends_with('.') && !text.contains(['<', '>', '&']), "{code}: {text}");
+                assert!(
+                    text.len() > 20 && text.ends_with('.') && !text.contains(['<', '>', '&']),
+                    "{code}: {text}"
+                );
             }
         }
     }

@@ -81,7 +81,10 @@ report!(
 /// The report of a job. `result` is the same, byte for byte, for the same request.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(untagged)]
-#[expect(clippy::large_enum_variant, reason = "one report at a time; boxes would only hide the shape")]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "one report at a time; boxes would only hide the shape"
+)]
 pub enum Report {
     Simulate(SimulateReport),
     Associate(AssociateReport),

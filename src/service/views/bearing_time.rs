@@ -66,7 +66,15 @@ struct Row<'a> {
 
 impl<'a> Row<'a> {
     fn new(time_s: f64, layer: BearingLayer, id: &'a str, bearing_rad: f64) -> Self {
-        Row { time_s, layer, id, bearing_rad, rate_radps: None, sigma_rad: None, detection_id: None }
+        Row {
+            time_s,
+            layer,
+            id,
+            bearing_rad,
+            rate_radps: None,
+            sigma_rad: None,
+            detection_id: None,
+        }
     }
 }
 
@@ -91,11 +99,18 @@ pub(super) fn of(layers: &JobLayers, window: &Window) -> BearingTimeSeries {
         sigma_bearing_deg: kept.column(|row| rows[row].sigma_rad.map(f64::to_degrees)),
         detection_id: kept.column(|row| rows[row].detection_id.map(str::to_owned)),
     };
-    let units = [("time_s", "s"), ("bearing_deg", "deg"), ("bearing_rate_degps", "deg/s"), ("sigma_bearing_deg", "deg")];
+    let units = [
+        ("time_s", "s"),
+        ("bearing_deg", "deg"),
+        ("bearing_rate_degps", "deg/s"),
+        ("sigma_bearing_deg", "deg"),
+    ];
     BearingTimeSeries {
         name: BearingTimeName::BearingTime,
         columns,
-        units: units.map(|(column, unit)| (column.to_owned(), unit.to_owned())).into(),
+        units: units
+            .map(|(column, unit)| (column.to_owned(), unit.to_owned()))
+            .into(),
         source_points: kept.source_points,
         returned_points: kept.rows.len(),
         method: kept.method,
@@ -103,15 +118,30 @@ pub(super) fn of(layers: &JobLayers, window: &Window) -> BearingTimeSeries {
 }
 
 fn truth_rows<'a>(truth: &'a TruthSet, layers: &JobLayers, window: &Window) -> Vec<Row<'a>> {
-    let place_m = layers.detections.as_ref().and_then(|recording| common_place(recording, layers));
+    let place_m = layers
+        .detections
+        .as_ref()
+        .and_then(|recording| common_place(recording, layers));
     let bearing = |place: &TruePlace| match place {
         TruePlace::Bearing { bearing_rad } => Some(*bearing_rad),
-        TruePlace::Plane { position_m, .. } => place_m.map(|(x_m, y_m)| (position_m.x - x_m).atan2(position_m.y - y_m)),
+        TruePlace::Plane { position_m, .. } => {
+            place_m.map(|(x_m, y_m)| (position_m.x - x_m).atan2(position_m.y - y_m))
+        }
     };
-    let all = truth.targets().iter().flat_map(|target| target.points.iter().map(move |point| (target, point)));
+    let all = truth
+        .targets()
+        .iter()
+        .flat_map(|target| target.points.iter().map(move |point| (target, point)));
     let inside = all.filter(|(_, point)| window.holds(point.time_s));
     inside
-        .filter_map(|(target, point)| Some(Row::new(point.time_s, BearingLayer::Truth, &target.truth_id, bearing(&point.place)?)))
+        .filter_map(|(target, point)| {
+            Some(Row::new(
+                point.time_s,
+                BearingLayer::Truth,
+                &target.truth_id,
+                bearing(&point.place)?,
+            ))
+        })
         .collect()
 }
 
@@ -119,14 +149,23 @@ fn truth_rows<'a>(truth: &'a TruthSet, layers: &JobLayers, window: &Window) -> V
 fn common_place(recording: &Recording, layers: &JobLayers) -> Option<(f64, f64)> {
     let places_m = sensor_places(recording, layers);
     let first = *places_m.first()?;
-    places_m.iter().all(|place_m| *place_m == first).then_some(first)
+    places_m
+        .iter()
+        .all(|place_m| *place_m == first)
+        .then_some(first)
 }
 
 fn detection_rows<'a>(recording: &'a Recording, window: &Window) -> Vec<Row<'a>> {
-    let all = scans(recording, window).flat_map(|scan| scan.range().map(move |index| (scan.time_s, index)));
+    let all = scans(recording, window)
+        .flat_map(|scan| scan.range().map(move |index| (scan.time_s, index)));
     let row = |(time_s, index): (f64, usize)| match recording.detections[index].measurement {
         Measurement::Bearing { bearing_rad } | Measurement::RangeBearing { bearing_rad, .. } => {
-            Some(Row::new(time_s, BearingLayer::Detection, &recording.detection_ids[index], bearing_rad))
+            Some(Row::new(
+                time_s,
+                BearingLayer::Detection,
+                &recording.detection_ids[index],
+                bearing_rad,
+            ))
         }
         Measurement::Position { .. } => None,
     };
@@ -139,9 +178,16 @@ fn track_rows<'a>(set: &'a TrackSet, window: &Window) -> Vec<Row<'a>> {
         let detection = most_probable(set, point).and_then(|candidate| candidate.detection);
         Some(Row {
             rate_radps: bearing.rate_radps,
-            sigma_rad: bearing.covariance.map(|covariance| covariance[(0, 0)].max(0.0).sqrt()),
+            sigma_rad: bearing
+                .covariance
+                .map(|covariance| covariance[(0, 0)].max(0.0).sqrt()),
             detection_id: detection.map(|index| set.detection_ids[index as usize].as_str()),
-            ..Row::new(point.time_s, BearingLayer::Track, track_id, bearing.bearing_rad)
+            ..Row::new(
+                point.time_s,
+                BearingLayer::Track,
+                track_id,
+                bearing.bearing_rad,
+            )
         })
     };
     points(set, window).filter_map(row).collect()
@@ -157,45 +203,95 @@ mod tests {
 
     fn read(text: &str) -> Dataset {
         let csv = format_named("csv").unwrap();
-        (csv.read)(&mut text.as_bytes(), &ReadOptions::default()).unwrap().dataset
+        (csv.read)(&mut text.as_bytes(), &ReadOptions::default())
+            .unwrap()
+            .dataset
     }
 
     fn layers(truth: &str) -> JobLayers {
-        let Dataset::Truth(truth) = read(truth) else { panic!("not truth") };
-        let Dataset::Detections(detections) = read("time_s,scan,sensor_id,detection_id,bearing_deg\n0,1,s,d1,359\n1,2,s,d2,1\n") else {
+        let Dataset::Truth(truth) = read(truth) else {
+            panic!("not truth")
+        };
+        let Dataset::Detections(detections) =
+            read("time_s,scan,sensor_id,detection_id,bearing_deg\n0,1,s,d1,359\n1,2,s,d2,1\n")
+        else {
             panic!("not detections")
         };
         let tracks = "time_s,track_id,bearing_deg,bearing_rate_degps,p_bb,p_bbr,p_brbr,detection_id\n0,t,359,2,4,0,1,d1\n1,t,1,,,,,\n";
-        let Dataset::Tracks(tracks) = read(tracks) else { panic!("not tracks") };
-        let sensor = SensorSettings { x_m: Some(10.0), y_m: Some(20.0), ..SensorSettings::named("s") };
-        JobLayers { detections: Some(detections), truth: Some(truth), tracks: Some(tracks), sensors: vec![sensor], ..JobLayers::default() }
+        let Dataset::Tracks(tracks) = read(tracks) else {
+            panic!("not tracks")
+        };
+        let sensor = SensorSettings {
+            x_m: Some(10.0),
+            y_m: Some(20.0),
+            ..SensorSettings::named("s")
+        };
+        JobLayers {
+            detections: Some(detections),
+            truth: Some(truth),
+            tracks: Some(tracks),
+            sensors: vec![sensor],
+            ..JobLayers::default()
+        }
     }
 
     fn window() -> Window {
-        Window { max_points: 100, ..Window::default() }
+        Window {
+            max_points: 100,
+            ..Window::default()
+        }
     }
 
     #[test]
     fn bearings_of_all_layers_are_rows_and_places_are_seen_from_the_sensor() {
-        let columns = of(&layers("time_s,truth_id,x_m,y_m\n0,a,10,1000\n1,a,-90,20\n"), &window()).columns;
+        let columns = of(
+            &layers("time_s,truth_id,x_m,y_m\n0,a,10,1000\n1,a,-90,20\n"),
+            &window(),
+        )
+        .columns;
         use BearingLayer::{Detection, Track, Truth};
-        assert_eq!(columns.layer, [Truth, Truth, Detection, Detection, Track, Track]);
-        for (found, wanted) in columns.bearing_deg.iter().zip([0.0, 270.0, 359.0, 1.0, 359.0, 1.0]) {
+        assert_eq!(
+            columns.layer,
+            [Truth, Truth, Detection, Detection, Track, Track]
+        );
+        for (found, wanted) in columns
+            .bearing_deg
+            .iter()
+            .zip([0.0, 270.0, 359.0, 1.0, 359.0, 1.0])
+        {
             assert!((found - wanted).abs() < 1e-9, "{found} for {wanted}");
         }
         assert!(
-            (columns.sigma_bearing_deg[4].unwrap() - 2.0).abs() < 1e-12 && (columns.bearing_rate_degps[4].unwrap() - 2.0).abs() < 1e-12
+            (columns.sigma_bearing_deg[4].unwrap() - 2.0).abs() < 1e-12
+                && (columns.bearing_rate_degps[4].unwrap() - 2.0).abs() < 1e-12
         );
-        assert_eq!((columns.sigma_bearing_deg[5], columns.detection_id[5].as_deref()), (None, None));
+        assert_eq!(
+            (
+                columns.sigma_bearing_deg[5],
+                columns.detection_id[5].as_deref()
+            ),
+            (None, None)
+        );
         assert_eq!(columns.detection_id[4].as_deref(), Some("d1"));
     }
 
     #[test]
     fn a_plan_of_directions_is_empty_and_says_why() {
         let plan = plan::of(&layers("time_s,truth_id,bearing_deg\n0,a,359\n"), &window());
-        assert_eq!((plan.tracks.returned_points, plan.truth.returned_points, plan.extent.x_min_m), (0, 0, None));
+        assert_eq!(
+            (
+                plan.tracks.returned_points,
+                plan.truth.returned_points,
+                plan.extent.x_min_m
+            ),
+            (0, 0, None)
+        );
         assert_eq!(plan.detections.columns.x_m, [None, None]);
         assert_eq!(plan.notes.len(), 2);
-        assert!(plan.notes[1].starts_with("the tracks are directions (bearing_deg)"), "{:?}", plan.notes);
+        assert!(
+            plan.notes[1].starts_with("the tracks are directions (bearing_deg)"),
+            "{:?}",
+            plan.notes
+        );
     }
 }

@@ -3,7 +3,8 @@
 use super::metrics::MetricTable;
 use crate::math::stats;
 use crate::service::types::{
-    ComparedJob, ComparedNumber, ComparedVerdicts, Comparison, Interval, PairedDifference, PairedNumber, PairedOver, RequestDifference,
+    ComparedJob, ComparedNumber, ComparedVerdicts, Comparison, Interval, PairedDifference,
+    PairedNumber, PairedOver, RequestDifference,
 };
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -41,8 +42,18 @@ type Values = BTreeMap<String, f64>;
 
 /// `baseline` is the place of the job that the others are compared with.
 pub fn of(sides: &[Side], baseline: usize, confidence: f64) -> Comparison {
-    let mut paired = paired(&sides.iter().map(runs_of).collect::<Vec<_>>(), baseline, confidence, PairedOver::Runs);
-    paired.extend(self::paired(&sides.iter().map(steps_of).collect::<Vec<_>>(), baseline, confidence, PairedOver::Steps));
+    let mut paired = paired(
+        &sides.iter().map(runs_of).collect::<Vec<_>>(),
+        baseline,
+        confidence,
+        PairedOver::Runs,
+    );
+    paired.extend(self::paired(
+        &sides.iter().map(steps_of).collect::<Vec<_>>(),
+        baseline,
+        confidence,
+        PairedOver::Steps,
+    ));
     Comparison {
         jobs: sides.iter().map(|side| side.job.clone()).collect(),
         baseline: sides[baseline].job.id,
@@ -59,10 +70,23 @@ pub fn of(sides: &[Side], baseline: usize, confidence: f64) -> Comparison {
 fn numbers_of(result: &Value) -> BTreeMap<String, (f64, String)> {
     let mut found = BTreeMap::new();
     for part in PARTS {
-        let Some(place) = part.split('.').try_fold(result, |place, step| place.get(step)) else { continue };
-        let fields = place.as_object().into_iter().flatten().map(|(name, value)| (format!("{part}.{name}"), value));
+        let Some(place) = part
+            .split('.')
+            .try_fold(result, |place, step| place.get(step))
+        else {
+            continue;
+        };
+        let fields = place
+            .as_object()
+            .into_iter()
+            .flatten()
+            .map(|(name, value)| (format!("{part}.{name}"), value));
         let alone = [(part.to_owned(), place)];
-        found.extend(fields.chain(alone).filter_map(|(path, value)| Some((path, (value.as_f64()?, String::new())))));
+        found.extend(
+            fields
+                .chain(alone)
+                .filter_map(|(path, value)| Some((path, (value.as_f64()?, String::new())))),
+        );
     }
     for (metric, report) in result["metrics"].as_object().into_iter().flatten() {
         for (name, quantity) in report["quantities"].as_object().into_iter().flatten() {
@@ -79,9 +103,19 @@ fn numbers(sides: &[Side]) -> Vec<ComparedNumber> {
     let of_sides: Vec<_> = sides.iter().map(|side| numbers_of(&side.result)).collect();
     let paths: BTreeSet<&String> = of_sides.iter().flat_map(BTreeMap::keys).collect();
     let number = |path: &String| {
-        let values: Vec<Option<f64>> = of_sides.iter().map(|side| side.get(path).map(|(value, _)| *value)).collect();
-        let unit = of_sides.iter().find_map(|side| Some(side.get(path)?.1.clone())).unwrap_or_default();
-        (values.iter().flatten().count() > 1).then(|| ComparedNumber { path: path.clone(), unit, values })
+        let values: Vec<Option<f64>> = of_sides
+            .iter()
+            .map(|side| side.get(path).map(|(value, _)| *value))
+            .collect();
+        let unit = of_sides
+            .iter()
+            .find_map(|side| Some(side.get(path)?.1.clone()))
+            .unwrap_or_default();
+        (values.iter().flatten().count() > 1).then(|| ComparedNumber {
+            path: path.clone(),
+            unit,
+            values,
+        })
     };
     paths.into_iter().filter_map(number).collect()
 }
@@ -96,13 +130,19 @@ type Columns = BTreeMap<Key, Column>;
 
 fn runs_of(side: &Side) -> Columns {
     let mut columns = Columns::new();
-    let Some(bytes) = &side.runs else { return columns };
+    let Some(bytes) = &side.runs else {
+        return columns;
+    };
     let mut reader = csv::Reader::from_reader(bytes.as_slice());
-    let Ok(header) = reader.headers().cloned() else { return columns };
+    let Ok(header) = reader.headers().cloned() else {
+        return columns;
+    };
     for record in reader.records().flatten() {
         for (name, cell) in header.iter().zip(record.iter()).skip(3) {
             let Ok(value) = cell.parse() else { continue };
-            let (_, values) = columns.entry((Some(record[0].to_owned()), name.to_owned())).or_default();
+            let (_, values) = columns
+                .entry((Some(record[0].to_owned()), name.to_owned()))
+                .or_default();
             values.push((record[1].to_owned(), value));
         }
     }
@@ -111,15 +151,28 @@ fn runs_of(side: &Side) -> Columns {
 
 fn steps_of(side: &Side) -> Columns {
     let table = &side.metrics;
-    let keys: Vec<String> = table.sequences.iter().zip(&table.time_s).map(|(sequence, time_s)| format!("{sequence} {time_s}")).collect();
+    let keys: Vec<String> = table
+        .sequences
+        .iter()
+        .zip(&table.time_s)
+        .map(|(sequence, time_s)| format!("{sequence} {time_s}"))
+        .collect();
     let column = |(name, unit, values): &(String, String, Vec<Option<f64>>)| {
-        let known = keys.iter().zip(values).filter_map(|(key, value)| Some((key.clone(), (*value)?)));
+        let known = keys
+            .iter()
+            .zip(values)
+            .filter_map(|(key, value)| Some((key.clone(), (*value)?)));
         ((None, name.clone()), (unit.clone(), known.collect()))
     };
     table.columns.iter().map(column).collect()
 }
 
-fn paired(sides: &[Columns], baseline: usize, confidence: f64, over: PairedOver) -> Vec<PairedNumber> {
+fn paired(
+    sides: &[Columns],
+    baseline: usize,
+    confidence: f64,
+    over: PairedOver,
+) -> Vec<PairedNumber> {
     let number = |(key, (unit, theirs)): (&Key, &Column)| {
         let theirs: Values = theirs.iter().cloned().collect();
         let difference = |(index, side): (usize, &Columns)| {
@@ -127,18 +180,50 @@ fn paired(sides: &[Columns], baseline: usize, confidence: f64, over: PairedOver)
             difference(ours, &theirs, confidence, over)
         };
         let differences: Vec<_> = sides.iter().enumerate().map(difference).collect();
-        let mean = |side: &Columns| stats::mean(&side.get(key)?.1.iter().map(|(_, value)| *value).collect::<Vec<_>>());
+        let mean = |side: &Columns| {
+            stats::mean(
+                &side
+                    .get(key)?
+                    .1
+                    .iter()
+                    .map(|(_, value)| *value)
+                    .collect::<Vec<_>>(),
+            )
+        };
         let means = sides.iter().map(mean).collect();
         let (cell, name) = key.clone();
-        differences.iter().any(Option::is_some).then(|| PairedNumber { name, cell, over, unit: unit.clone(), means, differences })
+        differences
+            .iter()
+            .any(Option::is_some)
+            .then(|| PairedNumber {
+                name,
+                cell,
+                over,
+                unit: unit.clone(),
+                means,
+                differences,
+            })
     };
     sides[baseline].iter().filter_map(number).collect()
 }
 
-fn difference(ours: &[(String, f64)], theirs: &Values, confidence: f64, over: PairedOver) -> Option<PairedDifference> {
-    let pairs: Vec<f64> = ours.iter().filter_map(|(key, value)| Some(value - theirs.get(key)?)).collect();
-    let values = if over == PairedOver::Steps { batch_means(&pairs) } else { pairs.clone() };
-    let interval = stats::t_interval(&values, confidence).map(|stats::Interval { low, high }| Interval { low, high });
+fn difference(
+    ours: &[(String, f64)],
+    theirs: &Values,
+    confidence: f64,
+    over: PairedOver,
+) -> Option<PairedDifference> {
+    let pairs: Vec<f64> = ours
+        .iter()
+        .filter_map(|(key, value)| Some(value - theirs.get(key)?))
+        .collect();
+    let values = if over == PairedOver::Steps {
+        batch_means(&pairs)
+    } else {
+        pairs.clone()
+    };
+    let interval = stats::t_interval(&values, confidence)
+        .map(|stats::Interval { low, high }| Interval { low, high });
     let count = |is_one: fn(&f64) -> bool| pairs.iter().filter(|pair| is_one(pair)).count() as u64;
     Some(PairedDifference {
         pairs: pairs.len() as u64,
@@ -154,25 +239,55 @@ fn difference(ours: &[(String, f64)], theirs: &Values, confidence: f64, over: Pa
 fn batch_means(values: &[f64]) -> Vec<f64> {
     let batches = values.len().isqrt();
     let edge = |batch: usize| batch * values.len() / batches.max(1);
-    (0..batches).filter_map(|batch| stats::mean(&values[edge(batch)..edge(batch + 1)])).collect()
+    (0..batches)
+        .filter_map(|batch| stats::mean(&values[edge(batch)..edge(batch + 1)]))
+        .collect()
 }
 
 /// Whether each target was followed correctly; `None` without verdicts.
 fn correct_targets(side: &Side) -> Option<BTreeMap<&str, bool>> {
     let targets = side.result.pointer("/tfa/targets")?.as_array()?;
-    Some(targets.iter().filter_map(|target| Some((target["truth_id"].as_str()?, target["verdict"] == "correct"))).collect())
+    Some(
+        targets
+            .iter()
+            .filter_map(|target| {
+                Some((target["truth_id"].as_str()?, target["verdict"] == "correct"))
+            })
+            .collect(),
+    )
 }
 
 fn verdicts(sides: &[Side], baseline: usize) -> Option<Vec<ComparedVerdicts>> {
     let theirs = correct_targets(&sides[baseline])?;
     let compared = |(_, side): (usize, &Side)| {
         let ours = correct_targets(side)?;
-        let both: Vec<(bool, bool)> = ours.iter().filter_map(|(target, ours)| Some((*ours, *theirs.get(target)?))).collect();
-        let count = |wanted: (bool, bool)| both.iter().filter(|pair| **pair == wanted).count() as u64;
-        let (both_correct, gained, lost) = (count((true, true)), count((true, false)), count((false, true)));
-        Some(ComparedVerdicts { job_id: side.job.id, targets: both.len() as u64, both_correct, gained, lost })
+        let both: Vec<(bool, bool)> = ours
+            .iter()
+            .filter_map(|(target, ours)| Some((*ours, *theirs.get(target)?)))
+            .collect();
+        let count =
+            |wanted: (bool, bool)| both.iter().filter(|pair| **pair == wanted).count() as u64;
+        let (both_correct, gained, lost) = (
+            count((true, true)),
+            count((true, false)),
+            count((false, true)),
+        );
+        Some(ComparedVerdicts {
+            job_id: side.job.id,
+            targets: both.len() as u64,
+            both_correct,
+            gained,
+            lost,
+        })
     };
-    Some(sides.iter().enumerate().filter(|(index, _)| *index != baseline).filter_map(compared).collect())
+    Some(
+        sides
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| *index != baseline)
+            .filter_map(compared)
+            .collect(),
+    )
 }
 
 /// Every plain value of a request by its JSON pointer.
@@ -180,10 +295,15 @@ fn leaves(value: &Value, pointer: String, found: &mut BTreeMap<String, String>) 
     let escaped = |step: &str| step.replace('~', "~0").replace('/', "~1");
     match value {
         Value::Object(fields) if !fields.is_empty() => {
-            fields.iter().for_each(|(name, field)| leaves(field, format!("{pointer}/{}", escaped(name)), found));
+            fields.iter().for_each(|(name, field)| {
+                leaves(field, format!("{pointer}/{}", escaped(name)), found)
+            });
         }
         Value::Array(items) if !items.is_empty() => {
-            items.iter().enumerate().for_each(|(index, item)| leaves(item, format!("{pointer}/{index}"), found));
+            items
+                .iter()
+                .enumerate()
+                .for_each(|(index, item)| leaves(item, format!("{pointer}/{index}"), found));
         }
         plain => {
             found.insert(pointer, plain.to_string());
@@ -193,11 +313,23 @@ fn leaves(value: &Value, pointer: String, found: &mut BTreeMap<String, String>) 
 
 fn request_differences(sides: &[Side]) -> Vec<RequestDifference> {
     let mut of_sides = vec![BTreeMap::new(); sides.len()];
-    sides.iter().zip(&mut of_sides).for_each(|(side, found)| leaves(&side.spec, String::new(), found));
+    sides
+        .iter()
+        .zip(&mut of_sides)
+        .for_each(|(side, found)| leaves(&side.spec, String::new(), found));
     let pointers: BTreeSet<&String> = of_sides.iter().flat_map(BTreeMap::keys).collect();
     let row = |pointer: &String| {
-        let values: Vec<Option<String>> = of_sides.iter().map(|side| side.get(pointer).cloned()).collect();
-        values.iter().any(|value| *value != values[0]).then(|| RequestDifference { pointer: pointer.clone(), values })
+        let values: Vec<Option<String>> = of_sides
+            .iter()
+            .map(|side| side.get(pointer).cloned())
+            .collect();
+        values
+            .iter()
+            .any(|value| *value != values[0])
+            .then(|| RequestDifference {
+                pointer: pointer.clone(),
+                values,
+            })
     };
     pointers.into_iter().filter_map(row).collect()
 }
@@ -210,9 +342,13 @@ fn notes(sides: &[Side]) -> Vec<String> {
     if sides.iter().any(|side| side.job.seed != sides[0].job.seed) {
         notes.push("the jobs have different seeds: what was drawn differs, so that pairs are not of the same scene".to_owned());
     }
-    let inputs = |side: &Side| ["input", "truth", "tracks", "sequences", "base"].map(|name| side.spec.get(name).cloned());
+    let inputs = |side: &Side| {
+        ["input", "truth", "tracks", "sequences", "base"].map(|name| side.spec.get(name).cloned())
+    };
     if sides.iter().any(|side| inputs(side) != inputs(&sides[0])) {
-        notes.push("the jobs read different data or scenes: see where the requests differ".to_owned());
+        notes.push(
+            "the jobs read different data or scenes: see where the requests differ".to_owned(),
+        );
     }
     notes
 }
@@ -231,11 +367,22 @@ mod tests {
 
     #[test]
     fn steps_are_paired_by_time_and_counted() {
-        let ours = [("0".to_owned(), 2.0), ("1".to_owned(), 1.0), ("2".to_owned(), 5.0), ("9".to_owned(), 100.0), ("3".to_owned(), 4.0)];
-        let theirs: Values = [("0", 1.0), ("1", 2.0), ("2", 1.0), ("3", 4.0)].map(|(key, value)| (key.to_owned(), value)).into();
+        let ours = [
+            ("0".to_owned(), 2.0),
+            ("1".to_owned(), 1.0),
+            ("2".to_owned(), 5.0),
+            ("9".to_owned(), 100.0),
+            ("3".to_owned(), 4.0),
+        ];
+        let theirs: Values = [("0", 1.0), ("1", 2.0), ("2", 1.0), ("3", 4.0)]
+            .map(|(key, value)| (key.to_owned(), value))
+            .into();
         let found = difference(&ours, &theirs, 0.95, PairedOver::Steps).unwrap();
         // 1, −1, 4, 0: batches have the means 0 and 2; t of one degree of freedom is 12.706, s / √2 is 1.
-        assert_eq!((found.pairs, found.mean, found.smaller, found.larger), (4, 1.0, 1, 2));
+        assert_eq!(
+            (found.pairs, found.mean, found.smaller, found.larger),
+            (4, 1.0, 1, 2)
+        );
         assert!((found.interval.unwrap().high - (1.0 + 12.706_204_7)).abs() < 1e-6);
         assert_eq!(difference(&[], &theirs, 0.95, PairedOver::Runs), None);
     }
@@ -243,10 +390,20 @@ mod tests {
     #[test]
     fn requests_are_compared_leaf_by_leaf() {
         let (mut one, mut two) = (BTreeMap::new(), BTreeMap::new());
-        leaves(&json!({"a/b": [1, {"c": "x"}], "d": {}}), String::new(), &mut one);
+        leaves(
+            &json!({"a/b": [1, {"c": "x"}], "d": {}}),
+            String::new(),
+            &mut one,
+        );
         leaves(&json!({"a/b": [1]}), String::new(), &mut two);
-        let pairs: Vec<_> = one.iter().map(|(pointer, value)| (pointer.as_str(), value.as_str())).collect();
-        assert_eq!(pairs, [("/a~1b/0", "1"), ("/a~1b/1/c", "\"x\""), ("/d", "{}")]);
+        let pairs: Vec<_> = one
+            .iter()
+            .map(|(pointer, value)| (pointer.as_str(), value.as_str()))
+            .collect();
+        assert_eq!(
+            pairs,
+            [("/a~1b/0", "1"), ("/a~1b/1/c", "\"x\""), ("/d", "{}")]
+        );
         assert_eq!(two.len(), 1);
     }
 }

@@ -71,9 +71,18 @@ const UNITS: [(&str, &str); 14] = [
 ];
 
 pub(super) fn of(layers: &JobLayers, window: &Window) -> GatesSeries {
-    let found = layers.detections.as_ref().zip(layers.tracks.as_ref()).and_then(|(recording, tracks)| {
-        gates::of(&layers.spec, (recording, &layers.sensors), tracks, |track| window.holds_track(&track.track_id))
-    });
+    let found = layers
+        .detections
+        .as_ref()
+        .zip(layers.tracks.as_ref())
+        .and_then(|(recording, tracks)| {
+            gates::of(
+                &layers.spec,
+                (recording, &layers.sensors),
+                tracks,
+                |track| window.holds_track(&track.track_id),
+            )
+        });
     let threshold = found.as_ref().map(|found| found.threshold);
     let mut rows = found.map(|found| found.gates).unwrap_or_default();
     rows.retain(|gate| window.holds(gate.time_s));
@@ -82,7 +91,9 @@ pub(super) fn of(layers: &JobLayers, window: &Window) -> GatesSeries {
         name: GatesName::Gates,
         threshold,
         columns: columns(&rows, &kept),
-        units: UNITS.map(|(column, unit)| (column.to_owned(), unit.to_owned())).into(),
+        units: UNITS
+            .map(|(column, unit)| (column.to_owned(), unit.to_owned()))
+            .into(),
         source_points: kept.source_points,
         returned_points: kept.rows.len(),
         method: kept.method,
@@ -96,7 +107,9 @@ fn columns(rows: &[Gate], kept: &Reduced) -> GatesColumns {
             Region::Polar { .. } => None,
         })
     };
-    let polar = |value: fn(&Polar) -> f64| kept.column(|row| Polar::of(&rows[row].region).as_ref().map(value));
+    let polar = |value: fn(&Polar) -> f64| {
+        kept.column(|row| Polar::of(&rows[row].region).as_ref().map(value))
+    };
     GatesColumns {
         time_s: kept.column(|row| rows[row].time_s),
         track_id: kept.column(|row| rows[row].track_id.to_owned()),
@@ -128,7 +141,15 @@ struct Polar {
 
 impl Polar {
     fn of(region: &Region) -> Option<Polar> {
-        let Region::Polar { sensor_m, range_m, bearing_rad, covariance } = *region else { return None };
+        let Region::Polar {
+            sensor_m,
+            range_m,
+            bearing_rad,
+            covariance,
+        } = *region
+        else {
+            return None;
+        };
         Some(Polar {
             sensor_m: (sensor_m.x, sensor_m.y),
             range_m,

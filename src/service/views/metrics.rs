@@ -52,10 +52,17 @@ impl MetricTable {
         let header = reader.headers()?.clone();
         let time = usize::from(header.get(0) == Some("sequence"));
         let columns = header.iter().skip(time + 1).map(split_unit).collect();
-        let mut table = MetricTable { columns, ..MetricTable::default() };
+        let mut table = MetricTable {
+            columns,
+            ..MetricTable::default()
+        };
         for record in reader.records() {
             let record = record?;
-            table.sequences.push(if time == 1 { record[0].to_owned() } else { String::new() });
+            table.sequences.push(if time == 1 {
+                record[0].to_owned()
+            } else {
+                String::new()
+            });
             table.time_s.push(record[time].parse().unwrap_or(f64::NAN));
             for (column, cell) in table.columns.iter_mut().zip(record.iter().skip(time + 1)) {
                 column.2.push(cell.parse().ok());
@@ -67,27 +74,49 @@ impl MetricTable {
 
 /// `gospa.missed [m]` in its name and its unit.
 fn split_unit(label: &str) -> (String, String, Vec<Option<f64>>) {
-    let (name, unit) = label.strip_suffix(']').and_then(|label| label.split_once(" [")).unwrap_or((label, ""));
+    let (name, unit) = label
+        .strip_suffix(']')
+        .and_then(|label| label.split_once(" ["))
+        .unwrap_or((label, ""));
     (name.to_owned(), unit.to_owned(), Vec::new())
 }
 
 pub fn over_time(table: &MetricTable, window: &Window) -> MetricsSeries {
-    let rows: Vec<usize> = (0..table.time_s.len()).filter(|&row| window.holds(table.time_s[row])).collect();
-    let of_rows = |(_, _, values): &(String, String, Vec<Option<f64>>)| rows.iter().map(|&row| values[row].unwrap_or(f64::NAN)).collect();
+    let rows: Vec<usize> = (0..table.time_s.len())
+        .filter(|&row| window.holds(table.time_s[row]))
+        .collect();
+    let of_rows = |(_, _, values): &(String, String, Vec<Option<f64>>)| {
+        rows.iter()
+            .map(|&row| values[row].unwrap_or(f64::NAN))
+            .collect()
+    };
     let known: Vec<Vec<f64>> = table.columns.iter().map(of_rows).collect();
     let kept = if known.is_empty() {
         Reduced::every_nth(rows.len(), window.max_points)
     } else {
-        Reduced::min_max(&known.iter().map(Vec::as_slice).collect::<Vec<_>>(), window.max_points)
+        Reduced::min_max(
+            &known.iter().map(Vec::as_slice).collect::<Vec<_>>(),
+            window.max_points,
+        )
     };
-    let values = table.columns.iter().map(|(name, _, values)| (name.clone(), kept.column(|row| values[rows[row]])));
+    let values = table
+        .columns
+        .iter()
+        .map(|(name, _, values)| (name.clone(), kept.column(|row| values[rows[row]])));
     let columns = MetricsColumns {
         time_s: kept.column(|row| table.time_s[rows[row]]),
-        sequence: kept.column(|row| Some(table.sequences[rows[row]].clone()).filter(|name| !name.is_empty())),
+        sequence: kept
+            .column(|row| Some(table.sequences[rows[row]].clone()).filter(|name| !name.is_empty())),
         values: values.collect(),
     };
-    let named = table.columns.iter().filter(|(_, unit, _)| !unit.is_empty()).map(|(name, unit, _)| (name.clone(), unit.clone()));
-    let units = named.chain([("time_s".to_owned(), "s".to_owned())]).collect();
+    let named = table
+        .columns
+        .iter()
+        .filter(|(_, unit, _)| !unit.is_empty())
+        .map(|(name, unit, _)| (name.clone(), unit.clone()));
+    let units = named
+        .chain([("time_s".to_owned(), "s".to_owned())])
+        .collect();
     MetricsSeries {
         name: MetricsName::Metrics,
         columns,
@@ -106,13 +135,29 @@ mod tests {
     fn the_file_becomes_columns_with_units_and_holes() {
         let text = "sequence,time_s,gospa.gospa [m],clear.matches\na,0,1.5,2\na,1,,3\nb,0,2,1\n";
         let table = MetricTable::read(text.as_bytes()).unwrap();
-        let series = over_time(&table, &Window { from_s: Some(0.5), max_points: 10, ..Window::default() });
+        let series = over_time(
+            &table,
+            &Window {
+                from_s: Some(0.5),
+                max_points: 10,
+                ..Window::default()
+            },
+        );
         assert_eq!(series.columns.time_s, [1.0]);
         assert_eq!(series.columns.sequence, [Some("a".to_owned())]);
         assert_eq!(series.columns.values["gospa.gospa"], [None]);
         assert_eq!(series.columns.values["clear.matches"], [Some(3.0)]);
         assert_eq!(series.units["gospa.gospa"], "m");
-        let plain = over_time(&MetricTable::read(b"time_s,x\n4,2\n").unwrap(), &Window { max_points: 10, ..Window::default() });
-        assert_eq!((plain.columns.sequence, plain.columns.time_s), (vec![None], vec![4.0]));
+        let plain = over_time(
+            &MetricTable::read(b"time_s,x\n4,2\n").unwrap(),
+            &Window {
+                max_points: 10,
+                ..Window::default()
+            },
+        );
+        assert_eq!(
+            (plain.columns.sequence, plain.columns.time_s),
+            (vec![None], vec![4.0])
+        );
     }
 }

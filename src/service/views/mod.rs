@@ -27,41 +27,67 @@ pub struct Window {
 
 impl Window {
     fn holds(&self, time_s: f64) -> bool {
-        self.from_s.is_none_or(|from_s| time_s >= from_s) && self.to_s.is_none_or(|to_s| time_s <= to_s)
+        self.from_s.is_none_or(|from_s| time_s >= from_s)
+            && self.to_s.is_none_or(|to_s| time_s <= to_s)
     }
 
     fn holds_track(&self, track_id: &str) -> bool {
-        self.track_id.as_deref().is_none_or(|wanted| wanted == track_id)
+        self.track_id
+            .as_deref()
+            .is_none_or(|wanted| wanted == track_id)
     }
 }
 
 /// The scans of a recording inside the window.
 fn scans<'a>(recording: &'a Recording, window: &Window) -> impl Iterator<Item = &'a Scan> {
-    recording.scans.iter().filter(move |scan| window.holds(scan.time_s))
+    recording
+        .scans
+        .iter()
+        .filter(move |scan| window.holds(scan.time_s))
 }
 
 /// Name and point of every track point inside the window, track by track.
-fn points<'a>(set: &'a TrackSet, window: &Window) -> impl Iterator<Item = (&'a str, &'a TrackPoint)> {
-    let tracks = set.tracks.iter().filter(|track| window.holds_track(&track.track_id));
-    let all = tracks.flat_map(|track| track.points.iter().map(|point| (track.track_id.as_str(), point)));
+fn points<'a>(
+    set: &'a TrackSet,
+    window: &Window,
+) -> impl Iterator<Item = (&'a str, &'a TrackPoint)> {
+    let tracks = set
+        .tracks
+        .iter()
+        .filter(|track| window.holds_track(&track.track_id));
+    let all = tracks.flat_map(|track| {
+        track
+            .points
+            .iter()
+            .map(|point| (track.track_id.as_str(), point))
+    });
     all.filter(|(_, point)| window.holds(point.time_s))
 }
 
 /// The candidate with the greatest probability; the first of equals.
 fn most_probable<'a>(set: &'a TrackSet, point: &TrackPoint) -> Option<&'a Candidate> {
-    set.candidates_of(point).iter().rev().max_by(|a, b| a.probability.total_cmp(&b.probability))
+    set.candidates_of(point)
+        .iter()
+        .rev()
+        .max_by(|a, b| a.probability.total_cmp(&b.probability))
 }
 
 /// The detection that a candidate names; `None` is ε.
 fn detection_id(set: &TrackSet, candidate: &Candidate) -> Option<String> {
-    candidate.detection.map(|index| set.detection_ids[index as usize].clone())
+    candidate
+        .detection
+        .map(|index| set.detection_ids[index as usize].clone())
 }
 
 /// Where a detection is, in the plane; a bearing alone is nowhere.
 fn place(measurement: Measurement, sensor_m: (f64, f64)) -> Option<(f64, f64)> {
     match measurement {
         Measurement::Position { x_m, y_m } => Some((x_m, y_m)),
-        Measurement::RangeBearing { range_m, bearing_rad, .. } => {
+        Measurement::RangeBearing {
+            range_m,
+            bearing_rad,
+            ..
+        } => {
             let (sine, cosine) = bearing_rad.sin_cos();
             Some((sensor_m.0 + range_m * sine, sensor_m.1 + range_m * cosine))
         }

@@ -155,34 +155,64 @@ fn stretch(low: &mut Option<f64>, high: &mut Option<f64>, value: f64) {
 
 /// The plan view of a job's data; each layer has at most `window.max_points` points.
 pub fn of(layers: &JobLayers, window: &Window) -> Plan {
-    let empty = (TruthSet::default(), Recording::default(), TrackSet::default());
+    let empty = (
+        TruthSet::default(),
+        Recording::default(),
+        TrackSet::default(),
+    );
     let truth = layers.truth.as_ref().unwrap_or(&empty.0);
     let recording = layers.detections.as_ref().unwrap_or(&empty.1);
     let tracks = layers.tracks.as_ref().unwrap_or(&empty.2);
     let mut extent = Extent::default();
     let (detections, density) = detection_layer(recording, layers, window, &mut extent);
-    let without_place = [("truth", truth.is_of_bearings()), ("tracks", tracks.is_of_bearings())];
-    let note =
-        |name: &str| format!("the {name} are directions (bearing_deg), which have no place in the plane: see the series bearing_time");
+    let without_place = [
+        ("truth", truth.is_of_bearings()),
+        ("tracks", tracks.is_of_bearings()),
+    ];
+    let note = |name: &str| {
+        format!(
+            "the {name} are directions (bearing_deg), which have no place in the plane: see the series bearing_time"
+        )
+    };
     Plan {
-        notes: without_place.iter().filter(|(_, is_of_bearings)| *is_of_bearings).map(|(name, _)| note(name)).collect(),
+        notes: without_place
+            .iter()
+            .filter(|(_, is_of_bearings)| *is_of_bearings)
+            .map(|(name, _)| note(name))
+            .collect(),
         truth: truth_layer(truth, window, &mut extent),
         detections,
         density,
         tracks: track_layer(tracks, window, &mut extent),
         extent,
         scans: scans(recording, window)
-            .map(|scan| PlanScan { number: scan.number, time_s: scan.time_s, sensor_id: recording.sensors[scan.sensor].sensor_id.clone() })
+            .map(|scan| PlanScan {
+                number: scan.number,
+                time_s: scan.time_s,
+                sensor_id: recording.sensors[scan.sensor].sensor_id.clone(),
+            })
             .collect(),
-        sensors: layers.sensors.iter().cloned().map(SensorSettings::from).collect(),
+        sensors: layers
+            .sensors
+            .iter()
+            .cloned()
+            .map(SensorSettings::from)
+            .collect(),
     }
 }
 
 fn truth_layer(truth: &TruthSet, window: &Window, extent: &mut Extent) -> TruthLayer {
-    let all = truth.targets().iter().flat_map(|target| target.points.iter().map(move |point| (target, point)));
+    let all = truth
+        .targets()
+        .iter()
+        .flat_map(|target| target.points.iter().map(move |point| (target, point)));
     let placed = all.filter_map(|(target, point)| Some((target, point, point.position_m()?)));
-    let rows: Vec<_> = placed.filter(|(_, point, _)| window.holds(point.time_s)).collect();
-    rows.iter().for_each(|(_, point, position_m)| extent.include(point.time_s, Some((position_m.x, position_m.y))));
+    let rows: Vec<_> = placed
+        .filter(|(_, point, _)| window.holds(point.time_s))
+        .collect();
+    rows.iter().for_each(|(_, point, position_m)| {
+        extent.include(point.time_s, Some((position_m.x, position_m.y)))
+    });
     let kept = Reduced::every_nth(rows.len(), window.max_points);
     let columns = TruthColumns {
         time_s: kept.column(|row| rows[row].1.time_s),
@@ -193,13 +223,34 @@ fn truth_layer(truth: &TruthSet, window: &Window, extent: &mut Extent) -> TruthL
     TruthLayer::new(columns, &kept)
 }
 
-fn detection_layer(recording: &Recording, layers: &JobLayers, window: &Window, extent: &mut Extent) -> (DetectionLayer, Option<Density>) {
+fn detection_layer(
+    recording: &Recording,
+    layers: &JobLayers,
+    window: &Window,
+    extent: &mut Extent,
+) -> (DetectionLayer, Option<Density>) {
     let sensors_m = sensor_places(recording, layers);
-    let rows: Vec<_> = scans(recording, window).flat_map(|scan| scan.range().map(move |index| (scan, index))).collect();
-    let places: Vec<_> = rows.iter().map(|(scan, index)| place(recording.detections[*index].measurement, sensors_m[scan.sensor])).collect();
-    rows.iter().zip(&places).for_each(|((scan, _), place)| extent.include(scan.time_s, *place));
+    let rows: Vec<_> = scans(recording, window)
+        .flat_map(|scan| scan.range().map(move |index| (scan, index)))
+        .collect();
+    let places: Vec<_> = rows
+        .iter()
+        .map(|(scan, index)| {
+            place(
+                recording.detections[*index].measurement,
+                sensors_m[scan.sensor],
+            )
+        })
+        .collect();
+    rows.iter()
+        .zip(&places)
+        .for_each(|((scan, _), place)| extent.include(scan.time_s, *place));
     let kept = Reduced::every_nth(rows.len(), window.max_points);
-    let truth_id = |detection: &Detection| detection.origin.map(|origin| recording.targets[origin as usize].clone());
+    let truth_id = |detection: &Detection| {
+        detection
+            .origin
+            .map(|origin| recording.targets[origin as usize].clone())
+    };
     let columns = DetectionColumns {
         time_s: kept.column(|row| rows[row].0.time_s),
         scan: kept.column(|row| rows[row].0.number),
@@ -210,26 +261,41 @@ fn detection_layer(recording: &Recording, layers: &JobLayers, window: &Window, e
         truth_id: kept.column(|row| truth_id(&recording.detections[rows[row].1])),
     };
     let is_reduced = kept.method != Method::All;
-    let density = is_reduced.then(|| places.iter().flatten().copied().collect::<Vec<_>>()).and_then(|places| Density::of(&places));
+    let density = is_reduced
+        .then(|| places.iter().flatten().copied().collect::<Vec<_>>())
+        .and_then(|places| Density::of(&places));
     (DetectionLayer::new(columns, &kept), density)
 }
 
 /// Where each sensor of the recording stands: as the job knows it, else as the recording does, else at the origin.
 pub(super) fn sensor_places(recording: &Recording, layers: &JobLayers) -> Vec<(f64, f64)> {
-    let known: BTreeMap<_, _> = layers.sensors.iter().map(|sensor| (sensor.sensor_id.as_str(), sensor)).collect();
+    let known: BTreeMap<_, _> = layers
+        .sensors
+        .iter()
+        .map(|sensor| (sensor.sensor_id.as_str(), sensor))
+        .collect();
     let place = |sensor: &crate::model::sensor::SensorSettings| {
-        let settings = known.get(sensor.sensor_id.as_str()).map_or_else(|| sensor.clone(), |other| sensor.overridden_by(other));
+        let settings = known
+            .get(sensor.sensor_id.as_str())
+            .map_or_else(|| sensor.clone(), |other| sensor.overridden_by(other));
         (settings.x_m.unwrap_or(0.0), settings.y_m.unwrap_or(0.0))
     };
     recording.sensors.iter().map(place).collect()
 }
 
 fn track_layer(set: &TrackSet, window: &Window, extent: &mut Extent) -> TrackLayer {
-    let rows: Vec<_> = points(set, window).filter_map(|(track_id, point)| Some((track_id, point, point.estimate.plane()?))).collect();
-    rows.iter().for_each(|(_, point, plane)| extent.include(point.time_s, Some((plane.state[0], plane.state[1]))));
+    let rows: Vec<_> = points(set, window)
+        .filter_map(|(track_id, point)| Some((track_id, point, point.estimate.plane()?)))
+        .collect();
+    rows.iter().for_each(|(_, point, plane)| {
+        extent.include(point.time_s, Some((plane.state[0], plane.state[1])))
+    });
     let kept = Reduced::every_nth(rows.len(), window.max_points);
-    let velocity = |row: usize, axis: usize| rows[row].2.has_velocity.then(|| rows[row].2.state[axis]);
-    let variance = |row: usize, place: (usize, usize)| rows[row].2.covariance.map(|covariance| covariance[place]);
+    let velocity =
+        |row: usize, axis: usize| rows[row].2.has_velocity.then(|| rows[row].2.state[axis]);
+    let variance = |row: usize, place: (usize, usize)| {
+        rows[row].2.covariance.map(|covariance| covariance[place])
+    };
     let candidate = |row: usize| most_probable(set, rows[row].1);
     let columns = TrackColumns {
         time_s: kept.column(|row| rows[row].1.time_s),
@@ -239,7 +305,8 @@ fn track_layer(set: &TrackSet, window: &Window, extent: &mut Extent) -> TrackLay
         vx_mps: kept.column(|row| velocity(row, 2)),
         vy_mps: kept.column(|row| velocity(row, 3)),
         status: kept.column(|row| rows[row].1.status.map(|status| status.name().to_owned())),
-        detection_id: kept.column(|row| candidate(row).and_then(|candidate| detection_id(set, candidate))),
+        detection_id: kept
+            .column(|row| candidate(row).and_then(|candidate| detection_id(set, candidate))),
         probability: kept.column(|row| candidate(row).map(|candidate| candidate.probability)),
         p_xx: kept.column(|row| variance(row, (0, 0))),
         p_xy: kept.column(|row| variance(row, (0, 1))),
@@ -257,34 +324,84 @@ mod tests {
 
     fn read(text: &str) -> Dataset {
         let csv = format_named("csv").unwrap();
-        (csv.read)(&mut text.as_bytes(), &ReadOptions::default()).unwrap().dataset
+        (csv.read)(&mut text.as_bytes(), &ReadOptions::default())
+            .unwrap()
+            .dataset
     }
 
     fn layers() -> JobLayers {
         let polar = "time_s,scan,sensor_id,detection_id,range_m,bearing_deg\n0,1,s,d1,100,90\n2,2,s,d2,50,0\n";
         let tracks = "time_s,track_id,x_m,y_m,detection_id,probability,status\n0,t,1,2,d1,0.25,tentative\n0,t,1,2,,0.75,tentative\n";
-        let Dataset::Detections(detections) = read(polar) else { panic!("not detections") };
-        let Dataset::Tracks(tracks) = read(tracks) else { panic!("not tracks") };
-        let sensor = sensor::SensorSettings { x_m: Some(10.0), y_m: Some(20.0), ..sensor::SensorSettings::named("s") };
-        JobLayers { detections: Some(detections), tracks: Some(tracks), sensors: vec![sensor], ..JobLayers::default() }
+        let Dataset::Detections(detections) = read(polar) else {
+            panic!("not detections")
+        };
+        let Dataset::Tracks(tracks) = read(tracks) else {
+            panic!("not tracks")
+        };
+        let sensor = sensor::SensorSettings {
+            x_m: Some(10.0),
+            y_m: Some(20.0),
+            ..sensor::SensorSettings::named("s")
+        };
+        JobLayers {
+            detections: Some(detections),
+            tracks: Some(tracks),
+            sensors: vec![sensor],
+            ..JobLayers::default()
+        }
     }
 
     #[test]
     fn a_range_and_a_bearing_are_placed_from_the_sensor() {
-        let plan = of(&layers(), &Window { max_points: 10, ..Window::default() });
+        let plan = of(
+            &layers(),
+            &Window {
+                max_points: 10,
+                ..Window::default()
+            },
+        );
         let DetectionColumns { x_m, y_m, .. } = plan.detections.columns;
-        let placed: Vec<(f64, f64)> = x_m.into_iter().zip(y_m).map(|(x_m, y_m)| (x_m.unwrap(), y_m.unwrap())).collect();
-        for ((x_m, y_m), (wanted_x_m, wanted_y_m)) in placed.into_iter().zip([(110.0, 20.0), (10.0, 70.0)]) {
-            assert!((x_m - wanted_x_m).abs() < 1e-9 && (y_m - wanted_y_m).abs() < 1e-9, "east is bearing 90: {x_m}, {y_m}");
+        let placed: Vec<(f64, f64)> = x_m
+            .into_iter()
+            .zip(y_m)
+            .map(|(x_m, y_m)| (x_m.unwrap(), y_m.unwrap()))
+            .collect();
+        for ((x_m, y_m), (wanted_x_m, wanted_y_m)) in
+            placed.into_iter().zip([(110.0, 20.0), (10.0, 70.0)])
+        {
+            assert!(
+                (x_m - wanted_x_m).abs() < 1e-9 && (y_m - wanted_y_m).abs() < 1e-9,
+                "east is bearing 90: {x_m}, {y_m}"
+            );
         }
-        assert_eq!((plan.extent.from_s, plan.extent.to_s), (Some(0.0), Some(2.0)));
-        assert_eq!((plan.extent.x_min_m, plan.extent.y_min_m), (Some(1.0), Some(2.0)));
-        assert_eq!(plan.scans.iter().map(|scan| scan.number).collect::<Vec<_>>(), [1, 2]);
+        assert_eq!(
+            (plan.extent.from_s, plan.extent.to_s),
+            (Some(0.0), Some(2.0))
+        );
+        assert_eq!(
+            (plan.extent.x_min_m, plan.extent.y_min_m),
+            (Some(1.0), Some(2.0))
+        );
+        assert_eq!(
+            plan.scans
+                .iter()
+                .map(|scan| scan.number)
+                .collect::<Vec<_>>(),
+            [1, 2]
+        );
     }
 
     #[test]
     fn a_track_point_shows_its_most_probable_candidate() {
-        let columns = of(&layers(), &Window { max_points: 10, ..Window::default() }).tracks.columns;
+        let columns = of(
+            &layers(),
+            &Window {
+                max_points: 10,
+                ..Window::default()
+            },
+        )
+        .tracks
+        .columns;
         assert_eq!(columns.detection_id, [None]);
         assert_eq!(columns.probability, [Some(0.75)]);
         assert_eq!(columns.vx_mps, [None]);
@@ -292,11 +409,19 @@ mod tests {
 
     #[test]
     fn a_window_leaves_out_what_is_outside() {
-        let window = Window { from_s: Some(1.0), max_points: 10, ..Window::default() };
+        let window = Window {
+            from_s: Some(1.0),
+            max_points: 10,
+            ..Window::default()
+        };
         let plan = of(&layers(), &window);
         assert_eq!(plan.detections.columns.detection_id, ["d2"]);
         assert_eq!(plan.tracks.source_points, 0);
-        let other = Window { track_id: Some("u".to_owned()), max_points: 10, ..Window::default() };
+        let other = Window {
+            track_id: Some("u".to_owned()),
+            max_points: 10,
+            ..Window::default()
+        };
         assert_eq!(of(&layers(), &other).tracks.source_points, 0);
     }
 }

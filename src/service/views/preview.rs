@@ -31,19 +31,40 @@ pub fn of(dataset: &Dataset, limit: usize) -> Preview {
     };
     let mut text = Vec::new();
     write_csv(&head, &mut text).expect("writing to memory does not fail");
-    let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(text.as_slice());
-    let mut rows = reader.records().filter_map(Result::ok).map(|row| row.iter().map(str::to_owned).collect());
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .from_reader(text.as_slice());
+    let mut rows = reader
+        .records()
+        .filter_map(Result::ok)
+        .map(|row| row.iter().map(str::to_owned).collect());
     let columns = rows.next().unwrap_or_default();
     let summary = dataset.summary();
     // A row of a record is all the cells of one time.
-    let total_rows = if let Dataset::BearingTime(_) = dataset { summary.scans } else { summary.rows };
-    Preview { columns, rows: rows.take(limit).collect(), total_rows }
+    let total_rows = if let Dataset::BearingTime(_) = dataset {
+        summary.scans
+    } else {
+        summary.rows
+    };
+    Preview {
+        columns,
+        rows: rows.take(limit).collect(),
+        total_rows,
+    }
 }
 
 fn head_of_recording(recording: &Recording, limit: usize) -> Recording {
     let count = recording.detections.len().min(limit);
-    let cut = |scan: &Scan| Scan { count: count.saturating_sub(scan.first).min(scan.count), ..*scan };
-    let scans = recording.scans.iter().take_while(|scan| scan.first < count.max(1)).map(cut).collect();
+    let cut = |scan: &Scan| Scan {
+        count: count.saturating_sub(scan.first).min(scan.count),
+        ..*scan
+    };
+    let scans = recording
+        .scans
+        .iter()
+        .take_while(|scan| scan.first < count.max(1))
+        .map(cut)
+        .collect();
     let parts = RecordingParts {
         sensors: recording.sensors.clone(),
         scans,
@@ -61,7 +82,10 @@ fn head_of_truth(truth: &TruthSet, limit: usize) -> TruthSet {
     for target in truth.targets() {
         let points: Vec<_> = target.points.iter().take(left).copied().collect();
         left -= points.len();
-        head.push(Target { truth_id: target.truth_id.clone(), points });
+        head.push(Target {
+            truth_id: target.truth_id.clone(),
+            points,
+        });
         if left == 0 {
             break;
         }
@@ -75,12 +99,20 @@ fn head_of_tracks(set: &TrackSet, limit: usize) -> TrackSet {
     for track in &set.tracks {
         let points: Vec<_> = track.points.iter().take(left).copied().collect();
         left -= points.len();
-        tracks.push(Track { track_id: track.track_id.clone(), points });
+        tracks.push(Track {
+            track_id: track.track_id.clone(),
+            points,
+        });
         if left == 0 {
             break;
         }
     }
-    TrackSet { tracks, candidates: set.candidates.clone(), detection_ids: set.detection_ids.clone(), sensor_ids: set.sensor_ids.clone() }
+    TrackSet {
+        tracks,
+        candidates: set.candidates.clone(),
+        detection_ids: set.detection_ids.clone(),
+        sensor_ids: set.sensor_ids.clone(),
+    }
 }
 
 #[cfg(test)]
@@ -90,7 +122,9 @@ mod tests {
 
     fn read(text: &str) -> Dataset {
         let csv = format_named("csv").unwrap();
-        (csv.read)(&mut text.as_bytes(), &ReadOptions::default()).unwrap().dataset
+        (csv.read)(&mut text.as_bytes(), &ReadOptions::default())
+            .unwrap()
+            .dataset
     }
 
     #[test]
@@ -111,7 +145,9 @@ mod tests {
 
     #[test]
     fn a_recording_is_cut_within_a_scan() {
-        let dataset = read("time_s,scan,sensor_id,detection_id,x_m,y_m\n0,1,s,d1,1,2\n0,1,s,d2,3,4\n8,2,s,d3,5,6\n");
+        let dataset = read(
+            "time_s,scan,sensor_id,detection_id,x_m,y_m\n0,1,s,d1,1,2\n0,1,s,d2,3,4\n8,2,s,d3,5,6\n",
+        );
         for (limit, rows) in [(1, 1), (2, 2), (3, 3), (9, 3)] {
             assert_eq!(of(&dataset, limit).rows.len(), rows, "limit {limit}");
         }

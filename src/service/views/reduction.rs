@@ -30,7 +30,11 @@ pub struct Reduced {
 
 impl Reduced {
     fn all(count: usize) -> Self {
-        Reduced { rows: (0..count).collect(), source_points: count, method: Method::All }
+        Reduced {
+            rows: (0..count).collect(),
+            source_points: count,
+            method: Method::All,
+        }
     }
 
     /// At most `max_points` of `count` rows, evenly spread, the first among them.
@@ -39,7 +43,11 @@ impl Reduced {
             return Reduced::all(count);
         }
         let step = count.div_ceil(max_points.max(1));
-        Reduced { rows: (0..count).step_by(step).collect(), source_points: count, method: Method::EveryNth }
+        Reduced {
+            rows: (0..count).step_by(step).collect(),
+            source_points: count,
+            method: Method::EveryNth,
+        }
     }
 
     /// At most `max_points` of the rows of these columns, of equal length: the first and the last row, and of equal stretches
@@ -56,11 +64,19 @@ impl Reduced {
         let length = count.div_ceil(stretches);
         let mut rows = vec![0, count - 1];
         for start in (0..count).step_by(length) {
-            rows.extend(columns.iter().flat_map(|column| extremes(column, start..(start + length).min(count))));
+            rows.extend(
+                columns
+                    .iter()
+                    .flat_map(|column| extremes(column, start..(start + length).min(count))),
+            );
         }
         rows.sort_unstable();
         rows.dedup();
-        Reduced { rows, source_points: count, method: Method::MinMax }
+        Reduced {
+            rows,
+            source_points: count,
+            method: Method::MinMax,
+        }
     }
 
     /// The kept values of a column.
@@ -73,7 +89,10 @@ impl Reduced {
 fn extremes(values: &[f64], stretch: Range<usize>) -> impl Iterator<Item = usize> {
     let order = |a: &usize, b: &usize| values[*a].total_cmp(&values[*b]);
     let known = || stretch.clone().filter(|&row| !values[row].is_nan());
-    known().min_by(order).into_iter().chain(known().max_by(order))
+    known()
+        .min_by(order)
+        .into_iter()
+        .chain(known().max_by(order))
 }
 
 /// Cells along the longer side of a [`Density`].
@@ -108,7 +127,11 @@ impl Density {
     pub fn of(places_m: &[(f64, f64)]) -> Option<Density> {
         let (x_min_m, width_m) = span(places_m.iter().map(|place| place.0))?;
         let (y_min_m, height_m) = span(places_m.iter().map(|place| place.1))?;
-        let cell_m = if width_m.max(height_m) > 0.0 { width_m.max(height_m) / DENSITY_CELLS } else { 1.0 };
+        let cell_m = if width_m.max(height_m) > 0.0 {
+            width_m.max(height_m) / DENSITY_CELLS
+        } else {
+            1.0
+        };
         let cells = |length_m: f64| (length_m / cell_m).ceil().max(1.0) as usize;
         let (east, north) = (cells(width_m), cells(height_m));
         let mut counts = vec![0; east * north];
@@ -118,12 +141,22 @@ impl Density {
             counts[row * east + column] += 1;
         }
         let mut columns = DensityColumns::default();
-        for (index, count) in counts.into_iter().enumerate().filter(|(_, count)| *count > 0) {
+        for (index, count) in counts
+            .into_iter()
+            .enumerate()
+            .filter(|(_, count)| *count > 0)
+        {
             columns.east.push((index % east) as u32);
             columns.north.push((index / east) as u32);
             columns.count.push(count);
         }
-        Some(Density { x_min_m, y_min_m, cell_m, columns, source_points: places_m.len() })
+        Some(Density {
+            x_min_m,
+            y_min_m,
+            cell_m,
+            columns,
+            source_points: places_m.len(),
+        })
     }
 }
 
@@ -140,14 +173,28 @@ mod tests {
 
     #[test]
     fn few_points_stay_as_they_are() {
-        assert_eq!(Reduced::every_nth(3, 3), Reduced { rows: vec![0, 1, 2], source_points: 3, method: Method::All });
+        assert_eq!(
+            Reduced::every_nth(3, 3),
+            Reduced {
+                rows: vec![0, 1, 2],
+                source_points: 3,
+                method: Method::All
+            }
+        );
         assert_eq!(Reduced::min_max(&[&[1.0, 2.0]], 2).method, Method::All);
     }
 
     #[test]
     fn every_nth_keeps_no_more_than_asked_for() {
         let reduced = Reduced::every_nth(10, 4);
-        assert_eq!(reduced, Reduced { rows: vec![0, 3, 6, 9], source_points: 10, method: Method::EveryNth });
+        assert_eq!(
+            reduced,
+            Reduced {
+                rows: vec![0, 3, 6, 9],
+                source_points: 10,
+                method: Method::EveryNth
+            }
+        );
         for (count, max) in [(1001, 10), (99_999, 50_000), (7, 1)] {
             assert!(Reduced::every_nth(count, max).rows.len() <= max);
         }
@@ -155,18 +202,42 @@ mod tests {
 
     #[test]
     fn extremes_of_every_column_need_room() {
-        let (rising, falling): (Vec<f64>, Vec<f64>) = (0..100).map(|row| (f64::from(row), -f64::from(row))).unzip();
+        let (rising, falling): (Vec<f64>, Vec<f64>) = (0..100)
+            .map(|row| (f64::from(row), -f64::from(row)))
+            .unzip();
         let reduced = |max| Reduced::min_max(&[&rising, &falling], max);
         // Two stretches of 50 rows; what one column has least the other has greatest.
-        assert_eq!((reduced(10).rows, reduced(10).method), (vec![0, 49, 50, 99], Method::MinMax));
-        assert_eq!((reduced(5).rows, reduced(5).method), (vec![0, 20, 40, 60, 80], Method::EveryNth));
+        assert_eq!(
+            (reduced(10).rows, reduced(10).method),
+            (vec![0, 49, 50, 99], Method::MinMax)
+        );
+        assert_eq!(
+            (reduced(5).rows, reduced(5).method),
+            (vec![0, 20, 40, 60, 80], Method::EveryNth)
+        );
     }
 
     #[test]
     fn cells_are_squares_and_the_last_ones_hold_the_far_edge() {
-        let density = Density::of(&[(0.0, 0.0), (400.0, 100.0), (399.0, 99.0), (1.0, 3.0)]).unwrap();
-        assert_eq!((density.x_min_m, density.y_min_m, density.cell_m, density.source_points), (0.0, 0.0, 2.0, 4));
-        assert_eq!(density.columns, DensityColumns { east: vec![0, 0, 199], north: vec![0, 1, 49], count: vec![1, 1, 2] });
+        let density =
+            Density::of(&[(0.0, 0.0), (400.0, 100.0), (399.0, 99.0), (1.0, 3.0)]).unwrap();
+        assert_eq!(
+            (
+                density.x_min_m,
+                density.y_min_m,
+                density.cell_m,
+                density.source_points
+            ),
+            (0.0, 0.0, 2.0, 4)
+        );
+        assert_eq!(
+            density.columns,
+            DensityColumns {
+                east: vec![0, 0, 199],
+                north: vec![0, 1, 49],
+                count: vec![1, 1, 2]
+            }
+        );
         assert_eq!(Density::of(&[(5.0, 5.0); 3]).unwrap().columns.count, [3]);
         assert_eq!(Density::of(&[]), None);
     }

@@ -16,11 +16,21 @@ pub type MakeSeries = fn(&JobLayers, &Window) -> Series;
 
 /// Every series, by name.
 pub const SERIES: [(&str, MakeSeries); 5] = [
-    ("track_probability", |layers, window| Series::TrackProbability(track_probability(layers, window))),
-    ("scan_counts", |layers, window| Series::ScanCounts(scan_counts(layers, window))),
-    ("bearing_time", |layers, window| Series::BearingTime(bearing_time::of(layers, window))),
-    ("gates", |layers, window| Series::Gates(Box::new(gates::of(layers, window)))),
-    ("metrics", |layers, window| Series::Metrics(over_time(&layers.metrics, window))),
+    ("track_probability", |layers, window| {
+        Series::TrackProbability(track_probability(layers, window))
+    }),
+    ("scan_counts", |layers, window| {
+        Series::ScanCounts(scan_counts(layers, window))
+    }),
+    ("bearing_time", |layers, window| {
+        Series::BearingTime(bearing_time::of(layers, window))
+    }),
+    ("gates", |layers, window| {
+        Series::Gates(Box::new(gates::of(layers, window)))
+    }),
+    ("metrics", |layers, window| {
+        Series::Metrics(over_time(&layers.metrics, window))
+    }),
 ];
 
 /// A series of a job, as columns of equal length.
@@ -99,21 +109,37 @@ pub struct ScanCountsColumns {
 
 /// The series of that name.
 pub fn named(name: &str) -> Option<MakeSeries> {
-    SERIES.iter().find(|(known, _)| *known == name).map(|(_, make)| *make)
+    SERIES
+        .iter()
+        .find(|(known, _)| *known == name)
+        .map(|(_, make)| *make)
 }
 
 fn track_probability(layers: &JobLayers, window: &Window) -> TrackProbabilitySeries {
     let empty = TrackSet::default();
     let set = layers.tracks.as_ref().unwrap_or(&empty);
-    let numbers = layers.detections.as_ref().map(scan_numbers).unwrap_or_default();
+    let numbers = layers
+        .detections
+        .as_ref()
+        .map(scan_numbers)
+        .unwrap_or_default();
     let rows: Vec<_> = points(set, window)
-        .flat_map(|(track_id, point)| set.candidates_of(point).iter().map(move |candidate| (track_id, point, candidate)))
+        .flat_map(|(track_id, point)| {
+            set.candidates_of(point)
+                .iter()
+                .map(move |candidate| (track_id, point, candidate))
+        })
         .collect();
-    let probabilities: Vec<f64> = rows.iter().map(|(.., candidate)| candidate.probability).collect();
+    let probabilities: Vec<f64> = rows
+        .iter()
+        .map(|(.., candidate)| candidate.probability)
+        .collect();
     let kept = Reduced::min_max(&[&probabilities], window.max_points);
     let scan_of = |row: usize| {
         let point = rows[row].1;
-        let sensor_id = point.sensor.map(|index| set.sensor_ids[index as usize].as_str());
+        let sensor_id = point
+            .sensor
+            .map(|index| set.sensor_ids[index as usize].as_str());
         numbers.get(&(point.time_s.to_bits(), sensor_id)).copied()
     };
     let columns = TrackProbabilityColumns {
@@ -147,18 +173,29 @@ fn scan_numbers(recording: &Recording) -> BTreeMap<(u64, Option<&str>), u32> {
 fn scan_counts(layers: &JobLayers, window: &Window) -> ScanCountsSeries {
     let empty = Recording::default();
     let recording = layers.detections.as_ref().unwrap_or(&empty);
-    let tracks_alive = layers.tracks.as_ref().map(|set| tracks_alive(set, window)).unwrap_or_default();
+    let tracks_alive = layers
+        .tracks
+        .as_ref()
+        .map(|set| tracks_alive(set, window))
+        .unwrap_or_default();
     let rows: Vec<_> = scans(recording, window).collect();
     let alive_at = |row: usize| {
         let time = rows[row].time_s.to_bits();
         let sensor_id = recording.sensors[rows[row].sensor].sensor_id.as_str();
-        let counts = [Some(sensor_id), None].map(|sensor| tracks_alive.get(&(time, sensor)).copied().unwrap_or_default());
+        let counts = [Some(sensor_id), None].map(|sensor| {
+            tracks_alive
+                .get(&(time, sensor))
+                .copied()
+                .unwrap_or_default()
+        });
         (counts[0].0 + counts[1].0, counts[0].1 + counts[1].1)
     };
     let counts = (0..rows.len()).map(|row| (rows[row].count as f64, alive_at(row)));
     let (detections, alive): (Vec<f64>, Vec<(u32, u32)>) = counts.unzip();
-    let (tracks, confirmed): (Vec<f64>, Vec<f64>) =
-        alive.iter().map(|(tracks, confirmed)| (f64::from(*tracks), f64::from(*confirmed))).unzip();
+    let (tracks, confirmed): (Vec<f64>, Vec<f64>) = alive
+        .iter()
+        .map(|(tracks, confirmed)| (f64::from(*tracks), f64::from(*confirmed)))
+        .unzip();
     let kept = Reduced::min_max(&[&detections, &tracks, &confirmed], window.max_points);
     let columns = ScanCountsColumns {
         time_s: kept.column(|row| rows[row].time_s),
@@ -179,13 +216,23 @@ fn scan_counts(layers: &JobLayers, window: &Window) -> ScanCountsSeries {
 }
 
 /// How many tracks have a point at each time and sensor, and how many of them are confirmed.
-fn tracks_alive<'a>(set: &'a TrackSet, window: &Window) -> BTreeMap<(u64, Option<&'a str>), (u32, u32)> {
+fn tracks_alive<'a>(
+    set: &'a TrackSet,
+    window: &Window,
+) -> BTreeMap<(u64, Option<&'a str>), (u32, u32)> {
     let mut alive: BTreeMap<_, (u32, u32)> = BTreeMap::new();
     for (_, point) in points(set, window) {
-        let sensor_id = point.sensor.map(|index| set.sensor_ids[index as usize].as_str());
-        let counts = alive.entry((point.time_s.to_bits(), sensor_id)).or_default();
+        let sensor_id = point
+            .sensor
+            .map(|index| set.sensor_ids[index as usize].as_str());
+        let counts = alive
+            .entry((point.time_s.to_bits(), sensor_id))
+            .or_default();
         counts.0 += 1;
-        counts.1 += u32::from(matches!(point.status, Some(TrackStatus::Confirmed | TrackStatus::Coasted)));
+        counts.1 += u32::from(matches!(
+            point.status,
+            Some(TrackStatus::Confirmed | TrackStatus::Coasted)
+        ));
     }
     alive
 }
@@ -202,20 +249,33 @@ mod tests {
 
     fn read(text: &str) -> Dataset {
         let csv = format_named("csv").unwrap();
-        (csv.read)(&mut text.as_bytes(), &ReadOptions::default()).unwrap().dataset
+        (csv.read)(&mut text.as_bytes(), &ReadOptions::default())
+            .unwrap()
+            .dataset
     }
 
     fn layers() -> JobLayers {
         let detections = "time_s,scan,sensor_id,detection_id,x_m,y_m\n0,1,a,d1,0,0\n0,2,b,d2,0,0\n2,3,a,d3,0,0\n2,3,a,d4,0,0\n";
         let tracks = "time_s,track_id,sensor_id,x_m,y_m,detection_id,probability,status,nis\n\
             0,t,a,0,0,d1,1,tentative,\n2,t,a,0,0,d3,0.5,confirmed,1.5\n2,t,a,0,0,,0.5,confirmed,1.5\n2,u,a,0,0,d4,1,tentative,\n";
-        let Dataset::Detections(detections) = read(detections) else { panic!("not detections") };
-        let Dataset::Tracks(tracks) = read(tracks) else { panic!("not tracks") };
-        JobLayers { detections: Some(detections), tracks: Some(tracks), ..JobLayers::default() }
+        let Dataset::Detections(detections) = read(detections) else {
+            panic!("not detections")
+        };
+        let Dataset::Tracks(tracks) = read(tracks) else {
+            panic!("not tracks")
+        };
+        JobLayers {
+            detections: Some(detections),
+            tracks: Some(tracks),
+            ..JobLayers::default()
+        }
     }
 
     fn window() -> Window {
-        Window { max_points: 100, ..Window::default() }
+        Window {
+            max_points: 100,
+            ..Window::default()
+        }
     }
 
     #[test]
@@ -225,7 +285,14 @@ mod tests {
         assert_eq!(columns.scan, [Some(1), Some(3), Some(3), Some(3)]);
         assert_eq!(columns.probability, [1.0, 0.5, 0.5, 1.0]);
         assert_eq!(columns.nis, [None, Some(1.5), Some(1.5), None]);
-        assert_eq!(columns.detection_id.iter().filter(|id| id.is_none()).count(), 1);
+        assert_eq!(
+            columns
+                .detection_id
+                .iter()
+                .filter(|id| id.is_none())
+                .count(),
+            1
+        );
     }
 
     #[test]

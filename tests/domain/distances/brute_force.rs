@@ -37,8 +37,17 @@ pub fn positions_at(comparison: &Comparison, step: &Step) -> (Positions, Positio
         }
         positions
     };
-    let truths = spread(&comparison.truths[step.truths.clone()], comparison.truth_ids.len());
-    (truths, spread(&comparison.tracks[step.tracks.clone()], comparison.track_ids.len()))
+    let truths = spread(
+        &comparison.truths[step.truths.clone()],
+        comparison.truth_ids.len(),
+    );
+    (
+        truths,
+        spread(
+            &comparison.tracks[step.tracks.clone()],
+            comparison.track_ids.len(),
+        ),
+    )
 }
 
 pub type Positions = Vec<Option<(f64, f64)>>;
@@ -52,7 +61,10 @@ pub fn partial_assignments(rows: usize, columns: usize) -> Vec<Vec<Option<usize>
     let mut all = vec![vec![]];
     for _ in 0..rows {
         let extend = |start: Vec<Option<usize>>| {
-            let free = (0..columns).filter(|column| !start.contains(&Some(*column))).map(Some).collect::<Vec<_>>();
+            let free = (0..columns)
+                .filter(|column| !start.contains(&Some(*column)))
+                .map(Some)
+                .collect::<Vec<_>>();
             let with = |choice| start.iter().copied().chain([choice]).collect::<Vec<_>>();
             free.into_iter().chain([None]).map(with).collect::<Vec<_>>()
         };
@@ -62,13 +74,22 @@ pub fn partial_assignments(rows: usize, columns: usize) -> Vec<Vec<Option<usize>
 }
 
 fn ospa(truths: &[(f64, f64)], tracks: &[(f64, f64)], c: f64, p: f64) -> f64 {
-    let (fewer, more) = if truths.len() <= tracks.len() { (truths, tracks) } else { (tracks, truths) };
+    let (fewer, more) = if truths.len() <= tracks.len() {
+        (truths, tracks)
+    } else {
+        (tracks, truths)
+    };
     if more.is_empty() {
         return 0.0;
     }
-    let full = partial_assignments(fewer.len(), more.len()).into_iter().filter(|choices| choices.iter().all(Option::is_some));
+    let full = partial_assignments(fewer.len(), more.len())
+        .into_iter()
+        .filter(|choices| choices.iter().all(Option::is_some));
     let cost = |choices: Vec<Option<usize>>| {
-        let pairs = choices.iter().enumerate().map(|(row, column)| distance(fewer[row], more[column.unwrap()]).min(c).powf(p));
+        let pairs = choices
+            .iter()
+            .enumerate()
+            .map(|(row, column)| distance(fewer[row], more[column.unwrap()]).min(c).powf(p));
         pairs.sum::<f64>() + c.powf(p) * (more.len() - fewer.len()) as f64
     };
     (full.map(cost).fold(f64::INFINITY, f64::min) / more.len() as f64).powf(1.0 / p)
@@ -76,12 +97,21 @@ fn ospa(truths: &[(f64, f64)], tracks: &[(f64, f64)], c: f64, p: f64) -> f64 {
 
 fn gospa(truths: &[(f64, f64)], tracks: &[(f64, f64)], c: f64, p: f64) -> f64 {
     let cost = |choices: Vec<Option<usize>>| {
-        let pairs: Vec<f64> =
-            choices.iter().enumerate().filter_map(|(row, column)| Some(distance(truths[row], tracks[(*column)?]).min(c).powf(p))).collect();
+        let pairs: Vec<f64> = choices
+            .iter()
+            .enumerate()
+            .filter_map(|(row, column)| {
+                Some(distance(truths[row], tracks[(*column)?]).min(c).powf(p))
+            })
+            .collect();
         let strangers = truths.len() + tracks.len() - 2 * pairs.len();
         pairs.iter().sum::<f64>() + c.powf(p) / 2.0 * strangers as f64
     };
-    partial_assignments(truths.len(), tracks.len()).into_iter().map(cost).fold(f64::INFINITY, f64::min).powf(1.0 / p)
+    partial_assignments(truths.len(), tracks.len())
+        .into_iter()
+        .map(cost)
+        .fold(f64::INFINITY, f64::min)
+        .powf(1.0 / p)
 }
 
 #[test]
@@ -91,20 +121,39 @@ fn a_thousand_random_sets() {
         let scene = random_scene(&mut rng, 4, 1);
         let (c, p) = ([5.0, 10.0, 30.0][case % 3], [1.0, 2.0, 2.5, 4.0][case % 4]);
         let parameters = |name: &str| json!({"metric": name, "cutoff_m": c, "p": p});
-        let of_targets =
-            scene.truth.targets().iter().map(|target| (target.points[0].position_m().unwrap().x, target.points[0].position_m().unwrap().y));
-        let of_tracks = scene
-            .tracks
-            .tracks
-            .iter()
-            .map(|track| (track.points[0].estimate.plane().unwrap().state.x, track.points[0].estimate.plane().unwrap().state.y));
+        let of_targets = scene.truth.targets().iter().map(|target| {
+            (
+                target.points[0].position_m().unwrap().x,
+                target.points[0].position_m().unwrap().y,
+            )
+        });
+        let of_tracks = scene.tracks.tracks.iter().map(|track| {
+            (
+                track.points[0].estimate.plane().unwrap().state.x,
+                track.points[0].estimate.plane().unwrap().state.y,
+            )
+        });
         let (truths, tracks): (Vec<_>, Vec<_>) = (of_targets.collect(), of_tracks.collect());
-        let (found_ospa, found_gospa) = (scene.evaluate(5.0, parameters("ospa")), scene.evaluate(5.0, parameters("gospa")));
+        let (found_ospa, found_gospa) = (
+            scene.evaluate(5.0, parameters("ospa")),
+            scene.evaluate(5.0, parameters("gospa")),
+        );
         if truths.is_empty() && tracks.is_empty() {
-            assert_eq!((found_ospa.value, found_ospa.reason), (None, Some("there is no step")));
+            assert_eq!(
+                (found_ospa.value, found_ospa.reason),
+                (None, Some("there is no step"))
+            );
             continue;
         }
-        assert_close(found_ospa.value, ospa(&truths, &tracks, c, p), &format!("OSPA of case {case}"));
-        assert_close(found_gospa.value, gospa(&truths, &tracks, c, p), &format!("GOSPA of case {case}"));
+        assert_close(
+            found_ospa.value,
+            ospa(&truths, &tracks, c, p),
+            &format!("OSPA of case {case}"),
+        );
+        assert_close(
+            found_gospa.value,
+            gospa(&truths, &tracks, c, p),
+            &format!("GOSPA of case {case}"),
+        );
     }
 }

@@ -32,7 +32,14 @@ fn truth_without_tracks() {
     assert_close(gospa.quantity("missed_sum"), 50.0, "missed");
     let siap = scene.evaluate(10.0, siap());
     assert_close(siap.value, 0.0, "completeness");
-    let null = ["ambiguity", "spuriousness", "position_accuracy", "velocity_accuracy", "track_number_change_rate", "longest_segment"];
+    let null = [
+        "ambiguity",
+        "spuriousness",
+        "position_accuracy",
+        "velocity_accuracy",
+        "track_number_change_rate",
+        "longest_segment",
+    ];
     for name in null {
         assert_eq!(siap.quantity(name), None, "{name}: {}", reason(&siap, name));
     }
@@ -48,12 +55,21 @@ fn tracks_without_truth() {
     assert_close(gospa.quantity("false_sum"), 50.0, "false");
     let siap = scene.evaluate(10.0, siap());
     assert_close(siap.quantity("spuriousness"), 1.0, "spuriousness");
-    assert_eq!((siap.value, reason(&siap, "completeness")), (None, "there is no target"));
+    assert_eq!(
+        (siap.value, reason(&siap, "completeness")),
+        (None, "there is no target")
+    );
 }
 
 /// A recording of scans in which nothing happened.
 fn quiet(times_s: &[f64]) -> Recording {
-    let scan = |(index, &time_s): (usize, &f64)| Scan { number: index as u32 + 1, time_s, sensor: 0, first: 0, count: 0 };
+    let scan = |(index, &time_s): (usize, &f64)| Scan {
+        number: index as u32 + 1,
+        time_s,
+        sensor: 0,
+        first: 0,
+        count: 0,
+    };
     Recording::new(RecordingParts {
         sensors: vec![SensorSettings::named("radar")],
         scans: times_s.iter().enumerate().map(scan).collect(),
@@ -65,19 +81,35 @@ fn quiet(times_s: &[f64]) -> Recording {
 #[test]
 fn steps_at_which_both_are_empty_are_at_distance_zero() {
     let (scene, recording) = (Scene::new(&[], &[]), quiet(&[0.0, 1.0]));
-    let input = EvaluationInput { recording: Some(&recording), ..scene.input() };
-    let settings =
-        PointSettings { alignment: Alignment::Interpolate { max_gap_s: 5.0 }, gate_m: 10.0, reach_m: 10.0, time_tolerance_s: None };
+    let input = EvaluationInput {
+        recording: Some(&recording),
+        ..scene.input()
+    };
+    let settings = PointSettings {
+        alignment: Alignment::Interpolate { max_gap_s: 5.0 },
+        gate_m: 10.0,
+        reach_m: 10.0,
+        time_tolerance_s: None,
+    };
     let comparison = Comparison::of_points(&input, &scene.truth, &settings);
     let events = EventLog::new(&comparison);
-    let sequence = Sequence { comparison: &comparison, events: &events, input: Some(input) };
+    let sequence = Sequence {
+        comparison: &comparison,
+        events: &events,
+        input: Some(input),
+    };
     for (spec, name) in [(ospa(), "ospa"), (gospa(), "gospa")] {
         let report = checked(&spec).unwrap().evaluate(&[sequence]);
         assert_eq!(report.value, Some(0.0), "{name}");
         assert_eq!(values(&report, name), [Some(0.0), Some(0.0)]);
     }
     let report = checked(&siap()).unwrap().evaluate(&[sequence]);
-    assert!(report.quantities.iter().all(|quantity| quantity.value.is_none() && quantity.reason.is_some()));
+    assert!(
+        report
+            .quantities
+            .iter()
+            .all(|quantity| quantity.value.is_none() && quantity.reason.is_some())
+    );
     assert_eq!(values(&report, "completeness"), [None, None]);
 }
 
@@ -105,26 +137,60 @@ fn a_pair_at_the_cutoff_or_beyond_is_one_missed_and_one_false() {
 fn accuracies_without_a_match_are_null() {
     let scene = Scene::new(&ONE, &[(0.0, "t", 500.0, 0.0, 0.0, 0.0)]);
     let report = scene.evaluate(10.0, siap());
-    assert_eq!(reason(&report, "position_accuracy"), "no track follows a target");
-    assert_close(report.quantity("spuriousness"), 1.0, "the track follows nobody");
+    assert_eq!(
+        reason(&report, "position_accuracy"),
+        "no track follows a target"
+    );
+    assert_close(
+        report.quantity("spuriousness"),
+        1.0,
+        "the track follows nobody",
+    );
 }
 
 #[test]
 fn clocks_that_differ_meet_by_interpolation() {
-    let truth = [(0.0, "a", 0.0, 0.0, 10.0, 0.0), (2.0, "a", 20.0, 0.0, 10.0, 0.0)];
-    let tracks = [(0.5, "t", 5.0, 3.0, 10.0, 0.0), (1.5, "t", 15.0, -3.0, 10.0, 0.0)];
+    let truth = [
+        (0.0, "a", 0.0, 0.0, 10.0, 0.0),
+        (2.0, "a", 20.0, 0.0, 10.0, 0.0),
+    ];
+    let tracks = [
+        (0.5, "t", 5.0, 3.0, 10.0, 0.0),
+        (1.5, "t", 15.0, -3.0, 10.0, 0.0),
+    ];
     let scene = Scene::new(&truth, &tracks);
     assert!(scene.compare(10.0, 10.0).warnings[0].contains("share 0 of 2 times of tracks"));
-    assert_close(scene.evaluate(10.0, gospa()).value, 3.0, "3 m off the line at both times");
-    assert_close(scene.evaluate(10.0, siap()).quantity("position_accuracy"), 3.0, "3 m");
+    assert_close(
+        scene.evaluate(10.0, gospa()).value,
+        3.0,
+        "3 m off the line at both times",
+    );
+    assert_close(
+        scene.evaluate(10.0, siap()).quantity("position_accuracy"),
+        3.0,
+        "3 m",
+    );
 }
 
 #[test]
 fn times_that_do_not_meet_are_warned_of_and_all_is_missed_or_false() {
-    let scene = Scene::new(&[(0.0, "a", 0.0, 0.0, 0.0, 0.0)], &[(100.0, "t", 0.0, 0.0, 0.0, 0.0)]);
-    assert!(scene.compare(10.0, 10.0).warnings.iter().any(|warning| warning.contains("clocks of truth and tracks do not meet")));
+    let scene = Scene::new(
+        &[(0.0, "a", 0.0, 0.0, 0.0, 0.0)],
+        &[(100.0, "t", 0.0, 0.0, 0.0, 0.0)],
+    );
+    assert!(
+        scene
+            .compare(10.0, 10.0)
+            .warnings
+            .iter()
+            .any(|warning| warning.contains("clocks of truth and tracks do not meet"))
+    );
     let report = scene.evaluate(10.0, gospa());
-    assert_close(report.quantity("false"), 1.0, "the only step has the track alone");
+    assert_close(
+        report.quantity("false"),
+        1.0,
+        "the only step has the track alone",
+    );
     assert_close(report.value, 50f64.sqrt(), "GOSPA");
 }
 
@@ -132,7 +198,10 @@ fn times_that_do_not_meet_are_warned_of_and_all_is_missed_or_false() {
 fn what_is_not_finite_never_gets_past_the_readers() {
     use trackloom_domain::formats::{ReadOptions, format_named};
     let csv = format_named("csv").unwrap();
-    for text in ["time_s,truth_id,x_m,y_m\n0,a,NaN,0\n", "time_s,track_id,x_m,y_m\n0,t,0,inf\n"] {
+    for text in [
+        "time_s,truth_id,x_m,y_m\n0,a,NaN,0\n",
+        "time_s,track_id,x_m,y_m\n0,t,0,inf\n",
+    ] {
         let faults = (csv.read)(&mut text.as_bytes(), &ReadOptions::default()).unwrap_err();
         assert!(faults[0].line == Some(2), "{faults:?}");
     }
@@ -141,12 +210,24 @@ fn what_is_not_finite_never_gets_past_the_readers() {
 #[test]
 fn parameters_out_of_range_are_refused_with_what_is_allowed() {
     for metric in ["ospa", "gospa"] {
-        let faults = checked(&json!({"metric": metric, "cutoff_m": 0, "p": 0.5})).err().unwrap();
+        let faults = checked(&json!({"metric": metric, "cutoff_m": 0, "p": 0.5}))
+            .err()
+            .unwrap();
         assert_eq!(faults, ["/cutoff_m [0.001, 10000000] m", "/p [1, 10]"]);
     }
-    let faults = checked(&json!({"metric": "siap", "confirm_steps": 0, "siap_compat": "best"})).err().unwrap();
-    assert_eq!(faults, ["/confirm_steps [1, 1000]", "/siap_compat none, stonesoup"]);
-    assert_eq!(checked(&json!({"metric": "gospa", "switch_penalty_m": -1})).err().unwrap(), ["/switch_penalty_m [0, 10000000] m"]);
+    let faults = checked(&json!({"metric": "siap", "confirm_steps": 0, "siap_compat": "best"}))
+        .err()
+        .unwrap();
+    assert_eq!(
+        faults,
+        ["/confirm_steps [1, 1000]", "/siap_compat none, stonesoup"]
+    );
+    assert_eq!(
+        checked(&json!({"metric": "gospa", "switch_penalty_m": -1}))
+            .err()
+            .unwrap(),
+        ["/switch_penalty_m [0, 10000000] m"]
+    );
 }
 
 #[test]

@@ -22,7 +22,10 @@ pub struct Scene {
 
 impl Scene {
     pub fn new(truth: &[Row], tracks: &[Row]) -> Scene {
-        Scene { truth: truth_set(truth), tracks: track_set(tracks) }
+        Scene {
+            truth: truth_set(truth),
+            tracks: track_set(tracks),
+        }
     }
 
     /// From lines `time id x y vx vy`.
@@ -41,7 +44,11 @@ impl Scene {
     }
 
     pub fn input(&self) -> EvaluationInput<'_> {
-        EvaluationInput { recording: None, truth: Some(&self.truth), tracks: &self.tracks }
+        EvaluationInput {
+            recording: None,
+            truth: Some(&self.truth),
+            tracks: &self.tracks,
+        }
     }
 
     pub fn evaluate(&self, gate_m: f64, spec: Value) -> MetricReport {
@@ -52,12 +59,22 @@ impl Scene {
 pub fn evaluate_all(scenes: &[&Scene], gate_m: f64, spec: Value) -> MetricReport {
     let metric = metric(spec);
     let reach_m = metric.reach_m(gate_m);
-    let compared: Vec<_> = scenes.iter().map(|scene| (scene.compare(gate_m, reach_m), scene)).collect();
-    let logs: Vec<EventLog> = compared.iter().map(|(comparison, _)| EventLog::new(comparison)).collect();
+    let compared: Vec<_> = scenes
+        .iter()
+        .map(|scene| (scene.compare(gate_m, reach_m), scene))
+        .collect();
+    let logs: Vec<EventLog> = compared
+        .iter()
+        .map(|(comparison, _)| EventLog::new(comparison))
+        .collect();
     let sequences: Vec<Sequence> = compared
         .iter()
         .zip(&logs)
-        .map(|((comparison, scene), events)| Sequence { comparison, events, input: Some(scene.input()) })
+        .map(|((comparison, scene), events)| Sequence {
+            comparison,
+            events,
+            input: Some(scene.input()),
+        })
         .collect();
     let report = metric.evaluate(&sequences);
     assert_sound(&report);
@@ -69,9 +86,15 @@ pub fn checked(spec: &Value) -> Result<Box<dyn Metric>, Vec<String>> {
     let mut faults = Vec::new();
     let spec = check_field(spec, &ANY, "", &mut faults);
     if !faults.is_empty() {
-        return Err(faults.into_iter().map(|fault| format!("{} {}", fault.pointer, fault.allowed.unwrap_or_default())).collect());
+        return Err(faults
+            .into_iter()
+            .map(|fault| format!("{} {}", fault.pointer, fault.allowed.unwrap_or_default()))
+            .collect());
     }
-    let method = METRICS.iter().find(|method| spec["metric"] == method.name).unwrap();
+    let method = METRICS
+        .iter()
+        .find(|method| spec["metric"] == method.name)
+        .unwrap();
     Ok((method.build)(&spec).unwrap())
 }
 
@@ -81,21 +104,47 @@ pub fn metric(spec: Value) -> Box<dyn Metric> {
 
 /// Every number is finite, and what is missing has a reason.
 fn assert_sound(report: &MetricReport) {
-    let lines = report.per_truth.iter().chain(&report.per_track).flat_map(|line| &line.quantities);
+    let lines = report
+        .per_truth
+        .iter()
+        .chain(&report.per_track)
+        .flat_map(|line| &line.quantities);
     for quantity in report.quantities.iter().chain(lines) {
         assert!(quantity.value.is_none_or(f64::is_finite), "{quantity:?}");
-        assert_eq!(quantity.value.is_none(), quantity.reason.is_some(), "{quantity:?}");
+        assert_eq!(
+            quantity.value.is_none(),
+            quantity.reason.is_some(),
+            "{quantity:?}"
+        );
     }
-    assert!(report.series.iter().flat_map(|series| series.values.iter().flatten()).all(|value| value.is_finite()));
+    assert!(
+        report
+            .series
+            .iter()
+            .flat_map(|series| series.values.iter().flatten())
+            .all(|value| value.is_finite())
+    );
     assert!(!report.parameters.is_empty());
 }
 
 pub fn values(report: &MetricReport, series: &str) -> Vec<Option<f64>> {
-    report.series.iter().find(|found| found.name == series).unwrap().values.clone()
+    report
+        .series
+        .iter()
+        .find(|found| found.name == series)
+        .unwrap()
+        .values
+        .clone()
 }
 
 pub fn reason(report: &MetricReport, quantity: &str) -> &'static str {
-    report.quantities.iter().find(|found| found.name == quantity).unwrap().reason.unwrap()
+    report
+        .quantities
+        .iter()
+        .find(|found| found.name == quantity)
+        .unwrap()
+        .reason
+        .unwrap()
 }
 
 pub fn close(left: f64, right: f64) -> bool {
@@ -103,7 +152,10 @@ pub fn close(left: f64, right: f64) -> bool {
 }
 
 pub fn assert_close(found: Option<f64>, expected: f64, what: &str) {
-    assert!(found.is_some_and(|found| close(found, expected)), "{what}: found {found:?}, expected {expected}");
+    assert!(
+        found.is_some_and(|found| close(found, expected)),
+        "{what}: found {found:?}, expected {expected}"
+    );
 }
 
 pub fn assert_series(report: &MetricReport, name: &str, expected: &[f64]) {
@@ -118,9 +170,19 @@ fn rows(text: &str) -> Vec<Row<'_>> {
     let row = |line| {
         let fields: Vec<&str> = str::split_whitespace(line).collect();
         let number = |place: usize| fields[place].parse::<f64>().unwrap();
-        (number(0), fields[1], number(2), number(3), number(4), number(5))
+        (
+            number(0),
+            fields[1],
+            number(2),
+            number(3),
+            number(4),
+            number(5),
+        )
     };
-    text.lines().filter(|line| !line.trim().is_empty()).map(row).collect()
+    text.lines()
+        .filter(|line| !line.trim().is_empty())
+        .map(row)
+        .collect()
 }
 
 fn truth_set(rows: &[Row]) -> TruthSet {
@@ -129,7 +191,10 @@ fn truth_set(rows: &[Row]) -> TruthSet {
         let point = TruthPoint::in_plane(time_s, Position::new(x, y), Some(Position::new(vx, vy)));
         match targets.iter_mut().find(|target| target.truth_id == id) {
             Some(target) => target.points.push(point),
-            None => targets.push(Target { truth_id: id.to_owned(), points: vec![point] }),
+            None => targets.push(Target {
+                truth_id: id.to_owned(),
+                points: vec![point],
+            }),
         }
     }
     TruthSet::new(targets).unwrap()
@@ -141,19 +206,39 @@ fn track_set(rows: &[Row]) -> TrackSet {
         let point = track_point(time_s, State::new(x, y, vx, vy), None);
         match tracks.iter_mut().find(|track| track.track_id == id) {
             Some(track) => track.points.push(point),
-            None => tracks.push(Track { track_id: id.to_owned(), points: vec![point] }),
+            None => tracks.push(Track {
+                track_id: id.to_owned(),
+                points: vec![point],
+            }),
         }
     }
-    TrackSet { tracks, ..TrackSet::default() }
+    TrackSet {
+        tracks,
+        ..TrackSet::default()
+    }
 }
 
 pub fn track_point(time_s: f64, state: State, covariance: Option<Covariance>) -> TrackPoint {
-    let estimate = Estimate::Plane(PlaneEstimate { state, has_velocity: true, covariance });
-    TrackPoint { time_s, sensor: None, estimate, status: None, nis: None, first_candidate: 0, candidates: 0 }
+    let estimate = Estimate::Plane(PlaneEstimate {
+        state,
+        has_velocity: true,
+        covariance,
+    });
+    TrackPoint {
+        time_s,
+        sensor: None,
+        estimate,
+        status: None,
+        nis: None,
+        first_candidate: 0,
+        candidates: 0,
+    }
 }
 
 /// Gives a point of a track in the plane another covariance.
 pub fn set_covariance(point: &mut TrackPoint, covariance: Covariance) {
-    let Estimate::Plane(plane) = &mut point.estimate else { panic!("not in the plane") };
+    let Estimate::Plane(plane) = &mut point.estimate else {
+        panic!("not in the plane")
+    };
     plane.covariance = Some(covariance);
 }

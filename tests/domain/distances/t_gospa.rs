@@ -18,7 +18,11 @@ fn spec(c: f64, p: f64, gamma: f64) -> Value {
 #[test]
 fn the_small_scenes() {
     for &(name, c, p, gamma, value, per_step) in T_GOSPA {
-        let scene = if name == "main" { scenes::main() } else { scenes::swap() };
+        let scene = if name == "main" {
+            scenes::main()
+        } else {
+            scenes::swap()
+        };
         let report = scene.evaluate(10.0, spec(c, p, gamma));
         assert_close(report.value, value, name);
         assert_close(report.quantity("t_gospa_per_step"), per_step, name);
@@ -29,10 +33,19 @@ fn the_small_scenes() {
 #[test]
 fn the_parts_of_the_exchange_are_two_switches_and_the_offsets() {
     let report = scenes::swap().evaluate(10.0, spec(10.0, 2.0, 2.0));
-    for (name, value) in [("localisation", 13.75), ("missed", 0.0), ("false", 0.0), ("switching", 8.0), ("switches", 2.0)] {
+    for (name, value) in [
+        ("localisation", 13.75),
+        ("missed", 0.0),
+        ("false", 0.0),
+        ("switching", 8.0),
+        ("switches", 2.0),
+    ] {
         assert_close(report.quantity(name), value, name);
     }
-    let parts: f64 = ["localisation", "missed", "false", "switching"].iter().map(|name| report.quantity(name).unwrap()).sum();
+    let parts: f64 = ["localisation", "missed", "false", "switching"]
+        .iter()
+        .map(|name| report.quantity(name).unwrap())
+        .sum();
     assert_close(report.value, parts.sqrt(), "the parts add up");
 }
 
@@ -67,11 +80,21 @@ fn by_every_sequence(comparison: &Comparison, c: f64, p: f64, gamma: f64) -> f64
     for (index, step) in comparison.steps.iter().enumerate() {
         let positions = positions_at(comparison, step);
         let from_before = |after: &Assignment| {
-            let reach = |(before, cost): (&Assignment, &f64)| cost + gamma.powf(p) * switches(before, after);
-            assignments.iter().zip(&best).map(reach).fold(f64::INFINITY, f64::min)
+            let reach = |(before, cost): (&Assignment, &f64)| {
+                cost + gamma.powf(p) * switches(before, after)
+            };
+            assignments
+                .iter()
+                .zip(&best)
+                .map(reach)
+                .fold(f64::INFINITY, f64::min)
         };
-        best =
-            assignments.iter().map(|after| cost_at(&positions, after, c, p) + if index == 0 { 0.0 } else { from_before(after) }).collect();
+        best = assignments
+            .iter()
+            .map(|after| {
+                cost_at(&positions, after, c, p) + if index == 0 { 0.0 } else { from_before(after) }
+            })
+            .collect();
     }
     best.into_iter().fold(f64::INFINITY, f64::min).powf(1.0 / p)
 }
@@ -86,7 +109,11 @@ fn a_thousand_random_scenes() {
         }
         let (heads, steps) = ([2, 3, 3][case % 3], [3, 5, 8][case % 3]);
         let scene = random_scene(&mut rng, heads, steps);
-        let (c, p, gamma) = ([6.0, 12.0, 25.0][case % 3], [1.0, 2.0, 3.0][case % 3 / 2 + case % 2], [0.0, 1.0, 4.0, 10.0, 40.0][case % 5]);
+        let (c, p, gamma) = (
+            [6.0, 12.0, 25.0][case % 3],
+            [1.0, 2.0, 3.0][case % 3 / 2 + case % 2],
+            [0.0, 1.0, 4.0, 10.0, 40.0][case % 5],
+        );
         let comparison = scene.compare(5.0, c);
         if comparison.steps.is_empty() {
             continue;
@@ -94,7 +121,11 @@ fn a_thousand_random_scenes() {
         let report = scene.evaluate(5.0, spec(c, p, gamma));
         assert_eq!(report.parameters["method"], "dynamic programming: exact");
         let expected = by_every_sequence(&comparison, c, p, gamma);
-        assert_close(report.value, expected, &format!("case {case}: c {c} p {p} gamma {gamma}"));
+        assert_close(
+            report.value,
+            expected,
+            &format!("case {case}: c {c} p {p} gamma {gamma}"),
+        );
         compared += 1;
     }
 }
@@ -120,14 +151,30 @@ fn what_is_too_entangled_is_bounded_from_below() {
     let names = ["a", "b", "c", "d", "e", "f", "g", "h"];
     let mut rows = || -> Vec<Row> {
         use rand::RngExt;
-        let mut row = |name, step| (f64::from(step), name, rng.random_range(0.0..50.0), rng.random_range(0.0..50.0), 0.0, 0.0);
-        names.iter().flat_map(|name| (0..12).map(|step| (*name, step))).map(|(name, step)| row(name, step)).collect()
+        let mut row = |name, step| {
+            (
+                f64::from(step),
+                name,
+                rng.random_range(0.0..50.0),
+                rng.random_range(0.0..50.0),
+                0.0,
+                0.0,
+            )
+        };
+        names
+            .iter()
+            .flat_map(|name| (0..12).map(|step| (*name, step)))
+            .map(|(name, step)| row(name, step))
+            .collect()
     };
     let scene = Scene::new(&rows(), &rows());
     let report = scene.evaluate(10.0, spec(100.0, 1.0, 30.0));
     assert_eq!(report.quantity("clusters_exact"), Some(0.0));
     let method = report.parameters["method"].as_str().unwrap();
-    assert!(method.starts_with("dynamic and linear programming"), "{method}");
+    assert!(
+        method.starts_with("dynamic and linear programming"),
+        "{method}"
+    );
     // Better than never switching, not better than switching for nothing.
     let free = scene.evaluate(10.0, spec(100.0, 1.0, 0.0)).value.unwrap();
     let value = report.value.unwrap();
@@ -139,13 +186,19 @@ fn what_is_too_entangled_is_bounded_from_below() {
 /// The cost, c = 100 and p = 1, of keeping target n and track n together throughout.
 fn kept_together(scene: &Scene) -> f64 {
     let pairs = scene.truth.targets().iter().zip(&scene.tracks.tracks);
-    let cost = |(target, track): (&trackloom_domain::model::truth::Target, &trackloom_domain::model::track::Track)| {
+    let cost = |(target, track): (
+        &trackloom_domain::model::truth::Target,
+        &trackloom_domain::model::track::Track,
+    )| {
         let points = target.points.iter().zip(&track.points);
         points
             .map(|(truth, track)| {
                 distance(
                     (truth.position_m().unwrap().x, truth.position_m().unwrap().y),
-                    (track.estimate.plane().unwrap().state.x, track.estimate.plane().unwrap().state.y),
+                    (
+                        track.estimate.plane().unwrap().state.x,
+                        track.estimate.plane().unwrap().state.y,
+                    ),
                 )
                 .min(100.0)
             })
@@ -156,24 +209,52 @@ fn kept_together(scene: &Scene) -> f64 {
 
 #[test]
 fn edges() {
-    let one = [(0.0, "a", 0.0, 0.0, 0.0, 0.0), (1.0, "a", 0.0, 0.0, 0.0, 0.0)];
+    let one = [
+        (0.0, "a", 0.0, 0.0, 0.0, 0.0),
+        (1.0, "a", 0.0, 0.0, 0.0, 0.0),
+    ];
     let alone = Scene::new(&one, &[]).evaluate(10.0, spec(10.0, 2.0, 1.0));
     assert_close(alone.value, 10.0, "two missed points at half of c² each");
     assert_close(alone.quantity("missed"), 100.0, "missed");
     let spare = Scene::new(&[], &one).evaluate(10.0, spec(10.0, 2.0, 1.0));
     assert_close(spare.quantity("false"), 100.0, "false");
     let none = Scene::new(&[], &[]).evaluate(10.0, spec(10.0, 2.0, 1.0));
-    assert_eq!((none.value, reason(&none, "t_gospa")), (None, "there is no step"));
-    let at_cutoff = Scene::new(&one[..1], &[(0.0, "t", 10.0, 0.0, 0.0, 0.0)]).evaluate(20.0, spec(10.0, 2.0, 1.0));
-    assert_eq!([at_cutoff.quantity("missed_points"), at_cutoff.quantity("false_points")], [Some(1.0), Some(1.0)]);
+    assert_eq!(
+        (none.value, reason(&none, "t_gospa")),
+        (None, "there is no step")
+    );
+    let at_cutoff = Scene::new(&one[..1], &[(0.0, "t", 10.0, 0.0, 0.0, 0.0)])
+        .evaluate(20.0, spec(10.0, 2.0, 1.0));
+    assert_eq!(
+        [
+            at_cutoff.quantity("missed_points"),
+            at_cutoff.quantity("false_points")
+        ],
+        [Some(1.0), Some(1.0)]
+    );
     let faults = checked(&spec(-1.0, 0.0, -2.0)).err().unwrap();
-    assert_eq!(faults, ["/cutoff_m [0.001, 10000000] m", "/p [1, 10]", "/switch_penalty_m [0, 10000000] m"]);
+    assert_eq!(
+        faults,
+        [
+            "/cutoff_m [0.001, 10000000] m",
+            "/p [1, 10]",
+            "/switch_penalty_m [0, 10000000] m"
+        ]
+    );
     let extreme = Scene::new(&one, &one).evaluate(10.0, spec(1e-3, 10.0, 1e7));
     assert_close(extreme.value, 0.0, "nothing is wrong");
 }
 
 #[test]
 fn sequences_add_up_their_powers() {
-    let report = evaluate_all(&[&scenes::main(), &scenes::swap()], 10.0, spec(10.0, 2.0, 1.0));
-    assert_close(report.value, 20.77257807784099f64.hypot(3.968626966596886), "root of the sum of squares");
+    let report = evaluate_all(
+        &[&scenes::main(), &scenes::swap()],
+        10.0,
+        spec(10.0, 2.0, 1.0),
+    );
+    assert_close(
+        report.value,
+        20.77257807784099f64.hypot(3.968626966596886),
+        "root of the sum of squares",
+    );
 }

@@ -16,7 +16,11 @@ fn record(outcome: Result<ReadOutcome, Vec<Fault>>) -> BearingTimeRecord {
 }
 
 fn places(outcome: Result<ReadOutcome, Vec<Fault>>) -> Vec<(String, Option<u64>, Option<String>)> {
-    outcome.expect_err("there are faults").into_iter().map(|fault| (fault.code, fault.line, fault.column)).collect()
+    outcome
+        .expect_err("there are faults")
+        .into_iter()
+        .map(|fault| (fault.code, fault.line, fault.column))
+        .collect()
 }
 
 fn place(code: &str, line: u64, column: &str) -> (String, Option<u64>, Option<String>) {
@@ -26,10 +30,19 @@ fn place(code: &str, line: u64, column: &str) -> (String, Option<u64>, Option<St
 #[test]
 fn a_matrix_is_known_by_its_header() {
     let record = record(read("csv", "time_s,350,355.5\r\n0,1,-2.5\r\n2,3e1,4\r\n"));
-    assert_eq!((record.times_s.as_slice(), record.levels_db.as_slice()), ([0.0, 2.0].as_slice(), [1.0, -2.5, 30.0, 4.0].as_slice()));
-    assert_eq!(record.bearings_rad, [350f64.to_radians(), 355.5f64.to_radians()]);
+    assert_eq!(
+        (record.times_s.as_slice(), record.levels_db.as_slice()),
+        ([0.0, 2.0].as_slice(), [1.0, -2.5, 30.0, 4.0].as_slice())
+    );
+    assert_eq!(
+        record.bearings_rad,
+        [350f64.to_radians(), 355.5f64.to_radians()]
+    );
     let summary = Dataset::BearingTime(record).summary();
-    assert_eq!((summary.kind, summary.scans, summary.rows, summary.end_s), (DatasetKind::BearingTime, 2, 4, Some(2.0)));
+    assert_eq!(
+        (summary.kind, summary.scans, summary.rows, summary.end_s),
+        (DatasetKind::BearingTime, 2, 4, Some(2.0))
+    );
     assert!((summary.last_bearing_deg.unwrap() - 355.5).abs() < 1e-12);
 }
 
@@ -48,17 +61,36 @@ fn every_fault_of_a_matrix_has_its_line_and_column() {
             place("not_finite", 5, "20"),
         ]
     );
-    let lying = read("csv", "bearing_deg,0,1,2\n10,1,2,3\n20,1,2,3\n").expect_err("it lies on its side");
+    let lying =
+        read("csv", "bearing_deg,0,1,2\n10,1,2,3\n20,1,2,3\n").expect_err("it lies on its side");
     assert!(lying[0].detail.contains("lies on its side"), "{lying:?}");
-    assert_eq!(places(read_with("csv", "time_s,0,west\n0,1,2\n", &of_kind(DatasetKind::BearingTime))), [place("wrong_type", 1, "west")]);
+    assert_eq!(
+        places(read_with(
+            "csv",
+            "time_s,0,west\n0,1,2\n",
+            &of_kind(DatasetKind::BearingTime)
+        )),
+        [place("wrong_type", 1, "west")]
+    );
     let turn = read("csv", "time_s,0,360\n0,1,2\n").expect_err("0 and 360 are one bearing");
-    assert_eq!((turn[0].pointer.as_str(), turn[0].code.as_str()), ("/file", "out_of_range"));
-    assert_eq!(read("csv", "time_s,0,10\n").expect_err("no row")[0].code, "empty");
+    assert_eq!(
+        (turn[0].pointer.as_str(), turn[0].code.as_str()),
+        ("/file", "out_of_range")
+    );
+    assert_eq!(
+        read("csv", "time_s,0,10\n").expect_err("no row")[0].code,
+        "empty"
+    );
 }
 
 #[test]
 fn a_record_is_no_table_of_columns() {
-    let of_json = read_with("json", r#"{"columns":{"time_s":[0]}}"#, &of_kind(DatasetKind::BearingTime)).expect_err("no table");
+    let of_json = read_with(
+        "json",
+        r#"{"columns":{"time_s":[0]}}"#,
+        &of_kind(DatasetKind::BearingTime),
+    )
+    .expect_err("no table");
     assert_eq!(of_json[0].code, "unsupported");
     let record = record(read("csv", "time_s,0,10\n0,1,2\n"));
     assert!(write_json(&Dataset::BearingTime(record), &mut Vec::new()).is_err());
@@ -94,8 +126,16 @@ fn npy(version: u8, header: &str, values: &[u8]) -> Vec<u8> {
 }
 
 fn with_axes() -> ReadOptions {
-    let axes = BearingTimeAxes { first_time_s: 5.0, time_step_s: 2.0, first_bearing_deg: 90.0, bearing_step_deg: 0.5 };
-    ReadOptions { bearing_time: Some(axes), ..Default::default() }
+    let axes = BearingTimeAxes {
+        first_time_s: 5.0,
+        time_step_s: 2.0,
+        first_bearing_deg: 90.0,
+        bearing_step_deg: 0.5,
+    };
+    ReadOptions {
+        bearing_time: Some(axes),
+        ..Default::default()
+    }
 }
 
 fn header(number: &str, order: &str) -> String {
@@ -126,7 +166,11 @@ fn arrays_of_all_numbers_orders_and_versions_are_the_same_record() {
             for (order, values) in [("False", ROWS), ("True", COLUMNS)] {
                 let file = npy(version, &header(number, order), &bytes(number, values));
                 let found = record(read_with("npy", &file, &with_axes()));
-                assert_eq!(found.levels_db, ROWS.map(f32::from), "{number} {version} {order}");
+                assert_eq!(
+                    found.levels_db,
+                    ROWS.map(f32::from),
+                    "{number} {version} {order}"
+                );
                 assert_eq!(found.times_s, [5.0, 7.0]);
                 assert_eq!(found.bearings_rad, [90.0, 90.5, 91.0].map(f64::to_radians));
             }
@@ -140,25 +184,58 @@ fn an_array_without_axes_or_of_something_else_says_what_is_needed() {
     let fault = |file: &[u8], options: &ReadOptions| {
         let faults = read_with("npy", file, options).expect_err("there is a fault");
         assert_eq!(faults.len(), 1, "{faults:?}");
-        (faults[0].pointer.clone(), faults[0].code.clone(), faults[0].detail.clone())
+        (
+            faults[0].pointer.clone(),
+            faults[0].code.clone(),
+            faults[0].detail.clone(),
+        )
     };
     let sound = npy(1, &header("<f4", "False"), &values);
     let (pointer, code, _) = fault(&sound, &ReadOptions::default());
-    assert_eq!((pointer.as_str(), code.as_str()), ("/meta/bearing_time", "missing"));
+    assert_eq!(
+        (pointer.as_str(), code.as_str()),
+        ("/meta/bearing_time", "missing")
+    );
     let detail = |file: &[u8]| fault(file, &with_axes()).2;
     assert!(detail(&sound[..sound.len() - 1]).contains("need 24 bytes; there are 23"));
     assert!(detail(&[sound.as_slice(), &[0]].concat()).contains("there are more"));
     assert!(detail(&sound[..20]).contains("ends before its header"));
     assert!(detail(&npy(9, "", &[])).contains("version 9"));
     assert!(detail(&npy(1, &header("<c8", "False"), &values)).contains("'<c8'"));
-    assert!(detail(&npy(1, &header("<f4", "False").replace("(2, 3)", "(6,)"), &values)).contains("no matrix"));
-    let of_shape = |shape: &str, values: &[u8]| npy(1, &header("<f4", "False").replace("(2, 3)", shape), values);
-    assert_eq!(detail(&of_shape("(2, 0)", &[])), "the array has 2 rows and 0 columns");
-    assert_eq!(detail(&of_shape("(1000000000000, 0)", &[])), "the array has 1000000000000 rows and 0 columns");
-    assert_eq!(detail(&of_shape("(1000000000000, 1)", &[])), "the array has 1000000000000 rows and 1 columns");
+    assert!(
+        detail(&npy(
+            1,
+            &header("<f4", "False").replace("(2, 3)", "(6,)"),
+            &values
+        ))
+        .contains("no matrix")
+    );
+    let of_shape = |shape: &str, values: &[u8]| {
+        npy(1, &header("<f4", "False").replace("(2, 3)", shape), values)
+    };
+    assert_eq!(
+        detail(&of_shape("(2, 0)", &[])),
+        "the array has 2 rows and 0 columns"
+    );
+    assert_eq!(
+        detail(&of_shape("(1000000000000, 0)", &[])),
+        "the array has 1000000000000 rows and 0 columns"
+    );
+    assert_eq!(
+        detail(&of_shape("(1000000000000, 1)", &[])),
+        "the array has 1000000000000 rows and 1 columns"
+    );
     assert!(detail(&of_shape("(4, 3)", &values)).contains("need 48 bytes; there are 24"));
-    let nan = npy(1, &header("<f4", "False"), &[&values[..20], &f32::NAN.to_le_bytes()].concat());
+    let nan = npy(
+        1,
+        &header("<f4", "False"),
+        &[&values[..20], &f32::NAN.to_le_bytes()].concat(),
+    );
     assert!(detail(&nan).contains("row 1, column 2"));
-    let huge = npy(1, &header("<f4", "False").replace("(2, 3)", "(99999999999, 99999999999)"), &values);
+    let huge = npy(
+        1,
+        &header("<f4", "False").replace("(2, 3)", "(99999999999, 99999999999)"),
+        &values,
+    );
     assert!(detail(&huge).contains("cells"));
 }

@@ -17,7 +17,9 @@ fn survives(dataset: &Dataset) {
             _ => trackloom_domain::formats::write_json(dataset, &mut bytes),
         }
         .expect("written to memory");
-        let again = read(name, String::from_utf8(bytes).expect("text")).expect("what was written is sound").dataset;
+        let again = read(name, String::from_utf8(bytes).expect("text"))
+            .expect("what was written is sound")
+            .dataset;
         assert_eq!(&again, dataset, "{name}");
     }
 }
@@ -32,29 +34,55 @@ fn tracks_of_bearings_are_read_in_degrees_and_survive() {
     let set = tracks(outcome);
     assert!(set.is_of_bearings());
     let first = bearing(&set.tracks[0].points[0]);
-    assert!((first.bearing_rad - PI).abs() < 1e-15 && (first.rate_radps.unwrap() + PI / 100.0).abs() < 1e-15);
+    assert!(
+        (first.bearing_rad - PI).abs() < 1e-15
+            && (first.rate_radps.unwrap() + PI / 100.0).abs() < 1e-15
+    );
     let covariance = first.covariance.expect("given");
-    assert!((covariance[(0, 0)] - (PI / 100.0).powi(2)).abs() < 1e-15 && (covariance[(1, 1)] - (PI / 1000.0).powi(2)).abs() < 1e-15);
-    assert!(covariance[(0, 1)] == covariance[(1, 0)] && (covariance[(0, 1)] - 0.1 * (PI / 180.0).powi(2)).abs() < 1e-18);
+    assert!(
+        (covariance[(0, 0)] - (PI / 100.0).powi(2)).abs() < 1e-15
+            && (covariance[(1, 1)] - (PI / 1000.0).powi(2)).abs() < 1e-15
+    );
+    assert!(
+        covariance[(0, 1)] == covariance[(1, 0)]
+            && (covariance[(0, 1)] - 0.1 * (PI / 180.0).powi(2)).abs() < 1e-18
+    );
     let second = bearing(&set.tracks[0].points[1]);
     assert_eq!((second.rate_radps, second.covariance), (None, None));
 }
 
 #[test]
 fn truth_of_bearings_is_read_in_degrees_and_survives() {
-    let outcome = read("csv", "time_s,truth_id,bearing_deg\n0,a,270\n1,a,271.3\n0,b,90\n").expect("sound");
+    let outcome = read(
+        "csv",
+        "time_s,truth_id,bearing_deg\n0,a,270\n1,a,271.3\n0,b,90\n",
+    )
+    .expect("sound");
     survives(&outcome.dataset);
     let truth = truth(outcome);
     assert!(truth.is_of_bearings());
-    assert_eq!(truth.targets()[0].points[0], TruthPoint::at_bearing(0.0, 270f64.to_radians()));
-    assert_eq!(truth.targets()[0].position_at(0.0, 5.0), None, "a direction is no place");
+    assert_eq!(
+        truth.targets()[0].points[0],
+        TruthPoint::at_bearing(0.0, 270f64.to_radians())
+    );
+    assert_eq!(
+        truth.targets()[0].position_at(0.0, 5.0),
+        None,
+        "a direction is no place"
+    );
 }
 
 #[test]
 fn a_file_with_both_is_of_places_and_says_so() {
-    for text in ["time_s,track_id,x_m,y_m,bearing_deg\n0,1,1,2,45\n", "time_s,truth_id,x_m,y_m,bearing_deg\n0,1,1,2,45\n"] {
+    for text in [
+        "time_s,track_id,x_m,y_m,bearing_deg\n0,1,1,2,45\n",
+        "time_s,truth_id,x_m,y_m,bearing_deg\n0,1,1,2,45\n",
+    ] {
         let outcome = read("csv", text).expect("sound");
-        assert_eq!(outcome.warnings, ["columns kept in the file but not used: bearing_deg"]);
+        assert_eq!(
+            outcome.warnings,
+            ["columns kept in the file but not used: bearing_deg"]
+        );
     }
 }
 
@@ -68,23 +96,46 @@ fn what_is_wrong_with_a_bearing_is_named_by_its_line() {
     assert_eq!(
         faults,
         [
-            at(2, "bearing_deg", "malformed", "expected a number, found 'x'"),
+            at(
+                2,
+                "bearing_deg",
+                "malformed",
+                "expected a number, found 'x'"
+            ),
             at(3, "bearing_deg", "missing", "'bearing_deg' is empty"),
             at(3, "p_bbr", "missing", "'p_bbr' is empty"),
-            at(5, "bearing_deg", "conflict", "track '1' at 2 s is at another position on line 4"),
+            at(
+                5,
+                "bearing_deg",
+                "conflict",
+                "track '1' at 2 s is at another position on line 4"
+            ),
         ]
     );
     assert_eq!(
         fault("csv", "time_s,truth_id,bearing_deg\n0,a,1e400\n"),
-        at(2, "bearing_deg", "not_finite", "'1e400' is not a finite number")
+        at(
+            2,
+            "bearing_deg",
+            "not_finite",
+            "'1e400' is not a finite number"
+        )
     );
     let known = "time_s, track_id, bearing_deg, sensor_id, bearing_rate_degps, p_bb, p_bbr, p_brbr, detection_id, probability, status, nis, existence";
     assert_eq!(
         fault("csv", "time_s,track_id,bearing_deg,p_bb,p_brbr\n"),
-        at(1, "p_bbr", "missing", "column 'p_bbr' is missing: p_bb, p_bbr, p_brbr come together").allowing(known)
+        at(
+            1,
+            "p_bbr",
+            "missing",
+            "column 'p_bbr' is missing: p_bb, p_bbr, p_brbr come together"
+        )
+        .allowing(known)
     );
     assert_eq!(
-        fault("csv", "time_s,track_id,bearing_deg,x_m\n0,1,2,3\n").column.as_deref(),
+        fault("csv", "time_s,track_id,bearing_deg,x_m\n0,1,2,3\n")
+            .column
+            .as_deref(),
         Some("y_m"),
         "half a place is a place with a hole"
     );

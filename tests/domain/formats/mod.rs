@@ -17,7 +17,11 @@ use trackloom_domain::model::scan::Recording;
 use trackloom_domain::model::track::TrackSet;
 use trackloom_domain::model::truth::TruthSet;
 
-pub fn read_with(format: &str, bytes: impl AsRef<[u8]>, options: &ReadOptions) -> Result<ReadOutcome, Vec<Fault>> {
+pub fn read_with(
+    format: &str,
+    bytes: impl AsRef<[u8]>,
+    options: &ReadOptions,
+) -> Result<ReadOutcome, Vec<Fault>> {
     let format = format_named(format).expect("the format is known");
     (format.read)(&mut bytes.as_ref(), options)
 }
@@ -27,7 +31,10 @@ fn read(format: &str, bytes: impl AsRef<[u8]>) -> Result<ReadOutcome, Vec<Fault>
 }
 
 pub fn of_kind(kind: DatasetKind) -> ReadOptions {
-    ReadOptions { kind: Some(kind), ..Default::default() }
+    ReadOptions {
+        kind: Some(kind),
+        ..Default::default()
+    }
 }
 
 fn recording(outcome: ReadOutcome) -> Recording {

@@ -31,10 +31,23 @@ fn rows_of_each_length_are_read() {
         height_px,
         confidence,
     };
-    let expected = [one(1, 0, -1.0, 0.5, 7.0, 8.0, 0.9), one(1, 1, 0.0, 0.0, 1.0, 1.0, -1.0), one(2, 1, 1.5, 2.0, 3.0, 4.0, 1.0)];
+    let expected = [
+        one(1, 0, -1.0, 0.5, 7.0, 8.0, 0.9),
+        one(1, 1, 0.0, 0.0, 1.0, 1.0, -1.0),
+        one(2, 1, 1.5, 2.0, 3.0, 4.0, 1.0),
+    ];
     assert_eq!(set.boxes(), expected);
     let summary = outcome.dataset.summary();
-    assert_eq!((summary.kind, summary.scans, summary.rows, summary.objects, summary.start_s), (DatasetKind::Tracks, 2, 3, 2, None));
+    assert_eq!(
+        (
+            summary.kind,
+            summary.scans,
+            summary.rows,
+            summary.objects,
+            summary.start_s
+        ),
+        (DatasetKind::Tracks, 2, 3, 2, None)
+    );
 }
 
 #[test]
@@ -50,15 +63,31 @@ fn truth_leaves_out_confidence_zero_and_other_classes() {
     assert_eq!(outcome.warnings, expected);
     // Tracks keep them all, but for the object twice in a frame.
     let faults = read_as(DatasetKind::Tracks, text).expect_err("object 2 is in frame 1 twice");
-    assert_eq!(faults, [Fault::new("/file", "duplicate", "object 2 is in frame 1 twice: also on line 2").at(5, "id")]);
+    assert_eq!(
+        faults,
+        [Fault::new(
+            "/file",
+            "duplicate",
+            "object 2 is in frame 1 twice: also on line 2"
+        )
+        .at(5, "id")]
+    );
 }
 
 #[test]
 fn every_fault_is_found_at_once_with_its_line() {
     let text = "0,1,0,0,5,5\n1.5,1,0,0,5,5\n1,-1,0,0,5,5\n1,1,nan,x,,5\n1,1,0,0,-5,0\n1,1,0,0,5\n1,7,0,0,5,5\n1,7,1,1,5,5\n1,1,2,3,4,5,6,7,8,9,10\n";
     let faults = read_as(DatasetKind::Truth, text).expect_err("the text is faulty");
-    let found: Vec<(u64, &str, &str)> =
-        faults.iter().map(|fault| (fault.line.expect("a line"), fault.column.as_deref().unwrap_or("-"), fault.code.as_str())).collect();
+    let found: Vec<(u64, &str, &str)> = faults
+        .iter()
+        .map(|fault| {
+            (
+                fault.line.expect("a line"),
+                fault.column.as_deref().unwrap_or("-"),
+                fault.code.as_str(),
+            )
+        })
+        .collect();
     let expected = [
         (1, "frame", "out_of_range"),
         (2, "frame", "malformed"),
@@ -74,29 +103,64 @@ fn every_fault_is_found_at_once_with_its_line() {
     ];
     assert_eq!(found, expected);
     assert_eq!(faults[0].allowed.as_deref(), Some("1 to 4294967295"));
-    assert_eq!(faults[9].detail, "object 7 is in frame 1 twice: also on line 7");
+    assert_eq!(
+        faults[9].detail,
+        "object 7 is in frame 1 twice: also on line 7"
+    );
 }
 
 #[test]
 fn bytes_that_are_no_text_are_a_fault_of_their_line() {
-    let faults = read_with("mot", b"1,1,0,0,5,5\n1,\xff,0,0,5,5\n", &of_kind(DatasetKind::Tracks)).expect_err("not UTF-8");
-    assert_eq!(faults, [Fault { line: Some(2), ..Fault::new("/file", "malformed", "the text is not UTF-8") }]);
+    let faults = read_with(
+        "mot",
+        b"1,1,0,0,5,5\n1,\xff,0,0,5,5\n",
+        &of_kind(DatasetKind::Tracks),
+    )
+    .expect_err("not UTF-8");
+    assert_eq!(
+        faults,
+        [Fault {
+            line: Some(2),
+            ..Fault::new("/file", "malformed", "the text is not UTF-8")
+        }]
+    );
 }
 
 #[test]
 fn the_uploader_says_which_kind_it_is() {
-    let missing = Fault::new("/meta/kind", "missing", "files in the format 'mot' do not say what they hold").allowing("truth, tracks");
-    assert_eq!(read("mot", "1,1,0,0,5,5\n").expect_err("no kind"), [missing]);
-    let faults = read_as(DatasetKind::Detections, "1,-1,0,0,5,5\n").expect_err("detections have no identity");
-    assert_eq!((faults[0].pointer.as_str(), faults[0].code.as_str()), ("/meta/kind", "unsupported"));
-    let options = ReadOptions { columns: [("a".to_owned(), "b".to_owned())].into(), ..of_kind(DatasetKind::Truth) };
-    assert_eq!(read_with("mot", "", &options).expect_err("no columns")[0].pointer, "/meta/columns");
+    let missing = Fault::new(
+        "/meta/kind",
+        "missing",
+        "files in the format 'mot' do not say what they hold",
+    )
+    .allowing("truth, tracks");
+    assert_eq!(
+        read("mot", "1,1,0,0,5,5\n").expect_err("no kind"),
+        [missing]
+    );
+    let faults = read_as(DatasetKind::Detections, "1,-1,0,0,5,5\n")
+        .expect_err("detections have no identity");
+    assert_eq!(
+        (faults[0].pointer.as_str(), faults[0].code.as_str()),
+        ("/meta/kind", "unsupported")
+    );
+    let options = ReadOptions {
+        columns: [("a".to_owned(), "b".to_owned())].into(),
+        ..of_kind(DatasetKind::Truth)
+    };
+    assert_eq!(
+        read_with("mot", "", &options).expect_err("no columns")[0].pointer,
+        "/meta/columns"
+    );
 }
 
 #[test]
 fn no_rows_are_an_empty_dataset() {
     let outcome = read_as(DatasetKind::Tracks, "\n").expect("an empty file is sound");
-    assert_eq!(outcome.warnings, ["there are no boxes: the dataset is empty"]);
+    assert_eq!(
+        outcome.warnings,
+        ["there are no boxes: the dataset is empty"]
+    );
     assert!(boxes(&outcome).boxes().is_empty());
 }
 
@@ -106,7 +170,8 @@ fn what_is_written_reads_back() {
     let outcome = read_as(DatasetKind::Tracks, text).expect("the text is sound");
     let mut written = Vec::new();
     write_mot(boxes(&outcome), &mut written).expect("writing to memory does not fail");
-    let again = read_with("mot", &written, &of_kind(DatasetKind::Tracks)).expect("what was written is sound");
+    let again = read_with("mot", &written, &of_kind(DatasetKind::Tracks))
+        .expect("what was written is sound");
     assert_eq!(again.dataset, outcome.dataset);
     assert!(written.starts_with(b"1,1,0.1,-2.5,3,4,1,-1,-1,-1\n1,12,1e-7,0,5.25,6,0.5,-1,-1,-1\n"));
 }

@@ -9,7 +9,9 @@ use trackloom_domain::model::names::{name_fault, natural_order};
 use trackloom_domain::model::scan::{Detection, Measurement, RecordingParts, Scan};
 use trackloom_domain::model::sensor::SensorSettings;
 use trackloom_domain::model::state::{Covariance, Position, State};
-use trackloom_domain::model::track::{BearingEstimate, Candidate, Estimate, PlaneEstimate, Track, TrackPoint, TrackStatus};
+use trackloom_domain::model::track::{
+    BearingEstimate, Candidate, Estimate, PlaneEstimate, Track, TrackPoint, TrackStatus,
+};
 use trackloom_domain::model::truth::{Target, TruthPoint};
 
 fn check(dataset: &Dataset) {
@@ -18,22 +20,35 @@ fn check(dataset: &Dataset) {
     write_json(dataset, &mut json).expect("a Vec takes any bytes");
     for (format, bytes) in [("csv", &csv), ("json", &json)] {
         let text = String::from_utf8_lossy(bytes);
-        let outcome = read_with(format, bytes, &of_kind(dataset.kind())).unwrap_or_else(|faults| panic!("{faults:#?}\n{text}"));
+        let outcome = read_with(format, bytes, &of_kind(dataset.kind()))
+            .unwrap_or_else(|faults| panic!("{faults:#?}\n{text}"));
         assert_eq!(outcome.dataset, *dataset, "{text}");
     }
 }
 
 /// Any finite number, with the extremes.
 fn number() -> impl Strategy<Value = f64> {
-    let extremes = prop_oneof![Just(0.0), Just(f64::MAX), Just(f64::MIN_POSITIVE), Just(5e-324), Just(-1e-5), Just(1e16), Just(0.1)];
+    let extremes = prop_oneof![
+        Just(0.0),
+        Just(f64::MAX),
+        Just(f64::MIN_POSITIVE),
+        Just(5e-324),
+        Just(-1e-5),
+        Just(1e16),
+        Just(0.1)
+    ];
     prop_oneof![4 => -1e6..1e6, 2 => prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL, 1 => extremes]
 }
 
 /// A name with all that CSV and JSON must protect.
 fn name() -> impl Strategy<Value = String> {
-    let odd =
-        prop::sample::select(vec!["a", "7", "10", "T-2", "-1.5", "+", "=", " ", ",", "\"", "\n", "\\", "é", "null", "NaN", "'", "\t", ";"]);
-    prop::collection::vec(odd, 1..4).prop_map(|parts| parts.concat()).prop_filter("a formula", |name| name_fault(name).is_none())
+    let odd = prop::sample::select(vec![
+        "a", "7", "10", "T-2", "-1.5", "+", "=", " ", ",", "\"", "\n", "\\", "é", "null", "NaN",
+        "'", "\t", ";",
+    ]);
+    prop::collection::vec(odd, 1..4)
+        .prop_map(|parts| parts.concat())
+        .prop_filter("a formula", |name| name_fault(name).is_none())
 }
 
 /// Different names in natural order.
@@ -56,47 +71,114 @@ fn times(count: std::ops::Range<usize>) -> impl Strategy<Value = Vec<f64>> {
 fn measurement() -> impl Strategy<Value = Measurement> {
     prop_oneof![
         (number(), number()).prop_map(|(x_m, y_m)| Measurement::Position { x_m, y_m }),
-        (number().prop_map(f64::abs), -400.0..400.0, prop::option::of(number())).prop_map(
-            |(range_m, bearing, range_rate_mps): (f64, f64, Option<f64>)| {
-                Measurement::RangeBearing { range_m, bearing_rad: bearing.to_radians(), range_rate_mps }
-            }
-        ),
-        (-400.0..400.0).prop_map(|bearing: f64| Measurement::Bearing { bearing_rad: bearing.to_radians() }),
+        (
+            number().prop_map(f64::abs),
+            -400.0..400.0,
+            prop::option::of(number())
+        )
+            .prop_map(
+                |(range_m, bearing, range_rate_mps): (f64, f64, Option<f64>)| {
+                    Measurement::RangeBearing {
+                        range_m,
+                        bearing_rad: bearing.to_radians(),
+                        range_rate_mps,
+                    }
+                }
+            ),
+        (-400.0..400.0).prop_map(|bearing: f64| Measurement::Bearing {
+            bearing_rad: bearing.to_radians()
+        }),
     ]
 }
 
-type RawDetection = (Measurement, Option<prop::sample::Index>, String, Option<f64>);
+type RawDetection = (
+    Measurement,
+    Option<prop::sample::Index>,
+    String,
+    Option<f64>,
+);
 type RawScan = (prop::sample::Index, u32, Vec<RawDetection>);
 
 fn raw_scan() -> impl Strategy<Value = RawScan> {
-    let detection = (measurement(), prop::option::of(any::<prop::sample::Index>()), name(), prop::option::weighted(0.2, number()));
-    (any::<prop::sample::Index>(), 1..5_u32, prop::collection::vec(detection, 0..4))
+    let detection = (
+        measurement(),
+        prop::option::of(any::<prop::sample::Index>()),
+        name(),
+        prop::option::weighted(0.2, number()),
+    );
+    (
+        any::<prop::sample::Index>(),
+        1..5_u32,
+        prop::collection::vec(detection, 0..4),
+    )
 }
 
 /// A recording whose sensors and targets all occur, as every one that was read from CSV.
-fn assemble(sensors: Vec<String>, targets: Vec<String>, times: Vec<f64>, raw: Vec<RawScan>, origins_known: bool) -> Recording {
-    let mut parts = RecordingParts { origins_known, ..Default::default() };
-    let used_sensors: BTreeSet<usize> = times.iter().zip(&raw).map(|(_, scan)| scan.0.index(sensors.len())).collect();
+fn assemble(
+    sensors: Vec<String>,
+    targets: Vec<String>,
+    times: Vec<f64>,
+    raw: Vec<RawScan>,
+    origins_known: bool,
+) -> Recording {
+    let mut parts = RecordingParts {
+        origins_known,
+        ..Default::default()
+    };
+    let used_sensors: BTreeSet<usize> = times
+        .iter()
+        .zip(&raw)
+        .map(|(_, scan)| scan.0.index(sensors.len()))
+        .collect();
     let used_sensors: Vec<usize> = used_sensors.into_iter().collect();
     let mut used_targets = BTreeSet::new();
     let mut number = 0;
     for (time_s, (sensor, step, detections)) in times.into_iter().zip(raw) {
-        let sensor = used_sensors.binary_search(&sensor.index(sensors.len())).expect("it was collected above");
-        number = if used_sensors.len() == 1 { number + step } else { number + 1 };
-        parts.scans.push(Scan { number, time_s, sensor, first: parts.detections.len(), count: detections.len() });
+        let sensor = used_sensors
+            .binary_search(&sensor.index(sensors.len()))
+            .expect("it was collected above");
+        number = if used_sensors.len() == 1 {
+            number + step
+        } else {
+            number + 1
+        };
+        parts.scans.push(Scan {
+            number,
+            time_s,
+            sensor,
+            first: parts.detections.len(),
+            count: detections.len(),
+        });
         for (nth, (measurement, origin, id, amplitude)) in detections.into_iter().enumerate() {
-            let origin = origin.filter(|_| origins_known).map(|origin| origin.index(targets.len()) as u32);
+            let origin = origin
+                .filter(|_| origins_known)
+                .map(|origin| origin.index(targets.len()) as u32);
             used_targets.extend(origin);
-            parts.detections.push(Detection { measurement, origin, amplitude });
+            parts.detections.push(Detection {
+                measurement,
+                origin,
+                amplitude,
+            });
             parts.detection_ids.push(format!("{id}{nth}"));
         }
     }
     let used_targets: Vec<u32> = used_targets.into_iter().collect();
     for detection in &mut parts.detections {
-        detection.origin = detection.origin.map(|origin| used_targets.iter().position(|&used| used == origin).expect("collected") as u32);
+        detection.origin = detection.origin.map(|origin| {
+            used_targets
+                .iter()
+                .position(|&used| used == origin)
+                .expect("collected") as u32
+        });
     }
-    parts.sensors = used_sensors.into_iter().map(|sensor| SensorSettings::named(&sensors[sensor])).collect();
-    parts.targets = used_targets.into_iter().map(|target| targets[target as usize].clone()).collect();
+    parts.sensors = used_sensors
+        .into_iter()
+        .map(|sensor| SensorSettings::named(&sensors[sensor]))
+        .collect();
+    parts.targets = used_targets
+        .into_iter()
+        .map(|target| targets[target as usize].clone())
+        .collect();
     Recording::new(parts).expect("it is made to be sound")
 }
 
@@ -105,34 +187,70 @@ type RawTruthPoint = ((f64, f64), Option<(f64, f64)>);
 
 fn truth_set() -> impl Strategy<Value = TruthSet> {
     let velocity = prop::option::of((number(), number()));
-    let path = (times(1..5), prop::collection::vec(((number(), number()), velocity), 5));
+    let path = (
+        times(1..5),
+        prop::collection::vec(((number(), number()), velocity), 5),
+    );
     (names(0..4), prop::collection::vec(path, 4)).prop_map(|(names, paths)| {
         let target = |(truth_id, (times, points)): (String, (Vec<f64>, Vec<_>))| {
             let point = |(time_s, ((x, y), velocity)): (f64, RawTruthPoint)| {
-                TruthPoint::in_plane(time_s, Position::new(x, y), velocity.map(|(vx, vy)| Position::new(vx, vy)))
+                TruthPoint::in_plane(
+                    time_s,
+                    Position::new(x, y),
+                    velocity.map(|(vx, vy)| Position::new(vx, vy)),
+                )
             };
-            Target { truth_id, points: times.into_iter().zip(points).map(point).collect() }
+            Target {
+                truth_id,
+                points: times.into_iter().zip(points).map(point).collect(),
+            }
         };
-        TruthSet::new(names.into_iter().zip(paths).map(target).collect()).expect("it is made to be sound")
+        TruthSet::new(names.into_iter().zip(paths).map(target).collect())
+            .expect("it is made to be sound")
     })
 }
 
 /// A point and its candidates: how many detections, whether ε, and whether a sensor is named.
-type RawPoint = ([f64; 4], bool, Option<[f64; 4]>, Option<usize>, (usize, bool), bool);
+type RawPoint = (
+    [f64; 4],
+    bool,
+    Option<[f64; 4]>,
+    Option<usize>,
+    (usize, bool),
+    bool,
+);
 
 fn raw_point() -> impl Strategy<Value = RawPoint> {
     let numbers = || [number(), number(), number(), number()];
-    (numbers(), any::<bool>(), prop::option::of(numbers()), prop::option::of(0..3_usize), (0..3_usize, any::<bool>()), any::<bool>())
+    (
+        numbers(),
+        any::<bool>(),
+        prop::option::of(numbers()),
+        prop::option::of(0..3_usize),
+        (0..3_usize, any::<bool>()),
+        any::<bool>(),
+    )
 }
 
 fn track_set() -> impl Strategy<Value = TrackSet> {
     let path = (times(1..4), prop::collection::vec(raw_point(), 4));
     (names(0..4), prop::collection::vec(path, 4)).prop_map(|(names, paths)| {
         let mut set = TrackSet::default();
-        let named = paths.iter().zip(&names).any(|((times, points), _)| points[..times.len()].iter().any(|point| point.5));
-        set.sensor_ids = if named { vec!["radar".to_owned()] } else { Vec::new() };
+        let named = paths
+            .iter()
+            .zip(&names)
+            .any(|((times, points), _)| points[..times.len()].iter().any(|point| point.5));
+        set.sensor_ids = if named {
+            vec!["radar".to_owned()]
+        } else {
+            Vec::new()
+        };
         for (track_id, (times, points)) in names.into_iter().zip(paths) {
-            let points = times.into_iter().zip(points).map(|(time_s, raw)| point(&mut set, time_s, raw)).collect();
+            let points = times
+                .into_iter()
+                .zip(points)
+                .map(|(time_s, raw)| point(&mut set, time_s, raw))
+                .collect();
             set.tracks.push(Track { track_id, points });
         }
         set
@@ -143,10 +261,17 @@ fn point(set: &mut TrackSet, time_s: f64, raw: RawPoint) -> TrackPoint {
     let ([x, y, vx, vy], has_velocity, diagonal, status, (detections, epsilon), sensor) = raw;
     let first_candidate = set.candidates.len();
     for nth in 0..detections {
-        set.candidates.push(Candidate { detection: Some(set.detection_ids.len() as u32), probability: 0.1 * nth as f64 });
-        set.detection_ids.push(format!("d{}", set.detection_ids.len()));
+        set.candidates.push(Candidate {
+            detection: Some(set.detection_ids.len() as u32),
+            probability: 0.1 * nth as f64,
+        });
+        set.detection_ids
+            .push(format!("d{}", set.detection_ids.len()));
     }
-    set.candidates.extend(epsilon.then_some(Candidate { detection: None, probability: 1.0 / 3.0 }));
+    set.candidates.extend(epsilon.then_some(Candidate {
+        detection: None,
+        probability: 1.0 / 3.0,
+    }));
     let covariance = diagonal.map(|values| {
         // Positive definite: large on the diagonal, and a correlation below one.
         let diagonal = State::from(values).abs().add_scalar(1.0);
@@ -155,11 +280,19 @@ fn point(set: &mut TrackSet, time_s: f64, raw: RawPoint) -> TrackPoint {
         (covariance[(0, 3)], covariance[(3, 0)]) = (correlated, correlated);
         covariance
     });
-    let state = if has_velocity { State::new(x, y, vx, vy) } else { State::new(x, y, 0.0, 0.0) };
+    let state = if has_velocity {
+        State::new(x, y, vx, vy)
+    } else {
+        State::new(x, y, 0.0, 0.0)
+    };
     TrackPoint {
         time_s,
         sensor: sensor.then_some(0),
-        estimate: Estimate::Plane(PlaneEstimate { state, has_velocity, covariance }),
+        estimate: Estimate::Plane(PlaneEstimate {
+            state,
+            has_velocity,
+            covariance,
+        }),
         status: status.map(|index| TrackStatus::ALL[index].0),
         nis: status.map(|_| x.abs()),
         first_candidate,
@@ -169,8 +302,16 @@ fn point(set: &mut TrackSet, time_s: f64, raw: RawPoint) -> TrackPoint {
 
 /// The same truth with its x taken for a bearing in degrees.
 fn truth_of_bearings(truth: &TruthSet) -> TruthSet {
-    let point = |point: &TruthPoint| TruthPoint::at_bearing(point.time_s, point.position_m().unwrap_or_default().x.to_radians());
-    let target = |target: &Target| Target { truth_id: target.truth_id.clone(), points: target.points.iter().map(point).collect() };
+    let point = |point: &TruthPoint| {
+        TruthPoint::at_bearing(
+            point.time_s,
+            point.position_m().unwrap_or_default().x.to_radians(),
+        )
+    };
+    let target = |target: &Target| Target {
+        truth_id: target.truth_id.clone(),
+        points: target.points.iter().map(point).collect(),
+    };
     TruthSet::new(truth.targets().iter().map(target).collect()).expect("it was sound")
 }
 
@@ -180,8 +321,13 @@ fn tracks_of_bearings(mut set: TrackSet) -> TrackSet {
     for point in set.tracks.iter_mut().flat_map(|track| &mut track.points) {
         let plane = point.estimate.plane().copied().expect("a place");
         let square = |covariance: Covariance| {
-            Matrix2::new(covariance[(0, 0)], covariance[(0, 3)], covariance[(3, 0)], covariance[(3, 3)])
-                .map(|value| value * (degree * degree))
+            Matrix2::new(
+                covariance[(0, 0)],
+                covariance[(0, 3)],
+                covariance[(3, 0)],
+                covariance[(3, 3)],
+            )
+            .map(|value| value * (degree * degree))
         };
         point.estimate = Estimate::Bearing(BearingEstimate {
             bearing_rad: plane.state.x.to_radians(),
@@ -261,12 +407,17 @@ proptest! {
 /// Rows in order of time, not of tracks: what is read does not depend on the order of the rows that wrote it.
 #[test]
 fn interleaved_rows_survive() {
-    let tracks =
-        "time_s,track_id,x_m,y_m,detection_id,probability\n0,10,1,2,d1,1\n0,9,3,4,d2,0.5\n0,9,3,4,,0.5\n1,10,1,2,d3,1\n1,9,3,4,d1,1\n";
+    let tracks = "time_s,track_id,x_m,y_m,detection_id,probability\n0,10,1,2,d1,1\n0,9,3,4,d2,0.5\n0,9,3,4,,0.5\n1,10,1,2,d3,1\n1,9,3,4,d1,1\n";
     let dataset = read("csv", tracks).expect("sound").dataset;
-    let Dataset::Tracks(set) = &dataset else { panic!("tracks") };
+    let Dataset::Tracks(set) = &dataset else {
+        panic!("tracks")
+    };
     assert_eq!(set.detection_ids, ["d2", "d1", "d3"]);
-    let named: Vec<Option<u32>> = set.candidates.iter().map(|candidate| candidate.detection).collect();
+    let named: Vec<Option<u32>> = set
+        .candidates
+        .iter()
+        .map(|candidate| candidate.detection)
+        .collect();
     assert_eq!(named, [Some(0), None, Some(1), Some(1), Some(2)]);
     check(&dataset);
     let truth = "time_s,truth_id,x_m,y_m\n0,10,1,2\n0,9,3,4\n1,10,1,2\n1,9,3,4\n";

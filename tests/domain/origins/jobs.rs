@@ -15,7 +15,10 @@ pub struct Texts {
 
 impl Texts {
     pub fn of(format: &'static str) -> Texts {
-        Texts { format, texts: Vec::new() }
+        Texts {
+            format,
+            texts: Vec::new(),
+        }
     }
 
     pub fn dataset(&mut self, text: &str) -> Value {
@@ -37,15 +40,29 @@ impl Texts {
     }
 
     /// The same under an observer.
-    pub fn run_watched(&self, kind: JobKind, body: &Value, observer: &mut dyn Observer) -> Result<Outcome, RunError> {
+    pub fn run_watched(
+        &self,
+        kind: JobKind,
+        body: &Value,
+        observer: &mut dyn Observer,
+    ) -> Result<Outcome, RunError> {
         let plan = plan(kind, body)?;
         let mut inputs = Vec::new();
         for input in &plan.inputs {
-            let Source::Dataset { dataset_id, .. } = &input.source else { panic!("no job is named") };
-            let options = ReadOptions { kind: Some(input.role), ..ReadOptions::default() };
+            let Source::Dataset { dataset_id, .. } = &input.source else {
+                panic!("no job is named")
+            };
+            let options = ReadOptions {
+                kind: Some(input.role),
+                ..ReadOptions::default()
+            };
             let mut bytes = self.texts[dataset_id.parse::<usize>().unwrap()].as_bytes();
             let dataset = (format_named(self.format).unwrap().read)(&mut bytes, &options)?.dataset;
-            inputs.push(Some(Input { dataset, sensors: Vec::new(), sha256: String::new() }));
+            inputs.push(Some(Input {
+                dataset,
+                sensors: Vec::new(),
+                sha256: String::new(),
+            }));
         }
         run(&plan, inputs, observer)
     }

@@ -8,7 +8,15 @@ use std::fmt::Write;
 use trackloom_domain::experiment::presets;
 use trackloom_domain::experiment::run::Outcome;
 
-const POINTS: [&str; 7] = ["siap", "clear", "identity", "hota", "assignment", "kinematics", "t_gospa"];
+const POINTS: [&str; 7] = [
+    "siap",
+    "clear",
+    "identity",
+    "hota",
+    "assignment",
+    "kinematics",
+    "t_gospa",
+];
 
 /// Every metric of points, some of them twice.
 fn all_metrics() -> Value {
@@ -29,7 +37,9 @@ fn all_metrics() -> Value {
 pub fn two_targets() -> Outcome {
     let mut texts = Texts::of("csv");
     let truth = texts.dataset(include_str!("../../../examples/data/two-targets/truth.csv"));
-    let tracks = texts.dataset(include_str!("../../../examples/data/two-targets/tracks.csv"));
+    let tracks = texts.dataset(include_str!(
+        "../../../examples/data/two-targets/tracks.csv"
+    ));
     texts.judge(&json!({"truth": truth, "tracks": tracks, "comparison": {"gate_m": 10.0}, "metrics": all_metrics()})).unwrap()
 }
 
@@ -61,7 +71,12 @@ pub fn boxes() -> Outcome {
                 track += if rng.random_bool(0.08) { 6 } else { 0 };
                 if rng.random_bool(0.85) {
                     let x = x + rng.random_range(-4.0..4.0);
-                    writeln!(tracks, "{frame},{track},{x},{},10,20,1,-1,-1,-1", rng.random_range(-3.0..3.0)).unwrap();
+                    writeln!(
+                        tracks,
+                        "{frame},{track},{x},{},10,20,1,-1,-1,-1",
+                        rng.random_range(-3.0..3.0)
+                    )
+                    .unwrap();
                 }
             }
         }
@@ -69,7 +84,9 @@ pub fn boxes() -> Outcome {
     };
     let sequences = ["one", "two, quoted", "three"].map(&mut sequence);
     let metrics = ["hota", "clear", "identity", "assignment"].map(|name| json!({"metric": name}));
-    texts.judge(&json!({"sequences": sequences, "metrics": metrics})).unwrap()
+    texts
+        .judge(&json!({"sequences": sequences, "metrics": metrics}))
+        .unwrap()
 }
 
 const PLACES: &str = "time_s,track_id,x_m,y_m\n";
@@ -77,14 +94,26 @@ const WITH_COVARIANCE: &str = "time_s,track_id,x_m,y_m,vx_mps,vy_mps,p_xx,p_xy,p
 
 pub fn uneven_sequences() -> Outcome {
     let rows = |row: &dyn Fn(u32) -> String| (0..8).map(row).collect::<String>();
-    let truth = format!("time_s,truth_id,x_m,y_m,vx_mps,vy_mps\n{}", rows(&|t| format!("{t},A,{},0,10,0\n", 10 * t)));
-    let plain = format!("{PLACES}{}", rows(&|t| format!("{t},{},{},1\n", if t < 5 { "T" } else { "U" }, 10 * t + 1)));
-    let full = format!("{WITH_COVARIANCE}{}", rows(&|t| format!("{t},T,{},2,9,0,4,0,0,0,4,0,0,1,0,1\n", 10 * t)));
+    let truth = format!(
+        "time_s,truth_id,x_m,y_m,vx_mps,vy_mps\n{}",
+        rows(&|t| format!("{t},A,{},0,10,0\n", 10 * t))
+    );
+    let plain = format!(
+        "{PLACES}{}",
+        rows(&|t| format!("{t},{},{},1\n", if t < 5 { "T" } else { "U" }, 10 * t + 1))
+    );
+    let full = format!(
+        "{WITH_COVARIANCE}{}",
+        rows(&|t| format!("{t},T,{},2,9,0,4,0,0,0,4,0,0,1,0,1\n", 10 * t))
+    );
     let none = "time_s,truth_id,x_m,y_m\n";
     let mut texts = Texts::of("csv");
-    let mut sequence =
-        |name: &str, truth: &str, tracks: &str| json!({"name": name, "truth": texts.dataset(truth), "tracks": texts.dataset(tracks)});
-    let sequences = [sequence("empty", none, &plain), sequence("plain", &truth, &plain), sequence("full", &truth, &full)];
+    let mut sequence = |name: &str, truth: &str, tracks: &str| json!({"name": name, "truth": texts.dataset(truth), "tracks": texts.dataset(tracks)});
+    let sequences = [
+        sequence("empty", none, &plain),
+        sequence("plain", &truth, &plain),
+        sequence("full", &truth, &full),
+    ];
     texts.judge(&json!({"sequences": sequences, "comparison": {"gate_m": 10.0}, "metrics": all_metrics()})).unwrap()
 }
 
@@ -99,7 +128,10 @@ pub fn entangled() -> Outcome {
             writeln!(tracks, "{time_s},T{who},{},{}", place(), place()).unwrap();
         }
     }
-    let metrics = [json!({"metric": "t_gospa", "cutoff_m": 100.0, "switch_penalty_m": 25.0}), json!({"metric": "gospa"})];
+    let metrics = [
+        json!({"metric": "t_gospa", "cutoff_m": 100.0, "switch_penalty_m": 25.0}),
+        json!({"metric": "gospa"}),
+    ];
     let mut texts = Texts::of("csv");
     let body = json!({"truth": texts.dataset(&truth), "tracks": texts.dataset(&tracks), "metrics": metrics});
     texts.judge(&body).unwrap()

@@ -22,18 +22,34 @@ pub fn strings_of(words: &[String]) -> Vec<Text> {
 }
 
 pub fn word_at((start, words): &Text, place: usize) -> &str {
-    place.checked_sub(*start).and_then(|offset| words.get(offset)).map_or(".", String::as_str)
+    place
+        .checked_sub(*start)
+        .and_then(|offset| words.get(offset))
+        .map_or(".", String::as_str)
 }
 
 pub fn differing(a: &Text, b: &Text, scans: usize) -> Vec<usize> {
-    (0..scans).filter(|&place| word_at(a, place) != word_at(b, place)).collect()
+    (0..scans)
+        .filter(|&place| word_at(a, place) != word_at(b, place))
+        .collect()
 }
 
 /// Verdict, scan of the first difference and errors of one truth string.
-fn judge_string(truth: &Text, outputs: &[Text], scans: usize) -> (&'static str, Option<usize>, usize) {
-    let followers: Vec<&Text> = outputs.iter().filter(|output| output.0 == truth.0 && output.1[0] == truth.1[0]).collect();
+fn judge_string(
+    truth: &Text,
+    outputs: &[Text],
+    scans: usize,
+) -> (&'static str, Option<usize>, usize) {
+    let followers: Vec<&Text> = outputs
+        .iter()
+        .filter(|output| output.0 == truth.0 && output.1[0] == truth.1[0])
+        .collect();
     if followers.is_empty() {
-        return ("missed", Some(truth.0), truth.1.iter().filter(|word| *word != ".").count());
+        return (
+            "missed",
+            Some(truth.0),
+            truth.1.iter().filter(|word| *word != ".").count(),
+        );
     }
     if followers.contains(&truth) {
         return ("correct", None, 0);
@@ -49,26 +65,48 @@ fn judge_string(truth: &Text, outputs: &[Text], scans: usize) -> (&'static str, 
     ("false", Some(places[0]), places.len())
 }
 
-fn judge_target(truths: &[Text], outputs: &[Text], scans: usize) -> (&'static str, Option<u32>, usize) {
-    let judged: Vec<_> = truths.iter().map(|truth| judge_string(truth, outputs, scans)).collect();
+fn judge_target(
+    truths: &[Text],
+    outputs: &[Text],
+    scans: usize,
+) -> (&'static str, Option<u32>, usize) {
+    let judged: Vec<_> = truths
+        .iter()
+        .map(|truth| judge_string(truth, outputs, scans))
+        .collect();
     let errors = judged.iter().map(|(.., errors)| errors).sum();
     if judged.iter().all(|(verdict, ..)| *verdict == "missed") {
         return ("missed", None, errors);
     }
     let first = judged.iter().find(|(verdict, ..)| *verdict != "correct");
-    first.map_or(("correct", None, errors), |(_, place, _)| ("false", place.map(|place| place as u32 + 1), errors))
+    first.map_or(("correct", None, errors), |(_, place, _)| {
+        ("false", place.map(|place| place as u32 + 1), errors)
+    })
 }
 
 /// For each target its words, scan by scan; for each track which target's word it takes, with some clutter and ε.
 pub fn scene() -> impl Strategy<Value = (Vec<Vec<String>>, Vec<Vec<String>>)> {
     (1..4usize, 0..5usize, 1..20usize).prop_flat_map(|(targets, tracks, scans)| {
-        let seen = prop::collection::vec(prop::collection::vec(prop::bool::weighted(0.6), scans), targets);
-        let habit = prop::collection::vec((0..targets, prop::collection::vec(0..24u8, scans)), tracks);
+        let seen = prop::collection::vec(
+            prop::collection::vec(prop::bool::weighted(0.6), scans),
+            targets,
+        );
+        let habit =
+            prop::collection::vec((0..targets, prop::collection::vec(0..24u8, scans)), tracks);
         (seen, habit).prop_map(|(seen, habit)| {
-            let word = |target: usize, place: usize| format!("{}{}", ["a", "b", "c"][target], place + 1);
+            let word =
+                |target: usize, place: usize| format!("{}{}", ["a", "b", "c"][target], place + 1);
             let truth: Vec<Vec<String>> = (0..seen.len())
                 .map(|target| {
-                    (0..scans_of(&seen)).map(|place| if seen[target][place] { word(target, place) } else { ".".into() }).collect()
+                    (0..scans_of(&seen))
+                        .map(|place| {
+                            if seen[target][place] {
+                                word(target, place)
+                            } else {
+                                ".".into()
+                            }
+                        })
+                        .collect()
                 })
                 .collect();
             let take = |own: usize, place: usize, dice: u8| match dice {
@@ -77,8 +115,15 @@ pub fn scene() -> impl Strategy<Value = (Vec<Vec<String>>, Vec<Vec<String>>)> {
                 2 => truth[(own + 1) % truth.len()][place].clone(),
                 _ => truth[own][place].clone(),
             };
-            let tracks =
-                habit.iter().map(|(own, dice)| dice.iter().enumerate().map(|(place, &dice)| take(*own, place, dice)).collect()).collect();
+            let tracks = habit
+                .iter()
+                .map(|(own, dice)| {
+                    dice.iter()
+                        .enumerate()
+                        .map(|(place, &dice)| take(*own, place, dice))
+                        .collect()
+                })
+                .collect();
             (truth, tracks)
         })
     })
@@ -90,7 +135,10 @@ fn scans_of(seen: &[Vec<bool>]) -> usize {
 
 /// The lines of a scene, named by their number.
 pub fn lines(all: &[Vec<String>]) -> Vec<String> {
-    all.iter().enumerate().map(|(index, words)| format!("{index}: {}", words.join(" "))).collect()
+    all.iter()
+        .enumerate()
+        .map(|(index, words)| format!("{index}: {}", words.join(" ")))
+        .collect()
 }
 
 pub fn borrowed(lines: &[String]) -> Vec<&str> {

@@ -8,11 +8,21 @@ use std::collections::BTreeSet;
 #[test]
 fn a_substituted_an_extra_and_an_absent_detection_are_one_error_each() {
     let truth = ["A: a1 a2 . a4 a5"];
-    for (track, clutter) in [("1: a1 a2 . a4 c5", ". . . . c5"), ("1: a1 a2 c3 a4 a5", ". . c3"), ("1: a1 . . a4 a5", "")] {
+    for (track, clutter) in [
+        ("1: a1 a2 . a4 c5", ". . . . c5"),
+        ("1: a1 a2 c3 a4 a5", ". . c3"),
+        ("1: a1 . . a4 a5", ""),
+    ] {
         let report = evaluate(&truth, &[clutter], &[track]);
         assert_eq!(report.targets[0].least_errors, Some(1), "{track}");
         assert_eq!(tolerance(&report), [0, 1, 1, 1, 1, 1], "{track}");
-        assert_eq!((report.tolerance[0].probability, report.tolerance[1].probability), (Some(0.0), Some(1.0)));
+        assert_eq!(
+            (
+                report.tolerance[0].probability,
+                report.tolerance[1].probability
+            ),
+            (Some(0.0), Some(1.0))
+        );
     }
 }
 
@@ -27,34 +37,72 @@ fn late_start_and_early_end_count_one_a_scan() {
 #[test]
 fn a_target_without_a_detection_in_any_track_is_never_correct() {
     let report = evaluate(&["A: a1", "B: b1 b2"], &["c1"], &["1: c1", "2: b1 b2"]);
-    assert_eq!((report.targets[0].least_errors, report.targets[1].least_errors), (None, Some(0)));
+    assert_eq!(
+        (
+            report.targets[0].least_errors,
+            report.targets[1].least_errors
+        ),
+        (None, Some(0))
+    );
     assert_eq!(tolerance(&report), [1, 1, 1, 1, 1, 1]);
 }
 
 #[test]
 fn a_track_forgives_one_target_only() {
     // Track 1 is two errors from A and two from B, track 2 is one from A and shares nothing with B.
-    let report = evaluate(&["A: a1 a2 a3 a4", "B: . . b3 b4"], &[], &["1: a1 a2 b3 b4", "2: a1 a2 a3"]);
-    assert_eq!((report.targets[0].least_errors, report.targets[1].least_errors), (Some(1), Some(2)));
+    let report = evaluate(
+        &["A: a1 a2 a3 a4", "B: . . b3 b4"],
+        &[],
+        &["1: a1 a2 b3 b4", "2: a1 a2 a3"],
+    );
+    assert_eq!(
+        (
+            report.targets[0].least_errors,
+            report.targets[1].least_errors
+        ),
+        (Some(1), Some(2))
+    );
     // Alone, it goes to where it saves most errors.
     let report = evaluate(&["A: a1 a2 a3 a4", "B: . . . b4"], &[], &["1: a1 a2 a3 b4"]);
-    assert_eq!((report.targets[0].least_errors, report.targets[1].least_errors), (Some(1), None));
+    assert_eq!(
+        (
+            report.targets[0].least_errors,
+            report.targets[1].least_errors
+        ),
+        (Some(1), None)
+    );
 }
 
 #[test]
 fn the_strings_of_a_target_add_up() {
     let truth = ["A: a1 a2 . . . . . a8 a9"];
-    let report = evaluate(&truth, &[". . . . . . . . c9"], &["1: a1 . . . . . . a8 c9"]);
-    assert_eq!(report.targets[0].least_errors, Some(2), "a2 is absent, c9 is in place of a9");
+    let report = evaluate(
+        &truth,
+        &[". . . . . . . . c9"],
+        &["1: a1 . . . . . . a8 c9"],
+    );
+    assert_eq!(
+        report.targets[0].least_errors,
+        Some(2),
+        "a2 is absent, c9 is in place of a9"
+    );
     let report = evaluate(&truth, &[], &["1: a1 a2"]);
-    assert_eq!(report.targets[0].least_errors, Some(2), "the second string has no track: a8, a9 are absent");
+    assert_eq!(
+        report.targets[0].least_errors,
+        Some(2),
+        "the second string has no track: a8, a9 are absent"
+    );
 }
 
 #[test]
 fn with_every_choice_kept_an_error_is_what_the_track_cannot_have_been() {
     let lines = ["1: a1 c2=0.6|a2=0.3|.=0.1 a3=0.2|c3=0.8"];
     let report = super::all_gated::evaluate_gated(&["A: a1 a2 . a4"], &[". c2 c3"], &lines, 0.1);
-    assert_eq!(report.targets[0].least_errors, Some(2), "scan 3 cannot be ε, and a4 is absent");
+    assert_eq!(
+        report.targets[0].least_errors,
+        Some(2),
+        "scan 3 cannot be ε, and a4 is absent"
+    );
 }
 
 /// Every way of giving output strings to truth strings that share a word with them, each at most once: for each truth
@@ -69,8 +117,17 @@ fn matchings(
 ) {
     let Some(truth) = truths.get(given.len()) else {
         let real = |text: &Text| text.1.iter().filter(|word| *word != ".").count();
-        let of_truth: usize = truths.iter().zip(given.iter()).map(|(truth, errors)| errors.unwrap_or(real(truth))).sum();
-        let left_over: usize = outputs.iter().zip(used.iter()).filter(|(_, used)| !**used).map(|(output, _)| real(output)).sum();
+        let of_truth: usize = truths
+            .iter()
+            .zip(given.iter())
+            .map(|(truth, errors)| errors.unwrap_or(real(truth)))
+            .sum();
+        let left_over: usize = outputs
+            .iter()
+            .zip(used.iter())
+            .filter(|(_, used)| !**used)
+            .map(|(output, _)| real(output))
+            .sum();
         all.push((of_truth + left_over, given.clone()));
         return;
     };
@@ -78,8 +135,9 @@ fn matchings(
     matchings(truths, outputs, scans, used, given, all);
     given.pop();
     for (index, output) in outputs.iter().enumerate() {
-        let shares =
-            truth.1.iter().enumerate().any(|(offset, word)| word != "." && super::naive::word_at(output, truth.0 + offset) == word);
+        let shares = truth.1.iter().enumerate().any(|(offset, word)| {
+            word != "." && super::naive::word_at(output, truth.0 + offset) == word
+        });
         if !used[index] && shares {
             used[index] = true;
             given.push(Some(differing(truth, output, scans).len()));
@@ -127,7 +185,11 @@ fn by_target(of_target: &[Vec<Text>], given: &[Option<usize>]) -> Vec<Option<usi
         let (own, others) = rest.split_at(strings.len());
         rest = others;
         let real = |text: &Text| text.1.iter().filter(|word| *word != ".").count();
-        let errors = strings.iter().zip(own).map(|(string, errors)| errors.unwrap_or(real(string))).sum();
+        let errors = strings
+            .iter()
+            .zip(own)
+            .map(|(string, errors)| errors.unwrap_or(real(string)))
+            .sum();
         own.iter().any(Option::is_some).then_some(errors)
     };
     of_target.iter().map(errors_of).collect()

@@ -28,8 +28,14 @@ pub struct Normalised {
 }
 
 impl Normalised {
-    pub fn new(error_m: Position, error_mps: Option<Position>, covariance: Option<Covariance>) -> Normalised {
-        let Some(covariance) = covariance else { return Normalised::default() };
+    pub fn new(
+        error_m: Position,
+        error_mps: Option<Position>,
+        covariance: Option<Covariance>,
+    ) -> Normalised {
+        let Some(covariance) = covariance else {
+            return Normalised::default();
+        };
         let block: PositionCovariance = covariance.fixed_view::<2, 2>(0, 0).into_owned();
         let position = Gaussian::new(&block).map(|gaussian| gaussian.squared_distance(&error_m));
         let state = error_mps.and_then(|error_mps| {
@@ -37,7 +43,11 @@ impl Normalised {
             Gaussian::new(&covariance).map(|gaussian| gaussian.squared_distance(&error))
         });
         let finite = |value: Option<f64>| value.filter(|value| value.is_finite());
-        Normalised { position: finite(position), state: finite(state), innovation: None }
+        Normalised {
+            position: finite(position),
+            state: finite(state),
+            innovation: None,
+        }
     }
 }
 
@@ -95,14 +105,39 @@ const FAMILIES: [Family; 3] = [
 /// Means, numbers and shares of steps; the bounds are quantiles of the numbers of samples.
 pub const FROM: &[Origin] = &[
     Origin::rows("nees_position", Statistic::Mean, PAIRS, "nees_position"),
-    Origin::rows("nees_position_samples", Statistic::Count, PAIRS, "nees_position"),
-    Origin::rows("nees_position_steps_within", Statistic::ShareWithin, SERIES, "nees_position"),
+    Origin::rows(
+        "nees_position_samples",
+        Statistic::Count,
+        PAIRS,
+        "nees_position",
+    ),
+    Origin::rows(
+        "nees_position_steps_within",
+        Statistic::ShareWithin,
+        SERIES,
+        "nees_position",
+    ),
     Origin::rows("nees_state", Statistic::Mean, PAIRS, "nees_state"),
     Origin::rows("nees_state_samples", Statistic::Count, PAIRS, "nees_state"),
-    Origin::rows("nees_state_steps_within", Statistic::ShareWithin, SERIES, "nees_state"),
+    Origin::rows(
+        "nees_state_steps_within",
+        Statistic::ShareWithin,
+        SERIES,
+        "nees_state",
+    ),
     Origin::rows("nis_of_matches", Statistic::Mean, PAIRS, "nis_of_matches"),
-    Origin::rows("nis_of_matches_samples", Statistic::Count, PAIRS, "nis_of_matches"),
-    Origin::rows("nis_of_matches_steps_within", Statistic::ShareWithin, SERIES, "nis_of_matches"),
+    Origin::rows(
+        "nis_of_matches_samples",
+        Statistic::Count,
+        PAIRS,
+        "nis_of_matches",
+    ),
+    Origin::rows(
+        "nis_of_matches_steps_within",
+        Statistic::ShareWithin,
+        SERIES,
+        "nis_of_matches",
+    ),
 ];
 
 /// The kinds of normalised errors, and what a match says of each.
@@ -121,7 +156,11 @@ pub struct Consistency {
 
 impl Consistency {
     pub fn new(confidence: f64, measurement_dimensions: u32) -> Consistency {
-        Consistency { confidence, measurement_dimensions, bounds: BTreeMap::new() }
+        Consistency {
+            confidence,
+            measurement_dimensions,
+            bounds: BTreeMap::new(),
+        }
     }
 
     /// Step 2, for the mean of `samples` samples, at least one.
@@ -129,8 +168,14 @@ impl Consistency {
         let confidence = self.confidence;
         let dimensions = family.dimensions.unwrap_or(self.measurement_dimensions);
         *self.bounds.entry((dimensions, samples)).or_insert_with(|| {
-            let quantile = |probability| chi_square_quantile(probability, f64::from(dimensions) * samples as f64) / samples as f64;
-            (quantile(0.5 - 0.5 * confidence), quantile(0.5 + 0.5 * confidence))
+            let quantile = |probability| {
+                chi_square_quantile(probability, f64::from(dimensions) * samples as f64)
+                    / samples as f64
+            };
+            (
+                quantile(0.5 - 0.5 * confidence),
+                quantile(0.5 + 0.5 * confidence),
+            )
         })
     }
 
@@ -139,13 +184,23 @@ impl Consistency {
         let mut quantities = Vec::new();
         for family in &FAMILIES {
             let (mut within, mut steps) = (0.0, 0.0);
-            for (mean, count) in sequences.iter().flat_map(|samples| step_means(samples, family)).map(|(_, mean, count)| (mean, count)) {
+            for (mean, count) in sequences
+                .iter()
+                .flat_map(|samples| step_means(samples, family))
+                .map(|(_, mean, count)| (mean, count))
+            {
                 let (lower, upper) = self.bounds(family, count);
                 steps += 1.0;
                 within += f64::from(u8::from((lower..=upper).contains(&mean)));
             }
             quantities.extend(self.mean(&sequences.iter().flatten().collect::<Vec<_>>(), family));
-            quantities.push(Quantity::ratio(family.within, within, steps, "", family.reason));
+            quantities.push(Quantity::ratio(
+                family.within,
+                within,
+                steps,
+                "",
+                family.reason,
+            ));
         }
         quantities
     }
@@ -153,26 +208,47 @@ impl Consistency {
     /// Warnings of means outside their bounds: of the whole state where it is known, else of the position; and of the NIS where
     /// `is_nis_told` says so. A σ that is less than a tenth away from what would fit is not worth one.
     pub fn doubts(&self, quantities: &[Quantity], is_nis_told: bool) -> Vec<String> {
-        let has_state = quantities.iter().any(|quantity| quantity.name == "nees_state" && quantity.value.is_some());
+        let has_state = quantities
+            .iter()
+            .any(|quantity| quantity.name == "nees_state" && quantity.value.is_some());
         let is_told = |family: &&Family| match family.mean {
             "nees_state" => has_state,
             "nees_position" => !has_state,
             _ => is_nis_told,
         };
-        FAMILIES.iter().filter(is_told).filter_map(|family| self.doubt(family, quantities)).collect()
+        FAMILIES
+            .iter()
+            .filter(is_told)
+            .filter_map(|family| self.doubt(family, quantities))
+            .collect()
     }
 
     fn doubt(&self, family: &Family, quantities: &[Quantity]) -> Option<String> {
-        let value = |name: &str| quantities.iter().find(|quantity| quantity.name == name).and_then(|quantity| quantity.value);
-        let (mean, lower, upper) = (value(family.mean)?, value(family.lower)?, value(family.upper)?);
+        let value = |name: &str| {
+            quantities
+                .iter()
+                .find(|quantity| quantity.name == name)
+                .and_then(|quantity| quantity.value)
+        };
+        let (mean, lower, upper) = (
+            value(family.mean)?,
+            value(family.lower)?,
+            value(family.upper)?,
+        );
         let due = family.dimensions.unwrap_or(self.measurement_dimensions);
         let factor = (mean / f64::from(due)).sqrt();
         if (lower..=upper).contains(&mean) || (factor - 1.0).abs() <= 0.1 {
             return None;
         }
         let (what, sigma) = match (family.dimensions, mean > f64::from(due)) {
-            (Some(_), true) => ("the tracks are surer than they are right", "covariances of sigma"),
-            (Some(_), false) => ("the tracks are less sure than they could be", "covariances of sigma"),
+            (Some(_), true) => (
+                "the tracks are surer than they are right",
+                "covariances of sigma",
+            ),
+            (Some(_), false) => (
+                "the tracks are less sure than they could be",
+                "covariances of sigma",
+            ),
             (None, true) => ("the noise was assumed too small", "sigma"),
             (None, false) => ("the noise was assumed too large", "sigma"),
         };
@@ -186,16 +262,38 @@ impl Consistency {
 
     /// Means and bounds over some samples.
     pub fn means(&mut self, samples: &[&Sample]) -> Vec<Quantity> {
-        FAMILIES.iter().flat_map(|family| self.mean(samples, family)).collect()
+        FAMILIES
+            .iter()
+            .flat_map(|family| self.mean(samples, family))
+            .collect()
     }
 
     fn mean(&mut self, samples: &[&Sample], family: &Family) -> [Quantity; 4] {
-        let values: Vec<f64> = samples.iter().filter_map(|sample| (family.of)(sample)).collect();
+        let values: Vec<f64> = samples
+            .iter()
+            .filter_map(|sample| (family.of)(sample))
+            .collect();
         let bounds = (!values.is_empty()).then(|| self.bounds(family, values.len()));
         [
-            Quantity::ratio(family.mean, values.iter().sum(), values.len() as f64, "", family.reason),
-            Quantity::or(family.lower, bounds.map(|(lower, _)| lower), "", family.reason),
-            Quantity::or(family.upper, bounds.map(|(_, upper)| upper), "", family.reason),
+            Quantity::ratio(
+                family.mean,
+                values.iter().sum(),
+                values.len() as f64,
+                "",
+                family.reason,
+            ),
+            Quantity::or(
+                family.lower,
+                bounds.map(|(lower, _)| lower),
+                "",
+                family.reason,
+            ),
+            Quantity::or(
+                family.upper,
+                bounds.map(|(_, upper)| upper),
+                "",
+                family.reason,
+            ),
             Quantity::new(family.samples, values.len() as f64, ""),
         ]
     }
@@ -209,17 +307,32 @@ impl Consistency {
                 let (lower, upper) = self.bounds(family, count);
                 values[step] = [mean, lower, upper].map(Some);
             }
-            let names = [family.mean, family.lower, family.upper].into_iter().enumerate();
-            series.extend(names.map(|(place, name)| Series::over_time(name, "", values.iter().map(|step| step[place]))));
+            let names = [family.mean, family.lower, family.upper]
+                .into_iter()
+                .enumerate();
+            series.extend(names.map(|(place, name)| {
+                Series::over_time(name, "", values.iter().map(|step| step[place]))
+            }));
         }
         series
     }
 }
 
 /// Step, mean and number of samples of each step that has any; samples are in order of steps.
-fn step_means<'s>(samples: &'s [Sample], family: &'s Family) -> impl Iterator<Item = (usize, f64, usize)> + 's {
-    samples.chunk_by(|left, right| left.step == right.step).filter_map(|at_step| {
-        let values: Vec<f64> = at_step.iter().filter_map(family.of).collect();
-        (!values.is_empty()).then(|| (at_step[0].step, values.iter().sum::<f64>() / values.len() as f64, values.len()))
-    })
+fn step_means<'s>(
+    samples: &'s [Sample],
+    family: &'s Family,
+) -> impl Iterator<Item = (usize, f64, usize)> + 's {
+    samples
+        .chunk_by(|left, right| left.step == right.step)
+        .filter_map(|at_step| {
+            let values: Vec<f64> = at_step.iter().filter_map(family.of).collect();
+            (!values.is_empty()).then(|| {
+                (
+                    at_step[0].step,
+                    values.iter().sum::<f64>() / values.len() as f64,
+                    values.len(),
+                )
+            })
+        })
 }

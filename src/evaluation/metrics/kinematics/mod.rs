@@ -28,8 +28,11 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 use std::ops::Range;
 
-pub const METHOD: Method<BuildMetric> =
-    Method { name: "kinematics", parameters: &PARAMETERS, build: |spec| Ok(Box::new(Kinematics::deserialize(spec)?)) };
+pub const METHOD: Method<BuildMetric> = Method {
+    name: "kinematics",
+    parameters: &PARAMETERS,
+    build: |spec| Ok(Box::new(Kinematics::deserialize(spec)?)),
+};
 
 static PARAMETERS: Object = Object {
     name: "Kinematics",
@@ -38,13 +41,21 @@ static PARAMETERS: Object = Object {
         default(
             "confidence",
             "Probability with which a consistent filter lies within the chi-square bounds.",
-            Kind::Number { min: Bound::Including(0.5), max: Bound::Including(0.9999), unit: "" },
+            Kind::Number {
+                min: Bound::Including(0.5),
+                max: Bound::Including(0.9999),
+                unit: "",
+            },
             "0.95",
         ),
         default(
             "measurement_dimensions",
             "How many numbers a measurement has, for the bounds of the NIS: 1 of bearings alone, 2 of positions.",
-            Kind::Integer { min: 1, max: 6, unit: "" },
+            Kind::Integer {
+                min: 1,
+                max: 6,
+                unit: "",
+            },
             "2",
         ),
     ],
@@ -84,9 +95,16 @@ impl Metric for Kinematics {
         let all: Vec<&Sample> = by_sequence.iter().flatten().collect();
         let mut quantities = errors(&all);
         quantities.extend(consistency.summary(&by_sequence));
-        let mut report = MetricReport::new("position_rmse", false, self.parameters(sequences), quantities);
+        let mut report = MetricReport::new(
+            "position_rmse",
+            false,
+            self.parameters(sequences),
+            quantities,
+        );
         // Where there are detections the tracks may be of this job, whose updates are all known.
-        let is_nis_told = sequences.iter().all(|sequence| sequence.input.is_none_or(|input| input.recording.is_none()));
+        let is_nis_told = sequences
+            .iter()
+            .all(|sequence| sequence.input.is_none_or(|input| input.recording.is_none()));
         report.warnings = consistency.doubts(&report.quantities, is_nis_told);
         report.origins = FROM.iter().chain(consistency::FROM).copied().collect();
         if let ([sequence], [samples]) = (sequences, &by_sequence[..]) {
@@ -120,16 +138,23 @@ const FROM: &[Origin] = &[
 /// What each match says.
 fn pair_columns(samples: &[Sample]) -> Vec<PairColumn> {
     let column = |name, unit, of: &dyn Fn(&Sample) -> Option<f64>| {
-        let cell = |sample: &Sample| of(sample).map(|value| (sample.places.0, sample.places.1, value));
+        let cell =
+            |sample: &Sample| of(sample).map(|value| (sample.places.0, sample.places.1, value));
         PairColumn::new(name, unit, samples.iter().filter_map(cell).collect())
     };
     let mut columns = vec![
         column("position_error", "m", &|sample| Some(sample.error_m.norm())),
         column("x_error", "m", &|sample| Some(sample.error_m.x)),
         column("y_error", "m", &|sample| Some(sample.error_m.y)),
-        column("along_error", "m", &|sample| sample.on_course_m.map(|(along_m, _)| along_m)),
-        column("across_error", "m", &|sample| sample.on_course_m.map(|(_, across_m)| across_m)),
-        column("velocity_error", "m/s", &|sample| sample.error_mps.map(|error_mps| error_mps.norm())),
+        column("along_error", "m", &|sample| {
+            sample.on_course_m.map(|(along_m, _)| along_m)
+        }),
+        column("across_error", "m", &|sample| {
+            sample.on_course_m.map(|(_, across_m)| across_m)
+        }),
+        column("velocity_error", "m/s", &|sample| {
+            sample.error_mps.map(|error_mps| error_mps.norm())
+        }),
     ];
     columns.extend(consistency::families().map(|(name, of)| column(name, "", &of)));
     columns
@@ -150,45 +175,102 @@ fn samples(sequence: &Sequence) -> Vec<Sample> {
     let comparison = sequence.comparison;
     let sample = |event: &crate::evaluation::events::Event| {
         let step = &comparison.steps[event.step as usize];
-        let places = (find(&comparison.truths, &step.truths, event.truth?)?, find(&comparison.tracks, &step.tracks, event.track?)?);
+        let places = (
+            find(&comparison.truths, &step.truths, event.truth?)?,
+            find(&comparison.tracks, &step.tracks, event.track?)?,
+        );
         let (truth, track) = (&comparison.truths[places.0], &comparison.tracks[places.1]);
         let places = (places.0 as u32, places.1 as u32);
         let error_m = track.position_m - truth.position_m;
-        let error_mps = track.velocity_mps.zip(truth.velocity_mps).map(|(track, truth)| track - truth);
+        let error_mps = track
+            .velocity_mps
+            .zip(truth.velocity_mps)
+            .map(|(track, truth)| track - truth);
         let point = point_of(sequence, track);
         let covariance = point.and_then(|point| point.estimate.plane()?.covariance);
         let innovation = point.and_then(|point| point.nis);
-        let normalised = Normalised { innovation, ..Normalised::new(error_m, error_mps, covariance) };
-        let on_course_m = truth.velocity_mps.and_then(|velocity_mps| on_course(error_m, velocity_mps));
-        Some(Sample { step: event.step as usize, truth: truth.id, places, error_m, error_mps, on_course_m, normalised })
+        let normalised = Normalised {
+            innovation,
+            ..Normalised::new(error_m, error_mps, covariance)
+        };
+        let on_course_m = truth
+            .velocity_mps
+            .and_then(|velocity_mps| on_course(error_m, velocity_mps));
+        Some(Sample {
+            step: event.step as usize,
+            truth: truth.id,
+            places,
+            error_m,
+            error_mps,
+            on_course_m,
+            normalised,
+        })
     };
-    let matches = sequence.events.events.iter().filter(|event| event.kind == EventKind::Match);
+    let matches = sequence
+        .events
+        .events
+        .iter()
+        .filter(|event| event.kind == EventKind::Match);
     matches.filter_map(sample).collect()
 }
 
 /// The index of one among those of a step.
 fn find(presences: &[Presence], step: &Range<usize>, id: u32) -> Option<usize> {
-    presences[step.clone()].binary_search_by_key(&id, |presence| presence.id).ok().map(|place| step.start + place)
+    presences[step.clone()]
+        .binary_search_by_key(&id, |presence| presence.id)
+        .ok()
+        .map(|place| step.start + place)
 }
 
 /// The point of the input that a presence was made of.
 fn point_of<'a>(sequence: &Sequence<'a>, track: &Presence) -> Option<&'a TrackPoint> {
-    sequence.input?.tracks.tracks.get(track.id as usize)?.points.get(track.point as usize)
+    sequence
+        .input?
+        .tracks
+        .tracks
+        .get(track.id as usize)?
+        .points
+        .get(track.point as usize)
 }
 
 /// The error along and across a course, y north and x east.
 fn on_course(error_m: Position, velocity_mps: Position) -> Option<(f64, f64)> {
     let course = velocity_mps.try_normalize(0.0)?;
-    Some((error_m.dot(&course), error_m.x * course.y - error_m.y * course.x))
+    Some((
+        error_m.dot(&course),
+        error_m.x * course.y - error_m.y * course.x,
+    ))
 }
 
 /// Step 2.
 fn errors(samples: &[&Sample]) -> Vec<Quantity> {
-    let velocity: Vec<f64> = samples.iter().filter_map(|sample| sample.error_mps).map(|error| error.norm_squared()).collect();
-    let along: Vec<f64> = samples.iter().filter_map(|sample| sample.on_course_m).map(|(along, _)| along).collect();
-    let across: Vec<f64> = samples.iter().filter_map(|sample| sample.on_course_m).map(|(_, across)| across).collect();
-    let squares = |values: &[f64]| values.iter().map(|value| value * value).collect::<Vec<f64>>();
-    let of = |axis: fn(&Position) -> f64| samples.iter().map(|sample| axis(&sample.error_m)).collect::<Vec<f64>>();
+    let velocity: Vec<f64> = samples
+        .iter()
+        .filter_map(|sample| sample.error_mps)
+        .map(|error| error.norm_squared())
+        .collect();
+    let along: Vec<f64> = samples
+        .iter()
+        .filter_map(|sample| sample.on_course_m)
+        .map(|(along, _)| along)
+        .collect();
+    let across: Vec<f64> = samples
+        .iter()
+        .filter_map(|sample| sample.on_course_m)
+        .map(|(_, across)| across)
+        .collect();
+    let squares = |values: &[f64]| {
+        values
+            .iter()
+            .map(|value| value * value)
+            .collect::<Vec<f64>>()
+    };
+    let of = |axis: fn(&Position) -> f64| {
+        samples
+            .iter()
+            .map(|sample| axis(&sample.error_m))
+            .collect::<Vec<f64>>()
+    };
     vec![
         root_mean("position_rmse", &position_squares(samples), "m", NO_MATCH),
         Quantity::or("position_95", percentile_95(samples), "m", NO_MATCH),
@@ -204,14 +286,22 @@ fn errors(samples: &[&Sample]) -> Vec<Quantity> {
 }
 
 fn position_squares(samples: &[&Sample]) -> Vec<f64> {
-    samples.iter().map(|sample| sample.error_m.norm_squared()).collect()
+    samples
+        .iter()
+        .map(|sample| sample.error_m.norm_squared())
+        .collect()
 }
 
 fn mean(name: &'static str, values: &[f64], unit: &'static str, reason: &'static str) -> Quantity {
     Quantity::ratio(name, values.iter().sum(), values.len() as f64, unit, reason)
 }
 
-fn root_mean(name: &'static str, squares: &[f64], unit: &'static str, reason: &'static str) -> Quantity {
+fn root_mean(
+    name: &'static str,
+    squares: &[f64],
+    unit: &'static str,
+    reason: &'static str,
+) -> Quantity {
     let mean = mean(name, squares, unit, reason);
     Quantity::or(name, mean.value.map(f64::sqrt), unit, reason)
 }
@@ -224,7 +314,11 @@ fn percentile_95(samples: &[&Sample]) -> Option<f64> {
     Some(*error_m)
 }
 
-fn truth_lines(sequence: &Sequence, samples: &[Sample], consistency: &mut Consistency) -> Vec<Line> {
+fn truth_lines(
+    sequence: &Sequence,
+    samples: &[Sample],
+    consistency: &mut Consistency,
+) -> Vec<Line> {
     let mut of_truth: Vec<Vec<&Sample>> = vec![Vec::new(); sequence.comparison.truth_ids.len()];
     for sample in samples {
         of_truth[sample.truth as usize].push(sample);
@@ -232,9 +326,18 @@ fn truth_lines(sequence: &Sequence, samples: &[Sample], consistency: &mut Consis
     let line = |(id, samples): (&String, &Vec<&Sample>)| {
         let mut quantities = errors(samples);
         quantities.extend(consistency.means(samples));
-        Line { id: id.clone(), quantities }
+        Line {
+            id: id.clone(),
+            quantities,
+        }
     };
-    sequence.comparison.truth_ids.iter().zip(&of_truth).map(line).collect()
+    sequence
+        .comparison
+        .truth_ids
+        .iter()
+        .zip(&of_truth)
+        .map(line)
+        .collect()
 }
 
 /// Root mean square error of position over the targets matched at each step.
@@ -244,5 +347,10 @@ fn position_series(samples: &[Sample], steps: usize) -> Series {
         sums[sample.step].0 += sample.error_m.norm_squared();
         sums[sample.step].1 += 1.0;
     }
-    Series::over_time("position_rmse", "m", sums.into_iter().map(|(sum, count)| (count > 0.0).then(|| f64::sqrt(sum / count))))
+    Series::over_time(
+        "position_rmse",
+        "m",
+        sums.into_iter()
+            .map(|(sum, count)| (count > 0.0).then(|| f64::sqrt(sum / count))),
+    )
 }

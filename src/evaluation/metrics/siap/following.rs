@@ -36,14 +36,23 @@ pub fn follow(comparison: &Comparison, settings: &Settings) -> Following {
     let usual_of_all = usual_gap(sightings.iter().map(Vec::as_slice));
     for (track, sightings) in sightings.iter().enumerate() {
         let first = pieces.len();
-        let usual_gap = if sightings.len() > FEWEST_GAPS { usual_gap([sightings.as_slice()].into_iter()) } else { usual_of_all };
-        let rule = Rule { settings, usual_gap };
+        let usual_gap = if sightings.len() > FEWEST_GAPS {
+            usual_gap([sightings.as_slice()].into_iter())
+        } else {
+            usual_of_all
+        };
+        let rule = Rule {
+            settings,
+            usual_gap,
+        };
         follow_one(track as u32, sightings, &nearest, &rule, &mut pieces);
         let mut of_track = pieces[first..].iter().peekable();
         for &(step, presence) in sightings {
             while of_track.next_if(|piece| piece.to < step).is_some() {}
             let piece = of_track.peek().filter(|piece| piece.from <= step);
-            truth_of[presence] = piece.map(|piece| piece.truth).filter(|&truth| exists(comparison, step, truth));
+            truth_of[presence] = piece
+                .map(|piece| piece.truth)
+                .filter(|&truth| exists(comparison, step, truth));
         }
     }
     Following { pieces, truth_of }
@@ -69,9 +78,13 @@ impl Rule<'_> {
 
 /// The smallest gap that at least 75 % of all do not exceed; 1 where there is none.
 fn usual_gap<'s>(tracks: impl Iterator<Item = &'s [(usize, usize)]>) -> usize {
-    let mut gaps: Vec<usize> = tracks.flat_map(|sightings| sightings.windows(2).map(|pair| pair[1].0 - pair[0].0)).collect();
+    let mut gaps: Vec<usize> = tracks
+        .flat_map(|sightings| sightings.windows(2).map(|pair| pair[1].0 - pair[0].0))
+        .collect();
     gaps.sort_unstable();
-    gaps.get((3 * gaps.len()).div_ceil(4).saturating_sub(1)).copied().unwrap_or(1)
+    gaps.get((3 * gaps.len()).div_ceil(4).saturating_sub(1))
+        .copied()
+        .unwrap_or(1)
 }
 
 /// For each track its steps, each with the index of its presence.
@@ -98,11 +111,20 @@ fn nearest_truths(comparison: &Comparison, compat: Compat) -> Vec<Option<u32>> {
             *best = Some((pair.distance, comparison.truths[pair.truth as usize].id));
         }
     }
-    nearest.into_iter().map(|best| best.map(|(_, truth)| truth)).collect()
+    nearest
+        .into_iter()
+        .map(|best| best.map(|(_, truth)| truth))
+        .collect()
 }
 
 /// Methods 2 to 4.
-fn follow_one(track: u32, sightings: &[(usize, usize)], nearest: &[Option<u32>], rule: &Rule, pieces: &mut Vec<Piece>) {
+fn follow_one(
+    track: u32,
+    sightings: &[(usize, usize)],
+    nearest: &[Option<u32>],
+    rule: &Rule,
+    pieces: &mut Vec<Piece>,
+) {
     let settings = rule.settings;
     let mut current: Option<Piece> = None;
     let mut failures = 0u32;
@@ -111,7 +133,9 @@ fn follow_one(track: u32, sightings: &[(usize, usize)], nearest: &[Option<u32>],
     let mut before = None;
     for &(step, presence) in sightings {
         let near = nearest[presence];
-        let absences = before.replace(step).map_or(0, |before| rule.absences(before, step));
+        let absences = before
+            .replace(step)
+            .map_or(0, |before| rule.absences(before, step));
         if absences > 0 {
             candidate = None;
             failures = failures.saturating_add(absences);
@@ -137,7 +161,12 @@ fn follow_one(track: u32, sightings: &[(usize, usize)], nearest: &[Option<u32>],
         if let (None, Some((truth, from, count))) = (current, candidate)
             && count >= settings.confirm_steps
         {
-            current = Some(Piece { truth, track, from, to: step });
+            current = Some(Piece {
+                truth,
+                track,
+                from,
+                to: step,
+            });
             failures = 0;
         }
     }
@@ -146,5 +175,7 @@ fn follow_one(track: u32, sightings: &[(usize, usize)], nearest: &[Option<u32>],
 
 fn exists(comparison: &Comparison, step: usize, truth: u32) -> bool {
     let truths = &comparison.truths[comparison.steps[step].truths.clone()];
-    truths.binary_search_by_key(&truth, |presence| presence.id).is_ok()
+    truths
+        .binary_search_by_key(&truth, |presence| presence.id)
+        .is_ok()
 }

@@ -28,8 +28,11 @@ use crate::registry::{Kind, Method, Object, default};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-pub const METHOD: Method<BuildMetric> =
-    Method { name: "siap", parameters: &PARAMETERS, build: |spec| Ok(Box::new(Siap(Settings::deserialize(spec)?))) };
+pub const METHOD: Method<BuildMetric> = Method {
+    name: "siap",
+    parameters: &PARAMETERS,
+    build: |spec| Ok(Box::new(Siap(Settings::deserialize(spec)?))),
+};
 
 static PARAMETERS: Object = Object {
     name: "Siap",
@@ -38,13 +41,21 @@ static PARAMETERS: Object = Object {
         default(
             "confirm_steps",
             "Steps in a row in which a target must be a track's nearest within the gate, for the track to follow it.",
-            Kind::Integer { min: 1, max: 1000, unit: "" },
+            Kind::Integer {
+                min: 1,
+                max: 1000,
+                unit: "",
+            },
             "3",
         ),
         default(
             "end_steps",
             "Steps in a row in which it is not, for the track to follow it no longer.",
-            Kind::Integer { min: 1, max: 1000, unit: "" },
+            Kind::Integer {
+                min: 1,
+                max: 1000,
+                unit: "",
+            },
             "2",
         ),
         default(
@@ -96,16 +107,28 @@ impl Metric for Siap {
         let (mut per_truth, mut per_track, mut pairs) = (Vec::new(), Vec::new(), Vec::new());
         for comparison in sequences.iter().map(|sequence| sequence.comparison) {
             let following = follow(comparison, &self.0);
-            steps.extend(comparison.steps.iter().map(|step| Counts::of(comparison, step, &following)));
+            steps.extend(
+                comparison
+                    .steps
+                    .iter()
+                    .map(|step| Counts::of(comparison, step, &following)),
+            );
             pairs = pair_columns(comparison, &following);
             let truths = numbers(comparison, &following, self.0.siap_compat);
-            per_truth.extend(comparison.truth_ids.iter().zip(&truths).map(|(id, numbers)| truth_line(id, numbers)));
+            per_truth.extend(
+                comparison
+                    .truth_ids
+                    .iter()
+                    .zip(&truths)
+                    .map(|(id, numbers)| truth_line(id, numbers)),
+            );
             per_track.extend(track_lines(comparison, &following));
             all.extend(truths);
         }
         let mut quantities = Counts::sum(&steps).quantities().to_vec();
         quantities.extend(continuity(&all));
-        let mut report = MetricReport::new("completeness", true, self.parameters(sequences), quantities);
+        let mut report =
+            MetricReport::new("completeness", true, self.parameters(sequences), quantities);
         report.origins = FROM.to_vec();
         if sequences.len() == 1 {
             (report.per_truth, report.per_track, report.pairs) = (per_truth, per_track, pairs);
@@ -122,12 +145,30 @@ const FROM: &[Origin] = &[
     Origin::rows("following", Statistic::Count, PAIRS, "position_error"),
     Origin::ratio("completeness", &["tracked"], &["truth_points"]),
     Origin::ratio("ambiguity", &["following"], &["tracked"]),
-    Origin::ratio("spuriousness", &["track_points", "-following"], &["track_points"]),
-    Origin::rows("position_accuracy", Statistic::Mean, PAIRS, "position_error"),
-    Origin::rows("velocity_accuracy", Statistic::Mean, PAIRS, "velocity_error"),
+    Origin::ratio(
+        "spuriousness",
+        &["track_points", "-following"],
+        &["track_points"],
+    ),
+    Origin::rows(
+        "position_accuracy",
+        Statistic::Mean,
+        PAIRS,
+        "position_error",
+    ),
+    Origin::rows(
+        "velocity_accuracy",
+        Statistic::Mean,
+        PAIRS,
+        "velocity_error",
+    ),
     Origin::sum("track_number_changes", TRUTHS),
     Origin::sum("tracked_time", TRUTHS),
-    Origin::ratio("track_number_change_rate", &["track_number_changes"], &["tracked_time"]),
+    Origin::ratio(
+        "track_number_change_rate",
+        &["track_number_changes"],
+        &["tracked_time"],
+    ),
     Origin::sum("longest_segment_time", TRUTHS),
     Origin::sum("life_time", TRUTHS),
     Origin::ratio("longest_segment", &["longest_segment_time"], &["life_time"]),
@@ -135,7 +176,11 @@ const FROM: &[Origin] = &[
 
 impl Siap {
     fn parameters(&self, sequences: &[Sequence]) -> Value {
-        let compat = if self.0.siap_compat == Compat::None { "none" } else { "stonesoup" };
+        let compat = if self.0.siap_compat == Compat::None {
+            "none"
+        } else {
+            "stonesoup"
+        };
         json!({
             "gate_m": sequences.first().map(|sequence| sequence.comparison.gate),
             "confirm_steps": self.0.confirm_steps,
@@ -148,7 +193,11 @@ impl Siap {
 impl Counts {
     fn of(comparison: &Comparison, step: &Step, following: &Following) -> Counts {
         let truths = &comparison.truths[step.truths.clone()];
-        let mut counts = Counts { targets: truths.len() as f64, tracks: step.tracks.len() as f64, ..Counts::default() };
+        let mut counts = Counts {
+            targets: truths.len() as f64,
+            tracks: step.tracks.len() as f64,
+            ..Counts::default()
+        };
         for_each_following(comparison, step, following, |truth, track, is_first| {
             counts.tracked += f64::from(u8::from(is_first));
             counts.following += 1.0;
@@ -176,10 +225,34 @@ impl Counts {
 
     fn quantities(&self) -> [Quantity; 5] {
         [
-            Quantity::ratio("completeness", self.tracked, self.targets, "", "there is no target"),
-            Quantity::ratio("ambiguity", self.following, self.tracked, "", "no target is tracked"),
-            Quantity::ratio("spuriousness", self.tracks - self.following, self.tracks, "", "there is no track"),
-            Quantity::ratio("position_accuracy", self.position_m, self.following, "m", "no track follows a target"),
+            Quantity::ratio(
+                "completeness",
+                self.tracked,
+                self.targets,
+                "",
+                "there is no target",
+            ),
+            Quantity::ratio(
+                "ambiguity",
+                self.following,
+                self.tracked,
+                "",
+                "no target is tracked",
+            ),
+            Quantity::ratio(
+                "spuriousness",
+                self.tracks - self.following,
+                self.tracks,
+                "",
+                "there is no track",
+            ),
+            Quantity::ratio(
+                "position_accuracy",
+                self.position_m,
+                self.following,
+                "m",
+                "no track follows a target",
+            ),
             Quantity::ratio(
                 "velocity_accuracy",
                 self.velocity_mps,
@@ -193,13 +266,26 @@ impl Counts {
 
 /// Calls back with each target and track at a step of which the track follows the target, by their indices in the
 /// comparison, and whether it is the first track of that target.
-fn for_each_following(comparison: &Comparison, step: &Step, following: &Following, mut found: impl FnMut(usize, usize, bool)) {
+fn for_each_following(
+    comparison: &Comparison,
+    step: &Step,
+    following: &Following,
+    mut found: impl FnMut(usize, usize, bool),
+) {
     let truths = &comparison.truths[step.truths.clone()];
     let mut is_tracked = vec![false; truths.len()];
     for index in step.tracks.clone() {
-        let Some(truth) = following.truth_of[index] else { continue };
-        let Ok(place) = truths.binary_search_by_key(&truth, |presence| presence.id) else { continue };
-        found(step.truths.start + place, index, !std::mem::replace(&mut is_tracked[place], true));
+        let Some(truth) = following.truth_of[index] else {
+            continue;
+        };
+        let Ok(place) = truths.binary_search_by_key(&truth, |presence| presence.id) else {
+            continue;
+        };
+        found(
+            step.truths.start + place,
+            index,
+            !std::mem::replace(&mut is_tracked[place], true),
+        );
     }
 }
 
@@ -216,13 +302,21 @@ fn velocity_error_mps(truth: &Presence, track: &Presence) -> Option<f64> {
 fn pair_columns(comparison: &Comparison, following: &Following) -> Vec<PairColumn> {
     let (mut tracked, mut position, mut velocity) = (Vec::new(), Vec::new(), Vec::new());
     for step in &comparison.steps {
-        for_each_following(comparison, step, following, |truth_place, track_place, is_first| {
-            let (truth, track) = (&comparison.truths[truth_place], &comparison.tracks[track_place]);
-            let cell = |value: f64| (truth_place as u32, track_place as u32, value);
-            tracked.extend(is_first.then(|| cell(1.0)));
-            position.push(cell(position_error_m(truth, track)));
-            velocity.extend(velocity_error_mps(truth, track).map(cell));
-        });
+        for_each_following(
+            comparison,
+            step,
+            following,
+            |truth_place, track_place, is_first| {
+                let (truth, track) = (
+                    &comparison.truths[truth_place],
+                    &comparison.tracks[track_place],
+                );
+                let cell = |value: f64| (truth_place as u32, track_place as u32, value);
+                tracked.extend(is_first.then(|| cell(1.0)));
+                position.push(cell(position_error_m(truth, track)));
+                velocity.extend(velocity_error_mps(truth, track).map(cell));
+            },
+        );
     }
     vec![
         PairColumn::new("position_error", "m", position),
@@ -254,14 +348,29 @@ fn continuity(truths: &[Numbers]) -> [Quantity; 2] {
 
 fn truth_line(id: &str, numbers: &Numbers) -> Line {
     let quantities = vec![
-        Quantity::ratio("completeness", numbers.tracked_steps as f64, numbers.steps as f64, "", "the target exists at no step"),
+        Quantity::ratio(
+            "completeness",
+            numbers.tracked_steps as f64,
+            numbers.steps as f64,
+            "",
+            "the target exists at no step",
+        ),
         Quantity::new("track_number_changes", numbers.changes as f64, ""),
         Quantity::new("tracked_time", numbers.tracked_s, "s"),
-        Quantity::ratio("longest_segment", numbers.longest_s, numbers.life_s, "", "the target exists at fewer than two steps"),
+        Quantity::ratio(
+            "longest_segment",
+            numbers.longest_s,
+            numbers.life_s,
+            "",
+            "the target exists at fewer than two steps",
+        ),
         Quantity::new("longest_segment_time", numbers.longest_s, "s"),
         Quantity::new("life_time", numbers.life_s, "s"),
     ];
-    Line { id: id.to_owned(), quantities }
+    Line {
+        id: id.to_owned(),
+        quantities,
+    }
 }
 
 fn track_lines(comparison: &Comparison, following: &Following) -> Vec<Line> {
@@ -272,8 +381,17 @@ fn track_lines(comparison: &Comparison, following: &Following) -> Vec<Line> {
         *follows += f64::from(u8::from(truth.is_some()));
     }
     let line = |(id, &(steps, follows)): (&String, &(f64, f64))| {
-        let share = Quantity::ratio("following", follows, steps, "", "the track exists at no step");
-        Line { id: id.clone(), quantities: vec![share] }
+        let share = Quantity::ratio(
+            "following",
+            follows,
+            steps,
+            "",
+            "the track exists at no step",
+        );
+        Line {
+            id: id.clone(),
+            quantities: vec![share],
+        }
     };
     comparison.track_ids.iter().zip(&counts).map(line).collect()
 }
@@ -282,7 +400,11 @@ fn series(steps: &[Counts]) -> Vec<Series> {
     let quantities: Vec<[Quantity; 5]> = steps.iter().map(Counts::quantities).collect();
     let of = |place: usize| {
         let head = Counts::default().quantities()[place].clone();
-        Series::over_time(head.name, head.unit, quantities.iter().map(|step| step[place].value))
+        Series::over_time(
+            head.name,
+            head.unit,
+            quantities.iter().map(|step| step[place].value),
+        )
     };
     (0..5).map(of).collect()
 }

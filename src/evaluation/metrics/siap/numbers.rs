@@ -27,7 +27,10 @@ pub fn numbers(comparison: &Comparison, following: &Following, compat: Compat) -
     for piece in &following.pieces {
         of_truth[piece.truth as usize].push(*piece);
     }
-    let mut numbers: Vec<Numbers> = of_truth.into_iter().map(|pieces| of_pieces(comparison, pieces, compat)).collect();
+    let mut numbers: Vec<Numbers> = of_truth
+        .into_iter()
+        .map(|pieces| of_pieces(comparison, pieces, compat))
+        .collect();
     count_steps(comparison, following, &mut numbers);
     numbers
 }
@@ -49,7 +52,9 @@ fn of_pieces(comparison: &Comparison, mut pieces: Vec<Piece>, compat: Compat) ->
     Numbers {
         longest_s,
         changes: chosen.windows(2).filter(is_change).count(),
-        tracked_s: union(&pieces).map(|(from, to)| time_s(to) - time_s(from)).sum(),
+        tracked_s: union(&pieces)
+            .map(|(from, to)| time_s(to) - time_s(from))
+            .sum(),
         ..Numbers::default()
     }
 }
@@ -64,7 +69,9 @@ fn fewest(pieces: &[Piece]) -> Vec<Piece> {
         let before = chosen.last().map(|piece| piece.track);
         let worth = |piece: &Piece| (piece.to, before == Some(piece.track), Reverse(piece.track));
         while let Some(piece) = pieces.get(next).filter(|piece| piece.from <= uncovered) {
-            best = best.filter(|best| worth(best) >= worth(piece)).or(Some(*piece));
+            best = best
+                .filter(|best| worth(best) >= worth(piece))
+                .or(Some(*piece));
             next += 1;
         }
         match (best.filter(|piece| piece.to >= uncovered), pieces.get(next)) {

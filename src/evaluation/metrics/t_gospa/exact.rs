@@ -41,7 +41,11 @@ pub fn solve(cluster: &Cluster, penalty: f64, watch: &Watch) -> Option<Solution>
     }
     let mut solution = search.settled;
     for group in search.groups.into_iter().flatten() {
-        if let Some(best) = group.labels.into_iter().min_by(|one, other| one.cost.total_cmp(&other.cost)) {
+        if let Some(best) = group
+            .labels
+            .into_iter()
+            .min_by(|one, other| one.cost.total_cmp(&other.cost))
+        {
             solution.tally += best.tally;
             search.traces.tell(best.trace, &mut solution);
         }
@@ -63,7 +67,13 @@ struct Label {
 
 impl Label {
     fn of_states(states: Vec<usize>) -> Label {
-        Label { tally: Tally::default(), cost: 0.0, states, trace: NO_TRACE, new_switches: 0.0 }
+        Label {
+            tally: Tally::default(),
+            cost: 0.0,
+            states,
+            trace: NO_TRACE,
+            new_switches: 0.0,
+        }
     }
 }
 
@@ -119,7 +129,9 @@ impl<'w> Search<'w> {
 
     /// Keeps a group under the number of its first member.
     fn store(&mut self, members: Vec<usize>, labels: Vec<Label>) {
-        let Some(&number) = members.first() else { return };
+        let Some(&number) = members.first() else {
+            return;
+        };
         for (place, &member) in members.iter().enumerate() {
             (self.group_of[member], self.place_of[member]) = (number, place);
         }
@@ -134,13 +146,18 @@ impl<'w> Search<'w> {
             if self.is_sure(pair) {
                 self.keep(pair);
             } else if self.group_of[pair.truth] == self.group_of[track] {
-                of_group.entry(self.group_of[track]).or_default().push(*pair);
+                of_group
+                    .entry(self.group_of[track])
+                    .or_default()
+                    .push(*pair);
             }
         }
         for pair in near {
             (self.worth[pair.truth], self.worth[self.truths + pair.track]) = (0.0, 0.0);
         }
-        of_group.into_iter().try_for_each(|(number, near)| self.advance(number, &near))
+        of_group
+            .into_iter()
+            .try_for_each(|(number, near)| self.advance(number, &near))
     }
 
     /// Methods 4 to 6: merges the groups that have to be looked at together.
@@ -156,7 +173,8 @@ impl<'w> Search<'w> {
             self.go_on(16 * near.len())?;
             for pair in near {
                 let track = self.truths + pair.track;
-                let is_left_out = self.is_sure(pair) || pair.gain <= self.worth[pair.truth] + self.worth[track];
+                let is_left_out =
+                    self.is_sure(pair) || pair.gain <= self.worth[pair.truth] + self.worth[track];
                 if is_left_out || self.group_of[pair.truth] == self.group_of[track] {
                     continue;
                 }
@@ -188,7 +206,11 @@ impl<'w> Search<'w> {
         for pair in near {
             let ends = [pair.truth, self.truths + pair.track];
             let worth = 0.5 * (pair.gain - 1.5 * self.penalty);
-            if worth > 0.0 && ends.iter().all(|end| best.get(end) == Some(pair) && self.single_state(*end).is_some()) {
+            if worth > 0.0
+                && ends
+                    .iter()
+                    .all(|end| best.get(end) == Some(pair) && self.single_state(*end).is_some())
+            {
                 self.set_worth(pair, worth);
             }
         }
@@ -202,7 +224,10 @@ impl<'w> Search<'w> {
 
     fn set_worth(&mut self, pair: &Near, worth: f64) {
         (self.worth[pair.truth], self.worth[self.truths + pair.track]) = (worth, worth);
-        (self.partner[pair.truth], self.partner[self.truths + pair.track]) = (self.truths + pair.track, pair.truth);
+        (
+            self.partner[pair.truth],
+            self.partner[self.truths + pair.track],
+        ) = (self.truths + pair.track, pair.truth);
     }
 
     fn is_sure(&self, pair: &Near) -> bool {
@@ -212,7 +237,11 @@ impl<'w> Search<'w> {
     /// Counts a sure pair; two singles become a settled pair by it.
     fn keep(&mut self, near: &Near) {
         let (truth, track) = (near.truth, self.truths + near.track);
-        self.settled.tally += Tally { gain: near.gain, matched: 1.0, switches: 0.0 };
+        self.settled.tally += Tally {
+            gain: near.gain,
+            matched: 1.0,
+            switches: 0.0,
+        };
         self.settled.shares.push((near.pair, 1.0));
         if let (Some(one), Some(other)) = (self.single_state(truth), self.single_state(track)) {
             if one != FRESH || other != FRESH {
@@ -220,21 +249,28 @@ impl<'w> Search<'w> {
                 self.settled.switches.push((near.pair, 0.5));
             }
             self.groups[self.group_of[track]] = None;
-            self.store(vec![truth, track], vec![Label::of_states(vec![track, truth])]);
+            self.store(
+                vec![truth, track],
+                vec![Label::of_states(vec![track, truth])],
+            );
         }
     }
 
     /// Whether it is sure that these two hold each other.
     fn is_settled(&self, pair: &Near) -> bool {
         let group = self.groups[self.group_of[pair.truth]].as_ref();
-        let states = group.filter(|group| group.members.len() == 2 && group.labels.len() == 1).map(|group| &group.labels[0].states);
+        let states = group
+            .filter(|group| group.members.len() == 2 && group.labels.len() == 1)
+            .map(|group| &group.labels[0].states);
         states.is_some_and(|states| states[self.place_of[pair.truth]] == self.truths + pair.track)
     }
 
     /// Takes a group over a step.
     fn advance(&mut self, number: usize, near: &[Near]) -> Option<()> {
         let group = self.groups[number].take()?;
-        let rows: Vec<&[Near]> = near.chunk_by(|one, other| one.truth == other.truth).collect();
+        let rows: Vec<&[Near]> = near
+            .chunk_by(|one, other| one.truth == other.truth)
+            .collect();
         let mut successors = Vec::new();
         for label in &group.labels {
             Expansion::new(self, &rows, label).extend(0, 0.0, &mut successors);
@@ -245,9 +281,12 @@ impl<'w> Search<'w> {
         }
         let mut labels = self.undominated(&group.members, successors)?;
         for label in &mut labels {
-            let is_held = |pair: &&Near| label.states[self.place_of[pair.truth]] == self.truths + pair.track;
+            let is_held =
+                |pair: &&Near| label.states[self.place_of[pair.truth]] == self.truths + pair.track;
             let assigned = near.iter().filter(is_held).map(|pair| pair.pair).collect();
-            label.trace = self.traces.go_on(label.trace, near[0].pair, assigned, label.new_switches);
+            label.trace =
+                self.traces
+                    .go_on(label.trace, near[0].pair, assigned, label.new_switches);
         }
         self.split(group.members, labels);
         Some(())
@@ -262,31 +301,52 @@ impl<'w> Search<'w> {
         if one.labels.len() * other.labels.len() > MAX_LABELS {
             return None;
         }
-        self.go_on(one.labels.len() * other.labels.len() * (one.members.len() + other.members.len()))?;
+        self.go_on(
+            one.labels.len() * other.labels.len() * (one.members.len() + other.members.len()),
+        )?;
         let mut labels = Vec::with_capacity(one.labels.len() * other.labels.len());
-        for (left, right) in one.labels.iter().flat_map(|left| other.labels.iter().map(move |right| (left, right))) {
+        for (left, right) in one
+            .labels
+            .iter()
+            .flat_map(|left| other.labels.iter().map(move |right| (left, right)))
+        {
             let mut tally = left.tally;
             tally += right.tally;
             let states = left.states.iter().chain(&right.states).copied().collect();
             let trace = self.traces.join(left.trace, right.trace);
-            labels.push(Label { tally, cost: tally.cost(self.penalty), states, trace, new_switches: 0.0 });
+            labels.push(Label {
+                tally,
+                cost: tally.cost(self.penalty),
+                states,
+                trace,
+                new_switches: 0.0,
+            });
         }
         for &member in one.members.iter().chain(&other.members) {
             (self.worth[member], self.worth[self.partner[member]]) = (0.0, 0.0);
         }
-        self.store(one.members.into_iter().chain(other.members).collect(), labels);
+        self.store(
+            one.members.into_iter().chain(other.members).collect(),
+            labels,
+        );
         Some(())
     }
 
     /// Method 3: from the cheapest on, those that no cheaper one reaches.
     fn undominated(&mut self, members: &[usize], mut labels: Vec<Label>) -> Option<Vec<Label>> {
-        labels.sort_by(|one, other| one.cost.total_cmp(&other.cost).then_with(|| one.states.cmp(&other.states)));
+        labels.sort_by(|one, other| {
+            one.cost
+                .total_cmp(&other.cost)
+                .then_with(|| one.states.cmp(&other.states))
+        });
         let mut kept: Vec<Label> = Vec::new();
         for label in labels {
             self.comparisons += kept.len();
             self.go_on(2 * kept.len() * members.len())?;
             let reaches = |cheaper: &Label| {
-                cheaper.states == label.states || cheaper.cost + self.penalty * self.switches(members, cheaper, &label) <= label.cost
+                cheaper.states == label.states
+                    || cheaper.cost + self.penalty * self.switches(members, cheaper, &label)
+                        <= label.cost
             };
             if !kept.iter().any(reaches) {
                 kept.push(label);
@@ -304,7 +364,8 @@ impl<'w> Search<'w> {
             }
             // Each pair is counted at its truth.
             if member < self.truths {
-                let is_first = is_held(right) && left == FRESH && from.states[self.place_of[right]] == FRESH;
+                let is_first =
+                    is_held(right) && left == FRESH && from.states[self.place_of[right]] == FRESH;
                 halves += usize::from(is_held(left)) + usize::from(is_held(right) && !is_first);
             }
             halves += usize::from(right == FRESH);
@@ -317,26 +378,48 @@ impl<'w> Search<'w> {
         if let [label] = &mut labels[..] {
             self.settled.tally += std::mem::take(&mut label.tally);
             label.cost = 0.0;
-            self.traces.tell(std::mem::replace(&mut label.trace, NO_TRACE), &mut self.settled);
+            self.traces.tell(
+                std::mem::replace(&mut label.trace, NO_TRACE),
+                &mut self.settled,
+            );
         }
         let agreed: Vec<Option<usize>> = (0..members.len())
             .map(|place| {
                 let state = labels[0].states[place];
-                labels.iter().all(|label| label.states[place] == state).then_some(state)
+                labels
+                    .iter()
+                    .all(|label| label.states[place] == state)
+                    .then_some(state)
             })
             .collect();
         let single = |states| vec![Label::of_states(states)];
         for (&member, state) in members.iter().zip(&agreed) {
             match *state {
-                Some(partner) if is_held(partner) && member < partner => self.store(vec![member, partner], single(vec![partner, member])),
+                Some(partner) if is_held(partner) && member < partner => {
+                    self.store(vec![member, partner], single(vec![partner, member]))
+                }
                 Some(state) if !is_held(state) => self.store(vec![member], single(vec![state])),
                 _ => {}
             }
         }
         for label in &mut labels {
-            label.states = label.states.iter().zip(&agreed).filter(|(_, agreed)| agreed.is_none()).map(|(&state, _)| state).collect();
+            label.states = label
+                .states
+                .iter()
+                .zip(&agreed)
+                .filter(|(_, agreed)| agreed.is_none())
+                .map(|(&state, _)| state)
+                .collect();
         }
-        self.store(members.into_iter().zip(&agreed).filter(|(_, agreed)| agreed.is_none()).map(|(member, _)| member).collect(), labels);
+        self.store(
+            members
+                .into_iter()
+                .zip(&agreed)
+                .filter(|(_, agreed)| agreed.is_none())
+                .map(|(member, _)| member)
+                .collect(),
+            labels,
+        );
     }
 }
 
@@ -353,17 +436,37 @@ struct Expansion<'a> {
 impl<'a> Expansion<'a> {
     fn new(search: &'a Search, rows: &'a [&'a [Near]], label: &Label) -> Expansion<'a> {
         let is_taken = vec![false; label.states.len()];
-        let label = Label { new_switches: 0.0, ..label.clone() };
-        Expansion { search, rows, label, is_taken }
+        let label = Label {
+            new_switches: 0.0,
+            ..label.clone()
+        };
+        Expansion {
+            search,
+            rows,
+            label,
+            is_taken,
+        }
     }
 
     /// Decides the truths from `row` on; `improvement` is what the takings so far gain at this step beyond what they break.
     fn extend(&mut self, row: usize, improvement: f64, successors: &mut Vec<Label>) {
-        if successors.len() > MAX_SUCCESSORS || self.search.watch.stops_after((self.rows.len() + self.is_taken.len()) as u64) {
+        if successors.len() > MAX_SUCCESSORS
+            || self
+                .search
+                .watch
+                .stops_after((self.rows.len() + self.is_taken.len()) as u64)
+        {
             return;
         }
         let is_changed = self.is_taken.contains(&true);
-        if is_changed && improvement + self.rows[row..].iter().map(|near| self.hope(near)).sum::<f64>() <= 0.0 {
+        if is_changed
+            && improvement
+                + self.rows[row..]
+                    .iter()
+                    .map(|near| self.hope(near))
+                    .sum::<f64>()
+                <= 0.0
+        {
             return;
         }
         let Some(near) = self.rows.get(row) else {
@@ -373,7 +476,10 @@ impl<'a> Expansion<'a> {
         self.extend(row + 1, improvement, successors);
         for pair in *near {
             let track = self.search.truths + pair.track;
-            let (truth_place, track_place) = (self.search.place_of[pair.truth], self.search.place_of[track]);
+            let (truth_place, track_place) = (
+                self.search.place_of[pair.truth],
+                self.search.place_of[track],
+            );
             if self.label.states[truth_place] == track || self.is_taken[track_place] {
                 continue;
             }
@@ -395,15 +501,25 @@ impl<'a> Expansion<'a> {
     /// What a truth gains at this step by the track that it holds.
     fn held_gain(&self, truth: usize) -> f64 {
         let held = self.label.states[self.search.place_of[truth]];
-        let row = self.rows.binary_search_by_key(&truth, |near| near[0].truth).ok();
-        let pair = row.and_then(|row| self.rows[row].iter().find(|pair| self.search.truths + pair.track == held));
+        let row = self
+            .rows
+            .binary_search_by_key(&truth, |near| near[0].truth)
+            .ok();
+        let pair = row.and_then(|row| {
+            self.rows[row]
+                .iter()
+                .find(|pair| self.search.truths + pair.track == held)
+        });
         pair.map_or(0.0, |pair| pair.gain)
     }
 
     /// Gives a truth a track, breaking what both hold; returns what the broken pairs would have gained.
     fn take(&mut self, truth: usize, track: usize) -> f64 {
         let (truth_place, track_place) = (self.search.place_of[truth], self.search.place_of[track]);
-        let (old_track, old_truth) = (self.label.states[truth_place], self.label.states[track_place]);
+        let (old_track, old_truth) = (
+            self.label.states[truth_place],
+            self.label.states[track_place],
+        );
         let mut broken = 0.0;
         let mut halves = usize::from(old_track != FRESH || old_truth != FRESH);
         if is_held(old_track) {

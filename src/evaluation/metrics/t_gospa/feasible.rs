@@ -19,8 +19,16 @@ const WINDOWS: [usize; 7] = [1, 2, 3, 5, 8, 16, 64];
 
 /// The least that any of the assignments costs.
 pub fn solve(cluster: &Cluster, penalty: f64) -> Tally {
-    let tallies = WINDOWS.iter().map(|&window| Walk::new(cluster, penalty).go(window));
-    let cheaper = |best: Tally, next: Tally| if next.cost(penalty) < best.cost(penalty) { next } else { best };
+    let tallies = WINDOWS
+        .iter()
+        .map(|&window| Walk::new(cluster, penalty).go(window));
+    let cheaper = |best: Tally, next: Tally| {
+        if next.cost(penalty) < best.cost(penalty) {
+            next
+        } else {
+            best
+        }
+    };
     // To assign nobody is an assignment, too.
     tallies.fold(Tally::default(), cheaper)
 }
@@ -59,7 +67,11 @@ impl<'a> Walk<'a> {
             self.assign();
             for near in &steps[step] {
                 if self.track_of[near.truth] == Some(near.track) {
-                    self.tally += Tally { gain: near.gain, matched: 1.0, switches: 0.0 };
+                    self.tally += Tally {
+                        gain: near.gain,
+                        matched: 1.0,
+                        switches: 0.0,
+                    };
                 }
             }
             self.forget(step);
@@ -96,18 +108,23 @@ impl<'a> Walk<'a> {
             rows[truth].push((track, gain + self.bonus(truth, track)));
         }
         for (truth, row) in rows.iter_mut().enumerate() {
-            if let Some(held) = self.track_of[truth].filter(|held| row.iter().all(|(track, _)| track != held)) {
+            if let Some(held) =
+                self.track_of[truth].filter(|held| row.iter().all(|(track, _)| track != held))
+            {
                 row.push((held, 0.5 * self.penalty));
             }
         }
         self.solver.clear();
         for row in &rows {
-            row.iter().for_each(|&(track, worth)| self.solver.push_edge(track as u32, -worth));
+            row.iter()
+                .for_each(|&(track, worth)| self.solver.push_edge(track as u32, -worth));
             self.solver.end_row(0.0);
         }
         // To leave everybody alone is always possible.
         self.solver.solve();
-        let chosen: Vec<Option<usize>> = (0..rows.len()).map(|truth| self.solver.column_of(truth).map(|track| track as usize)).collect();
+        let chosen: Vec<Option<usize>> = (0..rows.len())
+            .map(|truth| self.solver.column_of(truth).map(|track| track as usize))
+            .collect();
         self.take(&chosen);
     }
 
@@ -128,7 +145,9 @@ impl<'a> Walk<'a> {
                 continue;
             }
             halves += usize::from(before.is_some());
-            halves += track.map_or(0, |track| usize::from(!(self.is_fresh_truth[truth] && self.is_fresh_track[track])));
+            halves += track.map_or(0, |track| {
+                usize::from(!(self.is_fresh_truth[truth] && self.is_fresh_track[track]))
+            });
         }
         self.tally.switches += 0.5 * halves as f64;
         for (truth, &track) in chosen.iter().enumerate() {
@@ -150,15 +169,32 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     fn near(truth: usize, track: usize, gain: f64) -> Near {
-        Near { truth, track, gain, pair: 0 }
+        Near {
+            truth,
+            track,
+            gain,
+            pair: 0,
+        }
     }
 
     #[test]
     fn a_change_of_track_is_one_switch_and_a_first_hold_none() {
         // Truth 0 has track 0 for three steps, then track 1 for three: gains 6 · 0.8, one switch.
-        let steps = (0..6).map(|step| vec![near(0, usize::from(step >= 3), 0.8)]).collect();
-        let tally = solve(&Cluster { truths: 1, tracks: 2, steps }, 0.2);
-        assert!((tally.gain - 4.8).abs() < 1e-12 && tally.switches == 1.0, "{tally:?}");
+        let steps = (0..6)
+            .map(|step| vec![near(0, usize::from(step >= 3), 0.8)])
+            .collect();
+        let tally = solve(
+            &Cluster {
+                truths: 1,
+                tracks: 2,
+                steps,
+            },
+            0.2,
+        );
+        assert!(
+            (tally.gain - 4.8).abs() < 1e-12 && tally.switches == 1.0,
+            "{tally:?}"
+        );
     }
 
     #[test]
@@ -168,13 +204,25 @@ mod tests {
         for case in 0..200 {
             let (truths, tracks) = (rng.random_range(1..=3), rng.random_range(1..=3));
             let mut step = || {
-                let pairs = (0..truths).flat_map(|truth| (0..tracks).map(move |track| (truth, track)));
-                let near_ones: Vec<(usize, usize)> = pairs.filter(|_| rng.random_bool(0.6)).collect();
-                near_ones.into_iter().map(|(truth, track)| near(truth, track, rng.random_range(0.01..1.0))).collect()
+                let pairs =
+                    (0..truths).flat_map(|truth| (0..tracks).map(move |track| (truth, track)));
+                let near_ones: Vec<(usize, usize)> =
+                    pairs.filter(|_| rng.random_bool(0.6)).collect();
+                near_ones
+                    .into_iter()
+                    .map(|(truth, track)| near(truth, track, rng.random_range(0.01..1.0)))
+                    .collect()
             };
-            let cluster = Cluster { truths, tracks, steps: (0..6).map(|_| step()).collect() };
+            let cluster = Cluster {
+                truths,
+                tracks,
+                steps: (0..6).map(|_| step()).collect(),
+            };
             let penalty = [0.0, 0.1, 0.4, 1.5][case % 4];
-            let exact = exact::solve(&cluster, penalty, &Watch::never()).unwrap().tally.cost(penalty);
+            let exact = exact::solve(&cluster, penalty, &Watch::never())
+                .unwrap()
+                .tally
+                .cost(penalty);
             let above = solve(&cluster, penalty).cost(penalty);
             assert!(above >= exact - 1e-9, "case {case}: {above} below {exact}");
             equal += usize::from((above - exact).abs() < 1e-9);

@@ -18,7 +18,9 @@ use super::problem::{Near, Solution};
 use crate::math::assignment::AssignmentSolver;
 use crate::model::watch::Watch;
 use clarabel::algebra::CscMatrix;
-use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};
+use clarabel::solver::{
+    DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus,
+};
 use std::collections::BTreeMap;
 
 /// Most pairs times steps of one programme.
@@ -36,7 +38,10 @@ pub fn solve(steps: &[Vec<Near>], penalty: f64, watch: &Watch) -> Option<Bound> 
     if pairs > MAX_SHARES {
         return assigned_step_by_step(steps, watch);
     }
-    let mut bound = Bound { solution: Solution::default(), is_exact: true };
+    let mut bound = Bound {
+        solution: Solution::default(),
+        is_exact: true,
+    };
     let blocks = steps.chunks((MAX_SHARES / pairs.max(1)).max(1));
     let is_cut = blocks.len() > 1;
     for block in blocks {
@@ -54,18 +59,26 @@ pub fn solve(steps: &[Vec<Near>], penalty: f64, watch: &Watch) -> Option<Bound> 
 
 /// Method 4.
 fn assigned_step_by_step(steps: &[Vec<Near>], watch: &Watch) -> Option<Bound> {
-    let mut bound = Bound { solution: Solution::default(), is_exact: steps.len() == 1 };
+    let mut bound = Bound {
+        solution: Solution::default(),
+        is_exact: steps.len() == 1,
+    };
     let mut solver = AssignmentSolver::default();
     for near in steps {
         solver.clear();
-        let rows: Vec<&[Near]> = near.chunk_by(|one, other| one.truth == other.truth).collect();
+        let rows: Vec<&[Near]> = near
+            .chunk_by(|one, other| one.truth == other.truth)
+            .collect();
         for row in &rows {
-            row.iter().for_each(|pair| solver.push_edge(pair.track as u32, -pair.gain));
+            row.iter()
+                .for_each(|pair| solver.push_edge(pair.track as u32, -pair.gain));
             solver.end_row(0.0);
         }
         solver.solve_until(watch)?;
         for (index, row) in rows.iter().enumerate() {
-            let Some(pair) = solver.edge_of(index).map(|edge| row[edge]) else { continue };
+            let Some(pair) = solver.edge_of(index).map(|edge| row[edge]) else {
+                continue;
+            };
             bound.solution.tally.gain += pair.gain;
             bound.solution.tally.matched += 1.0;
             bound.solution.shares.push((pair.pair, 1.0));
@@ -112,7 +125,11 @@ impl Constraints {
 
 impl<'a> Programme<'a> {
     fn new(steps: &'a [Vec<Near>], penalty: f64) -> Programme<'a> {
-        Programme { steps, pairs: pairs_of(steps), penalty }
+        Programme {
+            steps,
+            pairs: pairs_of(steps),
+            penalty,
+        }
     }
 
     /// Number of the variable W of a pair at a step; the D of the same step lies `pairs · steps` further on.
@@ -139,7 +156,10 @@ impl<'a> Programme<'a> {
 
     fn constraints(&self) -> Constraints {
         let (pairs, shares) = (self.pairs.len(), self.pairs.len() * self.steps.len());
-        let (mut of_truth, mut of_track) = (BTreeMap::<usize, Vec<usize>>::new(), BTreeMap::<usize, Vec<usize>>::new());
+        let (mut of_truth, mut of_track) = (
+            BTreeMap::<usize, Vec<usize>>::new(),
+            BTreeMap::<usize, Vec<usize>>::new(),
+        );
         for (&(truth, track), &pair) in &self.pairs {
             of_truth.entry(truth).or_default().push(pair);
             of_track.entry(track).or_default().push(pair);
@@ -154,7 +174,14 @@ impl<'a> Programme<'a> {
             }
         }
         for variable in 0..shares - pairs {
-            constraints.push([(variable, 1.0), (variable + pairs, -1.0), (shares + variable, -1.0)], 0.0);
+            constraints.push(
+                [
+                    (variable, 1.0),
+                    (variable + pairs, -1.0),
+                    (shares + variable, -1.0),
+                ],
+                0.0,
+            );
         }
         constraints
     }
@@ -162,20 +189,45 @@ impl<'a> Programme<'a> {
     /// Method 2: the shares of all pairs at all steps.
     fn solve(&self) -> Option<Vec<f64>> {
         let objective = self.objective();
-        let Constraints { rows, columns, values, limits } = self.constraints();
-        let matrix = CscMatrix::new_from_triplets(limits.len(), objective.len(), rows, columns, values);
+        let Constraints {
+            rows,
+            columns,
+            values,
+            limits,
+        } = self.constraints();
+        let matrix =
+            CscMatrix::new_from_triplets(limits.len(), objective.len(), rows, columns, values);
         let no_squares = CscMatrix::zeros((objective.len(), objective.len()));
         let (tolerance, mut settings) = (1e-10, DefaultSettingsBuilder::default());
-        settings.verbose(false).tol_gap_abs(tolerance).tol_gap_rel(tolerance).tol_feas(tolerance).max_threads(1);
+        settings
+            .verbose(false)
+            .tol_gap_abs(tolerance)
+            .tol_gap_rel(tolerance)
+            .tol_feas(tolerance)
+            .max_threads(1);
         let cones = [NonnegativeConeT(limits.len())];
-        let mut solver = DefaultSolver::new(&no_squares, &objective, &matrix, &limits, &cones, settings.build().ok()?).ok()?;
+        let mut solver = DefaultSolver::new(
+            &no_squares,
+            &objective,
+            &matrix,
+            &limits,
+            &cones,
+            settings.build().ok()?,
+        )
+        .ok()?;
         solver.solve();
-        if !matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved) {
+        if !matches!(
+            solver.solution.status,
+            SolverStatus::Solved | SolverStatus::AlmostSolved
+        ) {
             return None;
         }
         let mut shares = solver.solution.x;
         shares.truncate(self.pairs.len() * self.steps.len());
-        if shares.iter().all(|share| (share - share.round()).abs() < 1e-5) {
+        if shares
+            .iter()
+            .all(|share| (share - share.round()).abs() < 1e-5)
+        {
             shares.iter_mut().for_each(|share| *share = share.round());
         }
         self.keep_within_one(&mut shares);
@@ -185,7 +237,8 @@ impl<'a> Programme<'a> {
     /// The solver keeps its constraints to a tolerance; this keeps them exactly.
     fn keep_within_one(&self, shares: &mut [f64]) {
         for at_step in shares.chunks_mut(self.pairs.len().max(1)) {
-            let (mut of_truth, mut of_track) = (BTreeMap::<usize, f64>::new(), BTreeMap::<usize, f64>::new());
+            let (mut of_truth, mut of_track) =
+                (BTreeMap::<usize, f64>::new(), BTreeMap::<usize, f64>::new());
             for (&(truth, track), &pair) in &self.pairs {
                 at_step[pair] = at_step[pair].max(0.0);
                 *of_truth.entry(truth).or_default() += at_step[pair];
@@ -211,7 +264,11 @@ impl<'a> Programme<'a> {
         }
         let by_step: Vec<&[f64]> = shares.chunks(self.pairs.len().max(1)).collect();
         for (step, change) in by_step.windows(2).enumerate() {
-            let switches = change[0].iter().zip(change[1]).map(|(now, next)| 0.5 * (next - now).abs()).sum();
+            let switches = change[0]
+                .iter()
+                .zip(change[1])
+                .map(|(now, next)| 0.5 * (next - now).abs())
+                .sum();
             solution.tally.switches += switches;
             if let Some(pair) = self.steps[step + 1].first().filter(|_| switches != 0.0) {
                 solution.switches.push((pair.pair, switches));
@@ -231,13 +288,26 @@ mod tests {
 
     fn random(rng: &mut ChaCha8Rng) -> Cluster {
         let (truths, tracks) = (rng.random_range(1..=3), rng.random_range(1..=3));
-        let pairs: Vec<(usize, usize)> = (0..truths).flat_map(|truth| (0..tracks).map(move |track| (truth, track))).collect();
+        let pairs: Vec<(usize, usize)> = (0..truths)
+            .flat_map(|truth| (0..tracks).map(move |track| (truth, track)))
+            .collect();
         let mut step = || {
             let is_near = |_: &&(usize, usize)| rng.random_bool(0.6);
             let near: Vec<(usize, usize)> = pairs.iter().filter(is_near).copied().collect();
-            near.into_iter().map(|(truth, track)| Near { truth, track, gain: rng.random_range(0.01..1.0), pair: 0 }).collect()
+            near.into_iter()
+                .map(|(truth, track)| Near {
+                    truth,
+                    track,
+                    gain: rng.random_range(0.01..1.0),
+                    pair: 0,
+                })
+                .collect()
         };
-        Cluster { truths, tracks, steps: (0..6).map(|_| step()).collect() }
+        Cluster {
+            truths,
+            tracks,
+            steps: (0..6).map(|_| step()).collect(),
+        }
     }
 
     #[test]
@@ -247,28 +317,50 @@ mod tests {
         for case in 0..200 {
             let cluster = random(&mut rng);
             let penalty = [0.0, 0.1, 0.4, 1.5][case % 4];
-            let exact = exact::solve(&cluster, penalty, &Watch::never()).unwrap().tally.cost(penalty);
+            let exact = exact::solve(&cluster, penalty, &Watch::never())
+                .unwrap()
+                .tally
+                .cost(penalty);
             let bound = solve(&cluster.steps, penalty, &Watch::never()).unwrap();
             let cost = bound.solution.tally.cost(penalty);
             assert!(cost <= exact + 1e-7, "case {case}: {cost} above {exact}");
             if bound.is_exact {
                 integral += 1;
-                assert!((cost - exact).abs() < 1e-9, "case {case}: {cost} is not {exact}");
+                assert!(
+                    (cost - exact).abs() < 1e-9,
+                    "case {case}: {cost} is not {exact}"
+                );
             }
         }
-        assert!(integral > 100, "only {integral} of 200 have whole solutions");
+        assert!(
+            integral > 100,
+            "only {integral} of 200 have whole solutions"
+        );
     }
 
     #[test]
     fn blocks_leave_out_the_switches_between_them() {
         // Truth 0 has track 0 and track 1 by turns, each for half of very many steps: one switch, in the middle.
-        let near = |track| vec![Near { truth: 0, track, gain: 0.5, pair: 0 }];
+        let near = |track| {
+            vec![Near {
+                truth: 0,
+                track,
+                gain: 0.5,
+                pair: 0,
+            }]
+        };
         let half = MAX_SHARES / 4 + 100;
-        let steps: Vec<Vec<Near>> = (0..2 * half).map(|step| near(usize::from(step >= half))).collect();
+        let steps: Vec<Vec<Near>> = (0..2 * half)
+            .map(|step| near(usize::from(step >= half)))
+            .collect();
         let bound = solve(&steps, 0.2, &Watch::never()).unwrap();
         assert!(!bound.is_exact);
         let exact = 0.2 - 0.5 * 2.0 * half as f64;
-        assert!(bound.solution.tally.cost(0.2) <= exact + 1e-6, "{} {exact}", bound.solution.tally.cost(0.2));
+        assert!(
+            bound.solution.tally.cost(0.2) <= exact + 1e-6,
+            "{} {exact}",
+            bound.solution.tally.cost(0.2)
+        );
         assert!(bound.solution.tally.cost(0.2) >= exact - 0.2 - 1e-6);
     }
 }

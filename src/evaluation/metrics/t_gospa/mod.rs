@@ -24,7 +24,9 @@ mod trace;
 
 use self::problem::{Solution, Tally, clusters};
 use super::cutoff::{CUTOFF_M, Cutoff, ORDER};
-use super::origin::{Origin, PAIRS, PairColumn, SERIES, STEPS, Statistic, TRACK_POINTS, TRUTH_POINTS};
+use super::origin::{
+    Origin, PAIRS, PairColumn, SERIES, STEPS, Statistic, TRACK_POINTS, TRUTH_POINTS,
+};
 use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence, Series};
 use crate::evaluation::comparison::{Comparison, Shape};
 use crate::model::watch::Watch;
@@ -32,8 +34,11 @@ use crate::registry::{Bound, Kind, Method, Object, default};
 use serde::Deserialize;
 use serde_json::json;
 
-pub const METHOD: Method<BuildMetric> =
-    Method { name: "t_gospa", parameters: &PARAMETERS, build: |spec| Ok(Box::new(TGospa::deserialize(spec)?)) };
+pub const METHOD: Method<BuildMetric> = Method {
+    name: "t_gospa",
+    parameters: &PARAMETERS,
+    build: |spec| Ok(Box::new(TGospa::deserialize(spec)?)),
+};
 
 static PARAMETERS: Object = Object {
     name: "TGospa",
@@ -44,7 +49,11 @@ static PARAMETERS: Object = Object {
         default(
             "switch_penalty_m",
             "The penalty gamma of a truth's change of track.",
-            Kind::Number { min: Bound::Including(0.0), max: Bound::Including(1e7), unit: "m" },
+            Kind::Number {
+                min: Bound::Including(0.0),
+                max: Bound::Including(1e7),
+                unit: "m",
+            },
             "20.0",
         ),
     ],
@@ -113,7 +122,9 @@ impl Metric for TGospa {
 fn switches_over_time(comparison: &Comparison, solution: &Solution) -> Series {
     let mut switches = vec![0.0; comparison.steps.len()];
     for &(pair, count) in &solution.switches {
-        switches[comparison.steps.partition_point(|step| step.pairs.end <= pair as usize)] += count;
+        switches[comparison
+            .steps
+            .partition_point(|step| step.pairs.end <= pair as usize)] += count;
     }
     Series::over_time("switches", "", switches.into_iter().map(Some))
 }
@@ -148,8 +159,13 @@ impl TGospa {
             };
             PairColumn::new(name, unit, solution.shares.iter().map(cell).collect())
         };
-        let power = |share: f64, distance_m: f64| share * self.cutoff.powers(self.cutoff.share_of(distance_m));
-        vec![column("share", "", &|share, _| share), column("power", "m^p", &power)]
+        let power = |share: f64, distance_m: f64| {
+            share * self.cutoff.powers(self.cutoff.share_of(distance_m))
+        };
+        vec![
+            column("share", "", &|share, _| share),
+            column("power", "m^p", &power),
+        ]
     }
 
     fn penalty(&self) -> f64 {
@@ -173,7 +189,11 @@ impl TGospa {
                         total.slack += (above - bound.solution.tally.cost(self.penalty())).max(0.0);
                     }
                     total.solution.add(bound.solution);
-                    *if bound.is_exact { &mut total.whole } else { &mut total.bounded } += 1;
+                    *if bound.is_exact {
+                        &mut total.whole
+                    } else {
+                        &mut total.bounded
+                    } += 1;
                 }
                 None => total.is_unsolved = true,
             }
@@ -182,7 +202,8 @@ impl TGospa {
 
     /// What a reader must know of a value that is a bound.
     fn doubt(&self, total: &Total, report: &MetricReport) -> Option<String> {
-        let [lower, upper, gap] = ["t_gospa_lower", "t_gospa_upper", "gap"].map(|name| report.quantity(name));
+        let [lower, upper, gap] =
+            ["t_gospa_lower", "t_gospa_upper", "gap"].map(|name| report.quantity(name));
         let (lower_m, upper_m, gap_m) = (lower?, upper?, gap.filter(|_| total.bounded > 0)?);
         let clusters = total.exact + total.whole + total.bounded;
         Some(format!(
@@ -193,20 +214,50 @@ impl TGospa {
     }
 
     fn quantities(&self, total: &Total) -> Vec<Quantity> {
-        let reason = if total.is_unsolved { "the linear programme has no solution" } else { "there is no step" };
+        let reason = if total.is_unsolved {
+            "the linear programme has no solution"
+        } else {
+            "there is no step"
+        };
         let (has_value, cutoff) = (!total.is_unsolved && total.steps > 0.0, self.cutoff);
-        let Tally { gain, matched, switches } = total.solution.tally;
+        let Tally {
+            gain,
+            matched,
+            switches,
+        } = total.solution.tally;
         let (missed, unwanted) = (total.truths - matched, total.tracks - matched);
         // Rounding may leave a part just below 0 where it is none.
-        let parts = [matched - gain, 0.5 * missed, 0.5 * unwanted, switches * self.penalty()].map(|part: f64| part.max(0.0));
+        let parts = [
+            matched - gain,
+            0.5 * missed,
+            0.5 * unwanted,
+            switches * self.penalty(),
+        ]
+        .map(|part: f64| part.max(0.0));
         let sum: f64 = parts.iter().sum();
-        let some = |name, value: f64, unit| Quantity::or(name, has_value.then_some(value), unit, reason);
-        let mut quantities =
-            vec![some("t_gospa", cutoff.metres(sum), "m"), some("t_gospa_per_step", cutoff.metres(sum / total.steps.max(1.0)), "m")];
+        let some =
+            |name, value: f64, unit| Quantity::or(name, has_value.then_some(value), unit, reason);
+        let mut quantities = vec![
+            some("t_gospa", cutoff.metres(sum), "m"),
+            some(
+                "t_gospa_per_step",
+                cutoff.metres(sum / total.steps.max(1.0)),
+                "m",
+            ),
+        ];
         let (lower, upper) = (cutoff.metres(sum), cutoff.metres(sum + total.slack));
-        quantities.extend([some("t_gospa_lower", lower, "m"), some("t_gospa_upper", upper, "m"), some("gap", upper - lower, "m")]);
+        quantities.extend([
+            some("t_gospa_lower", lower, "m"),
+            some("t_gospa_upper", upper, "m"),
+            some("gap", upper - lower, "m"),
+        ]);
         let names = ["localisation", "missed", "false", "switching"];
-        quantities.extend(names.into_iter().zip(parts).map(|(name, part)| some(name, cutoff.powers(part), "m^p")));
+        quantities.extend(
+            names
+                .into_iter()
+                .zip(parts)
+                .map(|(name, part)| some(name, cutoff.powers(part), "m^p")),
+        );
         quantities.extend([
             some("matched_points", matched, ""),
             some("missed_points", missed, ""),

@@ -84,11 +84,18 @@ pub fn clusters(comparison: &Comparison, cutoff: Cutoff) -> Vec<Cluster> {
                 pair: index as u32,
             }
         };
-        step.pairs.clone().map(of_pair).filter(|near| near.gain > 0.0).collect::<Vec<Near>>()
+        step.pairs
+            .clone()
+            .map(of_pair)
+            .filter(|near| near.gain > 0.0)
+            .collect::<Vec<Near>>()
     };
     let steps: Vec<Vec<Near>> = comparison.steps.iter().map(near).collect();
     for pair in steps.iter().flatten() {
-        let (one, other) = (root(&mut roots, pair.truth), root(&mut roots, truths + pair.track));
+        let (one, other) = (
+            root(&mut roots, pair.truth),
+            root(&mut roots, truths + pair.track),
+        );
         roots[one.max(other)] = one.min(other);
     }
     gather(&steps, truths, &mut roots)
@@ -106,19 +113,32 @@ fn gather(steps: &[Vec<Near>], truths: usize, roots: &mut [usize]) -> Vec<Cluste
             clusters.push(Cluster::default());
             clusters.len() - 1
         });
-        let count = if member < truths { &mut clusters[cluster].truths } else { &mut clusters[cluster].tracks };
+        let count = if member < truths {
+            &mut clusters[cluster].truths
+        } else {
+            &mut clusters[cluster].tracks
+        };
         *place = *count;
         *count += 1;
     }
     let mut last_step = vec![usize::MAX; clusters.len()];
     for (index, step) in steps.iter().enumerate() {
         for pair in step {
-            let cluster = cluster_of[root(roots, pair.truth)].expect("every member was given a cluster");
+            let cluster =
+                cluster_of[root(roots, pair.truth)].expect("every member was given a cluster");
             if std::mem::replace(&mut last_step[cluster], index) != index {
                 clusters[cluster].steps.push(Vec::new());
             }
-            let near = Near { truth: place_of[pair.truth], track: place_of[truths + pair.track], ..*pair };
-            clusters[cluster].steps.last_mut().expect("pushed above").push(near);
+            let near = Near {
+                truth: place_of[pair.truth],
+                track: place_of[truths + pair.track],
+                ..*pair
+            };
+            clusters[cluster]
+                .steps
+                .last_mut()
+                .expect("pushed above")
+                .push(near);
         }
     }
     clusters.retain(|cluster| !cluster.steps.is_empty());

@@ -24,7 +24,12 @@ impl Traces {
         if assigned.is_empty() && switches == 0.0 {
             return before;
         }
-        self.0.push(Node { before: [before, NO_TRACE], at, assigned, switches });
+        self.0.push(Node {
+            before: [before, NO_TRACE],
+            at,
+            assigned,
+            switches,
+        });
         self.0.len() - 1
     }
 
@@ -33,7 +38,12 @@ impl Traces {
         if one == NO_TRACE || other == NO_TRACE {
             return one.min(other);
         }
-        self.0.push(Node { before: [one, other], at: 0, assigned: Vec::new(), switches: 0.0 });
+        self.0.push(Node {
+            before: [one, other],
+            at: 0,
+            assigned: Vec::new(),
+            switches: 0.0,
+        });
         self.0.len() - 1
     }
 
@@ -41,9 +51,15 @@ impl Traces {
     pub fn tell(&self, trace: usize, solution: &mut Solution) {
         let mut open = vec![trace];
         while let Some(trace) = open.pop() {
-            let Some(node) = self.0.get(trace) else { continue };
-            solution.shares.extend(node.assigned.iter().map(|&pair| (pair, 1.0)));
-            solution.switches.extend((node.switches != 0.0).then_some((node.at, node.switches)));
+            let Some(node) = self.0.get(trace) else {
+                continue;
+            };
+            solution
+                .shares
+                .extend(node.assigned.iter().map(|&pair| (pair, 1.0)));
+            solution
+                .switches
+                .extend((node.switches != 0.0).then_some((node.at, node.switches)));
             open.extend(node.before);
         }
     }

@@ -101,21 +101,32 @@ fn kind_of(body: &mut Value, asked: Option<JobKind>) -> Result<JobKind, Vec<Faul
         return Ok(kind);
     }
     if !body.is_object() {
-        return Err(vec![Fault::new("", "wrong_type", "expected an object").allowing("an object")]);
+        return Err(vec![
+            Fault::new("", "wrong_type", "expected an object").allowing("an object"),
+        ]);
     }
     let named = JobKind::from(take_kind(body)?);
     match asked.filter(|kind| *kind != named) {
         None => Ok(named),
         Some(kind) => {
-            let detail = format!("the job is of the kind '{}', not '{}'", named.name(), kind.name());
-            Err(vec![Fault::new("/kind", "conflict", detail).allowing(kind.name())])
+            let detail = format!(
+                "the job is of the kind '{}', not '{}'",
+                named.name(),
+                kind.name()
+            );
+            Err(vec![
+                Fault::new("/kind", "conflict", detail).allowing(kind.name()),
+            ])
         }
     }
 }
 
 async fn create(app: AppState, kind: JobKind, headers: &HeaderMap, body: Value) -> ApiResult {
     let wait_s = preferred_wait(headers)?;
-    let submitted = app.jobs.submit(kind, body, idempotency_key(headers)?).await?;
+    let submitted = app
+        .jobs
+        .submit(kind, body, idempotency_key(headers)?)
+        .await?;
     let mut response = answer(&app, submitted.job, wait_s).await?;
     if submitted.replayed {
         note_replay(&mut response);
@@ -125,8 +136,16 @@ async fn create(app: AppState, kind: JobKind, headers: &HeaderMap, body: Value) 
 
 /// 202 with the job, or 200 where it ended within the wait.
 pub(super) async fn answer(app: &AppState, job: Job, wait_s: Option<u64>) -> ApiResult {
-    let job = if wait_s.is_some() { app.jobs.wait(job.id, patience(wait_s)).await? } else { job };
-    let status = if job.state.is_terminal() && wait_s.is_some() { StatusCode::OK } else { StatusCode::ACCEPTED };
+    let job = if wait_s.is_some() {
+        app.jobs.wait(job.id, patience(wait_s)).await?
+    } else {
+        job
+    };
+    let status = if job.state.is_terminal() && wait_s.is_some() {
+        StatusCode::OK
+    } else {
+        StatusCode::ACCEPTED
+    };
     let location = job.links.self_path.clone();
     let mut response = created(status, &location, job);
     note_wait(&mut response, wait_s);
@@ -160,32 +179,62 @@ struct CostEstimate {
 /// the job; `{"kind": …, "spec": …}` with the body of a request of that kind as `spec` is understood as well.
 #[utoipa::path(post, path = "/v1/validate", operation_id = "validateJob", tag = "jobs",
     responses((status = 200, description = "What was found.", body = ValidationResult)))]
-async fn validate_job(State(app): State<AppState>, _: NoParams, JsonBody(body): JsonBody) -> ApiResult {
+async fn validate_job(
+    State(app): State<AppState>,
+    _: NoParams,
+    JsonBody(body): JsonBody,
+) -> ApiResult {
     let (kind, body) = read_job(body)?;
     let found = app.jobs.validate(kind, body).await?;
-    let estimate =
-        found.estimate.map(|estimate| CostEstimate { detections: estimate.detections, cost_s: estimate.cost_s, bytes: estimate.bytes });
+    let estimate = found.estimate.map(|estimate| CostEstimate {
+        detections: estimate.detections,
+        cost_s: estimate.cost_s,
+        bytes: estimate.bytes,
+    });
     let errors: Vec<FaultItem> = found.faults.into_iter().map(FaultItem::from).collect();
-    let result = ValidationResult { valid: errors.is_empty(), errors, warnings: found.warnings, estimate };
+    let result = ValidationResult {
+        valid: errors.is_empty(),
+        errors,
+        warnings: found.warnings,
+        estimate,
+    };
     Ok::<Response, ApiError>(Json(result).into_response())
 }
 
 /// The kind and the body of a job, which may be wrapped.
 fn read_job(mut job: Value) -> Result<(JobKind, Value), ApiError> {
-    let Some(mut spec) = job.as_object_mut().and_then(|members| members.shift_remove("spec")) else {
+    let Some(mut spec) = job
+        .as_object_mut()
+        .and_then(|members| members.shift_remove("spec"))
+    else {
         let kind = kind_of(&mut job, None).map_err(ApiError::validation)?;
         return Ok((kind, job));
     };
     let mut faults = Vec::new();
-    let kind = kind_of(&mut job, None).map_err(|found| faults.extend(found)).ok();
+    let kind = kind_of(&mut job, None)
+        .map_err(|found| faults.extend(found))
+        .ok();
     for name in job.as_object().into_iter().flat_map(Map::keys) {
-        faults.push(Fault::new(format!("/{name}"), "unknown_field", format!("unknown field '{name}'")).allowing("kind, spec"));
+        faults.push(
+            Fault::new(
+                format!("/{name}"),
+                "unknown_field",
+                format!("unknown field '{name}'"),
+            )
+            .allowing("kind, spec"),
+        );
     }
-    let Some(kind) = kind.filter(|_| faults.is_empty()) else { return Err(ApiError::validation(faults)) };
-    kind_of(&mut spec, Some(kind)).map_err(|found| ApiError::validation(found.into_iter().map(inside_spec).collect()))?;
+    let Some(kind) = kind.filter(|_| faults.is_empty()) else {
+        return Err(ApiError::validation(faults));
+    };
+    kind_of(&mut spec, Some(kind))
+        .map_err(|found| ApiError::validation(found.into_iter().map(inside_spec).collect()))?;
     Ok((kind, spec))
 }
 
 fn inside_spec(fault: Fault) -> Fault {
-    Fault { pointer: format!("/spec{}", fault.pointer), ..fault }
+    Fault {
+        pointer: format!("/spec{}", fault.pointer),
+        ..fault
+    }
 }

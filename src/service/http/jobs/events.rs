@@ -25,7 +25,9 @@ const UNBUFFERED: HeaderName = HeaderName::from_static("x-accel-buffering");
 const RETRY: Duration = Duration::from_secs(2);
 
 pub fn routes() -> OpenApiRouter<AppState> {
-    OpenApiRouter::new().routes(routes!(stream_job_events)).routes(routes!(get_job_history))
+    OpenApiRouter::new()
+        .routes(routes!(stream_job_events))
+        .routes(routes!(get_job_history))
 }
 
 /// Follow a job
@@ -53,20 +55,31 @@ async fn stream_job_events(
     let open = app.streams.open(ends.client.ip())?;
     let events = app.jobs.events(id, after).await?;
     let head = stream::iter([sse::Event::default().retry(RETRY)]);
-    let stream = head.chain(events.map(|event| encode(&event))).map(move |event| {
-        // Open for as long as there is somebody to ask for the next event.
-        let _ = &open;
-        Ok::<_, Infallible>(event)
-    });
-    let mut response = Sse::new(stream).keep_alive(KeepAlive::new().interval(KEEP_ALIVE)).into_response();
-    response.headers_mut().insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
-    response.headers_mut().insert(UNBUFFERED, HeaderValue::from_static("no"));
+    let stream = head
+        .chain(events.map(|event| encode(&event)))
+        .map(move |event| {
+            // Open for as long as there is somebody to ask for the next event.
+            let _ = &open;
+            Ok::<_, Infallible>(event)
+        });
+    let mut response = Sse::new(stream)
+        .keep_alive(KeepAlive::new().interval(KEEP_ALIVE))
+        .into_response();
+    response
+        .headers_mut()
+        .insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
+    response
+        .headers_mut()
+        .insert(UNBUFFERED, HeaderValue::from_static("no"));
     Ok(response)
 }
 
 fn encode(event: &Event) -> sse::Event {
     let data = serde_json::to_string(event).unwrap_or_default();
-    sse::Event::default().id(event.seq().to_string()).event(event.type_name()).data(data)
+    sse::Event::default()
+        .id(event.seq().to_string())
+        .event(event.type_name())
+        .data(data)
 }
 
 /// Get the events of a job

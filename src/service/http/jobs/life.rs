@@ -20,7 +20,10 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 pub fn routes() -> OpenApiRouter<AppState> {
-    OpenApiRouter::new().routes(routes!(update_job, delete_job)).routes(routes!(cancel_job)).routes(routes!(rerun_job))
+    OpenApiRouter::new()
+        .routes(routes!(update_job, delete_job))
+        .routes(routes!(cancel_job))
+        .routes(routes!(rerun_job))
 }
 
 /// What can be changed of a job.
@@ -28,8 +31,19 @@ pub static PATCH: Object = Object {
     name: "JobPatch",
     summary: "What to change of a job; absent members stay.",
     fields: &[
-        optional("name", "The name from now on; an empty one removes it.", Kind::Text { max_length: 100 }),
-        optional("labels", "All labels from now on.", Kind::TextMap { max_entries: 32, max_length: 100 }),
+        optional(
+            "name",
+            "The name from now on; an empty one removes it.",
+            Kind::Text { max_length: 100 },
+        ),
+        optional(
+            "labels",
+            "All labels from now on.",
+            Kind::TextMap {
+                max_entries: 32,
+                max_length: 100,
+            },
+        ),
     ],
 };
 
@@ -45,7 +59,12 @@ struct Patch {
 #[utoipa::path(patch, path = "/v1/jobs/{id}", operation_id = "updateJob", tag = "jobs",
     params(("id" = uuid::Uuid, Path, description = "Identity of the job.")),
     responses((status = 200, description = "The job as it is now.", body = Job)))]
-async fn update_job(State(app): State<AppState>, Id(id): Id, _: NoParams, JsonBody(body): JsonBody) -> ApiResult {
+async fn update_job(
+    State(app): State<AppState>,
+    Id(id): Id,
+    _: NoParams,
+    JsonBody(body): JsonBody,
+) -> ApiResult {
     let Patch { name, labels } = checked(&body, &PATCH, "")?;
     Ok(Json(app.jobs.patch(id, JobPatch { name, labels }).await?).into_response())
 }
@@ -83,7 +102,12 @@ async fn cancel_job(State(app): State<AppState>, Id(id): Id, _: NoParams) -> Api
         (status = 200, description = "The new job, ended within the wait that was asked for.", body = Job),
         (status = 202, description = "The new job, queued.", body = Job),
     ))]
-async fn rerun_job(State(app): State<AppState>, Id(id): Id, _: NoParams, headers: HeaderMap) -> ApiResult {
+async fn rerun_job(
+    State(app): State<AppState>,
+    Id(id): Id,
+    _: NoParams,
+    headers: HeaderMap,
+) -> ApiResult {
     let wait_s = preferred_wait(&headers)?;
     let job = app.jobs.rerun(id).await?;
     answer(&app, job, wait_s).await

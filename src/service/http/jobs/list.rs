@@ -16,7 +16,10 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 pub fn routes() -> OpenApiRouter<AppState> {
-    OpenApiRouter::new().routes(routes!(list_jobs)).routes(routes!(get_job)).routes(routes!(get_job_spec))
+    OpenApiRouter::new()
+        .routes(routes!(list_jobs))
+        .routes(routes!(get_job))
+        .routes(routes!(get_job_spec))
 }
 
 /// List jobs
@@ -38,8 +41,16 @@ pub fn routes() -> OpenApiRouter<AppState> {
     responses((status = 200, description = "One page.", body = JobPage)))]
 async fn list_jobs(State(app): State<AppState>, mut params: Params) -> ApiResult {
     let filter = JobFilter {
-        states: params.list("state", &names(JobState::ALL.map(JobState::name)), JobState::from_name),
-        kinds: params.list("kind", &names(JobKind::ALL.map(JobKind::name)), JobKind::from_name),
+        states: params.list(
+            "state",
+            &names(JobState::ALL.map(JobState::name)),
+            JobState::from_name,
+        ),
+        kinds: params.list(
+            "kind",
+            &names(JobKind::ALL.map(JobKind::name)),
+            JobKind::from_name,
+        ),
         labels: params.labels("label"),
         created_after: params.timestamp("created_after"),
         created_before: params.timestamp("created_before"),
@@ -53,7 +64,12 @@ async fn list_jobs(State(app): State<AppState>, mut params: Params) -> ApiResult
     let next = params.next_page();
     params.finish()?;
     let page = app.jobs.list(filter).await?;
-    Ok(with_next("/v1/jobs", &next, page.next_cursor.as_deref(), Json(&page).into_response()))
+    Ok(with_next(
+        "/v1/jobs",
+        &next,
+        page.next_cursor.as_deref(),
+        Json(&page).into_response(),
+    ))
 }
 
 /// Get a job
@@ -62,7 +78,12 @@ async fn list_jobs(State(app): State<AppState>, mut params: Params) -> ApiResult
 #[utoipa::path(get, path = "/v1/jobs/{id}", operation_id = "getJob", tag = "jobs",
     params(("id" = uuid::Uuid, Path, description = "Identity of the job.")),
     responses((status = 200, description = "The job.", body = Job)))]
-async fn get_job(State(app): State<AppState>, Id(id): Id, _: NoParams, headers: HeaderMap) -> ApiResult {
+async fn get_job(
+    State(app): State<AppState>,
+    Id(id): Id,
+    _: NoParams,
+    headers: HeaderMap,
+) -> ApiResult {
     conditional::weakly_tagged(&headers, &app.jobs.get(id).await?)
 }
 
@@ -72,6 +93,11 @@ async fn get_job(State(app): State<AppState>, Id(id): Id, _: NoParams, headers: 
 #[utoipa::path(get, path = "/v1/jobs/{id}/spec", operation_id = "getJobSpec", tag = "jobs",
     params(("id" = uuid::Uuid, Path, description = "Identity of the job.")),
     responses((status = 200, description = "The request.", body = JobSpec)))]
-async fn get_job_spec(State(app): State<AppState>, Id(id): Id, _: NoParams, headers: HeaderMap) -> ApiResult {
+async fn get_job_spec(
+    State(app): State<AppState>,
+    Id(id): Id,
+    _: NoParams,
+    headers: HeaderMap,
+) -> ApiResult {
     conditional::weakly_tagged(&headers, &app.jobs.spec(id).await?)
 }

@@ -16,7 +16,9 @@ use utoipa_axum::routes;
 const MAX_POINTS: std::ops::RangeInclusive<u64> = 2..=1_000_000;
 
 pub fn routes() -> OpenApiRouter<AppState> {
-    OpenApiRouter::new().routes(routes!(get_job_series)).routes(routes!(get_job_plan))
+    OpenApiRouter::new()
+        .routes(routes!(get_job_series))
+        .routes(routes!(get_job_plan))
 }
 
 /// Get a series of a job
@@ -36,13 +38,25 @@ pub fn routes() -> OpenApiRouter<AppState> {
         ("max_points" = Option<u32>, Query, minimum = 2, maximum = 1_000_000, description = "Rows at most; 50000 when absent."),
     ),
     responses((status = 200, description = "The series.", body = series::Series)))]
-async fn get_job_series(State(app): State<AppState>, IdAndName(id, name): IdAndName, params: Params) -> ApiResult {
+async fn get_job_series(
+    State(app): State<AppState>,
+    IdAndName(id, name): IdAndName,
+    params: Params,
+) -> ApiResult {
     let window = window(params)?;
     let series = series::named(&name).ok_or_else(|| {
-        ApiError::new("not_found", format!("there is no series '{name}'; there are {}", names(series::SERIES.map(|entry| entry.0))))
+        ApiError::new(
+            "not_found",
+            format!(
+                "there is no series '{name}'; there are {}",
+                names(series::SERIES.map(|entry| entry.0))
+            ),
+        )
     })?;
     let layers = app.jobs.load_job_layers(id).await?;
-    compute(move || series(&layers, &window)).await.map(immutable)
+    compute(move || series(&layers, &window))
+        .await
+        .map(immutable)
 }
 
 /// Get the plan view of a job
@@ -61,7 +75,9 @@ async fn get_job_series(State(app): State<AppState>, IdAndName(id, name): IdAndN
 async fn get_job_plan(State(app): State<AppState>, Id(id): Id, params: Params) -> ApiResult {
     let window = window(params)?;
     let layers = app.jobs.load_job_layers(id).await?;
-    compute(move || plan::of(&layers, &window)).await.map(immutable)
+    compute(move || plan::of(&layers, &window))
+        .await
+        .map(immutable)
 }
 
 fn window(mut params: Params) -> Result<Window, ApiError> {
@@ -69,24 +85,38 @@ fn window(mut params: Params) -> Result<Window, ApiError> {
         from_s: params.number("from"),
         to_s: params.number("to"),
         track_id: params.text("track"),
-        max_points: params.whole_number("max_points", MAX_POINTS).map_or(DEFAULT_MAX_POINTS, |points| points as usize),
+        max_points: params
+            .whole_number("max_points", MAX_POINTS)
+            .map_or(DEFAULT_MAX_POINTS, |points| points as usize),
     };
     if let (Some(from_s), Some(to_s)) = (window.from_s, window.to_s)
         && from_s > to_s
     {
-        params.fault("to", "out_of_range", "the window ends before it begins", &format!(">= {from_s}"));
+        params.fault(
+            "to",
+            "out_of_range",
+            "the window ends before it begins",
+            &format!(">= {from_s}"),
+        );
     }
     params.finish().map(|()| window)
 }
 
 /// Columns of a large job are work for a thread that may block.
-async fn compute<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T, ApiError> {
-    tokio::task::spawn_blocking(work).await.map_err(ApiError::internal)
+async fn compute<T: Send + 'static>(
+    work: impl FnOnce() -> T + Send + 'static,
+) -> Result<T, ApiError> {
+    tokio::task::spawn_blocking(work)
+        .await
+        .map_err(ApiError::internal)
 }
 
 /// The data of a job that has ended do not change.
 fn immutable(value: impl Serialize) -> Response {
     let mut response = Json(value).into_response();
-    response.headers_mut().insert(header::CACHE_CONTROL, HeaderValue::from_static("private, max-age=3600"));
+    response.headers_mut().insert(
+        header::CACHE_CONTROL,
+        HeaderValue::from_static("private, max-age=3600"),
+    );
     response
 }

@@ -28,7 +28,12 @@ pub fn routes() -> OpenApiRouter<AppState> {
 #[utoipa::path(get, path = "/v1/jobs/{id}/report", operation_id = "getJobReport", tag = "results",
     params(("id" = uuid::Uuid, Path, description = "Identity of the job.")),
     responses((status = 200, description = "The report.", body = Report)))]
-async fn get_job_report(State(app): State<AppState>, Id(id): Id, _: NoParams, headers: HeaderMap) -> ApiResult {
+async fn get_job_report(
+    State(app): State<AppState>,
+    Id(id): Id,
+    _: NoParams,
+    headers: HeaderMap,
+) -> ApiResult {
     conditional::stored(&headers, app.jobs.report(id).await?, false).await
 }
 
@@ -39,7 +44,12 @@ async fn get_job_report(State(app): State<AppState>, Id(id): Id, _: NoParams, he
 #[utoipa::path(get, path = "/v1/jobs/{id}/cells", operation_id = "getCampaignCells", tag = "results",
     params(("id" = uuid::Uuid, Path, description = "Identity of the job.")),
     responses((status = 200, description = "The cells.", body = CampaignSoFar)))]
-async fn get_campaign_cells(State(app): State<AppState>, Id(id): Id, _: NoParams, headers: HeaderMap) -> ApiResult {
+async fn get_campaign_cells(
+    State(app): State<AppState>,
+    Id(id): Id,
+    _: NoParams,
+    headers: HeaderMap,
+) -> ApiResult {
     conditional::weakly_tagged(&headers, &app.jobs.cells(id).await?)
 }
 
@@ -62,6 +72,11 @@ async fn list_job_artifacts(State(app): State<AppState>, Id(id): Id, _: NoParams
         ("name" = String, Path, description = "Name of the file, such as `tracks.csv`."),
     ),
     responses((status = 200, description = "The file.", content_type = "application/octet-stream", body = FileContent)))]
-async fn download_job_artifact(State(app): State<AppState>, IdAndName(id, name): IdAndName, _: NoParams, headers: HeaderMap) -> ApiResult {
+async fn download_job_artifact(
+    State(app): State<AppState>,
+    IdAndName(id, name): IdAndName,
+    _: NoParams,
+    headers: HeaderMap,
+) -> ApiResult {
     conditional::stored(&headers, app.jobs.artifact(id, &name).await?, true).await
 }

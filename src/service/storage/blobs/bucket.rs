@@ -47,9 +47,15 @@ pub struct Bucket {
 
 impl Bucket {
     /// Reads keys and endpoint from the environment, and tries whether an object can be written, read and removed.
-    pub async fn open(url: &BucketUrl, data_dir: &Path, temporary: &Path) -> anyhow::Result<Bucket> {
+    pub async fn open(
+        url: &BucketUrl,
+        data_dir: &Path,
+        temporary: &Path,
+    ) -> anyhow::Result<Bucket> {
         let builder = AmazonS3Builder::from_env().with_bucket_name(url.bucket());
-        try_out(builder.clone(), url).await.with_context(|| format!("artefacts cannot be kept at {url}"))?;
+        try_out(builder.clone(), url)
+            .await
+            .with_context(|| format!("artefacts cannot be kept at {url}"))?;
         tracing::info!(bucket = %url, "artefacts are kept in a bucket");
         Ok(Bucket {
             url: url.clone(),
@@ -64,7 +70,8 @@ impl Bucket {
     /// Writes the object, then keeps the file as its local copy.
     pub fn adopt(&self, received: &Path, sha256: &str) -> anyhow::Result<()> {
         let sent = self.runtime.block_on(self.send(received, sha256));
-        sent.map_err(shortened).with_context(|| format!("cannot write blob {sha256} to {}", self.url))?;
+        sent.map_err(shortened)
+            .with_context(|| format!("cannot write blob {sha256} to {}", self.url))?;
         self.cache.adopt(received, sha256)?;
         Ok(())
     }
@@ -75,14 +82,22 @@ impl Bucket {
             return Ok(path);
         }
         // Removed with its name unless the cache has taken it over.
-        let received = tempfile::NamedTempFile::new_in(&self.temporary).context("cannot make a file for a blob")?.into_temp_path();
+        let received = tempfile::NamedTempFile::new_in(&self.temporary)
+            .context("cannot make a file for a blob")?
+            .into_temp_path();
         let fetched = self.runtime.block_on(self.fetch(sha256, &received));
-        match fetched.map_err(shortened).with_context(|| format!("cannot read blob {sha256} from {}", self.url))? {
+        match fetched
+            .map_err(shortened)
+            .with_context(|| format!("cannot read blob {sha256} from {}", self.url))?
+        {
             None => {
                 tracing::warn!(sha256, bucket = %self.url, "there is no such blob");
                 Ok(self.cache.path(sha256))
             }
-            Some(found) if found != sha256 => bail!("blob {sha256} at {} is damaged: its content has the SHA-256 {found}", self.url),
+            Some(found) if found != sha256 => bail!(
+                "blob {sha256} at {} is damaged: its content has the SHA-256 {found}",
+                self.url
+            ),
             Some(_) => self.cache.adopt(&received, sha256),
         }
     }
@@ -91,17 +106,25 @@ impl Bucket {
         match fs::read_to_string(&self.removals) {
             Ok(text) => Ok(text.lines().map(str::to_owned).collect()),
             Err(error) if error.kind() == ErrorKind::NotFound => Ok(Vec::new()),
-            Err(error) => Err(error).with_context(|| format!("cannot read {}", self.removals.display())),
+            Err(error) => {
+                Err(error).with_context(|| format!("cannot read {}", self.removals.display()))
+            }
         }
     }
 
     /// Their names are written down before, and struck out when all objects have gone.
     pub fn remove(&self, blobs: &[String]) -> anyhow::Result<()> {
         let noted = self.temporary.join("removals");
-        fs::write(&noted, blobs.join("\n")).and_then(|()| fs::rename(&noted, &self.removals)).context("cannot note what to remove")?;
-        blobs.iter().try_for_each(|sha256| self.cache.remove(sha256))?;
+        fs::write(&noted, blobs.join("\n"))
+            .and_then(|()| fs::rename(&noted, &self.removals))
+            .context("cannot note what to remove")?;
+        blobs
+            .iter()
+            .try_for_each(|sha256| self.cache.remove(sha256))?;
         match self.runtime.block_on(self.remove_objects(blobs)) {
-            Ok(()) => fs::remove_file(&self.removals).context("cannot strike out what has been removed"),
+            Ok(()) => {
+                fs::remove_file(&self.removals).context("cannot strike out what has been removed")
+            }
             Err(error) => {
                 let error = shortened(error.into());
                 tracing::warn!(bucket = %self.url, %error, "blobs were not removed; trying again with the next that are");
@@ -162,23 +185,44 @@ impl Bucket {
 }
 
 fn store(builder: AmazonS3Builder, patience: Duration) -> anyhow::Result<Arc<dyn ObjectStore>> {
-    let backoff = BackoffConfig { max_backoff: BACKOFF_MAX, ..BackoffConfig::default() };
+    let backoff = BackoffConfig {
+        max_backoff: BACKOFF_MAX,
+        ..BackoffConfig::default()
+    };
     // Time ends it, not a count: ten tries may be over within two seconds, and there is no time for a thousand.
-    let retry = RetryConfig { backoff, max_retries: 1000, retry_timeout: patience };
+    let retry = RetryConfig {
+        backoff,
+        max_retries: 1000,
+        retry_timeout: patience,
+    };
     let timeout = AmazonS3ConfigKey::Client(ClientConfigKey::Timeout);
-    let store = builder.with_retry(retry).with_config(timeout, format!("{} seconds", SLOWNESS * patience.as_secs())).build();
-    Ok(Arc::new(store.context("the AWS_* variables cannot be used")?))
+    let store = builder
+        .with_retry(retry)
+        .with_config(
+            timeout,
+            format!("{} seconds", SLOWNESS * patience.as_secs()),
+        )
+        .build();
+    Ok(Arc::new(
+        store.context("the AWS_* variables cannot be used")?,
+    ))
 }
 
 /// What happened and why; each error of the store tells all that is behind it but the last.
 fn shortened(error: anyhow::Error) -> anyhow::Error {
     let (told, cause) = (error.to_string(), error.root_cause().to_string());
-    if told.contains(&cause) { anyhow!(told) } else { anyhow!("{told}: {cause}") }
+    if told.contains(&cause) {
+        anyhow!(told)
+    } else {
+        anyhow!("{told}: {cause}")
+    }
 }
 
 /// Writes, reads and removes an object.
 async fn try_out(builder: AmazonS3Builder, url: &BucketUrl) -> anyhow::Result<()> {
-    let has_key = builder.get_config_value(&AmazonS3ConfigKey::AccessKeyId).is_some();
+    let has_key = builder
+        .get_config_value(&AmazonS3ConfigKey::AccessKeyId)
+        .is_some();
     let store = store(builder, PATIENCE_AT_START)?;
     let place = url.key(&format!("trial-{}", uuid::Uuid::now_v7())).into();
     let written_and_read = async {

@@ -25,8 +25,16 @@ impl Cache {
     pub fn open(root: PathBuf, limit_bytes: u64) -> anyhow::Result<Cache> {
         let directory = Directory::open(root)?;
         let files = directory.files().context("cannot list the cached blobs")?;
-        let used_bytes = files.iter().map(|(_, metadata)| metadata.len()).sum::<u64>().into();
-        Ok(Cache { directory, limit_bytes, used_bytes })
+        let used_bytes = files
+            .iter()
+            .map(|(_, metadata)| metadata.len())
+            .sum::<u64>()
+            .into();
+        Ok(Cache {
+            directory,
+            limit_bytes,
+            used_bytes,
+        })
     }
 
     /// Where the copy is, or would be.
@@ -47,10 +55,13 @@ impl Cache {
 
     /// Makes a file the copy of the blob of its SHA-256, then removes the oldest copies while they are too many.
     pub fn adopt(&self, received: &Path, sha256: &str) -> anyhow::Result<PathBuf> {
-        let bytes = fs::metadata(received).context("cannot look at a blob")?.len();
+        let bytes = fs::metadata(received)
+            .context("cannot look at a blob")?
+            .len();
         self.directory.adopt(received, sha256)?;
         if self.used_bytes.fetch_add(bytes, Ordering::Relaxed) + bytes > self.limit_bytes {
-            self.trim(SystemTime::now()).context("cannot tidy up the cached blobs")?;
+            self.trim(SystemTime::now())
+                .context("cannot tidy up the cached blobs")?;
         }
         Ok(self.directory.path(sha256))
     }
@@ -68,7 +79,8 @@ impl Cache {
         files.sort();
         let mut used_bytes: u64 = files.iter().map(|(_, bytes, _)| bytes).sum();
         for (modified, bytes, path) in files {
-            let is_recent = now.duration_since(modified).is_ok_and(|age| age < RECENT) || modified > now;
+            let is_recent =
+                now.duration_since(modified).is_ok_and(|age| age < RECENT) || modified > now;
             if is_recent || used_bytes <= self.limit_bytes / 10 * 9 {
                 break;
             }
@@ -91,7 +103,12 @@ mod tests {
         let received = directory.join("received");
         fs::write(&received, [7; 100]).unwrap();
         let asked = SystemTime::now() - Duration::from_secs(age_s);
-        File::options().write(true).open(&received).unwrap().set_modified(asked).unwrap();
+        File::options()
+            .write(true)
+            .open(&received)
+            .unwrap()
+            .set_modified(asked)
+            .unwrap();
         cache.adopt(&received, sha256).unwrap();
     }
 
@@ -114,11 +131,19 @@ mod tests {
         for (sha256, age_s) in [("aa1", 900), ("bb2", 800), ("cc3", 700), ("dd4", 600)] {
             add(&cache, directory.path(), sha256, age_s);
         }
-        assert_eq!(names(&cache), ["aa1", "bb2", "cc3", "dd4"], "400 of 450 bytes");
+        assert_eq!(
+            names(&cache),
+            ["aa1", "bb2", "cc3", "dd4"],
+            "400 of 450 bytes"
+        );
         assert_eq!(cache.find("aa1"), Some(cache.path("aa1")));
         assert_eq!(cache.find("ee5"), None);
         add(&cache, directory.path(), "ee5", 500);
-        assert_eq!(names(&cache), ["aa1", "cc3", "dd4", "ee5"], "the one just asked for is the newest; 400 of 405 bytes");
+        assert_eq!(
+            names(&cache),
+            ["aa1", "cc3", "dd4", "ee5"],
+            "the one just asked for is the newest; 400 of 405 bytes"
+        );
         assert_eq!(cache.used_bytes.load(Ordering::Relaxed), 400);
         let reopened = Cache::open(directory.path().join("cache"), 450).unwrap();
         assert_eq!(reopened.used_bytes.load(Ordering::Relaxed), 400);

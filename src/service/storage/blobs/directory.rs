@@ -26,7 +26,8 @@ impl Directory {
         let ours = self.root.join(format!("identity-{}", uuid::Uuid::now_v7()));
         if !path.exists() {
             // Of several that begin at once, one leaves its word; linking fails where there is one.
-            fs::write(&ours, uuid::Uuid::now_v7().to_string()).with_context(|| format!("cannot write to {}", self.root.display()))?;
+            fs::write(&ours, uuid::Uuid::now_v7().to_string())
+                .with_context(|| format!("cannot write to {}", self.root.display()))?;
             let _ = fs::hard_link(&ours, &path);
             fs::remove_file(&ours).context("cannot remove a file of blobs")?;
         }
@@ -40,18 +41,23 @@ impl Directory {
 
     /// Makes a file on the same file system the blob of its SHA-256; it is on the disk afterwards.
     pub fn adopt(&self, received: &Path, sha256: &str) -> anyhow::Result<()> {
-        File::open(received).and_then(|file| file.sync_all()).context("cannot sync a blob")?;
+        File::open(received)
+            .and_then(|file| file.sync_all())
+            .context("cannot sync a blob")?;
         self.move_in(received, sha256)?;
         // The rename itself is only safe once the directory is on the disk.
         let path = self.path(sha256);
         let directory = path.parent().unwrap_or(&self.root);
-        File::open(directory).and_then(|directory| directory.sync_all()).context("cannot sync the directory of a blob")
+        File::open(directory)
+            .and_then(|directory| directory.sync_all())
+            .context("cannot sync the directory of a blob")
     }
 
     /// Makes a file the blob of its SHA-256, which a power failure may still take away. One that has moved before is there.
     pub fn move_in(&self, received: &Path, sha256: &str) -> anyhow::Result<()> {
         let path = self.path(sha256);
-        fs::create_dir_all(path.parent().unwrap_or(&self.root)).context("cannot make a directory for blobs")?;
+        fs::create_dir_all(path.parent().unwrap_or(&self.root))
+            .context("cannot make a directory for blobs")?;
         match fs::rename(received, &path) {
             Err(error) if error.kind() == ErrorKind::NotFound && path.exists() => Ok(()),
             moved => moved.context("cannot move a blob into place"),
@@ -61,14 +67,17 @@ impl Directory {
     /// The same for many; they are on the disk afterwards, by two syncs for all of them.
     pub fn adopt_all(&self, files: &[ReceivedFile]) -> anyhow::Result<()> {
         self.sync()?;
-        files.iter().try_for_each(|file| self.move_in(&file.path, &file.sha256))?;
+        files
+            .iter()
+            .try_for_each(|file| self.move_in(&file.path, &file.sha256))?;
         self.sync()
     }
 
     /// Everything that was written to this file system is on the disk afterwards.
     #[cfg(target_os = "linux")]
     pub fn sync(&self) -> anyhow::Result<()> {
-        let synced = File::open(&self.root).and_then(|directory| rustix::fs::syncfs(directory).map_err(std::io::Error::from));
+        let synced = File::open(&self.root)
+            .and_then(|directory| rustix::fs::syncfs(directory).map_err(std::io::Error::from));
         synced.with_context(|| format!("cannot sync {}", self.root.display()))
     }
 
@@ -81,7 +90,9 @@ impl Directory {
 
     pub fn remove(&self, sha256: &str) -> anyhow::Result<()> {
         match fs::remove_file(self.path(sha256)) {
-            Err(error) if error.kind() != ErrorKind::NotFound => Err(error).context("cannot remove a blob"),
+            Err(error) if error.kind() != ErrorKind::NotFound => {
+                Err(error).context("cannot remove a blob")
+            }
             _ => Ok(()),
         }
     }

@@ -62,25 +62,39 @@ impl Blobs {
     ///
     /// # Errors
     /// When a directory cannot be made, or the bucket cannot be written, read and removed from.
-    pub async fn open(data_dir: &Path, bucket: Option<&BucketUrl>, is_shared: bool) -> anyhow::Result<Blobs> {
+    pub async fn open(
+        data_dir: &Path,
+        bucket: Option<&BucketUrl>,
+        is_shared: bool,
+    ) -> anyhow::Result<Blobs> {
         let mut temporary = data_dir.join("tmp");
         if is_shared {
             remove_old(&temporary);
             temporary.push(uuid::Uuid::now_v7().to_string());
         } else if temporary.exists() {
-            fs::remove_dir_all(&temporary).with_context(|| format!("cannot empty {}", temporary.display()))?;
+            fs::remove_dir_all(&temporary)
+                .with_context(|| format!("cannot empty {}", temporary.display()))?;
         }
-        fs::create_dir_all(&temporary).with_context(|| format!("cannot make {}", temporary.display()))?;
+        fs::create_dir_all(&temporary)
+            .with_context(|| format!("cannot make {}", temporary.display()))?;
         let (place, identity) = match bucket {
             None => {
                 let directory = Directory::open(data_dir.join("blobs"))?;
                 let identity = directory.identity()?;
                 (Place::Directory(directory), identity)
             }
-            Some(url) => (Place::Bucket(Arc::new(Bucket::open(url, data_dir, &temporary).await?)), url.to_string()),
+            Some(url) => (
+                Place::Bucket(Arc::new(Bucket::open(url, data_dir, &temporary).await?)),
+                url.to_string(),
+            ),
         };
         let verified = Arc::new(Verified::new(matches!(place, Place::Directory(_))));
-        Ok(Blobs { place, identity, temporary, verified })
+        Ok(Blobs {
+            place,
+            identity,
+            temporary,
+            verified,
+        })
     }
 
     /// What tells this place from any other: the bucket's address, or a word that was left in the directory when it was made.
@@ -101,15 +115,24 @@ impl Blobs {
             let _ = fs::remove_file(&path);
             return Err(error).context("cannot write a blob");
         }
-        Ok(ReceivedFile { path, sha256: sha256_hex(bytes), bytes: bytes.len() as u64 })
+        Ok(ReceivedFile {
+            path,
+            sha256: sha256_hex(bytes),
+            bytes: bytes.len() as u64,
+        })
     }
 
     /// Makes all received files blobs; they move away. Gives for each the content that the change which names the blob has to note, for
     /// only then is it safe; `None` where the blob is on the disk already. May be called again for the same files when it has failed.
     pub fn adopt_all(&self, files: &[ReceivedFile]) -> anyhow::Result<Vec<Option<Vec<u8>>>> {
         match &self.place {
-            Place::Directory(directory) if files.iter().map(|file| file.bytes).sum::<u64>() <= NOTED_BYTES => {
-                files.iter().map(|file| take_in(directory, file).map(Some)).collect()
+            Place::Directory(directory)
+                if files.iter().map(|file| file.bytes).sum::<u64>() <= NOTED_BYTES =>
+            {
+                files
+                    .iter()
+                    .map(|file| take_in(directory, file).map(Some))
+                    .collect()
             }
             Place::Directory(directory) => {
                 directory.adopt_all(files)?;
@@ -135,10 +158,14 @@ impl Blobs {
     /// Writes a noted content anew unless its blob is there and whole; [`Self::sync`] has to follow.
     pub fn restore(&self, sha256: &str, content: &[u8]) -> anyhow::Result<()> {
         if let Place::Directory(directory) = &self.place {
-            let is_whole =
-                File::open(directory.path(sha256)).and_then(|mut file| verified::hash(&mut file)).is_ok_and(|found| found == sha256);
+            let is_whole = File::open(directory.path(sha256))
+                .and_then(|mut file| verified::hash(&mut file))
+                .is_ok_and(|found| found == sha256);
             if !is_whole {
-                tracing::warn!(sha256, "a file was not whole on the disk; it is written again");
+                tracing::warn!(
+                    sha256,
+                    "a file was not whole on the disk; it is written again"
+                );
                 directory.move_in(&self.receive(content)?.path, sha256)?;
             }
         }
@@ -183,7 +210,9 @@ impl Blobs {
     /// Removes blobs. What a bucket out of reach still has is left over, and no error.
     pub fn remove(&self, blobs: &[String]) -> anyhow::Result<()> {
         match &self.place {
-            Place::Directory(directory) => blobs.iter().try_for_each(|sha256| directory.remove(sha256)),
+            Place::Directory(directory) => {
+                blobs.iter().try_for_each(|sha256| directory.remove(sha256))
+            }
             Place::Bucket(bucket) => bucket.remove(blobs),
         }
     }
@@ -199,9 +228,16 @@ fn take_in(directory: &Directory, file: &ReceivedFile) -> anyhow::Result<Vec<u8>
 fn remove_old(temporary: &Path) {
     let is_old = |entry: &fs::DirEntry| {
         let changed = entry.metadata().and_then(|data| data.modified()).ok();
-        changed.and_then(|changed| changed.elapsed().ok()).is_some_and(|age| age > OLD)
+        changed
+            .and_then(|changed| changed.elapsed().ok())
+            .is_some_and(|age| age > OLD)
     };
-    for entry in fs::read_dir(temporary).into_iter().flatten().flatten().filter(is_old) {
+    for entry in fs::read_dir(temporary)
+        .into_iter()
+        .flatten()
+        .flatten()
+        .filter(is_old)
+    {
         let _ = fs::remove_dir_all(entry.path());
     }
 }
@@ -224,12 +260,27 @@ mod tests {
     async fn the_same_bytes_are_one_file_under_their_published_hash() {
         let directory = tempfile::tempdir().unwrap();
         let blobs = Blobs::open(directory.path(), None, false).await.unwrap();
-        let files = [blobs.receive(b"abc").unwrap(), blobs.receive(b"abc").unwrap(), blobs.receive(b"").unwrap()];
+        let files = [
+            blobs.receive(b"abc").unwrap(),
+            blobs.receive(b"abc").unwrap(),
+            blobs.receive(b"").unwrap(),
+        ];
         let sha256 = files[0].sha256.clone();
-        assert_eq!(sha256, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-        let contents = [Some(b"abc".to_vec()), Some(b"abc".to_vec()), Some(Vec::new())];
+        assert_eq!(
+            sha256,
+            "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
+        );
+        let contents = [
+            Some(b"abc".to_vec()),
+            Some(b"abc".to_vec()),
+            Some(Vec::new()),
+        ];
         assert_eq!(blobs.adopt_all(&files).unwrap(), contents);
-        assert_eq!(blobs.adopt_all(&files).unwrap(), contents, "a second try finds them in place");
+        assert_eq!(
+            blobs.adopt_all(&files).unwrap(),
+            contents,
+            "a second try finds them in place"
+        );
         let path = blobs.local(&sha256).unwrap();
         assert_eq!(path, directory.path().join("blobs/ba").join(&sha256));
         assert_eq!(fs::read(&path).unwrap(), b"abc");
@@ -244,10 +295,21 @@ mod tests {
     async fn large_files_are_on_the_disk_at_once() {
         let directory = tempfile::tempdir().unwrap();
         let blobs = Blobs::open(directory.path(), None, false).await.unwrap();
-        let files = [blobs.receive(&[7; NOTED_BYTES as usize]).unwrap(), blobs.receive(b"x").unwrap()];
+        let files = [
+            blobs.receive(&[7; NOTED_BYTES as usize]).unwrap(),
+            blobs.receive(b"x").unwrap(),
+        ];
         assert_eq!(blobs.adopt_all(&files).unwrap(), [None, None]);
-        assert_eq!(fs::metadata(blobs.local(&files[0].sha256).unwrap()).unwrap().len(), NOTED_BYTES);
-        assert_eq!(fs::read(blobs.local(&files[1].sha256).unwrap()).unwrap(), b"x");
+        assert_eq!(
+            fs::metadata(blobs.local(&files[0].sha256).unwrap())
+                .unwrap()
+                .len(),
+            NOTED_BYTES
+        );
+        assert_eq!(
+            fs::read(blobs.local(&files[1].sha256).unwrap()).unwrap(),
+            b"x"
+        );
     }
 
     #[tokio::test]
@@ -264,7 +326,10 @@ mod tests {
             let error = blobs.local(&file.sha256).unwrap_err();
             assert!(error.downcast_ref::<Damaged>().is_some(), "{error:#}");
             blobs.restore(&file.sha256, b"abc").unwrap();
-            assert_eq!(fs::read(blobs.local(&file.sha256).unwrap()).unwrap(), b"abc");
+            assert_eq!(
+                fs::read(blobs.local(&file.sha256).unwrap()).unwrap(),
+                b"abc"
+            );
         }
     }
 
@@ -293,7 +358,13 @@ mod tests {
     #[tokio::test]
     async fn a_bucket_is_refused_by_a_program_that_was_built_without() {
         let directory = tempfile::tempdir().unwrap();
-        let refused = Blobs::open(directory.path(), Some(&"s3://tracks/lab".parse().unwrap()), false).await.unwrap_err();
+        let refused = Blobs::open(
+            directory.path(),
+            Some(&"s3://tracks/lab".parse().unwrap()),
+            false,
+        )
+        .await
+        .unwrap_err();
         assert_eq!(
             refused.to_string(),
             "artefacts cannot be kept at s3://tracks/lab: this trackloom was built without the feature s3 \

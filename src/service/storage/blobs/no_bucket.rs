@@ -8,8 +8,14 @@ use std::path::{Path, PathBuf};
 pub enum Bucket {}
 
 impl Bucket {
-    pub async fn open(url: &BucketUrl, _data_dir: &Path, _temporary: &Path) -> anyhow::Result<Bucket> {
-        bail!("artefacts cannot be kept at {url}: this trackloom was built without the feature s3 (cargo build --release --features s3)")
+    pub async fn open(
+        url: &BucketUrl,
+        _data_dir: &Path,
+        _temporary: &Path,
+    ) -> anyhow::Result<Bucket> {
+        bail!(
+            "artefacts cannot be kept at {url}: this trackloom was built without the feature s3 (cargo build --release --features s3)"
+        )
     }
 
     pub fn adopt(&self, _received: &Path, _sha256: &str) -> anyhow::Result<()> {

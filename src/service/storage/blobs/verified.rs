@@ -26,7 +26,12 @@ struct Identity {
 impl Identity {
     fn of(metadata: &Metadata, times_count: bool) -> Identity {
         let modified = times_count.then(|| (metadata.mtime(), metadata.mtime_nsec()));
-        Identity { device: metadata.dev(), inode: metadata.ino(), bytes: metadata.len(), modified }
+        Identity {
+            device: metadata.dev(),
+            inode: metadata.ino(),
+            bytes: metadata.len(),
+            modified,
+        }
     }
 }
 
@@ -39,7 +44,10 @@ pub(super) struct Verified {
 
 impl Verified {
     pub fn new(times_count: bool) -> Verified {
-        Verified { times_count, files: Mutex::default() }
+        Verified {
+            times_count,
+            files: Mutex::default(),
+        }
     }
 
     /// Reads the file unless it was read before. Blocks.
@@ -47,8 +55,12 @@ impl Verified {
     /// # Errors
     /// [`Damaged`] when it has another content; also when it cannot be read.
     pub fn check(&self, sha256: &str, path: &Path) -> anyhow::Result<()> {
-        let mut file = File::open(path).with_context(|| format!("cannot open {}", path.display()))?;
-        let identity = Identity::of(&file.metadata().context("cannot look at a blob")?, self.times_count);
+        let mut file =
+            File::open(path).with_context(|| format!("cannot open {}", path.display()))?;
+        let identity = Identity::of(
+            &file.metadata().context("cannot look at a blob")?,
+            self.times_count,
+        );
         if self.lock().get(sha256) == Some(&identity) {
             return Ok(());
         }

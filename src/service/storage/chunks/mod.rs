@@ -17,8 +17,8 @@ use anyhow::Context;
 use futures::stream::BoxStream;
 use futures::{StreamExt, TryStreamExt};
 use rows::{
-    add_chunk, campaign_of, count_runs, end_chunk, fail_chunk, give_up, insert_chunks, is_to_end, is_wanted, look_if_all_done, next_number,
-    ready_chunk, take_over,
+    add_chunk, campaign_of, count_runs, end_chunk, fail_chunk, give_up, insert_chunks, is_to_end,
+    is_wanted, look_if_all_done, next_number, ready_chunk, take_over,
 };
 use sqlx::Row;
 use std::ops::Range;
@@ -78,9 +78,16 @@ pub struct NewChunk(pub Vec<Range<u64>>);
 #[derive(Debug)]
 pub enum ChunkResult {
     /// Runs; `piece` and `outcomes` are JSON.
-    Piece { piece: String, runs: u64, outcomes: String },
+    Piece {
+        piece: String,
+        runs: u64,
+        outcomes: String,
+    },
     /// Further runs; `runs_total` is how many the campaign now has.
-    More { chunks: Vec<NewChunk>, runs_total: u64 },
+    More {
+        chunks: Vec<NewChunk>,
+        runs_total: u64,
+    },
     /// Nobody can work it off; the campaign fails when the others are done.
     GivenUp,
     /// The campaign ends.
@@ -90,7 +97,11 @@ pub enum ChunkResult {
 impl Storage {
     /// Makes a claimed job a campaign with its first chunk; what an earlier attempt of the same spec by the same version has made is taken
     /// over. `None` when the attempt is no longer running.
-    pub async fn start_campaign(&self, job: &ClaimedJob, runs_total: u64) -> anyhow::Result<Option<Changed>> {
+    pub async fn start_campaign(
+        &self,
+        job: &ClaimedJob,
+        runs_total: u64,
+    ) -> anyhow::Result<Option<Changed>> {
         let mut transaction = self.begin().await?;
         let id = job.id.to_string();
         if !is_running(&mut transaction, job).await? {
@@ -101,22 +112,37 @@ impl Storage {
             transaction.commit().await?;
             return Ok(Some(changed));
         }
-        sqlx::query("INSERT INTO campaigns (job_id, runs_total) VALUES ($1, $2) ON CONFLICT DO NOTHING")
-            .bind(&id)
-            .bind(i64::try_from(runs_total)?)
-            .execute(&mut *transaction)
-            .await?;
+        sqlx::query(
+            "INSERT INTO campaigns (job_id, runs_total) VALUES ($1, $2) ON CONFLICT DO NOTHING",
+        )
+        .bind(&id)
+        .bind(i64::try_from(runs_total)?)
+        .execute(&mut *transaction)
+        .await?;
         let taken = take_over(&mut transaction, job.id).await?;
-        let kind = if taken == 0 { ChunkKind::Pilot } else { ChunkKind::Look };
+        let kind = if taken == 0 {
+            ChunkKind::Pilot
+        } else {
+            ChunkKind::Look
+        };
         // A look needs none.
         let items: Vec<Range<u64>> = (taken == 0).then_some(0..runs_total).into_iter().collect();
         let ready = vec![add_chunk(&mut transaction, job.id, kind, &items).await?];
         transaction.commit().await?;
-        Ok(Some(Changed { touched: vec![job.id], ready }))
+        Ok(Some(Changed {
+            touched: vec![job.id],
+            ready,
+        }))
     }
 
     /// Takes a queued chunk, unless `crash_limit` processes have already died of it. `entry` is as in [`Storage::claim`].
-    pub async fn claim_chunk(&self, job_id: Uuid, number: u32, entry: Uuid, crash_limit: u32) -> anyhow::Result<Chunk> {
+    pub async fn claim_chunk(
+        &self,
+        job_id: Uuid,
+        number: u32,
+        entry: Uuid,
+        crash_limit: u32,
+    ) -> anyhow::Result<Chunk> {
         let mut transaction = self.begin_with(Durability::Passing).await?;
         let row = sqlx::query(
             "SELECT chunks.kind, items, chunks.state, chunks.attempt, chunks.crashes, outcomes, runs_done, runs_total
@@ -129,8 +155,11 @@ impl Storage {
         .bind(entry.to_string())
         .fetch_optional(&mut *transaction)
         .await?;
-        let Some(row) = row else { return Ok(Chunk::NotNow) };
-        let crashes = row.try_get::<i64, _>("crashes")? + i64::from(row.try_get::<&str, _>("state")? == "running");
+        let Some(row) = row else {
+            return Ok(Chunk::NotNow);
+        };
+        let crashes = row.try_get::<i64, _>("crashes")?
+            + i64::from(row.try_get::<&str, _>("state")? == "running");
         let attempt = row.try_get::<i64, _>("attempt")? + 1;
         let is_refused = crashes >= i64::from(crash_limit);
         sqlx::query("UPDATE chunks SET state = $1, attempt = $2, crashes = $3, entry = $4 WHERE job_id = $5 AND number = $6")
@@ -143,7 +172,10 @@ impl Storage {
             .execute(&mut *transaction)
             .await?;
         let kind: &str = row.try_get("kind")?;
-        let kind = ChunkKind::ALL.into_iter().find(|known| known.name() == kind).context("a stored chunk has an unknown kind")?;
+        let kind = ChunkKind::ALL
+            .into_iter()
+            .find(|known| known.name() == kind)
+            .context("a stored chunk has an unknown kind")?;
         if is_refused {
             let changed = give_up(&mut transaction, job_id, kind, crash_limit).await?;
             transaction.commit().await?;
@@ -163,7 +195,12 @@ impl Storage {
     }
 
     /// How often a process died while it worked on the chunk, with the death that brings this entry again.
-    pub async fn chunk_crashes(&self, job_id: Uuid, number: u32, entry: Uuid) -> anyhow::Result<i64> {
+    pub async fn chunk_crashes(
+        &self,
+        job_id: Uuid,
+        number: u32,
+        entry: Uuid,
+    ) -> anyhow::Result<i64> {
         let crashes: Option<i64> = sqlx::query_scalar(
             "SELECT crashes + CASE WHEN state = 'running' AND entry = $3 THEN 1 ELSE 0 END FROM chunks WHERE job_id = $1 AND number = $2",
         )
@@ -176,14 +213,22 @@ impl Storage {
     }
 
     /// Writes what the claimed attempt gave. `None`: that attempt is no longer wanted, and nothing was written.
-    pub async fn finish_chunk(&self, chunk: &ClaimedChunk, result: &ChunkResult) -> anyhow::Result<Option<Changed>> {
+    pub async fn finish_chunk(
+        &self,
+        chunk: &ClaimedChunk,
+        result: &ChunkResult,
+    ) -> anyhow::Result<Option<Changed>> {
         let mut transaction = self.begin().await?;
         if !is_wanted(&mut transaction, chunk).await? {
             return Ok(None);
         }
         let (job_id, mut ready) = (chunk.job_id, Vec::new());
         match result {
-            ChunkResult::Piece { piece, runs, outcomes } => {
+            ChunkResult::Piece {
+                piece,
+                runs,
+                outcomes,
+            } => {
                 end_chunk(&mut transaction, chunk, Some(piece)).await?;
                 count_runs(&mut transaction, job_id, *runs, outcomes).await?;
                 ready.extend(look_if_all_done(&mut transaction, job_id).await?);
@@ -198,7 +243,11 @@ impl Storage {
                 let priority = priority_of(&mut transaction, job_id).await?;
                 let first = next_number(&mut transaction, job_id).await?;
                 insert_chunks(&mut transaction, job_id, first, ChunkKind::Runs, chunks).await?;
-                ready.extend((first..).zip(chunks).map(|(number, _)| Ready { job_id, chunk: Some(number), priority }));
+                ready.extend((first..).zip(chunks).map(|(number, _)| Ready {
+                    job_id,
+                    chunk: Some(number),
+                    priority,
+                }));
             }
             ChunkResult::GivenUp => {
                 fail_chunk(&mut transaction, chunk).await?;
@@ -212,7 +261,10 @@ impl Storage {
             }
         }
         transaction.commit().await?;
-        Ok(Some(Changed { touched: vec![job_id], ready }))
+        Ok(Some(Changed {
+            touched: vec![job_id],
+            ready,
+        }))
     }
 
     /// Hands the claimed attempt back to the queue, because the service stops.
@@ -228,30 +280,44 @@ impl Storage {
             .await?;
         let ready = vec![ready_chunk(&mut transaction, chunk.job_id, chunk.number).await?];
         transaction.commit().await?;
-        Ok(Some(Changed { touched: Vec::new(), ready }))
+        Ok(Some(Changed {
+            touched: Vec::new(),
+            ready,
+        }))
     }
 
     /// What the chunks of a campaign have given so far, each as JSON, one after the other.
     pub fn pieces(&self, job_id: Uuid) -> BoxStream<'_, anyhow::Result<String>> {
-        let pieces = sqlx::query_scalar("SELECT piece FROM chunks WHERE job_id = $1 AND piece IS NOT NULL ORDER BY number");
-        pieces.bind(job_id.to_string()).fetch(&self.work).map_err(anyhow::Error::from).boxed()
+        let pieces = sqlx::query_scalar(
+            "SELECT piece FROM chunks WHERE job_id = $1 AND piece IS NOT NULL ORDER BY number",
+        );
+        pieces
+            .bind(job_id.to_string())
+            .fetch(&self.work)
+            .map_err(anyhow::Error::from)
+            .boxed()
     }
 
     /// What is kept of each run, as JSON, once that is known.
     pub async fn outcomes(&self, job_id: Uuid) -> anyhow::Result<Option<String>> {
-        let outcomes: Option<Option<String>> = sqlx::query_scalar("SELECT outcomes FROM campaigns WHERE job_id = $1")
-            .bind(job_id.to_string())
-            .fetch_optional(&self.work)
-            .await?;
+        let outcomes: Option<Option<String>> =
+            sqlx::query_scalar("SELECT outcomes FROM campaigns WHERE job_id = $1")
+                .bind(job_id.to_string())
+                .fetch_optional(&self.work)
+                .await?;
         Ok(outcomes.flatten())
     }
 
     /// The items of each chunk that is given up.
     pub async fn failed_chunks(&self, job_id: Uuid) -> anyhow::Result<Vec<Vec<Range<u64>>>> {
-        let rows: Vec<String> = sqlx::query_scalar("SELECT items FROM chunks WHERE job_id = $1 AND state = 'failed' ORDER BY number")
-            .bind(job_id.to_string())
-            .fetch_all(&self.work)
-            .await?;
-        rows.iter().map(|json| Ok(serde_json::from_str(json)?)).collect()
+        let rows: Vec<String> = sqlx::query_scalar(
+            "SELECT items FROM chunks WHERE job_id = $1 AND state = 'failed' ORDER BY number",
+        )
+        .bind(job_id.to_string())
+        .fetch_all(&self.work)
+        .await?;
+        rows.iter()
+            .map(|json| Ok(serde_json::from_str(json)?))
+            .collect()
     }
 }

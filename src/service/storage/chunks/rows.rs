@@ -1,11 +1,15 @@
 //! The parts that changes of chunks are made of.
 
 use super::{ChunkKind, ClaimedChunk, NewChunk};
-use crate::service::storage::change::{Changed, Ready, append_event, append_state, end_job, parse_id, priority_of};
+use crate::service::storage::change::{
+    Changed, Ready, append_event, append_state, end_job, parse_id, priority_of,
+};
 use crate::service::storage::life::ClaimedJob;
 use crate::service::storage::statement::Statement;
 use crate::service::storage::{from_micros, now, to_micros};
-use crate::service::types::{EventData, JobKind, JobState, LogLine, Problem, Progress, ProgressStep};
+use crate::service::types::{
+    EventData, JobKind, JobState, LogLine, Problem, Progress, ProgressStep,
+};
 use jiff::Timestamp;
 use serde_json::Value;
 use sqlx::{AnyConnection, Row};
@@ -54,10 +58,18 @@ pub(super) async fn take_over(connection: &mut AnyConnection, id: Uuid) -> anyho
     Ok(taken)
 }
 
-pub(super) async fn next_number(connection: &mut AnyConnection, job_id: Uuid) -> anyhow::Result<u32> {
-    let last: Option<i64> =
-        sqlx::query_scalar("SELECT max(number) FROM chunks WHERE job_id = $1").bind(job_id.to_string()).fetch_one(connection).await?;
-    Ok(last.map(u32::try_from).transpose()?.map_or(0, |last| last + 1))
+pub(super) async fn next_number(
+    connection: &mut AnyConnection,
+    job_id: Uuid,
+) -> anyhow::Result<u32> {
+    let last: Option<i64> = sqlx::query_scalar("SELECT max(number) FROM chunks WHERE job_id = $1")
+        .bind(job_id.to_string())
+        .fetch_one(connection)
+        .await?;
+    Ok(last
+        .map(u32::try_from)
+        .transpose()?
+        .map_or(0, |last| last + 1))
 }
 
 /// Adds chunks, numbered from `first` on; many in one statement, for nobody else writes meanwhile.
@@ -70,10 +82,20 @@ pub(super) async fn insert_chunks(
 ) -> anyhow::Result<()> {
     let numbered: Vec<(u32, &NewChunk)> = (first..).zip(chunks).collect();
     for rows in numbered.chunks(ROWS) {
-        let mut statement = Statement::new("INSERT INTO chunks (job_id, number, kind, items, state) VALUES ");
+        let mut statement =
+            Statement::new("INSERT INTO chunks (job_id, number, kind, items, state) VALUES ");
         for (index, (number, NewChunk(items))) in rows.iter().enumerate() {
-            statement.push(if index > 0 { ", (" } else { "(" }).bind(job_id.to_string()).push(", ").bind(i64::from(*number));
-            statement.push(", ").bind(kind.name().to_owned()).push(", ").bind(serde_json::to_string(items)?).push(", 'queued')");
+            statement
+                .push(if index > 0 { ", (" } else { "(" })
+                .bind(job_id.to_string())
+                .push(", ")
+                .bind(i64::from(*number));
+            statement
+                .push(", ")
+                .bind(kind.name().to_owned())
+                .push(", ")
+                .bind(serde_json::to_string(items)?)
+                .push(", 'queued')");
         }
         statement.query().execute(&mut *connection).await?;
     }
@@ -83,7 +105,10 @@ pub(super) async fn insert_chunks(
 /// Whether somebody wants the job to be canceled.
 pub(super) async fn is_to_end(connection: &mut AnyConnection, id: Uuid) -> anyhow::Result<bool> {
     let asked: Option<i64> =
-        sqlx::query_scalar("SELECT cancel_requested_at FROM jobs WHERE id = $1").bind(id.to_string()).fetch_one(connection).await?;
+        sqlx::query_scalar("SELECT cancel_requested_at FROM jobs WHERE id = $1")
+            .bind(id.to_string())
+            .fetch_one(connection)
+            .await?;
     Ok(asked.is_some())
 }
 
@@ -95,37 +120,79 @@ pub(super) async fn add_chunk(
     items: &[Range<u64>],
 ) -> anyhow::Result<Ready> {
     let number = next_number(connection, job_id).await?;
-    insert_chunks(connection, job_id, number, kind, &[NewChunk(items.to_vec())]).await?;
+    insert_chunks(
+        connection,
+        job_id,
+        number,
+        kind,
+        &[NewChunk(items.to_vec())],
+    )
+    .await?;
     ready_chunk(connection, job_id, number).await
 }
 
-pub(super) async fn ready_chunk(connection: &mut AnyConnection, job_id: Uuid, number: u32) -> anyhow::Result<Ready> {
-    Ok(Ready { job_id, chunk: Some(number), priority: priority_of(connection, job_id).await? })
+pub(super) async fn ready_chunk(
+    connection: &mut AnyConnection,
+    job_id: Uuid,
+    number: u32,
+) -> anyhow::Result<Ready> {
+    Ok(Ready {
+        job_id,
+        chunk: Some(number),
+        priority: priority_of(connection, job_id).await?,
+    })
 }
 
 /// A look at the campaign when nothing is being made.
-pub(super) async fn look_if_all_done(connection: &mut AnyConnection, job_id: Uuid) -> anyhow::Result<Vec<Ready>> {
-    let left: Option<i64> = sqlx::query_scalar("SELECT number FROM chunks WHERE job_id = $1 AND state IN ('queued', 'running') LIMIT 1")
-        .bind(job_id.to_string())
-        .fetch_optional(&mut *connection)
-        .await?;
+pub(super) async fn look_if_all_done(
+    connection: &mut AnyConnection,
+    job_id: Uuid,
+) -> anyhow::Result<Vec<Ready>> {
+    let left: Option<i64> = sqlx::query_scalar(
+        "SELECT number FROM chunks WHERE job_id = $1 AND state IN ('queued', 'running') LIMIT 1",
+    )
+    .bind(job_id.to_string())
+    .fetch_optional(&mut *connection)
+    .await?;
     if left.is_some() {
         return Ok(Vec::new());
     }
-    Ok(vec![add_chunk(connection, job_id, ChunkKind::Look, &[]).await?])
+    Ok(vec![
+        add_chunk(connection, job_id, ChunkKind::Look, &[]).await?,
+    ])
 }
 
 /// A chunk of runs that failed is told of when the others are done; without a look there is no result.
-pub(super) async fn give_up(connection: &mut AnyConnection, job_id: Uuid, kind: ChunkKind, crash_limit: u32) -> anyhow::Result<Changed> {
+pub(super) async fn give_up(
+    connection: &mut AnyConnection,
+    job_id: Uuid,
+    kind: ChunkKind,
+    crash_limit: u32,
+) -> anyhow::Result<Changed> {
     if kind == ChunkKind::Look {
-        let detail = format!("the process ended {crash_limit} times while it put the runs of the campaign together");
-        return end_job(connection, job_id, now(), JobState::Failed, Some(Problem::new("crashed", detail))).await;
+        let detail = format!(
+            "the process ended {crash_limit} times while it put the runs of the campaign together"
+        );
+        return end_job(
+            connection,
+            job_id,
+            now(),
+            JobState::Failed,
+            Some(Problem::new("crashed", detail)),
+        )
+        .await;
     }
-    Ok(Changed { touched: vec![job_id], ready: look_if_all_done(connection, job_id).await? })
+    Ok(Changed {
+        touched: vec![job_id],
+        ready: look_if_all_done(connection, job_id).await?,
+    })
 }
 
 /// Whether the attempt is still running, and its campaign too.
-pub(super) async fn is_wanted(connection: &mut AnyConnection, chunk: &ClaimedChunk) -> anyhow::Result<bool> {
+pub(super) async fn is_wanted(
+    connection: &mut AnyConnection,
+    chunk: &ClaimedChunk,
+) -> anyhow::Result<bool> {
     let wanted: i64 = sqlx::query_scalar(
         "SELECT count(*) FROM chunks JOIN jobs ON jobs.id = job_id
          WHERE job_id = $1 AND number = $2 AND chunks.attempt = $3 AND chunks.state = 'running' AND jobs.state = 'running'",
@@ -138,7 +205,11 @@ pub(super) async fn is_wanted(connection: &mut AnyConnection, chunk: &ClaimedChu
     Ok(wanted == 1)
 }
 
-pub(super) async fn end_chunk(connection: &mut AnyConnection, chunk: &ClaimedChunk, piece: Option<&String>) -> anyhow::Result<()> {
+pub(super) async fn end_chunk(
+    connection: &mut AnyConnection,
+    chunk: &ClaimedChunk,
+    piece: Option<&String>,
+) -> anyhow::Result<()> {
     sqlx::query("UPDATE chunks SET state = 'done', piece = $1 WHERE job_id = $2 AND number = $3")
         .bind(piece)
         .bind(chunk.job_id.to_string())
@@ -148,7 +219,10 @@ pub(super) async fn end_chunk(connection: &mut AnyConnection, chunk: &ClaimedChu
     Ok(())
 }
 
-pub(super) async fn fail_chunk(connection: &mut AnyConnection, chunk: &ClaimedChunk) -> anyhow::Result<()> {
+pub(super) async fn fail_chunk(
+    connection: &mut AnyConnection,
+    chunk: &ClaimedChunk,
+) -> anyhow::Result<()> {
     sqlx::query("UPDATE chunks SET state = 'failed' WHERE job_id = $1 AND number = $2")
         .bind(chunk.job_id.to_string())
         .bind(i64::from(chunk.number))
@@ -158,7 +232,12 @@ pub(super) async fn fail_chunk(connection: &mut AnyConnection, chunk: &ClaimedCh
 }
 
 /// Counts runs as done, and tells how far the campaign is.
-pub(super) async fn count_runs(connection: &mut AnyConnection, job_id: Uuid, runs: u64, outcomes: &str) -> anyhow::Result<()> {
+pub(super) async fn count_runs(
+    connection: &mut AnyConnection,
+    job_id: Uuid,
+    runs: u64,
+    outcomes: &str,
+) -> anyhow::Result<()> {
     let row = sqlx::query(
         "UPDATE campaigns SET runs_done = runs_done + $1, outcomes = coalesce(outcomes, $2) WHERE job_id = $3
          RETURNING runs_done, runs_total, told_at, (SELECT started_at FROM jobs WHERE id = job_id) AS started_at",
@@ -168,11 +247,25 @@ pub(super) async fn count_runs(connection: &mut AnyConnection, job_id: Uuid, run
     .bind(job_id.to_string())
     .fetch_one(&mut *connection)
     .await?;
-    let (done, total) = (row.try_get::<i64, _>("runs_done")?.cast_unsigned(), row.try_get::<i64, _>("runs_total")?.cast_unsigned());
+    let (done, total) = (
+        row.try_get::<i64, _>("runs_done")?.cast_unsigned(),
+        row.try_get::<i64, _>("runs_total")?.cast_unsigned(),
+    );
     let (at, started_at) = (now(), from_micros(row.try_get("started_at")?)?);
-    let elapsed = Duration::from_micros(u64::try_from(to_micros(at) - to_micros(started_at)).unwrap_or(0));
-    let fraction = if total == 0 { 0.0 } else { (done as f64 / total as f64).min(1.0) };
-    let progress = Progress { step: ProgressStep::Run, done, total, fraction, eta_s: Progress::left_s(elapsed, fraction) };
+    let elapsed =
+        Duration::from_micros(u64::try_from(to_micros(at) - to_micros(started_at)).unwrap_or(0));
+    let fraction = if total == 0 {
+        0.0
+    } else {
+        (done as f64 / total as f64).min(1.0)
+    };
+    let progress = Progress {
+        step: ProgressStep::Run,
+        done,
+        total,
+        fraction,
+        eta_s: Progress::left_s(elapsed, fraction),
+    };
     sqlx::query("UPDATE jobs SET progress = $1 WHERE id = $2")
         .bind(serde_json::to_string(&progress)?)
         .bind(job_id.to_string())
@@ -185,7 +278,12 @@ pub(super) async fn count_runs(connection: &mut AnyConnection, job_id: Uuid, run
     Ok(())
 }
 
-pub(super) async fn tell(connection: &mut AnyConnection, job_id: Uuid, at: Timestamp, progress: Progress) -> anyhow::Result<()> {
+pub(super) async fn tell(
+    connection: &mut AnyConnection,
+    job_id: Uuid,
+    at: Timestamp,
+    progress: Progress,
+) -> anyhow::Result<()> {
     sqlx::query("UPDATE campaigns SET told_at = $1 WHERE job_id = $2")
         .bind(to_micros(at))
         .bind(job_id.to_string())
@@ -195,21 +293,43 @@ pub(super) async fn tell(connection: &mut AnyConnection, job_id: Uuid, at: Times
 }
 
 /// The running campaign as the job that it is.
-pub(super) async fn campaign_of(connection: &mut AnyConnection, id: Uuid) -> anyhow::Result<ClaimedJob> {
-    let row = sqlx::query("SELECT name, attempt FROM jobs WHERE id = $1").bind(id.to_string()).fetch_one(connection).await?;
+pub(super) async fn campaign_of(
+    connection: &mut AnyConnection,
+    id: Uuid,
+) -> anyhow::Result<ClaimedJob> {
+    let row = sqlx::query("SELECT name, attempt FROM jobs WHERE id = $1")
+        .bind(id.to_string())
+        .fetch_one(connection)
+        .await?;
     let attempt = u32::try_from(row.try_get::<i64, _>("attempt")?)?;
-    Ok(ClaimedJob { id, kind: JobKind::Campaign.into(), name: row.try_get("name")?, spec: Value::Null, attempt })
+    Ok(ClaimedJob {
+        id,
+        kind: JobKind::Campaign.into(),
+        name: row.try_get("name")?,
+        spec: Value::Null,
+        attempt,
+    })
 }
 
 /// Puts chunks that an earlier process left running back into the queue.
-pub(in crate::service::storage) async fn recover_chunks(connection: &mut AnyConnection) -> anyhow::Result<()> {
+pub(in crate::service::storage) async fn recover_chunks(
+    connection: &mut AnyConnection,
+) -> anyhow::Result<()> {
     let rows =
-        sqlx::query("SELECT DISTINCT job_id FROM chunks WHERE state = 'running' ORDER BY job_id").fetch_all(&mut *connection).await?;
-    sqlx::query("UPDATE chunks SET state = 'queued', crashes = crashes + 1 WHERE state = 'running'").execute(&mut *connection).await?;
+        sqlx::query("SELECT DISTINCT job_id FROM chunks WHERE state = 'running' ORDER BY job_id")
+            .fetch_all(&mut *connection)
+            .await?;
+    sqlx::query(
+        "UPDATE chunks SET state = 'queued', crashes = crashes + 1 WHERE state = 'running'",
+    )
+    .execute(&mut *connection)
+    .await?;
     for row in rows {
         let id = parse_id(row.try_get("job_id")?)?;
         append_state(connection, id, now(), JobState::Running).await?;
-        let message = "the process ended while it ran the campaign; its unfinished runs are queued again".to_owned();
+        let message =
+            "the process ended while it ran the campaign; its unfinished runs are queued again"
+                .to_owned();
         append_event(connection, id, now(), &EventData::Log(LogLine { message })).await?;
     }
     Ok(())
