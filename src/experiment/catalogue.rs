@@ -1,10 +1,10 @@
 //! What can be asked for: the families of methods and the bodies of requests, for the API, the forms and the document.
 
-use super::plan::JobKind;
-use super::requests;
 use crate::association::ASSOCIATOR;
 use crate::correlation::CORRELATOR;
 use crate::correlation::grouping::GROUPER;
+use crate::experiment::plan::JobKind;
+use crate::experiment::request::fields as requests;
 use crate::filtering::FILTER;
 use crate::registry::{Object, Union, Variant, standalone_schema};
 use serde_json::{Value, json};

@@ -1,10 +1,13 @@
 //! From the body of a request to a plan: names and parameters checked, every fault reported, inputs named.
 
-use super::checks::{check_lifecycle, check_names, check_sensors, check_start};
-use super::{
-    auto_filter, campaign, catalogue, correlate, detect, preset_source, profiles, rehearsal,
-    requests,
+use crate::experiment::associate::{auto_filter, dry_run as rehearsal};
+use crate::experiment::evaluate::profiles;
+use crate::experiment::input::detect;
+use crate::experiment::request::checks::{
+    check_lifecycle, check_names, check_sensors, check_start,
 };
+use crate::experiment::request::{fields as requests, preset_source};
+use crate::experiment::{campaign, catalogue, correlate};
 use crate::math::rng::Seed;
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
@@ -496,8 +499,8 @@ fn check_symbols(spec: &Value, known: &[DatasetKind], faults: &mut Vec<Fault>) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::presets;
     use super::*;
+    use crate::experiment::presets;
     use serde_json::json;
 
     const ID: &str = "0197";

@@ -1,9 +1,9 @@
 //! Runs a plan on its loaded inputs.
 
-use super::observer::Observer;
-use super::plan::{JobKind, Plan};
-use super::scene::Scene;
-use super::{associate, campaign};
+use crate::experiment::input::Scene;
+use crate::experiment::observer::Observer;
+use crate::experiment::plan::{JobKind, Plan};
+use crate::experiment::{associate, campaign};
 use crate::model::dataset::{Dataset, DatasetSummary};
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
@@ -22,7 +22,7 @@ pub struct Input {
     pub sha256: String,
 }
 
-/// What was loaded for each [`super::plan::InputRequest`], in the same order; `None` for an optional one that is absent.
+/// What was loaded for each [`InputRequest`](super::plan::InputRequest), in the same order; `None` for an optional one that is absent.
 pub type Inputs = Vec<Option<Input>>;
 
 /// Every media type of an artefact, without parameters.

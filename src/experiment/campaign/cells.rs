@@ -1,9 +1,9 @@
 //! The cells of a campaign: the product of its axes, each with the job body of its runs.
 
-use super::super::catalogue::request_object;
-use super::super::known_data::{self, Known};
-use super::super::plan::{JobKind, Plan, plan};
-use super::super::preset_source;
+use crate::experiment::catalogue::request_object;
+use crate::experiment::input::known::{self as known_data, Known};
+use crate::experiment::plan::{JobKind, Plan, plan};
+use crate::experiment::request::preset_source;
 use crate::model::fault::Fault;
 use crate::registry::nearest_path;
 use serde::Deserialize;

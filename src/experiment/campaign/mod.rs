@@ -21,10 +21,10 @@ pub use pieces::{Items, Order, Piece};
 pub use requests::CAMPAIGN;
 pub use stages::Next;
 
-use super::known_data::Known;
-use super::observer::Observer;
-use super::plan::{Estimate, InputRequest, JobKind, Plan};
-use super::run::{self, CellTime, Inputs, RunError, to_value};
+use crate::experiment::input::known::Known;
+use crate::experiment::observer::Observer;
+use crate::experiment::plan::{Estimate, InputRequest, JobKind, Plan};
+use crate::experiment::run::{self, CellTime, Inputs, RunError, to_value};
 use crate::math::rng::Seed;
 use crate::math::stats;
 use crate::model::fault::Fault;

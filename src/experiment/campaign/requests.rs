@@ -1,6 +1,6 @@
 //! The body of a campaign, described field by field.
 
-use super::super::requests::{JOB_NAME, LABELS, NAME, SEED};
+use crate::experiment::request::fields::{JOB_NAME, LABELS, NAME, SEED};
 use crate::registry::{Bound, Field, Kind, Object, Union, Variant, default, optional, required};
 
 pub(super) const MAX_RUNS: i64 = 1_000_000;

@@ -1,6 +1,6 @@
 //! What of a request to correlate no table can see.
 
-use super::super::plan::{Estimate, fill_tracking_defaults, refuse};
+use crate::experiment::plan::{Estimate, fill_tracking_defaults, refuse};
 use crate::model::fault::Fault;
 use crate::simulation::LocalTracks;
 use serde::Deserialize;
@@ -10,7 +10,7 @@ use serde_json::Value;
 pub(super) const MAX_ESTIMATES: usize = 1_000_000;
 
 /// Exactly one of `sets` and `input`, with the settings that go with it.
-pub(in super::super) fn check(spec: &mut Value, faults: &mut Vec<Fault>) {
+pub fn check(spec: &mut Value, faults: &mut Vec<Fault>) {
     match (
         spec.get("sets").is_some(),
         spec.pointer("/input/source").and_then(Value::as_str),
@@ -104,7 +104,7 @@ pub(super) fn too_few_times(of: usize, times: usize) -> Fault {
 }
 
 /// What drawn tracks will cost; too many are refused.
-pub(in super::super) fn estimate(spec: &Value, faults: &mut Vec<Fault>) -> Option<Estimate> {
+pub fn estimate(spec: &Value, faults: &mut Vec<Fault>) -> Option<Estimate> {
     let plan = LocalTracks::deserialize(spec.pointer("/input/tracks")?).ok()?;
     let points = plan.points();
     // Reckoned with 2 µs and 700 bytes a point, from drawing to the written files.

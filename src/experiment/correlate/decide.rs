@@ -3,12 +3,12 @@
 //! With more than half of the decisions no two different tuples of one track can stand. With fewer they can; then the more
 //! frequent one does, of equally frequent ones the one that costs less at the last time.
 
-use super::super::observer::{Observer, Step};
-use super::super::run::{Decided, RunError};
 use super::{Confirm, told};
 use crate::correlation::problem::Problem;
 use crate::correlation::statistic::Correlation;
 use crate::correlation::{Correlator, Solution};
+use crate::experiment::observer::{Observer, Step};
+use crate::experiment::run::{Decided, RunError};
 use crate::model::fault::Fault;
 use crate::model::watch::Watch;
 use std::cell::RefCell;

@@ -1,9 +1,9 @@
 //! The tracks of each sensor, and which target each of them is of, where that is known.
 
-use super::super::plan::Plan;
-use super::super::run::RunError;
 use super::checks::one_sensor;
 use crate::correlation::alignment::{Assumed, Node};
+use crate::experiment::plan::Plan;
+use crate::experiment::run::RunError;
 use crate::model::fault::Fault;
 use crate::model::scan::Recording;
 use crate::model::state::Position;
@@ -18,7 +18,7 @@ const MAX_TRUTH_GAP_S: f64 = 5.0;
 
 /// Tracks of each sensor with what is true of them.
 #[derive(Debug, Clone, Default)]
-pub(in super::super) struct Nodes {
+pub struct Nodes {
     pub nodes: Vec<Node>,
     /// For each track, numbered through, its target.
     pub origins: Option<Vec<Option<u32>>>,
@@ -27,7 +27,7 @@ pub(in super::super) struct Nodes {
 }
 
 /// Drawn tracks; `None` when the job has others.
-pub(in super::super) fn drawn(plan: &Plan) -> Result<Option<(Nodes, TruthSet)>, RunError> {
+pub fn drawn(plan: &Plan) -> Result<Option<(Nodes, TruthSet)>, RunError> {
     let Some(Ok(settings)) = plan
         .spec
         .pointer("/input/tracks")
@@ -63,7 +63,7 @@ pub(in super::super) fn drawn(plan: &Plan) -> Result<Option<(Nodes, TruthSet)>, 
 }
 
 /// Uploaded tracks, or those of other jobs: a set is called by its sensor, or by its place where it has none or several.
-pub(in super::super) fn of_sets(sets: Vec<TrackSet>) -> Nodes {
+pub fn of_sets(sets: Vec<TrackSet>) -> Nodes {
     let name = |(index, tracks): (usize, TrackSet)| {
         let sensor_id = match tracks.sensor_ids.as_slice() {
             [only] => only.clone(),
@@ -157,10 +157,7 @@ fn lacking_covariance(tracks: &TrackSet) -> usize {
 }
 
 /// For each track of one sensor the target of most of its detections.
-pub(in super::super) fn by_detections(
-    tracks: &TrackSet,
-    recording: &Recording,
-) -> Vec<Option<u32>> {
+pub fn by_detections(tracks: &TrackSet, recording: &Recording) -> Vec<Option<u32>> {
     let of_track = |track: &Track| {
         let best = |point| {
             let candidates = tracks.candidates_of(point).iter();

@@ -1,12 +1,12 @@
 //! What a job that correlates tracks reports, and its files.
 
-use super::super::run::Artifact;
-use super::super::tables::{Table, number, optional};
 use super::Correlated;
 use crate::correlation::alignment::Node;
 use crate::correlation::evidence::Evidence;
 use crate::correlation::statistic::p_value;
 use crate::evaluation::grouping::{GroupedReport, GroupingCounts};
+use crate::experiment::files::tables::{Table, number, optional};
+use crate::experiment::run::Artifact;
 use crate::formats;
 use crate::model::dataset::Dataset;
 use crate::model::track::{Track, TrackPoint, TrackSet};
@@ -19,7 +19,7 @@ const MAX_LINES: usize = 1000;
 
 /// The result of the job.
 #[derive(Debug, Serialize)]
-pub(in super::super) struct CorrelationReport {
+pub struct CorrelationReport {
     correlator: &'static str,
     statistic: &'static str,
     /// In this order tracks stand in a tuple.
@@ -78,7 +78,7 @@ struct ConfirmReport {
 
 /// A tuple as it is told, in the report and in `tuples.csv`.
 #[derive(Debug, Serialize)]
-pub(in super::super) struct TupleLine {
+pub struct TupleLine {
     /// The system track made of it.
     system_track_id: String,
     /// The track of each sensor; null where the sensor has none.
@@ -122,10 +122,7 @@ struct TruthReport {
 }
 
 /// The report; `tuples` are those of [`tuple_lines`].
-pub(in super::super) fn report(
-    correlated: &Correlated,
-    mut tuples: Vec<TupleLine>,
-) -> CorrelationReport {
+pub fn report(correlated: &Correlated, mut tuples: Vec<TupleLine>) -> CorrelationReport {
     let (estimates, solution) = (&correlated.correlation.estimates, &correlated.solution);
     let sensors = estimates.sensor_ids.iter().zip(&estimates.tracks_of);
     let sensors_of_tracks = estimates.sensors_of_tracks();
@@ -189,7 +186,7 @@ fn gap(cost: f64, bound: f64) -> f64 {
 }
 
 /// Every tuple that stands.
-pub(in super::super) fn tuple_lines(correlated: &Correlated) -> Vec<TupleLine> {
+pub fn tuple_lines(correlated: &Correlated) -> Vec<TupleLine> {
     let correlation = &correlated.correlation;
     let evidence = correlation.evidence(correlation.estimates.times());
     let sensors = correlation.estimates.sensors_of_tracks();
@@ -289,10 +286,7 @@ fn truth(correlated: &Correlated) -> Option<TruthReport> {
 }
 
 /// `tuples.csv`, `system_tracks.csv` and `local_tracks.csv`.
-pub(in super::super) fn artifacts(
-    correlated: &Correlated,
-    tuples: &[TupleLine],
-) -> Result<Vec<Artifact>, Error> {
+pub fn artifacts(correlated: &Correlated, tuples: &[TupleLine]) -> Result<Vec<Artifact>, Error> {
     let mut bytes = Vec::new();
     let dataset = Dataset::Tracks(correlated.system_tracks.clone());
     formats::write_csv(&dataset, &mut bytes)?;

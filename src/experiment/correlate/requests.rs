@@ -1,12 +1,12 @@
 //! The body of a job that correlates tracks, described field by field.
 
-use super::super::requests::{
-    DATA, JOB_NAME, LABELS, NAME, RANGE, SEED, SENSORS, SIGMA, input_sources,
-};
 use crate::association::ASSOCIATOR;
 use crate::correlation::CORRELATOR;
 use crate::correlation::fusion::FUSION;
 use crate::correlation::statistic::STATISTIC;
+use crate::experiment::request::fields::{
+    DATA, JOB_NAME, LABELS, NAME, RANGE, SEED, SENSORS, SIGMA, input_sources,
+};
 use crate::filtering::FILTER;
 use crate::registry::{Bound, Kind, Object, Union, Variant, default, optional, required};
 use crate::simulation::LOCAL_TRACKS;

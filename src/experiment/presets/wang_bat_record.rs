@@ -1,8 +1,8 @@
 //! The sea trial of Wang Y., Li Y., Huang H., multi-target data association by the bat algorithm, simulated: no recording is
 //! public.
 
-use super::super::plan::JobKind;
 use super::Preset;
+use crate::experiment::plan::JobKind;
 use serde_json::json;
 
 /// The record of six strong targets: a pair that crosses, one that closes and meets, one that runs in parallel.

@@ -1,0 +1,145 @@
+//! Compares the clutter density that the tracker was given with what it left over: a density that is far off misleads
+//! every method that weighs detections against it. One that was estimated from the same data says nothing to compare.
+
+use crate::experiment::input::extent::Extent;
+use crate::model::scan::Recording;
+use crate::model::sensor::{Sensor, SensorSettings};
+use crate::model::track::TrackSet;
+
+/// Beyond this factor, either way, the report warns.
+const TOLERATED_FACTOR: f64 = 3.0;
+/// Fewer false detections than this, found and expected, say nothing.
+const LEAST_COUNT: f64 = 10.0;
+
+/// A warning for each sensor whose given density disagrees with the detections that no output track was given.
+pub fn disagreements(
+    recording: &Recording,
+    sensors: &[Sensor],
+    known: &[SensorSettings],
+    tracks: &TrackSet,
+) -> Vec<String> {
+    let used = used_detections(recording, tracks);
+    let warning = |(index, settings): (usize, &SensorSettings)| {
+        let sensor = &sensors[index];
+        let scans = || recording.scans.iter().filter(|scan| scan.sensor == index);
+        let left_over = scans()
+            .flat_map(|scan| scan.range())
+            .filter(|&detection| !used[detection])
+            .count() as f64;
+        let extent = Extent::of(recording, index, settings, &sensor.report);
+        let (unit, watched, given) = (extent.unit(), extent.watched, extent.density_of(settings)?);
+        let scanned = watched * scans().count() as f64;
+        let expected = given * scanned;
+        let is_off =
+            left_over > TOLERATED_FACTOR * expected || expected > TOLERATED_FACTOR * left_over;
+        (is_off && left_over.max(expected) >= LEAST_COUNT && scanned > 0.0).then(|| {
+            format!(
+                "sensor '{}': the clutter density {given:.3e} per {unit} disagrees with the data by more than a factor of {TOLERATED_FACTOR}: \
+                 {left_over} detections outside every output track in {} scans of {watched:.3e} {unit} are {:.3e} per {unit}",
+                sensor.sensor_id,
+                scans().count(),
+                left_over / scanned
+            )
+        })
+    };
+    known.iter().enumerate().filter_map(warning).collect()
+}
+
+/// For each detection of the recording, whether an output track more likely took it than not.
+fn used_detections(recording: &Recording, tracks: &TrackSet) -> Vec<bool> {
+    let mut used = vec![false; recording.detections.len()];
+    let points = tracks.tracks.iter().flat_map(|track| &track.points);
+    for candidate in points
+        .flat_map(|point| tracks.candidates_of(point))
+        .filter(|candidate| candidate.probability > 0.5)
+    {
+        if let Some(detection) = candidate.detection {
+            used[detection as usize] = true;
+        }
+    }
+    used
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::scan::{Detection, Measurement, RecordingParts, Scan};
+    use crate::model::sensor::Report;
+
+    /// One scan of a sensor with a field of view of 1 000 m², and `count` detections that no track takes.
+    fn warnings(count: usize, clutter_per_m2: Option<f64>) -> Vec<String> {
+        let max_range_m = Some((1000.0 / std::f64::consts::PI).sqrt());
+        let settings = SensorSettings {
+            max_range_m,
+            clutter_per_m2,
+            ..SensorSettings::named("radar")
+        };
+        let detection = |index: usize| Detection {
+            measurement: Measurement::Position {
+                x_m: index as f64,
+                y_m: 0.0,
+            },
+            origin: None,
+            amplitude: None,
+        };
+        let recording = Recording::new(RecordingParts {
+            sensors: vec![settings.clone()],
+            scans: vec![Scan {
+                number: 1,
+                time_s: 0.0,
+                sensor: 0,
+                first: 0,
+                count,
+            }],
+            detections: (0..count).map(detection).collect(),
+            detection_ids: (0..count).map(|index| index.to_string()).collect(),
+            ..Default::default()
+        });
+        let report = Report::Position {
+            sigma_x_m: 1.0,
+            sigma_y_m: 1.0,
+        };
+        let sensor = Sensor {
+            sensor_id: "radar".into(),
+            p_d: 0.9,
+            clutter_density: clutter_per_m2.unwrap_or(1e3),
+            report,
+        };
+        disagreements(
+            &recording.unwrap(),
+            &[sensor],
+            &[settings],
+            &TrackSet::default(),
+        )
+    }
+
+    #[test]
+    fn a_density_within_a_factor_of_three_is_not_mentioned() {
+        assert_eq!(warnings(20, Some(0.02)), Vec::<String>::new());
+        assert_eq!(warnings(59, Some(0.02)), Vec::<String>::new());
+        assert_eq!(
+            warnings(9, Some(1e-6)),
+            Vec::<String>::new(),
+            "nine detections are too few to tell"
+        );
+    }
+
+    #[test]
+    fn one_that_was_estimated_is_not_compared() {
+        assert_eq!(warnings(61, None), Vec::<String>::new());
+    }
+
+    #[test]
+    fn one_that_is_further_off_is_named_with_the_estimate() {
+        let high = warnings(61, Some(0.02));
+        assert!(
+            high.len() == 1 && high[0].contains("6.100e-2 per m²"),
+            "{high:?}"
+        );
+        let low = warnings(6, Some(0.02));
+        assert!(
+            low.len() == 1 && low[0].contains("6.000e-3 per m²"),
+            "{low:?}"
+        );
+    }
+}

@@ -1,0 +1,179 @@
+//! Where the gates of a finished job's tracks lay: each track is predicted to each of its scans once more, from the point before.
+//!
+//! # Symbols
+//! ẑ, S expected measurement and innovation covariance; γ threshold of the squared distance; D values of a measurement.
+
+use super::auto_filter;
+use crate::association::Needs;
+use crate::experiment::associate;
+use crate::experiment::input::sensors;
+use crate::filtering::prediction::Transition;
+use crate::filtering::{Chosen, Filter};
+use crate::math::gaussian::gate_threshold;
+use crate::math::rng::Seed;
+use crate::model::scan::Recording;
+use crate::model::sensor::{Report, Sensor, SensorSettings};
+use crate::model::state::{GaussianState, Position, PositionCovariance};
+use crate::model::track::{Track, TrackPoint, TrackSet};
+use crate::tracking::Lifecycle;
+use nalgebra::Matrix2;
+use serde::Deserialize;
+use serde_json::Value;
+
+/// The gates of some tracks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Gates<'a> {
+    /// γ.
+    pub threshold: f64,
+    pub gates: Vec<Gate<'a>>,
+}
+
+/// A track's gate at one scan.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Gate<'a> {
+    pub track_id: &'a str,
+    pub time_s: f64,
+    pub sensor_id: &'a str,
+    /// Where the track was expected.
+    pub place_m: Position,
+    pub region: Region,
+}
+
+/// What lies within squared distance γ of ẑ, where S is that of the place, or of range and bearing. With range rates it is the
+/// shadow of the gate of three values on these two.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Region {
+    Plane {
+        covariance_m2: PositionCovariance,
+    },
+    /// Covariance in m², m rad, rad².
+    Polar {
+        sensor_m: Position,
+        range_m: f64,
+        bearing_rad: f64,
+        covariance: Matrix2<f64>,
+    },
+}
+
+/// The gates of the tracks that are `wanted`. `None` where the job of this spec had none in the plane: it did not track, its
+/// tracks were directions or put together from those of several sensors, it chose by origin, or every detection was a candidate.
+pub fn of<'a>(
+    spec: &Value,
+    (recording, known): (&Recording, &[SensorSettings]),
+    tracks: &'a TrackSet,
+    wanted: impl Fn(&Track) -> bool,
+) -> Option<Gates<'a>> {
+    if spec.get("associator").is_none() || spec.get("correlator").is_some() {
+        return None;
+    }
+    let mut spec = spec.clone();
+    auto_filter::settle(&mut spec, recording);
+    let spec = &spec;
+    let (associator, _) = associate::associator_of(spec, Seed { seed: 0, run: 0 }).ok()?;
+    let (filter, name) = associate::filter_of(spec).ok()?;
+    let probability = Lifecycle::deserialize(&spec["tracker"])
+        .ok()?
+        .gate_probability;
+    if associator.needs() == Needs::Origins || probability >= 1.0 {
+        return None;
+    }
+    let sensors = sensors::resolve(recording, known, (&filter, name), &mut Vec::new()).ok()?;
+    let walk = Walk {
+        sensors: &sensors,
+        set: tracks,
+        probability,
+    };
+    let has_rates = !sensors.is_empty()
+        && sensors
+            .iter()
+            .all(|sensor| sensor.report.range_rate().is_some());
+    match filter {
+        Chosen::Kalman(filter) => Some(walk.gates::<_, 2>(&filter, wanted)),
+        Chosen::Converted(filter) => Some(walk.gates::<_, 2>(&filter, wanted)),
+        Chosen::Extended(filter) if has_rates => Some(walk.gates::<_, 3>(&filter, wanted)),
+        Chosen::Extended(filter) => Some(walk.gates::<_, 2>(&filter, wanted)),
+        Chosen::Unscented(filter) if has_rates => Some(walk.gates::<_, 3>(&filter, wanted)),
+        Chosen::Unscented(filter) => Some(walk.gates::<_, 2>(&filter, wanted)),
+        Chosen::BearingOnly(_) => None,
+    }
+}
+
+/// What the predictions need besides a filter.
+struct Walk<'s, 'a> {
+    sensors: &'s [Sensor],
+    set: &'a TrackSet,
+    /// P_G.
+    probability: f64,
+}
+
+impl<'a> Walk<'_, 'a> {
+    fn gates<F: Filter<4, D>, const D: usize>(
+        &self,
+        filter: &F,
+        wanted: impl Fn(&Track) -> bool,
+    ) -> Gates<'a> {
+        let tracks = self.set.tracks.iter().filter(|track| wanted(track));
+        let steps = tracks.flat_map(|track| {
+            track
+                .points
+                .windows(2)
+                .map(move |pair| (track, &pair[0], &pair[1]))
+        });
+        let gates = steps
+            .filter(|(_, _, point)| self.was_gated(point))
+            .filter_map(|step| self.gate::<F, D>(filter, step));
+        Gates {
+            threshold: gate_threshold(self.probability, D as u32),
+            gates: gates.collect(),
+        }
+    }
+
+    /// The second of two detections that start a track was not looked for in a gate of the track.
+    fn was_gated(&self, point: &TrackPoint) -> bool {
+        point.nis.is_some()
+            || self
+                .set
+                .candidates_of(point)
+                .iter()
+                .all(|candidate| candidate.detection.is_none())
+    }
+
+    fn gate<F: Filter<4, D>, const D: usize>(
+        &self,
+        filter: &F,
+        (track, before, point): (&'a Track, &TrackPoint, &TrackPoint),
+    ) -> Option<Gate<'a>> {
+        let known = before.estimate.plane()?;
+        let mut state = GaussianState {
+            mean: known.state,
+            covariance: known.covariance?,
+        };
+        Transition::new(filter.motion(), point.time_s - before.time_s).predict(&mut state);
+        let sensor_id = self.set.sensor_ids[point.sensor? as usize].as_str();
+        let sensor = self
+            .sensors
+            .iter()
+            .find(|sensor| sensor.sensor_id == sensor_id)?;
+        let expected = filter.expect(&state, sensor)?;
+        let covariance = expected.covariance.fixed_view::<2, 2>(0, 0).into_owned();
+        let region = match &sensor.report {
+            Report::Polar(polar) if filter.angle(sensor).is_some() => Region::Polar {
+                sensor_m: polar.place_m,
+                range_m: expected.measurement[0],
+                bearing_rad: expected.measurement[1],
+                covariance,
+            },
+            _ => Region::Plane {
+                covariance_m2: covariance,
+            },
+        };
+        let place_m = Position::new(state.mean[0], state.mean[1]);
+        Some(Gate {
+            track_id: &track.track_id,
+            time_s: point.time_s,
+            sensor_id,
+            place_m,
+            region,
+        })
+    }
+}

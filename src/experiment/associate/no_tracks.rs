@@ -1,0 +1,110 @@
+//! Why a job with detections has no track: a warning that names the settings that decide it, and values that would do.
+
+use super::Tracked;
+use super::apparent_speed::apparent_speed;
+use super::speeds::{REACH, SIGMA_OF_FASTEST, two_digits};
+use crate::filtering::Chosen;
+use crate::model::scan::Recording;
+use crate::model::sensor::{Sensor, SensorSettings};
+use crate::tracking::{Confirmation, Initiation, Lifecycle};
+
+/// A warning where there are detections and no track was ever confirmed; none where tracks begin at the truth.
+pub fn warning(
+    tracked: &Tracked,
+    (recording, known, sensors): (&Recording, &[SensorSettings], &[Sensor]),
+    (lifecycle, filter): (&Lifecycle, &Chosen),
+) -> Option<String> {
+    let begins_at_truth = matches!(lifecycle.initiation, Initiation::Truth { .. });
+    if recording.detections.is_empty() || begins_at_truth || !tracked.tracks.tracks.is_empty() {
+        return None;
+    }
+    let started: u64 = tracked
+        .scans
+        .iter()
+        .map(|scan| u64::from(scan.started))
+        .sum();
+    let advice = if filter.is_of_bearings() {
+        "; a larger initial_rate_sigma_degps of the filter, a larger gate_probability or fewer confirm_hits confirm more".to_owned()
+    } else {
+        advice(recording, known, sensors, lifecycle)
+    };
+    Some(format!(
+        "no track was confirmed: {started} began with {} detections in {} scans (gate_probability {}{}, {}){advice}",
+        recording.detections.len(),
+        recording.scans.len(),
+        lifecycle.gate_probability,
+        speed_text(lifecycle, filter),
+        confirmation_text(lifecycle)
+    ))
+}
+
+fn speed_text(lifecycle: &Lifecycle, filter: &Chosen) -> String {
+    match (lifecycle.initiation, filter) {
+        (_, Chosen::BearingOnly(filter)) => format!(
+            ", initial_rate_sigma_degps {}",
+            filter.initial_rate_sigma_radps.to_degrees()
+        ),
+        (Initiation::TwoPoint { max_speed_mps, .. }, _) => {
+            format!(", max_speed_mps {max_speed_mps}")
+        }
+        _ => format!(
+            ", initial_speed_sigma_mps {}",
+            lifecycle.initial_speed_sigma_mps
+        ),
+    }
+}
+
+fn confirmation_text(lifecycle: &Lifecycle) -> String {
+    match lifecycle.confirmation {
+        Confirmation::MOfN => format!(
+            "confirmed by {} detections of {} scans",
+            lifecycle.confirm_hits, lifecycle.confirm_window
+        ),
+        Confirmation::Score(rule) => format!(
+            "confirmed by score, false_track_probability {}",
+            rule.false_track_probability
+        ),
+    }
+}
+
+/// Values that would do, by the first of the settings that is at odds with the data.
+fn advice(
+    recording: &Recording,
+    known: &[SensorSettings],
+    sensors: &[Sensor],
+    lifecycle: &Lifecycle,
+) -> String {
+    let scans = recording.scans.iter().filter(|scan| scan.count > 0).count();
+    if lifecycle.confirmation == Confirmation::MOfN && scans < lifecycle.confirm_hits as usize {
+        return format!(
+            "; only {scans} scans have detections: confirm_hits {} or less could confirm one",
+            scans.max(1)
+        );
+    }
+    let apparent = apparent_speed(recording, known, sensors);
+    let fastest_mps = apparent.and_then(|apparent| apparent.fastest_mps);
+    let is_within = |fastest_mps: f64| match lifecycle.initiation {
+        Initiation::TwoPoint { max_speed_mps, .. } => fastest_mps <= max_speed_mps,
+        _ => fastest_mps <= REACH * lifecycle.initial_speed_sigma_mps,
+    };
+    match fastest_mps {
+        Some(fastest_mps) if !is_within(fastest_mps) => {
+            let (name, value) = match lifecycle.initiation {
+                Initiation::TwoPoint { .. } => ("max_speed_mps", REACH * SIGMA_OF_FASTEST * fastest_mps),
+                _ => ("initial_speed_sigma_mps", SIGMA_OF_FASTEST * fastest_mps),
+            };
+            format!(
+                "; detections of three scans in a row follow each other at {} m/s: {name} {} or more lets them in",
+                two_digits(fastest_mps),
+                two_digits(value)
+            )
+        }
+        Some(_) => {
+            "; detections do follow each other at such speeds: fewer confirm_hits, a larger gate_probability or larger noises of the \
+                    sensors confirm more"
+                .to_owned()
+        }
+        None => "; hardly any three detections of successive scans lie on one course: are the noises of the sensors and the units right?"
+            .to_owned(),
+    }
+}

@@ -1,0 +1,95 @@
+//! Whether the noise that a tracker assumes fits its data, told from the normalised innovations squared (NIS) of its updates.
+//!
+//! # Symbols
+//! D numbers of a measurement; γ threshold of the gate; F(k) probability that a chi-square variable of k degrees of freedom is
+//! below γ; N updates.
+//!
+//! # Method
+//! 1. A gate cuts the chi-square variable off at γ: its mean is D F(D + 2) / F(D), its second moment D (D + 2) F(D + 4) / F(D).
+//! 2. The mean of N updates lies within 1.96 standard deviations of that with a probability of 95 %.
+//! 3. NIS goes with 1/σ²: the σ that would fit is the square root of mean / due mean times the assumed one. Where that is less than
+//!    a tenth away nothing is said, for with many updates every interval is narrow.
+
+use crate::math::gaussian::{chi_square_tail, gate_threshold};
+
+/// Fewer updates say nothing.
+const FEWEST_UPDATES: u64 = 10;
+
+/// A warning where the mean NIS says that the noise is assumed too large or too small.
+pub fn doubt(mean: f64, updates: u64, dimensions: u32, gate_probability: f64) -> Option<String> {
+    let (due, variance) = gated_chi_square(dimensions, gate_probability);
+    let half = 1.96 * (variance / updates as f64).sqrt();
+    let factor = (mean / due).sqrt();
+    if updates < FEWEST_UPDATES || (mean - due).abs() <= half || (factor - 1.0).abs() <= 0.1 {
+        return None;
+    }
+    let what = if mean < due {
+        "the noise is assumed too large"
+    } else {
+        "the noise, or how much targets turn, is assumed too small"
+    };
+    Some(format!(
+        "mean NIS {mean:.2} of {updates} updates, {due:.2} is due within the gate ({:.2} to {:.2} with 95 %): {what}; sigma × {factor:.2} \
+         would fit",
+        due - half,
+        due + half
+    ))
+}
+
+/// Step 1: mean and variance.
+fn gated_chi_square(dimensions: u32, gate_probability: f64) -> (f64, f64) {
+    let degrees = f64::from(dimensions);
+    let threshold = gate_threshold(gate_probability, dimensions);
+    if threshold.is_infinite() {
+        return (degrees, 2.0 * degrees);
+    }
+    let below = |degrees: f64| 1.0 - chi_square_tail(threshold, degrees);
+    let mean = degrees * below(degrees + 2.0) / below(degrees);
+    (
+        mean,
+        degrees * (degrees + 2.0) * below(degrees + 4.0) / below(degrees) - mean * mean,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gate_lowers_the_mean_as_worked_by_hand() {
+        // Two degrees of freedom, γ = −2 ln 0.01 = 9.21034: E = 2 − γ · 0.01 / 0.99.
+        let (mean, variance) = gated_chi_square(2, 0.99);
+        assert!(
+            (mean - (2.0 - 9.210_340_372 * 0.01 / 0.99)).abs() < 1e-9,
+            "{mean}"
+        );
+        // E[x²] = 8 − (γ² + 4γ) · 0.01 / 0.99.
+        let second = 8.0 - (9.210_340_372f64.powi(2) + 4.0 * 9.210_340_372) * 0.01 / 0.99;
+        assert!(
+            (variance - (second - mean * mean)).abs() < 1e-8,
+            "{variance}"
+        );
+        assert_eq!(gated_chi_square(3, 1.0), (3.0, 6.0));
+    }
+
+    #[test]
+    fn the_sigma_that_would_fit_is_named_outside_the_interval_alone() {
+        // √(0.31 / 2) = 0.39; 1.96 · √(4 / 400) = 0.196.
+        let told = "mean NIS 0.31 of 400 updates, 2.00 is due within the gate (1.80 to 2.20 with 95 %): the noise is assumed too large; \
+                    sigma × 0.39 would fit";
+        assert_eq!(doubt(0.31, 400, 2, 1.0).as_deref(), Some(told));
+        assert!(
+            doubt(5.0, 400, 2, 1.0)
+                .unwrap()
+                .contains("is assumed too small; sigma × 1.58 would fit")
+        );
+        assert_eq!(
+            [
+                doubt(2.15, 400, 2, 1.0),
+                doubt(1.9, 1_000_000, 2, 1.0),
+                doubt(0.3, 9, 2, 1.0)
+            ],
+            [None, None, None]
+        );
+    }
+}

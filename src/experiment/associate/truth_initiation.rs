@@ -1,0 +1,203 @@
+//! Tracks that begin at the truth: of every target that is there at the first scan, a state as one detection and a known rate
+//! would give it, with the errors that its covariance tells.
+//!
+//! # Symbols
+//! z what the sensor of the first scan would report of the true place, with its own noise; ṙ the true rate of each coordinate,
+//! σ the standard deviation that is given for it.
+//!
+//! # Method
+//! 1. The filter makes a state of z as of any detection.
+//! 2. Its rates are replaced by ṙ + σ N(0, 1), with variances σ² and no covariance with anything.
+//!
+//! Truth between two points is on the line between them, however far they are apart.
+
+use crate::experiment::run::RunError;
+use crate::filtering::{Chosen, Filter};
+use crate::math::rng::{Purpose, Seed};
+use crate::model::fault::Fault;
+use crate::model::scan::{Measurement, Recording};
+use crate::model::sensor::{Report, Sensor};
+use crate::model::state::{GaussianState, Position};
+use crate::model::truth::{Target, TruePlace, TruthSet};
+use crate::tracking::{Initiation, Lifecycle};
+use rand_distr::{Distribution, StandardNormal};
+
+/// Where a track begins.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Start {
+    pub truth_id: String,
+    /// Index of the target in the recording, if that knows it.
+    pub origin: Option<u32>,
+    /// z.
+    measurement: Measurement,
+    /// ṙ with its error, m/s or rad/s; of a bearing only the first.
+    rates: [f64; 2],
+    /// σ.
+    sigma: f64,
+}
+
+/// What is true of a target.
+struct Truth {
+    place: TruePlace,
+    rates: [f64; 2],
+}
+
+/// The starts of all targets that are there at the first scan; none where tracks begin otherwise.
+///
+/// # Errors
+/// No truth, or truth of another kind than the tracks of this filter.
+pub fn starts(
+    lifecycle: &Lifecycle,
+    recording: &Recording,
+    truth: Option<&TruthSet>,
+    sensors: &[Sensor],
+    (filter, filter_name): (&Chosen, &str),
+    seed: Seed,
+) -> Result<Vec<Start>, RunError> {
+    let Initiation::Truth {
+        speed_sigma_mps,
+        rate_sigma_degps,
+    } = lifecycle.initiation
+    else {
+        return Ok(Vec::new());
+    };
+    let Some(truth) = truth else {
+        return Err(refusal(
+            "missing",
+            "no truth was found for this job, and its tracks begin at it",
+            "truth",
+        ));
+    };
+    if let Some(fault) = unfit_truth(lifecycle, truth.is_of_bearings(), (filter, filter_name)) {
+        return Err(vec![fault].into());
+    }
+    let Some(scan) = recording.scans.first() else {
+        return Ok(Vec::new());
+    };
+    let sigma = if filter.is_of_bearings() {
+        rate_sigma_degps.to_radians()
+    } else {
+        speed_sigma_mps
+    };
+    let start = |(index, target): (usize, &Target)| {
+        let truth = true_at(target, scan.time_s)?;
+        let mut draw = seed.stream(Purpose::TrackStart, index as u64, 0);
+        let errors: [f64; 5] = std::array::from_fn(|_| StandardNormal.sample(&mut draw));
+        Some(Start {
+            truth_id: target.truth_id.clone(),
+            origin: recording
+                .targets
+                .iter()
+                .position(|name| *name == target.truth_id)
+                .map(|origin| origin as u32),
+            measurement: reported(&sensors[scan.sensor].report, &truth, errors)?,
+            rates: [0, 1].map(|axis| truth.rates[axis] + sigma * errors[3 + axis]),
+            sigma,
+        })
+    };
+    Ok(truth
+        .targets()
+        .iter()
+        .enumerate()
+        .filter_map(start)
+        .collect())
+}
+
+/// A fault where tracks begin at truth of another kind than theirs.
+pub fn unfit_truth(
+    lifecycle: &Lifecycle,
+    is_of_bearings: bool,
+    (filter, filter_name): (&Chosen, &str),
+) -> Option<Fault> {
+    if !matches!(lifecycle.initiation, Initiation::Truth { .. })
+        || is_of_bearings == filter.is_of_bearings()
+    {
+        return None;
+    }
+    let (found, wanted) = if is_of_bearings {
+        ("directions (bearing_deg)", "places (x_m, y_m)")
+    } else {
+        ("places", "directions (bearing_deg)")
+    };
+    let detail = format!(
+        "the truth are {found}, and tracks of the filter '{filter_name}' cannot begin at them"
+    );
+    Some(Fault::new("/truth", "unsupported", detail).allowing(wanted))
+}
+
+fn refusal(code: &str, detail: &str, allowed: &str) -> RunError {
+    RunError::Faults(vec![Fault::new("/truth", code, detail).allowing(allowed)])
+}
+
+fn true_at(target: &Target, time_s: f64) -> Option<Truth> {
+    if let Some(bearing_rad) = target.bearing_at(time_s, f64::INFINITY) {
+        let rate_radps = target.bearing_rate_at(time_s, f64::INFINITY).unwrap_or(0.0);
+        return Some(Truth {
+            place: TruePlace::Bearing { bearing_rad },
+            rates: [rate_radps, 0.0],
+        });
+    }
+    let position_m = target.position_at(time_s, f64::INFINITY)?;
+    let velocity_mps = target.velocity_at(time_s, f64::INFINITY);
+    let rates = velocity_mps.unwrap_or_else(Position::zeros).into();
+    Some(Truth {
+        place: TruePlace::Plane {
+            position_m,
+            velocity_mps,
+        },
+        rates,
+    })
+}
+
+/// What the sensor would report, with draws of the standard normal distribution as its errors. `None` where it reports
+/// something else than truth tells.
+fn reported(report: &Report, truth: &Truth, errors: [f64; 5]) -> Option<Measurement> {
+    match (*report, truth.place) {
+        (Report::Bearing { sigma_bearing_rad }, TruePlace::Bearing { bearing_rad }) => {
+            Some(Measurement::Bearing {
+                bearing_rad: bearing_rad + sigma_bearing_rad * errors[0],
+            })
+        }
+        (
+            Report::Position {
+                sigma_x_m,
+                sigma_y_m,
+            },
+            TruePlace::Plane { position_m, .. },
+        ) => Some(Measurement::Position {
+            x_m: position_m[0] + sigma_x_m * errors[0],
+            y_m: position_m[1] + sigma_y_m * errors[1],
+        }),
+        (Report::Polar(polar), TruePlace::Plane { position_m, .. }) => {
+            let offset_m = position_m - polar.place_m;
+            let towards = offset_m.try_normalize(0.0).unwrap_or_else(Position::zeros);
+            let range_rate =
+                |sigma_mps: f64| towards.dot(&Position::from(truth.rates)) + sigma_mps * errors[2];
+            Some(Measurement::RangeBearing {
+                range_m: (offset_m.norm() + polar.sigma_range_m * errors[0]).abs(),
+                bearing_rad: offset_m[0].atan2(offset_m[1]) + polar.sigma_bearing_rad * errors[1],
+                range_rate_mps: polar.range_rate.map(|rate| range_rate(rate.sigma_mps)),
+            })
+        }
+        _ => None,
+    }
+}
+
+impl Start {
+    /// The state with which the track begins; `None` where the filter cannot use the sensor's reports.
+    pub fn state<const N: usize, const D: usize>(
+        &self,
+        filter: &impl Filter<N, D>,
+        sensor: &Sensor,
+    ) -> Option<GaussianState<N>> {
+        let measured = filter.measured(sensor, &self.measurement)?;
+        let mut state = filter.initiate(&measured, sensor, self.sigma)?;
+        for (axis, rate) in (N / 2..N).enumerate() {
+            state.mean[rate] = self.rates[axis];
+            state.covariance.row_mut(rate).fill(0.0);
+            state.covariance.column_mut(rate).fill(0.0);
+            state.covariance[(rate, rate)] = self.sigma * self.sigma;
+        }
+        Some(state)
+    }
+}

@@ -1,0 +1,58 @@
+//! Progress of the metrics of a job: told after each one, and asked about while one works.
+
+use crate::experiment::observer::{Observer, Step};
+use crate::experiment::run::RunError;
+use crate::model::watch::Watch;
+use std::cell::RefCell;
+
+/// How many of the metrics are done.
+pub struct Told<'o> {
+    observer: &'o mut dyn Observer,
+    done: u64,
+    total: u64,
+}
+
+impl<'o> Told<'o> {
+    pub fn new(observer: &'o mut dyn Observer, total: u64) -> Self {
+        Told {
+            observer,
+            done: 0,
+            total,
+        }
+    }
+
+    /// Tells that one more is done.
+    ///
+    /// # Errors
+    /// [`RunError::Stopped`] when the observer says so.
+    pub fn one_more(&mut self) -> Result<(), RunError> {
+        self.done += 1;
+        if self
+            .observer
+            .progress(Step::Evaluate, self.done, self.total)
+            .is_break()
+        {
+            Err(RunError::Stopped)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Does work that asks on the way whether to go on.
+    ///
+    /// # Errors
+    /// [`RunError::Stopped`] when the observer said so; the work's answer then is none.
+    pub fn watching<T>(&mut self, work: impl FnOnce(&Watch) -> T) -> Result<T, RunError> {
+        // Nothing done yet would tell that evaluation has not begun.
+        let (done, total) = (self.done.max(1), self.total);
+        let observer = RefCell::new(&mut *self.observer);
+        let question = || observer.borrow_mut().progress(Step::Evaluate, done, total);
+        let watch = Watch::new(&question);
+        let answer = work(&watch);
+        if watch.is_stopped() {
+            Err(RunError::Stopped)
+        } else {
+            Ok(answer)
+        }
+    }
+}

@@ -1,0 +1,234 @@
+//! What a job of groups reports, and its files.
+
+use super::Grouped;
+use crate::correlation::grouping::fuzzy_c_means::History;
+use crate::evaluation::grouping::GroupingCounts;
+use crate::experiment::files::tables::{Table, number, optional};
+use crate::experiment::run::Artifact;
+use crate::model::scan::Recording;
+use serde::Serialize;
+
+/// Instants that the report lists; all of them are in `groups.csv`.
+const MAX_INSTANTS: usize = 1000;
+
+/// The part `grouping` of a report.
+#[derive(Debug, Serialize)]
+pub struct GroupingReport {
+    method: &'static str,
+    counts: Counts,
+    /// Share of the targets reported by two sensors or more whose reports were put together exactly, averaged over the instants
+    /// that have such targets; null where origins are not known or there are none.
+    accuracy: Option<f64>,
+    /// Of pairs of reports, over all instants.
+    precision: Option<f64>,
+    recall: Option<f64>,
+    /// Of a grouper that searches.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    search: Option<Search>,
+    instants: Vec<Line>,
+    instants_left_out: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct Counts {
+    sensors: usize,
+    instants: usize,
+    reports: usize,
+    groups: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    duplicates: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    exact: Option<u64>,
+}
+
+#[derive(Debug, Serialize)]
+struct Search {
+    mean_iterations: f64,
+    max_iterations: u32,
+    /// Mean over the instants of what is made small (J of fuzzy c-means); null for a grouper that does not say.
+    mean_cost: Option<f64>,
+    /// Instants whose search did not come to rest.
+    unconverged: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct Line {
+    time_s: f64,
+    reports: usize,
+    groups: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    duplicates: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    exact: Option<u64>,
+}
+
+pub fn report(grouped: &Grouped, recording: &Recording) -> GroupingReport {
+    let counts = grouped.counts.as_deref();
+    let line = |(index, (instant, grouping)): (
+        usize,
+        &(super::Instant, crate::correlation::grouping::Grouping),
+    )| {
+        let of_instant = counts.map(|counts| counts[index]);
+        let (time_s, reports, groups) = (instant.time_s, instant.reports.len(), grouping.count());
+        Line {
+            time_s,
+            reports,
+            groups,
+            duplicates: of_instant.map(|counts| counts.duplicates),
+            exact: of_instant.map(|counts| counts.exact),
+        }
+    };
+    let mut lines: Vec<Line> = grouped.instants.iter().enumerate().map(line).collect();
+    let mut total = GroupingCounts::default();
+    counts
+        .unwrap_or_default()
+        .iter()
+        .for_each(|counts| total.add(counts));
+    let accuracies: Vec<f64> = counts
+        .unwrap_or_default()
+        .iter()
+        .filter_map(GroupingCounts::accuracy)
+        .collect();
+    let of_counts = |value: u64| counts.map(|_| value);
+    GroupingReport {
+        method: grouped.method,
+        counts: Counts {
+            sensors: recording.sensors.len(),
+            instants: lines.len(),
+            reports: lines.iter().map(|line| line.reports).sum(),
+            groups: lines.iter().map(|line| line.groups).sum(),
+            duplicates: of_counts(total.duplicates),
+            exact: of_counts(total.exact),
+        },
+        accuracy: (!accuracies.is_empty())
+            .then(|| accuracies.iter().sum::<f64>() / accuracies.len() as f64),
+        precision: total.precision(),
+        recall: total.recall(),
+        search: search_of(grouped),
+        instants_left_out: lines.len().saturating_sub(MAX_INSTANTS),
+        instants: {
+            lines.truncate(MAX_INSTANTS);
+            lines
+        },
+    }
+}
+
+fn search_of(grouped: &Grouped) -> Option<Search> {
+    let iterations: Vec<u32> = grouped
+        .instants
+        .iter()
+        .filter_map(|(_, grouping)| grouping.iterations)
+        .collect();
+    let costs: Vec<f64> = grouped
+        .instants
+        .iter()
+        .filter_map(|(_, grouping)| grouping.cost)
+        .collect();
+    Some(Search {
+        mean_iterations: iterations
+            .iter()
+            .map(|&count| f64::from(count))
+            .sum::<f64>()
+            / iterations.len() as f64,
+        max_iterations: iterations.iter().copied().max()?,
+        mean_cost: (!costs.is_empty()).then(|| costs.iter().sum::<f64>() / costs.len() as f64),
+        unconverged: grouped
+            .instants
+            .iter()
+            .filter(|(_, grouping)| !grouping.converged)
+            .count(),
+    })
+}
+
+/// `groups.csv`, and `grouping_trace.csv` where a trace was asked for.
+pub fn artifacts(grouped: &Grouped, recording: &Recording) -> Vec<Artifact> {
+    let mut table = Table::new(
+        false,
+        &[
+            "time_s",
+            "group",
+            "sensor_id",
+            "detection_id",
+            "membership",
+            "truth_id",
+        ],
+    );
+    for (instant, grouping) in &grouped.instants {
+        for (index, (&detection, report)) in
+            instant.detections.iter().zip(&instant.reports).enumerate()
+        {
+            let truth_id = recording.detections[detection]
+                .origin
+                .map(|origin| recording.targets[origin as usize].clone());
+            table.row(&[
+                number(instant.time_s),
+                (grouping.group_of[index] + 1).to_string(),
+                recording.sensors[report.sensor as usize].sensor_id.clone(),
+                recording.detection_ids[detection].clone(),
+                optional(grouping.memberships[index]),
+                truth_id.unwrap_or_default(),
+            ]);
+        }
+    }
+    let mut files = vec![table.artifact("groups.csv")];
+    files.extend(
+        grouped
+            .history
+            .as_ref()
+            .map(|history| trace(grouped, recording, history)),
+    );
+    files
+}
+
+/// J, V and U of every iteration, one number a row.
+fn trace(grouped: &Grouped, recording: &Recording, history: &History) -> Artifact {
+    let mut table = Table::new(
+        false,
+        &[
+            "time_s",
+            "iteration",
+            "quantity",
+            "group",
+            "detection_id",
+            "value",
+        ],
+    );
+    for kept in &history.iterations {
+        let (instant, _) = &grouped.instants[kept.snapshot as usize];
+        let clusters = kept.centres.len() / 2;
+        let mut row = |quantity: &str, group: Option<usize>, detection_id: &str, value: f64| {
+            let group = group
+                .map(|group| (group + 1).to_string())
+                .unwrap_or_default();
+            let (time_s, iteration) = (number(instant.time_s), kept.iteration.to_string());
+            table.row(&[
+                time_s,
+                iteration,
+                quantity.to_owned(),
+                group,
+                detection_id.to_owned(),
+                number(value),
+            ]);
+        };
+        row("cost", None, "", kept.cost);
+        for (group, centre) in kept.centres.chunks_exact(2).enumerate() {
+            row("centre_x_m", Some(group), "", centre[0]);
+            row("centre_y_m", Some(group), "", centre[1]);
+        }
+        for (memberships, &detection) in kept
+            .memberships
+            .chunks_exact(clusters)
+            .zip(&instant.detections)
+        {
+            for (group, &membership) in memberships.iter().enumerate() {
+                row(
+                    "membership",
+                    Some(group),
+                    &recording.detection_ids[detection],
+                    membership,
+                );
+            }
+        }
+    }
+    table.artifact("grouping_trace.csv")
+}

@@ -1,0 +1,176 @@
+//! Where a sensor's detections lie: an area of the plane, or, where bearings alone are used, an arc. Densities of clutter
+//! are stated over it, per m² or per degree.
+
+use crate::model::scan::{Detection, Measurement, Recording};
+use crate::model::sensor::{Report, SensorSettings};
+use crate::model::state::Position;
+use std::f64::consts::{PI, TAU};
+
+/// Of one sensor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extent {
+    pub is_of_bearings: bool,
+    /// The rectangle (m²) or arc (degrees) that holds every detection; 0 when there are none.
+    pub seen: f64,
+    /// The field of view, or where that is not known what was seen.
+    pub watched: f64,
+}
+
+impl Extent {
+    pub fn of(
+        recording: &Recording,
+        sensor: usize,
+        settings: &SensorSettings,
+        report: &Report,
+    ) -> Self {
+        let is_of_bearings = matches!(report, Report::Bearing { .. });
+        let seen = if is_of_bearings {
+            arc_deg(recording, sensor)
+        } else {
+            area_m2(recording, sensor, settings)
+        };
+        let field_of_view = |range_m: f64| {
+            if is_of_bearings {
+                360.0
+            } else {
+                PI * range_m * range_m
+            }
+        };
+        Extent {
+            is_of_bearings,
+            seen,
+            watched: settings.max_range_m.map_or(seen, field_of_view),
+        }
+    }
+
+    pub fn unit(&self) -> &'static str {
+        if self.is_of_bearings { "degree" } else { "m²" }
+    }
+
+    /// The density over this extent that is known of the sensor.
+    pub fn density_of(&self, settings: &SensorSettings) -> Option<f64> {
+        if self.is_of_bearings {
+            settings.clutter_per_deg
+        } else {
+            settings.clutter_per_m2
+        }
+    }
+
+    /// A density over this extent, in the units that are used inside: per radian instead of per degree.
+    pub fn inside(&self, density: f64) -> f64 {
+        if self.is_of_bearings {
+            density * (180.0 / PI)
+        } else {
+            density
+        }
+    }
+}
+
+/// The detections of one sensor.
+pub fn detections_of(recording: &Recording, sensor: usize) -> impl Iterator<Item = &Detection> {
+    recording
+        .scans
+        .iter()
+        .filter(move |scan| scan.sensor == sensor)
+        .flat_map(|scan| recording.detections_of(scan))
+}
+
+pub fn place_of(settings: &SensorSettings) -> Position {
+    Position::new(settings.x_m.unwrap_or(0.0), settings.y_m.unwrap_or(0.0))
+}
+
+fn area_m2(recording: &Recording, sensor: usize, settings: &SensorSettings) -> f64 {
+    let place_m = place_of(settings);
+    let positions: Vec<Position> = detections_of(recording, sensor)
+        .filter_map(|detection| detection.measurement.position_seen_from(&place_m))
+        .collect();
+    let extent_m = |axis: usize| {
+        let values = || positions.iter().map(|position| position[axis]);
+        values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)
+    };
+    if positions.is_empty() {
+        0.0
+    } else {
+        extent_m(0) * extent_m(1)
+    }
+}
+
+/// The whole turn without the widest gap between neighbouring bearings.
+fn arc_deg(recording: &Recording, sensor: usize) -> f64 {
+    let bearing = |detection: &Detection| match detection.measurement {
+        Measurement::Bearing { bearing_rad } | Measurement::RangeBearing { bearing_rad, .. } => {
+            Some(bearing_rad.rem_euclid(TAU))
+        }
+        Measurement::Position { .. } => None,
+    };
+    let mut bearings: Vec<f64> = detections_of(recording, sensor)
+        .filter_map(bearing)
+        .collect();
+    bearings.sort_by(f64::total_cmp);
+    let (Some(first), Some(last)) = (bearings.first(), bearings.last()) else {
+        return 0.0;
+    };
+    let across_north = first + TAU - last;
+    let widest = bearings
+        .windows(2)
+        .map(|pair| pair[1] - pair[0])
+        .fold(across_north, f64::max);
+    (TAU - widest).to_degrees()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::scan::{RecordingParts, Scan};
+
+    fn arc_of(bearings_deg: &[f64]) -> f64 {
+        let detection = |&degrees: &f64| Detection {
+            measurement: Measurement::Bearing {
+                bearing_rad: degrees.to_radians(),
+            },
+            origin: None,
+            amplitude: None,
+        };
+        let recording = Recording::new(RecordingParts {
+            sensors: vec![SensorSettings::named("sonar")],
+            scans: vec![Scan {
+                number: 1,
+                time_s: 0.0,
+                sensor: 0,
+                first: 0,
+                count: bearings_deg.len(),
+            }],
+            detections: bearings_deg.iter().map(detection).collect(),
+            detection_ids: (0..bearings_deg.len())
+                .map(|index| index.to_string())
+                .collect(),
+            ..Default::default()
+        });
+        Extent::of(
+            &recording.unwrap(),
+            0,
+            &SensorSettings::named("sonar"),
+            &Report::Bearing {
+                sigma_bearing_rad: 0.01,
+            },
+        )
+        .seen
+    }
+
+    #[test]
+    fn an_arc_may_hold_north() {
+        for (bearings_deg, expected) in [
+            (&[10.0, 350.0, 0.0][..], 20.0),
+            (&[-10.0, 370.0], 20.0),
+            (&[90.0, 270.0, 180.0], 180.0),
+            (&[5.0], 0.0),
+            (&[], 0.0),
+        ] {
+            assert!(
+                (arc_of(bearings_deg) - expected).abs() < 1e-9,
+                "{bearings_deg:?}: {}",
+                arc_of(bearings_deg)
+            );
+        }
+    }
+}

@@ -1,0 +1,398 @@
+//! Scenarios, described field by field.
+
+use super::fields::{
+    BEARING, MAX_SCANS, MAX_TARGETS, NAME, PLACE, PROBABILITY, RANGE, SIGMA, SIGMA_BEARING,
+    SIGMA_RATE, SPEED, VELOCITY,
+};
+use crate::registry::{Bound, Kind, Object, Union, Variant, default, optional, required};
+
+static SCENARIO_SENSOR: Object = Object {
+    name: "ScenarioSensor",
+    summary: "A sensor that reports positions (give sigma_x_m, sigma_y_m), ranges and bearings (give sigma_range_m, sigma_bearing_deg, and sigma_range_rate_mps for range rates) or bearings alone (give sigma_bearing_deg) with independent Gaussian noise, and uniform clutter in its field of view, its density told by clutter_per_scan or clutter_per_deg; without either there is none.",
+    fields: &[
+        default("sensor_id", "Name of the sensor.", NAME, "\"radar\""),
+        default("x_m", "Position, east.", PLACE, "0.0"),
+        default("y_m", "Position, north.", PLACE, "0.0"),
+        optional(
+            "max_range_m",
+            "Radius of the field of view; required unless the targets are of the kind bearings, which are always in view.",
+            RANGE,
+        ),
+        default(
+            "p_d",
+            "Probability that a target in view is detected in a scan.",
+            PROBABILITY,
+            "0.9",
+        ),
+        optional(
+            "sigma_x_m",
+            "Standard deviation of x, of a sensor that reports positions; with sigma_y_m.",
+            SIGMA,
+        ),
+        optional(
+            "sigma_y_m",
+            "Standard deviation of y; with sigma_x_m.",
+            SIGMA,
+        ),
+        optional(
+            "sigma_range_m",
+            "Standard deviation of ranges, of a sensor that reports them with bearings; with sigma_bearing_deg.",
+            SIGMA,
+        ),
+        optional(
+            "sigma_bearing_deg",
+            "Standard deviation of bearings; with sigma_range_m, or alone for a sensor that reports bearings only.",
+            SIGMA_BEARING,
+        ),
+        optional(
+            "sigma_range_rate_mps",
+            "Standard deviation of range rates, of a sensor that reports them with ranges and bearings.",
+            SIGMA_RATE,
+        ),
+        optional(
+            "clutter_per_scan",
+            "Mean of the Poisson number of false detections in a scan.",
+            Kind::Number {
+                min: Bound::Including(0.0),
+                max: Bound::Including(1e6),
+                unit: "",
+            },
+        ),
+        optional(
+            "clutter_per_deg",
+            "False detections per degree and scan, of a sensor of bearings alone; instead of clutter_per_scan.",
+            Kind::Number {
+                min: Bound::Including(0.0),
+                max: Bound::Including(1000.0),
+                unit: "1/deg",
+            },
+        ),
+        optional(
+            "clutter_within_deg",
+            "With clutter_per_deg: false detections lie at most this far from the true bearing of a target in view, each degree counted once; on the whole circle when absent.",
+            SIGMA_BEARING,
+        ),
+    ],
+};
+
+static RANDOM_TARGETS: Object = Object {
+    name: "RandomTargets",
+    summary: "Targets with uniform start in a square around (0, 0), uniform heading and uniform speed, all constant.",
+    fields: &[
+        required(
+            "count",
+            "Number of targets.",
+            Kind::Integer {
+                min: 1,
+                max: MAX_TARGETS,
+                unit: "",
+            },
+        ),
+        required("area_side_m", "Side of the square.", RANGE),
+        required("speed_min_mps", "Lowest speed.", SPEED),
+        required("speed_max_mps", "Highest speed.", SPEED),
+    ],
+};
+
+static LISTED_TARGET: Object = Object {
+    name: "ListedTarget",
+    summary: "A target with constant velocity from time 0.",
+    fields: &[
+        required("truth_id", "Name of the target.", NAME),
+        required("x_m", "Start, east.", PLACE),
+        required("y_m", "Start, north.", PLACE),
+        default("vx_mps", "Velocity, east.", VELOCITY, "0.0"),
+        default("vy_mps", "Velocity, north.", VELOCITY, "0.0"),
+    ],
+};
+
+static LISTED_TARGETS: Object = Object {
+    name: "ListedTargets",
+    summary: "Targets written out one by one.",
+    fields: &[required(
+        "targets",
+        "The targets.",
+        Kind::List {
+            item: &Kind::Object(&LISTED_TARGET),
+            min: 1,
+            max: MAX_TARGETS as usize,
+        },
+    )],
+};
+
+static CROSSING_PAIR: Object = Object {
+    name: "CrossingPair",
+    summary: "Two targets at centre ∓ half_width · sgn(u) · |u|^power with u = 1 − t / crossing_time: one starts below the centre, the other above.",
+    fields: &[
+        required("centre_deg", "Bearing at which they cross.", BEARING),
+        required(
+            "half_width_deg",
+            "Difference of each from the centre at time 0.",
+            SIGMA_BEARING,
+        ),
+        required(
+            "crossing_time_s",
+            "Time at which they cross.",
+            Kind::Number {
+                min: Bound::Including(1e-3),
+                max: Bound::Including(1e9),
+                unit: "s",
+            },
+        ),
+        default(
+            "power",
+            "1 for constant rates; above it, the nearer the crossing the slower.",
+            Kind::Number {
+                min: Bound::Including(0.5),
+                max: Bound::Including(10.0),
+                unit: "",
+            },
+            "1.0",
+        ),
+    ],
+};
+
+static BEARING_LINE: Object = Object {
+    name: "BearingLine",
+    summary: "A target whose bearing changes at a constant rate from time 0.",
+    fields: &[
+        required(
+            "truth_id",
+            "Name of the target; the targets of crossings are called 1, 2, … in order.",
+            NAME,
+        ),
+        required("bearing_deg", "Bearing at time 0.", BEARING),
+        default(
+            "rate_degps",
+            "Its rate.",
+            Kind::Number {
+                min: Bound::Including(-360.0),
+                max: Bound::Including(360.0),
+                unit: "deg/s",
+            },
+            "0.0",
+        ),
+    ],
+};
+
+static BEARING_TARGETS: Object = Object {
+    name: "BearingTargets",
+    summary: "Targets of which only the direction is told, for sensors that report bearings alone.",
+    fields: &[
+        default(
+            "crossings",
+            "Pairs that cross.",
+            Kind::List {
+                item: &Kind::Object(&CROSSING_PAIR),
+                min: 0,
+                max: 10_000,
+            },
+            "[]",
+        ),
+        default(
+            "lines",
+            "Others, one by one.",
+            Kind::List {
+                item: &Kind::Object(&BEARING_LINE),
+                min: 0,
+                max: 10_000,
+            },
+            "[]",
+        ),
+    ],
+};
+
+static CONSTANT_VELOCITY: Object = Object {
+    name: "ConstantVelocityMotion",
+    summary: "Every target keeps the course of the formation.",
+    fields: &[],
+};
+
+static WEAVING: Object = Object {
+    name: "WeavingMotion",
+    summary: "The heading swings around the course as a sine of time; each target has a random phase of its own, and its speed is constant.",
+    fields: &[
+        default(
+            "heading_amplitude_deg",
+            "Largest angle between heading and course.",
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Including(180.0),
+                unit: "deg",
+            },
+            "30.0",
+        ),
+        default(
+            "period_s",
+            "Time from one swing to the next.",
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Including(1e6),
+                unit: "s",
+            },
+            "60.0",
+        ),
+    ],
+};
+
+static FORMATION_MOTION: Union = Union {
+    name: "FormationMotion",
+    summary: "How the targets of a formation move.",
+    tag: "kind",
+    variants: || {
+        vec![
+            Variant {
+                tag: "constant_velocity",
+                object: &CONSTANT_VELOCITY,
+            },
+            Variant {
+                tag: "weaving",
+                object: &WEAVING,
+            },
+        ]
+    },
+};
+
+static FORMATION_TARGETS: Object = Object {
+    name: "FormationTargets",
+    summary: "Targets in rows and columns around (0, 0) that fly at one speed on one random course.",
+    fields: &[
+        required(
+            "rows",
+            "Rows of the grid.",
+            Kind::Integer {
+                min: 1,
+                max: 300,
+                unit: "",
+            },
+        ),
+        required(
+            "columns",
+            "Columns of the grid.",
+            Kind::Integer {
+                min: 1,
+                max: 300,
+                unit: "",
+            },
+        ),
+        required(
+            "spacing_m",
+            "Distance between neighbours in the grid.",
+            RANGE,
+        ),
+        default(
+            "displacement",
+            "Each target starts up to this share of the spacing away from its place in the grid, uniform on each axis.",
+            Kind::Number {
+                min: Bound::Including(0.0),
+                max: Bound::Including(1.0),
+                unit: "",
+            },
+            "0.1",
+        ),
+        required("speed_mps", "Speed of every target.", SPEED),
+        default(
+            "motion",
+            "How the targets move.",
+            Kind::Union(&FORMATION_MOTION),
+            r#"{"kind":"constant_velocity"}"#,
+        ),
+    ],
+};
+
+static TARGET_PLAN: Union = Union {
+    name: "TargetPlan",
+    summary: "How the targets of a scenario are chosen.",
+    tag: "kind",
+    variants: || {
+        vec![
+            Variant {
+                tag: "random",
+                object: &RANDOM_TARGETS,
+            },
+            Variant {
+                tag: "listed",
+                object: &LISTED_TARGETS,
+            },
+            Variant {
+                tag: "formation",
+                object: &FORMATION_TARGETS,
+            },
+            Variant {
+                tag: "bearings",
+                object: &BEARING_TARGETS,
+            },
+        ]
+    },
+};
+
+static DUPLICATES: Object = Object {
+    name: "DuplicatesCoverage",
+    summary: "Some targets, drawn at random, are seen by all sensors; each of the others by one, drawn at random.",
+    fields: &[required(
+        "count",
+        "Number of targets that all sensors see.",
+        Kind::Integer {
+            min: 0,
+            max: MAX_TARGETS,
+            unit: "",
+        },
+    )],
+};
+
+static COVERAGE: Union = Union {
+    name: "Coverage",
+    summary: "Which sensors see which targets, besides what their fields of view allow.",
+    tag: "kind",
+    variants: || {
+        vec![Variant {
+            tag: "duplicates",
+            object: &DUPLICATES,
+        }]
+    },
+};
+
+pub static SCENARIO: Object = Object {
+    name: "Scenario",
+    summary: "A scene to simulate: every sensor makes one scan each period, the first at time 0.",
+    fields: &[
+        required(
+            "scans",
+            "Scans of each sensor.",
+            Kind::Integer {
+                min: 1,
+                max: MAX_SCANS,
+                unit: "scans",
+            },
+        ),
+        required(
+            "scan_period_s",
+            "Time from scan to scan.",
+            Kind::Number {
+                min: Bound::Excluding(0.0),
+                max: Bound::Including(1e6),
+                unit: "s",
+            },
+        ),
+        required(
+            "sensors",
+            "The sensors.",
+            Kind::List {
+                item: &Kind::Object(&SCENARIO_SENSOR),
+                min: 1,
+                max: 64,
+            },
+        ),
+        required("targets", "The targets.", Kind::Union(&TARGET_PLAN)),
+        optional(
+            "coverage",
+            "Which sensors see which targets; every sensor sees all in its field of view when absent.",
+            Kind::Union(&COVERAGE),
+        ),
+        optional(
+            "record",
+            "A bearing-time record of the sensor instead of its detections, as long as its scans; targets must be of the kind bearings. A detector finds the detections; what the sensor says of p_d, noise and clutter is what a tracker is told.",
+            Kind::Object(&crate::simulation::RECORD),
+        ),
+    ],
+};
