@@ -9,9 +9,7 @@ use serde_json::json;
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 use trackloom_domain::experiment::observer::{Observer, Step};
-use trackloom_domain::experiment::plan::plan;
-use trackloom_domain::experiment::presets;
-use trackloom_domain::experiment::run::run;
+use trackloom_domain::experiment::{plan, presets, run};
 use yardstick::yardstick_ns;
 
 /// Presets, and runs of each cell.

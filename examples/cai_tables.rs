@@ -10,9 +10,8 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::time::Instant;
 use trackloom_domain::experiment::observer::{Observer, Step};
-use trackloom_domain::experiment::plan::{JobKind, plan};
-use trackloom_domain::experiment::presets::{self, cai_fuzzy};
-use trackloom_domain::experiment::run::run;
+use trackloom_domain::experiment::presets::cai_fuzzy;
+use trackloom_domain::experiment::{JobKind, plan, presets, run};
 
 const SCENES: [&str; 4] = [
     "cai-fuzzy-cv-10",

@@ -2,7 +2,8 @@
 //! published, and 100 targets that start within 20 km, under fuzzy c-means and the associators beside it; twenty seeds each.
 
 use serde_json::{Value, json};
-use trackloom_domain::experiment::{observer::Silent, plan, presets, run};
+use trackloom_domain::experiment::observer::Silent;
+use trackloom_domain::experiment::{self, presets};
 
 /// Scene, targets, and the side of the square in which they start.
 const SCENES: [(&str, u32, f64); 2] = [
@@ -50,11 +51,11 @@ fn main() {
     }
 }
 
-fn judged(targets: u32, side_m: f64, seed: u32, associator: &Value) -> run::Outcome {
+fn judged(targets: u32, side_m: f64, seed: u32, associator: &Value) -> experiment::Outcome {
     let mut preset = presets::find(&format!("liang2009-{targets}")).expect("a preset");
     preset.body["associator"] = associator.clone();
     preset.body["seed"] = json!(seed);
     preset.body["input"]["scenario"]["targets"]["area_side_m"] = json!(side_m);
-    let plan = plan::plan(preset.kind, &preset.body).expect("presets are valid");
-    run::run(&plan, vec![], &mut Silent).expect("the job runs")
+    let plan = experiment::plan(preset.kind, &preset.body).expect("presets are valid");
+    experiment::run(&plan, vec![], &mut Silent).expect("the job runs")
 }

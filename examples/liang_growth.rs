@@ -9,9 +9,7 @@ use serde_json::json;
 use std::ops::ControlFlow;
 use std::time::Instant;
 use trackloom_domain::experiment::observer::{Observer, Step};
-use trackloom_domain::experiment::plan::{JobKind, Plan, plan};
-use trackloom_domain::experiment::presets;
-use trackloom_domain::experiment::run::run;
+use trackloom_domain::experiment::{JobKind, Plan, plan, presets, run};
 use trackloom_domain::math::stats::{quantile, slope};
 
 const ASSOCIATORS: [(&str, &str); 3] = [

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::Path;
-use trackloom::experiment::plan::{JobKind, plan};
+use trackloom::experiment::{JobKind, plan};
 use trackloom::service::openapi;
 
 /// Clients have these names in their code: one may be added, none may change.

@@ -10,8 +10,8 @@ use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
 use trackloom_domain::association::ASSOCIATORS;
-use trackloom_domain::experiment::plan::{JobKind, Plan, plan};
-use trackloom_domain::experiment::{observer::Silent, presets, run};
+use trackloom_domain::experiment::observer::Silent;
+use trackloom_domain::experiment::{self, JobKind, Plan, plan, presets};
 use trackloom_domain::filtering::kalman::Kalman;
 use trackloom_domain::formats::{self, ReadOptions};
 use trackloom_domain::math::rng::Seed;
@@ -53,7 +53,7 @@ fn compare(targets: &str, seed: u32, folder: &Path) -> Result<(), Failure> {
     let mut seconds = Map::new();
     for method in METHODS {
         let plan = plan_of(targets, seed, method)?;
-        let outcome = run::run(&plan, Vec::new(), &mut Silent)?;
+        let outcome = experiment::run(&plan, Vec::new(), &mut Silent)?;
         let bytes_of = |name: &str| {
             outcome
                 .artifacts

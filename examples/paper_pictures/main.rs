@@ -19,9 +19,7 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
 use trackloom_domain::experiment::observer::{Observer, Step};
-use trackloom_domain::experiment::plan::plan;
-use trackloom_domain::experiment::presets;
-use trackloom_domain::experiment::run::run;
+use trackloom_domain::experiment::{plan, presets, run};
 
 /// `cells.csv` of a campaign: mean and interval by cell and outcome.
 struct Cells(HashMap<(String, String), [f64; 3]>);
@@ -395,7 +393,7 @@ fn wang(out: &Path) -> Result<(), Box<dyn Error>> {
     if let Some(variants) = body["grid"][1]["variants"].as_array_mut() {
         variants.retain(|variant| names.iter().any(|name| variant["name"] == *name));
     }
-    let plan = plan(trackloom_domain::experiment::plan::JobKind::Campaign, &body)
+    let plan = plan(trackloom_domain::experiment::JobKind::Campaign, &body)
         .map_err(|faults| format!("{faults:?}"))?;
     let outcome = run(&plan, Vec::new(), &mut Patient)?;
     let table = outcome

@@ -9,10 +9,11 @@ use super::events::{Event, EventKind, EventLog};
 use crate::model::scan::Recording;
 use crate::model::state::Position;
 use crate::model::track::TrackSet;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-/// What became of the track.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+/// What became of the track that had followed a target.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum BreakCause {
     /// It was given up.
@@ -23,10 +24,13 @@ pub enum BreakCause {
     LeftGate,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// A target that was followed, and at this time is not.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = TrackBreak))]
 pub struct Break {
     /// Where several sequences are judged: the one that it happened in.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
     pub sequence: Option<String>,
     pub time_s: f64,
     pub truth_id: String,
@@ -34,9 +38,9 @@ pub struct Break {
     pub cause: BreakCause,
     /// The target that the track followed from then on.
     pub other_truth_id: Option<String>,
-    /// How many scans up to this one, in a row, had no detection within the gate of the target; null without detections, and of
-    /// directions.
-    pub unseen_scans: Option<usize>,
+    // Null of directions, too.
+    /// Scans up to this one, in a row, without a detection within the gate of the target; null without detections.
+    pub unseen_scans: Option<u64>,
     /// When the track was last given a detection; null where tracks do not say.
     pub last_detection_time_s: Option<f64>,
 }
@@ -70,8 +74,9 @@ pub fn explain<'a>(
             track_id: comparison.track_ids[track as usize].clone(),
             cause,
             other_truth_id: other.map(|truth| comparison.truth_ids[truth as usize].clone()),
-            unseen_scans: recording
-                .map(|recording| unseen_scans(comparison, recording, event.step as usize, truth)),
+            unseen_scans: recording.map(|recording| {
+                unseen_scans(comparison, recording, event.step as usize, truth) as u64
+            }),
             last_detection_time_s: input
                 .and_then(|input| last_detection_s(input.tracks, track, step.time_s)),
         })

@@ -19,10 +19,12 @@ use crate::model::state::Position;
 use crate::model::track::{Estimate, TrackSet};
 use crate::model::truth::{Target, TruthSet};
 use crate::model::watch::Watch;
+use serde::Deserialize;
 use std::ops::Range;
 
 /// How truth is brought to the times of the steps.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(tag = "method", rename_all = "snake_case")]
 pub enum Alignment {
     /// On the line between two points at most `max_gap_s` apart.
     Interpolate { max_gap_s: f64 },
@@ -303,6 +305,11 @@ fn truths_at(
 }
 
 impl Alignment {
+    pub fn max_gap_s(self) -> f64 {
+        let (Alignment::Interpolate { max_gap_s } | Alignment::Nearest { max_gap_s }) = self;
+        max_gap_s
+    }
+
     /// The steps at which a target may exist.
     pub fn steps_of(self, target: &Target, steps: &Steps) -> Range<usize> {
         let (Some(first), Some(last)) = (target.points.first(), target.points.last()) else {

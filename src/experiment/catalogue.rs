@@ -1,10 +1,9 @@
 //! What can be asked for: the families of methods and the bodies of requests, for the API, the forms and the document.
 
+use super::request::fields;
 use crate::association::ASSOCIATOR;
 use crate::correlation::CORRELATOR;
 use crate::correlation::grouping::GROUPER;
-use crate::experiment::plan::JobKind;
-use crate::experiment::request::fields as requests;
 use crate::filtering::FILTER;
 use crate::registry::{Object, Union, Variant, standalone_schema};
 use serde_json::{Value, json};
@@ -52,26 +51,15 @@ pub fn describe(family: &Family) -> Value {
     json!({"family": family.name, "summary": family.summary(), "methods": family.methods().iter().map(method).collect::<Vec<_>>()})
 }
 
-/// The body of a request of this kind.
-pub fn request_object(kind: JobKind) -> &'static Object {
-    match kind {
-        JobKind::Simulate => &requests::SIMULATE,
-        JobKind::Associate => &requests::ASSOCIATE,
-        JobKind::Evaluate => &requests::EVALUATE,
-        JobKind::Group => &requests::GROUP,
-        JobKind::Correlate => &super::correlate::CORRELATE,
-        JobKind::Campaign => &super::campaign::CAMPAIGN,
-    }
-}
-
 /// The settings of a sensor, as uploads and requests give them.
 pub const fn sensor_settings() -> &'static Object {
-    &requests::SENSOR_SETTINGS
+    &fields::SENSOR_SETTINGS
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::experiment::{JobKind, request_object};
     use crate::registry::{Field, Kind, Presence, check_field};
 
     /// Visits every field of an object, at every depth.

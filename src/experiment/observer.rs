@@ -1,15 +1,18 @@
-//! How a running experiment tells the world where it is, and is asked to stop.
+//! Progress and cancellation of a running experiment.
 
+use crate::model::watch::Halt;
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use std::time::Duration;
 
-/// The steps of a job, in the order in which they may occur.
+// In the order in which they may occur.
+/// The step that a running job is in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = ProgressStep))]
 #[serde(rename_all = "snake_case")]
 pub enum Step {
     Load,
-    /// The runs of a campaign, each with steps of its own.
+    /// The runs of a campaign.
     Run,
     Simulate,
     Detect,
@@ -42,6 +45,23 @@ pub trait Observer {
     /// A clock, for what is to be timed by itself; its zero is any time. An observer without one times nothing.
     fn now(&self) -> Option<Duration> {
         None
+    }
+}
+
+/// Tells the observer of progress.
+///
+/// # Errors
+/// [`Halt::Stopped`] when it asks to stop.
+pub fn report_progress(
+    observer: &mut dyn Observer,
+    step: Step,
+    done: u64,
+    total: u64,
+) -> Result<(), Halt> {
+    if observer.progress(step, done, total).is_break() {
+        Err(Halt::Stopped)
+    } else {
+        Ok(())
     }
 }
 

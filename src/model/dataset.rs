@@ -9,7 +9,9 @@ use super::track::TrackSet;
 use super::truth::TruthSet;
 use serde::{Deserialize, Serialize};
 
+/// What a dataset holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum DatasetKind {
     Detections,

@@ -3,35 +3,49 @@
 use super::state::Position;
 use serde::{Deserialize, Serialize};
 
-/// What is known of one sensor; absent values come from the request, from the data, or are a fault.
+/// What is known of a sensor; what is absent comes from the data or from the request that uses it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+#[serde(deny_unknown_fields)]
 pub struct SensorSettings {
     pub sensor_id: String,
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
     pub x_m: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
     pub y_m: Option<f64>,
     /// Radius of the field of view around the sensor's position.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
     pub max_range_m: Option<f64>,
     /// Probability that a target inside the field of view is detected in a scan.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
     pub p_d: Option<f64>,
-    /// Expected false detections per square metre and scan, also of a sensor that reports ranges and bearings.
+    // Also of a sensor that reports ranges and bearings.
+    /// Expected false detections per square metre and scan.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
     pub clutter_per_m2: Option<f64>,
     /// Expected false detections per degree and scan, of a sensor whose bearings alone are used.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
     pub clutter_per_deg: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
     pub sigma_x_m: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
     pub sigma_y_m: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
     pub sigma_range_m: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
     pub sigma_bearing_deg: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
     pub sigma_range_rate_mps: Option<f64>,
 }
 

@@ -112,6 +112,29 @@ pub const fn default(
     }
 }
 
+/// A number from `min` to `max`.
+pub const fn number(min: f64, max: f64, unit: &'static str) -> Kind {
+    Kind::Number {
+        min: Bound::Including(min),
+        max: Bound::Including(max),
+        unit,
+    }
+}
+
+/// A number above `min`, up to `max`.
+pub const fn above(min: f64, max: f64, unit: &'static str) -> Kind {
+    Kind::Number {
+        min: Bound::Excluding(min),
+        max: Bound::Including(max),
+        unit,
+    }
+}
+
+/// A whole number from `min` to `max`.
+pub const fn whole(min: i64, max: i64, unit: &'static str) -> Kind {
+    Kind::Integer { min, max, unit }
+}
+
 /// One of several objects, told apart by the text in the field `tag`.
 pub struct Union {
     pub name: &'static str,
@@ -126,6 +149,10 @@ pub struct Variant {
     pub tag: &'static str,
     /// The variant's other fields; the tag itself is not among them.
     pub object: &'static Object,
+}
+
+pub const fn variant(tag: &'static str, object: &'static Object) -> Variant {
+    Variant { tag, object }
 }
 
 /// One entry of a family of methods: its name, its parameters, and how it is built from checked parameters.

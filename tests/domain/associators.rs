@@ -5,7 +5,8 @@ use proptest::prelude::*;
 use serde_json::json;
 use trackloom_domain::association::problem::{Edge, ScanProblem, Weights};
 use trackloom_domain::association::{ASSOCIATORS, Associator, Needs};
-use trackloom_domain::experiment::{observer::Silent, plan, run};
+use trackloom_domain::experiment;
+use trackloom_domain::experiment::observer::Silent;
 use trackloom_domain::formats;
 use trackloom_domain::math::rng::Seed;
 use trackloom_domain::registry;
@@ -236,14 +237,14 @@ proptest! {
 }
 
 /// The job that tracks a CSV recording by strongest neighbour, run to its end.
-fn strongest(csv: &str) -> Result<run::Outcome, run::RunError> {
+fn strongest(csv: &str) -> Result<experiment::Outcome, experiment::RunError> {
     let body = json!({
         "input": {"source": "dataset", "dataset_id": "0198c0de-0000-7000-8000-000000000000"},
         "associator": {"method": "strongest_neighbour"},
         "tracker": {"confirm_hits": 1, "confirm_window": 1},
         "sensors": [{"sensor_id": "radar", "p_d": 0.9, "clutter_per_m2": 1e-6, "sigma_x_m": 1.0, "sigma_y_m": 1.0}]
     });
-    let plan = plan::plan(plan::JobKind::Associate, &body).unwrap();
+    let plan = experiment::plan(experiment::JobKind::Associate, &body).unwrap();
     let format = formats::FORMATS
         .iter()
         .find(|format| format.name == "csv")
@@ -251,9 +252,9 @@ fn strongest(csv: &str) -> Result<run::Outcome, run::RunError> {
     let dataset = (format.read)(&mut csv.as_bytes(), &Default::default())
         .unwrap()
         .dataset;
-    run::run(
+    experiment::run(
         &plan,
-        vec![Some(run::Input {
+        vec![Some(experiment::Input {
             dataset,
             sensors: vec![],
             sha256: String::new(),
@@ -292,7 +293,7 @@ fn the_strongest_is_read_from_the_recording_and_a_gap_is_a_fault() {
         .collect();
     assert_eq!(of_first, ["a", "strong"]);
 
-    let Err(run::RunError::Faults(faults)) = strongest(&csv.replace(",9", ",")) else {
+    let Err(experiment::RunError::Faults(faults)) = strongest(&csv.replace(",9", ",")) else {
         panic!("a gap was accepted")
     };
     assert_eq!(

@@ -1,8 +1,8 @@
 //! Settings and data with which nothing can be associated: each is refused with its place and what would be allowed.
 
 use serde_json::{Value, json};
-use trackloom_domain::experiment::plan::{JobKind, plan};
-use trackloom_domain::experiment::{observer::Silent, run};
+use trackloom_domain::experiment::observer::Silent;
+use trackloom_domain::experiment::{self, JobKind, plan};
 use trackloom_domain::formats;
 use trackloom_domain::model::fault::Fault;
 
@@ -382,14 +382,14 @@ fn found_in(body: &Value, csv: Option<&str>) -> Vec<Fault> {
             .dataset
     };
     let inputs = csv.map(|csv| {
-        Some(run::Input {
+        Some(experiment::Input {
             dataset: read(csv),
             sensors: vec![],
             sha256: String::new(),
         })
     });
-    match run::run(&plan, inputs.into_iter().collect(), &mut Silent) {
-        Err(run::RunError::Faults(faults)) => faults,
+    match experiment::run(&plan, inputs.into_iter().collect(), &mut Silent) {
+        Err(experiment::RunError::Faults(faults)) => faults,
         other => panic!("{other:?}"),
     }
 }

@@ -1,9 +1,8 @@
 //! Bearing-time records from simulation or file to tracks.
 
 use serde_json::{Value, json};
-use trackloom_domain::experiment::plan::{JobKind, plan};
-use trackloom_domain::experiment::run::{Input, Outcome, RunError, run};
-use trackloom_domain::experiment::{observer::Silent, presets};
+use trackloom_domain::experiment::observer::Silent;
+use trackloom_domain::experiment::{Input, JobKind, Outcome, RunError, plan, presets, run};
 use trackloom_domain::formats::{ReadOptions, format_named};
 use trackloom_domain::model::fault::Fault;
 

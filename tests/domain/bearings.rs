@@ -6,7 +6,8 @@ use rand_distr::{Distribution, StandardNormal};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use trackloom_domain::association::ASSOCIATORS;
-use trackloom_domain::experiment::{observer::Silent, plan, run};
+use trackloom_domain::experiment;
+use trackloom_domain::experiment::observer::Silent;
 use trackloom_domain::formats::{self, ReadOptions};
 use trackloom_domain::math::angle::wrapped;
 use trackloom_domain::math::rng::{Purpose, Seed};
@@ -65,10 +66,10 @@ fn read(csv: &str) -> Dataset {
 
 /// A job on a recording, with what `settings` say otherwise.
 fn run_job(
-    kind: plan::JobKind,
+    kind: experiment::JobKind,
     csv: &str,
     settings: &Value,
-) -> Result<run::Outcome, run::RunError> {
+) -> Result<experiment::Outcome, experiment::RunError> {
     let mut body = json!({
         "input": {"source": "dataset", "dataset_id": "0198c0de-0000-7000-8000-000000000000"},
         "filter": {"method": "bearing_only", "process_noise_deg2ps3": 1e-5, "initial_rate_sigma_degps": 1.0},
@@ -78,15 +79,15 @@ fn run_job(
     for (name, value) in settings.as_object().unwrap() {
         body[name] = value.clone();
     }
-    let plan = plan::plan(kind, &body).unwrap_or_else(|faults| panic!("{faults:?}"));
-    let input = run::Input {
+    let plan = experiment::plan(kind, &body).unwrap_or_else(|faults| panic!("{faults:?}"));
+    let input = experiment::Input {
         dataset: read(csv),
         sensors: vec![],
         sha256: String::new(),
     };
-    run::run(
+    experiment::run(
         &plan,
-        plan.inputs
+        plan.inputs()
             .iter()
             .map(|input_of| (!input_of.optional).then(|| input.clone()))
             .collect(),
@@ -96,7 +97,7 @@ fn run_job(
 
 /// The tracks as they are written and read back, and the report.
 fn tracked(csv: &str, settings: &Value) -> (TrackSet, Value) {
-    let outcome = run_job(plan::JobKind::Associate, csv, settings)
+    let outcome = run_job(experiment::JobKind::Associate, csv, settings)
         .unwrap_or_else(|error| panic!("{error:?}"));
     let tracks = outcome
         .artifacts
@@ -227,7 +228,7 @@ fn a_target_that_crosses_north_is_one_track_under_every_associator() {
 fn the_automaton_judges_bearings_by_detection_id() {
     let csv = recording(&CROSSING, 0, 3);
     let settings = json!({"associator": {"method": "oracle"}, "tracker": {"confirm_hits": 1, "confirm_window": 1}});
-    let tfa = run_job(plan::JobKind::Evaluate, &csv, &settings)
+    let tfa = run_job(experiment::JobKind::Evaluate, &csv, &settings)
         .unwrap()
         .result["tfa"]
         .clone();
@@ -243,7 +244,7 @@ fn the_automaton_judges_bearings_by_detection_id() {
     );
     let clutter = recording(&CROSSING, 2, 3);
     let tfa = run_job(
-        plan::JobKind::Evaluate,
+        experiment::JobKind::Evaluate,
         &clutter,
         &json!({"associator": {"method": "jpda"}}),
     )
@@ -258,7 +259,7 @@ fn metrics_in_metres_are_refused_to_directions_or_left_out_with_a_warning() {
     let dataset =
         json!({"source": "dataset", "dataset_id": "0198c0de-0000-7000-8000-000000000000"});
     let asked = json!({"input": dataset, "truth": dataset, "filter": {"method": "bearing_only"}, "metrics": [{"metric": "gospa", "cutoff_m": 100.0}]});
-    let faults = plan::plan(plan::JobKind::Evaluate, &asked).unwrap_err();
+    let faults = experiment::plan(experiment::JobKind::Evaluate, &asked).unwrap_err();
     assert_eq!(
         (
             faults.len(),
@@ -270,21 +271,21 @@ fn metrics_in_metres_are_refused_to_directions_or_left_out_with_a_warning() {
 
     // Tracks of a file are known to be directions only when they are read.
     let judged = json!({"tracks": dataset, "truth": dataset, "detections": dataset, "metrics": [{"metric": "gospa", "cutoff_m": 100.0}]});
-    let plan = plan::plan(plan::JobKind::Evaluate, &judged).unwrap();
+    let plan = experiment::plan(experiment::JobKind::Evaluate, &judged).unwrap();
     let tracks = "time_s,track_id,bearing_deg,detection_id\n0,1,359.5,0-t0\n1,1,359.5,1-t0\n";
     let of = |pointer: &str| match pointer {
         "/tracks" => read(tracks),
         "/truth" => read("time_s,truth_id,bearing_deg\n0,0,359.5\n40,0,0.5\n"),
         _ => read(&recording(&OVER_NORTH, 0, 1)),
     };
-    let inputs = plan.inputs.iter().map(|wanted| {
-        Some(run::Input {
+    let inputs = plan.inputs().iter().map(|wanted| {
+        Some(experiment::Input {
             dataset: of(&wanted.pointer),
             sensors: vec![],
             sha256: String::new(),
         })
     });
-    let outcome = run::run(&plan, inputs.collect(), &mut Silent).unwrap();
+    let outcome = experiment::run(&plan, inputs.collect(), &mut Silent).unwrap();
     assert_eq!(outcome.result["tfa"]["counts"]["targets"], 1);
     assert_eq!(outcome.result["metrics"], Value::Null);
     assert_eq!(
@@ -293,9 +294,9 @@ fn metrics_in_metres_are_refused_to_directions_or_left_out_with_a_warning() {
     );
 }
 
-fn faults_of(kind: plan::JobKind, csv: &str, settings: &Value) -> Vec<Fault> {
+fn faults_of(kind: experiment::JobKind, csv: &str, settings: &Value) -> Vec<Fault> {
     match run_job(kind, csv, settings) {
-        Err(run::RunError::Faults(faults)) => faults,
+        Err(experiment::RunError::Faults(faults)) => faults,
         other => panic!("not refused: {other:?}"),
     }
 }
@@ -319,7 +320,7 @@ fn what_a_filter_cannot_use_is_refused_by_name() {
         ),
     ] {
         let faults = faults_of(
-            plan::JobKind::Associate,
+            experiment::JobKind::Associate,
             &bearings,
             &json!({"filter": {"method": filter}}),
         );
@@ -336,7 +337,7 @@ fn what_a_filter_cannot_use_is_refused_by_name() {
         );
     }
     let positions = "time_s,scan,sensor_id,detection_id,x_m,y_m\n0,1,sonar,a,1,2\n";
-    let faults = faults_of(plan::JobKind::Associate, positions, &json!({}));
+    let faults = faults_of(experiment::JobKind::Associate, positions, &json!({}));
     assert_eq!(
         faults[0].detail,
         "sensor 'sonar' reports positions, which the filter 'bearing_only' cannot use"
@@ -359,16 +360,16 @@ fn the_nearest_truth_of_a_direction_is_refused() {
         "sensors": [{"sensor_id": "sonar", "sigma_bearing_deg": 0.5}],
         "tfa": {"symbols": {"kind": "nearest_truth", "gate_m": 5.0}}
     });
-    let plan = plan::plan(plan::JobKind::Evaluate, &body).unwrap();
+    let plan = experiment::plan(experiment::JobKind::Evaluate, &body).unwrap();
     let input = |dataset| {
-        Some(run::Input {
+        Some(experiment::Input {
             dataset,
             sensors: vec![],
             sha256: String::new(),
         })
     };
     let inputs = plan
-        .inputs
+        .inputs()
         .iter()
         .map(|wanted| {
             input(if wanted.pointer == "/truth" {
@@ -378,7 +379,8 @@ fn the_nearest_truth_of_a_direction_is_refused() {
             })
         })
         .collect();
-    let Err(run::RunError::Faults(faults)) = run::run(&plan, inputs, &mut Silent) else {
+    let Err(experiment::RunError::Faults(faults)) = experiment::run(&plan, inputs, &mut Silent)
+    else {
         panic!("not refused")
     };
     let seen: Vec<_> = faults
@@ -393,7 +395,7 @@ fn the_nearest_truth_of_a_direction_is_refused() {
             && faults[1].detail.starts_with("the truth")
     );
     let settings = json!({"tfa": {"symbols": {"kind": "nearest_detection", "gate_m": 5.0}}});
-    let faults = faults_of(plan::JobKind::Evaluate, &csv, &settings);
+    let faults = faults_of(experiment::JobKind::Evaluate, &csv, &settings);
     assert_eq!(
         (faults.len(), faults[0].pointer.as_str()),
         (1, "/tfa/symbols")
@@ -415,8 +417,8 @@ fn sonar_scene(p_d: f64, clutter_per_scan: f64) -> Value {
 #[test]
 fn a_simulated_sonar_reports_bearings_alone_with_clutter_all_round() {
     let body = json!({"scenario": sonar_scene(1.0, 6.0)["scenario"]});
-    let plan = plan::plan(plan::JobKind::Simulate, &body).unwrap();
-    let outcome = run::run(&plan, vec![], &mut Silent).unwrap();
+    let plan = experiment::plan(experiment::JobKind::Simulate, &body).unwrap();
+    let outcome = experiment::run(&plan, vec![], &mut Silent).unwrap();
     let settings = &outcome.result["sensors"][0];
     assert_eq!(settings["clutter_per_m2"], Value::Null);
     assert!((settings["clutter_per_deg"].as_f64().unwrap() - 6.0 / 360.0).abs() < 1e-15);
@@ -481,8 +483,8 @@ fn a_sonar_scenario_is_tracked_and_judged_at_once() {
         "filter": {"method": "bearing_only", "process_noise_deg2ps3": 1e-7, "initial_rate_sigma_degps": 0.1},
         "tracker": {"gate_probability": 0.9999}
     });
-    let plan = plan::plan(plan::JobKind::Evaluate, &body).unwrap();
-    let outcome = run::run(&plan, vec![], &mut Silent).unwrap();
+    let plan = experiment::plan(experiment::JobKind::Evaluate, &body).unwrap();
+    let outcome = experiment::run(&plan, vec![], &mut Silent).unwrap();
     let counts = &outcome.result["tfa"]["counts"];
     assert_eq!(
         [&counts["targets"], &counts["correct"]],

@@ -6,8 +6,7 @@ use serde_json::{Value, json};
 use std::fmt::Write;
 use std::ops::ControlFlow;
 use trackloom_domain::experiment::observer::{Observer, Silent, Step};
-use trackloom_domain::experiment::plan::{JobKind, plan};
-use trackloom_domain::experiment::run::{Input, Outcome, RunError, run};
+use trackloom_domain::experiment::{Input, JobKind, Outcome, RunError, plan, run};
 use trackloom_domain::formats::{ReadOptions, format_named};
 use trackloom_domain::model::allowance::{
     MAX_CANDIDATES, MAX_CANDIDATES_OF_SCAN, MAX_PAIRS_OF_STEP,
@@ -78,7 +77,7 @@ fn associate(text: &str, method: &str, observer: &mut dyn Observer) -> Result<Ou
         sha256: String::new(),
     });
     let inputs = plan
-        .inputs
+        .inputs()
         .iter()
         .enumerate()
         .map(|(index, _)| input.clone().filter(|_| index == 0))

@@ -5,8 +5,7 @@ use parquet::record::Field;
 use serde_json::json;
 use std::io::Write;
 use trackloom_domain::experiment::observer::Silent;
-use trackloom_domain::experiment::plan::{JobKind, plan};
-use trackloom_domain::experiment::run::run;
+use trackloom_domain::experiment::{JobKind, plan, run};
 
 #[test]
 fn every_number_of_runs_csv_is_in_runs_parquet() {

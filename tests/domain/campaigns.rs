@@ -2,11 +2,9 @@
 
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
-use trackloom_domain::experiment::campaign::{Next, Order, Piece};
+use trackloom_domain::experiment::campaign::{Campaign, ChunkRequest, ChunkResult, Next};
 use trackloom_domain::experiment::observer::{Observer, Silent, Step};
-use trackloom_domain::experiment::plan::{JobKind, Plan, plan};
-use trackloom_domain::experiment::presets;
-use trackloom_domain::experiment::run::{Outcome, RunError, run};
+use trackloom_domain::experiment::{JobKind, Outcome, Plan, RunError, plan, presets, run};
 
 fn base() -> Value {
     let mut base = json!({"kind": "evaluate", "input": {"source": "preset", "preset": "liang2009-10"}, "comparison": {"gate_m": 1000.0}});
@@ -676,7 +674,7 @@ impl Observer for Ticks {
 /// All runs, made in lots of about `lot` by what the first took, the lots in another order.
 fn in_lots(body: &Value, lot: std::time::Duration) -> (Outcome, usize) {
     let plan = plan(JobKind::Campaign, body).unwrap();
-    let campaign = plan.campaign.as_ref().unwrap();
+    let campaign = plan.job_as::<Campaign>().unwrap();
     let (mut pieces, mut outcomes) = (Vec::new(), None);
     while let Next::Runs { items, .. } = campaign.next(&pieces) {
         let is_first = pieces.is_empty();
@@ -689,7 +687,7 @@ fn in_lots(body: &Value, lot: std::time::Duration) -> (Outcome, usize) {
         for items in lots {
             // The first runs are few: the clock says at once that it is enough.
             let enough = is_first.then_some(std::time::Duration::ZERO);
-            let order = Order {
+            let request = ChunkRequest {
                 items,
                 outcomes: outcomes.take(),
                 enough,
@@ -697,10 +695,10 @@ fn in_lots(body: &Value, lot: std::time::Duration) -> (Outcome, usize) {
                 total: campaign.total(),
             };
             let (piece, found) = campaign
-                .make(order, &Vec::new(), &mut Ticks::default())
+                .make(request, &Vec::new(), &mut Ticks::default())
                 .unwrap();
             let text = serde_json::to_string(&piece).unwrap();
-            pieces.push(serde_json::from_str::<Piece>(&text).unwrap());
+            pieces.push(serde_json::from_str::<ChunkResult>(&text).unwrap());
             assert_eq!(
                 pieces.last(),
                 Some(&piece),
@@ -747,8 +745,8 @@ fn the_result_does_not_depend_on_how_runs_are_cut_into_pieces_and_in_which_order
 fn lots_take_about_the_time_that_the_first_runs_tell() {
     let body = campaign(json!({"runs": 50, "timed_runs": 0}));
     let plan = plan(JobKind::Campaign, &body).unwrap();
-    let campaign = plan.campaign.unwrap();
-    let order = Order {
+    let campaign = plan.job_as::<Campaign>().unwrap();
+    let request = ChunkRequest {
         items: vec![0..4],
         outcomes: None,
         enough: None,
@@ -756,7 +754,7 @@ fn lots_take_about_the_time_that_the_first_runs_tell() {
         total: 100,
     };
     let (piece, _) = campaign
-        .make(order, &Vec::new(), &mut Ticks::default())
+        .make(request, &Vec::new(), &mut Ticks::default())
         .unwrap();
     // One look a run: each took a millisecond.
     assert_eq!(
@@ -764,10 +762,10 @@ fn lots_take_about_the_time_that_the_first_runs_tell() {
         (4, std::time::Duration::from_millis(4))
     );
     let pieces = [piece];
-    let Next::Runs { items, spared } = campaign.next(&pieces) else {
+    let Next::Runs { items, skipped } = campaign.next(&pieces) else {
         panic!("there is more to do")
     };
-    assert_eq!((&items, spared), (&vec![4..100], 0));
+    assert_eq!((&items, skipped), (&vec![4..100], 0));
     assert_eq!(
         campaign.cost(&items, &pieces),
         std::time::Duration::from_millis(96)

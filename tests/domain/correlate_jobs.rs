@@ -2,9 +2,7 @@
 
 use serde_json::{Value, json};
 use trackloom_domain::experiment::observer::Silent;
-use trackloom_domain::experiment::plan::{JobKind, plan};
-use trackloom_domain::experiment::presets;
-use trackloom_domain::experiment::run::{self, Input, Outcome};
+use trackloom_domain::experiment::{self, Input, JobKind, Outcome, plan, presets};
 use trackloom_domain::formats::{ReadOptions, format_named};
 use trackloom_domain::model::fault::Fault;
 
@@ -22,7 +20,7 @@ fn read(csv: &str) -> Option<Input> {
 
 fn done(body: &Value, inputs: Vec<Option<Input>>) -> Outcome {
     let plan = plan(JobKind::Correlate, body).unwrap_or_else(|faults| panic!("{faults:?}"));
-    run::run(&plan, inputs, &mut Silent).unwrap()
+    experiment::run(&plan, inputs, &mut Silent).unwrap()
 }
 
 /// The faults of a request, or those that the job finds in its data.
@@ -31,8 +29,8 @@ fn refused(body: &Value, inputs: Vec<Option<Input>>) -> Vec<Fault> {
         Err(faults) => return faults,
         Ok(plan) => plan,
     };
-    match run::run(&plan, inputs, &mut Silent) {
-        Err(run::RunError::Faults(faults)) => faults,
+    match experiment::run(&plan, inputs, &mut Silent) {
+        Err(experiment::RunError::Faults(faults)) => faults,
         other => panic!("{body} is accepted: {other:?}"),
     }
 }
@@ -398,7 +396,7 @@ fn sensors_without_tracks_leave_the_others_alone() {
     for seed in 0..20 {
         let mut body = drawn(json!({"sensors": 4, "targets": 2, "p_d": 0.6, "spacing_m": 5000.0}));
         body["seed"] = json!(seed);
-        let Ok(Outcome { result, .. }) = run::run(
+        let Ok(Outcome { result, .. }) = experiment::run(
             &plan(JobKind::Correlate, &body).unwrap(),
             Vec::new(),
             &mut Silent,

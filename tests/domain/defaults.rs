@@ -3,14 +3,12 @@
 use crate::origins::jobs::Texts;
 use serde_json::{Value, json};
 use trackloom_domain::experiment::observer::Silent;
-use trackloom_domain::experiment::plan::{JobKind, plan};
-use trackloom_domain::experiment::presets;
-use trackloom_domain::experiment::run::{self, Input, Outcome};
+use trackloom_domain::experiment::{self, Input, JobKind, Outcome, plan, presets};
 use trackloom_domain::formats::{ReadOptions, format_named};
 use trackloom_domain::model::dataset::DatasetKind;
 
 fn done(kind: JobKind, body: &Value) -> Outcome {
-    run::run(
+    experiment::run(
         &plan(kind, body).unwrap_or_else(|faults| panic!("{faults:?}")),
         Vec::new(),
         &mut Silent,
@@ -59,7 +57,7 @@ fn tracked_as_data(scenario: &Value, more: &Value) -> Outcome {
         input_of(&simulated, DatasetKind::Detections),
         input_of(&simulated, DatasetKind::Truth),
     ];
-    run::run(
+    experiment::run(
         &plan(JobKind::Evaluate, &body).unwrap(),
         inputs,
         &mut Silent,

@@ -1,11 +1,12 @@
 //! The same spec and seed give the same bytes, whoever computes beside it; and a target's noise is its own.
 
 use serde_json::json;
-use trackloom_domain::experiment::{observer::Silent, plan, presets, run};
+use trackloom_domain::experiment::observer::Silent;
+use trackloom_domain::experiment::{self, presets};
 
 fn result_bytes(preset: &presets::Preset) -> Vec<u8> {
-    let plan = plan::plan(preset.kind, &preset.body).unwrap();
-    let outcome = run::run(&plan, vec![], &mut Silent).unwrap();
+    let plan = experiment::plan(preset.kind, &preset.body).unwrap();
+    let outcome = experiment::run(&plan, vec![], &mut Silent).unwrap();
     let mut bytes = serde_json::to_vec(&outcome.result).unwrap();
     for artifact in outcome.artifacts {
         bytes.extend(artifact.bytes);
@@ -48,12 +49,12 @@ fn detections_of_targets(count: u32, last: u32) -> Vec<String> {
     let preset = presets::find("liang2009-10").unwrap();
     let mut scenario = preset.body["input"]["scenario"].clone();
     scenario["targets"]["count"] = json!(count);
-    let plan = plan::plan(
-        plan::JobKind::Simulate,
+    let plan = experiment::plan(
+        experiment::JobKind::Simulate,
         &json!({"scenario": scenario, "seed": 5}),
     )
     .unwrap();
-    let outcome = run::run(&plan, vec![], &mut Silent).unwrap();
+    let outcome = experiment::run(&plan, vec![], &mut Silent).unwrap();
     let csv = outcome
         .artifacts
         .iter()

@@ -3,7 +3,7 @@
 
 use crate::origins::jobs::Texts;
 use serde_json::{Value, json};
-use trackloom_domain::experiment::run::Outcome;
+use trackloom_domain::experiment::Outcome;
 use trackloom_domain::model::fault::Fault;
 
 const TRUTH: &str = "time_s,truth_id,x_m,y_m\n0,A,0,0\n1,A,10,0\n2,A,20,0\n3,A,30,0\n";

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
-use trackloom_domain::experiment::plan::{JobKind, plan};
+use trackloom_domain::experiment::{JobKind, plan};
 use trackloom_domain::math::rng::Seed;
 use trackloom_domain::model::scenario::Scenario;
 use trackloom_domain::model::state::Position;

@@ -2,9 +2,9 @@
 
 use nalgebra::Vector2;
 use serde_json::{Value, json};
-use trackloom_domain::experiment::gates::{self, Gate, Region};
-use trackloom_domain::experiment::plan::{JobKind, plan};
-use trackloom_domain::experiment::{observer::Silent, presets, run};
+use trackloom_domain::experiment::gates::{Gate, Region, gates_of};
+use trackloom_domain::experiment::observer::Silent;
+use trackloom_domain::experiment::{self, JobKind, plan, presets};
 use trackloom_domain::formats::{ReadOptions, format_named};
 use trackloom_domain::model::dataset::Dataset;
 use trackloom_domain::model::scan::{Measurement, Recording};
@@ -30,7 +30,9 @@ fn done(preset: &str, changes: Value) -> Done {
         }) = value.clone();
     }
     let plan = plan(JobKind::Evaluate, &body).unwrap_or_else(|faults| panic!("{faults:?}"));
-    let artifacts = run::run(&plan, vec![], &mut Silent).unwrap().artifacts;
+    let artifacts = experiment::run(&plan, vec![], &mut Silent)
+        .unwrap()
+        .artifacts;
     let read = |name: &str| {
         let artifact = artifacts
             .iter()
@@ -102,7 +104,7 @@ fn squared_distance(gate: &Gate, done: &Done, point: &TrackPoint) -> Option<f64>
 
 /// Compares every gate with the distance that the tracker wrote down; answers how many there were, and how many were empty.
 fn assert_gates_are_the_tracker_s(done: &Done, threshold: f64) -> (usize, usize) {
-    let found = gates::of(
+    let found = gates_of(
         &done.spec,
         (&done.recording, &done.sensors),
         &done.tracks,
@@ -184,7 +186,7 @@ fn the_gates_of_ranges_and_bearings_are_those_of_the_tracker() {
 fn a_job_that_did_not_gate_in_the_plane_has_no_gates() {
     let has_gates = |preset: &str, changes: Value| {
         let done = done(preset, changes);
-        gates::of(
+        gates_of(
             &done.spec,
             (&done.recording, &done.sensors),
             &done.tracks,

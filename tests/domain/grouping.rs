@@ -2,9 +2,7 @@
 
 use serde_json::{Value, json};
 use trackloom_domain::experiment::observer::Silent;
-use trackloom_domain::experiment::plan::{JobKind, plan};
-use trackloom_domain::experiment::presets;
-use trackloom_domain::experiment::run::{Input, Outcome, RunError, run};
+use trackloom_domain::experiment::{Input, JobKind, Outcome, RunError, plan, presets, run};
 use trackloom_domain::formats;
 use trackloom_domain::model::dataset::DatasetKind;
 use trackloom_domain::model::fault::Fault;

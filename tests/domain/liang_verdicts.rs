@@ -3,7 +3,8 @@
 
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
-use trackloom_domain::experiment::{observer::Silent, plan, presets, run};
+use trackloom_domain::experiment::observer::Silent;
+use trackloom_domain::experiment::{self, presets};
 
 const ASSOCIATORS: [&str; 3] = ["nearest_neighbour", "pda", "jpda"];
 
@@ -11,18 +12,23 @@ const ASSOCIATORS: [&str; 3] = ["nearest_neighbour", "pda", "jpda"];
 const PAPER: f64 = 100_000.0;
 const DENSE: f64 = 20_000.0;
 
-fn judged(preset: &str, associator: &str, area_side_m: f64, tfa: &[(&str, Value)]) -> run::Outcome {
+fn judged(
+    preset: &str,
+    associator: &str,
+    area_side_m: f64,
+    tfa: &[(&str, Value)],
+) -> experiment::Outcome {
     let mut preset = presets::find(preset).unwrap();
     preset.body["associator"] = json!({"method": associator});
     preset.body["input"]["scenario"]["targets"]["area_side_m"] = json!(area_side_m);
     for (name, value) in tfa {
         preset.body["tfa"][*name] = value.clone();
     }
-    let plan = plan::plan(preset.kind, &preset.body).unwrap();
-    run::run(&plan, vec![], &mut Silent).unwrap()
+    let plan = experiment::plan(preset.kind, &preset.body).unwrap();
+    experiment::run(&plan, vec![], &mut Silent).unwrap()
 }
 
-fn bytes<'a>(outcome: &'a run::Outcome, name: &str) -> &'a str {
+fn bytes<'a>(outcome: &'a experiment::Outcome, name: &str) -> &'a str {
     let artifact = outcome
         .artifacts
         .iter()
@@ -32,7 +38,7 @@ fn bytes<'a>(outcome: &'a run::Outcome, name: &str) -> &'a str {
 }
 
 /// The rows of a table, each by column.
-fn rows<'a>(outcome: &'a run::Outcome, name: &str) -> Vec<BTreeMap<&'a str, &'a str>> {
+fn rows<'a>(outcome: &'a experiment::Outcome, name: &str) -> Vec<BTreeMap<&'a str, &'a str>> {
     let mut lines = bytes(outcome, name).lines();
     let header: Vec<&str> = lines.next().unwrap().split(',').collect();
     lines
@@ -167,8 +173,9 @@ fn every_choice_kept_accepts_no_fewer_targets_and_the_searches_agree() {
                 ("search", json!("depth_first")),
             ],
         );
-        let correct =
-            |outcome: &run::Outcome| outcome.result["tfa"]["counts"]["correct"].as_u64().unwrap();
+        let correct = |outcome: &experiment::Outcome| {
+            outcome.result["tfa"]["counts"]["correct"].as_u64().unwrap()
+        };
         assert!(
             correct(&gated) >= correct(&decided),
             "{associator}: {} and {}",
@@ -224,7 +231,7 @@ fn settings_out_of_range_are_all_named() {
     let mut preset = presets::find("liang2009-10").unwrap();
     let faults = |tfa: Value, preset: &mut presets::Preset| -> Vec<(String, String)> {
         preset.body["tfa"] = tfa;
-        let faults = plan::plan(preset.kind, &preset.body).unwrap_err();
+        let faults = experiment::plan(preset.kind, &preset.body).unwrap_err();
         faults
             .into_iter()
             .map(|fault| (fault.pointer, fault.code))
@@ -264,8 +271,8 @@ fn fuzzy_c_means_keeps_more_than_half_of_what_the_nearest_neighbour_keeps() {
         let judge = |seed: u32| {
             let mut preset = presets::find("liang2009-30").unwrap();
             (preset.body["associator"], preset.body["seed"]) = (associator.clone(), json!(seed));
-            let outcome = run::run(
-                &plan::plan(preset.kind, &preset.body).unwrap(),
+            let outcome = experiment::run(
+                &experiment::plan(preset.kind, &preset.body).unwrap(),
                 vec![],
                 &mut Silent,
             )

@@ -5,8 +5,8 @@ use rand_distr::{Distribution, Poisson, StandardNormal};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use trackloom_domain::association::ASSOCIATORS;
-use trackloom_domain::experiment::plan::{JobKind, plan};
-use trackloom_domain::experiment::{observer::Silent, presets, run};
+use trackloom_domain::experiment::observer::Silent;
+use trackloom_domain::experiment::{self, JobKind, plan, presets};
 use trackloom_domain::filtering::kalman::Kalman;
 use trackloom_domain::formats;
 use trackloom_domain::math::rng::{Purpose, Seed};
@@ -516,9 +516,9 @@ fn front_door(csv: &str, tracker: Value) -> (Value, BTreeMap<String, Vec<String>
         (formats::format_named("csv").unwrap().read)(&mut csv.as_bytes(), &Default::default())
             .unwrap()
             .dataset;
-    let outcome = run::run(
+    let outcome = experiment::run(
         &plan,
-        vec![Some(run::Input {
+        vec![Some(experiment::Input {
             dataset,
             sensors: vec![],
             sha256: String::new(),
@@ -600,7 +600,7 @@ fn the_oracle_pairs_what_belongs_together() {
     let mut preset = presets::find("liang2009-30").unwrap();
     preset.body["associator"] = json!({"method": "oracle"});
     preset.body["tracker"]["initiation"] = json!({"method": "two_point", "max_speed_mps": 1000.0});
-    let result = run::run(
+    let result = experiment::run(
         &plan(preset.kind, &preset.body).unwrap(),
         vec![],
         &mut Silent,

@@ -7,9 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use serde_json::{Map, Value, json};
 use std::ops::ControlFlow;
 use trackloom_domain::experiment::observer::{Observer, Step};
-use trackloom_domain::experiment::plan::plan;
-use trackloom_domain::experiment::presets;
-use trackloom_domain::experiment::run::run;
+use trackloom_domain::experiment::{JobKind, plan, presets, run};
 use trackloom_domain::formats::npy::BearingTimeAxes;
 use trackloom_domain::formats::{ReadOptions, format_named, write_csv, write_json, write_mot};
 use trackloom_domain::model::dataset::{Dataset, DatasetKind};
@@ -299,7 +297,7 @@ fn changed_requests_are_refused_or_planned_and_run_to_sound_numbers() {
             continue;
         };
         planned += 1;
-        if plan.campaign.is_some() || plan.estimate.cost_s > 0.02 || !plan.inputs.is_empty() {
+        if plan.kind == JobKind::Campaign || plan.cost.cost_s > 0.02 || !plan.inputs().is_empty() {
             continue;
         }
         let Ok(outcome) = run(&plan, Vec::new(), &mut Brief(300)) else {

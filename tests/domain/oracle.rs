@@ -1,21 +1,22 @@
 //! The oracle is told the truth, so the evaluator must find it right: tracker and evaluator agree what truth is.
 
 use serde_json::{Value, json};
-use trackloom_domain::experiment::{observer::Silent, plan, presets, run};
+use trackloom_domain::experiment::observer::Silent;
+use trackloom_domain::experiment::{self, presets};
 
 /// The `result` of a Liang scene under the oracle.
-fn judged(targets: u32, seed: u32, confirm_hits: u32, confirm_window: u32) -> run::Outcome {
+fn judged(targets: u32, seed: u32, confirm_hits: u32, confirm_window: u32) -> experiment::Outcome {
     let mut preset = presets::find(&format!("liang2009-{targets}")).unwrap();
     preset.body["seed"] = json!(seed);
     preset.body["associator"] = json!({"method": "oracle"});
     preset.body["tracker"]["confirm_hits"] = json!(confirm_hits);
     preset.body["tracker"]["confirm_window"] = json!(confirm_window);
-    let plan = plan::plan(preset.kind, &preset.body).unwrap();
-    run::run(&plan, vec![], &mut Silent).unwrap()
+    let plan = experiment::plan(preset.kind, &preset.body).unwrap();
+    experiment::run(&plan, vec![], &mut Silent).unwrap()
 }
 
 /// For each target the numbers of the scans in which it was detected, from the simulated detections themselves.
-fn detected_scans(outcome: &run::Outcome) -> std::collections::BTreeMap<String, Vec<u32>> {
+fn detected_scans(outcome: &experiment::Outcome) -> std::collections::BTreeMap<String, Vec<u32>> {
     let csv = outcome
         .artifacts
         .iter()
@@ -57,7 +58,7 @@ fn is_confirmed(string: &[u32], hits: usize, window: u32) -> bool {
         .any(|part| part[hits - 1] - part[0] < window)
 }
 
-fn verdicts(outcome: &run::Outcome) -> Vec<(String, String)> {
+fn verdicts(outcome: &experiment::Outcome) -> Vec<(String, String)> {
     let targets = outcome.result["tfa"]["targets"].as_array().unwrap();
     let text = |target: &Value, name: &str| target[name].as_str().unwrap().to_owned();
     targets

@@ -1,14 +1,14 @@
 //! Polar sensors through the front door: simulated, tracked by each filter that can, and judged.
 
 use serde_json::{Value, json};
-use trackloom_domain::experiment::plan::{JobKind, plan};
-use trackloom_domain::experiment::{observer::Silent, presets, run};
+use trackloom_domain::experiment::observer::Silent;
+use trackloom_domain::experiment::{self, JobKind, plan, presets};
 
 const FILTERS: [&str; 3] = ["extended", "unscented", "converted"];
 
 fn result(kind: JobKind, body: &Value) -> Value {
     let plan = plan(kind, body).unwrap_or_else(|faults| panic!("{faults:?}"));
-    run::run(&plan, vec![], &mut Silent)
+    experiment::run(&plan, vec![], &mut Silent)
         .unwrap_or_else(|_| panic!("the job fails"))
         .result
 }

@@ -7,8 +7,7 @@ use std::path::{Path, PathBuf};
 use trackloom_domain::association::ASSOCIATORS;
 use trackloom_domain::detection::{Quality, assign_origins};
 use trackloom_domain::experiment::observer::Silent;
-use trackloom_domain::experiment::plan::{self, JobKind};
-use trackloom_domain::experiment::run::{self, Input};
+use trackloom_domain::experiment::{self, Input, JobKind};
 use trackloom_domain::formats::{ReadOptions, format_named};
 use trackloom_domain::model::dataset::{Dataset, DatasetKind};
 use trackloom_domain::model::state::Position;
@@ -65,8 +64,8 @@ fn inputs(detections: &Dataset, sensor_id: &str, truth: &Dataset) -> [Option<Inp
 
 /// One line of the table.
 fn line(scenario: u32, associator: &str, inputs: &[Option<Input>]) -> String {
-    let plan = plan::plan(JobKind::Evaluate, &request(associator)).unwrap();
-    let outcome = run::run(&plan, inputs.to_vec(), &mut Silent).unwrap();
+    let plan = experiment::plan(JobKind::Evaluate, &request(associator)).unwrap();
+    let outcome = experiment::run(&plan, inputs.to_vec(), &mut Silent).unwrap();
     let value = |pointer: &str| {
         outcome
             .result
@@ -259,8 +258,8 @@ fn camera_line(
     associator: &str,
     inputs: &[Option<Input>],
 ) -> String {
-    let plan = plan::plan(JobKind::Evaluate, &camera_request(camera, associator)).unwrap();
-    let outcome = run::run(&plan, inputs.to_vec(), &mut Silent).unwrap();
+    let plan = experiment::plan(JobKind::Evaluate, &camera_request(camera, associator)).unwrap();
+    let outcome = experiment::run(&plan, inputs.to_vec(), &mut Silent).unwrap();
     let count = |name: &str| outcome.result["events"]["counts"][name].as_u64().unwrap();
     let (matches, misses) = (count("match"), count("miss"));
     let idle = count("false_alarm") + count("divergence") + count("redundant");

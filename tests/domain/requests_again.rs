@@ -5,8 +5,7 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use serde_json::{Value, json};
 use std::cell::Cell;
-use trackloom_domain::experiment::plan::{JobKind, plan};
-use trackloom_domain::experiment::presets;
+use trackloom_domain::experiment::{JobKind, plan, presets};
 
 /// Requests to change: every preset as it is, normalised, and normalised without what the plan fills in again.
 fn bases() -> Vec<(JobKind, Value)> {

@@ -1,8 +1,8 @@
 //! Scenes of bearings that follow a law, tracks that begin at the truth, and whether they are kept.
 
 use serde_json::{Value, json};
-use trackloom_domain::experiment::plan::{JobKind, plan};
-use trackloom_domain::experiment::{observer::Silent, run};
+use trackloom_domain::experiment::observer::Silent;
+use trackloom_domain::experiment::{self, JobKind, plan};
 
 /// Two targets that cross at `centre_deg` after 65 scans of a second.
 fn crossing(centre_deg: f64, seed: u32, method: &str) -> Value {
@@ -21,12 +21,12 @@ fn crossing(centre_deg: f64, seed: u32, method: &str) -> Value {
     })
 }
 
-fn outcome(kind: JobKind, body: &Value) -> run::Outcome {
+fn outcome(kind: JobKind, body: &Value) -> experiment::Outcome {
     let plan = plan(kind, body).unwrap_or_else(|faults| panic!("{faults:?}"));
-    run::run(&plan, vec![], &mut Silent).unwrap_or_else(|error| panic!("{error:?}"))
+    experiment::run(&plan, vec![], &mut Silent).unwrap_or_else(|error| panic!("{error:?}"))
 }
 
-fn rows(outcome: &run::Outcome, name: &str) -> Vec<Vec<String>> {
+fn rows(outcome: &experiment::Outcome, name: &str) -> Vec<Vec<String>> {
     let file = outcome
         .artifacts
         .iter()

@@ -6,8 +6,7 @@
 use serde_json::{Value, json};
 use std::path::Path;
 use trackloom_domain::experiment::observer::Silent;
-use trackloom_domain::experiment::plan::{self, JobKind};
-use trackloom_domain::experiment::run::{self, Input, Outcome};
+use trackloom_domain::experiment::{self, Input, JobKind, Outcome};
 use trackloom_domain::formats::{ReadOptions, format_named};
 use trackloom_domain::model::dataset::{Dataset, DatasetKind};
 
@@ -84,8 +83,8 @@ fn tracked(sensor_ids: &[&str]) -> Value {
 }
 
 fn done(kind: JobKind, body: &Value, inputs: Vec<Option<Input>>) -> Outcome {
-    run::run(
-        &plan::plan(kind, body).unwrap_or_else(|faults| panic!("{faults:?}")),
+    experiment::run(
+        &experiment::plan(kind, body).unwrap_or_else(|faults| panic!("{faults:?}")),
         inputs,
         &mut Silent,
     )

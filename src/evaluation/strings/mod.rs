@@ -25,9 +25,11 @@ use crate::model::sensor::SensorSettings;
 use crate::model::truth::TruthSet;
 use normal_form::{Step, StringSet};
 use outputs::Outputs;
+use serde::Deserialize;
 
 /// What the symbols of strings are.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
 pub enum SymbolRule {
     /// Detections, by identity: needs a recording that knows the origins of its detections.
     DetectionId,
@@ -38,7 +40,8 @@ pub enum SymbolRule {
 }
 
 /// How a track's weights become symbols.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(tag = "policy", rename_all = "snake_case")]
 pub enum DecisionPolicy {
     /// The most probable candidate, ε included.
     MostProbable,

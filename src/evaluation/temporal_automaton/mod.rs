@@ -47,9 +47,10 @@ pub use search::Order;
 use super::EvaluationInput;
 use super::strings::{DecisionPolicy, SymbolRule};
 use crate::model::fault::Fault;
+use serde::Deserialize;
 
 /// What can be chosen.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub struct TfaSettings {
     pub symbols: SymbolRule,
     pub decision: DecisionPolicy,
@@ -61,6 +62,7 @@ pub struct TfaSettings {
     /// Whether to determinise and minimise the automaton.
     pub minimise: bool,
     /// Times nearer than this are one; `None` is what the data allow.
+    #[serde(skip)]
     pub time_tolerance_s: Option<f64>,
 }
 

@@ -1,6 +1,7 @@
 //! Running a string through an automaton: which states can be reached, all at once (breadth first) or one way after the
 //! other (depth first). Both find the same; of several ways to an end the most probable counts.
 
+use serde::Deserialize;
 use std::collections::BTreeMap;
 
 /// Every automaton begins here.
@@ -14,7 +15,8 @@ pub trait Transitions {
     fn is_final(&self, state: u32) -> bool;
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Order {
     BreadthFirst,
     DepthFirst,

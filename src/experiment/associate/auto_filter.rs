@@ -3,39 +3,51 @@
 //! Positions are linear in the state, so they have the Kalman filter; ranges and bearings the unscented one, whose covariances stay
 //! honest also near the sensor and where bearings are coarse; bearings alone the filter of directions.
 
-use super::dry_run as rehearsal;
-use crate::experiment::plan::scenario_of;
-use crate::filtering::{AUTO, FILTER_KIND};
+use super::dry_run;
+use crate::experiment::request::draft::{Draft, parse};
+use crate::experiment::request::methods::{FilterChoice, NamedFilter, TrackingSpec, filter_named};
+use crate::filtering::AUTO;
 use crate::model::scan::{Measurement, Recording};
-use crate::registry;
-use serde_json::{Value, json};
+use crate::model::sensor::SensorSettings;
+use serde_json::Value;
+
+/// How to track a recording, with its filter.
+pub struct SettledTracking<'s> {
+    pub spec: &'s TrackingSpec,
+    pub filter: NamedFilter,
+    /// The filter as a request would say it, where the request left it open.
+    pub chosen: Option<Value>,
+}
 
 /// Puts the filter that suits the request's own scenario, or the detector that it asks for, in the place of `auto`.
-pub fn settle_at_planning(spec: &mut Value) {
-    if !is_open(spec) {
+pub fn settle_at_planning(draft: &mut Draft) {
+    if draft.text_at("/filter/method") != Some(AUTO) {
         return;
     }
-    if spec.get("detector").is_some() {
-        spec["filter"] = filter_named("bearing_only");
-    } else if let Some(recording) =
-        scenario_of(spec).and_then(|(scenario, _)| rehearsal::recording_of(&scenario).ok())
+    if draft.has("detector") {
+        draft.put("filter", filter_named("bearing_only"));
+    } else if let Some((scenario, _)) = draft.scenario()
+        && let Ok(recording) = dry_run::recording_of(&scenario)
     {
-        settle(spec, &recording);
+        draft.put("filter", filter_named(suited(&recording)));
     }
 }
 
-/// Puts the filter that suits what was recorded in the place of `auto`; whether there was a choice to make.
-pub fn settle(spec: &mut Value, recording: &Recording) -> bool {
-    let is_open = is_open(spec);
-    if is_open {
-        spec["filter"] = filter_named(suited(recording));
+/// Takes the filter that suits what was recorded in the place of `auto`.
+pub fn settle<'s>(spec: &'s TrackingSpec, recording: &Recording) -> SettledTracking<'s> {
+    if let FilterChoice::Named(filter) = spec.filter {
+        return SettledTracking {
+            spec,
+            filter,
+            chosen: None,
+        };
     }
-    is_open
-}
-
-/// Whether the filter of the spec still has to be chosen.
-pub fn is_open(spec: &Value) -> bool {
-    spec.pointer("/filter/method") == Some(&json!(AUTO))
+    let chosen = filter_named(suited(recording));
+    SettledTracking {
+        spec,
+        filter: parse(&chosen),
+        chosen: Some(chosen),
+    }
 }
 
 fn suited(recording: &Recording) -> &'static str {
@@ -47,9 +59,7 @@ fn suited(recording: &Recording) -> &'static str {
     };
     let is_polar = has(|measurement| matches!(measurement, Measurement::RangeBearing { .. }));
     let is_placed = has(|measurement| matches!(measurement, Measurement::Position { .. }));
-    let knows = |wanted: fn(&crate::model::sensor::SensorSettings) -> bool| {
-        recording.sensors.iter().any(wanted)
-    };
+    let knows = |wanted: fn(&SensorSettings) -> bool| recording.sensors.iter().any(wanted);
     match (is_placed, is_polar) {
         (_, true) => "unscented",
         (true, false) => "kalman",
@@ -63,22 +73,15 @@ fn suited(recording: &Recording) -> &'static str {
     }
 }
 
-fn filter_named(method: &str) -> Value {
-    registry::check_field(
-        &json!({"method": method}),
-        &FILTER_KIND,
-        "",
-        &mut Vec::new(),
-    )
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::model::scan::{Detection, RecordingParts, Scan};
-    use crate::model::sensor::SensorSettings;
+    use crate::registry::{self, Kind};
+    use crate::tracking::LIFECYCLE;
+    use serde_json::json;
 
-    fn chosen(measurements: &[Measurement]) -> String {
+    fn chosen(measurements: &[Measurement]) -> &'static str {
         let detection = |&measurement| Detection {
             measurement,
             origin: None,
@@ -99,9 +102,7 @@ mod tests {
                 .collect(),
             ..Default::default()
         });
-        let mut spec = json!({"filter": {"method": "auto"}});
-        assert!(settle(&mut spec, &recording.unwrap()));
-        spec["filter"]["method"].as_str().unwrap().to_owned()
+        suited(&recording.unwrap())
     }
 
     #[test]
@@ -138,8 +139,22 @@ mod tests {
 
     #[test]
     fn a_filter_that_is_named_stays() {
-        let mut spec = json!({"filter": {"method": "converted", "process_noise_m2ps3": 2.0}});
-        assert!(!settle(&mut spec, &Recording::default()));
-        assert_eq!(spec["filter"]["method"], "converted");
+        static ASSOCIATOR: Kind = Kind::Union(&crate::association::ASSOCIATOR);
+        let nearest = json!({"method": "nearest_neighbour"});
+        let associator = registry::check_field(&nearest, &ASSOCIATOR, "", &mut Vec::new());
+        let tracking = |filter: Value| -> TrackingSpec {
+            parse(&json!({
+                "associator": associator,
+                "filter": filter,
+                "tracker": registry::check(&json!({}), &LIFECYCLE).unwrap()
+            }))
+        };
+        let named = tracking(filter_named("converted"));
+        let settled = settle(&named, &Recording::default());
+        assert_eq!((settled.filter.name, settled.chosen), ("converted", None));
+        let open = tracking(json!({"method": "auto"}));
+        let settled = settle(&open, &Recording::default());
+        let chosen = Some(filter_named("kalman"));
+        assert_eq!((settled.filter.name, settled.chosen), ("kalman", chosen));
     }
 }

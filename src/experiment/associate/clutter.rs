@@ -1,9 +1,10 @@
 //! Compares the clutter density that the tracker was given with what it left over: a density that is far off misleads
 //! every method that weighs detections against it. One that was estimated from the same data says nothing to compare.
 
+use super::track::ResolvedRecording;
 use crate::experiment::input::extent::Extent;
 use crate::model::scan::Recording;
-use crate::model::sensor::{Sensor, SensorSettings};
+use crate::model::sensor::SensorSettings;
 use crate::model::track::TrackSet;
 
 /// Beyond this factor, either way, the report warns.
@@ -12,12 +13,12 @@ const TOLERATED_FACTOR: f64 = 3.0;
 const LEAST_COUNT: f64 = 10.0;
 
 /// A warning for each sensor whose given density disagrees with the detections that no output track was given.
-pub fn disagreements(
-    recording: &Recording,
-    sensors: &[Sensor],
-    known: &[SensorSettings],
-    tracks: &TrackSet,
-) -> Vec<String> {
+pub fn disagreements(data: &ResolvedRecording, tracks: &TrackSet) -> Vec<String> {
+    let ResolvedRecording {
+        recording,
+        known,
+        sensors,
+    } = *data;
     let used = used_detections(recording, tracks);
     let warning = |(index, settings): (usize, &SensorSettings)| {
         let sensor = &sensors[index];
@@ -64,7 +65,7 @@ fn used_detections(recording: &Recording, tracks: &TrackSet) -> Vec<bool> {
 mod tests {
     use super::*;
     use crate::model::scan::{Detection, Measurement, RecordingParts, Scan};
-    use crate::model::sensor::Report;
+    use crate::model::sensor::{Report, Sensor};
 
     /// One scan of a sensor with a field of view of 1 000 m², and `count` detections that no track takes.
     fn warnings(count: usize, clutter_per_m2: Option<f64>) -> Vec<String> {
@@ -105,12 +106,12 @@ mod tests {
             clutter_density: clutter_per_m2.unwrap_or(1e3),
             report,
         };
-        disagreements(
-            &recording.unwrap(),
-            &[sensor],
-            &[settings],
-            &TrackSet::default(),
-        )
+        let data = ResolvedRecording {
+            recording: &recording.unwrap(),
+            known: &[settings],
+            sensors: &[sensor],
+        };
+        disagreements(&data, &TrackSet::default())
     }
 
     #[test]

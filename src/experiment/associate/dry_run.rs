@@ -1,72 +1,63 @@
 //! What a scenario will report, tried on the filter, the associator and the start of the tracks before anything is simulated:
 //! one detection of each sensor tells what all of them would only tell in the run.
 
-use super::truth_initiation as given;
+use super::check::named_filter;
+use super::track::{unbounded_gate, unmet_need};
+use super::truth_initiation;
+use crate::association::BuildAssociator;
 use crate::experiment::input::sensors;
-use crate::experiment::plan::scenario_of;
-use crate::experiment::{associate, input as scene};
-use crate::filtering::Chosen;
-use crate::math::rng::Seed;
+use crate::experiment::job::refuse_any;
+use crate::experiment::request::draft::Draft;
+use crate::experiment::request::methods::{Choice, NamedFilter};
 use crate::model::fault::Fault;
 use crate::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
 use crate::model::scenario::{ReportNoise, Scenario, ScenarioSensor, TargetPlan};
 use crate::model::sensor::SensorSettings;
 use crate::simulation;
 use crate::tracking::Lifecycle;
-use serde::Deserialize;
-use serde_json::Value;
 
 /// Reports what of the request cannot be used on its own scenario; the scenario itself is right.
-pub fn check(spec: &Value, faults: &mut Vec<Fault>) {
-    let (Some((scenario, "/input/scenario")), Ok((filter, name))) =
-        (scenario_of(spec), associate::filter_of(spec))
+pub fn check(draft: &mut Draft) {
+    let (Some((scenario, "/input/scenario")), Some(filter)) =
+        (draft.scenario(), named_filter(draft))
     else {
         return;
     };
     let Ok(recording) = recording_of(&scenario) else {
         return;
     };
-    let lifecycle = spec
-        .get("tracker")
-        .and_then(|tracker| Lifecycle::deserialize(tracker).ok());
-    if let Err(found) = check_sensors(spec, &recording, (&filter, name), lifecycle.as_ref()) {
-        faults.extend(found);
+    let lifecycle = draft.read("/tracker");
+    let requested: Vec<SensorSettings> = draft.read("/sensors").unwrap_or_default();
+    if let Err(found) = check_sensors(&requested, &recording, &filter, lifecycle.as_ref()) {
+        draft.add(found);
     }
-    if let Ok((associator, method)) = associate::associator_of(spec, Seed { seed: 0, run: 0 }) {
-        faults.extend(associate::unmet_need(
-            &method,
-            associator.needs(),
-            &recording,
-        ));
+    if let Some(associator) = draft.read::<Choice<BuildAssociator>>("/associator") {
+        draft.add(unmet_need(&associator, &recording));
     }
     let is_of_bearings = matches!(scenario.targets, TargetPlan::Bearings(_));
-    if spec.get("truth").is_none()
+    if !draft.has("truth")
         && let Some(lifecycle) = lifecycle
     {
-        faults.extend(given::unfit_truth(
+        draft.add(truth_initiation::unfit_truth(
             &lifecycle,
             is_of_bearings,
-            (&filter, name),
+            &filter,
         ));
     }
 }
 
-fn check_sensors(
-    spec: &Value,
+/// The faults of the sensors with this filter, and of a gate that does not bound what is near a track.
+pub fn check_sensors(
+    requested: &[SensorSettings],
     recording: &Recording,
-    filter: (&Chosen, &str),
+    filter: &NamedFilter,
     lifecycle: Option<&Lifecycle>,
 ) -> Result<(), Vec<Fault>> {
-    let requested = scene::requested_sensors(spec);
-    let known = sensors::known(recording, &[], &requested)?;
+    let known = sensors::known(recording, &[], requested)?;
     let resolved = sensors::resolve(recording, &known, filter, &mut Vec::new())?;
-    let mut faults = sensors::misplaced_densities(&requested, &resolved);
-    faults.extend(lifecycle.and_then(|lifecycle| associate::endless_gate(lifecycle, &resolved)));
-    if faults.is_empty() {
-        Ok(())
-    } else {
-        Err(faults)
-    }
+    let mut faults = sensors::misplaced_densities(requested, &resolved);
+    faults.extend(lifecycle.and_then(|lifecycle| unbounded_gate(lifecycle, &resolved)));
+    refuse_any(faults)
 }
 
 /// One scan of one detection for each sensor.

@@ -3,21 +3,21 @@
 //! # Symbols
 //! ẑ, S expected measurement and innovation covariance; γ threshold of the squared distance; D values of a measurement.
 
-use super::auto_filter;
+use super::auto_filter::settle;
+use super::track::{needs_of, report_range_rates};
 use crate::association::Needs;
-use crate::experiment::associate;
 use crate::experiment::input::sensors;
+use crate::experiment::request::methods::TrackingSpec;
 use crate::filtering::prediction::Transition;
 use crate::filtering::{Chosen, Filter};
 use crate::math::gaussian::gate_threshold;
-use crate::math::rng::Seed;
 use crate::model::scan::Recording;
 use crate::model::sensor::{Report, Sensor, SensorSettings};
 use crate::model::state::{GaussianState, Position, PositionCovariance};
 use crate::model::track::{Track, TrackPoint, TrackSet};
-use crate::tracking::Lifecycle;
 use nalgebra::Matrix2;
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 use serde_json::Value;
 
 /// The gates of some tracks.
@@ -55,39 +55,43 @@ pub enum Region {
     },
 }
 
+/// What the request of a finished job says of how it tracked.
+#[derive(Deserialize)]
+struct Tracked {
+    #[serde(flatten)]
+    tracking: TrackingSpec,
+    /// Of a job that put tracks together.
+    correlator: Option<IgnoredAny>,
+}
+
 /// The gates of the tracks that are `wanted`. `None` where the job of this spec had none in the plane: it did not track, its
 /// tracks were directions or put together from those of several sensors, it chose by origin, or every detection was a candidate.
-pub fn of<'a>(
+pub fn gates_of<'a>(
     spec: &Value,
     (recording, known): (&Recording, &[SensorSettings]),
     tracks: &'a TrackSet,
     wanted: impl Fn(&Track) -> bool,
 ) -> Option<Gates<'a>> {
-    if spec.get("associator").is_none() || spec.get("correlator").is_some() {
+    let Tracked {
+        tracking,
+        correlator: None,
+    } = Tracked::deserialize(spec).ok()?
+    else {
+        return None;
+    };
+    let named = settle(&tracking, recording).filter;
+    let probability = tracking.tracker.lifecycle.gate_probability;
+    if needs_of(&tracking.associator) == Needs::Origins || probability >= 1.0 {
         return None;
     }
-    let mut spec = spec.clone();
-    auto_filter::settle(&mut spec, recording);
-    let spec = &spec;
-    let (associator, _) = associate::associator_of(spec, Seed { seed: 0, run: 0 }).ok()?;
-    let (filter, name) = associate::filter_of(spec).ok()?;
-    let probability = Lifecycle::deserialize(&spec["tracker"])
-        .ok()?
-        .gate_probability;
-    if associator.needs() == Needs::Origins || probability >= 1.0 {
-        return None;
-    }
-    let sensors = sensors::resolve(recording, known, (&filter, name), &mut Vec::new()).ok()?;
+    let sensors = sensors::resolve(recording, known, &named, &mut Vec::new()).ok()?;
     let walk = Walk {
         sensors: &sensors,
         set: tracks,
         probability,
     };
-    let has_rates = !sensors.is_empty()
-        && sensors
-            .iter()
-            .all(|sensor| sensor.report.range_rate().is_some());
-    match filter {
+    let has_rates = report_range_rates(&sensors);
+    match named.filter {
         Chosen::Kalman(filter) => Some(walk.gates::<_, 2>(&filter, wanted)),
         Chosen::Converted(filter) => Some(walk.gates::<_, 2>(&filter, wanted)),
         Chosen::Extended(filter) if has_rates => Some(walk.gates::<_, 3>(&filter, wanted)),

@@ -1,19 +1,19 @@
 //! Why a job with detections has no track: a warning that names the settings that decide it, and values that would do.
 
-use super::Tracked;
 use super::apparent_speed::apparent_speed;
 use super::speeds::{REACH, SIGMA_OF_FASTEST, two_digits};
+use super::track::{ResolvedRecording, Tracked};
 use crate::filtering::Chosen;
-use crate::model::scan::Recording;
-use crate::model::sensor::{Sensor, SensorSettings};
 use crate::tracking::{Confirmation, Initiation, Lifecycle};
 
 /// A warning where there are detections and no track was ever confirmed; none where tracks begin at the truth.
 pub fn warning(
     tracked: &Tracked,
-    (recording, known, sensors): (&Recording, &[SensorSettings], &[Sensor]),
-    (lifecycle, filter): (&Lifecycle, &Chosen),
+    data: &ResolvedRecording,
+    lifecycle: &Lifecycle,
+    filter: &Chosen,
 ) -> Option<String> {
+    let recording = data.recording;
     let begins_at_truth = matches!(lifecycle.initiation, Initiation::Truth { .. });
     if recording.detections.is_empty() || begins_at_truth || !tracked.tracks.tracks.is_empty() {
         return None;
@@ -26,7 +26,7 @@ pub fn warning(
     let advice = if filter.is_of_bearings() {
         "; a larger initial_rate_sigma_degps of the filter, a larger gate_probability or fewer confirm_hits confirm more".to_owned()
     } else {
-        advice(recording, known, sensors, lifecycle)
+        advice(data, lifecycle)
     };
     Some(format!(
         "no track was confirmed: {started} began with {} detections in {} scans (gate_probability {}{}, {}){advice}",
@@ -68,20 +68,20 @@ fn confirmation_text(lifecycle: &Lifecycle) -> String {
 }
 
 /// Values that would do, by the first of the settings that is at odds with the data.
-fn advice(
-    recording: &Recording,
-    known: &[SensorSettings],
-    sensors: &[Sensor],
-    lifecycle: &Lifecycle,
-) -> String {
-    let scans = recording.scans.iter().filter(|scan| scan.count > 0).count();
+fn advice(data: &ResolvedRecording, lifecycle: &Lifecycle) -> String {
+    let scans = data
+        .recording
+        .scans
+        .iter()
+        .filter(|scan| scan.count > 0)
+        .count();
     if lifecycle.confirmation == Confirmation::MOfN && scans < lifecycle.confirm_hits as usize {
         return format!(
             "; only {scans} scans have detections: confirm_hits {} or less could confirm one",
             scans.max(1)
         );
     }
-    let apparent = apparent_speed(recording, known, sensors);
+    let apparent = apparent_speed(data.recording, data.known, data.sensors);
     let fastest_mps = apparent.and_then(|apparent| apparent.fastest_mps);
     let is_within = |fastest_mps: f64| match lifecycle.initiation {
         Initiation::TwoPoint { max_speed_mps, .. } => fastest_mps <= max_speed_mps,

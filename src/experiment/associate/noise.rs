@@ -16,7 +16,7 @@ use crate::math::gaussian::{chi_square_tail, gate_threshold};
 const FEWEST_UPDATES: u64 = 10;
 
 /// A warning where the mean NIS says that the noise is assumed too large or too small.
-pub fn doubt(mean: f64, updates: u64, dimensions: u32, gate_probability: f64) -> Option<String> {
+pub fn warning(mean: f64, updates: u64, dimensions: u32, gate_probability: f64) -> Option<String> {
     let (due, variance) = gated_chi_square(dimensions, gate_probability);
     let half = 1.96 * (variance / updates as f64).sqrt();
     let factor = (mean / due).sqrt();
@@ -77,17 +77,17 @@ mod tests {
         // √(0.31 / 2) = 0.39; 1.96 · √(4 / 400) = 0.196.
         let told = "mean NIS 0.31 of 400 updates, 2.00 is due within the gate (1.80 to 2.20 with 95 %): the noise is assumed too large; \
                     sigma × 0.39 would fit";
-        assert_eq!(doubt(0.31, 400, 2, 1.0).as_deref(), Some(told));
+        assert_eq!(warning(0.31, 400, 2, 1.0).as_deref(), Some(told));
         assert!(
-            doubt(5.0, 400, 2, 1.0)
+            warning(5.0, 400, 2, 1.0)
                 .unwrap()
                 .contains("is assumed too small; sigma × 1.58 would fit")
         );
         assert_eq!(
             [
-                doubt(2.15, 400, 2, 1.0),
-                doubt(1.9, 1_000_000, 2, 1.0),
-                doubt(0.3, 9, 2, 1.0)
+                warning(2.15, 400, 2, 1.0),
+                warning(1.9, 1_000_000, 2, 1.0),
+                warning(0.3, 9, 2, 1.0)
             ],
             [None, None, None]
         );

@@ -7,11 +7,10 @@
 //! ([`super::apparent_speed`]), and at least what noise alone looks like; the highest speed of a pair of points is 2.5 σ.
 
 use super::apparent_speed::{ApparentSpeed, apparent_speed};
-use crate::experiment::plan::scenario_of;
+use super::track::ResolvedRecording;
+use crate::experiment::request::methods::TrackerSpec;
 use crate::filtering::Chosen;
-use crate::model::scan::Recording;
 use crate::model::scenario::{Scenario, TargetPlan};
-use crate::model::sensor::{Sensor, SensorSettings};
 use crate::tracking::{Initiation, Lifecycle};
 use serde::Serialize;
 use serde_json::Value;
@@ -57,29 +56,21 @@ struct Speeds {
     ground: Ground,
 }
 
-/// Fills in what `lifecycle` lacks of speeds, and tells what was taken.
+/// The life cycle of `tracker` with the speeds that it leaves open, and what was taken for them.
 pub fn complete(
-    lifecycle: &mut Lifecycle,
-    spec: &Value,
-    (recording, known, sensors): (&Recording, &[SensorSettings], &[Sensor]),
+    tracker: &TrackerSpec,
+    scenario: Option<&Scenario>,
+    data: &ResolvedRecording,
     filter: &Chosen,
     warnings: &mut Vec<String>,
-) -> Taken {
-    let mut taken = Taken::default();
-    if filter.is_of_bearings() {
-        return taken;
+) -> (Lifecycle, Taken) {
+    let (mut lifecycle, mut taken) = (tracker.lifecycle, Taken::default());
+    if filter.is_of_bearings() || !tracker.leaves_speed_open {
+        return (lifecycle, taken);
     }
-    let tracker = &spec["tracker"];
-    let is_open = match lifecycle.initiation {
-        Initiation::OnePoint => tracker.get("initial_speed_sigma_mps").is_none(),
-        Initiation::TwoPoint { .. } => tracker.pointer("/initiation/max_speed_mps").is_none(),
-        Initiation::Truth { .. } => false,
-    };
-    if !is_open {
-        return taken;
-    }
-    let speeds =
-        of_request(spec).unwrap_or_else(|| of_data(apparent_speed(recording, known, sensors)));
+    let speeds = scenario
+        .and_then(of_scenario)
+        .unwrap_or_else(|| of_data(apparent_speed(data.recording, data.known, data.sensors)));
     let (name, pointer, value) = match &mut lifecycle.initiation {
         Initiation::TwoPoint { max_speed_mps, .. } => {
             *max_speed_mps = speeds.highest_mps;
@@ -100,7 +91,8 @@ pub fn complete(
             )
         }
     };
-    let names: Vec<&str> = sensors
+    let names: Vec<&str> = data
+        .sensors
         .iter()
         .map(|sensor| sensor.sensor_id.as_str())
         .collect();
@@ -119,11 +111,7 @@ pub fn complete(
     warnings.push(format!(
         "{name} {value} m/s {how}; give it in {pointer} to fix it"
     ));
-    taken
-}
-
-fn of_request(spec: &Value) -> Option<Speeds> {
-    of_scenario(&scenario_of(spec)?.0)
+    (lifecycle, taken)
 }
 
 /// `None` where targets have no speeds: they are directions.

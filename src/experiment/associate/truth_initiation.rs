@@ -11,8 +11,9 @@
 //!
 //! Truth between two points is on the line between them, however far they are apart.
 
-use crate::experiment::run::RunError;
-use crate::filtering::{Chosen, Filter};
+use crate::experiment::job::RunError;
+use crate::experiment::request::methods::NamedFilter;
+use crate::filtering::Filter;
 use crate::math::rng::{Purpose, Seed};
 use crate::model::fault::Fault;
 use crate::model::scan::{Measurement, Recording};
@@ -51,7 +52,7 @@ pub fn starts(
     recording: &Recording,
     truth: Option<&TruthSet>,
     sensors: &[Sensor],
-    (filter, filter_name): (&Chosen, &str),
+    filter: &NamedFilter,
     seed: Seed,
 ) -> Result<Vec<Start>, RunError> {
     let Initiation::Truth {
@@ -68,13 +69,13 @@ pub fn starts(
             "truth",
         ));
     };
-    if let Some(fault) = unfit_truth(lifecycle, truth.is_of_bearings(), (filter, filter_name)) {
-        return Err(vec![fault].into());
+    if let Some(fault) = unfit_truth(lifecycle, truth.is_of_bearings(), filter) {
+        return Err(fault.into());
     }
     let Some(scan) = recording.scans.first() else {
         return Ok(Vec::new());
     };
-    let sigma = if filter.is_of_bearings() {
+    let sigma = if filter.filter.is_of_bearings() {
         rate_sigma_degps.to_radians()
     } else {
         speed_sigma_mps
@@ -107,10 +108,10 @@ pub fn starts(
 pub fn unfit_truth(
     lifecycle: &Lifecycle,
     is_of_bearings: bool,
-    (filter, filter_name): (&Chosen, &str),
+    named: &NamedFilter,
 ) -> Option<Fault> {
     if !matches!(lifecycle.initiation, Initiation::Truth { .. })
-        || is_of_bearings == filter.is_of_bearings()
+        || is_of_bearings == named.filter.is_of_bearings()
     {
         return None;
     }
@@ -120,13 +121,14 @@ pub fn unfit_truth(
         ("places", "directions (bearing_deg)")
     };
     let detail = format!(
-        "the truth are {found}, and tracks of the filter '{filter_name}' cannot begin at them"
+        "the truth are {found}, and tracks of the filter '{}' cannot begin at them",
+        named.name
     );
     Some(Fault::new("/truth", "unsupported", detail).allowing(wanted))
 }
 
 fn refusal(code: &str, detail: &str, allowed: &str) -> RunError {
-    RunError::Faults(vec![Fault::new("/truth", code, detail).allowing(allowed)])
+    Fault::new("/truth", code, detail).allowing(allowed).into()
 }
 
 fn true_at(target: &Target, time_s: f64) -> Option<Truth> {
@@ -184,6 +186,15 @@ fn reported(report: &Report, truth: &Truth, errors: [f64; 5]) -> Option<Measurem
 }
 
 impl Start {
+    /// The fault of a start of which the filter makes no state.
+    pub fn without_state(&self) -> Fault {
+        let detail = format!(
+            "the filter makes no state of what a sensor would report of target '{}'",
+            self.truth_id
+        );
+        Fault::new("/truth", "unsupported", detail)
+    }
+
     /// The state with which the track begins; `None` where the filter cannot use the sensor's reports.
     pub fn state<const N: usize, const D: usize>(
         &self,

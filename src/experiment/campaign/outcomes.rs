@@ -1,6 +1,7 @@
 //! The numbers that a campaign keeps of each run, and what it says of them cell by cell.
 
-use super::cells::{Axis, Cell};
+use super::axes::Axis;
+use super::cells::Cell;
 use super::shares::{DIFFERENCE, SHARE, is_share};
 use super::stop::Ended;
 use crate::math::rng::{Purpose, Seed};
@@ -115,6 +116,11 @@ fn place_of<'a>(result: &'a Value, path: &str) -> Option<&'a Value> {
         .try_fold(result, |place, step| place.get(step))
 }
 
+fn fields_at<'a>(result: &'a Value, path: &str) -> impl Iterator<Item = (&'a String, &'a Value)> {
+    let fields = place_of(result, path).and_then(Value::as_object);
+    fields.into_iter().flatten()
+}
+
 /// `; the nearest path is 'tfa.probability.correct'`.
 fn nearest_to(path: &str, result: &Value) -> String {
     let mut known = Vec::new();
@@ -162,30 +168,22 @@ fn number_at(result: &Value, path: &str) -> Option<f64> {
     }
 }
 
-/// The outcomes that a checked spec lists.
-pub(super) fn listed(spec: &Value) -> Option<Vec<Outcome>> {
-    spec.get("outcomes")
-        .and_then(|outcomes| Vec::deserialize(outcomes).ok())
-}
-
 /// A name that two outcomes have, for each is a column of the tables.
-pub(super) fn named_twice(spec: &Value) -> Vec<Fault> {
-    let outcomes = listed(spec).unwrap_or_default();
-    let is_second = |index: &usize| {
-        outcomes[..*index]
-            .iter()
-            .any(|outcome| outcome.name() == outcomes[*index].name())
-    };
-    let fault = |index: usize| {
-        let detail = format!("two outcomes are named '{}'", outcomes[index].name());
-        Fault::new(format!("/outcomes/{index}"), "duplicate", detail)
-            .allowing("each name once; 'name' sets it")
-    };
-    (0..outcomes.len()).filter(is_second).map(fault).collect()
+pub(super) fn named_twice(outcomes: &[Outcome]) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    for (index, outcome) in outcomes.iter().enumerate() {
+        let name = outcome.name();
+        if outcomes[..index].iter().any(|other| other.name() == name) {
+            let detail = format!("two outcomes are named '{name}'");
+            let fault = Fault::new(format!("/outcomes/{index}"), "duplicate", detail);
+            faults.push(fault.allowing("each name once; 'name' sets it"));
+        }
+    }
+    faults
 }
 
 /// What the reader of the tables should know: outcomes that no run has, and shares that are none.
-pub(super) fn doubts(
+pub(super) fn warnings(
     outcomes: &[Outcome],
     rows: &[Rows],
     lacking: &[Option<String>],
@@ -194,23 +192,23 @@ pub(super) fn doubts(
         rows.iter()
             .flat_map(move |cell| cell[number].iter().flatten().copied())
     };
-    let mut doubts = Vec::new();
+    let mut warnings = Vec::new();
     for (number, outcome) in outcomes.iter().enumerate() {
         let (name, path) = (outcome.name(), &outcome.path);
         if numbers(number).next().is_none() {
             let absent = || format!("there is no number at '{path}' in any result");
-            doubts.push(format!(
+            warnings.push(format!(
                 "no run has the outcome '{name}': {}",
                 lacking[number].clone().unwrap_or_else(absent)
             ));
         }
         if outcome.interval == Method::Wilson && !numbers(number).all(is_success_or_failure) {
-            doubts.push(format!(
+            warnings.push(format!(
                 "outcome '{name}' is not 0 or 1 in every run, so it has no Wilson interval"
             ));
         }
     }
-    doubts
+    warnings
 }
 
 fn is_success_or_failure(number: f64) -> bool {
@@ -231,10 +229,7 @@ pub(super) fn found_in(result: &Value) -> Vec<Outcome> {
         "gap",
         "truth",
     ] {
-        match part
-            .split('.')
-            .try_fold(result, |place, step| place.get(step))
-        {
+        match place_of(result, part) {
             Some(Value::Object(fields)) => {
                 paths.extend(fields.keys().map(|name| format!("{part}.{name}")))
             }
@@ -242,11 +237,8 @@ pub(super) fn found_in(result: &Value) -> Vec<Outcome> {
             None => {}
         }
     }
-    for (metric, report) in result["metrics"].as_object().into_iter().flatten() {
-        let names = report["quantities"]
-            .as_object()
-            .into_iter()
-            .flat_map(Map::keys);
+    for (metric, report) in fields_at(result, "metrics") {
+        let names = fields_at(report, "quantities").map(|(name, _)| name);
         paths.extend(names.map(|name| format!("metrics.{metric}.quantities.{name}")));
     }
     paths

@@ -1,7 +1,7 @@
 //! `runs.parquet`: the table of `runs.csv`, column by column and with its types, for programs that read many runs.
 
 use super::outcomes::Rows;
-use crate::experiment::run::Artifact;
+use crate::experiment::job::Artifact;
 use parquet::basic::{LogicalType, Repetition, Type as Physical};
 use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
 use parquet::errors::Result;

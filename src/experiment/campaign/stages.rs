@@ -1,8 +1,10 @@
-//! What a campaign makes next: the runs up to the next look at its intervals, cut into pieces of about the same time.
+//! What a campaign makes next: the runs up to the next look at its intervals, cut into chunks of about the same time.
 
-use super::pieces::{Harvest, Items, Piece};
+use super::Campaign;
+use super::cells::Cell;
+use super::chunks::{ChunkResult, CollectedRuns, Items};
 use super::stop::looks;
-use super::{Campaign, Plan};
+use crate::experiment::job::Plan;
 use std::collections::HashSet;
 use std::ops::Range;
 use std::time::Duration;
@@ -13,8 +15,8 @@ const LOTS_LEFT: f64 = 16.0;
 /// What is to be done when nothing is being made.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Next {
-    /// These runs; `spared` are those that cells which have ended do not make.
-    Runs { items: Vec<Items>, spared: u64 },
+    /// These runs; `skipped` are those that cells which have ended do not make.
+    Runs { items: Vec<Items>, skipped: u64 },
     /// Nothing: the result can be had of [`Campaign::report`].
     Result,
 }
@@ -28,16 +30,17 @@ fn join(ranges: &mut Vec<Items>, item: u64) {
 }
 
 impl Campaign {
-    /// What is missing. It depends on the numbers of the runs alone, not on how the pieces were cut or who made them.
-    pub fn next(&self, pieces: &[Piece]) -> Next {
+    /// What is missing. It depends on the numbers of the runs alone, not on how the chunks were cut or who made them.
+    pub fn next(&self, chunks: &[ChunkResult]) -> Next {
         let Some(stop) = &self.stop else {
-            return self.missing(pieces, 0..self.runs, 0, |_| false);
+            return self.missing(chunks, 0..self.runs, 0, |_| false);
         };
-        let harvest = Harvest::of(self, pieces, self.outcomes.as_ref().map_or(0, Vec::len));
+        let collected =
+            CollectedRuns::new(self, chunks, self.outcomes.as_ref().map_or(0, Vec::len));
         let mut has_ended = vec![false; self.cells.len()];
-        let (mut from, mut spared) = (0, 0);
+        let (mut from, mut skipped) = (0, 0);
         for until in looks(self.runs) {
-            let missing = self.missing(pieces, from..until, spared, |cell| has_ended[cell]);
+            let missing = self.missing(chunks, from..until, skipped, |cell| has_ended[cell]);
             if missing != Next::Result || until == self.runs {
                 return missing;
             }
@@ -46,8 +49,8 @@ impl Campaign {
                 .enumerate()
                 .filter(|(_, has_ended)| !**has_ended)
             {
-                *has_ended = stop.is_reached(cell, &harvest.rows[cell], until as usize);
-                spared += u64::from(*has_ended) * u64::from(self.runs - until);
+                *has_ended = stop.is_reached(cell, &collected.rows[cell], until as usize);
+                skipped += u64::from(*has_ended) * u64::from(self.runs - until);
             }
             from = until;
         }
@@ -56,16 +59,16 @@ impl Campaign {
 
     fn missing(
         &self,
-        pieces: &[Piece],
+        chunks: &[ChunkResult],
         runs: Range<u32>,
-        spared: u64,
+        skipped: u64,
         has_ended: impl Fn(usize) -> bool,
     ) -> Next {
         let cells = self.cells.len() as u64;
         let (first, last) = (u64::from(runs.start) * cells, u64::from(runs.end) * cells);
-        let made: HashSet<u64> = pieces
+        let made: HashSet<u64> = chunks
             .iter()
-            .flat_map(Piece::items)
+            .flat_map(ChunkResult::items)
             .copied()
             .filter(|item| (first..last).contains(item))
             .collect();
@@ -80,7 +83,7 @@ impl Campaign {
         } else {
             Next::Runs {
                 items: missing,
-                spared,
+                skipped,
             }
         }
     }
@@ -91,13 +94,13 @@ impl Campaign {
     pub fn cut(
         &self,
         items: Vec<Items>,
-        pieces: &[Piece],
+        chunks: &[ChunkResult],
         shortest: Duration,
         longest: Duration,
     ) -> Vec<Vec<Items>> {
         let (costs_s, mut left_s) = (
-            self.costs_s(pieces),
-            self.cost(&items, pieces).as_secs_f64(),
+            self.costs_s(chunks),
+            self.cost(&items, chunks).as_secs_f64(),
         );
         let target_of =
             |left_s: f64| (left_s / LOTS_LEFT).clamp(shortest.as_secs_f64(), longest.as_secs_f64());
@@ -117,24 +120,24 @@ impl Campaign {
     }
 
     /// What these runs will take together.
-    pub fn cost(&self, items: &[Items], pieces: &[Piece]) -> Duration {
-        let costs_s = self.costs_s(pieces);
+    pub fn cost(&self, items: &[Items], chunks: &[ChunkResult]) -> Duration {
+        let costs_s = self.costs_s(chunks);
         let of_item = |item: u64| costs_s[(item % costs_s.len() as u64) as usize];
         Duration::from_secs_f64(items.iter().cloned().flatten().map(of_item).sum())
     }
 
     /// What a run of each cell takes.
-    fn costs_s(&self, pieces: &[Piece]) -> Vec<f64> {
+    fn costs_s(&self, chunks: &[ChunkResult]) -> Vec<f64> {
         let mut spent = vec![(0.0, 0.0); self.cells.len()];
-        for (&item, &spent_us) in pieces
+        for (&item, &spent_us) in chunks
             .iter()
-            .flat_map(|piece| piece.items().iter().zip(piece.spent_us()))
+            .flat_map(|chunk| chunk.items().iter().zip(chunk.spent_us()))
         {
             let (sum_s, count) = &mut spent[(item % self.cells.len() as u64) as usize];
             *sum_s += spent_us as f64 / 1e6;
             *count += 1.0;
         }
-        let estimate_s = |plan: &Plan| plan.estimate.cost_s.max(1e-6);
+        let estimate_s = |plan: &Plan| plan.cost.cost_s.max(1e-6);
         let (mut made_s, mut reckoned_s) = (0.0, 0.0);
         for (cell, (sum_s, count)) in self.cells.iter().zip(&spent) {
             made_s += sum_s;
@@ -145,7 +148,7 @@ impl Campaign {
         } else {
             1.0
         };
-        let cost_s = |(cell, (sum_s, count)): (&super::Cell, &(f64, f64))| {
+        let cost_s = |(cell, (sum_s, count)): (&Cell, &(f64, f64))| {
             if *count > 0.0 {
                 sum_s / count
             } else {

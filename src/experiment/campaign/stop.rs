@@ -3,11 +3,11 @@
 //! It is looked at so rarely because each look is one more chance to stop at an interval that is narrow by luck, and at fixed numbers of
 //! runs so that the answer depends on the spec alone.
 
-use super::outcomes::{Outcome, Rows, listed};
+use super::outcomes::{Outcome, Rows};
+use super::spec::Spec;
 use crate::math::rng::{Purpose, Seed};
 use crate::model::fault::Fault;
 use serde::Serialize;
-use serde_json::Value;
 
 /// Runs before the first look; each later one is at twice as many.
 const FIRST_LOOK: u32 = 10;
@@ -37,42 +37,36 @@ pub(super) fn looks(runs: u32) -> impl Iterator<Item = u32> {
 }
 
 impl Stop {
-    /// The rule of a checked spec, where it has one.
+    /// The rule of a request, where it has one.
     ///
     /// # Errors
     /// It names an outcome that is not listed.
-    pub fn of(spec: &Value, seed: Seed) -> Result<Option<Stop>, Box<Fault>> {
-        let Some(rule) = spec.get("stop_at") else {
+    pub fn new(spec: &Spec) -> Result<Option<Stop>, Box<Fault>> {
+        let Some(rule) = &spec.stop_at else {
             return Ok(None);
         };
-        let (name, outcomes) = (
-            rule["outcome"].as_str().unwrap_or_default(),
-            listed(spec).unwrap_or_default(),
-        );
+        let (name, outcomes) = (&rule.outcome, spec.outcomes.as_deref().unwrap_or_default());
         let Some(number) = outcomes.iter().position(|outcome| outcome.name() == name) else {
-            let known = outcomes
-                .iter()
-                .map(Outcome::name)
-                .collect::<Vec<_>>()
-                .join(", ");
+            let known: Vec<&str> = outcomes.iter().map(Outcome::name).collect();
             let allowed = if known.is_empty() {
                 "an outcome listed in 'outcomes'".to_owned()
             } else {
-                known
+                known.join(", ")
             };
             let detail = format!("there is no outcome '{name}' in the list of outcomes");
             return Err(Box::new(
                 Fault::new("/stop_at/outcome", "unknown_value", detail).allowing(allowed),
             ));
         };
-        let half_width = rule["half_width"].as_f64().unwrap_or_default();
-        let confidence = spec["confidence"].as_f64().unwrap_or(0.95);
         Ok(Some(Stop {
             number,
             outcome: outcomes[number].clone(),
-            half_width,
-            confidence,
-            seed,
+            half_width: rule.half_width,
+            confidence: spec.confidence,
+            seed: Seed {
+                seed: spec.seed,
+                run: 0,
+            },
         }))
     }
 
@@ -98,6 +92,7 @@ impl Stop {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::experiment::request::draft::parse;
     use serde_json::json;
 
     #[test]
@@ -115,8 +110,12 @@ mod tests {
         // 1 … 5: ± 1.963243 (t); 10 of 10 by Wilson: 0.722467 to 1, ± 0.138766.
         let stop = |interval: &str, half_width: f64| {
             let outcome = json!({"path": "a", "name": "n", "interval": interval});
-            let spec = json!({"outcomes": [outcome], "stop_at": {"outcome": "n", "half_width": half_width}, "confidence": 0.95});
-            Stop::of(&spec, Seed { seed: 1, run: 0 }).unwrap().unwrap()
+            let stop_at = json!({"outcome": "n", "half_width": half_width});
+            let spec = parse(&json!({
+                "seed": 1, "base": {}, "runs": 10, "timed_runs": 0, "confidence": 0.95,
+                "outcomes": [outcome], "stop_at": stop_at
+            }));
+            Stop::new(&spec).unwrap().unwrap()
         };
         let numbers = vec![[1.0, 2.0, 3.0, 4.0, 5.0].map(Some).to_vec()];
         assert_eq!(

@@ -3,7 +3,7 @@
 use super::cells::Cell;
 use super::outcomes::{CellReport, Rows};
 use crate::experiment::files::tables::{optional, quoted};
-use crate::experiment::run::Artifact;
+use crate::experiment::job::Artifact;
 use crate::math::stats::Interval;
 use std::io::{Error, Write};
 

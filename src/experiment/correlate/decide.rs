@@ -3,30 +3,30 @@
 //! With more than half of the decisions no two different tuples of one track can stand. With fewer they can; then the more
 //! frequent one does, of equally frequent ones the one that costs less at the last time.
 
-use super::{Confirm, told};
+use super::spec::Confirm;
 use crate::correlation::problem::Problem;
 use crate::correlation::statistic::Correlation;
 use crate::correlation::{Correlator, Solution};
-use crate::experiment::observer::{Observer, Step};
-use crate::experiment::run::{Decided, RunError};
+use crate::experiment::job::{AssociationTime, RunError};
+use crate::experiment::observer::{Observer, Step, report_progress};
 use crate::model::fault::Fault;
 use crate::model::watch::Watch;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-pub(super) struct Decisions {
+pub struct Decisions {
     /// The last, and its problem.
     pub solution: Solution,
     pub problem: Problem,
     /// Those that stand, with how often each was found.
     pub tuples: Vec<(Vec<u32>, u32)>,
     pub alone: Vec<u32>,
-    pub decided: Option<Decided>,
+    pub association_time: Option<AssociationTime>,
 }
 
 /// Puts the tracks together at each of the last `of` times.
-pub(super) fn decide(
+pub fn decide(
     correlation: &Correlation,
     confirm: Confirm,
     correlator: &mut dyn Correlator,
@@ -34,7 +34,7 @@ pub(super) fn decide(
 ) -> Result<Decisions, RunError> {
     let times = correlation.estimates.times();
     let total = u64::from(confirm.of);
-    told(observer, Step::Correlate, 0, total)?;
+    report_progress(observer, Step::Correlate, 0, total)?;
     let mut counts: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
     let mut spent = Some(Duration::ZERO);
     let mut last = None;
@@ -54,7 +54,7 @@ pub(super) fn decide(
         for tuple in solution.tuples.iter().filter(|tuple| tuple.len() > 1) {
             *counts.entry(tuple.clone()).or_default() += 1;
         }
-        told(observer, Step::Correlate, u64::from(number), total)?;
+        report_progress(observer, Step::Correlate, u64::from(number), total)?;
         last = Some((solution, problem));
     }
     let (solution, problem) = last.ok_or_else(|| {
@@ -74,7 +74,7 @@ pub(super) fn decide(
     let alone = (0..problem.tracks() as u32)
         .filter(|&track| is_alone[track as usize])
         .collect();
-    let decided = spent.map(|spent| Decided {
+    let association_time = spent.map(|spent| AssociationTime {
         spent,
         scans: total,
     });
@@ -83,7 +83,7 @@ pub(super) fn decide(
         problem,
         tuples,
         alone,
-        decided,
+        association_time,
     })
 }
 

@@ -1,16 +1,16 @@
 //! The tracks of each sensor, and which target each of them is of, where that is known.
 
-use super::checks::one_sensor;
+use super::check::one_sensor;
+use super::spec::Spec;
 use crate::correlation::alignment::{Assumed, Node};
-use crate::experiment::plan::Plan;
-use crate::experiment::run::RunError;
+use crate::experiment::job::refuse_any;
+use crate::math::rng::Seed;
 use crate::model::fault::Fault;
 use crate::model::scan::Recording;
 use crate::model::state::Position;
 use crate::model::track::{Track, TrackSet};
-use crate::model::truth::TruthSet;
-use crate::simulation::{LocalTracks, simulate_local_tracks};
-use serde::Deserialize;
+use crate::model::truth::{Target, TruthSet};
+use crate::simulation::{LocalTracks, SensorTracks, simulate_local_tracks};
 use std::collections::BTreeMap;
 
 /// Truth is interpolated over gaps up to this when tracks are compared with it.
@@ -26,44 +26,34 @@ pub struct Nodes {
     pub truth_ids: Vec<String>,
 }
 
-/// Drawn tracks; `None` when the job has others.
-pub fn drawn(plan: &Plan) -> Result<Option<(Nodes, TruthSet)>, RunError> {
-    let Some(Ok(settings)) = plan
-        .spec
-        .pointer("/input/tracks")
-        .map(LocalTracks::deserialize)
-    else {
-        return Ok(None);
-    };
-    let (sensors, truth) = simulate_local_tracks(&settings, plan.stream())?;
+/// Drawn tracks, and the truth behind them.
+///
+/// # Errors
+/// Tracks that are nowhere.
+pub fn draw_tracks(settings: &LocalTracks, seed: Seed) -> Result<(Nodes, TruthSet), Vec<Fault>> {
+    let (sensors, truth) = simulate_local_tracks(settings, seed)?;
     let origins = sensors
         .iter()
         .flat_map(|sensor| sensor.origins.iter().copied())
         .collect();
-    let nodes = sensors
-        .into_iter()
-        .map(|sensor| Node {
-            sensor_id: sensor.sensor_id,
-            tracks: sensor.tracks,
-        })
-        .collect();
-    let truth_ids = truth
-        .targets()
-        .iter()
-        .map(|target| target.truth_id.clone())
-        .collect();
-    Ok(Some((
-        Nodes {
-            nodes,
-            origins: Some(origins),
-            truth_ids,
-        },
-        truth,
-    )))
+    let node = |SensorTracks {
+                    sensor_id, tracks, ..
+                }| Node { sensor_id, tracks };
+    let nodes = Nodes {
+        nodes: sensors.into_iter().map(node).collect(),
+        origins: Some(origins),
+        truth_ids: ids_of(&truth),
+    };
+    Ok((nodes, truth))
+}
+
+fn ids_of(truth: &TruthSet) -> Vec<String> {
+    let targets = truth.targets().iter();
+    targets.map(|target| target.truth_id.clone()).collect()
 }
 
 /// Uploaded tracks, or those of other jobs: a set is called by its sensor, or by its place where it has none or several.
-pub fn of_sets(sets: Vec<TrackSet>) -> Nodes {
+pub fn name_sets(sets: Vec<TrackSet>) -> Nodes {
     let name = |(index, tracks): (usize, TrackSet)| {
         let sensor_id = match tracks.sensor_ids.as_slice() {
             [only] => only.clone(),
@@ -78,12 +68,8 @@ pub fn of_sets(sets: Vec<TrackSet>) -> Nodes {
 }
 
 /// What makes tracks impossible to compare: every fault, and what is assumed of tracks without covariance.
-pub(super) fn check(
-    nodes: &[Node],
-    is_of_sets: bool,
-    assumed: Option<Assumed>,
-    warnings: &mut Vec<String>,
-) -> Result<(), Vec<Fault>> {
+pub fn check(nodes: &[Node], spec: &Spec, warnings: &mut Vec<String>) -> Result<(), Vec<Fault>> {
+    let (is_of_sets, assumed) = (spec.has_sets(), spec.alignment.assumed());
     let mut faults = Vec::new();
     let place = |index: usize| {
         if is_of_sets {
@@ -93,10 +79,7 @@ pub(super) fn check(
         }
     };
     if nodes.len() < 2 {
-        faults.push(one_sensor(
-            if is_of_sets { "/sets" } else { "/input" },
-            nodes.len(),
-        ));
+        faults.push(one_sensor(spec.place(), nodes.len()));
     }
     for (index, node) in nodes.iter().enumerate() {
         let name = &node.sensor_id;
@@ -137,11 +120,7 @@ pub(super) fn check(
             }
         }
     }
-    if faults.is_empty() {
-        Ok(())
-    } else {
-        Err(faults)
-    }
+    refuse_any(faults)
 }
 
 fn lacking_covariance(tracks: &TrackSet) -> usize {
@@ -172,11 +151,22 @@ pub fn by_detections(tracks: &TrackSet, recording: &Recording) -> Vec<Option<u32
     tracks.tracks.iter().map(of_track).collect()
 }
 
+impl Nodes {
+    /// With the targets that tracks are near.
+    pub fn by_truth(self, truth: &TruthSet, gate_m: f64) -> Nodes {
+        Nodes {
+            origins: Some(nearest_targets(&self.nodes, truth, gate_m)),
+            truth_ids: ids_of(truth),
+            ..self
+        }
+    }
+}
+
 /// For each track, numbered through, the target that is nearest to most of its points, within the gate.
-pub(super) fn by_truth(nodes: &[Node], truth: &TruthSet, gate_m: f64) -> Vec<Option<u32>> {
+fn nearest_targets(nodes: &[Node], truth: &TruthSet, gate_m: f64) -> Vec<Option<u32>> {
     let of_track = |track: &Track| {
         let nearest = |(time_s, position_m): (f64, Position)| {
-            let distance_m = |(index, target): (usize, &crate::model::truth::Target)| {
+            let distance_m = |(index, target): (usize, &Target)| {
                 let distance_m = (target.position_at(time_s, MAX_TRUTH_GAP_S)? - position_m).norm();
                 (distance_m <= gate_m).then_some((distance_m, index as u32))
             };

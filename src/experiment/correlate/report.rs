@@ -1,12 +1,12 @@
 //! What a job that correlates tracks reports, and its files.
 
-use super::Correlated;
+use super::run::Correlated;
 use crate::correlation::alignment::Node;
 use crate::correlation::evidence::Evidence;
 use crate::correlation::statistic::p_value;
 use crate::evaluation::grouping::{GroupedReport, GroupingCounts};
 use crate::experiment::files::tables::{Table, number, optional};
-use crate::experiment::run::Artifact;
+use crate::experiment::job::Artifact;
 use crate::formats;
 use crate::model::dataset::Dataset;
 use crate::model::track::{Track, TrackPoint, TrackSet};

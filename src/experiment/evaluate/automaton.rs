@@ -1,16 +1,15 @@
 //! The temporal automaton in a job: its settings from the request, and the files it leaves beside the report.
 
+use super::fields::TFA;
+use super::spec::ComparisonSpec;
 use crate::evaluation::temporal_automaton::weighted::ScanProbability;
-use crate::evaluation::temporal_automaton::{Order, TfaEvaluation, report::EPSILON};
-use crate::evaluation::{DecisionPolicy, EvaluationInput, SymbolRule, TfaSettings};
+use crate::evaluation::temporal_automaton::{TfaEvaluation, report::EPSILON};
+use crate::evaluation::{EvaluationInput, SymbolRule, TfaSettings};
 use crate::experiment::files::tables::{number, optional, quoted};
-use crate::experiment::request::fields as requests;
-use crate::experiment::run::{Artifact, RunError};
+use crate::experiment::job::{Artifact, RunError};
+use crate::experiment::request::draft::defaults_of;
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
-use crate::registry;
-use serde::Deserialize;
-use serde_json::{Value, json};
 use std::io::Write;
 
 /// A larger automaton is not written to files: no picture shows it, and the report says all that it decided.
@@ -18,43 +17,37 @@ pub const MAX_TRANSITIONS: usize = 20_000;
 /// Longer curves are not written to a file.
 pub const MAX_CURVE_ROWS: usize = 500_000;
 
-/// The settings in the request; where it has none, what the data allow.
-pub fn spec_of(spec: &Value, input: &EvaluationInput) -> Result<Value, RunError> {
-    if let Some(given) = spec.get("tfa") {
-        return Ok(given.clone());
-    }
+/// The settings where the request has none: what the data allow.
+pub fn default_settings(comparison: &ComparisonSpec, input: &EvaluationInput) -> TfaSettings {
     let has_origins = input
         .recording
         .is_some_and(|recording| recording.origins_known);
     let symbols = if has_origins && (!input.tracks.candidates.is_empty() || input.truth.is_none()) {
-        json!({"kind": "detection_id"})
+        SymbolRule::DetectionId
     } else {
-        let comparison = &spec["comparison"];
-        json!({"kind": "nearest_truth", "gate_m": comparison["gate_m"], "max_gap_s": comparison["alignment"]["max_gap_s"]})
+        SymbolRule::NearestTruth {
+            gate_m: comparison.gate_m,
+            max_gap_s: comparison.alignment.rule.max_gap_s(),
+        }
     };
-    Ok(registry::check(
-        &json!({"symbols": symbols}),
-        &requests::TFA,
-    )?)
+    TfaSettings {
+        symbols,
+        ..defaults_of(&TFA)
+    }
 }
 
-/// Judges tracks as the checked description `spec` says.
-pub fn evaluation<'a>(
-    spec: &Value,
-    time_tolerance_s: Option<f64>,
+/// Judges tracks.
+///
+/// # Errors
+/// What the settings need and the data do not have.
+pub fn evaluate<'a>(
+    settings: TfaSettings,
     input: EvaluationInput<'a>,
     sensors: &[SensorSettings],
-) -> Result<TfaEvaluation<'a>, RunError> {
+) -> Result<TfaEvaluation<'a>, Vec<Fault>> {
     // Without a recording nothing is known of sensors.
     let sensors = input.recording.map(|_| sensors);
-    Ok(TfaEvaluation::new(
-        input,
-        sensors,
-        TfaSettings {
-            time_tolerance_s,
-            ..settings(spec)?
-        },
-    )?)
+    TfaEvaluation::new(input, sensors, settings)
 }
 
 /// `automaton.json`, `automaton.dot` and `truth_probability.csv`, where they are not too large.
@@ -109,75 +102,12 @@ fn csv(evaluation: &TfaEvaluation, curves: &[ScanProbability]) -> std::io::Resul
     Ok(bytes)
 }
 
-/// The settings, from their checked description.
-fn settings(spec: &Value) -> Result<TfaSettings, RunError> {
-    #[derive(Deserialize)]
-    struct Wire {
-        symbols: Symbols,
-        decision: Decision,
-        max_missed: u32,
-        tolerance: u32,
-        search: Search,
-        minimise: bool,
-    }
-    #[derive(Deserialize)]
-    #[serde(tag = "kind", rename_all = "snake_case")]
-    enum Symbols {
-        DetectionId,
-        NearestDetection { gate_m: f64 },
-        NearestTruth { gate_m: f64, max_gap_s: f64 },
-    }
-    #[derive(Deserialize)]
-    #[serde(tag = "policy", rename_all = "snake_case")]
-    enum Decision {
-        MostProbable,
-        AllGated { min_weight: f64 },
-    }
-    #[derive(Deserialize)]
-    #[serde(rename_all = "snake_case")]
-    enum Search {
-        BreadthFirst,
-        DepthFirst,
-    }
-    let wire = Wire::deserialize(spec).map_err(|error| {
-        RunError::Faults(vec![Fault::new("/tfa", "malformed", error.to_string())])
-    })?;
-    let symbols = match wire.symbols {
-        Symbols::DetectionId => SymbolRule::DetectionId,
-        Symbols::NearestDetection { gate_m } => SymbolRule::NearestDetection { gate_m },
-        Symbols::NearestTruth { gate_m, max_gap_s } => {
-            SymbolRule::NearestTruth { gate_m, max_gap_s }
-        }
-    };
-    let decision = match wire.decision {
-        Decision::MostProbable => DecisionPolicy::MostProbable,
-        Decision::AllGated { min_weight } => DecisionPolicy::AllGated { min_weight },
-    };
-    let search = match wire.search {
-        Search::BreadthFirst => Order::BreadthFirst,
-        Search::DepthFirst => Order::DepthFirst,
-    };
-    let Wire {
-        max_missed,
-        tolerance,
-        minimise,
-        ..
-    } = wire;
-    Ok(TfaSettings {
-        symbols,
-        decision,
-        max_missed,
-        tolerance,
-        search,
-        minimise,
-        time_tolerance_s: None,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::experiment::request::draft::parse;
     use crate::model::track::TrackSet;
+    use serde_json::json;
 
     #[test]
     fn settings_that_are_not_given_are_those_of_the_comparison() {
@@ -187,13 +117,21 @@ mod tests {
             truth: None,
             tracks: &tracks,
         };
-        let spec = json!({"comparison": {"gate_m": 7.5, "alignment": {"method": "interpolate", "max_gap_s": 12.0}}});
-        let found = spec_of(&spec, &input).unwrap();
+        let comparison: ComparisonSpec = parse(&json!({
+            "gate_m": 7.5, "gate_deg": 5.0, "min_iou": 0.5,
+            "alignment": {"method": "interpolate", "max_gap_s": 12.0}
+        }));
+        let found = default_settings(&comparison, &input);
+        let symbols = SymbolRule::NearestTruth {
+            gate_m: 7.5,
+            max_gap_s: 12.0,
+        };
         assert_eq!(
-            found["symbols"],
-            json!({"kind": "nearest_truth", "gate_m": 7.5, "max_gap_s": 12.0})
+            found,
+            TfaSettings {
+                symbols,
+                ..TfaSettings::PAPER
+            }
         );
-        let given = json!({"tfa": {"max_missed": 3}, "comparison": spec["comparison"]});
-        assert_eq!(spec_of(&given, &input).unwrap(), given["tfa"]);
     }
 }

@@ -7,7 +7,7 @@ use crate::evaluation::metrics::origin::{
 };
 use crate::evaluation::metrics::{Line, MetricReport, Sequence, Series};
 use crate::experiment::files::tables::{Table, number, optional};
-use crate::experiment::run::Artifact;
+use crate::experiment::job::Artifact;
 use serde_json::{Map, Value, json};
 
 /// Metrics by the names that they have in the report.
@@ -19,6 +19,25 @@ pub const TIME: &str = "time_s";
 /// More pairs are not written to a file.
 pub const MAX_PAIRS: usize = 1_000_000;
 
+const EVENT_COLUMNS: [&str; 7] = [
+    "step",
+    "time_s",
+    "event",
+    "truth_id",
+    "track_id",
+    "distance",
+    "similarity",
+];
+
+const PAIR_COLUMNS: [&str; 6] = [
+    "step",
+    "time_s",
+    "truth_id",
+    "track_id",
+    "distance",
+    "similarity",
+];
+
 /// The files of all sequences, and how many pairs there are.
 pub fn files(
     names: &[&str],
@@ -26,29 +45,8 @@ pub fn files(
     reports: &[&Reports],
 ) -> (Vec<Artifact>, usize) {
     let has_names = names.len() > 1;
-    let mut events = Table::new(
-        has_names,
-        &[
-            "step",
-            "time_s",
-            "event",
-            "truth_id",
-            "track_id",
-            "distance",
-            "similarity",
-        ],
-    );
-    let mut pairs = Table::new(
-        has_names,
-        &[
-            "step",
-            "time_s",
-            "truth_id",
-            "track_id",
-            "distance",
-            "similarity",
-        ],
-    );
+    let mut events = Table::new(has_names, &EVENT_COLUMNS);
+    let mut pairs = Table::new(has_names, &PAIR_COLUMNS);
     let mut series = Table::new(has_names, &["time_s"]);
     let mut truths = Table::new(has_names, &["truth_id"]);
     let mut tracks = Table::new(has_names, &["track_id"]);

@@ -1,7 +1,108 @@
-//! Judges tracks: by metrics, and by the temporal automaton.
+//! Judges tracks, those that are given or those that it makes first: by metrics, and by the temporal automaton.
 
-pub mod automaton;
+mod automaton;
+mod check;
+mod compare;
+mod fields;
 mod metric_files;
-pub mod metrics;
-pub mod profiles;
+mod metrics;
+mod profiles;
 mod progress;
+mod report;
+mod run;
+mod spec;
+
+pub use fields::EVALUATE;
+
+use crate::evaluation::metrics::BuildMetric;
+use crate::experiment::associate::check::{check_start, check_tracking};
+use crate::experiment::associate::known::check_tracked;
+use crate::experiment::input::known::check_inputs;
+use crate::experiment::job::{
+    Cost, InputRequest, Inputs, Job, Known, KnownInputs, Outcome, Planner, RunError, RunSettings,
+};
+use crate::experiment::observer::Observer;
+use crate::experiment::request::draft::{Draft, Planned};
+use crate::experiment::request::methods::{Choice, TrackingSpec};
+use crate::model::dataset::DatasetKind;
+use crate::model::fault::Fault;
+use spec::Spec;
+
+#[derive(Clone)]
+struct EvaluateJob {
+    spec: Spec,
+    tracking: Option<TrackingSpec>,
+    /// The metrics that are taken instead where the data are boxes.
+    metrics_of_boxes: Option<Vec<Choice<BuildMetric>>>,
+    inputs: Vec<InputRequest>,
+    cost: Cost,
+}
+
+pub fn plan(mut draft: Draft, _: Planner) -> Result<Planned, Vec<Fault>> {
+    check::check_subject(&mut draft);
+    let cost = check_tracking(&mut draft, true);
+    let inputs = draft.inputs();
+    check::check_symbols(&mut draft, &inputs);
+    check_start(&mut draft, &inputs);
+    profiles::fill_metrics(&mut draft, &inputs);
+    let metrics_of_boxes = profiles::metrics_of_boxes(&draft);
+    draft.finish(|spec: Spec| EvaluateJob {
+        tracking: spec.tracking(),
+        spec,
+        metrics_of_boxes,
+        inputs,
+        cost,
+    })
+}
+
+impl Job for EvaluateJob {
+    fn inputs(&self) -> &[InputRequest] {
+        &self.inputs
+    }
+
+    fn cost(&self) -> Cost {
+        self.cost
+    }
+
+    fn check_known(&self, known: &[Option<Known>]) -> KnownInputs {
+        let Some(tracking) = &self.tracking else {
+            return check_inputs(&self.inputs, known);
+        };
+        let mut found = check_tracked(&self.inputs, known, tracking, &self.spec.sensors);
+        if found.origins_known == Some(false) {
+            found.faults.extend(self.missing_truth());
+        }
+        found.into_known_inputs(|filter| {
+            let mut job = self.clone();
+            job.tracking = Some(TrackingSpec {
+                filter,
+                ..tracking.clone()
+            });
+            job
+        })
+    }
+
+    fn run(
+        &self,
+        inputs: Inputs,
+        settings: RunSettings,
+        observer: &mut dyn Observer,
+    ) -> Result<Outcome, RunError> {
+        run::run(self, inputs, settings, observer)
+    }
+}
+
+impl EvaluateJob {
+    /// Tracks cannot be judged without truth and without detections of known origins.
+    fn missing_truth(&self) -> Option<Fault> {
+        let is_truth = |request: &InputRequest| request.role == DatasetKind::Truth;
+        if self.inputs.iter().any(is_truth) {
+            return None;
+        }
+        let detail = "the recording does not say which target its detections came from, so there is nothing to judge its tracks by";
+        Some(
+            Fault::new("/truth", "missing", detail)
+                .allowing("truth, a column 'truth_id' in the recording, or a job of kind associate, which judges nothing"),
+        )
+    }
+}

@@ -1,82 +1,95 @@
 //! Profiles: the metrics that a kind of user expects, when the request does not list any.
 
-use super::metrics as judge;
-use crate::evaluation::metrics::METRIC;
-use crate::experiment::associate;
-use crate::experiment::plan::{self, InputRequest};
+use super::spec::METRICS_OF_BEARINGS;
+use crate::evaluation::comparison::Shape;
+use crate::evaluation::metrics::{BuildMetric, METRIC};
+use crate::experiment::associate::check::named_filter;
+use crate::experiment::job::InputRequest;
+use crate::experiment::request::draft::{Draft, parse};
+use crate::experiment::request::methods::Choice;
 use crate::model::fault::Fault;
 use crate::registry::{self, Kind};
 use serde_json::{Value, json};
 
+static ENTRY: Kind = Kind::Union(&METRIC);
+
 /// Fills `metrics` from the profile where truth will be there, and refuses metrics that are asked for without truth or of
 /// tracks that will be directions.
-pub fn fill_metrics(spec: &mut Value, inputs: &[InputRequest], faults: &mut Vec<Fault>) {
-    let has_truth = plan::knows_truth(spec, inputs);
-    let is_of_bearings =
-        associate::filter_of(spec).is_ok_and(|(filter, _)| filter.is_of_bearings());
-    match spec.get("metrics").and_then(Value::as_array).map(Vec::len) {
+pub fn fill_metrics(draft: &mut Draft, inputs: &[InputRequest]) {
+    let has_truth = draft.knows_truth(inputs);
+    let is_of_bearings = named_filter(draft).is_some_and(|named| named.filter.is_of_bearings());
+    match draft.length_of("metrics") {
         Some(listed) if listed > 0 && !has_truth && !inputs.is_empty() => {
-            faults.push(Fault::new(
-                "/truth",
-                "missing",
-                "'truth' is required when metrics are asked for",
-            ));
+            let detail = "'truth' is required when metrics are asked for";
+            draft.add([Fault::new("/truth", "missing", detail)]);
         }
-        Some(_)
-            if is_of_bearings
-                && !spec["metrics"]
-                    .as_array()
-                    .is_some_and(|bodies| bodies.iter().all(judge::accepts_bearings)) =>
-        {
+        Some(listed) if is_of_bearings && !all_accept_bearings(draft, listed) => {
             let detail = "most metrics compare places in metres; this filter makes directions, which the automaton judges";
-            faults
-                .push(Fault::new("/metrics", "unsupported", detail).allowing(judge::FOR_BEARINGS));
+            draft
+                .add([Fault::new("/metrics", "unsupported", detail).allowing(METRICS_OF_BEARINGS)]);
         }
-        None if spec.get("metrics").is_none() => {
+        None if !draft.has("metrics") => {
             let metrics = match (has_truth, is_of_bearings) {
                 (false, _) => Vec::new(),
-                (true, false) => metrics_of(spec),
-                (true, true) => metrics_of_bearings(spec),
+                (true, false) => metrics_of(draft.text_at("/profile"), gate_m(draft)),
+                (true, true) => metrics_of_bearings(draft),
             };
-            spec["metrics"] = Value::Array(metrics);
+            draft.put("metrics", Value::Array(metrics));
         }
         _ => {}
     }
 }
 
+fn all_accept_bearings(draft: &Draft, listed: usize) -> bool {
+    (0..listed).all(|index| {
+        draft
+            .read::<Choice<BuildMetric>>(&format!("/metrics/{index}"))
+            .is_some_and(|metric| accepts_bearings(&metric))
+    })
+}
+
+/// Whether this metric is one of [`METRICS_OF_BEARINGS`].
+pub fn accepts_bearings(metric: &Choice<BuildMetric>) -> bool {
+    metric.build().accepts(Shape::Bearings)
+}
+
 /// Tracks that begin at the truth carry the names of their targets.
-fn metrics_of_bearings(spec: &Value) -> Vec<Value> {
-    let is_named = spec.pointer("/tracker/initiation/method") == Some(&json!("truth"))
-        && spec["profile"] == "tracking";
-    let body = json!({"metric": "track_keeping"});
+fn metrics_of_bearings(draft: &Draft) -> Vec<Value> {
+    let is_named = draft.text_at("/tracker/initiation/method") == Some("truth")
+        && draft.text_at("/profile") == Some("tracking");
     if is_named {
-        vec![registry::check_field(&body, &ENTRY, "", &mut Vec::new())]
+        check_all(&[json!({"metric": "track_keeping"})])
     } else {
         Vec::new()
     }
 }
 
-static ENTRY: Kind = Kind::Union(&METRIC);
+/// As the request gives it, for the numbers of a stored spec are those of the request.
+fn gate_m(draft: &Draft) -> &Value {
+    draft.at("/comparison/gate_m").unwrap_or(&Value::Null)
+}
 
-fn metrics_of(spec: &Value) -> Vec<Value> {
-    let gate_m = &spec["comparison"]["gate_m"];
-    let bodies = match spec["profile"].as_str() {
-        Some("tracking") => vec![
+fn metrics_of(profile: Option<&str>, gate_m: &Value) -> Vec<Value> {
+    match profile {
+        Some("tracking") => check_all(&[
             json!({"metric": "gospa", "cutoff_m": gate_m}),
             json!({"metric": "ospa", "cutoff_m": gate_m}),
             json!({"metric": "siap"}),
             json!({"metric": "clear"}),
             json!({"metric": "assignment"}),
             json!({"metric": "kinematics"}),
-        ],
-        Some("vision") => vec![
+        ]),
+        Some("vision") => check_all(&[
             json!({"metric": "hota"}),
             json!({"metric": "clear"}),
             json!({"metric": "identity"}),
-        ],
+        ]),
         _ => Vec::new(),
-    };
-    // The gate was checked where the request gave it.
+    }
+}
+
+/// With their defaults. The gate was checked where the request gave it.
+fn check_all(bodies: &[Value]) -> Vec<Value> {
     bodies
         .iter()
         .map(|body| registry::check_field(body, &ENTRY, "", &mut Vec::new()))
@@ -84,15 +97,11 @@ fn metrics_of(spec: &Value) -> Vec<Value> {
 }
 
 /// What boxes are judged by where the plan, which has not seen them, took the metrics of `tracking`.
-pub fn metrics_of_boxes(spec: &Value) -> Option<Value> {
-    let is_default =
-        spec["profile"] == "tracking" && spec["metrics"] == Value::Array(metrics_of(spec));
-    let mut of_boxes = json!({"profile": "vision"});
-    of_boxes["comparison"] = spec["comparison"].clone();
-    is_default.then(|| Value::Array(metrics_of(&of_boxes)))
-}
-
-/// Whether the automaton is part of the job.
-pub fn wants_automaton(spec: &Value) -> bool {
-    spec.get("sequences").is_none() && (spec.get("tfa").is_some() || spec["profile"] != "vision")
+pub fn metrics_of_boxes(draft: &Draft) -> Option<Vec<Choice<BuildMetric>>> {
+    let profile = draft
+        .text_at("/profile")
+        .filter(|name| *name == "tracking")?;
+    let taken = Value::Array(metrics_of(Some(profile), gate_m(draft)));
+    let is_default = draft.at("/metrics") == Some(&taken);
+    is_default.then(|| parse(&Value::Array(metrics_of(Some("vision"), &Value::Null))))
 }

@@ -1,20 +1,20 @@
 //! Progress of the metrics of a job: told after each one, and asked about while one works.
 
-use crate::experiment::observer::{Observer, Step};
-use crate::experiment::run::RunError;
+use crate::experiment::job::RunError;
+use crate::experiment::observer::{Observer, Step, report_progress};
 use crate::model::watch::Watch;
 use std::cell::RefCell;
 
 /// How many of the metrics are done.
-pub struct Told<'o> {
+pub struct MetricProgress<'o> {
     observer: &'o mut dyn Observer,
     done: u64,
     total: u64,
 }
 
-impl<'o> Told<'o> {
+impl<'o> MetricProgress<'o> {
     pub fn new(observer: &'o mut dyn Observer, total: u64) -> Self {
-        Told {
+        MetricProgress {
             observer,
             done: 0,
             total,
@@ -27,15 +27,8 @@ impl<'o> Told<'o> {
     /// [`RunError::Stopped`] when the observer says so.
     pub fn one_more(&mut self) -> Result<(), RunError> {
         self.done += 1;
-        if self
-            .observer
-            .progress(Step::Evaluate, self.done, self.total)
-            .is_break()
-        {
-            Err(RunError::Stopped)
-        } else {
-            Ok(())
-        }
+        report_progress(self.observer, Step::Evaluate, self.done, self.total)?;
+        Ok(())
     }
 
     /// Does work that asks on the way whether to go on.

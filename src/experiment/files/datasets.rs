@@ -2,7 +2,7 @@
 
 use super::tables::{number, quoted};
 use crate::association::Trace;
-use crate::experiment::run::Artifact;
+use crate::experiment::job::Artifact;
 use crate::formats;
 use crate::model::dataset::Dataset;
 use crate::model::scan::Recording;

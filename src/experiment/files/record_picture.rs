@@ -1,7 +1,7 @@
 //! A bearing-time record as a picture, `record.svg`: levels as shades, time downwards, detections and tracks over it. Large records
 //! are drawn with the mean power of blocks of cells.
 
-use crate::experiment::run::Artifact;
+use crate::experiment::job::Artifact;
 use crate::model::bearing_time::BearingTimeRecord;
 use crate::model::scan::{Measurement, Recording};
 use crate::model::track::{Track, TrackSet};

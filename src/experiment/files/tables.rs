@@ -1,6 +1,6 @@
 //! Tables in CSV for the files of a job.
 
-use crate::experiment::run::Artifact;
+use crate::experiment::job::Artifact;
 use std::borrow::Cow;
 
 /// Rows of cells under a header, for one sequence after another; the header comes from the first.

@@ -1,10 +1,12 @@
 //! What a job of groups reports, and its files.
 
-use super::Grouped;
+use super::instants::Instant;
+use super::run::Grouped;
+use crate::correlation::grouping::Grouping;
 use crate::correlation::grouping::fuzzy_c_means::History;
 use crate::evaluation::grouping::GroupingCounts;
 use crate::experiment::files::tables::{Table, number, optional};
-use crate::experiment::run::Artifact;
+use crate::experiment::job::Artifact;
 use crate::model::scan::Recording;
 use serde::Serialize;
 
@@ -64,10 +66,7 @@ struct Line {
 
 pub fn report(grouped: &Grouped, recording: &Recording) -> GroupingReport {
     let counts = grouped.counts.as_deref();
-    let line = |(index, (instant, grouping)): (
-        usize,
-        &(super::Instant, crate::correlation::grouping::Grouping),
-    )| {
+    let line = |(index, (instant, grouping)): (usize, &(Instant, Grouping))| {
         let of_instant = counts.map(|counts| counts[index]);
         let (time_s, reports, groups) = (instant.time_s, instant.reports.len(), grouping.count());
         Line {

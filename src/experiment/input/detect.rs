@@ -1,24 +1,18 @@
 //! From a bearing-time record to detections: the detector of the request, origins where truth is known, and the noise of the
 //! bearings where nobody told it.
 
-use crate::detection::{
-    DETECTOR, Detector, Found, Quality, Tuning, assign_origins, estimated_sigma_rad,
-};
+use crate::detection::{Detector, Found, Quality, Tuning, assign_origins, estimated_sigma_rad};
+use crate::experiment::job::RunError;
 use crate::experiment::observer::{Observer, Step};
-use crate::experiment::run::RunError;
 use crate::model::bearing_time::BearingTimeRecord;
 use crate::model::fault::Fault;
 use crate::model::scan::Recording;
 use crate::model::sensor::SensorSettings;
 use crate::model::truth::TruthSet;
-use crate::registry::{self, Kind};
-use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
+use serde::Serialize;
 
 /// The sensor of a record that nobody named.
 const UNNAMED: &str = "sonar";
-
-pub static DETECTOR_KIND: Kind = Kind::Object(&DETECTOR);
 
 /// The part `detection` of a report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -34,48 +28,14 @@ pub struct DetectionReport {
     tuning: Tuning,
 }
 
-/// Fills in the detector where the scenario has a record, and refuses one where there can be none, or a job that needs none.
-pub fn check(spec: &mut Value, takes_detector: bool, faults: &mut Vec<Fault>) {
-    let has_record = spec.pointer("/input/scenario/record").is_some();
-    if has_record && !takes_detector {
-        let detail = "a bearing-time record gives no detections without a detector, which this job does not have";
-        faults.push(
-            Fault::new("/input/scenario/record", "unsupported", detail)
-                .allowing("associate, evaluate"),
-        );
-    } else if has_record && spec.get("detector").is_none() {
-        spec["detector"] = registry::check_field(&json!({}), &DETECTOR_KIND, "/detector", faults);
-    } else if !has_record
-        && spec.get("detector").is_some()
-        && spec.pointer("/input/scenario").is_some()
-    {
-        let detail = "the scenario has no bearing-time record to find detections in";
-        faults.push(
-            Fault::new("/detector", "conflict", detail)
-                .allowing("a scenario with 'record', or a record as input"),
-        );
-    } else if spec.get("detector").is_some() && spec.get("input").is_none() {
-        faults.push(
-            Fault::new("/detector", "conflict", "'detector' needs 'input'").allowing("with input"),
-        );
-    }
-}
-
-/// What the detector of `spec` finds.
+/// What the detector finds.
 pub fn detect(
-    spec: &Value,
+    detector: &Detector,
     record: &BearingTimeRecord,
     sensor: &SensorSettings,
     truth: Option<&TruthSet>,
     observer: &mut dyn Observer,
 ) -> Result<(Recording, DetectionReport), RunError> {
-    let detector = Detector::deserialize(&spec["detector"]).map_err(|error| {
-        RunError::Faults(vec![Fault::new(
-            "/detector",
-            "malformed",
-            error.to_string(),
-        )])
-    })?;
     let mut progress = |done, total| observer.progress(Step::Detect, done, total);
     let Found {
         mut recording,

@@ -2,6 +2,7 @@
 //! be estimated from the data, said in a warning; what cannot be estimated is a fault.
 
 use super::extent::{Extent, detections_of, place_of};
+use crate::experiment::request::methods::NamedFilter;
 use crate::filtering::Chosen;
 use crate::model::fault::Fault;
 use crate::model::scan::{Detection, Measurement, Recording};
@@ -61,14 +62,14 @@ pub fn known(
     Ok(recording.sensors.iter().map(complete).collect())
 }
 
-/// Sensors that a tracker with the given filter (and its name) can work with.
+/// Sensors that a tracker with the given filter can work with.
 ///
 /// # Errors
 /// All faults: noise that nobody knows, reports that the filter cannot use.
 pub fn resolve(
     recording: &Recording,
     known: &[SensorSettings],
-    filter: (&Chosen, &str),
+    filter: &NamedFilter,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Sensor>, Vec<Fault>> {
     let mut faults = Vec::new();
@@ -119,7 +120,7 @@ pub fn resolve(
         };
         sensors.push(complete(recording, index, settings, report, warnings));
     }
-    if filter.0.is_of_bearings() {
+    if filter.filter.is_of_bearings() {
         faults.extend(two_places(known));
     }
     if faults.is_empty() {
@@ -189,7 +190,7 @@ fn usable_kind(
     recording: &Recording,
     index: usize,
     settings: &SensorSettings,
-    (filter, filter_name): (&Chosen, &str),
+    named: &NamedFilter,
     faults: &mut Vec<Fault>,
 ) -> Option<Kind> {
     let has = |wanted: fn(&Measurement) -> bool| {
@@ -199,6 +200,7 @@ fn usable_kind(
     let ranges = has(|measurement| matches!(measurement, Measurement::RangeBearing { .. }));
     let bearings = has(|measurement| matches!(measurement, Measurement::Bearing { .. }));
     let name = &settings.sensor_id;
+    let (filter, filter_name) = (&named.filter, named.name);
     let usable = match filter {
         Chosen::Kalman(_) => "positions (x_m, y_m)",
         Chosen::BearingOnly(_) => "bearings (bearing_deg), with or without ranges (range_m)",
@@ -264,7 +266,7 @@ fn place(settings: &SensorSettings, warnings: &mut Vec<String>) -> Position {
 /// Range rates are used by a filter that can, when every detection of the recording has one.
 fn uses_range_rates(
     recording: &Recording,
-    (filter, filter_name): (&Chosen, &str),
+    named: &NamedFilter,
     warnings: &mut Vec<String>,
 ) -> bool {
     let has_rate = |detection: &&Detection| {
@@ -282,11 +284,12 @@ fn uses_range_rates(
     }
     let (all, is_able) = (
         with_rate == recording.detections.len(),
-        filter.uses_range_rates(),
+        named.filter.uses_range_rates(),
     );
     if !is_able {
         warnings.push(format!(
-            "range rates are not used: the filter '{filter_name}' does not know them"
+            "range rates are not used: the filter '{}' does not know them",
+            named.name
         ));
     } else if !all {
         warnings.push(format!(
@@ -355,390 +358,4 @@ fn estimated_clutter(recording: &Recording, sensor: usize, extent: &Extent) -> f
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::filtering::bearing_only::BearingOnly;
-    use crate::filtering::extended::Extended;
-    use crate::filtering::kalman::Kalman;
-    use crate::model::scan::{RecordingParts, Scan};
-
-    fn recording(measurements: &[Measurement]) -> Recording {
-        let detections: Vec<Detection> = measurements
-            .iter()
-            .map(|&measurement| Detection {
-                measurement,
-                origin: None,
-                amplitude: None,
-            })
-            .collect();
-        Recording::new(RecordingParts {
-            sensors: vec![SensorSettings::named("radar")],
-            scans: vec![Scan {
-                number: 1,
-                time_s: 0.0,
-                sensor: 0,
-                first: 0,
-                count: detections.len(),
-            }],
-            detection_ids: (0..detections.len())
-                .map(|index| index.to_string())
-                .collect(),
-            detections,
-            ..Default::default()
-        })
-        .unwrap()
-    }
-
-    const KALMAN: (&Chosen, &str) = (
-        &Chosen::Kalman(Kalman {
-            process_noise_m2ps3: 1.0,
-        }),
-        "kalman",
-    );
-    const EXTENDED: (&Chosen, &str) = (
-        &Chosen::Extended(Extended {
-            process_noise_m2ps3: 1.0,
-        }),
-        "extended",
-    );
-
-    const BEARING_ONLY: (&Chosen, &str) = (
-        &Chosen::BearingOnly(BearingOnly {
-            process_noise_rad2ps3: 1e-6,
-            initial_rate_sigma_radps: 0.1,
-        }),
-        "bearing_only",
-    );
-
-    fn polar(range_m: f64, range_rate_mps: Option<f64>) -> Measurement {
-        Measurement::RangeBearing {
-            range_m,
-            bearing_rad: 1.0,
-            range_rate_mps,
-        }
-    }
-
-    fn at(x_m: f64, y_m: f64) -> Measurement {
-        Measurement::Position { x_m, y_m }
-    }
-
-    #[test]
-    fn the_request_wins_over_the_upload_and_the_rest_is_estimated_with_a_warning() {
-        let recording = recording(&[at(0.0, 0.0), at(10.0, 20.0), at(5.0, 5.0), at(1.0, 1.0)]);
-        let uploaded = [SensorSettings {
-            sigma_x_m: Some(1.0),
-            sigma_y_m: Some(2.0),
-            ..SensorSettings::named("radar")
-        }];
-        let requested = [SensorSettings {
-            sigma_x_m: Some(3.0),
-            ..SensorSettings::named("radar")
-        }];
-        let mut warnings = Vec::new();
-        let known = known(&recording, &uploaded, &requested).unwrap();
-        let sensors = resolve(&recording, &known, KALMAN, &mut warnings).unwrap();
-        let report = Report::Position {
-            sigma_x_m: 3.0,
-            sigma_y_m: 2.0,
-        };
-        let expected = Sensor {
-            sensor_id: "radar".into(),
-            p_d: 0.9,
-            clutter_density: 0.02,
-            report,
-        };
-        assert_eq!(sensors, [expected]);
-        assert_eq!(warnings.len(), 2);
-    }
-
-    #[test]
-    fn unknown_noise_unknown_sensors_and_unusable_reports_are_faults() {
-        let seen = |measurement: Measurement, filter: (&Chosen, &str)| -> Vec<(String, String)> {
-            let recording = recording(&[measurement]);
-            let known = known(&recording, &[], &[]).unwrap();
-            let faults = resolve(&recording, &known, filter, &mut Vec::new()).unwrap_err();
-            faults
-                .into_iter()
-                .map(|fault| (fault.pointer, fault.detail))
-                .collect()
-        };
-        let unknown = known(
-            &recording(&[at(0.0, 0.0)]),
-            &[],
-            &[SensorSettings::named("sonar")],
-        )
-        .unwrap_err();
-        assert_eq!(
-            (unknown[0].pointer.as_str(), unknown[0].allowed.as_deref()),
-            ("/sensors/0/sensor_id", Some("radar"))
-        );
-        let named = |faults: &[(String, String)], pointer: &str, words: &[&str]| {
-            assert_eq!(faults.len(), words.len(), "{faults:?}");
-            assert!(
-                faults
-                    .iter()
-                    .zip(words)
-                    .all(|(fault, word)| fault.0 == pointer && fault.1.contains(word)),
-                "{faults:?}"
-            );
-        };
-        named(
-            &seen(at(0.0, 0.0), KALMAN),
-            "/sensors",
-            &["'sigma_x_m'", "'sigma_y_m'"],
-        );
-        named(
-            &seen(polar(9.0, None), KALMAN),
-            "/filter/method",
-            &["sensor 'radar' reports ranges and bearings, which the filter 'kalman'"],
-        );
-        named(
-            &seen(polar(9.0, None), EXTENDED),
-            "/sensors",
-            &["'sigma_range_m'", "'sigma_bearing_deg'"],
-        );
-        named(
-            &seen(polar(9.0, Some(1.0)), EXTENDED),
-            "/sensors",
-            &[
-                "'sigma_range_m'",
-                "'sigma_bearing_deg'",
-                "'sigma_range_rate_mps'",
-            ],
-        );
-        named(
-            &seen(Measurement::Bearing { bearing_rad: 1.0 }, EXTENDED),
-            "/filter/method",
-            &["bearings without ranges"],
-        );
-        named(
-            &seen(Measurement::Bearing { bearing_rad: 1.0 }, KALMAN),
-            "/filter/method",
-            &["bearings without ranges"],
-        );
-        named(
-            &seen(at(0.0, 0.0), BEARING_ONLY),
-            "/filter/method",
-            &["reports positions, which the filter 'bearing_only'"],
-        );
-        named(
-            &seen(Measurement::Bearing { bearing_rad: 1.0 }, BEARING_ONLY),
-            "/sensors",
-            &["'sigma_bearing_deg'"],
-        );
-    }
-
-    #[test]
-    fn a_polar_sensor_takes_its_noise_in_degrees_and_its_range_rates_only_when_all_have_one() {
-        let settings = SensorSettings {
-            sigma_range_m: Some(15.0),
-            sigma_bearing_deg: Some(90.0),
-            sigma_range_rate_mps: Some(0.5),
-            clutter_per_m2: Some(1e-6),
-            p_d: Some(0.8),
-            ..SensorSettings::named("radar")
-        };
-        let resolved = |measurements: &[Measurement]| {
-            let mut warnings = Vec::new();
-            let sensors = resolve(
-                &recording(measurements),
-                std::slice::from_ref(&settings),
-                EXTENDED,
-                &mut warnings,
-            )
-            .unwrap();
-            (sensors[0].report, warnings)
-        };
-        let expected = Polar {
-            place_m: Position::zeros(),
-            sigma_range_m: 15.0,
-            sigma_bearing_rad: std::f64::consts::FRAC_PI_2,
-            range_rate: Some(RangeRate {
-                sigma_mps: 0.5,
-                span_mps: 30.0,
-            }),
-        };
-        let (report, warnings) = resolved(&[polar(10.0, Some(-10.0)), polar(20.0, Some(20.0))]);
-        assert_eq!(report, Report::Polar(expected));
-        assert!(
-            warnings.len() == 1 && warnings[0].contains("position is not known"),
-            "{warnings:?}"
-        );
-        let (report, warnings) = resolved(&[polar(10.0, Some(-10.0)), polar(20.0, None)]);
-        assert_eq!(
-            report,
-            Report::Polar(Polar {
-                range_rate: None,
-                ..expected
-            })
-        );
-        assert!(
-            warnings[0].contains("1 of 2 detections have one"),
-            "{warnings:?}"
-        );
-    }
-
-    #[test]
-    fn a_bearing_sensor_takes_its_clutter_per_degree_and_ranges_are_left_out_with_a_warning() {
-        let settings = SensorSettings {
-            sigma_bearing_deg: Some(1.0),
-            p_d: Some(0.8),
-            ..SensorSettings::named("radar")
-        };
-        let resolved = |measurements: &[Measurement], clutter_per_deg: Option<f64>| {
-            let (settings, mut warnings) = (
-                SensorSettings {
-                    clutter_per_deg,
-                    ..settings.clone()
-                },
-                Vec::new(),
-            );
-            let sensors = resolve(
-                &recording(measurements),
-                &[settings],
-                BEARING_ONLY,
-                &mut warnings,
-            )
-            .unwrap();
-            assert_eq!(
-                sensors[0].report,
-                Report::Bearing {
-                    sigma_bearing_rad: 1f64.to_radians()
-                }
-            );
-            (sensors[0].clutter_density.to_radians(), warnings)
-        };
-        let bearing = |degrees: f64| Measurement::Bearing {
-            bearing_rad: degrees.to_radians(),
-        };
-        let (per_deg, warnings) = resolved(&[bearing(350.0), bearing(10.0)], Some(0.02));
-        assert!(
-            (per_deg - 0.02).abs() < 1e-12 && warnings.is_empty(),
-            "{warnings:?}"
-        );
-        let (per_deg, warnings) = resolved(&[bearing(350.0), bearing(10.0)], None);
-        assert!(
-            (per_deg - 0.1).abs() < 1e-9,
-            "two detections in one scan of 20 degrees: {per_deg}"
-        );
-        assert!(
-            warnings.len() == 1 && warnings[0].contains("1.000e-1 per degree is estimated"),
-            "{warnings:?}"
-        );
-        let (_, warnings) = resolved(&[polar(9.0, None)], Some(0.02));
-        assert_eq!(warnings, ["sensor 'radar': its ranges are not used"]);
-    }
-
-    #[test]
-    fn a_density_over_the_wrong_space_is_named() {
-        let per_m2 = SensorSettings {
-            clutter_per_m2: Some(1e-6),
-            ..SensorSettings::named("radar")
-        };
-        let per_deg = SensorSettings {
-            clutter_per_deg: Some(0.1),
-            ..SensorSettings::named("radar")
-        };
-        let both = SensorSettings {
-            clutter_per_m2: Some(1e-6),
-            ..per_deg.clone()
-        };
-        let sensor = |report| {
-            [Sensor {
-                sensor_id: "radar".into(),
-                p_d: 0.9,
-                clutter_density: 1.0,
-                report,
-            }]
-        };
-        let of_bearings = sensor(Report::Bearing {
-            sigma_bearing_rad: 0.1,
-        });
-        let of_places = sensor(Report::Position {
-            sigma_x_m: 1.0,
-            sigma_y_m: 1.0,
-        });
-        let found = |settings: &SensorSettings, sensors: &[Sensor]| {
-            let faults =
-                misplaced_densities(&[SensorSettings::named("other"), settings.clone()], sensors);
-            faults
-                .into_iter()
-                .map(|fault| (fault.pointer, fault.allowed.unwrap()))
-                .collect::<Vec<_>>()
-        };
-        assert_eq!(
-            found(&per_m2, &of_bearings),
-            [(
-                "/sensors/1/clutter_per_m2".to_owned(),
-                "clutter_per_deg".to_owned()
-            )]
-        );
-        assert_eq!(
-            found(&per_deg, &of_places),
-            [(
-                "/sensors/1/clutter_per_deg".to_owned(),
-                "clutter_per_m2".to_owned()
-            )]
-        );
-        assert_eq!(
-            [found(&per_m2, &of_places), found(&per_deg, &of_bearings)],
-            [[], []]
-        );
-        assert_eq!(
-            [found(&both, &of_places), found(&both, &of_bearings)],
-            [[], []]
-        );
-
-        // What came with the data is not the request's fault, so that it becomes a warning.
-        let uploaded = SensorSettings {
-            sigma_bearing_deg: Some(1.0),
-            p_d: Some(0.8),
-            ..per_m2
-        };
-        let mut warnings = Vec::new();
-        let seen = recording(&[
-            Measurement::Bearing { bearing_rad: 0.0 },
-            Measurement::Bearing { bearing_rad: 0.1 },
-        ]);
-        resolve(&seen, &[uploaded], BEARING_ONLY, &mut warnings).unwrap();
-        assert!(
-            warnings.len() == 1
-                && warnings[0]
-                    .contains("'clutter_per_m2' is not used, 'clutter_per_deg' is not known"),
-            "{warnings:?}"
-        );
-    }
-
-    #[test]
-    fn bearings_from_two_places_are_refused() {
-        let settings = |name: &str, x_m: f64| SensorSettings {
-            sigma_bearing_deg: Some(1.0),
-            x_m: Some(x_m),
-            ..SensorSettings::named(name)
-        };
-        let parts = RecordingParts {
-            sensors: vec![SensorSettings::named("a"), SensorSettings::named("b")],
-            ..Default::default()
-        };
-        let recording = Recording::new(parts).unwrap();
-        let faults = |b_x_m: f64| {
-            resolve(
-                &recording,
-                &[settings("a", 0.0), settings("b", b_x_m)],
-                BEARING_ONLY,
-                &mut Vec::new(),
-            )
-            .err()
-        };
-        assert_eq!(faults(0.0), None);
-        let found = faults(5.0).unwrap();
-        assert_eq!(
-            (found.len(), found[0].pointer.as_str()),
-            (1, "/input/sensor_ids")
-        );
-        assert!(
-            found[0].detail.contains("sensors 'a' and 'b' stand apart"),
-            "{found:?}"
-        );
-    }
-}
+mod tests;

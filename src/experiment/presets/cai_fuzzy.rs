@@ -5,7 +5,7 @@
 //! (95, 93, 85, 76 %): five by five targets 2 500 m ± 10 % apart at 250 m/s, σ 200 m, a scan every 2 s.
 
 use super::Preset;
-use crate::experiment::plan::JobKind;
+use crate::experiment::job::JobKind;
 use serde_json::{Value, json};
 
 /// Targets of the scene.

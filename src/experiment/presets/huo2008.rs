@@ -5,7 +5,7 @@
 
 use super::Preset;
 use crate::correlation::CORRELATORS;
-use crate::experiment::plan::JobKind;
+use crate::experiment::job::JobKind;
 use serde_json::{Value, json};
 
 pub(super) fn presets() -> Vec<Preset> {

@@ -3,7 +3,7 @@
 //! the paper says of its figures.
 
 use super::Preset;
-use crate::experiment::plan::JobKind;
+use crate::experiment::job::JobKind;
 use serde_json::{Value, json};
 
 const TARGETS: [u32; 5] = [10, 30, 50, 80, 100];

@@ -6,7 +6,7 @@ mod liang2009;
 mod wang_bat;
 mod wang_bat_record;
 
-use crate::experiment::plan::JobKind;
+use crate::experiment::job::JobKind;
 use serde_json::Value;
 
 /// A named job body.

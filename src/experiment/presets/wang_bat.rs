@@ -6,7 +6,7 @@
 //! that hard decisions are right most of the time and not always: targets linger near the crossing (power 1.6 and 1.2).
 
 use super::Preset;
-use crate::experiment::plan::JobKind;
+use crate::experiment::job::JobKind;
 use serde_json::{Value, json};
 
 /// P_G of a gate of five standard deviations in one dimension.

@@ -2,7 +2,7 @@
 //! public.
 
 use super::Preset;
-use crate::experiment::plan::JobKind;
+use crate::experiment::job::JobKind;
 use serde_json::json;
 
 /// The record of six strong targets: a pair that crosses, one that closes and meets, one that runs in parallel.

@@ -1,6 +1,6 @@
 //! The one shape of a job, in files and on the wire: the body of a request with its kind.
 
-use crate::experiment::plan::JobKind;
+use crate::experiment::job::JobKind;
 use crate::model::fault::Fault;
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -11,15 +11,17 @@ use serde_json::{Value, json};
 /// A kind that is absent or unknown.
 pub fn take_kind(job: &mut Value) -> Result<JobKind, Vec<Fault>> {
     let known = || JobKind::ALL.map(JobKind::name).join(", ");
-    let kind = job
-        .as_object_mut()
-        .and_then(|members| members.shift_remove("kind"));
-    let kind = kind.ok_or_else(|| {
+    let kind = remove_kind(job).ok_or_else(|| {
         vec![Fault::new("/kind", "missing", "'kind' is required in a job").allowing(known())]
     })?;
     JobKind::deserialize(&kind).map_err(|_| {
         vec![Fault::new("/kind", "unknown_value", format!("unknown kind {kind}")).allowing(known())]
     })
+}
+
+/// What stands in `kind`, which is no more there then.
+pub fn remove_kind(job: &mut Value) -> Option<Value> {
+    job.as_object_mut()?.shift_remove("kind")
 }
 
 /// The job as one value: a body with its `kind`, which stands first.

@@ -1,7 +1,12 @@
-//! Requests: the tables that describe them, what no table can check, and what is filled in.
+//! Requests: the tables that describe them, what no table can check, and what is filled in. Only here a request is JSON; what
+//! leaves is typed.
 
-pub mod checks;
+pub mod draft;
 pub mod fields;
 pub mod job_shape;
+pub mod methods;
+mod names;
+pub mod paths;
 pub mod preset_source;
 pub mod scenario;
+pub mod sources;

@@ -1,11 +1,9 @@
 //! A preset as the source of a job: its scenario is the job's input, and how it tracks is what the request leaves open.
 
 use super::scenario::SCENARIO;
-use crate::experiment::catalogue::request_object;
-use crate::experiment::plan::JobKind;
 use crate::experiment::presets::{self, Preset};
 use crate::model::fault::Fault;
-use crate::registry::{self, Kind};
+use crate::registry::{self, Kind, Object};
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
 
@@ -17,20 +15,18 @@ static SCENARIO_KIND: Kind = Kind::Object(&SCENARIO);
 /// The tags of the unions among them.
 const TAGS: [&str; 3] = ["method", "rule", "kind"];
 
-/// The body with the settings that its preset brings: those of the fields that a job of this kind has. What the body says itself
+/// The body with the settings that its preset brings: those of the fields that a request of this table has. What the body says itself
 /// stays, field by field; a method of another name is another method, and takes nothing of the preset's.
-pub fn with_settings(kind: JobKind, body: &Value) -> Cow<'_, Value> {
+pub fn with_settings<'b>(object: &Object, body: &'b Value) -> Cow<'b, Value> {
     let (Some(preset), Some(fields)) = (preset_of(body), body.as_object()) else {
         return Cow::Borrowed(body);
     };
     let settings = preset.body.get("base").unwrap_or(&preset.body);
     let mut filled = fields.clone();
-    for name in BROUGHT.into_iter().filter(|name| {
-        request_object(kind)
-            .fields
-            .iter()
-            .any(|field| field.name == *name)
-    }) {
+    for name in BROUGHT
+        .into_iter()
+        .filter(|name| object.fields.iter().any(|field| field.name == *name))
+    {
         if let Some(brought) = settings.get(name) {
             let given = filled.get(name).cloned();
             filled.insert(
@@ -111,7 +107,7 @@ pub fn write_out(spec: &mut Value, faults: &mut Vec<Fault>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::plan::plan;
+    use crate::experiment::{JobKind, plan};
 
     fn planned(kind: JobKind, mut body: Value) -> Value {
         body["input"] = json!({"source": "preset", "preset": body["input"]});

@@ -4,7 +4,9 @@ use super::fields::{
     BEARING, MAX_SCANS, MAX_TARGETS, NAME, PLACE, PROBABILITY, RANGE, SIGMA, SIGMA_BEARING,
     SIGMA_RATE, SPEED, VELOCITY,
 };
-use crate::registry::{Bound, Kind, Object, Union, Variant, default, optional, required};
+use crate::registry::{
+    Kind, Object, Union, above, default, number, optional, required, variant, whole,
+};
 
 static SCENARIO_SENSOR: Object = Object {
     name: "ScenarioSensor",
@@ -52,20 +54,12 @@ static SCENARIO_SENSOR: Object = Object {
         optional(
             "clutter_per_scan",
             "Mean of the Poisson number of false detections in a scan.",
-            Kind::Number {
-                min: Bound::Including(0.0),
-                max: Bound::Including(1e6),
-                unit: "",
-            },
+            number(0.0, 1e6, ""),
         ),
         optional(
             "clutter_per_deg",
             "False detections per degree and scan, of a sensor of bearings alone; instead of clutter_per_scan.",
-            Kind::Number {
-                min: Bound::Including(0.0),
-                max: Bound::Including(1000.0),
-                unit: "1/deg",
-            },
+            number(0.0, 1000.0, "1/deg"),
         ),
         optional(
             "clutter_within_deg",
@@ -79,15 +73,7 @@ static RANDOM_TARGETS: Object = Object {
     name: "RandomTargets",
     summary: "Targets with uniform start in a square around (0, 0), uniform heading and uniform speed, all constant.",
     fields: &[
-        required(
-            "count",
-            "Number of targets.",
-            Kind::Integer {
-                min: 1,
-                max: MAX_TARGETS,
-                unit: "",
-            },
-        ),
+        required("count", "Number of targets.", whole(1, MAX_TARGETS, "")),
         required("area_side_m", "Side of the square.", RANGE),
         required("speed_min_mps", "Lowest speed.", SPEED),
         required("speed_max_mps", "Highest speed.", SPEED),
@@ -133,20 +119,12 @@ static CROSSING_PAIR: Object = Object {
         required(
             "crossing_time_s",
             "Time at which they cross.",
-            Kind::Number {
-                min: Bound::Including(1e-3),
-                max: Bound::Including(1e9),
-                unit: "s",
-            },
+            number(1e-3, 1e9, "s"),
         ),
         default(
             "power",
             "1 for constant rates; above it, the nearer the crossing the slower.",
-            Kind::Number {
-                min: Bound::Including(0.5),
-                max: Bound::Including(10.0),
-                unit: "",
-            },
+            number(0.5, 10.0, ""),
             "1.0",
         ),
     ],
@@ -165,11 +143,7 @@ static BEARING_LINE: Object = Object {
         default(
             "rate_degps",
             "Its rate.",
-            Kind::Number {
-                min: Bound::Including(-360.0),
-                max: Bound::Including(360.0),
-                unit: "deg/s",
-            },
+            number(-360.0, 360.0, "deg/s"),
             "0.0",
         ),
     ],
@@ -215,21 +189,13 @@ static WEAVING: Object = Object {
         default(
             "heading_amplitude_deg",
             "Largest angle between heading and course.",
-            Kind::Number {
-                min: Bound::Excluding(0.0),
-                max: Bound::Including(180.0),
-                unit: "deg",
-            },
+            above(0.0, 180.0, "deg"),
             "30.0",
         ),
         default(
             "period_s",
             "Time from one swing to the next.",
-            Kind::Number {
-                min: Bound::Excluding(0.0),
-                max: Bound::Including(1e6),
-                unit: "s",
-            },
+            above(0.0, 1e6, "s"),
             "60.0",
         ),
     ],
@@ -241,14 +207,8 @@ static FORMATION_MOTION: Union = Union {
     tag: "kind",
     variants: || {
         vec![
-            Variant {
-                tag: "constant_velocity",
-                object: &CONSTANT_VELOCITY,
-            },
-            Variant {
-                tag: "weaving",
-                object: &WEAVING,
-            },
+            variant("constant_velocity", &CONSTANT_VELOCITY),
+            variant("weaving", &WEAVING),
         ]
     },
 };
@@ -257,24 +217,8 @@ static FORMATION_TARGETS: Object = Object {
     name: "FormationTargets",
     summary: "Targets in rows and columns around (0, 0) that fly at one speed on one random course.",
     fields: &[
-        required(
-            "rows",
-            "Rows of the grid.",
-            Kind::Integer {
-                min: 1,
-                max: 300,
-                unit: "",
-            },
-        ),
-        required(
-            "columns",
-            "Columns of the grid.",
-            Kind::Integer {
-                min: 1,
-                max: 300,
-                unit: "",
-            },
-        ),
+        required("rows", "Rows of the grid.", whole(1, 300, "")),
+        required("columns", "Columns of the grid.", whole(1, 300, "")),
         required(
             "spacing_m",
             "Distance between neighbours in the grid.",
@@ -283,11 +227,7 @@ static FORMATION_TARGETS: Object = Object {
         default(
             "displacement",
             "Each target starts up to this share of the spacing away from its place in the grid, uniform on each axis.",
-            Kind::Number {
-                min: Bound::Including(0.0),
-                max: Bound::Including(1.0),
-                unit: "",
-            },
+            number(0.0, 1.0, ""),
             "0.1",
         ),
         required("speed_mps", "Speed of every target.", SPEED),
@@ -306,22 +246,10 @@ static TARGET_PLAN: Union = Union {
     tag: "kind",
     variants: || {
         vec![
-            Variant {
-                tag: "random",
-                object: &RANDOM_TARGETS,
-            },
-            Variant {
-                tag: "listed",
-                object: &LISTED_TARGETS,
-            },
-            Variant {
-                tag: "formation",
-                object: &FORMATION_TARGETS,
-            },
-            Variant {
-                tag: "bearings",
-                object: &BEARING_TARGETS,
-            },
+            variant("random", &RANDOM_TARGETS),
+            variant("listed", &LISTED_TARGETS),
+            variant("formation", &FORMATION_TARGETS),
+            variant("bearings", &BEARING_TARGETS),
         ]
     },
 };
@@ -332,11 +260,7 @@ static DUPLICATES: Object = Object {
     fields: &[required(
         "count",
         "Number of targets that all sensors see.",
-        Kind::Integer {
-            min: 0,
-            max: MAX_TARGETS,
-            unit: "",
-        },
+        whole(0, MAX_TARGETS, ""),
     )],
 };
 
@@ -344,12 +268,7 @@ static COVERAGE: Union = Union {
     name: "Coverage",
     summary: "Which sensors see which targets, besides what their fields of view allow.",
     tag: "kind",
-    variants: || {
-        vec![Variant {
-            tag: "duplicates",
-            object: &DUPLICATES,
-        }]
-    },
+    variants: || vec![variant("duplicates", &DUPLICATES)],
 };
 
 pub static SCENARIO: Object = Object {
@@ -359,20 +278,12 @@ pub static SCENARIO: Object = Object {
         required(
             "scans",
             "Scans of each sensor.",
-            Kind::Integer {
-                min: 1,
-                max: MAX_SCANS,
-                unit: "scans",
-            },
+            whole(1, MAX_SCANS, "scans"),
         ),
         required(
             "scan_period_s",
             "Time from scan to scan.",
-            Kind::Number {
-                min: Bound::Excluding(0.0),
-                max: Bound::Including(1e6),
-                unit: "s",
-            },
+            above(0.0, 1e6, "s"),
         ),
         required(
             "sensors",

@@ -2,9 +2,8 @@
 
 use super::protocol::{CampaignOrder, Looked, Made, Runs};
 use super::work::{internal, leave, load};
-use crate::experiment::campaign::{Campaign, Next, Order, Outcome, Piece};
-use crate::experiment::plan::{self, JobKind, Plan};
-use crate::experiment::run::Inputs;
+use crate::experiment::campaign::{Campaign, ChunkRequest, ChunkResult, Next, Outcome};
+use crate::experiment::{self, Inputs, JobKind, Plan};
 use crate::service::jobs::Failure;
 use crate::service::jobs::meter::Meter;
 use crate::service::jobs::report::{self, ReportInput, Timing};
@@ -49,9 +48,10 @@ impl Kept {
         let loaded = match self.0.take() {
             Some(loaded) if loaded.id == order.id => loaded,
             _ => {
-                let plan = plan::plan(JobKind::Campaign, &order.spec).map_err(Failure::Faults)?;
+                let plan =
+                    experiment::plan(JobKind::Campaign, &order.spec).map_err(Failure::Faults)?;
                 let (inputs, read) = load(&plan, order.inputs, meter)?;
-                let campaign = plan.campaign.clone().context("a campaign has no cells")?;
+                let campaign = plan.job_as().context("it is no campaign")?;
                 Loaded {
                     id: order.id,
                     plan,
@@ -80,14 +80,14 @@ impl Kept {
             .as_deref()
             .map(|json| read_outcomes(Some(json)))
             .transpose()?;
-        let order = Order {
+        let request = ChunkRequest {
             items,
             outcomes,
             enough: runs.is_pilot.then_some(PILOT),
             done: runs.done,
             total: runs.total,
         };
-        let (piece, outcomes) = loaded.campaign.make(order, &loaded.inputs, meter)?;
+        let (piece, outcomes) = loaded.campaign.make(request, &loaded.inputs, meter)?;
         Ok(Made::Piece {
             runs: piece.len() as u64,
             outcomes: serde_json::to_string(&outcomes).map_err(internal)?,
@@ -107,18 +107,18 @@ impl Kept {
         let loaded = self.loaded(order, meter)?;
         let (pieces, outcomes) = (read_pieces(pieces)?, read_outcomes(outcomes)?);
         let campaign = &loaded.campaign;
-        if let Next::Runs { items, spared } = campaign.next(&pieces) {
+        if let Next::Runs { items, skipped } = campaign.next(&pieces) {
             let target = CHUNK.max(campaign.cost(&items, &pieces) / MOST_CHUNKS);
             let chunks = campaign.cut(items, &pieces, SHORTEST_CHUNK, target);
             return Ok(Made::Looked(Looked::More {
                 chunks,
-                runs_total: campaign.total() - spared,
+                runs_total: campaign.total() - skipped,
             }));
         }
         let outcome = campaign.report(&pieces, &outcomes)?;
         let spent_s = pieces
             .iter()
-            .map(Piece::spent)
+            .map(ChunkResult::spent)
             .sum::<Duration>()
             .as_secs_f64();
         let timing = meter.timing();
@@ -155,7 +155,7 @@ impl Kept {
     }
 }
 
-fn read_pieces(path: &Path) -> anyhow::Result<Vec<Piece>> {
+fn read_pieces(path: &Path) -> anyhow::Result<Vec<ChunkResult>> {
     let file = File::open(path).with_context(|| format!("cannot open {}", path.display()))?;
     let mut pieces = Vec::new();
     for line in BufReader::new(file).lines() {

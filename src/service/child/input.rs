@@ -1,7 +1,6 @@
 //! A file that holds a dataset, with what has to be known to read it.
 
-use crate::experiment::plan::{InputRequest, Source};
-use crate::experiment::run::Input;
+use crate::experiment::{Input, InputRequest};
 use crate::formats::npy::BearingTimeAxes;
 use crate::formats::{ReadOptions, format_named};
 use crate::model::dataset::{Dataset, DatasetKind};
@@ -53,9 +52,8 @@ impl InputFile {
         let mut dataset = self
             .read_from(file)
             .map_err(|failure| repoint(failure, &request.pointer))?;
-        let (Source::Dataset { sensor_ids, .. } | Source::Job { sensor_ids, .. }) = &request.source;
         let mut sensors = self.sensors;
-        if let Some(wanted) = sensor_ids {
+        if let Some(wanted) = request.source.sensor_ids() {
             dataset = dataset.only_sensors(wanted).map_err(|faults| {
                 repoint(
                     Failure::Faults(faults),

@@ -3,7 +3,7 @@
 use super::campaign::Kept;
 use super::protocol::{self, Answer, Made, Message, Order};
 use super::{limit, work};
-use crate::experiment::plan::JobKind;
+use crate::experiment::JobKind;
 use crate::service::jobs::Failure;
 use crate::service::jobs::meter::Meter;
 use crate::service::jobs::report::ENGINE_VERSION;

@@ -1,7 +1,7 @@
 //! What a service and its child say to each other: JSON, each text with its length in four bytes before it.
 
 use super::input::InputFile;
-use crate::experiment::plan::JobKind;
+use crate::experiment::JobKind;
 use crate::formats::npy::BearingTimeAxes;
 use crate::model::dataset::{DatasetKind, DatasetSummary};
 use crate::model::fault::Fault;

@@ -4,8 +4,7 @@ use super::campaign::Kept;
 use super::input::{InputFile, faults_or_memory, open};
 use super::protocol::{Made, MadeFile, Order, Upload};
 use crate::experiment::observer::{Observer, Step};
-use crate::experiment::plan::{self, JobKind, Plan};
-use crate::experiment::run::{self, Artifact, Inputs};
+use crate::experiment::{self, Artifact, Inputs, JobKind, Plan};
 use crate::formats::{FORMATS, Format, ReadOptions, ReadOutcome, detect_format, format_named};
 use crate::model::fault::Fault;
 use crate::service::jobs::Failure;
@@ -146,9 +145,9 @@ fn job(
     directory: &Path,
     mut meter: Meter,
 ) -> Result<Made, Failure> {
-    let plan = plan::plan(kind, spec).map_err(Failure::Faults)?;
+    let plan = experiment::plan(kind, spec).map_err(Failure::Faults)?;
     let (inputs, read) = load(&plan, files, &mut meter)?;
-    let outcome = run::run(&plan, inputs, &mut meter)?;
+    let outcome = experiment::run(&plan, inputs, &mut meter)?;
     let report = report::build(id, &plan, &read, &outcome, meter.timing()).map_err(internal)?;
     let files = leave(directory, outcome.artifacts, report)?;
     Ok(Made::Files {
@@ -172,7 +171,7 @@ pub(super) fn load(
         );
     }
     let (mut inputs, mut read) = (Vec::new(), Vec::new());
-    for (done, (request, opened)) in plan.inputs.iter().zip(opened).enumerate() {
+    for (done, (request, opened)) in plan.inputs().iter().zip(opened).enumerate() {
         if meter.progress(Step::Load, done as u64, total).is_break() {
             return Err(Failure::Stopped);
         }

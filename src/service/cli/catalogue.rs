@@ -1,9 +1,9 @@
 //! `trackloom methods`, `presets` and `openapi`: what can be asked for, printed.
 
 use super::BAD_INPUT;
-use crate::experiment::catalogue;
 use crate::experiment::job_shape::with_kind;
-use crate::experiment::presets::{self, ALIASES};
+use crate::experiment::presets::ALIASES;
+use crate::experiment::{catalogue, presets};
 use crate::registry::{Field, Presence, Variant};
 use crate::service::openapi;
 use clap::Args;

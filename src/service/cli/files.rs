@@ -4,8 +4,7 @@
 //! back into the spec of the report, so that the report can be run again.
 
 use crate::experiment::job_shape::take_kind;
-use crate::experiment::plan::{JobKind, Plan, Source};
-use crate::experiment::run::{Input, Inputs};
+use crate::experiment::{Input, Inputs, JobKind, Plan, Source};
 use crate::formats::npy::BearingTimeAxes;
 use crate::formats::{self, ReadOptions};
 use crate::model::dataset::{Dataset, DatasetKind};
@@ -176,7 +175,7 @@ impl JobFile {
     ) -> Result<Inputs, Vec<Fault>> {
         let mut faults = Vec::new();
         let mut inputs = Vec::new();
-        for request in &plan.inputs {
+        for request in plan.inputs() {
             let (Source::Dataset {
                 dataset_id: pointer,
                 ..

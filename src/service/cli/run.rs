@@ -3,11 +3,8 @@
 use super::files::JobFile;
 use super::{BAD_INPUT, catalogue, table};
 use crate::experiment::job_shape::with_kind;
-use crate::experiment::known_data::{self, Known};
 use crate::experiment::observer::{Observer, Step};
-use crate::experiment::plan::{self, JobKind, Plan};
-use crate::experiment::presets;
-use crate::experiment::run::{self, Artifact, Outcome, RunError};
+use crate::experiment::{self, Artifact, JobKind, Known, Outcome, Plan, RunError, presets};
 use crate::model::fault::Fault;
 use crate::registry;
 use crate::service::jobs::meter::Meter;
@@ -157,7 +154,7 @@ fn finish_job(
         }
         job.body["runs"] = json!(runs);
     }
-    let plan = match (plan::plan(job.kind, &job.body), job.missing_files()) {
+    let plan = match (experiment::plan(job.kind, &job.body), job.missing_files()) {
         (Ok(plan), missing) if missing.is_empty() => plan,
         (planned, missing) => {
             return Err(planned
@@ -252,21 +249,21 @@ fn compute(job: &JobFile, mut plan: Plan) -> Result<(Vec<u8>, Outcome), Trouble>
         .map(|input| {
             input
                 .as_ref()
-                .and_then(|input| Known::of(&input.dataset, &input.sensors))
+                .and_then(|input| Known::from_dataset(&input.dataset, &input.sensors))
         })
         .collect();
-    let faults = known_data::check(&mut plan, &known);
+    let faults = experiment::check_known(&mut plan, &known);
     if !faults.is_empty() {
         return Err(faults.into());
     }
     let _ = meter.progress(Step::Load, 1, 1);
     let read: Vec<ReportInput> = plan
-        .inputs
+        .inputs()
         .iter()
         .zip(&inputs)
         .filter_map(|(request, input)| input.as_ref().map(|input| ReportInput::new(request, input)))
         .collect();
-    let outcome = run::run(&plan, inputs, &mut meter);
+    let outcome = experiment::run(&plan, inputs, &mut meter);
     let timing = meter.timing();
     drop(meter);
     bar.end();

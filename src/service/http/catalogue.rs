@@ -4,7 +4,7 @@ use super::conditional::Constant;
 use super::query::{NoParams, names};
 use super::state::AppState;
 use crate::experiment::job_shape::with_kind;
-use crate::experiment::{catalogue, plan, presets};
+use crate::experiment::{self, catalogue, presets};
 use crate::registry::{Variant, standalone_schema};
 use crate::service::error::{ApiError, ApiResult};
 use crate::service::types::{JobKind, JobSpec};
@@ -128,14 +128,14 @@ fn method_catalogue() -> MethodCatalogue {
             .map(MethodEntry::from)
             .collect(),
     };
-    let schema = |kind| JsonSchema(standalone_schema(catalogue::request_object(kind)));
+    let schema = |kind| JsonSchema(standalone_schema(experiment::request_object(kind)));
     let requests = RequestSchemas {
-        simulate: schema(plan::JobKind::Simulate),
-        associate: schema(plan::JobKind::Associate),
-        evaluate: schema(plan::JobKind::Evaluate),
-        group: schema(plan::JobKind::Group),
-        correlate: schema(plan::JobKind::Correlate),
-        campaign: schema(plan::JobKind::Campaign),
+        simulate: schema(experiment::JobKind::Simulate),
+        associate: schema(experiment::JobKind::Associate),
+        evaluate: schema(experiment::JobKind::Evaluate),
+        group: schema(experiment::JobKind::Group),
+        correlate: schema(experiment::JobKind::Correlate),
+        campaign: schema(experiment::JobKind::Campaign),
     };
     MethodCatalogue {
         families: catalogue::FAMILIES.iter().map(family).collect(),

@@ -6,8 +6,8 @@ use super::inputs::{Located, local_files};
 use super::runner::Product;
 use super::submit::planned;
 use super::{Failure, Inner, JobsError};
+use crate::experiment::JobKind;
 use crate::experiment::campaign::{Campaign, Items};
-use crate::experiment::plan::JobKind;
 use crate::service::child::{self, CampaignOrder, Looked, Order, Runs};
 use crate::service::engine::Entry;
 use crate::service::storage::{
@@ -341,7 +341,7 @@ impl Inner {
             .await?
             .map_err(Failure::Faults)?;
         let located = self.locate(&plan).await?;
-        let campaign = plan.campaign.context("a campaign has no cells")?;
+        let campaign = plan.job_as().context("it is no campaign")?;
         let known = Arc::new(Known {
             spec,
             campaign,

@@ -1,7 +1,7 @@
 //! Why a piece of work made nothing, in a child and outside it.
 
 use super::JobsError;
-use crate::experiment::run::RunError;
+use crate::experiment::RunError;
 use crate::model::fault::Fault;
 use anyhow::anyhow;
 

@@ -1,8 +1,7 @@
 //! From what a plan asks for to the files that hold it.
 
 use super::{Failure, Inner, JobsError};
-use crate::experiment::known_data::Known;
-use crate::experiment::plan::{InputRequest, Plan, Source};
+use crate::experiment::{InputRequest, Known, Plan, Source};
 use crate::formats::npy::BearingTimeAxes;
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
@@ -39,7 +38,7 @@ pub(super) fn source_refs(plan: &Plan) -> Vec<SourceRef> {
             id,
         }
     };
-    plan.inputs.iter().map(source_ref).collect()
+    plan.inputs().iter().map(source_ref).collect()
 }
 
 impl Inner {
@@ -47,7 +46,7 @@ impl Inner {
     pub(super) async fn locate(&self, plan: &Plan) -> Result<Vec<Option<Located>>, JobsError> {
         let mut located = Vec::new();
         let mut faults = Vec::new();
-        for request in &plan.inputs {
+        for request in plan.inputs() {
             let found = match &request.source {
                 Source::Dataset { dataset_id, .. } => self.locate_dataset(dataset_id).await?,
                 Source::Job { job_id, .. } => self.locate_artifact(job_id, request.role).await?,
@@ -70,7 +69,7 @@ impl Inner {
         plan: &Plan,
     ) -> Result<(Vec<Option<Known>>, Vec<String>), JobsError> {
         let (mut known, mut unknown) = (Vec::new(), Vec::new());
-        for request in &plan.inputs {
+        for request in plan.inputs() {
             let dataset = match &request.source {
                 Source::Dataset { dataset_id, .. } => Uuid::try_parse(dataset_id).ok(),
                 Source::Job { job_id, .. } => self.made_by(job_id, request.role).await?,

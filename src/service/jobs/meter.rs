@@ -1,8 +1,8 @@
 //! Watches a job from inside: how far it is, how long each step took, and whether it is to stop.
 
 use super::report::Timing;
+use crate::experiment::JobKind;
 use crate::experiment::observer::{Observer, Step};
-use crate::experiment::plan::JobKind;
 use crate::service::types::{Progress, ProgressStep};
 use std::ops::ControlFlow;
 use std::sync::Arc;

@@ -1,8 +1,7 @@
 //! The report of a job: the same head for every kind, then the result as it was serialised once.
 
 use crate::experiment::job_shape::with_kind;
-use crate::experiment::plan::{InputRequest, JobKind, Plan, Source};
-use crate::experiment::run::{CellTime, Input, Outcome};
+use crate::experiment::{CellTime, Input, InputRequest, JobKind, Outcome, Plan, Source};
 use crate::model::dataset::DatasetKind;
 use serde::Serialize;
 use serde_json::Value;

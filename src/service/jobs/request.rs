@@ -1,6 +1,6 @@
 //! What callers of the facade ask for, and what they get besides the wire types.
 
-use crate::experiment::plan::Estimate;
+use crate::experiment::Cost;
 use crate::formats::npy::BearingTimeAxes;
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
@@ -29,7 +29,7 @@ pub struct Validation {
     pub faults: Vec<Fault>,
     pub warnings: Vec<String>,
     /// Absent when there are faults.
-    pub estimate: Option<Estimate>,
+    pub estimate: Option<Cost>,
 }
 
 /// What to change of a job; absent members stay.

@@ -7,7 +7,7 @@ use super::in_child::{crash_text, unexpected};
 use super::inputs::local_files;
 use super::submit::planned;
 use super::{Failure, Inner};
-use crate::experiment::plan::JobKind;
+use crate::experiment::JobKind;
 use crate::service::child::{Made, MadeFile, Order};
 use crate::service::engine::Entry;
 use crate::service::storage::blobs::{Blobs, Damaged, ReceivedFile};

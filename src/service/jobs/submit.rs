@@ -3,8 +3,7 @@
 use super::inputs::source_refs;
 use super::report::ENGINE_VERSION;
 use super::{Inner, JobsError, Submitted, Validation};
-use crate::experiment::known_data;
-use crate::experiment::plan::{self, Plan};
+use crate::experiment::{self, Plan};
 use crate::model::fault::Fault;
 use crate::service::storage::blobs::sha256_hex;
 use crate::service::storage::{Admission, IdempotencyKey, NewJob};
@@ -40,7 +39,7 @@ impl Inner {
             .await?
             .map_err(JobsError::Invalid)?;
         let (known, _) = self.known_of(&plan).await?;
-        let faults = known_data::check(&mut plan, &known);
+        let faults = experiment::check_known(&mut plan, &known);
         if !faults.is_empty() {
             return Err(JobsError::Invalid(faults));
         }
@@ -89,14 +88,14 @@ impl Inner {
             return Ok(refused(missing));
         }
         let (known, warnings) = self.known_of(&plan).await?;
-        let faults = known_data::check(&mut plan, &known);
+        let faults = experiment::check_known(&mut plan, &known);
         if !faults.is_empty() {
             return Ok(refused(faults));
         }
         Ok(Validation {
             faults,
             warnings,
-            estimate: Some(plan.estimate),
+            estimate: Some(plan.cost),
         })
     }
 
@@ -123,10 +122,10 @@ impl Inner {
 
 /// Checks a request. The cells of a large campaign take a second, too long for the threads that answer requests.
 pub(super) async fn planned(
-    kind: plan::JobKind,
+    kind: experiment::JobKind,
     body: Value,
 ) -> anyhow::Result<Result<Plan, Vec<Fault>>> {
-    tokio::task::spawn_blocking(move || plan::plan(kind, &body))
+    tokio::task::spawn_blocking(move || experiment::plan(kind, &body))
         .await
         .context("planning panicked")
 }
@@ -162,7 +161,7 @@ fn new_job(
 /// Nobody waits behind a campaign with a job that takes a moment, nor behind a long campaign with a short one.
 fn priority(kind: JobKind, plan: &Plan) -> i64 {
     if kind == JobKind::Campaign {
-        90 - (10.0 * plan.estimate.cost_s.clamp(1.0, 1e8).log10()).round() as i64
+        90 - (10.0 * plan.cost.cost_s.clamp(1.0, 1e8).log10()).round() as i64
     } else {
         100
     }

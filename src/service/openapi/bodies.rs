@@ -1,8 +1,7 @@
 //! What requests carry: bodies, and the query of a raw upload. Their schemas come from the tables that check requests.
 
 use super::{examples, reference};
-use crate::experiment::catalogue;
-use crate::experiment::plan::JobKind;
+use crate::experiment::{self, JobKind};
 use crate::registry::{Components, Object, json_schema, tagged_schema};
 use crate::service::http;
 use serde_json::{Map, Value, json};
@@ -48,7 +47,7 @@ pub fn capital(kind: JobKind) -> String {
 
 /// The body at the path of a kind, where the kind need not be said again.
 fn request_schema(kind: JobKind, tables: &mut Components) -> Value {
-    let object = catalogue::request_object(kind);
+    let object = experiment::request_object(kind);
     let schema = json_schema(object, tables);
     if let Some(properties) = tables
         .get_mut(object.name)
@@ -66,7 +65,7 @@ fn request_schema(kind: JobKind, tables: &mut Components) -> Value {
 /// `JobSpec`: a job of any kind, with its kind.
 fn add_specs(tables: &mut Components) {
     let mut add = |kind: JobKind| {
-        let object: &'static Object = catalogue::request_object(kind);
+        let object: &'static Object = experiment::request_object(kind);
         tagged_schema(
             object,
             format!("{}Spec", capital(kind)),

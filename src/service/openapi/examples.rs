@@ -1,8 +1,7 @@
 //! Examples of request bodies. A test gives every one of them to the checks that real requests meet.
 
 use crate::experiment::job_shape::with_kind;
-use crate::experiment::plan::JobKind;
-use crate::experiment::presets;
+use crate::experiment::{JobKind, presets};
 use serde_json::{Value, json};
 
 /// An id as ids look; examples name nothing that exists.

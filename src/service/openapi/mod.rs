@@ -8,8 +8,7 @@ mod version_3_0;
 
 use super::http;
 use super::types::{PROBLEMS, Problem};
-use crate::experiment::plan::JobKind;
-use crate::experiment::run::ARTIFACT_TYPES;
+use crate::experiment::{ARTIFACT_TYPES, JobKind};
 use crate::formats::FORMATS;
 use crate::model::fault::FAULT_CODES;
 use crate::registry::Components;

@@ -11,7 +11,7 @@ use super::database::Durability;
 use super::datasets::{NewDataset, insert_dataset};
 use super::unsynced::note_unsynced;
 use super::{Storage, now, to_micros};
-use crate::experiment::plan::JobKind as PlanKind;
+use crate::experiment::JobKind as PlanKind;
 use crate::model::dataset::DatasetSummary;
 use crate::model::sensor::SensorSettings;
 use crate::service::types::{

@@ -1,7 +1,7 @@
 //! Jobs on the wire.
 
 use super::problem::Problem;
-use crate::experiment::plan;
+use crate::experiment;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -32,7 +32,7 @@ impl JobKind {
     ];
 
     pub fn name(self) -> &'static str {
-        plan::JobKind::from(self).name()
+        experiment::JobKind::from(self).name()
     }
 
     pub fn from_name(name: &str) -> Option<Self> {
@@ -40,28 +40,28 @@ impl JobKind {
     }
 }
 
-impl From<JobKind> for plan::JobKind {
+impl From<JobKind> for experiment::JobKind {
     fn from(kind: JobKind) -> Self {
         match kind {
-            JobKind::Simulate => plan::JobKind::Simulate,
-            JobKind::Associate => plan::JobKind::Associate,
-            JobKind::Evaluate => plan::JobKind::Evaluate,
-            JobKind::Group => plan::JobKind::Group,
-            JobKind::Correlate => plan::JobKind::Correlate,
-            JobKind::Campaign => plan::JobKind::Campaign,
+            JobKind::Simulate => experiment::JobKind::Simulate,
+            JobKind::Associate => experiment::JobKind::Associate,
+            JobKind::Evaluate => experiment::JobKind::Evaluate,
+            JobKind::Group => experiment::JobKind::Group,
+            JobKind::Correlate => experiment::JobKind::Correlate,
+            JobKind::Campaign => experiment::JobKind::Campaign,
         }
     }
 }
 
-impl From<plan::JobKind> for JobKind {
-    fn from(kind: plan::JobKind) -> Self {
+impl From<experiment::JobKind> for JobKind {
+    fn from(kind: experiment::JobKind) -> Self {
         match kind {
-            plan::JobKind::Simulate => JobKind::Simulate,
-            plan::JobKind::Associate => JobKind::Associate,
-            plan::JobKind::Evaluate => JobKind::Evaluate,
-            plan::JobKind::Group => JobKind::Group,
-            plan::JobKind::Correlate => JobKind::Correlate,
-            plan::JobKind::Campaign => JobKind::Campaign,
+            experiment::JobKind::Simulate => JobKind::Simulate,
+            experiment::JobKind::Associate => JobKind::Associate,
+            experiment::JobKind::Evaluate => JobKind::Evaluate,
+            experiment::JobKind::Group => JobKind::Group,
+            experiment::JobKind::Correlate => JobKind::Correlate,
+            experiment::JobKind::Campaign => JobKind::Campaign,
         }
     }
 }

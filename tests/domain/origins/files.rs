@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 use std::collections::BTreeMap;
-use trackloom_domain::experiment::run::Outcome;
+use trackloom_domain::experiment::Outcome;
 
 struct Table {
     header: Vec<String>,

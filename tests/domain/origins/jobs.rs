@@ -2,8 +2,7 @@
 
 use serde_json::{Value, json};
 use trackloom_domain::experiment::observer::{Observer, Silent};
-use trackloom_domain::experiment::plan::{JobKind, Source, plan};
-use trackloom_domain::experiment::run::{Input, Outcome, RunError, run};
+use trackloom_domain::experiment::{Input, JobKind, Outcome, RunError, Source, plan, run};
 use trackloom_domain::formats::{ReadOptions, format_named};
 use trackloom_domain::model::fault::Fault;
 
@@ -48,7 +47,7 @@ impl Texts {
     ) -> Result<Outcome, RunError> {
         let plan = plan(kind, body)?;
         let mut inputs = Vec::new();
-        for input in &plan.inputs {
+        for input in plan.inputs() {
             let Source::Dataset { dataset_id, .. } = &input.source else {
                 panic!("no job is named")
             };

@@ -9,7 +9,7 @@ pub use scenes::entangled;
 use files::{Files, Metric, Scope};
 use serde_json::Value;
 use std::collections::BTreeSet;
-use trackloom_domain::experiment::run::Outcome;
+use trackloom_domain::experiment::Outcome;
 
 /// Numbers that count or average no rows: quantiles, how the programme went, what a whole run is.
 const WITHOUT_ORIGIN: [&str; 15] = [

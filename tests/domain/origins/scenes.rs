@@ -5,8 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Value, json};
 use std::fmt::Write;
-use trackloom_domain::experiment::presets;
-use trackloom_domain::experiment::run::Outcome;
+use trackloom_domain::experiment::{Outcome, presets};
 
 const POINTS: [&str; 7] = [
     "siap",

@@ -2,9 +2,7 @@
 
 use serde_json::{Value, json};
 use trackloom_domain::experiment::observer::Silent;
-use trackloom_domain::experiment::plan::{JobKind, plan};
-use trackloom_domain::experiment::presets;
-use trackloom_domain::experiment::run::{Input, Outcome, run};
+use trackloom_domain::experiment::{Input, JobKind, Outcome, plan, presets, run};
 use trackloom_domain::formats::{ReadOptions, format_named};
 use trackloom_domain::model::dataset::Dataset;
 

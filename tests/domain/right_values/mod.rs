@@ -10,7 +10,7 @@ mod zeros;
 use crate::origins::jobs::Texts;
 use serde_json::{Value, json};
 use std::fmt::Write;
-use trackloom_domain::experiment::run::Outcome;
+use trackloom_domain::experiment::Outcome;
 
 /// Rows below a header.
 fn table(header: &str, rows: impl IntoIterator<Item = String>) -> String {

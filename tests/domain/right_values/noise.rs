@@ -3,8 +3,7 @@
 use super::{judged, table, warning};
 use serde_json::{Value, json};
 use trackloom_domain::experiment::observer::Silent;
-use trackloom_domain::experiment::plan::{JobKind, plan};
-use trackloom_domain::experiment::run::{Outcome, run};
+use trackloom_domain::experiment::{JobKind, Outcome, plan, run};
 
 /// One target that is always seen with a noise of 5 m, tracked as if it were `assumed_m`.
 fn tracked(assumed_m: f64, kind: JobKind) -> Outcome {

@@ -3,7 +3,7 @@
 use super::{quantity, table, truth_of};
 use crate::origins::jobs::Texts;
 use serde_json::{Value, json};
-use trackloom_domain::experiment::run::Outcome;
+use trackloom_domain::experiment::Outcome;
 
 /// 60 m/s past a sensor at 8 km, seen once a second to a millimetre and a hundred-thousandth of a degree.
 fn passing(filter: Value, has_rates: bool) -> Outcome {

@@ -3,7 +3,7 @@
 use super::{table, warning};
 use crate::origins::jobs::Texts;
 use serde_json::{Value, json};
-use trackloom_domain::experiment::run::Outcome;
+use trackloom_domain::experiment::Outcome;
 
 const DETECTIONS: &str = "time_s,scan,sensor_id,detection_id,x_m,y_m,truth_id";
 

@@ -2,10 +2,7 @@
 
 use serde_json::{Value, json};
 use trackloom_domain::experiment::observer::Silent;
-use trackloom_domain::experiment::plan::{JobKind, plan};
-use trackloom_domain::experiment::presets;
-use trackloom_domain::experiment::run::run;
-use trackloom_domain::experiment::text;
+use trackloom_domain::experiment::{JobKind, plan, presets, run, text};
 
 /// Where a value has a -0.
 fn negative_zeros(value: &Value, place: &str, found: &mut Vec<String>) {

@@ -1,7 +1,12 @@
-//! The body of a campaign, described field by field.
+//! The body of a campaign, described field by field, and its type.
 
+use super::outcomes::Outcome;
 use crate::experiment::request::fields::{JOB_NAME, LABELS, NAME, SEED};
-use crate::registry::{Bound, Field, Kind, Object, Union, Variant, default, optional, required};
+use crate::registry::{
+    Bound, Field, Kind, Object, Union, above, default, optional, required, variant, whole,
+};
+use serde::Deserialize;
+use serde_json::Value;
 
 pub(super) const MAX_RUNS: i64 = 1_000_000;
 
@@ -77,14 +82,8 @@ static AXIS: Union = Union {
     tag: "by",
     variants: || {
         vec![
-            Variant {
-                tag: "values",
-                object: &BY_VALUES,
-            },
-            Variant {
-                tag: "variants",
-                object: &BY_VARIANTS,
-            },
+            variant("values", &BY_VALUES),
+            variant("variants", &BY_VARIANTS),
         ]
     },
 };
@@ -134,11 +133,7 @@ static STOP: Object = Object {
         required(
             "half_width",
             "Half of the length of its interval, in the unit of the outcome, at which it is narrow enough.",
-            Kind::Number {
-                min: Bound::Excluding(0.0),
-                max: Bound::Including(1e300),
-                unit: "",
-            },
+            above(0.0, 1e300, ""),
         ),
     ],
 };
@@ -167,11 +162,7 @@ pub static CAMPAIGN: Object = Object {
         default(
             "runs",
             "Runs of each cell, the most where `stop_at` may end it before.",
-            Kind::Integer {
-                min: 1,
-                max: MAX_RUNS,
-                unit: "runs",
-            },
+            whole(1, MAX_RUNS, "runs"),
             "20",
         ),
         default(
@@ -206,12 +197,62 @@ pub static CAMPAIGN: Object = Object {
         default(
             "timed_runs",
             "In the first so many runs of a cell the associator or grouper is timed by itself.",
-            Kind::Integer {
-                min: 0,
-                max: 1000,
-                unit: "runs",
-            },
+            whole(0, 1000, "runs"),
             "20",
         ),
     ],
 };
+
+#[derive(Deserialize)]
+pub struct Spec {
+    pub seed: u32,
+    pub base: Value,
+    #[serde(default)]
+    pub grid: Vec<AxisSpec>,
+    pub runs: u32,
+    pub timed_runs: u32,
+    pub confidence: f64,
+    pub outcomes: Option<Vec<Outcome>>,
+    pub compare: Option<ComparisonSpec>,
+    pub stop_at: Option<StopSpec>,
+}
+
+/// What the cells are compared with.
+#[derive(Deserialize)]
+pub struct ComparisonSpec {
+    pub axis: String,
+    pub to: String,
+}
+
+/// When a cell ends before it has all its runs.
+#[derive(Deserialize)]
+pub struct StopSpec {
+    pub outcome: String,
+    pub half_width: f64,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+pub struct Change {
+    pub path: String,
+    pub value: Value,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+pub struct VariantSpec {
+    pub name: String,
+    pub set: Vec<Change>,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(tag = "by", rename_all = "snake_case")]
+pub enum AxisSpec {
+    Values {
+        name: Option<String>,
+        path: String,
+        values: Vec<Value>,
+    },
+    Variants {
+        name: String,
+        variants: Vec<VariantSpec>,
+    },
+}

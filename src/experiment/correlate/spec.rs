@@ -1,16 +1,24 @@
-//! The body of a job that correlates tracks, described field by field.
+//! The body of a job that correlates tracks, described field by field, and its type.
 
-use crate::association::ASSOCIATOR;
-use crate::correlation::CORRELATOR;
-use crate::correlation::fusion::FUSION;
-use crate::correlation::statistic::STATISTIC;
+use crate::association::{ASSOCIATOR, BuildAssociator};
+use crate::correlation::alignment::Assumed;
+use crate::correlation::fusion::{BuildFusion, FUSION};
+use crate::correlation::statistic::{STATISTIC, Statistic};
+use crate::correlation::{BuildCorrelator, CORRELATOR};
 use crate::experiment::request::fields::{
     DATA, JOB_NAME, LABELS, NAME, RANGE, SEED, SENSORS, SIGMA, input_sources,
 };
+use crate::experiment::request::methods::{Choice, FilterChoice, TrackerSpec, TrackingSpec};
+use crate::experiment::request::sources::InputSpec;
 use crate::filtering::FILTER;
-use crate::registry::{Bound, Kind, Object, Union, Variant, default, optional, required};
+use crate::model::sensor::SensorSettings;
+use crate::registry::{
+    Bound, Kind, Object, Union, above, default, number, optional, required, variant, whole,
+};
 use crate::simulation::LOCAL_TRACKS;
 use crate::tracking::LIFECYCLE;
+use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 static LOCAL: Object = Object {
     name: "LocalTracksSource",
@@ -29,10 +37,7 @@ static INPUT: Union = Union {
     tag: "source",
     variants: || {
         let mut variants = input_sources();
-        variants.push(Variant {
-            tag: "local_tracks",
-            object: &LOCAL,
-        });
+        variants.push(variant("local_tracks", &LOCAL));
         variants
     },
 };
@@ -49,30 +54,18 @@ static ALIGNMENT: Object = Object {
         optional(
             "period_s",
             "Common times so far apart instead, from the first time of all tracks on.",
-            Kind::Number {
-                min: Bound::Excluding(0.0),
-                max: Bound::Including(1e6),
-                unit: "s",
-            },
+            above(0.0, 1e6, "s"),
         ),
         default(
             "process_noise_m2ps3",
             "Spectral density of the white-noise acceleration of the prediction.",
-            Kind::Number {
-                min: Bound::Including(0.0),
-                max: Bound::Including(1e9),
-                unit: "m²/s³",
-            },
+            number(0.0, 1e9, "m²/s³"),
             "1.0",
         ),
         default(
             "max_gap_s",
             "Longest prediction; a track with no point within it before a common time says nothing there.",
-            Kind::Number {
-                min: Bound::Including(0.0),
-                max: Bound::Including(1e6),
-                unit: "s",
-            },
+            number(0.0, 1e6, "s"),
             "2.0",
         ),
         optional(
@@ -83,11 +76,7 @@ static ALIGNMENT: Object = Object {
         optional(
             "sigma_mps",
             "The same of velocities; where it is absent velocities without covariance are not used.",
-            Kind::Number {
-                min: Bound::Excluding(0.0),
-                max: Bound::Including(1e5),
-                unit: "m/s",
-            },
+            above(0.0, 1e5, "m/s"),
         ),
     ],
 };
@@ -99,21 +88,13 @@ static CONFIRM: Object = Object {
         default(
             "found",
             "Times that a tuple must have been found, absences included.",
-            Kind::Integer {
-                min: 1,
-                max: 1000,
-                unit: "times",
-            },
+            whole(1, 1000, "times"),
             "1",
         ),
         default(
             "of",
             "Successive common times at which the tracks are put together.",
-            Kind::Integer {
-                min: 1,
-                max: 1000,
-                unit: "times",
-            },
+            whole(1, 1000, "times"),
             "1",
         ),
     ],
@@ -145,11 +126,7 @@ static RECURSION: Object = Object {
     fields: &[required(
         "process_noise_m2ps3",
         "Process noise of the filters that made the tracks.",
-        Kind::Number {
-            min: Bound::Including(0.0),
-            max: Bound::Including(1e9),
-            unit: "m²/s³",
-        },
+        number(0.0, 1e9, "m²/s³"),
     )],
 };
 
@@ -159,18 +136,9 @@ static CROSS_COVARIANCE: Union = Union {
     tag: "kind",
     variants: || {
         vec![
-            Variant {
-                tag: "none",
-                object: &NONE,
-            },
-            Variant {
-                tag: "coefficient",
-                object: &COEFFICIENT,
-            },
-            Variant {
-                tag: "recursion",
-                object: &RECURSION,
-            },
+            variant("none", &NONE),
+            variant("coefficient", &COEFFICIENT),
+            variant("recursion", &RECURSION),
         ]
     },
 };
@@ -266,3 +234,78 @@ pub static CORRELATE: Object = Object {
         ),
     ],
 };
+
+#[derive(Clone, Deserialize)]
+pub struct Spec {
+    #[serde(default)]
+    sets: Vec<IgnoredAny>,
+    #[serde(default)]
+    pub input: InputSpec,
+    #[serde(default)]
+    pub sensors: Vec<SensorSettings>,
+    associator: Option<Choice<BuildAssociator>>,
+    filter: Option<FilterChoice>,
+    tracker: Option<TrackerSpec>,
+    pub truth_gate_m: f64,
+    pub alignment: AlignmentSettings,
+    pub statistic: Statistic,
+    pub cross_covariance: CrossSpec,
+    pub correlator: Choice<BuildCorrelator>,
+    pub confirm: Confirm,
+    pub fusion: Choice<BuildFusion>,
+    pub keep_unassociated: bool,
+}
+
+impl Spec {
+    /// Where the tracks come from, for faults.
+    pub fn place(&self) -> &'static str {
+        if self.has_sets() { "/sets" } else { "/input" }
+    }
+
+    pub fn has_sets(&self) -> bool {
+        !self.sets.is_empty()
+    }
+
+    /// How detections are tracked; `None` of tracks that are there already.
+    pub fn tracking(&self) -> Option<TrackingSpec> {
+        Some(TrackingSpec {
+            associator: self.associator.clone()?,
+            filter: self.filter?,
+            tracker: self.tracker?,
+        })
+    }
+}
+
+/// How often a tuple must be found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+pub struct Confirm {
+    pub found: u32,
+    pub of: u32,
+}
+
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct AlignmentSettings {
+    pub reference: Option<String>,
+    pub period_s: Option<f64>,
+    pub process_noise_m2ps3: f64,
+    pub max_gap_s: f64,
+    pub sigma_m: Option<f64>,
+    pub sigma_mps: Option<f64>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum CrossSpec {
+    None,
+    Coefficient { coefficient: f64 },
+    Recursion { process_noise_m2ps3: f64 },
+}
+
+impl AlignmentSettings {
+    pub fn assumed(&self) -> Option<Assumed> {
+        self.sigma_m.map(|sigma_m| Assumed {
+            sigma_m,
+            sigma_mps: self.sigma_mps,
+        })
+    }
+}

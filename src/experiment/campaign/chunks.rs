@@ -1,11 +1,11 @@
-//! Making runs of a campaign, a piece at a time, and putting the pieces together.
+//! Making runs of a campaign, a chunk at a time, and collecting the runs of all chunks.
 
 use super::Campaign;
 use super::cells::Cell;
 use super::outcomes::{self, Outcome, Rows};
-use crate::experiment::observer::{Observer, Step};
-use crate::experiment::plan::Plan;
-use crate::experiment::run::{self, Decided, Inputs, RunError};
+use crate::experiment::job::{self, AssociationTime, Inputs, RunError, RunSettings, run_job};
+use crate::experiment::observer::{Observer, Step, report_progress};
+use crate::math::rng::Seed;
 use crate::model::fault::Fault;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -17,7 +17,7 @@ pub type Items = Range<u64>;
 
 /// Some runs to make.
 #[derive(Debug, Clone)]
-pub struct Order {
+pub struct ChunkRequest {
     pub items: Vec<Items>,
     /// What is kept of each run; `None` where the first run is to tell.
     pub outcomes: Option<Vec<Outcome>>,
@@ -31,12 +31,13 @@ pub struct Order {
 
 /// What some runs gave; the lists go by run.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct Piece {
+pub struct ChunkResult {
     items: Vec<u64>,
     /// By outcome; `None` where the run has no such number.
     numbers: Vec<Vec<Option<f64>>>,
     /// What deciding took, in microseconds a scan, where it was timed by itself.
-    decided_us: Vec<Option<f64>>,
+    #[serde(rename = "decided_us")]
+    association_us: Vec<Option<f64>>,
     /// What the whole run took; 0 where the observer has no clock.
     spent_us: Vec<u64>,
     /// By outcome: why the first of these runs that lacks the number does.
@@ -51,7 +52,7 @@ struct Lack {
     why: String,
 }
 
-impl Piece {
+impl ChunkResult {
     /// How many runs it has.
     pub fn len(&self) -> usize {
         self.items.len()
@@ -76,19 +77,40 @@ impl Piece {
         let kept: Vec<usize> = (0..self.items.len())
             .filter(|&place| self.items[place] < item)
             .collect();
-        *self = Piece {
+        *self = ChunkResult {
             items: kept.iter().map(|&place| self.items[place]).collect(),
             numbers: kept
                 .iter()
                 .map(|&place| std::mem::take(&mut self.numbers[place]))
                 .collect(),
-            decided_us: kept.iter().map(|&place| self.decided_us[place]).collect(),
+            association_us: kept
+                .iter()
+                .map(|&place| self.association_us[place])
+                .collect(),
             spent_us: kept.iter().map(|&place| self.spent_us[place]).collect(),
             lacking: std::mem::take(&mut self.lacking)
                 .into_iter()
                 .filter(|(_, lack)| lack.item < item)
                 .collect(),
         };
+    }
+
+    fn push(&mut self, item: u64, found: &job::Outcome, wanted: &[Outcome], spent: Duration) {
+        let result = &found.result;
+        let numbers: Vec<Option<f64>> = wanted.iter().map(|wanted| wanted.of(result)).collect();
+        for (index, wanted) in wanted.iter().enumerate() {
+            if numbers[index].is_none() {
+                self.lacking.entry(index).or_insert_with(|| Lack {
+                    item,
+                    why: wanted.lack(result, &found.warnings),
+                });
+            }
+        }
+        self.items.push(item);
+        self.numbers.push(numbers);
+        self.association_us
+            .push(found.association_time.map(us_per_scan));
+        self.spent_us.push(spent.as_micros() as u64);
     }
 
     pub(super) fn spent_us(&self) -> &[u64] {
@@ -100,69 +122,63 @@ impl Campaign {
     /// Makes the runs of an order, at least one of them, with what was kept of each.
     ///
     /// # Errors
-    /// As [`run::run`]; a fault names the cell and the run that has it.
+    /// As [`run_job`]; a fault names the cell and the run that has it.
     pub fn make(
         &self,
-        order: Order,
+        request: ChunkRequest,
         inputs: &Inputs,
         observer: &mut dyn Observer,
-    ) -> Result<(Piece, Vec<Outcome>), RunError> {
-        let mut outcomes = self.outcomes.clone().or(order.outcomes);
-        let mut piece = Piece::default();
+    ) -> Result<(ChunkResult, Vec<Outcome>), RunError> {
+        let mut outcomes = self.outcomes.clone().or(request.outcomes);
+        let mut chunk = ChunkResult::default();
         let mut inner = Inner {
             observer,
-            done: order.done,
-            total: order.total,
+            done: request.done,
+            total: request.total,
         };
         let started = inner.now();
         let mut now = started;
-        for item in order.items.into_iter().flatten() {
-            let is_enough = order.enough.is_some_and(|enough| {
+        for item in request.items.into_iter().flatten() {
+            let is_enough = request.enough.is_some_and(|enough| {
                 now.zip(started)
                     .is_some_and(|(now, started)| now - started >= enough)
             });
-            if is_enough && !piece.is_empty() {
+            if is_enough && !chunk.is_empty() {
                 break;
             }
-            let (run, cell) = self.run_of(item);
-            let job = Plan {
-                run,
-                is_timed: run < self.timed_runs,
-                ..cell.plan.clone()
-            };
-            let outcome = run::run(&job, inputs.clone(), &mut inner)
-                .map_err(|error| placed(error, cell, run))?;
-            let kept = outcomes.get_or_insert_with(|| outcomes::found_in(&outcome.result));
+            let found = self.make_one(item, inputs, &mut inner)?;
+            let kept = outcomes.get_or_insert_with(|| outcomes::found_in(&found.result));
             let before = std::mem::replace(&mut now, inner.now());
-            piece.items.push(item);
-            let numbers: Vec<Option<f64>> = kept
-                .iter()
-                .map(|wanted| wanted.of(&outcome.result))
-                .collect();
-            for (index, wanted) in kept
-                .iter()
-                .enumerate()
-                .filter(|(index, _)| numbers[*index].is_none())
-            {
-                piece.lacking.entry(index).or_insert_with(|| Lack {
-                    item,
-                    why: wanted.lack(&outcome.result, &outcome.warnings),
-                });
-            }
-            piece.numbers.push(numbers);
-            piece
-                .decided_us
-                .push(outcome.decided.filter(|_| job.is_timed).map(us_per_scan));
-            piece.spent_us.push(
-                now.zip(before)
-                    .map_or(0, |(now, before)| (now - before).as_micros() as u64),
-            );
+            let spent = now
+                .zip(before)
+                .map_or(Duration::ZERO, |(now, before)| now - before);
+            chunk.push(item, &found, kept, spent);
             inner.done += 1;
-            if inner.progress(Step::Run, 0, 0).is_break() {
-                return Err(RunError::Stopped);
-            }
+            report_progress(&mut inner, Step::Run, 0, 0)?;
         }
-        Ok((piece, outcomes.unwrap_or_default()))
+        Ok((chunk, outcomes.unwrap_or_default()))
+    }
+
+    fn make_one(
+        &self,
+        item: u64,
+        inputs: &Inputs,
+        observer: &mut dyn Observer,
+    ) -> Result<job::Outcome, RunError> {
+        let (run, cell) = self.run_of(item);
+        let settings = RunSettings {
+            seed: Seed {
+                seed: cell.plan.seed,
+                run,
+            },
+            wants_files: false,
+            time_association: run < self.timed_runs,
+        };
+        let mut found = run_job(&*cell.plan.job, inputs.clone(), settings, observer)
+            .map_err(|error| place(error, cell, run))?;
+        // Some time themselves wherever there is a clock.
+        found.association_time = found.association_time.filter(|_| settings.time_association);
+        Ok(found)
     }
 
     /// The run and the cell of an item.
@@ -178,19 +194,19 @@ impl Campaign {
     }
 }
 
-fn us_per_scan(decided: Decided) -> f64 {
-    decided.spent.as_secs_f64() * 1e6 / decided.scans.max(1) as f64
+fn us_per_scan(time: AssociationTime) -> f64 {
+    time.spent.as_secs_f64() * 1e6 / time.scans.max(1) as f64
 }
 
-fn placed(error: RunError, cell: &Cell, run: u32) -> RunError {
+fn place(error: RunError, cell: &Cell, run: u32) -> RunError {
     let name = &cell.name;
-    let place = |fault: Fault| Fault {
+    let placed = |fault: Fault| Fault {
         detail: format!("cell '{name}', run {run}: {}", fault.detail),
         pointer: format!("/base{}", fault.pointer),
         ..fault
     };
     match error {
-        RunError::Faults(faults) => RunError::Faults(faults.into_iter().map(place).collect()),
+        RunError::Faults(faults) => RunError::Faults(faults.into_iter().map(placed).collect()),
         RunError::Stopped => RunError::Stopped,
     }
 }
@@ -212,32 +228,32 @@ impl Observer for Inner<'_> {
     }
 }
 
-/// Of the run with the least number, so that it does not matter how the runs were cut into pieces.
-fn first_lack(pieces: &[Piece], outcome: usize) -> Option<String> {
-    pieces
+/// Of the run with the least number, so that it does not matter how the runs were cut into chunks.
+fn first_lack(chunks: &[ChunkResult], outcome: usize) -> Option<String> {
+    chunks
         .iter()
-        .filter_map(|piece| piece.lacking.get(&outcome))
+        .filter_map(|chunk| chunk.lacking.get(&outcome))
         .min_by_key(|lack| lack.item)
         .map(|lack| lack.why.clone())
 }
 
 /// Everything that the runs gave, by cell and there by run.
-pub(super) struct Harvest {
+pub(super) struct CollectedRuns {
     pub rows: Vec<Rows>,
     /// Why the first run that lacks an outcome does, by outcome.
     pub lacking: Vec<Option<String>>,
-    pub decided_us: Vec<Vec<f64>>,
+    pub association_us: Vec<Vec<f64>>,
     pub runs: Vec<u32>,
 }
 
-impl Harvest {
-    /// Puts pieces together, in whatever order they were made.
-    pub fn of(campaign: &Campaign, pieces: &[Piece], outcomes: usize) -> Harvest {
+impl CollectedRuns {
+    /// Puts chunks together, in whatever order they were made.
+    pub fn new(campaign: &Campaign, chunks: &[ChunkResult], outcomes: usize) -> CollectedRuns {
         let mut order: Vec<(u64, u32, u32)> =
-            Vec::with_capacity(pieces.iter().map(Piece::len).sum());
-        for (number, piece) in pieces.iter().enumerate() {
+            Vec::with_capacity(chunks.iter().map(ChunkResult::len).sum());
+        for (number, chunk) in chunks.iter().enumerate() {
             order.extend(
-                piece
+                chunk
                     .items
                     .iter()
                     .enumerate()
@@ -246,26 +262,26 @@ impl Harvest {
         }
         order.sort_unstable();
         let cells = campaign.cells.len();
-        let mut harvest = Harvest {
+        let mut collected = CollectedRuns {
             rows: vec![vec![Vec::new(); outcomes]; cells],
             lacking: (0..outcomes)
-                .map(|outcome| first_lack(pieces, outcome))
+                .map(|outcome| first_lack(chunks, outcome))
                 .collect(),
-            decided_us: vec![Vec::new(); cells],
+            association_us: vec![Vec::new(); cells],
             runs: vec![0; cells],
         };
         for (item, number, place) in order {
             let cell = (item % cells as u64) as usize;
-            harvest.runs[cell] += 1;
-            let piece = &pieces[number as usize];
-            for (column, &value) in harvest.rows[cell]
+            collected.runs[cell] += 1;
+            let chunk = &chunks[number as usize];
+            for (column, &value) in collected.rows[cell]
                 .iter_mut()
-                .zip(&piece.numbers[place as usize])
+                .zip(&chunk.numbers[place as usize])
             {
                 column.push(value);
             }
-            harvest.decided_us[cell].extend(piece.decided_us[place as usize]);
+            collected.association_us[cell].extend(chunk.association_us[place as usize]);
         }
-        harvest
+        collected
     }
 }

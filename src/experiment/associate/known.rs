@@ -1,0 +1,90 @@
+//! What is known of a recording before it is loaded, held against how it is to be tracked.
+
+use super::auto_filter::settle;
+use super::track::{unbounded_gate, unmet_need};
+use crate::experiment::input::known::{KnownRecording, cost_of, unknown_sensors};
+use crate::experiment::input::sensors;
+use crate::experiment::job::{Cost, InputRequest, Job, Known, KnownInputs, Settled};
+use crate::experiment::request::methods::{FilterChoice, NamedFilter, TrackingSpec};
+use crate::model::fault::Fault;
+use crate::model::sensor::SensorSettings;
+use serde_json::Value;
+use std::sync::Arc;
+
+/// What was found of the recording that a job tracks.
+#[derive(Default)]
+pub struct KnownTracking {
+    pub faults: Vec<Fault>,
+    cost: Cost,
+    /// The filter that suits it, where the request left it open.
+    filter: Option<(Value, NamedFilter)>,
+    /// Whether it says which target its detections came from; `None` where it could not be looked at.
+    pub origins_known: Option<bool>,
+}
+
+/// Holds what is known of the recording against how it is tracked.
+pub fn check_tracked(
+    inputs: &[InputRequest],
+    known: &[Option<Known>],
+    tracking: &TrackingSpec,
+    requested: &[SensorSettings],
+) -> KnownTracking {
+    let mut found = KnownTracking {
+        faults: unknown_sensors(inputs, known),
+        cost: cost_of(known),
+        ..KnownTracking::default()
+    };
+    let Some(recording) = KnownRecording::find(inputs, known) else {
+        return found;
+    };
+    let settled = settle(tracking, &recording.sample);
+    if found.faults.is_empty() {
+        found.origins_known = Some(recording.origins_known);
+        found.faults = faults_of(&recording, &settled.filter, tracking, requested);
+    }
+    found.filter = settled.chosen.map(|filter| (filter, settled.filter));
+    found
+}
+
+fn faults_of(
+    recording: &KnownRecording,
+    filter: &NamedFilter,
+    tracking: &TrackingSpec,
+    requested: &[SensorSettings],
+) -> Vec<Fault> {
+    let KnownRecording {
+        sample, uploaded, ..
+    } = recording;
+    let known = match sensors::known(sample, uploaded, requested) {
+        Ok(known) => known,
+        Err(faults) => return faults,
+    };
+    let mut faults = match sensors::resolve(sample, &known, filter, &mut Vec::new()) {
+        Ok(resolved) => {
+            let mut faults = sensors::misplaced_densities(requested, &resolved);
+            faults.extend(unbounded_gate(&tracking.tracker.lifecycle, &resolved));
+            faults
+        }
+        Err(faults) => faults,
+    };
+    faults.extend(unmet_need(&tracking.associator, sample));
+    faults
+}
+
+impl KnownTracking {
+    /// `with_filter` makes the job with a filter in the place of the open one.
+    pub fn into_known_inputs<J: Job>(
+        self,
+        with_filter: impl FnOnce(FilterChoice) -> J,
+    ) -> KnownInputs {
+        let settled = self.filter.map(|(filter, named)| Settled {
+            filter,
+            job: Arc::new(with_filter(FilterChoice::Named(named))),
+        });
+        KnownInputs {
+            faults: self.faults,
+            cost: self.cost,
+            settled,
+        }
+    }
+}

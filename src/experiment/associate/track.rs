@@ -1,0 +1,359 @@
+//! Runs the tracker over a recording.
+
+use super::auto_filter::SettledTracking;
+use super::report::NisReport;
+use super::speeds::{self, Taken};
+use super::truth_initiation::{self, Start};
+use super::{clutter, no_tracks, noise, scan_gaps};
+use crate::association::{Associator, BuildAssociator, Needs, Trace};
+use crate::experiment::files::datasets;
+use crate::experiment::input::{JobData, sensors};
+use crate::experiment::job::{Artifact, AssociationTime, RunError, RunSettings, refuse_any};
+use crate::experiment::observer::{Observer, Step};
+use crate::experiment::request::methods::Choice;
+use crate::experiment::request::sources::InputSpec;
+use crate::filtering::{Chosen, Filter};
+use crate::math::rng::Seed;
+use crate::model::fault::Fault;
+use crate::model::scan::Recording;
+use crate::model::scenario::Scenario;
+use crate::model::sensor::{Sensor, SensorSettings};
+use crate::model::state::GaussianState;
+use crate::model::track::{Estimate, TrackSet};
+use crate::model::watch::Watch;
+use crate::tracking::{Lifecycle, ScanOutcome, Tracker, TrackerParts};
+use serde_json::Value;
+use std::cell::RefCell;
+
+/// The tracks, and what happened scan by scan.
+pub struct Tracked {
+    pub tracks: TrackSet,
+    pub scans: Vec<ScanOutcome>,
+    pub method: &'static str,
+    pub nis: NisReport,
+    /// What the associator says of its work.
+    pub diagnostics: Option<Value>,
+    /// How long the associator took, where that was asked for.
+    pub association_time: Option<AssociationTime>,
+    /// What the associator wrote down step by step.
+    trace: Option<Trace>,
+    /// What the request left open.
+    pub taken: Taken,
+}
+
+impl Tracked {
+    /// `scans.csv`, and `association_trace.csv` where there is one.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn files(&self, data: &mut JobData) -> Result<Vec<Artifact>, RunError> {
+        let mut files = vec![datasets::scans(data.recording()?, &self.scans)?];
+        if let Some(trace) = &self.trace {
+            let left_out = trace.left_out();
+            if left_out > 0 {
+                data.warnings.push(format!(
+                    "association_trace.csv lacks the last {left_out} rows"
+                ));
+            }
+            files.push(datasets::trace(trace));
+        }
+        Ok(files)
+    }
+}
+
+/// A recording with what is known of its sensors and what was made of that.
+pub struct ResolvedRecording<'a> {
+    pub recording: &'a Recording,
+    pub known: &'a [SensorSettings],
+    pub sensors: &'a [Sensor],
+}
+
+/// Tracks the recording of the data; `requested` is what the job says of sensors.
+///
+/// # Errors
+/// [`RunError::Stopped`]; what of the data the settings do not fit.
+pub fn track(
+    data: &mut JobData,
+    input: &InputSpec,
+    tracking: &SettledTracking,
+    requested: &[SensorSettings],
+    settings: RunSettings,
+    observer: &mut dyn Observer,
+) -> Result<Tracked, RunError> {
+    let mut warnings = Vec::new();
+    let scenario = input.scenario.as_ref();
+    let tracked = track_with(
+        data,
+        scenario,
+        tracking,
+        requested,
+        settings,
+        &mut warnings,
+        observer,
+    );
+    data.warnings.append(&mut warnings);
+    tracked
+}
+
+fn track_with(
+    data: &JobData,
+    scenario: Option<&Scenario>,
+    tracking: &SettledTracking,
+    requested: &[SensorSettings],
+    settings: RunSettings,
+    warnings: &mut Vec<String>,
+    observer: &mut dyn Observer,
+) -> Result<Tracked, RunError> {
+    let recording = data.recording()?;
+    let (named, filter) = (&tracking.filter, &tracking.filter.filter);
+    let sensors = sensors::resolve(recording, &data.sensors, named, warnings)?;
+    refuse_any(sensors::misplaced_densities(requested, &sensors))?;
+    let resolved = ResolvedRecording {
+        recording,
+        known: &data.sensors,
+        sensors: &sensors,
+    };
+    let tracker = &tracking.spec.tracker;
+    let (lifecycle, taken) = speeds::complete(tracker, scenario, &resolved, filter, warnings);
+    let associator = &tracking.spec.associator;
+    let faults = [
+        unmet_need(associator, recording),
+        unbounded_gate(&lifecycle, &sensors),
+    ];
+    if let Some(fault) = faults.into_iter().flatten().next() {
+        return Err(fault.into());
+    }
+    let truth = data.truth.as_ref();
+    let run = TrackerRun {
+        recording,
+        associator: associator.build(settings.seed),
+        lifecycle,
+        sensors: sensors.clone(),
+        method: associator.name(),
+        starts: truth_initiation::starts(
+            &lifecycle,
+            recording,
+            truth,
+            &sensors,
+            named,
+            settings.seed,
+        )?,
+        is_timed: settings.time_association,
+    };
+    let mut tracked = run.with_any(filter, observer)?;
+    tracked.taken = Taken {
+        filter: tracking.chosen.clone(),
+        ..taken
+    };
+    warnings.extend(scan_gaps::warning(recording));
+    let NisReport {
+        updates,
+        dimensions,
+        ..
+    } = tracked.nis;
+    warnings.extend(tracked.nis.mean.and_then(|mean| {
+        noise::warning(mean, updates, dimensions as u32, lifecycle.gate_probability)
+    }));
+    warnings.extend(no_tracks::warning(&tracked, &resolved, &lifecycle, filter));
+    // Clutter that lies near targets only is not spread over what the sensor watches: a comparison would mislead.
+    if !scenario.is_some_and(has_local_clutter) {
+        warnings.extend(clutter::disagreements(&resolved, &tracked.tracks));
+    }
+    Ok(tracked)
+}
+
+fn has_local_clutter(scenario: &Scenario) -> bool {
+    scenario
+        .sensors
+        .iter()
+        .any(|sensor| sensor.clutter_within_deg.is_some())
+}
+
+/// Everything that a tracker needs besides its filter.
+struct TrackerRun<'a> {
+    recording: &'a Recording,
+    associator: Box<dyn Associator>,
+    lifecycle: Lifecycle,
+    sensors: Vec<Sensor>,
+    method: &'static str,
+    /// The tracks that are given to the tracker.
+    starts: Vec<Start>,
+    /// Whether the associator is timed by itself.
+    is_timed: bool,
+}
+
+impl TrackerRun<'_> {
+    fn with_any(self, filter: &Chosen, observer: &mut dyn Observer) -> Result<Tracked, RunError> {
+        let has_rates = report_range_rates(&self.sensors);
+        match *filter {
+            Chosen::Kalman(filter) => self.with::<_, 4, 2>(filter, observer),
+            Chosen::Converted(filter) => self.with::<_, 4, 2>(filter, observer),
+            Chosen::Extended(filter) if has_rates => self.with::<_, 4, 3>(filter, observer),
+            Chosen::Extended(filter) => self.with::<_, 4, 2>(filter, observer),
+            Chosen::Unscented(filter) if has_rates => self.with::<_, 4, 3>(filter, observer),
+            Chosen::Unscented(filter) => self.with::<_, 4, 2>(filter, observer),
+            Chosen::BearingOnly(filter) => self.with::<_, 2, 1>(filter, observer),
+        }
+    }
+
+    /// With a filter whose states have `N` variables and whose measurements have `D` values.
+    fn with<F: Filter<N, D>, const N: usize, const D: usize>(
+        self,
+        filter: F,
+        observer: &mut dyn Observer,
+    ) -> Result<Tracked, RunError>
+    where
+        Estimate: From<GaussianState<N>>,
+    {
+        let (recording, method, is_timed) = (self.recording, self.method, self.is_timed);
+        let mut tracker = self.start(filter)?;
+        if is_timed {
+            tracker.keep_problems();
+        }
+        let scans = step_all(&mut tracker, recording, observer)?;
+        let nis = NisReport {
+            mean: tracker.nis().mean(),
+            updates: tracker.nis().updates,
+            dimensions: D,
+        };
+        let (diagnostics, trace) = (tracker.diagnostics(), tracker.trace().cloned());
+        let association_time = if is_timed {
+            time_association(&mut tracker, recording.scans.len(), observer)
+        } else {
+            None
+        };
+        Ok(Tracked {
+            tracks: tracker.into_history().into_tracks(recording),
+            scans,
+            method,
+            nis,
+            diagnostics,
+            association_time,
+            trace,
+            taken: Taken::default(),
+        })
+    }
+
+    /// A tracker with the tracks that it is given.
+    fn start<F: Filter<N, D>, const N: usize, const D: usize>(
+        self,
+        filter: F,
+    ) -> Result<Tracker<F, N, D>, Fault>
+    where
+        Estimate: From<GaussianState<N>>,
+    {
+        let first_sensor = self.recording.scans.first().map_or(0, |scan| scan.sensor);
+        let states: Vec<_> = self
+            .starts
+            .iter()
+            .map(|start| start.state(&filter, &self.sensors[first_sensor]))
+            .collect();
+        let mut tracker = Tracker::new(TrackerParts {
+            filter,
+            associator: self.associator,
+            lifecycle: self.lifecycle,
+            sensors: self.sensors,
+        });
+        for (start, state) in self.starts.into_iter().zip(states) {
+            let state = state.ok_or_else(|| start.without_state())?;
+            tracker.give(start.truth_id, state, start.origin);
+        }
+        Ok(tracker)
+    }
+}
+
+fn step_all<F: Filter<N, D>, const N: usize, const D: usize>(
+    tracker: &mut Tracker<F, N, D>,
+    recording: &Recording,
+    observer: &mut dyn Observer,
+) -> Result<Vec<ScanOutcome>, RunError>
+where
+    Estimate: From<GaussianState<N>>,
+{
+    let mut scans = Vec::with_capacity(recording.scans.len());
+    let total = recording.scans.len() as u64;
+    let asked = RefCell::new((observer, 1));
+    let question = || {
+        let (observer, done) = &mut *asked.borrow_mut();
+        observer.progress(Step::Associate, *done, total)
+    };
+    let watch = Watch::new(&question);
+    for (index, scan) in recording.scans.iter().enumerate() {
+        scans.push(tracker.step(scan, recording.detections_of(scan), &watch)?);
+        asked.borrow_mut().1 = index as u64 + 1;
+        if question().is_break() {
+            return Err(RunError::Stopped);
+        }
+    }
+    Ok(scans)
+}
+
+/// How long the associator takes for all problems that it met, one after the other: that alone, and long enough for a clock.
+/// `None` where the observer has no clock.
+fn time_association<F: Filter<N, D>, const N: usize, const D: usize>(
+    tracker: &mut Tracker<F, N, D>,
+    scans: usize,
+    observer: &mut dyn Observer,
+) -> Option<AssociationTime>
+where
+    Estimate: From<GaussianState<N>>,
+{
+    let begun = observer.now()?;
+    let scans = scans as u64;
+    let asked = RefCell::new(&mut *observer);
+    let question = || asked.borrow_mut().progress(Step::Associate, scans, scans);
+    let watch = Watch::new(&question);
+    tracker.decide_again(&watch);
+    if watch.is_stopped() {
+        return None;
+    }
+    let spent = observer.now()?.checked_sub(begun)?;
+    Some(AssociationTime { spent, scans })
+}
+
+/// Whether all sensors report range rates that are used.
+pub fn report_range_rates(sensors: &[Sensor]) -> bool {
+    let has_rate = |sensor: &Sensor| sensor.report.range_rate().is_some();
+    !sensors.is_empty() && sensors.iter().all(has_rate)
+}
+
+/// A fault where a sensor never misses and nothing is outside a gate.
+pub fn unbounded_gate(lifecycle: &Lifecycle, sensors: &[Sensor]) -> Option<Fault> {
+    if lifecycle.gate_probability < 1.0 || sensors.iter().all(|sensor| sensor.p_d < 1.0) {
+        return None;
+    }
+    let detail = "without a gate a target of P_D = 1 is never without a detection: no assignment could leave it alone";
+    Some(
+        Fault::new("/tracker/gate_probability", "conflict", detail)
+            .allowing("below 1, or a P_D below 1"),
+    )
+}
+
+/// A fault where the recording does not know of its detections what the associator needs.
+pub fn unmet_need(associator: &Choice<BuildAssociator>, recording: &Recording) -> Option<Fault> {
+    let detections = &recording.detections;
+    let (what, lacking, column) = match needs_of(associator) {
+        Needs::Nothing | Needs::Places => return None,
+        Needs::Origins if recording.origins_known => return None,
+        Needs::Origins => ("origin", detections.len(), "a 'truth_id' column"),
+        Needs::Amplitudes => (
+            "amplitude",
+            detections
+                .iter()
+                .filter(|detection| detection.amplitude.is_none())
+                .count(),
+            "an 'amplitude' column without empty cells",
+        ),
+    };
+    let detail = format!(
+        "'{}' needs the {what} of every detection; {lacking} of {} lack it",
+        associator.name(),
+        detections.len()
+    );
+    (lacking > 0).then(|| Fault::new("/associator/method", "unsupported", detail).allowing(column))
+}
+
+/// They are the same for every seed.
+pub fn needs_of(associator: &Choice<BuildAssociator>) -> Needs {
+    associator.build(Seed { seed: 0, run: 0 }).needs()
+}

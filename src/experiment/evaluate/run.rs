@@ -1,0 +1,276 @@
+//! A job that judges tracks, step by step.
+
+use super::EvaluateJob;
+use super::automaton;
+use super::compare::{Content, OF_BEARINGS, Subject};
+use super::metrics::{Judgement, compute_metrics};
+use super::profiles::accepts_bearings;
+use super::spec::Profile;
+use crate::evaluation::metrics::BuildMetric;
+use crate::evaluation::{EvaluationInput, TfaSettings};
+use crate::experiment::associate::track::{Tracked, track};
+use crate::experiment::associate::{report, settle};
+use crate::experiment::input::{JobData, missing};
+use crate::experiment::job::{Artifact, Inputs, Outcome, RunError, RunSettings, to_value};
+use crate::experiment::observer::{Observer, Step, report_progress};
+use crate::experiment::request::methods::Choice;
+use crate::model::fault::Fault;
+use crate::model::track::TrackSet;
+use serde_json::{Map, Value};
+use std::borrow::Cow;
+
+const WITHOUT_TRUTH: &str = "there is no truth with positions, so the automaton judged by the origins of the detections, and no metric \
+                             (GOSPA, OSPA, SIAP, CLEAR, …) was computed; 'truth' gives it";
+
+type Metrics = [Choice<BuildMetric>];
+
+pub fn run(
+    job: &EvaluateJob,
+    inputs: Inputs,
+    settings: RunSettings,
+    observer: &mut dyn Observer,
+) -> Result<Outcome, RunError> {
+    let spec = &job.spec;
+    let mut data = JobData::load(&job.inputs, inputs, &spec.sensors)?;
+    let detector = spec.detector.as_ref();
+    data.gather(
+        &spec.input,
+        detector,
+        &spec.sensors,
+        settings.seed,
+        observer,
+    )?;
+    let mut result = Map::new();
+    if let Some(detection) = &data.detection {
+        result.insert("detection".to_owned(), to_value(detection)?);
+    }
+    let tracked = job.track(&mut data, settings, observer)?;
+    if let Some(tracked) = &tracked {
+        let association = report(tracked, data.recording()?, &data.sensors);
+        result.insert("association".to_owned(), to_value(&association)?);
+    }
+    let tracks = tracked.as_ref().map(|tracked| &tracked.tracks);
+    let mut files = Vec::new();
+    if job.wants_automaton(&data)? {
+        let (report, of_automaton) = job.run_automaton(&mut data, tracks, settings, observer)?;
+        result.insert("tfa".to_owned(), report);
+        files = of_automaton;
+    }
+    if let Some(judgement) = job.compute_metrics(&mut data, tracks, settings, observer)? {
+        result.extend(judgement.parts);
+        files.extend(judgement.artifacts);
+        data.warn(judgement.warnings);
+    }
+    let association_time = tracked
+        .as_ref()
+        .and_then(|tracked| tracked.association_time);
+    let mut artifacts = Vec::new();
+    if settings.wants_files {
+        let of_tracks = match &tracked {
+            Some(tracked) => tracked.files(&mut data)?,
+            None => Vec::new(),
+        };
+        let tracks = tracked.map(|tracked| tracked.tracks);
+        artifacts = data.write(&spec.input, of_tracks, tracks, observer)?;
+    }
+    artifacts.extend(files);
+    Ok(Outcome {
+        association_time,
+        ..data.into_outcome(Value::Object(result), artifacts)
+    })
+}
+
+impl EvaluateJob {
+    fn track(
+        &self,
+        data: &mut JobData,
+        settings: RunSettings,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<Tracked>, RunError> {
+        let Some(tracking) = &self.tracking else {
+            return Ok(None);
+        };
+        let tracking = settle(tracking, data.recording()?);
+        let (input, sensors) = (&self.spec.input, &self.spec.sensors);
+        track(data, input, &tracking, sensors, settings, observer).map(Some)
+    }
+
+    /// Whether there is a string to read: boxes have none.
+    fn wants_automaton(&self, data: &JobData) -> Result<bool, RunError> {
+        let spec = &self.spec;
+        if !spec.sequences.is_empty() {
+            return Ok(false);
+        }
+        if data.pairs.is_empty() {
+            return Ok(spec.tfa.is_some() || spec.profile != Profile::Vision);
+        }
+        if spec.tfa.is_some() {
+            let detail = "the automaton reads tracks in the plane, not boxes";
+            let fault = Fault::new("/tfa", "unsupported", detail);
+            return Err(fault.allowing("metrics hota, clear, identity").into());
+        }
+        if spec.profile == Profile::Tfa && spec.metrics.is_empty() {
+            let detail =
+                "the automaton reads tracks in the plane, not boxes, so nothing would be judged";
+            let fault = Fault::new("/profile", "unsupported", detail);
+            return Err(fault.allowing("vision").into());
+        }
+        Ok(false)
+    }
+
+    /// The part `tfa` of the report, and its files.
+    fn run_automaton(
+        &self,
+        data: &mut JobData,
+        tracked: Option<&TrackSet>,
+        settings: RunSettings,
+        observer: &mut dyn Observer,
+    ) -> Result<(Value, Vec<Artifact>), RunError> {
+        report_progress(observer, Step::Evaluate, 0, 1)?;
+        let input = EvaluationInput {
+            recording: data.recording.as_ref(),
+            truth: data.truth.as_ref(),
+            tracks: tracks_of(data, tracked)?,
+        };
+        let comparison = &self.spec.comparison;
+        let tfa = self.spec.tfa;
+        let tfa = TfaSettings {
+            time_tolerance_s: comparison.alignment.time_tolerance_s,
+            ..tfa.unwrap_or_else(|| automaton::default_settings(comparison, &input))
+        };
+        let evaluation = automaton::evaluate(tfa, input, &data.sensors)?;
+        let mut warnings = evaluation.strings.warnings.clone();
+        let files = if settings.wants_files {
+            automaton::artifacts(&evaluation, &mut warnings)?
+        } else {
+            Vec::new()
+        };
+        report_progress(observer, Step::Evaluate, 1, 1)?;
+        let report = to_value(&evaluation.report())?;
+        data.warn(warnings);
+        Ok((report, files))
+    }
+
+    /// What the metrics say; `None` when there are none or no truth was found.
+    fn compute_metrics(
+        &self,
+        data: &mut JobData,
+        tracked: Option<&TrackSet>,
+        settings: RunSettings,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<Judgement>, RunError> {
+        let spec = &self.spec;
+        if spec.metrics.is_empty() {
+            let has_truth = data.truth.is_some() || !data.pairs.is_empty();
+            if !has_truth && spec.profile != Profile::Tfa {
+                data.warnings.push(WITHOUT_TRUTH.to_owned());
+            }
+            return Ok(None);
+        }
+        let mut warnings = Vec::new();
+        let judged = if data.pairs.is_empty() {
+            self.one_subject(data, tracked, &mut warnings)?
+        } else {
+            Some(self.subjects_of_pairs(data, &mut warnings)?)
+        };
+        let judgement = match judged {
+            Some((subjects, metrics)) => Some(compute_metrics(
+                &metrics,
+                &spec.comparison,
+                &subjects,
+                settings.wants_files,
+                observer,
+            )?),
+            None => None,
+        };
+        data.warnings.extend(warnings);
+        Ok(judgement)
+    }
+
+    /// The sequences, or the boxes of a job without sequences, with the metrics that they are judged by.
+    fn subjects_of_pairs<'d>(
+        &'d self,
+        data: &'d JobData,
+        warnings: &mut Vec<String>,
+    ) -> Result<(Vec<Subject<'d>>, Cow<'d, Metrics>), RunError> {
+        let mut subjects = Vec::with_capacity(data.pairs.len());
+        for (index, pair) in data.pairs.iter().enumerate() {
+            let sequence = self.spec.sequences.get(index);
+            let name = sequence.map(|sequence| sequence.name.as_str());
+            subjects.push(Subject::new(name, index, pair)?);
+        }
+        let mut metrics = &self.spec.metrics;
+        if let Some(of_boxes) = &self.metrics_of_boxes
+            && subjects.iter().any(Subject::is_of_boxes)
+        {
+            warnings.push(
+                "the data are boxes, so the metrics are those of the profile vision".to_owned(),
+            );
+            metrics = of_boxes;
+        }
+        Ok((subjects, Cow::Borrowed(metrics)))
+    }
+
+    /// The tracks of the job, with the metrics that they are judged by; `None` where nothing can be compared.
+    fn one_subject<'d>(
+        &'d self,
+        data: &'d JobData,
+        tracked: Option<&'d TrackSet>,
+        warnings: &mut Vec<String>,
+    ) -> Result<Option<(Vec<Subject<'d>>, Cow<'d, Metrics>)>, RunError> {
+        let Some(truth) = &data.truth else {
+            let warning = "no truth was found for this job, so no metric was computed";
+            warnings.push(warning.to_owned());
+            return Ok(None);
+        };
+        let tracks = tracks_of(data, tracked)?;
+        let mut metrics = Cow::Borrowed(self.spec.metrics.as_slice());
+        if truth.is_of_bearings() || tracks.is_of_bearings() {
+            let are_alike = truth.is_of_bearings() && tracks.is_of_bearings();
+            let Some(kept) = metrics_of_bearings(&metrics, are_alike, warnings) else {
+                return Ok(None);
+            };
+            metrics = Cow::Owned(kept);
+        }
+        let input = EvaluationInput {
+            recording: data.recording.as_ref(),
+            truth: Some(truth),
+            tracks,
+        };
+        let content = Content::Points { input, truth };
+        Ok(Some((vec![Subject { name: "", content }], metrics)))
+    }
+}
+
+/// The tracks that the job made, else those that it was given.
+fn tracks_of<'d>(
+    data: &'d JobData,
+    tracked: Option<&'d TrackSet>,
+) -> Result<&'d TrackSet, RunError> {
+    tracked
+        .or(data.tracks.as_ref())
+        .ok_or_else(|| missing("/tracks", "tracks"))
+}
+
+/// Those of the metrics that directions can be judged by; `None` when there is none, or when only one side are directions.
+fn metrics_of_bearings(
+    metrics: &Metrics,
+    are_alike: bool,
+    warnings: &mut Vec<String>,
+) -> Option<Vec<Choice<BuildMetric>>> {
+    let (kept, others): (Vec<_>, Vec<_>) = metrics
+        .iter()
+        .partition(|metric| are_alike && accepts_bearings(metric));
+    if kept.is_empty() {
+        warnings.push(format!("{OF_BEARINGS}, so no metric was computed"));
+        return None;
+    }
+    if !others.is_empty() {
+        let names: Vec<&str> = others.iter().map(|metric| metric.name()).collect();
+        warnings.push(format!(
+            "{OF_BEARINGS}, so these metrics were not computed: {}",
+            names.join(", ")
+        ));
+    }
+    Some(kept.into_iter().cloned().collect())
+}

@@ -1,0 +1,76 @@
+//! The type of a request that judges tracks.
+
+use crate::association::BuildAssociator;
+use crate::detection::Detector;
+use crate::evaluation::TfaSettings;
+use crate::evaluation::comparison::Alignment;
+use crate::evaluation::metrics::BuildMetric;
+use crate::experiment::request::methods::{Choice, FilterChoice, TrackerSpec, TrackingSpec};
+use crate::experiment::request::sources::InputSpec;
+use crate::model::sensor::SensorSettings;
+use serde::Deserialize;
+
+/// The metrics that directions can be judged by.
+pub const METRICS_OF_BEARINGS: &str = "track_keeping";
+
+#[derive(Clone, Deserialize)]
+pub struct Spec {
+    #[serde(default)]
+    pub input: InputSpec,
+    pub detector: Option<Detector>,
+    #[serde(default)]
+    pub sensors: Vec<SensorSettings>,
+    associator: Option<Choice<BuildAssociator>>,
+    filter: Option<FilterChoice>,
+    tracker: Option<TrackerSpec>,
+    /// Empty where one recording is judged.
+    #[serde(default)]
+    pub sequences: Vec<SequenceSpec>,
+    pub profile: Profile,
+    pub metrics: Vec<Choice<BuildMetric>>,
+    pub comparison: ComparisonSpec,
+    pub tfa: Option<TfaSettings>,
+}
+
+impl Spec {
+    /// How the input is tracked; `None` of tracks that are judged as they are.
+    pub fn tracking(&self) -> Option<TrackingSpec> {
+        Some(TrackingSpec {
+            associator: self.associator.clone()?,
+            filter: self.filter?,
+            tracker: self.tracker?,
+        })
+    }
+}
+
+#[derive(Clone, Deserialize)]
+pub struct SequenceSpec {
+    pub name: String,
+}
+
+/// What is judged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Profile {
+    Tracking,
+    Vision,
+    /// The automaton alone.
+    Tfa,
+}
+
+/// How truth and tracks are put side by side.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct ComparisonSpec {
+    pub gate_m: f64,
+    pub gate_deg: f64,
+    pub min_iou: f64,
+    pub alignment: AlignmentSpec,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct AlignmentSpec {
+    #[serde(flatten)]
+    pub rule: Alignment,
+    /// Times that differ by no more are one step.
+    pub time_tolerance_s: Option<f64>,
+}

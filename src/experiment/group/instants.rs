@@ -1,0 +1,125 @@
+//! The instants of a recording at which several sensors report.
+
+use crate::correlation::grouping::{Place, Report};
+use crate::experiment::job::refuse_any;
+use crate::model::fault::Fault;
+use crate::model::scan::{Measurement, Recording, Scan};
+use crate::model::sensor::{self, Sensor, SensorSettings};
+use crate::model::state::PositionCovariance;
+
+/// The reports of one instant.
+pub struct Instant {
+    pub time_s: f64,
+    /// Their places in the recording, sensor by sensor.
+    pub detections: Vec<usize>,
+    pub reports: Vec<Report>,
+    /// Where the tracks were expected, when they were predicted beforehand.
+    pub predictions: Vec<Place>,
+}
+
+/// Sensors that report positions with known noise.
+///
+/// # Errors
+/// Every fault of the input that keeps it from being grouped.
+pub fn usable_sensors(
+    recording: &Recording,
+    known: &[SensorSettings],
+) -> Result<Vec<Sensor>, Vec<Fault>> {
+    let mut faults = Vec::new();
+    if known.len() < 2 {
+        let detail = format!(
+            "the input has {} sensor, whose reports have nothing to be put together with",
+            known.len()
+        );
+        faults.push(Fault::new("/input", "unsupported", detail).allowing("two sensors or more"));
+    }
+    let mut sensors = Vec::with_capacity(known.len());
+    for (index, settings) in known.iter().enumerate() {
+        let scans = recording.scans.iter().filter(|scan| scan.sensor == index);
+        let mut detections = scans.flat_map(|scan| recording.detections_of(scan));
+        if detections
+            .any(|detection| !matches!(detection.measurement, Measurement::Position { .. }))
+        {
+            let detail = format!(
+                "sensor '{}' reports directions, which are not put together",
+                settings.sensor_id
+            );
+            faults
+                .push(Fault::new("/input", "unsupported", detail).allowing("positions (x_m, y_m)"));
+        }
+        let (Some(sigma_x_m), Some(sigma_y_m)) = (settings.sigma_x_m, settings.sigma_y_m) else {
+            let detail = format!(
+                "the noise of sensor '{}' is not known: give 'sigma_x_m' and 'sigma_y_m' in 'sensors'",
+                settings.sensor_id
+            );
+            faults.push(Fault::new("/sensors", "missing", detail).allowing("> 0 m"));
+            continue;
+        };
+        let report = sensor::Report::Position {
+            sigma_x_m,
+            sigma_y_m,
+        };
+        sensors.push(Sensor {
+            sensor_id: settings.sensor_id.clone(),
+            p_d: settings.p_d.unwrap_or(1.0),
+            clutter_density: 0.0,
+            report,
+        });
+    }
+    refuse_any(faults)?;
+    Ok(sensors)
+}
+
+/// Scans of one time are one instant; one sensor alone makes none.
+pub fn instants_of(recording: &Recording, sensors: &[Sensor]) -> Result<Vec<Instant>, Fault> {
+    let together = recording
+        .scans
+        .chunk_by(|left, right| left.time_s == right.time_s)
+        .filter(|scans| scans.len() > 1);
+    let instants: Vec<Instant> = together
+        .map(|scans| instant_of(recording, scans, sensors))
+        .filter(|instant| !instant.reports.is_empty())
+        .collect();
+    if instants.len() > 1 {
+        return Ok(instants);
+    }
+    let detail = format!(
+        "the sensors have {} times in common at which anything was reported",
+        instants.len()
+    );
+    Err(Fault::new("/input", "disjoint", detail)
+        .allowing("scans of two sensors or more at two times or more"))
+}
+
+fn instant_of(recording: &Recording, scans: &[Scan], sensors: &[Sensor]) -> Instant {
+    let mut instant = Instant {
+        time_s: scans[0].time_s,
+        detections: Vec::new(),
+        reports: Vec::new(),
+        predictions: Vec::new(),
+    };
+    for scan in scans {
+        let sensor::Report::Position {
+            sigma_x_m,
+            sigma_y_m,
+        } = sensors[scan.sensor].report
+        else {
+            continue;
+        };
+        let covariance =
+            PositionCovariance::new(sigma_x_m * sigma_x_m, 0.0, 0.0, sigma_y_m * sigma_y_m);
+        for detection in scan.range() {
+            if let Some(position_m) = recording.detections[detection].measurement.position() {
+                instant.detections.push(detection);
+                instant.reports.push(Report {
+                    place: Place {
+                        position_m,
+                        covariance,
+                    },
+                    sensor: scan.sensor as u32,
+                });
+            }
+        }
+    }
+    instant
+}

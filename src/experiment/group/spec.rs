@@ -1,0 +1,100 @@
+//! The body of a job that groups reports, and its type.
+
+use crate::correlation::grouping::{BuildGrouper, GROUPER};
+use crate::experiment::request::fields::{INPUT, JOB_NAME, LABELS, SEED, SENSORS};
+use crate::experiment::request::methods::Choice;
+use crate::experiment::request::sources::InputSpec;
+use crate::model::sensor::SensorSettings;
+use crate::registry::{Kind, Object, default, number, required};
+use serde::Deserialize;
+
+pub static GROUP: Object = Object {
+    name: "GroupRequest",
+    summary: "Put together what several sensors report of one target at one instant.",
+    fields: &[
+        JOB_NAME,
+        LABELS,
+        SEED,
+        required(
+            "input",
+            "The detections: positions of two sensors or more at common times.",
+            Kind::Union(&INPUT),
+        ),
+        SENSORS,
+        required(
+            "grouper",
+            "How reports are put together.",
+            Kind::Union(&GROUPER),
+        ),
+        default(
+            "predictions",
+            "The tracks behind groupers that use predictions.",
+            Kind::Object(&PREDICTIONS),
+            "{}",
+        ),
+    ],
+};
+
+static PREDICTIONS: Object = Object {
+    name: "PredictionSettings",
+    summary: "The constant-velocity Kalman tracks whose predictions a grouper may use. All begin at the first instant, which is then not grouped; none ends.",
+    fields: &[
+        default(
+            "start",
+            "truth: a track for each target, with its true reports, and its true velocity where truth is given; groups: one for each group of a sequential nearest neighbour within 4 σ.",
+            Kind::Choice(&["truth", "groups"]),
+            "\"truth\"",
+        ),
+        default(
+            "loop",
+            "open: tracks are updated with their true reports, so that every grouper meets the same predictions; closed: with the groups that were found.",
+            Kind::Choice(&["open", "closed"]),
+            "\"open\"",
+        ),
+        default(
+            "process_noise_m2ps3",
+            "Spectral density of the white-noise acceleration.",
+            number(0.0, 1e9, "m²/s³"),
+            "100.0",
+        ),
+        default(
+            "speed_sigma_mps",
+            "Standard deviation of each component of a first velocity that is not known, around 0.",
+            number(0.0, 1e5, "m/s"),
+            "300.0",
+        ),
+    ],
+};
+
+#[derive(Deserialize)]
+pub struct Spec {
+    pub input: InputSpec,
+    #[serde(default)]
+    pub sensors: Vec<SensorSettings>,
+    pub grouper: Choice<BuildGrouper>,
+    pub predictions: PredictionSpec,
+}
+
+/// The parameters of `predictions`.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct PredictionSpec {
+    pub start: Start,
+    #[serde(rename = "loop")]
+    pub feedback: Loop,
+    pub process_noise_m2ps3: f64,
+    pub speed_sigma_mps: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Start {
+    Truth,
+    Groups,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Loop {
+    Open,
+    Closed,
+}

@@ -1,0 +1,357 @@
+//! Sensors that are told, assumed, estimated and refused.
+
+use super::*;
+use crate::filtering::bearing_only::BearingOnly;
+use crate::filtering::extended::Extended;
+use crate::filtering::kalman::Kalman;
+use crate::model::scan::{RecordingParts, Scan};
+
+fn recording(measurements: &[Measurement]) -> Recording {
+    let detections: Vec<Detection> = measurements
+        .iter()
+        .map(|&measurement| Detection {
+            measurement,
+            origin: None,
+            amplitude: None,
+        })
+        .collect();
+    Recording::new(RecordingParts {
+        sensors: vec![SensorSettings::named("radar")],
+        scans: vec![Scan {
+            number: 1,
+            time_s: 0.0,
+            sensor: 0,
+            first: 0,
+            count: detections.len(),
+        }],
+        detection_ids: (0..detections.len())
+            .map(|index| index.to_string())
+            .collect(),
+        detections,
+        ..Default::default()
+    })
+    .unwrap()
+}
+
+const KALMAN: NamedFilter = NamedFilter {
+    filter: Chosen::Kalman(Kalman {
+        process_noise_m2ps3: 1.0,
+    }),
+    name: "kalman",
+};
+const EXTENDED: NamedFilter = NamedFilter {
+    filter: Chosen::Extended(Extended {
+        process_noise_m2ps3: 1.0,
+    }),
+    name: "extended",
+};
+
+const BEARING_ONLY: NamedFilter = NamedFilter {
+    filter: Chosen::BearingOnly(BearingOnly {
+        process_noise_rad2ps3: 1e-6,
+        initial_rate_sigma_radps: 0.1,
+    }),
+    name: "bearing_only",
+};
+
+fn polar(range_m: f64, range_rate_mps: Option<f64>) -> Measurement {
+    Measurement::RangeBearing {
+        range_m,
+        bearing_rad: 1.0,
+        range_rate_mps,
+    }
+}
+
+fn at(x_m: f64, y_m: f64) -> Measurement {
+    Measurement::Position { x_m, y_m }
+}
+
+#[test]
+fn the_request_wins_over_the_upload_and_the_rest_is_estimated_with_a_warning() {
+    let recording = recording(&[at(0.0, 0.0), at(10.0, 20.0), at(5.0, 5.0), at(1.0, 1.0)]);
+    let uploaded = [SensorSettings {
+        sigma_x_m: Some(1.0),
+        sigma_y_m: Some(2.0),
+        ..SensorSettings::named("radar")
+    }];
+    let requested = [SensorSettings {
+        sigma_x_m: Some(3.0),
+        ..SensorSettings::named("radar")
+    }];
+    let mut warnings = Vec::new();
+    let known = known(&recording, &uploaded, &requested).unwrap();
+    let sensors = resolve(&recording, &known, &KALMAN, &mut warnings).unwrap();
+    let report = Report::Position {
+        sigma_x_m: 3.0,
+        sigma_y_m: 2.0,
+    };
+    let expected = Sensor {
+        sensor_id: "radar".into(),
+        p_d: 0.9,
+        clutter_density: 0.02,
+        report,
+    };
+    assert_eq!(sensors, [expected]);
+    assert_eq!(warnings.len(), 2);
+}
+
+#[test]
+fn settings_of_a_sensor_that_is_not_there_are_a_fault() {
+    let sonar = [SensorSettings::named("sonar")];
+    let unknown = known(&recording(&[at(0.0, 0.0)]), &[], &sonar).unwrap_err();
+    assert_eq!(
+        (unknown[0].pointer.as_str(), unknown[0].allowed.as_deref()),
+        ("/sensors/0/sensor_id", Some("radar"))
+    );
+}
+
+/// The faults of one detection with a filter: all at one pointer, each with its words.
+fn assert_refused(measurement: Measurement, filter: &NamedFilter, pointer: &str, words: &[&str]) {
+    let recording = recording(&[measurement]);
+    let known = known(&recording, &[], &[]).unwrap();
+    let faults = resolve(&recording, &known, filter, &mut Vec::new()).unwrap_err();
+    assert_eq!(faults.len(), words.len(), "{faults:?}");
+    for (fault, word) in faults.iter().zip(words) {
+        assert!(
+            fault.pointer == pointer && fault.detail.contains(word),
+            "{faults:?}"
+        );
+    }
+}
+
+#[test]
+fn unknown_noise_is_a_fault() {
+    let noises = ["'sigma_range_m'", "'sigma_bearing_deg'"];
+    let all_noises = [noises[0], noises[1], "'sigma_range_rate_mps'"];
+    assert_refused(
+        at(0.0, 0.0),
+        &KALMAN,
+        "/sensors",
+        &["'sigma_x_m'", "'sigma_y_m'"],
+    );
+    assert_refused(polar(9.0, None), &EXTENDED, "/sensors", &noises);
+    assert_refused(polar(9.0, Some(1.0)), &EXTENDED, "/sensors", &all_noises);
+    let bearing = Measurement::Bearing { bearing_rad: 1.0 };
+    assert_refused(bearing, &BEARING_ONLY, "/sensors", &noises[1..]);
+}
+
+#[test]
+fn unusable_reports_are_faults() {
+    let pointer = "/filter/method";
+    let of_ranges = ["sensor 'radar' reports ranges and bearings, which the filter 'kalman'"];
+    assert_refused(polar(9.0, None), &KALMAN, pointer, &of_ranges);
+    let bearing = Measurement::Bearing { bearing_rad: 1.0 };
+    for filter in [&EXTENDED, &KALMAN] {
+        assert_refused(bearing, filter, pointer, &["bearings without ranges"]);
+    }
+    let of_positions = ["reports positions, which the filter 'bearing_only'"];
+    assert_refused(at(0.0, 0.0), &BEARING_ONLY, pointer, &of_positions);
+}
+
+#[test]
+fn a_polar_sensor_takes_its_noise_in_degrees_and_its_range_rates_only_when_all_have_one() {
+    let settings = SensorSettings {
+        sigma_range_m: Some(15.0),
+        sigma_bearing_deg: Some(90.0),
+        sigma_range_rate_mps: Some(0.5),
+        clutter_per_m2: Some(1e-6),
+        p_d: Some(0.8),
+        ..SensorSettings::named("radar")
+    };
+    let resolved = |measurements: &[Measurement]| {
+        let mut warnings = Vec::new();
+        let sensors = resolve(
+            &recording(measurements),
+            std::slice::from_ref(&settings),
+            &EXTENDED,
+            &mut warnings,
+        )
+        .unwrap();
+        (sensors[0].report, warnings)
+    };
+    let expected = Polar {
+        place_m: Position::zeros(),
+        sigma_range_m: 15.0,
+        sigma_bearing_rad: std::f64::consts::FRAC_PI_2,
+        range_rate: Some(RangeRate {
+            sigma_mps: 0.5,
+            span_mps: 30.0,
+        }),
+    };
+    let (report, warnings) = resolved(&[polar(10.0, Some(-10.0)), polar(20.0, Some(20.0))]);
+    assert_eq!(report, Report::Polar(expected));
+    assert!(
+        warnings.len() == 1 && warnings[0].contains("position is not known"),
+        "{warnings:?}"
+    );
+    let (report, warnings) = resolved(&[polar(10.0, Some(-10.0)), polar(20.0, None)]);
+    assert_eq!(
+        report,
+        Report::Polar(Polar {
+            range_rate: None,
+            ..expected
+        })
+    );
+    assert!(
+        warnings[0].contains("1 of 2 detections have one"),
+        "{warnings:?}"
+    );
+}
+
+#[test]
+fn a_bearing_sensor_takes_its_clutter_per_degree_and_ranges_are_left_out_with_a_warning() {
+    let settings = SensorSettings {
+        sigma_bearing_deg: Some(1.0),
+        p_d: Some(0.8),
+        ..SensorSettings::named("radar")
+    };
+    let resolved = |measurements: &[Measurement], clutter_per_deg: Option<f64>| {
+        let (settings, mut warnings) = (
+            SensorSettings {
+                clutter_per_deg,
+                ..settings.clone()
+            },
+            Vec::new(),
+        );
+        let sensors = resolve(
+            &recording(measurements),
+            &[settings],
+            &BEARING_ONLY,
+            &mut warnings,
+        )
+        .unwrap();
+        assert_eq!(
+            sensors[0].report,
+            Report::Bearing {
+                sigma_bearing_rad: 1f64.to_radians()
+            }
+        );
+        (sensors[0].clutter_density.to_radians(), warnings)
+    };
+    let bearing = |degrees: f64| Measurement::Bearing {
+        bearing_rad: degrees.to_radians(),
+    };
+    let (per_deg, warnings) = resolved(&[bearing(350.0), bearing(10.0)], Some(0.02));
+    assert!(
+        (per_deg - 0.02).abs() < 1e-12 && warnings.is_empty(),
+        "{warnings:?}"
+    );
+    let (per_deg, warnings) = resolved(&[bearing(350.0), bearing(10.0)], None);
+    assert!(
+        (per_deg - 0.1).abs() < 1e-9,
+        "two detections in one scan of 20 degrees: {per_deg}"
+    );
+    assert!(
+        warnings.len() == 1 && warnings[0].contains("1.000e-1 per degree is estimated"),
+        "{warnings:?}"
+    );
+    let (_, warnings) = resolved(&[polar(9.0, None)], Some(0.02));
+    assert_eq!(warnings, ["sensor 'radar': its ranges are not used"]);
+}
+
+fn with_densities(per_m2: Option<f64>, per_deg: Option<f64>) -> SensorSettings {
+    SensorSettings {
+        clutter_per_m2: per_m2,
+        clutter_per_deg: per_deg,
+        ..SensorSettings::named("radar")
+    }
+}
+
+/// The field with a density of the wrong space, and the one that is wanted.
+fn misplaced(settings: &SensorSettings, report: Report) -> Vec<(String, String)> {
+    let sensor = Sensor {
+        sensor_id: "radar".into(),
+        p_d: 0.9,
+        clutter_density: 1.0,
+        report,
+    };
+    let requested = [SensorSettings::named("other"), settings.clone()];
+    misplaced_densities(&requested, &[sensor])
+        .into_iter()
+        .map(|fault| (fault.pointer, fault.allowed.unwrap()))
+        .collect()
+}
+
+#[test]
+fn a_density_over_the_wrong_space_is_named() {
+    let of_bearings = Report::Bearing {
+        sigma_bearing_rad: 0.1,
+    };
+    let of_places = Report::Position {
+        sigma_x_m: 1.0,
+        sigma_y_m: 1.0,
+    };
+    let per_m2 = with_densities(Some(1e-6), None);
+    let per_deg = with_densities(None, Some(0.1));
+    let both = with_densities(Some(1e-6), Some(0.1));
+    let wrong = |given: &str, wanted: &str| [(format!("/sensors/1/{given}"), wanted.to_owned())];
+    assert_eq!(
+        misplaced(&per_m2, of_bearings),
+        wrong("clutter_per_m2", "clutter_per_deg")
+    );
+    assert_eq!(
+        misplaced(&per_deg, of_places),
+        wrong("clutter_per_deg", "clutter_per_m2")
+    );
+    for (settings, report) in [
+        (&per_m2, of_places),
+        (&per_deg, of_bearings),
+        (&both, of_places),
+        (&both, of_bearings),
+    ] {
+        assert_eq!(misplaced(settings, report), []);
+    }
+}
+
+#[test]
+fn an_uploaded_density_over_the_wrong_space_is_a_warning() {
+    let uploaded = SensorSettings {
+        sigma_bearing_deg: Some(1.0),
+        p_d: Some(0.8),
+        ..with_densities(Some(1e-6), None)
+    };
+    let mut warnings = Vec::new();
+    let seen = recording(&[
+        Measurement::Bearing { bearing_rad: 0.0 },
+        Measurement::Bearing { bearing_rad: 0.1 },
+    ]);
+    resolve(&seen, &[uploaded], &BEARING_ONLY, &mut warnings).unwrap();
+    assert!(
+        warnings.len() == 1
+            && warnings[0].contains("'clutter_per_m2' is not used, 'clutter_per_deg' is not known"),
+        "{warnings:?}"
+    );
+}
+
+#[test]
+fn bearings_from_two_places_are_refused() {
+    let settings = |name: &str, x_m: f64| SensorSettings {
+        sigma_bearing_deg: Some(1.0),
+        x_m: Some(x_m),
+        ..SensorSettings::named(name)
+    };
+    let parts = RecordingParts {
+        sensors: vec![SensorSettings::named("a"), SensorSettings::named("b")],
+        ..Default::default()
+    };
+    let recording = Recording::new(parts).unwrap();
+    let faults = |b_x_m: f64| {
+        resolve(
+            &recording,
+            &[settings("a", 0.0), settings("b", b_x_m)],
+            &BEARING_ONLY,
+            &mut Vec::new(),
+        )
+        .err()
+    };
+    assert_eq!(faults(0.0), None);
+    let found = faults(5.0).unwrap();
+    assert_eq!(
+        (found.len(), found[0].pointer.as_str()),
+        (1, "/input/sensor_ids")
+    );
+    assert!(
+        found[0].detail.contains("sensors 'a' and 'b' stand apart"),
+        "{found:?}"
+    );
+}
