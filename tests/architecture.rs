@@ -1,5 +1,6 @@
 //! The rules of the house, checked over the sources: layers, banned calls, sizes of functions and files.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -90,6 +91,21 @@ const BANNED: &[&str] = &[
     "#[allow(",
 ];
 
+/// Where a request is JSON, and what of the other JSON is read elsewhere: presets are requests, the others read results.
+const READS_JSON: &[&str] = &[
+    "experiment/request/",
+    "experiment/presets/",
+    "experiment/files/text.rs",
+    "experiment/campaign/outcomes.rs",
+];
+
+/// Rooms of a part (folders, and files beside them) that name each other in a circle. These lists only get shorter.
+const CIRCLES: &[(&str, &[&str])] = &[("experiment", &[]), ("service", SERVICE_CIRCLE)];
+const SERVICE_CIRCLE: &[&str] = &["child", "dashboard", "http", "jobs", "openapi", "views"];
+
+/// Functions of a file that bind more than one closure by `let`. The numbers only get smaller.
+const MANY_CLOSURES: &str = include_str!("many_closures.txt");
+
 const MAX_FUNCTION_LINES: usize = 70;
 const MAX_FILE_LINES: usize = 500;
 
@@ -171,20 +187,28 @@ fn assert_none(what: &str, faults: &[String]) {
 
 /// The parts named in `crate::part` paths of a line, `use crate::{a::…, b::…}` included.
 fn named_parts(line: &str) -> Vec<String> {
+    line.split("crate::")
+        .skip(1)
+        .flat_map(first_words)
+        .collect()
+}
+
+/// The word with which a path goes on, or those of a list in braces.
+fn first_words(path: &str) -> Vec<String> {
     let word = |text: &str| {
         text.trim_start()
             .chars()
             .take_while(|letter| letter.is_alphanumeric() || *letter == '_')
             .collect::<String>()
     };
-    let mut parts = Vec::new();
-    for after in line.split("crate::").skip(1) {
-        match after.strip_prefix('{') {
-            Some(list) => parts.extend(list_entries(list).iter().map(|entry| word(entry))),
-            None => parts.push(word(after)),
-        }
+    match path.strip_prefix('{') {
+        Some(list) => list_entries(list)
+            .iter()
+            .map(|entry| word(entry))
+            .filter(|word| !word.is_empty())
+            .collect(),
+        None => vec![word(path)],
     }
-    parts
 }
 
 /// The entries of a list in braces, commas inside deeper braces not counted, up to the brace that closes it.
@@ -262,6 +286,186 @@ fn shipped_code_does_not_give_up() {
         }
     }
     assert_none("banned", &faults);
+}
+
+#[test]
+fn requests_are_json_in_one_folder_alone() {
+    let mut faults = Vec::new();
+    for source in sources().iter().filter(|source| {
+        let path = source.path.display().to_string();
+        source.part == "experiment"
+            && !source.is_test()
+            && !READS_JSON.iter().any(|place| path.starts_with(place))
+    }) {
+        for (number, line) in source.code_lines().filter(|(_, line)| reads_json(line)) {
+            let line = line.trim();
+            faults.push(format!("{}:{number}: {line}", source.path.display()));
+        }
+    }
+    assert_none("JSON is read by name", &faults);
+}
+
+/// Whether something is looked up by a name in quotes, or by a pointer.
+fn reads_json(line: &str) -> bool {
+    let is_indexed = line.match_indices("[\"").any(|(place, _)| {
+        let before = line[..place].chars().next_back();
+        before.is_some_and(|letter| letter.is_alphanumeric() || "_)]".contains(letter))
+    });
+    is_indexed
+        || [".pointer(", ".pointer_mut(", ".get(\"", ".get_mut(\""]
+            .iter()
+            .any(|word| line.contains(word))
+}
+
+#[test]
+fn rooms_of_a_part_form_no_circle() {
+    let sources = sources();
+    for (part, known) in CIRCLES {
+        let found = in_circles(&rooms(part, &sources));
+        assert_eq!(
+            found, *known,
+            "rooms of {part} that name each other in a circle"
+        );
+    }
+}
+
+/// The rooms of a part, each with those that it names; the module at its top, which names them all, is ``.
+fn rooms(part: &str, sources: &[Source]) -> BTreeMap<String, BTreeSet<String>> {
+    let inside: Vec<(Vec<String>, &Source)> = sources
+        .iter()
+        .filter(|source| source.part == part)
+        .map(|source| (module_of(&source.path), source))
+        .collect();
+    let room_of = |module: &[String]| module.first().cloned().unwrap_or_default();
+    let mut rooms: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for (module, _) in &inside {
+        rooms.entry(room_of(module)).or_default();
+    }
+    let names: BTreeSet<String> = rooms.keys().cloned().collect();
+    for (module, source) in &inside {
+        let own = room_of(module);
+        for name in named_in_part(part, module, source) {
+            // What is no room is a name that the top gives on.
+            let room = if names.contains(&name) {
+                name
+            } else {
+                String::new()
+            };
+            if room != own {
+                rooms.entry(own.clone()).or_default().insert(room);
+            }
+        }
+    }
+    rooms
+}
+
+/// `http/jobs/create.rs` is the module `http::jobs::create` of its part.
+fn module_of(path: &Path) -> Vec<String> {
+    let mut module: Vec<String> = path
+        .components()
+        .skip(1)
+        .map(|component| component.as_os_str().to_string_lossy().into_owned())
+        .collect();
+    let file = module.pop().unwrap();
+    match file.as_str() {
+        "mod.rs" => {}
+        file => module.push(file.trim_end_matches(".rs").to_owned()),
+    }
+    module
+}
+
+/// What a file names just below the top of its part.
+fn named_in_part(part: &str, module: &[String], source: &Source) -> Vec<String> {
+    let code: Vec<&str> = source.code_lines().map(|(_, line)| line).collect();
+    let code = code.join("\n");
+    let mut names = Vec::new();
+    for after in code.split(&format!("crate::{part}::")).skip(1) {
+        names.extend(first_words(after));
+    }
+    let to_the_top = "super::".repeat(module.len());
+    if !module.is_empty() {
+        for (place, _) in code.match_indices(&to_the_top) {
+            let after = &code[place + to_the_top.len()..];
+            let is_deeper = after.starts_with("super::") || code[..place].ends_with("super::");
+            if !is_deeper {
+                names.extend(first_words(after));
+            }
+        }
+    }
+    names
+}
+
+/// The rooms from which a way leads back to them.
+fn in_circles(rooms: &BTreeMap<String, BTreeSet<String>>) -> Vec<String> {
+    let is_in_circle = |start: &&String| {
+        let mut reached = BTreeSet::new();
+        let mut open: Vec<&String> = rooms[*start].iter().collect();
+        while let Some(room) = open.pop() {
+            if reached.insert(room) {
+                open.extend(&rooms[room]);
+            }
+        }
+        reached.contains(start)
+    };
+    rooms.keys().filter(is_in_circle).cloned().collect()
+}
+
+#[test]
+fn functions_bind_one_closure_at_most() {
+    let mut found = Vec::new();
+    for source in sources().iter().filter(|source| !source.is_test()) {
+        let lines: Vec<&str> = source.shipped().lines().collect();
+        let many = functions(source.shipped())
+            .into_iter()
+            .filter(|(_, first, length)| closures(&lines[first - 1..first - 1 + length]) > 1)
+            .count();
+        if many > 0 {
+            found.push(format!("{} {many}", source.path.display()));
+        }
+    }
+    let known: Vec<&str> = MANY_CLOSURES.lines().collect();
+    let news: Vec<String> = found
+        .iter()
+        .filter(|line| !known.contains(&line.as_str()))
+        .cloned()
+        .collect();
+    assert_none("functions with several closures, by file", &news);
+    let gone: Vec<String> = known
+        .iter()
+        .filter(|line| !found.iter().any(|found| found == *line))
+        .map(|line| (*line).to_owned())
+        .collect();
+    assert_none("no more so, take it off tests/many_closures.txt", &gone);
+}
+
+/// How many closures are bound to a name in these lines.
+fn closures(lines: &[&str]) -> usize {
+    let is_closure = |text: &str| {
+        let text = text.trim_start();
+        text.starts_with('|') || text.starts_with("move |")
+    };
+    let mut count = 0;
+    for (index, line) in lines.iter().enumerate() {
+        let code = line.trim_start();
+        let Some((name, value)) = code
+            .strip_prefix("let ")
+            .and_then(|rest| rest.split_once('='))
+        else {
+            continue;
+        };
+        let is_name = name
+            .trim_start_matches("mut ")
+            .trim()
+            .chars()
+            .all(|letter| letter.is_alphanumeric() || letter == '_');
+        let value = if value.trim().is_empty() {
+            lines.get(index + 1).copied().unwrap_or_default()
+        } else {
+            value
+        };
+        count += usize::from(is_name && is_closure(value));
+    }
+    count
 }
 
 #[test]
@@ -352,6 +556,36 @@ mod the_checks_themselves {
             named_parts("let x = crate::formats::read(crate::model::y);"),
             ["formats", "model"]
         );
+    }
+
+    #[test]
+    fn reading_json_by_name_is_told_from_lists_of_names() {
+        assert!(reads_json(r#"spec["seed"].as_u64()"#));
+        assert!(reads_json(r#"job()["a"]"#) && reads_json(r#"body.pointer("/a")"#));
+        assert!(!reads_json(r#"for name in ["a", "b"] {"#) && !reads_json(r#"&["a"]"#));
+    }
+
+    #[test]
+    fn circles_are_found_and_ways_without_return_are_none() {
+        let named = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect();
+        let rooms = [
+            ("a", named(&["b"])),
+            ("b", named(&["c"])),
+            ("c", named(&["b"])),
+        ];
+        let rooms = rooms.map(|(room, names)| (room.to_owned(), names)).into();
+        assert_eq!(in_circles(&rooms), ["b", "c"]);
+    }
+
+    #[test]
+    fn closures_bound_by_let_are_counted_and_others_are_not() {
+        let text = [
+            "let f = |x| x;",
+            "let g =",
+            "    move |y| y;",
+            "let h = list.map(|z| z);",
+        ];
+        assert_eq!(closures(&text), 2);
     }
 
     #[test]
