@@ -102,7 +102,7 @@ impl From<presets::Preset> for PresetInfo {
             name,
             summary,
             body: with_kind(kind, &body),
-            kind: kind.into(),
+            kind,
         }
     }
 }
@@ -130,12 +130,12 @@ fn method_catalogue() -> MethodCatalogue {
     };
     let schema = |kind| JsonSchema(standalone_schema(experiment::request_object(kind)));
     let requests = RequestSchemas {
-        simulate: schema(experiment::JobKind::Simulate),
-        associate: schema(experiment::JobKind::Associate),
-        evaluate: schema(experiment::JobKind::Evaluate),
-        group: schema(experiment::JobKind::Group),
-        correlate: schema(experiment::JobKind::Correlate),
-        campaign: schema(experiment::JobKind::Campaign),
+        simulate: schema(JobKind::Simulate),
+        associate: schema(JobKind::Associate),
+        evaluate: schema(JobKind::Evaluate),
+        group: schema(JobKind::Group),
+        correlate: schema(JobKind::Correlate),
+        campaign: schema(JobKind::Campaign),
     };
     MethodCatalogue {
         families: catalogue::FAMILIES.iter().map(family).collect(),

@@ -271,7 +271,7 @@ impl Inner {
     /// What the runs that are made say of the cells, while others are still being made or after they were given up.
     pub(super) async fn cells_so_far(&self, id: Uuid) -> Result<CampaignSoFar, JobsError> {
         let job = self.job(id).await?;
-        if job.kind != crate::service::types::JobKind::Campaign {
+        if job.kind != JobKind::Campaign {
             let detail = format!(
                 "the job is of the kind '{}'; only a campaign has cells",
                 job.kind.name()

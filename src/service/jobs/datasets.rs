@@ -97,7 +97,7 @@ impl Inner {
             bearing_time,
             ..
         } = stored;
-        let (format, kind) = (Some(info.format), Some(info.kind.into()));
+        let (format, kind) = (Some(info.format), Some(info.kind));
         Ok(self
             .check_file(Upload {
                 path,

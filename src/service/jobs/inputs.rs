@@ -114,16 +114,10 @@ impl Inner {
         else {
             return Ok(None);
         };
-        if stored.info.kind != DatasetKind::Detections.into() {
+        if stored.info.kind != DatasetKind::Detections {
             return Ok(None);
         }
-        let sensors = stored
-            .info
-            .sensors
-            .iter()
-            .cloned()
-            .map(Into::into)
-            .collect();
+        let sensors = stored.info.sensors.clone();
         let facts = match stored.facts.clone() {
             Some(facts) => Some(facts),
             None => {
@@ -183,7 +177,7 @@ impl Inner {
             kind: role,
             columns: BTreeMap::new(),
             bearing_time: None,
-            sensors: sensors.into_iter().map(Into::into).collect(),
+            sensors,
             sha256: artifact.sha256,
         }))
     }
@@ -198,10 +192,10 @@ impl Inner {
         Located {
             blobs: self.blobs.clone(),
             format: info.format,
-            kind: info.kind.into(),
+            kind: info.kind,
             columns,
             bearing_time,
-            sensors: info.sensors.into_iter().map(Into::into).collect(),
+            sensors: info.sensors,
             sha256: info.sha256,
         }
     }

@@ -3,7 +3,7 @@
 use super::report::Timing;
 use crate::experiment::JobKind;
 use crate::experiment::observer::{Observer, Step};
-use crate::service::types::{Progress, ProgressStep};
+use crate::service::types::Progress;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -77,7 +77,7 @@ impl Meter {
         let fraction = fraction(self.kind, step, done, total);
         let eta_s = Progress::left_s(elapsed, fraction);
         (self.news)(Progress {
-            step: wire_step(step),
+            step,
             done,
             total,
             fraction,
@@ -121,19 +121,6 @@ fn fraction(kind: JobKind, step: Step, done: u64, total: u64) -> f64 {
         done as f64 / total as f64
     };
     (before + shares[index] * part).min(1.0)
-}
-
-fn wire_step(step: Step) -> ProgressStep {
-    match step {
-        Step::Load => ProgressStep::Load,
-        Step::Run => ProgressStep::Run,
-        Step::Simulate => ProgressStep::Simulate,
-        Step::Detect => ProgressStep::Detect,
-        Step::Associate => ProgressStep::Associate,
-        Step::Correlate => ProgressStep::Correlate,
-        Step::Evaluate => ProgressStep::Evaluate,
-        Step::Write => ProgressStep::Write,
-    }
 }
 
 #[cfg(test)]
@@ -181,7 +168,7 @@ mod tests {
         let first = told.borrow()[0].clone();
         assert_eq!(
             (first.step, first.done, first.total, first.eta_s),
-            (ProgressStep::Associate, 5, 10, None)
+            (Step::Associate, 5, 10, None)
         );
         assert!((first.fraction - 0.575).abs() < 1e-12);
         assert!(meter.progress(Step::Associate, 6, 10).is_continue());

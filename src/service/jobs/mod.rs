@@ -272,7 +272,7 @@ impl Jobs {
     /// The job's request as normalised, with its kind.
     pub async fn spec(&self, id: Uuid) -> Result<Value, JobsError> {
         let job = self.0.job(id).await?;
-        Ok(with_kind(job.kind.into(), &self.0.storage.spec(id).await?))
+        Ok(with_kind(job.kind, &self.0.storage.spec(id).await?))
     }
 
     /// The data behind the pictures of a job.

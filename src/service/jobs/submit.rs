@@ -35,9 +35,7 @@ impl Inner {
             return self.answer(admission).await;
         }
         self.room.check(0)?;
-        let mut plan = planned(kind.into(), body)
-            .await?
-            .map_err(JobsError::Invalid)?;
+        let mut plan = planned(kind, body).await?.map_err(JobsError::Invalid)?;
         let (known, _) = self.known_of(&plan).await?;
         let faults = experiment::check_known(&mut plan, &known);
         if !faults.is_empty() {
@@ -79,7 +77,7 @@ impl Inner {
             warnings: Vec::new(),
             estimate: None,
         };
-        let mut plan = match planned(kind.into(), body).await? {
+        let mut plan = match planned(kind, body).await? {
             Ok(plan) => plan,
             Err(faults) => return Ok(refused(faults)),
         };
@@ -122,7 +120,7 @@ impl Inner {
 
 /// Checks a request. The cells of a large campaign take a second, too long for the threads that answer requests.
 pub(super) async fn planned(
-    kind: experiment::JobKind,
+    kind: JobKind,
     body: Value,
 ) -> anyhow::Result<Result<Plan, Vec<Fault>>> {
     tokio::task::spawn_blocking(move || experiment::plan(kind, &body))

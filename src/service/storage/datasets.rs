@@ -250,7 +250,7 @@ fn stored(row: &AnyRow) -> anyhow::Result<StoredDataset> {
     let info = DatasetInfo {
         id,
         name: row.try_get("name")?,
-        kind: summary.kind.into(),
+        kind: summary.kind,
         format: row.try_get("format")?,
         bytes: row.try_get::<i64, _>("bytes")?.cast_unsigned(),
         sha256: row.try_get("sha256")?,
@@ -272,7 +272,7 @@ fn stored(row: &AnyRow) -> anyhow::Result<StoredDataset> {
         origin,
         warnings: serde_json::from_str(row.try_get("warnings")?)?,
         created_at: from_micros(row.try_get("created_at")?)?,
-        sensors: sensors.into_iter().map(Into::into).collect(),
+        sensors,
         links: DatasetLinks::of(id),
     };
     Ok(StoredDataset {

@@ -11,7 +11,6 @@ use super::database::Durability;
 use super::datasets::{NewDataset, insert_dataset};
 use super::unsynced::note_unsynced;
 use super::{Storage, now, to_micros};
-use crate::experiment::JobKind as PlanKind;
 use crate::model::dataset::DatasetSummary;
 use crate::model::sensor::SensorSettings;
 use crate::service::types::{
@@ -26,7 +25,7 @@ use uuid::Uuid;
 #[derive(Debug, Clone)]
 pub struct ClaimedJob {
     pub id: Uuid,
-    pub kind: PlanKind,
+    pub kind: JobKind,
     pub name: Option<String>,
     pub spec: Value,
     pub attempt: u32,
@@ -119,7 +118,7 @@ impl Storage {
             serde_json::from_str(row.try_get("spec")?).context("a stored spec is not JSON")?;
         Ok(Claim::Run(ClaimedJob {
             id,
-            kind: kind.into(),
+            kind,
             name: row.try_get("name")?,
             spec,
             attempt,

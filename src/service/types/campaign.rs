@@ -1,5 +1,6 @@
 //! The result of a campaign, on the wire.
 
+pub use crate::experiment::CellTime;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use utoipa::ToSchema;
@@ -69,15 +70,4 @@ pub struct OutcomeDifference {
 pub struct Interval {
     pub low: f64,
     pub high: f64,
-}
-
-/// How long the associator or grouper of a cell took, by itself.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct CellTime {
-    pub cell: String,
-    /// The middle of the timed runs, in microseconds a scan.
-    pub decide_us_per_scan: f64,
-    /// To the cell it is compared with.
-    pub ratio: Option<f64>,
-    pub timed_runs: u32,
 }

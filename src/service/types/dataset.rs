@@ -1,152 +1,12 @@
 //! Datasets on the wire.
 
-use crate::model;
+pub use crate::model::dataset::DatasetKind;
+use crate::model::facts::SensorFacts;
+pub use crate::model::sensor::SensorSettings;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 use uuid::Uuid;
-
-/// What a dataset holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum DatasetKind {
-    Detections,
-    Truth,
-    Tracks,
-    BearingTime,
-}
-
-impl From<model::dataset::DatasetKind> for DatasetKind {
-    fn from(kind: model::dataset::DatasetKind) -> Self {
-        match kind {
-            model::dataset::DatasetKind::Detections => DatasetKind::Detections,
-            model::dataset::DatasetKind::Truth => DatasetKind::Truth,
-            model::dataset::DatasetKind::Tracks => DatasetKind::Tracks,
-            model::dataset::DatasetKind::BearingTime => DatasetKind::BearingTime,
-        }
-    }
-}
-
-impl From<DatasetKind> for model::dataset::DatasetKind {
-    fn from(kind: DatasetKind) -> Self {
-        match kind {
-            DatasetKind::Detections => model::dataset::DatasetKind::Detections,
-            DatasetKind::Truth => model::dataset::DatasetKind::Truth,
-            DatasetKind::Tracks => model::dataset::DatasetKind::Tracks,
-            DatasetKind::BearingTime => model::dataset::DatasetKind::BearingTime,
-        }
-    }
-}
-
-/// What is known of a sensor; what is absent comes from the data or from the request that uses it.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-pub struct SensorSettings {
-    pub sensor_id: String,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub x_m: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub y_m: Option<f64>,
-    /// Radius of the field of view around the sensor's position.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub max_range_m: Option<f64>,
-    /// Probability that a target inside the field of view is detected in a scan.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub p_d: Option<f64>,
-    /// Expected false detections per square metre and scan.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub clutter_per_m2: Option<f64>,
-    /// Expected false detections per degree and scan, of a sensor whose bearings alone are used.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub clutter_per_deg: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub sigma_x_m: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub sigma_y_m: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub sigma_range_m: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub sigma_bearing_deg: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub sigma_range_rate_mps: Option<f64>,
-}
-
-impl From<model::sensor::SensorSettings> for SensorSettings {
-    fn from(settings: model::sensor::SensorSettings) -> Self {
-        let model::sensor::SensorSettings {
-            sensor_id,
-            x_m,
-            y_m,
-            max_range_m,
-            p_d,
-            clutter_per_m2,
-            clutter_per_deg,
-            sigma_x_m,
-            sigma_y_m,
-            sigma_range_m,
-            sigma_bearing_deg,
-            sigma_range_rate_mps,
-        } = settings;
-        SensorSettings {
-            sensor_id,
-            x_m,
-            y_m,
-            max_range_m,
-            p_d,
-            clutter_per_m2,
-            clutter_per_deg,
-            sigma_x_m,
-            sigma_y_m,
-            sigma_range_m,
-            sigma_bearing_deg,
-            sigma_range_rate_mps,
-        }
-    }
-}
-
-impl From<SensorSettings> for model::sensor::SensorSettings {
-    fn from(settings: SensorSettings) -> Self {
-        let SensorSettings {
-            sensor_id,
-            x_m,
-            y_m,
-            max_range_m,
-            p_d,
-            clutter_per_m2,
-            clutter_per_deg,
-            sigma_x_m,
-            sigma_y_m,
-            sigma_range_m,
-            sigma_bearing_deg,
-            sigma_range_rate_mps,
-        } = settings;
-        model::sensor::SensorSettings {
-            sensor_id,
-            x_m,
-            y_m,
-            max_range_m,
-            p_d,
-            clutter_per_m2,
-            clutter_per_deg,
-            sigma_x_m,
-            sigma_y_m,
-            sigma_range_m,
-            sigma_bearing_deg,
-            sigma_range_rate_mps,
-        }
-    }
-}
 
 /// What a sensor of a recording reported.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -166,8 +26,8 @@ pub struct SensorReports {
     pub amplitudes: u64,
 }
 
-impl From<&model::facts::SensorFacts> for SensorReports {
-    fn from(facts: &model::facts::SensorFacts) -> Self {
+impl From<&SensorFacts> for SensorReports {
+    fn from(facts: &SensorFacts) -> Self {
         SensorReports {
             sensor_id: facts.settings.sensor_id.clone(),
             scans: facts.scans,

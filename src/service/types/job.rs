@@ -1,70 +1,14 @@
 //! Jobs on the wire.
 
 use super::problem::Problem;
-use crate::experiment;
+pub use crate::experiment::JobKind;
+pub use crate::experiment::observer::Step as ProgressStep;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::time::Duration;
 use utoipa::ToSchema;
 use uuid::Uuid;
-
-/// What a job does.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum JobKind {
-    Simulate,
-    Associate,
-    Evaluate,
-    Group,
-    Correlate,
-    Campaign,
-}
-
-impl JobKind {
-    pub const ALL: [JobKind; 6] = [
-        JobKind::Simulate,
-        JobKind::Associate,
-        JobKind::Evaluate,
-        JobKind::Group,
-        JobKind::Correlate,
-        JobKind::Campaign,
-    ];
-
-    pub fn name(self) -> &'static str {
-        experiment::JobKind::from(self).name()
-    }
-
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.name() == name)
-    }
-}
-
-impl From<JobKind> for experiment::JobKind {
-    fn from(kind: JobKind) -> Self {
-        match kind {
-            JobKind::Simulate => experiment::JobKind::Simulate,
-            JobKind::Associate => experiment::JobKind::Associate,
-            JobKind::Evaluate => experiment::JobKind::Evaluate,
-            JobKind::Group => experiment::JobKind::Group,
-            JobKind::Correlate => experiment::JobKind::Correlate,
-            JobKind::Campaign => experiment::JobKind::Campaign,
-        }
-    }
-}
-
-impl From<experiment::JobKind> for JobKind {
-    fn from(kind: experiment::JobKind) -> Self {
-        match kind {
-            experiment::JobKind::Simulate => JobKind::Simulate,
-            experiment::JobKind::Associate => JobKind::Associate,
-            experiment::JobKind::Evaluate => JobKind::Evaluate,
-            experiment::JobKind::Group => JobKind::Group,
-            experiment::JobKind::Correlate => JobKind::Correlate,
-            experiment::JobKind::Campaign => JobKind::Campaign,
-        }
-    }
-}
 
 /// Where a job is in its life.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
@@ -107,21 +51,6 @@ impl JobState {
             JobState::Succeeded | JobState::Failed | JobState::Canceled
         )
     }
-}
-
-/// The step that a running job is in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum ProgressStep {
-    Load,
-    /// The runs of a campaign.
-    Run,
-    Simulate,
-    Detect,
-    Associate,
-    Correlate,
-    Evaluate,
-    Write,
 }
 
 /// How far a running job is.

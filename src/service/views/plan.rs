@@ -192,12 +192,7 @@ pub fn of(layers: &JobLayers, window: &Window) -> Plan {
                 sensor_id: recording.sensors[scan.sensor].sensor_id.clone(),
             })
             .collect(),
-        sensors: layers
-            .sensors
-            .iter()
-            .cloned()
-            .map(SensorSettings::from)
-            .collect(),
+        sensors: layers.sensors.clone(),
     }
 }
 
@@ -274,7 +269,7 @@ pub(super) fn sensor_places(recording: &Recording, layers: &JobLayers) -> Vec<(f
         .iter()
         .map(|sensor| (sensor.sensor_id.as_str(), sensor))
         .collect();
-    let place = |sensor: &crate::model::sensor::SensorSettings| {
+    let place = |sensor: &SensorSettings| {
         let settings = known
             .get(sensor.sensor_id.as_str())
             .map_or_else(|| sensor.clone(), |other| sensor.overridden_by(other));

@@ -105,7 +105,7 @@ fn kind_of(body: &mut Value, asked: Option<JobKind>) -> Result<JobKind, Vec<Faul
             Fault::new("", "wrong_type", "expected an object").allowing("an object"),
         ]);
     }
-    let named = JobKind::from(take_kind(body)?);
+    let named = take_kind(body)?;
     match asked.filter(|kind| *kind != named) {
         None => Ok(named),
         Some(kind) => {

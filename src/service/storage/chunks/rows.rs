@@ -304,7 +304,7 @@ pub(super) async fn campaign_of(
     let attempt = u32::try_from(row.try_get::<i64, _>("attempt")?)?;
     Ok(ClaimedJob {
         id,
-        kind: JobKind::Campaign.into(),
+        kind: JobKind::Campaign,
         name: row.try_get("name")?,
         spec: Value::Null,
         attempt,
