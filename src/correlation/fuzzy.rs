@@ -30,7 +30,7 @@ use crate::math::assignment::AssignmentSolver;
 use crate::math::fuzzy_c_means::{Fuzzifier, largest_change};
 use crate::model::fault::Fault;
 use crate::model::state::{Covariance, State};
-use crate::registry::{Kind, Method, Object, default};
+use crate::registry::{Method, Object, default, whole};
 use serde::Deserialize;
 
 pub const METHOD: Method<BuildCorrelator> = Method {
@@ -60,11 +60,7 @@ static PARAMETERS: Object = Object {
         default(
             "max_iterations",
             "Iterations after which a search ends that is not at rest.",
-            Kind::Integer {
-                min: 1,
-                max: 100_000,
-                unit: "",
-            },
+            whole(1, 100_000, ""),
             "100",
         ),
     ],

@@ -23,7 +23,7 @@ use super::weighted::weighted_tuples;
 use super::{BuildCorrelator, Correlator, Search, Solution};
 use crate::model::fault::Fault;
 use crate::model::watch::Watch;
-use crate::registry::{Kind, Method, Object, default};
+use crate::registry::{Method, Object, default, whole};
 use serde::Deserialize;
 
 pub const METHOD: Method<BuildCorrelator> = Method {
@@ -42,21 +42,13 @@ static PARAMETERS: Object = Object {
         default(
             "rounds",
             "Subgradient steps of a cluster.",
-            Kind::Integer {
-                min: 1,
-                max: 100_000,
-                unit: "",
-            },
+            whole(1, 100_000, ""),
             "300",
         ),
         default(
             "max_nodes",
             "Beginnings of tuples that may be looked at in a cluster; one that needs more for a bound is left to local search.",
-            Kind::Integer {
-                min: 1,
-                max: 1_000_000_000,
-                unit: "",
-            },
+            whole(1, 1_000_000_000, ""),
             "10000000",
         ),
     ],

@@ -27,7 +27,7 @@ use super::estimates::Estimates;
 use super::evidence::{Evidence, Spread, Times};
 use super::problem::{Costs, JointCost, Problem};
 use crate::math::gaussian::{chi_square_quantile, chi_square_tail};
-use crate::registry::{Bound, Field, Kind, Object, Union, Variant, default, optional};
+use crate::registry::{Bound, Field, Kind, Object, Union, above, default, optional, variant};
 use serde::Deserialize;
 use std::sync::Arc;
 
@@ -67,11 +67,7 @@ const GATE: Field = default(
 );
 
 const fn density(name: &'static str, summary: &'static str) -> Field {
-    let kind = Kind::Number {
-        min: Bound::Excluding(0.0),
-        max: Bound::Including(1e12),
-        unit: "",
-    };
+    let kind = above(0.0, 1e12, "");
     optional(name, summary, kind)
 }
 
@@ -126,22 +122,10 @@ pub static STATISTIC: Union = Union {
     tag: "kind",
     variants: || {
         vec![
-            Variant {
-                tag: "chain",
-                object: &CHAIN,
-            },
-            Variant {
-                tag: "all_pairs",
-                object: &ALL_PAIRS,
-            },
-            Variant {
-                tag: "fused",
-                object: &FUSED,
-            },
-            Variant {
-                tag: "likelihood_ratio",
-                object: &LIKELIHOOD_RATIO,
-            },
+            variant("chain", &CHAIN),
+            variant("all_pairs", &ALL_PAIRS),
+            variant("fused", &FUSED),
+            variant("likelihood_ratio", &LIKELIHOOD_RATIO),
         ]
     },
 };

@@ -29,7 +29,7 @@ use crate::model::bearing_time::BearingTimeRecord;
 use crate::model::fault::Fault;
 use crate::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
 use crate::model::sensor::SensorSettings;
-use crate::registry::{Bound, Kind, Object, default};
+use crate::registry::{Kind, Object, above, default};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
@@ -49,21 +49,13 @@ pub static DETECTOR: Object = Object {
         default(
             "every_s",
             "Interval of which each makes one scan of the mean power.",
-            Kind::Number {
-                min: Bound::Excluding(0.0),
-                max: Bound::Including(1e6),
-                unit: "s",
-            },
+            above(0.0, 1e6, "s"),
             "10.0",
         ),
         default(
             "gate_deg",
             "Where truth is known: a detection at most this far from a true bearing is that of the target.",
-            Kind::Number {
-                min: Bound::Excluding(0.0),
-                max: Bound::Including(90.0),
-                unit: "deg",
-            },
+            above(0.0, 90.0, "deg"),
             "2.0",
         ),
     ],

@@ -21,7 +21,7 @@
 use super::Tuning;
 use crate::model::bearing_time::BearingTimeRecord;
 use crate::model::fault::Fault;
-use crate::registry::{Bound, Kind, Object, Union, Variant, default, optional, required};
+use crate::registry::{Object, Union, default, number, optional, required, variant, whole};
 use serde::Deserialize;
 use statrs::distribution::{ContinuousCDF, FisherSnedecor};
 use std::collections::BTreeMap;
@@ -32,14 +32,8 @@ pub(super) static THRESHOLD: Union = Union {
     tag: "kind",
     variants: || {
         vec![
-            Variant {
-                tag: "constant",
-                object: &CONSTANT,
-            },
-            Variant {
-                tag: "cell_averaging",
-                object: &CELL_AVERAGING,
-            },
+            variant("constant", &CONSTANT),
+            variant("cell_averaging", &CELL_AVERAGING),
         ]
     },
 };
@@ -50,11 +44,7 @@ static CONSTANT: Object = Object {
     fields: &[required(
         "level_db",
         "The level, on the scale of the record.",
-        Kind::Number {
-            min: Bound::Including(-300.0),
-            max: Bound::Including(300.0),
-            unit: "dB",
-        },
+        number(-300.0, 300.0, "dB"),
     )],
 };
 
@@ -65,41 +55,25 @@ static CELL_AVERAGING: Object = Object {
         default(
             "guard_cells",
             "Cells on each side that are left out, because a target fills them too.",
-            Kind::Integer {
-                min: 0,
-                max: 10_000,
-                unit: "",
-            },
+            whole(0, 10_000, ""),
             "4",
         ),
         default(
             "training_cells",
             "Cells on each side whose mean is taken.",
-            Kind::Integer {
-                min: 1,
-                max: 10_000,
-                unit: "",
-            },
+            whole(1, 10_000, ""),
             "12",
         ),
         default(
             "false_alarm_probability",
             "Probability that a cell of noise alone exceeds its threshold in a scan.",
-            Kind::Number {
-                min: Bound::Including(1e-12),
-                max: Bound::Including(0.5),
-                unit: "",
-            },
+            number(1e-12, 0.5, ""),
             "0.0001",
         ),
         optional(
             "noise_averages",
             "Independent values of which the power in a cell of the record is the mean; estimated from the record when absent.",
-            Kind::Number {
-                min: Bound::Including(0.5),
-                max: Bound::Including(1e6),
-                unit: "",
-            },
+            number(0.5, 1e6, ""),
         ),
     ],
 };

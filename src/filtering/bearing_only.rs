@@ -19,7 +19,7 @@ use crate::model::motion::ConstantVelocity;
 use crate::model::scan::Measurement;
 use crate::model::sensor::{Report, Sensor};
 use crate::model::state::GaussianState;
-use crate::registry::{Bound, Kind, Object, default};
+use crate::registry::{Object, above, default, number};
 use nalgebra::{Matrix1, Matrix2, Vector1, Vector2};
 use serde::Deserialize;
 
@@ -36,21 +36,13 @@ static PARAMETERS: Object = Object {
         default(
             "process_noise_deg2ps3",
             "Spectral density q of the white noise that changes the rate, which wanders by about sqrt(q·T) in T seconds.",
-            Kind::Number {
-                min: Bound::Including(0.0),
-                max: Bound::Including(1e6),
-                unit: "deg²/s³",
-            },
+            number(0.0, 1e6, "deg²/s³"),
             "0.0001",
         ),
         default(
             "initial_rate_sigma_degps",
             "Standard deviation of the bearing rate of a new track, which starts at rest.",
-            Kind::Number {
-                min: Bound::Excluding(0.0),
-                max: Bound::Including(360.0),
-                unit: "deg/s",
-            },
+            above(0.0, 360.0, "deg/s"),
             "0.5",
         ),
     ],

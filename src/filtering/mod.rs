@@ -5,7 +5,7 @@ use crate::model::motion::ConstantVelocity;
 use crate::model::scan::Measurement;
 use crate::model::sensor::Sensor;
 use crate::model::state::GaussianState;
-use crate::registry::{Bound, Field, Kind, Method, Object, Union, Variant, default};
+use crate::registry::{Field, Kind, Method, Object, Union, default, number, variant};
 use mixture::Expected;
 use nalgebra::SVector;
 
@@ -100,13 +100,10 @@ pub static FILTER: Union = Union {
     summary: "How a track is predicted and updated.",
     tag: "method",
     variants: || {
-        [Variant {
-            tag: AUTO,
-            object: &AUTO_PARAMETERS,
-        }]
-        .into_iter()
-        .chain(FILTERS.iter().map(Method::variant))
-        .collect()
+        [variant(AUTO, &AUTO_PARAMETERS)]
+            .into_iter()
+            .chain(FILTERS.iter().map(Method::variant))
+            .collect()
     },
 };
 
@@ -117,10 +114,6 @@ pub static FILTER_KIND: Kind = Kind::Union(&FILTER);
 const PROCESS_NOISE: Field = default(
     "process_noise_m2ps3",
     "Spectral density q of the white-noise acceleration; the velocity wanders by about sqrt(q·T) in T seconds.",
-    Kind::Number {
-        min: Bound::Including(0.0),
-        max: Bound::Including(1e9),
-        unit: "m²/s³",
-    },
+    number(0.0, 1e9, "m²/s³"),
     "1.0",
 );

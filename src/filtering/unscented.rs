@@ -23,7 +23,7 @@ use crate::model::motion::ConstantVelocity;
 use crate::model::scan::Measurement;
 use crate::model::sensor::{Polar, Report, Sensor};
 use crate::model::state::{GaussianState, State};
-use crate::registry::{Bound, Kind, Object, default};
+use crate::registry::{Object, default, number};
 use nalgebra::{Cholesky, SMatrix, SVector};
 use serde::Deserialize;
 
@@ -41,31 +41,19 @@ static PARAMETERS: Object = Object {
         default(
             "alpha",
             "Spread of the points around the mean; 1 keeps every weight positive.",
-            Kind::Number {
-                min: Bound::Including(1e-3),
-                max: Bound::Including(1.0),
-                unit: "",
-            },
+            number(1e-3, 1.0, ""),
             "1.0",
         ),
         default(
             "beta",
             "What is known of the distribution's fourth moment; 2 is right for a Gaussian.",
-            Kind::Number {
-                min: Bound::Including(0.0),
-                max: Bound::Including(10.0),
-                unit: "",
-            },
+            number(0.0, 10.0, ""),
             "2.0",
         ),
         default(
             "kappa",
             "Second parameter of the spread.",
-            Kind::Number {
-                min: Bound::Including(0.0),
-                max: Bound::Including(100.0),
-                unit: "",
-            },
+            number(0.0, 100.0, ""),
             "0.0",
         ),
     ],

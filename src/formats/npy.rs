@@ -8,7 +8,7 @@ use super::{Format, ReadOptions, ReadOutcome, of_file, refuse_columns};
 use crate::model::bearing_time::{BearingTimeParts, BearingTimeRecord, MAX_CELLS};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
-use crate::registry::{Bound, Kind, Object, default, required};
+use crate::registry::{Kind, Object, above, default, number, required};
 use serde::{Deserialize, Serialize};
 use std::io::{BufRead, Read};
 
@@ -34,16 +34,8 @@ pub struct BearingTimeAxes {
     pub bearing_step_deg: f64,
 }
 
-const TIME: Kind = Kind::Number {
-    min: Bound::Including(-1e12),
-    max: Bound::Including(1e12),
-    unit: "s",
-};
-const BEARING: Kind = Kind::Number {
-    min: Bound::Including(-360.0),
-    max: Bound::Including(360.0),
-    unit: "deg",
-};
+const TIME: Kind = number(-1e12, 1e12, "s");
+const BEARING: Kind = number(-360.0, 360.0, "deg");
 
 /// [`BearingTimeAxes`] in a request.
 pub static AXES: Object = Object {
@@ -51,24 +43,12 @@ pub static AXES: Object = Object {
     summary: "The axes of a bearing-time record whose file does not have them.",
     fields: &[
         default("first_time_s", "Time of the first row.", TIME, "0.0"),
-        required(
-            "time_step_s",
-            "Time from row to row.",
-            Kind::Number {
-                min: Bound::Excluding(0.0),
-                max: Bound::Including(1e6),
-                unit: "s",
-            },
-        ),
+        required("time_step_s", "Time from row to row.", above(0.0, 1e6, "s")),
         required("first_bearing_deg", "Centre of the first column.", BEARING),
         required(
             "bearing_step_deg",
             "From the centre of a column to that of the next.",
-            Kind::Number {
-                min: Bound::Excluding(0.0),
-                max: Bound::Including(180.0),
-                unit: "deg",
-            },
+            above(0.0, 180.0, "deg"),
         ),
     ],
 };

@@ -23,7 +23,7 @@ use crate::model::fault::Fault;
 use crate::model::scenario::{RecordPlan, Scenario, TargetPlan};
 use crate::model::sensor::SensorSettings;
 use crate::model::truth::{Target, TruePlace, TruthPoint, TruthSet};
-use crate::registry::{Bound, Kind, Object, default, optional, required};
+use crate::registry::{Bound, Kind, Object, default, number, optional, required, whole};
 use rand::RngExt;
 use rand_distr::{Distribution, Gamma, Poisson, StandardNormal};
 use std::f64::consts::{LN_2, TAU};
@@ -37,16 +37,8 @@ const fn above_zero(max: f64, unit: &'static str) -> Kind {
     }
 }
 
-const LEVEL: Kind = Kind::Number {
-    min: Bound::Including(-60.0),
-    max: Bound::Including(120.0),
-    unit: "dB",
-};
-const BEARING: Kind = Kind::Number {
-    min: Bound::Including(-360.0),
-    max: Bound::Including(360.0),
-    unit: "deg",
-};
+const LEVEL: Kind = number(-60.0, 120.0, "dB");
+const BEARING: Kind = number(-360.0, 360.0, "deg");
 
 /// [`RecordPlan`] in a request.
 pub static RECORD: Object = Object {
@@ -74,11 +66,7 @@ pub static RECORD: Object = Object {
         default(
             "noise_averages",
             "Independent values of which the power in a cell is the mean.",
-            Kind::Integer {
-                min: 1,
-                max: 10_000,
-                unit: "",
-            },
+            whole(1, 10_000, ""),
             "4",
         ),
         default(
@@ -94,11 +82,7 @@ pub static RECORD: Object = Object {
         default(
             "fluctuation_db",
             "Standard deviation of a target's level.",
-            Kind::Number {
-                min: Bound::Including(0.0),
-                max: Bound::Including(30.0),
-                unit: "dB",
-            },
+            number(0.0, 30.0, "dB"),
             "2.0",
         ),
         default(

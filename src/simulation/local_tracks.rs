@@ -17,18 +17,14 @@ use crate::math::rng::{Purpose, Seed};
 use crate::model::state::{Covariance, Position, State};
 use crate::model::track::{Estimate, PlaneEstimate, Track, TrackPoint, TrackSet};
 use crate::model::truth::{Target, TruthPoint, TruthSet};
-use crate::registry::{Bound, Kind, Object, default};
+use crate::registry::{Bound, Kind, Object, above, default, number, whole};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Poisson, StandardNormal};
 use serde::Deserialize;
 use std::f64::consts::TAU;
 
-const LENGTH: Kind = Kind::Number {
-    min: Bound::Excluding(0.0),
-    max: Bound::Including(1e9),
-    unit: "m",
-};
+const LENGTH: Kind = above(0.0, 1e9, "m");
 const SHARE: Kind = Kind::Number {
     min: Bound::Including(0.0),
     max: Bound::Excluding(1.0),
@@ -39,26 +35,8 @@ pub static LOCAL_TRACKS: Object = Object {
     name: "LocalTracks",
     summary: "Tracks of several sensors, drawn: the truth with errors of known covariance, without detections and trackers.",
     fields: &[
-        default(
-            "sensors",
-            "Sensors.",
-            Kind::Integer {
-                min: 1,
-                max: 64,
-                unit: "",
-            },
-            "3",
-        ),
-        default(
-            "targets",
-            "Targets.",
-            Kind::Integer {
-                min: 1,
-                max: 100_000,
-                unit: "",
-            },
-            "10",
-        ),
+        default("sensors", "Sensors.", whole(1, 64, ""), "3"),
+        default("targets", "Targets.", whole(1, 100_000, ""), "10"),
         default(
             "spacing_m",
             "Distance between neighbouring targets of the square in which they move.",
@@ -74,11 +52,7 @@ pub static LOCAL_TRACKS: Object = Object {
         default(
             "speed_mps",
             "Speed of all targets, on one course.",
-            Kind::Number {
-                min: Bound::Including(0.0),
-                max: Bound::Including(1e5),
-                unit: "m/s",
-            },
+            number(0.0, 1e5, "m/s"),
             "200.0",
         ),
         default(
@@ -90,41 +64,25 @@ pub static LOCAL_TRACKS: Object = Object {
         default(
             "sigma_mps",
             "Standard deviation of each component of the velocity.",
-            Kind::Number {
-                min: Bound::Excluding(0.0),
-                max: Bound::Including(1e5),
-                unit: "m/s",
-            },
+            above(0.0, 1e5, "m/s"),
             "10.0",
         ),
         default(
             "p_d",
             "Probability that a sensor has a track of a target.",
-            Kind::Number {
-                min: Bound::Excluding(0.0),
-                max: Bound::Including(1.0),
-                unit: "",
-            },
+            above(0.0, 1.0, ""),
             "1.0",
         ),
         default(
             "false_tracks",
             "Mean number of tracks of a sensor that are of no target.",
-            Kind::Number {
-                min: Bound::Including(0.0),
-                max: Bound::Including(1e5),
-                unit: "",
-            },
+            number(0.0, 1e5, ""),
             "0.0",
         ),
         default(
             "bias_m",
             "Displacement of all tracks of a sensor, in a direction of its own.",
-            Kind::Number {
-                min: Bound::Including(0.0),
-                max: Bound::Including(1e9),
-                unit: "m",
-            },
+            number(0.0, 1e9, "m"),
             "0.0",
         ),
         default(
@@ -142,21 +100,13 @@ pub static LOCAL_TRACKS: Object = Object {
         default(
             "times",
             "Times at which every track says something.",
-            Kind::Integer {
-                min: 1,
-                max: 10_000,
-                unit: "",
-            },
+            whole(1, 10_000, ""),
             "4",
         ),
         default(
             "period_s",
             "Time between them.",
-            Kind::Number {
-                min: Bound::Excluding(0.0),
-                max: Bound::Including(1e6),
-                unit: "s",
-            },
+            above(0.0, 1e6, "s"),
             "2.0",
         ),
     ],

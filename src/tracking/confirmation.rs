@@ -19,7 +19,7 @@
 //! 4. A confirmed track is deleted when L has fallen by `max_score_drop` below its highest value.
 
 use crate::association::problem::{ScanProblem, Weights};
-use crate::registry::{Bound, Kind, Object, Union, Variant, default};
+use crate::registry::{Bound, Kind, Object, Union, above, default, variant};
 use serde::Deserialize;
 
 /// When a track is confirmed.
@@ -63,11 +63,7 @@ static SCORE: Object = Object {
         default(
             "max_score_drop",
             "A confirmed track is deleted when its score (a natural logarithm) has fallen this far below its highest value.",
-            Kind::Number {
-                min: Bound::Excluding(0.0),
-                max: Bound::Including(1000.0),
-                unit: "",
-            },
+            above(0.0, 1000.0, ""),
             "10.0",
         ),
     ],
@@ -84,18 +80,7 @@ pub(super) static CONFIRMATION: Union = Union {
     name: "Confirmation",
     summary: "When a track is confirmed, and by its score deleted.",
     tag: "rule",
-    variants: || {
-        vec![
-            Variant {
-                tag: "m_of_n",
-                object: &M_OF_N,
-            },
-            Variant {
-                tag: "score",
-                object: &SCORE,
-            },
-        ]
-    },
+    variants: || vec![variant("m_of_n", &M_OF_N), variant("score", &SCORE)],
 };
 
 /// L, and the highest that it was.

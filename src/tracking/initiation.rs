@@ -28,7 +28,7 @@ use crate::math::gaussian::log_unit_ball;
 use crate::model::scan::Scan;
 use crate::model::state::GaussianState;
 use crate::model::watch::{Halt, Watch};
-use crate::registry::{Bound, Kind, Object, Union, Variant, default, optional};
+use crate::registry::{Object, Union, above, default, optional, variant, whole};
 use nalgebra::SVector;
 use serde::Deserialize;
 
@@ -67,20 +67,12 @@ static TWO_POINT: Object = Object {
         optional(
             "max_speed_mps",
             "Highest speed of a target: two detections further apart, noise allowed for, are not a pair. When absent, it follows from the targets of a scenario or is estimated from the data, and the report tells it.",
-            Kind::Number {
-                min: Bound::Excluding(0.0),
-                max: Bound::Including(1e5),
-                unit: "m/s",
-            },
+            above(0.0, 1e5, "m/s"),
         ),
         default(
             "max_wait_scans",
             "How many further scans of its sensor a first detection waits for a second one: 1 for the next scan alone, more where targets are missed often, at the price of more false tracks.",
-            Kind::Integer {
-                min: 1,
-                max: 10,
-                unit: "scans",
-            },
+            whole(1, 10, "scans"),
             "1",
         ),
     ],
@@ -93,21 +85,13 @@ static TRUTH: Object = Object {
         default(
             "speed_sigma_mps",
             "Standard deviation of each velocity component of a track in the plane; its position has the noise of one detection.",
-            Kind::Number {
-                min: Bound::Excluding(0.0),
-                max: Bound::Including(1e5),
-                unit: "m/s",
-            },
+            above(0.0, 1e5, "m/s"),
             "0.1",
         ),
         default(
             "rate_sigma_degps",
             "Standard deviation of the bearing rate of a track of bearings; its bearing has the noise of one detection.",
-            Kind::Number {
-                min: Bound::Excluding(0.0),
-                max: Bound::Including(360.0),
-                unit: "deg/s",
-            },
+            above(0.0, 360.0, "deg/s"),
             "0.1",
         ),
     ],
@@ -119,18 +103,9 @@ pub(super) static INITIATION: Union = Union {
     tag: "method",
     variants: || {
         vec![
-            Variant {
-                tag: "one_point",
-                object: &ONE_POINT,
-            },
-            Variant {
-                tag: "two_point",
-                object: &TWO_POINT,
-            },
-            Variant {
-                tag: "truth",
-                object: &TRUTH,
-            },
+            variant("one_point", &ONE_POINT),
+            variant("two_point", &TWO_POINT),
+            variant("truth", &TRUTH),
         ]
     },
 };

@@ -14,7 +14,7 @@
 use super::confirmation::{CONFIRMATION, Confirmation, Score};
 use super::initiation::{INITIATION, Initiation};
 use crate::model::track::TrackStatus;
-use crate::registry::{Bound, Kind, Object, default, optional};
+use crate::registry::{Kind, Object, above, default, optional, whole};
 use nalgebra::SMatrix;
 use serde::Deserialize;
 
@@ -25,11 +25,7 @@ pub static LIFECYCLE: Object = Object {
         default(
             "gate_probability",
             "P_G: the probability that a true detection lies inside its track's gate; with 1 there is no gate, and every detection of a scan is a candidate of every track.",
-            Kind::Number {
-                min: Bound::Excluding(0.0),
-                max: Bound::Including(1.0),
-                unit: "",
-            },
+            above(0.0, 1.0, ""),
             "0.99",
         ),
         default(
@@ -47,50 +43,30 @@ pub static LIFECYCLE: Object = Object {
         default(
             "confirm_hits",
             "M of the rule m_of_n: detections that confirm a track.",
-            Kind::Integer {
-                min: 1,
-                max: 64,
-                unit: "",
-            },
+            whole(1, 64, ""),
             "3",
         ),
         default(
             "confirm_window",
             "N of the rule m_of_n: the last scans among which the M detections are counted; at least M.",
-            Kind::Integer {
-                min: 1,
-                max: 64,
-                unit: "scans",
-            },
+            whole(1, 64, "scans"),
             "5",
         ),
         default(
             "max_missed",
             "Scans in a row without a detection that delete a track, under every rule of confirmation.",
-            Kind::Integer {
-                min: 1,
-                max: 1000,
-                unit: "scans",
-            },
+            whole(1, 1000, "scans"),
             "5",
         ),
         optional(
             "max_position_sigma_m",
             "A track is deleted when the largest standard deviation of its position exceeds this; no limit when absent.",
-            Kind::Number {
-                min: Bound::Excluding(0.0),
-                max: Bound::Including(1e9),
-                unit: "m",
-            },
+            above(0.0, 1e9, "m"),
         ),
         optional(
             "initial_speed_sigma_mps",
             "Standard deviation of each velocity component of a track of one point, which starts at rest. When absent, it follows from the targets of a scenario or is estimated from the data, and the report tells it.",
-            Kind::Number {
-                min: Bound::Excluding(0.0),
-                max: Bound::Including(1e5),
-                unit: "m/s",
-            },
+            above(0.0, 1e5, "m/s"),
         ),
     ],
 };

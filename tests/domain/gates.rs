@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 use serde_json::{Value, json};
-use trackloom_domain::experiment::gates::{Gate, Region, gates_of};
+use trackloom_domain::experiment::gates::{Gate, Region, compute_gates};
 use trackloom_domain::experiment::observer::Silent;
 use trackloom_domain::experiment::{self, JobKind, plan, presets};
 use trackloom_domain::formats::{ReadOptions, format_named};
@@ -104,7 +104,7 @@ fn squared_distance(gate: &Gate, done: &Done, point: &TrackPoint) -> Option<f64>
 
 /// Compares every gate with the distance that the tracker wrote down; answers how many there were, and how many were empty.
 fn assert_gates_are_the_tracker_s(done: &Done, threshold: f64) -> (usize, usize) {
-    let found = gates_of(
+    let found = compute_gates(
         &done.spec,
         (&done.recording, &done.sensors),
         &done.tracks,
@@ -156,7 +156,7 @@ fn assert_gates_are_the_tracker_s(done: &Done, threshold: f64) -> (usize, usize)
 }
 
 #[test]
-fn the_gates_of_positions_are_those_of_the_tracker() {
+fn the_compute_gates_positions_are_those_of_the_tracker() {
     let done = done(
         "liang2009-30",
         json!({"associator": {"method": "nearest_neighbour"}, "tracker/gate_probability": 0.99}),
@@ -169,7 +169,7 @@ fn the_gates_of_positions_are_those_of_the_tracker() {
 }
 
 #[test]
-fn the_gates_of_ranges_and_bearings_are_those_of_the_tracker() {
+fn the_compute_gates_ranges_and_bearings_are_those_of_the_tracker() {
     for filter in ["extended", "unscented"] {
         let changes = json!({
             "associator": {"method": "nearest_neighbour"}, "filter": {"method": filter}, "tracker/gate_probability": 0.99
@@ -186,7 +186,7 @@ fn the_gates_of_ranges_and_bearings_are_those_of_the_tracker() {
 fn a_job_that_did_not_gate_in_the_plane_has_no_gates() {
     let has_gates = |preset: &str, changes: Value| {
         let done = done(preset, changes);
-        gates_of(
+        compute_gates(
             &done.spec,
             (&done.recording, &done.sensors),
             &done.tracks,

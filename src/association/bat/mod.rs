@@ -40,7 +40,7 @@ mod visited;
 use super::problem::{Problem, Weights};
 use super::{Associator, BuildAssociator, Trace};
 use crate::math::rng::{Purpose, Seed};
-use crate::registry::{Bound, Kind, Method, Object, default};
+use crate::registry::{Kind, Method, Object, above, default, whole};
 use cluster::Cluster;
 use dice::Dice;
 use judge::Judge;
@@ -64,21 +64,13 @@ static PARAMETERS: Object = Object {
         default(
             "population",
             "Bats. Population times iterations is at most 1000000.",
-            Kind::Integer {
-                min: 1,
-                max: 10_000,
-                unit: "bats",
-            },
+            whole(1, 10_000, "bats"),
             "20",
         ),
         default(
             "iterations",
             "Times that every bat moves.",
-            Kind::Integer {
-                min: 1,
-                max: 10_000,
-                unit: "",
-            },
+            whole(1, 10_000, ""),
             "15",
         ),
         default(
@@ -105,31 +97,19 @@ static PARAMETERS: Object = Object {
         default(
             "loudness",
             "Loudness A at the start: below 1, better bats are refused at random.",
-            Kind::Number {
-                min: Bound::Excluding(0.0),
-                max: Bound::Including(2.0),
-                unit: "",
-            },
+            above(0.0, 2.0, ""),
             "1",
         ),
         default(
             "alpha",
             "Factor of the loudness when a bat is accepted as the best.",
-            Kind::Number {
-                min: Bound::Excluding(0.0),
-                max: Bound::Including(1.0),
-                unit: "",
-            },
+            above(0.0, 1.0, ""),
             "0.98",
         ),
         default(
             "gamma",
             "Speed at which the pulse rate returns to its first value.",
-            Kind::Number {
-                min: Bound::Excluding(0.0),
-                max: Bound::Including(100.0),
-                unit: "",
-            },
+            above(0.0, 100.0, ""),
             "0.98",
         ),
         default(

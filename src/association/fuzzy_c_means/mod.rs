@@ -33,7 +33,7 @@ use super::problem::{Problem, Weights};
 use super::{Associator, BuildAssociator, Needs, Trace};
 use crate::math::assignment::AssignmentSolver;
 use crate::math::fuzzy_c_means::{Fuzzifier, FuzzyError};
-use crate::registry::{Bound, Kind, Method, Object, default};
+use crate::registry::{Bound, Kind, Method, Object, above, default, whole};
 use clustering::Clustering;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -61,11 +61,7 @@ static PARAMETERS: Object = Object {
         default(
             "fuzzifier",
             "q: the larger, the fuzzier.",
-            Kind::Number {
-                min: Bound::Excluding(1.0),
-                max: Bound::Including(100.0),
-                unit: "",
-            },
+            above(1.0, 100.0, ""),
             "2.0",
         ),
         default(
@@ -81,11 +77,7 @@ static PARAMETERS: Object = Object {
         default(
             "max_iterations",
             "Iterations after which a cluster ends, at rest or not; those that are not are counted.",
-            Kind::Integer {
-                min: 1,
-                max: 10_000,
-                unit: "",
-            },
+            whole(1, 10_000, ""),
             "100",
         ),
         default(

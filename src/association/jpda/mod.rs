@@ -31,7 +31,7 @@ mod tests;
 use super::problem::{Problem, Weights};
 use super::{Associator, BuildAssociator};
 use crate::model::watch::Watch;
-use crate::registry::{Bound, Kind, Method, Object, default};
+use crate::registry::{Kind, Method, Object, default, number, whole};
 use belief_propagation::BeliefPropagation;
 use cluster::Cluster;
 use diagnostics::Diagnostics;
@@ -62,54 +62,34 @@ static PARAMETERS: Object = Object {
             "max_events",
             "Joint events of a cluster that enumerate lists; a cluster with more is left to auto, and counted. A hundred \
                       million take about a second.",
-            Kind::Integer {
-                min: 1,
-                max: 100_000_000,
-                unit: "events",
-            },
+            whole(1, 100_000_000, "events"),
             "1000000",
         ),
         default(
             "max_states",
             "Cells of one table of exact; a cluster that needs more goes to belief propagation, and is counted.",
-            Kind::Integer {
-                min: 1,
-                max: 16_777_216,
-                unit: "states",
-            },
+            whole(1, 16_777_216, "states"),
             "65536",
         ),
         default(
             "max_auto_cost",
             "Cells that auto lets an exact sum visit, over all its tables; a cluster that needs more goes to belief \
                       propagation, and is counted. A million take a few milliseconds.",
-            Kind::Integer {
-                min: 1,
-                max: MAX_EXACT_COST as i64,
-                unit: "cells",
-            },
+            whole(1, MAX_EXACT_COST as i64, "cells"),
             "200000",
         ),
         default(
             "tolerance",
             "Belief propagation ends when no message changes by more than this, relative to itself; below 1e-14 rounding \
                       alone would keep it from ending.",
-            Kind::Number {
-                min: Bound::Including(1e-14),
-                max: Bound::Including(0.1),
-                unit: "",
-            },
+            number(1e-14, 0.1, ""),
             "1e-9",
         ),
         default(
             "max_iterations",
             "Belief propagation ends after this many rounds of messages; a cluster that has not settled is counted. Ten \
                       thousand rounds of a cluster with 30 000 edges take a few seconds.",
-            Kind::Integer {
-                min: 1,
-                max: 10_000,
-                unit: "",
-            },
+            whole(1, 10_000, ""),
             "1000",
         ),
     ],

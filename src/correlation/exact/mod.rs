@@ -15,7 +15,7 @@ use super::weighted::weighted_tuples;
 use super::{BuildCorrelator, Correlator, Search, Solution};
 use crate::model::fault::Fault;
 use crate::model::watch::Watch;
-use crate::registry::{Kind, Method, Object, default};
+use crate::registry::{Method, Object, default, whole};
 use serde::Deserialize;
 
 pub const METHOD: Method<BuildCorrelator> = Method {
@@ -30,11 +30,7 @@ static PARAMETERS: Object = Object {
     fields: &[default(
         "max_nodes",
         "Nodes that branch and bound may look at in a cluster before the problem is refused.",
-        Kind::Integer {
-            min: 1,
-            max: 1_000_000_000,
-            unit: "",
-        },
+        whole(1, 1_000_000_000, ""),
         "10000000",
     )],
 };

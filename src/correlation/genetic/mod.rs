@@ -42,7 +42,7 @@ use super::{BuildCorrelator, Correlator, Search, Solution};
 use crate::math::rng::{Purpose, Seed};
 use crate::model::fault::Fault;
 use crate::model::watch::Watch;
-use crate::registry::{Bound, Kind, Method, Object, default};
+use crate::registry::{Bound, Kind, Method, Object, above, default, number, whole};
 use evolve::{Coding, Evolution, evolve};
 use improved::Partitions;
 use paper::Chromosomes;
@@ -74,24 +74,11 @@ static PARAMETERS: Object = Object {
             Kind::Choice(&["improved", "unseeded", "paper"]),
             "\"improved\"",
         ),
-        default(
-            "population",
-            "Individuals.",
-            Kind::Integer {
-                min: 2,
-                max: 10_000,
-                unit: "",
-            },
-            "20",
-        ),
+        default("population", "Individuals.", whole(2, 10_000, ""), "20"),
         default(
             "generations",
             "G, generations after the first population.",
-            Kind::Integer {
-                min: 1,
-                max: 100_000,
-                unit: "",
-            },
+            whole(1, 100_000, ""),
             "200",
         ),
         default(
@@ -109,41 +96,25 @@ static PARAMETERS: Object = Object {
         default(
             "generation_gap",
             "Share of a generation that is new; the others live on (P_r = 1 less the gap).",
-            Kind::Number {
-                min: Bound::Excluding(0.0),
-                max: Bound::Including(1.0),
-                unit: "",
-            },
+            above(0.0, 1.0, ""),
             "0.5",
         ),
         default(
             "elite",
             "Fittest individuals that live on in any case.",
-            Kind::Integer {
-                min: 1,
-                max: 10_000,
-                unit: "",
-            },
+            whole(1, 10_000, ""),
             "2",
         ),
         default(
             "stop_after",
             "G', generations in a row with the best cost unchanged after which the search ends.",
-            Kind::Integer {
-                min: 1,
-                max: 100_000,
-                unit: "",
-            },
+            whole(1, 100_000, ""),
             "30",
         ),
         default(
             "max_evaluations",
             "Solutions, or changes of one, whose cost is computed in a cluster before the search ends.",
-            Kind::Integer {
-                min: 1,
-                max: 1_000_000_000_000,
-                unit: "",
-            },
+            whole(1, 1_000_000_000_000, ""),
             "100000",
         ),
         default(
@@ -159,11 +130,7 @@ static PARAMETERS: Object = Object {
     ],
 };
 
-const SHARE: Kind = Kind::Number {
-    min: Bound::Including(0.0),
-    max: Bound::Including(1.0),
-    unit: "",
-};
+const SHARE: Kind = number(0.0, 1.0, "");
 
 /// Searches of a cluster whose answer is not proven.
 const ISLANDS: usize = 4;

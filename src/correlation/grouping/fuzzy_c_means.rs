@@ -26,7 +26,9 @@ use crate::math::fuzzy_c_means::{
 use crate::math::gaussian::Gaussian;
 use crate::math::rng::{Purpose, Seed};
 use crate::model::fault::Fault;
-use crate::registry::{Bound, Field, Kind, Method, Object, Union, Variant, default, required};
+use crate::registry::{
+    Field, Kind, Method, Object, Union, default, number, required, variant, whole,
+};
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -65,22 +67,10 @@ static INITIAL: Union = Union {
     tag: "from",
     variants: || {
         vec![
-            Variant {
-                tag: "predictions",
-                object: &PREDICTIONS,
-            },
-            Variant {
-                tag: "sensor",
-                object: &SENSOR,
-            },
-            Variant {
-                tag: "random",
-                object: &RANDOM,
-            },
-            Variant {
-                tag: "genetic",
-                object: &GENETIC,
-            },
+            variant("predictions", &PREDICTIONS),
+            variant("sensor", &SENSOR),
+            variant("random", &RANDOM),
+            variant("genetic", &GENETIC),
         ]
     },
 };
@@ -108,24 +98,11 @@ static GENETIC: Object = Object {
     summary: "The best of a population of centres, each driven to its optimum before it is crossed and mutated. The cost is (generations + 1) · population runs.",
     fields: &[
         CLUSTERS,
-        default(
-            "population",
-            "Individuals.",
-            Kind::Integer {
-                min: 2,
-                max: 1000,
-                unit: "",
-            },
-            "10",
-        ),
+        default("population", "Individuals.", whole(2, 1000, ""), "10"),
         default(
             "generations",
             "Generations after the first population.",
-            Kind::Integer {
-                min: 0,
-                max: 1000,
-                unit: "",
-            },
+            whole(0, 1000, ""),
             "10",
         ),
         default(
@@ -143,11 +120,7 @@ static GENETIC: Object = Object {
     ],
 };
 
-const SHARE: Kind = Kind::Number {
-    min: Bound::Including(0.0),
-    max: Bound::Including(1.0),
-    unit: "",
-};
+const SHARE: Kind = number(0.0, 1.0, "");
 
 const CLUSTERS: Field = required(
     "clusters",
@@ -159,18 +132,7 @@ static CLUSTER_COUNT: Union = Union {
     name: "ClusterCount",
     summary: "How the number of clusters is known.",
     tag: "by",
-    variants: || {
-        vec![
-            Variant {
-                tag: "count",
-                object: &COUNT,
-            },
-            Variant {
-                tag: "validity",
-                object: &VALIDITY,
-            },
-        ]
-    },
+    variants: || vec![variant("count", &COUNT), variant("validity", &VALIDITY)],
 };
 
 static COUNT: Object = Object {
@@ -194,11 +156,7 @@ static VALIDITY: Object = Object {
     ],
 };
 
-const NUMBER: Kind = Kind::Integer {
-    min: 2,
-    max: 10_000,
-    unit: "",
-};
+const NUMBER: Kind = whole(2, 10_000, "");
 
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 struct Parameters {

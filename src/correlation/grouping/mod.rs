@@ -6,7 +6,7 @@
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
 use crate::model::state::{Position, PositionCovariance};
-use crate::registry::{Bound, Field, Kind, Method, Union, default};
+use crate::registry::{Bound, Field, Kind, Method, Union, above, default, whole};
 
 mod closest_pairs;
 pub mod constrained_hard_c_means;
@@ -125,11 +125,7 @@ const ONE_PER_SENSOR: Field = default(
 pub(super) const FUZZIFIER: Field = default(
     "fuzzifier",
     "q: the larger, the fuzzier.",
-    Kind::Number {
-        min: Bound::Excluding(1.0),
-        max: Bound::Including(100.0),
-        unit: "",
-    },
+    above(1.0, 100.0, ""),
     "2.0",
 );
 
@@ -148,11 +144,7 @@ pub(super) const TOLERANCE: Field = default(
 const MAX_ITERATIONS: Field = default(
     "max_iterations",
     "Iterations after which the search ends, at rest or not.",
-    Kind::Integer {
-        min: 1,
-        max: 10_000,
-        unit: "",
-    },
+    whole(1, 10_000, ""),
     "100",
 );
 

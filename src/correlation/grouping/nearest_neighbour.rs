@@ -19,7 +19,7 @@ use super::information::squared_distance;
 use super::{BuildGrouper, Grouper, Grouping, Snapshot, by_sensor};
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
-use crate::registry::{Bound, Kind, Method, Object, optional};
+use crate::registry::{Kind, Method, Object, above, optional};
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -42,11 +42,7 @@ static PARAMETERS: Object = Object {
     ],
 };
 
-pub(super) const SIGMAS: Kind = Kind::Number {
-    min: Bound::Excluding(0.0),
-    max: Bound::Including(1000.0),
-    unit: "σ",
-};
+pub(super) const SIGMAS: Kind = above(0.0, 1000.0, "σ");
 
 fn build(parameters: &Value, _: Seed) -> Result<Box<dyn Grouper>, serde_json::Error> {
     Ok(Box::new(NearestNeighbour::deserialize(parameters)?))

@@ -9,15 +9,11 @@
 
 use crate::evaluation::comparison::{Comparison, Pair, Step};
 use crate::math::assignment::AssignmentSolver;
-use crate::registry::{Bound, Field, Kind, default};
+use crate::registry::{Field, Kind, default, number};
 use serde::Deserialize;
 
 /// Distances of targets, from a millimetre to ten thousand kilometres: no power of them overflows.
-pub const METRES: Kind = Kind::Number {
-    min: Bound::Including(1e-3),
-    max: Bound::Including(1e7),
-    unit: "m",
-};
+pub const METRES: Kind = number(1e-3, 1e7, "m");
 
 pub const CUTOFF_M: Field = default(
     "cutoff_m",
@@ -29,11 +25,7 @@ pub const CUTOFF_M: Field = default(
 pub const ORDER: Field = default(
     "p",
     "The order: the larger, the more one large error counts against many small ones.",
-    Kind::Number {
-        min: Bound::Including(1.0),
-        max: Bound::Including(10.0),
-        unit: "",
-    },
+    number(1.0, 10.0, ""),
     "2.0",
 );
 

@@ -21,7 +21,7 @@ use super::origin::{
 };
 use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence, Series};
 use crate::evaluation::comparison::{Comparison, Shape, Step};
-use crate::registry::{Bound, Kind, Method, Object, default};
+use crate::registry::{Method, Object, default, number};
 use serde::Deserialize;
 use serde_json::json;
 
@@ -40,11 +40,7 @@ static PARAMETERS: Object = Object {
         default(
             "switch_penalty_m",
             "What a truth's change of track costs at a step; 0 leaves changes out.",
-            Kind::Number {
-                min: Bound::Including(0.0),
-                max: Bound::Including(1e7),
-                unit: "m",
-            },
+            number(0.0, 1e7, "m"),
             "0.0",
         ),
     ],

@@ -23,7 +23,7 @@ use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence, Series}
 use crate::evaluation::comparison::{Comparison, Presence, Shape, Step};
 use crate::model::sensor::SensorSettings;
 use crate::model::state::Position;
-use crate::registry::{Bound, Field, Kind, Method, Object, default, optional};
+use crate::registry::{Field, Method, Object, above, default, optional};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -41,11 +41,7 @@ static PARAMETERS: Object = Object {
         optional(
             "sigma",
             "Standard deviation of a measurement, in degrees of directions, else in metres; that of the sensors when absent (the largest, of bearings or of x and y).",
-            Kind::Number {
-                min: Bound::Excluding(0.0),
-                max: Bound::Including(1e6),
-                unit: "deg or m",
-            },
+            above(0.0, 1e6, "deg or m"),
         ),
         factor(
             "apart_sigmas",
@@ -66,11 +62,7 @@ static PARAMETERS: Object = Object {
 };
 
 const fn factor(name: &'static str, summary: &'static str, value: &'static str) -> Field {
-    let kind = Kind::Number {
-        min: Bound::Excluding(0.0),
-        max: Bound::Including(1e6),
-        unit: "",
-    };
+    let kind = above(0.0, 1e6, "");
     default(name, summary, kind, value)
 }
 

@@ -29,7 +29,7 @@ pub fn settle_at_planning(draft: &mut Draft) {
     } else if let Some((scenario, _)) = draft.scenario()
         && let Ok(recording) = dry_run::recording_of(&scenario)
     {
-        draft.put("filter", filter_named(suited(&recording)));
+        draft.put("filter", filter_named(choose_method(&recording)));
     }
 }
 
@@ -42,7 +42,7 @@ pub fn settle<'s>(spec: &'s TrackingSpec, recording: &Recording) -> SettledTrack
             chosen: None,
         };
     }
-    let chosen = filter_named(suited(recording));
+    let chosen = filter_named(choose_method(recording));
     SettledTracking {
         spec,
         filter: parse(&chosen),
@@ -50,7 +50,7 @@ pub fn settle<'s>(spec: &'s TrackingSpec, recording: &Recording) -> SettledTrack
     }
 }
 
-fn suited(recording: &Recording) -> &'static str {
+fn choose_method(recording: &Recording) -> &'static str {
     let has = |wanted: fn(&Measurement) -> bool| {
         recording
             .detections
@@ -102,7 +102,7 @@ mod tests {
                 .collect(),
             ..Default::default()
         });
-        suited(&recording.unwrap())
+        choose_method(&recording.unwrap())
     }
 
     #[test]

@@ -27,7 +27,7 @@ pub fn disagreements(data: &ResolvedRecording, tracks: &TrackSet) -> Vec<String>
             .flat_map(|scan| scan.range())
             .filter(|&detection| !used[detection])
             .count() as f64;
-        let extent = Extent::of(recording, index, settings, &sensor.report);
+        let extent = Extent::measure(recording, index, settings, &sensor.report);
         let (unit, watched, given) = (extent.unit(), extent.watched, extent.density_of(settings)?);
         let scanned = watched * scans().count() as f64;
         let expected = given * scanned;

@@ -53,7 +53,7 @@ pub fn check_sensors(
     filter: &NamedFilter,
     lifecycle: Option<&Lifecycle>,
 ) -> Result<(), Vec<Fault>> {
-    let known = sensors::known(recording, &[], requested)?;
+    let known = sensors::merge_settings(recording, &[], requested)?;
     let resolved = sensors::resolve(recording, &known, filter, &mut Vec::new())?;
     let mut faults = sensors::misplaced_densities(requested, &resolved);
     faults.extend(lifecycle.and_then(|lifecycle| unbounded_gate(lifecycle, &resolved)));

@@ -66,7 +66,7 @@ struct Tracked {
 
 /// The gates of the tracks that are `wanted`. `None` where the job of this spec had none in the plane: it did not track, its
 /// tracks were directions or put together from those of several sensors, it chose by origin, or every detection was a candidate.
-pub fn gates_of<'a>(
+pub fn compute_gates<'a>(
     spec: &Value,
     (recording, known): (&Recording, &[SensorSettings]),
     tracks: &'a TrackSet,

@@ -55,7 +55,7 @@ fn faults_of(
     let KnownRecording {
         sample, uploaded, ..
     } = recording;
-    let known = match sensors::known(sample, uploaded, requested) {
+    let known = match sensors::merge_settings(sample, uploaded, requested) {
         Ok(known) => known,
         Err(faults) => return faults,
     };

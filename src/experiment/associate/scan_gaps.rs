@@ -13,7 +13,7 @@ pub fn warning(recording: &Recording) -> Option<String> {
     let named: Vec<String> = gaps
         .iter()
         .take(EXAMPLES)
-        .map(|gap| written(recording, gap))
+        .map(|gap| describe_gap(recording, gap))
         .collect();
     let others = gaps.len().saturating_sub(EXAMPLES);
     let and_others = if others > 0 {
@@ -30,7 +30,7 @@ pub fn warning(recording: &Recording) -> Option<String> {
     })
 }
 
-fn written(recording: &Recording, gap: &Gap) -> String {
+fn describe_gap(recording: &Recording, gap: &Gap) -> String {
     let (before, after) = (&recording.scans[gap.before], &recording.scans[gap.after]);
     let sensor_id = &recording.sensors[after.sensor].sensor_id;
     let (from, to) = (after.number - gap.missing, after.number - 1);

@@ -68,9 +68,9 @@ pub fn complete(
     if filter.is_of_bearings() || !tracker.leaves_speed_open {
         return (lifecycle, taken);
     }
-    let speeds = scenario
-        .and_then(of_scenario)
-        .unwrap_or_else(|| of_data(apparent_speed(data.recording, data.known, data.sensors)));
+    let speeds = scenario.and_then(speeds_of_scenario).unwrap_or_else(|| {
+        speeds_of_data(apparent_speed(data.recording, data.known, data.sensors))
+    });
     let (name, pointer, value) = match &mut lifecycle.initiation {
         Initiation::TwoPoint { max_speed_mps, .. } => {
             *max_speed_mps = speeds.highest_mps;
@@ -115,7 +115,7 @@ pub fn complete(
 }
 
 /// `None` where targets have no speeds: they are directions.
-fn of_scenario(scenario: &Scenario) -> Option<Speeds> {
+fn speeds_of_scenario(scenario: &Scenario) -> Option<Speeds> {
     let (mean_square, highest_mps) = match &scenario.targets {
         TargetPlan::Random(plan) => {
             let (low, high) = (plan.speed_min_mps, plan.speed_max_mps);
@@ -146,7 +146,7 @@ fn of_scenario(scenario: &Scenario) -> Option<Speeds> {
     })
 }
 
-fn of_data(apparent: Option<ApparentSpeed>) -> Speeds {
+fn speeds_of_data(apparent: Option<ApparentSpeed>) -> Speeds {
     let (sigma_mps, ground) = match apparent {
         Some(ApparentSpeed {
             fastest_mps: Some(fastest_mps),
@@ -195,7 +195,7 @@ mod tests {
             coverage: None,
             record: None,
         };
-        let speeds = of_scenario(&scenario).unwrap();
+        let speeds = speeds_of_scenario(&scenario).unwrap();
         (speeds.sigma_mps, speeds.highest_mps)
     }
 
@@ -243,7 +243,7 @@ mod tests {
     #[test]
     fn data_tell_the_fastest_targets_else_the_noise_else_nothing() {
         let of = |fastest_mps, noise_mps| {
-            of_data(Some(ApparentSpeed {
+            speeds_of_data(Some(ApparentSpeed {
                 fastest_mps,
                 noise_mps,
                 is_hidden: false,
@@ -266,14 +266,14 @@ mod tests {
                 ground: Ground::Noise
             }
         );
-        let hidden = of_data(Some(ApparentSpeed {
+        let hidden = speeds_of_data(Some(ApparentSpeed {
             fastest_mps: None,
             noise_mps: 3.3,
             is_hidden: true,
         }));
         assert_eq!((hidden.sigma_mps, hidden.ground), (10.0, Ground::Nothing));
         assert_eq!(
-            of_data(None),
+            speeds_of_data(None),
             Speeds {
                 sigma_mps: 10.0,
                 highest_mps: 25.0,

@@ -91,7 +91,7 @@ pub fn starts(
                 .iter()
                 .position(|name| *name == target.truth_id)
                 .map(|origin| origin as u32),
-            measurement: reported(&sensors[scan.sensor].report, &truth, errors)?,
+            measurement: draw_report(&sensors[scan.sensor].report, &truth, errors)?,
             rates: [0, 1].map(|axis| truth.rates[axis] + sigma * errors[3 + axis]),
             sigma,
         })
@@ -153,7 +153,7 @@ fn true_at(target: &Target, time_s: f64) -> Option<Truth> {
 
 /// What the sensor would report, with draws of the standard normal distribution as its errors. `None` where it reports
 /// something else than truth tells.
-fn reported(report: &Report, truth: &Truth, errors: [f64; 5]) -> Option<Measurement> {
+fn draw_report(report: &Report, truth: &Truth, errors: [f64; 5]) -> Option<Measurement> {
     match (*report, truth.place) {
         (Report::Bearing { sigma_bearing_rad }, TruePlace::Bearing { bearing_rad }) => {
             Some(Measurement::Bearing {

@@ -307,25 +307,23 @@ impl Judge<'_> {
         (rows, ended): (&Rows, Ended),
         reference: Option<(&Cell, &Rows)>,
     ) -> CellReport {
-        let named = |number: usize| self.outcomes[number].name().to_owned();
-        let summary = |number: usize| (named(number), self.summary(number, index, &rows[number]));
-        let difference = |theirs: &Rows, number: usize| {
-            (
-                named(number),
-                self.difference(number, &rows[number], &theirs[number]),
-            )
-        };
-        let numbers = || 0..self.outcomes.len();
+        let mut outcomes = BTreeMap::new();
+        let mut differences = BTreeMap::new();
+        for (number, outcome) in self.outcomes.iter().enumerate() {
+            let summary = self.summary(number, index, &rows[number]);
+            outcomes.insert(outcome.name().to_owned(), summary);
+            if let Some((_, theirs)) = reference {
+                let difference = self.difference(number, &rows[number], &theirs[number]);
+                differences.insert(outcome.name().to_owned(), difference);
+            }
+        }
         CellReport {
             name: cell.name.clone(),
             parameters: cell.parameters(self.axes),
             runs: rows.first().map_or(0, Vec::len),
             ended,
-            outcomes: numbers().map(summary).collect(),
-            differences: reference
-                .iter()
-                .flat_map(|(_, theirs)| numbers().map(|number| difference(theirs, number)))
-                .collect(),
+            outcomes,
+            differences,
             compared_with: reference.map(|(cell, _)| cell.name.clone()),
         }
     }

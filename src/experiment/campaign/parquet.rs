@@ -19,7 +19,7 @@ pub(super) fn runs(
     rows: &[Rows],
     seed: u32,
 ) -> std::result::Result<Artifact, Error> {
-    let bytes = written(cells, names, rows, seed).map_err(Error::other)?;
+    let bytes = write_table(cells, names, rows, seed).map_err(Error::other)?;
     Ok(Artifact::file(
         "runs.parquet",
         "application/vnd.apache.parquet",
@@ -27,7 +27,7 @@ pub(super) fn runs(
     ))
 }
 
-fn written(cells: &[&str], names: &[&str], rows: &[Rows], seed: u32) -> Result<Vec<u8>> {
+fn write_table(cells: &[&str], names: &[&str], rows: &[Rows], seed: u32) -> Result<Vec<u8>> {
     let mut file = SerializedFileWriter::new(
         Vec::new(),
         schema(names)?,

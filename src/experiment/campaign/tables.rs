@@ -80,61 +80,50 @@ pub(super) fn cells(reports: &[CellReport], names: &[&str]) -> Result<Artifact, 
 /// `cells.md`: a row a cell, a column an outcome, each with its interval; below it the same of the differences to the cells that
 /// others are compared with.
 pub(super) fn markdown(reports: &[CellReport], names: &[&str]) -> Artifact {
-    let escaped = |text: &str| text.replace('|', "\\|");
-    let head = |first: &str| {
-        let outcomes = names
-            .iter()
-            .map(|name| escaped(name))
-            .collect::<Vec<_>>()
-            .join(" | ");
-        format!(
-            "| {first} | {outcomes} |\n{}|\n",
-            "|---".repeat(names.len() + 1)
-        )
-    };
-    let mut text = head("cell");
+    let mut text = head("cell", names);
+    let mut differences = String::new();
     for report in reports {
-        let of = |name: &&str| {
+        let found = names.iter().map(|name| {
             report
                 .outcomes
                 .get(*name)
                 .map_or_else(String::new, |summary| {
                     with_interval(summary.mean, summary.interval)
                 })
-        };
-        text.push_str(&format!(
-            "| {} | {} |\n",
-            escaped(&report.name),
-            names.iter().map(of).collect::<Vec<_>>().join(" | ")
-        ));
-    }
-    let mut differences = String::new();
-    for report in reports {
+        });
+        text.push_str(&line(&escape(&report.name), found));
         let Some(other) = &report.compared_with else {
             continue;
         };
-        let of = |name: &&str| {
+        let found = names.iter().map(|name| {
             report
                 .differences
                 .get(*name)
                 .map_or_else(String::new, |found| {
                     with_interval(found.mean, found.interval)
                 })
-        };
-        let row = names.iter().map(of).collect::<Vec<_>>().join(" | ");
-        differences.push_str(&format!(
-            "| {} − {} | {row} |\n",
-            escaped(&report.name),
-            escaped(other)
-        ));
+        });
+        let name = format!("{} − {}", escape(&report.name), escape(other));
+        differences.push_str(&line(&name, found));
     }
     if !differences.is_empty() {
-        text.push_str(&format!(
-            "\n{}{differences}",
-            head("difference, run by run")
-        ));
+        let head = head("difference, run by run", names);
+        text.push_str(&format!("\n{head}{differences}"));
     }
     Artifact::file("cells.md", "text/markdown", text.into_bytes())
+}
+
+fn escape(text: &str) -> String {
+    text.replace('|', "\\|")
+}
+
+fn head(first: &str, names: &[&str]) -> String {
+    let head = line(first, names.iter().map(|name| escape(name)));
+    format!("{head}{}|\n", "|---".repeat(names.len() + 1))
+}
+
+fn line(first: &str, cells: impl Iterator<Item = String>) -> String {
+    format!("| {first} | {} |\n", cells.collect::<Vec<_>>().join(" | "))
 }
 
 /// `0.987 (0.978 to 0.993)`.
@@ -145,16 +134,16 @@ fn with_interval(mean: Option<f64>, interval: Option<Interval>) -> String {
     match interval {
         Some(interval) => format!(
             "{} ({} to {})",
-            rounded(mean),
-            rounded(interval.low),
-            rounded(interval.high)
+            round(mean),
+            round(interval.low),
+            round(interval.high)
         ),
-        None => rounded(mean),
+        None => round(mean),
     }
 }
 
 /// With four decimals; what rounds to zero has no sign.
-fn rounded(number: f64) -> String {
+fn round(number: f64) -> String {
     let text = format!("{number:.4}");
     if text == "-0.0000" {
         "0.0000".to_owned()

@@ -41,7 +41,7 @@ pub fn decide(
     for number in 1..=confirm.of {
         let problem = correlation.problem(times - (confirm.of - number) as usize);
         let begun = observer.now();
-        let solution = watched(
+        let solution = correlate_watched(
             correlator,
             &problem,
             (u64::from(number - 1).max(1), total),
@@ -88,7 +88,7 @@ pub fn decide(
 }
 
 /// What the correlator finds, unless the observer stops it on the way.
-fn watched(
+fn correlate_watched(
     correlator: &mut dyn Correlator,
     problem: &Problem,
     (done, total): (u64, u64),
@@ -101,7 +101,7 @@ fn watched(
     if watch.is_stopped() {
         Err(RunError::Stopped)
     } else {
-        solution.map_err(refused)
+        solution.map_err(refuse)
     }
 }
 
@@ -135,7 +135,7 @@ fn standing(counts: BTreeMap<Vec<u32>, u32>, problem: &Problem) -> Vec<(Vec<u32>
     stand
 }
 
-fn refused(faults: Vec<Fault>) -> RunError {
+fn refuse(faults: Vec<Fault>) -> RunError {
     let placed = |fault: Fault| Fault {
         pointer: format!("/correlator{}", fault.pointer),
         ..fault

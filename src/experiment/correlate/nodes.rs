@@ -8,7 +8,7 @@ use crate::math::rng::Seed;
 use crate::model::fault::Fault;
 use crate::model::scan::Recording;
 use crate::model::state::Position;
-use crate::model::track::{Track, TrackSet};
+use crate::model::track::{TrackPoint, TrackSet};
 use crate::model::truth::{Target, TruthSet};
 use crate::simulation::{LocalTracks, SensorTracks, simulate_local_tracks};
 use std::collections::BTreeMap;
@@ -137,18 +137,24 @@ fn lacking_covariance(tracks: &TrackSet) -> usize {
 
 /// For each track of one sensor the target of most of its detections.
 pub fn by_detections(tracks: &TrackSet, recording: &Recording) -> Vec<Option<u32>> {
-    let of_track = |track: &Track| {
-        let best = |point| {
-            let candidates = tracks.candidates_of(point).iter();
-            candidates.max_by(|left, right| left.probability.total_cmp(&right.probability))
-        };
+    let mut targets = Vec::with_capacity(tracks.tracks.len());
+    for track in &tracks.tracks {
         let detections = track
             .points
             .iter()
-            .filter_map(|point| best(point)?.detection);
-        most_frequent(detections.map(|detection| recording.detections[detection as usize].origin))
-    };
-    tracks.tracks.iter().map(of_track).collect()
+            .filter_map(|point| best_detection(tracks, point));
+        targets.push(most_frequent(
+            detections.map(|detection| recording.detections[detection as usize].origin),
+        ));
+    }
+    targets
+}
+
+fn best_detection(tracks: &TrackSet, point: &TrackPoint) -> Option<u32> {
+    let candidates = tracks.candidates_of(point).iter();
+    candidates
+        .max_by(|left, right| left.probability.total_cmp(&right.probability))?
+        .detection
 }
 
 impl Nodes {
@@ -164,27 +170,27 @@ impl Nodes {
 
 /// For each track, numbered through, the target that is nearest to most of its points, within the gate.
 fn nearest_targets(nodes: &[Node], truth: &TruthSet, gate_m: f64) -> Vec<Option<u32>> {
-    let of_track = |track: &Track| {
-        let nearest = |(time_s, position_m): (f64, Position)| {
-            let distance_m = |(index, target): (usize, &Target)| {
-                let distance_m = (target.position_at(time_s, MAX_TRUTH_GAP_S)? - position_m).norm();
-                (distance_m <= gate_m).then_some((distance_m, index as u32))
-            };
-            let near = truth.targets().iter().enumerate().filter_map(distance_m);
-            near.min_by(|left, right| left.0.total_cmp(&right.0))
-                .map(|(_, index)| index)
-        };
+    let mut targets = Vec::new();
+    for track in nodes.iter().flat_map(|node| &node.tracks.tracks) {
         let places = track
             .points
             .iter()
             .filter_map(|point| Some((point.time_s, point.estimate.plane()?.position_m())));
-        most_frequent(places.map(nearest))
+        targets.push(most_frequent(places.map(|(time_s, position_m)| {
+            nearest_target(truth, time_s, position_m, gate_m)
+        })));
+    }
+    targets
+}
+
+fn nearest_target(truth: &TruthSet, time_s: f64, position_m: Position, gate_m: f64) -> Option<u32> {
+    let distance_m = |(index, target): (usize, &Target)| {
+        let distance_m = (target.position_at(time_s, MAX_TRUTH_GAP_S)? - position_m).norm();
+        (distance_m <= gate_m).then_some((distance_m, index as u32))
     };
-    nodes
-        .iter()
-        .flat_map(|node| &node.tracks.tracks)
-        .map(of_track)
-        .collect()
+    let near = truth.targets().iter().enumerate().filter_map(distance_m);
+    near.min_by(|left, right| left.0.total_cmp(&right.0))
+        .map(|(_, index)| index)
 }
 
 /// The most frequent, "none" included; the smaller of two.

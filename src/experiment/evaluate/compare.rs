@@ -262,53 +262,49 @@ fn span(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
 
 /// Numbers of boxes, of places and of directions have no common unit, so they make no number together.
 pub fn refuse_mixtures(subjects: &[Subject]) -> Result<(), Vec<Fault>> {
-    let shape = |subject: &Subject| match &subject.content {
+    let Some(first) = subjects.first().map(shape_name) else {
+        return Ok(());
+    };
+    let mut faults = Vec::new();
+    for (index, other) in subjects.iter().map(shape_name).enumerate() {
+        if other != first {
+            let detail = format!(
+                "this sequence is of {other}, the first of {first}: they make no number together"
+            );
+            faults.push(
+                Fault::new(format!("/sequences/{index}"), "conflict", detail)
+                    .allowing(format!("sequences of {first}")),
+            );
+        }
+    }
+    refuse_any(faults)
+}
+
+fn shape_name(subject: &Subject) -> &'static str {
+    match &subject.content {
         Content::Points { truth, .. } if truth.is_of_bearings() => "directions",
         Content::Points { .. } => "points",
         Content::Boxes { .. } => "boxes",
-    };
-    let Some(first) = subjects.first().map(shape) else {
-        return Ok(());
-    };
-    let fault = |(index, other): (usize, &str)| {
-        let detail = format!(
-            "this sequence is of {other}, the first of {first}: they make no number together"
-        );
-        Fault::new(format!("/sequences/{index}"), "conflict", detail)
-            .allowing(format!("sequences of {first}"))
-    };
-    let faults: Vec<Fault> = subjects
-        .iter()
-        .map(shape)
-        .enumerate()
-        .filter(|(_, other)| *other != first)
-        .map(fault)
-        .collect();
-    refuse_any(faults)
+    }
 }
 
 /// A metric of metres says nothing of boxes or directions.
 fn refuse_shapes(metrics: &[NamedMetric], comparisons: &[Comparison]) -> Result<(), Vec<Fault>> {
-    let unfit_shape = |named: &NamedMetric| {
-        comparisons
-            .iter()
-            .map(|comparison| comparison.shape)
-            .find(|shape| !named.metric.accepts(*shape))
-    };
-    let refusal = |named: &NamedMetric| {
-        let (found, allowed) = match unfit_shape(named)? {
+    let mut faults = Vec::new();
+    for NamedMetric { name, metric, .. } in metrics {
+        let shapes = comparisons.iter().map(|comparison| comparison.shape);
+        let Some(unfit) = shapes.into_iter().find(|shape| !metric.accepts(*shape)) else {
+            continue;
+        };
+        let (found, allowed) = match unfit {
             Shape::Points => ("points", "hota, clear, identity"),
             Shape::Bearings => ("directions", METRICS_OF_BEARINGS),
             Shape::Boxes => ("boxes", "hota, clear, identity (profile vision)"),
         };
-        let detail = format!(
-            "'{}' is defined for positions in metres, not for {found}",
-            named.name
-        );
-        Some(Fault::new("/metrics", "unsupported", detail).allowing(allowed))
-    };
-    let unfit: Vec<Fault> = metrics.iter().filter_map(refusal).collect();
-    refuse_any(unfit)
+        let detail = format!("'{name}' is defined for positions in metres, not for {found}");
+        faults.push(Fault::new("/metrics", "unsupported", detail).allowing(allowed));
+    }
+    refuse_any(faults)
 }
 
 #[cfg(test)]

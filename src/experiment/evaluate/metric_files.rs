@@ -141,7 +141,7 @@ fn add_pairs(table: &mut Table, comparison: &Comparison, pairs: &[(u32, u32)], r
     table.columns(
         columns
             .iter()
-            .map(|(name, column)| labelled(name, column.name, column.unit)),
+            .map(|(name, column)| label(name, column.name, column.unit)),
     );
     let mut cells: Vec<_> = columns
         .iter()
@@ -195,7 +195,7 @@ fn add_series(table: &mut Table, comparison: &Comparison, reports: &Reports) {
     table.columns(
         listed
             .iter()
-            .map(|(name, series)| labelled(name, series.name, series.unit)),
+            .map(|(name, series)| label(name, series.name, series.unit)),
     );
     for (index, step) in comparison.steps.iter().enumerate() {
         let mut cells = vec![number(step.time_s)];
@@ -223,7 +223,7 @@ fn line_columns(reports: &[&Reports], of: Lines) -> impl Iterator<Item = String>
             .unwrap_or_default();
         quantities
             .iter()
-            .map(|quantity| labelled(name, quantity.name, quantity.unit))
+            .map(|quantity| label(name, quantity.name, quantity.unit))
             .collect::<Vec<_>>()
     });
     columns.collect::<Vec<_>>().into_iter()
@@ -252,11 +252,11 @@ pub fn origins(name: &str, report: &MetricReport, alone: &[&MetricReport]) -> Va
     report
         .origins
         .iter()
-        .map(|origin| written(name, origin, alone))
+        .map(|origin| write_origin(name, origin, alone))
         .collect()
 }
 
-fn written(name: &str, origin: &Origin, alone: &[&MetricReport]) -> Value {
+fn write_origin(name: &str, origin: &Origin, alone: &[&MetricReport]) -> Value {
     let mut value = Map::new();
     value.insert("quantity".to_owned(), json!(origin.quantity));
     value.insert("statistic".to_owned(), json!(origin.statistic));
@@ -273,7 +273,7 @@ fn written(name: &str, origin: &Origin, alone: &[&MetricReport]) -> Value {
                 if file == EVENTS {
                     column.to_owned()
                 } else {
-                    label_of(name, file, column, alone)
+                    column_label(name, file, column, alone)
                 }
             });
             tell("column", json!(label), column.is_some());
@@ -295,7 +295,7 @@ fn written(name: &str, origin: &Origin, alone: &[&MetricReport]) -> Value {
 }
 
 /// The header of a metric's column in a file, with its unit where any sequence has the column.
-fn label_of(name: &str, file: &str, column: &str, alone: &[&MetricReport]) -> String {
+fn column_label(name: &str, file: &str, column: &str, alone: &[&MetricReport]) -> String {
     let of_lines = |lines: &[Line]| {
         let quantities = lines
             .first()
@@ -320,7 +320,7 @@ fn label_of(name: &str, file: &str, column: &str, alone: &[&MetricReport]) -> St
         TRUTHS => of_lines(&report.per_truth),
         _ => of_lines(&report.per_track),
     };
-    labelled(
+    label(
         name,
         column,
         alone.iter().find_map(unit).unwrap_or_default(),
@@ -328,7 +328,7 @@ fn label_of(name: &str, file: &str, column: &str, alone: &[&MetricReport]) -> St
 }
 
 /// A column's name with its unit: `gospa.localisation [m]`.
-fn labelled(metric: &str, name: &str, unit: &str) -> String {
+fn label(metric: &str, name: &str, unit: &str) -> String {
     if unit.is_empty() {
         format!("{metric}.{name}")
     } else {

@@ -336,13 +336,13 @@ fn add_track(svg: &mut String, frame: &Frame, track: &Track) {
             format_args!(
                 "<text x=\"{x:.1}\" y=\"{:.1}\" text-anchor=\"middle\" font-weight=\"bold\" fill=\"{TRACK}\">{}</text>\n",
                 y - 6.0,
-                escaped(&track.track_id)
+                escape(&track.track_id)
             ),
         );
     }
 }
 
-fn escaped(text: &str) -> String {
+fn escape(text: &str) -> String {
     text.replace('&', "&amp;")
         .replace('<', "&lt;")
         .replace('>', "&gt;")

@@ -91,7 +91,7 @@ impl GroupJob {
         let KnownRecording {
             sample, uploaded, ..
         } = recording;
-        let known = sensors::known(sample, uploaded, &self.spec.sensors)?;
+        let known = sensors::merge_settings(sample, uploaded, &self.spec.sensors)?;
         instants::usable_sensors(sample, &known).map(drop)
     }
 }

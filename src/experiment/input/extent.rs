@@ -17,7 +17,7 @@ pub struct Extent {
 }
 
 impl Extent {
-    pub fn of(
+    pub fn measure(
         recording: &Recording,
         sensor: usize,
         settings: &SensorSettings,
@@ -146,7 +146,7 @@ mod tests {
                 .collect(),
             ..Default::default()
         });
-        Extent::of(
+        Extent::measure(
             &recording.unwrap(),
             0,
             &SensorSettings::named("sonar"),

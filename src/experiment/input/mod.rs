@@ -121,7 +121,7 @@ impl JobData {
             self.detect(detector, observer)?;
         }
         if let Some(recording) = &self.recording {
-            self.sensors = sensors::known(recording, &self.uploaded, requested)?;
+            self.sensors = sensors::merge_settings(recording, &self.uploaded, requested)?;
         }
         if let Some(record) = &self.record
             && let Some(found) = self.recording.take()

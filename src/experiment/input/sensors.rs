@@ -2,6 +2,7 @@
 //! be estimated from the data, said in a warning; what cannot be estimated is a fault.
 
 use super::extent::{Extent, detections_of, place_of};
+use crate::experiment::job::refuse_any;
 use crate::experiment::request::methods::NamedFilter;
 use crate::filtering::Chosen;
 use crate::model::fault::Fault;
@@ -18,7 +19,7 @@ const LEAST_CLUTTER: f64 = 1e-15;
 ///
 /// # Errors
 /// A fault for each setting of a sensor that the recording does not have.
-pub fn known(
+pub fn merge_settings(
     recording: &Recording,
     uploaded: &[SensorSettings],
     requested: &[SensorSettings],
@@ -28,38 +29,32 @@ pub fn known(
         .iter()
         .map(|sensor| sensor.sensor_id.as_str())
         .collect();
-    let is_unknown =
-        |(_, settings): &(usize, &SensorSettings)| !names.contains(&settings.sensor_id.as_str());
-    let fault = |(index, settings): (usize, &SensorSettings)| {
-        let detail = format!("the recording has no sensor '{}'", settings.sensor_id);
-        Fault::new(
-            format!("/sensors/{index}/sensor_id"),
-            "unknown_value",
-            detail,
-        )
-        .allowing(names.join(", "))
-    };
-    let faults: Vec<Fault> = requested
-        .iter()
-        .enumerate()
-        .filter(is_unknown)
-        .map(fault)
-        .collect();
-    if !faults.is_empty() {
-        return Err(faults);
+    let mut faults = Vec::new();
+    for (index, SensorSettings { sensor_id, .. }) in requested.iter().enumerate() {
+        if !names.contains(&sensor_id.as_str()) {
+            let pointer = format!("/sensors/{index}/sensor_id");
+            let detail = format!("the recording has no sensor '{sensor_id}'");
+            faults.push(Fault::new(pointer, "unknown_value", detail).allowing(names.join(", ")));
+        }
     }
-    let complete = |sensor: &SensorSettings| {
-        let of_this = |list: &[SensorSettings]| {
-            list.iter()
-                .find(|other| other.sensor_id == sensor.sensor_id)
-                .cloned()
-                .unwrap_or_default()
-        };
-        sensor
-            .overridden_by(&of_this(uploaded))
-            .overridden_by(&of_this(requested))
-    };
-    Ok(recording.sensors.iter().map(complete).collect())
+    refuse_any(faults)?;
+    Ok(recording
+        .sensors
+        .iter()
+        .map(|sensor| {
+            sensor
+                .overridden_by(&settings_of(sensor, uploaded))
+                .overridden_by(&settings_of(sensor, requested))
+        })
+        .collect())
+}
+
+/// What a list says of a sensor; nothing where it does not name it.
+fn settings_of(sensor: &SensorSettings, list: &[SensorSettings]) -> SensorSettings {
+    list.iter()
+        .find(|other| other.sensor_id == sensor.sensor_id)
+        .cloned()
+        .unwrap_or_default()
 }
 
 /// Sensors that a tracker with the given filter can work with.
@@ -325,7 +320,7 @@ fn complete(
         ));
         ASSUMED_P_D
     });
-    let extent = Extent::of(recording, index, settings, &report);
+    let extent = Extent::measure(recording, index, settings, &report);
     let density = extent.density_of(settings).unwrap_or_else(|| {
         let density = estimated_clutter(recording, index, &extent);
         let unknown = misplaced_density(settings, extent.is_of_bearings).map_or(

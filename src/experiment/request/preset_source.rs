@@ -18,7 +18,7 @@ const TAGS: [&str; 3] = ["method", "rule", "kind"];
 /// The body with the settings that its preset brings: those of the fields that a request of this table has. What the body says itself
 /// stays, field by field; a method of another name is another method, and takes nothing of the preset's.
 pub fn with_settings<'b>(object: &Object, body: &'b Value) -> Cow<'b, Value> {
-    let (Some(preset), Some(fields)) = (preset_of(body), body.as_object()) else {
+    let (Some(preset), Some(fields)) = (find_preset(body), body.as_object()) else {
         return Cow::Borrowed(body);
     };
     let settings = preset.body.get("base").unwrap_or(&preset.body);
@@ -31,7 +31,7 @@ pub fn with_settings<'b>(object: &Object, body: &'b Value) -> Cow<'b, Value> {
             let given = filled.get(name).cloned();
             filled.insert(
                 name.to_owned(),
-                given.map_or_else(|| brought.clone(), |given| merged(given, brought)),
+                given.map_or_else(|| brought.clone(), |given| merge(given, brought)),
             );
         }
     }
@@ -39,7 +39,7 @@ pub fn with_settings<'b>(object: &Object, body: &'b Value) -> Cow<'b, Value> {
 }
 
 /// What was given, with what it leaves open.
-fn merged(given: Value, brought: &Value) -> Value {
+fn merge(given: Value, brought: &Value) -> Value {
     let (Value::Object(mut given), Value::Object(brought)) = (given.clone(), brought) else {
         return given;
     };
@@ -50,7 +50,7 @@ fn merged(given: Value, brought: &Value) -> Value {
         let own = given.get(name).cloned();
         given.insert(
             name.clone(),
-            own.map_or_else(|| value.clone(), |own| merged(own, value)),
+            own.map_or_else(|| value.clone(), |own| merge(own, value)),
         );
     }
     Value::Object(given)
@@ -62,7 +62,7 @@ fn differs(given: &Map<String, Value>, brought: &Map<String, Value>, tag: &str) 
         .is_some_and(|own| brought.get(tag).is_some_and(|other| own != other))
 }
 
-fn preset_of(body: &Value) -> Option<Preset> {
+fn find_preset(body: &Value) -> Option<Preset> {
     body.pointer("/input/preset")
         .and_then(Value::as_str)
         .and_then(presets::find)
@@ -109,7 +109,7 @@ mod tests {
     use super::*;
     use crate::experiment::{JobKind, plan};
 
-    fn planned(kind: JobKind, mut body: Value) -> Value {
+    fn plan_preset(kind: JobKind, mut body: Value) -> Value {
         body["input"] = json!({"source": "preset", "preset": body["input"]});
         plan(kind, &body).unwrap().spec
     }
@@ -118,12 +118,12 @@ mod tests {
     fn a_preset_brings_how_it_tracks() {
         let preset = presets::find("liang2009-30").unwrap();
         let whole = plan(preset.kind, &preset.body).unwrap().spec;
-        let brought = planned(JobKind::Evaluate, json!({"input": "liang2009-30"}));
+        let brought = plan_preset(JobKind::Evaluate, json!({"input": "liang2009-30"}));
         for part in ["input", "associator", "filter", "tracker"] {
             assert_eq!(brought[part], whole[part], "{part}");
         }
         assert_eq!(brought["tracker"]["initial_speed_sigma_mps"], 430.0);
-        let campaign = planned(JobKind::Associate, json!({"input": "wang-bat-6"}));
+        let campaign = plan_preset(JobKind::Associate, json!({"input": "wang-bat-6"}));
         assert_eq!(campaign["filter"]["method"], "bearing_only");
         assert_eq!(campaign["tracker"]["initiation"]["method"], "truth");
     }
@@ -134,7 +134,7 @@ mod tests {
             "input": "liang2009-polar-30", "filter": {"method": "unscented"}, "associator": {"method": "jpda"},
             "tracker": {"initiation": {"max_wait_scans": 2}, "max_missed": 3}
         });
-        let spec = planned(JobKind::Associate, body);
+        let spec = plan_preset(JobKind::Associate, body);
         assert_eq!(
             (&spec["filter"]["method"], &spec["filter"]["kappa"]),
             (&json!("unscented"), &json!(0.0))
@@ -151,7 +151,7 @@ mod tests {
             ),
             (&json!(3), &json!(0.999))
         );
-        let own = planned(
+        let own = plan_preset(
             JobKind::Associate,
             json!({"input": "liang2009-polar-30", "tracker": {"initiation": {"method": "one_point"}}}),
         );
@@ -160,7 +160,7 @@ mod tests {
 
     #[test]
     fn jobs_without_a_tracker_take_the_scenario_alone() {
-        let spec = planned(
+        let spec = plan_preset(
             JobKind::Group,
             json!({"input": "cai-fuzzy-cv-10", "grouper": {"method": "nearest_neighbour"}}),
         );

@@ -1,7 +1,7 @@
 //! The series of gates: where each track looked for its detections at each scan.
 
 use super::{Method, Reduced, Window};
-use crate::experiment::gates::{Gate, Region, gates_of};
+use crate::experiment::gates::{Gate, Region, compute_gates};
 use crate::service::jobs::JobLayers;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -76,7 +76,7 @@ pub(super) fn of(layers: &JobLayers, window: &Window) -> GatesSeries {
         .as_ref()
         .zip(layers.tracks.as_ref())
         .and_then(|(recording, tracks)| {
-            gates_of(
+            compute_gates(
                 &layers.spec,
                 (recording, &layers.sensors),
                 tracks,

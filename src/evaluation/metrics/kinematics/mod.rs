@@ -23,7 +23,7 @@ use crate::evaluation::comparison::{Presence, Shape};
 use crate::evaluation::events::EventKind;
 use crate::model::state::Position;
 use crate::model::track::TrackPoint;
-use crate::registry::{Bound, Kind, Method, Object, default};
+use crate::registry::{Method, Object, default, number, whole};
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::ops::Range;
@@ -41,21 +41,13 @@ static PARAMETERS: Object = Object {
         default(
             "confidence",
             "Probability with which a consistent filter lies within the chi-square bounds.",
-            Kind::Number {
-                min: Bound::Including(0.5),
-                max: Bound::Including(0.9999),
-                unit: "",
-            },
+            number(0.5, 0.9999, ""),
             "0.95",
         ),
         default(
             "measurement_dimensions",
             "How many numbers a measurement has, for the bounds of the NIS: 1 of bearings alone, 2 of positions.",
-            Kind::Integer {
-                min: 1,
-                max: 6,
-                unit: "",
-            },
+            whole(1, 6, ""),
             "2",
         ),
     ],

@@ -24,7 +24,7 @@ use self::numbers::{Numbers, numbers};
 use super::origin::{Origin, PAIRS, PairColumn, Statistic, TRACK_POINTS, TRUTH_POINTS, TRUTHS};
 use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence, Series};
 use crate::evaluation::comparison::{Comparison, Presence, Shape, Step};
-use crate::registry::{Kind, Method, Object, default};
+use crate::registry::{Kind, Method, Object, default, whole};
 use serde::Deserialize;
 use serde_json::{Value, json};
 
@@ -41,21 +41,13 @@ static PARAMETERS: Object = Object {
         default(
             "confirm_steps",
             "Steps in a row in which a target must be a track's nearest within the gate, for the track to follow it.",
-            Kind::Integer {
-                min: 1,
-                max: 1000,
-                unit: "",
-            },
+            whole(1, 1000, ""),
             "3",
         ),
         default(
             "end_steps",
             "Steps in a row in which it is not, for the track to follow it no longer.",
-            Kind::Integer {
-                min: 1,
-                max: 1000,
-                unit: "",
-            },
+            whole(1, 1000, ""),
             "2",
         ),
         default(

@@ -30,7 +30,7 @@ use super::origin::{
 use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence, Series};
 use crate::evaluation::comparison::{Comparison, Shape};
 use crate::model::watch::Watch;
-use crate::registry::{Bound, Kind, Method, Object, default};
+use crate::registry::{Method, Object, default, number};
 use serde::Deserialize;
 use serde_json::json;
 
@@ -49,11 +49,7 @@ static PARAMETERS: Object = Object {
         default(
             "switch_penalty_m",
             "The penalty gamma of a truth's change of track.",
-            Kind::Number {
-                min: Bound::Including(0.0),
-                max: Bound::Including(1e7),
-                unit: "m",
-            },
+            number(0.0, 1e7, "m"),
             "20.0",
         ),
     ],

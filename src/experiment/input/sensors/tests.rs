@@ -79,7 +79,7 @@ fn the_request_wins_over_the_upload_and_the_rest_is_estimated_with_a_warning() {
         ..SensorSettings::named("radar")
     }];
     let mut warnings = Vec::new();
-    let known = known(&recording, &uploaded, &requested).unwrap();
+    let known = merge_settings(&recording, &uploaded, &requested).unwrap();
     let sensors = resolve(&recording, &known, &KALMAN, &mut warnings).unwrap();
     let report = Report::Position {
         sigma_x_m: 3.0,
@@ -98,7 +98,7 @@ fn the_request_wins_over_the_upload_and_the_rest_is_estimated_with_a_warning() {
 #[test]
 fn settings_of_a_sensor_that_is_not_there_are_a_fault() {
     let sonar = [SensorSettings::named("sonar")];
-    let unknown = known(&recording(&[at(0.0, 0.0)]), &[], &sonar).unwrap_err();
+    let unknown = merge_settings(&recording(&[at(0.0, 0.0)]), &[], &sonar).unwrap_err();
     assert_eq!(
         (unknown[0].pointer.as_str(), unknown[0].allowed.as_deref()),
         ("/sensors/0/sensor_id", Some("radar"))
@@ -108,7 +108,7 @@ fn settings_of_a_sensor_that_is_not_there_are_a_fault() {
 /// The faults of one detection with a filter: all at one pointer, each with its words.
 fn assert_refused(measurement: Measurement, filter: &NamedFilter, pointer: &str, words: &[&str]) {
     let recording = recording(&[measurement]);
-    let known = known(&recording, &[], &[]).unwrap();
+    let known = merge_settings(&recording, &[], &[]).unwrap();
     let faults = resolve(&recording, &known, filter, &mut Vec::new()).unwrap_err();
     assert_eq!(faults.len(), words.len(), "{faults:?}");
     for (fault, word) in faults.iter().zip(words) {
