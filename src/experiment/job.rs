@@ -196,7 +196,7 @@ impl Known {
             return None;
         };
         Some(Known {
-            recording: RecordingFacts::of(recording),
+            recording: RecordingFacts::from_recording(recording),
             sensors: sensors.to_vec(),
         })
     }

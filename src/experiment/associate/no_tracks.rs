@@ -3,7 +3,7 @@
 use super::apparent_speed::apparent_speed;
 use super::speeds::{REACH, SIGMA_OF_FASTEST, two_digits};
 use super::track::{ResolvedRecording, Tracked};
-use crate::filtering::Chosen;
+use crate::filtering::AnyFilter;
 use crate::tracking::{Confirmation, Initiation, Lifecycle};
 
 /// A warning where there are detections and no track was ever confirmed; none where tracks begin at the truth.
@@ -11,7 +11,7 @@ pub fn warning(
     tracked: &Tracked,
     data: &ResolvedRecording,
     lifecycle: &Lifecycle,
-    filter: &Chosen,
+    filter: &AnyFilter,
 ) -> Option<String> {
     let recording = data.recording;
     let begins_at_truth = matches!(lifecycle.initiation, Initiation::Truth { .. });
@@ -38,9 +38,9 @@ pub fn warning(
     ))
 }
 
-fn speed_text(lifecycle: &Lifecycle, filter: &Chosen) -> String {
+fn speed_text(lifecycle: &Lifecycle, filter: &AnyFilter) -> String {
     match (lifecycle.initiation, filter) {
-        (_, Chosen::BearingOnly(filter)) => format!(
+        (_, AnyFilter::BearingOnly(filter)) => format!(
             ", initial_rate_sigma_degps {}",
             filter.initial_rate_sigma_radps.to_degrees()
         ),

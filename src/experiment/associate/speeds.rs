@@ -9,7 +9,7 @@
 use super::apparent_speed::{ApparentSpeed, apparent_speed};
 use super::track::ResolvedRecording;
 use crate::experiment::request::methods::TrackerSpec;
-use crate::filtering::Chosen;
+use crate::filtering::AnyFilter;
 use crate::model::scenario::{Scenario, TargetPlan};
 use crate::tracking::{Initiation, Lifecycle};
 use serde::Serialize;
@@ -61,7 +61,7 @@ pub fn complete(
     tracker: &TrackerSpec,
     scenario: Option<&Scenario>,
     data: &ResolvedRecording,
-    filter: &Chosen,
+    filter: &AnyFilter,
     warnings: &mut Vec<String>,
 ) -> (Lifecycle, Taken) {
     let (mut lifecycle, mut taken) = (tracker.lifecycle, Taken::default());

@@ -12,7 +12,7 @@ use crate::experiment::job::{Artifact, AssociationTime, RunError, RunSettings, r
 use crate::experiment::observer::{Observer, Step};
 use crate::experiment::request::methods::Choice;
 use crate::experiment::request::sources::InputSpec;
-use crate::filtering::{Chosen, Filter};
+use crate::filtering::{AnyFilter, Filter};
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
 use crate::model::scan::Recording;
@@ -183,16 +183,20 @@ struct TrackerRun<'a> {
 }
 
 impl TrackerRun<'_> {
-    fn with_any(self, filter: &Chosen, observer: &mut dyn Observer) -> Result<Tracked, RunError> {
+    fn with_any(
+        self,
+        filter: &AnyFilter,
+        observer: &mut dyn Observer,
+    ) -> Result<Tracked, RunError> {
         let has_rates = report_range_rates(&self.sensors);
         match *filter {
-            Chosen::Kalman(filter) => self.with::<_, 4, 2>(filter, observer),
-            Chosen::Converted(filter) => self.with::<_, 4, 2>(filter, observer),
-            Chosen::Extended(filter) if has_rates => self.with::<_, 4, 3>(filter, observer),
-            Chosen::Extended(filter) => self.with::<_, 4, 2>(filter, observer),
-            Chosen::Unscented(filter) if has_rates => self.with::<_, 4, 3>(filter, observer),
-            Chosen::Unscented(filter) => self.with::<_, 4, 2>(filter, observer),
-            Chosen::BearingOnly(filter) => self.with::<_, 2, 1>(filter, observer),
+            AnyFilter::Kalman(filter) => self.with::<_, 4, 2>(filter, observer),
+            AnyFilter::Converted(filter) => self.with::<_, 4, 2>(filter, observer),
+            AnyFilter::Extended(filter) if has_rates => self.with::<_, 4, 3>(filter, observer),
+            AnyFilter::Extended(filter) => self.with::<_, 4, 2>(filter, observer),
+            AnyFilter::Unscented(filter) if has_rates => self.with::<_, 4, 3>(filter, observer),
+            AnyFilter::Unscented(filter) => self.with::<_, 4, 2>(filter, observer),
+            AnyFilter::BearingOnly(filter) => self.with::<_, 2, 1>(filter, observer),
         }
     }
 
@@ -256,7 +260,7 @@ impl TrackerRun<'_> {
         });
         for (start, state) in self.starts.into_iter().zip(states) {
             let state = state.ok_or_else(|| start.without_state())?;
-            tracker.give(start.truth_id, state, start.origin);
+            tracker.add_track(start.truth_id, state, start.origin);
         }
         Ok(tracker)
     }

@@ -11,7 +11,7 @@ use crate::correlation::cross_covariance::CrossTable;
 use crate::correlation::estimates::Estimates;
 use crate::correlation::evidence::Times;
 use crate::correlation::fusion::system_tracks;
-use crate::correlation::problem::Problem;
+use crate::correlation::problem::CorrelationProblem;
 use crate::correlation::statistic::{Correlation, Statistic, pairs_of};
 use crate::experiment::input::JobData;
 use crate::experiment::job::{AssociationTime, RunError, RunSettings};
@@ -29,7 +29,7 @@ pub struct Correlated {
     pub correlation: Correlation,
     /// The last decision, and its problem.
     pub solution: Solution,
-    pub problem: Problem,
+    pub problem: CorrelationProblem,
     pub confirm: Confirm,
     /// Tuples of two tracks or more that stand, with how often each was found.
     pub tuples: Vec<(Vec<u32>, u32)>,

@@ -1,6 +1,6 @@
 //! The instants of a recording at which several sensors report.
 
-use crate::correlation::grouping::{Place, Report};
+use crate::correlation::grouping::{Place, SensorReport};
 use crate::experiment::job::refuse_any;
 use crate::model::fault::Fault;
 use crate::model::scan::{Measurement, Recording, Scan};
@@ -12,7 +12,7 @@ pub struct Instant {
     pub time_s: f64,
     /// Their places in the recording, sensor by sensor.
     pub detections: Vec<usize>,
-    pub reports: Vec<Report>,
+    pub reports: Vec<SensorReport>,
     /// Where the tracks were expected, when they were predicted beforehand.
     pub predictions: Vec<Place>,
 }
@@ -55,7 +55,7 @@ pub fn usable_sensors(
             faults.push(Fault::new("/sensors", "missing", detail).allowing("> 0 m"));
             continue;
         };
-        let report = sensor::Report::Position {
+        let report = sensor::MeasurementModel::Position {
             sigma_x_m,
             sigma_y_m,
         };
@@ -99,7 +99,7 @@ fn instant_of(recording: &Recording, scans: &[Scan], sensors: &[Sensor]) -> Inst
         predictions: Vec::new(),
     };
     for scan in scans {
-        let sensor::Report::Position {
+        let sensor::MeasurementModel::Position {
             sigma_x_m,
             sigma_y_m,
         } = sensors[scan.sensor].report
@@ -111,7 +111,7 @@ fn instant_of(recording: &Recording, scans: &[Scan], sensors: &[Sensor]) -> Inst
         for detection in scan.range() {
             if let Some(position_m) = recording.detections[detection].measurement.position() {
                 instant.detections.push(detection);
-                instant.reports.push(Report {
+                instant.reports.push(SensorReport {
                     place: Place {
                         position_m,
                         covariance,

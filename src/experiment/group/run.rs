@@ -148,5 +148,5 @@ fn counts_of(recording: &Recording, (instant, grouping): &(Instant, Grouping)) -
             group,
         })
         .collect();
-    GroupingCounts::of(&reports)
+    GroupingCounts::from_reports(&reports)
 }

@@ -4,10 +4,10 @@
 use super::extent::{Extent, detections_of, place_of};
 use crate::experiment::job::refuse_any;
 use crate::experiment::request::methods::NamedFilter;
-use crate::filtering::Chosen;
+use crate::filtering::AnyFilter;
 use crate::model::fault::Fault;
 use crate::model::scan::{Detection, Measurement, Recording};
-use crate::model::sensor::{Polar, RangeRate, Report, Sensor, SensorSettings};
+use crate::model::sensor::{MeasurementModel, Polar, RangeRate, Sensor, SensorSettings};
 use crate::model::state::Position;
 
 /// Assumed when nobody says how often a target is detected.
@@ -88,11 +88,11 @@ pub fn resolve(
             faults: &mut faults,
         };
         let report = match kind {
-            Kind::Position => Report::Position {
+            Kind::Position => MeasurementModel::Position {
                 sigma_x_m: reader.required("sigma_x_m", settings.sigma_x_m, "m"),
                 sigma_y_m: reader.required("sigma_y_m", settings.sigma_y_m, "m"),
             },
-            Kind::Polar => Report::Polar(Polar {
+            Kind::Polar => MeasurementModel::Polar(Polar {
                 place_m: place(settings, warnings),
                 sigma_range_m: reader.required("sigma_range_m", settings.sigma_range_m, "m"),
                 sigma_bearing_rad: reader
@@ -107,7 +107,7 @@ pub fn resolve(
                     span_mps: range_rate_span_mps(recording, index),
                 }),
             }),
-            Kind::Bearing => Report::Bearing {
+            Kind::Bearing => MeasurementModel::Bearing {
                 sigma_bearing_rad: reader
                     .required("sigma_bearing_deg", settings.sigma_bearing_deg, "deg")
                     .to_radians(),
@@ -131,8 +131,10 @@ pub fn misplaced_densities(requested: &[SensorSettings], sensors: &[Sensor]) -> 
         let sensor = sensors
             .iter()
             .find(|sensor| sensor.sensor_id == settings.sensor_id)?;
-        let (given, wanted) =
-            misplaced_density(settings, matches!(sensor.report, Report::Bearing { .. }))?;
+        let (given, wanted) = misplaced_density(
+            settings,
+            matches!(sensor.report, MeasurementModel::Bearing { .. }),
+        )?;
         let detail = format!(
             "the clutter of sensor '{}' is stated in '{given}'; what is used of its reports needs '{wanted}'",
             sensor.sensor_id
@@ -197,8 +199,8 @@ fn usable_kind(
     let name = &settings.sensor_id;
     let (filter, filter_name) = (&named.filter, named.name);
     let usable = match filter {
-        Chosen::Kalman(_) => "positions (x_m, y_m)",
-        Chosen::BearingOnly(_) => "bearings (bearing_deg), with or without ranges (range_m)",
+        AnyFilter::Kalman(_) => "positions (x_m, y_m)",
+        AnyFilter::BearingOnly(_) => "bearings (bearing_deg), with or without ranges (range_m)",
         _ => "positions (x_m, y_m); ranges and bearings (range_m, bearing_deg)",
     };
     let mut refuse = |what: &str| {
@@ -310,7 +312,7 @@ fn complete(
     recording: &Recording,
     index: usize,
     settings: &SensorSettings,
-    report: Report,
+    report: MeasurementModel,
     warnings: &mut Vec<String>,
 ) -> Sensor {
     let name = &settings.sensor_id;

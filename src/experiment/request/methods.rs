@@ -5,7 +5,7 @@ use crate::correlation::fusion::{BuildFusion, FUSIONS};
 use crate::correlation::grouping::{BuildGrouper, GROUPERS};
 use crate::correlation::{BuildCorrelator, CORRELATORS};
 use crate::evaluation::metrics::{BuildMetric, METRICS};
-use crate::filtering::{AUTO, Chosen, FILTER_KIND, FILTERS};
+use crate::filtering::{AUTO, AnyFilter, FILTER_KIND, FILTERS};
 use crate::math::rng::Seed;
 use crate::registry::{self, Method};
 use crate::tracking::{Initiation, Lifecycle};
@@ -124,7 +124,7 @@ impl<'de> Deserialize<'de> for Choice<BuildMetric> {
 /// A filter with the name by which it is chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NamedFilter {
-    pub filter: Chosen,
+    pub filter: AnyFilter,
     pub name: &'static str,
 }
 

@@ -34,20 +34,20 @@ fn recording(measurements: &[Measurement]) -> Recording {
 }
 
 const KALMAN: NamedFilter = NamedFilter {
-    filter: Chosen::Kalman(Kalman {
+    filter: AnyFilter::Kalman(Kalman {
         process_noise_m2ps3: 1.0,
     }),
     name: "kalman",
 };
 const EXTENDED: NamedFilter = NamedFilter {
-    filter: Chosen::Extended(Extended {
+    filter: AnyFilter::Extended(Extended {
         process_noise_m2ps3: 1.0,
     }),
     name: "extended",
 };
 
 const BEARING_ONLY: NamedFilter = NamedFilter {
-    filter: Chosen::BearingOnly(BearingOnly {
+    filter: AnyFilter::BearingOnly(BearingOnly {
         process_noise_rad2ps3: 1e-6,
         initial_rate_sigma_radps: 0.1,
     }),
