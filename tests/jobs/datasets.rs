@@ -59,7 +59,7 @@ async fn an_upload_is_checked_described_and_kept_once() {
     assert!(is_new && other.id != info.id && other.sha256 == info.sha256);
 
     let content = service.dataset_content(info.id).await.unwrap();
-    assert_eq!(std::fs::read_to_string(&content.path).unwrap(), DETECTIONS);
+    assert_eq!(&*content.content.read().unwrap(), DETECTIONS.as_bytes());
     assert_eq!(
         (content.sha256.as_str(), content.file_name.as_str()),
         (sha256(DETECTIONS.as_bytes()).as_str(), "d.csv")
@@ -181,9 +181,9 @@ async fn a_dataset_is_deleted_when_no_queued_or_running_job_needs_it() {
         "{error}"
     );
     service.cancel(reader.id).await.unwrap();
-    let content = service.dataset_content(info.id).await.unwrap();
+    let blob = service.blob(&info.sha256);
     service.delete_dataset(info.id).await.unwrap();
-    assert!(content.path.exists(), "its twin has the same content");
+    assert!(blob.exists(), "its twin has the same content");
     assert!(matches!(
         service.dataset(info.id).await,
         Err(JobsError::Gone("dataset"))
@@ -198,9 +198,9 @@ async fn a_dataset_is_deleted_when_no_queued_or_running_job_needs_it() {
         ("/input/dataset_id", "not_found")
     );
     service.delete_dataset(twin.id).await.unwrap();
-    assert!(!content.path.exists());
+    assert!(!blob.exists());
     let (again, is_new) = service.upload(DETECTIONS, named("trial")).await.unwrap();
-    assert!(is_new && again.id != info.id && content.path.exists());
+    assert!(is_new && again.id != info.id && blob.exists());
     service.cancel(blocker.id).await.unwrap();
     assert_eq!(service.ended(blocker.id).await.state, JobState::Canceled);
 }

@@ -123,7 +123,7 @@ async fn the_report_says_what_was_run_and_its_result_is_the_same_each_time() {
     );
     let file = service.artifact(first.id, "truth.csv").await.unwrap();
     assert_eq!(
-        crate::support::sha256(&std::fs::read(file.path).unwrap()),
+        crate::support::sha256(&file.content.read().unwrap()),
         file.sha256
     );
 }
@@ -342,14 +342,8 @@ async fn an_error_inside_the_service_fails_the_job_and_says_nothing_of_the_insid
     let service = start().await;
     let simulate = service.submit_ok(JobKind::Simulate, small(1)).await;
     service.succeeded(simulate.id).await;
-    std::fs::remove_file(
-        service
-            .artifact(simulate.id, "detections.csv")
-            .await
-            .unwrap()
-            .path,
-    )
-    .unwrap();
+    let artifact = service.artifact(simulate.id, "detections.csv").await;
+    std::fs::remove_file(service.blob(&artifact.unwrap().sha256)).unwrap();
     let job = service
         .submit_ok(JobKind::Associate, json!({"input": of_job(simulate.id)}))
         .await;
@@ -454,8 +448,14 @@ async fn only_a_job_that_has_ended_and_that_nobody_needs_can_be_deleted() {
         service.get(Uuid::now_v7()).await,
         Err(JobsError::NotFound("job"))
     ));
-    assert!(!report.path.exists(), "the report belonged to nobody else");
-    assert!(truth.path.exists(), "the truth is also a dataset");
+    assert!(
+        !service.blob(&report.sha256).exists(),
+        "the report belonged to nobody else"
+    );
+    assert!(
+        service.blob(&truth.sha256).exists(),
+        "the truth is also a dataset"
+    );
     assert_eq!(
         service.list(Default::default()).await.unwrap().items.len(),
         2

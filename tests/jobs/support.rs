@@ -3,7 +3,7 @@
 use futures::StreamExt;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 use tempfile::TempDir;
 use trackloom::model::fault::Fault;
@@ -144,7 +144,13 @@ impl Service {
 
     pub async fn report_of(&self, id: Uuid) -> Value {
         let file = self.report(id).await.unwrap();
-        serde_json::from_slice(&std::fs::read(file.path).unwrap()).unwrap()
+        serde_json::from_slice(&file.content.read().unwrap()).unwrap()
+    }
+
+    /// Where a content lies on the disk.
+    pub fn blob(&self, sha256: &str) -> PathBuf {
+        let blobs = self.directory.path().join("blobs");
+        blobs.join(&sha256[..2]).join(sha256)
     }
 
     pub async fn upload(

@@ -194,9 +194,8 @@ async fn follow(jobs: &Jobs, job: Job) -> anyhow::Result<Value> {
         );
     }
     let report = jobs.report(job.id).await.map_err(explain)?;
-    Ok(serde_json::from_slice(
-        &tokio::fs::read(&report.path).await?,
-    )?)
+    let bytes = tokio::task::spawn_blocking(move || report.content.read()).await??;
+    Ok(serde_json::from_slice(&bytes)?)
 }
 
 fn row(scene: &str, report: &Value) -> Vec<String> {

@@ -279,10 +279,9 @@ impl Inner {
             return Err(JobsError::NotThere(detail));
         }
         if job.state == JobState::Succeeded {
-            let path = self.artifact(id, "report.json").await?.path;
-            let read = move || {
-                anyhow::Ok(serde_json::from_slice::<WithResult>(&std::fs::read(&path)?)?.result)
-            };
+            let content = self.artifact(id, "report.json").await?.content;
+            let read =
+                move || anyhow::Ok(serde_json::from_slice::<WithResult>(&content.read()?)?.result);
             let result = tokio::task::spawn_blocking(read)
                 .await
                 .context("reading a report panicked")?

@@ -9,13 +9,12 @@ use crate::model::dataset::DatasetSummary;
 use crate::model::fault::Fault;
 use crate::registry::control_character_fault;
 use crate::service::child::{Made, Order, Upload};
-use crate::service::storage::blobs::sha256_hex;
+use crate::service::storage::blobs::{Content, sha256_hex};
 use crate::service::storage::{Cursor, NewDataset, NoSweeping, StoredDataset};
 use crate::service::types::{DatasetInfo, DatasetPage};
 use anyhow::Context;
 use serde_json::json;
 use serde_json::value::RawValue;
-use std::path::PathBuf;
 use tokio::sync::RwLockReadGuard;
 use tokio::task::spawn_blocking;
 use uuid::Uuid;
@@ -90,7 +89,10 @@ impl Inner {
         &self,
         stored: StoredDataset,
     ) -> Result<DatasetSummary, JobsError> {
-        let path = self.local(&stored.info.sha256).await?;
+        let (blobs, sha256) = (self.blobs.clone(), stored.info.sha256.clone());
+        let path = spawn_blocking(move || blobs.local(&sha256))
+            .await
+            .context("fetching a file panicked")??;
         let StoredDataset {
             info,
             columns,
@@ -161,7 +163,7 @@ impl Inner {
         let media_type = format_named(&info.format)
             .map_or("application/octet-stream", |format| format.media_type);
         Ok(StoredFile {
-            path: self.local(&info.sha256).await?,
+            content: self.content(&info.sha256, info.bytes).await?,
             media_type: media_type.to_owned(),
             bytes: info.bytes,
             sha256: info.sha256,
@@ -187,10 +189,13 @@ impl Inner {
         }
     }
 
-    /// A local file of the content.
-    pub(super) async fn local(&self, sha256: &str) -> Result<PathBuf, JobsError> {
+    /// The content of a blob of so many bytes.
+    pub(super) async fn content(&self, sha256: &str, bytes: u64) -> Result<Content, JobsError> {
+        if let Some(known) = self.blobs.known(sha256) {
+            return Ok(known);
+        }
         let (blobs, sha256) = (self.blobs.clone(), sha256.to_owned());
-        Ok(spawn_blocking(move || blobs.local(&sha256))
+        Ok(spawn_blocking(move || blobs.content(&sha256, bytes))
             .await
             .context("fetching a file panicked")??)
     }

@@ -145,7 +145,7 @@ impl Inner {
             ..
         } = artifact;
         Ok(StoredFile {
-            path: self.local(&sha256).await?,
+            content: self.content(&sha256, bytes).await?,
             media_type,
             bytes,
             sha256,

@@ -8,12 +8,12 @@ use crate::model::scan::Recording;
 use crate::model::sensor::SensorSettings;
 use crate::model::track::TrackSet;
 use crate::model::truth::TruthSet;
+use crate::service::storage::blobs::Content;
 pub use crate::service::storage::blobs::ReceivedFile;
 use crate::service::types::Job;
 use crate::service::views::metrics::MetricTable;
 use serde_json::Value;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
 /// A job that was submitted.
 #[derive(Debug, Clone)]
@@ -59,7 +59,7 @@ pub struct DatasetMeta {
 /// A file to serve; it stays where it is until its owner is deleted.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StoredFile {
-    pub path: PathBuf,
+    pub content: Content,
     pub media_type: String,
     pub bytes: u64,
     pub sha256: String,

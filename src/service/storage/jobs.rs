@@ -57,15 +57,25 @@ pub struct StoredArtifact {
 
 impl Storage {
     pub async fn job(&self, id: Uuid) -> anyhow::Result<Option<StoredJob>> {
+        let Some(recall) = &self.recall else {
+            return self.read_job(id).await;
+        };
+        if let Some(known) = recall.job(id) {
+            return Ok(Some(known));
+        }
+        let at = recall.now();
+        let job = self.read_job(id).await?;
+        if let Some(job) = &job {
+            recall.keep_job(at, id, job);
+        }
+        Ok(job)
+    }
+
+    async fn read_job(&self, id: Uuid) -> anyhow::Result<Option<StoredJob>> {
         let mut query = Statement::new(COLUMNS);
         query.push("id = ").bind(id.to_string());
-        query
-            .query()
-            .fetch_optional(&self.read)
-            .await?
-            .as_ref()
-            .map(stored)
-            .transpose()
+        let row = query.query().fetch_optional(&self.read).await?;
+        row.as_ref().map(stored).transpose()
     }
 
     /// The job's request as normalised.
@@ -225,6 +235,19 @@ impl Storage {
 
     /// The files of a job, in the order in which it made them.
     pub async fn artifacts(&self, id: Uuid) -> anyhow::Result<Vec<StoredArtifact>> {
+        let Some(recall) = &self.recall else {
+            return self.read_artifacts(id).await;
+        };
+        if let Some(known) = recall.artifacts(id) {
+            return Ok(known);
+        }
+        let at = recall.now();
+        let artifacts = self.read_artifacts(id).await?;
+        recall.keep_artifacts(at, id, &artifacts);
+        Ok(artifacts)
+    }
+
+    async fn read_artifacts(&self, id: Uuid) -> anyhow::Result<Vec<StoredArtifact>> {
         let rows = sqlx::query("SELECT name, media_type, bytes, sha256, dataset_id FROM artifacts WHERE job_id = $1 ORDER BY position")
             .bind(id.to_string())
             .fetch_all(&self.read)

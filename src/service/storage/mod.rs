@@ -17,6 +17,7 @@ mod life;
 pub mod notices;
 mod outbox;
 mod page;
+mod recall;
 pub mod room;
 mod statement;
 mod transaction;
