@@ -8,12 +8,16 @@ use crate::service::types::Progress;
 use anyhow::{Context, anyhow};
 use futures::future::BoxFuture;
 use std::sync::Arc;
+use std::time::Duration;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 use uuid::Uuid;
 
 /// Files that are checked at the same time, and looks at data that are taken at the same time.
 pub(super) const UPLOADS: usize = 2;
 pub(super) const LOOKS: usize = 2;
+
+/// Work that is over sooner says nothing of its progress: writing that down would take as long as the work.
+const SOON: Duration = Duration::from_millis(50);
 
 impl Inner {
     /// Does a piece of a job in a child, and `tell`s how far it is. The slot is free when the child has answered or is dead.
@@ -60,9 +64,13 @@ impl Inner {
         };
         child.order(order)?;
         let mut is_told = false;
+        let soon = tokio::time::sleep(SOON);
+        tokio::pin!(soon);
+        let (mut is_early, mut unsaid) = (true, None);
         loop {
             tokio::select! {
                 heard = child.hear() => match heard {
+                    Heard::Progress(progress) if is_early => unsaid = Some(progress),
                     Heard::Progress(progress) => tell(progress).await,
                     Heard::Done(made) => {
                         child.give_back();
@@ -74,6 +82,12 @@ impl Inner {
                 () = control.asked(), if !is_told => {
                     is_told = true;
                     child.stop();
+                }
+                () = &mut soon, if is_early => {
+                    is_early = false;
+                    if let Some(progress) = unsaid.take() {
+                        tell(progress).await;
+                    }
                 }
                 () = &mut grace_over => {
                     tracing::info!(%job_id, "work did not stop when asked; its process is killed");
