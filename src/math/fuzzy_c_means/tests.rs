@@ -171,6 +171,19 @@ fn faults_name_the_field_and_what_is_allowed() {
         }),
         ("max_iterations", ">= 1".to_owned())
     );
+    let fault = FuzzyError::Tolerance(-1.0).fault("/correlator");
+    assert_eq!(
+        (
+            fault.pointer.as_str(),
+            fault.detail.as_str(),
+            fault.allowed.as_deref()
+        ),
+        ("/correlator/tolerance", "the tolerance is -1", Some("> 0"))
+    );
+}
+
+#[test]
+fn objects_and_metrics_that_are_no_numbers_are_named() {
     let flat = [false, false];
     let not_finite = Objects::new(
         &[0.0, 1.0, f64::INFINITY, 2.0],
@@ -198,15 +211,6 @@ fn faults_name_the_field_and_what_is_allowed() {
         Metric::Mahalanobis(&[1.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 1.0]),
     );
     assert_eq!(bad_inverse.unwrap_err(), FuzzyError::Inverse { object: 1 });
-    let fault = FuzzyError::Tolerance(-1.0).fault("/correlator");
-    assert_eq!(
-        (
-            fault.pointer.as_str(),
-            fault.detail.as_str(),
-            fault.allowed.as_deref()
-        ),
-        ("/correlator/tolerance", "the tolerance is -1", Some("> 0"))
-    );
 }
 
 /// Three groups of three, 100 apart.
