@@ -70,7 +70,7 @@ impl Steps {
         tracks: &TrackSet,
         tolerance_s: Option<f64>,
     ) -> Steps {
-        let times_s = sorted(recording.scans.iter().map(|scan| scan.time_s));
+        let times_s = sort_times(recording.scans.iter().map(|scan| scan.time_s));
         let of_truth_s = gaps_of(
             targets
                 .iter()
@@ -78,7 +78,7 @@ impl Steps {
         );
         let (of_tracks_s, others_s) = beside_scans(tracks, &times_s);
         let mut steps = Steps::with_tolerance(tolerance_s, of_truth_s.fold(of_tracks_s, f64::min));
-        steps.take_scans(&times_s, &sorted(others_s.into_iter()));
+        steps.take_scans(&times_s, &sort_times(others_s.into_iter()));
         steps
     }
 
@@ -118,7 +118,10 @@ impl Steps {
     /// [`new`](Self::new) finds, without a look at them.
     pub fn exactly(recording: &Recording) -> Steps {
         let mut steps = Steps::default();
-        steps.take_scans(&sorted(recording.scans.iter().map(|scan| scan.time_s)), &[]);
+        steps.take_scans(
+            &sort_times(recording.scans.iter().map(|scan| scan.time_s)),
+            &[],
+        );
         steps
     }
 
@@ -214,12 +217,12 @@ impl Steps {
         truth_times_s: impl Iterator<Item = f64>,
         track_times_s: impl Iterator<Item = f64>,
     ) -> Vec<Group> {
-        let tagged = sorted(truth_times_s)
+        let tagged = sort_times(truth_times_s)
             .into_iter()
             .map(|time_s| (time_s, false));
         let mut times: Vec<(f64, bool)> = tagged
             .chain(
-                sorted(track_times_s)
+                sort_times(track_times_s)
                     .into_iter()
                     .map(|time_s| (time_s, true)),
             )
@@ -403,7 +406,7 @@ fn quantile(gaps_s: &[f64], share: f64) -> Option<f64> {
     gaps_s.get(rank - 1).copied()
 }
 
-fn sorted(times_s: impl Iterator<Item = f64>) -> Vec<f64> {
+fn sort_times(times_s: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut times_s = rising(times_s.filter(|time_s| time_s.is_finite()));
     times_s.dedup();
     times_s

@@ -15,10 +15,10 @@
 //! round.
 
 use super::mixture::Expected;
-use super::{Chosen, Filter, FilterMethod, PROCESS_NOISE, plane, polar};
+use super::{AnyFilter, Filter, FilterMethod, PROCESS_NOISE, plane, polar};
 use crate::model::motion::ConstantVelocity;
 use crate::model::scan::Measurement;
-use crate::model::sensor::{Report, Sensor};
+use crate::model::sensor::{MeasurementModel, Sensor};
 use crate::model::state::GaussianState;
 use crate::registry::Object;
 use nalgebra::SVector;
@@ -27,7 +27,7 @@ use serde::Deserialize;
 pub const METHOD: FilterMethod = FilterMethod {
     name: "extended",
     parameters: &PARAMETERS,
-    build: |spec| Extended::deserialize(spec).map(Chosen::Extended),
+    build: |spec| Extended::deserialize(spec).map(AnyFilter::Extended),
 };
 
 static PARAMETERS: Object = Object {
@@ -49,8 +49,12 @@ impl<const D: usize> Filter<4, D> for Extended {
         }
     }
 
-    fn measured(&self, sensor: &Sensor, measurement: &Measurement) -> Option<SVector<f64, D>> {
-        plane::measured(sensor, measurement)
+    fn to_measurement_space(
+        &self,
+        sensor: &Sensor,
+        measurement: &Measurement,
+    ) -> Option<SVector<f64, D>> {
+        plane::to_measurement_space(sensor, measurement)
     }
 
     fn angle(&self, sensor: &Sensor) -> Option<usize> {
@@ -58,7 +62,7 @@ impl<const D: usize> Filter<4, D> for Extended {
     }
 
     fn expect(&self, state: &GaussianState, sensor: &Sensor) -> Option<Expected<4, D>> {
-        let Report::Polar(polar) = &sensor.report else {
+        let MeasurementModel::Polar(polar) = &sensor.report else {
             return plane::expect_position(state, sensor);
         };
         let (shift, spread) = polar::curvature(polar, state);

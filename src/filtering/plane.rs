@@ -4,17 +4,17 @@
 use super::mixture::Expected;
 use super::{kalman, polar};
 use crate::model::scan::Measurement;
-use crate::model::sensor::{Report, Sensor};
+use crate::model::sensor::{MeasurementModel, Sensor};
 use crate::model::state::{GaussianState, Position};
 use nalgebra::{SMatrix, SVector};
 
-pub fn measured<const D: usize>(
+pub fn to_measurement_space<const D: usize>(
     sensor: &Sensor,
     measurement: &Measurement,
 ) -> Option<SVector<f64, D>> {
     match sensor.report {
-        Report::Polar(_) => polar::measured(measurement),
-        Report::Position { .. } if D == 2 => measurement
+        MeasurementModel::Polar(_) => polar::to_measurement_space(measurement),
+        MeasurementModel::Position { .. } if D == 2 => measurement
             .position()
             .map(|at| SVector::from_column_slice(at.as_slice())),
         _ => None,
@@ -22,7 +22,7 @@ pub fn measured<const D: usize>(
 }
 
 pub fn angle(sensor: &Sensor) -> Option<usize> {
-    matches!(sensor.report, Report::Polar(_)).then_some(1)
+    matches!(sensor.report, MeasurementModel::Polar(_)).then_some(1)
 }
 
 /// Of a position report, which is linear.
@@ -38,7 +38,7 @@ pub fn expect_position<const D: usize>(
 
 pub fn log_clutter_scale<const D: usize>(sensor: &Sensor, expected: &Expected<4, D>) -> f64 {
     match &sensor.report {
-        Report::Polar(polar) => polar::log_clutter_scale(polar, &expected.measurement),
+        MeasurementModel::Polar(polar) => polar::log_clutter_scale(polar, &expected.measurement),
         _ => 0.0,
     }
 }
@@ -48,7 +48,7 @@ pub fn initiate<const D: usize>(
     sensor: &Sensor,
     speed_sigma_mps: f64,
 ) -> Option<GaussianState> {
-    if let Report::Polar(polar) = &sensor.report {
+    if let MeasurementModel::Polar(polar) = &sensor.report {
         return Some(polar::initiate(polar, measurement, speed_sigma_mps));
     }
     let noise = kalman::noise_of(&sensor.report)?;

@@ -17,11 +17,11 @@
 //! default, no weight is negative and S cannot fail to be positive definite.
 
 use super::mixture::Expected;
-use super::{Chosen, Filter, FilterMethod, PROCESS_NOISE, plane, polar};
+use super::{AnyFilter, Filter, FilterMethod, PROCESS_NOISE, plane, polar};
 use crate::math::angle;
 use crate::model::motion::ConstantVelocity;
 use crate::model::scan::Measurement;
-use crate::model::sensor::{Polar, Report, Sensor};
+use crate::model::sensor::{MeasurementModel, Polar, Sensor};
 use crate::model::state::{GaussianState, State};
 use crate::registry::{Bound, Kind, Object, default};
 use nalgebra::{Cholesky, SMatrix, SVector};
@@ -30,7 +30,7 @@ use serde::Deserialize;
 pub const METHOD: FilterMethod = FilterMethod {
     name: "unscented",
     parameters: &PARAMETERS,
-    build: |spec| Unscented::deserialize(spec).map(Chosen::Unscented),
+    build: |spec| Unscented::deserialize(spec).map(AnyFilter::Unscented),
 };
 
 static PARAMETERS: Object = Object {
@@ -91,8 +91,12 @@ impl<const D: usize> Filter<4, D> for Unscented {
         }
     }
 
-    fn measured(&self, sensor: &Sensor, measurement: &Measurement) -> Option<SVector<f64, D>> {
-        plane::measured(sensor, measurement)
+    fn to_measurement_space(
+        &self,
+        sensor: &Sensor,
+        measurement: &Measurement,
+    ) -> Option<SVector<f64, D>> {
+        plane::to_measurement_space(sensor, measurement)
     }
 
     fn angle(&self, sensor: &Sensor) -> Option<usize> {
@@ -100,7 +104,7 @@ impl<const D: usize> Filter<4, D> for Unscented {
     }
 
     fn expect(&self, state: &GaussianState, sensor: &Sensor) -> Option<Expected<4, D>> {
-        let Report::Polar(polar) = &sensor.report else {
+        let MeasurementModel::Polar(polar) = &sensor.report else {
             return plane::expect_position(state, sensor);
         };
         self.expect_polar(state, polar)
@@ -148,7 +152,7 @@ impl Unscented {
             cross += step * deviation.transpose() * weight;
         }
         let mut measurement = centre + mean_shift;
-        measurement[1] = angle::wrapped(measurement[1]);
+        measurement[1] = angle::wrap(measurement[1]);
         Expected::new(measurement, covariance, cross)
     }
 }

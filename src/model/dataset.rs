@@ -132,7 +132,7 @@ impl Dataset {
             first_bearing_deg: bearings_deg.map(|(first, _)| first.to_degrees()),
             last_bearing_deg: bearings_deg.map(|(_, last)| last.to_degrees()),
             facts: match self {
-                Dataset::Detections(recording) => Some(RecordingFacts::of(recording)),
+                Dataset::Detections(recording) => Some(RecordingFacts::from_recording(recording)),
                 _ => None,
             },
         }

@@ -29,7 +29,7 @@ pub struct SensorFacts {
 }
 
 impl RecordingFacts {
-    pub fn of(recording: &Recording) -> Self {
+    pub fn from_recording(recording: &Recording) -> Self {
         let mut sensors: Vec<SensorFacts> = recording
             .sensors
             .iter()
@@ -191,7 +191,7 @@ mod tests {
 
     #[test]
     fn a_sample_has_the_kinds_that_were_counted() {
-        let facts = RecordingFacts::of(&recording());
+        let facts = RecordingFacts::from_recording(&recording());
         let [a, b] = facts.sensors.as_slice() else {
             panic!("two sensors")
         };
@@ -227,7 +227,9 @@ mod tests {
             (2, 3, true)
         );
         assert_eq!(
-            RecordingFacts::of(&facts.only(Some(&["b".to_owned()])).sample()).sensors[0].positions,
+            RecordingFacts::from_recording(&facts.only(Some(&["b".to_owned()])).sample()).sensors
+                [0]
+            .positions,
             1
         );
     }

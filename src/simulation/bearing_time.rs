@@ -16,7 +16,7 @@
 //! The noises of neighbouring cells are independent, which those of overlapping beams are not. 0 dB is the noise.
 
 use super::targets::{self, Path};
-use crate::math::angle::wrapped;
+use crate::math::angle::wrap;
 use crate::math::rng::{Purpose, Seed};
 use crate::model::bearing_time::{BearingTimeParts, BearingTimeRecord, MAX_CELLS};
 use crate::model::fault::Fault;
@@ -340,7 +340,7 @@ impl<'a> RecordScene<'a> {
             .collect();
         let background = |&bearing_rad: &f64| {
             let within = plan.sectors.iter().filter(|sector| {
-                wrapped(bearing_rad - sector.centre_deg.to_radians()).abs()
+                wrap(bearing_rad - sector.centre_deg.to_radians()).abs()
                     <= sector.width_deg.to_radians() / 2.0
             });
             1.0 + within.map(|sector| from_db(sector.level_db)).sum::<f64>()
@@ -416,7 +416,7 @@ impl<'a> RecordScene<'a> {
         let width_rad = self.plan.beam_width_deg.to_radians();
         for (cell, &cell_rad) in self.power.iter_mut().zip(&self.bearings_rad) {
             *cell +=
-                power * (-4.0 * LN_2 * (wrapped(cell_rad - bearing_rad) / width_rad).powi(2)).exp();
+                power * (-4.0 * LN_2 * (wrap(cell_rad - bearing_rad) / width_rad).powi(2)).exp();
         }
     }
 }

@@ -233,13 +233,13 @@ impl<const N: usize> Initiator<N> {
         if self.waiting.len() <= sensor {
             self.waiting.resize_with(sensor + 1, Vec::new);
         }
-        self.pose(scan, rule, watch)?;
+        self.build_problem(scan, rule, watch)?;
         self.weights.reset(&self.problem);
         let (solver, weights) = (&mut self.solver, &mut self.weights);
         self.problem
             .for_each_cluster_until(watch, |cluster| solver.associate(cluster, weights));
         bounds::go_on(watch)?;
-        self.conclude(sensor, rule);
+        self.take_pairs(sensor, rule);
         let waiting = &mut self.waiting[sensor];
         let alone = self
             .fresh
@@ -252,7 +252,7 @@ impl<const N: usize> Initiator<N> {
     }
 
     /// Step 1: for each waiting point the fresh ones within its reach.
-    fn pose(&mut self, scan: &Scan, rule: &PairRule, watch: &Watch) -> Result<(), Halt> {
+    fn build_problem(&mut self, scan: &Scan, rule: &PairRule, watch: &Watch) -> Result<(), Halt> {
         self.problem.begin(0, self.fresh.len());
         self.places.clear();
         self.places
@@ -299,7 +299,7 @@ impl<const N: usize> Initiator<N> {
     }
 
     /// Step 3 for the pairs that step 2 chose; of the other first points only those go on waiting that may.
-    fn conclude(&mut self, sensor: usize, rule: &PairRule) {
+    fn take_pairs(&mut self, sensor: usize, rule: &PairRule) {
         self.is_paired.clear();
         self.is_paired.resize(self.fresh.len(), false);
         self.pairs.clear();

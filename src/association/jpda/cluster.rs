@@ -71,7 +71,7 @@ pub(super) struct Cluster {
     /// Answer: β of each edge.
     pub(super) beta: Vec<f64>,
     /// Answer: β₀ of each track.
-    pub(super) none: Vec<f64>,
+    pub(super) missed: Vec<f64>,
     /// Number in the cluster of each detection of the scan; only those of the cluster are not [`NOBODY`].
     local_of: Vec<u32>,
     /// Detections of the scan that have a number.
@@ -96,7 +96,7 @@ impl Cluster {
                 self.track_of.push(index as u32);
                 self.detection_of.push(detection);
                 self.log_ratio.push(
-                    (edge.log_likelihood - row.log_none).clamp(-MAX_LOG_RATIO, MAX_LOG_RATIO),
+                    (edge.log_likelihood - row.log_missed).clamp(-MAX_LOG_RATIO, MAX_LOG_RATIO),
                 );
             }
             self.tracks.ends.push(self.track_of.len() as u32);
@@ -104,7 +104,7 @@ impl Cluster {
         let edges = self.track_of.len();
         self.tracks.incident.extend(0..edges as u32);
         self.beta.resize(edges, 0.0);
-        self.none.resize(self.tracks.len(), 0.0);
+        self.missed.resize(self.tracks.len(), 0.0);
         self.group_by_detection();
     }
 
@@ -120,7 +120,7 @@ impl Cluster {
         ] {
             list.clear();
         }
-        for list in [&mut self.log_ratio, &mut self.beta, &mut self.none] {
+        for list in [&mut self.log_ratio, &mut self.beta, &mut self.missed] {
             list.clear();
         }
     }
@@ -204,7 +204,7 @@ impl Cluster {
     }
 
     /// β₀ of every track as what its edges leave.
-    pub(super) fn leave_none(&mut self) {
+    pub(super) fn leave_missed(&mut self) {
         for track in 0..self.tracks.len() {
             let given: f64 = self
                 .tracks
@@ -212,7 +212,7 @@ impl Cluster {
                 .iter()
                 .map(|&edge| self.beta[edge as usize])
                 .sum();
-            self.none[track] = (1.0 - given).max(0.0);
+            self.missed[track] = (1.0 - given).max(0.0);
         }
     }
 
@@ -224,11 +224,11 @@ impl Cluster {
                 .edges_of(track)
                 .iter()
                 .map(|&edge| self.beta[edge as usize]);
-            let total = self.none[track] + beta.clone().sum::<f64>();
+            let total = self.missed[track] + beta.clone().sum::<f64>();
             for (edge, beta) in row.edges().zip(beta) {
                 weights.edges[edge] = beta / total;
             }
-            weights.none[index] = self.none[track] / total;
+            weights.missed[index] = self.missed[track] / total;
         }
     }
 }

@@ -19,11 +19,12 @@
 mod parameters;
 
 use super::constrained_hard_c_means::with_groups_of_their_own;
-use super::{BuildGrouper, Grouper, Grouping, Place, Report, Snapshot, by_sensor};
+use super::{BuildGrouper, Grouper, Grouping, Place, SensorReport, Snapshot, by_sensor};
 use crate::math::fuzzy_c_means::genetic::{self, GeneticSettings};
 use crate::math::fuzzy_c_means::harden::{self, BySource};
 use crate::math::fuzzy_c_means::{
-    FuzzyCMeans, FuzzyError, Metric, Objects, Outcome, Settings, Step, start, validity,
+    ClusteringResult, FuzzyCMeans, FuzzyCMeansSettings, FuzzyError, IterationState, Metric,
+    Objects, start, validity,
 };
 use crate::math::gaussian::Gaussian;
 use crate::math::rng::{Purpose, Seed};
@@ -47,7 +48,7 @@ fn build(parameters: &Value, seed: Seed) -> Result<Box<dyn Grouper>, serde_json:
         max_iterations,
         ..
     } = parameters;
-    let clustering = FuzzyCMeans::new(Settings {
+    let clustering = FuzzyCMeans::new(FuzzyCMeansSettings {
         fuzzifier,
         tolerance,
         max_iterations,
@@ -89,7 +90,7 @@ impl History {
     /// Numbers that are kept.
     const MAX_SIZE: usize = 1_000_000;
 
-    fn keep(&mut self, snapshot: u64, step: &Step) {
+    fn keep(&mut self, snapshot: u64, step: &IterationState) {
         let size = 1 + step.centres.len() + step.memberships.len();
         if self.size + size > Self::MAX_SIZE {
             self.left_out += 1;
@@ -139,7 +140,7 @@ impl Grouper for FuzzyGrouper {
         let outcome = run.map_err(fault)?;
         Ok(self.harden(
             snapshot.reports,
-            &Outcome {
+            &ClusteringResult {
                 iterations: spent + outcome.iterations,
                 ..outcome
             },
@@ -243,7 +244,7 @@ impl FuzzyGrouper {
         Ok((chosen.centres().to_vec(), spent))
     }
 
-    fn harden(&mut self, reports: &[Report], outcome: &Outcome) -> Grouping {
+    fn harden(&mut self, reports: &[SensorReport], outcome: &ClusteringResult) -> Grouping {
         let (memberships, clusters) = (self.clustering.memberships(), self.clustering.clusters());
         let mut labels = Vec::new();
         if self.parameters.one_per_sensor {
@@ -288,8 +289,8 @@ fn fault(error: FuzzyError) -> Vec<Fault> {
 }
 
 /// Four numbers for each report.
-fn inverse_covariances(reports: &[Report]) -> Vec<f64> {
-    let inverse = |report: &Report| {
+fn inverse_covariances(reports: &[SensorReport]) -> Vec<f64> {
+    let inverse = |report: &SensorReport| {
         let gaussian = Gaussian::new(&report.place.covariance);
         gaussian.map_or([0.0; 4], |gaussian| {
             let inverse = gaussian.inverse();

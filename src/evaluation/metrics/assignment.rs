@@ -18,7 +18,7 @@
 
 use super::origin::{Origin, PAIRS, PairColumn, Statistic, TRACKS, TRUTH_POINTS, TRUTHS};
 use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence};
-use crate::evaluation::comparison::{Comparison, Shape, Step};
+use crate::evaluation::comparison::{ComparedStep, Comparison, Shape};
 use crate::registry::{Bound, Kind, Method, Object, optional};
 use serde::Deserialize;
 use serde_json::json;
@@ -199,7 +199,7 @@ impl<'a> Walk<'a> {
         walk
     }
 
-    fn look_around(&mut self, step: &Step) {
+    fn look_around(&mut self, step: &ComparedStep) {
         self.kept.clear();
         self.kept.resize(step.tracks.len(), None);
         self.nearest.clear();
@@ -224,7 +224,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Method, 1.
-    fn assign(&mut self, index: u32, step: &Step) {
+    fn assign(&mut self, index: u32, step: &ComparedStep) {
         let truths = &self.comparison.truths[step.truths.clone()];
         for (offset, presence) in self.comparison.tracks[step.tracks.clone()]
             .iter()
@@ -254,7 +254,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Method, 2.
-    fn associate(&mut self, step: &Step) {
+    fn associate(&mut self, step: &ComparedStep) {
         let comparison = self.comparison;
         self.associated.clear();
         self.associated.resize(step.truths.len(), None);
@@ -298,7 +298,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Method, 3.
-    fn count_truths(&mut self, step: &Step) {
+    fn count_truths(&mut self, step: &ComparedStep) {
         for (presence, associated) in self.comparison.truths[step.truths.clone()]
             .iter()
             .zip(&self.associated)

@@ -55,7 +55,7 @@ enum Boundary {
 
 /// What one truth went through.
 #[derive(Debug, Clone, Copy, Default)]
-struct Life {
+struct TruthLife {
     steps: u32,
     matched: u32,
     switches: u32,
@@ -167,7 +167,7 @@ const FROM: &[Origin] = &[
 
 impl Clear {
     /// 1 for mostly tracked, partly tracked or mostly lost; in whole numbers, so that 80 % is 80 %.
-    fn class(self, life: &Life) -> [u64; 3] {
+    fn class(self, life: &TruthLife) -> [u64; 3] {
         let (five_matched, steps) = (5 * u64::from(life.matched), u64::from(life.steps));
         let is_tracked = match self.mostly_tracked {
             Boundary::AtLeast => five_matched >= 4 * steps,
@@ -184,11 +184,11 @@ impl Clear {
 
 impl Counts {
     /// Adds a sequence; says how each of its truths fared.
-    fn add(&mut self, sequence: &Sequence) -> Vec<Life> {
+    fn add(&mut self, sequence: &Sequence) -> Vec<TruthLife> {
         let Sequence {
             comparison, events, ..
         } = sequence;
-        let mut lives = vec![Life::default(); comparison.truth_ids.len()];
+        let mut lives = vec![TruthLife::default(); comparison.truth_ids.len()];
         let mut round = 0;
         self.steps += comparison.steps.len() as u64;
         for (step, range) in comparison.steps.iter().zip(&events.steps) {
@@ -223,22 +223,22 @@ impl Counts {
         lives
     }
 
-    fn of(&self, kind: EventKind) -> f64 {
+    fn count(&self, kind: EventKind) -> f64 {
         self.kinds[kind as usize] as f64
     }
 
     fn quantities(&self, distance_unit: &'static str) -> Vec<Quantity> {
         let (tp, missed, switches) = (
-            self.of(EventKind::Match),
-            self.of(EventKind::Miss),
-            self.of(EventKind::Switch),
+            self.count(EventKind::Match),
+            self.count(EventKind::Miss),
+            self.count(EventKind::Switch),
         );
         let parts = [
             EventKind::FalseAlarm,
             EventKind::Redundant,
             EventKind::Divergence,
         ]
-        .map(|kind| self.of(kind));
+        .map(|kind| self.count(kind));
         let fp: f64 = parts.iter().sum();
         let truth_points = tp + missed;
         let log_switches = if switches > 0.0 {
@@ -280,7 +280,7 @@ impl Counts {
             count("fp_divergence", parts[2]),
             Quantity::ratio("fp_per_step", fp, self.steps as f64, "", "no step"),
             count("idsw", switches),
-            count("frag", self.of(EventKind::Reacquisition)),
+            count("frag", self.count(EventKind::Reacquisition)),
             count("frag_trackeval", self.frag_trackeval as f64),
             count("mt", mostly_tracked),
             count("pt", partly_tracked),
@@ -292,8 +292,8 @@ impl Counts {
     }
 }
 
-fn truth_lines(sequence: &Sequence, lives: &[Life], classes: &[[u64; 3]]) -> Vec<Line> {
-    let line = |((id, life), class): ((&String, &Life), &[u64; 3])| {
+fn truth_lines(sequence: &Sequence, lives: &[TruthLife], classes: &[[u64; 3]]) -> Vec<Line> {
+    let line = |((id, life), class): ((&String, &TruthLife), &[u64; 3])| {
         let count = |name, count: u32| Quantity::new(name, f64::from(count), "");
         let (matched, steps) = (f64::from(life.matched), f64::from(life.steps));
         let quantities = vec![

@@ -20,7 +20,7 @@
 
 use super::origin::{Origin, PAIRS, PairColumn, Statistic, TRUTH_POINTS, TRUTHS};
 use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence, Series};
-use crate::evaluation::comparison::{Comparison, Presence, Shape, Step};
+use crate::evaluation::comparison::{ComparedStep, Comparison, Presence, Shape};
 use crate::model::sensor::SensorSettings;
 use crate::model::state::Position;
 use crate::registry::{Bound, Field, Kind, Method, Object, default, optional};
@@ -125,7 +125,7 @@ impl Metric for TrackKeeping {
             .map(|(sequence, sigma)| self.run(sequence, sigma.unwrap_or(f64::NAN)))
             .collect();
         let unit = unit_of(sequences);
-        let quantities = quantities(&runs, undefined(sequences, &sigmas), unit);
+        let quantities = quantities(&runs, why_undefined(sequences, &sigmas), unit);
         let parameters = json!({
             "sigma": sigmas.first().copied().flatten(), "unit": unit, "apart_sigmas": self.apart_sigmas,
             "lost_sigmas": self.lost_sigmas, "stay_sigmas": self.stay_sigmas,
@@ -133,7 +133,7 @@ impl Metric for TrackKeeping {
         let mut report = MetricReport::new("identity", true, parameters, quantities);
         report.origins = FROM.to_vec();
         if let ([sequence], [run]) = (sequences, &runs[..]) {
-            let is_defined = undefined(sequences, &sigmas).is_none();
+            let is_defined = why_undefined(sequences, &sigmas).is_none();
             let lines = sequence.comparison.truth_ids.iter().zip(&run.targets);
             report.per_truth = lines
                 .map(|(id, kept)| line(id, kept, sequence.comparison, is_defined, unit))
@@ -170,7 +170,7 @@ fn unit_of(sequences: &[Sequence]) -> &'static str {
 }
 
 /// Why nothing can be said of the tracks' keeping.
-fn undefined(sequences: &[Sequence], sigmas: &[Option<f64>]) -> Option<&'static str> {
+fn why_undefined(sequences: &[Sequence], sigmas: &[Option<f64>]) -> Option<&'static str> {
     let comparisons = || sequences.iter().map(|sequence| sequence.comparison);
     if comparisons().all(|comparison| comparison.truth_ids.is_empty()) {
         return Some(NO_TARGET);
@@ -222,7 +222,7 @@ impl TrackKeeping {
             for truth_place in step.truths.clone() {
                 let truth = &comparison.truths[truth_place];
                 let track =
-                    track_of[truth.id as usize].and_then(|id| found(&comparison.tracks, step, id));
+                    track_of[truth.id as usize].and_then(|id| find(&comparison.tracks, step, id));
                 let kept = &mut run.targets[truth.id as usize];
                 let Some(track_place) = track else {
                     kept.missing += 1;
@@ -284,7 +284,7 @@ fn track_of_each(comparison: &Comparison) -> Vec<Option<u32>> {
         .collect()
 }
 
-fn found(tracks: &[Presence], step: &Step, id: u32) -> Option<usize> {
+fn find(tracks: &[Presence], step: &ComparedStep, id: u32) -> Option<usize> {
     tracks[step.tracks.clone()]
         .binary_search_by_key(&id, |presence| presence.id)
         .ok()
@@ -298,7 +298,7 @@ struct Places {
 }
 
 impl Places {
-    fn new(comparison: &Comparison, step: &Step) -> Places {
+    fn new(comparison: &Comparison, step: &ComparedStep) -> Places {
         let mut by_x: Vec<(Position, u32)> = comparison.truths[step.truths.clone()]
             .iter()
             .map(|truth| (truth.position_m, truth.id))

@@ -23,7 +23,7 @@ use crate::model::fault::Fault;
 use crate::model::scan::Recording;
 use crate::model::sensor::SensorSettings;
 use crate::model::truth::TruthSet;
-use normal_form::{Step, StringSet};
+use normal_form::{StringSet, StringStep};
 use outputs::Outputs;
 
 /// What the symbols of strings are.
@@ -281,11 +281,12 @@ fn by_nearest_truth<'a>(
     let nearest = NearestTruth::new(truth, &axis, gate_m, max_gap_s, input.recording.is_none())?;
     let mut strings = StringSet::new(max_missed);
     for (target, scans) in nearest.scans_of_target.iter().enumerate() {
-        strings.push_owner(
-            scans
-                .iter()
-                .map(|&scan| (axis.scans()[scan].position, Step::certain(target as u32))),
-        );
+        strings.push_owner(scans.iter().map(|&scan| {
+            (
+                axis.scans()[scan].position,
+                StringStep::certain(target as u32),
+            )
+        }));
     }
     if nearest.never_watched > 0 {
         warnings.push(format!(
@@ -347,7 +348,7 @@ fn truth_strings(
         strings.push_owner(
             places[first..end]
                 .iter()
-                .map(|&(position, symbol)| (position as usize, Step::certain(symbol))),
+                .map(|&(position, symbol)| (position as usize, StringStep::certain(symbol))),
         );
         first = room;
     }

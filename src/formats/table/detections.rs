@@ -31,7 +31,7 @@ struct Columns {
 }
 
 impl Columns {
-    fn of(header: &Header) -> Self {
+    fn from_header(header: &Header) -> Self {
         Columns {
             time: header.required("time_s"),
             scan: header.required("scan"),
@@ -85,7 +85,7 @@ pub fn read(
     sensors: Vec<SensorSettings>,
     warnings: &mut Vec<String>,
 ) -> Result<(Dataset, bool), Vec<Fault>> {
-    let columns = Columns::of(header);
+    let columns = Columns::from_header(header);
     let mut reader = RowReader::new(rows);
     let mut builder = Builder::default();
     while reader.advance() {

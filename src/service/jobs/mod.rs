@@ -58,8 +58,8 @@ use tokio_util::sync::CancellationToken;
 use uuid::Uuid;
 
 /// How often the service looks after itself, and how often it sweeps.
-const UPKEEP: Duration = Duration::from_secs(5);
-const SWEEP: Duration = Duration::from_secs(3600);
+const MAINTENANCE_INTERVAL: Duration = Duration::from_secs(5);
+const COLLECTION_INTERVAL: Duration = Duration::from_secs(3600);
 /// A database that takes longer for nothing is not there.
 const ANSWER: Duration = Duration::from_secs(2);
 /// An idempotency key is remembered for a day.
@@ -341,10 +341,10 @@ impl Inner {
         self.storage.recover().await
     }
 
-    async fn sweep_tables(&self) -> anyhow::Result<()> {
+    async fn clean_tables(&self) -> anyhow::Result<()> {
         self.storage.forget_keys(KEY_AGE).await?;
         // What a bucket that was out of reach still has.
-        Ok(self.sweep(Vec::new()).await?)
+        Ok(self.collect_garbage(Vec::new()).await?)
     }
 }
 
@@ -356,7 +356,7 @@ fn handler(inner: Weak<Inner>) -> Handler {
             let Some(inner) = inner else {
                 bail!("the service has stopped")
             };
-            let looked = inner.clone().look(entry).await;
+            let looked = inner.clone().handle_entry(entry).await;
             if looked.is_err() {
                 inner.must_requeue.store(true, Ordering::Release);
             }
@@ -366,11 +366,11 @@ fn handler(inner: Weak<Inner>) -> Handler {
     })
 }
 
-async fn keep_up(inner: Weak<Inner>, closing: CancellationToken) {
-    let mut swept = Instant::now();
+async fn maintain(inner: Weak<Inner>, closing: CancellationToken) {
+    let mut collected = Instant::now();
     loop {
         tokio::select! {
-            () = tokio::time::sleep(UPKEEP) => {}
+            () = tokio::time::sleep(MAINTENANCE_INTERVAL) => {}
             () = closing.cancelled() => return,
         }
         let Some(inner) = inner.upgrade() else { return };
@@ -379,9 +379,9 @@ async fn keep_up(inner: Weak<Inner>, closing: CancellationToken) {
             // In case a notice was lost.
             done = inner.stop_unwanted(&inner.running.jobs()).await;
         }
-        if done.is_ok() && swept.elapsed() > SWEEP {
-            swept = Instant::now();
-            done = inner.sweep_tables().await;
+        if done.is_ok() && collected.elapsed() > COLLECTION_INTERVAL {
+            collected = Instant::now();
+            done = inner.clean_tables().await;
         }
         if done.is_ok() {
             done = inner.tidy().await;
@@ -393,7 +393,7 @@ async fn keep_up(inner: Weak<Inner>, closing: CancellationToken) {
 }
 
 /// Listens to the processes that share the database.
-async fn hear(mut notices: Notices, inner: Weak<Inner>, closing: CancellationToken) {
+async fn listen(mut notices: Notices, inner: Weak<Inner>, closing: CancellationToken) {
     loop {
         let heard = tokio::select! {
             heard = notices.next() => heard,

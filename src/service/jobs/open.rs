@@ -5,7 +5,7 @@ use super::control::Running;
 use super::hub::Hub;
 use super::in_child::{LOOKS, UPLOADS};
 use super::recent::Recent;
-use super::{Inner, Jobs, handler, hear, keep_up};
+use super::{Inner, Jobs, handler, listen, maintain};
 use crate::service::child::{Children, IS_LIMITED, default_memory, size_text};
 use crate::service::config::Config;
 use crate::service::engine::Engine;
@@ -33,7 +33,11 @@ impl Jobs {
             let notices = Notices::listen(url)
                 .await
                 .context("cannot listen to the database")?;
-            tokio::spawn(hear(notices, Arc::downgrade(&inner), inner.closing.clone()));
+            tokio::spawn(listen(
+                notices,
+                Arc::downgrade(&inner),
+                inner.closing.clone(),
+            ));
         } else {
             inner.take_up().await.with_context(|| {
                 format!(
@@ -44,7 +48,7 @@ impl Jobs {
         }
         inner.enqueue_ready(inner.lock.is_none()).await?;
         inner.engine.run(handler(Arc::downgrade(&inner)));
-        tokio::spawn(keep_up(Arc::downgrade(&inner), inner.closing.clone()));
+        tokio::spawn(maintain(Arc::downgrade(&inner), inner.closing.clone()));
         Ok(Jobs(inner))
     }
 }

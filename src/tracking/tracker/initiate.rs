@@ -9,7 +9,7 @@ use crate::model::state::GaussianState;
 use crate::model::track::{Candidate, Estimate};
 use crate::model::watch::{Halt, Watch};
 use crate::tracking::initiation::{Initiation, Pair, PairRule, Point};
-use crate::tracking::terms::Terms;
+use crate::tracking::likelihood_constants::LikelihoodConstants;
 
 impl<F: Filter<N, D>, const N: usize, const D: usize> Tracker<F, N, D>
 where
@@ -82,8 +82,8 @@ where
         let (sensor, lifecycle) = (&self.parts.sensors[scan.sensor], self.parts.lifecycle);
         let log_ratio = (sensor.p_d / sensor.clutter_density).ln() - pair.log_reach_volume;
         let mut life = lifecycle.start();
-        let log_none = Terms::of(sensor, lifecycle.gate_probability).log_none;
-        (0..pair.missed).for_each(|_| lifecycle.advance(&mut life, false, log_none));
+        let log_missed = LikelihoodConstants::new(sensor, lifecycle.gate_probability).log_missed;
+        (0..pair.missed).for_each(|_| lifecycle.advance(&mut life, false, log_missed));
         let was_confirmed = life.is_confirmed();
         lifecycle.advance(&mut life, true, log_ratio);
         if life.is_over() {

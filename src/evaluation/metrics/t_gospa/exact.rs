@@ -38,7 +38,7 @@ const ALONE: usize = usize::MAX - 1;
 
 /// The least cost with its parts; `None` when the doubts are too many, or the watch says to stop.
 pub fn solve(cluster: &Cluster, penalty: f64, watch: &Watch) -> Option<Solution> {
-    let mut search = Search::new(cluster, penalty, watch);
+    let mut search = LabelSearch::new(cluster, penalty, watch);
     for step in &cluster.steps {
         search.step(step)?;
     }
@@ -86,11 +86,11 @@ struct Group {
     labels: Vec<Label>,
 }
 
-struct Search<'w> {
+struct LabelSearch<'w> {
     watch: &'w Watch<'w>,
     truths: usize,
     penalty: f64,
-    /// By a number that [`Search::group_of`] refers to.
+    /// By a number that [`LabelSearch::group_of`] refers to.
     groups: Vec<Option<Group>>,
     group_of: Vec<usize>,
     /// Place of each member in its group.
@@ -108,10 +108,10 @@ fn is_held(state: usize) -> bool {
     state < ALONE
 }
 
-impl<'w> Search<'w> {
+impl<'w> LabelSearch<'w> {
     fn new(cluster: &Cluster, penalty: f64, watch: &'w Watch<'w>) -> Self {
         let members = cluster.truths + cluster.tracks;
-        let mut search = Search {
+        let mut search = LabelSearch {
             watch,
             truths: cluster.truths,
             penalty,
@@ -282,7 +282,7 @@ impl<'w> Search<'w> {
             }
             self.go_on(64)?;
         }
-        let mut labels = self.undominated(&group.members, successors)?;
+        let mut labels = self.drop_dominated(&group.members, successors)?;
         for label in &mut labels {
             let is_held =
                 |pair: &&Near| label.states[self.place_of[pair.truth]] == self.truths + pair.track;
@@ -336,7 +336,7 @@ impl<'w> Search<'w> {
     }
 
     /// Method 3: from the cheapest on, those that no cheaper one reaches.
-    fn undominated(&mut self, members: &[usize], mut labels: Vec<Label>) -> Option<Vec<Label>> {
+    fn drop_dominated(&mut self, members: &[usize], mut labels: Vec<Label>) -> Option<Vec<Label>> {
         labels.sort_by(|one, other| {
             one.cost
                 .total_cmp(&other.cost)

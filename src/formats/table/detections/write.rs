@@ -10,7 +10,7 @@ use std::io;
 /// # Errors
 /// What the output says.
 pub fn write(recording: &Recording, sink: &mut dyn Sink) -> io::Result<()> {
-    let layout = Layout::of(recording);
+    let layout = Layout::for_recording(recording);
     sink.begin(&layout.columns())?;
     for scan in &recording.scans {
         if scan.count == 0 {
@@ -35,7 +35,7 @@ struct Layout {
 }
 
 impl Layout {
-    fn of(recording: &Recording) -> Self {
+    fn for_recording(recording: &Recording) -> Self {
         let has = |wanted: fn(&Measurement) -> bool| {
             recording
                 .detections

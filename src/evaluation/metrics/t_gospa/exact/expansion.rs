@@ -1,10 +1,10 @@
 //! The ways in which one label may go on over one step.
 
-use super::{ALONE, FRESH, Label, MAX_SUCCESSORS, Near, Search, is_held};
+use super::{ALONE, FRESH, Label, LabelSearch, MAX_SUCCESSORS, Near, is_held};
 
 /// Method 2: all ways in which one label may take pairs of a step anew, truth by truth.
 pub(super) struct Expansion<'a> {
-    search: &'a Search<'a>,
+    search: &'a LabelSearch<'a>,
     /// The near pairs of each truth that has any.
     rows: &'a [&'a [Near]],
     label: Label,
@@ -13,7 +13,7 @@ pub(super) struct Expansion<'a> {
 }
 
 impl<'a> Expansion<'a> {
-    pub fn new(search: &'a Search, rows: &'a [&'a [Near]], label: &Label) -> Expansion<'a> {
+    pub fn new(search: &'a LabelSearch, rows: &'a [&'a [Near]], label: &Label) -> Expansion<'a> {
         let is_taken = vec![false; label.states.len()];
         let label = Label {
             new_switches: 0.0,
@@ -49,7 +49,7 @@ impl<'a> Expansion<'a> {
             return;
         }
         let Some(near) = self.rows.get(row) else {
-            successors.push(self.finished());
+            successors.push(self.finish());
             return;
         };
         self.extend(row + 1, improvement, successors);
@@ -119,7 +119,7 @@ impl<'a> Expansion<'a> {
     }
 
     /// The label with the gains of this step.
-    fn finished(&self) -> Label {
+    fn finish(&self) -> Label {
         let mut label = self.label.clone();
         for pair in self.rows.iter().copied().flatten() {
             if label.states[self.search.place_of[pair.truth]] == self.search.truths + pair.track {
