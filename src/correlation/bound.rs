@@ -1,13 +1,13 @@
 //! What no way to put the tracks together undercuts, so that every answer says how far from the optimum it may be.
 //!
 //! # Method
-//! - Chain: the optimum itself, one assignment ([`super::exact`]).
+//! - Chain: the optimum itself, one assignment ([`super::chain`]).
 //! - All pairs: the tuples of any solution give, for each pair of sensors, an assignment of their tracks; J is the sum of its
 //!   links. So J is at least the sum of the optimal assignments of all pairs of sensors, each solved by itself. (It is the
 //!   relaxation that forgets that two tracks with a common partner are partners.)
 //! - Joint costs fall into no pairs; there is no bound.
 
-use super::exact::cheapest_chains;
+use super::chain::cheapest_chains;
 use super::problem::{CorrelationProblem, Costs};
 use crate::math::assignment::AssignmentSolver;
 

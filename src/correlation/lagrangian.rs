@@ -11,9 +11,9 @@
 //!    is the local search's, and the bound is that of all pairs ([`super::bound`]), or none.
 
 use super::bound::dual_bound;
+use super::chain::cheapest_chains;
 use super::cluster::{Cluster, clusters};
-use super::exact::{cheapest_chains, improve_all};
-use super::improve::Improver;
+use super::improve::{Improver, improve_all};
 use super::nearest::nearest_tuples;
 use super::partition::Partition;
 use super::pricing::price;

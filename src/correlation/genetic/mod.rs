@@ -30,9 +30,9 @@ mod paper;
 mod permutation;
 
 use super::bound::dual_bound;
+use super::chain::cheapest_chains;
 use super::cluster::{Cluster, clusters};
-use super::exact::{cheapest_chains, improve_all};
-use super::improve::Improver;
+use super::improve::{Improver, improve_all};
 use super::lagrangian::relaxed_answer;
 use super::nearest::nearest_tuples;
 use super::partition::Partition;

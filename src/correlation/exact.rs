@@ -1,14 +1,10 @@
 //! The optimum itself, proven.
 
-mod chain;
-mod cover;
-
-pub(super) use chain::cheapest_chains;
-
-use super::cluster::{Cluster, clusters};
-use super::improve::Improver;
+use super::chain::cheapest_chains;
+use super::cluster::clusters;
+use super::cover::cheapest_cover;
+use super::improve::{Improver, improve_all};
 use super::nearest::nearest_tuples;
-use super::partition::Partition;
 use super::problem::{CorrelationProblem, Costs};
 use super::tuples::TooLarge;
 use super::weighted::weighted_tuples;
@@ -77,7 +73,7 @@ impl Exact {
         for cluster in clusters(problem) {
             let start = improve_all(&cluster, &known, &mut improver).swap_remove(0);
             let mut nodes = self.max_nodes;
-            let found = cover::cheapest_cover(&cluster, start.cost(), &mut nodes, watch).map_err(|TooLarge| {
+            let found = cheapest_cover(&cluster, start.cost(), &mut nodes, watch).map_err(|TooLarge| {
                 let detail = format!(
                     "a cluster of {} tracks of {} sensors needs more than {} nodes to prove its optimum",
                     cluster.len(),
@@ -91,22 +87,6 @@ impl Exact {
         }
         Ok(tuples)
     }
-}
-
-/// What others answer for a cluster, after local search, the better first.
-pub(super) fn improve_all(
-    cluster: &Cluster,
-    known: &[Vec<Vec<u32>>],
-    improver: &mut Improver,
-) -> Vec<Partition> {
-    let improve = |tuples: &Vec<Vec<u32>>| {
-        let mut partition = Partition::of_problem(cluster, tuples);
-        improver.improve_all(cluster, &mut partition);
-        partition
-    };
-    let mut partitions: Vec<Partition> = known.iter().map(improve).collect();
-    partitions.sort_by(|left, right| left.cost().total_cmp(&right.cost()));
-    partitions
 }
 
 fn proven(solution: Solution, bound: f64) -> Solution {

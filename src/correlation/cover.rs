@@ -10,8 +10,8 @@
 //! 2. Where the cost so far and Σ u(t) over the free tracks do not undercut the best answer known, nothing below is looked at.
 //!    The first best answer is a local search's.
 
-use crate::correlation::cluster::{Cluster, LEAST_GAIN};
-use crate::correlation::tuples::{Relaxation, TooLarge, Tuple, list_tuples, prices, relax};
+use super::cluster::{Cluster, LEAST_GAIN};
+use super::tuples::{Relaxation, TooLarge, Tuple, list_tuples, prices, relax};
 use crate::model::watch::Watch;
 
 /// Rounds of the relaxation that gives the prices.
