@@ -1,6 +1,6 @@
 //! What each step of a string may have been, where the tracks did not decide (`all_gated`).
 
-use super::normal_form::{EPSILON, StringStep};
+use super::step::{EPSILON, StringStep};
 
 /// Symbols and weights, those of one step in a row.
 #[derive(Debug)]

@@ -12,6 +12,7 @@ mod choices;
 pub mod difference;
 pub mod normal_form;
 pub mod outputs;
+pub mod step;
 
 use super::EvaluationInput;
 use super::axis::Axis;
@@ -23,8 +24,9 @@ use crate::model::fault::Fault;
 use crate::model::scan::Recording;
 use crate::model::sensor::SensorSettings;
 use crate::model::truth::TruthSet;
-use normal_form::{StringSet, StringStep};
+use normal_form::StringSet;
 use outputs::Outputs;
+use step::StringStep;
 
 /// What the symbols of strings are.
 #[derive(Debug, Clone, Copy, PartialEq)]

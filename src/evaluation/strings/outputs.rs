@@ -5,7 +5,8 @@
 //! least weight is kept beside the decision, ε also where nothing else is. Under `nearest_detection` and `nearest_truth`
 //! the symbol is the nearest detection or target instead.
 
-use super::normal_form::{StringSet, StringStep};
+use super::normal_form::StringSet;
+use super::step::StringStep;
 use super::{DecisionPolicy, Source};
 use crate::evaluation::axis::Axis;
 use crate::evaluation::identities::Identities;

@@ -5,11 +5,10 @@ use super::automaton::Automaton;
 use super::births::Births;
 use super::determinise::{determinise, minimise};
 use super::export::AutomatonFile;
-use super::findings::Findings;
 use super::model_check::{self, Broken};
 use super::output_tracks::{self, Classes};
 use super::paths::Paths;
-use super::report::{Size, TfaReport};
+use super::report::Size;
 use super::search::RunSearch;
 use super::tolerant::{self, Bridge};
 use super::verdict::{self, Sides, TargetVerdict};
@@ -127,10 +126,6 @@ impl<'a> TfaEvaluation<'a> {
             broken,
             least_errors,
         }
-    }
-
-    pub fn report(&self) -> TfaReport {
-        Findings(self).report()
     }
 
     /// The sizes of the automaton as built.

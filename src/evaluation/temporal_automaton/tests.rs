@@ -5,7 +5,8 @@ use super::births::Births;
 use super::determinise::{determinise, minimise};
 use super::paths::Paths;
 use super::search::{Order, Run, RunSearch, START, Transitions};
-use crate::evaluation::strings::normal_form::{EPSILON, StringSet, StringStep};
+use crate::evaluation::strings::normal_form::StringSet;
+use crate::evaluation::strings::step::{EPSILON, StringStep};
 use proptest::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
