@@ -1,9 +1,10 @@
 //! One cluster as the swarm sees it. What an entry of a bat can be is numbered (a code): the edges of the cluster row by row, then, if all
 //! detections of the scan may be drawn, each of them as one outside the gate, last "none". All memory is reused.
 
-use super::super::problem::{Problem, Weights};
 use super::cluster_rng::{ClusterRng, scale};
 use super::{BatSettings, Candidates, Objective};
+use crate::association::local_numbers::LocalNumbers;
+use crate::association::problem::{Problem, Weights};
 
 /// What an entry can be.
 #[derive(Debug, Clone, Copy)]
@@ -16,6 +17,17 @@ pub(super) struct Code {
     pub(super) key: u64,
     /// The detection's number in the cluster; none has the number behind the last.
     pub(super) detection: u32,
+}
+
+/// From a bat to a neighbour: `row` gets `code`; unless that is [`NOBODY`], `other` gets `other_code`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Move {
+    pub(super) row: u32,
+    pub(super) code: u32,
+    pub(super) other: u32,
+    pub(super) other_code: u32,
+    /// What the objective gains.
+    pub(super) delta: f64,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -34,10 +46,7 @@ pub(super) struct Cluster {
     drawn_from: u32,
     /// 1 when "none" may be drawn, else 0.
     none_draws: u32,
-    /// Number in the cluster of each detection of the scan; only those of the cluster are not [`NOBODY`].
-    local_of: Vec<u32>,
-    /// Detections of the scan that have a number.
-    numbered: Vec<u32>,
+    numbers: LocalNumbers,
 }
 
 /// No row, or no number.
@@ -77,7 +86,7 @@ impl Cluster {
                 let detection = if takes_all {
                     number
                 } else {
-                    self.number_of(number)
+                    self.numbers.number_of(number)
                 };
                 self.codes.push(Code {
                     gain,
@@ -92,7 +101,7 @@ impl Cluster {
         self.detections = if takes_all {
             problem.detections()
         } else {
-            self.numbered.len() as u32
+            self.numbers.len() as u32
         };
         self.none_draws = u32::from(settings.draws_missed());
         let nothing = |detection| Code {
@@ -106,23 +115,9 @@ impl Cluster {
     }
 
     fn clear(&mut self) {
-        for detection in self.numbered.drain(..) {
-            self.local_of[detection as usize] = NOBODY;
-        }
+        self.numbers.clear();
         self.rows.clear();
         self.codes.clear();
-    }
-
-    fn number_of(&mut self, detection: u32) -> u32 {
-        let place = detection as usize;
-        if self.local_of.len() <= place {
-            self.local_of.resize(place + 1, NOBODY);
-        }
-        if self.local_of[place] == NOBODY {
-            self.local_of[place] = self.numbered.len() as u32;
-            self.numbered.push(detection);
-        }
-        self.local_of[place]
     }
 
     pub(super) fn row_count(&self) -> usize {

@@ -2,7 +2,7 @@
 //! difference. All memory is reused from cluster to cluster.
 
 use super::BatSettings;
-use super::cluster::{Cluster, NOBODY};
+use super::cluster::{Cluster, Move, NOBODY};
 use super::cluster_rng::ClusterRng;
 use super::visited::Visited;
 
@@ -29,17 +29,6 @@ struct BatState {
     loudness: f64,
     pulse_rate: f64,
     first_pulse_rate: f64,
-}
-
-/// From a bat to a neighbour: `row` gets `code`; unless that is [`NOBODY`], `other` gets `other_code`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Move {
-    pub(super) row: u32,
-    pub(super) code: u32,
-    pub(super) other: u32,
-    pub(super) other_code: u32,
-    /// What the objective gains.
-    pub(super) delta: f64,
 }
 
 impl Swarm {

@@ -8,8 +8,7 @@
 //!    All sums are multiples of the largest weight so far, so that none leaves the range of numbers.
 
 use super::super::problem::{Problem, Weights};
-use super::cluster::{Cluster, NOBODY};
-use super::swarm::Move;
+use super::cluster::{Cluster, Move, NOBODY};
 
 #[derive(Debug, Default)]
 pub(super) struct Visited {

@@ -1,7 +1,8 @@
 //! One cluster in compact form: tracks and detections numbered from 0, each edge with the ratio of its weight to that
 //! of "no detection", and the marginals that a method finds. All memory is reused from cluster to cluster.
 
-use super::super::problem::{Problem, Weights};
+use crate::association::local_numbers::LocalNumbers;
+use crate::association::problem::{Problem, Weights};
 
 /// Nodes of one side with the edges at each.
 #[derive(Debug, Default)]
@@ -72,13 +73,8 @@ pub(super) struct Cluster {
     pub(super) beta: Vec<f64>,
     /// Answer: β₀ of each track.
     pub(super) missed: Vec<f64>,
-    /// Number in the cluster of each detection of the scan; only those of the cluster are not [`NOBODY`].
-    local_of: Vec<u32>,
-    /// Detections of the scan that have a number.
-    numbered: Vec<u32>,
+    numbers: LocalNumbers,
 }
-
-const NOBODY: u32 = u32::MAX;
 
 /// Logarithms of ratios beyond this are as good as certain; the limit keeps infinities out.
 const MAX_LOG_RATIO: f64 = 1e9;
@@ -92,7 +88,7 @@ impl Cluster {
         self.clear();
         for (index, (_, row)) in problem.rows().enumerate() {
             for edge in row.edges().map(|edge| problem.edge(edge)) {
-                let detection = self.number_of(edge.detection);
+                let detection = self.numbers.number_of(edge.detection);
                 self.track_of.push(index as u32);
                 self.detection_of.push(detection);
                 self.log_ratio.push(
@@ -109,9 +105,7 @@ impl Cluster {
     }
 
     fn clear(&mut self) {
-        for detection in self.numbered.drain(..) {
-            self.local_of[detection as usize] = NOBODY;
-        }
+        self.numbers.clear();
         for list in [
             &mut self.tracks.ends,
             &mut self.tracks.incident,
@@ -125,23 +119,11 @@ impl Cluster {
         }
     }
 
-    fn number_of(&mut self, detection: u32) -> u32 {
-        let place = detection as usize;
-        if self.local_of.len() <= place {
-            self.local_of.resize(place + 1, NOBODY);
-        }
-        if self.local_of[place] == NOBODY {
-            self.local_of[place] = self.numbered.len() as u32;
-            self.numbered.push(detection);
-        }
-        self.local_of[place]
-    }
-
     /// Counting sort of the edges by detection.
     fn group_by_detection(&mut self) {
         let Nodes { ends, incident } = &mut self.detections;
         ends.clear();
-        ends.resize(self.numbered.len(), 0);
+        ends.resize(self.numbers.len(), 0);
         for &detection in &self.detection_of {
             ends[detection as usize] += 1;
         }
