@@ -25,7 +25,7 @@ use super::candidates::candidates;
 use super::cross_covariance::CrossTable;
 use super::estimates::Estimates;
 use super::evidence::{Evidence, Spread, Times};
-use super::problem::{Costs, JointCost, Problem};
+use super::problem::{CorrelationProblem, Costs, JointCost};
 use crate::math::gaussian::{chi_square_quantile, chi_square_tail};
 use crate::registry::{Bound, Field, Kind, Object, Union, Variant, default, optional};
 use serde::Deserialize;
@@ -287,7 +287,7 @@ impl Correlation {
         }
     }
 
-    pub fn problem(&self, until: usize) -> Problem {
+    pub fn problem(&self, until: usize) -> CorrelationProblem {
         let evidence = self.evidence(until);
         let problem = self.problem_of(evidence.clone());
         if evidence.cross.is_none() {
@@ -299,7 +299,7 @@ impl Correlation {
         }))
     }
 
-    fn problem_of(&self, evidence: Evidence) -> Problem {
+    fn problem_of(&self, evidence: Evidence) -> CorrelationProblem {
         let until = evidence.until;
         let links = self.links(&evidence);
         let costs = match self.statistic {
@@ -317,7 +317,7 @@ impl Correlation {
                 Costs::Joint(Box::new(self.likelihood_ratio(evidence.clone())))
             }
         };
-        Problem::new(&self.estimates.tracks_of, &links, costs).with_evidence(evidence)
+        CorrelationProblem::new(&self.estimates.tracks_of, &links, costs).with_evidence(evidence)
     }
 
     /// The linked pairs with their costs.

@@ -20,7 +20,7 @@ use super::extent::place_of;
 use crate::gating::grid::Grid;
 use crate::math::gaussian::gate_threshold;
 use crate::model::scan::{Recording, Scan};
-use crate::model::sensor::{Report, Sensor, SensorSettings};
+use crate::model::sensor::{MeasurementModel, Sensor, SensorSettings};
 use crate::model::state::Position;
 
 const MOST_TRIPLES: usize = 200;
@@ -117,7 +117,7 @@ fn triples_of<'a>(recording: &'a Recording, sensors: &[Sensor]) -> Vec<[&'a Scan
     for (scans, _) in scans_of
         .iter()
         .zip(sensors)
-        .filter(|(_, sensor)| !matches!(sensor.report, Report::Bearing { .. }))
+        .filter(|(_, sensor)| !matches!(sensor.report, MeasurementModel::Bearing { .. }))
     {
         let in_a_row = scans.windows(3).map(|three| [three[0], three[1], three[2]]);
         triples.extend(in_a_row.filter(|three| three.iter().all(|scan| scan.count > 0)));
@@ -135,7 +135,7 @@ fn triples_of<'a>(recording: &'a Recording, sensors: &[Sensor]) -> Vec<[&'a Scan
 impl Look {
     fn new(recording: &Recording, scan: &Scan, settings: &SensorSettings, sensor: &Sensor) -> Look {
         let place_m = match &sensor.report {
-            Report::Polar(polar) => polar.place_m,
+            MeasurementModel::Polar(polar) => polar.place_m,
             _ => place_of(settings),
         };
         let mut seen = Vec::new();
@@ -184,17 +184,17 @@ impl Look {
 }
 
 /// The larger variance of a coordinate.
-fn variance_m2(report: &Report, at_m: &Position) -> f64 {
+fn variance_m2(report: &MeasurementModel, at_m: &Position) -> f64 {
     match *report {
-        Report::Position {
+        MeasurementModel::Position {
             sigma_x_m,
             sigma_y_m,
         } => sigma_x_m.max(sigma_y_m).powi(2),
-        Report::Polar(polar) => polar
+        MeasurementModel::Polar(polar) => polar
             .sigma_range_m
             .max((at_m - polar.place_m).norm() * polar.sigma_bearing_rad)
             .powi(2),
-        Report::Bearing { .. } => 0.0,
+        MeasurementModel::Bearing { .. } => 0.0,
     }
 }
 

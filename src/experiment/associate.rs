@@ -7,7 +7,7 @@ use super::plan::Plan;
 use super::run::{Decided, RunError};
 use super::speeds::Taken;
 use crate::association::{ASSOCIATORS, Associator, Needs, Trace};
-use crate::filtering::{Chosen, FILTERS, Filter};
+use crate::filtering::{AnyFilter, FILTERS, Filter};
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
 use crate::model::scan::Recording;
@@ -108,7 +108,7 @@ pub(super) fn track(
     if let Some(fault) = unmet_need(&method, associator.needs(), recording) {
         return Err(vec![fault].into());
     }
-    if let Some(fault) = endless_gate(&lifecycle, &sensors) {
+    if let Some(fault) = unbounded_gate(&lifecycle, &sensors) {
         return Err(vec![fault].into());
     }
     let has_rates = !sensors.is_empty()
@@ -133,13 +133,13 @@ pub(super) fn track(
         is_timed: plan.is_timed,
     };
     match filter {
-        Chosen::Kalman(filter) => job.run::<_, 4, 2>(filter, observer),
-        Chosen::Converted(filter) => job.run::<_, 4, 2>(filter, observer),
-        Chosen::Extended(filter) if has_rates => job.run::<_, 4, 3>(filter, observer),
-        Chosen::Extended(filter) => job.run::<_, 4, 2>(filter, observer),
-        Chosen::Unscented(filter) if has_rates => job.run::<_, 4, 3>(filter, observer),
-        Chosen::Unscented(filter) => job.run::<_, 4, 2>(filter, observer),
-        Chosen::BearingOnly(filter) => job.run::<_, 2, 1>(filter, observer),
+        AnyFilter::Kalman(filter) => job.run::<_, 4, 2>(filter, observer),
+        AnyFilter::Converted(filter) => job.run::<_, 4, 2>(filter, observer),
+        AnyFilter::Extended(filter) if has_rates => job.run::<_, 4, 3>(filter, observer),
+        AnyFilter::Extended(filter) => job.run::<_, 4, 2>(filter, observer),
+        AnyFilter::Unscented(filter) if has_rates => job.run::<_, 4, 3>(filter, observer),
+        AnyFilter::Unscented(filter) => job.run::<_, 4, 2>(filter, observer),
+        AnyFilter::BearingOnly(filter) => job.run::<_, 2, 1>(filter, observer),
     }
 }
 
@@ -187,7 +187,7 @@ impl Tracking<'_> {
             sensors,
         });
         for (start, state) in starts.into_iter().zip(states) {
-            tracker.give(
+            tracker.add_track(
                 start.truth_id,
                 state.ok_or_else(|| unusable("/filter"))?,
                 start.origin,
@@ -269,7 +269,7 @@ pub(super) fn lifecycle_of(spec: &Value) -> Result<Lifecycle, RunError> {
 }
 
 /// A fault where a sensor never misses and nothing is outside a gate.
-pub(super) fn endless_gate(lifecycle: &Lifecycle, sensors: &[Sensor]) -> Option<Fault> {
+pub(super) fn unbounded_gate(lifecycle: &Lifecycle, sensors: &[Sensor]) -> Option<Fault> {
     if lifecycle.gate_probability < 1.0 || sensors.iter().all(|sensor| sensor.p_d < 1.0) {
         return None;
     }
@@ -324,7 +324,7 @@ fn unusable(pointer: &str) -> RunError {
 }
 
 /// The filter that `spec` names, and its name.
-pub(super) fn filter_of(spec: &Value) -> Result<(Chosen, &'static str), RunError> {
+pub(super) fn filter_of(spec: &Value) -> Result<(AnyFilter, &'static str), RunError> {
     let entry = FILTERS
         .iter()
         .find(|entry| spec["filter"]["method"] == entry.name)

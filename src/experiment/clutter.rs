@@ -64,7 +64,7 @@ fn used_detections(recording: &Recording, tracks: &TrackSet) -> Vec<bool> {
 mod tests {
     use super::*;
     use crate::model::scan::{Detection, Measurement, RecordingParts, Scan};
-    use crate::model::sensor::Report;
+    use crate::model::sensor::MeasurementModel;
 
     /// One scan of a sensor with a field of view of 1 000 m², and `count` detections that no track takes.
     fn warnings(count: usize, clutter_per_m2: Option<f64>) -> Vec<String> {
@@ -95,7 +95,7 @@ mod tests {
             detection_ids: (0..count).map(|index| index.to_string()).collect(),
             ..Default::default()
         });
-        let report = Report::Position {
+        let report = MeasurementModel::Position {
             sigma_x_m: 1.0,
             sigma_y_m: 1.0,
         };

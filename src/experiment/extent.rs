@@ -2,7 +2,7 @@
 //! are stated over it, per m² or per degree.
 
 use crate::model::scan::{Detection, Measurement, Recording};
-use crate::model::sensor::{Report, SensorSettings};
+use crate::model::sensor::{MeasurementModel, SensorSettings};
 use crate::model::state::Position;
 use std::f64::consts::{PI, TAU};
 
@@ -21,9 +21,9 @@ impl Extent {
         recording: &Recording,
         sensor: usize,
         settings: &SensorSettings,
-        report: &Report,
+        report: &MeasurementModel,
     ) -> Self {
-        let is_of_bearings = matches!(report, Report::Bearing { .. });
+        let is_of_bearings = matches!(report, MeasurementModel::Bearing { .. });
         let seen = if is_of_bearings {
             arc_deg(recording, sensor)
         } else {
@@ -153,7 +153,7 @@ mod tests {
             &recording.unwrap(),
             0,
             &SensorSettings::named("sonar"),
-            &Report::Bearing {
+            &MeasurementModel::Bearing {
                 sigma_bearing_rad: 0.01,
             },
         )

@@ -6,11 +6,11 @@
 use super::{associate, auto_filter, sensors};
 use crate::association::Needs;
 use crate::filtering::prediction::Transition;
-use crate::filtering::{Chosen, Filter};
+use crate::filtering::{AnyFilter, Filter};
 use crate::math::gaussian::gate_threshold;
 use crate::math::rng::Seed;
 use crate::model::scan::Recording;
-use crate::model::sensor::{Report, Sensor, SensorSettings};
+use crate::model::sensor::{MeasurementModel, Sensor, SensorSettings};
 use crate::model::state::{GaussianState, Position, PositionCovariance};
 use crate::model::track::{Track, TrackPoint, TrackSet};
 use crate::tracking::Lifecycle;
@@ -86,13 +86,13 @@ pub fn of<'a>(
             .iter()
             .all(|sensor| sensor.report.range_rate().is_some());
     match filter {
-        Chosen::Kalman(filter) => Some(walk.gates::<_, 2>(&filter, wanted)),
-        Chosen::Converted(filter) => Some(walk.gates::<_, 2>(&filter, wanted)),
-        Chosen::Extended(filter) if has_rates => Some(walk.gates::<_, 3>(&filter, wanted)),
-        Chosen::Extended(filter) => Some(walk.gates::<_, 2>(&filter, wanted)),
-        Chosen::Unscented(filter) if has_rates => Some(walk.gates::<_, 3>(&filter, wanted)),
-        Chosen::Unscented(filter) => Some(walk.gates::<_, 2>(&filter, wanted)),
-        Chosen::BearingOnly(_) => None,
+        AnyFilter::Kalman(filter) => Some(walk.gates::<_, 2>(&filter, wanted)),
+        AnyFilter::Converted(filter) => Some(walk.gates::<_, 2>(&filter, wanted)),
+        AnyFilter::Extended(filter) if has_rates => Some(walk.gates::<_, 3>(&filter, wanted)),
+        AnyFilter::Extended(filter) => Some(walk.gates::<_, 2>(&filter, wanted)),
+        AnyFilter::Unscented(filter) if has_rates => Some(walk.gates::<_, 3>(&filter, wanted)),
+        AnyFilter::Unscented(filter) => Some(walk.gates::<_, 2>(&filter, wanted)),
+        AnyFilter::BearingOnly(_) => None,
     }
 }
 
@@ -155,7 +155,7 @@ impl<'a> Walk<'_, 'a> {
         let expected = filter.expect(&state, sensor)?;
         let covariance = expected.covariance.fixed_view::<2, 2>(0, 0).into_owned();
         let region = match &sensor.report {
-            Report::Polar(polar) if filter.angle(sensor).is_some() => Region::Polar {
+            MeasurementModel::Polar(polar) if filter.angle(sensor).is_some() => Region::Polar {
                 sensor_m: polar.place_m,
                 range_m: expected.measurement[0],
                 bearing_rad: expected.measurement[1],

@@ -12,11 +12,11 @@
 //! Truth between two points is on the line between them, however far they are apart.
 
 use super::run::RunError;
-use crate::filtering::{Chosen, Filter};
+use crate::filtering::{AnyFilter, Filter};
 use crate::math::rng::{Purpose, Seed};
 use crate::model::fault::Fault;
 use crate::model::scan::{Measurement, Recording};
-use crate::model::sensor::{Report, Sensor};
+use crate::model::sensor::{MeasurementModel, Sensor};
 use crate::model::state::{GaussianState, Position};
 use crate::model::truth::{Target, TruePlace, TruthSet};
 use crate::tracking::{Initiation, Lifecycle};
@@ -51,7 +51,7 @@ pub(super) fn starts(
     recording: &Recording,
     truth: Option<&TruthSet>,
     sensors: &[Sensor],
-    (filter, filter_name): (&Chosen, &str),
+    (filter, filter_name): (&AnyFilter, &str),
     seed: Seed,
 ) -> Result<Vec<Start>, RunError> {
     let Initiation::Truth {
@@ -107,7 +107,7 @@ pub(super) fn starts(
 pub(super) fn unfit_truth(
     lifecycle: &Lifecycle,
     is_of_bearings: bool,
-    (filter, filter_name): (&Chosen, &str),
+    (filter, filter_name): (&AnyFilter, &str),
 ) -> Option<Fault> {
     if !matches!(lifecycle.initiation, Initiation::Truth { .. })
         || is_of_bearings == filter.is_of_bearings()
@@ -151,15 +151,15 @@ fn true_at(target: &Target, time_s: f64) -> Option<Truth> {
 
 /// What the sensor would report, with draws of the standard normal distribution as its errors. `None` where it reports
 /// something else than truth tells.
-fn reported(report: &Report, truth: &Truth, errors: [f64; 5]) -> Option<Measurement> {
+fn reported(report: &MeasurementModel, truth: &Truth, errors: [f64; 5]) -> Option<Measurement> {
     match (*report, truth.place) {
-        (Report::Bearing { sigma_bearing_rad }, TruePlace::Bearing { bearing_rad }) => {
+        (MeasurementModel::Bearing { sigma_bearing_rad }, TruePlace::Bearing { bearing_rad }) => {
             Some(Measurement::Bearing {
                 bearing_rad: bearing_rad + sigma_bearing_rad * errors[0],
             })
         }
         (
-            Report::Position {
+            MeasurementModel::Position {
                 sigma_x_m,
                 sigma_y_m,
             },
@@ -168,7 +168,7 @@ fn reported(report: &Report, truth: &Truth, errors: [f64; 5]) -> Option<Measurem
             x_m: position_m[0] + sigma_x_m * errors[0],
             y_m: position_m[1] + sigma_y_m * errors[1],
         }),
-        (Report::Polar(polar), TruePlace::Plane { position_m, .. }) => {
+        (MeasurementModel::Polar(polar), TruePlace::Plane { position_m, .. }) => {
             let offset_m = position_m - polar.place_m;
             let towards = offset_m.try_normalize(0.0).unwrap_or_else(Position::zeros);
             let range_rate =
@@ -190,7 +190,7 @@ impl Start {
         filter: &impl Filter<N, D>,
         sensor: &Sensor,
     ) -> Option<GaussianState<N>> {
-        let measured = filter.measured(sensor, &self.measurement)?;
+        let measured = filter.to_measurement_space(sensor, &self.measurement)?;
         let mut state = filter.initiate(&measured, sensor, self.sigma)?;
         for (axis, rate) in (N / 2..N).enumerate() {
             state.mean[rate] = self.rates[axis];

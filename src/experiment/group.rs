@@ -7,7 +7,7 @@
 use super::observer::{Observer, Step};
 use super::run::{Decided, RunError};
 use crate::correlation::grouping::sequential_nearest_neighbour::SequentialNearestNeighbour;
-use crate::correlation::grouping::{GROUPERS, Grouper, Grouping, Place, Report, Snapshot};
+use crate::correlation::grouping::{GROUPERS, Grouper, Grouping, Place, SensorReport, Snapshot};
 use crate::evaluation::grouping::{GroupedReport, GroupingCounts};
 use crate::filtering::kalman::Kalman;
 use crate::math::rng::Seed;
@@ -96,7 +96,7 @@ pub(super) struct Instant {
     pub time_s: f64,
     /// Their places in the recording, sensor by sensor.
     pub detections: Vec<usize>,
-    pub reports: Vec<Report>,
+    pub reports: Vec<SensorReport>,
     /// Where the tracks were expected, when they were predicted beforehand.
     predictions: Vec<Place>,
 }
@@ -268,7 +268,7 @@ fn counts_of(recording: &Recording, (instant, grouping): &(Instant, Grouping)) -
             group,
         })
         .collect();
-    GroupingCounts::of(&reports)
+    GroupingCounts::from_reports(&reports)
 }
 
 /// Sensors that report positions with known noise.
@@ -315,7 +315,7 @@ fn usable_sensors(material: &Material) -> Result<Vec<Sensor>, RunError> {
             faults.push(Fault::new("/sensors", "missing", detail).allowing("> 0 m"));
             continue;
         };
-        let report = sensor::Report::Position {
+        let report = sensor::MeasurementModel::Position {
             sigma_x_m,
             sigma_y_m,
         };
@@ -364,7 +364,7 @@ fn instant_of(recording: &Recording, scans: &[Scan], sensors: &[Sensor]) -> Inst
         predictions: Vec::new(),
     };
     for scan in scans {
-        let sensor::Report::Position {
+        let sensor::MeasurementModel::Position {
             sigma_x_m,
             sigma_y_m,
         } = sensors[scan.sensor].report
@@ -376,7 +376,7 @@ fn instant_of(recording: &Recording, scans: &[Scan], sensors: &[Sensor]) -> Inst
         for detection in scan.range() {
             if let Some(position_m) = recording.detections[detection].measurement.position() {
                 instant.detections.push(detection);
-                instant.reports.push(Report {
+                instant.reports.push(SensorReport {
                     place: Place {
                         position_m,
                         covariance,

@@ -4,7 +4,7 @@
 use super::group::{self, Material};
 use super::plan::{Estimate, JobKind, Plan, Source};
 use super::{associate, auto_filter, scene, sensors};
-use crate::filtering::Chosen;
+use crate::filtering::AnyFilter;
 use crate::math::rng::Seed;
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::facts::RecordingFacts;
@@ -31,7 +31,7 @@ impl Known {
             return None;
         };
         Some(Known {
-            recording: RecordingFacts::of(recording),
+            recording: RecordingFacts::from_recording(recording),
             sensors: sensors.to_vec(),
         })
     }
@@ -174,7 +174,7 @@ fn faults_of_tracking(
     spec: &Value,
     sample: &Recording,
     known: &[SensorSettings],
-    filter: (&Chosen, &str),
+    filter: (&AnyFilter, &str),
 ) -> Vec<Fault> {
     let mut faults = Vec::new();
     let lifecycle = Lifecycle::deserialize(&spec["tracker"]).ok();
@@ -185,7 +185,7 @@ fn faults_of_tracking(
                 &resolved,
             ));
             faults.extend(
-                lifecycle.and_then(|lifecycle| associate::endless_gate(&lifecycle, &resolved)),
+                lifecycle.and_then(|lifecycle| associate::unbounded_gate(&lifecycle, &resolved)),
             );
         }
         Err(found) => faults.extend(found),

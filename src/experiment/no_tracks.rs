@@ -3,7 +3,7 @@
 use super::apparent_speed::apparent_speed;
 use super::associate::Tracked;
 use super::speeds::{REACH, SIGMA_OF_FASTEST, two_digits};
-use crate::filtering::Chosen;
+use crate::filtering::AnyFilter;
 use crate::model::scan::Recording;
 use crate::model::sensor::{Sensor, SensorSettings};
 use crate::tracking::{Confirmation, Initiation, Lifecycle};
@@ -12,7 +12,7 @@ use crate::tracking::{Confirmation, Initiation, Lifecycle};
 pub(super) fn warning(
     tracked: &Tracked,
     (recording, known, sensors): (&Recording, &[SensorSettings], &[Sensor]),
-    (lifecycle, filter): (&Lifecycle, &Chosen),
+    (lifecycle, filter): (&Lifecycle, &AnyFilter),
 ) -> Option<String> {
     let begins_at_truth = matches!(lifecycle.initiation, Initiation::Truth { .. });
     if recording.detections.is_empty() || begins_at_truth || !tracked.tracks.tracks.is_empty() {
@@ -38,9 +38,9 @@ pub(super) fn warning(
     ))
 }
 
-fn speed_text(lifecycle: &Lifecycle, filter: &Chosen) -> String {
+fn speed_text(lifecycle: &Lifecycle, filter: &AnyFilter) -> String {
     match (lifecycle.initiation, filter) {
-        (_, Chosen::BearingOnly(filter)) => format!(
+        (_, AnyFilter::BearingOnly(filter)) => format!(
             ", initial_rate_sigma_degps {}",
             filter.initial_rate_sigma_radps.to_degrees()
         ),

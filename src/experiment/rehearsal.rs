@@ -3,7 +3,7 @@
 
 use super::plan::scenario_of;
 use super::{associate, given, scene, sensors};
-use crate::filtering::Chosen;
+use crate::filtering::AnyFilter;
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
 use crate::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
@@ -52,14 +52,14 @@ pub(super) fn check(spec: &Value, faults: &mut Vec<Fault>) {
 fn check_sensors(
     spec: &Value,
     recording: &Recording,
-    filter: (&Chosen, &str),
+    filter: (&AnyFilter, &str),
     lifecycle: Option<&Lifecycle>,
 ) -> Result<(), Vec<Fault>> {
     let requested = scene::requested_sensors(spec);
     let known = sensors::known(recording, &[], &requested)?;
     let resolved = sensors::resolve(recording, &known, filter, &mut Vec::new())?;
     let mut faults = sensors::misplaced_densities(&requested, &resolved);
-    faults.extend(lifecycle.and_then(|lifecycle| associate::endless_gate(lifecycle, &resolved)));
+    faults.extend(lifecycle.and_then(|lifecycle| associate::unbounded_gate(lifecycle, &resolved)));
     if faults.is_empty() {
         Ok(())
     } else {

@@ -2,10 +2,10 @@
 //! be estimated from the data, said in a warning; what cannot be estimated is a fault.
 
 use super::extent::{Extent, detections_of, place_of};
-use crate::filtering::Chosen;
+use crate::filtering::AnyFilter;
 use crate::model::fault::Fault;
 use crate::model::scan::{Detection, Measurement, Recording};
-use crate::model::sensor::{Polar, RangeRate, Report, Sensor, SensorSettings};
+use crate::model::sensor::{MeasurementModel, Polar, RangeRate, Sensor, SensorSettings};
 use crate::model::state::Position;
 
 /// Assumed when nobody says how often a target is detected.
@@ -68,7 +68,7 @@ pub(super) fn known(
 pub(super) fn resolve(
     recording: &Recording,
     known: &[SensorSettings],
-    filter: (&Chosen, &str),
+    filter: (&AnyFilter, &str),
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Sensor>, Vec<Fault>> {
     let mut faults = Vec::new();
@@ -92,11 +92,11 @@ pub(super) fn resolve(
             faults: &mut faults,
         };
         let report = match kind {
-            Kind::Position => Report::Position {
+            Kind::Position => MeasurementModel::Position {
                 sigma_x_m: reader.required("sigma_x_m", settings.sigma_x_m, "m"),
                 sigma_y_m: reader.required("sigma_y_m", settings.sigma_y_m, "m"),
             },
-            Kind::Polar => Report::Polar(Polar {
+            Kind::Polar => MeasurementModel::Polar(Polar {
                 place_m: place(settings, warnings),
                 sigma_range_m: reader.required("sigma_range_m", settings.sigma_range_m, "m"),
                 sigma_bearing_rad: reader
@@ -111,7 +111,7 @@ pub(super) fn resolve(
                     span_mps: range_rate_span_mps(recording, index),
                 }),
             }),
-            Kind::Bearing => Report::Bearing {
+            Kind::Bearing => MeasurementModel::Bearing {
                 sigma_bearing_rad: reader
                     .required("sigma_bearing_deg", settings.sigma_bearing_deg, "deg")
                     .to_radians(),
@@ -135,8 +135,10 @@ pub(super) fn misplaced_densities(requested: &[SensorSettings], sensors: &[Senso
         let sensor = sensors
             .iter()
             .find(|sensor| sensor.sensor_id == settings.sensor_id)?;
-        let (given, wanted) =
-            misplaced_density(settings, matches!(sensor.report, Report::Bearing { .. }))?;
+        let (given, wanted) = misplaced_density(
+            settings,
+            matches!(sensor.report, MeasurementModel::Bearing { .. }),
+        )?;
         let detail = format!(
             "the clutter of sensor '{}' is stated in '{given}'; what is used of its reports needs '{wanted}'",
             sensor.sensor_id
@@ -189,7 +191,7 @@ fn usable_kind(
     recording: &Recording,
     index: usize,
     settings: &SensorSettings,
-    (filter, filter_name): (&Chosen, &str),
+    (filter, filter_name): (&AnyFilter, &str),
     faults: &mut Vec<Fault>,
 ) -> Option<Kind> {
     let has = |wanted: fn(&Measurement) -> bool| {
@@ -200,8 +202,8 @@ fn usable_kind(
     let bearings = has(|measurement| matches!(measurement, Measurement::Bearing { .. }));
     let name = &settings.sensor_id;
     let usable = match filter {
-        Chosen::Kalman(_) => "positions (x_m, y_m)",
-        Chosen::BearingOnly(_) => "bearings (bearing_deg), with or without ranges (range_m)",
+        AnyFilter::Kalman(_) => "positions (x_m, y_m)",
+        AnyFilter::BearingOnly(_) => "bearings (bearing_deg), with or without ranges (range_m)",
         _ => "positions (x_m, y_m); ranges and bearings (range_m, bearing_deg)",
     };
     let mut refuse = |what: &str| {
@@ -264,7 +266,7 @@ fn place(settings: &SensorSettings, warnings: &mut Vec<String>) -> Position {
 /// Range rates are used by a filter that can, when every detection of the recording has one.
 fn uses_range_rates(
     recording: &Recording,
-    (filter, filter_name): (&Chosen, &str),
+    (filter, filter_name): (&AnyFilter, &str),
     warnings: &mut Vec<String>,
 ) -> bool {
     let has_rate = |detection: &&Detection| {
@@ -312,7 +314,7 @@ fn complete(
     recording: &Recording,
     index: usize,
     settings: &SensorSettings,
-    report: Report,
+    report: MeasurementModel,
     warnings: &mut Vec<String>,
 ) -> Sensor {
     let name = &settings.sensor_id;
@@ -389,21 +391,21 @@ mod tests {
         .unwrap()
     }
 
-    const KALMAN: (&Chosen, &str) = (
-        &Chosen::Kalman(Kalman {
+    const KALMAN: (&AnyFilter, &str) = (
+        &AnyFilter::Kalman(Kalman {
             process_noise_m2ps3: 1.0,
         }),
         "kalman",
     );
-    const EXTENDED: (&Chosen, &str) = (
-        &Chosen::Extended(Extended {
+    const EXTENDED: (&AnyFilter, &str) = (
+        &AnyFilter::Extended(Extended {
             process_noise_m2ps3: 1.0,
         }),
         "extended",
     );
 
-    const BEARING_ONLY: (&Chosen, &str) = (
-        &Chosen::BearingOnly(BearingOnly {
+    const BEARING_ONLY: (&AnyFilter, &str) = (
+        &AnyFilter::BearingOnly(BearingOnly {
             process_noise_rad2ps3: 1e-6,
             initial_rate_sigma_radps: 0.1,
         }),
@@ -437,7 +439,7 @@ mod tests {
         let mut warnings = Vec::new();
         let known = known(&recording, &uploaded, &requested).unwrap();
         let sensors = resolve(&recording, &known, KALMAN, &mut warnings).unwrap();
-        let report = Report::Position {
+        let report = MeasurementModel::Position {
             sigma_x_m: 3.0,
             sigma_y_m: 2.0,
         };
@@ -453,15 +455,16 @@ mod tests {
 
     #[test]
     fn unknown_noise_unknown_sensors_and_unusable_reports_are_faults() {
-        let seen = |measurement: Measurement, filter: (&Chosen, &str)| -> Vec<(String, String)> {
-            let recording = recording(&[measurement]);
-            let known = known(&recording, &[], &[]).unwrap();
-            let faults = resolve(&recording, &known, filter, &mut Vec::new()).unwrap_err();
-            faults
-                .into_iter()
-                .map(|fault| (fault.pointer, fault.detail))
-                .collect()
-        };
+        let seen =
+            |measurement: Measurement, filter: (&AnyFilter, &str)| -> Vec<(String, String)> {
+                let recording = recording(&[measurement]);
+                let known = known(&recording, &[], &[]).unwrap();
+                let faults = resolve(&recording, &known, filter, &mut Vec::new()).unwrap_err();
+                faults
+                    .into_iter()
+                    .map(|fault| (fault.pointer, fault.detail))
+                    .collect()
+            };
         let unknown = known(
             &recording(&[at(0.0, 0.0)]),
             &[],
@@ -559,7 +562,7 @@ mod tests {
             }),
         };
         let (report, warnings) = resolved(&[polar(10.0, Some(-10.0)), polar(20.0, Some(20.0))]);
-        assert_eq!(report, Report::Polar(expected));
+        assert_eq!(report, MeasurementModel::Polar(expected));
         assert!(
             warnings.len() == 1 && warnings[0].contains("position is not known"),
             "{warnings:?}"
@@ -567,7 +570,7 @@ mod tests {
         let (report, warnings) = resolved(&[polar(10.0, Some(-10.0)), polar(20.0, None)]);
         assert_eq!(
             report,
-            Report::Polar(Polar {
+            MeasurementModel::Polar(Polar {
                 range_rate: None,
                 ..expected
             })
@@ -602,7 +605,7 @@ mod tests {
             .unwrap();
             assert_eq!(
                 sensors[0].report,
-                Report::Bearing {
+                MeasurementModel::Bearing {
                     sigma_bearing_rad: 1f64.to_radians()
                 }
             );
@@ -651,10 +654,10 @@ mod tests {
                 report,
             }]
         };
-        let of_bearings = sensor(Report::Bearing {
+        let of_bearings = sensor(MeasurementModel::Bearing {
             sigma_bearing_rad: 0.1,
         });
-        let of_places = sensor(Report::Position {
+        let of_places = sensor(MeasurementModel::Position {
             sigma_x_m: 1.0,
             sigma_y_m: 1.0,
         });

@@ -8,7 +8,7 @@
 
 use super::apparent_speed::{ApparentSpeed, apparent_speed};
 use super::plan::scenario_of;
-use crate::filtering::Chosen;
+use crate::filtering::AnyFilter;
 use crate::model::scan::Recording;
 use crate::model::scenario::{Scenario, TargetPlan};
 use crate::model::sensor::{Sensor, SensorSettings};
@@ -62,7 +62,7 @@ pub(super) fn complete(
     lifecycle: &mut Lifecycle,
     spec: &Value,
     (recording, known, sensors): (&Recording, &[SensorSettings], &[Sensor]),
-    filter: &Chosen,
+    filter: &AnyFilter,
     warnings: &mut Vec<String>,
 ) -> Taken {
     let mut taken = Taken::default();

@@ -10,7 +10,7 @@
 //! Helgesen et al.: Heterogeneous multi-sensor tracking for an autonomous surface vehicle in a
 //! littoral environment. Ocean Engineering 252 (2022) 111168.
 
-use super::autoferry_items::{Entry, FerryScan, Items};
+use super::autoferry_items::{Entry, FerryScan, FileSeed, Items};
 use super::json_text::parse;
 use super::loose::Loose;
 use super::table::FaultLog;
@@ -92,7 +92,7 @@ pub(super) fn is_one(text: &[u8]) -> bool {
 pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcome, Vec<Fault>> {
     refuse_columns(options)?;
     let mut items = Items::new(options.kind);
-    let read = parse(input, &mut items);
+    let read = parse(input, FileSeed(&mut items));
     if let Some(fault) = items.refusal {
         return Err(vec![fault]);
     }

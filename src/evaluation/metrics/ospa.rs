@@ -18,7 +18,7 @@ use super::origin::{
     Origin, PAIRS, PairColumn, SERIES, STEPS, Statistic, TRACK_POINTS, TRUTH_POINTS,
 };
 use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence, Series};
-use crate::evaluation::comparison::{Comparison, Shape, Step};
+use crate::evaluation::comparison::{ComparedStep, Comparison, Shape};
 use crate::registry::{Method, Object};
 use serde::Deserialize;
 use serde_json::json;
@@ -135,7 +135,7 @@ impl Ospa {
         &self,
         matcher: &mut Matcher,
         comparison: &Comparison,
-        step: &Step,
+        step: &ComparedStep,
         powers: &mut Vec<(u32, u32, f64)>,
     ) -> Parts {
         let (fewer, more) = (

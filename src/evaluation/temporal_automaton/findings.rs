@@ -17,11 +17,17 @@ use crate::evaluation::strings::{DecisionPolicy, SymbolRule};
 /// At most so many violations, and so many unknown detections, are listed.
 pub const MAX_LISTED: usize = 1000;
 
+impl TfaEvaluation<'_> {
+    pub fn report(&self) -> TfaReport {
+        Findings(self).report()
+    }
+}
+
 /// Everything found, by index.
-pub struct Findings<'f, 'a>(pub &'f TfaEvaluation<'a>);
+struct Findings<'f, 'a>(&'f TfaEvaluation<'a>);
 
 impl Findings<'_, '_> {
-    pub fn report(&self) -> TfaReport {
+    fn report(&self) -> TfaReport {
         let found = self.0;
         let output_tracks = self.output_tracks();
         let counts = self.counts(&output_tracks);

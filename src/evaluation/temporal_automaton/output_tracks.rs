@@ -6,7 +6,8 @@
 //! The errors of a track are the scans at which it and the target, all its strings together, differ.
 
 use crate::evaluation::strings::Strings;
-use crate::evaluation::strings::normal_form::{EPSILON, StringSet, TrackString};
+use crate::evaluation::strings::normal_form::{StringSet, TrackString};
+use crate::evaluation::strings::step::EPSILON;
 use serde::Serialize;
 use std::cmp::Reverse;
 

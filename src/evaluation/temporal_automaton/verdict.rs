@@ -6,7 +6,7 @@
 //! symbols.
 
 use super::births::Births;
-use super::search::{Run, Search, Transitions};
+use super::search::{Run, RunSearch, Transitions};
 use crate::evaluation::strings::difference::differences;
 use crate::evaluation::strings::normal_form::{StringSet, TrackString};
 use serde::Serialize;
@@ -54,7 +54,7 @@ pub struct Sides<'a> {
 pub fn judge(
     sides: Sides,
     automaton: &impl Transitions,
-    search: &mut Search,
+    search: &mut RunSearch,
 ) -> Vec<TargetVerdict> {
     (0..sides.truth.owners())
         .map(|owner| target(sides, automaton, search, owner))
@@ -64,7 +64,7 @@ pub fn judge(
 fn target(
     sides: Sides,
     automaton: &impl Transitions,
-    search: &mut Search,
+    search: &mut RunSearch,
     owner: usize,
 ) -> TargetVerdict {
     let mut judged = TargetVerdict {

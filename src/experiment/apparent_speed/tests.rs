@@ -84,7 +84,7 @@ fn scene(speeds_mps: &[f64], clutter: usize, shore: usize) -> Recording {
 }
 
 fn seen(recording: &Recording) -> ApparentSpeed {
-    let report = Report::Position {
+    let report = MeasurementModel::Position {
         sigma_x_m: SIGMA_M,
         sigma_y_m: SIGMA_M,
     };
@@ -156,7 +156,7 @@ fn three_scans_are_the_least() {
         };
         Recording::new(parts).unwrap()
     };
-    let report = Report::Position {
+    let report = MeasurementModel::Position {
         sigma_x_m: SIGMA_M,
         sigma_y_m: SIGMA_M,
     };

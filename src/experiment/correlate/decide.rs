@@ -6,7 +6,7 @@
 use super::super::observer::{Observer, Step};
 use super::super::run::{Decided, RunError};
 use super::{Confirm, told};
-use crate::correlation::problem::Problem;
+use crate::correlation::problem::CorrelationProblem;
 use crate::correlation::statistic::Correlation;
 use crate::correlation::{Correlator, Solution};
 use crate::model::fault::Fault;
@@ -18,7 +18,7 @@ use std::time::Duration;
 pub(super) struct Decisions {
     /// The last, and its problem.
     pub solution: Solution,
-    pub problem: Problem,
+    pub problem: CorrelationProblem,
     /// Those that stand, with how often each was found.
     pub tuples: Vec<(Vec<u32>, u32)>,
     pub alone: Vec<u32>,
@@ -90,7 +90,7 @@ pub(super) fn decide(
 /// What the correlator finds, unless the observer stops it on the way.
 fn watched(
     correlator: &mut dyn Correlator,
-    problem: &Problem,
+    problem: &CorrelationProblem,
     (done, total): (u64, u64),
     observer: &mut dyn Observer,
 ) -> Result<Solution, RunError> {
@@ -106,7 +106,7 @@ fn watched(
 }
 
 /// Tuples without a track in common, the most frequent first chosen; in the order of their first tracks.
-fn standing(counts: BTreeMap<Vec<u32>, u32>, problem: &Problem) -> Vec<(Vec<u32>, u32)> {
+fn standing(counts: BTreeMap<Vec<u32>, u32>, problem: &CorrelationProblem) -> Vec<(Vec<u32>, u32)> {
     let mut found: Vec<(Vec<u32>, u32, f64)> = counts
         .into_iter()
         .map(|(tuple, count)| {
@@ -150,7 +150,7 @@ mod tests {
 
     #[test]
     fn the_more_frequent_tuple_stands_and_of_equals_the_cheaper() {
-        let problem = Problem::new(
+        let problem = CorrelationProblem::new(
             &[2, 2],
             &[(0, 2, -1.0), (0, 3, -5.0), (1, 2, -2.0), (1, 3, -1.0)],
             Costs::Chain,

@@ -19,7 +19,7 @@ use crate::correlation::cross_covariance::CrossTable;
 use crate::correlation::estimates::Estimates;
 use crate::correlation::evidence::Times;
 use crate::correlation::fusion::{FUSIONS, system_tracks};
-use crate::correlation::problem::Problem;
+use crate::correlation::problem::CorrelationProblem;
 use crate::correlation::statistic::{Correlation, Statistic, pairs_of};
 use crate::correlation::{CORRELATORS, Solution};
 use crate::model::fault::Fault;
@@ -38,7 +38,7 @@ pub(super) struct Correlated {
     pub correlation: Correlation,
     /// The last decision, and its problem.
     pub solution: Solution,
-    pub problem: Problem,
+    pub problem: CorrelationProblem,
     pub confirm: Confirm,
     /// Tuples of two tracks or more that stand, with how often each was found.
     pub tuples: Vec<(Vec<u32>, u32)>,

@@ -277,7 +277,7 @@ fn truth(correlated: &Correlated) -> Option<TruthReport> {
         group: group_of[track],
     };
     let reports: Vec<GroupedReport> = origins.iter().enumerate().map(report).collect();
-    let counts = GroupingCounts::of(&reports);
+    let counts = GroupingCounts::from_reports(&reports);
     Some(TruthReport {
         tuples: counts.duplicates,
         tuples_right: counts.exact,

@@ -25,7 +25,7 @@ pub enum EstimateColumns {
 }
 
 impl EstimateColumns {
-    pub fn of(header: &Header) -> Self {
+    pub fn from_header(header: &Header) -> Self {
         if header.find("x_m").is_none() {
             return EstimateColumns::Bearing {
                 bearing: header.required("bearing_deg"),
@@ -128,7 +128,7 @@ pub enum EstimateLayout {
 }
 
 impl EstimateLayout {
-    pub fn of(set: &TrackSet) -> Self {
+    pub fn for_set(set: &TrackSet) -> Self {
         let points = || set.tracks.iter().flat_map(|track| &track.points);
         if set.is_of_bearings() {
             let has = |wanted: fn(&BearingEstimate) -> bool| {

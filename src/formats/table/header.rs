@@ -4,7 +4,7 @@ use super::{FaultLog, Rows};
 use crate::formats::ReadOptions;
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
-use crate::model::names::shortened;
+use crate::model::names::shorten;
 use std::collections::BTreeMap;
 
 /// The ten columns of a covariance, upper triangle.
@@ -310,11 +310,7 @@ fn check_missing(
 fn listed<'n>(names: impl ExactSizeIterator<Item = &'n str>) -> String {
     const MOST: usize = 50;
     let more = names.len().saturating_sub(MOST);
-    let first = names
-        .take(MOST)
-        .map(shortened)
-        .collect::<Vec<_>>()
-        .join(", ");
+    let first = names.take(MOST).map(shorten).collect::<Vec<_>>().join(", ");
     if more > 0 {
         format!("{first} and {more} more")
     } else {

@@ -78,7 +78,7 @@ impl Inner {
                     ready: Vec::new(),
                 })
                 .await;
-                self.sweep(contents).await
+                self.collect_garbage(contents).await
             }
             Deletion::StillActive(state) => Err(JobsError::conflict(
                 "job_active",

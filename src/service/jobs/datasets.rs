@@ -153,7 +153,7 @@ impl Inner {
                 format!("the dataset is needed by {}", listed(&users)),
             ));
         }
-        self.sweep(vec![stored.info.sha256]).await
+        self.collect_garbage(vec![stored.info.sha256]).await
     }
 
     pub(super) async fn dataset_content(&self, id: Uuid) -> Result<StoredFile, JobsError> {
@@ -209,7 +209,7 @@ impl Inner {
     }
 
     /// Removes contents that nothing has any more.
-    pub(super) async fn sweep(&self, contents: Vec<String>) -> Result<(), JobsError> {
+    pub(super) async fn collect_garbage(&self, contents: Vec<String>) -> Result<(), JobsError> {
         let _alone = (self.sweeping.write().await, self.storage.sweeping().await?);
         let mut unused = Vec::new();
         for sha256 in contents.into_iter().chain(self.blobs.left_over()?) {

@@ -11,6 +11,7 @@ mod hub;
 mod in_child;
 mod inputs;
 pub(in crate::service) mod meter;
+mod open;
 mod read;
 mod recent;
 pub(in crate::service) mod report;
@@ -26,30 +27,28 @@ pub use request::*;
 
 pub(in crate::service) use failure::Failure;
 
-use super::child::{Children, IS_LIMITED, default_memory, size_text};
+use super::child::Children;
 use super::config::Config;
 use super::engine::{Engine, Entry, Handler};
 use super::storage::blobs::Blobs;
 use super::storage::notices::{Notice, Notices};
 use super::storage::room::{NoRoom, Room};
-use super::storage::{Changed, Database, Storage};
+use super::storage::{Changed, Storage};
 use super::types::{
     ArtifactList, CampaignSoFar, Comparison, DatasetInfo, DatasetPage, Event, EventPage, Job,
     JobKind, JobPage, JobState,
 };
 use crate::experiment::job_shape::with_kind;
-use anyhow::{Context, bail, ensure};
+use anyhow::bail;
 use campaign::Campaigns;
 use control::{Running, Stop};
 use futures::{FutureExt, Stream};
 use hub::Hub;
-use in_child::{LOOKS, UPLOADS};
 use recent::Recent;
 use serde_json::Value;
 use serde_json::value::RawValue;
 use std::collections::BTreeMap;
-use std::fs::{DirBuilder, File, TryLockError};
-use std::os::unix::fs::DirBuilderExt;
+use std::fs::File;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Weak};
@@ -59,8 +58,8 @@ use tokio_util::sync::CancellationToken;
 use uuid::Uuid;
 
 /// How often the service looks after itself, and how often it sweeps.
-const UPKEEP: Duration = Duration::from_secs(5);
-const SWEEP: Duration = Duration::from_secs(3600);
+const MAINTENANCE_INTERVAL: Duration = Duration::from_secs(5);
+const COLLECTION_INTERVAL: Duration = Duration::from_secs(3600);
 /// A database that takes longer for nothing is not there.
 const ANSWER: Duration = Duration::from_secs(2);
 /// An idempotency key is remembered for a day.
@@ -96,90 +95,6 @@ struct Inner {
 }
 
 impl Jobs {
-    /// Opens the data directory, takes up what an earlier process left, and starts the workers.
-    ///
-    /// # Errors
-    /// When another process uses the directory, or it cannot be read or written.
-    pub async fn open(config: Config) -> anyhow::Result<Jobs> {
-        let directory = &config.data_dir;
-        make_private(directory).with_context(|| format!("cannot make {}", directory.display()))?;
-        let database = match &config.database_url {
-            None => Database::Sqlite(directory.join("app.db")),
-            Some(url) => Database::Postgres(url.clone()),
-        };
-        let lock = if config.database_url.is_none() {
-            Some(lock(directory)?)
-        } else {
-            None
-        };
-        let slots = config.slots.max(1);
-        let storage = Storage::open(&database).await?;
-        let blobs = Blobs::open(directory, config.artifacts.as_ref(), lock.is_none()).await?;
-        let place = blobs.identity();
-        ensure!(
-            storage.agree_on("artifacts", place).await? == place,
-            "the files of this database are kept elsewhere: say --data with the directory that its server uses, which all must reach, \
-             or --artifacts with its bucket"
-        );
-        let room = Room::open(
-            directory,
-            lock.as_ref().map(|lock| (lock, LOCK)),
-            config.min_free,
-        )?;
-        let job_memory_bytes = config
-            .job_memory_bytes
-            .or_else(|| default_memory(slots))
-            .filter(|_| IS_LIMITED);
-        match job_memory_bytes {
-            Some(bytes) => tracing::info!(slots, "a job may use {} of memory", size_text(bytes)),
-            None => tracing::warn!(
-                "this system does not limit the memory of a process: one job may take all there is"
-            ),
-        }
-        let children = Children::open(config.child_program.clone(), job_memory_bytes, slots).await;
-        let children = children.context("no process for jobs can be started")?;
-        let inner = Arc::new(Inner {
-            room,
-            blobs,
-            children,
-            engine: Engine::open(&database, slots).await?,
-            storage,
-            hub: Hub::default(),
-            recent: Recent::default(),
-            running: Running::default(),
-            campaigns: Campaigns::default(),
-            slots: Arc::new(Semaphore::new(slots)),
-            uploads: Arc::new(Semaphore::new(UPLOADS)),
-            looks: Arc::new(Semaphore::new(LOOKS)),
-            sweeping: RwLock::new(()),
-            closing: CancellationToken::new(),
-            must_requeue: AtomicBool::new(false),
-            config: Config {
-                slots,
-                job_memory_bytes,
-                ..config
-            },
-            lock,
-        });
-        if let Some(url) = &inner.config.database_url {
-            let notices = Notices::listen(url)
-                .await
-                .context("cannot listen to the database")?;
-            tokio::spawn(hear(notices, Arc::downgrade(&inner), inner.closing.clone()));
-        } else {
-            inner.take_up().await.with_context(|| {
-                format!(
-                    "cannot use the tables in {}",
-                    inner.config.data_dir.display()
-                )
-            })?;
-        }
-        inner.enqueue_ready(inner.lock.is_none()).await?;
-        inner.engine.run(handler(Arc::downgrade(&inner)));
-        tokio::spawn(keep_up(Arc::downgrade(&inner), inner.closing.clone()));
-        Ok(Jobs(inner))
-    }
-
     /// Where uploads are received: on the same file system as the blobs.
     pub fn temp_dir(&self) -> &Path {
         self.0.blobs.temporary()
@@ -426,40 +341,10 @@ impl Inner {
         self.storage.recover().await
     }
 
-    async fn sweep_tables(&self) -> anyhow::Result<()> {
+    async fn clean_tables(&self) -> anyhow::Result<()> {
         self.storage.forget_keys(KEY_AGE).await?;
         // What a bucket that was out of reach still has.
-        Ok(self.sweep(Vec::new()).await?)
-    }
-}
-
-/// The file that is locked while the directory is in use.
-const LOCK: &str = "lock";
-
-/// Makes the directory where it is missing, for nobody but its owner.
-fn make_private(directory: &Path) -> std::io::Result<()> {
-    DirBuilder::new()
-        .recursive(true)
-        .mode(0o700)
-        .create(directory)
-}
-
-fn lock(directory: &Path) -> anyhow::Result<File> {
-    let path = directory.join(LOCK);
-    let file = File::options()
-        .create(true)
-        .truncate(false)
-        .write(true)
-        .open(&path)
-        .with_context(|| format!("cannot open {}", path.display()))?;
-    match file.try_lock() {
-        Ok(()) => Ok(file),
-        Err(TryLockError::WouldBlock) => {
-            bail!("{} is in use by another trackloom", directory.display())
-        }
-        Err(TryLockError::Error(error)) => {
-            Err(error).with_context(|| format!("cannot lock {}", path.display()))
-        }
+        Ok(self.collect_garbage(Vec::new()).await?)
     }
 }
 
@@ -471,7 +356,7 @@ fn handler(inner: Weak<Inner>) -> Handler {
             let Some(inner) = inner else {
                 bail!("the service has stopped")
             };
-            let looked = inner.clone().look(entry).await;
+            let looked = inner.clone().handle_entry(entry).await;
             if looked.is_err() {
                 inner.must_requeue.store(true, Ordering::Release);
             }
@@ -481,11 +366,11 @@ fn handler(inner: Weak<Inner>) -> Handler {
     })
 }
 
-async fn keep_up(inner: Weak<Inner>, closing: CancellationToken) {
-    let mut swept = Instant::now();
+async fn maintain(inner: Weak<Inner>, closing: CancellationToken) {
+    let mut collected = Instant::now();
     loop {
         tokio::select! {
-            () = tokio::time::sleep(UPKEEP) => {}
+            () = tokio::time::sleep(MAINTENANCE_INTERVAL) => {}
             () = closing.cancelled() => return,
         }
         let Some(inner) = inner.upgrade() else { return };
@@ -494,9 +379,9 @@ async fn keep_up(inner: Weak<Inner>, closing: CancellationToken) {
             // In case a notice was lost.
             done = inner.stop_unwanted(&inner.running.jobs()).await;
         }
-        if done.is_ok() && swept.elapsed() > SWEEP {
-            swept = Instant::now();
-            done = inner.sweep_tables().await;
+        if done.is_ok() && collected.elapsed() > COLLECTION_INTERVAL {
+            collected = Instant::now();
+            done = inner.clean_tables().await;
         }
         if done.is_ok() {
             done = inner.tidy().await;
@@ -508,7 +393,7 @@ async fn keep_up(inner: Weak<Inner>, closing: CancellationToken) {
 }
 
 /// Listens to the processes that share the database.
-async fn hear(mut notices: Notices, inner: Weak<Inner>, closing: CancellationToken) {
+async fn listen(mut notices: Notices, inner: Weak<Inner>, closing: CancellationToken) {
     loop {
         let heard = tokio::select! {
             heard = notices.next() => heard,

@@ -38,7 +38,7 @@ pub(super) struct Product {
 
 impl Inner {
     /// Works off the entry if that is still to be done. Extra calls for the same work do nothing.
-    pub(super) async fn look(self: Arc<Self>, entry: Entry) -> anyhow::Result<()> {
+    pub(super) async fn handle_entry(self: Arc<Self>, entry: Entry) -> anyhow::Result<()> {
         let work = (entry.job_id, entry.chunk);
         // The queue took this process for dead and gives the entry out again: what runs here goes on, and is waited for, since an entry
         // that is answered is gone.
@@ -89,7 +89,7 @@ impl Inner {
             Claim::Run(job) => {
                 self.announce(&[id]).await;
                 let control = self.begin((id, None));
-                let made = self.attend(&job, &control, permit).await;
+                let made = self.run(&job, &control, permit).await;
                 let written = self.conclude(&job, &control, made).await;
                 self.running.unregister((id, None));
                 written
@@ -107,7 +107,7 @@ impl Inner {
     }
 
     /// Makes what the job makes, with an ear for wishes that came before the stop sign was up.
-    async fn attend(
+    async fn run(
         &self,
         job: &ClaimedJob,
         control: &Control,

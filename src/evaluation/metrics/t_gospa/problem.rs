@@ -74,7 +74,7 @@ impl std::ops::AddAssign for Tally {
 pub fn clusters(comparison: &Comparison, cutoff: Cutoff) -> Vec<Cluster> {
     let truths = comparison.truth_ids.len();
     let mut roots: Vec<usize> = (0..truths + comparison.track_ids.len()).collect();
-    let near = |step: &crate::evaluation::comparison::Step| {
+    let near = |step: &crate::evaluation::comparison::ComparedStep| {
         let of_pair = |index: usize| {
             let pair = &comparison.pairs[index];
             Near {

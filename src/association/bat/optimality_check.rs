@@ -13,7 +13,7 @@ use std::fmt::Write;
 const EQUAL: f64 = 1e-12;
 
 #[derive(Debug, Default)]
-pub(super) struct Judge {
+pub(super) struct OptimalityCheck {
     solver: AssignmentSolver,
     clusters: Clusters,
     evaluations: u64,
@@ -33,7 +33,7 @@ struct Clusters {
 
 /// The part `association.diagnostics` of a report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(super) struct Report {
+pub(super) struct BatDiagnostics {
     clusters: Clusters,
     /// Objectives computed: one a bat, a neighbour, and an edge of a single track.
     evaluations: u64,
@@ -53,7 +53,7 @@ struct Optimum {
     largest_gap: Option<f64>,
 }
 
-impl Judge {
+impl OptimalityCheck {
     /// J of the best assignment.
     pub(super) fn optimum(&mut self, cluster: &Cluster) -> f64 {
         self.solver.clear();
@@ -69,7 +69,7 @@ impl Judge {
             "a cluster in which every track may miss has an assignment"
         );
         let taken = |row: usize| {
-            self.solver.edge_of(row).map_or(cluster.none(), |place| {
+            self.solver.edge_of(row).map_or(cluster.missed(), |place| {
                 cluster.codes_of(row).start + place as u32
             })
         };
@@ -78,12 +78,12 @@ impl Judge {
             .sum()
     }
 
-    pub(super) fn single(&mut self, candidates: usize) {
+    pub(super) fn count_single(&mut self, candidates: usize) {
         self.clusters.single += 1;
         self.evaluations += candidates as u64;
     }
 
-    pub(super) fn searched(&mut self, swarm: &Swarm, optimum: f64, visited: Option<&Visited>) {
+    pub(super) fn count_search(&mut self, swarm: &Swarm, optimum: f64, visited: Option<&Visited>) {
         self.clusters.searched += 1;
         self.evaluations += swarm.evaluations();
         let gap = gap(swarm.best_value(), optimum);
@@ -93,7 +93,7 @@ impl Judge {
         self.visited_events += visited.map_or(0, Visited::events);
     }
 
-    pub(super) fn report(&self, is_soft: bool) -> Report {
+    pub(super) fn diagnostics(&self, is_soft: bool) -> BatDiagnostics {
         let searched = self.clusters.searched as f64;
         let share = |sum: f64| (searched > 0.0).then_some(sum / searched);
         let optimum = Optimum {
@@ -103,7 +103,7 @@ impl Judge {
             largest_gap: share(searched * self.largest_gap),
         };
         let visited_events = is_soft.then_some(self.visited_events);
-        Report {
+        BatDiagnostics {
             clusters: self.clusters,
             evaluations: self.evaluations,
             optimum,

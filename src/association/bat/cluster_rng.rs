@@ -11,11 +11,11 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 #[derive(Debug)]
-pub(super) struct Dice(Xoshiro256PlusPlus);
+pub(super) struct ClusterRng(Xoshiro256PlusPlus);
 
-impl Dice {
+impl ClusterRng {
     pub(super) fn new(mut stream: ChaCha8Rng) -> Self {
-        Dice(Xoshiro256PlusPlus::from_rng(&mut stream))
+        ClusterRng(Xoshiro256PlusPlus::from_rng(&mut stream))
     }
 
     /// Two numbers of 32 bits.
@@ -28,7 +28,7 @@ impl Dice {
     /// Uniform in 0 .. `end`.
     #[inline]
     pub(super) fn below(&mut self, end: u32) -> u32 {
-        scaled(self.pair().0, end)
+        scale(self.pair().0, end)
     }
 
     /// Uniform in [0, 1).
@@ -40,7 +40,7 @@ impl Dice {
 
 /// 32 random bits as a number in 0 .. `end`. The probabilities of two numbers differ by 2⁻³² at most.
 #[inline]
-pub(super) fn scaled(bits: u32, end: u32) -> u32 {
+pub(super) fn scale(bits: u32, end: u32) -> u32 {
     ((u64::from(bits) * u64::from(end)) >> 32) as u32
 }
 
@@ -49,28 +49,28 @@ mod tests {
     use super::*;
     use crate::math::rng::{Purpose, Seed};
 
-    fn dice() -> Dice {
-        Dice::new(Seed { seed: 1, run: 0 }.stream(Purpose::Associator, 0, 0))
+    fn rng() -> ClusterRng {
+        ClusterRng::new(Seed { seed: 1, run: 0 }.stream(Purpose::Associator, 0, 0))
     }
 
     #[test]
     fn numbers_below_an_end_are_equally_frequent() {
-        let mut dice = dice();
+        let mut rng = rng();
         let mut counts = [0u32; 7];
-        (0..70_000).for_each(|_| counts[dice.below(7) as usize] += 1);
+        (0..70_000).for_each(|_| counts[rng.below(7) as usize] += 1);
         // Five standard deviations of a count are 463.
         assert!(
             counts.iter().all(|count| count.abs_diff(10_000) < 463),
             "{counts:?}"
         );
-        let mean = (0..70_000).map(|_| dice.unit()).sum::<f64>() / 70_000.0;
+        let mean = (0..70_000).map(|_| rng.unit()).sum::<f64>() / 70_000.0;
         assert!((mean - 0.5).abs() < 0.0055, "{mean}");
-        assert_eq!((scaled(0, 7), scaled(u32::MAX, 7)), (0, 6));
+        assert_eq!((scale(0, 7), scale(u32::MAX, 7)), (0, 6));
     }
 
     #[test]
     fn the_first_draw_of_a_known_cluster_never_changes() {
         // A golden value: a change here changes every search.
-        assert_eq!(dice().pair(), (3_359_891_638, 997_371_684));
+        assert_eq!(rng().pair(), (3_359_891_638, 997_371_684));
     }
 }
