@@ -30,6 +30,7 @@ pub const FORMAT: Format = Format {
     summary: "JSON of the autoferry recordings: detections of radar, lidar and cameras (bearings), or truth",
     media_type: "application/json",
     kinds: &[DatasetKind::Detections, DatasetKind::Truth],
+    options: &[],
     read,
 };
 

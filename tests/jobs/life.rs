@@ -3,7 +3,8 @@
 use crate::support::{long, of_job, small, start, start_with};
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
-use trackloom::service::jobs::{JobPatch, JobsError};
+use trackloom::service::error::ServiceError;
+use trackloom::service::jobs::JobPatch;
 use trackloom::service::types::{Event, JobKind, JobState};
 use uuid::Uuid;
 
@@ -20,9 +21,9 @@ fn states(events: &[Event]) -> Vec<JobState> {
         .collect()
 }
 
-fn code(error: JobsError) -> &'static str {
+fn code(error: ServiceError) -> &'static str {
     match error {
-        JobsError::Conflict { code, .. } => code,
+        ServiceError::Conflict { code, .. } => code,
         other => panic!("not a conflict: {other}"),
     }
 }
@@ -438,15 +439,15 @@ async fn only_a_job_that_has_ended_and_that_nobody_needs_can_be_deleted() {
     service.delete(done.id).await.unwrap();
     assert!(matches!(
         service.get(done.id).await,
-        Err(JobsError::Gone("job"))
+        Err(ServiceError::Gone("job"))
     ));
     assert!(matches!(
         service.delete(done.id).await,
-        Err(JobsError::Gone("job"))
+        Err(ServiceError::Gone("job"))
     ));
     assert!(matches!(
         service.get(Uuid::now_v7()).await,
-        Err(JobsError::NotFound("job"))
+        Err(ServiceError::NotFound("job"))
     ));
     assert!(
         !service.blob(&report.sha256).exists(),
@@ -496,7 +497,7 @@ async fn names_and_labels_can_be_changed_within_their_limits() {
         name: Some("x".repeat(101)),
         labels: Some((0..33).map(|n| (n.to_string(), String::new())).collect()),
     };
-    let Err(JobsError::Invalid(faults)) = service.patch(job.id, long).await else {
+    let Err(ServiceError::Invalid(faults)) = service.patch(job.id, long).await else {
         panic!("accepted")
     };
     assert_eq!(

@@ -8,7 +8,10 @@ use std::time::Duration;
 use tempfile::TempDir;
 use trackloom::model::fault::Fault;
 use trackloom::service::config::Config;
-use trackloom::service::jobs::{DatasetMeta, Jobs, JobsError, ReceivedFile};
+use trackloom::service::datasets::DatasetMeta;
+use trackloom::service::datasets::ReceivedFile;
+use trackloom::service::error::ServiceError;
+use trackloom::service::jobs::Jobs;
 use trackloom::service::types::{DatasetInfo, Event, Job, JobKind, JobState};
 use uuid::Uuid;
 
@@ -104,7 +107,7 @@ impl Service {
 
     pub async fn refused(&self, kind: JobKind, body: Value) -> Vec<Fault> {
         match self.submit(kind, body, None).await {
-            Err(JobsError::Invalid(faults)) => faults,
+            Err(ServiceError::Invalid(faults)) => faults,
             other => panic!("not refused: {other:?}"),
         }
     }
@@ -157,18 +160,19 @@ impl Service {
         &self,
         content: &str,
         meta: DatasetMeta,
-    ) -> Result<(DatasetInfo, bool), JobsError> {
-        let path = self.temp_dir().join(Uuid::now_v7().to_string());
+    ) -> Result<(DatasetInfo, bool), ServiceError> {
+        let path = self.datasets().temp_dir().join(Uuid::now_v7().to_string());
         std::fs::write(&path, content).unwrap();
-        self.add_dataset(
-            ReceivedFile {
-                path,
-                sha256: sha256(content.as_bytes()),
-                bytes: content.len() as u64,
-            },
-            meta,
-        )
-        .await
+        self.datasets()
+            .add(
+                ReceivedFile {
+                    path,
+                    sha256: sha256(content.as_bytes()),
+                    bytes: content.len() as u64,
+                },
+                meta,
+            )
+            .await
     }
 }
 

@@ -2,12 +2,11 @@
 
 use crate::experiment::plan::{InputRequest, Source};
 use crate::experiment::run::Input;
-use crate::formats::npy::BearingTimeAxes;
-use crate::formats::{ReadOptions, format_named};
+use crate::formats::{FormatOptions, ReadOptions, format_named};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
-use crate::service::jobs::Failure;
+use crate::service::child::Failure;
 use anyhow::Context;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -21,7 +20,7 @@ pub struct InputFile {
     pub format: String,
     pub kind: DatasetKind,
     pub columns: BTreeMap<String, String>,
-    pub bearing_time: Option<BearingTimeAxes>,
+    pub options: FormatOptions,
     pub sensors: Vec<SensorSettings>,
     pub sha256: String,
 }
@@ -42,7 +41,7 @@ impl InputFile {
         let options = ReadOptions {
             kind: Some(self.kind),
             columns: self.columns.clone(),
-            bearing_time: self.bearing_time,
+            options: self.options.clone(),
         };
         let read = (format.read)(&mut BufReader::with_capacity(1 << 16, file), &options);
         Ok(read.map_err(faults_or_memory)?.dataset)

@@ -1,8 +1,8 @@
 //! Entity tags, answers that have not changed, and ranges of files.
 
 use super::query::encoded;
-use crate::service::error::{ApiError, ApiResult};
-use crate::service::jobs::StoredFile;
+use crate::service::datasets::StoredFile;
+use crate::service::http::error::{ApiError, ApiResult};
 use crate::service::storage::blobs::{Content, sha256_hex};
 use axum::Json;
 use axum::body::{Body, Bytes};

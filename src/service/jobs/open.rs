@@ -3,11 +3,11 @@
 use super::campaign::Campaigns;
 use super::control::Running;
 use super::hub::Hub;
-use super::in_child::{LOOKS, UPLOADS};
 use super::recent::Recent;
 use super::{Inner, Jobs, handler, listen, maintain};
-use crate::service::child::{Children, IS_LIMITED, default_memory, size_text};
+use crate::service::child::{Children, Desk, IS_LIMITED, default_memory, size_text};
 use crate::service::config::Config;
+use crate::service::datasets::Datasets;
 use crate::service::engine::Engine;
 use crate::service::storage::blobs::Blobs;
 use crate::service::storage::notices::Notices;
@@ -19,8 +19,12 @@ use std::os::unix::fs::DirBuilderExt;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use tokio::sync::{RwLock, Semaphore};
+use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
+
+/// Files that are checked at the same time, and looks at data that are taken at the same time.
+const UPLOADS: usize = 2;
+const LOOKS: usize = 2;
 
 impl Jobs {
     /// Opens the data directory, takes up what an earlier process left, and starts the workers.
@@ -83,10 +87,16 @@ impl Inner {
         )?;
         let job_memory_bytes = job_memory_bytes(&config, slots);
         let children = Children::open(config.child_program.clone(), job_memory_bytes, slots).await;
+        let children = Arc::new(children.context("no process for jobs can be started")?);
+        let closing = CancellationToken::new();
+        let desk = |places| Desk::new(children.clone(), places, job_memory_bytes, closing.clone());
+        let looks = desk(LOOKS);
+        let desks = (desk(UPLOADS), looks.clone());
+        let datasets = Datasets::new(storage.clone(), blobs.clone(), desks, closing.clone());
         Ok(Inner {
             room,
             blobs,
-            children: children.context("no process for jobs can be started")?,
+            children,
             engine: Engine::open(&database, slots).await?,
             storage,
             hub: Hub::default(),
@@ -94,10 +104,9 @@ impl Inner {
             running: Running::default(),
             campaigns: Campaigns::default(),
             slots: Arc::new(Semaphore::new(slots)),
-            uploads: Arc::new(Semaphore::new(UPLOADS)),
-            looks: Arc::new(Semaphore::new(LOOKS)),
-            sweeping: RwLock::new(()),
-            closing: CancellationToken::new(),
+            datasets: Arc::new(datasets),
+            looks,
+            closing,
             must_requeue: AtomicBool::new(false),
             config: Config {
                 slots,

@@ -1,14 +1,15 @@
 //! What happens when the queue says "look at this": claim it, have a child run it, write how it ended.
 
 use super::control::{Control, Stop, Work};
-use super::datasets::NoSweepingHere;
-use super::error::may_pass;
-use super::in_child::{crash_text, unexpected};
-use super::inputs::local_files;
+use crate::service::datasets::NoSweepingHere;
+use crate::service::error::may_pass;
+
+use super::Inner;
 use super::submit::planned;
-use super::{Failure, Inner};
 use crate::experiment::plan::JobKind;
-use crate::service::child::{Made, MadeFile, Order};
+use crate::service::child::Failure;
+use crate::service::child::{Made, MadeFile, Order, crash_text, unexpected};
+use crate::service::datasets::local_files;
 use crate::service::engine::Entry;
 use crate::service::storage::blobs::{Blobs, Damaged, ReceivedFile};
 use crate::service::storage::{Changed, Claim, ClaimedJob, Ending, NewArtifact};
@@ -155,7 +156,7 @@ impl Inner {
     pub(super) async fn surely_no_sweeping(&self) -> anyhow::Result<NoSweepingHere<'_>> {
         let mut tries = 0;
         loop {
-            match self.no_sweeping().await {
+            match self.datasets.no_sweeping().await {
                 Err(error) if self.may_try_again(&error, &mut tries) => {
                     tracing::warn!(error = format!("{error:#}"), "files wait to be kept");
                     tokio::time::sleep(Duration::from_secs(1)).await;

@@ -28,6 +28,11 @@ const SQLITE_TABLES: &Migrations = &[
         include_str!("migrations/sqlite/0003_chunks.sql"),
     ),
     (4, "blobs", include_str!("migrations/sqlite/0004_blobs.sql")),
+    (
+        5,
+        "format options",
+        include_str!("migrations/sqlite/0005_format_options.sql"),
+    ),
 ];
 
 const POSTGRES_TABLES: &Migrations = &[
@@ -40,6 +45,11 @@ const POSTGRES_TABLES: &Migrations = &[
         4,
         "queue",
         include_str!("migrations/postgres/0004_queue.sql"),
+    ),
+    (
+        5,
+        "format options",
+        include_str!("migrations/postgres/0005_format_options.sql"),
     ),
 ];
 

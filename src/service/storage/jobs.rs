@@ -3,7 +3,7 @@
 use super::change::{Changed, append_event, end_job, parse_id};
 use super::datasets::active_users;
 use super::filter::JobFilter;
-use super::page::{Cursor, cut, push_page, push_search, row_limit};
+use super::page::{Cursor, Page, Paging, push_search};
 use super::statement::Statement;
 use super::{Storage, from_micros, now, to_micros};
 use crate::service::types::{EventData, Job, JobKind, JobLinks, JobState, LogLine};
@@ -87,32 +87,21 @@ impl Storage {
         serde_json::from_str(&json).context("a stored spec is not JSON")
     }
 
-    /// One page, the cursor of the next, and the count if it was asked for.
     pub async fn jobs(
         &self,
         filter: &JobFilter,
-        cursor: Option<Cursor>,
-    ) -> anyhow::Result<(Vec<Job>, Option<String>, Option<u64>)> {
-        let total = if filter.count {
-            let mut query = Statement::new("SELECT count(*) FROM jobs WHERE ");
-            push_filter(&mut query, filter);
-            Some(query.count().fetch_one(&self.read).await?.cast_unsigned())
-        } else {
-            None
+        after: Option<Cursor>,
+    ) -> anyhow::Result<Page<Job>> {
+        let paging = Paging {
+            sort: filter.sort,
+            limit: filter.limit,
+            after,
+            count: filter.count,
         };
-        let limit = row_limit(filter.limit);
-        let mut query = Statement::new(COLUMNS);
-        push_filter(&mut query, filter);
-        push_page(&mut query, filter.sort, cursor, limit);
-        let rows = query.query().fetch_all(&self.read).await?;
-        let items = rows
-            .iter()
-            .map(|row| Ok(stored(row)?.job))
-            .collect::<anyhow::Result<Vec<_>>>()?;
-        let (items, next) = cut(items, limit, |job| {
-            Cursor::new(filter.sort, job.created_at, job.id)
-        });
-        Ok((items, next, total))
+        let count = "SELECT count(*) FROM jobs WHERE ";
+        let read = |row: &AnyRow| Ok(stored(row)?.job);
+        self.page((COLUMNS, count), condition(filter), paging, read)
+            .await
     }
 
     pub async fn job_counts(&self) -> anyhow::Result<BTreeMap<JobState, u64>> {
@@ -296,14 +285,18 @@ pub(super) async fn write_labels(
     Ok(())
 }
 
-fn push_filter(query: &mut Statement, filter: &JobFilter) {
-    query.push("deleted_at IS NULL");
+fn condition(filter: &JobFilter) -> Statement {
+    let mut query = Statement::new("deleted_at IS NULL");
     push_names(
-        query,
+        &mut query,
         "state",
         filter.states.iter().map(|state| state.name()),
     );
-    push_names(query, "kind", filter.kinds.iter().map(|kind| kind.name()));
+    push_names(
+        &mut query,
+        "kind",
+        filter.kinds.iter().map(|kind| kind.name()),
+    );
     for (key, value) in &filter.labels {
         query
             .push(" AND id IN (SELECT job_id FROM job_labels WHERE key = ")
@@ -317,8 +310,9 @@ fn push_filter(query: &mut Statement, filter: &JobFilter) {
         query.push(" AND created_at < ").bind(to_micros(before));
     }
     if let Some(q) = &filter.q {
-        push_search(query, q);
+        push_search(&mut query, q);
     }
+    query
 }
 
 fn push_names(
