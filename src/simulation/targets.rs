@@ -191,7 +191,8 @@ fn formation(plan: &FormationTargets, seed: Seed) -> Vec<Path> {
     let heading_rad = TAU * seed.stream(Purpose::Formation, 0, 0).random::<f64>();
     let course_mps = Position::new(heading_rad.sin(), heading_rad.cos()) * plan.speed_mps;
     let places = (0..plan.rows).flat_map(|row| (0..plan.columns).map(move |column| (column, row)));
-    let path = |(index, (column, row)): (usize, (u32, u32))| {
+    let mut paths = Vec::new();
+    for (index, (column, row)) in places.enumerate() {
         let mut draw = seed.stream(Purpose::Formation, index as u64 + 1, 0);
         let mut place_m = |number: u32, count: u32| {
             let displacement = plan.displacement * (2.0 * draw.random::<f64>() - 1.0);
@@ -219,10 +220,10 @@ fn formation(plan: &FormationTargets, seed: Seed) -> Vec<Path> {
                 }
             }
         };
-        Path {
+        paths.push(Path {
             truth_id: (index + 1).to_string(),
             law,
-        }
-    };
-    places.enumerate().map(path).collect()
+        });
+    }
+    paths
 }
