@@ -21,7 +21,7 @@
 
 use super::admissible::divide_rows;
 use super::bound::dual_bound;
-use super::problem::{CorrelationProblem, Costs, Link};
+use super::problem::{CorrelationProblem, Costs};
 use super::{BuildCorrelator, Correlator, Solution};
 use crate::math::assignment::AssignmentSolver;
 use crate::model::fault::Fault;
