@@ -271,18 +271,19 @@ impl<'a> Cluster<'a> {
     }
 
     fn sum_of_least(&self, counts: impl Fn(u32, usize) -> bool, add: fn(f64, f64) -> f64) -> f64 {
-        let least = |track, sensor| {
-            self.edges_to(track, sensor)
-                .iter()
-                .fold(0.0, |least: f64, edge| least.min(edge.cost))
-        };
         let of_track = |track| {
             (0..self.sensors)
                 .filter(|&sensor| counts(track, sensor))
-                .map(|sensor| least(track, sensor))
+                .map(|sensor| self.least_edge(track, sensor))
                 .fold(0.0, add)
         };
         (0..self.len() as u32).map(of_track).sum()
+    }
+
+    /// Of the edges of a track to a sensor; 0 where all cost something.
+    fn least_edge(&self, track: u32, sensor: usize) -> f64 {
+        let edges = self.edges_to(track, sensor).iter();
+        edges.fold(0.0, |least: f64, edge| least.min(edge.cost))
     }
 }
 

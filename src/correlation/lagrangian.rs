@@ -160,14 +160,12 @@ impl Lagrangian {
 
 /// Step 2.
 fn recover(cluster: &Cluster, relaxation: &Relaxation, improver: &mut Improver) -> Partition {
-    let price = |&member: &u32| relaxation.multipliers[member as usize];
-    let reduced = |tuple: &Tuple| tuple.cost - tuple.members.iter().map(price).sum::<f64>();
-    let mut order: Vec<(f64, &Tuple)> = relaxation
-        .tuples
-        .iter()
-        .flatten()
-        .map(|tuple| (reduced(tuple), tuple))
-        .collect();
+    let mut order: Vec<(f64, &Tuple)> = Vec::new();
+    for tuple in relaxation.tuples.iter().flatten() {
+        let members = tuple.members.iter();
+        let prices = members.map(|&member| relaxation.multipliers[member as usize]);
+        order.push((tuple.cost - prices.sum::<f64>(), tuple));
+    }
     order.sort_by(|left, right| left.0.total_cmp(&right.0));
     let mut is_free = vec![true; cluster.len()];
     let mut taken: Vec<&[u32]> = Vec::new();

@@ -387,20 +387,22 @@ impl Correlation {
 
 /// The size of the box around all states, each with one standard deviation on either side.
 fn extent(estimates: &Estimates) -> f64 {
-    let all = || {
-        (0..estimates.tracks() as u32)
-            .flat_map(|track| estimates.of_track(track))
-            .flatten()
-    };
-    let side = |axis: usize| {
-        let ends = |sign: f64| {
-            all().map(move |estimate| {
-                estimate.mean[axis] + sign * estimate.covariance[(axis, axis)].sqrt()
-            })
-        };
-        ends(1.0).fold(f64::NEG_INFINITY, f64::max) - ends(-1.0).fold(f64::INFINITY, f64::min)
-    };
-    (0..estimates.dimensions()).map(side).product()
+    (0..estimates.dimensions())
+        .map(|axis| side(estimates, axis))
+        .product()
+}
+
+/// The length along an axis of what the estimates reach within one standard deviation.
+fn side(estimates: &Estimates, axis: usize) -> f64 {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for track in 0..estimates.tracks() as u32 {
+        for estimate in estimates.of_track(track).iter().flatten() {
+            let sigma = estimate.covariance[(axis, axis)].sqrt();
+            low = low.min(estimate.mean[axis] - sigma);
+            high = high.max(estimate.mean[axis] + sigma);
+        }
+    }
+    high - low
 }
 
 /// Q − δ.

@@ -21,7 +21,7 @@
 
 use super::admissible::divide_rows;
 use super::bound::dual_bound;
-use super::problem::{CorrelationProblem, Costs, Link};
+use super::problem::{CorrelationProblem, Costs};
 use super::{BuildCorrelator, Correlator, Solution};
 use crate::math::assignment::AssignmentSolver;
 use crate::model::fault::Fault;
@@ -94,23 +94,19 @@ fn costs_of_joining(
     joins: &mut Vec<(u32, f64)>,
 ) {
     joins.clear();
-    let is_earlier = |link: &&Link| problem.sensor_of(link.track) < problem.sensor_of(track);
     let mut links: Vec<(u32, f64, u32)> = problem
         .links(track)
         .iter()
-        .take_while(is_earlier)
+        .take_while(|link| problem.sensor_of(link.track) < problem.sensor_of(track))
         .map(|link| (tuple_of[link.track as usize], link.cost, link.track))
         .collect();
     if matches!(problem.costs, Costs::Chain) {
-        let is_last = |&&(tuple, _, member): &&(u32, f64, u32)| {
-            tuples[tuple as usize].last() == Some(&member)
-        };
-        return joins.extend(
-            links
-                .iter()
-                .filter(is_last)
-                .map(|&(tuple, cost, _)| (tuple, cost)),
-        );
+        for (tuple, cost, member) in links {
+            if tuples[tuple as usize].last() == Some(&member) {
+                joins.push((tuple, cost));
+            }
+        }
+        return;
     }
     links.sort_unstable_by_key(|&(tuple, _, member)| (tuple, member));
     for of_tuple in links.chunk_by(|left, right| left.0 == right.0) {

@@ -180,21 +180,20 @@ impl Steps {
 
     /// Method, 2. `others_s` are the times of tracks that are no scan's, rising.
     fn take_scans(&mut self, times_s: &[f64], others_s: &[f64]) {
-        let reach = |gap_s: f64| self.tolerance_s.min(0.5 * gap_s);
-        let window = |(index, &time_s): (usize, &f64)| {
+        self.windows.clear();
+        for (index, &time_s) in times_s.iter().enumerate() {
             let before_s = index
                 .checked_sub(1)
                 .map_or(f64::INFINITY, |before| time_s - times_s[before]);
             let after_s = times_s
                 .get(index + 1)
                 .map_or(f64::INFINITY, |after| after - time_s);
-            Window {
+            self.windows.push(Window {
                 time_s,
-                from_s: time_s - reach(before_s),
-                to_s: time_s + reach(after_s),
-            }
-        };
-        self.windows = times_s.iter().enumerate().map(window).collect();
+                from_s: time_s - self.tolerance_s.min(0.5 * before_s),
+                to_s: time_s + self.tolerance_s.min(0.5 * after_s),
+            });
+        }
         let moved: Vec<f64> = others_s
             .iter()
             .filter_map(|&time_s| Some((self.time_s(self.at(time_s)?) - time_s).abs()))

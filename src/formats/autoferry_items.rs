@@ -1,7 +1,7 @@
 //! The items of an autoferry file as they come: scans of detections, or lists of positions. Nothing is held of an item but
 //! what is read of it.
 
-use super::autoferry::{FerrySensor, SENSORS};
+use super::autoferry_sensors::{FerrySensor, SENSORS};
 use super::json_text::FieldNames;
 use super::loose::{Loose, own_seed, read_by, visit_scalars, visit_texts};
 use super::table::FaultLog;

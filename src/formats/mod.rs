@@ -2,6 +2,7 @@
 
 pub mod autoferry;
 mod autoferry_items;
+mod autoferry_sensors;
 mod bearing_time;
 pub mod csv;
 pub mod json;

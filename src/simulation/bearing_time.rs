@@ -22,7 +22,7 @@ use crate::model::bearing_time::{BearingTimeParts, BearingTimeRecord, MAX_CELLS}
 use crate::model::fault::Fault;
 use crate::model::scenario::{RecordPlan, Scenario, TargetPlan};
 use crate::model::sensor::SensorSettings;
-use crate::model::truth::{Target, TruePlace, TruthPoint, TruthSet};
+use crate::model::truth::{TruePlace, TruthSet};
 use crate::registry::{Bound, Kind, Object, default, optional, required};
 use rand::RngExt;
 use rand_distr::{Distribution, Gamma, Poisson, StandardNormal};
@@ -270,17 +270,7 @@ pub fn simulate_record(
             return Ok(None);
         }
     }
-    let truth = |path: &Path| {
-        let point = |&time_s: &f64| TruthPoint {
-            time_s,
-            place: path.place_at(time_s),
-        };
-        Target {
-            truth_id: path.truth_id.clone(),
-            points: times_s.iter().map(point).collect(),
-        }
-    };
-    let truth = TruthSet::new(paths.iter().map(truth).collect())?;
+    let truth = TruthSet::new(paths.iter().map(|path| path.truth_at(&times_s)).collect())?;
     let bearings_rad = scene.bearings_rad;
     let record = BearingTimeRecord::new(BearingTimeParts {
         times_s,

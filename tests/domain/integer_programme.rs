@@ -50,7 +50,7 @@ fn least_cost(problem: &CorrelationProblem) -> Option<f64> {
     if tuples.len() > MAX_TUPLES {
         return None;
     }
-    let mut programme = microlp::CorrelationProblem::new(OptimizationDirection::Minimize);
+    let mut programme = microlp::Problem::new(OptimizationDirection::Minimize);
     let mut rows = vec![LinearExpr::empty(); problem.tracks()];
     for (tuple, cost) in &tuples {
         let variable = programme.add_binary_var(*cost);

@@ -19,6 +19,17 @@ pub(super) struct Code {
     pub(super) detection: u32,
 }
 
+impl Code {
+    fn without_edge(detection: u32) -> Code {
+        Code {
+            gain: 0.0,
+            log_ratio: 0.0,
+            key: 0,
+            detection,
+        }
+    }
+}
+
 /// From a bat to a neighbour: `row` gets `code`; unless that is [`NOBODY`], `other` gets `other_code`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Move {
@@ -104,14 +115,9 @@ impl Cluster {
             self.numbers.len() as u32
         };
         self.none_draws = u32::from(settings.draws_missed());
-        let nothing = |detection| Code {
-            gain: 0.0,
-            log_ratio: 0.0,
-            key: 0,
-            detection,
-        };
-        self.codes.extend((0..self.drawn_from).map(nothing));
-        self.codes.push(nothing(self.detections));
+        self.codes
+            .extend((0..self.drawn_from).map(Code::without_edge));
+        self.codes.push(Code::without_edge(self.detections));
     }
 
     fn clear(&mut self) {

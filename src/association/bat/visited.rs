@@ -67,10 +67,11 @@ impl Visited {
         hash: u64,
         step: &Move,
     ) {
-        let key = |code: u32| cluster.code(code).key;
-        let mut hash = hash ^ key(entries[step.row as usize]) ^ key(step.code);
+        let old = cluster.code(entries[step.row as usize]);
+        let mut hash = hash ^ old.key ^ cluster.code(step.code).key;
         if step.other != NOBODY {
-            hash ^= key(entries[step.other as usize]) ^ key(step.other_code);
+            let old = cluster.code(entries[step.other as usize]);
+            hash ^= old.key ^ cluster.code(step.other_code).key;
         }
         if self.is_new(hash) {
             let after = |(row, &code): (usize, &u32)| match row as u32 {

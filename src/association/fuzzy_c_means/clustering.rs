@@ -70,12 +70,11 @@ impl Clustering {
             self.rows.push(row as u32);
             self.noise_of.push(noise_of(problem, state));
             self.centres.extend_from_slice(places.expected(row));
-            let pair = |edge: usize| Pair {
+            self.pairs.extend(state.edges().map(|edge| Pair {
                 detection: problem.edge(edge).detection,
                 row: place as u32,
                 edge: edge as u32,
-            };
-            self.pairs.extend(state.edges().map(pair));
+            }));
         }
         self.pairs
             .sort_unstable_by_key(|pair| (pair.detection, pair.row));

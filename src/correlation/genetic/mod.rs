@@ -354,6 +354,20 @@ impl Start {
     }
 }
 
+/// Of each generation; a search that has ended keeps its last costs.
+fn sum_costs(
+    searches: &[SearchHistory],
+    generations: usize,
+    costs: fn(&SearchHistory) -> &[f64],
+) -> Vec<f64> {
+    let at = |generation: usize| {
+        let all = searches.iter().map(costs);
+        all.map(|costs| costs[generation.min(costs.len() - 1)])
+            .sum()
+    };
+    (0..generations).map(at).collect()
+}
+
 /// The searches of all clusters as one: those that have ended stay where they are.
 fn sum_searches(searches: &[SearchHistory]) -> SearchHistory {
     let generations = searches
@@ -361,23 +375,14 @@ fn sum_searches(searches: &[SearchHistory]) -> SearchHistory {
         .map(|search| search.best.len())
         .max()
         .unwrap_or(1);
-    let sum = |costs: fn(&SearchHistory) -> &[f64]| -> Vec<f64> {
-        let at = |generation: usize| {
-            searches
-                .iter()
-                .map(|search| costs(search)[generation.min(costs(search).len() - 1)])
-                .sum()
-        };
-        (0..generations).map(at).collect()
-    };
     let stops = ["evaluations", "generations", "unchanged"];
     let stop = stops
         .into_iter()
         .find(|stop| searches.iter().any(|search| search.stop == *stop))
         .unwrap_or("optimal");
     SearchHistory {
-        best: sum(|search| &search.best),
-        mean: sum(|search| &search.mean),
+        best: sum_costs(searches, generations, |search| &search.best),
+        mean: sum_costs(searches, generations, |search| &search.mean),
         evaluations: searches.iter().map(|search| search.evaluations).sum(),
         stop,
     }

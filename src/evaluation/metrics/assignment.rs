@@ -269,8 +269,8 @@ impl<'a> Walk<'a> {
             let Some(place) = track.truth.and_then(place) else {
                 continue;
             };
-            let is_longer = |other: u32| track.since < self.tracks[other as usize].since;
-            if self.associated[place].is_none_or(is_longer) {
+            let other = self.associated[place].map(|other| &self.tracks[other as usize]);
+            if other.is_none_or(|other| track.since < other.since) {
                 self.associated[place] = Some(presence.id);
             }
         }
@@ -320,18 +320,17 @@ impl<'a> Walk<'a> {
 
 impl TruthLife {
     fn quantities(&self) -> Vec<Quantity> {
-        let count = |name, count: u32| Quantity::new(name, f64::from(count), "");
         let establishment = Some(f64::from(self.establishment)).filter(|_| self.associated > 0);
         vec![
-            count("steps_inside_coverage", self.steps),
-            count("established", u32::from(self.associated > 0)),
+            Quantity::count("steps_inside_coverage", self.steps),
+            Quantity::count("established", u32::from(self.associated > 0)),
             Quantity::or(
                 "establishment_length",
                 establishment,
                 "steps",
                 "never established",
             ),
-            count("breaks", self.breaks),
+            Quantity::count("breaks", self.breaks),
             Quantity::new("break_length", f64::from(self.break_length), "steps"),
             Quantity::ratio(
                 "associated_share",
@@ -350,17 +349,16 @@ impl TrackLife {
     }
 
     fn quantities(&self) -> Vec<Quantity> {
-        let count = |name, count: u32| Quantity::new(name, f64::from(count), "");
         let length = |name, steps: u32| Quantity::new(name, f64::from(steps), "steps");
         vec![
             length("length", self.steps),
             length("assigned_length", self.assigned),
-            count("swaps", self.swaps),
-            count("divergences", self.divergences),
+            Quantity::count("swaps", self.swaps),
+            Quantity::count("divergences", self.divergences),
             length("divergence_length", self.divergence_length),
-            count("redundancies", self.redundancies),
+            Quantity::count("redundancies", self.redundancies),
             length("redundancy_length", self.redundancy_length),
-            count("false", u32::from(self.is_false())),
+            Quantity::count("false", u32::from(self.is_false())),
             length("false_length", if self.is_false() { self.steps } else { 0 }),
         ]
     }
@@ -381,25 +379,21 @@ fn lines<Life>(
 }
 
 fn totals(truths: &[TruthLife], tracks: &[TrackLife]) -> Vec<Quantity> {
-    let of_truths =
-        |part: fn(&TruthLife) -> u32| truths.iter().map(|life| f64::from(part(life))).sum::<f64>();
-    let of_tracks =
-        |part: fn(&TrackLife) -> u32| tracks.iter().map(|life| f64::from(part(life))).sum::<f64>();
-    let established = of_truths(|life| u32::from(life.associated > 0));
-    let establishment = of_truths(|life| {
+    let established = sum(truths, |life| u32::from(life.associated > 0));
+    let establishment = sum(truths, |life| {
         if life.associated > 0 {
             life.establishment
         } else {
             0
         }
     });
-    let false_tracks = of_tracks(|life| u32::from(life.is_false()));
+    let false_tracks = sum(tracks, |life| u32::from(life.is_false()));
     let no_truth = "no truth at any step";
     vec![
         Quantity::ratio(
             "associated_share",
-            of_truths(|life| life.associated),
-            of_truths(|life| life.steps),
+            sum(truths, |life| life.associated),
+            sum(truths, |life| life.steps),
             "",
             no_truth,
         ),
@@ -419,20 +413,24 @@ fn totals(truths: &[TruthLife], tracks: &[TrackLife]) -> Vec<Quantity> {
             "steps",
             "no truth was established",
         ),
-        Quantity::new("breaks", of_truths(|life| life.breaks), ""),
-        Quantity::new("break_length", of_truths(|life| life.break_length), "steps"),
-        Quantity::new("tracks", tracks.len() as f64, ""),
-        Quantity::new("swaps", of_tracks(|life| life.swaps), ""),
-        Quantity::new("divergences", of_tracks(|life| life.divergences), ""),
+        Quantity::new("breaks", sum(truths, |life| life.breaks), ""),
         Quantity::new(
-            "divergence_length",
-            of_tracks(|life| life.divergence_length),
+            "break_length",
+            sum(truths, |life| life.break_length),
             "steps",
         ),
-        Quantity::new("redundancies", of_tracks(|life| life.redundancies), ""),
+        Quantity::new("tracks", tracks.len() as f64, ""),
+        Quantity::new("swaps", sum(tracks, |life| life.swaps), ""),
+        Quantity::new("divergences", sum(tracks, |life| life.divergences), ""),
+        Quantity::new(
+            "divergence_length",
+            sum(tracks, |life| life.divergence_length),
+            "steps",
+        ),
+        Quantity::new("redundancies", sum(tracks, |life| life.redundancies), ""),
         Quantity::new(
             "redundancy_length",
-            of_tracks(|life| life.redundancy_length),
+            sum(tracks, |life| life.redundancy_length),
             "steps",
         ),
         Quantity::new("false_tracks", false_tracks, ""),
@@ -445,10 +443,14 @@ fn totals(truths: &[TruthLife], tracks: &[TrackLife]) -> Vec<Quantity> {
         ),
         Quantity::new(
             "false_track_length",
-            of_tracks(|life| if life.is_false() { life.steps } else { 0 }),
+            sum(tracks, |life| if life.is_false() { life.steps } else { 0 }),
             "steps",
         ),
     ]
+}
+
+fn sum<Life>(lives: &[Life], part: fn(&Life) -> u32) -> f64 {
+    lives.iter().map(|life| f64::from(part(life))).sum()
 }
 
 #[cfg(test)]

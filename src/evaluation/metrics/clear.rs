@@ -119,6 +119,9 @@ impl Metric for Clear {
     }
 }
 
+const NO_TRUTH: &str = "no truth at any step";
+const NO_MATCH: &str = "nothing was matched";
+
 const FALSE: &[&str] = &["false_alarm", "redundant", "divergence"];
 
 /// A statistic of a column of the matches in the log.
@@ -249,18 +252,12 @@ impl Counts {
         let truths = self.classes.iter().sum::<u64>() as f64;
         let [mostly_tracked, partly_tracked, mostly_lost] =
             self.classes.map(|truths| truths as f64);
-        let count = |name, count: f64| Quantity::new(name, count, "");
-        let of_truth =
-            |name, over: f64| Quantity::ratio(name, over, truth_points, "", "no truth at any step");
-        let of_matches =
-            |name, over: f64, unit| Quantity::ratio(name, over, tp, unit, "nothing was matched");
-        let of_truths =
-            |name, over: f64| Quantity::ratio(name, over, truths, "", "no truth at any step");
+        let of_truth = |name, over: f64| Quantity::ratio(name, over, truth_points, "", NO_TRUTH);
         vec![
             of_truth("mota", tp - fp - switches),
             of_truth("moda", tp - fp),
-            of_matches("motp_similarity", self.similarity, ""),
-            of_matches("motp_distance", self.distance, distance_unit),
+            Quantity::ratio("motp_similarity", self.similarity, tp, "", NO_MATCH),
+            Quantity::ratio("motp_distance", self.distance, tp, distance_unit, NO_MATCH),
             of_truth("smota", self.similarity - fp - switches),
             of_truth("motal", tp - fp - log_switches),
             of_truth("recall", tp),
@@ -272,90 +269,83 @@ impl Counts {
                 "",
                 "neither truth nor track at any step",
             ),
-            count("tp", tp),
-            count("fn", missed),
-            count("fp", fp),
-            count("fp_false_alarm", parts[0]),
-            count("fp_redundant", parts[1]),
-            count("fp_divergence", parts[2]),
+            Quantity::count("tp", tp),
+            Quantity::count("fn", missed),
+            Quantity::count("fp", fp),
+            Quantity::count("fp_false_alarm", parts[0]),
+            Quantity::count("fp_redundant", parts[1]),
+            Quantity::count("fp_divergence", parts[2]),
             Quantity::ratio("fp_per_step", fp, self.steps as f64, "", "no step"),
-            count("idsw", switches),
-            count("frag", self.count(EventKind::Reacquisition)),
-            count("frag_trackeval", self.frag_trackeval as f64),
-            count("mt", mostly_tracked),
-            count("pt", partly_tracked),
-            count("ml", mostly_lost),
-            of_truths("mt_share", mostly_tracked),
-            of_truths("pt_share", partly_tracked),
-            of_truths("ml_share", mostly_lost),
+            Quantity::count("idsw", switches),
+            Quantity::count("frag", self.count(EventKind::Reacquisition)),
+            Quantity::count("frag_trackeval", self.frag_trackeval as f64),
+            Quantity::count("mt", mostly_tracked),
+            Quantity::count("pt", partly_tracked),
+            Quantity::count("ml", mostly_lost),
+            Quantity::ratio("mt_share", mostly_tracked, truths, "", NO_TRUTH),
+            Quantity::ratio("pt_share", partly_tracked, truths, "", NO_TRUTH),
+            Quantity::ratio("ml_share", mostly_lost, truths, "", NO_TRUTH),
         ]
     }
 }
 
 fn truth_lines(sequence: &Sequence, lives: &[TruthLife], classes: &[[u64; 3]]) -> Vec<Line> {
-    let line = |((id, life), class): ((&String, &TruthLife), &[u64; 3])| {
-        let count = |name, count: u32| Quantity::new(name, f64::from(count), "");
-        let (matched, steps) = (f64::from(life.matched), f64::from(life.steps));
-        let quantities = vec![
-            count("steps", life.steps),
-            count("tp", life.matched),
-            count("fn", life.steps - life.matched),
-            Quantity::ratio("recall", matched, steps, "", "does not exist at any step"),
-            count("idsw", life.switches),
-            count("frag", life.interruptions),
-            count("frag_trackeval", life.interruptions_trackeval),
-            Quantity::new("mt", class[0] as f64, ""),
-            Quantity::new("pt", class[1] as f64, ""),
-            Quantity::new("ml", class[2] as f64, ""),
-        ];
-        Line {
-            id: id.clone(),
-            quantities,
-        }
-    };
-    sequence
-        .comparison
-        .truth_ids
-        .iter()
-        .zip(lives)
+    let ids = sequence.comparison.truth_ids.iter();
+    ids.zip(lives)
         .zip(classes)
-        .map(line)
+        .map(|((id, life), class)| Line {
+            id: id.clone(),
+            quantities: truth_quantities(life, class),
+        })
         .collect()
 }
 
+fn truth_quantities(life: &TruthLife, class: &[u64; 3]) -> Vec<Quantity> {
+    let (matched, steps) = (f64::from(life.matched), f64::from(life.steps));
+    vec![
+        Quantity::count("steps", life.steps),
+        Quantity::count("tp", life.matched),
+        Quantity::count("fn", life.steps - life.matched),
+        Quantity::ratio("recall", matched, steps, "", "does not exist at any step"),
+        Quantity::count("idsw", life.switches),
+        Quantity::count("frag", life.interruptions),
+        Quantity::count("frag_trackeval", life.interruptions_trackeval),
+        Quantity::new("mt", class[0] as f64, ""),
+        Quantity::new("pt", class[1] as f64, ""),
+        Quantity::new("ml", class[2] as f64, ""),
+    ]
+}
+
 fn track_lines(sequence: &Sequence) -> Vec<Line> {
-    let mut counts = vec![[0u32; EventKind::ALL.len()]; sequence.comparison.track_ids.len()];
+    let mut counts = vec![[0; EventKind::ALL.len()]; sequence.comparison.track_ids.len()];
     for event in &sequence.events.events {
         if let Some(track) = event.track {
             counts[track as usize][event.kind as usize] += 1;
         }
     }
-    let line = |(id, counts): (&String, &[u32; EventKind::ALL.len()])| {
-        let of = |kind: EventKind| f64::from(counts[kind as usize]);
-        let (tp, alarms) = (of(EventKind::Match), of(EventKind::FalseAlarm));
-        let (redundant, divergence) = (of(EventKind::Redundant), of(EventKind::Divergence));
-        let fp = alarms + redundant + divergence;
-        let quantities = vec![
-            Quantity::new("steps", tp + fp, ""),
-            Quantity::new("tp", tp, ""),
-            Quantity::new("fp", fp, ""),
-            Quantity::ratio("precision", tp, tp + fp, "", "does not exist at any step"),
-            Quantity::new("fp_false_alarm", alarms, ""),
-            Quantity::new("fp_redundant", redundant, ""),
-            Quantity::new("fp_divergence", divergence, ""),
-        ];
-        Line {
+    let ids = sequence.comparison.track_ids.iter();
+    ids.zip(&counts)
+        .map(|(id, counts)| Line {
             id: id.clone(),
-            quantities,
-        }
-    };
-    sequence
-        .comparison
-        .track_ids
-        .iter()
-        .zip(&counts)
-        .map(line)
+            quantities: track_quantities(counts),
+        })
         .collect()
+}
+
+fn track_quantities(counts: &[u32; EventKind::ALL.len()]) -> Vec<Quantity> {
+    let of = |kind: EventKind| f64::from(counts[kind as usize]);
+    let (tp, alarms) = (of(EventKind::Match), of(EventKind::FalseAlarm));
+    let (redundant, divergence) = (of(EventKind::Redundant), of(EventKind::Divergence));
+    let fp = alarms + redundant + divergence;
+    vec![
+        Quantity::new("steps", tp + fp, ""),
+        Quantity::new("tp", tp, ""),
+        Quantity::new("fp", fp, ""),
+        Quantity::ratio("precision", tp, tp + fp, "", "does not exist at any step"),
+        Quantity::new("fp_false_alarm", alarms, ""),
+        Quantity::new("fp_redundant", redundant, ""),
+        Quantity::new("fp_divergence", divergence, ""),
+    ]
 }
 
 #[cfg(test)]

@@ -257,33 +257,33 @@ impl Sums {
 
     /// Every part at each α.
     fn curves(&self) -> [(&'static str, [f64; ALPHAS]); 9] {
-        let of_matches = |sums: &[f64; ALPHAS], alone: f64| -> [f64; ALPHAS] {
-            std::array::from_fn(|index| {
-                if self.tp[index] > 0.0 {
-                    sums[index] / self.tp[index]
-                } else {
-                    alone
-                }
-            })
-        };
         let det_re = self.tp.map(|tp| tp / self.truth_points.max(1.0));
         let det_a = self
             .tp
             .map(|tp| tp / (self.truth_points + self.track_points - tp).max(1.0));
-        let ass_a = of_matches(&self.association, 0.0);
-        let root =
-            |left: &[f64; ALPHAS]| std::array::from_fn(|index| (left[index] * ass_a[index]).sqrt());
+        let ass_a = self.per_match(&self.association, 0.0);
         [
-            ("hota", root(&det_a)),
+            ("hota", geometric_means(&det_a, &ass_a)),
             ("det_a", det_a),
             ("ass_a", ass_a),
-            ("loc_a", of_matches(&self.similarity, 1.0)),
+            ("loc_a", self.per_match(&self.similarity, 1.0)),
             ("det_re", det_re),
             ("det_pr", self.tp.map(|tp| tp / self.track_points.max(1.0))),
-            ("ass_re", of_matches(&self.association_recall, 0.0)),
-            ("ass_pr", of_matches(&self.association_precision, 0.0)),
-            ("owta", root(&det_re)),
+            ("ass_re", self.per_match(&self.association_recall, 0.0)),
+            ("ass_pr", self.per_match(&self.association_precision, 0.0)),
+            ("owta", geometric_means(&det_re, &ass_a)),
         ]
+    }
+
+    /// Sums divided by the matches of each threshold; `alone` where there is none.
+    fn per_match(&self, sums: &[f64; ALPHAS], alone: f64) -> [f64; ALPHAS] {
+        std::array::from_fn(|index| {
+            if self.tp[index] > 0.0 {
+                sums[index] / self.tp[index]
+            } else {
+                alone
+            }
+        })
     }
 
     fn counts(&self) -> [(&'static str, [f64; ALPHAS]); 3] {
@@ -296,41 +296,41 @@ impl Sums {
 
     /// The means over α; 0 / 0 is `null` with a reason.
     fn quantities(&self, curves: &[(&'static str, [f64; ALPHAS]); 9]) -> Vec<Quantity> {
-        let unless =
-            |is_missing: bool, reason: &'static str| if is_missing { Some(reason) } else { None };
-        let no_truth = unless(self.truth_points == 0.0, "no truth at any step");
-        let no_track = unless(self.track_points == 0.0, "no track at any step");
-        let nothing = unless(!self.is_defined(), "neither truth nor track at any step");
-        let no_match = unless(self.tp[0] == 0.0, "nothing was matched at any threshold");
-        let mean = |&(name, values): &(&'static str, [f64; ALPHAS])| {
-            let reason = match name {
+        let no_truth = (self.truth_points == 0.0).then_some("no truth at any step");
+        let no_track = (self.track_points == 0.0).then_some("no track at any step");
+        let nothing = (!self.is_defined()).then_some("neither truth nor track at any step");
+        let no_match = (self.tp[0] == 0.0).then_some("nothing was matched at any threshold");
+        let mut quantities = Vec::new();
+        for (name, values) in curves {
+            let reason = match *name {
                 "hota" | "det_a" => nothing,
                 "det_re" | "owta" => no_truth,
                 "det_pr" => no_track,
                 _ => no_match,
             };
-            let value = if reason.is_none() {
-                Some(values.iter().sum::<f64>() / ALPHAS as f64)
-            } else {
-                None
-            };
-            Quantity::or(name, value, "", reason.unwrap_or("not a finite number"))
-        };
-        let mut quantities: Vec<Quantity> = curves.iter().map(mean).collect();
+            let mean = values.iter().sum::<f64>() / ALPHAS as f64;
+            quantities.push(unless(reason, name, mean));
+        }
         let (hota_0, loc_a_0) = (curves[0].1[0], curves[3].1[0]);
-        let at_first = |name, value, reason: Option<&'static str>| {
-            Quantity::or(
-                name,
-                Some(value).filter(|_| reason.is_none()),
-                "",
-                reason.unwrap_or("not a finite number"),
-            )
-        };
-        quantities.push(at_first("hota_0", hota_0, nothing));
-        quantities.push(at_first("loc_a_0", loc_a_0, no_match));
-        quantities.push(at_first("hota_loc_a_0", hota_0 * loc_a_0, no_match));
+        quantities.push(unless(nothing, "hota_0", hota_0));
+        quantities.push(unless(no_match, "loc_a_0", loc_a_0));
+        quantities.push(unless(no_match, "hota_loc_a_0", hota_0 * loc_a_0));
         quantities
     }
+}
+
+fn geometric_means(left: &[f64; ALPHAS], right: &[f64; ALPHAS]) -> [f64; ALPHAS] {
+    std::array::from_fn(|index| (left[index] * right[index]).sqrt())
+}
+
+/// The value, unless there is a reason why it is undefined.
+fn unless(reason: Option<&'static str>, name: &'static str, value: f64) -> Quantity {
+    Quantity::or(
+        name,
+        Some(value).filter(|_| reason.is_none()),
+        "",
+        reason.unwrap_or("not a finite number"),
+    )
 }
 
 /// At how many steps each exists.

@@ -175,16 +175,16 @@ fn why_undefined(sequences: &[Sequence], sigmas: &[Option<f64>]) -> Option<&'sta
     if comparisons().all(|comparison| comparison.truth_ids.is_empty()) {
         return Some(NO_TARGET);
     }
-    let is_named = |comparison: &Comparison| {
-        comparison
-            .track_ids
-            .iter()
-            .any(|id| comparison.truth_ids.contains(id))
-    };
-    if !comparisons().any(is_named) {
+    if !comparisons().any(has_named_track) {
         return Some(NO_NAME);
     }
     sigmas.iter().any(Option::is_none).then_some(NO_SIGMA)
+}
+
+/// Whether a track is called like a target.
+fn has_named_track(comparison: &Comparison) -> bool {
+    let mut track_ids = comparison.track_ids.iter();
+    track_ids.any(|id| comparison.truth_ids.contains(id))
 }
 
 /// The largest of the sensors' standard deviations, if all tell one.
@@ -345,54 +345,53 @@ fn look(
 
 /// Steps 4 and 5 in numbers.
 fn quantities(runs: &[Run], undefined: Option<&'static str>, unit: &'static str) -> Vec<Quantity> {
-    let all = |run: &&Run, is_kept: fn(&Kept) -> bool| run.targets.iter().all(is_kept);
-    let of_runs = |name, is_kept: fn(&Kept) -> bool| {
-        let kept = runs.iter().filter(|run| all(run, is_kept)).count();
-        Quantity::or(
-            name,
-            undefined.is_none().then(|| kept as f64 / runs.len() as f64),
-            "",
-            undefined.unwrap_or_default(),
-        )
+    let unless_undefined = |name, value: f64| {
+        let value = undefined.is_none().then_some(value);
+        Quantity::or(name, value, "", undefined.unwrap_or_default())
     };
-    let of_targets = |name, is_kept: fn(&Kept) -> bool| {
-        let kept = runs
-            .iter()
-            .flat_map(|run| &run.targets)
-            .filter(|kept| is_kept(kept))
-            .count();
-        Quantity::or(
-            name,
-            undefined.is_none().then_some(kept as f64),
-            "",
-            undefined.unwrap_or_default(),
-        )
-    };
-    let error = |name, reason, of: &dyn Fn(&&Run) -> bool| {
-        let targets = || runs.iter().filter(of).flat_map(|run| &run.targets);
-        let (sum, count) = (
-            targets().map(|kept| kept.error_sum).sum(),
-            targets().map(|kept| kept.errors).sum::<usize>(),
-        );
-        Quantity::ratio(name, sum, count as f64, unit, reason)
-    };
-    let targets = || runs.iter().flat_map(|run| &run.targets);
+    let all: Vec<&Run> = runs.iter().collect();
+    let kept: Vec<&Run> = runs
+        .iter()
+        .filter(|run| undefined.is_none() && run.targets.iter().all(|kept| kept.identity))
+        .collect();
+    let missing: usize = targets_of(&all).map(|kept| kept.missing).sum();
     vec![
-        of_runs("identity", |kept| kept.identity),
-        of_runs("stay", |kept| kept.stay),
-        error("mean_absolute_error", NO_NAME, &|_| true),
-        error("mean_absolute_error_kept", "no run is kept", &|run| {
-            undefined.is_none() && all(run, |kept| kept.identity)
-        }),
-        of_targets("targets_identity", |kept| kept.identity),
-        of_targets("targets_stay", |kept| kept.stay),
-        Quantity::new("targets", targets().count() as f64, ""),
-        Quantity::new(
-            "missing_points",
-            targets().map(|kept| kept.missing).sum::<usize>() as f64,
-            "",
+        unless_undefined("identity", share_of_runs(runs, |kept| kept.identity)),
+        unless_undefined("stay", share_of_runs(runs, |kept| kept.stay)),
+        mean_error("mean_absolute_error", &all, unit, NO_NAME),
+        mean_error("mean_absolute_error_kept", &kept, unit, "no run is kept"),
+        unless_undefined(
+            "targets_identity",
+            targets_of(&all).filter(|kept| kept.identity).count() as f64,
         ),
+        unless_undefined(
+            "targets_stay",
+            targets_of(&all).filter(|kept| kept.stay).count() as f64,
+        ),
+        Quantity::new("targets", targets_of(&all).count() as f64, ""),
+        Quantity::new("missing_points", missing as f64, ""),
     ]
+}
+
+fn targets_of<'r>(runs: &[&'r Run]) -> impl Iterator<Item = &'r Kept> {
+    runs.iter().flat_map(|run| &run.targets)
+}
+
+/// The share of runs all of whose targets are kept in one sense.
+fn share_of_runs(runs: &[Run], is_kept: fn(&Kept) -> bool) -> f64 {
+    let kept = runs.iter().filter(|run| run.targets.iter().all(is_kept));
+    kept.count() as f64 / runs.len() as f64
+}
+
+fn mean_error(
+    name: &'static str,
+    runs: &[&Run],
+    unit: &'static str,
+    reason: &'static str,
+) -> Quantity {
+    let sum = targets_of(runs).map(|kept| kept.error_sum).sum();
+    let count = targets_of(runs).map(|kept| kept.errors).sum::<usize>();
+    Quantity::ratio(name, sum, count as f64, unit, reason)
 }
 
 fn line(

@@ -105,6 +105,13 @@ pub struct Speaker {
     pub differs_at: Option<usize>,
 }
 
+impl Speaker {
+    /// How long the two agree.
+    fn length(&self) -> usize {
+        self.differs_at.unwrap_or(usize::MAX)
+    }
+}
+
 impl<'a> Sides<'a> {
     fn verdict_of(&self, index: usize, run: Run) -> TargetVerdict {
         let string = &self.truth.strings()[index];
@@ -179,8 +186,7 @@ impl<'a> Sides<'a> {
         next: &(Speaker, Reverse<(u32, u32)>),
         kept: &(Speaker, Reverse<(u32, u32)>),
     ) -> bool {
-        let length = |speaker: &Speaker| speaker.differs_at.unwrap_or(usize::MAX);
-        let by_length = length(&next.0).cmp(&length(&kept.0));
+        let by_length = next.0.length().cmp(&kept.0.length());
         let by_weight = || match (next.0.differs_at, kept.0.differs_at) {
             (None, None) => self
                 .ln_weight(string, next.0.output)

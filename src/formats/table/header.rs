@@ -262,14 +262,13 @@ fn check_missing(
     names: &[String],
     faults: &mut FaultLog,
 ) {
-    let has = |name: &str| names.iter().any(|known| known == name);
     let mut missing = |name: &str, detail: String| {
         faults.push(
             rows.header_fault(Some(name), "missing", detail)
                 .allowing(schema.known()),
         );
     };
-    for &name in schema.required.iter().filter(|name| !has(name)) {
+    for &name in schema.required.iter().filter(|name| !has(names, name)) {
         missing(
             name,
             format!("a file of {} needs a column '{name}'", kind.name()),
@@ -278,9 +277,9 @@ fn check_missing(
     for group in schema
         .together
         .iter()
-        .filter(|group| group.iter().any(|name| has(name)))
+        .filter(|group| group.iter().any(|name| has(names, name)))
     {
-        for &name in group.iter().filter(|name| !has(name)) {
+        for &name in group.iter().filter(|name| !has(names, name)) {
             missing(
                 name,
                 format!(
@@ -290,13 +289,15 @@ fn check_missing(
             );
         }
     }
-    if kind == DatasetKind::Detections && has("range_m") && !has("bearing_deg") {
+    if kind == DatasetKind::Detections && has(names, "range_m") && !has(names, "bearing_deg") {
         missing(
             "bearing_deg",
             "column 'bearing_deg' is missing: range_m, bearing_deg come together".to_owned(),
         );
     } else if kind == DatasetKind::Detections
-        && !["x_m", "y_m", "bearing_deg"].iter().any(|name| has(name))
+        && !["x_m", "y_m", "bearing_deg"]
+            .iter()
+            .any(|name| has(names, name))
     {
         missing(
             "x_m",
@@ -304,6 +305,10 @@ fn check_missing(
                 .to_owned(),
         );
     }
+}
+
+fn has(names: &[String], name: &str) -> bool {
+    names.iter().any(|known| known == name)
 }
 
 /// Names in a message: the first ones, each cut to a length that fits.
