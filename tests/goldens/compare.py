@@ -7,6 +7,7 @@ Usage: compare.py OLD NEW. Exit code 0: all is the same, 1: something differs, 2
 import concurrent.futures
 import json
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -22,14 +23,17 @@ SHOWN_IN_A_GROUP = 10
 
 
 def main(old, new):
-    with tempfile.TemporaryDirectory(prefix="goldens-") as folder:
-        requests = Path(folder, "requests")
-        requests.mkdir()
-        todo = [*jobs.presets(old), *jobs.examples(), *jobs.recordings(old, requests),
-                *requests_at_random.jobs(old, requests)]
-        with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-            found = list(pool.map(lambda job: compared(job, old, new, folder), todo))
-    return tell(list(zip(todo, found)))
+    folder = tempfile.mkdtemp(prefix="goldens-")
+    todo = [*jobs.presets(old), *jobs.examples(), *jobs.recordings(old, folder),
+            *requests_at_random.jobs(old, folder)]
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        found = list(pool.map(lambda job: compared(job, old, new, folder), todo))
+    exit_code = tell(list(zip(todo, found)))
+    if exit_code:
+        print(f"The requests of recordings and the random ones are kept in {folder}")
+    else:
+        shutil.rmtree(folder)
+    return exit_code
 
 
 class Compared:
@@ -51,7 +55,7 @@ def compared(job, old, new, folder):
     elif not result.refused:
         compare_folders(job, outs, result)
     for out in outs:
-        remove(out)
+        shutil.rmtree(out, ignore_errors=True)
     return result
 
 
@@ -88,13 +92,6 @@ def compare_folders(job, outs, result):
             result.differences += [f"{where} {apart}" for apart in reports_apart(*texts)]
         elif texts[0] != texts[1]:
             result.differences.append(f"{where} {bytes_apart(*texts)}")
-
-
-def remove(out):
-    if out.exists():
-        for path in out.iterdir():
-            path.unlink()
-        out.rmdir()
 
 
 def reports_apart(old, new):
