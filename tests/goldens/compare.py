@@ -98,7 +98,7 @@ def reports_apart(old, new):
     """For each member of two reports whose text differs the first difference."""
     old, new = members(old.decode()), members(new.decode())
     if list(old) != list(new):
-        return [f"members {list(old)} != {list(new)}"]
+        return [names_apart(old, new)]
     return [value_apart(f"/{name}", parsed(old[name]), parsed(new[name]))
             for name in old if name not in VOLATILE and old[name] != new[name]]
 
@@ -132,7 +132,7 @@ def value_apart(pointer, old, new):
     """The first place at which two values differ, with what is there."""
     if isinstance(old, dict) and isinstance(new, dict):
         if list(old) != list(new):
-            return f"{pointer}: members {list(old)} != {list(new)}"
+            return f"{pointer}: {names_apart(old, new)}"
         for name in old:
             if old[name] != new[name]:
                 return value_apart(f"{pointer}/{name}", old[name], new[name])
@@ -142,6 +142,14 @@ def value_apart(pointer, old, new):
                 return value_apart(f"{pointer}/{index}", mine, other)
         return f"{pointer}: {len(old)} items != {len(new)}"
     return f"{pointer}: {old!r:.100} != {new!r:.100}"
+
+
+def names_apart(old, new):
+    """Two objects whose members are not called alike, or not in the same order."""
+    gone, added = sorted(old.keys() - new.keys()), sorted(new.keys() - old.keys())
+    if gone or added:
+        return f"only old {gone}, only new {added}"
+    return f"members in another order, {list(old)} != {list(new)}"
 
 
 def bytes_apart(old, new):

@@ -139,7 +139,6 @@ class Draw:
     def campaign(self):
         kind = self.random.choice(list(OUTCOMES))
         base = {"kind": kind, **getattr(self, kind)()}
-        # Not every base has a share of false tracks to tell.
         paths = self.random.sample(OUTCOMES[kind], 2)
         request = {"base": base, "grid": self.grid(base), "runs": CAMPAIGN_RUNS + 1,
                    "outcomes": [{"path": path, "name": f"outcome {number}"}
@@ -151,12 +150,11 @@ class Draw:
 
     def grid(self, base):
         """The base's own method beside others, and sometimes a number of its scene."""
-        family, field = {"evaluate": ("associator", "/associator"), "correlate": ("correlator", "/correlator"),
-                         "group": ("grouper", "/grouper")}[base["kind"]]
+        family = {"evaluate": "associator", "correlate": "correlator", "group": "grouper"}[base["kind"]]
         variants = [{"name": "as it is", "set": []}]
         for number in range(self.random.randint(1, 2)):
             variants.append({"name": f"other {number}",
-                             "set": [{"path": field, "value": self.method(family)}]})
+                             "set": [{"path": f"/{family}", "value": self.method(family)}]})
         grid = [{"by": "variants", "name": family, "variants": variants}]
         if base["input"]["source"] == "scenario" and self.chance(0.5):
             grid.append({"by": "values", "name": "p_d", "path": "/input/scenario/sensors/0/p_d",
