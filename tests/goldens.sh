@@ -20,8 +20,8 @@ cd "$root"
 . tests/goldens/of_commit.sh
 
 build() { # TARGET_DIRECTORY
-    CARGO_TARGET_DIR=$1 cargo test "${everything[@]}" --no-run --test processes >&2
-    echo "$1/debug/trackloom"
+    CARGO_TARGET_DIR=$1 cargo test "${everything[@]}" --no-run --test processes >&2 &&
+        echo "$1/debug/trackloom"
 }
 
 old=$(program_of trackloom "$1" build)
