@@ -5,12 +5,14 @@ Usage: own_u.py OLD NEW. A cost is the least of all turns, u the least of both p
 Exit code 1: something costs more than 5 % more.
 """
 
+import os
 import re
 import subprocess
 import sys
 
-SIZES = ["100", "1000", "5000"]
-TURNS = 5
+# A run of a larger scene is longer than a machine with other work leaves a program alone.
+SIZES = ["100", "1000"]
+TURNS = 10
 ALLOWED_RATIO = 1.05
 
 
@@ -19,11 +21,20 @@ def main(programs):
     yardsticks = []
     for _ in range(TURNS):
         for program, least in zip(programs, leasts):
-            text = subprocess.run([program, *SIZES], check=True, capture_output=True, text=True).stdout
+            text = subprocess.run([program, *SIZES], check=True, capture_output=True, text=True,
+                                  preexec_fn=go_first).stdout
             yardsticks.append(float(re.search(r"yardstick u = ([0-9.]+) ns", text)[1]))
             for place, cost_ns in costs(text):
                 least[place] = min(cost_ns, least.get(place, cost_ns))
     return tell(min(yardsticks), *leasts)
+
+
+def go_first():
+    """Before other programs, where that is allowed."""
+    try:
+        os.nice(-20)
+    except PermissionError:
+        pass
 
 
 def costs(text):
