@@ -23,7 +23,11 @@ function licenceText(folder) {
   const files = readdirSync(folder, { withFileTypes: true })
     .filter((entry) => /^(licen[cs]e|notice|copying)/i.test(entry.name))
     .sort((a, b) => (a.name < b.name ? -1 : 1))
-    .flatMap((entry) => (entry.isDirectory() ? readdirSync(join(folder, entry.name)).map((name) => join(entry.name, name)) : [entry.name]));
+    .flatMap((entry) =>
+      entry.isDirectory()
+        ? readdirSync(join(folder, entry.name)).map((name) => join(entry.name, name))
+        : [entry.name],
+    );
   return files.map((name) => readFileSync(join(folder, name), "utf8").trim()).join("\n\n");
 }
 
@@ -66,7 +70,9 @@ function icon() {
 }
 
 function output(metafile, entry, ending) {
-  const found = Object.entries(metafile.outputs).find(([path, about]) => about.entryPoint === entry && path.endsWith(ending));
+  const found = Object.entries(metafile.outputs).find(
+    ([path, about]) => about.entryPoint === entry && path.endsWith(ending),
+  );
   if (!found) throw new Error(`no ${ending} came out of ${entry}`);
   return relative("dist", found[0]);
 }
@@ -85,7 +91,11 @@ const shared = {
   logLevel: "warning",
 };
 // A script of its own, whose name the page has to know.
-const worker = await build({ ...shared, entryPoints: ["src/state/stream-worker.ts"], format: "iife" });
+const worker = await build({
+  ...shared,
+  entryPoints: ["src/state/stream-worker.ts"],
+  format: "iife",
+});
 const workerPath = `/${output(worker.metafile, "src/state/stream-worker.ts", ".js")}`;
 const { metafile } = await build({
   ...shared,
@@ -95,5 +105,8 @@ const { metafile } = await build({
   chunkNames: "[name]-[hash]",
   define: { "process.env.NODE_ENV": '"production"', STREAM_WORKER: JSON.stringify(workerPath) },
 });
-writeFileSync(join(dist, "index.html"), page(output(metafile, "src/main.tsx", ".js"), output(metafile, "src/styles/main.css", ".css")));
+writeFileSync(
+  join(dist, "index.html"),
+  page(output(metafile, "src/main.tsx", ".js"), output(metafile, "src/styles/main.css", ".css")),
+);
 writeFileSync(join(dist, "licenses.txt"), licences(metafile));

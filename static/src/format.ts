@@ -40,7 +40,9 @@ export function moment(text: string | null | undefined): string {
   const at = new Date(text);
   const clock = `${pad(at.getHours())}:${pad(at.getMinutes())}:${pad(at.getSeconds())}`;
   const sameDay = at.toDateString() === new Date().toDateString();
-  return sameDay ? clock : `${at.getFullYear()}-${pad(at.getMonth() + 1)}-${pad(at.getDate())} ${clock.slice(0, 5)}`;
+  return sameDay
+    ? clock
+    : `${at.getFullYear()}-${pad(at.getMonth() + 1)}-${pad(at.getDate())} ${clock.slice(0, 5)}`;
 }
 
 export function bytes(value: number): string {
@@ -49,7 +51,10 @@ export function bytes(value: number): string {
   return value < 1e9 ? `${(value / 1e6).toFixed(1)} MB` : `${(value / 1e9).toFixed(2)} GB`;
 }
 
-export function seconds(from: string | null | undefined, to: string | null | undefined): number | null {
+export function seconds(
+  from: string | null | undefined,
+  to: string | null | undefined,
+): number | null {
   if (!from) return null;
   return Math.max(0, ((to ? Date.parse(to) : Date.now()) - Date.parse(from)) / 1000);
 }

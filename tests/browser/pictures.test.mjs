@@ -5,7 +5,25 @@ import { mkdir } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { api, assertNothingSticksOut, bearingsTracked, campaign, clustered, closePage, correlated, evaluated, findings, finished, grouped, NARROW, openPage, preset, seeAll, startBrowser, WIDE } from "./support.mjs";
+import {
+  api,
+  assertNothingSticksOut,
+  bearingsTracked,
+  campaign,
+  clustered,
+  closePage,
+  correlated,
+  evaluated,
+  findings,
+  finished,
+  grouped,
+  NARROW,
+  openPage,
+  preset,
+  seeAll,
+  startBrowser,
+  WIDE,
+} from "./support.mjs";
 
 const FOLDER = process.env.TRACKLOOM_SCREENSHOTS ?? join(tmpdir(), "trackloom-pictures");
 /** Names of views to draw, divided by commas; all when absent. */
@@ -21,13 +39,22 @@ before(async () => {
   const other = await preset("liang2009-100");
   other.name = "browser scene, JPDA";
   other.associator = { method: "jpda" };
-  const [second, tuples, bearings, grid, fuzzy, groups] = [await finished("evaluate", other), await correlated(), await bearingsTracked(), await finished("campaign", await campaign()), await clustered(), await grouped()];
+  const [second, tuples, bearings, grid, fuzzy, groups] = [
+    await finished("evaluate", other),
+    await correlated(),
+    await bearingsTracked(),
+    await finished("campaign", await campaign()),
+    await clustered(),
+    await grouped(),
+  ];
   const target = report.result.tfa.targets.find((entry) => entry.verdict === "false");
   const chosen = `&time=${target.at_time_s}&truth=${target.truth_id}&track=${target.track_id}&centre=selection`;
-  const wrong = tuples.report.result.tuples.find((tuple) => !tuple.right) ?? tuples.report.result.tuples[0];
+  const wrong =
+    tuples.report.result.tuples.find((tuple) => !tuple.right) ?? tuples.report.result.tuples[0];
   const track = bearings.report.result.association.tracks[0].track_id;
   const followed = report.result.association.tracks.find((line) => line.points > 10).track_id;
-  const { x_m, y_m, time_s } = (await api(`/v1/jobs/${job.id}/plan?track=${followed}`)).tracks.columns;
+  const { x_m, y_m, time_s } = (await api(`/v1/jobs/${job.id}/plan?track=${followed}`)).tracks
+    .columns;
   const [x, y] = [Math.round(x_m.at(-1)), Math.round(y_m.at(-1))];
   const measured = `&track=${followed}&time=${time_s.at(-1)}&centre=selection&ruler=${x},${y},${x + 1500},${y + 2000}`;
   const sets = (await api("/v1/datasets?kind=detections&limit=1")).items;
@@ -69,7 +96,9 @@ async function picture(page, name, theme, width) {
 for (const theme of ["light", "dark"]) {
   test(`pictures, ${theme}`, async () => {
     const found = {};
-    for (const [name, query] of Object.entries(views).filter(([name]) => !ONLY.length || ONLY.includes(name))) {
+    for (const [name, query] of Object.entries(views).filter(
+      ([name]) => !ONLY.length || ONLY.includes(name),
+    )) {
       const page = await openPage(browser, `${query}&theme=${theme}`, WIDE);
       await page.locator("h1").first().waitFor();
       await page.waitForFunction(() => !document.querySelector(".loading"));

@@ -30,7 +30,9 @@ function freePort() {
 
 /** Starts the service on a directory and waits until it listens. */
 async function start(port, data) {
-  const child = spawn(BIN, ["serve", "--listen", `127.0.0.1:${port}`, "--data", data], { stdio: ["ignore", "pipe", "ignore"] });
+  const child = spawn(BIN, ["serve", "--listen", `127.0.0.1:${port}`, "--data", data], {
+    stdio: ["ignore", "pipe", "ignore"],
+  });
   const gone = new Promise((take) => child.once("exit", take));
   await new Promise((take, fail) => {
     child.stdout.on("data", (text) => String(text).includes("listening on") && take());
@@ -45,15 +47,23 @@ async function start(port, data) {
   };
 }
 
-test("pages survive a restart of the service, and so does the job they show", { skip: BIN ? false : "TRACKLOOM_BIN names no program" }, async () => {
+test("pages survive a restart of the service, and so does the job they show", {
+  skip: BIN ? false : "TRACKLOOM_BIN names no program",
+}, async () => {
   const [port, data] = [await freePort(), await mkdtemp(join(tmpdir(), "trackloom-restart-"))];
   service = await start(port, data);
-  const post = { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify({ ...(await campaign(2000)), name: "over a restart" }) };
+  const post = {
+    method: "POST",
+    headers: { "content-type": "application/json" },
+    body: JSON.stringify({ ...(await campaign(2000)), name: "over a restart" }),
+  };
   const { id } = await (await fetch(`${service.base}/v1/jobs/campaign`, post)).json();
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 } });
   const [list, page] = [await context.newPage(), await context.newPage()];
   await page.goto(`${service.base}/?view=job&job=${id}`);
-  await page.waitForFunction(() => [...document.querySelectorAll(".grid-cell b")].some((cell) => Number(cell.textContent) > 0));
+  await page.waitForFunction(() =>
+    [...document.querySelectorAll(".grid-cell b")].some((cell) => Number(cell.textContent) > 0),
+  );
   await list.goto(`${service.base}/`);
   await list.locator("tbody tr").first().waitFor();
   await service.stop();
@@ -64,10 +74,19 @@ test("pages survive a restart of the service, and so does the job they show", { 
   service = await start(port, data);
   await list.locator(".stale").waitFor({ state: "detached", timeout: 20_000 });
   await page.bringToFront();
-  await page.getByRole("heading", { name: "Time of deciding", exact: true }).waitFor({ timeout: 60_000 });
-  assert.equal(await page.locator(".problem").count(), 0, "nothing of the outage is left on the page");
+  await page
+    .getByRole("heading", { name: "Time of deciding", exact: true })
+    .waitFor({ timeout: 60_000 });
+  assert.equal(
+    await page.locator(".problem").count(),
+    0,
+    "nothing of the outage is left on the page",
+  );
   const job = await (await fetch(`${service.base}/v1/jobs/${id}`)).json();
   assert.equal(job.state, "succeeded");
-  assert.ok(Date.parse(job.started_at) < stopped && stopped < Date.parse(job.finished_at), "it ran before and after");
+  assert.ok(
+    Date.parse(job.started_at) < stopped && stopped < Date.parse(job.finished_at),
+    "it ran before and after",
+  );
   await context.close();
 });

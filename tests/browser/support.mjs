@@ -22,7 +22,10 @@ const CHROMIUM_ARGUMENTS = [
 ];
 
 export function startBrowser() {
-  return chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: CHROMIUM_ARGUMENTS });
+  return chromium.launch({
+    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+    args: CHROMIUM_ARGUMENTS,
+  });
 }
 
 /** A page in a fresh context. `page.faults` gathers console errors, exceptions and requests that leave the origin. */
@@ -31,7 +34,8 @@ export async function openPage(browser, query, viewport = WIDE) {
   const page = await context.newPage();
   page.faults = [];
   page.on("console", (message) => {
-    if (message.type() === "error" || message.type() === "warning") page.faults.push(`console: ${message.text()}`);
+    if (message.type() === "error" || message.type() === "warning")
+      page.faults.push(`console: ${message.text()}`);
   });
   page.on("pageerror", (error) => page.faults.push(`exception: ${error.message}`));
   page.on("request", (request) => {
@@ -51,17 +55,32 @@ export async function closePage(page) {
 }
 
 export async function assertCanvasesNamed(page) {
-  const nameless = await page.$$eval("canvas", (all) => all.filter((canvas) => canvas.getAttribute("role") !== "img" || !canvas.getAttribute("aria-label")).length);
+  const nameless = await page.$$eval(
+    "canvas",
+    (all) =>
+      all.filter(
+        (canvas) => canvas.getAttribute("role") !== "img" || !canvas.getAttribute("aria-label"),
+      ).length,
+  );
   assert.equal(nameless, 0, "every canvas has role=img and an aria-label");
 }
 
 export async function assertNothingSticksOut(page, name) {
-  const beyond = await page.evaluate(() => document.documentElement.scrollWidth - window.innerWidth);
+  const beyond = await page.evaluate(
+    () => document.documentElement.scrollWidth - window.innerWidth,
+  );
   assert.ok(beyond <= 0, `${name} is ${beyond} px wider than the window`);
 }
 
 export async function api(path, body) {
-  const options = body === undefined ? {} : { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(body) };
+  const options =
+    body === undefined
+      ? {}
+      : {
+          method: "POST",
+          headers: { "content-type": "application/json" },
+          body: JSON.stringify(body),
+        };
   const answer = await fetch(`${BASE}${path}`, options);
   assert.ok(answer.ok, `${path} answered ${answer.status}: ${await answer.clone().text()}`);
   return answer.json();
@@ -133,7 +152,12 @@ export async function campaign(runs = 4) {
     seed: 3,
     base: { kind: "evaluate", ...base },
     grid: [
-      { by: "values", name: "P_D", path: "/input/scenario/sensors/0/p_d", values: [0.7, 0.8, 0.95] },
+      {
+        by: "values",
+        name: "P_D",
+        path: "/input/scenario/sensors/0/p_d",
+        values: [0.7, 0.8, 0.95],
+      },
       {
         by: "variants",
         name: "associator",
@@ -165,7 +189,11 @@ export async function clustered() {
 /** Reports of the same instants put into groups by fuzzy c-means, with its trace. */
 export async function grouped() {
   const { kind: _, ...base } = (await preset("cai-fuzzy-cv-10")).base;
-  return finished("group", { ...base, name: "browser groups", grouper: { ...base.grouper, method: "fuzzy_c_means", trace: true } });
+  return finished("group", {
+    ...base,
+    name: "browser groups",
+    grouper: { ...base.grouper, method: "fuzzy_c_means", trace: true },
+  });
 }
 
 /** A number as the dashboard prints it. */
@@ -206,7 +234,8 @@ export async function uploaded(name, text, meta = {}) {
 }
 
 /** A framed chart or table by its title. */
-export const frameOf = (page, name) => page.locator(".chart-frame", { has: page.getByRole("heading", { name, exact: true }) });
+export const frameOf = (page, name) =>
+  page.locator(".chart-frame", { has: page.getByRole("heading", { name, exact: true }) });
 
 /** What stands in the grid of a campaign, cell by cell, its lines divided by "\n". */
 export async function gridOf(page, outcome) {
@@ -218,17 +247,37 @@ export async function gridOf(page, outcome) {
 export function cellTexts(result, outcome, planned) {
   return result.cells.map(({ ended, runs, outcomes }) => {
     const { mean, interval, count } = outcomes[outcome];
-    const made = ended === "not_yet" ? `${runs.toLocaleString("en-US")} of ${planned.toLocaleString("en-US")}` : count.toLocaleString("en-US");
-    return [shown(mean), interval ? `[${shown(interval.low)}, ${shown(interval.high)}]` : "no interval", `${made} runs`].join("\n");
+    const made =
+      ended === "not_yet"
+        ? `${runs.toLocaleString("en-US")} of ${planned.toLocaleString("en-US")}`
+        : count.toLocaleString("en-US");
+    return [
+      shown(mean),
+      interval ? `[${shown(interval.low)}, ${shown(interval.high)}]` : "no interval",
+      `${made} runs`,
+    ].join("\n");
   });
 }
 
 /** Rules of axe that fail seriously, with where. */
 export async function findings(page) {
   // The page allows no inline script; axe comes in through the protocol of the browser.
-  await page.evaluate(await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8"));
+  await page.evaluate(
+    await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8"),
+  );
   const { violations } = await page.evaluate(() => globalThis.axe.run());
-  return violations.filter((rule) => ["serious", "critical"].includes(rule.impact)).map((rule) => `${rule.id}: ${rule.nodes.slice(0, 3).map((node) => `${node.target.join(" ")} (${node.any[0]?.message ?? node.all[0]?.message ?? ""})`).join("; ")}`);
+  return violations
+    .filter((rule) => ["serious", "critical"].includes(rule.impact))
+    .map(
+      (rule) =>
+        `${rule.id}: ${rule.nodes
+          .slice(0, 3)
+          .map(
+            (node) =>
+              `${node.target.join(" ")} (${node.any[0]?.message ?? node.all[0]?.message ?? ""})`,
+          )
+          .join("; ")}`,
+    );
 }
 
 /** Charts are drawn when they come into view. */
@@ -265,10 +314,18 @@ export async function parsedSvg(page, bytes) {
         if (!color || color === "none" || color === "transparent") continue;
         count(colors, `${name} ${color.toLowerCase()}`, 1);
         // One path may hold many marks: each begins with a move.
-        count(places, `${name} ${color.toLowerCase()}`, (shape.getAttribute("d")?.match(/m/gi) ?? [1]).length);
+        count(
+          places,
+          `${name} ${color.toLowerCase()}`,
+          (shape.getAttribute("d")?.match(/m/gi) ?? [1]).length,
+        );
       }
     }
-    return { colors, places, texts: [...sheet.querySelectorAll("text")].map((node) => node.textContent) };
+    return {
+      colors,
+      places,
+      texts: [...sheet.querySelectorAll("text")].map((node) => node.textContent),
+    };
   }, bytes.toString());
 }
 
@@ -285,7 +342,10 @@ export async function decodedPng(page, bytes, color) {
       pen.drawImage(image, 0, 0);
       const { data: pixels } = pen.getImageData(0, 0, canvas.width, canvas.height);
       const back = [pixels[0], pixels[1], pixels[2]];
-      const near = (at, [r, g, b], by) => Math.abs(pixels[at] - r) < by && Math.abs(pixels[at + 1] - g) < by && Math.abs(pixels[at + 2] - b) < by;
+      const near = (at, [r, g, b], by) =>
+        Math.abs(pixels[at] - r) < by &&
+        Math.abs(pixels[at + 1] - g) < by &&
+        Math.abs(pixels[at + 2] - b) < by;
       let [ink, colored] = [0, 0];
       for (let at = 0; at < pixels.length; at += 4) {
         if (!near(at, back, 6)) ink += 1;
@@ -299,10 +359,21 @@ export async function decodedPng(page, bytes, color) {
 
 /** A colour of the page's palette, laid over its surface with an opacity. */
 export async function paletteColor(page, name, opacity = 1) {
-  const read = (of) => page.evaluate((each) => getComputedStyle(document.documentElement).getPropertyValue(each).trim(), of);
+  const read = (of) =>
+    page.evaluate(
+      (each) => getComputedStyle(document.documentElement).getPropertyValue(each).trim(),
+      of,
+    );
   const parts = (hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16));
   const [color, surface] = [parts(await read(name)), parts(await read("--surface"))];
-  return color.map((value, index) => Math.round(value * opacity + (surface[index] ?? 255) * (1 - opacity)));
+  return color.map((value, index) =>
+    Math.round(value * opacity + (surface[index] ?? 255) * (1 - opacity)),
+  );
 }
 
-export const hexOf = (page, name) => page.evaluate((each) => getComputedStyle(document.documentElement).getPropertyValue(each).trim().toLowerCase(), name);
+export const hexOf = (page, name) =>
+  page.evaluate(
+    (each) =>
+      getComputedStyle(document.documentElement).getPropertyValue(each).trim().toLowerCase(),
+    name,
+  );

@@ -37,7 +37,8 @@ export type TrackProbability = Schemas["TrackProbabilitySeries"];
 export type Validation = Schemas["ValidationResult"];
 
 /** A problem of the service, or one that the dashboard states itself (the service cannot be reached). */
-export type Problem = Pick<Schemas["Problem"], "type" | "title" | "status" | "code"> & Partial<Pick<Schemas["Problem"], "detail" | "request_id" | "errors">>;
+export type Problem = Pick<Schemas["Problem"], "type" | "title" | "status" | "code"> &
+  Partial<Pick<Schemas["Problem"], "detail" | "request_id" | "errors">>;
 
 export type Cell = number | string | null;
 export type Columns = Record<string, Cell[]>;

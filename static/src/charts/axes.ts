@@ -33,7 +33,13 @@ export function valueAxis(name: string, palette: Palette, more: object): object 
 
 /** Labels with few digits. */
 export function axisLabel(palette: Palette, more: object = {}): object {
-  return { color: palette.muted, fontSize: 11, hideOverlap: true, formatter: (value: number) => number(value), ...more };
+  return {
+    color: palette.muted,
+    fontSize: 11,
+    hideOverlap: true,
+    formatter: (value: number) => number(value),
+    ...more,
+  };
 }
 
 /** The same along the lower edge, where the outer ones would stick out of the picture. */
@@ -49,9 +55,20 @@ export interface Rule {
 }
 
 /** A line across a chart at one value of an axis, at that very value: the library would round it to hundredths. */
-export function ruleAt(place: { xAxis: number } | { yAxis: number }, { color, width = 1.5, type = "solid", label = { show: false } }: Rule): object {
+export function ruleAt(
+  place: { xAxis: number } | { yAxis: number },
+  { color, width = 1.5, type = "solid", label = { show: false } }: Rule,
+): object {
   const lineStyle = { color, width, type };
-  return { silent: true, symbol: "none", animation: false, precision: 20, label, lineStyle, data: [place] };
+  return {
+    silent: true,
+    symbol: "none",
+    animation: false,
+    precision: 20,
+    label,
+    lineStyle,
+    data: [place],
+  };
 }
 
 const ROUNDING = 1e-9;
@@ -82,7 +99,10 @@ export function tipContent(heading: string, rows: [string, string][]): HTMLEleme
   box.append(Object.assign(document.createElement("strong"), { textContent: heading }));
   for (const [name, value] of rows) {
     const row = document.createElement("div");
-    row.append(Object.assign(document.createElement("span"), { textContent: name }), Object.assign(document.createElement("span"), { textContent: value }));
+    row.append(
+      Object.assign(document.createElement("span"), { textContent: name }),
+      Object.assign(document.createElement("span"), { textContent: value }),
+    );
     box.append(row);
   }
   return box;

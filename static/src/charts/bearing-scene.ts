@@ -19,7 +19,8 @@ export interface BearingScene {
 
 export function bearingScene(series: BearingTime): BearingScene {
   const scene: BearingScene = { truths: new Map(), tracks: new Map(), detections: [] };
-  const { time_s, layer, id, bearing_deg, bearing_rate_degps, sigma_bearing_deg, detection_id } = series.columns;
+  const { time_s, layer, id, bearing_deg, bearing_rate_degps, sigma_bearing_deg, detection_id } =
+    series.columns;
   time_s.forEach((time, row) => {
     const name = id[row] ?? "";
     const bearing = bearing_deg[row] ?? 0;
@@ -28,7 +29,14 @@ export function bearingScene(series: BearingTime): BearingScene {
       return;
     }
     const lines = layer[row] === "truth" ? scene.truths : scene.tracks;
-    const line = lines.get(name) ?? { id: name, time: [], bearing: [], rate: [], sigma: [], detection: [] };
+    const line = lines.get(name) ?? {
+      id: name,
+      time: [],
+      bearing: [],
+      rate: [],
+      sigma: [],
+      detection: [],
+    };
     lines.set(name, line);
     line.time.push(time);
     line.bearing.push(bearing);

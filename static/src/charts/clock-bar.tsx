@@ -9,9 +9,26 @@ import { timeText, utcText } from "../times";
 
 const TRAILS = [1, 2, 5, 10, 20, 50, 100];
 
-function Button({ icon, label, press, disabled }: { icon: IconName; label: string; press: () => void; disabled?: boolean }): JSX.Element {
+function Button({
+  icon,
+  label,
+  press,
+  disabled,
+}: {
+  icon: IconName;
+  label: string;
+  press: () => void;
+  disabled?: boolean;
+}): JSX.Element {
   return (
-    <button type="button" class="clock-button" aria-label={label} title={label} disabled={disabled} onClick={press}>
+    <button
+      type="button"
+      class="clock-button"
+      aria-label={label}
+      title={label}
+      disabled={disabled}
+      onClick={press}
+    >
       <Icon name={icon} />
     </button>
   );
@@ -48,20 +65,59 @@ export function ClockBar({ clock }: { clock: Clock }): JSX.Element {
   return (
     <div class="clock" role="group" aria-label="Clock">
       <div class="clock-buttons">
-        <Button icon="first" label="To the first scan" press={() => clock.step(-last)} disabled={index === 0} />
-        <Button icon="back" label="One scan back" press={() => clock.step(-1)} disabled={index === 0} />
-        <Button icon={playing ? "pause" : "play"} label={playing ? "Pause" : "Play"} press={clock.toggle} disabled={last === 0} />
-        <Button icon="forward" label="One scan forward" press={() => clock.step(1)} disabled={index === last} />
-        <Button icon="last" label="To the last scan" press={() => clock.step(last)} disabled={index === last} />
+        <Button
+          icon="first"
+          label="To the first scan"
+          press={() => clock.step(-last)}
+          disabled={index === 0}
+        />
+        <Button
+          icon="back"
+          label="One scan back"
+          press={() => clock.step(-1)}
+          disabled={index === 0}
+        />
+        <Button
+          icon={playing ? "pause" : "play"}
+          label={playing ? "Pause" : "Play"}
+          press={clock.toggle}
+          disabled={last === 0}
+        />
+        <Button
+          icon="forward"
+          label="One scan forward"
+          press={() => clock.step(1)}
+          disabled={index === last}
+        />
+        <Button
+          icon="last"
+          label="To the last scan"
+          press={() => clock.step(last)}
+          disabled={index === last}
+        />
       </div>
-      <input class="clock-slider" type="range" min={0} max={last} step={1} value={index} aria-label="Scan" aria-valuetext={text} onInput={drag} />
+      <input
+        class="clock-slider"
+        type="range"
+        min={0}
+        max={last}
+        step={1}
+        value={index}
+        aria-label="Scan"
+        aria-valuetext={text}
+        onInput={drag}
+      />
       <output class="clock-text">
-        <b>{timeText(clock.time.value, clock.origin)}</b> scan {clock.numbers[index]}/{clock.numbers.at(-1)}
+        <b>{timeText(clock.time.value, clock.origin)}</b> scan {clock.numbers[index]}/
+        {clock.numbers.at(-1)}
         {clock.origin ? <span class="sub">{utcText(clock.time.value)}</span> : null}
       </output>
       <label class="inline">
         Speed
-        <select value={String(clock.speed.value)} onChange={(event) => setParams({ speed: event.currentTarget.value })}>
+        <select
+          value={String(clock.speed.value)}
+          onChange={(event) => setParams({ speed: event.currentTarget.value })}
+        >
           {SPEEDS.map((speed) => (
             <option value={String(speed)}>×{speed}</option>
           ))}
@@ -69,7 +125,10 @@ export function ClockBar({ clock }: { clock: Clock }): JSX.Element {
       </label>
       <label class="inline">
         Trail
-        <select value={param("trail") ?? ""} onChange={(event) => setParams({ trail: event.currentTarget.value })}>
+        <select
+          value={param("trail") ?? ""}
+          onChange={(event) => setParams({ trail: event.currentTarget.value })}
+        >
           <option value="">all</option>
           {TRAILS.map((scans) => (
             <option value={String(scans)}>

@@ -1,11 +1,33 @@
 // The parts of the chart library that the dashboard uses; loaded only when a chart is looked at.
 
-import { CustomChart, LineChart, ScatterChart, type LineSeriesOption, type ScatterSeriesOption } from "echarts/charts";
-import { AriaComponent, DataZoomComponent, GridComponent, MarkLineComponent, TooltipComponent } from "echarts/components";
+import {
+  CustomChart,
+  LineChart,
+  ScatterChart,
+  type LineSeriesOption,
+  type ScatterSeriesOption,
+} from "echarts/charts";
+import {
+  AriaComponent,
+  DataZoomComponent,
+  GridComponent,
+  MarkLineComponent,
+  TooltipComponent,
+} from "echarts/components";
 import { init, use, type EChartsType } from "echarts/core";
 import { CanvasRenderer } from "echarts/renderers";
 
-use([CustomChart, LineChart, ScatterChart, GridComponent, TooltipComponent, DataZoomComponent, MarkLineComponent, AriaComponent, CanvasRenderer]);
+use([
+  CustomChart,
+  LineChart,
+  ScatterChart,
+  GridComponent,
+  TooltipComponent,
+  DataZoomComponent,
+  MarkLineComponent,
+  AriaComponent,
+  CanvasRenderer,
+]);
 
 export { init };
 export type Chart = EChartsType;

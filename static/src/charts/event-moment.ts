@@ -15,7 +15,15 @@ export interface EventMoment {
 /** In the plan view, with the event beside it. The former track of a switch is known to the log alone, so that the address has it. */
 export function planHref({ kind, time, truth, track, before }: EventMoment): string {
   const event = { mark: `${kind}@${time}`, former: before || null };
-  return hereHref({ tab: "plan", truth: truth || null, track: track || null, time, centre: "selection", span: null, ...event });
+  return hereHref({
+    tab: "plan",
+    truth: truth || null,
+    track: track || null,
+    time,
+    centre: "selection",
+    span: null,
+    ...event,
+  });
 }
 
 /** Among the lanes, where there is no plan. */
@@ -30,7 +38,13 @@ export const NO_EVENT = { mark: null, former: null };
 export function addressedEvent(): EventMoment | undefined {
   const [kind, time] = (param("mark") ?? "").split("@");
   if (!kind || !time || !Number.isFinite(Number(time))) return undefined;
-  return { kind, time: Number(time), truth: param("truth") ?? "", track: param("track") ?? "", before: param("former") ?? "" };
+  return {
+    kind,
+    time: Number(time),
+    truth: param("truth") ?? "",
+    track: param("track") ?? "",
+    before: param("former") ?? "",
+  };
 }
 
 export function eventSentence({ kind, truth, track, before }: EventMoment): string | undefined {

@@ -27,14 +27,30 @@ interface FrameProps {
   class?: string;
 }
 
-export function reducedBadge(parts: { name: string; source_points: number; returned_points: number; method: string }[]): string | undefined {
+export function reducedBadge(
+  parts: { name: string; source_points: number; returned_points: number; method: string }[],
+): string | undefined {
   const reduced = parts.filter((part) => part.returned_points < part.source_points);
   if (!reduced.length) return undefined;
-  const words = reduced.map((part) => `${part.name} ${count(part.returned_points)} of ${count(part.source_points)} (${part.method.replaceAll("_", " ")})`);
+  const words = reduced.map(
+    (part) =>
+      `${part.name} ${count(part.returned_points)} of ${count(part.source_points)} (${part.method.replaceAll("_", " ")})`,
+  );
   return `Shown: ${words.join("; ")}`;
 }
 
-export function ChartFrame({ title, file, badge, table, chart, pictureKey, pictureTitle, tools, children, ...rest }: FrameProps): JSX.Element {
+export function ChartFrame({
+  title,
+  file,
+  badge,
+  table,
+  chart,
+  pictureKey,
+  pictureTitle,
+  tools,
+  children,
+  ...rest
+}: FrameProps): JSX.Element {
   const [asTable, setAsTable] = useState(false);
   const save = (as: "png" | "svg") => () => {
     const drawn = chart();
@@ -47,10 +63,19 @@ export function ChartFrame({ title, file, badge, table, chart, pictureKey, pictu
         <h2>{title}</h2>
         {badge ? <span class="reduced">{badge}</span> : null}
         <div class="chart-tools">
-          <button type="button" class="quiet" aria-pressed={asTable} onClick={() => setAsTable(!asTable)}>
+          <button
+            type="button"
+            class="quiet"
+            aria-pressed={asTable}
+            onClick={() => setAsTable(!asTable)}
+          >
             <Icon name={asTable ? "chart" : "table"} /> {asTable ? "Chart" : "Table"}
           </button>
-          <button type="button" class="quiet" onClick={() => saveText(toCsv(table()), `${file}.csv`, "text/csv")}>
+          <button
+            type="button"
+            class="quiet"
+            onClick={() => saveText(toCsv(table()), `${file}.csv`, "text/csv")}
+          >
             <Icon name="download" /> CSV
           </button>
           {asTable ? null : (

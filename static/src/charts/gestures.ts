@@ -35,7 +35,8 @@ export function listen(box: HTMLElement, gestures: Gestures): () => void {
     if (!before) return;
     const now = place(event);
     moved += Math.hypot(now.x - before.x, now.y - before.y);
-    if (moved > STILL_PX && !box.hasPointerCapture(event.pointerId)) box.setPointerCapture(event.pointerId);
+    if (moved > STILL_PX && !box.hasPointerCapture(event.pointerId))
+      box.setPointerCapture(event.pointerId);
     const other = [...fingers.entries()].find(([id]) => id !== event.pointerId)?.[1];
     fingers.set(event.pointerId, now);
     if (other) pinch(other, before, now);

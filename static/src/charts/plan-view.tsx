@@ -12,7 +12,17 @@ import { readPalette, theme, type Palette } from "../state/theme";
 import { param, setParams } from "../state/url";
 import { GRID, MARGIN, textStyle, tipContent, tooltip, valueAxis } from "./axes";
 import { NO_EVENT } from "./event-moment";
-import { bounds, fit, fromText, lookAt, metresPerPixel, toText, zoomed, type Camera, type Size } from "./camera";
+import {
+  bounds,
+  fit,
+  fromText,
+  lookAt,
+  metresPerPixel,
+  toText,
+  zoomed,
+  type Camera,
+  type Size,
+} from "./camera";
 import { ChartCanvas } from "./chart";
 import { densitySeries, type Density } from "./density";
 import type { Chart } from "./echarts";
@@ -52,33 +62,57 @@ function hiddenLayers(): Set<string> {
 export function momentOf(clock: Clock): Moment {
   const trail = Number(param("trail"));
   const now = clock.time.value;
-  const from = trail > 0 ? (clock.times[Math.max(0, clock.index.value - trail)] ?? -Infinity) : -Infinity;
+  const from =
+    trail > 0 ? (clock.times[Math.max(0, clock.index.value - trail)] ?? -Infinity) : -Infinity;
   return { from, now, hidden: hiddenLayers(), truth: param("truth"), track: param("track") };
 }
 
 function sizeOf(chart: Chart): Size {
-  return { width: Math.max(chart.getWidth() - MARGIN.left - MARGIN.right, 1), height: Math.max(chart.getHeight() - MARGIN.top - MARGIN.bottom, 1) };
+  return {
+    width: Math.max(chart.getWidth() - MARGIN.left - MARGIN.right, 1),
+    height: Math.max(chart.getHeight() - MARGIN.top - MARGIN.bottom, 1),
+  };
 }
 
 /** The camera of the address: numbers, or "selection" for what is selected; otherwise everything. */
 function addressed(scene: Scene, size: Size): Camera {
   const time = param("time");
   const selected = { truth: param("truth"), track: param("track") };
-  const onSelection = param("centre") === "selection" ? lookAt(scene, selected, time === null ? null : Number(time), size) : undefined;
+  const onSelection =
+    param("centre") === "selection"
+      ? lookAt(scene, selected, time === null ? null : Number(time), size)
+      : undefined;
   return onSelection ?? fromText(param("centre"), param("span")) ?? fit(scene.extent, size);
 }
 
 function axes(camera: Camera, size: Size, palette: Palette): Record<string, object> {
   const view = bounds(camera, size);
-  const isFar = Math.max(...Object.values(view).map(Math.abs)) >= KILOMETRES_FROM_M && camera.span >= CLOSE_M;
+  const isFar =
+    Math.max(...Object.values(view).map(Math.abs)) >= KILOMETRES_FROM_M && camera.span >= CLOSE_M;
   const kilometres = isFar || camera.span >= KILOMETRES_FROM_M;
   const unit = kilometres ? "km" : "m";
   const digits = Math.max(0, Math.ceil(1 - Math.log10(camera.span / (kilometres ? 1000 : 1) / 10)));
-  const label = { color: palette.muted, fontSize: 11, showMinLabel: false, showMaxLabel: false, hideOverlap: true };
-  const formatter = (value: number) => String(Number((kilometres ? value / 1000 : value).toFixed(Math.min(digits, 6))));
+  const label = {
+    color: palette.muted,
+    fontSize: 11,
+    showMinLabel: false,
+    showMaxLabel: false,
+    hideOverlap: true,
+  };
+  const formatter = (value: number) =>
+    String(Number((kilometres ? value / 1000 : value).toFixed(Math.min(digits, 6))));
   const axis = (name: string, min: number, max: number, nameGap: number, pixels: number) =>
-    valueAxis(`${name} (${unit})`, palette, { min, max, nameGap, splitNumber: Math.max(2, Math.round(pixels / 90)), axisLabel: { ...label, formatter } });
-  return { xAxis: axis("x, east", view.xMin, view.xMax, 26, size.width), yAxis: axis("y, north", view.yMin, view.yMax, 46, size.height) };
+    valueAxis(`${name} (${unit})`, palette, {
+      min,
+      max,
+      nameGap,
+      splitNumber: Math.max(2, Math.round(pixels / 90)),
+      axisLabel: { ...label, formatter },
+    });
+  return {
+    xAxis: axis("x, east", view.xMin, view.xMax, 26, size.width),
+    yAxis: axis("y, north", view.yMin, view.yMax, 46, size.height),
+  };
 }
 
 interface TipItem {
@@ -146,7 +180,8 @@ class PlanDrawing {
   listen(box: HTMLElement): () => void {
     return listen(box, {
       drag: (start, before, now) => {
-        if (param("ruler") !== null) this.stretched.value = { from: this.spot(start.x, start.y), to: this.spot(now.x, now.y) };
+        if (param("ruler") !== null)
+          this.stretched.value = { from: this.spot(start.x, start.y), to: this.spot(now.x, now.y) };
         else this.pan(now.x - before.x, now.y - before.y);
       },
       dropped: () => {
@@ -186,7 +221,9 @@ class PlanDrawing {
   density(moment: Moment): Density | undefined {
     const { scene, plan } = this.props;
     const whole = moment.from === -Infinity && moment.now >= (scene.times.at(-1) ?? 0);
-    return whole && scene.clouds.every((cloud) => !moment.hidden.has(`d:${cloud.sensor}`)) ? plan.density : undefined;
+    return whole && scene.clouds.every((cloud) => !moment.hidden.has(`d:${cloud.sensor}`))
+      ? plan.density
+      : undefined;
   }
 
   private select(x: number, y: number): void {
@@ -212,7 +249,16 @@ class PlanDrawing {
     const dots = this.hasDots(density);
     const ruler = rulerSeries(this.ruler(), palette);
     const hasGates = gatesAt(gates, moment.track, moment.now).length;
-    const content = JSON.stringify([moment.from, moment.now, [...moment.hidden], moment.truth, moment.track, theme.peek(), dots, hasGates]);
+    const content = JSON.stringify([
+      moment.from,
+      moment.now,
+      [...moment.hidden],
+      moment.truth,
+      moment.track,
+      theme.peek(),
+      dots,
+      hasGates,
+    ]);
     if (content === this.shown) {
       chart.setOption({ ...view, series: ruler });
       return;
@@ -224,9 +270,17 @@ class PlanDrawing {
         animation: false,
         grid: GRID,
         textStyle: textStyle(palette),
-        tooltip: { trigger: "item", ...tooltip(palette), formatter: (item: TipItem) => tip(scene, item) },
+        tooltip: {
+          trigger: "item",
+          ...tooltip(palette),
+          formatter: (item: TipItem) => tip(scene, item),
+        },
         ...view,
-        series: [...densitySeries(density, palette.sensors[0] ?? palette.text), ...planSeries(around, moment, palette), ...ruler],
+        series: [
+          ...densitySeries(density, palette.sensors[0] ?? palette.text),
+          ...planSeries(around, moment, palette),
+          ...ruler,
+        ],
       },
       { replaceMerge: ["series"] },
     );
@@ -249,7 +303,11 @@ export function PlanView(props: PlanViewProps): JSX.Element {
   useEffect(() => (box.current ? drawing.listen(box.current) : undefined), [drawing]);
   const moment = momentOf(clock);
   const title = `Plan view at ${timeText(moment.now, scene.origin)}`;
-  const sizes = [plural(scene.truths.size, "truth line"), plural(scene.tracks.size, "track"), plural(scene.clouds.length, "sensor")];
+  const sizes = [
+    plural(scene.truths.size, "truth line"),
+    plural(scene.tracks.size, "track"),
+    plural(scene.clouds.length, "sensor"),
+  ];
   const label = `${title}: ${sizes.join(", ")}. The table shows the same points.`;
   const density = drawing.density(moment);
   const ruler = drawing.ruler();
@@ -260,9 +318,23 @@ export function PlanView(props: PlanViewProps): JSX.Element {
     ...(drawing.hasDots(density) ? [{ name: "detections", ...plan.detections }] : []),
     { name: "tracks", ...plan.tracks },
   ]);
-  const badges = [badge, density ? `density of all ${count(density.source_points)} detections` : undefined];
+  const badges = [
+    badge,
+    density ? `density of all ${count(density.source_points)} detections` : undefined,
+  ];
   const zoom = (factor: number) => () => drawing.move(zoomed(drawing.look(), factor));
-  const keys = [camera.value, moment.from, moment.now, param("hide"), moment.truth, moment.track, theme.value, address.value, ruler && rulerText(ruler), gateCount];
+  const keys = [
+    camera.value,
+    moment.from,
+    moment.now,
+    param("hide"),
+    moment.truth,
+    moment.track,
+    theme.value,
+    address.value,
+    ruler && rulerText(ruler),
+    gateCount,
+  ];
   return (
     <ChartFrame
       title="Plan view"
@@ -272,7 +344,9 @@ export function PlanView(props: PlanViewProps): JSX.Element {
       chart={() => drawing.chart}
       pictureKey={(palette) => pictureKey(content, moment, palette)}
       pictureTitle={title}
-      tools={<Legend scene={scene} sensors={plan.sensors} hasGate={gateCount > 0} moment={moment} />}
+      tools={
+        <Legend scene={scene} sensors={plan.sensors} hasGate={gateCount > 0} moment={moment} />
+      }
       class="plan"
     >
       {props.notes.map((note) => (
@@ -290,7 +364,12 @@ export function PlanView(props: PlanViewProps): JSX.Element {
           aria-label="Plan view; plus and minus zoom, 0 shows everything, shift and arrows pan, r takes the ruler"
           onKeyDown={(event) => planKeys(event, drawing)}
         >
-          <ChartCanvas label={label} keys={keys} draw={(chart) => drawing.draw(chart, moment)} class="plan-canvas" />
+          <ChartCanvas
+            label={label}
+            keys={keys}
+            draw={(chart) => drawing.draw(chart, moment)}
+            class="plan-canvas"
+          />
         </div>
         <div class="plan-zoom">
           <button type="button" aria-label="Zoom in" onClick={zoom(1 / 1.5)}>
@@ -302,7 +381,13 @@ export function PlanView(props: PlanViewProps): JSX.Element {
           <button type="button" aria-label="Show everything" onClick={() => drawing.fitAll()}>
             <Icon name="fit" />
           </button>
-          <button type="button" aria-label="Ruler" aria-pressed={ruler !== undefined} title="Distance and bearing between two points" onClick={takeRuler}>
+          <button
+            type="button"
+            aria-label="Ruler"
+            aria-pressed={ruler !== undefined}
+            title="Distance and bearing between two points"
+            onClick={takeRuler}
+          >
             <Icon name="ruler" />
           </button>
         </div>
@@ -316,12 +401,22 @@ function takeRuler(): void {
   setParams({ ruler: param("ruler") === null ? "on" : null });
 }
 
-const PAN_BY: Record<string, [number, number]> = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] };
+const PAN_BY: Record<string, [number, number]> = {
+  ArrowLeft: [-0.1, 0],
+  ArrowRight: [0.1, 0],
+  ArrowUp: [0, 0.1],
+  ArrowDown: [0, -0.1],
+};
 
 function planKeys(event: KeyboardEvent, drawing: PlanDrawing): void {
   const camera = drawing.look();
   const by = event.shiftKey ? PAN_BY[event.key] : undefined;
-  if (by) drawing.move({ ...camera, x: camera.x + by[0] * camera.span, y: camera.y + by[1] * camera.span });
+  if (by)
+    drawing.move({
+      ...camera,
+      x: camera.x + by[0] * camera.span,
+      y: camera.y + by[1] * camera.span,
+    });
   else if (event.key === "+" || event.key === "=") drawing.move(zoomed(camera, 1 / 1.5));
   else if (event.key === "-") drawing.move(zoomed(camera, 1.5));
   else if (event.key === "0") drawing.fitAll();

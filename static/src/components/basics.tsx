@@ -17,12 +17,19 @@ interface LinkProps {
 /** A link inside the dashboard; with a modifier key it stays an ordinary link. */
 export function Link({ href, current, label, children, ...rest }: LinkProps): JSX.Element {
   const follow = (event: MouseEvent) => {
-    if (event.button !== 0 || event.ctrlKey || event.metaKey || event.shiftKey || event.altKey) return;
+    if (event.button !== 0 || event.ctrlKey || event.metaKey || event.shiftKey || event.altKey)
+      return;
     event.preventDefault();
     go(href);
   };
   return (
-    <a href={href} class={rest.class} aria-current={current ? "page" : undefined} aria-label={label} onClick={follow}>
+    <a
+      href={href}
+      class={rest.class}
+      aria-current={current ? "page" : undefined}
+      aria-label={label}
+      onClick={follow}
+    >
       {children}
     </a>
   );
@@ -65,7 +72,13 @@ export function Icon({ name }: { name: IconName }): JSX.Element {
   );
 }
 
-export function StateBadge({ state, canceling }: { state: JobState; canceling?: boolean }): JSX.Element {
+export function StateBadge({
+  state,
+  canceling,
+}: {
+  state: JobState;
+  canceling?: boolean;
+}): JSX.Element {
   return (
     <span class={`badge state-${state}`}>
       <Icon name={state} />
@@ -76,10 +89,17 @@ export function StateBadge({ state, canceling }: { state: JobState; canceling?: 
 
 export function ProgressBar({ progress }: { progress: Progress }): JSX.Element {
   const percent = Math.round(progress.fraction * 100);
-  const left = progress.eta_s === null || progress.eta_s === undefined ? "" : ` · ${duration(progress.eta_s)} left`;
+  const left =
+    progress.eta_s === null || progress.eta_s === undefined
+      ? ""
+      : ` · ${duration(progress.eta_s)} left`;
   return (
     <div class="progress">
-      <progress max={1} value={progress.fraction} aria-label={`${progress.step}, ${percent} percent`} />
+      <progress
+        max={1}
+        value={progress.fraction}
+        aria-label={`${progress.step}, ${percent} percent`}
+      />
       <span class="progress-text">
         {progress.step} {percent} %<span class="muted">{left}</span>
       </span>
@@ -89,11 +109,22 @@ export function ProgressBar({ progress }: { progress: Progress }): JSX.Element {
 
 export function asProblem(error: unknown): Problem {
   if (error instanceof ApiError) return error.problem;
-  return { type: "about:blank", title: "Something went wrong here", status: 0, code: "dashboard", detail: String(error) };
+  return {
+    type: "about:blank",
+    title: "Something went wrong here",
+    status: 0,
+    code: "dashboard",
+    detail: String(error),
+  };
 }
 
 export function FaultText({ fault }: { fault: Fault }): JSX.Element {
-  const place = [fault.line ? `line ${fault.line}` : "", fault.column ? `column ${fault.column}` : ""].filter(Boolean).join(", ");
+  const place = [
+    fault.line ? `line ${fault.line}` : "",
+    fault.column ? `column ${fault.column}` : "",
+  ]
+    .filter(Boolean)
+    .join(", ");
   return (
     <>
       {capital(fault.detail)}
@@ -142,7 +173,13 @@ export function Loading({ what }: { what: string }): JSX.Element {
   );
 }
 
-export function Empty({ title, children }: { title: string; children?: ComponentChildren }): JSX.Element {
+export function Empty({
+  title,
+  children,
+}: {
+  title: string;
+  children?: ComponentChildren;
+}): JSX.Element {
   return (
     <div class="empty">
       <p class="empty-title">{title}</p>

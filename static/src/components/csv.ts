@@ -36,7 +36,8 @@ export function parseCsv(text: string, limit = Infinity): CsvTable {
 
 function endOf(text: string, from: number): number {
   let end = from;
-  while (end < text.length && text[end] !== "," && text[end] !== "\n" && text[end] !== "\r") end += 1;
+  while (end < text.length && text[end] !== "," && text[end] !== "\n" && text[end] !== "\r")
+    end += 1;
   return end;
 }
 

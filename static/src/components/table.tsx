@@ -25,8 +25,14 @@ export function cellText({ columns, origin_s = 0 }: TableData, cell: Cell, colum
   return isTimeColumn(columns[column] ?? "") ? timeCell(cell, origin_s) : number(cell);
 }
 
-function cellTitle({ columns, origin_s = 0 }: TableData, cell: Cell, column: number): string | undefined {
-  return typeof cell === "number" && isTimeColumn(columns[column] ?? "") ? timeTitle(cell, origin_s) : undefined;
+function cellTitle(
+  { columns, origin_s = 0 }: TableData,
+  cell: Cell,
+  column: number,
+): string | undefined {
+  return typeof cell === "number" && isTimeColumn(columns[column] ?? "")
+    ? timeTitle(cell, origin_s)
+    : undefined;
 }
 
 const ROWS_AT_ONCE = 200;
@@ -48,12 +54,16 @@ function csvCell(cell: Cell): string {
 }
 
 export function toCsv(table: TableData): string {
-  return [table.columns, ...table.rows].map((row) => row.map(csvCell).join(",")).join("\r\n") + "\r\n";
+  return (
+    [table.columns, ...table.rows].map((row) => row.map(csvCell).join(",")).join("\r\n") + "\r\n"
+  );
 }
 
 export function DataTable({ table, caption }: { table: TableData; caption: string }): JSX.Element {
   const [shown, setShown] = useState(ROWS_AT_ONCE);
-  const numeric = table.columns.map((_, column) => table.rows.every((row) => row[column] === null || typeof row[column] === "number"));
+  const numeric = table.columns.map((_, column) =>
+    table.rows.every((row) => row[column] === null || typeof row[column] === "number"),
+  );
   return (
     <div class="table-scroll" tabIndex={0} role="region" aria-label={caption}>
       <table class="data">
@@ -71,7 +81,10 @@ export function DataTable({ table, caption }: { table: TableData; caption: strin
           {table.rows.slice(0, shown).map((row) => (
             <tr>
               {row.map((cell, column) => (
-                <td class={numeric[column] ? "num" : undefined} title={cellTitle(table, cell, column)}>
+                <td
+                  class={numeric[column] ? "num" : undefined}
+                  title={cellTitle(table, cell, column)}
+                >
                   {cellText(table, cell, column)}
                 </td>
               ))}

@@ -13,7 +13,12 @@ import { fieldId } from "./schema";
 import { Upload } from "./upload";
 
 /** What a field of a request reads, by the name of the field. */
-const ROLES: Record<string, Dataset["kind"]> = { input: "detections", detections: "detections", truth: "truth", tracks: "tracks" };
+const ROLES: Record<string, Dataset["kind"]> = {
+  input: "detections",
+  detections: "detections",
+  truth: "truth",
+  tracks: "tracks",
+};
 
 function describe(dataset: Dataset): string {
   return `${dataset.name} · ${dataset.kind} · ${count(dataset.rows)} rows, ${count(dataset.scans)} scans`;
@@ -27,7 +32,10 @@ export function DatasetPicker({ value, pointer, change }: FieldProps): JSX.Eleme
   const chosen = typeof value === "string" ? value : "";
   const listed = known.some((set) => set.id === chosen);
   // The list holds the newest ones; an older one that is chosen is asked for by itself.
-  const older = useResource(() => (sets.data && chosen && !listed ? getDataset(chosen) : Promise.resolve(undefined)), [chosen, listed, Boolean(sets.data)]);
+  const older = useResource(
+    () => (sets.data && chosen && !listed ? getDataset(chosen) : Promise.resolve(undefined)),
+    [chosen, listed, Boolean(sets.data)],
+  );
   const uploaded = (dataset: Dataset) => {
     setUploading(false);
     sets.reload();
@@ -36,8 +44,18 @@ export function DatasetPicker({ value, pointer, change }: FieldProps): JSX.Eleme
   return (
     <div class="picker">
       <div class="picker-row">
-        <select {...useAria(pointer)} value={chosen} onChange={(event) => change(event.currentTarget.value)}>
-          {listed ? null : <option value={chosen}>{older.data ? describe(older.data) : chosen || (sets.data && !known.length ? "no data sets yet" : "choose…")}</option>}
+        <select
+          {...useAria(pointer)}
+          value={chosen}
+          onChange={(event) => change(event.currentTarget.value)}
+        >
+          {listed ? null : (
+            <option value={chosen}>
+              {older.data
+                ? describe(older.data)
+                : chosen || (sets.data && !known.length ? "no data sets yet" : "choose…")}
+            </option>
+          )}
           <Group label="Uploaded" sets={known.filter((set) => set.origin.kind === "upload")} />
           <Group label="Made by jobs" sets={known.filter((set) => set.origin.kind === "job")} />
         </select>
@@ -69,8 +87,14 @@ export function JobPicker({ value, pointer, change }: FieldProps): JSX.Element {
   const known = jobs.data?.items ?? [];
   const chosen = typeof value === "string" ? value : "";
   return (
-    <select {...useAria(pointer)} value={chosen} onChange={(event) => change(event.currentTarget.value)}>
-      {known.some((job) => job.id === chosen) ? null : <option value={chosen}>{chosen || "choose…"}</option>}
+    <select
+      {...useAria(pointer)}
+      value={chosen}
+      onChange={(event) => change(event.currentTarget.value)}
+    >
+      {known.some((job) => job.id === chosen) ? null : (
+        <option value={chosen}>{chosen || "choose…"}</option>
+      )}
       {known.map((job) => (
         <option value={job.id}>
           {job.name || job.id.slice(-12)} · {job.kind} · {moment(job.created_at)}

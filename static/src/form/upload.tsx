@@ -9,7 +9,28 @@ import { parseCsv, type CsvTable } from "../components/csv";
 
 const KINDS = ["", "detections", "truth", "tracks", "bearing_time"];
 const FORMATS = ["", "csv", "json", "autoferry", "mot", "npy"];
-const COLUMNS = ["time_s", "scan", "sensor_id", "detection_id", "truth_id", "track_id", "x_m", "y_m", "z_m", "range_m", "bearing_deg", "range_rate_mps", "vx_mps", "vy_mps", "amplitude", "probability", "status", "p_xx", "p_xy", "p_yy"];
+const COLUMNS = [
+  "time_s",
+  "scan",
+  "sensor_id",
+  "detection_id",
+  "truth_id",
+  "track_id",
+  "x_m",
+  "y_m",
+  "z_m",
+  "range_m",
+  "bearing_deg",
+  "range_rate_mps",
+  "vx_mps",
+  "vy_mps",
+  "amplitude",
+  "probability",
+  "status",
+  "p_xx",
+  "p_xy",
+  "p_yy",
+];
 /** As much of a file as its header and a few rows need. */
 const HEAD_BYTES = 65_536;
 const HEAD_ROWS = 3;
@@ -30,19 +51,29 @@ async function headOf(file: File): Promise<CsvTable | undefined> {
 }
 
 function metaOf(file: File, kind: string, format: string, renamed: Record<string, string>): object {
-  const columns = Object.fromEntries(Object.entries(renamed).filter(([name, to]) => to !== "" && to !== name));
-  const texts = Object.entries({ name: file.name, kind, format }).filter(([, value]) => value !== "");
+  const columns = Object.fromEntries(
+    Object.entries(renamed).filter(([name, to]) => to !== "" && to !== name),
+  );
+  const texts = Object.entries({ name: file.name, kind, format }).filter(
+    ([, value]) => value !== "",
+  );
   return { ...Object.fromEntries(texts), ...(Object.keys(columns).length ? { columns } : {}) };
 }
 
 const unescaped = (token: string): string => token.replaceAll("~1", "/").replaceAll("~0", "~");
 
 /** The column of the file that a fault is of: the one it names, or the one that is read as what it names. */
-function columnOf(fault: Fault, head: CsvTable | undefined, renamed: Record<string, string>): string | undefined {
+function columnOf(
+  fault: Fault,
+  head: CsvTable | undefined,
+  renamed: Record<string, string>,
+): string | undefined {
   const named = /^\/meta\/columns\/(.*)$/.exec(fault.pointer)?.[1];
   const column = named === undefined ? fault.column : unescaped(named);
   if (!head || !column) return undefined;
-  return head.columns.includes(column) ? column : head.columns.find((name) => renamed[name] === column);
+  return head.columns.includes(column)
+    ? column
+    : head.columns.find((name) => renamed[name] === column);
 }
 
 export function Upload({ id, role, done }: Props): JSX.Element {
@@ -83,7 +114,12 @@ export function Upload({ id, role, done }: Props): JSX.Element {
     <div class="upload">
       <label>
         <span>File</span>
-        <input type="file" data-upload={id} accept=".csv,.json,.txt,.npy" onChange={(event) => choose(event.currentTarget.files?.[0])} />
+        <input
+          type="file"
+          data-upload={id}
+          accept=".csv,.json,.txt,.npy"
+          onChange={(event) => choose(event.currentTarget.files?.[0])}
+        />
       </label>
       <label>
         <span>Kind</span>
@@ -100,11 +136,14 @@ export function Upload({ id, role, done }: Props): JSX.Element {
       <button type="button" class="primary" disabled={!file || busy} onClick={() => void send()}>
         <Icon name={busy ? "running" : "plus"} /> {busy ? "Uploading…" : "Upload"}
       </button>
-      {head ? <Mapping id={id} head={head} renamed={renamed} faults={placed} change={setRenamed} /> : null}
+      {head ? (
+        <Mapping id={id} head={head} renamed={renamed} faults={placed} change={setRenamed} />
+      ) : null}
       {error && !placedAll ? <ProblemBox error={error} /> : null}
       {placedAll ? (
         <p class="field-fault" role="alert">
-          {faults.length === 1 ? "One column needs" : `${faults.length} faults in the columns need`} a look.
+          {faults.length === 1 ? "One column needs" : `${faults.length} faults in the columns need`}{" "}
+          a look.
         </p>
       ) : null}
     </div>
@@ -142,7 +181,13 @@ function Mapping({ id, head, renamed, faults, change }: MappingProps): JSX.Eleme
               </th>
               <td class="mono muted">{head.rows.map((row) => row[index] ?? "").join(", ")}</td>
               <td>
-                <ColumnInput id={`${id}-column-${index}`} name={name} value={renamed[name] ?? ""} faults={faults.get(name) ?? []} change={(to) => change({ ...renamed, [name]: to })} />
+                <ColumnInput
+                  id={`${id}-column-${index}`}
+                  name={name}
+                  value={renamed[name] ?? ""}
+                  faults={faults.get(name) ?? []}
+                  change={(to) => change({ ...renamed, [name]: to })}
+                />
               </td>
             </tr>
           ))}

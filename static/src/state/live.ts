@@ -50,7 +50,9 @@ export function askOnNews(ask: () => Promise<unknown>): { news(): void; stop(): 
       () => false,
     );
     isDue ||= !answered;
-    const rest_ms = answered ? Math.max(REST.least_ms, REST.times * (performance.now() - begun)) : REST.failed_ms;
+    const rest_ms = answered
+      ? Math.max(REST.least_ms, REST.times * (performance.now() - begun))
+      : REST.failed_ms;
     window.setTimeout(() => {
       isResting = false;
       void run();
@@ -119,7 +121,10 @@ export function followJob(id: string, follower: Follower): () => void {
     if (document.hidden) silence();
     else if (current) stopListening ??= listenTo(id, { opened, heard });
     window.clearTimeout(timer);
-    timer = window.setTimeout(ask, document.hidden ? POLL_MS.hidden : isStreaming ? POLL_MS.streaming : POLL_MS.alone);
+    timer = window.setTimeout(
+      ask,
+      document.hidden ? POLL_MS.hidden : isStreaming ? POLL_MS.streaming : POLL_MS.alone,
+    );
   };
   const seen = () => {
     if (document.hidden) silence();

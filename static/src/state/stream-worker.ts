@@ -74,5 +74,6 @@ const scope = globalThis as unknown as { onconnect: (event: MessageEvent) => voi
 scope.onconnect = (event) => {
   const port = event.ports[0];
   if (!port) return;
-  port.onmessage = ({ data }: MessageEvent<ToWorker>) => (data.follow ? follow(data.job, port) : leave(data.job, port));
+  port.onmessage = ({ data }: MessageEvent<ToWorker>) =>
+    data.follow ? follow(data.job, port) : leave(data.job, port);
 };

@@ -25,7 +25,13 @@ export interface Campaign {
   file: string;
 }
 
-export function Differences({ campaign, outcome }: { campaign: Campaign; outcome: string }): JSX.Element | null {
+export function Differences({
+  campaign,
+  outcome,
+}: {
+  campaign: Campaign;
+  outcome: string;
+}): JSX.Element | null {
   const compared = campaign.cells.filter((cell) => cell.differences[outcome]);
   if (!compared.length) return null;
   const spans = compared.flatMap((cell) => cell.differences[outcome]?.interval ?? []);
@@ -34,17 +40,35 @@ export function Differences({ campaign, outcome }: { campaign: Campaign; outcome
     columns: ["cell", "compared with", "pairs", "mean difference", "low", "high"],
     rows: compared.map((cell) => {
       const { pairs = 0, mean = null, interval } = cell.differences[outcome] ?? {};
-      return [cell.name, cell.compared_with ?? null, pairs, mean, interval?.low ?? null, interval?.high ?? null];
+      return [
+        cell.name,
+        cell.compared_with ?? null,
+        pairs,
+        mean,
+        interval?.low ?? null,
+        interval?.high ?? null,
+      ];
     }),
   });
   const note = (
     <p class="muted small frame-note">
-      Run by run on the same scenes; {number(campaign.confidence * 100)} % interval of the mean difference. A filled bar does not touch zero.
+      Run by run on the same scenes; {number(campaign.confidence * 100)} % interval of the mean
+      difference. A filled bar does not touch zero.
     </p>
   );
   return (
-    <TableFrame title={`Paired differences: ${outcome}`} file={`differences-${campaign.file}`} table={table} tools={note}>
-      <div class="table-scroll tall" tabIndex={0} role="region" aria-label={`Paired differences of ${outcome}`}>
+    <TableFrame
+      title={`Paired differences: ${outcome}`}
+      file={`differences-${campaign.file}`}
+      table={table}
+      tools={note}
+    >
+      <div
+        class="table-scroll tall"
+        tabIndex={0}
+        role="region"
+        aria-label={`Paired differences of ${outcome}`}
+      >
         <table class="data">
           <thead>
             <tr>
@@ -75,7 +99,15 @@ export function Differences({ campaign, outcome }: { campaign: Campaign; outcome
   );
 }
 
-function Difference({ cell, outcome, scale }: { cell: CampaignCell; outcome: string; scale: ReturnType<typeof scaleOf> }): JSX.Element {
+function Difference({
+  cell,
+  outcome,
+  scale,
+}: {
+  cell: CampaignCell;
+  outcome: string;
+  scale: ReturnType<typeof scaleOf>;
+}): JSX.Element {
   const difference = cell.differences[outcome];
   const span: Span | undefined = difference?.interval ?? undefined;
   return (
@@ -85,22 +117,32 @@ function Difference({ cell, outcome, scale }: { cell: CampaignCell; outcome: str
       <td class="num">{count(difference?.pairs)}</td>
       <td class="num">{number(difference?.mean)}</td>
       <td class="num">{span ? `[${number(span.low)}, ${number(span.high)}]` : "–"}</td>
-      <td class="interval-cell">{span && typeof difference?.mean === "number" ? <IntervalBar mean={difference.mean} span={span} scale={scale} /> : null}</td>
+      <td class="interval-cell">
+        {span && typeof difference?.mean === "number" ? (
+          <IntervalBar mean={difference.mean} span={span} scale={scale} />
+        ) : null}
+      </td>
     </tr>
   );
 }
 
 /** The slope of log y over log x by least squares, and its standard error where more than two points tell of one. */
 export function slope(points: [number, number][]): { slope: number; error: number | null } | null {
-  const logs = points.filter(([x, y]) => x > 0 && y > 0).map(([x, y]) => [Math.log(x), Math.log(y)] as const);
+  const logs = points
+    .filter(([x, y]) => x > 0 && y > 0)
+    .map(([x, y]) => [Math.log(x), Math.log(y)] as const);
   if (logs.length < 2) return null;
-  const mean = (of: (point: readonly [number, number]) => number) => logs.reduce((sum, point) => sum + of(point), 0) / logs.length;
+  const mean = (of: (point: readonly [number, number]) => number) =>
+    logs.reduce((sum, point) => sum + of(point), 0) / logs.length;
   const [x, y] = [mean((point) => point[0]), mean((point) => point[1])];
   const spread = mean((point) => (point[0] - x) ** 2);
   if (spread === 0) return null;
   const steep = mean((point) => (point[0] - x) * (point[1] - y)) / spread;
   const rest = mean((point) => (point[1] - y - steep * (point[0] - x)) ** 2);
-  return { slope: steep, error: logs.length > 2 ? Math.sqrt(rest / spread / (logs.length - 2)) : null };
+  return {
+    slope: steep,
+    error: logs.length > 2 ? Math.sqrt(rest / spread / (logs.length - 2)) : null,
+  };
 }
 
 function slopeText(points: [number, number][]): string {
@@ -114,14 +156,20 @@ function timesAlong(campaign: Campaign, x: Axis): { name: string; times: (number
   const others = campaign.axes.filter((axis) => axis !== x);
   const known = new Map(campaign.times.map((time) => [time.cell, time.decide_us_per_scan]));
   return combinations(others).map((points) => {
-    const cellOf = (point: string) => cellAt(campaign.cells, campaign.axes, { ...pointsOf(others, points), [x.name]: point });
-    return { name: points.join(", ") || "all", times: x.points.map((point) => known.get(cellOf(point)?.name ?? "") ?? null) };
+    const cellOf = (point: string) =>
+      cellAt(campaign.cells, campaign.axes, { ...pointsOf(others, points), [x.name]: point });
+    return {
+      name: points.join(", ") || "all",
+      times: x.points.map((point) => known.get(cellOf(point)?.name ?? "") ?? null),
+    };
   });
 }
 
 function timeCurves(campaign: Campaign, x: Axis): Curve[] {
   return timesAlong(campaign, x).map(({ name, times }, order) => {
-    const points = times.map((time, index): Point => [Number(x.points[index]), time]).sort((a, b) => a[0] - b[0]);
+    const points = times
+      .map((time, index): Point => [Number(x.points[index]), time])
+      .sort((a, b) => a[0] - b[0]);
     const steep = slopeText(points.filter((point): point is [number, number] => point[1] !== null));
     return { name: `${name}${steep}`, points, ...lookOf(order) };
   });
@@ -142,7 +190,8 @@ function TimePicture(props: TimePictureProps): JSX.Element {
 function TimeCurves({ campaign, x, table }: TimePictureProps): JSX.Element {
   const curves = useMemo(() => timeCurves(campaign, x).slice(0, CURVES_UP_TO), [campaign, x]);
   const positive = x.points.every((point) => Number(point) > 0);
-  const note = "The slope is that of the logarithms, by least squares, with its standard error where there are three points or more.";
+  const note =
+    "The slope is that of the logarithms, by least squares, with its standard error where there are three points or more.";
   return (
     <Lines
       title={`Time of deciding over ${x.name}`}
@@ -161,13 +210,17 @@ function TimeCurves({ campaign, x, table }: TimePictureProps): JSX.Element {
 
 function TimeDots({ campaign, x, table }: TimePictureProps): JSX.Element {
   const series = timesAlong(campaign, x).slice(0, CURVES_UP_TO);
-  const estimateAt = (time: number | null | undefined) => (typeof time === "number" && time > 0 ? { mean: time } : undefined);
+  const estimateAt = (time: number | null | undefined) =>
+    typeof time === "number" && time > 0 ? { mean: time } : undefined;
   return (
     <CategoryDots
       title={`Time of deciding over ${x.name}`}
       file={`time-curves-${campaign.file}`}
       label={`Microseconds a scan for ${plural(x.points.length, "point")} of ${x.name}.`}
-      rows={x.points.map((name, index) => ({ name, estimates: series.map(({ times }) => estimateAt(times[index])) }))}
+      rows={x.points.map((name, index) => ({
+        name,
+        estimates: series.map(({ times }) => estimateAt(times[index])),
+      }))}
       series={series.map(({ name }) => name)}
       valueName={TIME_NAME}
       log
@@ -179,7 +232,12 @@ function TimeDots({ campaign, x, table }: TimePictureProps): JSX.Element {
 export function Times({ campaign, x }: { campaign: Campaign; x: Axis | undefined }): JSX.Element {
   const table = (): TableData => ({
     columns: ["cell", "µs a scan", "ratio", "timed runs"],
-    rows: campaign.times.map((time) => [time.cell, time.decide_us_per_scan, time.ratio ?? null, time.timed_runs]),
+    rows: campaign.times.map((time) => [
+      time.cell,
+      time.decide_us_per_scan,
+      time.ratio ?? null,
+      time.timed_runs,
+    ]),
   });
   return (
     <>

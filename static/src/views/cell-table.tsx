@@ -35,7 +35,9 @@ export function CellTable({ axes, label, cell, ...rest }: Props): JSX.Element {
               {points.map((point) => (
                 <th scope="row">{point}</th>
               ))}
-              {columns.points.map((point, column) => cell(points, point, row * columns.points.length + column))}
+              {columns.points.map((point, column) =>
+                cell(points, point, row * columns.points.length + column),
+              )}
             </tr>
           ))}
         </tbody>

@@ -56,20 +56,36 @@ export function Datasets(): JSX.Element {
     <section>
       <div class="title-row">
         <h1>Data sets</h1>
-        <button type="button" class="primary" aria-expanded={uploading} onClick={() => setParams({ upload: uploading ? null : "1" })}>
+        <button
+          type="button"
+          class="primary"
+          aria-expanded={uploading}
+          onClick={() => setParams({ upload: uploading ? null : "1" })}
+        >
           <Icon name="plus" /> Upload a file
         </button>
       </div>
-      {uploading ? <Upload id="upload" role={undefined} done={(dataset) => go(pageHref({ view: "dataset", dataset: dataset.id }))} /> : null}
+      {uploading ? (
+        <Upload
+          id="upload"
+          role={undefined}
+          done={(dataset) => go(pageHref({ view: "dataset", dataset: dataset.id }))}
+        />
+      ) : null}
       <Filters />
       {error.value ? <ProblemBox error={error.value} retry={() => (round.value += 1)} /> : null}
-      {listing.value ? <List listing={listing.value} more={() => void more()} /> : error.value ? null : <Loading what="data sets" />}
+      {listing.value ? (
+        <List listing={listing.value} more={() => void more()} />
+      ) : error.value ? null : (
+        <Loading what="data sets" />
+      )}
     </section>
   );
 }
 
 function Filters(): JSX.Element {
-  const choose = (event: TargetedEvent<HTMLSelectElement>) => setParams({ kind: event.currentTarget.value });
+  const choose = (event: TargetedEvent<HTMLSelectElement>) =>
+    setParams({ kind: event.currentTarget.value });
   return (
     <form class="filters" role="search" onSubmit={(event) => event.preventDefault()}>
       <label>
@@ -83,7 +99,13 @@ function Filters(): JSX.Element {
       </label>
       <label class="grow">
         <span>Name or id</span>
-        <input type="search" data-filter value={param("q") ?? ""} placeholder="Press / to filter" onInput={(event) => setParams({ q: event.currentTarget.value })} />
+        <input
+          type="search"
+          data-filter
+          value={param("q") ?? ""}
+          placeholder="Press / to filter"
+          onInput={(event) => setParams({ q: event.currentTarget.value })}
+        />
       </label>
     </form>
   );
@@ -92,7 +114,11 @@ function Filters(): JSX.Element {
 function List({ listing, more }: { listing: Listing; more: () => void }): JSX.Element {
   if (!listing.sets.length) {
     return (
-      <Empty title={param("kind") || param("q") ? "No data set matches these filters." : "No data sets yet."}>
+      <Empty
+        title={
+          param("kind") || param("q") ? "No data set matches these filters." : "No data sets yet."
+        }
+      >
         <p>Upload a recording, or run a job: what it makes is kept here, too.</p>
       </Empty>
     );
@@ -105,7 +131,10 @@ function List({ listing, more }: { listing: Listing; more: () => void }): JSX.El
           <thead>
             <tr>
               {heads.map((name) => (
-                <th scope="col" class={["Rows", "Scans", "Size", "Created"].includes(name) ? "num" : undefined}>
+                <th
+                  scope="col"
+                  class={["Rows", "Scans", "Size", "Created"].includes(name) ? "num" : undefined}
+                >
                   {name}
                 </th>
               ))}
@@ -118,7 +147,8 @@ function List({ listing, more }: { listing: Listing; more: () => void }): JSX.El
                   <Link href={pageHref({ view: "dataset", dataset: set.id })}>{set.name}</Link>
                   {set.warnings.length ? (
                     <span class="sub">
-                      {count(set.warnings.length)} {set.warnings.length === 1 ? "warning" : "warnings"}
+                      {count(set.warnings.length)}{" "}
+                      {set.warnings.length === 1 ? "warning" : "warnings"}
                     </span>
                   ) : null}
                 </td>
@@ -126,7 +156,15 @@ function List({ listing, more }: { listing: Listing; more: () => void }): JSX.El
                 <td class="num">{count(set.rows)}</td>
                 <td class="num">{set.scans ? count(set.scans) : "–"}</td>
                 <td class="num">{bytes(set.bytes)}</td>
-                <td>{set.origin.kind === "job" ? <Link href={pageHref({ view: "job", job: set.origin.job_id })}>job {set.origin.job_id.slice(-12)}</Link> : "upload"}</td>
+                <td>
+                  {set.origin.kind === "job" ? (
+                    <Link href={pageHref({ view: "job", job: set.origin.job_id })}>
+                      job {set.origin.job_id.slice(-12)}
+                    </Link>
+                  ) : (
+                    "upload"
+                  )}
+                </td>
                 <td class="num">
                   <time dateTime={set.created_at}>{moment(set.created_at)}</time>
                 </td>

@@ -38,13 +38,25 @@ export function JobPage({ id }: { id: string }): JSX.Element {
   const failed = (failure: unknown) => (error.value = failure);
   const { kind } = job.value;
   // A campaign that goes on keeps what was chosen to look at.
-  const hrefOf = (fresh: Job) => (kind === "campaign" ? hereHref({ job: fresh.id, tab: null }) : pageHref({ view: "job", job: fresh.id }));
+  const hrefOf = (fresh: Job) =>
+    kind === "campaign"
+      ? hereHref({ job: fresh.id, tab: null })
+      : pageHref({ view: "job", job: fresh.id });
   const rerun = () => void rerunJob(id).then((fresh) => go(hrefOf(fresh)), failed);
   return (
     <article>
-      <Head job={job.value} rerun={rerun} failed={failed} changed={(fresh) => (job.value = fresh)} />
+      <Head
+        job={job.value}
+        rerun={rerun}
+        failed={failed}
+        changed={(fresh) => (job.value = fresh)}
+      />
       {error.value ? <ProblemBox error={error.value} /> : null}
-      {kind === "campaign" ? <CampaignPage key={job.value.id} job={job.value} rerun={rerun} /> : <Outcome job={job.value} />}
+      {kind === "campaign" ? (
+        <CampaignPage key={job.value.id} job={job.value} rerun={rerun} />
+      ) : (
+        <Outcome job={job.value} />
+      )}
     </article>
   );
 }
@@ -72,7 +84,8 @@ function Head({ job, rerun, failed, changed }: HeadProps): JSX.Element {
   return (
     <header class="job-head">
       <p class="crumbs">
-        <Link href={pageHref({})}>Jobs</Link> <span class="muted">/</span> <span class="mono">{job.id}</span>
+        <Link href={pageHref({})}>Jobs</Link> <span class="muted">/</span>{" "}
+        <span class="mono">{job.id}</span>
       </p>
       <div class="title-row">
         <h1>{job.name || `${job.kind} job`}</h1>
@@ -101,15 +114,23 @@ function Head({ job, rerun, failed, changed }: HeadProps): JSX.Element {
         <span>{job.kind}</span>
         <span>seed {job.seed}</span>
         <span>created {moment(job.created_at)}</span>
-        {job.started_at ? <span>took {duration(seconds(job.started_at, job.finished_at))}</span> : null}
+        {job.started_at ? (
+          <span>took {duration(seconds(job.started_at, job.finished_at))}</span>
+        ) : null}
         {job.rerun_of ? (
           <span>
-            rerun of <Link href={pageHref({ view: "job", job: job.rerun_of })}>{job.rerun_of.slice(-12)}</Link>
+            rerun of{" "}
+            <Link href={pageHref({ view: "job", job: job.rerun_of })}>
+              {job.rerun_of.slice(-12)}
+            </Link>
           </span>
         ) : null}
         {job.duplicate_of ? (
           <span>
-            same request as <Link href={pageHref({ view: "job", job: job.duplicate_of })}>{job.duplicate_of.slice(-12)}</Link>
+            same request as{" "}
+            <Link href={pageHref({ view: "job", job: job.duplicate_of })}>
+              {job.duplicate_of.slice(-12)}
+            </Link>
           </span>
         ) : null}
         {Object.entries(job.labels).map(([key, value]) => (
@@ -126,7 +147,12 @@ function Outcome({ job }: { job: Job }): JSX.Element {
   if (isActive(job)) return <Waiting job={job} />;
   if (job.state === "succeeded") return <Result job={job} />;
   if (job.state === "canceled") return <Empty title="This job was canceled. It left no result." />;
-  const problem = job.error ?? { type: "about:blank", title: "The job failed", status: 0, code: "failed" };
+  const problem = job.error ?? {
+    type: "about:blank",
+    title: "The job failed",
+    status: 0,
+    code: "failed",
+  };
   return <ProblemBox error={new ApiError(problem)} />;
 }
 
@@ -149,7 +175,12 @@ function askAhead(job: Job): void {
   if (param("tab") === "spec") return;
   void import("../charts/echarts");
   // Who draws it says what went wrong.
-  const answer = param("tab") === "plan" ? getPlan(job.id) : param("tab") === null && !SCANLESS.includes(job.kind) ? getScanCounts(job.id) : undefined;
+  const answer =
+    param("tab") === "plan"
+      ? getPlan(job.id)
+      : param("tab") === null && !SCANLESS.includes(job.kind)
+        ? getScanCounts(job.id)
+        : undefined;
   answer?.catch(() => undefined);
 }
 

@@ -22,7 +22,13 @@ export function JobSpec({ job, report }: { job: Job; report: Report }): JSX.Elem
           <h2>Request</h2>
           <div class="chart-tools">
             <CopyButton text={text} />
-            <button type="button" class="quiet" onClick={() => saveText(text, `request-${job.id.slice(-12)}.json`, "application/json")}>
+            <button
+              type="button"
+              class="quiet"
+              onClick={() =>
+                saveText(text, `request-${job.id.slice(-12)}.json`, "application/json")
+              }
+            >
               <Icon name="download" /> JSON
             </button>
           </div>

@@ -40,7 +40,9 @@ export function EventViews({ job, sequence, file, origin, hasPlan }: EventViewsP
   const log = useResource(() => readEvents(job.id), [job.id]);
   if (log.error) return <ProblemBox error={log.error} retry={log.reload} />;
   if (!log.data) return <Loading what="the events" />;
-  const target = hasPlan ? { href: planHref, place: "the plan view" } : { href: laneHref, place: "these lanes" };
+  const target = hasPlan
+    ? { href: planHref, place: "the plan view" }
+    : { href: laneHref, place: "these lanes" };
   const parts = { log: log.data, sequence, file, origin, ...target };
   return (
     <>
@@ -51,7 +53,10 @@ export function EventViews({ job, sequence, file, origin, hasPlan }: EventViewsP
 }
 
 function LaneView({ log, sequence, file, ...rest }: EventParts): JSX.Element | null {
-  const all = useMemo(() => lanesOf(log.entries, sequence).sort((a, b) => b.marks.length - a.marks.length), [log, sequence]);
+  const all = useMemo(
+    () => lanesOf(log.entries, sequence).sort((a, b) => b.marks.length - a.marks.length),
+    [log, sequence],
+  );
   const from = Math.max(Number(param("lanes")) || 0, 0);
   if (!all.length) return null;
   const lanes = all.slice(from, from + LANES_AT_ONCE);
@@ -61,13 +66,22 @@ function LaneView({ log, sequence, file, ...rest }: EventParts): JSX.Element | n
       <Lanes lanes={lanes} total={all.length} file={`lanes-${file}`} {...rest} />
       {all.length > LANES_AT_ONCE ? (
         <p class="more">
-          <button type="button" disabled={from === 0} onClick={turn(Math.max(from - LANES_AT_ONCE, 0))}>
+          <button
+            type="button"
+            disabled={from === 0}
+            onClick={turn(Math.max(from - LANES_AT_ONCE, 0))}
+          >
             Previous
           </button>
           <span class="muted">
-            targets {from + 1} to {from + lanes.length} of {count(all.length)}, those with most marks first
+            targets {from + 1} to {from + lanes.length} of {count(all.length)}, those with most
+            marks first
           </span>
-          <button type="button" disabled={from + LANES_AT_ONCE >= all.length} onClick={turn(from + LANES_AT_ONCE)}>
+          <button
+            type="button"
+            disabled={from + LANES_AT_ONCE >= all.length}
+            onClick={turn(from + LANES_AT_ONCE)}
+          >
             Next
           </button>
         </p>
@@ -85,16 +99,30 @@ function EventTable({ log, sequence, file, origin, href, place }: EventParts): J
   }, [chosen]);
   const kinds = [...new Set(log.entries.map((entry) => entry.kind))].sort();
   const asked = (chosen ?? "switch,break").split(",");
-  const found = log.entries.filter((entry) => entry.sequence === sequence && asked.includes(entry.kind));
-  const rowOf = (entry: LogEntry): Cell[] => [entry.step, entry.time, entry.kind, entry.truth || null, entry.track || null, entry.distance];
+  const found = log.entries.filter(
+    (entry) => entry.sequence === sequence && asked.includes(entry.kind),
+  );
+  const rowOf = (entry: LogEntry): Cell[] => [
+    entry.step,
+    entry.time,
+    entry.kind,
+    entry.truth || null,
+    entry.track || null,
+    entry.distance,
+  ];
   const columns = ["step", "time_s", "event", "truth_id", "track_id", "distance"];
   const table = (): TableData => ({ columns, rows: found.map(rowOf), origin_s: origin });
   const tools = (
     <div class="filters frame-filters" ref={head}>
       <label>
         <span>Events</span>
-        <select value={asked.join(",")} onChange={(event) => setParams({ event: event.currentTarget.value })}>
-          {kinds.includes(asked.join(",")) ? null : <option value={asked.join(",")}>{asked.map(words).join(", ")}</option>}
+        <select
+          value={asked.join(",")}
+          onChange={(event) => setParams({ event: event.currentTarget.value })}
+        >
+          {kinds.includes(asked.join(",")) ? null : (
+            <option value={asked.join(",")}>{asked.map(words).join(", ")}</option>
+          )}
           {kinds.map((kind) => (
             <option value={kind}>{words(kind)}</option>
           ))}
@@ -128,7 +156,10 @@ function EventTable({ log, sequence, file, origin, href, place }: EventParts): J
               {found.slice(0, EVENTS_AT_ONCE).map((entry) => (
                 <tr>
                   <td class="num" title={timeTitle(entry.time, origin)}>
-                    <Link href={href(entry)} label={`Show ${words(entry.kind)} at ${timeText(entry.time, origin)} in ${place}`}>
+                    <Link
+                      href={href(entry)}
+                      label={`Show ${words(entry.kind)} at ${timeText(entry.time, origin)} in ${place}`}
+                    >
                       {timeCell(entry.time, origin)}
                     </Link>
                   </td>
