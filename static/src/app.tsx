@@ -3,7 +3,7 @@
 import type { JSX, TargetedEvent } from "preact";
 import { useEffect } from "preact/hooks";
 import { Empty, Link } from "./components/basics";
-import { chooseTheme, themeChoice, type ThemeChoice } from "./state/theme";
+import { chooseTheme, type ThemeChoice, themeChoice } from "./state/theme";
 import { pageHref, param } from "./state/url";
 import { Compare } from "./views/compare";
 import { DatasetPage } from "./views/dataset-page";

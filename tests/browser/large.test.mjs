@@ -20,7 +20,10 @@ let plan;
 before(async () => {
   browser = await startBrowser();
   let state = 5;
-  const next = () => (state = (state * 1664525 + 1013904223) % 2 ** 32) / 2 ** 32;
+  const next = () => {
+    state = (state * 1664525 + 1013904223) % 2 ** 32;
+    return state / 2 ** 32;
+  };
   const lines = Array.from(
     { length: SCANS * PER_SCAN },
     (_, row) =>

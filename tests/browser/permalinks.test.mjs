@@ -5,8 +5,8 @@ import { after, before, test } from "node:test";
 import {
   bearingsTracked,
   campaign,
-  clustered,
   closePage,
+  clustered,
   correlated,
   evaluated,
   finished,

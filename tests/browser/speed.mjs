@@ -40,8 +40,11 @@ async function done(job) {
 
 /** Ten targets at 1000 scans among uniform clutter, tracked. */
 async function tracked(perScan) {
-  const random = (seed) => () => (seed = (seed * 1664525 + 1013904223) >>> 0) / 2 ** 32;
-  const next = random(7);
+  let state = 7;
+  const next = () => {
+    state = (state * 1664525 + 1013904223) >>> 0;
+    return state / 2 ** 32;
+  };
   const lines = ["time_s,scan,sensor_id,detection_id,x_m,y_m,truth_id"];
   for (let scan = 0; scan < 1000; scan++) {
     for (let index = 0; index < perScan; index++) {
@@ -90,7 +93,7 @@ async function firstPicture(browser, query, place) {
   await page.waitForFunction(
     (selector) => {
       const canvas = document.querySelector(`${selector} canvas`);
-      if (!canvas || !canvas.width) return false;
+      if (!canvas?.width) return false;
       const { data } = canvas
         .getContext("2d")
         .getImageData(0, Math.floor(canvas.height / 2), canvas.width, 1);

@@ -9,8 +9,8 @@ import type { TableData } from "../components/table";
 import { probability } from "../format";
 import type { Palette } from "../state/theme";
 import { go, hereHref } from "../state/url";
+import { type Automaton, EPSILON, type Expected, type Step, type Way, wayOf } from "./automaton";
 import { NO_EVENT } from "./event-moment";
-import { EPSILON, wayOf, type Automaton, type Expected, type Step, type Way } from "./automaton";
 import { ChartFrame } from "./frame";
 import { Key, type KeyMark } from "./marks";
 
@@ -79,6 +79,7 @@ export function AutomatonView({ verdict, expected, automaton, file, origin }: Pr
       tools={under}
     >
       <div class="automaton" ref={box} tabIndex={0} role="region" aria-label={label}>
+        {/* biome-ignore lint/a11y/useKeyWithClickEvents: the clock has its keys in its own bar */}
         <svg
           ref={drawing}
           class="drawing"
@@ -270,7 +271,7 @@ function Broken({ way, scans, x, step, verdict }: BrokenProps): JSX.Element {
       <path class="drawing-break" d={`M${at} 12V${Y.base}`} />
       <path class="way way-truth" d={line(rest, Y.truth)} />
       {rest.map((entry) => (
-        <Symbol
+        <SymbolMark
           x={x(scans.indexOf(entry.scan))}
           y={Y.truth}
           above
@@ -281,7 +282,7 @@ function Broken({ way, scans, x, step, verdict }: BrokenProps): JSX.Element {
       ))}
       {way.taken.length ? <path class="way way-track" d={line(way.taken, Y.track)} /> : null}
       {way.taken.map((entry) => (
-        <Symbol
+        <SymbolMark
           x={x(scans.indexOf(entry.scan))}
           y={Y.track}
           entry={entry}
@@ -301,7 +302,7 @@ function Broken({ way, scans, x, step, verdict }: BrokenProps): JSX.Element {
   );
 }
 
-function Symbol({
+function SymbolMark({
   x,
   y,
   entry,

@@ -6,7 +6,7 @@ import type { BearingTime } from "../api/types";
 import type { TableData } from "../components/table";
 import { number, plural } from "../format";
 import type { Clock } from "../state/clock";
-import { readPalette, theme, type Palette } from "../state/theme";
+import { type Palette, readPalette, theme } from "../state/theme";
 import { param, setParams } from "../state/url";
 import { timeAxisName, timeText } from "../times";
 import {
@@ -19,11 +19,11 @@ import {
   tooltip,
   valueAxis,
 } from "./axes";
-import { unwrapped, type BearingLine, type BearingScene } from "./bearing-scene";
+import { type BearingLine, type BearingScene, unwrapped } from "./bearing-scene";
 import { ChartCanvas } from "./chart";
 import type { Chart } from "./echarts";
 import { ChartFrame, reducedBadge } from "./frame";
-import { shades, type Levels } from "./levels";
+import { type Levels, shades } from "./levels";
 import type { KeyMark } from "./marks";
 import { momentOf } from "./plan-view";
 

@@ -4,11 +4,11 @@ import type { ComponentChildren, JSX } from "preact";
 import { useRef } from "preact/hooks";
 import type { TableData } from "../components/table";
 import { count, number } from "../format";
-import { readPalette, theme, type Palette } from "../state/theme";
+import { type Palette, readPalette, theme } from "../state/theme";
 import { shareRange } from "./axes";
 import { ChartFrame } from "./frame";
 import { lookOf } from "./lines";
-import { Key, MARK_WIDTH, MarkShapes, type KeyMark } from "./marks";
+import { Key, type KeyMark, MARK_WIDTH, MarkShapes } from "./marks";
 import { useRoom } from "./room";
 import { decades, niceStep, ticks } from "./ticks";
 

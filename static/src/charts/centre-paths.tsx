@@ -4,7 +4,7 @@ import type { JSX } from "preact";
 import { useRef } from "preact/hooks";
 import type { TableData } from "../components/table";
 import { number } from "../format";
-import { readPalette, theme, type Palette } from "../state/theme";
+import { type Palette, readPalette, theme } from "../state/theme";
 import { GRID, MARGIN, textStyle, tipContent, tooltip, valueAxis } from "./axes";
 import { bounds, fit } from "./camera";
 import { ChartCanvas } from "./chart";

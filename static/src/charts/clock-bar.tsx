@@ -3,7 +3,7 @@
 import type { JSX, TargetedEvent } from "preact";
 import { useEffect } from "preact/hooks";
 import { Icon, type IconName } from "../components/basics";
-import { SPEEDS, type Clock } from "../state/clock";
+import { type Clock, SPEEDS } from "../state/clock";
 import { param, setParams } from "../state/url";
 import { timeText, utcText } from "../times";
 

@@ -3,8 +3,8 @@
 import {
   CustomChart,
   LineChart,
-  ScatterChart,
   type LineSeriesOption,
+  ScatterChart,
   type ScatterSeriesOption,
 } from "echarts/charts";
 import {
@@ -14,7 +14,7 @@ import {
   MarkLineComponent,
   TooltipComponent,
 } from "echarts/components";
-import { init, use, type EChartsType } from "echarts/core";
+import { type EChartsType, init, use } from "echarts/core";
 import { CanvasRenderer } from "echarts/renderers";
 
 use([

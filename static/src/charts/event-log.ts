@@ -93,9 +93,9 @@ export function lanesOf(entries: LogEntry[], sequence: string): Lane[] {
   const lanes = new Map<string, Lane>();
   for (const { truth, sequence: of, time, kind, track, before } of entries) {
     if (truth === "" || of !== sequence) continue;
-    let lane = lanes.get(truth);
-    if (!lane)
-      lanes.set(truth, (lane = { truth, sequence, from: time, to: time, runs: [], marks: [] }));
+    const fresh: Lane = { truth, sequence, from: time, to: time, runs: [], marks: [] };
+    const lane = lanes.get(truth) ?? fresh;
+    lanes.set(truth, lane);
     if (kind === "match" || kind === "miss") lane.to = Math.max(lane.to, time);
     if (kind === "match") follow(lane, track, time);
     if (kind === "miss") lane.runs.push({ track: "", from: time, to: time });

@@ -4,11 +4,11 @@ import type { ComponentChildren, JSX } from "preact";
 import { useState } from "preact/hooks";
 import { Icon } from "../components/basics";
 import { saveText } from "../components/save";
-import { DataTable, toCsv, type TableData } from "../components/table";
+import { DataTable, type TableData, toCsv } from "../components/table";
 import { count } from "../format";
-import { readPalette, type Palette } from "../state/theme";
+import { type Palette, readPalette } from "../state/theme";
 import type { KeyMark } from "./marks";
-import { savePng, saveSvg, type Source } from "./picture";
+import { type Source, savePng, saveSvg } from "./picture";
 
 interface FrameProps {
   title: string;

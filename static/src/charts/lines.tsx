@@ -4,7 +4,7 @@ import type { ComponentChildren, JSX } from "preact";
 import { useRef } from "preact/hooks";
 import type { TableData } from "../components/table";
 import { number } from "../format";
-import { readPalette, theme, type Palette } from "../state/theme";
+import { type Palette, readPalette, theme } from "../state/theme";
 import {
   axisLabel,
   GRID,
@@ -19,7 +19,7 @@ import {
 import { ChartCanvas } from "./chart";
 import type { Chart } from "./echarts";
 import { ChartFrame } from "./frame";
-import { Key, symbolLook, type KeyMark } from "./marks";
+import { Key, type KeyMark, symbolLook } from "./marks";
 
 export type Point = [number, number | null];
 

@@ -1,7 +1,7 @@
 // The marks of the charts, drawn alike on the page's keys and in the keys of saved pictures.
 
 import type { JSX } from "preact";
-import { readPalette, theme, type Palette } from "../state/theme";
+import { type Palette, readPalette, theme } from "../state/theme";
 
 export interface KeyMark {
   name: string;

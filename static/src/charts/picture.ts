@@ -1,10 +1,10 @@
 // A chart as a PNG or SVG file that explains itself: its title and its key stand above the drawing.
 
 import { saveBlob } from "../components/save";
-import { readPalette, type Palette } from "../state/theme";
+import { type Palette, readPalette } from "../state/theme";
 import { FONT } from "./axes";
 import type { Chart } from "./echarts";
-import { drawMark, MARK_WIDTH, markSvg, type KeyMark } from "./marks";
+import { drawMark, type KeyMark, MARK_WIDTH, markSvg } from "./marks";
 
 const SCALE = 2;
 const MARGIN = 14;
@@ -124,7 +124,7 @@ const escaped = (text: string) =>
   text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll('"', "&quot;");
 
 /** Names may hold signs that XML has no place for. */
-const NOT_XML = /[\u0000-\u0008\u000b\u000c\u000e-\u001f\ufffe\uffff]/g;
+const NOT_XML = /[^\t\n\r\x20-\ufffd\u{10000}-\u{10ffff}]/gu;
 
 function textSvg(text: string, x: number, y: number, style: string): string {
   return `<text x="${x}" y="${y}" ${style} dominant-baseline="middle">${escaped(text)}</text>`;

@@ -6,14 +6,14 @@ import type { SeriesOption } from "./echarts";
 import { gatesAt, outline } from "./gates";
 import {
   at,
+  type Cloud,
   hasEnded,
   isAlive,
-  memberName,
-  within,
-  type Cloud,
   type Line,
+  memberName,
   type Scene,
   type TrackLine,
+  within,
 } from "./scene";
 
 export const SHAPES = ["circle", "rect", "triangle", "diamond", "pin"];
@@ -47,7 +47,7 @@ function joined(lines: Point[][]): Point[] {
 function packed(rows: readonly (readonly number[])[]): number[][] {
   const width = rows[0]?.length ?? 0;
   const values = new Float64Array(rows.length * width);
-  rows.forEach((row, index) => values.set(row, index * width));
+  for (const [index, row] of rows.entries()) values.set(row, index * width);
   return values as unknown as number[][];
 }
 
@@ -192,18 +192,18 @@ function tracks(scene: Scene, moment: Moment, palette: Palette): SeriesOption[] 
   const byStatus: Record<string, Point[][]> = { confirmed: [], coasted: [], tentative: [] };
   for (const track of scene.tracks.values()) {
     for (const run of runs(track, moment.from, moment.now))
-      (byStatus[run.status] ?? byStatus["confirmed"])?.push(run.points);
+      (byStatus[run.status] ?? byStatus.confirmed)?.push(run.points);
   }
   return [
-    lineSeries("tracks:tentative", joined(byStatus["tentative"] ?? []), palette.tentative, {
+    lineSeries("tracks:tentative", joined(byStatus.tentative ?? []), palette.tentative, {
       width: 1,
       z: 3,
     }),
-    lineSeries("tracks:confirmed", joined(byStatus["confirmed"] ?? []), palette.track, {
+    lineSeries("tracks:confirmed", joined(byStatus.confirmed ?? []), palette.track, {
       width: 1.6,
       z: 4,
     }),
-    lineSeries("tracks:coasted", joined(byStatus["coasted"] ?? []), palette.track, {
+    lineSeries("tracks:coasted", joined(byStatus.coasted ?? []), palette.track, {
       width: 1.6,
       type: "dashed",
       z: 4,

@@ -8,7 +8,7 @@ import type { Density } from "./density";
 import { gatesAt } from "./gates";
 import type { KeyMark } from "./marks";
 import { detectionSymbol, drawnDetections, type Moment } from "./plan-series";
-import { hasEnded, within, type Scene } from "./scene";
+import { hasEnded, type Scene, within } from "./scene";
 
 export interface PlanContent {
   scene: Scene;

@@ -1,38 +1,38 @@
 // The plan view: truth, detections and tracks from above, at the clock's moment, with one scale on both axes.
 
-import { useComputed, useSignal, type Signal } from "@preact/signals";
+import { type Signal, useComputed, useSignal } from "@preact/signals";
 import type { JSX } from "preact";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Gates, Plan } from "../api/types";
 import { Icon } from "../components/basics";
 import { count, metres, plural } from "../format";
-import { timeText } from "../times";
 import type { Clock } from "../state/clock";
-import { readPalette, theme, type Palette } from "../state/theme";
+import { type Palette, readPalette, theme } from "../state/theme";
 import { param, setParams } from "../state/url";
+import { timeText } from "../times";
 import { GRID, MARGIN, textStyle, tipContent, tooltip, valueAxis } from "./axes";
-import { NO_EVENT } from "./event-moment";
 import {
   bounds,
+  type Camera,
   fit,
   fromText,
   lookAt,
   metresPerPixel,
+  type Size,
   toText,
   zoomed,
-  type Camera,
-  type Size,
 } from "./camera";
 import { ChartCanvas } from "./chart";
-import { densitySeries, type Density } from "./density";
+import { type Density, densitySeries } from "./density";
 import type { Chart } from "./echarts";
+import { NO_EVENT } from "./event-moment";
 import { ChartFrame, reducedBadge } from "./frame";
 import { gatesAt } from "./gates";
 import { listen } from "./gestures";
 import { Legend } from "./legend";
-import { nearest, planSeries, type Moment } from "./plan-series";
+import { type Moment, nearest, planSeries } from "./plan-series";
 import { drawnTable, pictureKey } from "./plan-table";
-import { rulerOf, rulerSeries, rulerText, type Ruler } from "./ruler";
+import { type Ruler, rulerOf, rulerSeries, rulerText } from "./ruler";
 import { RulerPanel } from "./ruler-panel";
 import type { Scene } from "./scene";
 
@@ -297,7 +297,8 @@ export function PlanView(props: PlanViewProps): JSX.Element {
   const address = useComputed(() => `${param("centre") ?? ""} ${param("span") ?? ""}`);
   useEffect(() => {
     // Back, forward and jumps move the camera; the address that our own moves wrote does not.
-    const own = camera.peek() && toText(camera.peek()!);
+    const moved = camera.peek();
+    const own = moved && toText(moved);
     if (!own || address.value !== `${own.centre} ${own.span}`) camera.value = undefined;
   }, [address.value]);
   useEffect(() => (box.current ? drawing.listen(box.current) : undefined), [drawing]);

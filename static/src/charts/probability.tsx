@@ -8,14 +8,14 @@ import { Empty, Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import { fromColumns } from "../components/table";
 import { probability } from "../format";
-import { indexAt, type Clock } from "../state/clock";
-import { readPalette, theme, type Palette } from "../state/theme";
+import { type Clock, indexAt } from "../state/clock";
+import { type Palette, readPalette, theme } from "../state/theme";
 import { timeAxisName, timeText } from "../times";
 import { GRID, lowerLabel, ruleAt, textStyle, tipContent, tooltip, valueAxis } from "./axes";
 import { ChartCanvas } from "./chart";
 import type { Chart } from "./echarts";
 import { ChartFrame, reducedBadge } from "./frame";
-import { Key, symbolLook, type KeyMark } from "./marks";
+import { Key, type KeyMark, symbolLook } from "./marks";
 
 interface Candidate {
   detection: string | null;
@@ -36,15 +36,13 @@ function rowsOf(series: TrackProbability): Row[] {
     if (rows.at(-1)?.time !== time)
       rows.push({ time, status: String(status?.[at] ?? ""), candidates: [] });
     const detection = detection_id?.[at];
-    rows
-      .at(-1)
-      ?.candidates.push({
-        detection:
-          detection === null || detection === undefined || detection === ""
-            ? null
-            : String(detection),
-        probability: Number(values?.[at] ?? 0),
-      });
+    rows.at(-1)?.candidates.push({
+      detection:
+        detection === null || detection === undefined || detection === ""
+          ? null
+          : String(detection),
+      probability: Number(values?.[at] ?? 0),
+    });
   });
   for (const row of rows) row.candidates.sort((a, b) => b.probability - a.probability);
   return rows;

@@ -3,7 +3,7 @@
 import type { JSX } from "preact";
 import { Icon } from "../components/basics";
 import { setParams } from "../state/url";
-import { rulerText, rulerWords, type Ruler, type Spot } from "./ruler";
+import { type Ruler, rulerText, rulerWords, type Spot } from "./ruler";
 
 function change(ruler: Ruler, end: "from" | "to", axis: "x" | "y", text: string): void {
   const value = Number(text);

@@ -7,13 +7,13 @@ import type { ScanCounts as ScanCountsSeries } from "../api/types";
 import { Empty, Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import { fromColumns } from "../components/table";
-import { readPalette, theme, type Palette } from "../state/theme";
+import { type Palette, readPalette, theme } from "../state/theme";
 import { originOf, timeAxisName, timeText } from "../times";
 import { GRID, lowerLabel, textStyle, tipContent, tooltip, valueAxis } from "./axes";
 import { ChartCanvas } from "./chart";
 import type { Chart } from "./echarts";
 import { ChartFrame, reducedBadge } from "./frame";
-import { Key, symbolLook, type KeyMark } from "./marks";
+import { Key, type KeyMark, symbolLook } from "./marks";
 import { SHAPES } from "./plan-series";
 
 const MARKS_UP_TO = 80;

@@ -77,9 +77,9 @@ function entry<V>(map: Map<string, V>, key: string, create: () => V): V {
 }
 
 function addPoint(line: Line, columns: Columns, row: number): void {
-  line.time.push(Number(columns["time_s"]?.[row]));
-  line.x.push(Number(columns["x_m"]?.[row]));
-  line.y.push(Number(columns["y_m"]?.[row]));
+  line.time.push(Number(columns.time_s?.[row]));
+  line.x.push(Number(columns.x_m?.[row]));
+  line.y.push(Number(columns.y_m?.[row]));
 }
 
 function truthLines(columns: Columns): Map<string, Line> {

@@ -5,7 +5,7 @@ import { useMemo, useRef } from "preact/hooks";
 import type { CorrelationTuple } from "../api/types";
 import type { TableData } from "../components/table";
 import { number } from "../format";
-import { readPalette, theme, type Palette } from "../state/theme";
+import { type Palette, readPalette, theme } from "../state/theme";
 import {
   axisLabel,
   GRID,

@@ -3,7 +3,7 @@
 import type { ComponentChildren, JSX } from "preact";
 import { Icon } from "./basics";
 import { saveText } from "./save";
-import { cellText, heads, toCsv, type TableData } from "./table";
+import { cellText, heads, type TableData, toCsv } from "./table";
 
 const shown = (table: TableData): string[][] =>
   table.rows.map((row) => row.map((cell, column) => cellText(table, cell, column)));
@@ -11,11 +11,8 @@ const shown = (table: TableData): string[][] =>
 export function toMarkdown(table: TableData): string {
   const escaped = (text: string) => text.replaceAll("|", "\\|").replaceAll("\n", " ");
   const line = (cells: string[]) => `| ${cells.map(escaped).join(" | ")} |`;
-  return (
-    [line(heads(table)), `|${"---|".repeat(table.columns.length)}`, ...shown(table).map(line)].join(
-      "\n",
-    ) + "\n"
-  );
+  const rule = `|${"---|".repeat(table.columns.length)}`;
+  return `${[line(heads(table)), rule, ...shown(table).map(line)].join("\n")}\n`;
 }
 
 const LATEX: Record<string, string> = {

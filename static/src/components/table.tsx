@@ -39,7 +39,7 @@ const ROWS_AT_ONCE = 200;
 
 export function fromColumns(columns: Columns, origin_s = 0): TableData {
   const names = Object.keys(columns);
-  const length = names.length ? (columns[names[0]!]?.length ?? 0) : 0;
+  const length = Object.values(columns)[0]?.length ?? 0;
   const rows: Cell[][] = [];
   for (let row = 0; row < length; row++) {
     rows.push(names.map((name) => columns[name]?.[row] ?? null));
@@ -54,9 +54,7 @@ function csvCell(cell: Cell): string {
 }
 
 export function toCsv(table: TableData): string {
-  return (
-    [table.columns, ...table.rows].map((row) => row.map(csvCell).join(",")).join("\r\n") + "\r\n"
-  );
+  return [table.columns, ...table.rows].map((row) => `${row.map(csvCell).join(",")}\r\n`).join("");
 }
 
 export function DataTable({ table, caption }: { table: TableData; caption: string }): JSX.Element {

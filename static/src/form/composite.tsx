@@ -1,20 +1,20 @@
 // Fields made of fields: objects, unions told apart by a select, lists, maps of text.
 
 import type { ComponentChildren, JSX, TargetedEvent } from "preact";
+import type { Schema } from "../api/types";
 import { Icon } from "../components/basics";
 import { capital, words } from "../format";
-import { useScope, type FieldProps, type FormScope } from "./context";
+import { type FieldProps, type FormScope, useScope } from "./context";
 import { Field, FieldFaults } from "./field";
 import {
   childPointer,
   fieldId,
   initial,
   isObject,
+  type JsonObject,
   variants,
   variantValue,
-  type JsonObject,
 } from "./schema";
-import type { Schema } from "../api/types";
 
 const LIST_SHOWN = 20;
 
@@ -75,7 +75,7 @@ function nextItem(
 ): unknown {
   const item = initial(schema.items ?? {}, root);
   const left = sensorIds.find(
-    (id) => !items.some((known) => isObject(known) && known["sensor_id"] === id),
+    (id) => !items.some((known) => isObject(known) && known.sensor_id === id),
   );
   return pointer === SENSORS && left && isObject(item) ? { ...item, sensor_id: left } : item;
 }
@@ -83,8 +83,8 @@ function nextItem(
 /** What an entry is called: a sensor by its name. */
 function itemName(list: string, item: unknown, index: number): string {
   const one = words(list).replace(/s$/, "");
-  return isObject(item) && typeof item["sensor_id"] === "string" && item["sensor_id"]
-    ? `${one} ${item["sensor_id"]}`
+  return isObject(item) && typeof item.sensor_id === "string" && item.sensor_id
+    ? `${one} ${item.sensor_id}`
     : `${one} ${index + 1}`;
 }
 

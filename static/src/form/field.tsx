@@ -4,7 +4,7 @@ import type { ComponentChildren, JSX } from "preact";
 import { FaultText } from "../components/basics";
 import { words } from "../format";
 import { ListField, ObjectField, TextMapField, UnionField } from "./composite";
-import { useFaults, useScope, type FieldProps } from "./context";
+import { type FieldProps, useFaults, useScope } from "./context";
 import { ChoiceInput, FlagInput, NumberInput, TextInput } from "./inputs";
 import { DatasetPicker, JobPicker } from "./pickers";
 import { fieldId, resolve, variants } from "./schema";

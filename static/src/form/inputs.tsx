@@ -2,7 +2,7 @@
 
 import type { JSX, TargetedEvent } from "preact";
 import { useEffect, useState } from "preact/hooks";
-import { useFaults, type FieldProps } from "./context";
+import { type FieldProps, useFaults } from "./context";
 import { allowedText, fieldId } from "./schema";
 
 export function useAria(pointer: string): Record<string, string | boolean | undefined> {

@@ -63,7 +63,7 @@ export function DatasetPicker({ value, pointer, change }: FieldProps): JSX.Eleme
           Upload a file
         </button>
       </div>
-      {uploading ? <Upload id={fieldId(pointer)} role={role} done={uploaded} /> : null}
+      {uploading ? <Upload id={fieldId(pointer)} expected={role} done={uploaded} /> : null}
       {sets.error ? <ProblemBox error={sets.error} retry={sets.reload} /> : null}
     </div>
   );

@@ -5,7 +5,7 @@ import { useState } from "preact/hooks";
 import { uploadDataset } from "../api/client";
 import type { Dataset, Fault } from "../api/types";
 import { asProblem, FaultText, Icon, ProblemBox } from "../components/basics";
-import { parseCsv, type CsvTable } from "../components/csv";
+import { type CsvTable, parseCsv } from "../components/csv";
 
 const KINDS = ["", "detections", "truth", "tracks", "bearing_time"];
 const FORMATS = ["", "csv", "json", "autoferry", "mot", "npy"];
@@ -38,7 +38,7 @@ const MOST_COLUMNS = 60;
 
 interface Props {
   id: string;
-  role: Dataset["kind"] | undefined;
+  expected: Dataset["kind"] | undefined;
   done: (dataset: Dataset) => void;
 }
 
@@ -76,10 +76,10 @@ function columnOf(
     : head.columns.find((name) => renamed[name] === column);
 }
 
-export function Upload({ id, role, done }: Props): JSX.Element {
+export function Upload({ id, expected, done }: Props): JSX.Element {
   const [file, setFile] = useState<File>();
   const [head, setHead] = useState<CsvTable>();
-  const [kind, setKind] = useState<string>(role ?? "");
+  const [kind, setKind] = useState<string>(expected ?? "");
   const [format, setFormat] = useState("");
   const [renamed, setRenamed] = useState<Record<string, string>>({});
   const [error, setError] = useState<unknown>();

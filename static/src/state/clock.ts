@@ -1,7 +1,7 @@
 // The clock of a job's pictures: an index into the times of its scans. The address keeps the time; without one the
 // clock stands at the end, so that everything is shown.
 
-import { computed, effect, signal, type ReadonlySignal, type Signal } from "@preact/signals";
+import { computed, effect, type ReadonlySignal, type Signal, signal } from "@preact/signals";
 import { originOf } from "../times";
 import { params, setParams } from "./url";
 

@@ -94,7 +94,10 @@ export function followJob(id: string, follower: Follower): () => void {
   let stopListening: (() => void) | undefined;
   let timer: number | undefined;
   let stopped = false;
-  const take = (job: Job) => follower.job((current = job));
+  const take = (job: Job) => {
+    current = job;
+    follower.job(job);
+  };
   const silence = () => {
     stopListening?.();
     stopListening = undefined;

@@ -39,7 +39,7 @@ export function chooseTheme(choice: ThemeChoice): void {
 }
 
 effect(() => {
-  document.documentElement.dataset["theme"] = theme.value;
+  document.documentElement.dataset.theme = theme.value;
 });
 
 /** Colours of the drawing, read from the style sheet so that there is one palette. */

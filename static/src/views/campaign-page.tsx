@@ -3,7 +3,7 @@
 import type { JSX } from "preact";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { ApiError, getCampaignCells, getReport, getSpec } from "../api/client";
-import { partsOf, type CampaignSoFar, type Job, type Report } from "../api/types";
+import { type CampaignSoFar, type Job, partsOf, type Report } from "../api/types";
 import { Empty, Loading, ProblemBox, ProgressBar } from "../components/basics";
 import { useResource } from "../components/resource";
 import { count } from "../format";
@@ -12,7 +12,7 @@ import { param } from "../state/url";
 import { axesOf } from "./campaign-axes";
 import type { Campaign } from "./campaign-parts";
 import { JobCampaign } from "./job-campaign";
-import { Tabs, Waiting, type TabName } from "./job-parts";
+import { type TabName, Tabs, Waiting } from "./job-parts";
 import { JobSpec } from "./job-spec";
 import { Inputs, Timing, Warnings } from "./job-summary";
 
@@ -35,7 +35,7 @@ function campaignOf(
     cells,
     outcomes,
     confidence,
-    runs: Number(spec["runs"] ?? 1),
+    runs: Number(spec.runs ?? 1),
     times,
     file: job.id.slice(-12),
   };
@@ -91,7 +91,7 @@ interface Props {
 }
 
 function plannedOf(campaign: Campaign, spec: Spec | undefined): string {
-  return `${spec?.["stop_at"] ? "at most " : ""}${count(campaign.cells.length * campaign.runs)}`;
+  return `${spec?.stop_at ? "at most " : ""}${count(campaign.cells.length * campaign.runs)}`;
 }
 
 /** Has to be another component for another job. */

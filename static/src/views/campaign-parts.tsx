@@ -4,12 +4,12 @@ import type { JSX } from "preact";
 import { useMemo } from "preact/hooks";
 import type { CampaignCell, Report } from "../api/types";
 import { CategoryDots } from "../charts/category-dots";
-import { Lines, lookOf, type Curve, type Point } from "../charts/lines";
-import { IntervalBar, scaleOf, type Span } from "../components/interval-bar";
+import { type Curve, Lines, lookOf, type Point } from "../charts/lines";
+import { IntervalBar, type Span, scaleOf } from "../components/interval-bar";
 import type { TableData } from "../components/table";
 import { TableFrame } from "../components/table-frame";
 import { count, number, plural } from "../format";
-import { cellAt, combinations, isNumeric, pointsOf, type Axis } from "./campaign-axes";
+import { type Axis, cellAt, combinations, isNumeric, pointsOf } from "./campaign-axes";
 
 /** Curves that can be told apart. */
 export const CURVES_UP_TO = 12;

@@ -1,7 +1,7 @@
 // The cells of a campaign as a table: rows are the points of all axes but the last, columns those of the last.
 
 import type { JSX } from "preact";
-import { combinations, rowsAndColumns, type Axis } from "./campaign-axes";
+import { type Axis, combinations, rowsAndColumns } from "./campaign-axes";
 
 interface Props {
   axes: Axis[];

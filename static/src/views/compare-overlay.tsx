@@ -4,7 +4,7 @@ import type { JSX } from "preact";
 import { useMemo } from "preact/hooks";
 import { getMetricSeries } from "../api/client";
 import type { Cell, Comparison, MetricsSeries } from "../api/types";
-import { Lines, lookOf, type Curve, type Point } from "../charts/lines";
+import { type Curve, Lines, lookOf, type Point } from "../charts/lines";
 import { Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import type { TableData } from "../components/table";

@@ -4,7 +4,7 @@ import type { JSX } from "preact";
 import { compareJobs, listJobs } from "../api/client";
 import type { Cell, Comparison, Job } from "../api/types";
 import { Empty, Icon, Link, Loading, ProblemBox } from "../components/basics";
-import { IntervalBar, scaleOf, type Scale } from "../components/interval-bar";
+import { IntervalBar, type Scale, scaleOf } from "../components/interval-bar";
 import { useResource } from "../components/resource";
 import type { TableData } from "../components/table";
 import { TableFrame } from "../components/table-frame";

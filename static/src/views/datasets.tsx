@@ -3,7 +3,7 @@
 import { useSignal } from "@preact/signals";
 import type { JSX, TargetedEvent } from "preact";
 import { useEffect } from "preact/hooks";
-import { pageOfDatasets, type DatasetFilter } from "../api/client";
+import { type DatasetFilter, pageOfDatasets } from "../api/client";
 import type { Dataset } from "../api/types";
 import { Empty, Icon, Link, Loading, ProblemBox } from "../components/basics";
 import { Upload } from "../form/upload";
@@ -34,8 +34,12 @@ export function Datasets(): JSX.Element {
     listing.value = undefined;
     error.value = undefined;
     pageOfDatasets(asked).then(
-      (page) => current && (listing.value = { sets: page.items, next: page.next_cursor }),
-      (failure: unknown) => current && (error.value = failure),
+      (page) => {
+        if (current) listing.value = { sets: page.items, next: page.next_cursor };
+      },
+      (failure: unknown) => {
+        if (current) error.value = failure;
+      },
     );
     return () => {
       current = false;
@@ -68,7 +72,7 @@ export function Datasets(): JSX.Element {
       {uploading ? (
         <Upload
           id="upload"
-          role={undefined}
+          expected={undefined}
           done={(dataset) => go(pageHref({ view: "dataset", dataset: dataset.id }))}
         />
       ) : null}

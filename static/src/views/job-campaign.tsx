@@ -4,21 +4,21 @@ import type { JSX } from "preact";
 import { useMemo } from "preact/hooks";
 import type { CampaignCell, Cell } from "../api/types";
 import { CategoryDots, type Estimate, type Row } from "../charts/category-dots";
-import { Lines, lookOf, type Curve, type Point } from "../charts/lines";
+import { type Curve, Lines, lookOf, type Point } from "../charts/lines";
 import { Empty } from "../components/basics";
 import type { TableData } from "../components/table";
 import { TableFrame } from "../components/table-frame";
 import { count, number, plural } from "../format";
 import { param, setParams } from "../state/url";
 import {
+  type Axis,
   cellAt,
   combinations,
   isNumeric,
   pointsOf,
   rowsAndColumns,
-  type Axis,
 } from "./campaign-axes";
-import { CURVES_UP_TO, Differences, Times, type Campaign } from "./campaign-parts";
+import { type Campaign, CURVES_UP_TO, Differences, Times } from "./campaign-parts";
 import { CellTable } from "./cell-table";
 
 export function JobCampaign({ campaign }: { campaign: Campaign }): JSX.Element {

@@ -2,12 +2,12 @@
 
 import type { JSX, TargetedEvent } from "preact";
 import { useMemo } from "preact/hooks";
-import type { Cell, CorrelationTuple, CorrelateResult, Job, Report } from "../api/types";
+import type { Cell, CorrelateResult, CorrelationTuple, Job, Report } from "../api/types";
 import { NO_EVENT } from "../charts/event-moment";
-import { Lines, type Curve, type Point } from "../charts/lines";
+import { type Curve, Lines, type Point } from "../charts/lines";
 import { TupleChart } from "../charts/tuple-chart";
 import { Empty, Icon } from "../components/basics";
-import { Figures, type Figure } from "../components/figures";
+import { type Figure, Figures } from "../components/figures";
 import type { TableData } from "../components/table";
 import { TableFrame } from "../components/table-frame";
 import { capital, count, number, plural, probability, words } from "../format";
@@ -19,7 +19,7 @@ const FILTERS = ["all", "right", "wrong", "below the threshold"];
 
 export function JobCorrelation({ job, report }: { job: Job; report: Report }): JSX.Element {
   const result = report.result as CorrelateResult;
-  const { alpha } = ((report.spec as Record<string, unknown>)["statistic"] ?? {}) as {
+  const { alpha } = ((report.spec as Record<string, unknown>).statistic ?? {}) as {
     alpha?: number;
   };
   const file = job.id.slice(-12);

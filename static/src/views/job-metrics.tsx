@@ -1,7 +1,7 @@
 // Everything that the metrics say: each quantity with its unit and parameters, over time and over other axes, and what happened.
 
 import type { JSX } from "preact";
-import { partsOf, type Cell, type Job, type MetricReport, type Report } from "../api/types";
+import { type Cell, type Job, type MetricReport, partsOf, type Report } from "../api/types";
 import { Lines, lookOf, type Point } from "../charts/lines";
 import { Empty, Link, Loading } from "../components/basics";
 import { useResource } from "../components/resource";

@@ -12,25 +12,25 @@ import {
   listArtifacts,
 } from "../api/client";
 import {
-  partsOf,
   type Artifact,
   type BearingTime,
   type Job,
   type Plan,
+  partsOf,
   type Report,
 } from "../api/types";
 import { bearingScene } from "../charts/bearing-scene";
 import { BearingTimeChart } from "../charts/bearing-time";
 import { ClockBar } from "../charts/clock-bar";
-import { readLevels, type Levels } from "../charts/levels";
+import { type Levels, readLevels } from "../charts/levels";
 import { PlanView } from "../charts/plan-view";
 import { ProbabilityChart } from "../charts/probability";
-import { memberName, sceneOf, type LocalPoint } from "../charts/scene";
+import { type LocalPoint, memberName, sceneOf } from "../charts/scene";
 import { Empty, Link, Loading, ProblemBox } from "../components/basics";
-import { parseCsv, reader, type CsvTable } from "../components/csv";
+import { type CsvTable, parseCsv, reader } from "../components/csv";
 import { useResource } from "../components/resource";
 import { capital, plural } from "../format";
-import { boxesOf, type Boxes } from "../state/boxes";
+import { type Boxes, boxesOf } from "../state/boxes";
 import { createClock } from "../state/clock";
 import { hereHref, param } from "../state/url";
 import { Selection, TupleNote } from "./selection";
@@ -187,7 +187,7 @@ function Pictures({ job, drawn, report }: { job: Job; drawn: Drawn; report: Repo
 
 /** Misses in a row that end a track, as the request says. */
 function maxMissedOf(report: Report): number | undefined {
-  const { max_missed } = ((report.spec as Record<string, unknown>)["tracker"] ?? {}) as {
+  const { max_missed } = ((report.spec as Record<string, unknown>).tracker ?? {}) as {
     max_missed?: number;
   };
   return max_missed;

@@ -3,16 +3,16 @@
 import type { JSX, TargetedEvent } from "preact";
 import { useMemo } from "preact/hooks";
 import { getArtifactText, getPlanAt, listArtifacts } from "../api/client";
-import { partsOf, type Cell, type Job, type Report } from "../api/types";
-import { CentrePaths, type CentrePath, type Place } from "../charts/centre-paths";
-import { Lines, type Curve, type Point } from "../charts/lines";
+import { type Cell, type Job, partsOf, type Report } from "../api/types";
+import { type CentrePath, CentrePaths, type Place } from "../charts/centre-paths";
+import { type Curve, Lines, type Point } from "../charts/lines";
 import { Empty, Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import type { TableData } from "../components/table";
 import { TableFrame } from "../components/table-frame";
 import { capital, number, probability, words } from "../format";
 import { param, setParams } from "../state/url";
-import { readTrace, type Iteration, type Problem } from "./search-trace";
+import { type Iteration, type Problem, readTrace } from "./search-trace";
 
 const TRACES = ["association_trace.csv", "grouping_trace.csv"];
 const PROBLEMS_LISTED = 2000;

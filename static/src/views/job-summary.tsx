@@ -2,16 +2,16 @@
 
 import type { JSX } from "preact";
 import {
-  partsOf,
   type EventCounts,
   type Grouping,
   type Job,
   type MetricReport,
+  partsOf,
   type Report,
   type Tfa,
 } from "../api/types";
 import { ScanCounts } from "../charts/scan-counts";
-import { Icon, Link, type IconName } from "../components/basics";
+import { Icon, type IconName, Link } from "../components/basics";
 import { capital, count, duration, number, plural, probability, words } from "../format";
 import { hereHref, pageHref } from "../state/url";
 

@@ -5,14 +5,14 @@ import { useMemo } from "preact/hooks";
 import type { Job, TargetVerdict, Tfa } from "../api/types";
 import { readTfaFiles } from "../charts/automaton";
 import { AutomatonView } from "../charts/automaton-view";
-import { Lines, type Curve, type Point } from "../charts/lines";
-import { Empty, Icon, Link, Loading, ProblemBox, type IconName } from "../components/basics";
+import { type Curve, Lines, type Point } from "../charts/lines";
+import { Empty, Icon, type IconName, Link, Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import { saveText } from "../components/save";
 import { toCsv } from "../components/table";
 import { count, number, probability } from "../format";
 import { useOrigin } from "../state/job-start";
-import { hereHref, go, param, setParams } from "../state/url";
+import { go, hereHref, param, setParams } from "../state/url";
 import { TfaNumbers } from "./job-summary";
 import { placeOf, reason, sentence, took, tookKind } from "./verdicts";
 

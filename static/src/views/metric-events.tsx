@@ -3,8 +3,8 @@
 import type { JSX } from "preact";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { Cell, Job } from "../api/types";
-import { lanesOf, readEvents, type EventLog, type LogEntry } from "../charts/event-log";
-import { laneHref, planHref, type EventMoment } from "../charts/event-moment";
+import { type EventLog, type LogEntry, lanesOf, readEvents } from "../charts/event-log";
+import { type EventMoment, laneHref, planHref } from "../charts/event-moment";
 import { Lanes } from "../charts/lanes";
 import { Empty, Link, Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";

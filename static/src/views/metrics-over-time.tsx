@@ -5,7 +5,7 @@ import { useMemo } from "preact/hooks";
 import { getMetricSeries } from "../api/client";
 import type { Cell, MetricReport, MetricsSeries } from "../api/types";
 import { reducedBadge } from "../charts/frame";
-import { Lines, lookOf, type Curve, type Point } from "../charts/lines";
+import { type Curve, Lines, lookOf, type Point } from "../charts/lines";
 import { Empty, Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import type { TableData } from "../components/table";

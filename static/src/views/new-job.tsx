@@ -1,7 +1,7 @@
 // A new job: start from a preset or from nothing, change it in a form made from the service's schema or as JSON,
 // see the service's own faults at the fields, submit.
 
-import { useSignal, type Signal } from "@preact/signals";
+import { type Signal, useSignal } from "@preact/signals";
 import type { JSX, TargetedEvent } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
 import {
@@ -19,17 +19,17 @@ import { asProblem, Link, Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import { Fields } from "../form/composite";
 import { FormContext } from "../form/context";
-import { initial, isObject, resolve, type JsonObject } from "../form/schema";
+import { initial, isObject, type JsonObject, resolve } from "../form/schema";
 import { capital } from "../format";
 import { go, hereHref, pageHref, param, setParams } from "../state/url";
 import {
   asFaults,
+  type Checked,
+  type Failed,
   faultsOf,
   RequestCheck,
   showField,
   shownPointer,
-  type Checked,
-  type Failed,
 } from "./request-check";
 
 /** Where to begin without a preset; `parts` are optional fields that most such requests need. */
@@ -171,12 +171,12 @@ function useValidation(kind: JobKind, spec: Signal<JsonObject>): Signal<Checked 
 
 /** The sensors of the data set that a request reads: those that it keeps, or all. */
 function useSensorIds(spec: JsonObject): string[] {
-  const input = isObject(spec["input"]) ? spec["input"] : {};
-  const id = typeof input["dataset_id"] === "string" ? input["dataset_id"] : "";
+  const input = isObject(spec.input) ? spec.input : {};
+  const id = typeof input.dataset_id === "string" ? input.dataset_id : "";
   const ids =
     useResource(async () => (id ? (await getDataset(id)).sensor_ids : []), [id]).data ?? [];
-  const kept = Array.isArray(input["sensor_ids"])
-    ? input["sensor_ids"].filter((sensor) => sensor !== "")
+  const kept = Array.isArray(input.sensor_ids)
+    ? input.sensor_ids.filter((sensor) => sensor !== "")
     : [];
   return kept.length ? ids.filter((sensor) => kept.includes(sensor)) : ids;
 }

@@ -1,6 +1,6 @@
 // What a search wrote down: the costs of its iterations, and where it is a clustering the memberships and centres of each.
 
-import { parseCsv, reader, type CsvTable } from "../components/csv";
+import { type CsvTable, parseCsv, reader } from "../components/csv";
 
 export interface Iteration {
   number: number;

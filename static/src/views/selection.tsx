@@ -2,17 +2,17 @@
 
 import type { JSX } from "preact";
 import { useEffect, useState } from "preact/hooks";
-import { partsOf, type Gates, type Report, type TargetVerdict, type Tfa } from "../api/types";
+import { type Gates, partsOf, type Report, type TargetVerdict, type Tfa } from "../api/types";
 import type { BearingScene } from "../charts/bearing-scene";
+import { addressedEvent, eventSentence, NO_EVENT } from "../charts/event-moment";
 import { gatesAt, innovationWords } from "../charts/gates";
 import { at, hasEnded, isAlive, missesAtEnd, type Scene, type TrackLine } from "../charts/scene";
-import { Icon, Link, type IconName } from "../components/basics";
+import { Icon, type IconName, Link } from "../components/basics";
 import { Time } from "../components/time";
 import { capital, metres, number, plural, words } from "../format";
 import type { Clock } from "../state/clock";
 import { hereHref, param, setParams } from "../state/url";
 import { timeText } from "../times";
-import { addressedEvent, eventSentence, NO_EVENT } from "../charts/event-moment";
 import { placeOf, sentence } from "./verdicts";
 
 /** Beyond this many the names are found by typing: a list of thousands takes long to make and longer to read. */

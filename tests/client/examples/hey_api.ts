@@ -2,7 +2,7 @@ import { openAsBlob } from "node:fs";
 import { createAssociateJob, getJobReport, streamJobEvents, uploadRawDataset } from "./generated";
 import { client } from "./generated/client.gen";
 
-client.setConfig({ baseUrl: process.env["TRACKLOOM_URL"], throwOnError: true });
+client.setConfig({ baseUrl: process.env.TRACKLOOM_URL, throwOnError: true });
 const file = { body: await openAsBlob("detections.csv"), query: { name: "trial 7" } };
 const dataset = await uploadRawDataset<true>(file);
 const sensors = [

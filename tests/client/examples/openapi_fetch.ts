@@ -2,7 +2,7 @@ import { readFile } from "node:fs/promises";
 import createClient from "openapi-fetch";
 import type { paths } from "./generated/api";
 
-const client = createClient<paths>({ baseUrl: process.env["TRACKLOOM_URL"] });
+const client = createClient<paths>({ baseUrl: process.env.TRACKLOOM_URL });
 const file = {
   body: await readFile("detections.csv", "utf8"),
   bodySerializer: (text: string) => text,

@@ -2,12 +2,12 @@ import { openAsBlob } from "node:fs";
 import {
   Configuration,
   DatasetsApi,
+  instanceOfAssociateReport,
   JobsApi,
   ResultsApi,
-  instanceOfAssociateReport,
 } from "./generated";
 
-const service = new Configuration({ basePath: process.env["TRACKLOOM_URL"] });
+const service = new Configuration({ basePath: process.env.TRACKLOOM_URL });
 const dataset = await new DatasetsApi(service).uploadRawDataset({
   body: await openAsBlob("detections.csv"),
   name: "trial 7",

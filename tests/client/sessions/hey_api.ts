@@ -2,6 +2,7 @@
 
 import { deepStrictEqual as same } from "node:assert";
 import { readFileSync } from "node:fs";
+import type { DatasetInfo, Job, Problem } from "./generated";
 import {
   createAssociateJob,
   createJob,
@@ -12,7 +13,6 @@ import {
   uploadRawDataset,
 } from "./generated";
 import { client } from "./generated/client.gen";
-import type { DatasetInfo, Job, Problem } from "./generated";
 
 const [address = "", data = ""] = process.argv.slice(2);
 client.setConfig({ baseUrl: address, throwOnError: false });
