@@ -1,9 +1,7 @@
 // The gates of a track: where it looked for its detections at a scan, as curves in the plane.
 
 import type { Gates } from "../api/types";
-import { ellipse } from "./plan-series";
-
-type Point = [number, number];
+import { ellipse, type Point } from "./curves";
 
 /** Rows of the gates at a time; one for each sensor that scanned then. */
 export function gatesAt(gates: Gates | undefined, track: string | null, time: number): number[] {

@@ -2,6 +2,7 @@
 
 import type { Gates, SensorSettings } from "../api/types";
 import type { Palette } from "../state/theme";
+import { circle, ellipse, type Point } from "./curves";
 import type { SeriesOption } from "./echarts";
 import { gatesAt, outline } from "./gates";
 import {
@@ -17,7 +18,6 @@ import {
 } from "./scene";
 
 export const SHAPES = ["circle", "rect", "triangle", "diamond", "pin"];
-const CIRCLE_POINTS = 96;
 const LABELS_UP_TO = 12;
 const ONE_BY_ONE_UP_TO = 2000;
 
@@ -30,7 +30,6 @@ export interface Moment {
   track: string | null;
 }
 
-type Point = [number, number];
 const BREAK = [NaN, NaN] as Point;
 
 function points(line: Line, from: number, to: number): Point[] {
@@ -87,36 +86,6 @@ function runs(track: TrackLine, from: number, to: number): { status: string; poi
       });
   }
   return result;
-}
-
-function circle(x: number, y: number, radius: number): Point[] {
-  return Array.from({ length: CIRCLE_POINTS + 1 }, (_, step) => {
-    const angle = (step / CIRCLE_POINTS) * 2 * Math.PI;
-    return [x + radius * Math.cos(angle), y + radius * Math.sin(angle)];
-  });
-}
-
-/** The curve at `sigma` standard deviations of a position's covariance `[p_xx, p_xy, p_yy]`. */
-export function ellipse(
-  x: number,
-  y: number,
-  [xx, xy, yy]: [number, number, number],
-  sigma: number,
-): Point[] {
-  const middle = (xx + yy) / 2;
-  const spread = Math.hypot((xx - yy) / 2, xy);
-  const major = Math.sqrt(Math.max(middle + spread, 0)) * sigma;
-  const minor = Math.sqrt(Math.max(middle - spread, 0)) * sigma;
-  const turn = Math.atan2(2 * xy, xx - yy) / 2;
-  return Array.from({ length: CIRCLE_POINTS + 1 }, (_, step) => {
-    const angle = (step / CIRCLE_POINTS) * 2 * Math.PI;
-    const along = major * Math.cos(angle);
-    const across = minor * Math.sin(angle);
-    return [
-      x + along * Math.cos(turn) - across * Math.sin(turn),
-      y + along * Math.sin(turn) + across * Math.cos(turn),
-    ];
-  });
 }
 
 function rings(sensors: SensorSettings[], palette: Palette): SeriesOption[] {
