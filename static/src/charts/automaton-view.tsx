@@ -55,20 +55,13 @@ export function AutomatonView({ verdict, expected, automaton, file, origin }: Pr
     way.break_ === undefined
       ? "accepted to its end"
       : `broken at scan ${way.steps[way.break_]?.scan}`;
-  const label = `Way of target ${verdict.truth_id} through the automaton over ${way.steps.length} scans, ${end}. The table shows the same.`;
+  const over = `through the automaton over ${way.steps.length} scans, ${end}`;
+  const label = `Way of target ${verdict.truth_id} ${over}. The table shows the same.`;
   const seek = (event: MouseEvent) => {
     const index = Math.round((event.offsetX - LEFT) / step - 0.25);
     const time = timeAt(way, scans[Math.min(Math.max(index, 0), scans.length - 1)]);
     if (time !== undefined && !(event.target as Element).closest("a")) go(placeOf(verdict, time));
   };
-  const under = (
-    <>
-      <Key marks={pictureKey} />
-      {automaton.minimised ? (
-        <p class="muted small frame-note">Minimised: without weights.</p>
-      ) : null}
-    </>
-  );
   return (
     <ChartFrame
       title={`Target ${verdict.truth_id} in the automaton`}
@@ -76,7 +69,7 @@ export function AutomatonView({ verdict, expected, automaton, file, origin }: Pr
       table={() => tableOf(way, origin)}
       chart={() => drawing.current ?? undefined}
       pictureKey={pictureKey}
-      tools={under}
+      tools={<Under isMinimised={automaton.minimised} />}
     >
       <div class="automaton" ref={box} tabIndex={0} role="region" aria-label={label}>
         {/* biome-ignore lint/a11y/useKeyWithClickEvents: the clock has its keys in its own bar */}
@@ -100,6 +93,15 @@ export function AutomatonView({ verdict, expected, automaton, file, origin }: Pr
         </svg>
       </div>
     </ChartFrame>
+  );
+}
+
+function Under({ isMinimised }: { isMinimised: boolean }): JSX.Element {
+  return (
+    <>
+      <Key marks={pictureKey} />
+      {isMinimised ? <p class="muted small frame-note">Minimised: without weights.</p> : null}
+    </>
   );
 }
 
@@ -263,7 +265,8 @@ function Broken({ way, scans, x, step, verdict }: BrokenProps): JSX.Element {
   const before = first > 0 ? x(scans.indexOf(way.steps[first - 1]?.scan ?? 0)) : LEFT - step * 0.35;
   const line = (entries: { scan: number }[], y: number) => {
     const places = entries.map((entry) => x(scans.indexOf(entry.scan)));
-    return `M${before} ${Y.way}${places.map((place, index) => (index ? `H${place}` : `L${place} ${y}`)).join("")}`;
+    const moves = places.map((place, index) => (index ? `H${place}` : `L${place} ${y}`));
+    return `M${before} ${Y.way}${moves.join("")}`;
   };
   const label = `Break at scan ${way.steps[first]?.scan}: show it in the plan view`;
   return (
@@ -345,12 +348,10 @@ function Weights({
 }): JSX.Element {
   const scans = scansOf(way);
   const width = Math.max(Math.min(step * 0.6, 14), 2);
+  const end = x(scans.length - 1) + width;
   return (
     <g>
-      <path
-        class="drawing-grid"
-        d={`M${LEFT} ${Y.bars}H${x(scans.length - 1) + width}M${LEFT} ${Y.base}H${x(scans.length - 1) + width}`}
-      />
+      <path class="drawing-grid" d={`M${LEFT} ${Y.bars}H${end}M${LEFT} ${Y.base}H${end}`} />
       <text
         class="drawing-symbol"
         x={LEFT - 4}

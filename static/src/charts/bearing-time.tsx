@@ -25,7 +25,7 @@ import type { Chart } from "./echarts";
 import { ChartFrame, reducedBadge } from "./frame";
 import { type Levels, shades } from "./levels";
 import type { KeyMark } from "./marks";
-import { momentOf } from "./plan-view";
+import { momentOf } from "./plan-drawing";
 
 const REACH_PX = 14;
 const LARGE = 2000;

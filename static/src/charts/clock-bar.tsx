@@ -48,70 +48,52 @@ function keys(clock: Clock): (event: KeyboardEvent) => void {
   };
 }
 
-export function ClockBar({ clock }: { clock: Clock }): JSX.Element {
-  useEffect(() => {
-    const listener = keys(clock);
-    document.addEventListener("keydown", listener);
-    return () => document.removeEventListener("keydown", listener);
-  }, [clock]);
-  const last = Math.max(clock.times.length - 1, 0);
+const lastOf = (clock: Clock): number => Math.max(clock.times.length - 1, 0);
+
+function Buttons({ clock }: { clock: Clock }): JSX.Element {
+  const last = lastOf(clock);
   const index = clock.index.value;
   const playing = clock.playing.value;
-  const text = `scan ${clock.numbers[index]} of ${clock.numbers.at(-1)}, ${timeText(clock.time.value, clock.origin)}`;
-  const drag = (event: TargetedEvent<HTMLInputElement>) => {
-    clock.playing.value = false;
-    clock.seek(Number(event.currentTarget.value));
-  };
   return (
-    <div class="clock" role="group" aria-label="Clock">
-      <div class="clock-buttons">
-        <Button
-          icon="first"
-          label="To the first scan"
-          press={() => clock.step(-last)}
-          disabled={index === 0}
-        />
-        <Button
-          icon="back"
-          label="One scan back"
-          press={() => clock.step(-1)}
-          disabled={index === 0}
-        />
-        <Button
-          icon={playing ? "pause" : "play"}
-          label={playing ? "Pause" : "Play"}
-          press={clock.toggle}
-          disabled={last === 0}
-        />
-        <Button
-          icon="forward"
-          label="One scan forward"
-          press={() => clock.step(1)}
-          disabled={index === last}
-        />
-        <Button
-          icon="last"
-          label="To the last scan"
-          press={() => clock.step(last)}
-          disabled={index === last}
-        />
-      </div>
-      <input
-        class="clock-slider"
-        type="range"
-        min={0}
-        max={last}
-        step={1}
-        value={index}
-        aria-label="Scan"
-        aria-valuetext={text}
-        onInput={drag}
+    <div class="clock-buttons">
+      <Button
+        icon="first"
+        label="To the first scan"
+        press={() => clock.step(-last)}
+        disabled={index === 0}
       />
-      <output class="clock-text">
-        <b>{timeText(clock.time.value, clock.origin)}</b> scan {clock.numbers[index]}/
-        {clock.numbers.at(-1)}
-        {clock.origin ? <span class="sub">{utcText(clock.time.value)}</span> : null}
-      </output>
+      <Button
+        icon="back"
+        label="One scan back"
+        press={() => clock.step(-1)}
+        disabled={index === 0}
+      />
+      <Button
+        icon={playing ? "pause" : "play"}
+        label={playing ? "Pause" : "Play"}
+        press={clock.toggle}
+        disabled={last === 0}
+      />
+      <Button
+        icon="forward"
+        label="One scan forward"
+        press={() => clock.step(1)}
+        disabled={index === last}
+      />
+      <Button
+        icon="last"
+        label="To the last scan"
+        press={() => clock.step(last)}
+        disabled={index === last}
+      />
+    </div>
+  );
+}
+
+/** How fast it goes, and how much of the past stays drawn. */
+function Choices({ clock }: { clock: Clock }): JSX.Element {
+  return (
+    <>
       <label class="inline">
         Speed
         <select
@@ -137,6 +119,42 @@ export function ClockBar({ clock }: { clock: Clock }): JSX.Element {
           ))}
         </select>
       </label>
+    </>
+  );
+}
+
+export function ClockBar({ clock }: { clock: Clock }): JSX.Element {
+  useEffect(() => {
+    const listener = keys(clock);
+    document.addEventListener("keydown", listener);
+    return () => document.removeEventListener("keydown", listener);
+  }, [clock]);
+  const last = lastOf(clock);
+  const index = clock.index.value;
+  const time = timeText(clock.time.value, clock.origin);
+  const drag = (event: TargetedEvent<HTMLInputElement>) => {
+    clock.playing.value = false;
+    clock.seek(Number(event.currentTarget.value));
+  };
+  return (
+    <div class="clock" role="group" aria-label="Clock">
+      <Buttons clock={clock} />
+      <input
+        class="clock-slider"
+        type="range"
+        min={0}
+        max={last}
+        step={1}
+        value={index}
+        aria-label="Scan"
+        aria-valuetext={`scan ${clock.numbers[index]} of ${clock.numbers.at(-1)}, ${time}`}
+        onInput={drag}
+      />
+      <output class="clock-text">
+        <b>{time}</b> scan {clock.numbers[index]}/{clock.numbers.at(-1)}
+        {clock.origin ? <span class="sub">{utcText(clock.time.value)}</span> : null}
+      </output>
+      <Choices clock={clock} />
     </div>
   );
 }

@@ -5,6 +5,7 @@ import { useState } from "preact/hooks";
 import type { Cell, Columns } from "../api/types";
 import { number } from "../format";
 import { isTimeColumn, timeCell, timeHead, timeTitle } from "../times";
+import { HeadRow, numberHead, TableScroll } from "./table-parts";
 
 export interface TableData {
   /** Names with their units, as they head the CSV file. */
@@ -62,19 +63,12 @@ export function DataTable({ table, caption }: { table: TableData; caption: strin
   const numeric = table.columns.map((_, column) =>
     table.rows.every((row) => row[column] === null || typeof row[column] === "number"),
   );
+  const named = heads(table).map((name, column) => (numeric[column] ? numberHead(name) : name));
   return (
-    <div class="table-scroll" tabIndex={0} role="region" aria-label={caption}>
+    <TableScroll label={caption} class="table-scroll">
       <table class="data">
         <caption class="visually-hidden">{caption}</caption>
-        <thead>
-          <tr>
-            {heads(table).map((name, column) => (
-              <th scope="col" class={numeric[column] ? "num" : undefined}>
-                {name}
-              </th>
-            ))}
-          </tr>
-        </thead>
+        <HeadRow heads={named} />
         <tbody>
           {table.rows.slice(0, shown).map((row) => (
             <tr>
@@ -100,6 +94,6 @@ export function DataTable({ table, caption }: { table: TableData; caption: strin
           </span>
         </p>
       ) : null}
-    </div>
+    </TableScroll>
   );
 }

@@ -6,6 +6,7 @@ import { uploadDataset } from "../api/client";
 import type { Dataset, Fault } from "../api/types";
 import { asProblem, FaultText, Icon, ProblemBox } from "../components/basics";
 import { type CsvTable, parseCsv } from "../components/csv";
+import { HeadRow, TableScroll } from "../components/table-parts";
 
 const KINDS = ["", "detections", "truth", "tracks", "bearing_time"];
 const FORMATS = ["", "csv", "json", "autoferry", "mot", "npy"];
@@ -76,6 +77,20 @@ function columnOf(
     : head.columns.find((name) => renamed[name] === column);
 }
 
+/** The faults by the column that they are of. */
+function placedFaults(
+  faults: Fault[],
+  head: CsvTable | undefined,
+  renamed: Record<string, string>,
+): Map<string, Fault[]> {
+  const placed = new Map<string, Fault[]>();
+  for (const fault of faults) {
+    const column = columnOf(fault, head, renamed);
+    if (column) placed.set(column, [...(placed.get(column) ?? []), fault]);
+  }
+  return placed;
+}
+
 export function Upload({ id, expected, done }: Props): JSX.Element {
   const [file, setFile] = useState<File>();
   const [head, setHead] = useState<CsvTable>();
@@ -104,11 +119,7 @@ export function Upload({ id, expected, done }: Props): JSX.Element {
     }
   };
   const faults = error ? (asProblem(error).errors ?? []) : [];
-  const placed = new Map<string, Fault[]>();
-  for (const fault of faults) {
-    const column = columnOf(fault, head, renamed);
-    if (column) placed.set(column, [...(placed.get(column) ?? []), fault]);
-  }
+  const placed = placedFaults(faults, head, renamed);
   const placedAll = faults.length > 0 && faults.every((fault) => columnOf(fault, head, renamed));
   return (
     <div class="upload">
@@ -164,15 +175,9 @@ interface MappingProps {
 
 function Mapping({ id, head, renamed, faults, change }: MappingProps): JSX.Element {
   return (
-    <div class="mapping table-scroll" tabIndex={0} role="region" aria-label="Columns of the file">
+    <TableScroll label="Columns of the file" class="mapping table-scroll">
       <table class="data">
-        <thead>
-          <tr>
-            <th scope="col">Column</th>
-            <th scope="col">First values</th>
-            <th scope="col">Read as</th>
-          </tr>
-        </thead>
+        <HeadRow heads={["Column", "First values", "Read as"]} />
         <tbody>
           {head.columns.map((name, index) => (
             <tr class={faults.has(name) ? "faulty" : undefined}>
@@ -198,7 +203,7 @@ function Mapping({ id, head, renamed, faults, change }: MappingProps): JSX.Eleme
           <option value={name} />
         ))}
       </datalist>
-    </div>
+    </TableScroll>
   );
 }
 

@@ -8,6 +8,7 @@ import { type Curve, Lines, lookOf, type Point } from "../charts/lines";
 import { IntervalBar, type Span, scaleOf } from "../components/interval-bar";
 import type { TableData } from "../components/table";
 import { TableFrame } from "../components/table-frame";
+import { HeadRow, hiddenHead, numberHead, TableScroll } from "../components/table-parts";
 import { count, number, plural } from "../format";
 import { type Axis, cellAt, combinations, isNumeric, pointsOf } from "./campaign-axes";
 
@@ -24,6 +25,13 @@ export interface Campaign {
   times: NonNullable<Report["timing"]["cells"]>;
   file: string;
 }
+
+const DIFFERENCE_HEADS = [
+  "Cell",
+  "Less",
+  ...["Pairs", "Mean difference", "Interval"].map(numberHead),
+  hiddenHead("Picture"),
+];
 
 export function Differences({
   campaign,
@@ -63,38 +71,16 @@ export function Differences({
       table={table}
       tools={note}
     >
-      <div
-        class="table-scroll tall"
-        tabIndex={0}
-        role="region"
-        aria-label={`Paired differences of ${outcome}`}
-      >
+      <TableScroll label={`Paired differences of ${outcome}`}>
         <table class="data">
-          <thead>
-            <tr>
-              <th scope="col">Cell</th>
-              <th scope="col">Less</th>
-              <th scope="col" class="num">
-                Pairs
-              </th>
-              <th scope="col" class="num">
-                Mean difference
-              </th>
-              <th scope="col" class="num">
-                Interval
-              </th>
-              <th scope="col">
-                <span class="visually-hidden">Picture</span>
-              </th>
-            </tr>
-          </thead>
+          <HeadRow heads={DIFFERENCE_HEADS} />
           <tbody>
             {compared.map((cell) => (
               <Difference cell={cell} outcome={outcome} scale={scale} />
             ))}
           </tbody>
         </table>
-      </div>
+      </TableScroll>
     </TableFrame>
   );
 }
@@ -242,22 +228,9 @@ export function Times({ campaign, x }: { campaign: Campaign; x: Axis | undefined
   return (
     <>
       <TableFrame title="Time of deciding" file={`times-${campaign.file}`} table={table}>
-        <div class="table-scroll tall" tabIndex={0} role="region" aria-label="Time of deciding">
+        <TableScroll label="Time of deciding">
           <table class="data">
-            <thead>
-              <tr>
-                <th scope="col">Cell</th>
-                <th scope="col" class="num">
-                  µs a scan
-                </th>
-                <th scope="col" class="num">
-                  Ratio
-                </th>
-                <th scope="col" class="num">
-                  Timed runs
-                </th>
-              </tr>
-            </thead>
+            <HeadRow heads={["Cell", ...["µs a scan", "Ratio", "Timed runs"].map(numberHead)]} />
             <tbody>
               {campaign.times.map((time) => (
                 <tr>
@@ -269,7 +242,7 @@ export function Times({ campaign, x }: { campaign: Campaign; x: Axis | undefined
               ))}
             </tbody>
           </table>
-        </div>
+        </TableScroll>
       </TableFrame>
       {x && x.points.length > 1 ? <TimePicture campaign={campaign} x={x} table={table} /> : null}
     </>

@@ -1,6 +1,7 @@
 // The cells of a campaign as a table: rows are the points of all axes but the last, columns those of the last.
 
 import type { JSX } from "preact";
+import { TableScroll } from "../components/table-parts";
 import { type Axis, combinations, rowsAndColumns } from "./campaign-axes";
 
 interface Props {
@@ -14,7 +15,7 @@ interface Props {
 export function CellTable({ axes, label, cell, ...rest }: Props): JSX.Element {
   const { rows, columns } = rowsAndColumns(axes);
   return (
-    <div class={`table-scroll ${rest.class ?? ""}`} tabIndex={0} role="region" aria-label={label}>
+    <TableScroll label={label} class={`table-scroll ${rest.class ?? ""}`}>
       <table class="grid">
         <thead>
           <tr>
@@ -42,6 +43,6 @@ export function CellTable({ axes, label, cell, ...rest }: Props): JSX.Element {
           ))}
         </tbody>
       </table>
-    </div>
+    </TableScroll>
   );
 }

@@ -8,6 +8,7 @@ import { IntervalBar, type Scale, scaleOf } from "../components/interval-bar";
 import { useResource } from "../components/resource";
 import type { TableData } from "../components/table";
 import { TableFrame } from "../components/table-frame";
+import { HeadRow, hiddenHead, numberHead, TableScroll } from "../components/table-parts";
 import { count, duration, moment, number } from "../format";
 import { pageHref, param, setParams } from "../state/url";
 import { Overlay } from "./compare-overlay";
@@ -101,7 +102,6 @@ const named = (comparison: Comparison, index: number): string =>
   `${letter(index)}: ${comparison.jobs[index]?.name || comparison.jobs[index]?.id.slice(-12)}`;
 
 function Jobs({ comparison, ids }: { comparison: Comparison; ids: string[] }): JSX.Element {
-  const verdicts = new Map((comparison.verdicts ?? []).map((verdict) => [verdict.job_id, verdict]));
   const remove = (id: string) =>
     setParams(
       {
@@ -111,76 +111,66 @@ function Jobs({ comparison, ids }: { comparison: Comparison; ids: string[] }): J
       "push",
     );
   const heads = [
-    "",
-    "Job",
-    "Kind",
-    "Seed",
-    "Computed",
-    "Baseline",
+    hiddenHead("Letter or action"),
+    ...["Job", "Kind", "Seed", "Computed", "Baseline"],
     ...(comparison.verdicts ? ["Targets in both", "Correct in both", "Gained", "Lost"] : []),
-    "",
+    hiddenHead("Letter or action"),
   ];
   return (
-    <div class="table-scroll" tabIndex={0} role="region" aria-label="Compared jobs">
+    <TableScroll label="Compared jobs" class="table-scroll">
       <table class="data">
-        <thead>
-          <tr>
-            {heads.map((name) => (
-              <th scope="col">{name || <span class="visually-hidden">Letter or action</span>}</th>
-            ))}
-          </tr>
-        </thead>
+        <HeadRow heads={heads} />
         <tbody>
-          {comparison.jobs.map((job, index) => {
-            const verdict = verdicts.get(job.id);
-            return (
-              <tr>
-                <th scope="row" class="letter">
-                  {letter(index)}
-                </th>
-                <td class="wrap">
-                  <Link href={pageHref({ view: "job", job: job.id })}>{job.name || job.id}</Link>
-                </td>
-                <td>{job.kind}</td>
-                <td>{job.seed}</td>
-                <td>{duration(job.total_s)}</td>
-                <td>
-                  <input
-                    type="radio"
-                    name="baseline"
-                    aria-label={`Compare with ${named(comparison, index)}`}
-                    checked={job.id === comparison.baseline}
-                    onChange={() => setParams({ baseline: index === 0 ? null : job.id })}
-                  />
-                </td>
-                {comparison.verdicts ? (
-                  verdict ? (
-                    [verdict.targets, verdict.both_correct, verdict.gained, verdict.lost].map(
-                      (value) => <td>{count(value)}</td>,
-                    )
-                  ) : (
-                    <td colSpan={4} class="muted">
-                      {job.id === comparison.baseline ? "the baseline" : "no verdicts"}
-                    </td>
-                  )
-                ) : null}
-                <td>
-                  <button
-                    type="button"
-                    class="quiet"
-                    onClick={() => remove(job.id)}
-                    aria-label={`Remove ${named(comparison, index)}`}
-                  >
-                    <Icon name="close" />
-                  </button>
-                </td>
-              </tr>
-            );
-          })}
+          {comparison.jobs.map((job, index) => (
+            <tr>
+              <th scope="row" class="letter">
+                {letter(index)}
+              </th>
+              <td class="wrap">
+                <Link href={pageHref({ view: "job", job: job.id })}>{job.name || job.id}</Link>
+              </td>
+              <td>{job.kind}</td>
+              <td>{job.seed}</td>
+              <td>{duration(job.total_s)}</td>
+              <td>
+                <input
+                  type="radio"
+                  name="baseline"
+                  aria-label={`Compare with ${named(comparison, index)}`}
+                  checked={job.id === comparison.baseline}
+                  onChange={() => setParams({ baseline: index === 0 ? null : job.id })}
+                />
+              </td>
+              {comparison.verdicts ? verdictCells(comparison, job.id) : null}
+              <td>
+                <button
+                  type="button"
+                  class="quiet"
+                  onClick={() => remove(job.id)}
+                  aria-label={`Remove ${named(comparison, index)}`}
+                >
+                  <Icon name="close" />
+                </button>
+              </td>
+            </tr>
+          ))}
         </tbody>
       </table>
-    </div>
+    </TableScroll>
   );
+}
+
+function verdictCells(comparison: Comparison, job: string): JSX.Element | JSX.Element[] {
+  const verdict = comparison.verdicts?.find((each) => each.job_id === job);
+  if (!verdict) {
+    return (
+      <td colSpan={4} class="muted">
+        {job === comparison.baseline ? "the baseline" : "no verdicts"}
+      </td>
+    );
+  }
+  const { targets, both_correct, gained, lost } = verdict;
+  return [targets, both_correct, gained, lost].map((value) => <td>{count(value)}</td>);
 }
 
 function matches(text: string): boolean {
@@ -227,7 +217,7 @@ function Numbers({ comparison }: { comparison: Comparison }): JSX.Element {
   return (
     <TableFrame title="Numbers" file="compared-numbers" table={table} tools={tools}>
       {kept.length ? (
-        <div class="table-scroll tall" tabIndex={0} role="region" aria-label="Numbers side by side">
+        <TableScroll label="Numbers side by side">
           <table class="data">
             <Head comparison={comparison} first="Number" />
             <tbody>
@@ -243,7 +233,7 @@ function Numbers({ comparison }: { comparison: Comparison }): JSX.Element {
               ))}
             </tbody>
           </table>
-        </div>
+        </TableScroll>
       ) : (
         <Empty
           title={
@@ -315,6 +305,14 @@ function pairedTable(comparison: Comparison, rows: Comparison["paired"]): TableD
   };
 }
 
+const PAIRED_HEADS = [
+  "Number",
+  "Job",
+  ...["Pairs", "Mean difference", "Interval"].map(numberHead),
+  hiddenHead("Picture"),
+  ...["Smaller", "Larger"].map(numberHead),
+];
+
 function Differences({ comparison }: { comparison: Comparison }): JSX.Element | null {
   if (!comparison.paired.length) return null;
   const kept = comparison.paired.filter((row) => matches(`${row.cell ?? ""} ${row.name}`));
@@ -336,29 +334,12 @@ function Differences({ comparison }: { comparison: Comparison }): JSX.Element | 
       table={() => pairedTable(comparison, kept)}
       tools={note}
     >
-      <div class="table-scroll tall" tabIndex={0} role="region" aria-label="Paired differences">
+      <TableScroll label="Paired differences">
         <table class="data">
-          <thead>
-            <tr>
-              {[
-                "Number",
-                "Job",
-                "Pairs",
-                "Mean difference",
-                "Interval",
-                "",
-                "Smaller",
-                "Larger",
-              ].map((name, index) => (
-                <th scope="col" class={[2, 3, 4, 6, 7].includes(index) ? "num" : undefined}>
-                  {name || <span class="visually-hidden">Picture</span>}
-                </th>
-              ))}
-            </tr>
-          </thead>
+          <HeadRow heads={PAIRED_HEADS} />
           <tbody>{kept.slice(0, LISTED).map((row) => pairedRows(comparison, row))}</tbody>
         </table>
-      </div>
+      </TableScroll>
     </TableFrame>
   );
 }
@@ -405,12 +386,7 @@ function Requests({ comparison }: { comparison: Comparison }): JSX.Element {
   return (
     <TableFrame title="Where the requests differ" file="request-differences" table={table}>
       {rows.length ? (
-        <div
-          class="table-scroll tall"
-          tabIndex={0}
-          role="region"
-          aria-label="Differences of the requests"
-        >
+        <TableScroll label="Differences of the requests">
           <table class="data">
             <Head comparison={comparison} first="Place in the request" />
             <tbody>
@@ -428,7 +404,7 @@ function Requests({ comparison }: { comparison: Comparison }): JSX.Element {
               ))}
             </tbody>
           </table>
-        </div>
+        </TableScroll>
       ) : (
         <Empty title="The requests are the same." />
       )}

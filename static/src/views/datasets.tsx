@@ -6,8 +6,9 @@ import { useEffect } from "preact/hooks";
 import { type DatasetFilter, pageOfDatasets } from "../api/client";
 import type { Dataset } from "../api/types";
 import { Empty, Icon, Link, Loading, ProblemBox } from "../components/basics";
+import { HeadRow, numberHead, TableScroll } from "../components/table-parts";
 import { Upload } from "../form/upload";
-import { bytes, count, moment } from "../format";
+import { bytes, count, moment, plural } from "../format";
 import { go, pageHref, param, setParams } from "../state/url";
 
 const KINDS = ["detections", "truth", "tracks", "bearing_time"];
@@ -115,6 +116,43 @@ function Filters(): JSX.Element {
   );
 }
 
+const HEADS = [
+  "Name",
+  "Kind",
+  ...["Rows", "Scans", "Size"].map(numberHead),
+  "Origin",
+  numberHead("Created"),
+];
+
+function SetRow({ set }: { set: Dataset }): JSX.Element {
+  return (
+    <tr>
+      <td class="wrap">
+        <Link href={pageHref({ view: "dataset", dataset: set.id })}>{set.name}</Link>
+        {set.warnings.length ? (
+          <span class="sub">{plural(set.warnings.length, "warning")}</span>
+        ) : null}
+      </td>
+      <td>{set.kind}</td>
+      <td class="num">{count(set.rows)}</td>
+      <td class="num">{set.scans ? count(set.scans) : "–"}</td>
+      <td class="num">{bytes(set.bytes)}</td>
+      <td>
+        {set.origin.kind === "job" ? (
+          <Link href={pageHref({ view: "job", job: set.origin.job_id })}>
+            job {set.origin.job_id.slice(-12)}
+          </Link>
+        ) : (
+          "upload"
+        )}
+      </td>
+      <td class="num">
+        <time dateTime={set.created_at}>{moment(set.created_at)}</time>
+      </td>
+    </tr>
+  );
+}
+
 function List({ listing, more }: { listing: Listing; more: () => void }): JSX.Element {
   if (!listing.sets.length) {
     return (
@@ -127,56 +165,18 @@ function List({ listing, more }: { listing: Listing; more: () => void }): JSX.El
       </Empty>
     );
   }
-  const heads = ["Name", "Kind", "Rows", "Scans", "Size", "Origin", "Created"];
   return (
     <>
-      <div class="table-scroll" tabIndex={0} role="region" aria-label="Data sets">
+      <TableScroll label="Data sets" class="table-scroll">
         <table class="data">
-          <thead>
-            <tr>
-              {heads.map((name) => (
-                <th
-                  scope="col"
-                  class={["Rows", "Scans", "Size", "Created"].includes(name) ? "num" : undefined}
-                >
-                  {name}
-                </th>
-              ))}
-            </tr>
-          </thead>
+          <HeadRow heads={HEADS} />
           <tbody>
             {listing.sets.map((set) => (
-              <tr key={set.id}>
-                <td class="wrap">
-                  <Link href={pageHref({ view: "dataset", dataset: set.id })}>{set.name}</Link>
-                  {set.warnings.length ? (
-                    <span class="sub">
-                      {count(set.warnings.length)}{" "}
-                      {set.warnings.length === 1 ? "warning" : "warnings"}
-                    </span>
-                  ) : null}
-                </td>
-                <td>{set.kind}</td>
-                <td class="num">{count(set.rows)}</td>
-                <td class="num">{set.scans ? count(set.scans) : "–"}</td>
-                <td class="num">{bytes(set.bytes)}</td>
-                <td>
-                  {set.origin.kind === "job" ? (
-                    <Link href={pageHref({ view: "job", job: set.origin.job_id })}>
-                      job {set.origin.job_id.slice(-12)}
-                    </Link>
-                  ) : (
-                    "upload"
-                  )}
-                </td>
-                <td class="num">
-                  <time dateTime={set.created_at}>{moment(set.created_at)}</time>
-                </td>
-              </tr>
+              <SetRow key={set.id} set={set} />
             ))}
           </tbody>
         </table>
-      </div>
+      </TableScroll>
       {listing.next ? (
         <p class="more">
           <button type="button" onClick={more}>

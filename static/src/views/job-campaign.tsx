@@ -8,6 +8,7 @@ import { type Curve, Lines, lookOf, type Point } from "../charts/lines";
 import { Empty } from "../components/basics";
 import type { TableData } from "../components/table";
 import { TableFrame } from "../components/table-frame";
+import { HeadRow, numberHead, TableScroll } from "../components/table-parts";
 import { count, number, plural } from "../format";
 import { param, setParams } from "../state/url";
 import {
@@ -311,17 +312,9 @@ function Everything({ campaign }: { campaign: Campaign }): JSX.Element {
   });
   return (
     <TableFrame title="All outcomes" file={`cells-${campaign.file}`} table={table}>
-      <div class="table-scroll tall" tabIndex={0} role="region" aria-label="All cells and outcomes">
+      <TableScroll label="All cells and outcomes">
         <table class="data">
-          <thead>
-            <tr>
-              {["Cell", "Runs", ...outcomes].map((name, index) => (
-                <th scope="col" class={index ? "num" : undefined}>
-                  {name}
-                </th>
-              ))}
-            </tr>
-          </thead>
+          <HeadRow heads={["Cell", ...["Runs", ...outcomes].map(numberHead)]} />
           <tbody>
             {cells.map((cell) => (
               <tr>
@@ -342,7 +335,7 @@ function Everything({ campaign }: { campaign: Campaign }): JSX.Element {
             ))}
           </tbody>
         </table>
-      </div>
+      </TableScroll>
     </TableFrame>
   );
 }

@@ -10,6 +10,7 @@ import { Empty, Icon } from "../components/basics";
 import { type Figure, Figures } from "../components/figures";
 import type { TableData } from "../components/table";
 import { TableFrame } from "../components/table-frame";
+import { type Head, HeadRow, numberHead, TableScroll } from "../components/table-parts";
 import { capital, count, number, plural, probability, words } from "../format";
 import type { Palette } from "../state/theme";
 import { go, hereHref, param, setParams } from "../state/url";
@@ -167,6 +168,13 @@ function kept(tuples: CorrelationTuple[], alpha: number | undefined): Correlatio
     : tuples;
 }
 
+function headsOf(result: CorrelateResult): Head[] {
+  return columnsOf(result).map((name, column) => {
+    const isNumber = column > result.sensors.length && !["truth", "right"].includes(name);
+    return isNumber ? numberHead(name) : name;
+  });
+}
+
 function Matrix({
   result,
   alpha,
@@ -206,31 +214,16 @@ function Matrix({
       table={() => tupleTable(result, tuples)}
       tools={tools}
     >
-      <div class="table-scroll tall" tabIndex={0} role="region" aria-label="Tuples and sensors">
+      <TableScroll label="Tuples and sensors">
         <table class="data tuples">
-          <thead>
-            <tr>
-              {columnsOf(result).map((name, column) => (
-                <th
-                  scope="col"
-                  class={
-                    column > result.sensors.length && !["truth", "right"].includes(name)
-                      ? "num"
-                      : undefined
-                  }
-                >
-                  {name}
-                </th>
-              ))}
-            </tr>
-          </thead>
+          <HeadRow heads={headsOf(result)} />
           <tbody>
             {tuples.slice(0, ROWS).map((tuple) => (
               <Row key={tuple.system_track_id} tuple={tuple} result={result} alpha={alpha} />
             ))}
           </tbody>
         </table>
-      </div>
+      </TableScroll>
     </TableFrame>
   );
 }

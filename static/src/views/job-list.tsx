@@ -15,6 +15,7 @@ import {
   ProgressBar,
   StateBadge,
 } from "../components/basics";
+import { HeadRow, hiddenHead, numberHead } from "../components/table-parts";
 import { duration, moment, seconds } from "../format";
 import { isActive, poll } from "../state/live";
 import { pageHref, param, setParams } from "../state/url";
@@ -177,29 +178,21 @@ function Nothing(): JSX.Element {
   );
 }
 
+const HEADS = [
+  hiddenHead("Compare"),
+  "Name",
+  "Kind",
+  "State",
+  numberHead("Created"),
+  numberHead("Duration"),
+  hiddenHead("Action"),
+];
+
 function Rows({ jobs, cancel }: { jobs: Job[]; cancel: (job: Job) => void }): JSX.Element {
   return (
     <div class="table-scroll">
       <table class="jobs">
-        <thead>
-          <tr>
-            <th scope="col">
-              <span class="visually-hidden">Compare</span>
-            </th>
-            <th scope="col">Name</th>
-            <th scope="col">Kind</th>
-            <th scope="col">State</th>
-            <th scope="col" class="num">
-              Created
-            </th>
-            <th scope="col" class="num">
-              Duration
-            </th>
-            <th scope="col">
-              <span class="visually-hidden">Action</span>
-            </th>
-          </tr>
-        </thead>
+        <HeadRow heads={HEADS} />
         <tbody>
           {jobs.map((job) => (
             <JobRow key={job.id} job={job} cancel={cancel} />

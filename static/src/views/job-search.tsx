@@ -10,6 +10,7 @@ import { Empty, Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import type { TableData } from "../components/table";
 import { TableFrame } from "../components/table-frame";
+import { HeadRow, numberHead, TableScroll } from "../components/table-parts";
 import { capital, number, probability, words } from "../format";
 import { param, setParams } from "../state/url";
 import { type Iteration, type Problem, readTrace } from "./search-trace";
@@ -235,23 +236,9 @@ function Memberships({
   );
   return (
     <TableFrame title="Memberships" file={`memberships-${file}`} table={table} tools={tools}>
-      <div
-        class="table-scroll tall"
-        tabIndex={0}
-        role="region"
-        aria-label="Memberships of detections"
-      >
+      <TableScroll label="Memberships of detections">
         <table class="grid">
-          <thead>
-            <tr>
-              <th scope="col">Detection</th>
-              {groups.map((group) => (
-                <th scope="col" class="num">
-                  {group || "noise"}
-                </th>
-              ))}
-            </tr>
-          </thead>
+          <HeadRow heads={["Detection", ...groups.map((group) => numberHead(group || "noise"))]} />
           <tbody>
             {[...iteration.memberships].map(([detection, row]) => (
               <tr>
@@ -267,7 +254,7 @@ function Memberships({
             ))}
           </tbody>
         </table>
-      </div>
+      </TableScroll>
     </TableFrame>
   );
 }
@@ -342,22 +329,11 @@ function Centres({ problem, file }: { problem: Problem; file: string }): JSX.Ele
       file={`centres-${file}`}
       table={() => ({ columns: ["iteration", "group", "first", "second"], rows })}
     >
-      <div
-        class="table-scroll tall"
-        tabIndex={0}
-        role="region"
-        aria-label="Centres at the first and the last iteration"
-      >
+      <TableScroll label="Centres at the first and the last iteration">
         <table class="data">
-          <thead>
-            <tr>
-              {["Group", "First iteration", "Last iteration", "Moved"].map((name, index) => (
-                <th scope="col" class={index ? "num" : undefined}>
-                  {name}
-                </th>
-              ))}
-            </tr>
-          </thead>
+          <HeadRow
+            heads={["Group", ...["First iteration", "Last iteration", "Moved"].map(numberHead)]}
+          />
           <tbody>
             {[...(last?.centres ?? [])].map(([group, end]) => {
               const begin = first?.centres.get(group) ?? end;
@@ -376,7 +352,7 @@ function Centres({ problem, file }: { problem: Problem; file: string }): JSX.Ele
             })}
           </tbody>
         </table>
-      </div>
+      </TableScroll>
     </TableFrame>
   );
 }

@@ -7,6 +7,7 @@ import type { Job, Report } from "../api/types";
 import { Icon, Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import { saveText } from "../components/save";
+import { HeadRow, numberHead } from "../components/table-parts";
 import { bytes } from "../format";
 
 export function JobSpec({ job, report }: { job: Job; report: Report }): JSX.Element {
@@ -66,16 +67,7 @@ function Files({ id }: { id: string }): JSX.Element {
   return (
     <div class="table-scroll">
       <table class="data">
-        <thead>
-          <tr>
-            <th scope="col">File</th>
-            <th scope="col">Type</th>
-            <th scope="col" class="num">
-              Size
-            </th>
-            <th scope="col">sha256</th>
-          </tr>
-        </thead>
+        <HeadRow heads={["File", "Type", numberHead("Size"), "sha256"]} />
         <tbody>
           {files.data.map((file) => (
             <tr>

@@ -10,6 +10,7 @@ import { Empty, Link, Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import type { TableData } from "../components/table";
 import { TableFrame } from "../components/table-frame";
+import { HeadRow, numberHead, TableScroll } from "../components/table-parts";
 import { capital, count, number, plural, words } from "../format";
 import { param, setParams } from "../state/url";
 import { timeCell, timeHead, timeText, timeTitle } from "../times";
@@ -90,6 +91,29 @@ function LaneView({ log, sequence, file, ...rest }: EventParts): JSX.Element | n
   );
 }
 
+function KindChoice({ log, asked }: { log: EventLog; asked: string[] }): JSX.Element {
+  const kinds = [...new Set(log.entries.map((entry) => entry.kind))].sort();
+  const value = asked.join(",");
+  return (
+    <label>
+      <span>Events</span>
+      <select value={value} onChange={(event) => setParams({ event: event.currentTarget.value })}>
+        {kinds.includes(value) ? null : (
+          <option value={value}>{asked.map(words).join(", ")}</option>
+        )}
+        {kinds.map((kind) => (
+          <option value={kind}>{words(kind)}</option>
+        ))}
+      </select>
+    </label>
+  );
+}
+
+function rowOf(entry: LogEntry): Cell[] {
+  const { step, time, kind, truth, track, distance } = entry;
+  return [step, time, kind, truth || null, track || null, distance];
+}
+
 function EventTable({ log, sequence, file, origin, href, place }: EventParts): JSX.Element {
   const head = useRef<HTMLDivElement>(null);
   const chosen = param("event");
@@ -97,61 +121,30 @@ function EventTable({ log, sequence, file, origin, href, place }: EventParts): J
     // Who comes by the link of a number wants to see its events.
     if (chosen) head.current?.scrollIntoView({ block: "nearest" });
   }, [chosen]);
-  const kinds = [...new Set(log.entries.map((entry) => entry.kind))].sort();
   const asked = (chosen ?? "switch,break").split(",");
   const found = log.entries.filter(
     (entry) => entry.sequence === sequence && asked.includes(entry.kind),
   );
-  const rowOf = (entry: LogEntry): Cell[] => [
-    entry.step,
-    entry.time,
-    entry.kind,
-    entry.truth || null,
-    entry.track || null,
-    entry.distance,
-  ];
   const columns = ["step", "time_s", "event", "truth_id", "track_id", "distance"];
   const table = (): TableData => ({ columns, rows: found.map(rowOf), origin_s: origin });
   const tools = (
     <div class="filters frame-filters" ref={head}>
-      <label>
-        <span>Events</span>
-        <select
-          value={asked.join(",")}
-          onChange={(event) => setParams({ event: event.currentTarget.value })}
-        >
-          {kinds.includes(asked.join(",")) ? null : (
-            <option value={asked.join(",")}>{asked.map(words).join(", ")}</option>
-          )}
-          {kinds.map((kind) => (
-            <option value={kind}>{words(kind)}</option>
-          ))}
-        </select>
-      </label>
+      <KindChoice log={log} asked={asked} />
       <p class="muted small">
         {plural(found.length, "event")}, {count(Math.min(found.length, EVENTS_AT_ONCE))} shown
         {log.isCut ? "; the file has more than were read here" : ""}
       </p>
     </div>
   );
+  const timeName = origin ? capital(timeHead("time_s", origin)) : "Time (s)";
   return (
     <TableFrame title="Events" file={`events-${file}`} table={table} tools={tools}>
       {found.length ? (
-        <div class="table-scroll tall" tabIndex={0} role="region" aria-label="Events">
+        <TableScroll label="Events">
           <table class="data">
-            <thead>
-              <tr>
-                <th scope="col" class="num">
-                  {origin ? capital(timeHead("time_s", origin)) : "Time (s)"}
-                </th>
-                {["Event", "Truth", "Track"].map((name) => (
-                  <th scope="col">{name}</th>
-                ))}
-                <th scope="col" class="num">
-                  Distance
-                </th>
-              </tr>
-            </thead>
+            <HeadRow
+              heads={[numberHead(timeName), "Event", "Truth", "Track", numberHead("Distance")]}
+            />
             <tbody>
               {found.slice(0, EVENTS_AT_ONCE).map((entry) => (
                 <tr>
@@ -171,7 +164,7 @@ function EventTable({ log, sequence, file, origin, href, place }: EventParts): J
               ))}
             </tbody>
           </table>
-        </div>
+        </TableScroll>
       ) : (
         <Empty title="There is no such event." />
       )}

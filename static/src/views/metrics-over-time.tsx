@@ -148,6 +148,38 @@ function nearestTime(times: number[], to: number): number {
   );
 }
 
+interface MetricChoiceProps {
+  choices: Choice[];
+  choice: Choice;
+  metric: MetricReport | undefined;
+}
+
+function MetricChoice({ choices, choice, metric }: MetricChoiceProps): JSX.Element {
+  const parameters = metric ? parametersText(metric) : "";
+  return (
+    <div class="filters frame-filters">
+      <label>
+        <span>Metric</span>
+        <select
+          value={choice.name}
+          onChange={(event) => setParams({ over: event.currentTarget.value })}
+        >
+          {choices.map((entry) => (
+            <option value={entry.name}>{entry.name}</option>
+          ))}
+        </select>
+      </label>
+      <p class="muted small">
+        {parameters}
+        {parameters ? ". " : ""}A click moves the clock of all views.
+        {choice.stack
+          ? ` The height is ${choice.metric}; it is split as its parts add up to its p-th power.`
+          : ""}
+      </p>
+    </div>
+  );
+}
+
 interface OverTimeProps {
   jobId: string;
   metrics: Record<string, MetricReport>;
@@ -177,9 +209,7 @@ export function OverTime({
   if (!series.data || !shown) return <Loading what="the metrics over time" />;
   if (!choice || !shown.times.length)
     return <Empty title="These metrics have no values over time." />;
-  const parameters = metrics[choice.metric]
-    ? parametersText(metrics[choice.metric] as MetricReport)
-    : "";
+  const curveNames = curves.map((curve) => curve.name);
   const table = (): TableData => ({
     columns: [
       "time_s",
@@ -193,33 +223,11 @@ export function OverTime({
     ]),
     origin_s: origin,
   });
-  const tools = (
-    <div class="filters frame-filters">
-      <label>
-        <span>Metric</span>
-        <select
-          value={choice.name}
-          onChange={(event) => setParams({ over: event.currentTarget.value })}
-        >
-          {choices.map((entry) => (
-            <option value={entry.name}>{entry.name}</option>
-          ))}
-        </select>
-      </label>
-      <p class="muted small">
-        {parameters}
-        {parameters ? ". " : ""}A click moves the clock of all views.
-        {choice.stack
-          ? ` The height is ${choice.metric}; it is split as its parts add up to its p-th power.`
-          : ""}
-      </p>
-    </div>
-  );
   return (
     <Lines
       title={`${choice.metric} over time`}
       file={`metric-${choice.metric}-${file}`}
-      label={`${choice.metric} at ${shown.times.length} times: ${curves.map((curve) => curve.name).join(", ")}.`}
+      label={`${choice.metric} at ${shown.times.length} times: ${curveNames.join(", ")}.`}
       curves={curves}
       xName={timeAxisName(origin)}
       yName={choice.unit ? `${choice.metric} (${choice.unit})` : choice.metric}
@@ -228,7 +236,7 @@ export function OverTime({
       pick={(x) => setParams({ time: nearestTime(shown.times, x + origin) })}
       table={table}
       badge={reducedBadge([{ ...series.data, name: "times" }])}
-      tools={tools}
+      tools={<MetricChoice choices={choices} choice={choice} metric={metrics[choice.metric]} />}
     />
   );
 }

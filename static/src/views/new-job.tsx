@@ -196,6 +196,23 @@ function byField(faults: Fault[], spec: JsonObject): Map<string, Fault[]> {
   return map;
 }
 
+function Modes({ asJson }: { asJson: boolean }): JSX.Element {
+  return (
+    <div class="tabs" role="tablist" aria-label="How to edit">
+      {["form", "json"].map((mode) => (
+        <button
+          type="button"
+          role="tab"
+          aria-selected={asJson === (mode === "json")}
+          onClick={() => setParams({ as: mode === "json" ? "json" : null })}
+        >
+          {mode === "json" ? "JSON" : "Form"}
+        </button>
+      ))}
+    </div>
+  );
+}
+
 interface EditorProps {
   kind: JobKind;
   start: Start | undefined;
@@ -238,18 +255,7 @@ function Editor({ kind, start, methods }: EditorProps): JSX.Element {
         <span class="muted"> · {kind}</span>
       </p>
       {start ? <p class="lead">{start.summary}</p> : null}
-      <div class="tabs" role="tablist" aria-label="How to edit">
-        {["form", "json"].map((mode) => (
-          <button
-            type="button"
-            role="tab"
-            aria-selected={asJson === (mode === "json")}
-            onClick={() => setParams({ as: mode === "json" ? "json" : null })}
-          >
-            {mode === "json" ? "JSON" : "Form"}
-          </button>
-        ))}
-      </div>
+      <Modes asJson={asJson} />
       <div class="editor">
         <div class="editor-main">
           {asJson ? (
