@@ -1,4 +1,5 @@
-// Builds the dashboard: src/ → dist/ with hashed names, index.html, and the licences of what was bundled.
+// Builds the dashboard: src/ → dist/ with hashed names, index.html, and the licences of what was
+// bundled.
 
 import { createHash } from "node:crypto";
 import { mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -56,7 +57,12 @@ function page(script, style) {
   </head>
   <body>
     <div id="app"></div>
-    <noscript><p>The dashboard needs JavaScript. The same data is at <a href="/v1/jobs">/v1/jobs</a>; the API is described at <a href="/docs">/docs</a>.</p></noscript>
+    <noscript>
+      <p>
+        The dashboard needs JavaScript. The same data is at <a href="/v1/jobs">/v1/jobs</a>; the
+        API is described at <a href="/docs">/docs</a>.
+      </p>
+    </noscript>
   </body>
 </html>
 `;
@@ -64,7 +70,8 @@ function page(script, style) {
 
 function icon() {
   const bytes = readFileSync(join(here, "src/icon.svg"));
-  const name = `icon-${createHash("sha256").update(bytes).digest("hex").slice(0, 8).toUpperCase()}.svg`;
+  const digest = createHash("sha256").update(bytes).digest("hex");
+  const name = `icon-${digest.slice(0, 8).toUpperCase()}.svg`;
   writeFileSync(join(dist, "assets", name), bytes);
   return name;
 }

@@ -59,7 +59,10 @@ export function seconds(
   return Math.max(0, ((to ? Date.parse(to) : Date.now()) - Date.parse(from)) / 1000);
 }
 
-/** A field's name without its unit: `max_range_m` → "max range"; symbols such as `p_d` stay as they are. */
+/**
+ * A field's name without its unit: `max_range_m` → "max range"; symbols such as `p_d` stay as they
+ * are.
+ */
 export function words(name: string): string {
   const bare = name.replace(/_(m|s|mps|m2ps3|deg|hz)$/, "");
   return /_[a-z]$/.test(bare) ? bare : bare.replaceAll("_", " ");
@@ -72,4 +75,8 @@ export function capital(text: string): string {
 /** `1 track`, `2 tracks`. */
 export function plural(value: number, one: string, many = `${one}s`): string {
   return `${count(value)} ${value === 1 ? one : many}`;
+}
+
+export function intervalText({ low, high }: { low: number; high: number }): string {
+  return `[${number(low)}, ${number(high)}]`;
 }

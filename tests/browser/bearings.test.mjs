@@ -1,4 +1,5 @@
-// Bearings over time, and how searches went: the bat algorithm's objective, the memberships of fuzzy c-means.
+// Bearings over time, and how searches went: the bat algorithm's objective, the memberships of
+// fuzzy c-means.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";

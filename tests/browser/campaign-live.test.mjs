@@ -1,4 +1,5 @@
-// A campaign that goes on: its table and charts grow, stay when it is canceled, and become the report's when it ends.
+// A campaign that goes on: its table and charts grow, stay when it is canceled, and become the
+// report's when it ends.
 
 import assert from "node:assert/strict";
 import { mkdir } from "node:fs/promises";

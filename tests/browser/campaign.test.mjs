@@ -1,4 +1,5 @@
-// A campaign that is made: its cells, curves, differences and times are the report's, and its tables go into papers.
+// A campaign that is made: its cells, curves, differences and times are the report's, and its
+// tables go into papers.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";

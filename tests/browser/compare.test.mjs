@@ -1,4 +1,5 @@
-// Jobs side by side: chosen in the list, numbers and differences as the service has them, all of it in the address.
+// Jobs side by side: chosen in the list, numbers and differences as the service has them, all of it
+// in the address.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";

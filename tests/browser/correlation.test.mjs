@@ -1,4 +1,5 @@
-// The correlation of a job: its numbers are those of the report, a tuple leads to the plan view, and the form knows the kind.
+// The correlation of a job: its numbers are those of the report, a tuple leads to the plan view,
+// and the form knows the kind.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";

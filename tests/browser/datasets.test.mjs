@@ -1,4 +1,5 @@
-// Data sets: a file whose columns have other names is uploaded, mistakes are shown at the column, and its page says what it holds.
+// Data sets: a file whose columns have other names is uploaded, mistakes are shown at the column,
+// and its page says what it holds.
 
 import assert from "node:assert/strict";
 import { mkdtemp, writeFile } from "node:fs/promises";

@@ -1,4 +1,5 @@
-// Names that try to be markup, run from right to left, are very long or hold pictures: every view shows them as the text they are.
+// Names that try to be markup, run from right to left, are very long or hold pictures: every view
+// shows them as the text they are.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";

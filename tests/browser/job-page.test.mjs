@@ -111,7 +111,10 @@ test("verdicts are filtered and sorted, and the address says so", async () => {
   await closePage(page);
 });
 
-/** East and north metres per pixel, read from two points that a drag of the plan view leaves in the address. */
+/**
+ * East and north metres per pixel, read from two points that a drag of the plan view leaves in the
+ * address.
+ */
 async function draggedBy(page, dx, dy) {
   const centre = async () => parameters(page).get("centre").split(",").map(Number);
   const box = await planOf(page).boundingBox();

@@ -1,4 +1,5 @@
-// Jobs of every kind, and jobs that have little to show: every tab opens, says what there is, and nothing fails.
+// Jobs of every kind, and jobs that have little to show: every tab opens, says what there is, and
+// nothing fails.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";

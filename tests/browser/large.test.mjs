@@ -1,4 +1,5 @@
-// More detections than a page is sent: the density of all of them, a label that says so, and names that are found by typing.
+// More detections than a page is sent: the density of all of them, a label that says so, and names
+// that are found by typing.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";

@@ -1,4 +1,5 @@
-// The job list: filters in the address, pages, what it says when the service is away; and how much is loaded at first.
+// The job list: filters in the address, pages, what it says when the service is away; and how much
+// is loaded at first.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";

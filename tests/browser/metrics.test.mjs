@@ -1,4 +1,5 @@
-// The metrics of a job: every quantity as the report has it, the metrics over time, who followed whom, and the events behind the counts.
+// The metrics of a job: every quantity as the report has it, the metrics over time, who followed
+// whom, and the events behind the counts.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";

@@ -1,4 +1,5 @@
-// From a preset through the form to a result; a recording uploaded and evaluated; a long job watched and canceled.
+// From a preset through the form to a result; a recording uploaded and evaluated; a long job
+// watched and canceled.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";

@@ -1,4 +1,5 @@
-// Every number on the page is the report's, to the last printed digit: all views, all tables, all rows.
+// Every number on the page is the report's, to the last printed digit: all views, all tables, all
+// rows.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";

@@ -74,7 +74,9 @@ async function settled(page) {
   await page.waitForTimeout(300);
 }
 
-/** Everything that a view says: its text, what stands in its fields, and the names of its pictures. */
+/**
+ * Everything that a view says: its text, what stands in its fields, and the names of its pictures.
+ */
 async function said(page) {
   await settled(page);
   return page.evaluate(() => ({

@@ -1,4 +1,5 @@
-// Every view, light and dark, wide and narrow: a picture for people, nothing wider than the window, and no serious finding of axe.
+// Every view, light and dark, wide and narrow: a picture for people, nothing wider than the window,
+// and no serious finding of axe.
 
 import assert from "node:assert/strict";
 import { mkdir } from "node:fs/promises";

@@ -1,4 +1,5 @@
-// A service that is restarted under open pages: the list says that it is old and recovers, a running job is taken up again and ends.
+// A service that is restarted under open pages: the list says that it is old and recovers, a
+// running job is taken up again and ends.
 
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";

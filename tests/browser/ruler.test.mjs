@@ -28,7 +28,10 @@ async function open(more = "") {
   return page;
 }
 
-/** Waits until the address has this many coordinates; a page behind another hears of a press a little later. */
+/**
+ * Waits until the address has this many coordinates; a page behind another hears of a press a
+ * little later.
+ */
 const pointsAre = (page, count) =>
   page.waitForFunction(
     (wanted) => new URLSearchParams(location.search).get("ruler").split(",").length === wanted,
@@ -47,7 +50,8 @@ test("two presses measure, in metres as the camera says, and the address shows t
   await page.mouse.click(x + 100, y - 100);
   await pointsAre(page, 4);
   const [x0, y0, x1, y1] = parameters(page).get("ruler").split(",").map(Number);
-  // 10 000 m lie across the shorter side of the drawing area; margins are 72 px wide and 54 px high.
+  // 10 000 m lie across the shorter side of the drawing area; margins are 72 px wide and 54 px
+  // high.
   const scale = 10_000 / Math.min(box.width - 72, box.height - 54);
   assert.ok(
     Math.abs(x1 - x0 - 100 * scale) < scale && Math.abs(y1 - y0 - 100 * scale) < scale,

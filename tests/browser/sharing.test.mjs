@@ -29,7 +29,10 @@ const comesBeyond = (page, share) =>
     share,
   );
 
-/** A page of the context that notes every complaint of the browser, and how often it asks for the job. */
+/**
+ * A page of the context that notes every complaint of the browser, and how often it asks for the
+ * job.
+ */
 async function open(context, id) {
   const page = await context.newPage();
   page.faults = [];

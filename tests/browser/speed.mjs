@@ -1,6 +1,7 @@
 // How long views take, measured and not judged. Run it with a service on a free machine:
-//   TRACKLOOM_URL=http://… node speed.mjs            makes the data, then measures
-// Printed: the middle of seven loads in fresh browser contexts (milliseconds), and the ratio to the data of 10⁴ detections.
+// TRACKLOOM_URL=http://… node speed.mjs            makes the data, then measures Printed: the
+// middle of seven loads in fresh browser contexts (milliseconds), and the ratio to the data of 10⁴
+// detections.
 
 import { chromium } from "playwright-core";
 
@@ -84,7 +85,10 @@ async function longEvaluation() {
   return done(await asked("/v1/jobs/evaluate", body));
 }
 
-/** Milliseconds from the navigation until a canvas of this place is drawn; a drawn canvas has ink in its middle rows. */
+/**
+ * Milliseconds from the navigation until a canvas of this place is drawn; a drawn canvas has ink in
+ * its middle rows.
+ */
 async function firstPicture(browser, query, place) {
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 } });
   const page = await context.newPage();

@@ -28,7 +28,10 @@ export function startBrowser() {
   });
 }
 
-/** A page in a fresh context. `page.faults` gathers console errors, exceptions and requests that leave the origin. */
+/**
+ * A page in a fresh context. `page.faults` gathers console errors, exceptions and requests that
+ * leave the origin.
+ */
 export async function openPage(browser, query, viewport = WIDE) {
   const context = await browser.newContext({ viewport });
   const page = await context.newPage();
@@ -123,7 +126,10 @@ export async function finished(kind, body) {
   return { job, report: await api(`/v1/jobs/${job.id}/report`) };
 }
 
-/** Tracks of three sensors put together by a search that does not find the least cost: half of its tuples are wrong. */
+/**
+ * Tracks of three sensors put together by a search that does not find the least cost: half of its
+ * tuples are wrong.
+ */
 export async function correlated() {
   const body = await preset("huo2008");
   body.name = "browser tuples";
@@ -134,7 +140,10 @@ export async function correlated() {
   return finished("correlate", body);
 }
 
-/** Targets of directions in a bearing-time record, tracked by the bat algorithm, whose search is written down. */
+/**
+ * Targets of directions in a bearing-time record, tracked by the bat algorithm, whose search is
+ * written down.
+ */
 export async function bearingsTracked() {
   const body = await preset("wang-bat-record");
   body.name = "browser bearings";
@@ -243,7 +252,9 @@ export async function gridOf(page, outcome) {
   return cells.map((text) => text.replaceAll(/\n+/g, "\n"));
 }
 
-/** What the grid should say; with the runs that a cell will have, where they are not all made yet. */
+/**
+ * What the grid should say; with the runs that a cell will have, where they are not all made yet.
+ */
 export function cellTexts(result, outcome, planned) {
   return result.cells.map(({ ended, runs, outcomes }) => {
     const { mean, interval, count } = outcomes[outcome];
@@ -298,7 +309,10 @@ export const hide = (page, hidden) =>
     document.dispatchEvent(new Event("visibilitychange"));
   }, hidden);
 
-/** What an XML parser makes of a saved SVG: its first fault, else how many shapes of each colour and the texts there are. */
+/**
+ * What an XML parser makes of a saved SVG: its first fault, else how many shapes of each colour and
+ * the texts there are.
+ */
 export async function parsedSvg(page, bytes) {
   return page.evaluate((text) => {
     const sheet = new DOMParser().parseFromString(text, "image/svg+xml");
@@ -329,7 +343,10 @@ export async function parsedSvg(page, bytes) {
   }, bytes.toString());
 }
 
-/** A saved PNG decoded: its size, how many pixels have the given colour, and how many are not the background. */
+/**
+ * A saved PNG decoded: its size, how many pixels have the given colour, and how many are not the
+ * background.
+ */
 export async function decodedPng(page, bytes, color) {
   return page.evaluate(
     async ([data, wanted]) => {

@@ -1,4 +1,5 @@
-// The verdicts in the automaton: the three sets, a target's way with its break, and what forgiving changes.
+// The verdicts in the automaton: the three sets, a target's way with its break, and what forgiving
+// changes.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";

@@ -1,5 +1,5 @@
-// Pictures that are true: what is saved holds what is shown, axes and intervals stay within what is possible, times can be read, what has
-// ended is not drawn as living, and words say what happened.
+// Pictures that are true: what is saved holds what is shown, axes and intervals stay within what is
+// possible, times can be read, what has ended is not drawn as living, and words say what happened.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
@@ -68,7 +68,10 @@ async function recorded() {
   return { ...(await finished("evaluate", body)), detections, truth };
 }
 
-/** Two targets and three tracks of boxes: track 12 takes over from track 11, track 13 is somewhere else. */
+/**
+ * Two targets and three tracks of boxes: track 12 takes over from track 11, track 13 is somewhere
+ * else.
+ */
 async function filmed() {
   const line = (frame, id, left) => `${frame},${id},${left},10,20,40,1,-1,-1,-1`;
   const frames = [1, 2, 3, 4, 5, 6];

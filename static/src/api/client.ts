@@ -1,4 +1,5 @@
-// Every call to the service, one function each; failures become an ApiError with the service's own problem.
+// Every call to the service, one function each; failures become an ApiError with the service's own
+// problem.
 
 import createClient from "openapi-fetch";
 import type { components, paths } from "../../generated/api";
@@ -79,7 +80,10 @@ export const getCampaignCells = (id: string): Promise<CampaignSoFar> =>
 const KEPT = 4;
 const kept = new Map<string, Promise<unknown>>();
 
-/** The answer to a question whose answer never changes; the last few are kept, so that they can be asked ahead of their view. */
+/**
+ * The answer to a question whose answer never changes; the last few are kept, so that they can be
+ * asked ahead of their view.
+ */
 function once<T>(question: string, ask: () => Promise<T>): Promise<T> {
   const answer = (kept.get(question) as Promise<T> | undefined) ?? ask();
   kept.delete(question);

@@ -1,5 +1,6 @@
-// The automaton along time with one target's way through it: accepted scans on one line; where the string breaks, the target goes
-// on above and the track below, and the weight that the track gave to the target's own symbol stands underneath.
+// The automaton along time with one target's way through it: accepted scans on one line; where the
+// string breaks, the target goes on above and the track below, and the weight that the track gave
+// to the target's own symbol stands underneath.
 
 import type { JSX } from "preact";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";

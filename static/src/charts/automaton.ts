@@ -112,7 +112,10 @@ function expectedOf(text: string): Map<string, Expected[]> {
 
 /** One scan of a target's way. */
 export interface Step extends Expected {
-  /** The state that the automaton is in after the scan; undefined where it accepts the symbol no more. */
+  /**
+   * The state that the automaton is in after the scan; undefined where it accepts the symbol no
+   * more.
+   */
   state: number | undefined;
   isFinal: boolean;
   /** What else the automaton would have accepted there. */
@@ -127,7 +130,10 @@ export interface Way {
   taken: { scan: number; time: number; symbol: string }[];
 }
 
-/** Runs the automaton over a target's string. A string that is over begins again at the start with its next symbol. */
+/**
+ * Runs the automaton over a target's string. A string that is over begins again at the start with
+ * its next symbol.
+ */
 export function wayOf(automaton: Automaton, expected: Expected[]): Way {
   let state: number | undefined = automaton.start;
   const steps: Step[] = [];

@@ -1,4 +1,5 @@
-// The bearings of a job sorted out for drawing: one line a truth and a track, one cloud of detections.
+// The bearings of a job sorted out for drawing: one line a truth and a track, one cloud of
+// detections.
 
 import type { BearingTime } from "../api/types";
 

@@ -1,4 +1,5 @@
-// The bearing-time picture: time runs down, bearings across, as operators read it; detections with truth and tracks over them.
+// The bearing-time picture: time runs down, bearings across, as operators read it; detections with
+// truth and tracks over them.
 
 import type { JSX } from "preact";
 import { useRef } from "preact/hooks";
@@ -299,7 +300,8 @@ export function BearingTimeChart(props: Props): JSX.Element {
     plural(scene.tracks.size, "track"),
     plural(scene.detections.length, "detection"),
   ];
-  const label = `Bearings over time up to ${timeText(moment.now, clock.origin)}: ${sizes.join(", ")}. The table shows the same points.`;
+  const title = `Bearings over time up to ${timeText(moment.now, clock.origin)}`;
+  const label = `${title}: ${sizes.join(", ")}. The table shows the same points.`;
   return (
     <ChartFrame
       title="Bearing–time"

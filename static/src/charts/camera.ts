@@ -1,5 +1,5 @@
-// Where the plan view looks: a centre and the metres across its shorter side. One metre east is always as many
-// pixels as one metre north.
+// Where the plan view looks: a centre and the metres across its shorter side. One metre east is
+// always as many pixels as one metre north.
 
 import type { Extent, Scene } from "./scene";
 import { at } from "./scene";
@@ -56,7 +56,10 @@ export function zoomed(camera: Camera, factor: number, x = camera.x, y = camera.
   return { x: x + (camera.x - x) * real, y: y + (camera.y - y) * real, span };
 }
 
-/** Looks at the selected truth and track: near `time` when there is one, at their whole way otherwise. */
+/**
+ * Looks at the selected truth and track: near `time` when there is one, at their whole way
+ * otherwise.
+ */
 export function lookAt(
   scene: Scene,
   selected: { truth: string | null; track: string | null },

@@ -1,4 +1,5 @@
-// Means over what has a name and no order: a row a name with a dot for each mean and a whisker for its interval, the greatest above.
+// Means over what has a name and no order: a row a name with a dot for each mean and a whisker for
+// its interval, the greatest above.
 
 import type { ComponentChildren, JSX } from "preact";
 import { useRef } from "preact/hooks";
@@ -163,7 +164,9 @@ export function CategoryDots(props: Props): JSX.Element {
   );
 }
 
-/** Names stand at the left of their rows, or above them where that would leave no room for the dots. */
+/**
+ * Names stand at the left of their rows, or above them where that would leave no room for the dots.
+ */
 interface Layout {
   left: number;
   rowHeight: number;

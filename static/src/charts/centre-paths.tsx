@@ -1,4 +1,5 @@
-// The centres of a clustering in the plane: from where each began to where it is at an iteration, among the detections.
+// The centres of a clustering in the plane: from where each began to where it is at an iteration,
+// among the detections.
 
 import type { JSX } from "preact";
 import { useRef } from "preact/hooks";
@@ -192,6 +193,7 @@ export function CentrePaths(props: Props): JSX.Element {
       Hollow: where a centre began. Full: where it is now. Both axes have one scale.
     </p>
   );
+  const sizes = `${paths.length} centres and ${detections.length} detections`;
   return (
     <ChartFrame
       title={title}
@@ -202,7 +204,7 @@ export function CentrePaths(props: Props): JSX.Element {
       tools={note}
     >
       <ChartCanvas
-        label={`${title}: ${paths.length} centres and ${detections.length} detections. The table shows the same.`}
+        label={`${title}: ${sizes}. The table shows the same.`}
         keys={[paths, detections, theme.value]}
         draw={(made) => {
           chart.current = made;

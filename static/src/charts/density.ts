@@ -1,4 +1,5 @@
-// All detections of a scene too large to send point by point: how many lie in each square of a grid, as shades.
+// All detections of a scene too large to send point by point: how many lie in each square of a
+// grid, as shades.
 
 import type { Plan } from "../api/types";
 
@@ -6,7 +7,10 @@ export type Density = NonNullable<Plan["density"]>;
 
 /** Pixels of the picture along a cell, so that its edges stay sharp when it is stretched. */
 const PIXELS_A_CELL = 4;
-/** Shade of the emptiest tenth of the cells that hold anything, so that a lone detection is seen, and of the fullest. */
+/**
+ * Shade of the emptiest tenth of the cells that hold anything, so that a lone detection is seen,
+ * and of the fullest.
+ */
 const [PALEST, DARKEST] = [40, 230];
 const EMPTIEST = 0.1;
 
@@ -18,7 +22,9 @@ export function sides({ columns }: Density): { east: number; north: number } {
   return { east: most(columns.east), north: most(columns.north) };
 }
 
-/** Shades of one colour by the logarithm of the count, from that of the usual clutter; north is up. */
+/**
+ * Shades of one colour by the logarithm of the count, from that of the usual clutter; north is up.
+ */
 export function picture(density: Density, color: string): HTMLCanvasElement {
   const before = drawn.get(density);
   if (before?.color === color) return before.image;

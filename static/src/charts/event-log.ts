@@ -1,4 +1,5 @@
-// The events of an evaluation, read from its file: what happened to each target and track at each step.
+// The events of an evaluation, read from its file: what happened to each target and track at each
+// step.
 
 import { getArtifactText } from "../api/client";
 import { parseCsv, reader } from "../components/csv";
@@ -88,7 +89,9 @@ export interface Lane {
   }[];
 }
 
-/** One lane a target, in the order in which targets appear; `sequence` keeps those of one sequence. */
+/**
+ * One lane a target, in the order in which targets appear; `sequence` keeps those of one sequence.
+ */
 export function lanesOf(entries: LogEntry[], sequence: string): Lane[] {
   const lanes = new Map<string, Lane>();
   for (const { truth, sequence: of, time, kind, track, before } of entries) {

@@ -1,4 +1,5 @@
-// What stands around every chart: its title, how much of the data it shows, its table twin, and its exports.
+// What stands around every chart: its title, how much of the data it shows, its table twin, and its
+// exports.
 
 import type { ComponentChildren, JSX } from "preact";
 import { useState } from "preact/hooks";
@@ -32,10 +33,10 @@ export function reducedBadge(
 ): string | undefined {
   const reduced = parts.filter((part) => part.returned_points < part.source_points);
   if (!reduced.length) return undefined;
-  const words = reduced.map(
-    (part) =>
-      `${part.name} ${count(part.returned_points)} of ${count(part.source_points)} (${part.method.replaceAll("_", " ")})`,
-  );
+  const words = reduced.map(({ name, returned_points, source_points, method }) => {
+    const how = method.replaceAll("_", " ");
+    return `${name} ${count(returned_points)} of ${count(source_points)} (${how})`;
+  });
   return `Shown: ${words.join("; ")}`;
 }
 

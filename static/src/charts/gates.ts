@@ -12,7 +12,9 @@ export function gatesAt(gates: Gates | undefined, track: string | null, time: nu
   );
 }
 
-/** The edge of a gate: an ellipse over places; over ranges and bearings what that is in the plane. */
+/**
+ * The edge of a gate: an ellipse over places; over ranges and bearings what that is in the plane.
+ */
 export function outline(gates: Gates, row: number): Point[] {
   const { columns } = gates;
   const sigma = Math.sqrt(gates.threshold ?? 0);

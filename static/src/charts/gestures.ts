@@ -1,4 +1,5 @@
-// Pointer, wheel and keys over a plan: dragging pans, the wheel and two fingers zoom, a still press is a click.
+// Pointer, wheel and keys over a plan: dragging pans, the wheel and two fingers zoom, a still press
+// is a click.
 
 export interface Gestures {
   /** One finger moved from `before` to `now`, having gone down at `start`. */

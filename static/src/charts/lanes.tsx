@@ -1,5 +1,5 @@
-// Which track followed each target when: a lane a target, a bar a track, marks where tracks changed or broke. Every mark leads to
-// its moment in the plan view.
+// Which track followed each target when: a lane a target, a bar a track, marks where tracks changed
+// or broke. Every mark leads to its moment in the plan view.
 
 import type { JSX } from "preact";
 import { useRef } from "preact/hooks";
@@ -185,6 +185,8 @@ function LaneRow({ lane, y, x, palette, origin, href }: RowProps): JSX.Element {
   const shades = colors(palette);
   const known = [...new Set(lane.runs.map((run) => run.track))];
   const middle = y + LANE_PX / 2;
+  const span = ({ from, to }: { from: number; to: number }) =>
+    `${timeText(from, origin)} to ${timeText(to, origin)}`;
   return (
     <g>
       <text
@@ -207,11 +209,12 @@ function LaneRow({ lane, y, x, palette, origin, href }: RowProps): JSX.Element {
           stroke={shades[known.indexOf(run.track) % shades.length]}
           stroke-width={9}
         >
-          <title>{`${lane.truth} followed by track ${run.track}, ${timeText(run.from, origin)} to ${timeText(run.to, origin)}`}</title>
+          <title>{`${lane.truth} followed by track ${run.track}, ${span(run)}`}</title>
         </path>
       ))}
       {lane.marks.map((mark) => {
-        const label = `${lane.truth}: ${NAMES[mark.kind]} at ${timeText(mark.time, origin)}${mark.track ? `, track ${mark.track}` : ""}`;
+        const when = `${NAMES[mark.kind]} at ${timeText(mark.time, origin)}`;
+        const label = `${lane.truth}: ${when}${mark.track ? `, track ${mark.track}` : ""}`;
         return (
           <Link
             href={href({ ...mark, truth: lane.truth })}

@@ -1,4 +1,5 @@
-// The levels of a bearing-time record as shades: blocks of cells with their mean power, the palest third of them clear.
+// The levels of a bearing-time record as shades: blocks of cells with their mean power, the palest
+// third of them clear.
 
 export interface Levels {
   rows: number;

@@ -1,4 +1,5 @@
-// Curves over one axis, with bands where an interval is known: the common part of the charts that need no more.
+// Curves over one axis, with bands where an interval is known: the common part of the charts that
+// need no more.
 
 import type { ComponentChildren, JSX } from "preact";
 import { useRef } from "preact/hooks";
@@ -38,7 +39,10 @@ export interface Curve {
 
 const SIX = 6;
 
-/** Colour, dash and shape of the n-th of several curves. No two of the first 18 are alike, and neighbours differ without colour. */
+/**
+ * Colour, dash and shape of the n-th of several curves. No two of the first 18 are alike, and
+ * neighbours differ without colour.
+ */
 export function lookOf(index: number): Pick<Curve, "color" | "look" | "symbol"> {
   const turned = index + Math.floor(index / SIX);
   const color = (palette: Palette) =>
@@ -119,7 +123,10 @@ function lineOf(curve: Curve, palette: Palette, cursor: number | undefined): obj
   };
 }
 
-/** A band is two lines that are not seen, the upper one stacked on the lower, with the colour between them. */
+/**
+ * A band is two lines that are not seen, the upper one stacked on the lower, with the colour
+ * between them.
+ */
 function bandOf(curve: Curve, palette: Palette, bands: number): object[] {
   const edge = (side: 0 | 1) =>
     curve.points.map(([x], index): Point => [x, curve.band?.[index]?.[side] ?? null]);

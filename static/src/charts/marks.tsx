@@ -27,7 +27,10 @@ const SHAPES: Record<string, (r: number) => string> = {
   down: (r) => `M0 ${r}L${r} ${-r}H${-r}Z`,
   diamond: (r) => `M0 ${-r}L${r} 0L0 ${r}L${-r} 0Z`,
   pin: (r) =>
-    `M0 ${1.5 * r}C${-0.6 * r} ${0.6 * r} ${-r} ${0.3 * r} ${-r} ${-0.3 * r}a${r} ${r} 0 0 1 ${2 * r} 0C${r} ${0.3 * r} ${0.6 * r} ${0.6 * r} 0 ${1.5 * r}Z`,
+    [
+      `M0 ${1.5 * r}C${-0.6 * r} ${0.6 * r} ${-r} ${0.3 * r} ${-r} ${-0.3 * r}`,
+      `a${r} ${r} 0 0 1 ${2 * r} 0C${r} ${0.3 * r} ${0.6 * r} ${0.6 * r} 0 ${1.5 * r}Z`,
+    ].join(""),
   ring: (r) => `${circle(r)}${circle(0.4 * r)}`,
   cross: (r) => `M${-r} ${-r}L${r} ${r}M${r} ${-r}L${-r} ${r}`,
 };
@@ -48,7 +51,10 @@ export function shapeOf(symbol: string): string {
   return bare in SHAPES ? bare : "circle";
 }
 
-/** A symbol of the chart library; hollow ones have the colour `inside`, else they show what is under them. */
+/**
+ * A symbol of the chart library; hollow ones have the colour `inside`, else they show what is under
+ * them.
+ */
 export function symbolLook(
   symbol: string,
   color: string,
@@ -84,18 +90,16 @@ export function markSvg(mark: KeyMark, x: number, y: number): string {
   const pieces: string[] = [];
   if (line) {
     const dashes = line.dashes.length ? ` stroke-dasharray="${line.dashes.join(" ")}"` : "";
-    pieces.push(
-      `<path d="M0 0h${MARK_WIDTH}" fill="none" stroke="${mark.color}" stroke-width="${line.width}" opacity="${line.opacity}"${dashes}/>`,
-    );
+    const look = `stroke-width="${line.width}" opacity="${line.opacity}"${dashes}`;
+    pieces.push(`<path d="M0 0h${MARK_WIDTH}" fill="none" stroke="${mark.color}" ${look}/>`);
   }
   if (symbol) {
     const [fill, stroke] = [
       symbol.fill ? mark.color : "none",
       symbol.stroke ? ` stroke="${mark.color}" stroke-width="1.5"` : "",
     ];
-    pieces.push(
-      `<path transform="translate(${MARK_WIDTH / 2} 0)" d="${symbol.path}" fill="${fill}"${stroke}/>`,
-    );
+    const place = `transform="translate(${MARK_WIDTH / 2} 0)"`;
+    pieces.push(`<path ${place} d="${symbol.path}" fill="${fill}"${stroke}/>`);
   }
   return `<g transform="translate(${x} ${y})">${pieces.join("")}</g>`;
 }
@@ -159,7 +163,9 @@ function Mark({ mark }: { mark: KeyMark }): JSX.Element {
   );
 }
 
-/** What the lines and symbols of a chart mean, beside it: the same marks as in its saved picture. */
+/**
+ * What the lines and symbols of a chart mean, beside it: the same marks as in its saved picture.
+ */
 export function Key({ marks }: { marks: (palette: Palette) => KeyMark[] }): JSX.Element {
   void theme.value;
   return (

@@ -69,7 +69,9 @@ const INLINED = [
   ...["font-size", "font-family", "font-weight", "text-anchor", "dominant-baseline"],
 ];
 
-/** A drawing with the looks that the style sheet gives it written into it, so that it stands alone. */
+/**
+ * A drawing with the looks that the style sheet gives it written into it, so that it stands alone.
+ */
 function standalone(drawing: SVGSVGElement): { text: string; width: number; height: number } {
   const { width, height } = drawing.getBoundingClientRect();
   const copy = drawing.cloneNode(true) as SVGSVGElement;
@@ -147,8 +149,9 @@ export async function saveSvg(
     return markSvg(mark, x, y) + textSvg(mark.name, x + MARK_WIDTH + 6, y, 'font-size="12"');
   });
   const box = `width="${width}" height="${height + head}" viewBox="0 0 ${width} ${height + head}"`;
+  const look = `font-family="${escaped(FONT)}" fill="${palette.text}"`;
   const sheet = [
-    `<svg xmlns="http://www.w3.org/2000/svg" ${box} font-family="${escaped(FONT)}" fill="${palette.text}">`,
+    `<svg xmlns="http://www.w3.org/2000/svg" ${box} ${look}>`,
     `<title>${escaped(title)}</title><rect width="100%" height="100%" fill="${palette.surface}"/>`,
     textSvg(title, MARGIN, TITLE_HEIGHT / 2 + 2, 'font-size="14" font-weight="600"'),
     ...marks,

@@ -1,4 +1,5 @@
-// The drawing of the plan view: its camera, its axes, what is under the pointer, and what stands on the canvas.
+// The drawing of the plan view: its camera, its axes, what is under the pointer, and what stands on
+// the canvas.
 
 import type { Signal } from "@preact/signals";
 import type { Gates, Plan } from "../api/types";
@@ -29,7 +30,9 @@ import { type Ruler, rulerOf, rulerSeries, rulerText } from "./ruler";
 import type { Scene } from "./scene";
 
 const REACH_PX = 14;
-/** Spans, and places far from the origin while not looked at too closely, are said in kilometres. */
+/**
+ * Spans, and places far from the origin while not looked at too closely, are said in kilometres.
+ */
 const KILOMETRES_FROM_M = 10_000;
 const CLOSE_M = 1000;
 const ADDRESS_AFTER_MS = 250;
@@ -66,7 +69,9 @@ function sizeOf(chart: Chart): Size {
   };
 }
 
-/** The camera of the address: numbers, or "selection" for what is selected; otherwise everything. */
+/**
+ * The camera of the address: numbers, or "selection" for what is selected; otherwise everything.
+ */
 function addressed(scene: Scene, size: Size): Camera {
   const time = param("time");
   const selected = { truth: param("truth"), track: param("track") };
@@ -133,7 +138,9 @@ function tip(scene: Scene, item: TipItem): HTMLElement | string {
 export class PlanDrawing {
   chart: Chart | undefined;
   private pending = 0;
-  /** What the series on the chart show; while it is the same, a moved camera changes the axes alone. */
+  /**
+   * What the series on the chart show; while it is the same, a moved camera changes the axes alone.
+   */
   private shown = "";
   constructor(
     public props: PlanViewProps,

@@ -1,4 +1,5 @@
-// What the plan view draws at one moment: rings, truth, detections, tracks, the selected one with its ellipses.
+// What the plan view draws at one moment: rings, truth, detections, tracks, the selected one with
+// its ellipses.
 
 import type { Gates, SensorSettings } from "../api/types";
 import type { Palette } from "../state/theme";
@@ -42,7 +43,10 @@ function joined(lines: Point[][]): Point[] {
   return lines.filter((line) => line.length).flatMap((line) => [...line, BREAK]);
 }
 
-/** Points one after the other: the chart copies such a list in one go, and a list of lists piece by piece. Its types know lists only. */
+/**
+ * Points one after the other: the chart copies such a list in one go, and a list of lists piece by
+ * piece. Its types know lists only.
+ */
 function packed(rows: readonly (readonly number[])[]): number[][] {
   const width = rows[0]?.length ?? 0;
   const values = new Float64Array(rows.length * width);
@@ -213,7 +217,10 @@ function heads(scene: Scene, moment: Moment, palette: Palette): SeriesOption {
   };
 }
 
-/** The chosen truth and track; what has ended has no place now, and so no ring and no ellipses: grey, with a cross at its end. */
+/**
+ * The chosen truth and track; what has ended has no place now, and so no ring and no ellipses:
+ * grey, with a cross at its end.
+ */
 function selection(
   scene: Scene,
   gates: Gates | undefined,
@@ -348,7 +355,10 @@ export function planSeries(
   ];
 }
 
-/** The truth or track drawn nearest to a point, if one is within `reach` metres. Tracks win over truth. */
+/**
+ * The truth or track drawn nearest to a point, if one is within `reach` metres. Tracks win over
+ * truth.
+ */
 export function nearest(
   scene: Scene,
   moment: Moment,

@@ -1,4 +1,5 @@
-// The plan view: truth, detections and tracks from above, at the clock's moment, with one scale on both axes.
+// The plan view: truth, detections and tracks from above, at the clock's moment, with one scale on
+// both axes.
 
 import { type Signal, useComputed, useSignal } from "@preact/signals";
 import type { JSX } from "preact";
@@ -44,7 +45,10 @@ function badgeOf(plan: Plan, density: Density | undefined, hasDots: boolean): st
   return [reduced, dense].filter(Boolean).join("; ") || undefined;
 }
 
-/** The camera of the address. Back, forward and jumps move the camera; what our own moves wrote does not. */
+/**
+ * The camera of the address. Back, forward and jumps move the camera; what our own moves wrote does
+ * not.
+ */
 function useAddress(camera: Signal<Camera | undefined>): string {
   const address = useComputed(() => `${param("centre") ?? ""} ${param("span") ?? ""}`).value;
   useEffect(() => {

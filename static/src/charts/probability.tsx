@@ -1,4 +1,5 @@
-// How probable each candidate was for one track, scan by scan: the detection it took, "none" (ε), and the others.
+// How probable each candidate was for one track, scan by scan: the detection it took, "none" (ε),
+// and the others.
 
 import type { JSX } from "preact";
 import { useMemo, useRef } from "preact/hooks";
@@ -215,7 +216,8 @@ export function ProbabilityChart({
   if (series.error) return <ProblemBox error={series.error} retry={series.reload} />;
   if (!series.data) return <Loading what="probabilities" />;
   const badge = reducedBadge([{ ...series.data, name: "points" }]);
-  const label = `Association probability of track ${track} over time, ${rows.length} scans. The table shows the same numbers.`;
+  const title = `Association probability of track ${track} over time`;
+  const label = `${title}, ${rows.length} scans. The table shows the same numbers.`;
   const data = series.data;
   return (
     <ChartFrame

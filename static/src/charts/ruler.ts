@@ -1,4 +1,5 @@
-// The ruler of the plan view: two points, how far the second is from the first, and in which direction. It stands in the address.
+// The ruler of the plan view: two points, how far the second is from the first, and in which
+// direction. It stands in the address.
 
 import { metres } from "../format";
 import type { Palette } from "../state/theme";

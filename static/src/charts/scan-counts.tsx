@@ -146,6 +146,7 @@ export function ScanCounts({ jobId }: { jobId: string }): JSX.Element {
     return { name: curve.name, ...line, symbol: hasSymbols(curve) ? symbol : undefined };
   };
   const key = (palette: Palette) => counts.curves.map((curve) => mark(curve, palette));
+  const what = "Detections, tracks and confirmed tracks";
   return (
     <ChartFrame
       title="Scan by scan"
@@ -158,7 +159,7 @@ export function ScanCounts({ jobId }: { jobId: string }): JSX.Element {
     >
       <ChartCanvas
         class="counts-canvas"
-        label={`Detections, tracks and confirmed tracks of ${counts.times.length} scans. The table shows the same numbers.`}
+        label={`${what} of ${counts.times.length} scans. The table shows the same numbers.`}
         keys={[counts, theme.value]}
         draw={(made) => {
           chart.current = made;

@@ -1,4 +1,5 @@
-// The plan of a job, sorted out for drawing: one line a truth and a track, one cloud a sensor, in order of time.
+// The plan of a job, sorted out for drawing: one line a truth and a track, one cloud a sensor, in
+// order of time.
 
 import type { Cell, Columns, Plan } from "../api/types";
 import { originOf } from "../times";

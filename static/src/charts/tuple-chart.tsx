@@ -1,4 +1,5 @@
-// How well the tracks of each tuple agree: its p-value over the threshold of the statistic, right and wrong told apart.
+// How well the tracks of each tuple agree: its p-value over the threshold of the statistic, right
+// and wrong told apart.
 
 import type { JSX } from "preact";
 import { useMemo, useRef } from "preact/hooks";
@@ -164,6 +165,7 @@ export function TupleChart(props: Props): JSX.Element {
     const tuple = Array.isArray(item.data) ? tuples[Number(item.data[2])] : undefined;
     if (tuple) props.pick(tuple);
   };
+  const over = alpha === undefined ? "" : ` over the threshold ${alpha}`;
   return (
     <ChartFrame
       title="How well the tracks of each tuple agree"
@@ -176,7 +178,7 @@ export function TupleChart(props: Props): JSX.Element {
     >
       <ChartCanvas
         class="lines-canvas"
-        label={`p-values of ${tuples.length} tuples${alpha === undefined ? "" : ` over the threshold ${alpha}`}. The table shows the same numbers.`}
+        label={`p-values of ${tuples.length} tuples${over}. The table shows the same numbers.`}
         keys={[tuples, theme.value]}
         draw={(made) => {
           chart.current = made;

@@ -1,5 +1,5 @@
-// A chart drawn once more for a file. A twin of its own, since what the screen's chart drew as one shape is not drawn again by it, and
-// since a file has no use for a slider.
+// A chart drawn once more for a file. A twin of its own, since what the screen's chart drew as one
+// shape is not drawn again by it, and since a file has no use for a slider.
 
 import { init, use } from "echarts/core";
 import { SVGRenderer } from "echarts/renderers";

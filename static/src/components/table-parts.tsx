@@ -17,7 +17,10 @@ export function TableScroll({ label, children, ...rest }: ScrollProps): JSX.Elem
   );
 }
 
-/** The head of a column of texts is a text; numbers are set to the right, and a hidden head is read out only. */
+/**
+ * The head of a column of texts is a text; numbers are set to the right, and a hidden head is read
+ * out only.
+ */
 export type Head = string | { name: string; is: "number" | "hidden" };
 
 export const numberHead = (name: string): Head => ({ name, is: "number" });

@@ -11,7 +11,9 @@ export interface TableData {
   /** Names with their units, as they head the CSV file. */
   columns: string[];
   rows: Cell[][];
-  /** Where the times of people's tables count from; a CSV file has them as they are. 0 when absent. */
+  /**
+   * Where the times of people's tables count from; a CSV file has them as they are. 0 when absent.
+   */
   origin_s?: number;
 }
 

@@ -47,7 +47,9 @@ function Group({ name, schema, pointer, remove, children }: GroupProps): JSX.Ele
   );
 }
 
-/** A part that has a default would come back by itself; only a truly optional one can be taken out. */
+/**
+ * A part that has a default would come back by itself; only a truly optional one can be taken out.
+ */
 function removal({ required, schema, change }: FieldProps): (() => void) | undefined {
   return required || schema.default !== undefined ? undefined : () => change(undefined);
 }

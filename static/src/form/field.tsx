@@ -1,4 +1,5 @@
-// One field of a form made from a schema: picks the right input, and wraps it in its label, unit, help and faults.
+// One field of a form made from a schema: picks the right input, and wraps it in its label, unit,
+// help and faults.
 
 import type { ComponentChildren, JSX } from "preact";
 import { FaultText } from "../components/basics";

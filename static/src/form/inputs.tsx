@@ -1,4 +1,5 @@
-// The plain inputs. They do not judge: what a person typed goes to the service, and its faults come back to the field.
+// The plain inputs. They do not judge: what a person typed goes to the service, and its faults come
+// back to the field.
 
 import type { JSX, TargetedEvent } from "preact";
 import { useEffect, useState } from "preact/hooks";

@@ -1,4 +1,5 @@
-// Choosing what a job reads: a data set (or a file uploaded on the spot), or the output of another job.
+// Choosing what a job reads: a data set (or a file uploaded on the spot), or the output of another
+// job.
 
 import type { JSX } from "preact";
 import { useState } from "preact/hooks";
@@ -21,7 +22,8 @@ const ROLES: Record<string, Dataset["kind"]> = {
 };
 
 function describe(dataset: Dataset): string {
-  return `${dataset.name} · ${dataset.kind} · ${count(dataset.rows)} rows, ${count(dataset.scans)} scans`;
+  const { name, kind, rows, scans } = dataset;
+  return `${name} · ${kind} · ${count(rows)} rows, ${count(scans)} scans`;
 }
 
 export function DatasetPicker({ value, pointer, change }: FieldProps): JSX.Element {

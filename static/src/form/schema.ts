@@ -1,4 +1,5 @@
-// Reading JSON Schema the way the catalogue writes it: references, unions told apart by a tag, defaults.
+// Reading JSON Schema the way the catalogue writes it: references, unions told apart by a tag,
+// defaults.
 
 import type { Schema } from "../api/types";
 
@@ -19,7 +20,10 @@ function onlyValue(schema: Schema | undefined): string | undefined {
   return schema?.const ?? (schema?.enum?.length === 1 ? schema.enum[0] : undefined);
 }
 
-/** The members of a union; empty when the schema is none. The tag is the field that has one value in every member. */
+/**
+ * The members of a union; empty when the schema is none. The tag is the field that has one value in
+ * every member.
+ */
 export function variants(schema: Schema, root: Schema): Variant[] {
   const members = (schema.oneOf ?? []).map((member) => resolve(member, root));
   const first = members[0]?.properties ?? {};
@@ -40,8 +44,10 @@ export function isObject(value: unknown): value is JsonObject {
   return typeof value === "object" && value !== null && !Array.isArray(value);
 }
 
-/** A value to begin with: defaults where the schema has them, at every depth. A number that has no default stays
- * absent, so that the service asks for it instead of taking a guess. */
+/**
+ * A value to begin with: defaults where the schema has them, at every depth. A number that has no
+ * default stays absent, so that the service asks for it instead of taking a guess.
+ */
 export function initial(schema: Schema, root: Schema): unknown {
   const real = resolve(schema, root);
   const given = real.default;

@@ -1,4 +1,5 @@
-// Uploading a file: what it holds, and what its columns are called. The service judges; its faults stand at the column they are of.
+// Uploading a file: what it holds, and what its columns are called. The service judges; its faults
+// stand at the column they are of.
 
 import type { JSX } from "preact";
 import { useState } from "preact/hooks";
@@ -63,7 +64,10 @@ function metaOf(file: File, kind: string, format: string, renamed: Record<string
 
 const unescaped = (token: string): string => token.replaceAll("~1", "/").replaceAll("~0", "~");
 
-/** The column of the file that a fault is of: the one it names, or the one that is read as what it names. */
+/**
+ * The column of the file that a fault is of: the one it names, or the one that is read as what it
+ * names.
+ */
 function columnOf(
   fault: Fault,
   head: CsvTable | undefined,
@@ -153,8 +157,9 @@ export function Upload({ id, expected, done }: Props): JSX.Element {
       {error && !placedAll ? <ProblemBox error={error} /> : null}
       {placedAll ? (
         <p class="field-fault" role="alert">
-          {faults.length === 1 ? "One column needs" : `${faults.length} faults in the columns need`}{" "}
-          a look.
+          {faults.length === 1
+            ? "One column needs a look."
+            : `${faults.length} faults in the columns need a look.`}
         </p>
       ) : null}
     </div>

@@ -1,4 +1,5 @@
-// Truths and tracks that are boxes in a video: they have no place in the plane, and only the data sets that a job read know of them.
+// Truths and tracks that are boxes in a video: they have no place in the plane, and only the data
+// sets that a job read know of them.
 
 import { getDataset } from "../api/client";
 import type { Report } from "../api/types";

@@ -1,5 +1,5 @@
-// The clock of a job's pictures: an index into the times of its scans. The address keeps the time; without one the
-// clock stands at the end, so that everything is shown.
+// The clock of a job's pictures: an index into the times of its scans. The address keeps the time;
+// without one the clock stands at the end, so that everything is shown.
 
 import { computed, effect, type ReadonlySignal, type Signal, signal } from "@preact/signals";
 import { originOf } from "../times";

@@ -4,7 +4,10 @@ import { getJob } from "../api/client";
 import type { Job, Progress } from "../api/types";
 import { listenTo, type StreamEvent } from "./stream";
 
-/** Runs `task` at once and again after the milliseconds it answers (null: no more). Returns how to stop. */
+/**
+ * Runs `task` at once and again after the milliseconds it answers (null: no more). Returns how to
+ * stop.
+ */
 export function poll(task: () => Promise<number | null>): () => void {
   let timer: number | undefined;
   let stopped = false;
@@ -32,10 +35,16 @@ export function poll(task: () => Promise<number | null>): () => void {
   };
 }
 
-/** Of the time that an answer takes, how many times as long the service is left alone after it; and how long at least, and after a failure. */
+/**
+ * Of the time that an answer takes, how many times as long the service is left alone after it; and
+ * how long at least, and after a failure.
+ */
 const REST = { times: 10, least_ms: 1000, failed_ms: 5000 };
 
-/** Asks once there is news, but not while the page is hidden, and with a rest after each answer. What failed is asked again. */
+/**
+ * Asks once there is news, but not while the page is hidden, and with a rest after each answer.
+ * What failed is asked again.
+ */
 export function askOnNews(ask: () => Promise<unknown>): { news(): void; stop(): void } {
   let isDue = false;
   let isResting = false;
@@ -81,12 +90,14 @@ interface Follower {
   failed(error: unknown): void;
 }
 
-/** Without a stream, with one, and while nobody looks. What has not changed costs a tag and no body. */
+/**
+ * Without a stream, with one, and while nobody looks. What has not changed costs a tag and no body.
+ */
 const POLL_MS = { alone: 2000, streaming: 10_000, hidden: 15_000 };
 
 /**
- * Follows one job until it ends: by its event stream while the page is looked at, and by asking now and then where the
- * stream does not come through or the page is hidden.
+ * Follows one job until it ends: by its event stream while the page is looked at, and by asking now
+ * and then where the stream does not come through or the page is hidden.
  */
 export function followJob(id: string, follower: Follower): () => void {
   let current: Job | undefined;

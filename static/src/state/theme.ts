@@ -1,4 +1,5 @@
-// Light, dark, or as the system says. The choice stands in the address; the browser remembers the last one.
+// Light, dark, or as the system says. The choice stands in the address; the browser remembers the
+// last one.
 
 import { computed, effect, signal } from "@preact/signals";
 import { params, setParams } from "./url";

@@ -18,7 +18,10 @@ interface GridEntry {
 const textOf = (value: unknown): string =>
   typeof value === "string" ? value : JSON.stringify(value);
 
-/** Axes in the order of the request. The cells say what the points are called: 150.0 of a request is 150 to a browser. */
+/**
+ * Axes in the order of the request. The cells say what the points are called: 150.0 of a request is
+ * 150 to a browser.
+ */
 export function axesOf(spec: Record<string, unknown>, cells: CampaignCell[] = []): Axis[] {
   const grid = (Array.isArray(spec.grid) ? spec.grid : []) as GridEntry[];
   return grid.map((entry) => {

@@ -1,4 +1,5 @@
-// A campaign from its first runs to its report: the same table and charts all the way, so that nothing jumps when it ends.
+// A campaign from its first runs to its report: the same table and charts all the way, so that
+// nothing jumps when it ends.
 
 import type { JSX } from "preact";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";

@@ -9,7 +9,7 @@ import { IntervalBar, type Span, scaleOf } from "../components/interval-bar";
 import type { TableData } from "../components/table";
 import { TableFrame } from "../components/table-frame";
 import { HeadRow, hiddenHead, numberHead, TableScroll } from "../components/table-parts";
-import { count, number, plural } from "../format";
+import { count, intervalText, number, plural } from "../format";
 import { type Axis, cellAt, combinations, isNumeric, pointsOf } from "./campaign-axes";
 
 /** Curves that can be told apart. */
@@ -102,7 +102,7 @@ function Difference({
       <td>{cell.compared_with ?? "–"}</td>
       <td class="num">{count(difference?.pairs)}</td>
       <td class="num">{number(difference?.mean)}</td>
-      <td class="num">{span ? `[${number(span.low)}, ${number(span.high)}]` : "–"}</td>
+      <td class="num">{span ? intervalText(span) : "–"}</td>
       <td class="interval-cell">
         {span && typeof difference?.mean === "number" ? (
           <IntervalBar mean={difference.mean} span={span} scale={scale} />
@@ -112,7 +112,10 @@ function Difference({
   );
 }
 
-/** The slope of log y over log x by least squares, and its standard error where more than two points tell of one. */
+/**
+ * The slope of log y over log x by least squares, and its standard error where more than two points
+ * tell of one.
+ */
 export function slope(points: [number, number][]): { slope: number; error: number | null } | null {
   const logs = points
     .filter(([x, y]) => x > 0 && y > 0)
@@ -134,7 +137,8 @@ export function slope(points: [number, number][]): { slope: number; error: numbe
 function slopeText(points: [number, number][]): string {
   const fit = slope(points);
   if (!fit) return "";
-  return ` (slope ${fit.slope.toFixed(2)}${fit.error === null ? "" : ` ± ${fit.error.toFixed(2)}`})`;
+  const error = fit.error === null ? "" : ` ± ${fit.error.toFixed(2)}`;
+  return ` (slope ${fit.slope.toFixed(2)}${error})`;
 }
 
 /** How long deciding took in each cell along an axis, for every combination of the other axes. */
@@ -176,8 +180,6 @@ function TimePicture(props: TimePictureProps): JSX.Element {
 function TimeCurves({ campaign, x, table }: TimePictureProps): JSX.Element {
   const curves = useMemo(() => timeCurves(campaign, x).slice(0, CURVES_UP_TO), [campaign, x]);
   const positive = x.points.every((point) => Number(point) > 0);
-  const note =
-    "The slope is that of the logarithms, by least squares, with its standard error where there are three points or more.";
   return (
     <Lines
       title={`Time of deciding over ${x.name}`}
@@ -189,7 +191,14 @@ function TimeCurves({ campaign, x, table }: TimePictureProps): JSX.Element {
       logX={positive}
       logY
       table={table}
-      tools={positive ? <p class="muted small frame-note">{note}</p> : null}
+      tools={
+        positive ? (
+          <p class="muted small frame-note">
+            The slope is that of the logarithms, by least squares, with its standard error where
+            there are three points or more.
+          </p>
+        ) : null
+      }
     />
   );
 }

@@ -1,4 +1,5 @@
-// The cells of a campaign as a table: rows are the points of all axes but the last, columns those of the last.
+// The cells of a campaign as a table: rows are the points of all axes but the last, columns those
+// of the last.
 
 import type { JSX } from "preact";
 import { TableScroll } from "../components/table-parts";

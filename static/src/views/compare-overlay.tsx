@@ -16,7 +16,9 @@ interface Side {
   series: MetricsSeries;
 }
 
-/** The series of the jobs that have metrics over time; a job of several sequences has no single one. */
+/**
+ * The series of the jobs that have metrics over time; a job of several sequences has no single one.
+ */
 async function load(comparison: Comparison, names: string[]): Promise<Side[]> {
   const all = await Promise.all(
     comparison.jobs.map(async (job, index) =>

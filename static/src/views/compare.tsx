@@ -1,4 +1,5 @@
-// Several jobs side by side: their numbers, differences pair by pair, verdicts, and where their requests differ.
+// Several jobs side by side: their numbers, differences pair by pair, verdicts, and where their
+// requests differ.
 
 import type { JSX } from "preact";
 import { compareJobs, listJobs } from "../api/client";
@@ -9,7 +10,7 @@ import { useResource } from "../components/resource";
 import type { TableData } from "../components/table";
 import { TableFrame } from "../components/table-frame";
 import { HeadRow, hiddenHead, numberHead, TableScroll } from "../components/table-parts";
-import { count, duration, moment, number } from "../format";
+import { count, duration, intervalText, moment, number } from "../format";
 import { pageHref, param, setParams } from "../state/url";
 import { Overlay } from "./compare-overlay";
 
@@ -359,11 +360,7 @@ function pairedRows(comparison: Comparison, row: Comparison["paired"][number]): 
               {count(difference.pairs)} <span class="sub">{OVER[row.over]}</span>
             </td>
             <td class="num">{number(difference.mean)}</td>
-            <td class="num">
-              {difference.interval
-                ? `[${number(difference.interval.low)}, ${number(difference.interval.high)}]`
-                : "–"}
-            </td>
+            <td class="num">{difference.interval ? intervalText(difference.interval) : "–"}</td>
             <td class="interval-cell">
               {difference.interval ? (
                 <IntervalBar mean={difference.mean} span={difference.interval} scale={scale} />

@@ -43,7 +43,8 @@ function Found({ dataset }: { dataset: Dataset }): JSX.Element {
     <article>
       <header class="job-head">
         <p class="crumbs">
-          <Link href={pageHref({ view: "datasets" })}>Data sets</Link> <span class="muted">/</span>{" "}
+          <Link href={pageHref({ view: "datasets" })}>Data sets</Link>
+          <span class="muted"> / </span>
           <span class="mono">{dataset.id}</span>
         </p>
         <div class="title-row">

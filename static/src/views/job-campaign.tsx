@@ -1,4 +1,5 @@
-// A campaign: every cell of its grid, curves over an axis, differences run by run, and what deciding cost.
+// A campaign: every cell of its grid, curves over an axis, differences run by run, and what
+// deciding cost.
 
 import type { JSX } from "preact";
 import { useMemo } from "preact/hooks";
@@ -9,7 +10,7 @@ import { Empty } from "../components/basics";
 import type { TableData } from "../components/table";
 import { TableFrame } from "../components/table-frame";
 import { HeadRow, numberHead, TableScroll } from "../components/table-parts";
-import { count, number, plural } from "../format";
+import { count, intervalText, number, plural } from "../format";
 import { param, setParams } from "../state/url";
 import {
   type Axis,
@@ -149,9 +150,7 @@ function GridCell({ cell, outcome, shade, planned }: GridCellProps): JSX.Element
       title={`${cell.name}: ${method} interval of ${summary.count} runs`}
     >
       <b>{number(mean)}</b>
-      <span class="sub">
-        {interval ? `[${number(interval.low)}, ${number(interval.high)}]` : "no interval"}
-      </span>
+      <span class="sub">{interval ? intervalText(interval) : "no interval"}</span>
       <span class="sub">
         {runsOf(cell, summary.count, planned)}
         {missing ? `, ${count(missing)} without` : ""}
@@ -213,11 +212,12 @@ function NumericCurves({ campaign, outcome, x }: CurvesProps): JSX.Element {
       ? `Shown: ${curves.length} of ${all.length} curves; the table below has all`
       : undefined;
   const percent = number(campaign.confidence * 100);
+  const title = `${outcome} over ${x.name}`;
   return (
     <Lines
-      title={`${outcome} over ${x.name}`}
+      title={title}
       file={`curves-${campaign.file}`}
-      label={`${outcome} over ${x.name}: ${plural(curves.length, "curve")} with ${percent} % bands.`}
+      label={`${title}: ${plural(curves.length, "curve")} with ${percent} % bands.`}
       curves={curves}
       xName={x.name}
       yName={outcome}
@@ -266,11 +266,12 @@ function Dots({ campaign, outcome, x }: CurvesProps): JSX.Element {
     return { columns: ["curve", x.name, ...CURVE_COLUMNS, "runs"], rows };
   };
   const percent = number(campaign.confidence * 100);
+  const points = plural(x.points.length, "point");
   return (
     <CategoryDots
       title={`${outcome} over ${x.name}`}
       file={`curves-${campaign.file}`}
-      label={`${outcome} of ${plural(x.points.length, "point")} of ${x.name}, with ${percent} % intervals.`}
+      label={`${outcome} of ${points} of ${x.name}, with ${percent} % intervals.`}
       rows={x.points.map((point) => rowOf(point, shown))}
       series={shown.map(nameOf)}
       valueName={outcome}
@@ -325,9 +326,7 @@ function Everything({ campaign }: { campaign: Campaign }): JSX.Element {
                   return (
                     <td class="num">
                       {number(cell.outcomes[name]?.mean)}
-                      {interval ? (
-                        <span class="sub">{`[${number(interval.low)}, ${number(interval.high)}]`}</span>
-                      ) : null}
+                      {interval ? <span class="sub">{intervalText(interval)}</span> : null}
                     </td>
                   );
                 })}

@@ -1,4 +1,5 @@
-// Which tracks were put together: the cost and how far it may be above the least, every tuple with its statistic, and the search.
+// Which tracks were put together: the cost and how far it may be above the least, every tuple with
+// its statistic, and the search.
 
 import type { JSX, TargetedEvent } from "preact";
 import { useMemo } from "preact/hooks";
@@ -24,7 +25,8 @@ export function JobCorrelation({ job, report }: { job: Job; report: Report }): J
     alpha?: number;
   };
   const file = job.id.slice(-12);
-  const shown = `Shown: ${count(result.tuples.length)} of ${plural(result.counts.tuples, "tuple")}; all are in tuples.csv`;
+  const all = plural(result.counts.tuples, "tuple");
+  const shown = `Shown: ${count(result.tuples.length)} of ${all}; all are in tuples.csv`;
   const badge = result.tuples_left_out ? shown : undefined;
   const table = () => tupleTable(result, result.tuples);
   return (
@@ -234,10 +236,13 @@ function rightText({ truth, tuples }: CorrelateResult): string {
   const wrong = tuples.filter((tuple) => tuple.right === false).length;
   if (!truth || !wrong) return rule;
   const which = wrong === 1 ? "the wrong tuple" : `each of the ${count(wrong)} wrong tuples`;
-  if (truth.pairwise_precision !== 1)
-    return `${rule} ${capital(which)} holds tracks of several targets or of none, or lacks some of its target.`;
+  if (truth.pairwise_precision !== 1) {
+    const fault = "holds tracks of several targets or of none, or lacks some of its target";
+    return `${rule} ${capital(which)} ${fault}.`;
+  }
   const pairs = "No two tracks of different targets were put together (pair precision 1)";
-  return `${rule} ${pairs}, so ${which} lacks tracks of its target: other pieces of it stand alone or in another tuple.`;
+  const rest = "other pieces of it stand alone or in another tuple";
+  return `${rule} ${pairs}, so ${which} lacks tracks of its target: ${rest}.`;
 }
 
 function Row({

@@ -1,4 +1,5 @@
-// Everything that the metrics say: each quantity with its unit and parameters, over time and over other axes, and what happened.
+// Everything that the metrics say: each quantity with its unit and parameters, over time and over
+// other axes, and what happened.
 
 import type { JSX } from "preact";
 import { type Cell, type Job, type MetricReport, partsOf, type Report } from "../api/types";
@@ -163,12 +164,13 @@ function MetricGroup({
   metric: MetricReport;
   kept: Quantities;
 }): JSX.Element {
+  const isMissing = metric.value === null || metric.value === undefined;
   return (
     <section class="metric-group" aria-label={name}>
       <h3>
         {name}
         <span class="metric-headline">
-          {metric.value === null || metric.value === undefined ? "undefined" : number(metric.value)}{" "}
+          {`${isMissing ? "undefined" : number(metric.value)} `}
           {metric.unit}
         </span>
       </h3>

@@ -1,4 +1,5 @@
-// One job: its head and live progress, and the tabs of its result. It opens on the summary; pictures load when asked.
+// One job: its head and live progress, and the tabs of its result. It opens on the summary;
+// pictures load when asked.
 
 import { useSignal } from "@preact/signals";
 import type { JSX } from "preact";

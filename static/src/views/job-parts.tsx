@@ -43,7 +43,9 @@ export type TabName =
   | "search"
   | "spec";
 
-/** What leaves the address when a tab changes: the rest (clock, selection) is the same in every tab. */
+/**
+ * What leaves the address when a tab changes: the rest (clock, selection) is the same in every tab.
+ */
 const TAB_RESET = { page: null };
 
 export function Tabs({

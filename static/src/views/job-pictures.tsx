@@ -1,4 +1,5 @@
-// The pictures of a job under one clock and one selection: the plan view, what is selected, its probabilities.
+// The pictures of a job under one clock and one selection: the plan view, what is selected, its
+// probabilities.
 
 import type { JSX } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
@@ -228,6 +229,9 @@ function Nothing({ boxes, report }: { boxes: Boxes; report: Report }): JSX.Eleme
   );
 }
 
+const RECORD_TEXT =
+  "Bearing-time record: levels as shades, time downwards, with detections and tracks over it";
+
 /** The levels of the record, as the service drew them once. */
 function RecordPicture({ id }: { id: string }): JSX.Element {
   const address = `/v1/jobs/${encodeURIComponent(id)}/artifacts/${RECORD}`;
@@ -235,11 +239,7 @@ function RecordPicture({ id }: { id: string }): JSX.Element {
     <details class="panel record">
       <summary>The record as the service drew it</summary>
       <a href={address} target="_blank" rel="noreferrer">
-        <img
-          src={address}
-          loading="lazy"
-          alt="Bearing-time record: levels as shades, time downwards, with detections and tracks over it"
-        />
+        <img src={address} loading="lazy" alt={RECORD_TEXT} />
       </a>
     </details>
   );

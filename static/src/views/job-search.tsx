@@ -1,4 +1,5 @@
-// How a search went: what the method says of its own work, how its cost fell, and of a clustering who belongs to whom.
+// How a search went: what the method says of its own work, how its cost fell, and of a clustering
+// who belongs to whom.
 
 import type { JSX, TargetedEvent } from "preact";
 import { useMemo } from "preact/hooks";
@@ -259,7 +260,9 @@ function Memberships({
   );
 }
 
-/** Where the reports lie that were grouped then; of tracks only their measurements' space is known. */
+/**
+ * Where the reports lie that were grouped then; of tracks only their measurements' space is known.
+ */
 async function detectionsAt(
   jobId: string,
   problem: Problem,

@@ -1,4 +1,5 @@
-// What was asked and what came out: the request as the service understood it, and the files of the result.
+// What was asked and what came out: the request as the service understood it, and the files of the
+// result.
 
 import { useSignal } from "@preact/signals";
 import type { JSX } from "preact";

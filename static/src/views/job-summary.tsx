@@ -1,4 +1,5 @@
-// The summary of a finished job: its numbers, warnings, inputs, timing, and what happened scan by scan.
+// The summary of a finished job: its numbers, warnings, inputs, timing, and what happened scan by
+// scan.
 
 import type { JSX } from "preact";
 import {
@@ -57,7 +58,10 @@ export function Warnings({ all }: { all: string[] }): JSX.Element | null {
 const VERDICTS = ["correct", "missed", "false"] as const;
 type VerdictName = (typeof VERDICTS)[number];
 
-/** What a probability is the share of: the paper counts the correct ones among output tracks, the others among targets. */
+/**
+ * What a probability is the share of: the paper counts the correct ones among output tracks, the
+ * others among targets.
+ */
 function divisorText({ counts }: Tfa, name: VerdictName): string {
   return name === "correct"
     ? plural(counts.output_tracks, "output track")
@@ -66,7 +70,8 @@ function divisorText({ counts }: Tfa, name: VerdictName): string {
 
 /** Correct, missed and false: how many targets, and the probabilities as the paper defines them. */
 export function TfaNumbers({ tfa }: { tfa: Tfa }): JSX.Element {
-  const perTarget = tfa.ratios.correct_per_target;
+  const perTarget = probability(tfa.ratios.correct_per_target);
+  const ofTargets = `correct per target ${perTarget}, of ${count(tfa.counts.targets)}`;
   return (
     <section aria-label="Verdicts">
       <div class="verdict-cards">
@@ -83,9 +88,7 @@ export function TfaNumbers({ tfa }: { tfa: Tfa }): JSX.Element {
               P = <b>{probability(tfa.probability[name])}</b>
             </span>
             <span class="muted small">of {divisorText(tfa, name)}</span>
-            {name === "correct" ? (
-              <span class="muted small">{`correct per target ${probability(perTarget)}, of ${count(tfa.counts.targets)}`}</span>
-            ) : null}
+            {name === "correct" ? <span class="muted small">{ofTargets}</span> : null}
           </Link>
         ))}
       </div>

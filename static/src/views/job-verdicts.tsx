@@ -1,4 +1,5 @@
-// The verdicts of the temporal automaton, one row a target; a row leads to the scan where its track went wrong.
+// The verdicts of the temporal automaton, one row a target; a row leads to the scan where its track
+// went wrong.
 
 import type { JSX } from "preact";
 import { useMemo } from "preact/hooks";

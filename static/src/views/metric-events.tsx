@@ -1,4 +1,5 @@
-// What happened to targets and tracks: who followed whom, and the events behind the counts, each with its moment.
+// What happened to targets and tracks: who followed whom, and the events behind the counts, each
+// with its moment.
 
 import type { JSX } from "preact";
 import { useEffect, useMemo, useRef } from "preact/hooks";
@@ -136,6 +137,8 @@ function EventTable({ log, sequence, file, origin, href, place }: EventParts): J
       </p>
     </div>
   );
+  const labelOf = ({ kind, time }: LogEntry) =>
+    `Show ${words(kind)} at ${timeText(time, origin)} in ${place}`;
   const timeName = origin ? capital(timeHead("time_s", origin)) : "Time (s)";
   return (
     <TableFrame title="Events" file={`events-${file}`} table={table} tools={tools}>
@@ -149,10 +152,7 @@ function EventTable({ log, sequence, file, origin, href, place }: EventParts): J
               {found.slice(0, EVENTS_AT_ONCE).map((entry) => (
                 <tr>
                   <td class="num" title={timeTitle(entry.time, origin)}>
-                    <Link
-                      href={href(entry)}
-                      label={`Show ${words(entry.kind)} at ${timeText(entry.time, origin)} in ${place}`}
-                    >
+                    <Link href={href(entry)} label={labelOf(entry)}>
                       {timeCell(entry.time, origin)}
                     </Link>
                   </td>

@@ -1,4 +1,5 @@
-// What the field calls the quantities of metrics: HOTA, CLEAR and identity as TrackEval prints them, the others in words.
+// What the field calls the quantities of metrics: HOTA, CLEAR and identity as TrackEval prints
+// them, the others in words.
 
 import { words } from "../format";
 

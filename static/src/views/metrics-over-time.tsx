@@ -1,4 +1,5 @@
-// The metrics over time: parts stacked where they add up to the metric, lines otherwise; a click moves the clock.
+// The metrics over time: parts stacked where they add up to the metric, lines otherwise; a click
+// moves the clock.
 
 import type { JSX } from "preact";
 import { useMemo } from "preact/hooks";
@@ -40,7 +41,10 @@ export function parametersText(metric: MetricReport): string {
   return parameters.map(([name, value]) => `${name} ${parameterText(value)}`).join(", ");
 }
 
-/** The parts that add up to a metric, as exponents of the values of the series: GOSPA's are powers already. */
+/**
+ * The parts that add up to a metric, as exponents of the values of the series: GOSPA's are powers
+ * already.
+ */
 function partsFor(
   name: string,
   metric: MetricReport | undefined,
@@ -112,7 +116,10 @@ function curvesOf(shown: Shown | undefined, choice: Choice | undefined, origin: 
   return choice.stack ? stacked(shown, choice, origin) : plain(shown, choice, origin);
 }
 
-/** What one chart can show: the columns of one metric that have one unit; the parts of a metric together with it. */
+/**
+ * What one chart can show: the columns of one metric that have one unit; the parts of a metric
+ * together with it.
+ */
 interface Choice {
   name: string;
   metric: string;

@@ -1,5 +1,5 @@
-// A new job: start from a preset or from nothing, change it in a form made from the service's schema or as JSON,
-// see the service's own faults at the fields, submit.
+// A new job: start from a preset or from nothing, change it in a form made from the service's
+// schema or as JSON, see the service's own faults at the fields, submit.
 
 import { type Signal, useSignal } from "@preact/signals";
 import type { JSX, TargetedEvent } from "preact";

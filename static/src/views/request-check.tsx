@@ -1,4 +1,5 @@
-// What the service says of a request as it stands: valid with what that leaves open, or its faults. One box, never two.
+// What the service says of a request as it stands: valid with what that leaves open, or its faults.
+// One box, never two.
 
 import type { JSX } from "preact";
 import type { ApiError } from "../api/client";
@@ -27,7 +28,10 @@ export function asFaults(error: unknown): Validation {
   return { valid: false, errors: problem.errors?.length ? problem.errors : [whole], warnings: [] };
 }
 
-/** Everything that is wrong with the request: what the check found, and what the same request failed on. */
+/**
+ * Everything that is wrong with the request: what the check found, and what the same request failed
+ * on.
+ */
 export function faultsOf(checked: Checked | undefined, failed: Failed | undefined): Fault[] {
   const all = [
     ...(failed ? (asProblem(failed.error).errors ?? []) : []),
@@ -42,7 +46,10 @@ export function faultsOf(checked: Checked | undefined, failed: Failed | undefine
 
 const unescaped = (token: string): string => token.replaceAll("~1", "/").replaceAll("~0", "~");
 
-/** The field of the form for a place in the request: the place itself, or the nearest part above it that is not there. */
+/**
+ * The field of the form for a place in the request: the place itself, or the nearest part above it
+ * that is not there.
+ */
 export function shownPointer(pointer: string, spec: unknown): string {
   let shown = "";
   let value = spec;

@@ -1,4 +1,5 @@
-// What a search wrote down: the costs of its iterations, and where it is a clustering the memberships and centres of each.
+// What a search wrote down: the costs of its iterations, and where it is a clustering the
+// memberships and centres of each.
 
 import { type CsvTable, parseCsv, reader } from "../components/csv";
 
@@ -54,7 +55,10 @@ function problemsBy(
   }));
 }
 
-/** A trace of the bat algorithm, of fuzzy c-means over tracks, or of a grouper; told apart by their columns. */
+/**
+ * A trace of the bat algorithm, of fuzzy c-means over tracks, or of a grouper; told apart by their
+ * columns.
+ */
 export function readTrace(text: string): { problems: Problem[]; isCut: boolean } {
   const table = parseCsv(text, MOST_ROWS);
   const field = (name: string) => reader(table, name);

@@ -1,4 +1,5 @@
-// What is chosen in the pictures of a job: a truth, a track, how its verdict was decided, how its tuple was made.
+// What is chosen in the pictures of a job: a truth, a track, how its verdict was decided, how its
+// tuple was made.
 
 import type { JSX } from "preact";
 import { useEffect, useState } from "preact/hooks";
@@ -15,7 +16,10 @@ import { hereHref, param, setParams } from "../state/url";
 import { timeText } from "../times";
 import { placeOf, sentence } from "./verdicts";
 
-/** Beyond this many the names are found by typing: a list of thousands takes long to make and longer to read. */
+/**
+ * Beyond this many the names are found by typing: a list of thousands takes long to make and longer
+ * to read.
+ */
 const LISTED_UP_TO = 500;
 const SUGGESTED = 50;
 
@@ -196,7 +200,10 @@ function EventNote({ clock }: { clock: Clock }): JSX.Element | null {
   );
 }
 
-/** How a track ended: the misses at its end, and the one that was too many where the request names as many. */
+/**
+ * How a track ended: the misses at its end, and the one that was too many where the request names
+ * as many.
+ */
 function endText(line: TrackLine, maxMissed: number | undefined): string {
   const misses = missesAtEnd(line);
   if (misses === 0) return "";

@@ -1,4 +1,5 @@
-// A session with the client of @hey-api/openapi-ts: upload, associate, evaluate, wait by its events, report, a typed refusal.
+// A session with the client of @hey-api/openapi-ts: upload, associate, evaluate, wait by its
+// events, report, a typed refusal.
 
 import { deepStrictEqual as same } from "node:assert";
 import { readFileSync } from "node:fs";

@@ -1,4 +1,5 @@
-// A session with openapi-fetch and the types of openapi-typescript: upload, associate, evaluate, wait, report, a typed refusal.
+// A session with openapi-fetch and the types of openapi-typescript: upload, associate, evaluate,
+// wait, report, a typed refusal.
 
 import { deepStrictEqual as same } from "node:assert";
 import { readFileSync } from "node:fs";

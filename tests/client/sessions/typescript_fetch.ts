@@ -1,4 +1,5 @@
-// A session with the typescript-fetch client of openapi-generator: upload, associate, evaluate, wait, report, a typed refusal.
+// A session with the typescript-fetch client of openapi-generator: upload, associate, evaluate,
+// wait, report, a typed refusal.
 
 import { deepStrictEqual as same } from "node:assert";
 import { readFileSync } from "node:fs";
