@@ -75,6 +75,88 @@ async function tenChunks() {
   return Math.round(runs * Math.min(100, Math.max(2, 12 / took_s)));
 }
 
+/** Pictures of a campaign that goes on, with what axe says of it. */
+async function lookAtGrowing(id) {
+  for (const theme of ["light", "dark"]) {
+    const seen = await openPage(browser, `?view=job&job=${id}&theme=${theme}`, WIDE);
+    await seen.locator(".how-far b").waitFor();
+    assert.deepEqual(await findings(seen), [], theme);
+    for (const [width, viewport] of Object.entries({ wide: WIDE, narrow: NARROW })) {
+      await seen.setViewportSize(viewport);
+      await seeAll(seen);
+      await assertNothingSticksOut(seen, `a growing campaign, ${width}`);
+      await seen.screenshot({
+        path: join(FOLDER, `campaign-growing-${theme}-${width}.png`),
+        fullPage: true,
+      });
+    }
+    await closePage(seen);
+  }
+}
+
+/** The same of one that was canceled. */
+async function lookAtKept(id) {
+  for (const [theme, viewport] of [
+    ["light", NARROW],
+    ["dark", WIDE],
+  ]) {
+    const seen = await openPage(browser, `?view=job&job=${id}&theme=${theme}`, viewport);
+    await seen.locator(".grid-cell").first().waitFor();
+    await seeAll(seen);
+    assert.deepEqual(await findings(seen), [], theme);
+    await assertNothingSticksOut(seen, `a canceled campaign, ${theme}`);
+    await seen.screenshot({ path: join(FOLDER, `campaign-kept-${theme}.png`), fullPage: true });
+    await closePage(seen);
+  }
+}
+
+/** A campaign whose process has crashed keeps its numbers, too. */
+async function assertKeptByCrash(id, address, cells) {
+  const crashed = await openPage(browser, "", WIDE);
+  const error = {
+    type: "about:blank",
+    title: "The job ended its process",
+    status: 500,
+    code: "crashed",
+    detail: "Runs from the third on were given up.",
+  };
+  await crashed.route(`**/v1/jobs/${id}`, async (route) =>
+    route.fulfill({ json: { ...(await api(`/v1/jobs/${id}`)), state: "failed", error } }),
+  );
+  await crashed.goto(address);
+  await crashed.getByText(error.detail).waitFor();
+  await crashed.locator(".grid-cell").first().waitFor();
+  assert.deepEqual(await gridOf(crashed, "GOSPA"), cells);
+  assert.equal(
+    await crashed.getByRole("button", { name: "Rerun: make the missing runs" }).count(),
+    1,
+  );
+  await closePage(crashed);
+}
+
+/** The grid and the table of a campaign that has ended are those of its report. */
+async function assertReported(page, id, runs) {
+  const { result } = await api(`/v1/jobs/${id}/report`);
+  assert.deepEqual(
+    result.cells.map((cell) => [cell.runs, cell.ended]),
+    Array(CELLS).fill([runs, "runs"]),
+  );
+  assert.deepEqual(await gridOf(page, "GOSPA"), cellTexts(result, "GOSPA", runs));
+  const rows = await frameOf(page, "All outcomes")
+    .locator("tbody tr")
+    .evaluateAll((all) =>
+      all.map((row) => [...row.cells].map((cell) => cell.firstChild.textContent)),
+    );
+  assert.deepEqual(
+    rows,
+    result.cells.map((cell) => [
+      cell.name,
+      runs.toLocaleString("en-US"),
+      ...result.outcomes.map((name) => shown(cell.outcomes[name].mean)),
+    ]),
+  );
+}
+
 test("while it runs, means, intervals, curves and differences grow; a hidden page does not ask", async () => {
   const runs = 100_000;
   const id = await start(runs, "growing");
@@ -131,21 +213,7 @@ test("while it runs, means, intervals, curves and differences grow; a hidden pag
   await growsBeyond(page, left);
   await closePage(page);
 
-  for (const theme of ["light", "dark"]) {
-    const seen = await openPage(browser, `?view=job&job=${id}&theme=${theme}`, WIDE);
-    await seen.locator(".how-far b").waitFor();
-    assert.deepEqual(await findings(seen), [], theme);
-    for (const [width, viewport] of Object.entries({ wide: WIDE, narrow: NARROW })) {
-      await seen.setViewportSize(viewport);
-      await seeAll(seen);
-      await assertNothingSticksOut(seen, `a growing campaign, ${width}`);
-      await seen.screenshot({
-        path: join(FOLDER, `campaign-growing-${theme}-${width}.png`),
-        fullPage: true,
-      });
-    }
-    await closePage(seen);
-  }
+  await lookAtGrowing(id);
   await api(`/v1/jobs/${id}/cancel`, {});
 });
 
@@ -172,39 +240,8 @@ test("canceled, its numbers stay; a rerun makes the other runs and ends with the
   await page.getByText("They are kept.").waitFor();
   await page.locator(".grid-cell").first().waitFor();
   assert.deepEqual(await gridOf(page, "GOSPA"), cellTexts(kept.result, "GOSPA", runs));
-  for (const [theme, viewport] of [
-    ["light", NARROW],
-    ["dark", WIDE],
-  ]) {
-    const seen = await openPage(browser, `?view=job&job=${id}&theme=${theme}`, viewport);
-    await seen.locator(".grid-cell").first().waitFor();
-    await seeAll(seen);
-    assert.deepEqual(await findings(seen), [], theme);
-    await assertNothingSticksOut(seen, `a canceled campaign, ${theme}`);
-    await seen.screenshot({ path: join(FOLDER, `campaign-kept-${theme}.png`), fullPage: true });
-    await closePage(seen);
-  }
-
-  const crashed = await openPage(browser, "", WIDE);
-  const error = {
-    type: "about:blank",
-    title: "The job ended its process",
-    status: 500,
-    code: "crashed",
-    detail: "Runs from the third on were given up.",
-  };
-  await crashed.route(`**/v1/jobs/${id}`, async (route) =>
-    route.fulfill({ json: { ...(await api(`/v1/jobs/${id}`)), state: "failed", error } }),
-  );
-  await crashed.goto(page.url());
-  await crashed.getByText(error.detail).waitFor();
-  await crashed.locator(".grid-cell").first().waitFor();
-  assert.deepEqual(await gridOf(crashed, "GOSPA"), cellTexts(kept.result, "GOSPA", runs));
-  assert.equal(
-    await crashed.getByRole("button", { name: "Rerun: make the missing runs" }).count(),
-    1,
-  );
-  await closePage(crashed);
+  await lookAtKept(id);
+  await assertKeptByCrash(id, page.url(), cellTexts(kept.result, "GOSPA", runs));
 
   await page.getByRole("button", { name: "Rerun: make the missing runs" }).click();
   await page.getByText("; the numbers still move.").waitFor();
@@ -225,24 +262,6 @@ test("canceled, its numbers stay; a rerun makes the other runs and ends with the
     `the table has moved from ${top} to ${await place()}`,
   );
 
-  const { result } = await api(`/v1/jobs/${again}/report`);
-  assert.deepEqual(
-    result.cells.map((cell) => [cell.runs, cell.ended]),
-    Array(CELLS).fill([runs, "runs"]),
-  );
-  assert.deepEqual(await gridOf(page, "GOSPA"), cellTexts(result, "GOSPA", runs));
-  const rows = await frameOf(page, "All outcomes")
-    .locator("tbody tr")
-    .evaluateAll((all) =>
-      all.map((row) => [...row.cells].map((cell) => cell.firstChild.textContent)),
-    );
-  assert.deepEqual(
-    rows,
-    result.cells.map((cell) => [
-      cell.name,
-      runs.toLocaleString("en-US"),
-      ...result.outcomes.map((name) => shown(cell.outcomes[name].mean)),
-    ]),
-  );
+  await assertReported(page, again, runs);
   await closePage(page);
 });
