@@ -8,7 +8,6 @@ import {
   type ScatterSeriesOption,
 } from "echarts/charts";
 import {
-  AriaComponent,
   DataZoomComponent,
   GridComponent,
   MarkLineComponent,
@@ -25,7 +24,6 @@ use([
   TooltipComponent,
   DataZoomComponent,
   MarkLineComponent,
-  AriaComponent,
   CanvasRenderer,
 ]);
 
