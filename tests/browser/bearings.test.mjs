@@ -3,12 +3,14 @@
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
+import { traceOf } from "./reading.mjs";
 import {
   api,
   bearingsTracked,
   closePage,
   clustered,
   drawn,
+  frameOf,
   openPage,
   parameters,
   saved,
@@ -24,20 +26,6 @@ before(async () => {
   [bearings, fuzzy] = [await bearingsTracked(), await clustered()];
 });
 after(() => browser.close());
-
-const frameOf = (page, name) =>
-  page.locator(".chart-frame", { has: page.getByRole("heading", { name, exact: true }) });
-
-async function traceOf(job) {
-  const text = await (
-    await fetch(`${process.env.TRACKLOOM_URL}/v1/jobs/${job.id}/artifacts/association_trace.csv`)
-  ).text();
-  const [head, ...rows] = text
-    .trim()
-    .split("\n")
-    .map((line) => line.split(","));
-  return rows.map((row) => Object.fromEntries(head.map((name, index) => [name, row[index]])));
-}
 
 test("bearings run down the time with truth and tracks over them, up to the clock", async () => {
   const page = await openPage(browser, `?view=job&job=${bearings.job.id}&tab=plan`);
@@ -93,7 +81,7 @@ test("a track of bearings is chosen and its facts are those of the series", asyn
 });
 
 test("the search of the bat algorithm is drawn with its optimum, for any cluster", async () => {
-  const trace = await traceOf(bearings.job);
+  const trace = await traceOf(bearings.job, "association_trace.csv");
   const page = await openPage(browser, `?view=job&job=${bearings.job.id}&tab=search`);
   await page.getByRole("combobox", { name: "Search" }).waitFor();
   const chosen = trace.at(-1);
@@ -119,7 +107,7 @@ test("the search of the bat algorithm is drawn with its optimum, for any cluster
 });
 
 test("memberships of every iteration are the trace's, and sum to one for each detection", async () => {
-  const trace = await traceOf(fuzzy.job);
+  const trace = await traceOf(fuzzy.job, "association_trace.csv");
   const page = await openPage(browser, `?view=job&job=${fuzzy.job.id}&tab=search`);
   const frame = frameOf(page, "Memberships");
   await frame.locator("tbody tr").first().waitFor();

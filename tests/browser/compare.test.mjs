@@ -9,6 +9,7 @@ import {
   drawn,
   evaluated,
   finished,
+  frameOf,
   openPage,
   parameters,
   preset,
@@ -31,8 +32,6 @@ before(async () => {
 });
 after(() => browser.close());
 
-const frameOf = (page, name) =>
-  page.locator(".chart-frame", { has: page.getByRole("heading", { name, exact: true }) });
 const texts = (rows) =>
   rows.evaluateAll((all) => all.map((row) => [...row.cells].map((cell) => cell.innerText.trim())));
 

@@ -11,6 +11,7 @@ import {
   drawn,
   ended,
   finished,
+  linesOf,
   openPage,
   parameters,
   preset,
@@ -153,13 +154,7 @@ test("a tuple leads to the plan view, where its system track and the local track
   const ofLayer = (name) =>
     csv.filter((line) => line.startsWith(`${name},`)).map((line) => line.split(",")[1]);
   assert.equal(new Set(ofLayer("track")).size, result.counts.system_tracks);
-  const local = (
-    await (
-      await fetch(`${process.env.TRACKLOOM_URL}/v1/jobs/${job.id}/artifacts/local_tracks.csv`)
-    ).text()
-  )
-    .trim()
-    .split("\n");
+  const local = await linesOf(job, "local_tracks.csv");
   assert.equal(ofLayer("local track").length, local.length - 1);
   await page.goBack();
   await page.locator(".tuples tbody tr").first().waitFor();

@@ -7,7 +7,15 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { allowRefusals, api, closePage, openPage, parameters, startBrowser } from "./support.mjs";
+import {
+  allowRefusals,
+  api,
+  BASE,
+  closePage,
+  openPage,
+  parameters,
+  startBrowser,
+} from "./support.mjs";
 
 const ROWS = ["0,1,radar,a,10.5,20.25", "0,1,radar,b,30,40", "2,2,radar,c,11,21"];
 const RECORDING = fileURLToPath(
@@ -117,6 +125,6 @@ test("a recording of the harbour is uploaded, listed, looked at and deleted", as
   page.once("dialog", (dialog) => dialog.accept());
   await page.getByRole("button", { name: "Delete" }).click();
   await page.waitForURL(/view=datasets/);
-  assert.equal((await fetch(`${process.env.TRACKLOOM_URL}/v1/datasets/${id}`)).status, 410);
+  assert.equal((await fetch(`${BASE}/v1/datasets/${id}`)).status, 410);
   await closePage(page);
 });

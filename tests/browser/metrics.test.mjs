@@ -8,6 +8,7 @@ import {
   closePage,
   drawn,
   evaluated,
+  linesOf,
   openPage,
   parameters,
   saved,
@@ -24,14 +25,7 @@ before(async () => {
   const found = await evaluated();
   job = found.job;
   ({ result } = found.report);
-  const text = await (
-    await fetch(`${process.env.TRACKLOOM_URL}/v1/jobs/${job.id}/artifacts/events.csv`)
-  ).text();
-  events = text
-    .trim()
-    .split("\n")
-    .slice(1)
-    .map((line) => line.split(","));
+  events = (await linesOf(job, "events.csv")).slice(1);
 });
 after(() => browser.close());
 

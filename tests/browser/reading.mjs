@@ -1,7 +1,7 @@
 // What a page says, read as a person reads it, and numbers as the dashboard prints them.
 
 import assert from "node:assert/strict";
-import { BASE, frameOf, openPage, shown } from "./support.mjs";
+import { frameOf, linesOf, openPage, shown } from "./support.mjs";
 
 export const count = (value) =>
   value === null || value === undefined ? "–" : value.toLocaleString("en-US");
@@ -74,11 +74,7 @@ export const leaves = (value, path = []) =>
 
 /** The rows of a trace, by the names of its columns. */
 export async function traceOf(job, file) {
-  const csv = await (await fetch(`${BASE}/v1/jobs/${job.id}/artifacts/${file}`)).text();
-  const [head, ...lines] = csv
-    .trim()
-    .split("\n")
-    .map((line) => line.split(","));
+  const [head, ...lines] = await linesOf(job, file);
   return lines.map((line) => Object.fromEntries(head.map((name, index) => [name, line[index]])));
 }
 

@@ -1,7 +1,9 @@
 // How long views take, measured and not judged. Run it with a service on a free machine:
-// TRACKLOOM_URL=http://… node speed.mjs            makes the data, then measures Printed: the
-// middle of seven loads in fresh browser contexts (milliseconds), and the ratio to the data of 10⁴
-// detections.
+//
+//   TRACKLOOM_URL=http://… node speed.mjs            makes the data, then measures
+//
+// Printed: the middle of seven loads in fresh browser contexts (milliseconds), and the ratio to the
+// data of 10⁴ detections.
 
 import { chromium } from "playwright-core";
 

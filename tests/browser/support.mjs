@@ -4,9 +4,9 @@ import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { createRequire } from "node:module";
 import { chromium } from "playwright-core";
+import { serviceAddress } from "./service.mjs";
 
-export const BASE = process.env.TRACKLOOM_URL;
-assert.ok(BASE, "TRACKLOOM_URL must name the running service; run.sh sets it");
+export const BASE = await serviceAddress();
 
 export const WIDE = { width: 1440, height: 900 };
 export const NARROW = { width: 360, height: 740 };
@@ -211,6 +211,15 @@ export function shown(value) {
   const size = Math.abs(value);
   if (size !== 0 && (size < 1e-3 || size >= 1e7)) return value.toExponential(3);
   return String(Number(value.toPrecision(size >= 1000 ? 7 : 4)));
+}
+
+/** The lines of a CSV file that a job made, cut at commas; the first names the columns. */
+export async function linesOf(job, file) {
+  const csv = await (await fetch(`${BASE}/v1/jobs/${job.id}/artifacts/${file}`)).text();
+  return csv
+    .trim()
+    .split("\n")
+    .map((line) => line.split(","));
 }
 
 /** Presses a button that saves a file; answers its name and content. */

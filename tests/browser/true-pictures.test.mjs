@@ -6,6 +6,7 @@ import { after, before, test } from "node:test";
 import { dataset, filmed, recorded } from "./recordings.mjs";
 import {
   api,
+  BASE,
   byPointer,
   campaign,
   closePage,
@@ -15,6 +16,7 @@ import {
   finished,
   frameOf,
   hexOf,
+  linesOf,
   openPage,
   parameters,
   parsedSvg,
@@ -58,15 +60,7 @@ test("times of a recording can be read everywhere, and are whole where they are 
   const page = await openPage(browser, `?view=job&job=${job.id}&tab=metrics&event=match`);
   const table = frameOf(page, "Events");
   await table.locator("tbody tr").first().waitFor();
-  const log = (
-    await (
-      await fetch(`${process.env.TRACKLOOM_URL}/v1/jobs/${job.id}/artifacts/events.csv`)
-    ).text()
-  )
-    .trim()
-    .split("\n")
-    .slice(1)
-    .map((line) => line.split(","));
+  const log = (await linesOf(job, "events.csv")).slice(1);
   const times = log.filter((row) => row[2] === "match").map((row) => Number(row[1]));
   const cells = await table.locator("tbody td:first-child").allInnerTexts();
   assert.deepEqual(
@@ -142,7 +136,7 @@ test("a request is either valid or not, and what failed before stands at its fie
   await page.route(`**/v1/jobs/${scene.job.id}/spec`, (route) =>
     route.fulfill({ json: { ...body, filter: { method: "kalman" } } }),
   );
-  await page.goto(`${process.env.TRACKLOOM_URL}/?view=new&from=${scene.job.id}`);
+  await page.goto(`${BASE}/?view=new&from=${scene.job.id}`);
   await page.locator(".check.bad").waitFor();
   await page.waitForTimeout(800);
   assert.equal(await boxesOf(page).count(), 1);
