@@ -111,6 +111,19 @@ test("verdicts are filtered and sorted, and the address says so", async () => {
   await closePage(page);
 });
 
+/** Waits until a parameter of the address has left this value and stays at another. */
+async function atRest(page, name, before) {
+  await page.waitForFunction(
+    ([of, value]) => new URLSearchParams(location.search).get(of) !== value,
+    [name, before],
+  );
+  let seen;
+  while (seen !== parameters(page).get(name)) {
+    seen = parameters(page).get(name);
+    await page.waitForTimeout(AT_REST_MS);
+  }
+}
+
 /**
  * East and north metres per pixel, read from two points that a drag of the plan view leaves in the
  * address.
@@ -119,12 +132,13 @@ async function draggedBy(page, dx, dy) {
   const centre = async () => parameters(page).get("centre").split(",").map(Number);
   const box = await planOf(page).boundingBox();
   const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  const before = parameters(page).get("centre");
   const start = await centre();
   await page.mouse.move(x, y);
   await page.mouse.down();
   await page.mouse.move(x + dx, y + dy, { steps: 4 });
   await page.mouse.up();
-  await page.waitForTimeout(AT_REST_MS);
+  await atRest(page, "centre", before);
   const end = await centre();
   return [Math.abs(end[0] - start[0]), Math.abs(end[1] - start[1])];
 }
@@ -137,9 +151,9 @@ test("one metre east is as long as one metre north, also after a zoom and in a n
   ]) {
     await page.setViewportSize(size);
     await page.locator(".plan-touch").scrollIntoViewIfNeeded();
+    const before = parameters(page).get("span");
     await page.getByRole("button", { name: "Zoom in" }).click();
-    await page.waitForFunction(() => new URLSearchParams(location.search).has("centre"));
-    await page.waitForTimeout(400);
+    await atRest(page, "span", before);
     const [east] = await draggedBy(page, 80, 0);
     const [, north] = await draggedBy(page, 0, 80);
     assert.ok(Math.abs(east / north - 1) < 0.01, `80 px are ${east} m east and ${north} m north`);

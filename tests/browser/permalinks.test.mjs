@@ -2,6 +2,7 @@
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
+import { isDeepStrictEqual } from "node:util";
 import {
   bearingsTracked,
   campaign,
@@ -77,9 +78,8 @@ async function settled(page) {
 /**
  * Everything that a view says: its text, what stands in its fields, and the names of its pictures.
  */
-async function said(page) {
-  await settled(page);
-  return page.evaluate(() => ({
+const read = (page) =>
+  page.evaluate(() => ({
     text: document.querySelector("main").innerText,
     fields: [...document.querySelectorAll("main input, main select")].map((field) =>
       field.type === "checkbox" || field.type === "radio" ? field.checked : field.value,
@@ -88,6 +88,16 @@ async function said(page) {
       .filter((element) => element.tagName !== "CANVAS")
       .map((element) => element.getAttribute("aria-label")),
   }));
+
+/** What a view says once it says the same twice, a rest apart. */
+async function said(page) {
+  let before;
+  for (;;) {
+    await settled(page);
+    const now = await read(page);
+    if (isDeepStrictEqual(now, before)) return now;
+    before = now;
+  }
 }
 
 test("what was chosen in each view is there again when its address is opened", async () => {

@@ -279,36 +279,56 @@ export function cellTexts(result, outcome, planned) {
   });
 }
 
-/** Rules of axe that fail seriously, with where. */
-export async function findings(page) {
+/** Rules of axe whose findings depend on the theme. */
+export const COLOR_RULES = ["color-contrast", "link-in-text-block"];
+
+/** Rules of axe that fail seriously, with where; of these rules, or of all. */
+export async function findings(page, rules) {
   // The page allows no inline script; axe comes in through the protocol of the browser.
   await page.evaluate(
     await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8"),
   );
-  const { violations } = await page.evaluate(() => globalThis.axe.run());
+  const options = { resultTypes: ["violations"], ...(rules ? { runOnly: rules } : {}) };
+  // What passes is long, and of no interest here.
+  const violations = await page.evaluate(
+    async (asked) => (await globalThis.axe.run(asked)).violations,
+    options,
+  );
+  const reason = ({ any, all }) => any[0]?.message ?? all[0]?.message ?? "";
+  const place = (node) => `${node.target.join(" ")} (${reason(node)})`;
   return violations
     .filter((rule) => ["serious", "critical"].includes(rule.impact))
-    .map(
-      (rule) =>
-        `${rule.id}: ${rule.nodes
-          .slice(0, 3)
-          .map(
-            (node) =>
-              `${node.target.join(" ")} (${node.any[0]?.message ?? node.all[0]?.message ?? ""})`,
-          )
-          .join("; ")}`,
-    );
+    .map((rule) => `${rule.id}: ${rule.nodes.slice(0, 3).map(place).join("; ")}`);
 }
 
+/** Waits until all that is in view has come and is drawn. */
+export async function settle(page) {
+  await page.waitForFunction(() => {
+    const isSeen = (box) => {
+      const { top, bottom, width } = box.getBoundingClientRect();
+      return width > 0 && bottom > 1 && top < window.innerHeight - 1;
+    };
+    const boxes = [...document.querySelectorAll(".chart-canvas")].filter(isSeen);
+    return !document.querySelector(".loading") && boxes.every((box) => box.querySelector("canvas"));
+  });
+  await frames(page, 3);
+}
+
+/** Pictures that the browser makes: the first notes a change, the next ones show what follows. */
+const frames = (page, count) =>
+  page.evaluate(async (left) => {
+    for (let made = 0; made < left; made++) await new Promise(requestAnimationFrame);
+  }, count);
+
 /** Charts are drawn when they come into view. */
-export async function seeAll(page, settle_ms = 300) {
+export async function seeAll(page) {
   const height = await page.evaluate(() => document.documentElement.scrollHeight);
   for (let y = 0; y < height; y += page.viewportSize().height / 2) {
     await page.evaluate((to) => window.scrollTo(0, to), y);
-    await page.waitForTimeout(60);
+    await settle(page);
   }
   await page.evaluate(() => window.scrollTo(0, 0));
-  await page.waitForTimeout(settle_ms);
+  await settle(page);
 }
 
 /** The page believes that it is hidden, or seen again. */
