@@ -21,7 +21,7 @@ use trackloom_domain::model::scan::Recording;
 use trackloom_domain::model::scenario::{
     RandomTargets, ReportNoise, Scenario, ScenarioSensor, TargetPlan,
 };
-use trackloom_domain::model::sensor::{Report, Sensor};
+use trackloom_domain::model::sensor::{MeasurementModel, Sensor};
 use trackloom_domain::model::watch::Watch;
 use trackloom_domain::registry;
 use trackloom_domain::tracking::{Confirmation, Initiation, Lifecycle, Tracker, TrackerParts};
@@ -193,7 +193,7 @@ fn tracked(
             sensor_id: "radar".into(),
             p_d: sensor.p_d,
             clutter_density: sensor.clutter_per_m2().unwrap_or_default(),
-            report: Report::Position {
+            report: MeasurementModel::Position {
                 sigma_x_m,
                 sigma_y_m,
             },

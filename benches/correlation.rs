@@ -13,7 +13,7 @@ mod yardstick;
 use random_tracks::Scene;
 use serde_json::{Value, json};
 use std::time::Instant;
-use trackloom_domain::correlation::problem::Problem;
+use trackloom_domain::correlation::problem::CorrelationProblem;
 use trackloom_domain::correlation::{CORRELATORS, Solution};
 use trackloom_domain::math::rng::Seed;
 use trackloom_domain::registry;
@@ -80,7 +80,7 @@ struct Figures {
     seconds: Vec<f64>,
 }
 
-fn compare(problems: &[Problem], u_ns: f64) {
+fn compare(problems: &[CorrelationProblem], u_ns: f64) {
     let figures: Vec<Figures> = contenders()
         .iter()
         .map(|(name, parameters)| run(name, parameters, problems))
@@ -101,7 +101,7 @@ fn compare(problems: &[Problem], u_ns: f64) {
     }
 }
 
-fn run(name: &str, parameters: &Value, problems: &[Problem]) -> Figures {
+fn run(name: &str, parameters: &Value, problems: &[CorrelationProblem]) -> Figures {
     let method = CORRELATORS
         .iter()
         .find(|method| method.name == name)

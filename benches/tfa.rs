@@ -13,7 +13,7 @@ use std::time::Instant;
 use trackloom_domain::evaluation::strings::{self, StringRules, Strings};
 use trackloom_domain::evaluation::temporal_automaton::births::Births;
 use trackloom_domain::evaluation::temporal_automaton::paths::Paths;
-use trackloom_domain::evaluation::temporal_automaton::search::{Order, Search};
+use trackloom_domain::evaluation::temporal_automaton::search::{Order, RunSearch};
 use trackloom_domain::evaluation::temporal_automaton::verdict::{Sides, judge};
 use trackloom_domain::evaluation::{EvaluationInput, TfaSettings, evaluate_temporal_automaton};
 use trackloom_domain::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
@@ -128,7 +128,7 @@ fn verdicts(strings: &Strings, track_ranks: &[u32]) -> usize {
             outputs,
             births: &births,
         },
-        &mut Search::new(Order::BreadthFirst),
+        &mut RunSearch::new(Order::BreadthFirst),
     );
     judged.iter().map(|target| target.errors).sum()
 }

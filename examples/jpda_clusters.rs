@@ -43,7 +43,7 @@ impl Associator for Telling {
 
     fn associate(&mut self, problem: &Problem, weights: &mut Weights) {
         let tracks = problem.rows().map(|(_, row)| {
-            let ratio = |edge: usize| (problem.edge(edge).log_likelihood - row.log_none).exp();
+            let ratio = |edge: usize| (problem.edge(edge).log_likelihood - row.log_missed).exp();
             row.edges()
                 .map(|edge| (problem.edge(edge).detection, ratio(edge)))
                 .collect::<Vec<_>>()

@@ -101,5 +101,5 @@ fn solve(associator: &mut dyn Associator, problem: &mut ScanProblem) -> Vec<f64>
     let mut weights = Weights::default();
     weights.reset(problem);
     problem.for_each_cluster(|cluster| associator.associate(cluster, &mut weights));
-    weights.edges.into_iter().chain(weights.none).collect()
+    weights.edges.into_iter().chain(weights.missed).collect()
 }

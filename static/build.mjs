@@ -1,10 +1,11 @@
-// Builds the dashboard: src/ → dist/ with hashed names, index.html, and the licences of what was bundled.
+// Builds the dashboard: src/ → dist/ with hashed names, index.html, and the licences of what was
+// bundled.
 
-import { build } from "esbuild";
 import { createHash } from "node:crypto";
 import { mkdirSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { dirname, join, relative } from "node:path";
 import { fileURLToPath } from "node:url";
+import { build } from "esbuild";
 
 const here = dirname(fileURLToPath(import.meta.url));
 const dist = join(here, "dist");
@@ -23,7 +24,11 @@ function licenceText(folder) {
   const files = readdirSync(folder, { withFileTypes: true })
     .filter((entry) => /^(licen[cs]e|notice|copying)/i.test(entry.name))
     .sort((a, b) => (a.name < b.name ? -1 : 1))
-    .flatMap((entry) => (entry.isDirectory() ? readdirSync(join(folder, entry.name)).map((name) => join(entry.name, name)) : [entry.name]));
+    .flatMap((entry) =>
+      entry.isDirectory()
+        ? readdirSync(join(folder, entry.name)).map((name) => join(entry.name, name))
+        : [entry.name],
+    );
   return files.map((name) => readFileSync(join(folder, name), "utf8").trim()).join("\n\n");
 }
 
@@ -52,7 +57,12 @@ function page(script, style) {
   </head>
   <body>
     <div id="app"></div>
-    <noscript><p>The dashboard needs JavaScript. The same data is at <a href="/v1/jobs">/v1/jobs</a>; the API is described at <a href="/docs">/docs</a>.</p></noscript>
+    <noscript>
+      <p>
+        The dashboard needs JavaScript. The same data is at <a href="/v1/jobs">/v1/jobs</a>; the
+        API is described at <a href="/docs">/docs</a>.
+      </p>
+    </noscript>
   </body>
 </html>
 `;
@@ -60,13 +70,16 @@ function page(script, style) {
 
 function icon() {
   const bytes = readFileSync(join(here, "src/icon.svg"));
-  const name = `icon-${createHash("sha256").update(bytes).digest("hex").slice(0, 8).toUpperCase()}.svg`;
+  const digest = createHash("sha256").update(bytes).digest("hex");
+  const name = `icon-${digest.slice(0, 8).toUpperCase()}.svg`;
   writeFileSync(join(dist, "assets", name), bytes);
   return name;
 }
 
 function output(metafile, entry, ending) {
-  const found = Object.entries(metafile.outputs).find(([path, about]) => about.entryPoint === entry && path.endsWith(ending));
+  const found = Object.entries(metafile.outputs).find(
+    ([path, about]) => about.entryPoint === entry && path.endsWith(ending),
+  );
   if (!found) throw new Error(`no ${ending} came out of ${entry}`);
   return relative("dist", found[0]);
 }
@@ -85,7 +98,11 @@ const shared = {
   logLevel: "warning",
 };
 // A script of its own, whose name the page has to know.
-const worker = await build({ ...shared, entryPoints: ["src/state/stream-worker.ts"], format: "iife" });
+const worker = await build({
+  ...shared,
+  entryPoints: ["src/state/stream-worker.ts"],
+  format: "iife",
+});
 const workerPath = `/${output(worker.metafile, "src/state/stream-worker.ts", ".js")}`;
 const { metafile } = await build({
   ...shared,
@@ -95,5 +112,8 @@ const { metafile } = await build({
   chunkNames: "[name]-[hash]",
   define: { "process.env.NODE_ENV": '"production"', STREAM_WORKER: JSON.stringify(workerPath) },
 });
-writeFileSync(join(dist, "index.html"), page(output(metafile, "src/main.tsx", ".js"), output(metafile, "src/styles/main.css", ".css")));
+writeFileSync(
+  join(dist, "index.html"),
+  page(output(metafile, "src/main.tsx", ".js"), output(metafile, "src/styles/main.css", ".css")),
+);
 writeFileSync(join(dist, "licenses.txt"), licences(metafile));

@@ -87,7 +87,8 @@ fn build_dashboard(folder: &Path) -> Result<(), String> {
     run(folder, "node", &["build.mjs"])
 }
 
-/// Installs what the lock file names, unless that very lock file was installed before.
+/// Installs what the lock file names and the dashboard is built with, unless that very lock file was installed before.
+/// What only checks the source is left to `tests/run style`.
 fn install_packages(folder: &Path) -> Result<(), String> {
     let lock = fs::read(folder.join("package-lock.json")).map_err(|error| error.to_string())?;
     let installed = folder.join("node_modules/.installed-lock.json");
@@ -97,7 +98,13 @@ fn install_packages(folder: &Path) -> Result<(), String> {
     run(
         folder,
         "npm",
-        &["ci", "--ignore-scripts", "--no-audit", "--no-fund"],
+        &[
+            "ci",
+            "--omit=dev",
+            "--ignore-scripts",
+            "--no-audit",
+            "--no-fund",
+        ],
     )?;
     fs::write(&installed, lock).map_err(|error| error.to_string())
 }

@@ -10,7 +10,7 @@ use trackloom_domain::filtering::kalman::Kalman;
 use trackloom_domain::math::rng::Seed;
 use trackloom_domain::model::scan::{Recording, RecordingParts};
 use trackloom_domain::model::scenario::{ListedTarget, Scenario, ScenarioSensor, TargetPlan};
-use trackloom_domain::model::sensor::{Report, Sensor};
+use trackloom_domain::model::sensor::{MeasurementModel, Sensor};
 use trackloom_domain::model::watch::Watch;
 use trackloom_domain::registry;
 use trackloom_domain::tracking::{Confirmation, Initiation, Lifecycle, Tracker, TrackerParts};
@@ -166,7 +166,7 @@ fn parts(method: &str, scenario: &Scenario) -> TrackerParts<Kalman> {
             sensor_id: "radar".into(),
             p_d: sensor.p_d,
             clutter_density: sensor.clutter_per_m2().unwrap(),
-            report: Report::Position {
+            report: MeasurementModel::Position {
                 sigma_x_m: 10.0,
                 sigma_y_m: 10.0,
             },

@@ -18,7 +18,7 @@ use trackloom_domain::math::rng::Seed;
 use trackloom_domain::model::dataset::Dataset;
 use trackloom_domain::model::scan::Recording;
 use trackloom_domain::model::scenario::Scenario;
-use trackloom_domain::model::sensor::{Report, Sensor};
+use trackloom_domain::model::sensor::{MeasurementModel, Sensor};
 use trackloom_domain::model::track::TrackSet;
 use trackloom_domain::model::watch::Watch;
 use trackloom_domain::tracking::{Lifecycle, Tracker, TrackerParts};
@@ -160,7 +160,7 @@ fn parts_of(spec: &Value) -> Result<TrackerParts<Kalman>, Failure> {
             sensor_id: radar.sensor_id.clone(),
             p_d: radar.p_d,
             clutter_density: radar.clutter_per_m2().unwrap_or_default(),
-            report: Report::Position {
+            report: MeasurementModel::Position {
                 sigma_x_m,
                 sigma_y_m,
             },

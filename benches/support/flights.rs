@@ -7,7 +7,7 @@ use trackloom_domain::filtering::kalman::Kalman;
 use trackloom_domain::math::rng::Seed;
 use trackloom_domain::model::scan::Recording;
 use trackloom_domain::model::scenario::{ListedTarget, Scenario, ScenarioSensor, TargetPlan};
-use trackloom_domain::model::sensor::{Report, Sensor};
+use trackloom_domain::model::sensor::{MeasurementModel, Sensor};
 use trackloom_domain::model::state::{Covariance, GaussianState, State};
 use trackloom_domain::model::watch::Watch;
 use trackloom_domain::tracking::{Confirmation, Initiation, Lifecycle, Tracker, TrackerParts};
@@ -104,7 +104,7 @@ impl Flights {
         let covariance = Covariance::from_diagonal(&State::from(variances));
         for (target, listed) in self.targets.iter().enumerate() {
             let mean = State::new(listed.x_m, listed.y_m, listed.vx_mps, listed.vy_mps);
-            tracker.give(
+            tracker.add_track(
                 listed.truth_id.clone(),
                 GaussianState { mean, covariance },
                 Some(target as u32),
@@ -132,7 +132,7 @@ impl Flights {
             max_position_sigma_m: None,
             initial_speed_sigma_mps: 1.0,
         };
-        let report = Report::Position {
+        let report = MeasurementModel::Position {
             sigma_x_m: SIGMA_M,
             sigma_y_m: SIGMA_M,
         };

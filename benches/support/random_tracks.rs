@@ -6,7 +6,7 @@ use rand_distr::{Distribution, StandardNormal};
 use std::sync::Arc;
 use trackloom_domain::correlation::estimates::Estimates;
 use trackloom_domain::correlation::evidence::{Evidence, Times};
-use trackloom_domain::correlation::problem::{Costs, JointCost, Problem};
+use trackloom_domain::correlation::problem::{CorrelationProblem, Costs, JointCost};
 use trackloom_domain::math::rng::{Purpose, Seed};
 use trackloom_domain::model::state::{Covariance, GaussianState, State};
 
@@ -69,15 +69,15 @@ impl Scene {
         (0..self.sensors).map(of_sensor).collect()
     }
 
-    pub fn chain(&self, number: u32) -> Problem {
+    pub fn chain(&self, number: u32) -> CorrelationProblem {
         problem(&self.estimates(number), Costs::Chain)
     }
 
-    pub fn all_pairs(&self, number: u32) -> Problem {
+    pub fn all_pairs(&self, number: u32) -> CorrelationProblem {
         problem(&self.estimates(number), Costs::AllPairs)
     }
 
-    pub fn fused(&self, number: u32) -> Problem {
+    pub fn fused(&self, number: u32) -> CorrelationProblem {
         let estimates = self.estimates(number);
         let fused = Fused {
             estimates: estimates.concat(),
@@ -87,7 +87,7 @@ impl Scene {
 }
 
 /// Links with λ = dᵀ (Pᵢ + Pⱼ)⁻¹ d within the gate, of cost λ − δ.
-pub fn problem(estimates: &[Vec<Estimate>], costs: Costs) -> Problem {
+pub fn problem(estimates: &[Vec<Estimate>], costs: Costs) -> CorrelationProblem {
     let counts: Vec<usize> = estimates.iter().map(Vec::len).collect();
     let all: Vec<(usize, &Estimate)> = estimates
         .iter()
@@ -109,7 +109,7 @@ pub fn problem(estimates: &[Vec<Estimate>], costs: Costs) -> Problem {
             }
         }
     }
-    Problem::new(&counts, &pairs, costs).with_evidence(evidence(estimates))
+    CorrelationProblem::new(&counts, &pairs, costs).with_evidence(evidence(estimates))
 }
 
 /// The same estimates for correlators that look at tracks: positions, at one time.

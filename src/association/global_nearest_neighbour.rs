@@ -50,7 +50,7 @@ impl Associator for GlobalNearestNeighbour {
             for edge in problem.edges_of(row) {
                 self.solver.push_edge(edge.detection, -edge.log_likelihood);
             }
-            self.solver.end_row(-row.log_none);
+            self.solver.end_row(-row.log_missed);
         }
         // Every miss costs a finite sum, so there always is an assignment.
         let is_solved = self.solver.solve_until(problem.watch()).is_some();
@@ -68,7 +68,7 @@ impl Associator for GlobalNearestNeighbour {
 
 /// The case without rivals.
 fn choose_alone(problem: &Problem, row: usize, state: &Row, weights: &mut Weights) {
-    let mut best = (state.log_none, None);
+    let mut best = (state.log_missed, None);
     for edge in state.edges() {
         let log_likelihood = problem.edge(edge).log_likelihood;
         if log_likelihood > best.0 {
@@ -120,13 +120,13 @@ mod tests {
         // it: 5 · 0.1 = 0.5; track 1 with it: 0.5 · 4 = 2.
         let mut problem = ScanProblem::default();
         problem.begin(0, 1);
-        for (ratio, none) in [(5.0f64, 0.5f64), (4.0, 0.1)] {
+        for (ratio, missed) in [(5.0f64, 0.5f64), (4.0, 0.1)] {
             problem.push_edge(Edge {
                 detection: 0,
                 squared_distance: 1.0,
                 log_likelihood: ratio.ln(),
             });
-            problem.end_row(none.ln(), 0.0);
+            problem.end_row(missed.ln(), 0.0);
         }
         assert_eq!(
             chosen_by(&mut GlobalNearestNeighbour::default(), &mut problem),

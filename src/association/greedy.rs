@@ -34,7 +34,7 @@ impl Greedy {
         }
         self.sort_pairs(problem, rank);
         for pair in &self.pairs {
-            let is_served = weights.none[pair.row as usize] == 0.0;
+            let is_served = weights.missed[pair.row as usize] == 0.0;
             if !is_served && !self.taken[pair.detection as usize] {
                 self.taken[pair.detection as usize] = true;
                 weights.choose(pair.row as usize, pair.edge as usize);

@@ -8,6 +8,7 @@ pub mod fuzzy_c_means;
 pub mod global_nearest_neighbour;
 mod greedy;
 pub mod jpda;
+mod local_numbers;
 pub mod nearest_neighbour;
 pub mod oracle;
 pub mod pda;

@@ -28,9 +28,9 @@ pub const METHOD: Method<BuildAssociator> = Method {
     name: "nearest_neighbour",
     parameters: &PARAMETERS,
     build: |spec, _| {
-        Ok(Box::new(NearestNeighbour::new(Settings::deserialize(
-            spec,
-        )?)))
+        Ok(Box::new(NearestNeighbour::new(
+            NearestNeighbourSettings::deserialize(spec)?,
+        )))
     },
 };
 
@@ -47,7 +47,7 @@ static PARAMETERS: Object = Object {
 };
 
 #[derive(Debug, Clone, Copy, Deserialize)]
-struct Settings {
+struct NearestNeighbourSettings {
     conflicts: Conflicts,
 }
 
@@ -68,7 +68,7 @@ struct NearestNeighbour {
 }
 
 impl NearestNeighbour {
-    fn new(settings: Settings) -> Self {
+    fn new(settings: NearestNeighbourSettings) -> Self {
         NearestNeighbour {
             conflicts: settings.conflicts,
             greedy: Greedy::default(),
@@ -135,7 +135,7 @@ mod tests {
 
     fn chosen_with(conflicts: Conflicts, tracks: &[&[(u32, f64)]]) -> Vec<Option<u32>> {
         chosen_by(
-            &mut NearestNeighbour::new(Settings { conflicts }),
+            &mut NearestNeighbour::new(NearestNeighbourSettings { conflicts }),
             &mut problem_of(tracks),
         )
     }

@@ -58,7 +58,7 @@ impl Associator for Pda {
                 problem,
                 row,
                 self.log_correction(row),
-                &mut weights.none[index],
+                &mut weights.missed[index],
                 &mut weights.edges[row.edges()],
             );
         }
@@ -78,18 +78,18 @@ impl Pda {
 
 /// Step 2.
 #[inline]
-fn weigh(problem: &Problem, row: &Row, log_correction: f64, none: &mut f64, weights: &mut [f64]) {
+fn weigh(problem: &Problem, row: &Row, log_correction: f64, missed: &mut f64, weights: &mut [f64]) {
     let edges = problem.edges_of(row);
-    let largest = edges.iter().fold(row.log_none, |largest, edge| {
+    let largest = edges.iter().fold(row.log_missed, |largest, edge| {
         largest.max(edge.log_likelihood + log_correction)
     });
-    *none = (row.log_none - largest).exp();
-    let mut sum = *none;
+    *missed = (row.log_missed - largest).exp();
+    let mut sum = *missed;
     for (weight, edge) in weights.iter_mut().zip(edges) {
         *weight = (edge.log_likelihood + log_correction - largest).exp();
         sum += *weight;
     }
-    *none /= sum;
+    *missed /= sum;
     weights.iter_mut().for_each(|weight| *weight /= sum);
 }
 
@@ -106,7 +106,12 @@ mod tests {
     };
 
     /// The weights of one track, β₀ first.
-    fn weights_of(mut pda: Pda, log_likelihoods: &[f64], none: f64, gate_clutter: f64) -> Vec<f64> {
+    fn weights_of(
+        mut pda: Pda,
+        log_likelihoods: &[f64],
+        missed: f64,
+        gate_clutter: f64,
+    ) -> Vec<f64> {
         let mut problem = ScanProblem::default();
         problem.begin(0, log_likelihoods.len());
         for (detection, &log_likelihood) in log_likelihoods.iter().enumerate() {
@@ -116,11 +121,11 @@ mod tests {
                 log_likelihood,
             });
         }
-        problem.end_row(none.ln(), gate_clutter.ln());
+        problem.end_row(missed.ln(), gate_clutter.ln());
         let mut weights = Weights::default();
         weights.reset(&problem);
         problem.for_each_cluster(|cluster| pda.associate(cluster, &mut weights));
-        let mut all = weights.none;
+        let mut all = weights.missed;
         all.extend(weights.edges);
         all
     }

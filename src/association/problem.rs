@@ -4,7 +4,7 @@
 
 use crate::model::watch::Watch;
 
-/// A track's candidate. `log_likelihood` is ln(P_D · N(ν; 0, S) / λ), to be compared with the row's `log_none`.
+/// A track's candidate. `log_likelihood` is ln(P_D · N(ν; 0, S) / λ), to be compared with the row's `log_missed`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Edge {
     /// Index of the detection in its scan.
@@ -19,7 +19,7 @@ pub struct Row {
     pub first: u32,
     pub count: u32,
     /// ln(1 − P_D · P_G).
-    pub log_none: f64,
+    pub log_missed: f64,
     /// ln(λ · V): false detections expected in the track's gate, which covers V.
     pub log_gate_clutter: f64,
 }
@@ -39,7 +39,7 @@ pub struct ScanProblem {
     edges: Vec<Edge>,
     amplitudes: Vec<f64>,
     places: Places,
-    occasion: u32,
+    problem_index: u32,
     detections: u32,
     clusters: Clusters,
 }
@@ -86,7 +86,7 @@ pub struct Problem<'a> {
     edges: &'a [Edge],
     amplitudes: &'a [f64],
     places: &'a Places,
-    occasion: u32,
+    problem_index: u32,
     detections: u32,
     members: &'a [u32],
     watch: &'a Watch<'a>,
@@ -98,7 +98,7 @@ pub struct Weights {
     /// β of each edge, parallel to the problem's edges.
     pub edges: Vec<f64>,
     /// β₀ of each row: the weight of "no detection".
-    pub none: Vec<f64>,
+    pub missed: Vec<f64>,
 }
 
 impl Weights {
@@ -106,26 +106,26 @@ impl Weights {
     pub fn reset(&mut self, problem: &ScanProblem) {
         self.edges.clear();
         self.edges.resize(problem.edges.len(), 0.0);
-        self.none.clear();
-        self.none.resize(problem.rows.len(), 1.0);
+        self.missed.clear();
+        self.missed.resize(problem.rows.len(), 1.0);
     }
 
     /// Gives all of a row's weight to one of its edges.
     #[inline]
     pub fn choose(&mut self, row: usize, edge: usize) {
-        self.none[row] = 0.0;
+        self.missed[row] = 0.0;
         self.edges[edge] = 1.0;
     }
 }
 
 impl ScanProblem {
-    /// Begins a new problem with a scan of so many detections. `occasion` numbers the problems of a tracker.
-    pub fn begin(&mut self, occasion: u32, detections: usize) {
+    /// Begins a new problem with a scan of so many detections. `problem_index` numbers the problems of a tracker.
+    pub fn begin(&mut self, problem_index: u32, detections: usize) {
         self.rows.clear();
         self.edges.clear();
         self.places.expected.clear();
         self.places.inverses.clear();
-        self.occasion = occasion;
+        self.problem_index = problem_index;
         self.detections = detections as u32;
     }
 
@@ -137,12 +137,12 @@ impl ScanProblem {
 
     /// Closes a row: every edge pushed since the last one is its.
     #[inline]
-    pub fn end_row(&mut self, log_none: f64, log_gate_clutter: f64) {
+    pub fn end_row(&mut self, log_missed: f64, log_gate_clutter: f64) {
         let first = self.rows.last().map_or(0, |row| row.first + row.count);
         self.rows.push(Row {
             first,
             count: self.edges.len() as u32 - first,
-            log_none,
+            log_missed,
             log_gate_clutter,
         });
     }
@@ -193,7 +193,7 @@ impl ScanProblem {
             amplitudes,
             places,
             clusters,
-            occasion,
+            problem_index,
             detections,
         } = self;
         clusters.find(rows, edges, *detections as usize);
@@ -203,7 +203,7 @@ impl ScanProblem {
                 edges,
                 amplitudes,
                 places,
-                occasion: *occasion,
+                problem_index: *problem_index,
                 detections: *detections,
                 members,
                 watch,
@@ -216,7 +216,7 @@ impl ScanProblem {
 }
 
 impl<'a> Problem<'a> {
-    /// The cluster's rows, each with its index in the scan (and in [`Weights::none`]).
+    /// The cluster's rows, each with its index in the scan (and in [`Weights::missed`]).
     pub fn rows(&self) -> impl Iterator<Item = (usize, &'a Row)> + use<'a> {
         let rows = self.rows;
         self.members
@@ -252,8 +252,8 @@ impl<'a> Problem<'a> {
     }
 
     /// Numbers the problems of a tracker: with a row it names what a random choice is for.
-    pub fn occasion(&self) -> u32 {
-        self.occasion
+    pub fn problem_index(&self) -> u32 {
+        self.problem_index
     }
 
     /// Detections of the whole scan.

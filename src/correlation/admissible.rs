@@ -5,10 +5,14 @@
 //! in the order of their sensors, each join the tuple of the row whose cost they lower most, or begin one. A joint cost may be such
 //! that no track by itself lowers it, but all together do: there the whole row stays one tuple where that costs less.
 
-use super::problem::{Costs, Problem};
+use super::problem::{CorrelationProblem, Costs};
 
 /// Shows the tuples that a row is made of, each with its cost; `row` has one track of a sensor at most, ascending.
-pub(super) fn divide(problem: &Problem, row: &[u32], show: &mut impl FnMut(&[u32], f64)) {
+pub(super) fn divide(
+    problem: &CorrelationProblem,
+    row: &[u32],
+    show: &mut impl FnMut(&[u32], f64),
+) {
     match problem.costs {
         Costs::Chain => cut_chain(problem, row, show),
         Costs::AllPairs | Costs::Joint(_) => split(problem, row, show),
@@ -16,14 +20,14 @@ pub(super) fn divide(problem: &Problem, row: &[u32], show: &mut impl FnMut(&[u32
 }
 
 /// The tuples that all rows are made of.
-pub(super) fn divided(problem: &Problem, rows: &[Vec<u32>]) -> Vec<Vec<u32>> {
+pub(super) fn divide_rows(problem: &CorrelationProblem, rows: &[Vec<u32>]) -> Vec<Vec<u32>> {
     let mut tuples = Vec::with_capacity(rows.len());
     rows.iter()
         .for_each(|row| divide(problem, row, &mut |tuple, _| tuples.push(tuple.to_vec())));
     tuples
 }
 
-fn cut_chain(problem: &Problem, row: &[u32], show: &mut impl FnMut(&[u32], f64)) {
+fn cut_chain(problem: &CorrelationProblem, row: &[u32], show: &mut impl FnMut(&[u32], f64)) {
     let (mut first, mut cost) = (0, 0.0);
     for place in 1..row.len() {
         match problem
@@ -42,7 +46,7 @@ fn cut_chain(problem: &Problem, row: &[u32], show: &mut impl FnMut(&[u32], f64))
     }
 }
 
-fn split(problem: &Problem, row: &[u32], show: &mut impl FnMut(&[u32], f64)) {
+fn split(problem: &CorrelationProblem, row: &[u32], show: &mut impl FnMut(&[u32], f64)) {
     let mut tuples: Vec<(Vec<u32>, f64)> = Vec::new();
     for &track in row {
         let mut best = (0.0, None);
@@ -73,7 +77,12 @@ fn split(problem: &Problem, row: &[u32], show: &mut impl FnMut(&[u32], f64)) {
 }
 
 /// What a track of a later sensor adds to the cost of a tuple, where it may join.
-fn change_by(problem: &Problem, tuple: &mut Vec<u32>, cost: f64, track: u32) -> Option<f64> {
+fn change_by(
+    problem: &CorrelationProblem,
+    tuple: &mut Vec<u32>,
+    cost: f64,
+    track: u32,
+) -> Option<f64> {
     if let Costs::AllPairs = problem.costs {
         return tuple
             .iter()
@@ -93,13 +102,14 @@ mod tests {
     #[test]
     fn a_track_joins_the_tuple_of_its_row_that_gains_most() {
         // 1 is not linked with 0 and begins a tuple of its own; 2 gains more with it than with 0.
-        let all = Problem::new(&[1, 1, 1], &[(0, 2, -1.0), (1, 2, -2.0)], Costs::AllPairs);
-        assert_eq!(divided(&all, &[vec![0, 1, 2]]), [vec![0], vec![1, 2]]);
+        let all =
+            CorrelationProblem::new(&[1, 1, 1], &[(0, 2, -1.0), (1, 2, -2.0)], Costs::AllPairs);
+        assert_eq!(divide_rows(&all, &[vec![0, 1, 2]]), [vec![0], vec![1, 2]]);
     }
 
     #[test]
     fn a_chain_is_cut_where_a_link_is_missing_or_dear() {
-        let chain = Problem::new(
+        let chain = CorrelationProblem::new(
             &[1, 1, 1, 1],
             &[(0, 1, -1.0), (1, 2, 0.5), (2, 3, -2.0)],
             Costs::Chain,
@@ -109,6 +119,6 @@ mod tests {
             found.push((tuple.to_vec(), cost))
         });
         assert_eq!(found, [(vec![0, 1], -1.0), (vec![2, 3], -2.0)]);
-        assert_eq!(divided(&chain, &[vec![], vec![3]]), [vec![3]]);
+        assert_eq!(divide_rows(&chain, &[vec![], vec![3]]), [vec![3]]);
     }
 }

@@ -122,21 +122,19 @@ fn gap_s(max_gap_s: f64, has_velocity: bool) -> f64 {
 
 /// The times at which two sensors or more have a track.
 fn shared_times(nodes: &[Node], times_s: &[f64], max_gap_s: f64, has_velocity: bool) -> Vec<f64> {
+    let gap_s = gap_s(max_gap_s, has_velocity);
     let is_there = |node: &&Node, time_s: f64| {
-        node.tracks
-            .tracks
-            .iter()
-            .any(|track| last_point(track, time_s, gap_s(max_gap_s, has_velocity)).is_some())
+        let mut tracks = node.tracks.tracks.iter();
+        tracks.any(|track| last_point(track, time_s, gap_s).is_some())
     };
-    let is_shared = |time_s: &f64| {
-        nodes
-            .iter()
-            .filter(|node| is_there(node, *time_s))
-            .take(2)
-            .count()
-            == 2
-    };
-    times_s.iter().copied().filter(is_shared).collect()
+    let mut shared = Vec::new();
+    for &time_s in times_s {
+        let present = nodes.iter().filter(|node| is_there(node, time_s));
+        if present.take(2).count() == 2 {
+            shared.push(time_s);
+        }
+    }
+    shared
 }
 
 /// The last point of a track at or before a time, unless it is older than the gap.

@@ -9,14 +9,14 @@
 //! ends, and y is looked at where those of x overlap. A sum of k distances of at most k g has one of at most g: every pair
 //! whose mean over time is within the gate is found.
 
-use super::estimates::{Estimate, Estimates};
+use super::estimates::{AlignedEstimate, Estimates};
 
 /// The interval of one track at one time.
 struct Reach<'a> {
     low: f64,
     high: f64,
     track: u32,
-    estimate: &'a Estimate,
+    estimate: &'a AlignedEstimate,
 }
 
 /// The pairs, ascending, each once with the lower number first; `None` when there are more than `limit` to be looked at.

@@ -8,7 +8,7 @@
 //! Tracks have numbers of their own here, in the same order; so have the sensors. A *row* is a tuple by sensor: the track of
 //! each sensor, or [`NONE`]. Cost and link are looked up by sensor, so that nothing is stored for tracks that are not linked.
 
-use super::problem::{Costs, Problem};
+use super::problem::{CorrelationProblem, Costs};
 
 pub(super) const NONE: u32 = u32::MAX;
 
@@ -22,7 +22,7 @@ pub(super) struct Edge {
 }
 
 pub(super) struct Cluster<'a> {
-    problem: &'a Problem,
+    problem: &'a CorrelationProblem,
     /// What the problem calls each track, ascending.
     tracks: Vec<u32>,
     sensor_of: Vec<u32>,
@@ -33,7 +33,7 @@ pub(super) struct Cluster<'a> {
 }
 
 /// All clusters of two tracks or more, in the order of their first tracks.
-pub(super) fn clusters(problem: &Problem) -> Vec<Cluster<'_>> {
+pub(super) fn clusters(problem: &CorrelationProblem) -> Vec<Cluster<'_>> {
     let mut root_of: Vec<u32> = (0..problem.tracks() as u32).collect();
     for track in 0..problem.tracks() as u32 {
         for link in problem
@@ -60,7 +60,7 @@ pub(super) fn clusters(problem: &Problem) -> Vec<Cluster<'_>> {
         .collect()
 }
 
-fn connects(problem: &Problem, cost: f64) -> bool {
+fn connects(problem: &CorrelationProblem, cost: f64) -> bool {
     cost < 0.0 || matches!(problem.costs, Costs::Joint(_))
 }
 
@@ -74,7 +74,7 @@ fn root(root_of: &mut [u32], mut track: u32) -> u32 {
 
 impl<'a> Cluster<'a> {
     /// `local_of` is as long as the problem has tracks, all [`NONE`], and is left so.
-    fn new(problem: &'a Problem, tracks: Vec<u32>, local_of: &mut [u32]) -> Self {
+    fn new(problem: &'a CorrelationProblem, tracks: Vec<u32>, local_of: &mut [u32]) -> Self {
         let mut sensor_of: Vec<u32> = tracks
             .iter()
             .map(|&track| problem.sensor_of(track) as u32)
@@ -271,18 +271,19 @@ impl<'a> Cluster<'a> {
     }
 
     fn sum_of_least(&self, counts: impl Fn(u32, usize) -> bool, add: fn(f64, f64) -> f64) -> f64 {
-        let least = |track, sensor| {
-            self.edges_to(track, sensor)
-                .iter()
-                .fold(0.0, |least: f64, edge| least.min(edge.cost))
-        };
         let of_track = |track| {
             (0..self.sensors)
                 .filter(|&sensor| counts(track, sensor))
-                .map(|sensor| least(track, sensor))
+                .map(|sensor| self.least_edge(track, sensor))
                 .fold(0.0, add)
         };
         (0..self.len() as u32).map(of_track).sum()
+    }
+
+    /// Of the edges of a track to a sensor; 0 where all cost something.
+    fn least_edge(&self, track: u32, sensor: usize) -> f64 {
+        let edges = self.edges_to(track, sensor).iter();
+        edges.fold(0.0, |least: f64, edge| least.min(edge.cost))
     }
 }
 
@@ -299,7 +300,7 @@ mod tests {
             (2, 4, -2.0),
             (0, 4, 1.0),
         ];
-        let problem = Problem::new(&[2, 2, 1], &pairs, Costs::AllPairs);
+        let problem = CorrelationProblem::new(&[2, 2, 1], &pairs, Costs::AllPairs);
         let found = clusters(&problem);
         let names = |cluster: &Cluster| {
             (0..cluster.len() as u32)
@@ -321,7 +322,7 @@ mod tests {
 
     #[test]
     fn a_chain_is_cut_where_a_link_is_missing() {
-        let problem = Problem::new(
+        let problem = CorrelationProblem::new(
             &[1, 1, 1, 1],
             &[(0, 1, -3.0), (1, 2, 2.0), (2, 3, -1.0), (0, 3, -1.0)],
             Costs::Chain,

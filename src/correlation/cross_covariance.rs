@@ -22,7 +22,7 @@ use super::alignment::transition;
 use super::estimates::Estimates;
 use crate::model::motion::ConstantVelocity;
 use crate::model::state::Covariance;
-use crate::model::track::Track;
+use crate::model::track::{Track, TrackPoint};
 use nalgebra::SymmetricEigen;
 use std::collections::BTreeMap;
 
@@ -44,14 +44,16 @@ impl CrossTable {
             })
             .collect();
         let times = estimates.times();
-        let root = |track: u32, time: usize| roots[track as usize * times + time];
-        let at = |a: u32, b: u32, time: usize| match (root(a, time), root(b, time)) {
-            (Some(left), Some(right)) => left * right * coefficient,
-            _ => Covariance::zeros(),
+        let at = |(a, b): (u32, u32), time: usize| {
+            let (left, right) = (a as usize * times + time, b as usize * times + time);
+            match (roots[left], roots[right]) {
+                (Some(left), Some(right)) => left * right * coefficient,
+                _ => Covariance::zeros(),
+            }
         };
         let of_pair = pairs
             .iter()
-            .map(|&(a, b)| ((a, b), (0..times).map(|time| at(a, b, time)).collect()))
+            .map(|&pair| (pair, (0..times).map(|time| at(pair, time)).collect()))
             .collect();
         CrossTable { of_pair }
     }
@@ -157,22 +159,27 @@ fn recursion(tracks: [&Track; 2], times_s: &[f64], motion: ConstantVelocity) -> 
 
 /// I − K H = P(l|l) P(l|l−1)⁻¹ of every point but the first.
 fn updates_of(track: &Track, side: usize, motion: ConstantVelocity) -> Vec<Update> {
-    let covariance = |index: usize| {
-        track.points[index]
-            .estimate
-            .plane()
-            .and_then(|plane| plane.covariance)
-    };
-    let update = |index: usize| {
-        let dt_s = track.points[index].time_s - track.points[index - 1].time_s;
-        let transition = transition(dt_s);
-        let predicted = transition * covariance(index - 1)? * transition.transpose()
-            + motion.process_noise::<4>(dt_s);
-        Some((
-            track.points[index].time_s,
-            side,
-            covariance(index)? * predicted.try_inverse()?,
-        ))
-    };
-    (1..track.points.len()).filter_map(update).collect()
+    let mut updates = Vec::new();
+    for pair in track.points.windows(2) {
+        let factor = update_factor(&pair[0], &pair[1], motion);
+        updates.extend(factor.map(|factor| (pair[1].time_s, side, factor)));
+    }
+    updates
+}
+
+/// I − K H of the update at a point, as P(l|l) P(l|l−1)⁻¹.
+fn update_factor(
+    before: &TrackPoint,
+    now: &TrackPoint,
+    motion: ConstantVelocity,
+) -> Option<Covariance> {
+    let dt_s = now.time_s - before.time_s;
+    let transition = transition(dt_s);
+    let predicted = transition * covariance_of(before)? * transition.transpose()
+        + motion.process_noise::<4>(dt_s);
+    Some(covariance_of(now)? * predicted.try_inverse()?)
+}
+
+fn covariance_of(point: &TrackPoint) -> Option<Covariance> {
+    point.estimate.plane().and_then(|plane| plane.covariance)
 }

@@ -5,17 +5,17 @@ use crate::model::state::{Covariance, GaussianState, State};
 
 /// What one track says at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Estimate {
+pub struct AlignedEstimate {
     pub mean: State,
     pub covariance: Covariance,
     /// P⁻¹ and the constant of the density.
     pub gaussian: Gaussian<4>,
 }
 
-impl Estimate {
+impl AlignedEstimate {
     /// `None` when the covariance is not positive definite.
     pub fn new(state: &GaussianState) -> Option<Self> {
-        Some(Estimate {
+        Some(AlignedEstimate {
             mean: state.mean,
             covariance: state.covariance,
             gaussian: Gaussian::new(&state.covariance)?,
@@ -32,7 +32,7 @@ pub struct Estimates {
     pub track_ids: Vec<String>,
     pub times_s: Vec<f64>,
     /// Time by time of track by track; `None` where a track says nothing at a time.
-    table: Vec<Option<Estimate>>,
+    table: Vec<Option<AlignedEstimate>>,
     /// Whether velocities are compared. Where they are not, every velocity is 0 ± 1 m/s in all tracks, without covariance with
     /// the position: then it adds nothing to a distance, and the same algebra serves both.
     pub has_velocity: bool,
@@ -60,17 +60,17 @@ impl Estimates {
         if !self.has_velocity {
             without_velocity(&mut state);
         }
-        let estimate = Estimate::new(&state);
+        let estimate = AlignedEstimate::new(&state);
         self.table[track * self.times_s.len() + time] = estimate;
         estimate.is_some()
     }
 
-    pub fn at(&self, track: u32, time: usize) -> Option<&Estimate> {
+    pub fn at(&self, track: u32, time: usize) -> Option<&AlignedEstimate> {
         self.table[track as usize * self.times_s.len() + time].as_ref()
     }
 
     /// Everything that a track says, by time.
-    pub fn of_track(&self, track: u32) -> &[Option<Estimate>] {
+    pub fn of_track(&self, track: u32) -> &[Option<AlignedEstimate>] {
         let times = self.times_s.len();
         &self.table[track as usize * times..(track as usize + 1) * times]
     }

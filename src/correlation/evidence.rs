@@ -18,7 +18,7 @@
 //! - ln ∫ Π N(x̂_s; x, P_s) dx = ln N(d; 0, D): how probable the differences are.
 
 use super::cross_covariance::CrossTable;
-use super::estimates::{Estimate, Estimates};
+use super::estimates::{AlignedEstimate, Estimates};
 use crate::math::gaussian::Gaussian;
 use crate::model::state::{Covariance, State};
 use nalgebra::{DMatrix, DVector};
@@ -191,7 +191,7 @@ impl Evidence {
         time: usize,
         cross: &CrossTable,
     ) -> Option<(usize, f64, f64)> {
-        let present: Vec<(u32, &Estimate)> = tuple
+        let present: Vec<(u32, &AlignedEstimate)> = tuple
             .iter()
             .filter_map(|&track| Some((track, self.estimates.at(track, time)?)))
             .collect();

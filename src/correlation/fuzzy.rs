@@ -19,12 +19,12 @@
 //! 3. Sensor by sensor, the assignment of tracks to different centres with the largest total membership.
 //! 4. The tracks of a centre are a tuple; one that does not exist or does not pay is divided ([`super::admissible`]).
 
-use super::admissible::divided;
+use super::admissible::divide_rows;
 use super::bound::dual_bound;
 use super::cluster::{Cluster, clusters};
 use super::evidence::{Evidence, Times};
 use super::grouping::{FUZZIFIER, TOLERANCE};
-use super::problem::Problem;
+use super::problem::CorrelationProblem;
 use super::{BuildCorrelator, Correlator, Solution};
 use crate::math::assignment::AssignmentSolver;
 use crate::math::fuzzy_c_means::{Fuzzifier, largest_change};
@@ -37,11 +37,11 @@ pub const METHOD: Method<BuildCorrelator> = Method {
     name: "fuzzy",
     parameters: &PARAMETERS,
     build: |spec, _| {
-        let Settings {
+        let FuzzyCorrelatorSettings {
             fuzzifier,
             tolerance,
             max_iterations,
-        } = Settings::deserialize(spec)?;
+        } = FuzzyCorrelatorSettings::deserialize(spec)?;
         let fuzzifier = Fuzzifier::new(fuzzifier).map_err(serde::de::Error::custom)?;
         Ok(Box::new(Fuzzy {
             fuzzifier,
@@ -67,7 +67,7 @@ static PARAMETERS: Object = Object {
 };
 
 #[derive(Debug, Deserialize)]
-struct Settings {
+struct FuzzyCorrelatorSettings {
     fuzzifier: f64,
     tolerance: f64,
     max_iterations: u32,
@@ -81,7 +81,7 @@ struct Fuzzy {
 }
 
 impl Correlator for Fuzzy {
-    fn correlate(&mut self, problem: &Problem) -> Result<Solution, Vec<Fault>> {
+    fn correlate(&mut self, problem: &CorrelationProblem) -> Result<Solution, Vec<Fault>> {
         let Some(evidence) = problem.evidence() else {
             return Err(vec![Fault::new(
                 "/method",
@@ -93,7 +93,8 @@ impl Correlator for Fuzzy {
             .iter()
             .flat_map(|cluster| self.rows(cluster, evidence))
             .collect();
-        Ok(Solution::of(problem, divided(problem, &rows)).bounded(dual_bound(problem)))
+        Ok(Solution::from_tuples(problem, divide_rows(problem, &rows))
+            .with_bound(dual_bound(problem)))
     }
 }
 
@@ -110,7 +111,7 @@ impl Fuzzy {
                 break;
             }
         }
-        clustering.hardened()
+        clustering.harden()
     }
 }
 
@@ -227,7 +228,7 @@ impl<'a> Clustering<'a> {
         let mut sums = vec![(Covariance::zeros(), State::zeros()); self.centres.len()];
         for track in 0..self.cluster.len() as u32 {
             for index in self.candidates_of(track) {
-                let weight = fuzzifier.raised(self.memberships[index]);
+                let weight = fuzzifier.raise(self.memberships[index]);
                 for (place, &time) in self.times.iter().enumerate() {
                     let Some(estimate) = self
                         .evidence
@@ -250,7 +251,7 @@ impl<'a> Clustering<'a> {
     }
 
     /// Step 3.
-    fn hardened(&self) -> Vec<Vec<u32>> {
+    fn harden(&self) -> Vec<Vec<u32>> {
         let mut rows = vec![Vec::new(); self.centres.len() / self.times.len().max(1)];
         let mut solver = AssignmentSolver::default();
         let tracks: Vec<u32> = (0..self.cluster.len() as u32).collect();
@@ -334,7 +335,7 @@ mod tests {
         }
     }
 
-    fn problem(sensors: &[&[f64]]) -> Problem {
+    fn problem(sensors: &[&[f64]]) -> CorrelationProblem {
         let counts: Vec<usize> = sensors.iter().map(|tracks| tracks.len()).collect();
         let evidence = evidence(sensors);
         let tracks: usize = counts.iter().sum();
@@ -345,10 +346,10 @@ mod tests {
             .filter(|&(a, b)| sensor_of[a as usize] != sensor_of[b as usize])
             .filter_map(link)
             .collect();
-        Problem::new(&counts, &pairs, Costs::AllPairs).with_evidence(evidence)
+        CorrelationProblem::new(&counts, &pairs, Costs::AllPairs).with_evidence(evidence)
     }
 
-    fn fuzzy(problem: &Problem) -> Solution {
+    fn fuzzy(problem: &CorrelationProblem) -> Solution {
         let parameters =
             serde_json::json!({"fuzzifier": 2.0, "tolerance": 1e-4, "max_iterations": 100});
         (METHOD.build)(&parameters, Seed { seed: 0, run: 0 })
@@ -410,7 +411,11 @@ mod tests {
             serde_json::json!({"fuzzifier": 2.0, "tolerance": 1e-4, "max_iterations": 100});
         let mut fuzzy = (METHOD.build)(&parameters, Seed { seed: 0, run: 0 }).unwrap();
         let fault = fuzzy
-            .correlate(&Problem::new(&[1, 1], &[(0, 1, -1.0)], Costs::AllPairs))
+            .correlate(&CorrelationProblem::new(
+                &[1, 1],
+                &[(0, 1, -1.0)],
+                Costs::AllPairs,
+            ))
             .unwrap_err()
             .remove(0);
         assert_eq!(&*fault.code, "unsupported");

@@ -213,3 +213,19 @@ impl Improver {
         }
     }
 }
+
+/// What others answer for a cluster, after local search, the better first.
+pub(super) fn improve_all(
+    cluster: &Cluster,
+    known: &[Vec<Vec<u32>>],
+    improver: &mut Improver,
+) -> Vec<Partition> {
+    let improve = |tuples: &Vec<Vec<u32>>| {
+        let mut partition = Partition::of_problem(cluster, tuples);
+        improver.improve_all(cluster, &mut partition);
+        partition
+    };
+    let mut partitions: Vec<Partition> = known.iter().map(improve).collect();
+    partitions.sort_by(|left, right| left.cost().total_cmp(&right.cost()));
+    partitions
+}

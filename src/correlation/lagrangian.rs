@@ -11,16 +11,16 @@
 //!    is the local search's, and the bound is that of all pairs ([`super::bound`]), or none.
 
 use super::bound::dual_bound;
+use super::chain::cheapest_chains;
 use super::cluster::{Cluster, clusters};
-use super::exact::{cheapest_chains, improved};
-use super::improve::Improver;
+use super::improve::{Improver, improve_all};
 use super::nearest::nearest_tuples;
 use super::partition::Partition;
-use super::pricing::priced;
-use super::problem::{Costs, Problem};
-use super::tuples::{Relaxation, TooLarge, Tuple, listed, relaxed};
+use super::pricing::price;
+use super::problem::{CorrelationProblem, Costs};
+use super::tuples::{Relaxation, TooLarge, Tuple, list_tuples, relax};
 use super::weighted::weighted_tuples;
-use super::{BuildCorrelator, Correlator, Search, Solution};
+use super::{BuildCorrelator, Correlator, SearchHistory, Solution};
 use crate::model::fault::Fault;
 use crate::model::watch::Watch;
 use crate::registry::{Method, Object, default, whole};
@@ -75,7 +75,7 @@ pub(super) fn relaxed_answer(
 }
 
 impl Correlator for Lagrangian {
-    fn correlate(&mut self, problem: &Problem) -> Result<Solution, Vec<Fault>> {
+    fn correlate(&mut self, problem: &CorrelationProblem) -> Result<Solution, Vec<Fault>> {
         Ok(self.solve_all(
             problem,
             &[nearest_tuples(problem), weighted_tuples(problem)],
@@ -84,15 +84,15 @@ impl Correlator for Lagrangian {
 }
 
 impl Lagrangian {
-    fn solve_all(&self, problem: &Problem, known: &[Vec<Vec<u32>>]) -> Solution {
+    fn solve_all(&self, problem: &CorrelationProblem, known: &[Vec<Vec<u32>>]) -> Solution {
         if matches!(problem.costs, Costs::Chain) {
             let (tuples, bound) = cheapest_chains(problem);
-            return Solution::of(problem, tuples).bounded(Some(bound));
+            return Solution::from_tuples(problem, tuples).with_bound(Some(bound));
         }
         let mut improver = Improver::default();
         let (mut tuples, mut bound, mut bounds) = (Vec::new(), Some(0.0), Vec::new());
         for cluster in clusters(problem) {
-            let start = improved(&cluster, known, &mut improver).swap_remove(0);
+            let start = improve_all(&cluster, known, &mut improver).swap_remove(0);
             let (answer, relaxation) = self.solve(&cluster, start, &mut improver);
             tuples.extend(answer.tuples().map(|tuple| cluster.names(&tuple)));
             bound = bound
@@ -100,8 +100,8 @@ impl Lagrangian {
                 .map(|(sum, found)| sum + found.bound.min(answer.cost()));
             bounds.extend(relaxation.map(|found| found.bounds));
         }
-        let solution = Solution::of(problem, tuples);
-        let solution = solution.bounded(
+        let solution = Solution::from_tuples(problem, tuples);
+        let solution = solution.with_bound(
             [dual_bound(problem), bound]
                 .into_iter()
                 .flatten()
@@ -120,10 +120,10 @@ impl Lagrangian {
         start: Partition,
         improver: &mut Improver,
     ) -> (Partition, Option<Relaxation>) {
-        let Some(relaxation) = self.relaxed(cluster, &start) else {
+        let Some(relaxation) = self.relax(cluster, &start) else {
             return (start, None);
         };
-        let recovered = recovered(cluster, &relaxation, improver);
+        let recovered = recover(cluster, &relaxation, improver);
         (
             if recovered.cost() < start.cost() {
                 recovered
@@ -137,29 +137,27 @@ impl Lagrangian {
 
 impl Lagrangian {
     /// Step 1.
-    fn relaxed(&self, cluster: &Cluster, start: &Partition) -> Option<Relaxation> {
-        match listed(
+    fn relax(&self, cluster: &Cluster, start: &Partition) -> Option<Relaxation> {
+        match list_tuples(
             cluster,
             &mut self.max_nodes.min(MAX_LISTED),
             &Watch::never(),
         ) {
-            Ok(tuples) => Some(relaxed(&tuples, start.cost(), self.rounds)),
-            Err(TooLarge) if cluster.is_pairwise() => priced(cluster, start, self.max_nodes),
+            Ok(tuples) => Some(relax(&tuples, start.cost(), self.rounds)),
+            Err(TooLarge) if cluster.is_pairwise() => price(cluster, start, self.max_nodes),
             Err(TooLarge) => None,
         }
     }
 }
 
 /// Step 2.
-fn recovered(cluster: &Cluster, relaxation: &Relaxation, improver: &mut Improver) -> Partition {
-    let price = |&member: &u32| relaxation.multipliers[member as usize];
-    let reduced = |tuple: &Tuple| tuple.cost - tuple.members.iter().map(price).sum::<f64>();
-    let mut order: Vec<(f64, &Tuple)> = relaxation
-        .tuples
-        .iter()
-        .flatten()
-        .map(|tuple| (reduced(tuple), tuple))
-        .collect();
+fn recover(cluster: &Cluster, relaxation: &Relaxation, improver: &mut Improver) -> Partition {
+    let mut order: Vec<(f64, &Tuple)> = Vec::new();
+    for tuple in relaxation.tuples.iter().flatten() {
+        let members = tuple.members.iter();
+        let prices = members.map(|&member| relaxation.multipliers[member as usize]);
+        order.push((tuple.cost - prices.sum::<f64>(), tuple));
+    }
     order.sort_by(|left, right| left.0.total_cmp(&right.0));
     let mut is_free = vec![true; cluster.len()];
     let mut taken: Vec<&[u32]> = Vec::new();
@@ -178,13 +176,13 @@ fn recovered(cluster: &Cluster, relaxation: &Relaxation, improver: &mut Improver
 }
 
 /// The bound round by round as the trace of the search, summed over clusters: those that have ended stay at their last.
-fn search_of(bounds: &[Vec<f64>], solution: &Solution) -> Search {
+fn search_of(bounds: &[Vec<f64>], solution: &Solution) -> SearchHistory {
     let rounds = bounds.iter().map(Vec::len).max().unwrap_or(0);
     let at = |round: usize| bounds.iter().map(|of| of[round.min(of.len() - 1)]).sum();
     let is_proven = solution
         .dual_bound
         .is_some_and(|bound| solution.cost - bound <= 1e-9);
-    Search {
+    SearchHistory {
         best: vec![solution.cost; rounds],
         mean: (0..rounds).map(at).collect(),
         evaluations: bounds.iter().map(|of| of.len() as u64).sum(),

@@ -1,6 +1,6 @@
 //! Correlation: which reports, or which tracks, of several sensors are of one target.
 //!
-//! [`grouping`] puts the reports of one instant together. The correlators put tracks together: a [`problem::Problem`] says
+//! [`grouping`] puts the reports of one instant together. The correlators put tracks together: a [`problem::CorrelationProblem`] says
 //! what each tuple of tracks costs, a [`Correlator`] looks for the cheapest [`Solution`]. One file a correlator, one line of
 //! [`CORRELATORS`].
 
@@ -8,13 +8,15 @@ use crate::math::rng::Seed;
 use crate::model::fault::Fault;
 use crate::model::watch::Watch;
 use crate::registry::{Method, Union};
-use problem::Problem;
+use problem::CorrelationProblem;
 
 mod admissible;
 pub mod alignment;
 mod bound;
 mod candidates;
+mod chain;
 mod cluster;
+mod cover;
 pub mod cross_covariance;
 pub mod estimates;
 pub mod evidence;
@@ -43,12 +45,12 @@ pub struct Solution {
     pub cost: f64,
     /// No solution costs less, where the correlator knows so.
     pub dual_bound: Option<f64>,
-    pub search: Option<Search>,
+    pub search: Option<SearchHistory>,
 }
 
 impl Solution {
     /// From tuples without a track in common; tracks in none of them are alone.
-    fn of(problem: &Problem, mut tuples: Vec<Vec<u32>>) -> Self {
+    fn from_tuples(problem: &CorrelationProblem, mut tuples: Vec<Vec<u32>>) -> Self {
         let mut is_in_one = vec![false; problem.tracks()];
         tuples
             .iter()
@@ -75,7 +77,7 @@ impl Solution {
     }
 
     /// With a bound; rounding must not put it above what was found.
-    fn bounded(self, bound: Option<f64>) -> Self {
+    fn with_bound(self, bound: Option<f64>) -> Self {
         Solution {
             dual_bound: bound.map(|bound| bound.min(self.cost)),
             ..self
@@ -85,7 +87,7 @@ impl Solution {
 
 /// How a correlator searched.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Search {
+pub struct SearchHistory {
     /// The cost of the best and of the mean solution of each generation, the first included; of a relaxation, the cost of the
     /// answer and the bound of each round.
     pub best: Vec<f64>,
@@ -100,7 +102,7 @@ pub struct Search {
 pub trait Correlator: Send {
     /// # Errors
     /// What of its parameters or of the size of the problem it cannot work with, with a pointer into the parameters.
-    fn correlate(&mut self, problem: &Problem) -> Result<Solution, Vec<Fault>>;
+    fn correlate(&mut self, problem: &CorrelationProblem) -> Result<Solution, Vec<Fault>>;
 
     /// The same, unless the watch says to stop; then the answer, or the refusal, is of no use. For those whose search may take long.
     ///
@@ -108,7 +110,7 @@ pub trait Correlator: Send {
     /// As [`Correlator::correlate`].
     fn correlate_until(
         &mut self,
-        problem: &Problem,
+        problem: &CorrelationProblem,
         _watch: &Watch,
     ) -> Result<Solution, Vec<Fault>> {
         self.correlate(problem)

@@ -11,7 +11,7 @@
 //! The steps of [`super::weighted`] on the costs of the problem, which hold C. Without cross-covariances the two methods are one.
 
 use super::bound::dual_bound;
-use super::problem::Problem;
+use super::problem::CorrelationProblem;
 use super::weighted::weighted_tuples;
 use super::{BuildCorrelator, Correlator, Solution};
 use crate::model::fault::Fault;
@@ -33,7 +33,10 @@ static PARAMETERS: Object = Object {
 struct Modified;
 
 impl Correlator for Modified {
-    fn correlate(&mut self, problem: &Problem) -> Result<Solution, Vec<Fault>> {
-        Ok(Solution::of(problem, weighted_tuples(problem)).bounded(dual_bound(problem)))
+    fn correlate(&mut self, problem: &CorrelationProblem) -> Result<Solution, Vec<Fault>> {
+        Ok(
+            Solution::from_tuples(problem, weighted_tuples(problem))
+                .with_bound(dual_bound(problem)),
+        )
     }
 }

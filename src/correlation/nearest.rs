@@ -13,7 +13,7 @@
 //! 2. For each in turn put the tuples of its two tracks together, if the tuple exists.
 
 use super::bound::dual_bound;
-use super::problem::Problem;
+use super::problem::CorrelationProblem;
 use super::{BuildCorrelator, Correlator, Solution};
 use crate::model::fault::Fault;
 use crate::registry::{Method, Object};
@@ -34,13 +34,13 @@ static PARAMETERS: Object = Object {
 struct Nearest;
 
 impl Correlator for Nearest {
-    fn correlate(&mut self, problem: &Problem) -> Result<Solution, Vec<Fault>> {
-        Ok(Solution::of(problem, nearest_tuples(problem)).bounded(dual_bound(problem)))
+    fn correlate(&mut self, problem: &CorrelationProblem) -> Result<Solution, Vec<Fault>> {
+        Ok(Solution::from_tuples(problem, nearest_tuples(problem)).with_bound(dual_bound(problem)))
     }
 }
 
 /// All tracks in tuples; some are empty.
-pub(super) fn nearest_tuples(problem: &Problem) -> Vec<Vec<u32>> {
+pub(super) fn nearest_tuples(problem: &CorrelationProblem) -> Vec<Vec<u32>> {
     let tracks = problem.tracks() as u32;
     let mut tuples: Vec<Vec<u32>> = (0..tracks).map(|track| vec![track]).collect();
     let mut tuple_of: Vec<u32> = (0..tracks).collect();
@@ -49,7 +49,7 @@ pub(super) fn nearest_tuples(problem: &Problem) -> Vec<Vec<u32>> {
         if left == right {
             continue;
         }
-        if let Some(joined) = joined(problem, &tuples[left as usize], &tuples[right as usize]) {
+        if let Some(joined) = join(problem, &tuples[left as usize], &tuples[right as usize]) {
             joined
                 .iter()
                 .for_each(|&track| tuple_of[track as usize] = left);
@@ -61,7 +61,7 @@ pub(super) fn nearest_tuples(problem: &Problem) -> Vec<Vec<u32>> {
     tuples
 }
 
-fn ordered_links(problem: &Problem) -> Vec<(f64, u32, u32)> {
+fn ordered_links(problem: &CorrelationProblem) -> Vec<(f64, u32, u32)> {
     let of_track = |a: u32| {
         let later = problem
             .links(a)
@@ -79,7 +79,7 @@ fn ordered_links(problem: &Problem) -> Vec<(f64, u32, u32)> {
 }
 
 /// Both tuples as one, where it exists.
-fn joined(problem: &Problem, left: &[u32], right: &[u32]) -> Option<Vec<u32>> {
+fn join(problem: &CorrelationProblem, left: &[u32], right: &[u32]) -> Option<Vec<u32>> {
     let mut tuple = [left, right].concat();
     tuple.sort_unstable();
     let shares_sensor = tuple
@@ -105,7 +105,11 @@ mod tests {
             (3, 4, -1.0),
         ];
         let solution = Nearest
-            .correlate(&Problem::new(&[2, 2, 1], &pairs, Costs::AllPairs))
+            .correlate(&CorrelationProblem::new(
+                &[2, 2, 1],
+                &pairs,
+                Costs::AllPairs,
+            ))
             .unwrap();
         assert_eq!(
             (solution.tuples, solution.cost),
@@ -118,7 +122,7 @@ mod tests {
         let pairs = [(0, 1, -9.0), (1, 2, -5.0)];
         let tuples = |costs| {
             Nearest
-                .correlate(&Problem::new(&[1, 1, 1], &pairs, costs))
+                .correlate(&CorrelationProblem::new(&[1, 1, 1], &pairs, costs))
                 .unwrap()
                 .tuples
         };

@@ -140,12 +140,12 @@ impl Partition {
 #[cfg(test)]
 mod tests {
     use super::super::cluster::clusters;
-    use super::super::problem::{Costs, Problem};
+    use super::super::problem::{CorrelationProblem, Costs};
     use super::*;
 
     #[test]
     fn rows_are_emptied_filled_and_cut() {
-        let problem = Problem::new(
+        let problem = CorrelationProblem::new(
             &[1, 1, 2],
             &[(0, 1, -3.0), (1, 2, -2.0), (0, 3, -1.0)],
             Costs::Chain,

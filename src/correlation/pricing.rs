@@ -29,8 +29,8 @@ const ROUNDING: f64 = -1e-9;
 
 /// Prices with their bound, and the tuples that were found. `nodes` is what may be looked at; `None` where they do not suffice for a
 /// bound.
-pub(super) fn priced(cluster: &Cluster, known: &Partition, mut nodes: u64) -> Option<Relaxation> {
-    let mut search = Search::new(cluster, shared(cluster, known));
+pub(super) fn price(cluster: &Cluster, known: &Partition, mut nodes: u64) -> Option<Relaxation> {
+    let mut search = PricingSearch::new(cluster, shared(cluster, known));
     let mut tuples: Vec<Vec<Tuple>> = (0..cluster.len()).map(|_| Vec::new()).collect();
     known
         .tuples()
@@ -84,7 +84,7 @@ fn shared(cluster: &Cluster, known: &Partition) -> Vec<f64> {
 }
 
 /// The search for r*(t).
-struct Search<'a> {
+struct PricingSearch<'a> {
     cluster: &'a Cluster<'a>,
     prices: Vec<f64>,
     /// [`Cluster::best_links`].
@@ -117,10 +117,10 @@ impl Candidates {
     }
 }
 
-impl<'a> Search<'a> {
+impl<'a> PricingSearch<'a> {
     fn new(cluster: &'a Cluster<'a>, prices: Vec<f64>) -> Self {
         let levels = vec![Candidates::default(); cluster.sensors() + 1];
-        Search {
+        PricingSearch {
             cluster,
             prices,
             rests: cluster.best_links(),

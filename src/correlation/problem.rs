@@ -32,17 +32,17 @@ pub trait JointCost: Send + Sync {
     fn cost(&self, tuple: &[u32]) -> f64;
 }
 
-pub struct Problem {
+pub struct CorrelationProblem {
     /// Where the tracks of each sensor begin, and the number of all tracks.
     bounds: Vec<u32>,
     /// For each track the linked tracks of all other sensors, ascending.
     links: Vec<Vec<Link>>,
     pub costs: Costs,
     evidence: Option<Evidence>,
-    independent: Option<Box<Problem>>,
+    independent: Option<Box<CorrelationProblem>>,
 }
 
-impl Problem {
+impl CorrelationProblem {
     /// From the number of tracks of each sensor and the links, each pair once, `(a, b, cost)` with a < b.
     pub fn new(tracks_of: &[usize], pairs: &[(u32, u32, f64)], costs: Costs) -> Self {
         let mut bounds = vec![0];
@@ -57,7 +57,7 @@ impl Problem {
         for of_track in &mut links {
             of_track.sort_unstable_by_key(|link| link.track);
         }
-        Problem {
+        CorrelationProblem {
             bounds,
             links,
             costs,
@@ -68,15 +68,15 @@ impl Problem {
 
     /// With what the tracks say.
     pub fn with_evidence(self, evidence: Evidence) -> Self {
-        Problem {
+        CorrelationProblem {
             evidence: Some(evidence),
             ..self
         }
     }
 
     /// With the same problem as it looks when errors are taken to be independent.
-    pub fn with_independent(self, independent: Problem) -> Self {
-        Problem {
+    pub fn with_independent(self, independent: CorrelationProblem) -> Self {
+        CorrelationProblem {
             independent: Some(Box::new(independent)),
             ..self
         }
@@ -88,7 +88,7 @@ impl Problem {
     }
 
     /// The same problem as it looks when errors are taken to be independent, where the costs take them to be correlated.
-    pub fn independent(&self) -> Option<&Problem> {
+    pub fn independent(&self) -> Option<&CorrelationProblem> {
         self.independent.as_deref()
     }
 
@@ -149,13 +149,13 @@ mod tests {
     #[test]
     fn a_chain_needs_neighbours_and_all_pairs_need_all() {
         let pairs = [(0, 1, -3.0), (1, 2, -2.0), (0, 2, 4.0)];
-        let chain = Problem::new(&[1, 1, 1], &pairs, Costs::Chain);
+        let chain = CorrelationProblem::new(&[1, 1, 1], &pairs, Costs::Chain);
         assert_eq!(chain.cost(&[0, 1, 2]), Some(-5.0));
         assert_eq!(chain.cost(&[0, 2]), Some(4.0));
         assert_eq!(chain.cost(&[1]), Some(0.0));
-        let all = Problem::new(&[1, 1, 1], &pairs, Costs::AllPairs);
+        let all = CorrelationProblem::new(&[1, 1, 1], &pairs, Costs::AllPairs);
         assert_eq!(all.cost(&[0, 1, 2]), Some(-1.0));
-        let open = Problem::new(&[1, 1, 1], &pairs[..2], Costs::AllPairs);
+        let open = CorrelationProblem::new(&[1, 1, 1], &pairs[..2], Costs::AllPairs);
         assert_eq!(open.cost(&[0, 1, 2]), None);
         assert_eq!(
             (all.sensor_of(1), all.of_sensor(2), all.link(2, 0)),
@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn a_sensor_may_have_no_tracks() {
-        let problem = Problem::new(&[1, 0, 2], &[(0, 2, -1.0)], Costs::Chain);
+        let problem = CorrelationProblem::new(&[1, 0, 2], &[(0, 2, -1.0)], Costs::Chain);
         assert_eq!(
             (
                 problem.sensor_of(0),

@@ -25,7 +25,7 @@ use super::candidates::candidates;
 use super::cross_covariance::CrossTable;
 use super::estimates::Estimates;
 use super::evidence::{Evidence, Spread, Times};
-use super::problem::{Costs, JointCost, Problem};
+use super::problem::{CorrelationProblem, Costs, JointCost};
 use crate::math::gaussian::{chi_square_quantile, chi_square_tail};
 use crate::registry::{Bound, Field, Kind, Object, Union, above, default, optional, variant};
 use serde::Deserialize;
@@ -271,7 +271,7 @@ impl Correlation {
         }
     }
 
-    pub fn problem(&self, until: usize) -> Problem {
+    pub fn problem(&self, until: usize) -> CorrelationProblem {
         let evidence = self.evidence(until);
         let problem = self.problem_of(evidence.clone());
         if evidence.cross.is_none() {
@@ -283,7 +283,7 @@ impl Correlation {
         }))
     }
 
-    fn problem_of(&self, evidence: Evidence) -> Problem {
+    fn problem_of(&self, evidence: Evidence) -> CorrelationProblem {
         let until = evidence.until;
         let links = self.links(&evidence);
         let costs = match self.statistic {
@@ -301,7 +301,7 @@ impl Correlation {
                 Costs::Joint(Box::new(self.likelihood_ratio(evidence.clone())))
             }
         };
-        Problem::new(&self.estimates.tracks_of, &links, costs).with_evidence(evidence)
+        CorrelationProblem::new(&self.estimates.tracks_of, &links, costs).with_evidence(evidence)
     }
 
     /// The linked pairs with their costs.
@@ -371,20 +371,22 @@ impl Correlation {
 
 /// The size of the box around all states, each with one standard deviation on either side.
 fn extent(estimates: &Estimates) -> f64 {
-    let all = || {
-        (0..estimates.tracks() as u32)
-            .flat_map(|track| estimates.of_track(track))
-            .flatten()
-    };
-    let side = |axis: usize| {
-        let ends = |sign: f64| {
-            all().map(move |estimate| {
-                estimate.mean[axis] + sign * estimate.covariance[(axis, axis)].sqrt()
-            })
-        };
-        ends(1.0).fold(f64::NEG_INFINITY, f64::max) - ends(-1.0).fold(f64::INFINITY, f64::min)
-    };
-    (0..estimates.dimensions()).map(side).product()
+    (0..estimates.dimensions())
+        .map(|axis| side(estimates, axis))
+        .product()
+}
+
+/// The length along an axis of what the estimates reach within one standard deviation.
+fn side(estimates: &Estimates, axis: usize) -> f64 {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for track in 0..estimates.tracks() as u32 {
+        for estimate in estimates.of_track(track).iter().flatten() {
+            let sigma = estimate.covariance[(axis, axis)].sqrt();
+            low = low.min(estimate.mean[axis] - sigma);
+            high = high.max(estimate.mean[axis] + sigma);
+        }
+    }
+    high - low
 }
 
 /// Q − δ.

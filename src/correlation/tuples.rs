@@ -37,7 +37,7 @@ pub(super) struct Tuple {
 }
 
 /// Step 1; by lowest member, the cheapest first.
-pub(super) fn listed(
+pub(super) fn list_tuples(
     cluster: &Cluster,
     nodes: &mut u64,
     watch: &Watch,
@@ -195,9 +195,9 @@ pub(super) struct Relaxation {
 }
 
 /// Steps 2 and 3; `known` is what some division costs. It ends after `rounds`, or where L has reached `known`.
-pub(super) fn relaxed(tuples: &[Vec<Tuple>], known: f64, rounds: usize) -> Relaxation {
+pub(super) fn relax(tuples: &[Vec<Tuple>], known: f64, rounds: usize) -> Relaxation {
     let mut open = Open::new(tuples);
-    let found = improved(shares(tuples), &mut open, known, rounds);
+    let found = improve_prices(shares(tuples), &mut open, known, rounds);
     Relaxation {
         tuples: open.listed(tuples.len()),
         ..found
@@ -211,11 +211,11 @@ pub(super) fn better_prices(
     known: f64,
     rounds: usize,
 ) -> Vec<f64> {
-    improved(prices, &mut Open::new(tuples), known, rounds).multipliers
+    improve_prices(prices, &mut Open::new(tuples), known, rounds).multipliers
 }
 
 /// Step 3.
-fn improved(mut prices: Vec<f64>, open: &mut Open, known: f64, rounds: usize) -> Relaxation {
+fn improve_prices(mut prices: Vec<f64>, open: &mut Open, known: f64, rounds: usize) -> Relaxation {
     let mut counts = vec![0.0; prices.len()];
     let mut value = open.count_taken(&prices, &mut counts);
     let mut found = Relaxation {

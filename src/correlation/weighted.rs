@@ -19,9 +19,9 @@
 //! Where the costs of the problem know of correlated errors, the tuples are looked for without ([`super::modified`] looks for them
 //! with); those that do not exist or do not pay in the problem itself are divided, and J is stated in its costs.
 
-use super::admissible::divided;
+use super::admissible::divide_rows;
 use super::bound::dual_bound;
-use super::problem::{Costs, Link, Problem};
+use super::problem::{CorrelationProblem, Costs};
 use super::{BuildCorrelator, Correlator, Solution};
 use crate::math::assignment::AssignmentSolver;
 use crate::model::fault::Fault;
@@ -43,17 +43,17 @@ static PARAMETERS: Object = Object {
 struct Weighted;
 
 impl Correlator for Weighted {
-    fn correlate(&mut self, problem: &Problem) -> Result<Solution, Vec<Fault>> {
+    fn correlate(&mut self, problem: &CorrelationProblem) -> Result<Solution, Vec<Fault>> {
         let tuples = match problem.independent() {
             None => weighted_tuples(problem),
-            Some(independent) => divided(problem, &weighted_tuples(independent)),
+            Some(independent) => divide_rows(problem, &weighted_tuples(independent)),
         };
-        Ok(Solution::of(problem, tuples).bounded(dual_bound(problem)))
+        Ok(Solution::from_tuples(problem, tuples).with_bound(dual_bound(problem)))
     }
 }
 
 /// The tuples, those of one track too.
-pub(super) fn weighted_tuples(problem: &Problem) -> Vec<Vec<u32>> {
+pub(super) fn weighted_tuples(problem: &CorrelationProblem) -> Vec<Vec<u32>> {
     let mut tuples: Vec<Vec<u32>> = Vec::new();
     let mut tuple_of = vec![0; problem.tracks()];
     let mut solver = AssignmentSolver::default();
@@ -87,30 +87,26 @@ pub(super) fn weighted_tuples(problem: &Problem) -> Vec<Vec<u32>> {
 
 /// c(T, j) for each tuple that a track may join.
 fn costs_of_joining(
-    problem: &Problem,
+    problem: &CorrelationProblem,
     track: u32,
     tuples: &[Vec<u32>],
     tuple_of: &[u32],
     joins: &mut Vec<(u32, f64)>,
 ) {
     joins.clear();
-    let is_earlier = |link: &&Link| problem.sensor_of(link.track) < problem.sensor_of(track);
     let mut links: Vec<(u32, f64, u32)> = problem
         .links(track)
         .iter()
-        .take_while(is_earlier)
+        .take_while(|link| problem.sensor_of(link.track) < problem.sensor_of(track))
         .map(|link| (tuple_of[link.track as usize], link.cost, link.track))
         .collect();
     if matches!(problem.costs, Costs::Chain) {
-        let is_last = |&&(tuple, _, member): &&(u32, f64, u32)| {
-            tuples[tuple as usize].last() == Some(&member)
-        };
-        return joins.extend(
-            links
-                .iter()
-                .filter(is_last)
-                .map(|&(tuple, cost, _)| (tuple, cost)),
-        );
+        for (tuple, cost, member) in links {
+            if tuples[tuple as usize].last() == Some(&member) {
+                joins.push((tuple, cost));
+            }
+        }
+        return;
     }
     links.sort_unstable_by_key(|&(tuple, _, member)| (tuple, member));
     for of_tuple in links.chunk_by(|left, right| left.0 == right.0) {
@@ -127,7 +123,7 @@ fn costs_of_joining(
     }
 }
 
-fn cost_of_growth(problem: &Problem, tuple: &[u32], track: u32) -> f64 {
+fn cost_of_growth(problem: &CorrelationProblem, tuple: &[u32], track: u32) -> f64 {
     let cost = |tuple: &[u32]| problem.cost(tuple).unwrap_or(f64::INFINITY);
     let grown = [tuple, &[track]].concat();
     cost(&grown) - cost(tuple)
@@ -141,9 +137,9 @@ mod tests {
     #[test]
     fn weighted_does_not_see_what_errors_have_in_common_and_modified_does() {
         // With the correlation 1 is the partner of 2, which 0 seems to be without.
-        let seen = Problem::new(&[2, 1], &[(0, 2, -9.0), (1, 2, -8.0)], Costs::AllPairs);
-        let problem =
-            Problem::new(&[2, 1], &[(1, 2, -7.0)], Costs::AllPairs).with_independent(seen);
+        let seen = CorrelationProblem::new(&[2, 1], &[(0, 2, -9.0), (1, 2, -8.0)], Costs::AllPairs);
+        let problem = CorrelationProblem::new(&[2, 1], &[(1, 2, -7.0)], Costs::AllPairs)
+            .with_independent(seen);
         let found = Weighted.correlate(&problem).unwrap();
         assert_eq!(
             (found.tuples, found.cost),
@@ -173,7 +169,7 @@ mod tests {
             (3, 4, -4.0),
             (0, 4, 1.0),
         ];
-        let problem = |costs| Problem::new(&[2, 2, 1], &pairs, costs);
+        let problem = |costs| CorrelationProblem::new(&[2, 2, 1], &pairs, costs);
         let tuples = vec![vec![0, 3, 4], vec![1, 2]];
         let all = Weighted.correlate(&problem(Costs::AllPairs)).unwrap();
         assert_eq!((all.tuples, all.cost), (tuples.clone(), -14.0));

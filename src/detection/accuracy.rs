@@ -10,7 +10,7 @@
 //! The bearing of a target is nearly a line over three scans, so var d = 6σ². For each detection the nearest ones of the scans
 //! before and behind are taken, if they are within a few cells; σ = 1.4826 median |d| / √6.
 
-use crate::math::angle::wrapped;
+use crate::math::angle::wrap;
 use crate::model::scan::{Detection, Measurement, Recording};
 
 /// Neighbours in time are looked for within this many cells.
@@ -59,7 +59,7 @@ fn bearing(detection: &Detection) -> Option<f64> {
 fn nearest_offset(detections: &[Detection], bearing_rad: f64, reach_rad: f64) -> Option<f64> {
     let offsets = detections
         .iter()
-        .filter_map(|other| Some(wrapped(bearing(other)? - bearing_rad)));
+        .filter_map(|other| Some(wrap(bearing(other)? - bearing_rad)));
     offsets
         .filter(|offset| offset.abs() <= reach_rad)
         .min_by(|left, right| left.abs().total_cmp(&right.abs()))

@@ -24,7 +24,7 @@ mod threshold;
 pub use accuracy::estimated_sigma_rad;
 pub use origins::{Quality, assign_origins};
 
-use crate::math::angle::wrapped;
+use crate::math::angle::wrap;
 use crate::model::bearing_time::BearingTimeRecord;
 use crate::model::fault::Fault;
 use crate::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
@@ -197,9 +197,9 @@ fn peak(record: &BearingTimeRecord, power: &[f64], cells: [usize; 3]) -> Detecti
     };
     let bearings = cells.map(|cell| record.bearings_rad[cell]);
     let width_rad = if offset < 0.0 {
-        wrapped(bearings[1] - bearings[0])
+        wrap(bearings[1] - bearings[0])
     } else {
-        wrapped(bearings[2] - bearings[1])
+        wrap(bearings[2] - bearings[1])
     };
     Detection {
         measurement: Measurement::Bearing {

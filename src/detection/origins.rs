@@ -4,7 +4,7 @@
 //! In each scan pairs of a detection and a true bearing, at the time of the scan and not more than the gate apart, are taken from the
 //! nearest on: a detection has one origin, a target one detection. Two targets in one beam are one detection, that of the nearer.
 
-use crate::math::angle::wrapped;
+use crate::math::angle::wrap;
 use crate::model::fault::Fault;
 use crate::model::scan::{Measurement, Recording, Scan};
 use crate::model::truth::TruthSet;
@@ -91,7 +91,7 @@ fn matches(
         counts.true_bearings += 1;
         for (number, detection) in detections.iter().enumerate() {
             if let Measurement::Bearing { bearing_rad } = detection.measurement {
-                let error_rad = wrapped(bearing_rad - true_rad).abs();
+                let error_rad = wrap(bearing_rad - true_rad).abs();
                 pairs.extend((error_rad <= gate_rad).then_some((error_rad, number, index)));
             }
         }

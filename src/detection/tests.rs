@@ -97,7 +97,7 @@ fn a_peak_is_found_to_a_fraction_of_its_cell_also_across_north() {
         let bearings = bearings_deg(&found.recording);
         assert_eq!(bearings.len(), 1, "{at}");
         assert!(
-            (wrapped((bearings[0] - at).to_radians())).abs() < 1e-5,
+            (wrap((bearings[0] - at).to_radians())).abs() < 1e-5,
             "{at}: {}",
             bearings[0]
         );

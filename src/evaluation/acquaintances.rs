@@ -15,17 +15,19 @@ impl Acquaintances {
     /// Sorts the pairs by counting, first by track, then by truth; so the cost is in proportion to pairs and ids.
     pub fn new(comparison: &Comparison) -> Acquaintances {
         let pairs = &comparison.pairs;
-        let truth = |index: u32| comparison.truths[pairs[index as usize].truth as usize].id;
-        let track = |index: u32| comparison.tracks[pairs[index as usize].track as usize].id;
         let all: Vec<u32> = (0..pairs.len() as u32).collect();
-        let by_track = sorted_by_counting(&all, comparison.track_ids.len(), track);
-        let order = sorted_by_counting(&by_track, comparison.truth_ids.len(), truth);
+        let by_track = sorted_by_counting(&all, comparison.track_ids.len(), |index| {
+            track_of(comparison, index)
+        });
+        let order = sorted_by_counting(&by_track, comparison.truth_ids.len(), |index| {
+            truth_of(comparison, index)
+        });
         let mut found = Acquaintances {
             ids: Vec::new(),
             of_pair: vec![0; pairs.len()],
         };
         for index in order {
-            let ids = (truth(index), track(index));
+            let ids = (truth_of(comparison, index), track_of(comparison, index));
             if found.ids.last() != Some(&ids) {
                 found.ids.push(ids);
             }
@@ -33,6 +35,16 @@ impl Acquaintances {
         }
         found
     }
+}
+
+/// The truth of a pair.
+fn truth_of(comparison: &Comparison, pair: u32) -> u32 {
+    comparison.truths[comparison.pairs[pair as usize].truth as usize].id
+}
+
+/// The track of a pair.
+fn track_of(comparison: &Comparison, pair: u32) -> u32 {
+    comparison.tracks[comparison.pairs[pair as usize].track as usize].id
 }
 
 /// The items in order of their keys, which are below `keys`; equal keys keep their order.

@@ -4,7 +4,7 @@
 //! A detection within the gate of the target's true place counts as seen, whoever made it.
 
 use super::EvaluationInput;
-use super::comparison::{Comparison, Shape, Step};
+use super::comparison::{ComparedStep, Comparison, Shape};
 use super::events::{Event, EventKind, EventLog};
 use crate::model::scan::Recording;
 use crate::model::state::Position;
@@ -90,7 +90,7 @@ fn followed_by(events: &[Event], track: u32) -> Option<u32> {
         .and_then(|event| event.truth)
 }
 
-fn is_there(comparison: &Comparison, step: &Step, track: u32) -> bool {
+fn is_there(comparison: &Comparison, step: &ComparedStep, track: u32) -> bool {
     comparison.tracks[step.tracks.clone()]
         .binary_search_by_key(&track, |presence| presence.id)
         .is_ok()
@@ -98,7 +98,7 @@ fn is_there(comparison: &Comparison, step: &Step, track: u32) -> bool {
 
 /// Counts back from a step while no scan of that time has a detection near the target.
 fn unseen_scans(comparison: &Comparison, recording: &Recording, step: usize, truth: u32) -> usize {
-    let place = |step: &Step| {
+    let place = |step: &ComparedStep| {
         let truths = &comparison.truths[step.truths.clone()];
         truths
             .binary_search_by_key(&truth, |presence| presence.id)

@@ -34,7 +34,7 @@ pub enum Alignment {
 
 /// One time at which truth and tracks are compared.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Step {
+pub struct ComparedStep {
     pub time_s: f64,
     /// Ranges of [`Comparison::truths`], [`Comparison::tracks`], [`Comparison::pairs`].
     pub truths: Range<usize>,
@@ -103,7 +103,7 @@ pub struct Comparison {
     pub gate: f64,
     pub truth_ids: Vec<String>,
     pub track_ids: Vec<String>,
-    pub steps: Vec<Step>,
+    pub steps: Vec<ComparedStep>,
     pub truths: Vec<Presence>,
     pub tracks: Vec<Presence>,
     pub pairs: Vec<Pair>,
@@ -218,7 +218,7 @@ impl Comparison {
         self.pairs[first_pair..].sort_unstable_by_key(|pair| (pair.truth, pair.track));
         self.truths.extend(truths);
         self.tracks.extend(tracks);
-        self.steps.push(Step {
+        self.steps.push(ComparedStep {
             time_s,
             truths: first_truth..self.truths.len(),
             tracks: first_track..self.tracks.len(),
@@ -227,7 +227,10 @@ impl Comparison {
     }
 
     /// The pairs of a step that may be matched.
-    pub fn matchable<'c>(&'c self, step: &Step) -> impl Iterator<Item = &'c Pair> + use<'c> {
+    pub fn matchable<'c>(
+        &'c self,
+        step: &ComparedStep,
+    ) -> impl Iterator<Item = &'c Pair> + use<'c> {
         self.pairs[step.pairs.clone()]
             .iter()
             .filter(|pair| pair.distance <= self.gate)
@@ -365,7 +368,7 @@ fn direction(bearing_rad: f64) -> Position {
 }
 
 /// Position and velocity that a track says; a direction is no place, unless directions are compared.
-fn told(estimate: &Estimate, shape: Shape) -> Option<(Position, Option<Position>)> {
+fn place_of(estimate: &Estimate, shape: Shape) -> Option<(Position, Option<Position>)> {
     match (estimate, shape) {
         (Estimate::Bearing(bearing), Shape::Bearings) => {
             Some((direction(bearing.bearing_rad), None))
@@ -389,7 +392,7 @@ fn tracks_at(
                 continue;
             };
             guess = step + 1;
-            let Some((position_m, velocity_mps)) = told(&point.estimate, shape) else {
+            let Some((position_m, velocity_mps)) = place_of(&point.estimate, shape) else {
                 continue;
             };
             let presence = Presence {

@@ -32,7 +32,7 @@ pub struct GroupingCounts {
 }
 
 impl GroupingCounts {
-    pub fn of(reports: &[GroupedReport]) -> Self {
+    pub fn from_reports(reports: &[GroupedReport]) -> Self {
         let mut counts = GroupingCounts::default();
         let groups = sizes(reports.iter().map(|report| report.group));
         let both = sizes(
@@ -113,7 +113,7 @@ mod tests {
             origin,
             group,
         };
-        GroupingCounts::of(&reports.iter().map(report).collect::<Vec<_>>())
+        GroupingCounts::from_reports(&reports.iter().map(report).collect::<Vec<_>>())
     }
 
     #[test]
@@ -173,6 +173,6 @@ mod tests {
             (counts.duplicates, counts.true_pairs, counts.accuracy()),
             (0, 1, None)
         );
-        assert_eq!(GroupingCounts::of(&[]).precision(), None);
+        assert_eq!(GroupingCounts::from_reports(&[]).precision(), None);
     }
 }

@@ -4,7 +4,7 @@
 //! A pair that nobody competes for is taken as it is. The others go to the sparse assignment, which never looks beyond
 //! the truths and tracks that compete with each other. Memory is reused from step to step.
 
-use super::comparison::{Comparison, Pair, Step};
+use super::comparison::{ComparedStep, Comparison, Pair};
 use crate::math::assignment::AssignmentSolver;
 use crate::model::watch::Watch;
 
@@ -38,7 +38,7 @@ impl<'w> StepMatcher<'w> {
     pub fn best(
         &mut self,
         comparison: &Comparison,
-        step: &Step,
+        step: &ComparedStep,
         worth: impl Fn(usize, &Pair) -> f64,
     ) -> &[u32] {
         let pairs = &comparison.pairs[step.pairs.clone()];
@@ -61,7 +61,7 @@ impl<'w> StepMatcher<'w> {
     }
 
     /// Takes what nobody competes for, and puts the rest into the solver.
-    fn sort_out(&mut self, pairs: &[Pair], step: &Step) {
+    fn sort_out(&mut self, pairs: &[Pair], step: &ComparedStep) {
         self.edges.clear();
         self.rows.clear();
         let mut row_of = u32::MAX;

@@ -71,24 +71,21 @@ fn places_of(
             .map(|detection| detection.measurement)
             .any(|it| matches!(it, Measurement::RangeBearing { .. }));
     }
-    let place = |sensor: &SensorSettings| Some(Position::new(sensor.x_m?, sensor.y_m?));
-    let lost = sensors
-        .iter()
-        .zip(&is_polar)
-        .filter(|(sensor, is_polar)| **is_polar && place(sensor).is_none());
-    let fault = |sensor: &SensorSettings| {
-        let detail = format!(
-            "the nearest detection to a track is found with the place of sensor '{}': x_m and y_m",
-            sensor.sensor_id
-        );
-        Fault::new("/sensors", "missing", detail)
-    };
-    let faults: Vec<Fault> = lost.map(|(sensor, _)| fault(sensor)).collect();
-    if !faults.is_empty() {
-        return Err(faults);
+    let (mut places, mut faults) = (Vec::new(), Vec::new());
+    for (sensor, is_polar) in sensors.iter().zip(is_polar) {
+        let place = sensor.x_m.zip(sensor.y_m);
+        if is_polar && place.is_none() {
+            let detail = format!(
+                "the nearest detection to a track is found with the place of sensor '{}': x_m and y_m",
+                sensor.sensor_id
+            );
+            faults.push(Fault::new("/sensors", "missing", detail));
+        }
+        places.push(place.map_or_else(Position::zeros, |(x_m, y_m)| Position::new(x_m, y_m)));
     }
-    Ok(sensors
-        .iter()
-        .map(|sensor| place(sensor).unwrap_or_else(Position::zeros))
-        .collect())
+    if faults.is_empty() {
+        Ok(places)
+    } else {
+        Err(faults)
+    }
 }

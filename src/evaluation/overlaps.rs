@@ -4,7 +4,7 @@
 //! The steps are the frames in which anything is, of truth or of tracks. A box of truth meets only the tracks whose left
 //! edge lies between its own, less the greatest width, and its right edge; pairs that do not overlap are not listed.
 
-use super::comparison::{Comparison, Pair, Presence, Shape, Step};
+use super::comparison::{ComparedStep, Comparison, Pair, Presence, Shape};
 use super::extent::Extent;
 use crate::model::boxes::{BoxSet, ObjectBox};
 use crate::model::state::Position;
@@ -67,7 +67,7 @@ impl Comparison {
             comparison.pairs[first_pair..].sort_unstable_by_key(|pair| (pair.truth, pair.track));
             (truth_from, track_from) = (truths.end, seen.end);
             let pairs = first_pair..comparison.pairs.len();
-            comparison.steps.push(Step {
+            comparison.steps.push(ComparedStep {
                 time_s: f64::from(frame),
                 truths,
                 tracks: seen,

@@ -13,11 +13,11 @@
 //! through south, where π is followed by −π.
 
 use super::mixture::Expected;
-use super::{Chosen, Filter, FilterMethod};
-use crate::math::angle::wrapped;
+use super::{AnyFilter, Filter, FilterMethod};
+use crate::math::angle::wrap;
 use crate::model::motion::ConstantVelocity;
 use crate::model::scan::Measurement;
-use crate::model::sensor::{Report, Sensor};
+use crate::model::sensor::{MeasurementModel, Sensor};
 use crate::model::state::GaussianState;
 use crate::registry::{Object, above, default, number};
 use nalgebra::{Matrix1, Matrix2, Vector1, Vector2};
@@ -26,7 +26,7 @@ use serde::Deserialize;
 pub const METHOD: FilterMethod = FilterMethod {
     name: "bearing_only",
     parameters: &PARAMETERS,
-    build: |spec| Wire::deserialize(spec).map(|wire| Chosen::BearingOnly(wire.in_radians())),
+    build: |spec| Wire::deserialize(spec).map(|wire| AnyFilter::BearingOnly(wire.in_radians())),
 };
 
 static PARAMETERS: Object = Object {
@@ -80,11 +80,15 @@ impl Filter<2, 1> for BearingOnly {
         }
     }
 
-    fn measured(&self, _sensor: &Sensor, measurement: &Measurement) -> Option<Vector1<f64>> {
+    fn to_measurement_space(
+        &self,
+        _sensor: &Sensor,
+        measurement: &Measurement,
+    ) -> Option<Vector1<f64>> {
         match *measurement {
             Measurement::Bearing { bearing_rad }
             | Measurement::RangeBearing { bearing_rad, .. } => {
-                Some(Vector1::new(wrapped(bearing_rad)))
+                Some(Vector1::new(wrap(bearing_rad)))
             }
             Measurement::Position { .. } => None,
         }
@@ -97,7 +101,7 @@ impl Filter<2, 1> for BearingOnly {
     fn expect(&self, state: &GaussianState<2>, sensor: &Sensor) -> Option<Expected<2, 1>> {
         let variance = Matrix1::new(state.covariance[(0, 0)] + variance_of(&sensor.report)?);
         Expected::new(
-            Vector1::new(wrapped(state.mean[0])),
+            Vector1::new(wrap(state.mean[0])),
             variance,
             state.covariance.column(0).into_owned(),
         )
@@ -123,11 +127,11 @@ impl Filter<2, 1> for BearingOnly {
 }
 
 /// σ².
-fn variance_of(report: &Report) -> Option<f64> {
+fn variance_of(report: &MeasurementModel) -> Option<f64> {
     match report {
-        Report::Bearing { sigma_bearing_rad } => Some(sigma_bearing_rad.powi(2)),
-        Report::Polar(polar) => Some(polar.sigma_bearing_rad.powi(2)),
-        Report::Position { .. } => None,
+        MeasurementModel::Bearing { sigma_bearing_rad } => Some(sigma_bearing_rad.powi(2)),
+        MeasurementModel::Polar(polar) => Some(polar.sigma_bearing_rad.powi(2)),
+        MeasurementModel::Position { .. } => None,
     }
 }
 
@@ -142,7 +146,7 @@ mod tests {
     #[test]
     fn a_bearing_that_passes_south_goes_on() {
         // 0.01 rad/s for 40 s, from 0.2 rad before π to 0.2 rad behind it.
-        let report = Report::Bearing {
+        let report = MeasurementModel::Bearing {
             sigma_bearing_rad: 0.01,
         };
         let sensor = Sensor {
@@ -157,7 +161,7 @@ mod tests {
         };
         let at = |time_s: f64| {
             filter
-                .measured(
+                .to_measurement_space(
                     &sensor,
                     &Measurement::Bearing {
                         bearing_rad: PI - 0.2 + 0.01 * time_s,
@@ -185,8 +189,7 @@ mod tests {
             );
         }
         assert!(
-            (wrapped(state.mean[0]) - (-PI + 0.2)).abs() < 1e-3
-                && (state.mean[1] - 0.01).abs() < 1e-4,
+            (wrap(state.mean[0]) - (-PI + 0.2)).abs() < 1e-3 && (state.mean[1] - 0.01).abs() < 1e-4,
             "{}",
             state.mean
         );

@@ -14,10 +14,10 @@
 //! z = e^(σβ²/2) r (sin β, cos β); R from the predicted place and its covariance; then the filter of positions.
 
 use super::mixture::Expected;
-use super::{Chosen, Filter, FilterMethod, PROCESS_NOISE, kalman, polar};
+use super::{AnyFilter, Filter, FilterMethod, PROCESS_NOISE, kalman, polar};
 use crate::model::motion::ConstantVelocity;
 use crate::model::scan::Measurement;
-use crate::model::sensor::{Report, Sensor};
+use crate::model::sensor::{MeasurementModel, Sensor};
 use crate::model::state::{GaussianState, Position, PositionCovariance};
 use crate::registry::Object;
 use serde::Deserialize;
@@ -25,7 +25,7 @@ use serde::Deserialize;
 pub const METHOD: FilterMethod = FilterMethod {
     name: "converted",
     parameters: &PARAMETERS,
-    build: |spec| Converted::deserialize(spec).map(Chosen::Converted),
+    build: |spec| Converted::deserialize(spec).map(AnyFilter::Converted),
 };
 
 static PARAMETERS: Object = Object {
@@ -47,10 +47,10 @@ impl Filter<4, 2> for Converted {
         }
     }
 
-    fn measured(&self, sensor: &Sensor, measurement: &Measurement) -> Option<Position> {
+    fn to_measurement_space(&self, sensor: &Sensor, measurement: &Measurement) -> Option<Position> {
         match (&sensor.report, measurement) {
             (
-                Report::Polar(polar),
+                MeasurementModel::Polar(polar),
                 Measurement::RangeBearing {
                     range_m,
                     bearing_rad,
@@ -90,7 +90,9 @@ fn noise(
     spread: &PositionCovariance,
 ) -> Option<PositionCovariance> {
     match &sensor.report {
-        Report::Polar(polar) => Some(polar::unbiased_covariance(polar, position_m, spread)),
+        MeasurementModel::Polar(polar) => {
+            Some(polar::unbiased_covariance(polar, position_m, spread))
+        }
         report => kalman::noise_of(report),
     }
 }

@@ -15,19 +15,17 @@
 //! round.
 
 use super::mixture::Expected;
-use super::{Chosen, Filter, FilterMethod, PROCESS_NOISE, plane, polar};
-use crate::model::motion::ConstantVelocity;
-use crate::model::scan::Measurement;
-use crate::model::sensor::{Report, Sensor};
+use super::plane::PolarFilter;
+use super::{AnyFilter, FilterMethod, PROCESS_NOISE, polar};
+use crate::model::sensor::Polar;
 use crate::model::state::GaussianState;
 use crate::registry::Object;
-use nalgebra::SVector;
 use serde::Deserialize;
 
 pub const METHOD: FilterMethod = FilterMethod {
     name: "extended",
     parameters: &PARAMETERS,
-    build: |spec| Extended::deserialize(spec).map(Chosen::Extended),
+    build: |spec| Extended::deserialize(spec).map(AnyFilter::Extended),
 };
 
 static PARAMETERS: Object = Object {
@@ -42,25 +40,16 @@ pub struct Extended {
     pub process_noise_m2ps3: f64,
 }
 
-impl<const D: usize> Filter<4, D> for Extended {
-    fn motion(&self) -> ConstantVelocity {
-        ConstantVelocity {
-            spectral_density: self.process_noise_m2ps3,
-        }
+impl PolarFilter for Extended {
+    fn spectral_density(&self) -> f64 {
+        self.process_noise_m2ps3
     }
 
-    fn measured(&self, sensor: &Sensor, measurement: &Measurement) -> Option<SVector<f64, D>> {
-        plane::measured(sensor, measurement)
-    }
-
-    fn angle(&self, sensor: &Sensor) -> Option<usize> {
-        plane::angle(sensor)
-    }
-
-    fn expect(&self, state: &GaussianState, sensor: &Sensor) -> Option<Expected<4, D>> {
-        let Report::Polar(polar) = &sensor.report else {
-            return plane::expect_position(state, sensor);
-        };
+    fn expect_polar<const D: usize>(
+        &self,
+        state: &GaussianState,
+        polar: &Polar,
+    ) -> Option<Expected<4, D>> {
         let (shift, spread) = polar::curvature(polar, state);
         let measurement = polar::project(polar, &state.mean) + shift;
         Expected::linear(
@@ -69,18 +58,5 @@ impl<const D: usize> Filter<4, D> for Extended {
             &(polar::noise(polar)? + spread),
             state,
         )
-    }
-
-    fn log_clutter_scale(&self, sensor: &Sensor, expected: &Expected<4, D>) -> f64 {
-        plane::log_clutter_scale(sensor, expected)
-    }
-
-    fn initiate(
-        &self,
-        measurement: &SVector<f64, D>,
-        sensor: &Sensor,
-        speed_sigma_mps: f64,
-    ) -> Option<GaussianState> {
-        plane::initiate(measurement, sensor, speed_sigma_mps)
     }
 }

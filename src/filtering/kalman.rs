@@ -10,10 +10,10 @@
 //! ẑ = H x̂, S = H P Hᵀ + R, C = P Hᵀ; prediction and update are those of all filters.
 
 use super::mixture::Expected;
-use super::{Chosen, Filter, FilterMethod, PROCESS_NOISE};
+use super::{AnyFilter, Filter, FilterMethod, PROCESS_NOISE};
 use crate::model::motion::ConstantVelocity;
 use crate::model::scan::Measurement;
-use crate::model::sensor::{Report, Sensor};
+use crate::model::sensor::{MeasurementModel, Sensor};
 use crate::model::state::{Covariance, GaussianState, Position, PositionCovariance, State};
 use crate::registry::Object;
 use serde::Deserialize;
@@ -21,7 +21,7 @@ use serde::Deserialize;
 pub const METHOD: FilterMethod = FilterMethod {
     name: "kalman",
     parameters: &PARAMETERS,
-    build: |spec| Kalman::deserialize(spec).map(Chosen::Kalman),
+    build: |spec| Kalman::deserialize(spec).map(AnyFilter::Kalman),
 };
 
 static PARAMETERS: Object = Object {
@@ -43,7 +43,11 @@ impl Filter<4, 2> for Kalman {
         }
     }
 
-    fn measured(&self, _sensor: &Sensor, measurement: &Measurement) -> Option<Position> {
+    fn to_measurement_space(
+        &self,
+        _sensor: &Sensor,
+        measurement: &Measurement,
+    ) -> Option<Position> {
         measurement.position()
     }
 
@@ -68,8 +72,8 @@ impl Filter<4, 2> for Kalman {
 
 /// R of a position report.
 #[inline]
-pub(super) fn noise_of(report: &Report) -> Option<PositionCovariance> {
-    let Report::Position {
+pub(super) fn noise_of(report: &MeasurementModel) -> Option<PositionCovariance> {
+    let MeasurementModel::Position {
         sigma_x_m,
         sigma_y_m,
     } = *report
@@ -121,7 +125,7 @@ mod tests {
     use super::*;
 
     fn sensor(xx: f64, yy: f64) -> Sensor {
-        let report = Report::Position {
+        let report = MeasurementModel::Position {
             sigma_x_m: f64::sqrt(xx),
             sigma_y_m: f64::sqrt(yy),
         };

@@ -25,7 +25,11 @@ pub trait Filter<const N: usize, const D: usize> {
     fn motion(&self) -> ConstantVelocity;
 
     /// A report as a point of the measurement space; `None` for one that the filter cannot use.
-    fn measured(&self, sensor: &Sensor, measurement: &Measurement) -> Option<SVector<f64, D>>;
+    fn to_measurement_space(
+        &self,
+        sensor: &Sensor,
+        measurement: &Measurement,
+    ) -> Option<SVector<f64, D>>;
 
     /// The coordinate of the sensor's measurements that is an angle, if there is one.
     fn angle(&self, _sensor: &Sensor) -> Option<usize> {
@@ -51,7 +55,7 @@ pub trait Filter<const N: usize, const D: usize> {
 
 /// A filter that was chosen by name.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Chosen {
+pub enum AnyFilter {
     Kalman(kalman::Kalman),
     Converted(converted::Converted),
     Extended(extended::Extended),
@@ -59,23 +63,23 @@ pub enum Chosen {
     BearingOnly(bearing_only::BearingOnly),
 }
 
-impl Chosen {
+impl AnyFilter {
     pub fn uses_ranges(&self) -> bool {
-        !matches!(self, Chosen::Kalman(_) | Chosen::BearingOnly(_))
+        !matches!(self, AnyFilter::Kalman(_) | AnyFilter::BearingOnly(_))
     }
 
     /// Whether it tracks directions instead of places.
     pub fn is_of_bearings(&self) -> bool {
-        matches!(self, Chosen::BearingOnly(_))
+        matches!(self, AnyFilter::BearingOnly(_))
     }
 
     pub fn uses_range_rates(&self) -> bool {
-        matches!(self, Chosen::Extended(_) | Chosen::Unscented(_))
+        matches!(self, AnyFilter::Extended(_) | AnyFilter::Unscented(_))
     }
 }
 
 /// An entry of the table: the build takes checked parameters.
-pub type FilterMethod = Method<fn(&serde_json::Value) -> Result<Chosen, serde_json::Error>>;
+pub type FilterMethod = Method<fn(&serde_json::Value) -> Result<AnyFilter, serde_json::Error>>;
 
 /// Every filter.
 pub const FILTERS: &[FilterMethod] = &[

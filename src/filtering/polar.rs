@@ -9,7 +9,7 @@
 //! r, β, ṙ range, bearing and range rate; u, t unit vectors along the range and clockwise across it; σ standard deviations.
 
 use super::kalman;
-use crate::math::angle::wrapped;
+use crate::math::angle::wrap;
 use crate::model::scan::Measurement;
 use crate::model::sensor::Polar;
 use crate::model::state::{GaussianState, Position, PositionCovariance, State};
@@ -42,7 +42,7 @@ fn view(polar: &Polar, position_m: Position) -> View {
 }
 
 /// The report as (r, β) or, with three values, (r, β, ṙ).
-pub fn measured<const D: usize>(measurement: &Measurement) -> Option<SVector<f64, D>> {
+pub fn to_measurement_space<const D: usize>(measurement: &Measurement) -> Option<SVector<f64, D>> {
     let Measurement::RangeBearing {
         range_m,
         bearing_rad,
@@ -53,7 +53,7 @@ pub fn measured<const D: usize>(measurement: &Measurement) -> Option<SVector<f64
     };
     let mut values = SVector::zeros();
     values[0] = range_m;
-    values[1] = wrapped(bearing_rad);
+    values[1] = wrap(bearing_rad);
     if D > 2 {
         values[2] = range_rate_mps?;
     }

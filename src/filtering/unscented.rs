@@ -17,11 +17,10 @@
 //! default, no weight is negative and S cannot fail to be positive definite.
 
 use super::mixture::Expected;
-use super::{Chosen, Filter, FilterMethod, PROCESS_NOISE, plane, polar};
+use super::plane::PolarFilter;
+use super::{AnyFilter, FilterMethod, PROCESS_NOISE, polar};
 use crate::math::angle;
-use crate::model::motion::ConstantVelocity;
-use crate::model::scan::Measurement;
-use crate::model::sensor::{Polar, Report, Sensor};
+use crate::model::sensor::Polar;
 use crate::model::state::{GaussianState, State};
 use crate::registry::{Object, default, number};
 use nalgebra::{Cholesky, SMatrix, SVector};
@@ -30,7 +29,7 @@ use serde::Deserialize;
 pub const METHOD: FilterMethod = FilterMethod {
     name: "unscented",
     parameters: &PARAMETERS,
-    build: |spec| Unscented::deserialize(spec).map(Chosen::Unscented),
+    build: |spec| Unscented::deserialize(spec).map(AnyFilter::Unscented),
 };
 
 static PARAMETERS: Object = Object {
@@ -72,43 +71,11 @@ pub struct Unscented {
 const SIZE: usize = 4;
 const AROUND: usize = 2 * SIZE;
 
-impl<const D: usize> Filter<4, D> for Unscented {
-    fn motion(&self) -> ConstantVelocity {
-        ConstantVelocity {
-            spectral_density: self.process_noise_m2ps3,
-        }
+impl PolarFilter for Unscented {
+    fn spectral_density(&self) -> f64 {
+        self.process_noise_m2ps3
     }
 
-    fn measured(&self, sensor: &Sensor, measurement: &Measurement) -> Option<SVector<f64, D>> {
-        plane::measured(sensor, measurement)
-    }
-
-    fn angle(&self, sensor: &Sensor) -> Option<usize> {
-        plane::angle(sensor)
-    }
-
-    fn expect(&self, state: &GaussianState, sensor: &Sensor) -> Option<Expected<4, D>> {
-        let Report::Polar(polar) = &sensor.report else {
-            return plane::expect_position(state, sensor);
-        };
-        self.expect_polar(state, polar)
-    }
-
-    fn log_clutter_scale(&self, sensor: &Sensor, expected: &Expected<4, D>) -> f64 {
-        plane::log_clutter_scale(sensor, expected)
-    }
-
-    fn initiate(
-        &self,
-        measurement: &SVector<f64, D>,
-        sensor: &Sensor,
-        speed_sigma_mps: f64,
-    ) -> Option<GaussianState> {
-        plane::initiate(measurement, sensor, speed_sigma_mps)
-    }
-}
-
-impl Unscented {
     fn expect_polar<const D: usize>(
         &self,
         state: &GaussianState,
@@ -136,7 +103,7 @@ impl Unscented {
             cross += step * deviation.transpose() * weight;
         }
         let mut measurement = centre + mean_shift;
-        measurement[1] = angle::wrapped(measurement[1]);
+        measurement[1] = angle::wrap(measurement[1]);
         Expected::new(measurement, covariance, cross)
     }
 }

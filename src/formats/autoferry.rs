@@ -10,19 +10,18 @@
 //! Helgesen et al.: Heterogeneous multi-sensor tracking for an autonomous surface vehicle in a
 //! littoral environment. Ocean Engineering 252 (2022) 111168.
 
-use super::autoferry_items::{Entry, FerryScan, Items};
+use super::autoferry_items::{Entry, FerryScan, FileSeed, Items};
+use super::autoferry_sensors::SENSORS;
 use super::json_text::parse;
-use super::loose::Loose;
 use super::table::FaultLog;
 use super::{Format, ReadOptions, ReadOutcome, refuse_columns};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use crate::model::names::natural_order;
-use crate::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
+use crate::model::scan::{Detection, Recording, RecordingParts, Scan};
 use crate::model::sensor::SensorSettings;
 use crate::model::truth::{Target, TruthPoint, TruthSet};
 use std::collections::BTreeMap;
-use std::f64::consts::TAU;
 use std::io::BufRead;
 
 pub const FORMAT: Format = Format {
@@ -30,50 +29,9 @@ pub const FORMAT: Format = Format {
     summary: "JSON of the autoferry recordings: detections of radar, lidar and cameras (bearings), or truth",
     media_type: "application/json",
     kinds: &[DatasetKind::Detections, DatasetKind::Truth],
+    options: &[],
     read,
 };
-
-/// What is read of one scan's measurement; `None` where it has another shape.
-type ReadMeasurement = fn(Loose, [f64; 2]) -> Option<Vec<Measurement>>;
-
-pub(super) struct FerrySensor {
-    pub number: u64,
-    name: &'static str,
-    pub read: ReadMeasurement,
-    /// The shapes that `read` knows.
-    pub expected: &'static str,
-}
-
-const POSITIONS: &str = "expected [], [north, east] or [[norths], [easts]] of equal length";
-const BEARINGS: &str = "expected a bearing in radians or a list of bearings";
-
-/// In the order of their names.
-pub(super) const SENSORS: [FerrySensor; 4] = [
-    FerrySensor {
-        number: 4,
-        name: "daylight",
-        read: bearings,
-        expected: BEARINGS,
-    },
-    FerrySensor {
-        number: 3,
-        name: "infrared",
-        read: bearings,
-        expected: BEARINGS,
-    },
-    FerrySensor {
-        number: 1,
-        name: "lidar",
-        read: positions,
-        expected: POSITIONS,
-    },
-    FerrySensor {
-        number: 2,
-        name: "radar",
-        read: positions,
-        expected: POSITIONS,
-    },
-];
 
 /// Whether a text that begins with `[` is of these files.
 pub(super) fn is_one(text: &[u8]) -> bool {
@@ -92,7 +50,7 @@ pub(super) fn is_one(text: &[u8]) -> bool {
 pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcome, Vec<Fault>> {
     refuse_columns(options)?;
     let mut items = Items::new(options.kind);
-    let read = parse(input, &mut items);
+    let read = parse(input, FileSeed(&mut items));
     if let Some(fault) = items.refusal {
         return Err(vec![fault]);
     }
@@ -134,45 +92,6 @@ fn detections(mut scans: Vec<FerryScan>, mut faults: FaultLog) -> Result<ReadOut
 
 fn name(scan: &FerryScan) -> &'static str {
     SENSORS[scan.sensor].name
-}
-
-/// The positions of a measurement made from `[north, east]`. A flat pair is one position, not two numbers of a row.
-fn positions(measurement: Loose, from: [f64; 2]) -> Option<Vec<Measurement>> {
-    let at = |north: f64, east: f64| Measurement::Position {
-        x_m: east + from[1],
-        y_m: north + from[0],
-    };
-    match measurement {
-        Loose::Numbers(numbers) if numbers.is_empty() => Some(Vec::new()),
-        Loose::Numbers(numbers) => <[f64; 2]>::try_from(numbers)
-            .ok()
-            .map(|[north, east]| vec![at(north, east)]),
-        Loose::Pair([norths, easts]) => (norths.len() == easts.len()).then(|| {
-            norths
-                .into_iter()
-                .zip(easts)
-                .map(|(north, east)| at(north, east))
-                .collect()
-        }),
-        _ => None,
-    }
-}
-
-/// The bearings of a measurement; from where they were taken is not in them.
-fn bearings(measurement: Loose, _from: [f64; 2]) -> Option<Vec<Measurement>> {
-    let bearings_rad = match measurement {
-        Loose::Number { value, .. } => vec![value],
-        Loose::Numbers(numbers) => numbers,
-        _ => return None,
-    };
-    Some(
-        bearings_rad
-            .into_iter()
-            .map(|bearing_rad| Measurement::Bearing {
-                bearing_rad: bearing_rad.rem_euclid(TAU),
-            })
-            .collect(),
-    )
 }
 
 fn recording(ferry_scans: &[FerryScan]) -> Result<Recording, Vec<Fault>> {

@@ -1,16 +1,15 @@
 //! The items of an autoferry file as they come: scans of detections, or lists of positions. Nothing is held of an item but
 //! what is read of it.
 
-use super::autoferry::{FerrySensor, SENSORS};
+use super::autoferry_sensors::{FerrySensor, SENSORS};
 use super::json_text::FieldNames;
-use super::loose::{Loose, visit_scalars, visit_texts};
+use super::loose::{Loose, own_seed, read_by, visit_scalars, visit_texts};
 use super::table::FaultLog;
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
 use crate::model::scan::Measurement;
 use crate::model::state::Position;
-use serde::Deserialize;
-use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde::de::{Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -114,18 +113,12 @@ impl Items {
     }
 }
 
-/// The whole file.
-impl<'de> DeserializeSeed<'de> for &mut Items {
-    type Value = ();
+/// Reads the whole file.
+pub(super) struct FileSeed<'a>(pub &'a mut Items);
 
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
-        deserializer.deserialize_any(FileVisitor(self))
-    }
-}
+own_seed!(FileSeed<'_> => ());
 
-struct FileVisitor<'a>(&'a mut Items);
-
-impl<'de> Visitor<'de> for FileVisitor<'_> {
+impl<'de> Visitor<'de> for FileSeed<'_> {
     type Value = ();
 
     fn expecting(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
@@ -145,13 +138,7 @@ impl<'de> Visitor<'de> for FileVisitor<'_> {
 
 struct ItemSeed<'a>(&'a mut Items);
 
-impl<'de> DeserializeSeed<'de> for ItemSeed<'_> {
-    type Value = ();
-
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
-        deserializer.deserialize_any(self)
-    }
-}
+own_seed!(ItemSeed<'_> => ());
 
 impl<'de> Visitor<'de> for ItemSeed<'_> {
     type Value = ();
@@ -295,11 +282,7 @@ struct EntryFields {
     position: Loose,
 }
 
-impl<'de> Deserialize<'de> for EntryFields {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(EntryVisitor)
-    }
-}
+read_by!(EntryFields => deserialize_any(EntryVisitor));
 
 struct EntryVisitor;
 

@@ -20,6 +20,7 @@ pub const FORMAT: Format = Format {
     summary: "Canonical CSV: detections, truth or tracks, one row a line under a header; or a bearing-time record as a matrix",
     media_type: "text/csv",
     kinds: &DatasetKind::ALL,
+    options: &[],
     read,
 };
 

@@ -17,6 +17,7 @@ pub const FORMAT: Format = Format {
     summary: "Canonical JSON: the columns of canonical CSV as arrays",
     media_type: "application/json",
     kinds: TABLES,
+    options: &[],
     read,
 };
 

@@ -2,14 +2,14 @@
 
 use super::MAX_COLUMNS;
 use super::json_text::{FieldNames, READABLE, parse};
-use super::loose::{visit_scalars, visit_texts};
+use super::loose::{own_seed, read_by, visit_scalars, visit_texts};
 use super::table;
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
 use serde::Deserialize;
 use serde::de::value::MapAccessDeserializer;
-use serde::de::{DeserializeSeed, Deserializer, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde::de::{Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use std::fmt::{self, Write as _};
 use std::io::BufRead;
 
@@ -43,15 +43,9 @@ pub(super) fn document(input: &mut dyn BufRead) -> Result<Document, Vec<Fault>> 
 }
 
 /// Reads the document; of an array it tells the fault, and reads no further than the first item.
-pub(super) struct DocumentSeed<'a>(&'a mut Option<Fault>);
+struct DocumentSeed<'a>(&'a mut Option<Fault>);
 
-impl<'de> DeserializeSeed<'de> for DocumentSeed<'_> {
-    type Value = Document;
-
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Document, D::Error> {
-        deserializer.deserialize_any(self)
-    }
-}
+own_seed!(DocumentSeed<'_> => Document);
 
 impl<'de> Visitor<'de> for DocumentSeed<'_> {
     type Value = Document;
@@ -75,13 +69,7 @@ impl<'de> Visitor<'de> for DocumentSeed<'_> {
 /// The first item of an array: a fault where it is a record.
 struct FirstItem;
 
-impl<'de> DeserializeSeed<'de> for FirstItem {
-    type Value = Option<Fault>;
-
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Option<Fault>, D::Error> {
-        deserializer.deserialize_any(self)
-    }
-}
+own_seed!(FirstItem => Option<Fault>);
 
 impl<'de> Visitor<'de> for FirstItem {
     type Value = Option<Fault>;
@@ -129,13 +117,9 @@ impl Column {
     }
 }
 
-impl<'de> Deserialize<'de> for Columns {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_map(ColumnsVisitor)
-    }
-}
+read_by!(Columns => deserialize_map(ColumnsVisitor));
 
-pub(super) struct ColumnsVisitor;
+struct ColumnsVisitor;
 
 impl<'de> Visitor<'de> for ColumnsVisitor {
     type Value = Columns;
@@ -159,13 +143,9 @@ impl<'de> Visitor<'de> for ColumnsVisitor {
     }
 }
 
-impl<'de> Deserialize<'de> for Sensors {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_seq(SensorsVisitor)
-    }
-}
+read_by!(Sensors => deserialize_seq(SensorsVisitor));
 
-pub(super) struct SensorsVisitor;
+struct SensorsVisitor;
 
 impl<'de> Visitor<'de> for SensorsVisitor {
     type Value = Sensors;
@@ -186,11 +166,7 @@ impl<'de> Visitor<'de> for SensorsVisitor {
     }
 }
 
-impl<'de> Deserialize<'de> for Column {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_seq(ColumnVisitor)
-    }
-}
+read_by!(Column => deserialize_seq(ColumnVisitor));
 
 struct ColumnVisitor;
 
@@ -216,13 +192,7 @@ impl<'de> Visitor<'de> for ColumnVisitor {
 /// Appends one cell to the text of its column.
 struct CellSeed<'a>(&'a mut String);
 
-impl<'de> DeserializeSeed<'de> for CellSeed<'_> {
-    type Value = ();
-
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<(), D::Error> {
-        deserializer.deserialize_any(self)
-    }
-}
+own_seed!(CellSeed<'_> => ());
 
 impl Visitor<'_> for CellSeed<'_> {
     type Value = ();

@@ -40,7 +40,36 @@ macro_rules! visit_texts {
     };
 }
 
-pub(super) use {visit_scalars, visit_texts};
+/// A visitor of any value as its own seed.
+macro_rules! own_seed {
+    ($visitor:ty => $value:ty) => {
+        impl<'de> serde::de::DeserializeSeed<'de> for $visitor {
+            type Value = $value;
+
+            fn deserialize<D: serde::de::Deserializer<'de>>(
+                self,
+                deserializer: D,
+            ) -> Result<$value, D::Error> {
+                deserializer.deserialize_any(self)
+            }
+        }
+    };
+}
+
+/// A value read by a visitor, asked for by one of the methods of a deserializer.
+macro_rules! read_by {
+    ($value:ty => $ask:ident($visitor:expr)) => {
+        impl<'de> serde::Deserialize<'de> for $value {
+            fn deserialize<D: serde::de::Deserializer<'de>>(
+                deserializer: D,
+            ) -> Result<Self, D::Error> {
+                deserializer.$ask($visitor)
+            }
+        }
+    };
+}
+
+pub(super) use {own_seed, read_by, visit_scalars, visit_texts};
 
 /// A value of any shape.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -75,11 +104,7 @@ impl Loose {
     }
 }
 
-impl<'de> Deserialize<'de> for Loose {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(LooseVisitor { lists: true })
-    }
-}
+read_by!(Loose => deserialize_any(LooseVisitor { lists: true }));
 
 /// A value that is a number, a list of numbers or nothing that matters.
 struct Inner(Loose);

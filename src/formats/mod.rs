@@ -2,6 +2,7 @@
 
 pub mod autoferry;
 mod autoferry_items;
+mod autoferry_sensors;
 mod bearing_time;
 pub mod csv;
 pub mod json;
@@ -11,15 +12,17 @@ mod lines;
 mod loose;
 pub mod mot;
 pub mod npy;
+mod options;
 mod table;
 
 pub use self::csv::write_csv;
 pub use json::write_json;
 pub use mot::write_mot;
+pub use options::{FormatOptions, OPTION_FIELDS};
 
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
-use npy::BearingTimeAxes;
+use crate::registry::Field;
 use std::collections::BTreeMap;
 use std::io::BufRead;
 
@@ -30,8 +33,8 @@ pub struct ReadOptions {
     pub kind: Option<DatasetKind>,
     /// The file's column name → the canonical one.
     pub columns: BTreeMap<String, String>,
-    /// Of a bearing-time record whose file does not have them.
-    pub bearing_time: Option<BearingTimeAxes>,
+    /// What the format has to be told.
+    pub options: FormatOptions,
 }
 
 /// A dataset, and what the reader had to say about it.
@@ -48,6 +51,8 @@ pub struct Format {
     pub summary: &'static str,
     pub media_type: &'static str,
     pub kinds: &'static [DatasetKind],
+    /// What it has to be told of a file besides its content.
+    pub options: &'static [Field],
     pub read: fn(&mut dyn BufRead, &ReadOptions) -> Result<ReadOutcome, Vec<Fault>>,
 }
 

@@ -22,6 +22,7 @@ pub const FORMAT: Format = Format {
     summary: "MOTChallenge text: boxes of truth or tracks in the frames of a video",
     media_type: "text/plain",
     kinds: &[DatasetKind::Truth, DatasetKind::Tracks],
+    options: &[],
     read,
 };
 

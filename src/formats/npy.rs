@@ -8,7 +8,7 @@ use super::{Format, ReadOptions, ReadOutcome, of_file, refuse_columns};
 use crate::model::bearing_time::{BearingTimeParts, BearingTimeRecord, MAX_CELLS};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
-use crate::registry::{Kind, Object, above, default, number, required};
+use crate::registry::{Kind, Object, above, default, number, optional, required};
 use serde::{Deserialize, Serialize};
 use std::io::{BufRead, Read};
 
@@ -17,6 +17,11 @@ pub const FORMAT: Format = Format {
     summary: "A NumPy array of levels in dB, one row a time, one column a bearing; its axes are told beside it",
     media_type: "application/octet-stream",
     kinds: &[DatasetKind::BearingTime],
+    options: &[optional(
+        "bearing_time",
+        "The axes of a bearing-time record in a file that does not have them, such as a NumPy array.",
+        Kind::Object(&AXES),
+    )],
     read,
 };
 
@@ -79,7 +84,7 @@ pub fn read(input: &mut dyn BufRead, options: &ReadOptions) -> Result<ReadOutcom
     refuse_columns(options)?;
     let header = read_header(input).map_err(|fault| vec![fault])?;
     let layout = Layout::of(&header)?;
-    let Some(axes) = options.bearing_time else {
+    let Some(axes) = options.options.get::<BearingTimeAxes>("bearing_time") else {
         let detail = "an array has no axes: 'bearing_time' must tell them";
         let allowed = "first_time_s, time_step_s, first_bearing_deg, bearing_step_deg";
         return Err(vec![

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 /// The same direction as an angle in [−π, π).
 #[inline]
-pub fn wrapped(angle_rad: f64) -> f64 {
+pub fn wrap(angle_rad: f64) -> f64 {
     if (-PI..PI).contains(&angle_rad) {
         return angle_rad;
     }
@@ -23,7 +23,7 @@ pub fn difference<const D: usize>(
 ) -> SVector<f64, D> {
     let mut difference = left - right;
     if let Some(axis) = angle {
-        difference[axis] = wrapped(difference[axis]);
+        difference[axis] = wrap(difference[axis]);
     }
     difference
 }
@@ -43,14 +43,14 @@ mod tests {
             (-3.5 * PI, 0.5 * PI),
         ] {
             assert!(
-                (wrapped(angle) - expected).abs() < 1e-12,
+                (wrap(angle) - expected).abs() < 1e-12,
                 "{angle}: {}",
-                wrapped(angle)
+                wrap(angle)
             );
         }
         assert!(
-            (-PI..PI).contains(&wrapped(-PI - 1e-17))
-                && (-PI..PI).contains(&wrapped(-PI - f64::EPSILON * 4.0))
+            (-PI..PI).contains(&wrap(-PI - 1e-17))
+                && (-PI..PI).contains(&wrap(-PI - f64::EPSILON * 4.0))
         );
     }
 

@@ -82,12 +82,8 @@ impl BoxSet {
     /// All faults: values that are not finite, sizes not above 0, frame 0, an object twice in one frame.
     pub fn new(object_ids: Vec<String>, mut boxes: Vec<ObjectBox>) -> Result<Self, Vec<Fault>> {
         boxes.sort_by_key(|one| (one.frame, one.object));
-        let named = |one: &ObjectBox| {
-            object_ids
-                .get(one.object as usize)
-                .map_or("?", String::as_str)
-        };
-        let pointer = |one: &ObjectBox| format!("/objects/{}/{}", named(one), one.frame);
+        let pointer =
+            |one: &ObjectBox| format!("/objects/{}/{}", name_of(&object_ids, one), one.frame);
         let mut faults = Vec::new();
         for one in &boxes {
             faults.extend(one.faults().map(|(field, code, detail)| {
@@ -107,7 +103,7 @@ impl BoxSet {
         {
             let detail = format!(
                 "object '{}' is in frame {} twice",
-                named(&pair[1]),
+                name_of(&object_ids, &pair[1]),
                 pair[1].frame
             );
             faults.push(Fault::new(pointer(&pair[1]), "duplicate", detail));
@@ -143,6 +139,11 @@ impl BoxSet {
             boxes: self.boxes.iter().take(limit).copied().collect(),
         }
     }
+}
+
+fn name_of<'n>(object_ids: &'n [String], one: &ObjectBox) -> &'n str {
+    let id = object_ids.get(one.object as usize);
+    id.map_or("?", String::as_str)
 }
 
 #[cfg(test)]

@@ -103,60 +103,19 @@ impl Dataset {
     }
 
     pub fn summary(&self) -> DatasetSummary {
-        let (sensor_ids, scans, rows, objects, times): (
-            Vec<String>,
-            usize,
-            usize,
-            usize,
-            Vec<f64>,
-        ) = match self {
+        let times_s = self.times_s();
+        let (scans, rows, objects) = match self {
             Dataset::Detections(recording) => (
-                recording
-                    .sensors
-                    .iter()
-                    .map(|sensor| sensor.sensor_id.clone())
-                    .collect(),
                 recording.scans.len(),
                 recording.detections.len(),
                 recording.targets.len(),
-                recording.scans.iter().map(|scan| scan.time_s).collect(),
             ),
-            Dataset::Truth(truth) => {
-                let times: Vec<f64> = truth
-                    .targets()
-                    .iter()
-                    .flat_map(|target| target.points.iter().map(|point| point.time_s))
-                    .collect();
-                (Vec::new(), 0, times.len(), truth.targets().len(), times)
+            Dataset::Truth(truth) => (0, times_s.len(), truth.targets().len()),
+            Dataset::Tracks(set) => (0, times_s.len(), set.tracks.len()),
+            Dataset::TruthBoxes(set) | Dataset::TrackBoxes(set) => {
+                (set.frames(), set.boxes().len(), set.object_ids().len())
             }
-            Dataset::Tracks(set) => {
-                let times: Vec<f64> = set
-                    .tracks
-                    .iter()
-                    .flat_map(|track| track.points.iter().map(|point| point.time_s))
-                    .collect();
-                (
-                    set.sensor_ids.clone(),
-                    0,
-                    times.len(),
-                    set.tracks.len(),
-                    times,
-                )
-            }
-            Dataset::TruthBoxes(set) | Dataset::TrackBoxes(set) => (
-                Vec::new(),
-                set.frames(),
-                set.boxes().len(),
-                set.object_ids().len(),
-                Vec::new(),
-            ),
-            Dataset::BearingTime(record) => (
-                Vec::new(),
-                record.times_s.len(),
-                record.levels_db.len(),
-                0,
-                record.times_s.clone(),
-            ),
+            Dataset::BearingTime(record) => (record.times_s.len(), record.levels_db.len(), 0),
         };
         let bearings_deg = match self {
             Dataset::BearingTime(record) => {
@@ -166,18 +125,48 @@ impl Dataset {
         };
         DatasetSummary {
             kind: self.kind(),
-            sensor_ids,
+            sensor_ids: self.sensor_ids(),
             scans: scans as u64,
             rows: rows as u64,
             objects: objects as u64,
-            start_s: times.iter().copied().reduce(f64::min),
-            end_s: times.iter().copied().reduce(f64::max),
+            start_s: times_s.iter().copied().reduce(f64::min),
+            end_s: times_s.iter().copied().reduce(f64::max),
             first_bearing_deg: bearings_deg.map(|(first, _)| first.to_degrees()),
             last_bearing_deg: bearings_deg.map(|(_, last)| last.to_degrees()),
             facts: match self {
-                Dataset::Detections(recording) => Some(RecordingFacts::of(recording)),
+                Dataset::Detections(recording) => Some(RecordingFacts::from_recording(recording)),
                 _ => None,
             },
+        }
+    }
+
+    fn sensor_ids(&self) -> Vec<String> {
+        match self {
+            Dataset::Detections(recording) => {
+                let sensors = recording.sensors.iter();
+                sensors.map(|sensor| sensor.sensor_id.clone()).collect()
+            }
+            Dataset::Tracks(set) => set.sensor_ids.clone(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// Times of scans, points or rows; boxes have none.
+    fn times_s(&self) -> Vec<f64> {
+        match self {
+            Dataset::Detections(recording) => {
+                recording.scans.iter().map(|scan| scan.time_s).collect()
+            }
+            Dataset::Truth(truth) => {
+                let points = truth.targets().iter().flat_map(|target| &target.points);
+                points.map(|point| point.time_s).collect()
+            }
+            Dataset::Tracks(set) => {
+                let points = set.tracks.iter().flat_map(|track| &track.points);
+                points.map(|point| point.time_s).collect()
+            }
+            Dataset::TruthBoxes(_) | Dataset::TrackBoxes(_) => Vec::new(),
+            Dataset::BearingTime(record) => record.times_s.clone(),
         }
     }
 }

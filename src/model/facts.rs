@@ -29,7 +29,7 @@ pub struct SensorFacts {
 }
 
 impl RecordingFacts {
-    pub fn of(recording: &Recording) -> Self {
+    pub fn from_recording(recording: &Recording) -> Self {
         let mut sensors: Vec<SensorFacts> = recording
             .sensors
             .iter()
@@ -148,8 +148,8 @@ impl SensorFacts {
 mod tests {
     use super::*;
 
-    #[test]
-    fn a_sample_has_the_kinds_that_were_counted() {
+    /// Three ranges of sensor a, two with a rate, and one position of b.
+    fn recording() -> Recording {
         let polar = |range_rate_mps| Measurement::RangeBearing {
             range_m: 5.0,
             bearing_rad: 0.5,
@@ -166,7 +166,7 @@ mod tests {
             origin: None,
             amplitude: (index > 2).then_some(1.0),
         };
-        let recording = Recording::new(RecordingParts {
+        Recording::new(RecordingParts {
             sensors: vec![SensorSettings::named("a"), SensorSettings::named("b")],
             scans: [(0, 0, 3), (1, 3, 1)]
                 .map(|(sensor, first, count)| Scan {
@@ -185,8 +185,13 @@ mod tests {
             detection_ids: ["1", "2", "3", "1"].map(str::to_owned).to_vec(),
             origins_known: true,
             ..Default::default()
-        });
-        let facts = RecordingFacts::of(&recording.unwrap());
+        })
+        .unwrap()
+    }
+
+    #[test]
+    fn a_sample_has_the_kinds_that_were_counted() {
+        let facts = RecordingFacts::from_recording(&recording());
         let [a, b] = facts.sensors.as_slice() else {
             panic!("two sensors")
         };
@@ -222,7 +227,9 @@ mod tests {
             (2, 3, true)
         );
         assert_eq!(
-            RecordingFacts::of(&facts.only(Some(&["b".to_owned()])).sample()).sensors[0].positions,
+            RecordingFacts::from_recording(&facts.only(Some(&["b".to_owned()])).sample()).sensors
+                [0]
+            .positions,
             1
         );
     }

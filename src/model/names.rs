@@ -53,7 +53,7 @@ pub struct NameFault {
 /// Why this text, empty or not, cannot be a name.
 pub fn name_fault(name: &str) -> Option<NameFault> {
     if name.len() > MAX_NAME_BYTES {
-        let detail = format!("the name '{}' has {} bytes", shortened(name), name.len());
+        let detail = format!("the name '{}' has {} bytes", shorten(name), name.len());
         return Some(NameFault {
             code: "too_large",
             detail,
@@ -68,7 +68,7 @@ pub fn name_fault(name: &str) -> Option<NameFault> {
     let detail = || {
         format!(
             "the name '{}' would be a formula in a spreadsheet",
-            shortened(name)
+            shorten(name)
         )
     };
     let allowed = "numbers, and names that do not begin with = @ + - or a tab";
@@ -80,7 +80,7 @@ pub fn name_fault(name: &str) -> Option<NameFault> {
 }
 
 /// A text at a length that fits a message.
-pub fn shortened(text: &str) -> String {
+pub fn shorten(text: &str) -> String {
     match text.char_indices().nth(40) {
         Some((end, _)) => format!("{}…", &text[..end]),
         None => text.to_owned(),

@@ -123,21 +123,21 @@ pub struct Sensor {
     pub p_d: f64,
     /// Expected false detections a scan: per m² for positions and polar reports, per rad for bearings.
     pub clutter_density: f64,
-    pub report: Report,
+    pub report: MeasurementModel,
 }
 
 /// What a sensor measures, and how well: independent Gaussian noise on each value.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Report {
+pub enum MeasurementModel {
     Position { sigma_x_m: f64, sigma_y_m: f64 },
     Polar(Polar),
     Bearing { sigma_bearing_rad: f64 },
 }
 
-impl Report {
+impl MeasurementModel {
     pub fn range_rate(&self) -> Option<RangeRate> {
         match self {
-            Report::Polar(polar) => polar.range_rate,
+            MeasurementModel::Polar(polar) => polar.range_rate,
             _ => None,
         }
     }

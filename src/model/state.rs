@@ -24,7 +24,7 @@ pub type PackedState = [f64; 14];
 
 impl<const N: usize> GaussianState<N> {
     #[inline]
-    pub fn packed(&self) -> PackedState {
+    pub fn pack(&self) -> PackedState {
         const { assert!(N <= 4, "a packed state has room for four variables") };
         let mut packed = [0.0; 14];
         packed[..N].copy_from_slice(self.mean.as_slice());
@@ -34,7 +34,7 @@ impl<const N: usize> GaussianState<N> {
         packed
     }
 
-    pub fn unpacked(packed: &PackedState) -> Self {
+    pub fn unpack(packed: &PackedState) -> Self {
         let mut covariance = SMatrix::zeros();
         for (place, (row, column)) in upper_triangle_places(N).enumerate() {
             covariance[(row, column)] = packed[N + place];
@@ -92,15 +92,15 @@ mod tests {
             mean: SVector::<f64, 2>::new(1.0, 2.0),
             covariance: SMatrix::<f64, 2, 2>::new(3.0, 4.0, 4.0, 5.0),
         };
-        assert_eq!(bearing.packed()[..6], [1.0, 2.0, 3.0, 4.0, 5.0, 0.0]);
-        assert_eq!(GaussianState::unpacked(&bearing.packed()), bearing);
+        assert_eq!(bearing.pack()[..6], [1.0, 2.0, 3.0, 4.0, 5.0, 0.0]);
+        assert_eq!(GaussianState::unpack(&bearing.pack()), bearing);
         let elements = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0];
         let plane = GaussianState {
             mean: State::new(-1.0, -2.0, -3.0, -4.0),
             covariance: from_upper_triangle(&elements),
         };
-        assert_eq!(plane.packed()[4..], elements);
-        assert_eq!(GaussianState::unpacked(&plane.packed()), plane);
+        assert_eq!(plane.pack()[4..], elements);
+        assert_eq!(GaussianState::unpack(&plane.pack()), plane);
     }
 
     #[test]

@@ -21,6 +21,7 @@ pub struct Object {
     pub fields: &'static [Field],
 }
 
+#[derive(Clone, Copy)]
 pub struct Field {
     pub name: &'static str,
     pub summary: &'static str,
@@ -28,6 +29,7 @@ pub struct Field {
     pub presence: Presence,
 }
 
+#[derive(Clone, Copy)]
 pub enum Presence {
     Required,
     Optional,
@@ -35,6 +37,7 @@ pub enum Presence {
     Default(&'static str),
 }
 
+#[derive(Clone, Copy)]
 pub enum Kind {
     Number {
         min: Bound,
@@ -133,6 +136,21 @@ pub const fn above(min: f64, max: f64, unit: &'static str) -> Kind {
 /// A whole number from `min` to `max`.
 pub const fn whole(min: i64, max: i64, unit: &'static str) -> Kind {
     Kind::Integer { min, max, unit }
+}
+
+/// The fields of several tables as those of one, which has `N` of them.
+pub const fn joined<const N: usize>(tables: [&'static [Field]; 3]) -> [Field; N] {
+    let mut fields = [optional("", "", Kind::Json); N];
+    let (mut count, mut table) = (0, 0);
+    while table < tables.len() {
+        let mut index = 0;
+        while index < tables[table].len() {
+            fields[count] = tables[table][index];
+            (count, index) = (count + 1, index + 1);
+        }
+        table += 1;
+    }
+    fields
 }
 
 /// One of several objects, told apart by the text in the field `tag`.

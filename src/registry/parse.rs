@@ -26,21 +26,21 @@ pub fn parse(bytes: &[u8]) -> serde_json::Result<(Value, Vec<Fault>)> {
 const MAX_FAULTS: usize = 20;
 
 /// Where a value stands; written out for a fault alone, since names can be long.
-enum Step {
+enum PathStep {
     Name(String),
     Index(usize),
 }
 
-fn pointer(path: &[Step]) -> String {
+fn pointer(path: &[PathStep]) -> String {
     path.iter().fold(String::new(), |pointer, step| match step {
-        Step::Name(name) => join(&pointer, name),
-        Step::Index(index) => format!("{pointer}/{index}"),
+        PathStep::Name(name) => join(&pointer, name),
+        PathStep::Index(index) => format!("{pointer}/{index}"),
     })
 }
 
 /// Reads the value at the end of a path.
 struct Place<'a> {
-    path: &'a mut Vec<Step>,
+    path: &'a mut Vec<PathStep>,
     faults: &'a mut Vec<Fault>,
 }
 
@@ -103,7 +103,7 @@ impl<'de> Visitor<'de> for Place<'_> {
     fn visit_seq<A: SeqAccess<'de>>(self, mut entries: A) -> Result<Value, A::Error> {
         let mut items = Vec::new();
         loop {
-            self.path.push(Step::Index(items.len()));
+            self.path.push(PathStep::Index(items.len()));
             let item = entries.next_element_seed(Place {
                 path: self.path,
                 faults: self.faults,
@@ -119,7 +119,7 @@ impl<'de> Visitor<'de> for Place<'_> {
     fn visit_map<A: MapAccess<'de>>(mut self, mut entries: A) -> Result<Value, A::Error> {
         let mut members = Map::new();
         while let Some(name) = entries.next_key::<String>()? {
-            self.path.push(Step::Name(name.clone()));
+            self.path.push(PathStep::Name(name.clone()));
             if members.contains_key(&name) {
                 self.note_duplicate(&name);
             }

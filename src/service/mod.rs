@@ -5,15 +5,18 @@
 //! - `connections`: who may connect, and for how long the service waits for them.
 //! - `storage`: one SQLite file and a directory of blobs; the truth about datasets and jobs.
 //! - `child`: work in processes of their own, which may fail without the service.
+//! - [`datasets`]: keeping files that hold datasets.
 //! - `engine`: the queue, which only says "look at this job now".
 //! - [`jobs`]: submitting, running, waiting, cancelling; the facade that HTTP and the command line call.
 
 pub mod build_info;
+mod canonical;
 mod child;
 pub mod cli;
 pub mod config;
 mod connections;
 pub mod dashboard;
+pub mod datasets;
 mod engine;
 pub mod error;
 pub mod http;

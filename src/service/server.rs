@@ -2,9 +2,9 @@
 
 use super::config::Config;
 use super::connections;
-use super::http::{self, AppState, Hosts, Streams};
+use super::http::{self, AppState, Constant, Documents, Hosts, Streams};
 use super::jobs::Jobs;
-use super::openapi::Documents;
+use super::openapi;
 use anyhow::Context;
 use axum::Router;
 use metrics_exporter_prometheus::{PrometheusBuilder, PrometheusHandle};
@@ -141,10 +141,14 @@ impl Server {
 /// When metrics cannot be set up.
 pub fn state(config: &Config, jobs: Jobs) -> anyhow::Result<AppState> {
     Ok(AppState {
+        datasets: jobs.datasets().clone(),
         jobs,
         max_upload_bytes: config.max_upload_bytes,
         metrics: metrics()?,
-        documents: Arc::new(Documents::new()),
+        documents: Arc::new(Documents {
+            v3_1: Constant::new(&openapi::document()),
+            v3_0: Constant::new(&openapi::document_3_0()),
+        }),
         streams: Streams::new(&config.connections),
     })
 }

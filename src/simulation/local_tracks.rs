@@ -174,20 +174,18 @@ pub fn simulate_local_tracks(
     let sensors = (0..plan.sensors)
         .map(|sensor| tracks_of(plan, sensor, &starts_m, course_mps, seed))
         .collect();
-    let target = |(index, start_m): (usize, &Position)| {
+    let mut targets = Vec::new();
+    for (index, start_m) in starts_m.iter().enumerate() {
         let point = |time: u32| {
             let time_s = f64::from(time) * plan.period_s;
             TruthPoint::in_plane(time_s, start_m + course_mps * time_s, Some(course_mps))
         };
-        Target {
+        targets.push(Target {
             truth_id: (index + 1).to_string(),
             points: (0..plan.times).map(point).collect(),
-        }
-    };
-    Ok((
-        sensors,
-        TruthSet::new(starts_m.iter().enumerate().map(target).collect())?,
-    ))
+        });
+    }
+    Ok((sensors, TruthSet::new(targets)?))
 }
 
 /// Where a target begins; the stream of entity k draws the k-th.
@@ -241,13 +239,13 @@ fn tracks_of(
     }
     found.sort_by_key(|(order, ..)| *order);
     let origins = found.iter().map(|(_, origin, _)| *origin).collect();
-    let named = |(index, (.., track)): (usize, (u64, Option<u32>, Track))| Track {
-        track_id: (index + 1).to_string(),
-        ..track
-    };
+    let mut tracks: Vec<Track> = found.into_iter().map(|(.., track)| track).collect();
+    for (index, track) in tracks.iter_mut().enumerate() {
+        track.track_id = (index + 1).to_string();
+    }
     let sensor_id = (sensor + 1).to_string();
     let tracks = TrackSet {
-        tracks: found.into_iter().enumerate().map(named).collect(),
+        tracks,
         sensor_ids: vec![sensor_id.clone()],
         ..TrackSet::default()
     };
@@ -267,41 +265,47 @@ fn track(
     common: &mut ChaCha8Rng,
 ) -> Track {
     let covariance = plan.covariance();
-    let normal = |stream: &mut ChaCha8Rng| State::from_fn(|_, _| StandardNormal.sample(stream));
-    let mut white = || {
-        let shared = if plan.cross_correlation > 0.0 {
-            normal(common) * plan.cross_correlation.sqrt()
-        } else {
-            State::zeros()
-        };
-        let mixed = shared + normal(draw) * (1.0 - plan.cross_correlation).sqrt();
-        mixed.component_mul(&covariance.map_diagonal(f64::sqrt))
-    };
-    let mut error = white();
-    let mut point = |time: u32| {
+    let mut error = draw_error(plan, draw, common);
+    let mut points = Vec::with_capacity(plan.times as usize);
+    for time in 0..plan.times {
         if time > 0 {
-            error = error * plan.correlation + white() * (1.0 - plan.correlation.powi(2)).sqrt();
+            let fresh = draw_error(plan, draw, common) * (1.0 - plan.correlation.powi(2)).sqrt();
+            error = error * plan.correlation + fresh;
         }
         let time_s = f64::from(time) * plan.period_s;
         let position_m = start_m + course_mps * time_s;
         let state = State::new(position_m[0], position_m[1], course_mps[0], course_mps[1]) + error;
-        let estimate = Estimate::Plane(PlaneEstimate {
-            state,
-            has_velocity: true,
-            covariance: Some(covariance),
-        });
-        TrackPoint {
+        points.push(TrackPoint {
             time_s,
             sensor: Some(0),
-            estimate,
+            estimate: Estimate::Plane(PlaneEstimate {
+                state,
+                has_velocity: true,
+                covariance: Some(covariance),
+            }),
             status: None,
             nis: None,
             first_candidate: 0,
             candidates: 0,
-        }
-    };
+        });
+    }
     Track {
         track_id: String::new(),
-        points: (0..plan.times).map(&mut point).collect(),
+        points,
     }
+}
+
+/// One error of the plan's covariance; what all tracks of a target share of it comes from `common`.
+fn draw_error(plan: &LocalTracks, draw: &mut ChaCha8Rng, common: &mut ChaCha8Rng) -> State {
+    let shared = if plan.cross_correlation > 0.0 {
+        draw_normal(common) * plan.cross_correlation.sqrt()
+    } else {
+        State::zeros()
+    };
+    let mixed = shared + draw_normal(draw) * (1.0 - plan.cross_correlation).sqrt();
+    mixed.component_mul(&plan.covariance().map_diagonal(f64::sqrt))
+}
+
+fn draw_normal(stream: &mut ChaCha8Rng) -> State {
+    State::from_fn(|_, _| StandardNormal.sample(stream))
 }

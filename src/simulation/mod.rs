@@ -16,7 +16,7 @@ use crate::math::rng::Seed;
 use crate::model::fault::Fault;
 use crate::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
 use crate::model::scenario::{BearingTargets, Scenario, TargetPlan};
-use crate::model::truth::{Target, TruthPoint, TruthSet};
+use crate::model::truth::TruthSet;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
@@ -197,14 +197,7 @@ fn observed_truth(
         let last = times.iter().rposition(is_visible);
         seen.push(first.map(|_| observed.len() as u32));
         if let (Some(first), Some(last)) = (first, last) {
-            let point = |&time_s: &f64| TruthPoint {
-                time_s,
-                place: path.place_at(time_s),
-            };
-            observed.push(Target {
-                truth_id: path.truth_id.clone(),
-                points: times[first..=last].iter().map(point).collect(),
-            });
+            observed.push(path.truth_at(&times[first..=last]));
         }
     }
     Ok((TruthSet::new(observed)?, seen))

@@ -5,7 +5,7 @@
 
 use super::coverage::Coverage;
 use super::targets::Path;
-use crate::math::angle::wrapped;
+use crate::math::angle::wrap;
 use crate::math::rng::{Purpose, Seed};
 use crate::model::scan::{Detection, Measurement};
 use crate::model::scenario::{ReportNoise, ScenarioSensor};
@@ -136,7 +136,7 @@ impl Radar<'_> {
         !neighbours
             .into_iter()
             .flatten()
-            .any(|other| wrapped(bearing_rad - other).abs() <= within_deg.to_radians())
+            .any(|other| wrap(bearing_rad - other).abs() <= within_deg.to_radians())
     }
 
     /// The direction of a place.

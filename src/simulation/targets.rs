@@ -4,11 +4,11 @@
 use super::weaving::Weave;
 use crate::math::rng::{Purpose, Seed};
 use crate::model::scenario::{
-    BearingLine, BearingTargets, CrossingPair, FormationMotion, FormationTargets, ListedTarget,
-    RandomTargets, Scenario, TargetPlan,
+    BearingTargets, CrossingPair, FormationMotion, FormationTargets, ListedTarget, RandomTargets,
+    Scenario, TargetPlan,
 };
 use crate::model::state::Position;
-use crate::model::truth::TruePlace;
+use crate::model::truth::{Target, TruePlace, TruthPoint};
 use rand::RngExt;
 use std::f64::consts::TAU;
 
@@ -59,6 +59,21 @@ impl Path {
                 bearing_deg,
                 rate_degps,
             } => at_bearing(bearing_deg + rate_degps * time_s),
+        }
+    }
+
+    /// The target at these times.
+    pub fn truth_at(&self, times_s: &[f64]) -> Target {
+        let mut points = Vec::with_capacity(times_s.len());
+        for &time_s in times_s {
+            points.push(TruthPoint {
+                time_s,
+                place: self.place_at(time_s),
+            });
+        }
+        Target {
+            truth_id: self.truth_id.clone(),
+            points,
         }
     }
 
@@ -122,23 +137,21 @@ pub(super) fn bearing_names(
 }
 
 fn bearing_paths(plan: &BearingTargets) -> Vec<Path> {
-    let of_pair = |pair: &CrossingPair| {
-        [1.0, -1.0].map(|side| {
-            Law::Crossing(CrossingPair {
+    let mut laws = Vec::new();
+    for pair in &plan.crossings {
+        for side in [1.0, -1.0] {
+            laws.push(Law::Crossing(CrossingPair {
                 half_width_deg: side * pair.half_width_deg,
                 ..*pair
-            })
-        })
-    };
-    let of_line = |line: &BearingLine| Law::Turning {
-        bearing_deg: line.bearing_deg,
-        rate_degps: line.rate_degps,
-    };
-    let laws = plan
-        .crossings
-        .iter()
-        .flat_map(of_pair)
-        .chain(plan.lines.iter().map(of_line));
+            }));
+        }
+    }
+    for line in &plan.lines {
+        laws.push(Law::Turning {
+            bearing_deg: line.bearing_deg,
+            rate_degps: line.rate_degps,
+        });
+    }
     bearing_names(plan)
         .zip(laws)
         .map(|((truth_id, _), law)| Path { truth_id, law })
@@ -178,7 +191,8 @@ fn formation(plan: &FormationTargets, seed: Seed) -> Vec<Path> {
     let heading_rad = TAU * seed.stream(Purpose::Formation, 0, 0).random::<f64>();
     let course_mps = Position::new(heading_rad.sin(), heading_rad.cos()) * plan.speed_mps;
     let places = (0..plan.rows).flat_map(|row| (0..plan.columns).map(move |column| (column, row)));
-    let path = |(index, (column, row)): (usize, (u32, u32))| {
+    let mut paths = Vec::new();
+    for (index, (column, row)) in places.enumerate() {
         let mut draw = seed.stream(Purpose::Formation, index as u64 + 1, 0);
         let mut place_m = |number: u32, count: u32| {
             let displacement = plan.displacement * (2.0 * draw.random::<f64>() - 1.0);
@@ -206,10 +220,10 @@ fn formation(plan: &FormationTargets, seed: Seed) -> Vec<Path> {
                 }
             }
         };
-        Path {
+        paths.push(Path {
             truth_id: (index + 1).to_string(),
             law,
-        }
-    };
-    places.enumerate().map(path).collect()
+        });
+    }
+    paths
 }

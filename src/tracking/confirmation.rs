@@ -123,7 +123,7 @@ pub(super) fn log_ratio(problem: &ScanProblem, weights: &Weights, row: usize) ->
             .edges()
             .map(|edge| (weights.edges[edge], problem.edges()[edge].log_likelihood));
         detections
-            .chain([(weights.none[row], row_of.log_none)])
+            .chain([(weights.missed[row], row_of.log_missed)])
             .filter(|(weight, _)| *weight > 0.0)
     };
     let largest = terms()
@@ -160,10 +160,10 @@ mod tests {
             "nothing chosen yet: a miss"
         );
         weights.edges.copy_from_slice(&[0.6, 0.3]);
-        weights.none[0] = 0.1;
+        weights.missed[0] = 0.1;
         assert!((log_ratio(&problem, &weights, 0) - 21.01f64.ln()).abs() < 1e-12);
         weights.edges.copy_from_slice(&[0.0, 1.0]);
-        weights.none[0] = 0.0;
+        weights.missed[0] = 0.0;
         assert!((log_ratio(&problem, &weights, 0) - 10.0f64.ln()).abs() < 1e-12);
     }
 

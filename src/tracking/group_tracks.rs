@@ -80,10 +80,10 @@ impl GroupTracks {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::sensor::Report;
+    use crate::model::sensor::MeasurementModel;
 
     fn sensor() -> Sensor {
-        let report = Report::Position {
+        let report = MeasurementModel::Position {
             sigma_x_m: 3.0,
             sigma_y_m: 3.0,
         };

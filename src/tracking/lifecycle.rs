@@ -91,14 +91,14 @@ fn assumed_speed_sigma_mps() -> f64 {
 
 /// What a track has lived through.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Life {
+pub(super) struct TrackLifecycleState {
     /// One bit a scan, the newest lowest: whether the track was given a detection.
     hits: u64,
     missed: u32,
     is_confirmed: bool,
     is_over: bool,
     /// Whether no rule of deletion applies to it.
-    is_given: bool,
+    is_permanent: bool,
     score: Score,
 }
 
@@ -107,13 +107,13 @@ impl Lifecycle {
     pub const ASSUMED_SPEED_SIGMA_MPS: f64 = 10.0;
 
     /// A track after its first detection.
-    pub(super) fn start(&self) -> Life {
-        let mut life = Life {
+    pub(super) fn start(&self) -> TrackLifecycleState {
+        let mut life = TrackLifecycleState {
             hits: 0,
             missed: 0,
             is_confirmed: false,
             is_over: false,
-            is_given: false,
+            is_permanent: false,
             score: Score::default(),
         };
         self.advance(&mut life, true, 0.0);
@@ -122,7 +122,12 @@ impl Lifecycle {
 
     /// One more scan; `log_ratio` is what it adds to the score, and matters only when [`Lifecycle::is_scored`].
     #[inline]
-    pub(super) fn advance(&self, life: &mut Life, was_detected: bool, log_ratio: f64) {
+    pub(super) fn advance(
+        &self,
+        life: &mut TrackLifecycleState,
+        was_detected: bool,
+        log_ratio: f64,
+    ) {
         life.hits = (life.hits << 1) | u64::from(was_detected);
         life.missed = if was_detected { 0 } else { life.missed + 1 };
         life.is_over |= life.missed >= self.max_missed;
@@ -137,13 +142,17 @@ impl Lifecycle {
                 life.is_over |= rule.is_over(&life.score, life.is_confirmed);
             }
         }
-        life.is_over &= !life.is_given;
+        life.is_over &= !life.is_permanent;
     }
 
     /// Ends a track whose position is too uncertain to be of use.
     #[inline]
-    pub(super) fn limit<const N: usize>(&self, life: &mut Life, covariance: &SMatrix<f64, N, N>) {
-        if let Some(limit_m) = self.max_position_sigma_m.filter(|_| !life.is_given) {
+    pub(super) fn limit<const N: usize>(
+        &self,
+        life: &mut TrackLifecycleState,
+        covariance: &SMatrix<f64, N, N>,
+    ) {
+        if let Some(limit_m) = self.max_position_sigma_m.filter(|_| !life.is_permanent) {
             life.is_over |= largest_variance(covariance) > limit_m * limit_m;
         }
     }
@@ -163,15 +172,15 @@ fn largest_variance<const N: usize>(covariance: &SMatrix<f64, N, N>) -> f64 {
     (xx + yy) / 2.0 + ((xx - yy) / 2.0).hypot(xy)
 }
 
-impl Life {
+impl TrackLifecycleState {
     /// A track that was there before the first scan.
-    pub(super) fn given() -> Life {
-        Life {
+    pub(super) fn permanent() -> TrackLifecycleState {
+        TrackLifecycleState {
             hits: 0,
             missed: 0,
             is_confirmed: true,
             is_over: false,
-            is_given: true,
+            is_permanent: true,
             score: Score::default(),
         }
     }
@@ -307,7 +316,7 @@ mod tests {
                 max_position_sigma_m: Some(1.0),
                 ..lifecycle
             };
-            let mut life = Life::given();
+            let mut life = TrackLifecycleState::permanent();
             assert_eq!(life.status(), TrackStatus::Confirmed);
             for _ in 0..10 {
                 lifecycle.advance(&mut life, false, -2.0);

@@ -6,9 +6,9 @@ mod group_tracks;
 mod history;
 mod initiation;
 mod lifecycle;
+mod likelihood_constants;
 mod outcome;
 mod scan_view;
-mod terms;
 mod tracker;
 
 pub use confirmation::{Confirmation, ScoreRule};

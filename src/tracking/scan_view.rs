@@ -55,9 +55,9 @@ impl<const D: usize> ScanView<D> {
     ) {
         self.measurements.clear();
         self.measurements.extend(
-            detections
-                .iter()
-                .filter_map(|detection| filter.measured(sensor, &detection.measurement)),
+            detections.iter().filter_map(|detection| {
+                filter.to_measurement_space(sensor, &detection.measurement)
+            }),
         );
         debug_assert_eq!(
             self.measurements.len(),

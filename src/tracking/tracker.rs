@@ -1,13 +1,15 @@
 //! The composition of filter, gate, associator and life cycle that turns scans into tracks.
 
+mod initiate;
+
 use super::bounds::{self, Bounds};
 use super::confirmation;
 use super::history::{Entry, History};
-use super::initiation::{Initiation, Initiator, Pair, PairRule, Point};
-use super::lifecycle::{Life, Lifecycle};
+use super::initiation::{Initiator, PairRule};
+use super::lifecycle::{Lifecycle, TrackLifecycleState};
+use super::likelihood_constants::LikelihoodConstants;
 use super::outcome::{Nis, ScanOutcome};
 use super::scan_view::ScanView;
-use super::terms::Terms;
 use crate::association::global_nearest_neighbour::GlobalNearestNeighbour;
 use crate::association::problem::{Edge, ScanProblem, Weights};
 use crate::association::{Associator, Needs, Trace};
@@ -15,12 +17,12 @@ use crate::filtering::Filter;
 use crate::filtering::mixture::{self, Correction, WeightedInnovation};
 use crate::filtering::prediction::Transition;
 use crate::gating::ellipsoidal::EllipsoidalGate;
-use crate::math::gaussian::gate_threshold;
 use crate::model::scan::{Detection, Scan};
 use crate::model::sensor::Sensor;
 use crate::model::state::GaussianState;
 use crate::model::track::{Candidate, Estimate};
 use crate::model::watch::{Halt, Watch};
+use initiate::pair_rule;
 use nalgebra::SVector;
 
 /// What a tracker is made of.
@@ -36,7 +38,7 @@ pub struct TrackerParts<F> {
 #[derive(Debug, Clone)]
 struct ActiveTrack<const N: usize> {
     serial: u32,
-    life: Life,
+    life: TrackLifecycleState,
     state: GaussianState<N>,
     /// The target that the first detection came from; only the oracle looks at it.
     origin: Option<u32>,
@@ -66,7 +68,7 @@ pub struct Tracker<F, const N: usize, const D: usize> {
     /// Indices of the tracks that are not yet confirmed.
     tentative: Vec<usize>,
     /// The tracks of the problem's rows.
-    posed: Vec<(usize, Correction<N, D>)>,
+    row_tracks: Vec<(usize, Correction<N, D>)>,
     /// ν of each of the problem's edges.
     edge_innovations: Vec<SVector<f64, D>>,
     innovations: Vec<WeightedInnovation<D>>,
@@ -88,7 +90,7 @@ where
             tracks: Vec::new(),
             last_time_s: None,
             scans: 0,
-            history: History::new(|packed| GaussianState::<N>::unpacked(packed).into()),
+            history: History::new(|packed| GaussianState::<N>::unpack(packed).into()),
             nis: Nis::default(),
             view: ScanView::default(),
             problem: ScanProblem::default(),
@@ -96,7 +98,7 @@ where
             bounds: Bounds::default(),
             weights: Weights::default(),
             tentative: Vec::new(),
-            posed: Vec::new(),
+            row_tracks: Vec::new(),
             edge_innovations: Vec::new(),
             innovations: Vec::new(),
         }
@@ -104,7 +106,7 @@ where
 
     /// A track that is there from the start and never ends: its state at the time of the first scan, its name, and its target
     /// for the oracle. To be called before the first scan.
-    pub fn give(&mut self, name: String, state: GaussianState<N>, origin: Option<u32>) {
+    pub fn add_track(&mut self, name: String, state: GaussianState<N>, origin: Option<u32>) {
         debug_assert!(
             self.scans == 0 && self.history.started as usize == self.tracks.len(),
             "given tracks come before all others"
@@ -115,7 +117,7 @@ where
         self.history.confirmed.push(serial);
         self.tracks.push(ActiveTrack {
             serial,
-            life: Life::given(),
+            life: TrackLifecycleState::permanent(),
             state,
             origin,
         });
@@ -157,10 +159,10 @@ where
             self.problem
                 .set_measurements(D, self.view.angle, measurements);
         }
-        self.pose_confirmed(scan, &transition, watch)?;
-        self.serve(scan, true, watch)?;
-        self.pose_tentative(scan, watch)?;
-        self.serve(scan, false, watch)?;
+        self.hypothesise_confirmed(scan, &transition, watch)?;
+        self.associate(scan, true, watch)?;
+        self.hypothesise_tentative(scan, watch)?;
+        self.associate(scan, false, watch)?;
         let started_before = if self.scans == 0 {
             0
         } else {
@@ -226,8 +228,8 @@ where
         }
     }
 
-    /// Associates and updates the posed tracks, confirmed or tentative ones.
-    fn serve(&mut self, scan: &Scan, confirmed: bool, watch: &Watch) -> Result<(), Halt> {
+    /// Associates and updates the tracks of the problem, confirmed or tentative ones.
+    fn associate(&mut self, scan: &Scan, confirmed: bool, watch: &Watch) -> Result<(), Halt> {
         self.weights.reset(&self.problem);
         if let Some(kept) = self.kept.as_mut().filter(|_| confirmed) {
             kept.push(self.problem.clone());
@@ -245,8 +247,8 @@ where
         self.problem
             .for_each_cluster_until(watch, |cluster| associator.associate(cluster, weights));
         bounds::go_on(watch)?;
-        for row in 0..self.posed.len() {
-            self.conclude(row, scan);
+        for row in 0..self.row_tracks.len() {
+            self.update(row, scan);
             self.bounds.check_history(self.history.surplus, scan)?;
             if watch.stops_after(8 * u64::from(self.problem.rows()[row].count) + 64) {
                 return Err(Halt::Stopped);
@@ -257,20 +259,20 @@ where
 
     /// Predicts all tracks and writes the association problem of the confirmed ones: one pass, for a large scene does not
     /// fit into the caches.
-    fn pose_confirmed(
+    fn hypothesise_confirmed(
         &mut self,
         scan: &Scan,
         transition: &Transition<N>,
         watch: &Watch,
     ) -> Result<(), Halt> {
-        let terms = self.begin_problem(scan, 0);
+        let constants = self.begin_problem(scan, 0);
         self.tentative.clear();
         for index in 0..self.tracks.len() {
             let track = &mut self.tracks[index];
             transition.predict(&mut track.state);
             if track.life.is_confirmed() {
-                self.pose(index, scan, &terms);
-                self.check_pose(scan, watch)?;
+                self.hypothesise(index, scan, &constants);
+                self.check_hypotheses(scan, watch)?;
             } else {
                 self.tentative.push(index);
             }
@@ -279,18 +281,18 @@ where
     }
 
     /// Writes the problem of the others and the detections still unused.
-    fn pose_tentative(&mut self, scan: &Scan, watch: &Watch) -> Result<(), Halt> {
-        let terms = self.begin_problem(scan, 1);
+    fn hypothesise_tentative(&mut self, scan: &Scan, watch: &Watch) -> Result<(), Halt> {
+        let constants = self.begin_problem(scan, 1);
         for place in 0..self.tentative.len() {
-            self.pose(self.tentative[place], scan, &terms);
-            self.check_pose(scan, watch)?;
+            self.hypothesise(self.tentative[place], scan, &constants);
+            self.check_hypotheses(scan, watch)?;
         }
         Ok(())
     }
 
-    /// Whether the problem, as far as it is posed, is small enough, and whether to go on.
+    /// Whether the problem, as far as it is written, is small enough, and whether to go on.
     #[inline]
-    fn check_pose(&self, scan: &Scan, watch: &Watch) -> Result<(), Halt> {
+    fn check_hypotheses(&self, scan: &Scan, watch: &Watch) -> Result<(), Halt> {
         bounds::check_scan(self.problem.edges().len(), scan)?;
         let candidates = self.problem.rows().last().map_or(0, |row| row.count);
         if watch.stops_after(8 * u64::from(candidates) + 64) {
@@ -301,12 +303,12 @@ where
     }
 
     /// Each scan has two problems: of the confirmed tracks, then of the others.
-    fn begin_problem(&mut self, scan: &Scan, part: u32) -> Terms {
+    fn begin_problem(&mut self, scan: &Scan, part: u32) -> LikelihoodConstants {
         self.problem
             .begin(2 * self.scans + part, self.view.measurements.len());
         self.edge_innovations.clear();
-        self.posed.clear();
-        Terms::of(
+        self.row_tracks.clear();
+        LikelihoodConstants::new(
             &self.parts.sensors[scan.sensor],
             self.parts.lifecycle.gate_probability,
         )
@@ -314,7 +316,7 @@ where
 
     /// Gates one track and adds it to the problem.
     #[inline(always)]
-    fn pose(&mut self, index: usize, scan: &Scan, terms: &Terms) {
+    fn hypothesise(&mut self, index: usize, scan: &Scan, constants: &LikelihoodConstants) {
         let sensor = &self.parts.sensors[scan.sensor];
         let track = &mut self.tracks[index];
         let Some(expected) = self.parts.filter.expect(&track.state, sensor) else {
@@ -323,7 +325,7 @@ where
             return;
         };
         let log_scale = self.parts.filter.log_clutter_scale(sensor, &expected);
-        let log_density = terms.log_density - log_scale;
+        let log_density = constants.log_density - log_scale;
         let (problem, innovations) = (&mut self.problem, &mut self.edge_innovations);
         self.view.candidates(
             &self.gate,
@@ -346,21 +348,21 @@ where
             );
         }
         self.problem.end_row(
-            terms.log_none,
-            terms.log_clutter + log_scale + self.gate.log_volume(&expected.gaussian),
+            constants.log_missed,
+            constants.log_clutter + log_scale + self.gate.log_volume(&expected.gaussian),
         );
-        self.posed.push((index, expected.correction()));
+        self.row_tracks.push((index, expected.correction()));
     }
 
     /// Updates the track of one row by its weights, and remembers what was decided.
-    fn conclude(&mut self, row: usize, scan: &Scan) {
+    fn update(&mut self, row: usize, scan: &Scan) {
         let lifecycle = self.parts.lifecycle;
         let log_ratio = if lifecycle.is_scored() {
             confirmation::log_ratio(&self.problem, &self.weights, row)
         } else {
             0.0
         };
-        let (index, correction) = &self.posed[row];
+        let (index, correction) = &self.row_tracks[row];
         let track = &mut self.tracks[*index];
         let first_candidate = self.history.candidates.len();
         self.innovations.clear();
@@ -385,10 +387,10 @@ where
                 });
             }
         }
-        if self.weights.none[row] > 0.0 {
+        if self.weights.missed[row] > 0.0 {
             self.history.candidates.push(Candidate {
                 detection: None,
-                probability: self.weights.none[row],
+                probability: self.weights.missed[row],
             });
         }
         mixture::update(&mut track.state, correction, &self.innovations);
@@ -401,7 +403,7 @@ where
             .sum();
         lifecycle.advance(
             &mut track.life,
-            detected > self.weights.none[row],
+            detected > self.weights.missed[row],
             log_ratio,
         );
         lifecycle.limit(&mut track.life, &track.state.covariance);
@@ -421,125 +423,6 @@ where
                 .remember(track, self.scans, first_candidate, was_confirmed, nis);
         }
     }
-
-    /// Starts tracks with the detections that no track used, and counts these.
-    fn initiate(
-        &mut self,
-        scan: &Scan,
-        detections: &[Detection],
-        watch: &Watch,
-    ) -> Result<u32, Halt> {
-        if let Initiation::Truth { .. } = self.parts.lifecycle.initiation {
-            return Ok(self.view.used.iter().filter(|is_used| !**is_used).count() as u32);
-        }
-        let mut unused = 0;
-        for (index, detection) in detections.iter().enumerate() {
-            if self.view.used[index] {
-                continue;
-            }
-            let (measurement, sensor) = (
-                &self.view.measurements[index],
-                &self.parts.sensors[scan.sensor],
-            );
-            let sigma_mps = self.parts.lifecycle.initial_speed_sigma_mps;
-            let Some(state) = self.parts.filter.initiate(measurement, sensor, sigma_mps) else {
-                continue;
-            };
-            let named = (scan.first + index) as u32;
-            let point = Point {
-                scan: self.scans,
-                time_s: scan.time_s,
-                detection: named,
-                origin: detection.origin,
-                state,
-            };
-            unused += 1;
-            if self.pair_rule.is_some() {
-                self.initiator.push(point);
-            } else {
-                let track = self.start(&point);
-                self.tracks.push(track);
-            }
-        }
-        if let Some(rule) = &self.pair_rule {
-            self.initiator.pair(scan, rule, watch)?;
-            for index in 0..self.initiator.pairs().len() {
-                self.start_with_two(scan, self.initiator.pairs()[index]);
-            }
-        }
-        Ok(unused)
-    }
-
-    /// A new track, with its first point remembered.
-    fn start(&mut self, point: &Point<N>) -> ActiveTrack<N> {
-        let serial = self.history.started;
-        self.history.started += 1;
-        let track = ActiveTrack {
-            serial,
-            life: self.parts.lifecycle.start(),
-            state: point.state,
-            origin: point.origin,
-        };
-        self.remember_detection(&track, point, false);
-        track
-    }
-
-    /// Starts the track of a pair, unless its score says at once that it is clutter.
-    fn start_with_two(&mut self, scan: &Scan, pair: Pair<N>) {
-        let (sensor, lifecycle) = (&self.parts.sensors[scan.sensor], self.parts.lifecycle);
-        let log_ratio = (sensor.p_d / sensor.clutter_density).ln() - pair.log_reach_volume;
-        let mut life = lifecycle.start();
-        let log_none = Terms::of(sensor, lifecycle.gate_probability).log_none;
-        (0..pair.missed).for_each(|_| lifecycle.advance(&mut life, false, log_none));
-        let was_confirmed = life.is_confirmed();
-        lifecycle.advance(&mut life, true, log_ratio);
-        if life.is_over() {
-            return;
-        }
-        let track = ActiveTrack {
-            life,
-            state: pair.state,
-            ..self.start(&pair.first)
-        };
-        self.remember_detection(&track, &pair.second, was_confirmed);
-        self.tracks.push(track);
-    }
-
-    /// Remembers a track that a detection started, alone or as the second of two.
-    fn remember_detection(
-        &mut self,
-        track: &ActiveTrack<N>,
-        point: &Point<N>,
-        was_confirmed: bool,
-    ) {
-        let first_candidate = self.history.candidates.len();
-        self.history.candidates.push(Candidate {
-            detection: Some(point.detection),
-            probability: 1.0,
-        });
-        self.history
-            .remember(track, point.scan, first_candidate, was_confirmed, None);
-    }
-}
-
-/// What makes two points a pair, where tracks begin with two.
-fn pair_rule<F: Filter<N, D>, const N: usize, const D: usize>(
-    parts: &TrackerParts<F>,
-) -> Option<PairRule> {
-    let Initiation::TwoPoint {
-        max_speed_mps,
-        max_wait_scans,
-    } = parts.lifecycle.initiation
-    else {
-        return None;
-    };
-    Some(PairRule {
-        max_speed_mps,
-        max_wait_scans,
-        gate_threshold: gate_threshold(parts.lifecycle.gate_probability, (N / 2) as u32),
-        spectral_density: parts.filter.motion().spectral_density,
-        by_origin: parts.associator.needs() == Needs::Origins,
-    })
 }
 
 impl History {
@@ -559,7 +442,7 @@ impl History {
             scan,
             status: track.life.status(),
             candidates: (self.candidates.len() - first_candidate) as u32,
-            state: track.state.packed(),
+            state: track.state.pack(),
             nis: nis.unwrap_or(f64::NAN),
         });
     }

@@ -3,7 +3,7 @@
 import type { JSX, TargetedEvent } from "preact";
 import { useEffect } from "preact/hooks";
 import { Empty, Link } from "./components/basics";
-import { chooseTheme, themeChoice, type ThemeChoice } from "./state/theme";
+import { chooseTheme, type ThemeChoice, themeChoice } from "./state/theme";
 import { pageHref, param } from "./state/url";
 import { Compare } from "./views/compare";
 import { DatasetPage } from "./views/dataset-page";
@@ -12,7 +12,14 @@ import { JobList } from "./views/job-list";
 import { JobPage } from "./views/job-page";
 import { NewJob } from "./views/new-job";
 
-const TITLES: Record<string, string> = { jobs: "Jobs", new: "New job", job: "Job", compare: "Compare", datasets: "Data sets", dataset: "Data set" };
+const TITLES: Record<string, string> = {
+  jobs: "Jobs",
+  new: "New job",
+  job: "Job",
+  compare: "Compare",
+  datasets: "Data sets",
+  dataset: "Data set",
+};
 
 function view(name: string): JSX.Element {
   if (name === "jobs") return <JobList />;
@@ -20,7 +27,8 @@ function view(name: string): JSX.Element {
   if (name === "job") return <JobPage key={param("job") ?? ""} id={param("job") ?? ""} />;
   if (name === "compare") return <Compare />;
   if (name === "datasets") return <Datasets />;
-  if (name === "dataset") return <DatasetPage key={param("dataset") ?? ""} id={param("dataset") ?? ""} />;
+  if (name === "dataset")
+    return <DatasetPage key={param("dataset") ?? ""} id={param("dataset") ?? ""} />;
   return (
     <Empty title="There is no such page.">
       <Link href={pageHref({})}>Go to the jobs</Link>
@@ -29,7 +37,8 @@ function view(name: string): JSX.Element {
 }
 
 function ThemeSwitch(): JSX.Element {
-  const change = (event: TargetedEvent<HTMLSelectElement>) => chooseTheme(event.currentTarget.value as ThemeChoice);
+  const change = (event: TargetedEvent<HTMLSelectElement>) =>
+    chooseTheme(event.currentTarget.value as ThemeChoice);
   return (
     <label class="theme-switch">
       <span class="visually-hidden">Theme</span>
@@ -77,7 +86,10 @@ export function App(): JSX.Element {
           <Link href={pageHref({ view: "new" })} current={name === "new"}>
             New job
           </Link>
-          <Link href={pageHref({ view: "datasets" })} current={name === "datasets" || name === "dataset"}>
+          <Link
+            href={pageHref({ view: "datasets" })}
+            current={name === "datasets" || name === "dataset"}
+          >
             Data
           </Link>
           <a href="/docs">API</a>

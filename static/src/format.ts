@@ -40,7 +40,9 @@ export function moment(text: string | null | undefined): string {
   const at = new Date(text);
   const clock = `${pad(at.getHours())}:${pad(at.getMinutes())}:${pad(at.getSeconds())}`;
   const sameDay = at.toDateString() === new Date().toDateString();
-  return sameDay ? clock : `${at.getFullYear()}-${pad(at.getMonth() + 1)}-${pad(at.getDate())} ${clock.slice(0, 5)}`;
+  return sameDay
+    ? clock
+    : `${at.getFullYear()}-${pad(at.getMonth() + 1)}-${pad(at.getDate())} ${clock.slice(0, 5)}`;
 }
 
 export function bytes(value: number): string {
@@ -49,12 +51,18 @@ export function bytes(value: number): string {
   return value < 1e9 ? `${(value / 1e6).toFixed(1)} MB` : `${(value / 1e9).toFixed(2)} GB`;
 }
 
-export function seconds(from: string | null | undefined, to: string | null | undefined): number | null {
+export function seconds(
+  from: string | null | undefined,
+  to: string | null | undefined,
+): number | null {
   if (!from) return null;
   return Math.max(0, ((to ? Date.parse(to) : Date.now()) - Date.parse(from)) / 1000);
 }
 
-/** A field's name without its unit: `max_range_m` → "max range"; symbols such as `p_d` stay as they are. */
+/**
+ * A field's name without its unit: `max_range_m` → "max range"; symbols such as `p_d` stay as they
+ * are.
+ */
 export function words(name: string): string {
   const bare = name.replace(/_(m|s|mps|m2ps3|deg|hz)$/, "");
   return /_[a-z]$/.test(bare) ? bare : bare.replaceAll("_", " ");
@@ -67,4 +75,8 @@ export function capital(text: string): string {
 /** `1 track`, `2 tracks`. */
 export function plural(value: number, one: string, many = `${one}s`): string {
   return `${count(value)} ${value === 1 ? one : many}`;
+}
+
+export function intervalText({ low, high }: { low: number; high: number }): string {
+  return `[${number(low)}, ${number(high)}]`;
 }

@@ -1,5 +1,5 @@
-// Times of the data: told from the first scan where the clock of a recording counts from far away, and as UTC where it counts seconds
-// since 1970. A job has one origin, whatever view shows it.
+// Times of the data: told from the first scan where the clock of a recording counts from far away,
+// and as UTC where it counts seconds since 1970. A job has one origin, whatever view shows it.
 
 import { number } from "./format";
 
@@ -8,7 +8,9 @@ const FAR_S = 1e6;
 /** Seconds since 1970 from 2001 to 2103; other clocks far from zero count from somewhere else. */
 const [UNIX_FROM_S, UNIX_TO_S] = [1e9, 4.2e9];
 
-/** Where the times of data that begin at `start_s` count from: their start, or 0 where that is near. */
+/**
+ * Where the times of data that begin at `start_s` count from: their start, or 0 where that is near.
+ */
 export function originOf(start_s: number | undefined): number {
   return start_s !== undefined && Math.abs(start_s) > FAR_S ? start_s : 0;
 }

@@ -13,7 +13,12 @@ async fn refusal(content: &str) -> Value {
         (&listed["items"], &listed["total"]),
         (&json!([]), &json!(0))
     );
-    assert_eq!(std::fs::read_dir(api.jobs.temp_dir()).unwrap().count(), 0);
+    assert_eq!(
+        std::fs::read_dir(api.jobs.datasets().temp_dir())
+            .unwrap()
+            .count(),
+        0
+    );
     answer.problem()
 }
 

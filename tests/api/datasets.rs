@@ -191,7 +191,12 @@ async fn an_upload_over_the_limit_is_refused_announced_or_not() {
         expected,
         "by counting"
     );
-    assert_eq!(std::fs::read_dir(api.jobs.temp_dir()).unwrap().count(), 0);
+    assert_eq!(
+        std::fs::read_dir(api.jobs.datasets().temp_dir())
+            .unwrap()
+            .count(),
+        0
+    );
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -208,7 +213,11 @@ async fn an_upload_that_breaks_off_leaves_nothing() {
             .multipart(form)
             .send(),
     );
-    let files = || std::fs::read_dir(api.jobs.temp_dir()).unwrap().count();
+    let files = || {
+        std::fs::read_dir(api.jobs.datasets().temp_dir())
+            .unwrap()
+            .count()
+    };
     eventually(|| files() == 1).await;
     upload.abort();
     eventually(|| files() == 0).await;

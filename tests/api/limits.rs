@@ -243,7 +243,12 @@ async fn compressed_bodies_are_called_that() {
             answer.problem(),
             problem("unsupported_media_type", 415, title, &detail)
         );
-        assert_eq!(std::fs::read_dir(api.jobs.temp_dir()).unwrap().count(), 0);
+        assert_eq!(
+            std::fs::read_dir(api.jobs.datasets().temp_dir())
+                .unwrap()
+                .count(),
+            0
+        );
     }
     let plain = api
         .request(Method::POST, "/v1/jobs/simulate")

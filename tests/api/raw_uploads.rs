@@ -172,7 +172,11 @@ async fn a_form_and_other_types_are_no_file() {
 async fn a_raw_body_over_the_limit_is_refused_announced_or_not_and_one_that_breaks_off_leaves_nothing()
  {
     let api = Api::start_with(|config| config.max_upload_bytes = 100_000).await;
-    let files = || std::fs::read_dir(api.jobs.temp_dir()).unwrap().count();
+    let files = || {
+        std::fs::read_dir(api.jobs.datasets().temp_dir())
+            .unwrap()
+            .count()
+    };
     let expected = problem(
         "payload_too_large",
         413,

@@ -1,8 +1,22 @@
-// Bearings over time, and how searches went: the bat algorithm's objective, the memberships of fuzzy c-means.
+// Bearings over time, and how searches went: the bat algorithm's objective, the memberships of
+// fuzzy c-means.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { api, bearingsTracked, closePage, clustered, drawn, openPage, parameters, saved, shown, startBrowser } from "./support.mjs";
+import { traceOf } from "./reading.mjs";
+import {
+  api,
+  bearingsTracked,
+  closePage,
+  clustered,
+  drawn,
+  frameOf,
+  openPage,
+  parameters,
+  saved,
+  shown,
+  startBrowser,
+} from "./support.mjs";
 
 let browser;
 let bearings;
@@ -13,21 +27,19 @@ before(async () => {
 });
 after(() => browser.close());
 
-const frameOf = (page, name) => page.locator(".chart-frame", { has: page.getByRole("heading", { name, exact: true }) });
-
-async function traceOf(job) {
-  const text = await (await fetch(`${process.env.TRACKLOOM_URL}/v1/jobs/${job.id}/artifacts/association_trace.csv`)).text();
-  const [head, ...rows] = text.trim().split("\n").map((line) => line.split(","));
-  return rows.map((row) => Object.fromEntries(head.map((name, index) => [name, row[index]])));
-}
-
 test("bearings run down the time with truth and tracks over them, up to the clock", async () => {
   const page = await openPage(browser, `?view=job&job=${bearings.job.id}&tab=plan`);
   const frame = frameOf(page, "Bearing–time");
   await drawn(frame);
   const series = await api(`/v1/jobs/${bearings.job.id}/series/bearing_time`);
-  const csv = async () => (await saved(page, frame.getByRole("button", { name: "CSV" }))).bytes.toString().trim().split("\r\n").slice(1);
-  const limitOf = async () => Number((await page.locator(".clock-text b").innerText()).replace(" s", ""));
+  const csv = async () =>
+    (await saved(page, frame.getByRole("button", { name: "CSV" }))).bytes
+      .toString()
+      .trim()
+      .split("\r\n")
+      .slice(1);
+  const limitOf = async () =>
+    Number((await page.locator(".clock-text b").innerText()).replace(" s", ""));
   const upTo = (limit) => series.columns.time_s.filter((time) => time <= limit).length;
   assert.equal((await csv()).length, upTo(await limitOf()));
   await page.getByRole("button", { name: "To the first scan" }).click();
@@ -39,7 +51,10 @@ test("bearings run down the time with truth and tracks over them, up to the cloc
   await levels.click();
   assert.equal(await levels.getAttribute("aria-pressed"), "false");
   await page.waitForTimeout(300);
-  assert.ok(!shaded.equals(await frame.locator("canvas").first().screenshot()), "the record lies under the bearings");
+  assert.ok(
+    !shaded.equals(await frame.locator("canvas").first().screenshot()),
+    "the record lies under the bearings",
+  );
   await levels.click();
   await frame.getByRole("button", { name: "truth", exact: true }).click();
   assert.equal(parameters(page).get("hide"), "truth");
@@ -52,7 +67,9 @@ test("a track of bearings is chosen and its facts are those of the series", asyn
   await drawn(frameOf(page, "Bearing–time"));
   await page.locator(".selection").getByLabel("Track").selectOption(track_id);
   const { columns } = await api(`/v1/jobs/${bearings.job.id}/series/bearing_time`);
-  const last = columns.id.findLastIndex((id, row) => id === track_id && columns.layer[row] === "track");
+  const last = columns.id.findLastIndex(
+    (id, row) => id === track_id && columns.layer[row] === "track",
+  );
   const text = await page.locator(".selection").innerText();
   assert.ok(text.includes(`${shown(columns.bearing_deg[last])}°`), text);
   assert.ok(text.includes(`${shown(columns.bearing_rate_degps[last])}°/s`), text);
@@ -64,7 +81,7 @@ test("a track of bearings is chosen and its facts are those of the series", asyn
 });
 
 test("the search of the bat algorithm is drawn with its optimum, for any cluster", async () => {
-  const trace = await traceOf(bearings.job);
+  const trace = await traceOf(bearings.job, "association_trace.csv");
   const page = await openPage(browser, `?view=job&job=${bearings.job.id}&tab=search`);
   await page.getByRole("combobox", { name: "Search" }).waitFor();
   const chosen = trace.at(-1);
@@ -72,16 +89,25 @@ test("the search of the bat algorithm is drawn with its optimum, for any cluster
   await page.getByRole("combobox", { name: "Search" }).selectOption(name);
   const frame = frameOf(page, `Convergence, ${name}`);
   await drawn(frame);
-  const csv = (await saved(page, frame.getByRole("button", { name: "CSV" }))).bytes.toString().trim().split("\r\n").slice(1);
-  const rows = trace.filter((row) => row.occasion === chosen.occasion && row.cluster === chosen.cluster);
-  assert.deepEqual(csv, rows.map((row) => [row.iteration, row.best_j, row.mean_j, row.optimal_j].map(Number).join(",")));
+  const csv = (await saved(page, frame.getByRole("button", { name: "CSV" }))).bytes
+    .toString()
+    .trim()
+    .split("\r\n")
+    .slice(1);
+  const rows = trace.filter(
+    (row) => row.occasion === chosen.occasion && row.cluster === chosen.cluster,
+  );
+  assert.deepEqual(
+    csv,
+    rows.map((row) => [row.iteration, row.best_j, row.mean_j, row.optimal_j].map(Number).join(",")),
+  );
   const told = bearings.report.result.association.diagnostics;
   assert.ok((await page.locator(".diagnostics").innerText()).includes(shown(told.evaluations)));
   await closePage(page);
 });
 
 test("memberships of every iteration are the trace's, and sum to one for each detection", async () => {
-  const trace = await traceOf(fuzzy.job);
+  const trace = await traceOf(fuzzy.job, "association_trace.csv");
   const page = await openPage(browser, `?view=job&job=${fuzzy.job.id}&tab=search`);
   const frame = frameOf(page, "Memberships");
   await frame.locator("tbody tr").first().waitFor();
@@ -89,14 +115,30 @@ test("memberships of every iteration are the trace's, and sum to one for each de
   const [occasion, cluster] = name.match(/\d+/g);
   for (const iteration of ["0", null]) {
     if (iteration !== null) await frame.locator("input[type=range]").fill(iteration);
-    const csv = (await saved(page, frame.getByRole("button", { name: "CSV" }))).bytes.toString().trim().split("\r\n").slice(1).map((line) => line.split(","));
+    const csv = (await saved(page, frame.getByRole("button", { name: "CSV" }))).bytes
+      .toString()
+      .trim()
+      .split("\r\n")
+      .slice(1)
+      .map((line) => line.split(","));
     for (const row of csv) {
       const sum = row.slice(1).reduce((total, cell) => total + Number(cell), 0);
       assert.ok(Math.abs(sum - 1) < 1e-6, `detection ${row[0]}: ${sum}`);
     }
     const number = iteration ?? (await frame.innerText()).match(/Iteration (\d+)/)[1];
-    const mine = trace.filter((row) => row.occasion === occasion && row.cluster === cluster && row.iteration === number && row.quantity === "u" && row.track === "");
-    assert.deepEqual(csv.map((row) => [row[0], Number(row[1])]), mine.map((row) => [row.detection, Number(row.value)]), "the noise of each detection");
+    const mine = trace.filter(
+      (row) =>
+        row.occasion === occasion &&
+        row.cluster === cluster &&
+        row.iteration === number &&
+        row.quantity === "u" &&
+        row.track === "",
+    );
+    assert.deepEqual(
+      csv.map((row) => [row[0], Number(row[1])]),
+      mine.map((row) => [row.detection, Number(row.value)]),
+      "the noise of each detection",
+    );
   }
   await closePage(page);
 });

@@ -40,7 +40,9 @@ test("the clock plays, steps by button and by key, and the address follows", asy
   await page.locator("h1").click();
   await page.keyboard.press(" ");
   await page.getByRole("button", { name: "Pause" }).waitFor();
-  await page.waitForFunction(() => /scan ([5-9]|\d\d)\/30/.test(document.querySelector(".clock-text")?.textContent ?? ""));
+  await page.waitForFunction(() =>
+    /scan ([5-9]|\d\d)\/30/.test(document.querySelector(".clock-text")?.textContent ?? ""),
+  );
   await page.keyboard.press(" ");
   await page.getByRole("button", { name: "Play" }).waitFor();
   const stood = await clockText(page);
@@ -57,7 +59,9 @@ test("a verdict leads to the scan that decided it, and its address shows the sam
   const rows = page.locator(".verdict-row");
   await rows.first().waitFor();
   assert.equal(await rows.count(), report.result.tfa.counts.false);
-  const row = rows.filter({ has: page.getByRole("button", { name: `Show ${wrong.truth_id} in the plan view` }) });
+  const row = rows.filter({
+    has: page.getByRole("button", { name: `Show ${wrong.truth_id} in the plan view` }),
+  });
   await row.getByRole("button").focus();
   await page.keyboard.press("Enter");
   await planOf(page).waitFor();
@@ -99,34 +103,57 @@ test("verdicts are filtered and sorted, and the address says so", async () => {
   await page.keyboard.press("/");
   const { truth_id } = report.result.tfa.targets[0];
   await page.keyboard.type(truth_id);
-  await page.waitForFunction((id) => new URLSearchParams(location.search).get("find") === id, truth_id);
+  await page.waitForFunction(
+    (id) => new URLSearchParams(location.search).get("find") === id,
+    truth_id,
+  );
   assert.ok((await rows.count()) >= 1);
   await closePage(page);
 });
 
-/** East and north metres per pixel, read from two points that a drag of the plan view leaves in the address. */
+/** Waits until a parameter of the address has left this value and stays at another. */
+async function atRest(page, name, before) {
+  await page.waitForFunction(
+    ([of, value]) => new URLSearchParams(location.search).get(of) !== value,
+    [name, before],
+  );
+  let seen;
+  while (seen !== parameters(page).get(name)) {
+    seen = parameters(page).get(name);
+    await page.waitForTimeout(AT_REST_MS);
+  }
+}
+
+/**
+ * East and north metres per pixel, read from two points that a drag of the plan view leaves in the
+ * address.
+ */
 async function draggedBy(page, dx, dy) {
   const centre = async () => parameters(page).get("centre").split(",").map(Number);
   const box = await planOf(page).boundingBox();
   const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  const before = parameters(page).get("centre");
   const start = await centre();
   await page.mouse.move(x, y);
   await page.mouse.down();
   await page.mouse.move(x + dx, y + dy, { steps: 4 });
   await page.mouse.up();
-  await page.waitForTimeout(AT_REST_MS);
+  await atRest(page, "centre", before);
   const end = await centre();
   return [Math.abs(end[0] - start[0]), Math.abs(end[1] - start[1])];
 }
 
 test("one metre east is as long as one metre north, also after a zoom and in a narrow window", async () => {
   const page = await openPlan();
-  for (const size of [{ width: 1440, height: 900 }, { width: 420, height: 800 }]) {
+  for (const size of [
+    { width: 1440, height: 900 },
+    { width: 420, height: 800 },
+  ]) {
     await page.setViewportSize(size);
     await page.locator(".plan-touch").scrollIntoViewIfNeeded();
+    const before = parameters(page).get("span");
     await page.getByRole("button", { name: "Zoom in" }).click();
-    await page.waitForFunction(() => new URLSearchParams(location.search).has("centre"));
-    await page.waitForTimeout(400);
+    await atRest(page, "span", before);
     const [east] = await draggedBy(page, 80, 0);
     const [, north] = await draggedBy(page, 0, 80);
     assert.ok(Math.abs(east / north - 1) < 0.01, `80 px are ${east} m east and ${north} m north`);
@@ -144,7 +171,10 @@ test("legend, selection and trail are in the address", async () => {
   assert.equal(parameters(page).get("track"), track_id);
   await page.getByRole("heading", { name: `Association probability, ${track_id}` }).waitFor();
   await page.locator(".probability-canvas canvas").first().waitFor();
-  assert.match(await page.locator(".probability-canvas canvas").first().getAttribute("aria-label"), new RegExp(`track ${track_id} `));
+  assert.match(
+    await page.locator(".probability-canvas canvas").first().getAttribute("aria-label"),
+    new RegExp(`track ${track_id} `),
+  );
   assert.equal(parameters(page).get("trail"), "5");
   await closePage(page);
 });
@@ -158,7 +188,10 @@ test("a chart is exported as PNG and CSV, and has a table twin with the same row
   assert.match(csv.name, /^plan-.*\.csv$/);
   const lines = csv.bytes.toString().trim().split("\r\n");
   assert.equal(lines[0], "layer,id,time_s,x_m,y_m,detail");
-  assert.ok(lines.slice(1).every((line) => line.split(",")[2] === "0"), "only what is drawn at the clock's time");
+  assert.ok(
+    lines.slice(1).every((line) => line.split(",")[2] === "0"),
+    "only what is drawn at the clock's time",
+  );
   const png = await saved(page, frame.getByRole("button", { name: "PNG" }));
   assert.deepEqual([...png.bytes.subarray(1, 4)], [...Buffer.from("PNG")]);
   await frame.getByRole("button", { name: "Table" }).click();
@@ -167,7 +200,10 @@ test("a chart is exported as PNG and CSV, and has a table twin with the same row
   await planOf(page).waitFor();
   await page.mouse.move(0, 0);
   await page.waitForTimeout(AT_REST_MS);
-  assert.ok(drawn.equals(await planOf(page).screenshot()), "back from the table the same picture stands");
+  assert.ok(
+    drawn.equals(await planOf(page).screenshot()),
+    "back from the table the same picture stands",
+  );
   await closePage(page);
 });
 

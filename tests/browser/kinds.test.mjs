@@ -1,13 +1,30 @@
-// Jobs of every kind, and jobs that have little to show: every tab opens, says what there is, and nothing fails.
+// Jobs of every kind, and jobs that have little to show: every tab opens, says what there is, and
+// nothing fails.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { api, assertNothingSticksOut, closePage, drawn, finished, grouped, NARROW, openPage, preset, startBrowser, uploaded } from "./support.mjs";
+import {
+  api,
+  assertNothingSticksOut,
+  closePage,
+  drawn,
+  finished,
+  grouped,
+  NARROW,
+  openPage,
+  preset,
+  startBrowser,
+  uploaded,
+} from "./support.mjs";
 
-const TRUTH = "time_s,truth_id,x_m,y_m\n0,A,0,0\n1,A,10,0\n2,A,20,0\n0,B,0,50\n1,B,10,50\n2,B,20,50\n";
+const TRUTH =
+  "time_s,truth_id,x_m,y_m\n0,A,0,0\n1,A,10,0\n2,A,20,0\n0,B,0,50\n1,B,10,50\n2,B,20,50\n";
 const TRACKS = "time_s,track_id,x_m,y_m\n0,1,0,1\n1,1,10,1\n2,2,20,1\n";
 /** MOTChallenge: frame, id, left, top, width, height, confidence, class, visibility. */
-const BOXES = { truth: "1,1,10,10,20,40,1,1,1\n2,1,12,10,20,40,1,1,1\n", tracks: "1,7,11,10,20,40,1,-1,-1,-1\n2,8,13,10,20,40,1,-1,-1,-1\n" };
+const BOXES = {
+  truth: "1,1,10,10,20,40,1,1,1\n2,1,12,10,20,40,1,1,1\n",
+  tracks: "1,7,11,10,20,40,1,-1,-1,-1\n2,8,13,10,20,40,1,-1,-1,-1\n",
+};
 
 let browser;
 before(async () => (browser = await startBrowser()));
@@ -41,17 +58,36 @@ test("a simulation and an association", async () => {
   const scenario = { ...(await preset("liang2009-10")).input.scenario, scans: 5 };
   const simulated = await finished("simulate", { scenario, name: "kinds: a scene" });
   assert.deepEqual(await tabsOf(simulated.job.id), ["Summary", "Plan view", "Request and files"]);
-  const associated = await finished("associate", { input: { source: "job", job_id: simulated.job.id } });
+  const associated = await finished("associate", {
+    input: { source: "job", job_id: simulated.job.id },
+  });
   assert.deepEqual(await tabsOf(associated.job.id), ["Summary", "Plan view", "Request and files"]);
 });
 
 test("tracks that were judged by metrics alone, of points and of boxes, and in sequences", async () => {
-  const [truth, tracks] = [await uploaded("truth.csv", TRUTH), await uploaded("tracks.csv", TRACKS)];
+  const [truth, tracks] = [
+    await uploaded("truth.csv", TRUTH),
+    await uploaded("tracks.csv", TRACKS),
+  ];
   const points = await judged(truth, tracks, { comparison: { gate_m: 5 } });
-  assert.deepEqual(await tabsOf(points.job.id), ["Summary", "Plan view", "Verdicts", "Metrics", "Request and files"]);
-  const boxes = await judged(await uploaded("gt.txt", BOXES.truth, { format: "mot", kind: "truth" }), await uploaded("res.txt", BOXES.tracks, { format: "mot", kind: "tracks" }), { profile: "vision" });
+  assert.deepEqual(await tabsOf(points.job.id), [
+    "Summary",
+    "Plan view",
+    "Verdicts",
+    "Metrics",
+    "Request and files",
+  ]);
+  const boxes = await judged(
+    await uploaded("gt.txt", BOXES.truth, { format: "mot", kind: "truth" }),
+    await uploaded("res.txt", BOXES.tracks, { format: "mot", kind: "tracks" }),
+    { profile: "vision" },
+  );
   assert.ok((await tabsOf(boxes.job.id)).includes("Metrics"));
-  const sequences = ["one", "two"].map((name) => ({ name, truth: source(truth), tracks: source(tracks) }));
+  const sequences = ["one", "two"].map((name) => ({
+    name,
+    truth: source(truth),
+    tracks: source(tracks),
+  }));
   const several = await finished("evaluate", { sequences });
   assert.ok((await tabsOf(several.job.id)).includes("Metrics"));
   const page = await openPage(browser, `?view=job&job=${several.job.id}&tab=metrics&sequence=two`);
@@ -66,7 +102,9 @@ test("reports of several sensors put together, with the memberships of each inst
   assert.deepEqual(await tabsOf(job.id), ["Summary", "Plan view", "Method", "Request and files"]);
   const page = await openPage(browser, `?view=job&job=${job.id}&tab=search`);
   await page.getByRole("heading", { name: "Memberships" }).waitFor();
-  const ways = page.locator(".chart-frame", { has: page.getByRole("heading", { name: /^Ways of the centres/ }) });
+  const ways = page.locator(".chart-frame", {
+    has: page.getByRole("heading", { name: /^Ways of the centres/ }),
+  });
   await drawn(ways);
   await closePage(page);
 });
@@ -81,7 +119,10 @@ test("a scene in which nothing was there to see", async () => {
 
 test("a job that failed says why, one that is unknown does so too, and so does an unknown page", async () => {
   // Their clocks do not meet, which only the job finds.
-  const [truth, late] = [await uploaded("truth.csv", TRUTH), await uploaded("late.csv", "time_s,track_id,x_m,y_m\n900,1,0,1\n901,1,10,1\n")];
+  const [truth, late] = [
+    await uploaded("truth.csv", TRUTH),
+    await uploaded("late.csv", "time_s,track_id,x_m,y_m\n900,1,0,1\n901,1,10,1\n"),
+  ];
   const { id } = await api("/v1/jobs/evaluate", { truth: source(truth), tracks: source(late) });
   const failed = await openPage(browser, `?view=job&job=${id}`);
   await failed.locator(".badge.state-failed").waitFor();

@@ -1,8 +1,18 @@
-// The job list: filters in the address, pages, what it says when the service is away; and how much is loaded at first.
+// The job list: filters in the address, pages, what it says when the service is away; and how much
+// is loaded at first.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { api, BASE, closePage, ended, openPage, parameters, preset, startBrowser } from "./support.mjs";
+import {
+  api,
+  BASE,
+  closePage,
+  ended,
+  openPage,
+  parameters,
+  preset,
+  startBrowser,
+} from "./support.mjs";
 
 const FIRST_LOAD_BYTES = 90_000;
 const ALL_BYTES = 300_000;
@@ -23,7 +33,11 @@ test("filters narrow the list and stand in the address; nothing found says so", 
   await page.keyboard.press("/");
   await page.keyboard.type("a job to find");
   const rows = page.locator("tbody tr");
-  await page.waitForFunction(() => [...document.querySelectorAll("tbody tr")].every((row) => row.textContent.includes("a job to find")));
+  await page.waitForFunction(() =>
+    [...document.querySelectorAll("tbody tr")].every((row) =>
+      row.textContent.includes("a job to find"),
+    ),
+  );
   assert.ok((await rows.count()) >= 1);
   assert.equal(parameters(page).get("q"), "a job to find");
   await page.getByLabel("State").selectOption("failed");
@@ -36,13 +50,20 @@ test("filters narrow the list and stand in the address; nothing found says so", 
 });
 
 test("more jobs than a page are loaded by cursor, each once", async () => {
-  const body = { scenario: { ...(await preset("liang2009-10")).input.scenario, scans: 1 }, name: "many" };
-  const ids = await Promise.all(Array.from({ length: 55 }, async () => (await api("/v1/jobs/simulate", body)).id));
+  const body = {
+    scenario: { ...(await preset("liang2009-10")).input.scenario, scans: 1 },
+    name: "many",
+  };
+  const ids = await Promise.all(
+    Array.from({ length: 55 }, async () => (await api("/v1/jobs/simulate", body)).id),
+  );
   await Promise.all(ids.map(ended));
   const page = await openPage(browser, "?q=many&kind=simulate");
   await page.getByRole("button", { name: "Load more" }).click();
   await page.waitForFunction(() => document.querySelectorAll("tbody tr").length > 50);
-  const links = await page.$$eval("tbody a", (all) => all.map((link) => new URL(link.href).searchParams.get("job")));
+  const links = await page.$$eval("tbody a", (all) =>
+    all.map((link) => new URL(link.href).searchParams.get("job")),
+  );
   assert.equal(new Set(links).size, links.length);
   for (const id of ids) assert.ok(links.includes(id));
   await closePage(page);
@@ -70,7 +91,13 @@ test("the link that a job carries opens its page", async () => {
 test("the first load is small, and the charts come only when they are looked at", async () => {
   const page = await openPage(browser, "");
   // What went over the wire, compressed as the service compresses it.
-  const loaded = () => page.evaluate(() => performance.getEntriesByType("resource").filter((entry) => /\.(js|css)$/.test(entry.name)).map((entry) => entry.encodedBodySize));
+  const loaded = () =>
+    page.evaluate(() =>
+      performance
+        .getEntriesByType("resource")
+        .filter((entry) => /\.(js|css)$/.test(entry.name))
+        .map((entry) => entry.encodedBodySize),
+    );
   await page.locator("h1").waitFor();
   const first = await loaded();
   const sum = (sizes) => sizes.reduce((total, size) => total + size, 0);

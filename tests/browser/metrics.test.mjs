@@ -1,8 +1,20 @@
-// The metrics of a job: every quantity as the report has it, the metrics over time, who followed whom, and the events behind the counts.
+// The metrics of a job: every quantity as the report has it, the metrics over time, who followed
+// whom, and the events behind the counts.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { api, closePage, drawn, evaluated, openPage, parameters, saved, shown, startBrowser } from "./support.mjs";
+import {
+  api,
+  closePage,
+  drawn,
+  evaluated,
+  linesOf,
+  openPage,
+  parameters,
+  saved,
+  shown,
+  startBrowser,
+} from "./support.mjs";
 
 let browser;
 let job;
@@ -13,8 +25,7 @@ before(async () => {
   const found = await evaluated();
   job = found.job;
   ({ result } = found.report);
-  const text = await (await fetch(`${process.env.TRACKLOOM_URL}/v1/jobs/${job.id}/artifacts/events.csv`)).text();
-  events = text.trim().split("\n").slice(1).map((line) => line.split(","));
+  events = (await linesOf(job, "events.csv")).slice(1);
 });
 after(() => browser.close());
 
@@ -28,14 +39,32 @@ test("every quantity of every metric is on the page with its unit, as the report
   const page = await open();
   for (const [name, metric] of Object.entries(result.metrics)) {
     const group = page.locator(`.metric-group[aria-label="${name}"]`);
-    const expected = Object.entries(metric.quantities).map(([quantity, { value, unit, reason }]) => [quantity, value === null ? (reason ?? "undefined") : unit ? `${shown(value)} ${unit}` : shown(value)]);
-    const found = await group.locator("dt").evaluateAll((all) => all.map((term) => [term.title, term.nextElementSibling.innerText]));
+    const expected = Object.entries(metric.quantities).map(
+      ([quantity, { value, unit, reason }]) => [
+        quantity,
+        value === null ? (reason ?? "undefined") : unit ? `${shown(value)} ${unit}` : shown(value),
+      ],
+    );
+    const found = await group
+      .locator("dt")
+      .evaluateAll((all) => all.map((term) => [term.title, term.nextElementSibling.innerText]));
     assert.deepEqual(found, expected, name);
     const text = await group.innerText();
-    for (const parameter of Object.keys(metric.parameters)) assert.ok(text.includes(parameter), `${name} says its ${parameter}`);
+    for (const parameter of Object.keys(metric.parameters))
+      assert.ok(text.includes(parameter), `${name} says its ${parameter}`);
   }
-  const csv = (await saved(page, page.locator(".table-frame", { has: page.locator(".metric-groups") }).getByRole("button", { name: "CSV" }))).bytes.toString();
-  const count = Object.values(result.metrics).reduce((sum, metric) => sum + Object.keys(metric.quantities).length, 0);
+  const csv = (
+    await saved(
+      page,
+      page
+        .locator(".table-frame", { has: page.locator(".metric-groups") })
+        .getByRole("button", { name: "CSV" }),
+    )
+  ).bytes.toString();
+  const count = Object.values(result.metrics).reduce(
+    (sum, metric) => sum + Object.keys(metric.quantities).length,
+    0,
+  );
   assert.equal(csv.trim().split("\r\n").length, count + 1);
   assert.ok(csv.includes(`gospa,gospa,${result.metrics.gospa.value},m`), "with all digits");
   await closePage(page);
@@ -45,18 +74,31 @@ test("the metrics over time are drawn and exported as the service has them", asy
   const page = await open("&over=ospa");
   const frame = page.locator(".chart-frame", { hasText: "over time" });
   await drawn(frame);
-  const csv = (await saved(page, frame.getByRole("button", { name: "CSV" }))).bytes.toString().trim().split("\r\n");
+  const csv = (await saved(page, frame.getByRole("button", { name: "CSV" }))).bytes
+    .toString()
+    .trim()
+    .split("\r\n");
   const series = await api(`/v1/jobs/${job.id}/series/metrics`);
   const column = csv[0].split(",").indexOf("ospa.ospa (m)");
   assert.ok(column > 0, csv[0]);
-  assert.deepEqual(csv.slice(1).map((line) => Number(line.split(",")[column])), series.columns.values["ospa.ospa"]);
+  assert.deepEqual(
+    csv.slice(1).map((line) => Number(line.split(",")[column])),
+    series.columns.values["ospa.ospa"],
+  );
   await frame.getByLabel("Metric").selectOption("gospa");
   assert.equal(parameters(page).get("over"), "gospa");
   await page.getByRole("heading", { name: "gospa over time" }).waitFor();
   await drawn(page.locator(".chart-frame", { hasText: "over time" }));
-  await page.locator(".chart-frame", { hasText: "over time" }).locator("canvas").first().click({ position: { x: 400, y: 100 } });
+  await page
+    .locator(".chart-frame", { hasText: "over time" })
+    .locator("canvas")
+    .first()
+    .click({ position: { x: 400, y: 100 } });
   await page.waitForFunction(() => new URLSearchParams(location.search).has("time"));
-  assert.ok(series.columns.time_s.includes(Number(parameters(page).get("time"))), "the clock stands at a time of the series");
+  assert.ok(
+    series.columns.time_s.includes(Number(parameters(page).get("time"))),
+    "the clock stands at a time of the series",
+  );
   await closePage(page);
 });
 
@@ -64,9 +106,14 @@ test("a count leads to its events, and an event to its moment", async () => {
   const page = await open();
   const missed = result.metrics.clear.quantities.fn.value;
   assert.equal(missed, events.filter((row) => row[2] === "miss").length);
-  await page.locator('.metric-group[aria-label="clear"]').getByRole("link", { name: `${missed}: show the events` }).click();
+  await page
+    .locator('.metric-group[aria-label="clear"]')
+    .getByRole("link", { name: `${missed}: show the events` })
+    .click();
   assert.equal(parameters(page).get("event"), "miss");
-  const table = page.locator(".table-frame", { has: page.getByRole("heading", { name: "Events" }) });
+  const table = page.locator(".table-frame", {
+    has: page.getByRole("heading", { name: "Events" }),
+  });
   await table.getByText(`${missed.toLocaleString("en-US")} events`).waitFor();
   assert.equal(await table.locator("tbody tr").count(), Math.min(missed, 200));
   const first = events.find((row) => row[2] === "miss");
@@ -103,10 +150,13 @@ test("lanes say who followed whom; their marks are the breaks and switches of th
 
 test("the summary has the headlines and the events of the report", async () => {
   const page = await openPage(browser, `?view=job&job=${job.id}`);
-  const panel = page.locator(".panel", { has: page.getByRole("link", { name: "Metrics", exact: true }) });
+  const panel = page.locator(".panel", {
+    has: page.getByRole("link", { name: "Metrics", exact: true }),
+  });
   await panel.waitFor();
   const text = await panel.innerText();
-  for (const [name, metric] of Object.entries(result.metrics)) assert.ok(text.includes(`${name}\n${shown(metric.value)}`), `${name} in ${text}`);
+  for (const [name, metric] of Object.entries(result.metrics))
+    assert.ok(text.includes(`${name}\n${shown(metric.value)}`), `${name} in ${text}`);
   await page.getByRole("link", { name: `${result.events.counts.break} events: break` }).click();
   await page.getByRole("heading", { name: "Events" }).waitFor();
   assert.equal(parameters(page).get("event"), "break");

@@ -1,11 +1,23 @@
-// From a preset through the form to a result; a recording uploaded and evaluated; a long job watched and canceled.
+// From a preset through the form to a result; a recording uploaded and evaluated; a long job
+// watched and canceled.
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { fileURLToPath } from "node:url";
-import { api, byPointer, closePage, ended, openPage, parameters, preset, startBrowser } from "./support.mjs";
+import {
+  api,
+  byPointer,
+  closePage,
+  ended,
+  openPage,
+  parameters,
+  preset,
+  startBrowser,
+} from "./support.mjs";
 
-const RECORDING = fileURLToPath(new URL("../../examples/data/autoferry-scenario2/", import.meta.url));
+const RECORDING = fileURLToPath(
+  new URL("../../examples/data/autoferry-scenario2/", import.meta.url),
+);
 const COUNT = "/input/scenario/targets/count";
 
 let browser;
@@ -28,7 +40,11 @@ test("a preset is changed in the form, a fault is shown at its field, and the co
   assert.match(await fault.innerText(), /allowed/);
   assert.equal(await byPointer(page, COUNT).getAttribute("aria-invalid"), "true");
   await page.locator(".check.bad").getByRole("button", { name: COUNT }).click();
-  assert.equal(await byPointer(page, COUNT).evaluate((field) => field === document.activeElement), true, "the fault leads to its field");
+  assert.equal(
+    await byPointer(page, COUNT).evaluate((field) => field === document.activeElement),
+    true,
+    "the fault leads to its field",
+  );
   await byPointer(page, COUNT).fill("12");
   await byPointer(page, "/name").fill("twelve targets");
   await page.getByText("The request is valid.").waitFor();
@@ -62,20 +78,29 @@ test("the form and the JSON editor hold the same request", async () => {
 });
 
 async function upload(page, part, file, kind) {
-  const group = page.locator("fieldset.group", { has: byPointer(page, `${part}/dataset_id`) }).last();
+  const group = page
+    .locator("fieldset.group", { has: byPointer(page, `${part}/dataset_id`) })
+    .last();
   await group.getByRole("button", { name: "Upload a file" }).click();
   await group.locator("input[type=file]").setInputFiles(RECORDING + file);
   await group.getByLabel("Kind").selectOption(kind);
   await group.getByLabel("Format").selectOption("autoferry");
   await group.getByRole("button", { name: "Upload", exact: true }).click();
-  await page.waitForFunction((pointer) => document.querySelector(`[data-pointer="${pointer}"]`)?.selectedOptions[0]?.text.includes("rows"), `${part}/dataset_id`);
+  await page.waitForFunction(
+    (pointer) =>
+      document
+        .querySelector(`[data-pointer="${pointer}"]`)
+        ?.selectedOptions[0]?.text.includes("rows"),
+    `${part}/dataset_id`,
+  );
 }
 
 test("a recording and its truth are uploaded; what the data do not say is asked for and given", async () => {
   const page = await openPage(browser, "?view=new&kind=evaluate");
   await upload(page, "/input", "detections.json", "detections");
   await upload(page, "/truth", "groundTruth.json", "truth");
-  if (await page.getByRole("button", { name: "Tfa", exact: true }).count()) await page.getByRole("button", { name: "Tfa", exact: true }).click();
+  if (await page.getByRole("button", { name: "Tfa", exact: true }).count())
+    await page.getByRole("button", { name: "Tfa", exact: true }).click();
   await byPointer(page, "/tfa/symbols/kind").selectOption("nearest_truth");
   await byPointer(page, "/tfa/symbols/gate_m").fill("30");
   await byPointer(page, "/name").fill("harbour recording");
@@ -83,9 +108,12 @@ test("a recording and its truth are uploaded; what the data do not say is asked 
   await page.getByText("the noise of sensor 'radar' is not known").first().waitFor();
   await byPointer(page, "/input/sensor_ids").fill("radar");
   await page.getByRole("button", { name: "Sensors", exact: true }).click();
-  const rows = await page.locator('[data-pointer^="/sensors/"][data-pointer$="/sensor_id"]').evaluateAll((all) => all.map((field) => field.value));
+  const rows = await page
+    .locator('[data-pointer^="/sensors/"][data-pointer$="/sensor_id"]')
+    .evaluateAll((all) => all.map((field) => field.value));
   const row = rows.indexOf("radar");
-  for (const field of ["sigma_x_m", "sigma_y_m"]) await byPointer(page, `/sensors/${row}/${field}`).fill("4");
+  for (const field of ["sigma_x_m", "sigma_y_m"])
+    await byPointer(page, `/sensors/${row}/${field}`).fill("4");
   await page.getByText("The request is valid.").waitFor();
   const id = await submitted(page);
   await page.locator(".badge.state-succeeded, .badge.state-failed").waitFor();
@@ -95,7 +123,10 @@ test("a recording and its truth are uploaded; what the data do not say is asked 
   assert.equal(report.result.tfa.counts.targets, 2);
   await page.getByRole("link", { name: "Plan view" }).click();
   await page.locator(".plan canvas").first().waitFor();
-  assert.match(await page.locator(".plan canvas").first().getAttribute("aria-label"), /2 truth lines/);
+  assert.match(
+    await page.locator(".plan canvas").first().getAttribute("aria-label"),
+    /2 truth lines/,
+  );
   await closePage(page);
 });
 
@@ -104,7 +135,13 @@ async function longJob() {
   const body = await preset("liang2009-100");
   body.name = "long watch";
   body.input.scenario.scans = 12_000;
-  body.input.scenario.targets = { kind: "random", count: 1000, area_side_m: 60_000, speed_min_mps: 0, speed_max_mps: 0.1 };
+  body.input.scenario.targets = {
+    kind: "random",
+    count: 1000,
+    area_side_m: 60_000,
+    speed_min_mps: 0,
+    speed_max_mps: 0.1,
+  };
   return api("/v1/jobs/evaluate", body);
 }
 
@@ -118,7 +155,11 @@ test("a long job shows its progress in the list and on its page, and can be canc
   const bar = list.locator(".waiting progress");
   await bar.waitFor();
   const first = Number(await bar.getAttribute("value"));
-  await list.waitForFunction((before) => Number(document.querySelector(".waiting progress")?.getAttribute("value") ?? before) > before, first);
+  await list.waitForFunction(
+    (before) =>
+      Number(document.querySelector(".waiting progress")?.getAttribute("value") ?? before) > before,
+    first,
+  );
   await list.getByRole("button", { name: "Cancel" }).click();
   await list.locator(".badge.state-canceled").waitFor();
   await list.getByText("This job was canceled.").waitFor();
@@ -134,7 +175,9 @@ test("a job is run again from its page, with the same result", async () => {
   await page.locator(".badge.state-succeeded").waitFor();
   const again = parameters(page).get("job");
   assert.notEqual(again, first.id);
-  const [before, after] = await Promise.all([first.id, again].map((id) => api(`/v1/jobs/${id}/report`)));
+  const [before, after] = await Promise.all(
+    [first.id, again].map((id) => api(`/v1/jobs/${id}/report`)),
+  );
   assert.deepEqual(after.result, before.result);
   await closePage(page);
 });

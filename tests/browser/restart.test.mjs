@@ -1,15 +1,11 @@
-// A service that is restarted under open pages: the list says that it is old and recovers, a running job is taken up again and ends.
+// A service that is restarted under open pages: the list says that it is old and recovers, a
+// running job is taken up again and ends.
 
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
-import { mkdtemp } from "node:fs/promises";
 import { createServer } from "node:net";
-import { tmpdir } from "node:os";
-import { join } from "node:path";
 import { after, before, test } from "node:test";
+import { dataFolder, startService } from "./service.mjs";
 import { campaign, startBrowser } from "./support.mjs";
-
-const BIN = process.env.TRACKLOOM_BIN;
 
 let browser;
 let service;
@@ -28,32 +24,21 @@ function freePort() {
   });
 }
 
-/** Starts the service on a directory and waits until it listens. */
-async function start(port, data) {
-  const child = spawn(BIN, ["serve", "--listen", `127.0.0.1:${port}`, "--data", data], { stdio: ["ignore", "pipe", "ignore"] });
-  const gone = new Promise((take) => child.once("exit", take));
-  await new Promise((take, fail) => {
-    child.stdout.on("data", (text) => String(text).includes("listening on") && take());
-    child.once("exit", (code) => fail(new Error(`the service ended with ${code}`)));
-  });
-  return {
-    base: `http://127.0.0.1:${port}`,
-    stop: async () => {
-      child.kill("SIGTERM");
-      await gone;
-    },
+test("pages survive a restart of the service, and so does the job they show", async () => {
+  const [port, data] = [await freePort(), dataFolder()];
+  service = await startService(data, port);
+  const post = {
+    method: "POST",
+    headers: { "content-type": "application/json" },
+    body: JSON.stringify({ ...(await campaign(2000)), name: "over a restart" }),
   };
-}
-
-test("pages survive a restart of the service, and so does the job they show", { skip: BIN ? false : "TRACKLOOM_BIN names no program" }, async () => {
-  const [port, data] = [await freePort(), await mkdtemp(join(tmpdir(), "trackloom-restart-"))];
-  service = await start(port, data);
-  const post = { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify({ ...(await campaign(2000)), name: "over a restart" }) };
   const { id } = await (await fetch(`${service.base}/v1/jobs/campaign`, post)).json();
   const context = await browser.newContext({ viewport: { width: 1440, height: 900 } });
   const [list, page] = [await context.newPage(), await context.newPage()];
   await page.goto(`${service.base}/?view=job&job=${id}`);
-  await page.waitForFunction(() => [...document.querySelectorAll(".grid-cell b")].some((cell) => Number(cell.textContent) > 0));
+  await page.waitForFunction(() =>
+    [...document.querySelectorAll(".grid-cell b")].some((cell) => Number(cell.textContent) > 0),
+  );
   await list.goto(`${service.base}/`);
   await list.locator("tbody tr").first().waitFor();
   await service.stop();
@@ -61,13 +46,22 @@ test("pages survive a restart of the service, and so does the job they show", { 
   await list.bringToFront();
   await list.getByText(/The service does not answer\. Shown as of/).waitFor();
   assert.ok((await list.locator("tbody tr").count()) > 0, "what was there stays");
-  service = await start(port, data);
+  service = await startService(data, port);
   await list.locator(".stale").waitFor({ state: "detached", timeout: 20_000 });
   await page.bringToFront();
-  await page.getByRole("heading", { name: "Time of deciding", exact: true }).waitFor({ timeout: 60_000 });
-  assert.equal(await page.locator(".problem").count(), 0, "nothing of the outage is left on the page");
+  await page
+    .getByRole("heading", { name: "Time of deciding", exact: true })
+    .waitFor({ timeout: 60_000 });
+  assert.equal(
+    await page.locator(".problem").count(),
+    0,
+    "nothing of the outage is left on the page",
+  );
   const job = await (await fetch(`${service.base}/v1/jobs/${id}`)).json();
   assert.equal(job.state, "succeeded");
-  assert.ok(Date.parse(job.started_at) < stopped && stopped < Date.parse(job.finished_at), "it ran before and after");
+  assert.ok(
+    Date.parse(job.started_at) < stopped && stopped < Date.parse(job.finished_at),
+    "it ran before and after",
+  );
   await context.close();
 });

@@ -2,7 +2,15 @@
 
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { api, closePage, evaluated, openPage, parameters, saved, startBrowser } from "./support.mjs";
+import {
+  api,
+  closePage,
+  evaluated,
+  openPage,
+  parameters,
+  saved,
+  startBrowser,
+} from "./support.mjs";
 
 let browser;
 let job;
@@ -20,8 +28,15 @@ async function open(more = "") {
   return page;
 }
 
-/** Waits until the address has this many coordinates; a page behind another hears of a press a little later. */
-const pointsAre = (page, count) => page.waitForFunction((wanted) => new URLSearchParams(location.search).get("ruler").split(",").length === wanted, count);
+/**
+ * Waits until the address has this many coordinates; a page behind another hears of a press a
+ * little later.
+ */
+const pointsAre = (page, count) =>
+  page.waitForFunction(
+    (wanted) => new URLSearchParams(location.search).get("ruler").split(",").length === wanted,
+    count,
+  );
 const result = (page) => page.locator(".ruler-result").innerText();
 
 test("two presses measure, in metres as the camera says, and the address shows the same elsewhere", async () => {
@@ -35,11 +50,18 @@ test("two presses measure, in metres as the camera says, and the address shows t
   await page.mouse.click(x + 100, y - 100);
   await pointsAre(page, 4);
   const [x0, y0, x1, y1] = parameters(page).get("ruler").split(",").map(Number);
-  // 10 000 m lie across the shorter side of the drawing area; margins are 72 px wide and 54 px high.
+  // 10 000 m lie across the shorter side of the drawing area; margins are 72 px wide and 54 px
+  // high.
   const scale = 10_000 / Math.min(box.width - 72, box.height - 54);
-  assert.ok(Math.abs(x1 - x0 - 100 * scale) < scale && Math.abs(y1 - y0 - 100 * scale) < scale, `${x1 - x0}, ${y1 - y0} for ${100 * scale}`);
+  assert.ok(
+    Math.abs(x1 - x0 - 100 * scale) < scale && Math.abs(y1 - y0 - 100 * scale) < scale,
+    `${x1 - x0}, ${y1 - y0} for ${100 * scale}`,
+  );
   const distance = Math.hypot(x1 - x0, y1 - y0);
-  assert.match(await result(page), new RegExp(`^${(distance / 1000).toFixed(3)} km, 4[45]\\.\\d°$`));
+  assert.match(
+    await result(page),
+    new RegExp(`^${(distance / 1000).toFixed(3)} km, 4[45]\\.\\d°$`),
+  );
   assert.equal(parameters(page).get("track"), null, "a press with the ruler selects nothing");
   const again = await openPage(browser, new URL(page.url()).search);
   await again.locator(".plan canvas").first().waitFor();
@@ -75,7 +97,12 @@ test("the keyboard alone measures: 300 m east and 400 m north are 500 m at 36.9�
   const page = await open();
   await page.locator(".plan-touch").focus();
   await page.keyboard.press("r");
-  for (const [name, value] of [["from x (m)", "1000"], ["from y (m)", "-200"], ["to x (m)", "1300"], ["to y (m)", "200"]]) {
+  for (const [name, value] of [
+    ["from x (m)", "1000"],
+    ["from y (m)", "-200"],
+    ["to x (m)", "1300"],
+    ["to y (m)", "200"],
+  ]) {
     await page.getByLabel(name).focus();
     await page.keyboard.press("ControlOrMeta+a");
     await page.keyboard.type(value);
@@ -94,7 +121,8 @@ test("a chosen track shows its gate at the scan, and the legend hides it", async
   const page = await open(`&track=${track}&time=${gates.columns.time_s[2]}&centre=selection`);
   const frame = page.locator(".plan");
   await frame.getByRole("button", { name: "gate", exact: true }).waitFor();
-  const svg = async () => (await saved(page, frame.getByRole("button", { name: "SVG" }))).bytes.toString();
+  const svg = async () =>
+    (await saved(page, frame.getByRole("button", { name: "SVG" }))).bytes.toString();
   const dashes = (text) => (text.match(/stroke-dasharray/g) ?? []).length;
   const withGate = dashes(await svg());
   await frame.getByRole("button", { name: "gate", exact: true }).click();

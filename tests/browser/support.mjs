@@ -4,9 +4,9 @@ import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { createRequire } from "node:module";
 import { chromium } from "playwright-core";
+import { serviceAddress } from "./service.mjs";
 
-export const BASE = process.env.TRACKLOOM_URL;
-assert.ok(BASE, "TRACKLOOM_URL must name the running service; run.sh sets it");
+export const BASE = await serviceAddress();
 
 export const WIDE = { width: 1440, height: 900 };
 export const NARROW = { width: 360, height: 740 };
@@ -22,16 +22,23 @@ const CHROMIUM_ARGUMENTS = [
 ];
 
 export function startBrowser() {
-  return chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: CHROMIUM_ARGUMENTS });
+  return chromium.launch({
+    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+    args: CHROMIUM_ARGUMENTS,
+  });
 }
 
-/** A page in a fresh context. `page.faults` gathers console errors, exceptions and requests that leave the origin. */
+/**
+ * A page in a fresh context. `page.faults` gathers console errors, exceptions and requests that
+ * leave the origin.
+ */
 export async function openPage(browser, query, viewport = WIDE) {
   const context = await browser.newContext({ viewport });
   const page = await context.newPage();
   page.faults = [];
   page.on("console", (message) => {
-    if (message.type() === "error" || message.type() === "warning") page.faults.push(`console: ${message.text()}`);
+    if (message.type() === "error" || message.type() === "warning")
+      page.faults.push(`console: ${message.text()}`);
   });
   page.on("pageerror", (error) => page.faults.push(`exception: ${error.message}`));
   page.on("request", (request) => {
@@ -51,17 +58,32 @@ export async function closePage(page) {
 }
 
 export async function assertCanvasesNamed(page) {
-  const nameless = await page.$$eval("canvas", (all) => all.filter((canvas) => canvas.getAttribute("role") !== "img" || !canvas.getAttribute("aria-label")).length);
+  const nameless = await page.$$eval(
+    "canvas",
+    (all) =>
+      all.filter(
+        (canvas) => canvas.getAttribute("role") !== "img" || !canvas.getAttribute("aria-label"),
+      ).length,
+  );
   assert.equal(nameless, 0, "every canvas has role=img and an aria-label");
 }
 
 export async function assertNothingSticksOut(page, name) {
-  const beyond = await page.evaluate(() => document.documentElement.scrollWidth - window.innerWidth);
+  const beyond = await page.evaluate(
+    () => document.documentElement.scrollWidth - window.innerWidth,
+  );
   assert.ok(beyond <= 0, `${name} is ${beyond} px wider than the window`);
 }
 
 export async function api(path, body) {
-  const options = body === undefined ? {} : { method: "POST", headers: { "content-type": "application/json" }, body: JSON.stringify(body) };
+  const options =
+    body === undefined
+      ? {}
+      : {
+          method: "POST",
+          headers: { "content-type": "application/json" },
+          body: JSON.stringify(body),
+        };
   const answer = await fetch(`${BASE}${path}`, options);
   assert.ok(answer.ok, `${path} answered ${answer.status}: ${await answer.clone().text()}`);
   return answer.json();
@@ -104,7 +126,10 @@ export async function finished(kind, body) {
   return { job, report: await api(`/v1/jobs/${job.id}/report`) };
 }
 
-/** Tracks of three sensors put together by a search that does not find the least cost: half of its tuples are wrong. */
+/**
+ * Tracks of three sensors put together by a search that does not find the least cost: half of its
+ * tuples are wrong.
+ */
 export async function correlated() {
   const body = await preset("huo2008");
   body.name = "browser tuples";
@@ -115,7 +140,10 @@ export async function correlated() {
   return finished("correlate", body);
 }
 
-/** Targets of directions in a bearing-time record, tracked by the bat algorithm, whose search is written down. */
+/**
+ * Targets of directions in a bearing-time record, tracked by the bat algorithm, whose search is
+ * written down.
+ */
 export async function bearingsTracked() {
   const body = await preset("wang-bat-record");
   body.name = "browser bearings";
@@ -133,7 +161,12 @@ export async function campaign(runs = 4) {
     seed: 3,
     base: { kind: "evaluate", ...base },
     grid: [
-      { by: "values", name: "P_D", path: "/input/scenario/sensors/0/p_d", values: [0.7, 0.8, 0.95] },
+      {
+        by: "values",
+        name: "P_D",
+        path: "/input/scenario/sensors/0/p_d",
+        values: [0.7, 0.8, 0.95],
+      },
       {
         by: "variants",
         name: "associator",
@@ -165,7 +198,11 @@ export async function clustered() {
 /** Reports of the same instants put into groups by fuzzy c-means, with its trace. */
 export async function grouped() {
   const { kind: _, ...base } = (await preset("cai-fuzzy-cv-10")).base;
-  return finished("group", { ...base, name: "browser groups", grouper: { ...base.grouper, method: "fuzzy_c_means", trace: true } });
+  return finished("group", {
+    ...base,
+    name: "browser groups",
+    grouper: { ...base.grouper, method: "fuzzy_c_means", trace: true },
+  });
 }
 
 /** A number as the dashboard prints it. */
@@ -174,6 +211,15 @@ export function shown(value) {
   const size = Math.abs(value);
   if (size !== 0 && (size < 1e-3 || size >= 1e7)) return value.toExponential(3);
   return String(Number(value.toPrecision(size >= 1000 ? 7 : 4)));
+}
+
+/** The lines of a CSV file that a job made, cut at commas; the first names the columns. */
+export async function linesOf(job, file) {
+  const csv = await (await fetch(`${BASE}/v1/jobs/${job.id}/artifacts/${file}`)).text();
+  return csv
+    .trim()
+    .split("\n")
+    .map((line) => line.split(","));
 }
 
 /** Presses a button that saves a file; answers its name and content. */
@@ -206,7 +252,8 @@ export async function uploaded(name, text, meta = {}) {
 }
 
 /** A framed chart or table by its title. */
-export const frameOf = (page, name) => page.locator(".chart-frame", { has: page.getByRole("heading", { name, exact: true }) });
+export const frameOf = (page, name) =>
+  page.locator(".chart-frame", { has: page.getByRole("heading", { name, exact: true }) });
 
 /** What stands in the grid of a campaign, cell by cell, its lines divided by "\n". */
 export async function gridOf(page, outcome) {
@@ -214,32 +261,74 @@ export async function gridOf(page, outcome) {
   return cells.map((text) => text.replaceAll(/\n+/g, "\n"));
 }
 
-/** What the grid should say; with the runs that a cell will have, where they are not all made yet. */
+/**
+ * What the grid should say; with the runs that a cell will have, where they are not all made yet.
+ */
 export function cellTexts(result, outcome, planned) {
   return result.cells.map(({ ended, runs, outcomes }) => {
     const { mean, interval, count } = outcomes[outcome];
-    const made = ended === "not_yet" ? `${runs.toLocaleString("en-US")} of ${planned.toLocaleString("en-US")}` : count.toLocaleString("en-US");
-    return [shown(mean), interval ? `[${shown(interval.low)}, ${shown(interval.high)}]` : "no interval", `${made} runs`].join("\n");
+    const made =
+      ended === "not_yet"
+        ? `${runs.toLocaleString("en-US")} of ${planned.toLocaleString("en-US")}`
+        : count.toLocaleString("en-US");
+    return [
+      shown(mean),
+      interval ? `[${shown(interval.low)}, ${shown(interval.high)}]` : "no interval",
+      `${made} runs`,
+    ].join("\n");
   });
 }
 
-/** Rules of axe that fail seriously, with where. */
-export async function findings(page) {
+/** Rules of axe whose findings depend on the theme. */
+export const COLOR_RULES = ["color-contrast", "link-in-text-block"];
+
+/** Rules of axe that fail seriously, with where; of these rules, or of all. */
+export async function findings(page, rules) {
   // The page allows no inline script; axe comes in through the protocol of the browser.
-  await page.evaluate(await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8"));
-  const { violations } = await page.evaluate(() => globalThis.axe.run());
-  return violations.filter((rule) => ["serious", "critical"].includes(rule.impact)).map((rule) => `${rule.id}: ${rule.nodes.slice(0, 3).map((node) => `${node.target.join(" ")} (${node.any[0]?.message ?? node.all[0]?.message ?? ""})`).join("; ")}`);
+  await page.evaluate(
+    await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8"),
+  );
+  const options = { resultTypes: ["violations"], ...(rules ? { runOnly: rules } : {}) };
+  // What passes is long, and of no interest here.
+  const violations = await page.evaluate(
+    async (asked) => (await globalThis.axe.run(asked)).violations,
+    options,
+  );
+  const reason = ({ any, all }) => any[0]?.message ?? all[0]?.message ?? "";
+  const place = (node) => `${node.target.join(" ")} (${reason(node)})`;
+  return violations
+    .filter((rule) => ["serious", "critical"].includes(rule.impact))
+    .map((rule) => `${rule.id}: ${rule.nodes.slice(0, 3).map(place).join("; ")}`);
 }
 
+/** Waits until all that is in view has come and is drawn. */
+export async function settle(page) {
+  await page.waitForFunction(() => {
+    const isSeen = (box) => {
+      const { top, bottom, width } = box.getBoundingClientRect();
+      return width > 0 && bottom > 1 && top < window.innerHeight - 1;
+    };
+    const boxes = [...document.querySelectorAll(".chart-canvas")].filter(isSeen);
+    return !document.querySelector(".loading") && boxes.every((box) => box.querySelector("canvas"));
+  });
+  await frames(page, 3);
+}
+
+/** Pictures that the browser makes: the first notes a change, the next ones show what follows. */
+const frames = (page, count) =>
+  page.evaluate(async (left) => {
+    for (let made = 0; made < left; made++) await new Promise(requestAnimationFrame);
+  }, count);
+
 /** Charts are drawn when they come into view. */
-export async function seeAll(page, settle_ms = 300) {
+export async function seeAll(page) {
   const height = await page.evaluate(() => document.documentElement.scrollHeight);
   for (let y = 0; y < height; y += page.viewportSize().height / 2) {
     await page.evaluate((to) => window.scrollTo(0, to), y);
-    await page.waitForTimeout(60);
+    await settle(page);
   }
   await page.evaluate(() => window.scrollTo(0, 0));
-  await page.waitForTimeout(settle_ms);
+  await settle(page);
 }
 
 /** The page believes that it is hidden, or seen again. */
@@ -249,7 +338,10 @@ export const hide = (page, hidden) =>
     document.dispatchEvent(new Event("visibilitychange"));
   }, hidden);
 
-/** What an XML parser makes of a saved SVG: its first fault, else how many shapes of each colour and the texts there are. */
+/**
+ * What an XML parser makes of a saved SVG: its first fault, else how many shapes of each colour and
+ * the texts there are.
+ */
 export async function parsedSvg(page, bytes) {
   return page.evaluate((text) => {
     const sheet = new DOMParser().parseFromString(text, "image/svg+xml");
@@ -265,14 +357,25 @@ export async function parsedSvg(page, bytes) {
         if (!color || color === "none" || color === "transparent") continue;
         count(colors, `${name} ${color.toLowerCase()}`, 1);
         // One path may hold many marks: each begins with a move.
-        count(places, `${name} ${color.toLowerCase()}`, (shape.getAttribute("d")?.match(/m/gi) ?? [1]).length);
+        count(
+          places,
+          `${name} ${color.toLowerCase()}`,
+          (shape.getAttribute("d")?.match(/m/gi) ?? [1]).length,
+        );
       }
     }
-    return { colors, places, texts: [...sheet.querySelectorAll("text")].map((node) => node.textContent) };
+    return {
+      colors,
+      places,
+      texts: [...sheet.querySelectorAll("text")].map((node) => node.textContent),
+    };
   }, bytes.toString());
 }
 
-/** A saved PNG decoded: its size, how many pixels have the given colour, and how many are not the background. */
+/**
+ * A saved PNG decoded: its size, how many pixels have the given colour, and how many are not the
+ * background.
+ */
 export async function decodedPng(page, bytes, color) {
   return page.evaluate(
     async ([data, wanted]) => {
@@ -285,7 +388,10 @@ export async function decodedPng(page, bytes, color) {
       pen.drawImage(image, 0, 0);
       const { data: pixels } = pen.getImageData(0, 0, canvas.width, canvas.height);
       const back = [pixels[0], pixels[1], pixels[2]];
-      const near = (at, [r, g, b], by) => Math.abs(pixels[at] - r) < by && Math.abs(pixels[at + 1] - g) < by && Math.abs(pixels[at + 2] - b) < by;
+      const near = (at, [r, g, b], by) =>
+        Math.abs(pixels[at] - r) < by &&
+        Math.abs(pixels[at + 1] - g) < by &&
+        Math.abs(pixels[at + 2] - b) < by;
       let [ink, colored] = [0, 0];
       for (let at = 0; at < pixels.length; at += 4) {
         if (!near(at, back, 6)) ink += 1;
@@ -299,10 +405,21 @@ export async function decodedPng(page, bytes, color) {
 
 /** A colour of the page's palette, laid over its surface with an opacity. */
 export async function paletteColor(page, name, opacity = 1) {
-  const read = (of) => page.evaluate((each) => getComputedStyle(document.documentElement).getPropertyValue(each).trim(), of);
+  const read = (of) =>
+    page.evaluate(
+      (each) => getComputedStyle(document.documentElement).getPropertyValue(each).trim(),
+      of,
+    );
   const parts = (hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16));
   const [color, surface] = [parts(await read(name)), parts(await read("--surface"))];
-  return color.map((value, index) => Math.round(value * opacity + (surface[index] ?? 255) * (1 - opacity)));
+  return color.map((value, index) =>
+    Math.round(value * opacity + (surface[index] ?? 255) * (1 - opacity)),
+  );
 }
 
-export const hexOf = (page, name) => page.evaluate((each) => getComputedStyle(document.documentElement).getPropertyValue(each).trim().toLowerCase(), name);
+export const hexOf = (page, name) =>
+  page.evaluate(
+    (each) =>
+      getComputedStyle(document.documentElement).getPropertyValue(each).trim().toLowerCase(),
+    name,
+  );

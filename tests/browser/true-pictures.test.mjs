@@ -1,13 +1,31 @@
-// Pictures that are true: what is saved holds what is shown, axes and intervals stay within what is possible, times can be read, what has
-// ended is not drawn as living, and words say what happened.
+// Pictures that are true: axes and intervals stay within what is possible, times can be read, what
+// has ended is not drawn as living, and words say what happened.
 
 import assert from "node:assert/strict";
-import { readFile } from "node:fs/promises";
 import { after, before, test } from "node:test";
-import { allowRefusals, api, bearingsTracked, byPointer, campaign, closePage, clustered, correlated, decodedPng, drawn, evaluated, finished, frameOf, hexOf, openPage, paletteColor, parameters, parsedSvg, preset, saved, seeAll, shown, startBrowser, uploaded } from "./support.mjs";
-
-const RECORDING = new URL("../../examples/data/autoferry-scenario2/", import.meta.url);
-const OPACITY = 0.75;
+import { dataset, filmed, recorded } from "./recordings.mjs";
+import {
+  api,
+  BASE,
+  byPointer,
+  campaign,
+  closePage,
+  correlated,
+  drawn,
+  evaluated,
+  finished,
+  frameOf,
+  hexOf,
+  linesOf,
+  openPage,
+  parameters,
+  parsedSvg,
+  preset,
+  saved,
+  seeAll,
+  shown,
+  startBrowser,
+} from "./support.mjs";
 
 let browser;
 let scene;
@@ -22,114 +40,6 @@ before(async () => {
   grid = await finished("campaign", await campaign());
 });
 after(() => browser.close());
-
-const dataset = ({ id }, more = {}) => ({ source: "dataset", dataset_id: id, ...more });
-
-/** A recording whose clock counts seconds since 1970. */
-async function recorded() {
-  const read = async (file, kind) => uploaded(file, await readFile(new URL(file, RECORDING)), { format: "autoferry", kind });
-  const [detections, truth] = [await read("detections.json", "detections"), await read("groundTruth.json", "truth")];
-  const body = JSON.parse(await readFile(new URL("../../examples/autoferry-scenario2.json", import.meta.url)));
-  delete body.kind;
-  Object.assign(body, { input: dataset(detections, { sensor_ids: ["radar"] }), truth: dataset(truth) });
-  return { ...(await finished("evaluate", body)), detections, truth };
-}
-
-/** Two targets and three tracks of boxes: track 12 takes over from track 11, track 13 is somewhere else. */
-async function filmed() {
-  const line = (frame, id, left) => `${frame},${id},${left},10,20,40,1,-1,-1,-1`;
-  const frames = [1, 2, 3, 4, 5, 6];
-  const truth = frames.flatMap((frame) => [line(frame, 1, 10 + frame), line(frame, 2, 300 + frame)]).join("\n");
-  const tracks = frames.flatMap((frame) => [line(frame, frame < 4 ? 11 : 12, 10 + frame), line(frame, 13, 600)]).join("\n");
-  const of = (name, text, kind) => uploaded(name, text, { format: "mot", kind });
-  const sets = [await of("gt.txt", truth, "truth"), await of("test.txt", tracks, "tracks")];
-  return finished("evaluate", { name: "browser video", profile: "vision", truth: dataset(sets[0]), tracks: dataset(sets[1]) });
-}
-
-/** Saves every chart of a page both ways and looks into the files. */
-async function assertSavedWell(page, name) {
-  await seeAll(page);
-  const frames = page.locator(".chart-frame", { has: page.getByRole("button", { name: "SVG" }) });
-  const count = await frames.count();
-  assert.ok(count > 0, `${name} has charts`);
-  for (let index = 0; index < count; index++) {
-    const frame = frames.nth(index);
-    const title = await frame.locator("h2").innerText();
-    await frame.scrollIntoViewIfNeeded();
-    await frame.locator("canvas, svg.drawing").first().waitFor();
-    const svg = await parsedSvg(page, (await saved(page, frame.getByRole("button", { name: "SVG" }))).bytes);
-    assert.equal(svg.fault, undefined, `${name}, ${title}: ${svg.fault}`);
-    assert.ok(svg.texts.some((text) => text.startsWith(title)), `${title} stands in its file: ${svg.texts}`);
-    const png = await decodedPng(page, (await saved(page, frame.getByRole("button", { name: "PNG" }))).bytes);
-    assert.ok(png.ink > 2000, `${name}, ${title}: ${png.ink} pixels of ink`);
-    // The key of the page stands in the file, name by name.
-    const names = await frame.locator(".curve-key").allInnerTexts();
-    for (const each of names) assert.ok(svg.texts.includes(each.trim()), `${title}: ${each} in ${svg.texts}`);
-    assert.equal(await frame.locator("canvas").count() === 0 || !/e\+9/.test(svg.texts.join(" ")), true, `${title}: times can be read`);
-  }
-  return count;
-}
-
-test("every chart is saved as a file that an XML parser takes and as a picture with ink", async () => {
-  const [tuples, bearings, fuzzy] = [await correlated(), await bearingsTracked(), await clustered()];
-  const { track_id } = scene.report.result.association.tracks[0];
-  const views = {
-    summary: `?view=job&job=${scene.job.id}`,
-    plan: `?view=job&job=${scene.job.id}&tab=plan&track=${track_id}`,
-    verdicts: `?view=job&job=${scene.job.id}&tab=verdicts`,
-    metrics: `?view=job&job=${scene.job.id}&tab=metrics`,
-    "recording, plan": `?view=job&job=${harbour.job.id}&tab=plan`,
-    "recording, metrics": `?view=job&job=${harbour.job.id}&tab=metrics`,
-    video: `?view=job&job=${video.job.id}&tab=metrics`,
-    correlation: `?view=job&job=${tuples.job.id}&tab=correlation`,
-    bearings: `?view=job&job=${bearings.job.id}&tab=plan`,
-    search: `?view=job&job=${fuzzy.job.id}&tab=search`,
-    campaign: `?view=job&job=${grid.job.id}`,
-  };
-  let charts = 0;
-  for (const [name, query] of Object.entries(views)) {
-    const page = await openPage(browser, query);
-    await page.locator(".chart-frame").first().waitFor();
-    charts += await assertSavedWell(page, name);
-    await closePage(page);
-  }
-  assert.ok(charts >= 16, `${charts} charts`);
-});
-
-test("a saved plan has every detection, however many are in view", async () => {
-  const many = await evaluated(300);
-  const detections = many.report.result.association.counts.detections;
-  assert.ok(detections > 2000, `${detections} detections`);
-  const page = await openPage(browser, `?view=job&job=${many.job.id}&tab=plan&hide=tracks,truth,rings&theme=light`);
-  await page.locator(".plan canvas").first().waitFor();
-  const color = await paletteColor(page, "--chart-sensor-1", OPACITY);
-  const frame = page.locator(".plan");
-  const png = await decodedPng(page, (await saved(page, frame.getByRole("button", { name: "PNG" }))).bytes, color);
-  // A dot is 6 pixels wide; many lie over each other.
-  assert.ok(png.colored > 4 * detections, `${png.colored} pixels of ${detections} detections`);
-  const svg = await parsedSvg(page, (await saved(page, frame.getByRole("button", { name: "SVG" }))).bytes);
-  const dots = svg.places[`fill ${await hexOf(page, "--chart-sensor-1")}`];
-  // One of them is the mark of the key.
-  assert.equal(dots, detections + 1);
-  await page.getByRole("button", { name: /^detections/ }).click();
-  const empty = await decodedPng(page, (await saved(page, frame.getByRole("button", { name: "PNG" }))).bytes, color);
-  assert.ok(empty.colored < 20, `${empty.colored} pixels without detections`);
-  await closePage(page);
-});
-
-test("a saved chart has no slider, and its marks are those of the page", async () => {
-  const { track_id } = scene.report.result.association.tracks[0];
-  const page = await openPage(browser, `?view=job&job=${scene.job.id}&tab=plan&track=${track_id}&theme=light`);
-  const frame = frameOf(page, `Association probability, ${track_id}`);
-  await drawn(frame);
-  const text = (await saved(page, frame.getByRole("button", { name: "SVG" }))).bytes.toString();
-  const track = await hexOf(page, "--chart-track");
-  assert.ok(!new RegExp(`fill="(${track}22|rgba)`).test(text) && !/fill-opacity="0\.13/.test(text), "the field of the slider");
-  const marks = await frame.locator(".curve-key path:last-child").evaluateAll((all) => all.map((path) => path.getAttribute("d")));
-  assert.equal(marks.length, 3);
-  for (const mark of marks) assert.ok(text.includes(`d="${mark}"`), `${mark} in the file`);
-  await closePage(page);
-});
 
 test("times of a recording can be read everywhere, and are whole where they are taken away", async () => {
   const { job } = harbour;
@@ -150,16 +60,27 @@ test("times of a recording can be read everywhere, and are whole where they are 
   const page = await openPage(browser, `?view=job&job=${job.id}&tab=metrics&event=match`);
   const table = frameOf(page, "Events");
   await table.locator("tbody tr").first().waitFor();
-  const log = (await (await fetch(`${process.env.TRACKLOOM_URL}/v1/jobs/${job.id}/artifacts/events.csv`)).text()).trim().split("\n").slice(1).map((line) => line.split(","));
+  const log = (await linesOf(job, "events.csv")).slice(1);
   const times = log.filter((row) => row[2] === "match").map((row) => Number(row[1]));
   const cells = await table.locator("tbody td:first-child").allInnerTexts();
-  assert.deepEqual(cells, times.slice(0, 200).map((time) => String(Number((time - start).toFixed(3)))));
+  assert.deepEqual(
+    cells,
+    times.slice(0, 200).map((time) => String(Number((time - start).toFixed(3)))),
+  );
   assert.equal(await table.locator("thead th").first().innerText(), `Time after ${head} (s)`);
-  assert.match(await table.locator("tbody td").first().getAttribute("title"), new RegExp(`^${head}, ${start}`));
-  const markdown = (await saved(page, table.getByRole("button", { name: "Markdown" }))).bytes.toString();
+  assert.match(
+    await table.locator("tbody td").first().getAttribute("title"),
+    new RegExp(`^${head}, ${start}`),
+  );
+  const markdown = (
+    await saved(page, table.getByRole("button", { name: "Markdown" }))
+  ).bytes.toString();
   assert.ok(markdown.includes(`| time after ${head} (s) |`), markdown.slice(0, 200));
   assert.ok(markdown.includes(`| ${cells[5]} | match |`), markdown.slice(0, 800));
-  assert.doesNotMatch(markdown + (await saved(page, table.getByRole("button", { name: "LaTeX" }))).bytes.toString(), /e\+9/);
+  assert.doesNotMatch(
+    markdown + (await saved(page, table.getByRole("button", { name: "LaTeX" }))).bytes.toString(),
+    /e\+9/,
+  );
   const csv = (await saved(page, table.getByRole("button", { name: "CSV" }))).bytes.toString();
   assert.ok(csv.includes(`,${times[5]},match`), "the file has the times as they are");
   await closePage(page);
@@ -167,34 +88,69 @@ test("times of a recording can be read everywhere, and are whole where they are 
   await data.locator(".table-frame tbody tr").first().waitFor();
   const text = await data.locator("main").innerText();
   assert.doesNotMatch(text, /\de\+9/);
-  assert.match(text, new RegExp(`From\\s+2021-05-04 \\d\\d:\\d\\d:\\d\\d\\.\\d{3} UTC, ${harbour.detections.start_s} s`));
+  assert.match(
+    text,
+    new RegExp(
+      `From\\s+2021-05-04 \\d\\d:\\d\\d:\\d\\d\\.\\d{3} UTC, ${harbour.detections.start_s} s`,
+    ),
+  );
   await closePage(data);
 });
 
 const boxesOf = (page) => page.locator(".check, .problem");
 
 test("a request is either valid or not, and what failed before stands at its fields until it is changed", async () => {
-  const body = { input: dataset(harbour.detections), truth: dataset(harbour.truth), name: "not known noise" };
+  const body = {
+    input: dataset(harbour.detections),
+    truth: dataset(harbour.truth),
+    name: "not known noise",
+  };
   const errors = [
-    { pointer: "/filter/method", code: "unsupported", detail: "sensor 'infrared' reports bearings without ranges" },
-    { pointer: "/sensors/0/sigma_x_m", code: "required", detail: "the noise of sensor 'lidar' is not known" },
+    {
+      pointer: "/filter/method",
+      code: "unsupported",
+      detail: "sensor 'infrared' reports bearings without ranges",
+    },
+    {
+      pointer: "/sensors/0/sigma_x_m",
+      code: "required",
+      detail: "the noise of sensor 'lidar' is not known",
+    },
   ];
   const page = await openPage(browser, "?view=jobs");
-  const problem = { type: "/problems/validation", title: "The request is not valid", status: 422, code: "validation", detail: "2 faults", errors };
+  const problem = {
+    type: "/problems/validation",
+    title: "The request is not valid",
+    status: 422,
+    code: "validation",
+    detail: "2 faults",
+    errors,
+  };
   // The check lets the request pass and the job fails: the worst that can happen to the form.
-  await page.route("**/v1/validate", (route) => route.fulfill({ json: { valid: true, errors: [], warnings: [] } }));
-  await page.route(`**/v1/jobs/${scene.job.id}`, (route) => route.fulfill({ json: { ...scene.job, state: "failed", error: problem } }));
-  await page.route(`**/v1/jobs/${scene.job.id}/spec`, (route) => route.fulfill({ json: { ...body, filter: { method: "kalman" } } }));
-  await page.goto(`${process.env.TRACKLOOM_URL}/?view=new&from=${scene.job.id}`);
+  await page.route("**/v1/validate", (route) =>
+    route.fulfill({ json: { valid: true, errors: [], warnings: [] } }),
+  );
+  await page.route(`**/v1/jobs/${scene.job.id}`, (route) =>
+    route.fulfill({ json: { ...scene.job, state: "failed", error: problem } }),
+  );
+  await page.route(`**/v1/jobs/${scene.job.id}/spec`, (route) =>
+    route.fulfill({ json: { ...body, filter: { method: "kalman" } } }),
+  );
+  await page.goto(`${BASE}/?view=new&from=${scene.job.id}`);
   await page.locator(".check.bad").waitFor();
   await page.waitForTimeout(800);
   assert.equal(await boxesOf(page).count(), 1);
   assert.match(await page.locator(".check.bad").innerText(), /2 faults/);
-  const atFilter = page.locator(".field", { has: byPointer(page, "/filter/method") }).locator(".field-fault");
+  const atFilter = page
+    .locator(".field", { has: byPointer(page, "/filter/method") })
+    .locator(".field-fault");
   assert.match(await atFilter.innerText(), /infrared/);
   assert.equal(await byPointer(page, "/filter/method").getAttribute("aria-invalid"), "true");
   // The form has no row of sensors yet: the fault stands where they would be added.
-  assert.match(await page.locator(".absent", { hasText: "Sensors" }).locator(".field-fault").innerText(), /noise of sensor 'lidar'/);
+  assert.match(
+    await page.locator(".absent", { hasText: "Sensors" }).locator(".field-fault").innerText(),
+    /noise of sensor 'lidar'/,
+  );
   await byPointer(page, "/name").fill("another");
   await page.locator(".check.ok").waitFor();
   assert.equal(await boxesOf(page).count(), 1);
@@ -206,7 +162,12 @@ test("a request is either valid or not, and what failed before stands at its fie
 test("the form opens the sensors with a row for each sensor of the data set, and asks again when one is chosen", async () => {
   const page = await openPage(browser, "?view=new&kind=evaluate");
   const asked = [];
-  page.on("request", (request) => request.url().endsWith("/v1/validate") && asked.push(request.postDataJSON().input?.dataset_id));
+  page.on(
+    "request",
+    (request) =>
+      request.url().endsWith("/v1/validate") &&
+      asked.push(request.postDataJSON().input?.dataset_id),
+  );
   await byPointer(page, "/input/dataset_id").selectOption(harbour.detections.id);
   await byPointer(page, "/truth/dataset_id").selectOption(harbour.truth.id);
   await page.waitForTimeout(1000);
@@ -214,39 +175,66 @@ test("the form opens the sensors with a row for each sensor of the data set, and
   assert.ok((await boxesOf(page).count()) <= 1);
   await page.getByRole("button", { name: "Sensors", exact: true }).click();
   const rows = page.locator('[data-pointer^="/sensors/"][data-pointer$="/sensor_id"]');
-  assert.deepEqual(await rows.evaluateAll((all) => all.map((field) => field.value)), harbour.detections.sensor_ids);
+  assert.deepEqual(
+    await rows.evaluateAll((all) => all.map((field) => field.value)),
+    harbour.detections.sensor_ids,
+  );
   await closePage(page);
 });
 
 test("a video says how many boxes there are, and its events lead to what exists", async () => {
   const page = await openPage(browser, `?view=job&job=${video.job.id}&tab=plan`);
-  await page.getByText("2 truths and 3 tracks of boxes in a video: boxes are not drawn in this view.").waitFor();
+  await page
+    .getByText("2 truths and 3 tracks of boxes in a video: boxes are not drawn in this view.")
+    .waitFor();
   await page.getByRole("link", { name: "The metrics tab" }).click();
   await frameOf(page, "Events").locator("tbody tr").first().waitFor();
   const links = page.locator(".lanes a, .table-frame tbody a");
   const hrefs = await links.evaluateAll((all) => all.map((link) => link.getAttribute("href")));
   assert.ok(hrefs.length > 0, "events have links");
-  assert.deepEqual(hrefs.filter((href) => href.includes("tab=plan")), []);
+  assert.deepEqual(
+    hrefs.filter((href) => href.includes("tab=plan")),
+    [],
+  );
   await frameOf(page, "Events").locator("tbody a").first().click();
   assert.equal(parameters(page).get("tab"), "metrics");
   assert.equal(parameters(page).get("time"), "4", "the switch is in the fourth frame");
   await page.locator(".drawing-now").waitFor({ state: "attached" });
-  assert.equal(await page.locator(".drawing-name.chosen").evaluate((text) => text.firstChild.textContent), "1");
+  assert.equal(
+    await page.locator(".drawing-name.chosen").evaluate((text) => text.firstChild.textContent),
+    "1",
+  );
   await closePage(page);
 });
 
 test("shares and counts of HOTA have an axis each, and the names that TrackEval has", async () => {
   const page = await openPage(browser, `?view=job&job=${video.job.id}&tab=metrics&theme=light`);
-  const names = async (title) => (await frameOf(page, title).locator(".curve-key").allInnerTexts()).map((text) => text.trim());
+  const names = async (title) =>
+    (await frameOf(page, title).locator(".curve-key").allInnerTexts()).map((text) => text.trim());
   await frameOf(page, "HOTA over alpha").waitFor();
-  assert.deepEqual(await names("HOTA over alpha"), ["HOTA", "DetA", "AssA", "LocA", "DetRe", "DetPr", "AssRe", "AssPr", "OWTA"]);
+  assert.deepEqual(await names("HOTA over alpha"), [
+    "HOTA",
+    "DetA",
+    "AssA",
+    "LocA",
+    "DetRe",
+    "DetPr",
+    "AssRe",
+    "AssPr",
+    "OWTA",
+  ]);
   assert.deepEqual(await names("HOTA over alpha: counts"), ["HOTA_TP", "HOTA_FN", "HOTA_FP"]);
   const group = page.locator('.metric-group[aria-label="hota"]');
   assert.match(await group.innerText(), /alphas 0\.05 to 0\.95 in steps of 0\.05,/);
   assert.match(await group.innerText(), /HOTA\(0\)\n/);
   await drawn(frameOf(page, "HOTA over alpha"));
-  const { texts } = await parsedSvg(page, (await saved(page, frameOf(page, "HOTA over alpha").getByRole("button", { name: "SVG" }))).bytes);
-  for (const label of ["0", "0.2", "0.8", "1", "0.05", "0.95"]) assert.ok(texts.includes(label), `${label} in ${texts}`);
+  const { texts } = await parsedSvg(
+    page,
+    (await saved(page, frameOf(page, "HOTA over alpha").getByRole("button", { name: "SVG" })))
+      .bytes,
+  );
+  for (const label of ["0", "0.2", "0.8", "1", "0.05", "0.95"])
+    assert.ok(texts.includes(label), `${label} in ${texts}`);
   assert.ok(!texts.some((text) => /\d{7}/.test(text)), `long numbers in ${texts}`);
   await closePage(page);
 });
@@ -258,19 +246,33 @@ test("means over names are rows with dots and whiskers, the greatest above", asy
   assert.equal(await frame.locator("canvas").count(), 0);
   const { cells } = grid.report.result;
   const mean = (name) => {
-    const means = cells.filter((cell) => cell.parameters.associator === name).map((cell) => cell.outcomes["P correct"].mean);
+    const means = cells
+      .filter((cell) => cell.parameters.associator === name)
+      .map((cell) => cell.outcomes["P correct"].mean);
     return means.reduce((sum, each) => sum + each, 0) / means.length;
   };
   const rows = frame.locator(".category-row");
   const order = ["NN", "JPDA"].sort((a, b) => mean(b) - mean(a));
-  assert.deepEqual(await rows.locator(".drawing-name").evaluateAll((all) => all.map((text) => text.firstChild.textContent)), order);
+  assert.deepEqual(
+    await rows
+      .locator(".drawing-name")
+      .evaluateAll((all) => all.map((text) => text.firstChild.textContent)),
+    order,
+  );
   assert.deepEqual(await rows.locator("> text:last-child").allTextContents(), ["n = 4", "n = 4"]);
   const titles = await rows.first().locator(".estimate > title").allTextContents();
-  const wanted = cells.filter((cell) => cell.parameters.associator === order[0]).map(({ outcomes: { "P correct": of } }) => `${order[0]}: ${shown(of.mean)} [${shown(of.interval.low)}, ${shown(of.interval.high)}], 4 runs`);
+  const wanted = cells
+    .filter((cell) => cell.parameters.associator === order[0])
+    .map(
+      ({ outcomes: { "P correct": of } }) =>
+        `${order[0]}: ${shown(of.mean)} [${shown(of.interval.low)}, ${shown(of.interval.high)}], 4 runs`,
+    );
   assert.deepEqual(titles, wanted);
   // No line joins the rows: each mark has its whisker and its symbol, and nothing else.
   assert.equal(await frame.locator(".estimate").count(), 6);
-  const ticks = (await frame.locator(".drawing-axis text").allTextContents()).slice(0, -1).map(Number);
+  const ticks = (await frame.locator(".drawing-axis text").allTextContents())
+    .slice(0, -1)
+    .map(Number);
   assert.ok(Math.max(...ticks) <= 1 && Math.min(...ticks) >= 0, `${ticks}`);
   for (const { outcomes } of cells) {
     const { interval } = outcomes["P correct"];
@@ -280,18 +282,35 @@ test("means over names are rows with dots and whiskers, the greatest above", asy
 });
 
 test("a track that has ended is told as ended, and has no place", async () => {
-  const last = scene.report.result.association.tracks.map((track) => track.end_time_s).reduce((a, b) => Math.max(a, b));
-  const dead = scene.report.result.association.tracks.find((track) => track.end_time_s < last - 40 && track.points > 8);
-  const columns = (await api(`/v1/jobs/${scene.job.id}/plan?track=${dead.track_id}`)).tracks.columns;
-  const misses = columns.status.length - 1 - columns.status.findLastIndex((status) => status !== "coasted");
+  const last = scene.report.result.association.tracks
+    .map((track) => track.end_time_s)
+    .reduce((a, b) => Math.max(a, b));
+  const dead = scene.report.result.association.tracks.find(
+    (track) => track.end_time_s < last - 40 && track.points > 8,
+  );
+  const columns = (await api(`/v1/jobs/${scene.job.id}/plan?track=${dead.track_id}`)).tracks
+    .columns;
+  const misses =
+    columns.status.length - 1 - columns.status.findLastIndex((status) => status !== "coasted");
   const { max_missed } = scene.report.spec.tracker;
-  const ending = misses + 1 === max_missed ? ` (${max_missed} misses)` : misses ? ` (no detection in its last ${misses === 1 ? "1 scan" : `${misses} scans`})` : "";
+  const ending =
+    misses + 1 === max_missed
+      ? ` (${max_missed} misses)`
+      : misses
+        ? ` (no detection in its last ${misses === 1 ? "1 scan" : `${misses} scans`})`
+        : "";
   const look = async (time) => {
-    const page = await openPage(browser, `?view=job&job=${scene.job.id}&tab=plan&track=${dead.track_id}&time=${time}&theme=light`);
+    const page = await openPage(
+      browser,
+      `?view=job&job=${scene.job.id}&tab=plan&track=${dead.track_id}&time=${time}&theme=light`,
+    );
     await page.locator(".plan canvas").first().waitFor();
     const text = await page.locator(".selection").innerText();
     const selected = await hexOf(page, "--chart-selected");
-    const svg = await parsedSvg(page, (await saved(page, page.locator(".plan").getByRole("button", { name: "SVG" }))).bytes);
+    const svg = await parsedSvg(
+      page,
+      (await saved(page, page.locator(".plan").getByRole("button", { name: "SVG" }))).bytes,
+    );
     await closePage(page);
     return { text, strokes: svg.colors[`stroke ${selected}`] ?? 0, texts: svg.texts };
   };
@@ -312,7 +331,10 @@ test("the threshold of a correlation is drawn at its very value", async () => {
   const page = await openPage(browser, `?view=job&job=${job.id}&tab=correlation&theme=light`);
   const frame = frameOf(page, "How well the tracks of each tuple agree");
   await drawn(frame);
-  const svg = await parsedSvg(page, (await saved(page, frame.getByRole("button", { name: "SVG" }))).bytes);
+  const svg = await parsedSvg(
+    page,
+    (await saved(page, frame.getByRole("button", { name: "SVG" }))).bytes,
+  );
   // The mark of the key, and the line.
   assert.equal(svg.colors[`stroke ${await hexOf(page, "--chart-selected")}`], 2);
   assert.ok(svg.texts.includes("α = 0.0001"), `${svg.texts}`);
@@ -328,7 +350,12 @@ test("words say what happened, and of how many", async () => {
   await table.locator("tbody a").first().click();
   const selection = page.locator(".selection");
   await selection.getByText("Reacquisition").waitFor();
-  assert.match(await selection.innerText(), new RegExp(`From here on track ${cells[3]} follows ${cells[2]}, which no track followed just before\\.`));
+  assert.match(
+    await selection.innerText(),
+    new RegExp(
+      `From here on track ${cells[3]} follows ${cells[2]}, which no track followed just before\\.`,
+    ),
+  );
   await page.getByRole("button", { name: "One scan back" }).click();
   // Elsewhere the event is not told.
   await selection.getByText("From here on").waitFor({ state: "detached" });
@@ -337,16 +364,28 @@ test("words say what happened, and of how many", async () => {
   await verdicts.locator(".verdict-row").first().waitFor();
   const reasons = await verdicts.locator(".verdict-row .reason").allInnerTexts();
   assert.equal(reasons.length, report.result.tfa.counts.missed);
-  for (const reason of reasons) assert.match(reason, /^(No track began with the target's first detection, at scan \d+\.|The target was never detected\.)/);
-  assert.match(await verdicts.locator(".verdict-definition").innerText(), /The three need not add up to 1/);
+  for (const reason of reasons)
+    assert.match(
+      reason,
+      /^(No track began with the target's first detection, at scan \d+\.|The target was never detected\.)/,
+    );
+  assert.match(
+    await verdicts.locator(".verdict-definition").innerText(),
+    /The three need not add up to 1/,
+  );
   await closePage(verdicts);
   // One target of the recording is followed, the other is or is not: never "1 failures".
   const plan = await openPage(browser, `?view=job&job=${harbour.job.id}&tab=plan`);
   await plan.locator(".selection").waitFor();
-  assert.doesNotMatch(await plan.locator("main").innerText(), /\b1 (failures|scans|tracks|events|targets)\b/);
+  assert.doesNotMatch(
+    await plan.locator("main").innerText(),
+    /\b1 (failures|scans|tracks|events|targets)\b/,
+  );
   await closePage(plan);
   const tuples = await correlated();
   const correlation = await openPage(browser, `?view=job&job=${tuples.job.id}&tab=correlation`);
-  await correlation.getByText("A tuple is right when it holds every track of one target and no other track.").waitFor();
+  await correlation
+    .getByText("A tuple is right when it holds every track of one target and no other track.")
+    .waitFor();
   await closePage(correlation);
 });

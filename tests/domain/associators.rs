@@ -133,7 +133,7 @@ impl Scene {
             row.edges().for_each(|edge| {
                 all[problem.edges()[edge].detection as usize] = weights.edges[edge]
             });
-            all.push(weights.none[index]);
+            all.push(weights.missed[index]);
             all
         };
         problem.rows().iter().enumerate().map(spread).collect()

@@ -9,7 +9,7 @@ use trackloom_domain::association::ASSOCIATORS;
 use trackloom_domain::experiment;
 use trackloom_domain::experiment::observer::Silent;
 use trackloom_domain::formats::{self, ReadOptions};
-use trackloom_domain::math::angle::wrapped;
+use trackloom_domain::math::angle::wrap;
 use trackloom_domain::math::rng::{Purpose, Seed};
 use trackloom_domain::model::dataset::Dataset;
 use trackloom_domain::model::fault::Fault;
@@ -117,7 +117,7 @@ fn bearing(track: &Track, point: usize) -> &BearingEstimate {
 /// Degrees by which a track is off a course at one of its points.
 fn error_deg(track: &Track, point: usize, (first_deg, rate_degps): Course) -> f64 {
     let truth_rad = (first_deg + rate_degps * track.points[point].time_s).to_radians();
-    wrapped(bearing(track, point).bearing_rad - truth_rad).to_degrees()
+    wrap(bearing(track, point).bearing_rad - truth_rad).to_degrees()
 }
 
 /// The tracks of at least half of the scans; everything shorter is clutter's.
@@ -445,7 +445,7 @@ fn a_simulated_sonar_reports_bearings_alone_with_clutter_all_round() {
     };
     assert_eq!(bearings("north").len(), 61);
     let off = |degrees: f64, scan: usize| {
-        wrapped(degrees.to_radians() - (-1500.0 + 50.0 * scan as f64).atan2(8000.0)).to_degrees()
+        wrap(degrees.to_radians() - (-1500.0 + 50.0 * scan as f64).atan2(8000.0)).to_degrees()
     };
     let mean_square = bearings("north")
         .iter()

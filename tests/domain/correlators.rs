@@ -6,12 +6,12 @@ use serde_json::{Value, json};
 use std::sync::Arc;
 use trackloom_domain::correlation::estimates::Estimates;
 use trackloom_domain::correlation::evidence::{Evidence, Times};
-use trackloom_domain::correlation::problem::Problem;
+use trackloom_domain::correlation::problem::CorrelationProblem;
 use trackloom_domain::correlation::{CORRELATORS, Solution};
 use trackloom_domain::math::rng::Seed;
 use trackloom_domain::registry;
 
-fn solved(method: &str, parameters: Value, problem: &Problem) -> Solution {
+fn solved(method: &str, parameters: Value, problem: &CorrelationProblem) -> Solution {
     let entry = CORRELATORS
         .iter()
         .find(|entry| entry.name == method)
@@ -22,7 +22,7 @@ fn solved(method: &str, parameters: Value, problem: &Problem) -> Solution {
 }
 
 /// The least cost over all ways to divide at most 16 tracks into tuples that exist.
-fn least_cost(problem: &Problem) -> f64 {
+fn least_cost(problem: &CorrelationProblem) -> f64 {
     let tracks = problem.tracks();
     let members = |set: usize| {
         (0..tracks as u32)
@@ -69,7 +69,7 @@ const SMALL: Scene = Scene {
     false_share: 0.2,
 };
 
-fn small_problems(number: u32) -> Vec<Problem> {
+fn small_problems(number: u32) -> Vec<CorrelationProblem> {
     let problems = vec![
         SMALL.chain(number),
         SMALL.all_pairs(number),
@@ -81,7 +81,7 @@ fn small_problems(number: u32) -> Vec<Problem> {
         .collect()
 }
 
-fn check(problem: &Problem, solution: &Solution) {
+fn check(problem: &CorrelationProblem, solution: &Solution) {
     let mut tracks: Vec<u32> = solution.tuples.iter().flatten().copied().collect();
     tracks.sort_unstable();
     assert_eq!(
@@ -157,7 +157,7 @@ fn misses(spacing: f64) -> usize {
         false_share: 0.05,
     };
     let problems = (0..500).flat_map(|number| [scene.chain(number), scene.all_pairs(number)]);
-    let is_missed = |problem: &Problem| {
+    let is_missed = |problem: &CorrelationProblem| {
         solved("genetic", json!({}), problem).cost > solved("exact", json!({}), problem).cost + 1e-9
     };
     problems.filter(is_missed).count()
@@ -221,7 +221,8 @@ fn problems_without_links_tracks_or_rivals_have_answers() {
     use trackloom_domain::correlation::problem::Costs;
     for entry in CORRELATORS {
         for counts in [&[][..], &[0, 0], &[3], &[2, 0, 1]] {
-            let problem = Problem::new(counts, &[], Costs::AllPairs).with_evidence(silent(counts));
+            let problem =
+                CorrelationProblem::new(counts, &[], Costs::AllPairs).with_evidence(silent(counts));
             let solution = solved(entry.name, json!({}), &problem);
             check(&problem, &solution);
             assert_eq!(

@@ -16,7 +16,7 @@ use trackloom_domain::filtering::unscented::Unscented;
 use trackloom_domain::math::angle;
 use trackloom_domain::math::rng::{Purpose, Seed};
 use trackloom_domain::model::scan::Measurement;
-use trackloom_domain::model::sensor::{Polar, RangeRate, Report, Sensor};
+use trackloom_domain::model::sensor::{MeasurementModel, Polar, RangeRate, Sensor};
 use trackloom_domain::model::state::{GaussianState, Position};
 
 const KALMAN: Kalman = Kalman {
@@ -35,7 +35,7 @@ const CONVERTED: Converted = Converted {
     process_noise_m2ps3: 1.0,
 };
 
-fn sensor(report: Report) -> Sensor {
+fn sensor(report: MeasurementModel) -> Sensor {
     Sensor {
         sensor_id: "radar".into(),
         p_d: 0.9,
@@ -45,7 +45,7 @@ fn sensor(report: Report) -> Sensor {
 }
 
 fn positions() -> Sensor {
-    sensor(Report::Position {
+    sensor(MeasurementModel::Position {
         sigma_x_m: 15.0,
         sigma_y_m: 5.2,
     })
@@ -56,7 +56,7 @@ fn polar(sigma_bearing_rad: f64) -> Sensor {
         sigma_mps: 0.5,
         span_mps: 600.0,
     });
-    sensor(Report::Polar(Polar {
+    sensor(MeasurementModel::Polar(Polar {
         place_m: Position::new(100.0, -50.0),
         sigma_range_m: 15.0,
         sigma_bearing_rad,
@@ -155,7 +155,7 @@ fn unscented_covariances_stay_definite_over_a_million_updates() {
 
 #[test]
 fn bearing_only_covariances_stay_definite_over_a_million_updates() {
-    let sonar = sensor(Report::Bearing {
+    let sonar = sensor(MeasurementModel::Bearing {
         sigma_bearing_rad: 0.01,
     });
     stays_definite(
@@ -176,7 +176,7 @@ fn converted_covariances_stay_definite_over_a_million_updates() {
 
 /// What the sensor reports of a state, without noise.
 fn report_of(sensor: &Sensor, state: &Vector4<f64>) -> Measurement {
-    let Report::Polar(polar) = &sensor.report else {
+    let MeasurementModel::Polar(polar) = &sensor.report else {
         return Measurement::Position {
             x_m: state[0],
             y_m: state[1],
@@ -200,7 +200,7 @@ fn noisy_report(sensor: &Sensor, state: &Vector4<f64>, draw: &mut ChaCha8Rng) ->
                 bearing_rad,
                 range_rate_mps,
             },
-            Report::Polar(polar),
+            MeasurementModel::Polar(polar),
         ) => Measurement::RangeBearing {
             range_m: range_m + polar.sigma_range_m * normal(draw),
             bearing_rad: bearing_rad + polar.sigma_bearing_rad * normal(draw),
@@ -227,7 +227,7 @@ fn mean_nis<const D: usize>(filter: &impl Filter<4, D>, sensor: &Sensor) -> f64 
         let velocity = normals::<2>(&mut draw) * speed_sigma;
         let mut truth = Vector4::new(start[0], start[1], velocity[0], velocity[1]);
         let first = filter
-            .measured(sensor, &noisy_report(sensor, &truth, &mut draw))
+            .to_measurement_space(sensor, &noisy_report(sensor, &truth, &mut draw))
             .unwrap();
         let mut state = filter.initiate(&first, sensor, speed_sigma).unwrap();
         for _ in 0..scans {
@@ -240,7 +240,7 @@ fn mean_nis<const D: usize>(filter: &impl Filter<4, D>, sensor: &Sensor) -> f64 
             Transition::new(filter.motion(), dt_s).predict(&mut state);
             let expected = filter.expect(&state, sensor).unwrap();
             let measured = filter
-                .measured(sensor, &noisy_report(sensor, &truth, &mut draw))
+                .to_measurement_space(sensor, &noisy_report(sensor, &truth, &mut draw))
                 .unwrap();
             let innovation =
                 angle::difference(&measured, &expected.measurement, filter.angle(sensor));
@@ -300,7 +300,7 @@ fn estimate<const D: usize>(
     };
     let measured = |scan| {
         filter
-            .measured(sensor, &report_of(sensor, &at(scan)))
+            .to_measurement_space(sensor, &report_of(sensor, &at(scan)))
             .unwrap()
     };
     let mut state = filter.initiate(&measured(0), sensor, 30.0).unwrap();
@@ -365,7 +365,7 @@ fn on_a_linear_measurement_all_filters_are_the_kalman_filter() {
         sigma_bearing_rad: 15.0 / far_m,
         range_rate: None,
     };
-    let far = sensor(Report::Polar(polar));
+    let far = sensor(MeasurementModel::Polar(polar));
     assert_equal_states(&linear, &estimate::<2>(&EXTENDED, &far, &errors), 1e-3);
     assert_equal_states(&linear, &estimate::<2>(&UNSCENTED, &far, &errors), 1e-3);
     assert_equal_states(&linear, &estimate(&CONVERTED, &far, &errors), 1e-3);

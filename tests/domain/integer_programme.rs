@@ -4,7 +4,7 @@
 use crate::random_tracks::Scene;
 use microlp::{ComparisonOp, LinearExpr, OptimizationDirection};
 use serde_json::json;
-use trackloom_domain::correlation::problem::Problem;
+use trackloom_domain::correlation::problem::CorrelationProblem;
 use trackloom_domain::correlation::{CORRELATORS, Solution};
 use trackloom_domain::math::rng::Seed;
 use trackloom_domain::registry;
@@ -22,8 +22,8 @@ const SCENE: Scene = Scene {
 const MAX_TUPLES: usize = 800;
 
 /// Every tuple of two tracks or more that exists and costs less than its tracks alone.
-fn tuples(problem: &Problem) -> Vec<(Vec<u32>, f64)> {
-    fn grow(problem: &Problem, tuple: &mut Vec<u32>, found: &mut Vec<(Vec<u32>, f64)>) {
+fn tuples(problem: &CorrelationProblem) -> Vec<(Vec<u32>, f64)> {
+    fn grow(problem: &CorrelationProblem, tuple: &mut Vec<u32>, found: &mut Vec<(Vec<u32>, f64)>) {
         if let Some(cost) = problem
             .cost(tuple)
             .filter(|cost| tuple.len() > 1 && *cost < 0.0)
@@ -45,7 +45,7 @@ fn tuples(problem: &Problem) -> Vec<(Vec<u32>, f64)> {
 }
 
 /// The least J, of a problem that is not too large for the solver.
-fn least_cost(problem: &Problem) -> Option<f64> {
+fn least_cost(problem: &CorrelationProblem) -> Option<f64> {
     let tuples = tuples(problem);
     if tuples.len() > MAX_TUPLES {
         return None;
@@ -70,7 +70,7 @@ fn least_cost(problem: &Problem) -> Option<f64> {
     )
 }
 
-fn solved(method: &str, problem: &Problem) -> Solution {
+fn solved(method: &str, problem: &CorrelationProblem) -> Solution {
     let entry = CORRELATORS
         .iter()
         .find(|entry| entry.name == method)

@@ -11,7 +11,7 @@ use trackloom_domain::filtering::kalman::Kalman;
 use trackloom_domain::formats;
 use trackloom_domain::math::rng::{Purpose, Seed};
 use trackloom_domain::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
-use trackloom_domain::model::sensor::{Report, Sensor, SensorSettings};
+use trackloom_domain::model::sensor::{MeasurementModel, Sensor, SensorSettings};
 use trackloom_domain::model::state::Covariance;
 use trackloom_domain::model::track::{TrackPoint, TrackSet};
 use trackloom_domain::model::watch::Watch;
@@ -83,7 +83,7 @@ fn tracked(
         Seed { seed: 1, run: 0 },
     )
     .unwrap();
-    let report = Report::Position {
+    let report = MeasurementModel::Position {
         sigma_x_m: 10.0,
         sigma_y_m: 10.0,
     };

@@ -24,6 +24,7 @@ mod filters;
 mod formations;
 mod formats;
 mod gates;
+mod goldens;
 mod grouping;
 mod integer_programme;
 mod liang_verdicts;

@@ -8,7 +8,6 @@ use serde_json::{Map, Value, json};
 use std::ops::ControlFlow;
 use trackloom_domain::experiment::observer::{Observer, Step};
 use trackloom_domain::experiment::{JobKind, plan, presets, run};
-use trackloom_domain::formats::npy::BearingTimeAxes;
 use trackloom_domain::formats::{ReadOptions, format_named, write_csv, write_json, write_mot};
 use trackloom_domain::model::dataset::{Dataset, DatasetKind};
 
@@ -173,16 +172,16 @@ fn reads_back(dataset: &Dataset) -> Vec<Dataset> {
 
 #[test]
 fn broken_files_are_refused_or_read_back_as_they_were_read() {
-    let axes = BearingTimeAxes {
-        first_time_s: 0.0,
-        time_step_s: 1.0,
-        first_bearing_deg: 0.0,
-        bearing_step_deg: 1.0,
-    };
+    let axes = json!({"first_time_s": 0.0, "time_step_s": 1.0, "first_bearing_deg": 0.0, "bearing_step_deg": 1.0});
+    let options = [("bearing_time".to_owned(), axes)];
     for (number, (format, kind, sound)) in seeds().into_iter().enumerate() {
         let options = ReadOptions {
             kind,
-            bearing_time: (format == "npy").then_some(axes),
+            options: options
+                .iter()
+                .filter(|_| format == "npy")
+                .cloned()
+                .collect(),
             ..ReadOptions::default()
         };
         assert!(

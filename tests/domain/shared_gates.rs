@@ -40,7 +40,7 @@ impl Associator for Comparing {
                     state
                         .edges()
                         .map(|edge| weights.edges[edge])
-                        .chain([weights.none[row]])
+                        .chain([weights.missed[row]])
                 })
                 .collect()
         };

@@ -7,7 +7,7 @@ use rand_distr::{Distribution, StandardNormal};
 use serde_json::json;
 use std::sync::Arc;
 use trackloom_domain::correlation::cross_covariance::CrossTable;
-use trackloom_domain::correlation::estimates::{Estimate, Estimates};
+use trackloom_domain::correlation::estimates::{AlignedEstimate, Estimates};
 use trackloom_domain::correlation::evidence::{Evidence, Times};
 use trackloom_domain::correlation::fusion::{FUSIONS, Fusion, Members, system_tracks};
 use trackloom_domain::math::rng::{Purpose, Seed};
@@ -27,8 +27,8 @@ fn state(mean: [f64; 4], variances: [f64; 4]) -> GaussianState {
     }
 }
 
-fn estimate(mean: State, covariance: Covariance) -> Estimate {
-    Estimate::new(&GaussianState { mean, covariance }).unwrap()
+fn estimate(mean: State, covariance: Covariance) -> AlignedEstimate {
+    AlignedEstimate::new(&GaussianState { mean, covariance }).unwrap()
 }
 
 /// x and its variance of two tracks at x = 0 ± 1 and x = 3 ± √2, with P₁₂ = ρ I.

@@ -4,7 +4,9 @@ use crate::support::{long, sha256, start, start_with};
 use serde_json::{Value, json};
 use trackloom::model::dataset::DatasetKind;
 use trackloom::model::sensor::SensorSettings;
-use trackloom::service::jobs::{DatasetFilter, DatasetMeta, JobsError};
+use trackloom::service::datasets::DatasetFilter;
+use trackloom::service::datasets::DatasetMeta;
+use trackloom::service::error::ServiceError;
 use trackloom::service::types::{DatasetOrigin, JobKind, JobState};
 use uuid::Uuid;
 
@@ -58,14 +60,14 @@ async fn an_upload_is_checked_described_and_kept_once() {
     let (other, is_new) = service.upload(DETECTIONS, named("other")).await.unwrap();
     assert!(is_new && other.id != info.id && other.sha256 == info.sha256);
 
-    let content = service.dataset_content(info.id).await.unwrap();
-    assert_eq!(std::fs::read_to_string(&content.path).unwrap(), DETECTIONS);
+    let content = service.datasets().file(info.id).await.unwrap();
+    assert_eq!(&*content.content.read().unwrap(), DETECTIONS.as_bytes());
     assert_eq!(
         (content.sha256.as_str(), content.file_name.as_str()),
         (sha256(DETECTIONS.as_bytes()).as_str(), "d.csv")
     );
     let preview: Value =
-        serde_json::from_str(service.preview(info.id, 4).await.unwrap().get()).unwrap();
+        serde_json::from_str(service.datasets().preview(info.id, 4).await.unwrap().get()).unwrap();
     assert_eq!(
         (
             &preview["total_rows"],
@@ -75,7 +77,9 @@ async fn an_upload_is_checked_described_and_kept_once() {
         (&json!(5), &json!("detection_id"), &json!("d"))
     );
     assert_eq!(
-        std::fs::read_dir(service.temp_dir()).unwrap().count(),
+        std::fs::read_dir(service.datasets().temp_dir())
+            .unwrap()
+            .count(),
         0,
         "received files have moved on"
     );
@@ -87,7 +91,7 @@ async fn a_broken_file_is_refused_with_line_and_column_and_leaves_nothing() {
     let broken = DETECTIONS
         .replace("10,0,t1", "ten,0,t1")
         .replace("20,0,t1", "NaN,0,t1");
-    let Err(JobsError::Invalid(faults)) = service.upload(&broken, named("x")).await else {
+    let Err(ServiceError::Invalid(faults)) = service.upload(&broken, named("x")).await else {
         panic!("accepted")
     };
     let places: Vec<(Option<u64>, Option<&str>)> = faults
@@ -97,7 +101,8 @@ async fn a_broken_file_is_refused_with_line_and_column_and_leaves_nothing() {
     assert_eq!(places, [(Some(4), Some("x_m")), (Some(5), Some("x_m"))]);
     assert!(
         service
-            .list_datasets(DatasetFilter::default())
+            .datasets()
+            .list(DatasetFilter::default())
             .await
             .unwrap()
             .items
@@ -107,7 +112,7 @@ async fn a_broken_file_is_refused_with_line_and_column_and_leaves_nothing() {
         format: Some("xml".into()),
         ..Default::default()
     };
-    let Err(JobsError::Invalid(faults)) = service.upload(DETECTIONS, unknown).await else {
+    let Err(ServiceError::Invalid(faults)) = service.upload(DETECTIONS, unknown).await else {
         panic!("accepted")
     };
     assert_eq!(
@@ -140,7 +145,11 @@ async fn a_job_reads_a_dataset_and_leaves_datasets() {
         .iter()
         .find(|artifact| artifact.name == "tracks.csv")
         .unwrap();
-    let made = service.dataset(tracks.dataset_id.unwrap()).await.unwrap();
+    let made = service
+        .datasets()
+        .get(tracks.dataset_id.unwrap())
+        .await
+        .unwrap();
     assert_eq!(
         (made.name.as_str(), &made.sha256),
         ("tracks of first try", &tracks.sha256)
@@ -151,7 +160,7 @@ async fn a_job_reads_a_dataset_and_leaves_datasets() {
         count: true,
         ..Default::default()
     };
-    let page = service.list_datasets(filter).await.unwrap();
+    let page = service.datasets().list(filter).await.unwrap();
     assert_eq!((page.total, page.items), (Some(1), vec![made]));
 
     let wrong = json!({"tracks": {"source": "dataset", "dataset_id": info.id}, "detections": {"source": "dataset", "dataset_id": info.id}});
@@ -175,32 +184,32 @@ async fn a_dataset_is_deleted_when_no_queued_or_running_job_needs_it() {
     let blocker = service.submit_ok(JobKind::Simulate, long()).await;
     let body = json!({"input": {"source": "dataset", "dataset_id": info.id}});
     let reader = service.submit_ok(JobKind::Associate, body.clone()).await;
-    let error = service.delete_dataset(info.id).await.unwrap_err();
+    let error = service.datasets().delete(info.id).await.unwrap_err();
     assert!(
-        matches!(&error, JobsError::Conflict { code: "in_use", detail } if detail.contains(&reader.id.to_string())),
+        matches!(&error, ServiceError::Conflict { code: "in_use", detail } if detail.contains(&reader.id.to_string())),
         "{error}"
     );
     service.cancel(reader.id).await.unwrap();
-    let content = service.dataset_content(info.id).await.unwrap();
-    service.delete_dataset(info.id).await.unwrap();
-    assert!(content.path.exists(), "its twin has the same content");
+    let blob = service.blob(&info.sha256);
+    service.datasets().delete(info.id).await.unwrap();
+    assert!(blob.exists(), "its twin has the same content");
     assert!(matches!(
-        service.dataset(info.id).await,
-        Err(JobsError::Gone("dataset"))
+        service.datasets().get(info.id).await,
+        Err(ServiceError::Gone("dataset"))
     ));
     assert!(matches!(
-        service.dataset(Uuid::now_v7()).await,
-        Err(JobsError::NotFound("dataset"))
+        service.datasets().get(Uuid::now_v7()).await,
+        Err(ServiceError::NotFound("dataset"))
     ));
     let faults = service.refused(JobKind::Associate, body).await;
     assert_eq!(
         (faults[0].pointer.as_str(), faults[0].code.as_str()),
         ("/input/dataset_id", "not_found")
     );
-    service.delete_dataset(twin.id).await.unwrap();
-    assert!(!content.path.exists());
+    service.datasets().delete(twin.id).await.unwrap();
+    assert!(!blob.exists());
     let (again, is_new) = service.upload(DETECTIONS, named("trial")).await.unwrap();
-    assert!(is_new && again.id != info.id && content.path.exists());
+    assert!(is_new && again.id != info.id && blob.exists());
     service.cancel(blocker.id).await.unwrap();
     assert_eq!(service.ended(blocker.id).await.state, JobState::Canceled);
 }

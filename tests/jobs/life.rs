@@ -3,7 +3,8 @@
 use crate::support::{long, of_job, small, start, start_with};
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
-use trackloom::service::jobs::{JobPatch, JobsError};
+use trackloom::service::error::ServiceError;
+use trackloom::service::jobs::JobPatch;
 use trackloom::service::types::{Event, JobKind, JobState};
 use uuid::Uuid;
 
@@ -20,9 +21,9 @@ fn states(events: &[Event]) -> Vec<JobState> {
         .collect()
 }
 
-fn code(error: JobsError) -> &'static str {
+fn code(error: ServiceError) -> &'static str {
     match error {
-        JobsError::Conflict { code, .. } => code,
+        ServiceError::Conflict { code, .. } => code,
         other => panic!("not a conflict: {other}"),
     }
 }
@@ -123,7 +124,7 @@ async fn the_report_says_what_was_run_and_its_result_is_the_same_each_time() {
     );
     let file = service.artifact(first.id, "truth.csv").await.unwrap();
     assert_eq!(
-        crate::support::sha256(&std::fs::read(file.path).unwrap()),
+        crate::support::sha256(&file.content.read().unwrap()),
         file.sha256
     );
 }
@@ -342,14 +343,8 @@ async fn an_error_inside_the_service_fails_the_job_and_says_nothing_of_the_insid
     let service = start().await;
     let simulate = service.submit_ok(JobKind::Simulate, small(1)).await;
     service.succeeded(simulate.id).await;
-    std::fs::remove_file(
-        service
-            .artifact(simulate.id, "detections.csv")
-            .await
-            .unwrap()
-            .path,
-    )
-    .unwrap();
+    let artifact = service.artifact(simulate.id, "detections.csv").await;
+    std::fs::remove_file(service.blob(&artifact.unwrap().sha256)).unwrap();
     let job = service
         .submit_ok(JobKind::Associate, json!({"input": of_job(simulate.id)}))
         .await;
@@ -444,18 +439,24 @@ async fn only_a_job_that_has_ended_and_that_nobody_needs_can_be_deleted() {
     service.delete(done.id).await.unwrap();
     assert!(matches!(
         service.get(done.id).await,
-        Err(JobsError::Gone("job"))
+        Err(ServiceError::Gone("job"))
     ));
     assert!(matches!(
         service.delete(done.id).await,
-        Err(JobsError::Gone("job"))
+        Err(ServiceError::Gone("job"))
     ));
     assert!(matches!(
         service.get(Uuid::now_v7()).await,
-        Err(JobsError::NotFound("job"))
+        Err(ServiceError::NotFound("job"))
     ));
-    assert!(!report.path.exists(), "the report belonged to nobody else");
-    assert!(truth.path.exists(), "the truth is also a dataset");
+    assert!(
+        !service.blob(&report.sha256).exists(),
+        "the report belonged to nobody else"
+    );
+    assert!(
+        service.blob(&truth.sha256).exists(),
+        "the truth is also a dataset"
+    );
     assert_eq!(
         service.list(Default::default()).await.unwrap().items.len(),
         2
@@ -496,7 +497,7 @@ async fn names_and_labels_can_be_changed_within_their_limits() {
         name: Some("x".repeat(101)),
         labels: Some((0..33).map(|n| (n.to_string(), String::new())).collect()),
     };
-    let Err(JobsError::Invalid(faults)) = service.patch(job.id, long).await else {
+    let Err(ServiceError::Invalid(faults)) = service.patch(job.id, long).await else {
         panic!("accepted")
     };
     assert_eq!(

@@ -4,7 +4,10 @@ use crate::support::{long, small, start, start_with};
 use serde_json::json;
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
-use trackloom::service::jobs::{DatasetFilter, DatasetMeta, JobFilter, JobPatch, JobsError, Sort};
+use trackloom::service::datasets::DatasetFilter;
+use trackloom::service::datasets::DatasetMeta;
+use trackloom::service::error::ServiceError;
+use trackloom::service::jobs::{JobFilter, JobPatch, Sort};
 use trackloom::service::types::{JobKind, JobState};
 use uuid::Uuid;
 
@@ -60,7 +63,7 @@ async fn a_walk_through_the_pages_sees_each_job_once_while_others_are_added() {
     };
     assert!(matches!(
         service.list(wrong).await,
-        Err(JobsError::InvalidCursor)
+        Err(ServiceError::InvalidCursor)
     ));
 }
 
@@ -203,7 +206,7 @@ async fn a_key_makes_one_job_however_often_and_from_however_many_it_comes() {
     ] {
         assert!(matches!(
             service.submit(kind, body, key()).await,
-            Err(JobsError::IdempotencyMismatch)
+            Err(ServiceError::IdempotencyMismatch)
         ));
     }
     assert_eq!(
@@ -213,7 +216,7 @@ async fn a_key_makes_one_job_however_often_and_from_however_many_it_comes() {
     service.delete(id).await.unwrap();
     assert!(matches!(
         service.submit(JobKind::Simulate, small(1), key()).await,
-        Err(JobsError::Gone("job"))
+        Err(ServiceError::Gone("job"))
     ));
 }
 
@@ -284,7 +287,7 @@ async fn texts_that_no_database_keeps_are_refused_whichever_it_is() {
         name: Some("\u{0}".into()),
         labels: Some([("k".to_owned(), "\u{0}".to_owned())].into()),
     };
-    let Err(JobsError::Invalid(faults)) = service.patch(job.id, patch).await else {
+    let Err(ServiceError::Invalid(faults)) = service.patch(job.id, patch).await else {
         panic!("not refused")
     };
     assert_eq!(
@@ -300,7 +303,7 @@ async fn texts_that_no_database_keeps_are_refused_whichever_it_is() {
         labels: vec![("\u{0}".into(), "v".into())],
         ..Default::default()
     };
-    let Err(JobsError::Invalid(faults)) = service.list(filter).await else {
+    let Err(ServiceError::Invalid(faults)) = service.list(filter).await else {
         panic!("not refused")
     };
     assert_eq!(
@@ -315,7 +318,7 @@ async fn texts_that_no_database_keeps_are_refused_whichever_it_is() {
         ..Default::default()
     };
     assert!(
-        matches!(service.list_datasets(filter).await, Err(JobsError::Invalid(faults)) if faults[0].pointer == "/query/q")
+        matches!(service.datasets().list(filter).await, Err(ServiceError::Invalid(faults)) if faults[0].pointer == "/query/q")
     );
     let file = |name: &str| DatasetMeta {
         name: Some(name.into()),
@@ -326,7 +329,7 @@ async fn texts_that_no_database_keeps_are_refused_whichever_it_is() {
         file_name: Some("\u{0}.csv".into()),
         ..file("a\u{0}")
     };
-    let Err(JobsError::Invalid(faults)) = service.upload(content, meta).await else {
+    let Err(ServiceError::Invalid(faults)) = service.upload(content, meta).await else {
         panic!("not refused")
     };
     assert_eq!(
@@ -363,13 +366,13 @@ async fn lists_are_narrowed_by_few_labels_quickly() {
         since.elapsed()
     );
     for count in [17, 1100] {
-        let Err(JobsError::Invalid(faults)) = service.list(filter(count)).await else {
+        let Err(ServiceError::Invalid(faults)) = service.list(filter(count)).await else {
             panic!("{count} labels")
         };
         assert_eq!(faults[0].detail, format!("{count} labels are named"));
     }
     let states = vec![JobState::Queued; 9000];
-    let Err(JobsError::Invalid(faults)) = service
+    let Err(ServiceError::Invalid(faults)) = service
         .list(JobFilter {
             states,
             ..Default::default()
@@ -412,7 +415,7 @@ async fn a_full_queue_refuses_jobs_but_never_a_cancellation() {
     service.submit_ok(JobKind::Simulate, small(2)).await;
     assert!(matches!(
         service.submit(JobKind::Simulate, small(3), None).await,
-        Err(JobsError::QueueFull)
+        Err(ServiceError::QueueFull)
     ));
     let since = Instant::now();
     assert_eq!(

@@ -4,7 +4,8 @@ use crate::support::{long, of_job, open, small, start, start_with};
 use serde_json::json;
 use std::time::{Duration, Instant};
 use trackloom::service::config::Config;
-use trackloom::service::jobs::{Jobs, JobsError};
+use trackloom::service::error::ServiceError;
+use trackloom::service::jobs::Jobs;
 use trackloom::service::types::{Event, JobKind, JobState};
 
 #[tokio::test(flavor = "multi_thread")]
@@ -68,7 +69,7 @@ async fn every_stream_ends_when_the_service_stops_and_nothing_new_is_taken() {
     assert!(service.is_shutting_down());
     assert!(matches!(
         service.submit(JobKind::Simulate, small(1), None).await,
-        Err(JobsError::ShuttingDown)
+        Err(ServiceError::ShuttingDown)
     ));
 }
 

@@ -3,12 +3,15 @@
 use futures::StreamExt;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 use tempfile::TempDir;
 use trackloom::model::fault::Fault;
 use trackloom::service::config::Config;
-use trackloom::service::jobs::{DatasetMeta, Jobs, JobsError, ReceivedFile};
+use trackloom::service::datasets::DatasetMeta;
+use trackloom::service::datasets::ReceivedFile;
+use trackloom::service::error::ServiceError;
+use trackloom::service::jobs::Jobs;
 use trackloom::service::types::{DatasetInfo, Event, Job, JobKind, JobState};
 use uuid::Uuid;
 
@@ -104,7 +107,7 @@ impl Service {
 
     pub async fn refused(&self, kind: JobKind, body: Value) -> Vec<Fault> {
         match self.submit(kind, body, None).await {
-            Err(JobsError::Invalid(faults)) => faults,
+            Err(ServiceError::Invalid(faults)) => faults,
             other => panic!("not refused: {other:?}"),
         }
     }
@@ -144,25 +147,32 @@ impl Service {
 
     pub async fn report_of(&self, id: Uuid) -> Value {
         let file = self.report(id).await.unwrap();
-        serde_json::from_slice(&std::fs::read(file.path).unwrap()).unwrap()
+        serde_json::from_slice(&file.content.read().unwrap()).unwrap()
+    }
+
+    /// Where a content lies on the disk.
+    pub fn blob(&self, sha256: &str) -> PathBuf {
+        let blobs = self.directory.path().join("blobs");
+        blobs.join(&sha256[..2]).join(sha256)
     }
 
     pub async fn upload(
         &self,
         content: &str,
         meta: DatasetMeta,
-    ) -> Result<(DatasetInfo, bool), JobsError> {
-        let path = self.temp_dir().join(Uuid::now_v7().to_string());
+    ) -> Result<(DatasetInfo, bool), ServiceError> {
+        let path = self.datasets().temp_dir().join(Uuid::now_v7().to_string());
         std::fs::write(&path, content).unwrap();
-        self.add_dataset(
-            ReceivedFile {
-                path,
-                sha256: sha256(content.as_bytes()),
-                bytes: content.len() as u64,
-            },
-            meta,
-        )
-        .await
+        self.datasets()
+            .add(
+                ReceivedFile {
+                    path,
+                    sha256: sha256(content.as_bytes()),
+                    bytes: content.len() as u64,
+                },
+                meta,
+            )
+            .await
     }
 }
 

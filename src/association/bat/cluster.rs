@@ -1,9 +1,10 @@
 //! One cluster as the swarm sees it. What an entry of a bat can be is numbered (a code): the edges of the cluster row by row, then, if all
 //! detections of the scan may be drawn, each of them as one outside the gate, last "none". All memory is reused.
 
-use super::super::problem::{Problem, Weights};
-use super::dice::{Dice, scaled};
-use super::{Candidates, Objective, Settings};
+use super::cluster_rng::{ClusterRng, scale};
+use super::{BatSettings, Candidates, Objective};
+use crate::association::local_numbers::LocalNumbers;
+use crate::association::problem::{Problem, Weights};
 
 /// What an entry can be.
 #[derive(Debug, Clone, Copy)]
@@ -16,6 +17,28 @@ pub(super) struct Code {
     pub(super) key: u64,
     /// The detection's number in the cluster; none has the number behind the last.
     pub(super) detection: u32,
+}
+
+impl Code {
+    fn without_edge(detection: u32) -> Code {
+        Code {
+            gain: 0.0,
+            log_ratio: 0.0,
+            key: 0,
+            detection,
+        }
+    }
+}
+
+/// From a bat to a neighbour: `row` gets `code`; unless that is [`NOBODY`], `other` gets `other_code`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Move {
+    pub(super) row: u32,
+    pub(super) code: u32,
+    pub(super) other: u32,
+    pub(super) other_code: u32,
+    /// What the objective gains.
+    pub(super) delta: f64,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -34,10 +57,7 @@ pub(super) struct Cluster {
     drawn_from: u32,
     /// 1 when "none" may be drawn, else 0.
     none_draws: u32,
-    /// Number in the cluster of each detection of the scan; only those of the cluster are not [`NOBODY`].
-    local_of: Vec<u32>,
-    /// Detections of the scan that have a number.
-    numbered: Vec<u32>,
+    numbers: LocalNumbers,
 }
 
 /// No row, or no number.
@@ -48,7 +68,7 @@ const MAX_LOG_RATIO: f64 = 1e9;
 
 impl Cluster {
     /// Copies a cluster of the problem.
-    pub(super) fn load(&mut self, problem: &Problem, settings: &Settings) {
+    pub(super) fn load(&mut self, problem: &Problem, settings: &BatSettings) {
         self.clear();
         let level = |edge: usize| {
             problem
@@ -68,7 +88,7 @@ impl Cluster {
                 count: row.count,
             });
             for edge in row.edges() {
-                let log_ratio = (level(edge) - row.log_none).clamp(-MAX_LOG_RATIO, MAX_LOG_RATIO);
+                let log_ratio = (level(edge) - row.log_missed).clamp(-MAX_LOG_RATIO, MAX_LOG_RATIO);
                 let gain = match settings.objective {
                     Objective::LikelihoodSum => (level(edge) - top).exp(),
                     Objective::LogLikelihoodRatio => log_ratio,
@@ -77,12 +97,12 @@ impl Cluster {
                 let detection = if takes_all {
                     number
                 } else {
-                    self.number_of(number)
+                    self.numbers.number_of(number)
                 };
                 self.codes.push(Code {
                     gain,
                     log_ratio,
-                    key: mixed(self.codes.len() as u64),
+                    key: mix(self.codes.len() as u64),
                     detection,
                 });
             }
@@ -92,37 +112,18 @@ impl Cluster {
         self.detections = if takes_all {
             problem.detections()
         } else {
-            self.numbered.len() as u32
+            self.numbers.len() as u32
         };
-        self.none_draws = u32::from(settings.draws_none());
-        let nothing = |detection| Code {
-            gain: 0.0,
-            log_ratio: 0.0,
-            key: 0,
-            detection,
-        };
-        self.codes.extend((0..self.drawn_from).map(nothing));
-        self.codes.push(nothing(self.detections));
+        self.none_draws = u32::from(settings.draws_missed());
+        self.codes
+            .extend((0..self.drawn_from).map(Code::without_edge));
+        self.codes.push(Code::without_edge(self.detections));
     }
 
     fn clear(&mut self) {
-        for detection in self.numbered.drain(..) {
-            self.local_of[detection as usize] = NOBODY;
-        }
+        self.numbers.clear();
         self.rows.clear();
         self.codes.clear();
-    }
-
-    fn number_of(&mut self, detection: u32) -> u32 {
-        let place = detection as usize;
-        if self.local_of.len() <= place {
-            self.local_of.resize(place + 1, NOBODY);
-        }
-        if self.local_of[place] == NOBODY {
-            self.local_of[place] = self.numbered.len() as u32;
-            self.numbered.push(detection);
-        }
-        self.local_of[place]
     }
 
     pub(super) fn row_count(&self) -> usize {
@@ -141,7 +142,7 @@ impl Cluster {
 
     /// The code of "none".
     #[inline]
-    pub(super) fn none(&self) -> u32 {
+    pub(super) fn missed(&self) -> u32 {
         self.codes.len() as u32 - 1
     }
 
@@ -164,15 +165,15 @@ impl Cluster {
         match edges.iter().position(|edge| edge.detection == detection) {
             Some(place) => first + place as u32,
             None if self.drawn_from > 0 => self.edges + detection,
-            None => self.none(),
+            None => self.missed(),
         }
     }
 
     /// A random position and what is to stand there.
     #[inline]
-    pub(super) fn draw(&self, dice: &mut Dice) -> (u32, u32) {
-        let (for_row, for_code) = dice.pair();
-        let row = scaled(for_row, self.rows.len() as u32);
+    pub(super) fn draw(&self, rng: &mut ClusterRng) -> (u32, u32) {
+        let (for_row, for_code) = rng.pair();
+        let row = scale(for_row, self.rows.len() as u32);
         (row, self.draw_for(row as usize, for_code))
     }
 
@@ -180,14 +181,14 @@ impl Cluster {
     #[inline]
     pub(super) fn draw_for(&self, row: usize, bits: u32) -> u32 {
         if self.drawn_from > 0 {
-            return self.code_for(row, scaled(bits, self.drawn_from + self.none_draws));
+            return self.code_for(row, scale(bits, self.drawn_from + self.none_draws));
         }
         let Span { first, count } = self.rows[row];
-        let place = scaled(bits, count + self.none_draws);
+        let place = scale(bits, count + self.none_draws);
         if place < count {
             first + place
         } else {
-            self.none()
+            self.missed()
         }
     }
 
@@ -215,7 +216,7 @@ impl Cluster {
         } else {
             f64::NEG_INFINITY
         };
-        let start = (least, self.none());
+        let start = (least, self.missed());
         let better = |best: (f64, u32), code: u32| {
             if self.code(code).gain > best.0 {
                 (self.code(code).gain, code)
@@ -237,7 +238,7 @@ impl Cluster {
 }
 
 /// 64 bits that look random and are the same everywhere (the finish of SplitMix64).
-fn mixed(number: u64) -> u64 {
+fn mix(number: u64) -> u64 {
     let mut bits = number.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

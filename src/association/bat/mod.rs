@@ -30,8 +30,8 @@
 //! candidate are in no cluster and never draw. A track alone takes its optimum in closed form; the swarm would find the same.
 
 mod cluster;
-mod dice;
-mod judge;
+mod cluster_rng;
+mod optimality_check;
 mod swarm;
 #[cfg(test)]
 mod tests;
@@ -42,8 +42,8 @@ use super::{Associator, BuildAssociator, Trace};
 use crate::math::rng::{Purpose, Seed};
 use crate::registry::{Kind, Method, Object, above, default, whole};
 use cluster::Cluster;
-use dice::Dice;
-use judge::Judge;
+use cluster_rng::ClusterRng;
+use optimality_check::OptimalityCheck;
 use serde::Deserialize;
 use swarm::Swarm;
 use visited::Visited;
@@ -54,7 +54,7 @@ pub const MAX_MOVES: u64 = 1_000_000;
 pub const METHOD: Method<BuildAssociator> = Method {
     name: "bat",
     parameters: &PARAMETERS,
-    build: |spec, seed| Ok(Box::new(Bat::new(Settings::deserialize(spec)?, seed))),
+    build: |spec, seed| Ok(Box::new(Bat::new(BatSettings::deserialize(spec)?, seed))),
 };
 
 static PARAMETERS: Object = Object {
@@ -145,7 +145,7 @@ enum Answer {
 /// The parameters of [`PARAMETERS`].
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(default)]
-struct Settings {
+struct BatSettings {
     population: u32,
     iterations: u32,
     objective: Objective,
@@ -157,9 +157,9 @@ struct Settings {
     trace: bool,
 }
 
-impl Default for Settings {
+impl Default for BatSettings {
     fn default() -> Self {
-        Settings {
+        BatSettings {
             population: 20,
             iterations: 15,
             objective: Objective::LikelihoodSum,
@@ -173,9 +173,9 @@ impl Default for Settings {
     }
 }
 
-impl Settings {
+impl BatSettings {
     /// Whether 0 may be drawn.
-    fn draws_none(&self) -> bool {
+    fn draws_missed(&self) -> bool {
         self.objective == Objective::LogLikelihoodRatio || self.weights == Answer::Visited
     }
 }
@@ -185,25 +185,25 @@ const TRACE_HEADER: &str =
 
 #[derive(Debug)]
 struct Bat {
-    settings: Settings,
+    settings: BatSettings,
     seed: Seed,
     cluster: Cluster,
     swarm: Swarm,
     /// Only for [`Answer::Visited`].
     visited: Option<Visited>,
-    judge: Judge,
+    optimality: OptimalityCheck,
     trace: Option<Trace>,
 }
 
 impl Bat {
-    fn new(settings: Settings, seed: Seed) -> Self {
+    fn new(settings: BatSettings, seed: Seed) -> Self {
         Bat {
             settings,
             seed,
             cluster: Cluster::default(),
             swarm: Swarm::default(),
             visited: (settings.weights == Answer::Visited).then(Visited::default),
-            judge: Judge::default(),
+            optimality: OptimalityCheck::default(),
             trace: settings.trace.then(|| Trace::new(TRACE_HEADER)),
         }
     }
@@ -216,26 +216,26 @@ impl Bat {
             cluster,
             swarm,
             visited,
-            judge,
+            optimality,
             trace,
         } = self;
         let name = problem.rows().next().map_or(0, |(row, _)| row);
-        let mut dice = Dice::new(seed.stream(
+        let mut rng = ClusterRng::new(seed.stream(
             Purpose::Associator,
             name as u64,
-            u64::from(problem.occasion()),
+            u64::from(problem.problem_index()),
         ));
-        let optimum = judge.optimum(cluster);
-        swarm.search(cluster, settings, visited.as_mut(), &mut dice, |swarm, iteration| {
+        let optimum = optimality.optimum(cluster);
+        swarm.search(cluster, settings, visited.as_mut(), &mut rng, |swarm, iteration| {
             if let Some(trace) = trace {
-                let (best, gap) = (swarm.best_value(), judge::gap(swarm.best_value(), optimum));
-                let (mean, assignment) = (swarm.mean_value(), judge::assignment(problem, cluster, swarm.best()));
-                let (occasion, evaluations) = (problem.occasion(), swarm.evaluations());
-                trace.push(format_args!("{occasion},{name},{iteration},{best},{mean},{evaluations},{optimum},{gap},{assignment}"));
+                let (best, gap) = (swarm.best_value(), optimality_check::gap(swarm.best_value(), optimum));
+                let (mean, assignment) = (swarm.mean_value(), optimality_check::assignment(problem, cluster, swarm.best()));
+                let (problem_index, evaluations) = (problem.problem_index(), swarm.evaluations());
+                trace.push(format_args!("{problem_index},{name},{iteration},{best},{mean},{evaluations},{optimum},{gap},{assignment}"));
             }
             !problem.stops_after(8 * u64::from(settings.population) * problem.row_count() as u64)
         });
-        judge.searched(swarm, optimum, visited.as_ref());
+        optimality.count_search(swarm, optimum, visited.as_ref());
     }
 }
 
@@ -248,7 +248,7 @@ impl Associator for Bat {
         self.cluster.load(problem, &self.settings);
         let is_single = problem.row_count() == 1;
         if is_single {
-            self.judge.single(self.cluster.edges());
+            self.optimality.count_single(self.cluster.edges());
         } else {
             self.search(problem);
         }
@@ -268,7 +268,7 @@ impl Associator for Bat {
     }
 
     fn diagnostics(&self) -> Option<serde_json::Value> {
-        serde_json::to_value(self.judge.report(self.is_soft())).ok()
+        serde_json::to_value(self.optimality.diagnostics(self.is_soft())).ok()
     }
 
     fn trace(&self) -> Option<&Trace> {

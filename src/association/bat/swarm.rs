@@ -1,9 +1,9 @@
 //! The bats and their moves. A neighbour differs in two entries at most, so its objective is that of the bat plus a
 //! difference. All memory is reused from cluster to cluster.
 
-use super::Settings;
-use super::cluster::{Cluster, NOBODY};
-use super::dice::Dice;
+use super::BatSettings;
+use super::cluster::{Cluster, Move, NOBODY};
+use super::cluster_rng::ClusterRng;
 use super::visited::Visited;
 
 /// Bats side by side in flat tables; x* stands behind the last bat.
@@ -31,29 +31,18 @@ struct BatState {
     first_pulse_rate: f64,
 }
 
-/// From a bat to a neighbour: `row` gets `code`; unless that is [`NOBODY`], `other` gets `other_code`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Step {
-    pub(super) row: u32,
-    pub(super) code: u32,
-    pub(super) other: u32,
-    pub(super) other_code: u32,
-    /// What the objective gains.
-    pub(super) delta: f64,
-}
-
 impl Swarm {
     /// Looks for the best assignment; `goes_on` is called with the swarm at the start and after each iteration. It ends early
     /// when that says no, and when every row has the best of its candidates, for then no later bat is better; not where what is visited counts.
     pub(super) fn search(
         &mut self,
         cluster: &Cluster,
-        settings: &Settings,
+        settings: &BatSettings,
         mut visited: Option<&mut Visited>,
-        dice: &mut Dice,
+        rng: &mut ClusterRng,
         mut goes_on: impl FnMut(&Swarm, u32) -> bool,
     ) {
-        self.start(cluster, settings, visited.as_deref_mut(), dice);
+        self.start(cluster, settings, visited.as_deref_mut(), rng);
         if !goes_on(self, 0) {
             return;
         }
@@ -68,11 +57,11 @@ impl Swarm {
             }
             let returned = -(-settings.gamma * f64::from(iteration)).exp_m1();
             for bat in 0..self.population {
-                self.fly(cluster, bat, visited.as_deref_mut(), dice);
-                if dice.unit() > self.bats[bat].pulse_rate {
-                    self.approach_best(cluster, bat, visited.as_deref_mut(), dice);
+                self.fly(cluster, bat, visited.as_deref_mut(), rng);
+                if rng.unit() > self.bats[bat].pulse_rate {
+                    self.approach_best(cluster, bat, visited.as_deref_mut(), rng);
                 }
-                if dice.unit() < self.bats[bat].loudness && self.is_accepted(cluster, bat) {
+                if rng.unit() < self.bats[bat].loudness && self.is_accepted(cluster, bat) {
                     let state = &mut self.bats[bat];
                     state.loudness *= settings.alpha;
                     state.pulse_rate = state.first_pulse_rate * returned;
@@ -88,15 +77,15 @@ impl Swarm {
     fn start(
         &mut self,
         cluster: &Cluster,
-        settings: &Settings,
+        settings: &BatSettings,
         mut visited: Option<&mut Visited>,
-        dice: &mut Dice,
+        rng: &mut ClusterRng,
     ) {
         self.population = settings.population as usize;
         (self.rows, self.places) = (cluster.row_count(), cluster.detections() + 1);
         self.entries.clear();
         self.entries
-            .resize((self.population + 1) * self.rows, cluster.none());
+            .resize((self.population + 1) * self.rows, cluster.missed());
         self.owners.clear();
         self.owners
             .resize((self.population + 1) * self.places, NOBODY);
@@ -107,7 +96,7 @@ impl Swarm {
         }
         let mut best = 0;
         for bat in 0..self.population {
-            self.draw_bat(cluster, settings, bat, dice);
+            self.draw_bat(cluster, settings, bat, rng);
             if let Some(visited) = &mut visited {
                 visited.see(cluster, self.entries_of(bat), self.bats[bat].hash);
             }
@@ -120,27 +109,33 @@ impl Swarm {
     }
 
     /// A new bat: the detection drawn for each row, or the next of the row's that is free.
-    fn draw_bat(&mut self, cluster: &Cluster, settings: &Settings, bat: usize, dice: &mut Dice) {
+    fn draw_bat(
+        &mut self,
+        cluster: &Cluster,
+        settings: &BatSettings,
+        bat: usize,
+        rng: &mut ClusterRng,
+    ) {
         let owners = &mut self.owners[bat * self.places..][..self.places];
         let entries = &mut self.entries[bat * self.rows..][..self.rows];
         let mut hash = 0;
         for (row, entry) in entries.iter_mut().enumerate() {
             let is_free = |code: &u32| owners[cluster.code(*code).detection as usize] == NOBODY;
-            let drawn = cluster.draw_for(row, dice.pair().0);
+            let drawn = cluster.draw_for(row, rng.pair().0);
             let others = cluster.codes_of(row);
             let next =
                 (drawn.max(others.start)..others.end).chain(others.start..drawn.min(others.end));
             *entry = std::iter::once(drawn)
                 .chain(next)
                 .find(is_free)
-                .unwrap_or(cluster.none());
+                .unwrap_or(cluster.missed());
             let code = cluster.code(*entry);
             hash ^= code.key;
-            if *entry != cluster.none() {
+            if *entry != cluster.missed() {
                 owners[code.detection as usize] = row as u32;
             }
         }
-        let (value, first_pulse_rate) = (cluster.value_of(entries), dice.unit());
+        let (value, first_pulse_rate) = (cluster.value_of(entries), rng.unit());
         self.bats.push(BatState {
             value,
             hash,
@@ -157,15 +152,15 @@ impl Swarm {
         cluster: &Cluster,
         bat: usize,
         mut visited: Option<&mut Visited>,
-        dice: &mut Dice,
+        rng: &mut ClusterRng,
     ) {
         let speed = match self.distance_to_best(bat) {
             0 | 1 => 1,
-            distance => 1 + dice.below(distance),
+            distance => 1 + rng.below(distance),
         };
-        let mut best = self.neighbour(cluster, bat, visited.as_deref_mut(), dice);
+        let mut best = self.neighbour(cluster, bat, visited.as_deref_mut(), rng);
         for _ in 1..speed {
-            let step = self.neighbour(cluster, bat, visited.as_deref_mut(), dice);
+            let step = self.neighbour(cluster, bat, visited.as_deref_mut(), rng);
             if step.delta > best.delta {
                 best = step;
             }
@@ -180,10 +175,10 @@ impl Swarm {
         cluster: &Cluster,
         bat: usize,
         visited: Option<&mut Visited>,
-        dice: &mut Dice,
+        rng: &mut ClusterRng,
     ) {
         self.copy(self.population, bat);
-        let step = self.neighbour(cluster, bat, visited, dice);
+        let step = self.neighbour(cluster, bat, visited, rng);
         self.take(cluster, bat, step);
     }
 
@@ -218,9 +213,9 @@ impl Swarm {
         cluster: &Cluster,
         bat: usize,
         visited: Option<&mut Visited>,
-        dice: &mut Dice,
-    ) -> Step {
-        let (row, code) = cluster.draw(dice);
+        rng: &mut ClusterRng,
+    ) -> Move {
+        let (row, code) = cluster.draw(rng);
         let step = self.step_to(cluster, bat, row, code);
         self.evaluations += 1;
         if let Some(visited) = visited {
@@ -236,13 +231,13 @@ impl Swarm {
 
     /// The neighbour in which `row` has `code`; who held that detection gets the row's old one, if it is his to have.
     #[inline]
-    fn step_to(&self, cluster: &Cluster, bat: usize, row: u32, code: u32) -> Step {
+    fn step_to(&self, cluster: &Cluster, bat: usize, row: u32, code: u32) -> Move {
         let entries = self.entries_of(bat);
         let (old, new) = (cluster.code(entries[row as usize]), cluster.code(code));
         let delta = new.gain - old.gain;
         let other = self.owners[bat * self.places + new.detection as usize];
         if other == NOBODY || other == row {
-            return Step {
+            return Move {
                 row,
                 code,
                 other: NOBODY,
@@ -253,7 +248,7 @@ impl Swarm {
         let other_code = cluster.code_for(other as usize, old.detection);
         let other_delta =
             cluster.code(other_code).gain - cluster.code(entries[other as usize]).gain;
-        Step {
+        Move {
             row,
             code,
             other,
@@ -263,7 +258,7 @@ impl Swarm {
     }
 
     #[inline]
-    fn take(&mut self, cluster: &Cluster, bat: usize, step: Step) {
+    fn take(&mut self, cluster: &Cluster, bat: usize, step: Move) {
         let entries = &mut self.entries[bat * self.rows..][..self.rows];
         let owners = &mut self.owners[bat * self.places..][..self.places];
         let state = &mut self.bats[bat];
@@ -338,8 +333,8 @@ mod tests {
     use crate::math::rng::{Purpose, Seed};
     use rand::RngExt;
 
-    fn dice(number: u64) -> Dice {
-        Dice::new(Seed { seed: 3, run: 0 }.stream(Purpose::Associator, number, 0))
+    fn rng(number: u64) -> ClusterRng {
+        ClusterRng::new(Seed { seed: 3, run: 0 }.stream(Purpose::Associator, number, 0))
     }
 
     /// A swarm of one bat whose rows hold these detections.
@@ -347,12 +342,12 @@ mod tests {
         let mut swarm = Swarm::default();
         swarm.start(
             cluster,
-            &Settings {
+            &BatSettings {
                 population: 1,
-                ..Settings::default()
+                ..BatSettings::default()
             },
             None,
-            &mut dice(0),
+            &mut rng(0),
         );
         swarm.owners.fill(NOBODY);
         for (row, &detection) in detections.iter().enumerate() {
@@ -368,7 +363,7 @@ mod tests {
         let all: Vec<(u32, f64)> = (0..9).map(|detection| (detection, 1.0)).collect();
         problem_of(&[all.as_slice(); 4]).for_each_cluster(|problem| {
             let mut cluster = Cluster::default();
-            cluster.load(problem, &Settings::default());
+            cluster.load(problem, &BatSettings::default());
             for (given, expected) in [(2, [3, 5, 2, 9]), (4, [2, 5, 4, 9])] {
                 let mut swarm = swarm_of(&cluster, &[1, 4, 2, 8]);
                 let step = swarm.step_to(&cluster, 0, 2, cluster.code_for(2, given - 1));
@@ -387,7 +382,7 @@ mod tests {
     fn check(cluster: &Cluster, swarm: &Swarm, bat: usize) {
         let mut owners = vec![NOBODY; swarm.places];
         for (row, &code) in swarm.entries_of(bat).iter().enumerate() {
-            if code != cluster.none() {
+            if code != cluster.missed() {
                 assert!(
                     cluster.codes_of(row).contains(&code),
                     "row {row} has {code}"
@@ -408,20 +403,20 @@ mod tests {
         let mut random = Seed { seed: 5, run: 0 }.stream(Purpose::Clutter, 0, 0);
         let mut moves = 0;
         for number in 0..50 {
-            let settings = Settings {
+            let settings = BatSettings {
                 population: 4,
                 weights: super::super::Answer::Visited,
-                ..Settings::default()
+                ..BatSettings::default()
             };
             let tracks = random.random_range(2..=7);
             random_problem(&mut random, tracks, 8, 0.5).for_each_cluster(|problem| {
-                let (mut cluster, mut swarm, mut dice) =
-                    (Cluster::default(), Swarm::default(), dice(number));
+                let (mut cluster, mut swarm, mut rng) =
+                    (Cluster::default(), Swarm::default(), rng(number));
                 cluster.load(problem, &settings);
-                swarm.start(&cluster, &settings, None, &mut dice);
+                swarm.start(&cluster, &settings, None, &mut rng);
                 for step in 0..25_000 {
                     let bat = step % 4;
-                    let neighbour = swarm.neighbour(&cluster, bat, None, &mut dice);
+                    let neighbour = swarm.neighbour(&cluster, bat, None, &mut rng);
                     swarm.take(&cluster, bat, neighbour);
                     check(&cluster, &swarm, bat);
                     moves += 1;

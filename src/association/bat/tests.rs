@@ -34,7 +34,7 @@ pub(super) fn random_problem(
     problem
 }
 
-fn bat(settings: Settings, seed: u32) -> Bat {
+fn bat(settings: BatSettings, seed: u32) -> Bat {
     Bat::new(settings, Seed { seed, run: 0 })
 }
 
@@ -54,14 +54,14 @@ fn searched(objective: Objective) -> (f64, f64, f64) {
         let mut problem = random_problem(&mut random, tracks, detections, 0.8);
         for seed in 0..5 {
             let mut bat = bat(
-                Settings {
+                BatSettings {
                     objective,
-                    ..Settings::default()
+                    ..BatSettings::default()
                 },
                 seed,
             );
             weights_of(&mut bat, &mut problem);
-            let report = serde_json::to_value(bat.judge.report(false)).unwrap();
+            let report = serde_json::to_value(bat.optimality.diagnostics(false)).unwrap();
             reached += report["optimum"]["reached"].as_f64().unwrap();
             searched += report["clusters"]["searched"].as_f64().unwrap();
             let gap = report["optimum"]["largest_gap"].as_f64();
@@ -95,11 +95,11 @@ fn the_optimum_is_reached_on_small_problems() {
 #[test]
 fn where_the_ratio_reaches_its_optimum_it_is_the_global_nearest_neighbour() {
     let mut random = SEED.stream(Purpose::Clutter, 2, 0);
-    let settings = Settings {
+    let settings = BatSettings {
         objective: Objective::LogLikelihoodRatio,
         population: 50,
         iterations: 50,
-        ..Settings::default()
+        ..BatSettings::default()
     };
     for seed in 0..50 {
         let mut problem = random_problem(&mut random, 4, 5, 0.7);
@@ -115,11 +115,11 @@ fn where_the_ratio_reaches_its_optimum_it_is_the_global_nearest_neighbour() {
 #[test]
 fn a_search_repeats_and_another_seed_searches_otherwise() {
     let mut random = SEED.stream(Purpose::Clutter, 3, 0);
-    let settings = Settings {
+    let settings = BatSettings {
         population: 3,
         iterations: 2,
         trace: true,
-        ..Settings::default()
+        ..BatSettings::default()
     };
     let mut problem = random_problem(&mut random, 6, 9, 0.9);
     let mut traced = |seed| {
@@ -145,11 +145,11 @@ fn the_visited_assignments_weigh_as_joint_events_do() {
         .iter()
         .find(|method| method.name == "jpda")
         .unwrap();
-    let settings = Settings {
+    let settings = BatSettings {
         weights: Answer::Visited,
         population: 60,
         iterations: 60,
-        ..Settings::default()
+        ..BatSettings::default()
     };
     for seed in 0..30 {
         let mut problem = random_problem(&mut random, 3, 3, 0.8);
@@ -159,8 +159,8 @@ fn the_visited_assignments_weigh_as_joint_events_do() {
         for (found, expected) in found
             .edges
             .iter()
-            .chain(&found.none)
-            .zip(expected.edges.iter().chain(&expected.none))
+            .chain(&found.missed)
+            .zip(expected.edges.iter().chain(&expected.missed))
         {
             assert!(
                 (found - expected).abs() < 1e-12,
@@ -175,16 +175,16 @@ fn a_swarm_that_sees_part_of_the_events_still_sums_to_one() {
     let mut random = SEED.stream(Purpose::Clutter, 5, 0);
     for objective in [Objective::LikelihoodSum, Objective::LogLikelihoodRatio] {
         let mut problem = random_problem(&mut random, 8, 12, 0.6);
-        let settings = Settings {
+        let settings = BatSettings {
             weights: Answer::Visited,
             objective,
             population: 5,
             iterations: 3,
-            ..Settings::default()
+            ..BatSettings::default()
         };
         let weights = weights_of(&mut bat(settings, 1), &mut problem);
         for (index, row) in problem.rows().iter().enumerate() {
-            let total = weights.none[index] + weights.edges[row.edges()].iter().sum::<f64>();
+            let total = weights.missed[index] + weights.edges[row.edges()].iter().sum::<f64>();
             assert!((total - 1.0).abs() < 1e-12, "{total}");
         }
     }
@@ -195,9 +195,9 @@ fn free_candidates_never_leave_the_gate_in_the_answer() {
     let mut random = SEED.stream(Purpose::Clutter, 6, 0);
     for seed in 0..20 {
         let mut problem = random_problem(&mut random, 5, 8, 0.3);
-        let settings = Settings {
+        let settings = BatSettings {
             candidates: Candidates::All,
-            ..Settings::default()
+            ..BatSettings::default()
         };
         let chosen = chosen_by(&mut bat(settings, seed), &mut problem);
         let mut taken: Vec<u32> = chosen.iter().flatten().copied().collect();
@@ -231,12 +231,12 @@ fn a_lone_track_takes_the_most_likely() {
     problem.end_row(0.05f64.ln(), 0.0);
     // ln 0.05 = −3.0 is more than both: the ratio leaves them alone, the sum never does.
     assert_eq!(
-        chosen_by(&mut bat(Settings::default(), 1), &mut problem),
+        chosen_by(&mut bat(BatSettings::default(), 1), &mut problem),
         [Some(2)]
     );
-    let ratio = Settings {
+    let ratio = BatSettings {
         objective: Objective::LogLikelihoodRatio,
-        ..Settings::default()
+        ..BatSettings::default()
     };
     assert_eq!(chosen_by(&mut bat(ratio, 1), &mut problem), [None]);
 }

@@ -8,8 +8,7 @@
 //!    All sums are multiples of the largest weight so far, so that none leaves the range of numbers.
 
 use super::super::problem::{Problem, Weights};
-use super::cluster::{Cluster, NOBODY};
-use super::swarm::Step;
+use super::cluster::{Cluster, Move, NOBODY};
 
 #[derive(Debug, Default)]
 pub(super) struct Visited {
@@ -22,7 +21,7 @@ pub(super) struct Visited {
     /// Sum over the assignments that hold each edge.
     edge_mass: Vec<f64>,
     /// Sum over the assignments in which each row has none.
-    none_mass: Vec<f64>,
+    missed_mass: Vec<f64>,
 }
 
 /// Slots of the first table.
@@ -43,8 +42,8 @@ impl Visited {
         self.log_unit = f64::NEG_INFINITY;
         self.edge_mass.clear();
         self.edge_mass.resize(cluster.edges(), 0.0);
-        self.none_mass.clear();
-        self.none_mass.resize(cluster.row_count(), 0.0);
+        self.missed_mass.clear();
+        self.missed_mass.resize(cluster.row_count(), 0.0);
     }
 
     /// Distinct assignments seen.
@@ -66,12 +65,13 @@ impl Visited {
         cluster: &Cluster,
         entries: &[u32],
         hash: u64,
-        step: &Step,
+        step: &Move,
     ) {
-        let key = |code: u32| cluster.code(code).key;
-        let mut hash = hash ^ key(entries[step.row as usize]) ^ key(step.code);
+        let old = cluster.code(entries[step.row as usize]);
+        let mut hash = hash ^ old.key ^ cluster.code(step.code).key;
         if step.other != NOBODY {
-            hash ^= key(entries[step.other as usize]) ^ key(step.other_code);
+            let old = cluster.code(entries[step.other as usize]);
+            hash ^= old.key ^ cluster.code(step.other_code).key;
         }
         if self.is_new(hash) {
             let after = |(row, &code): (usize, &u32)| match row as u32 {
@@ -86,7 +86,7 @@ impl Visited {
     /// Counts everything that a single row can have.
     pub(super) fn see_all_of_one(&mut self, cluster: &Cluster) {
         self.begin(cluster);
-        for code in cluster.codes_of(0).chain([cluster.none()]) {
+        for code in cluster.codes_of(0).chain([cluster.missed()]) {
             self.see(cluster, &[code], cluster.code(code).key);
         }
     }
@@ -139,14 +139,14 @@ impl Visited {
             let factor = (self.log_unit - log_weight).exp();
             self.edge_mass
                 .iter_mut()
-                .chain(&mut self.none_mass)
+                .chain(&mut self.missed_mass)
                 .for_each(|mass| *mass *= factor);
             self.log_unit = log_weight;
         }
         let weight = (log_weight - self.log_unit).exp();
-        for (code, none) in entries.zip(&mut self.none_mass) {
+        for (code, missed) in entries.zip(&mut self.missed_mass) {
             // Everything behind the edges is a detection outside the gate, which counts as none, or none.
-            *self.edge_mass.get_mut(code as usize).unwrap_or(none) += weight;
+            *self.edge_mass.get_mut(code as usize).unwrap_or(missed) += weight;
         }
     }
 
@@ -155,11 +155,11 @@ impl Visited {
         for (place, (index, row)) in problem.rows().enumerate() {
             let codes = cluster.codes_of(place);
             let masses = &self.edge_mass[codes.start as usize..codes.end as usize];
-            let total = self.none_mass[place] + masses.iter().sum::<f64>();
+            let total = self.missed_mass[place] + masses.iter().sum::<f64>();
             for (edge, mass) in row.edges().zip(masses) {
                 weights.edges[edge] = mass / total;
             }
-            weights.none[index] = self.none_mass[place] / total;
+            weights.missed[index] = self.missed_mass[place] / total;
         }
     }
 }

@@ -2,7 +2,7 @@
 //! beside the tracks. All memory is reused.
 
 use super::super::problem::{Places, Problem, Row, Weights};
-use crate::math::angle::wrapped;
+use crate::math::angle::wrap;
 use crate::math::fuzzy_c_means::{Fuzzifier, largest_change};
 
 /// δ² at least: dense clutter never puts noise nearer than one standard deviation, so that what fits well is still taken.
@@ -70,12 +70,11 @@ impl Clustering {
             self.rows.push(row as u32);
             self.noise_of.push(noise_of(problem, state));
             self.centres.extend_from_slice(places.expected(row));
-            let pair = |edge: usize| Pair {
+            self.pairs.extend(state.edges().map(|edge| Pair {
                 detection: problem.edge(edge).detection,
                 row: place as u32,
                 edge: edge as u32,
-            };
-            self.pairs.extend(state.edges().map(pair));
+            }));
         }
         self.pairs
             .sort_unstable_by_key(|pair| (pair.detection, pair.row));
@@ -133,7 +132,7 @@ impl Clustering {
             cost += shares
                 .iter()
                 .zip(squared.iter())
-                .map(|(&share, &squared)| fuzzifier.raised(share) * squared)
+                .map(|(&share, &squared)| fuzzifier.raise(share) * squared)
                 .sum::<f64>();
             memberships[first..first + pairs.len()].copy_from_slice(&shares[..pairs.len()]);
             noise.membership = shares[pairs.len()];
@@ -154,7 +153,7 @@ impl Clustering {
         self.steps.clear();
         self.steps.resize(self.centres.len(), 0.0);
         for (pair, &membership) in self.pairs.iter().zip(&self.memberships) {
-            let weight = fuzzifier.raised(membership);
+            let weight = fuzzifier.raise(membership);
             self.totals[pair.row as usize] += weight;
             let first = pair.row as usize * self.dimensions;
             for (axis, measured) in places.measured(pair.detection).iter().enumerate() {
@@ -176,7 +175,7 @@ impl Clustering {
                 let place = row * self.dimensions + axis;
                 let moved = self.centres[place] + self.steps[place] / total;
                 self.centres[place] = if self.angle == Some(axis) {
-                    wrapped(moved)
+                    wrap(moved)
                 } else {
                     moved
                 };
@@ -217,7 +216,7 @@ impl Clustering {
             };
         }
         for (place, &row) in self.rows.iter().enumerate() {
-            weights.none[row as usize] = if self.totals[place] > 0.0 {
+            weights.missed[row as usize] = if self.totals[place] > 0.0 {
                 0.0
             } else {
                 1.0 / (1.0 + self.steps[place])
@@ -292,7 +291,7 @@ fn noise_of(problem: &Problem, row: &Row) -> f64 {
     let squared = problem
         .edges_of(row)
         .first()
-        .map(|edge| 2.0 * (edge.log_likelihood - row.log_none) + edge.squared_distance);
+        .map(|edge| 2.0 * (edge.log_likelihood - row.log_missed) + edge.squared_distance);
     squared
         .filter(|squared| !squared.is_nan())
         .unwrap_or(MOST_NOISE)
@@ -306,7 +305,7 @@ fn by_detection(pairs: &[Pair]) -> impl Iterator<Item = &[Pair]> {
 #[inline]
 fn difference(left: f64, right: f64, is_angle: bool) -> f64 {
     if is_angle {
-        wrapped(left - right)
+        wrap(left - right)
     } else {
         left - right
     }

@@ -42,7 +42,7 @@ pub const METHOD: Method<BuildAssociator> = Method {
     name: "fuzzy_c_means",
     parameters: &PARAMETERS,
     build: |spec, _| {
-        let means = FuzzyCMeans::new(Settings::deserialize(spec)?);
+        let means = FuzzyCMeans::new(FuzzyAssociatorSettings::deserialize(spec)?);
         Ok(Box::new(means.map_err(serde::de::Error::custom)?))
     },
 };
@@ -98,7 +98,7 @@ enum Answer {
 
 /// The parameters of [`PARAMETERS`].
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-struct Settings {
+struct FuzzyAssociatorSettings {
     weights: Answer,
     fuzzifier: f64,
     tolerance: f64,
@@ -113,7 +113,7 @@ const TIE_BREAK: f64 = 1e-8;
 
 #[derive(Debug)]
 struct FuzzyCMeans {
-    settings: Settings,
+    settings: FuzzyAssociatorSettings,
     fuzzifier: Fuzzifier,
     clustering: Clustering,
     solver: AssignmentSolver,
@@ -191,7 +191,7 @@ fn choose_nearest(problem: &Problem, weights: &mut Weights) {
 }
 
 impl FuzzyCMeans {
-    fn new(settings: Settings) -> Result<Self, FuzzyError> {
+    fn new(settings: FuzzyAssociatorSettings) -> Result<Self, FuzzyError> {
         Ok(FuzzyCMeans {
             settings,
             fuzzifier: Fuzzifier::new(settings.fuzzifier)?,
@@ -226,18 +226,18 @@ impl FuzzyCMeans {
             self.write(problem, iterations, cost);
         }
         self.diagnostics
-            .clustered(iterations, change <= self.settings.tolerance);
+            .count_clustering(iterations, change <= self.settings.tolerance);
     }
 
     fn write(&mut self, problem: &Problem, iteration: u32, cost: f64) {
         let Some(trace) = &mut self.trace else { return };
         let cluster = problem.rows().next().map_or(0, |(row, _)| row);
-        let occasion = problem.occasion();
+        let problem_index = problem.problem_index();
         self.clustering
             .describe(cost, |quantity, track, detection, value| {
                 let (track, detection) = (Cell(track), Cell(detection));
                 trace.push(format_args!(
-                    "{occasion},{cluster},{iteration},{quantity},{track},{detection},{value}"
+                    "{problem_index},{cluster},{iteration},{quantity},{track},{detection},{value}"
                 ));
             });
     }
@@ -280,7 +280,7 @@ impl fmt::Display for Cell {
 }
 
 impl Diagnostics {
-    fn clustered(&mut self, iterations: u32, converged: bool) {
+    fn count_clustering(&mut self, iterations: u32, converged: bool) {
         self.clusters += 1;
         self.not_converged += u64::from(!converged);
         self.iterations.sum += u64::from(iterations);

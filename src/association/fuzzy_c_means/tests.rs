@@ -6,14 +6,14 @@ use super::*;
 use proptest::prelude::*;
 use std::f64::consts::PI;
 
-const HARD: Settings = Settings {
+const HARD: FuzzyAssociatorSettings = FuzzyAssociatorSettings {
     weights: Answer::Hard,
     fuzzifier: 2.0,
     tolerance: 1e-4,
     max_iterations: 100,
     trace: false,
 };
-const WEIGHTED: Settings = Settings {
+const WEIGHTED: FuzzyAssociatorSettings = FuzzyAssociatorSettings {
     weights: Answer::Weighted,
     ..HARD
 };
@@ -34,7 +34,7 @@ fn around(tracks: &[f64], detections: &[f64], angle: Option<usize>) -> ScanProbl
     for &track in tracks {
         for (detection, &place) in detections.iter().enumerate() {
             let difference = if angle.is_some() {
-                crate::math::angle::wrapped(place - track)
+                crate::math::angle::wrap(place - track)
             } else {
                 place - track
             };
@@ -58,7 +58,7 @@ fn chosen(mut problem: ScanProblem) -> Vec<Option<u32>> {
     chosen_by(&mut FuzzyCMeans::new(HARD).unwrap(), &mut problem)
 }
 
-fn weighed(settings: Settings, problem: &mut ScanProblem) -> Weights {
+fn weighed(settings: FuzzyAssociatorSettings, problem: &mut ScanProblem) -> Weights {
     let mut means = FuzzyCMeans::new(settings).unwrap();
     let mut weights = Weights::default();
     weights.reset(problem);
@@ -91,10 +91,10 @@ fn a_track_alone_shares_its_detections_with_noise_by_hand() {
     // d² = 1 and 4, δ² = 9: 1/1 : 1/4 : 1/9 = 36 : 9 : 4.
     let weights = weighed(WEIGHTED, &mut line(&[0.0], &[1.0, -2.0]));
     assert_close(&weights.edges, &[36.0 / 49.0, 9.0 / 49.0]);
-    assert_close(&weights.none, &[4.0 / 49.0]);
+    assert_close(&weights.missed, &[4.0 / 49.0]);
     // q = 3: 1/1 : 1/2 : 1/3 = 6 : 3 : 2.
     let weights = weighed(
-        Settings {
+        FuzzyAssociatorSettings {
             fuzzifier: 3.0,
             ..WEIGHTED
         },
@@ -103,12 +103,12 @@ fn a_track_alone_shares_its_detections_with_noise_by_hand() {
     assert_close(&weights.edges, &[6.0 / 11.0, 3.0 / 11.0]);
     // A detection exactly where it was expected is certain.
     let weights = weighed(WEIGHTED, &mut line(&[0.0], &[0.0, -2.0]));
-    assert_eq!((weights.edges, weights.none), (vec![1.0, 0.0], vec![0.0]));
+    assert_eq!((weights.edges, weights.missed), (vec![1.0, 0.0], vec![0.0]));
 }
 
 /// The rows of a trace as (iteration, quantity, track, detection) and value.
-fn traced(settings: Settings, problem: &mut ScanProblem) -> Vec<(String, f64)> {
-    let mut means = FuzzyCMeans::new(Settings {
+fn traced(settings: FuzzyAssociatorSettings, problem: &mut ScanProblem) -> Vec<(String, f64)> {
+    let mut means = FuzzyCMeans::new(FuzzyAssociatorSettings {
         trace: true,
         ..settings
     })
@@ -130,7 +130,7 @@ fn two_tracks_and_noise_by_hand() {
     // Tracks at 0 and 4, detections at 1 and 3, all pairs gated. Detection 0: d² = 1, 9, δ² = 9: 1 : 1/9 : 1/9 = 9 : 1 : 1 of 11.
     // By symmetry J = 2 · (81·1 + 1·9 + 1·9) / 121 = 198/121. v₁ = (81·1 + 1·3) / 82 = 84/82.
     let rows = traced(
-        Settings {
+        FuzzyAssociatorSettings {
             max_iterations: 1,
             ..HARD
         },
@@ -173,7 +173,7 @@ fn two_tracks_that_want_one_detection_share_it_and_the_prediction_decides() {
     let scene = || line(&[0.0, 4.0], &[2.5]);
     let weights = weighed(WEIGHTED, &mut scene());
     assert_close(&weights.edges, &[0.5, 0.5]);
-    assert_close(&weights.none, &[0.5, 0.5]);
+    assert_close(&weights.missed, &[0.5, 0.5]);
     assert_eq!(chosen(scene()), [None, Some(0)]);
     assert_eq!(chosen(line(&[0.0, 4.0], &[1.5])), [Some(0), None]);
 }
@@ -188,7 +188,7 @@ fn bearings_are_averaged_across_the_end_of_the_turn() {
         [Some(0), Some(1)]
     );
     let shifted = weighed(WEIGHTED, &mut around(&[-0.2, 0.2], &[-0.15, 0.15], None));
-    assert!(shifted.none.iter().all(|none| *none < 0.1));
+    assert!(shifted.missed.iter().all(|missed| *missed < 0.1));
     let wrapped = weighed(WEIGHTED, &mut around(&tracks, &detections, Some(0)));
     assert!(
         wrapped
@@ -202,7 +202,7 @@ fn bearings_are_averaged_across_the_end_of_the_turn() {
 
 #[test]
 fn diagnostics_count_clusters_and_iterations() {
-    let mut means = FuzzyCMeans::new(Settings {
+    let mut means = FuzzyCMeans::new(FuzzyAssociatorSettings {
         max_iterations: 1,
         ..HARD
     })
@@ -226,7 +226,7 @@ proptest! {
         fuzzifier in prop::sample::select(vec![1.5, 2.0, 3.0]),
     ) {
         let mut problem = line(&tracks, &detections);
-        let settings = Settings { fuzzifier, ..WEIGHTED };
+        let settings = FuzzyAssociatorSettings { fuzzifier, ..WEIGHTED };
         let weights = weighed(settings, &mut problem);
         let mut counted = vec![0.0; detections.len()];
         problem.edges().iter().zip(&weights.edges).for_each(|(edge, weight)| counted[edge.detection as usize] += weight);

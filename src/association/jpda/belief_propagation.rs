@@ -19,12 +19,12 @@ use super::cluster::{Cluster, Nodes};
 use crate::model::watch::Watch;
 
 /// Smallest nᵢ beside a largest weight of 1: below it the messages would leave the range of `f64`.
-const SMALLEST_NONE: f64 = 1e-290;
+const SMALLEST_MISSED: f64 = 1e-290;
 
 #[derive(Debug, Default)]
 pub(super) struct BeliefPropagation {
     weight: Vec<f64>,
-    none: Vec<f64>,
+    missed: Vec<f64>,
     to_detection: Vec<f64>,
     to_track: Vec<f64>,
 }
@@ -65,7 +65,7 @@ impl BeliefPropagation {
     /// Step 1, and the weights.
     fn scale(&mut self, cluster: &Cluster) {
         self.weight.clear();
-        self.none.clear();
+        self.missed.clear();
         for track in 0..cluster.tracks.len() {
             let ratios = cluster
                 .tracks
@@ -73,7 +73,7 @@ impl BeliefPropagation {
                 .iter()
                 .map(|&edge| cluster.log_ratio[edge as usize]);
             let top = ratios.clone().fold(0.0, f64::max);
-            self.none.push((-top).exp().max(SMALLEST_NONE));
+            self.missed.push((-top).exp().max(SMALLEST_MISSED));
             self.weight.extend(ratios.map(|ratio| (ratio - top).exp()));
         }
         self.to_track.clear();
@@ -89,9 +89,9 @@ impl BeliefPropagation {
             let term = |edge: u32| self.weight[edge as usize] * self.to_track[edge as usize];
             let total = edges
                 .iter()
-                .fold(self.none[track], |sum, &edge| sum + term(edge));
+                .fold(self.missed[track], |sum, &edge| sum + term(edge));
             for &edge in edges {
-                let rest = sum_without(edge, self.none[track], total, edges, term);
+                let rest = sum_without(edge, self.missed[track], total, edges, term);
                 self.to_detection[edge as usize] = self.weight[edge as usize] / rest;
             }
         }
@@ -118,7 +118,7 @@ impl BeliefPropagation {
     fn conclude(&self, cluster: &mut Cluster) {
         for track in 0..cluster.tracks.len() {
             let edges = cluster.tracks.edges_of(track);
-            let mut total = self.none[track];
+            let mut total = self.missed[track];
             for &edge in edges {
                 let edge = edge as usize;
                 cluster.beta[edge] = self.weight[edge] * self.to_track[edge];
@@ -127,7 +127,7 @@ impl BeliefPropagation {
             for &edge in edges {
                 cluster.beta[edge as usize] /= total;
             }
-            cluster.none[track] = self.none[track] / total;
+            cluster.missed[track] = self.missed[track] / total;
         }
     }
 }

@@ -1,7 +1,8 @@
 //! One cluster in compact form: tracks and detections numbered from 0, each edge with the ratio of its weight to that
 //! of "no detection", and the marginals that a method finds. All memory is reused from cluster to cluster.
 
-use super::super::problem::{Problem, Weights};
+use crate::association::local_numbers::LocalNumbers;
+use crate::association::problem::{Problem, Weights};
 
 /// Nodes of one side with the edges at each.
 #[derive(Debug, Default)]
@@ -71,14 +72,9 @@ pub(super) struct Cluster {
     /// Answer: β of each edge.
     pub(super) beta: Vec<f64>,
     /// Answer: β₀ of each track.
-    pub(super) none: Vec<f64>,
-    /// Number in the cluster of each detection of the scan; only those of the cluster are not [`NOBODY`].
-    local_of: Vec<u32>,
-    /// Detections of the scan that have a number.
-    numbered: Vec<u32>,
+    pub(super) missed: Vec<f64>,
+    numbers: LocalNumbers,
 }
-
-const NOBODY: u32 = u32::MAX;
 
 /// Logarithms of ratios beyond this are as good as certain; the limit keeps infinities out.
 const MAX_LOG_RATIO: f64 = 1e9;
@@ -92,11 +88,11 @@ impl Cluster {
         self.clear();
         for (index, (_, row)) in problem.rows().enumerate() {
             for edge in row.edges().map(|edge| problem.edge(edge)) {
-                let detection = self.number_of(edge.detection);
+                let detection = self.numbers.number_of(edge.detection);
                 self.track_of.push(index as u32);
                 self.detection_of.push(detection);
                 self.log_ratio.push(
-                    (edge.log_likelihood - row.log_none).clamp(-MAX_LOG_RATIO, MAX_LOG_RATIO),
+                    (edge.log_likelihood - row.log_missed).clamp(-MAX_LOG_RATIO, MAX_LOG_RATIO),
                 );
             }
             self.tracks.ends.push(self.track_of.len() as u32);
@@ -104,14 +100,12 @@ impl Cluster {
         let edges = self.track_of.len();
         self.tracks.incident.extend(0..edges as u32);
         self.beta.resize(edges, 0.0);
-        self.none.resize(self.tracks.len(), 0.0);
+        self.missed.resize(self.tracks.len(), 0.0);
         self.group_by_detection();
     }
 
     fn clear(&mut self) {
-        for detection in self.numbered.drain(..) {
-            self.local_of[detection as usize] = NOBODY;
-        }
+        self.numbers.clear();
         for list in [
             &mut self.tracks.ends,
             &mut self.tracks.incident,
@@ -120,28 +114,16 @@ impl Cluster {
         ] {
             list.clear();
         }
-        for list in [&mut self.log_ratio, &mut self.beta, &mut self.none] {
+        for list in [&mut self.log_ratio, &mut self.beta, &mut self.missed] {
             list.clear();
         }
-    }
-
-    fn number_of(&mut self, detection: u32) -> u32 {
-        let place = detection as usize;
-        if self.local_of.len() <= place {
-            self.local_of.resize(place + 1, NOBODY);
-        }
-        if self.local_of[place] == NOBODY {
-            self.local_of[place] = self.numbered.len() as u32;
-            self.numbered.push(detection);
-        }
-        self.local_of[place]
     }
 
     /// Counting sort of the edges by detection.
     fn group_by_detection(&mut self) {
         let Nodes { ends, incident } = &mut self.detections;
         ends.clear();
-        ends.resize(self.numbered.len(), 0);
+        ends.resize(self.numbers.len(), 0);
         for &detection in &self.detection_of {
             ends[detection as usize] += 1;
         }
@@ -204,7 +186,7 @@ impl Cluster {
     }
 
     /// β₀ of every track as what its edges leave.
-    pub(super) fn leave_none(&mut self) {
+    pub(super) fn leave_missed(&mut self) {
         for track in 0..self.tracks.len() {
             let given: f64 = self
                 .tracks
@@ -212,7 +194,7 @@ impl Cluster {
                 .iter()
                 .map(|&edge| self.beta[edge as usize])
                 .sum();
-            self.none[track] = (1.0 - given).max(0.0);
+            self.missed[track] = (1.0 - given).max(0.0);
         }
     }
 
@@ -224,11 +206,11 @@ impl Cluster {
                 .edges_of(track)
                 .iter()
                 .map(|&edge| self.beta[edge as usize]);
-            let total = self.none[track] + beta.clone().sum::<f64>();
+            let total = self.missed[track] + beta.clone().sum::<f64>();
             for (edge, beta) in row.edges().zip(beta) {
                 weights.edges[edge] = beta / total;
             }
-            weights.none[index] = self.none[track] / total;
+            weights.missed[index] = self.missed[track] / total;
         }
     }
 }

@@ -80,19 +80,19 @@ impl Diagnostics {
         });
     }
 
-    pub(super) fn enumerated(&mut self, cluster: &Cluster) {
+    pub(super) fn count_enumerated(&mut self, cluster: &Cluster) {
         self.clusters.enumerate += 1;
-        self.largest_cluster.grow(Size::of(cluster));
+        self.largest_cluster.grow(Size::from_cluster(cluster));
     }
 
     pub(super) fn exact(&mut self, cluster: &Cluster, frontier: u32) {
         self.clusters.exact += 1;
         self.largest_frontier = self.largest_frontier.max(frontier);
-        self.largest_cluster.grow(Size::of(cluster));
+        self.largest_cluster.grow(Size::from_cluster(cluster));
     }
 
-    pub(super) fn propagated(&mut self, cluster: &Cluster, settled: Settled) {
-        let size = Size::of(cluster);
+    pub(super) fn count_propagated(&mut self, cluster: &Cluster, settled: Settled) {
+        let size = Size::from_cluster(cluster);
         self.clusters.belief_propagation += 1;
         self.largest_cluster.grow(size);
         let approximation = &mut self.approximation;
@@ -116,7 +116,7 @@ impl Diagnostics {
 }
 
 impl Size {
-    fn of(cluster: &Cluster) -> Self {
+    fn from_cluster(cluster: &Cluster) -> Self {
         Size {
             tracks: cluster.tracks.len(),
             detections: cluster.detections.len(),

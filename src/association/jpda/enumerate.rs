@@ -17,17 +17,17 @@ const MAX_TRACKS: usize = 1000;
 
 #[derive(Debug, Default)]
 pub(super) struct Enumerate {
-    ordinary: Search<f64>,
-    extreme: Search<Wide>,
+    ordinary: EventSearch<f64>,
+    extreme: EventSearch<Wide>,
 }
 
 #[derive(Debug, Default)]
-struct Search<T> {
+struct EventSearch<T> {
     weight: Vec<T>,
     /// Sum over the events that hold each edge.
     mass: Vec<T>,
     /// Sum over the events in which each track has none.
-    none: Vec<T>,
+    missed: Vec<T>,
     used: Vec<bool>,
     events_left: u64,
 }
@@ -46,15 +46,15 @@ impl Enumerate {
     }
 }
 
-impl<T: Number> Search<T> {
+impl<T: Number> EventSearch<T> {
     fn run(&mut self, cluster: &mut Cluster, max_events: u64) -> bool {
         self.weight.clear();
         self.weight
             .extend(cluster.log_ratio.iter().map(|&logarithm| T::exp(logarithm)));
         self.mass.clear();
         self.mass.resize(self.weight.len(), T::default());
-        self.none.clear();
-        self.none.resize(cluster.tracks.len(), T::default());
+        self.missed.clear();
+        self.missed.resize(cluster.tracks.len(), T::default());
         self.used.clear();
         self.used.resize(cluster.detections.len(), false);
         self.events_left = max_events;
@@ -64,8 +64,8 @@ impl<T: Number> Search<T> {
         for (beta, mass) in cluster.beta.iter_mut().zip(&self.mass) {
             *beta = mass.share_of(total);
         }
-        for (none, mass) in cluster.none.iter_mut().zip(&self.none) {
-            *none = mass.share_of(total);
+        for (missed, mass) in cluster.missed.iter_mut().zip(&self.missed) {
+            *missed = mass.share_of(total);
         }
         true
     }
@@ -77,7 +77,7 @@ impl<T: Number> Search<T> {
             return Some(T::ONE);
         }
         let mut total = self.visit(cluster, track + 1, chosen)?;
-        self.none[track] = self.none[track] + chosen * total;
+        self.missed[track] = self.missed[track] + chosen * total;
         for &edge in cluster.tracks.edges_of(track) {
             let detection = cluster.detection_of(edge);
             if !self.used[detection] {

@@ -21,12 +21,12 @@
 
 use super::cluster::{Cluster, Turn};
 use super::number::{Number, Wide};
-use super::plan::{self, Choice, Limits, PRIVATE, Plan, Step};
+use super::plan::{self, Choice, EliminationPlan, EliminationStep, Limits, PRIVATE};
 
 #[derive(Debug, Default)]
 pub(super) struct Exact {
-    by_track: Plan,
-    by_detection: Plan,
+    by_track: EliminationPlan,
+    by_detection: EliminationPlan,
     ordinary: Tables<f64>,
     extreme: Tables<Wide>,
 }
@@ -67,7 +67,7 @@ impl Exact {
         plan.make(cluster.sides(turn), limits).then_some(plan.cost)
     }
 
-    fn plan_of(&mut self, turn: Turn) -> &mut Plan {
+    fn plan_of(&mut self, turn: Turn) -> &mut EliminationPlan {
         match turn {
             Turn::Tracks => &mut self.by_track,
             Turn::Detections => &mut self.by_detection,
@@ -109,7 +109,7 @@ struct Tables<T> {
 }
 
 impl<T: Number> Tables<T> {
-    fn run(&mut self, plan: &Plan, turn: Turn, cluster: &mut Cluster) {
+    fn run(&mut self, plan: &EliminationPlan, turn: Turn, cluster: &mut Cluster) {
         self.weight.clear();
         self.weight
             .extend(cluster.log_ratio.iter().map(|&logarithm| T::exp(logarithm)));
@@ -117,12 +117,12 @@ impl<T: Number> Tables<T> {
         let total = self.table[0];
         self.sweep_backward(plan, turn, total, cluster);
         if turn == Turn::Detections {
-            cluster.leave_none();
+            cluster.leave_missed();
         }
     }
 
     /// Steps 1 and 2.
-    fn sweep_forward(&mut self, plan: &Plan) {
+    fn sweep_forward(&mut self, plan: &EliminationPlan) {
         self.forward.clear();
         self.starts.clear();
         self.alone.clear();
@@ -145,7 +145,7 @@ impl<T: Number> Tables<T> {
     }
 
     /// Step 1: `table` from F to G.
-    fn expand(&mut self, step: &Step, choices: &[Choice]) {
+    fn expand(&mut self, step: &EliminationStep, choices: &[Choice]) {
         let size = 1 << step.width;
         let private = choices.iter().filter(|choice| choice.bit == PRIVATE);
         let alone = private.fold(T::ONE, |sum, choice| {
@@ -174,7 +174,13 @@ impl<T: Number> Tables<T> {
     }
 
     /// Steps 3 and 4.
-    fn sweep_backward(&mut self, plan: &Plan, turn: Turn, total: T, cluster: &mut Cluster) {
+    fn sweep_backward(
+        &mut self,
+        plan: &EliminationPlan,
+        turn: Turn,
+        total: T,
+        cluster: &mut Cluster,
+    ) {
         self.table.clear();
         self.table.push(T::ONE);
         for (index, step) in plan.steps.iter().enumerate().rev() {
@@ -191,7 +197,7 @@ impl<T: Number> Tables<T> {
             let choices = &plan.choices[choices_start..step.choices_end as usize];
             let kept = self.contract(index, step, choices, total, &mut cluster.beta);
             if turn == Turn::Tracks {
-                cluster.none[step.element as usize] = kept;
+                cluster.missed[step.element as usize] = kept;
             }
         }
     }
@@ -200,7 +206,7 @@ impl<T: Number> Tables<T> {
     fn contract(
         &mut self,
         index: usize,
-        step: &Step,
+        step: &EliminationStep,
         choices: &[Choice],
         total: T,
         beta: &mut [f64],

@@ -43,7 +43,7 @@ use serde::Deserialize;
 pub const METHOD: Method<BuildAssociator> = Method {
     name: "jpda",
     parameters: &PARAMETERS,
-    build: |spec, _| Ok(Box::new(Jpda::new(Settings::deserialize(spec)?))),
+    build: |spec, _| Ok(Box::new(Jpda::new(JpdaSettings::deserialize(spec)?))),
 };
 
 static PARAMETERS: Object = Object {
@@ -107,7 +107,7 @@ enum Marginals {
 /// The parameters of [`PARAMETERS`].
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(default)]
-struct Settings {
+struct JpdaSettings {
     marginals: Marginals,
     max_events: u64,
     max_states: u64,
@@ -116,9 +116,9 @@ struct Settings {
     max_iterations: u32,
 }
 
-impl Default for Settings {
+impl Default for JpdaSettings {
     fn default() -> Self {
-        Settings {
+        JpdaSettings {
             marginals: Marginals::Auto,
             max_events: 1_000_000,
             max_states: 65_536,
@@ -137,7 +137,7 @@ const MAX_EXACT_COST: u64 = 1 << 25;
 
 #[derive(Debug)]
 struct Jpda {
-    settings: Settings,
+    settings: JpdaSettings,
     diagnostics: Diagnostics,
     cluster: Cluster,
     enumerate: Enumerate,
@@ -178,9 +178,9 @@ fn weigh_single(problem: &Problem, weights: &mut Weights) -> usize {
         let top = row
             .edges()
             .map(|edge| problem.edge(edge).log_likelihood)
-            .fold(row.log_none, f64::max);
-        let none = (row.log_none - top).exp();
-        let mut total = none;
+            .fold(row.log_missed, f64::max);
+        let missed = (row.log_missed - top).exp();
+        let mut total = missed;
         for edge in row.edges() {
             let weight = (problem.edge(edge).log_likelihood - top).exp();
             weights.edges[edge] = weight;
@@ -189,14 +189,14 @@ fn weigh_single(problem: &Problem, weights: &mut Weights) -> usize {
         for edge in row.edges() {
             weights.edges[edge] /= total;
         }
-        weights.none[index] = none / total;
+        weights.missed[index] = missed / total;
         detections = row.edges().len();
     }
     detections
 }
 
 impl Jpda {
-    fn new(settings: Settings) -> Self {
+    fn new(settings: JpdaSettings) -> Self {
         Jpda {
             settings,
             diagnostics: Diagnostics::new(),
@@ -242,7 +242,7 @@ impl Jpda {
             .enumerate
             .marginals(&mut self.cluster, self.settings.max_events);
         if is_listed {
-            self.diagnostics.enumerated(&self.cluster);
+            self.diagnostics.count_enumerated(&self.cluster);
         }
         is_listed
     }
@@ -253,7 +253,7 @@ impl Jpda {
     }
 
     fn propagate(&mut self, watch: &Watch) {
-        let Settings {
+        let JpdaSettings {
             tolerance,
             max_iterations,
             ..
@@ -263,6 +263,6 @@ impl Jpda {
             (tolerance, max_iterations),
             watch,
         );
-        self.diagnostics.propagated(&self.cluster, settled);
+        self.diagnostics.count_propagated(&self.cluster, settled);
     }
 }

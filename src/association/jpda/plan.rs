@@ -23,20 +23,20 @@ pub(super) const PRIVATE: u8 = u8::MAX;
 
 /// One element of the order.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Step {
+pub(super) struct EliminationStep {
     pub(super) element: u32,
     /// Nodes in the frontier before this element.
     pub(super) width: u32,
     /// Nodes that enter with it, as the bits from `width` on.
     pub(super) fresh: u32,
-    /// Ends of this step's parts of [`Plan::choices`] and [`Plan::leaving`].
+    /// Ends of this step's parts of [`EliminationPlan::choices`] and [`EliminationPlan::leaving`].
     pub(super) choices_end: u32,
     pub(super) leaving_end: u32,
 }
 
 #[derive(Debug, Default)]
-pub(super) struct Plan {
-    pub(super) steps: Vec<Step>,
+pub(super) struct EliminationPlan {
+    pub(super) steps: Vec<EliminationStep>,
     pub(super) choices: Vec<Choice>,
     /// Bits that leave after each step, highest first.
     pub(super) leaving: Vec<u8>,
@@ -96,7 +96,7 @@ pub(super) fn least_cost(sides: Sides) -> u64 {
         .fold(0, u64::saturating_add)
 }
 
-impl Plan {
+impl EliminationPlan {
     /// Finds the order; false when it would break a limit.
     pub(super) fn make(&mut self, sides: Sides, limits: Limits) -> bool {
         self.reset(sides);
@@ -169,7 +169,7 @@ impl Plan {
         self.cost += (edges.len() as u64 + 2) << full;
         self.leave();
         let (choices_end, leaving_end) = (self.choices.len() as u32, self.leaving.len() as u32);
-        self.steps.push(Step {
+        self.steps.push(EliminationStep {
             element,
             width,
             fresh: full - width,

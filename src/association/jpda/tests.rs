@@ -16,7 +16,7 @@ fn problem_of(tracks: &Tracks) -> ScanProblem {
         .map(|&(detection, _)| detection as usize + 1)
         .max();
     problem.begin(0, detections.unwrap_or(0));
-    for (candidates, log_none) in tracks {
+    for (candidates, log_missed) in tracks {
         for &(detection, log_likelihood) in candidates {
             problem.push_edge(Edge {
                 detection,
@@ -24,15 +24,15 @@ fn problem_of(tracks: &Tracks) -> ScanProblem {
                 log_likelihood,
             });
         }
-        problem.end_row(*log_none, 0.0);
+        problem.end_row(*log_missed, 0.0);
     }
     problem
 }
 
-fn settings(marginals: Marginals) -> Settings {
-    Settings {
+fn settings(marginals: Marginals) -> JpdaSettings {
+    JpdaSettings {
         marginals,
-        ..Settings::default()
+        ..JpdaSettings::default()
     }
 }
 
@@ -45,7 +45,7 @@ fn solve(associator: &mut Jpda, tracks: &Tracks) -> Vec<Vec<f64>> {
     let line = |(index, row): (usize, &crate::association::problem::Row)| {
         row.edges()
             .map(|edge| weights.edges[edge])
-            .chain([weights.none[index]])
+            .chain([weights.missed[index]])
             .collect()
     };
     problem.rows().iter().enumerate().map(line).collect()
@@ -58,7 +58,7 @@ fn solved(marginals: Marginals, tracks: &Tracks) -> Vec<Vec<f64>> {
 /// Every joint event as a list of choices, its weight in logarithms; nothing of the shipped code.
 fn by_brute_force(tracks: &Tracks) -> Vec<Vec<f64>> {
     let mut events: Vec<(Vec<usize>, f64)> = vec![(Vec::new(), 0.0)];
-    for (candidates, log_none) in tracks {
+    for (candidates, log_missed) in tracks {
         let mut longer = Vec::new();
         for (choices, log_weight) in &events {
             let taken: Vec<u32> = choices
@@ -71,7 +71,7 @@ fn by_brute_force(tracks: &Tracks) -> Vec<Vec<f64>> {
                     Some(&(detection, log_likelihood)) => {
                         (!taken.contains(&detection), log_likelihood)
                     }
-                    None => (true, *log_none),
+                    None => (true, *log_missed),
                 };
                 if is_free {
                     longer.push((
@@ -203,7 +203,7 @@ fn marginals_equal_brute_force_on_ten_thousand_random_clusters() {
 fn exact_equals_enumerate_on_larger_clusters() {
     let mut random = random_stream(2);
     let mut exact = Jpda::new(settings(Marginals::Exact));
-    let mut enumerate = Jpda::new(Settings {
+    let mut enumerate = Jpda::new(JpdaSettings {
         max_events: 100_000_000,
         ..settings(Marginals::Enumerate)
     });
@@ -246,23 +246,23 @@ fn permuting_tracks_and_detections_permutes_the_answer() {
             let permuted: Tracks = tracks
                 .iter()
                 .rev()
-                .map(|(candidates, none)| {
+                .map(|(candidates, missed)| {
                     (
                         candidates
                             .iter()
                             .rev()
                             .map(|&(detection, weight)| (renamed(detection), weight))
                             .collect(),
-                        *none,
+                        *missed,
                     )
                 })
                 .collect();
             let mut back = solved(marginals, &permuted);
             back.reverse();
             for line in &mut back {
-                let none = line.pop().unwrap();
+                let missed = line.pop().unwrap();
                 line.reverse();
-                line.push(none);
+                line.push(missed);
             }
             assert!(
                 largest_difference(&solved(marginals, &tracks), &back) < 1e-8,
@@ -360,7 +360,7 @@ fn beyond_the_caps_the_diagnostics_say_what_was_done_instead() {
         })
         .collect();
     // 5 × 5 full: Σ C(5,k)² k! = 1546 events.
-    let mut capped = Jpda::new(Settings {
+    let mut capped = Jpda::new(JpdaSettings {
         max_events: 1545,
         ..settings(Marginals::Enumerate)
     });
@@ -374,13 +374,13 @@ fn beyond_the_caps_the_diagnostics_say_what_was_done_instead() {
         ),
         (&1.into(), &1.into(), &0.into())
     );
-    let mut enough = Jpda::new(Settings {
+    let mut enough = Jpda::new(JpdaSettings {
         max_events: 1546,
         ..settings(Marginals::Enumerate)
     });
     solve(&mut enough, &tracks);
     assert_eq!(enough.diagnostics().unwrap()["clusters"]["enumerate"], 1);
-    let mut narrow = Jpda::new(Settings {
+    let mut narrow = Jpda::new(JpdaSettings {
         max_states: 16,
         ..settings(Marginals::Exact)
     });
@@ -404,7 +404,7 @@ fn beyond_the_caps_the_diagnostics_say_what_was_done_instead() {
 fn the_defaults_of_the_table_are_those_of_the_type() {
     let checked = crate::registry::check(&serde_json::json!({}), &PARAMETERS).unwrap();
     assert_eq!(
-        Settings::deserialize(&checked).unwrap(),
-        Settings::default()
+        JpdaSettings::deserialize(&checked).unwrap(),
+        JpdaSettings::default()
     );
 }

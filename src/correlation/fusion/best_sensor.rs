@@ -7,7 +7,7 @@
 //! At each time the member with the least P_xx + P_yy; the first of several. The choice may change from time to time.
 
 use super::{BuildFusion, Fusion, Members};
-use crate::correlation::estimates::Estimate;
+use crate::correlation::estimates::AlignedEstimate;
 use crate::model::state::GaussianState;
 use crate::registry::{Method, Object};
 
@@ -28,7 +28,7 @@ struct BestSensor;
 impl Fusion for BestSensor {
     fn fuse(&self, members: &Members) -> Option<GaussianState> {
         let variance =
-            |estimate: &Estimate| estimate.covariance[(0, 0)] + estimate.covariance[(1, 1)];
+            |estimate: &AlignedEstimate| estimate.covariance[(0, 0)] + estimate.covariance[(1, 1)];
         let best = members
             .estimates
             .iter()

@@ -75,8 +75,8 @@ impl Fusion for CovarianceIntersection {
 
 impl CovarianceIntersection {
     fn two(&self, left: &Information, right: &Information) -> Information {
-        let weight = golden_section(|weight| self.size(&mixed(left, right, weight).matrix));
-        mixed(left, right, weight)
+        let weight = golden_section(|weight| self.size(&mix(left, right, weight).matrix));
+        mix(left, right, weight)
     }
 
     /// What is made least, of the P with this inverse.
@@ -89,7 +89,7 @@ impl CovarianceIntersection {
     }
 }
 
-fn mixed(left: &Information, right: &Information, weight: f64) -> Information {
+fn mix(left: &Information, right: &Information, weight: f64) -> Information {
     Information {
         matrix: left.matrix * weight + right.matrix * (1.0 - weight),
         vector: left.vector * weight + right.vector * (1.0 - weight),

@@ -6,7 +6,7 @@ mod covariance_intersection;
 mod modified;
 mod weighted;
 
-use super::estimates::Estimate;
+use super::estimates::AlignedEstimate;
 use super::evidence::Evidence;
 use crate::model::state::{Covariance, GaussianState};
 use crate::model::track::{Estimate as TrackEstimate, PlaneEstimate, Track, TrackPoint, TrackSet};
@@ -15,7 +15,7 @@ use crate::registry::{Method, Union};
 /// What the members of a tuple say at one time.
 pub struct Members<'a> {
     /// One or more.
-    pub estimates: &'a [&'a Estimate],
+    pub estimates: &'a [&'a AlignedEstimate],
     /// P_ij of members i < j, by (0, 1), (0, 2), …, (1, 2), …; empty where errors are taken to be independent.
     pub cross: &'a [Covariance],
 }
@@ -70,7 +70,7 @@ fn point(
     time: usize,
     fusion: &dyn Fusion,
 ) -> Option<TrackPoint> {
-    let (present, estimates): (Vec<u32>, Vec<&Estimate>) = tuple
+    let (present, estimates): (Vec<u32>, Vec<&AlignedEstimate>) = tuple
         .iter()
         .filter_map(|&track| Some((track, evidence.estimates.at(track, time)?)))
         .unzip();

@@ -8,7 +8,7 @@
 //! 3. It ends after the given generations or evaluations, or when the best cost has changed by no more than ε in each of G′ generations, or
 //!    when the best cost is one that nothing undercuts.
 
-use super::Settings;
+use super::GeneticCorrelatorSettings;
 use crate::correlation::cluster::LEAST_GAIN;
 use crate::model::watch::Watch;
 use rand::RngExt;
@@ -18,17 +18,17 @@ use rand::rngs::Xoshiro256PlusPlus;
 pub(super) trait Coding {
     type Individual: Clone;
 
-    fn create(&mut self, number: usize, dice: &mut Xoshiro256PlusPlus) -> Self::Individual;
+    fn create(&mut self, number: usize, rng: &mut Xoshiro256PlusPlus) -> Self::Individual;
 
     /// Both become children.
     fn cross(
         &mut self,
         left: &mut Self::Individual,
         right: &mut Self::Individual,
-        dice: &mut Xoshiro256PlusPlus,
+        rng: &mut Xoshiro256PlusPlus,
     );
 
-    fn mutate(&mut self, individual: &mut Self::Individual, dice: &mut Xoshiro256PlusPlus);
+    fn mutate(&mut self, individual: &mut Self::Individual, rng: &mut Xoshiro256PlusPlus);
 
     /// J; a coding may improve the individual first.
     fn cost(&mut self, individual: &mut Self::Individual) -> f64;
@@ -76,9 +76,9 @@ struct Member<Individual> {
 /// Evolves; no individual can cost less than `least_cost`.
 pub(super) fn evolve<C: Coding>(
     coding: &mut C,
-    settings: &Settings,
+    settings: &GeneticCorrelatorSettings,
     least_cost: f64,
-    dice: &mut Xoshiro256PlusPlus,
+    rng: &mut Xoshiro256PlusPlus,
     watch: &Watch,
 ) -> Evolution<C::Individual> {
     let mut members: Vec<Member<C::Individual>> = Vec::new();
@@ -87,8 +87,8 @@ pub(super) fn evolve<C: Coding>(
         && !is_least(&members, least_cost)
         && (members.len() < 2 || !is_spent(coding))
     {
-        let individual = coding.create(members.len(), dice);
-        members.push(measured(coding, individual));
+        let individual = coding.create(members.len(), rng);
+        members.push(measure(coding, individual));
     }
     sort(&mut members);
     let (mut best_costs, mut mean_costs) = (vec![members[0].cost], vec![mean(&members)]);
@@ -104,7 +104,7 @@ pub(super) fn evolve<C: Coding>(
             break "evaluations";
         }
         evaluated = coding.evaluations();
-        members = next_generation(coding, settings, members, dice);
+        members = next_generation(coding, settings, members, rng);
         let change = best_costs[best_costs.len() - 1] - members[0].cost;
         unchanged = if change <= settings.epsilon {
             unchanged + 1
@@ -124,9 +124,9 @@ pub(super) fn evolve<C: Coding>(
 
 fn next_generation<C: Coding>(
     coding: &mut C,
-    settings: &Settings,
+    settings: &GeneticCorrelatorSettings,
     members: Vec<Member<C::Individual>>,
-    dice: &mut Xoshiro256PlusPlus,
+    rng: &mut Xoshiro256PlusPlus,
 ) -> Vec<Member<C::Individual>> {
     let population = members.len();
     let elite = settings.elite.min(population);
@@ -136,7 +136,7 @@ fn next_generation<C: Coding>(
         let Member { individual, cost } = &members[if place < elite {
             place
         } else {
-            ranked(population, dice)
+            draw_rank(population, rng)
         }];
         next.push(Member {
             individual: individual.clone(),
@@ -144,23 +144,23 @@ fn next_generation<C: Coding>(
         });
     }
     while next.len() < population {
-        let mut children = [(); 2].map(|()| members[ranked(population, dice)].individual.clone());
+        let mut children = [(); 2].map(|()| members[draw_rank(population, rng)].individual.clone());
         let [left, right] = &mut children;
-        if dice.random_bool(settings.crossover_rate) {
-            coding.cross(left, right, dice);
+        if rng.random_bool(settings.crossover_rate) {
+            coding.cross(left, right, rng);
         }
         for mut child in children.into_iter().take(population - next.len()) {
-            if dice.random_bool(settings.mutation_rate) {
-                coding.mutate(&mut child, dice);
+            if rng.random_bool(settings.mutation_rate) {
+                coding.mutate(&mut child, rng);
             }
-            next.push(measured(coding, child));
+            next.push(measure(coding, child));
         }
     }
     sort(&mut next);
     next
 }
 
-fn measured<C: Coding>(coding: &mut C, mut individual: C::Individual) -> Member<C::Individual> {
+fn measure<C: Coding>(coding: &mut C, mut individual: C::Individual) -> Member<C::Individual> {
     let cost = coding.cost(&mut individual);
     Member { individual, cost }
 }
@@ -180,7 +180,7 @@ fn mean<Individual>(members: &[Member<Individual>]) -> f64 {
 }
 
 /// A place among so many, by rank.
-fn ranked(population: usize, dice: &mut Xoshiro256PlusPlus) -> usize {
-    dice.random_range(0..population)
-        .min(dice.random_range(0..population))
+fn draw_rank(population: usize, rng: &mut Xoshiro256PlusPlus) -> usize {
+    rng.random_range(0..population)
+        .min(rng.random_range(0..population))
 }

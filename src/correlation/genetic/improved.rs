@@ -76,9 +76,9 @@ impl<'a> Partitions<'a> {
         &mut self,
         tracks: &mut [u32],
         partition: &mut Partition,
-        dice: &mut Xoshiro256PlusPlus,
+        rng: &mut Xoshiro256PlusPlus,
     ) {
-        tracks.shuffle(dice);
+        tracks.shuffle(rng);
         tracks.iter().for_each(|&track| self.improver.note(track));
         self.improver.improve(self.cluster, partition);
     }
@@ -130,12 +130,12 @@ impl<'a> Partitions<'a> {
 
 impl Region {
     /// From a random track on, a random number of rows.
-    fn gather(&mut self, cluster: &Cluster, partition: &Partition, dice: &mut Xoshiro256PlusPlus) {
+    fn gather(&mut self, cluster: &Cluster, partition: &Partition, rng: &mut Xoshiro256PlusPlus) {
         self.rows.clear();
         self.is_in.clear();
         self.is_in.resize(cluster.len(), false);
-        let size = dice.random_range(1..=cluster.len().div_ceil(cluster.sensors()).max(2));
-        self.take(partition.row_of(dice.random_range(0..cluster.len() as u32)));
+        let size = rng.random_range(1..=cluster.len().div_ceil(cluster.sensors()).max(2));
+        self.take(partition.row_of(rng.random_range(0..cluster.len() as u32)));
         let mut next = 0;
         while next < self.rows.len() && self.rows.len() < size {
             for &track in partition
@@ -164,42 +164,37 @@ impl Region {
 impl Coding for Partitions<'_> {
     type Individual = Partition;
 
-    fn create(&mut self, number: usize, dice: &mut Xoshiro256PlusPlus) -> Partition {
+    fn create(&mut self, number: usize, rng: &mut Xoshiro256PlusPlus) -> Partition {
         if let Some(seed) = self.seeds.get(number) {
             return seed.clone();
         }
         if self.is_bounded && !self.seeds.is_empty() && self.cluster.len() > MAX_FROM_NOTHING {
             let mut partition = self.seeds[number % self.seeds.len()].clone();
             (0..self.cluster.len() / TRACKS_A_MUTATION)
-                .for_each(|_| self.mutate(&mut partition, dice));
+                .for_each(|_| self.mutate(&mut partition, rng));
             return partition;
         }
         let mut partition = Partition::singles(self.cluster);
         let mut tracks: Vec<u32> = (0..self.cluster.len() as u32).collect();
-        self.improve(&mut tracks, &mut partition, dice);
+        self.improve(&mut tracks, &mut partition, rng);
         partition
     }
 
-    fn cross(
-        &mut self,
-        left: &mut Partition,
-        right: &mut Partition,
-        dice: &mut Xoshiro256PlusPlus,
-    ) {
+    fn cross(&mut self, left: &mut Partition, right: &mut Partition, rng: &mut Xoshiro256PlusPlus) {
         let parents = [left.clone(), right.clone()];
         for (child, parent) in [(right, &parents[0]), (left, &parents[1])] {
             let mut region = std::mem::take(&mut self.region);
-            region.gather(self.cluster, parent, dice);
+            region.gather(self.cluster, parent, rng);
             self.region = region;
             self.graft(parent, child);
             self.improver.improve(self.cluster, child);
         }
     }
 
-    fn mutate(&mut self, partition: &mut Partition, dice: &mut Xoshiro256PlusPlus) {
-        let track = dice.random_range(0..self.cluster.len() as u32);
+    fn mutate(&mut self, partition: &mut Partition, rng: &mut Xoshiro256PlusPlus) {
+        let track = rng.random_range(0..self.cluster.len() as u32);
         let edges = self.cluster.edges(track);
-        let other = edges[dice.random_range(0..edges.len())].track;
+        let other = edges[rng.random_range(0..edges.len())].track;
         let mut tracks = Vec::new();
         for number in [partition.row_of(track), partition.row_of(other)] {
             tracks.extend(
@@ -217,7 +212,7 @@ impl Coding for Partitions<'_> {
             self.row[self.cluster.sensor_of(track)] = track;
             partition.add(self.cluster, &self.row);
         }
-        self.improve(&mut tracks, partition, dice);
+        self.improve(&mut tracks, partition, rng);
     }
 
     fn cost(&mut self, partition: &mut Partition) -> f64 {

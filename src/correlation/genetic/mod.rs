@@ -30,15 +30,15 @@ mod paper;
 mod permutation;
 
 use super::bound::dual_bound;
+use super::chain::cheapest_chains;
 use super::cluster::{Cluster, clusters};
-use super::exact::{cheapest_chains, improved};
-use super::improve::Improver;
+use super::improve::{Improver, improve_all};
 use super::lagrangian::relaxed_answer;
 use super::nearest::nearest_tuples;
 use super::partition::Partition;
-use super::problem::{Costs, Problem};
+use super::problem::{CorrelationProblem, Costs};
 use super::weighted::weighted_tuples;
-use super::{BuildCorrelator, Correlator, Search, Solution};
+use super::{BuildCorrelator, Correlator, SearchHistory, Solution};
 use crate::math::rng::{Purpose, Seed};
 use crate::model::fault::Fault;
 use crate::model::watch::Watch;
@@ -55,9 +55,9 @@ pub const METHOD: Method<BuildCorrelator> = Method {
     parameters: &PARAMETERS,
     build: |spec, seed| {
         Ok(Box::new(Genetic {
-            settings: Settings::deserialize(spec)?,
+            settings: GeneticCorrelatorSettings::deserialize(spec)?,
             seed,
-            occasion: 0,
+            calls: 0,
         }))
     },
 };
@@ -145,7 +145,7 @@ enum Variant {
 
 /// The parameters of [`PARAMETERS`].
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-struct Settings {
+struct GeneticCorrelatorSettings {
     variant: Variant,
     population: usize,
     generations: usize,
@@ -160,23 +160,23 @@ struct Settings {
 
 #[derive(Debug)]
 struct Genetic {
-    settings: Settings,
+    settings: GeneticCorrelatorSettings,
     seed: Seed,
     /// Calls so far.
-    occasion: u64,
+    calls: u64,
 }
 
 impl Correlator for Genetic {
-    fn correlate(&mut self, problem: &Problem) -> Result<Solution, Vec<Fault>> {
+    fn correlate(&mut self, problem: &CorrelationProblem) -> Result<Solution, Vec<Fault>> {
         self.correlate_until(problem, &Watch::never())
     }
 
     fn correlate_until(
         &mut self,
-        problem: &Problem,
+        problem: &CorrelationProblem,
         watch: &Watch,
     ) -> Result<Solution, Vec<Fault>> {
-        self.occasion += 1;
+        self.calls += 1;
         Ok(match self.settings.variant {
             Variant::Paper => self.evolve_chromosomes(problem, watch),
             Variant::Improved | Variant::Unseeded => self.evolve_clusters(problem, watch),
@@ -185,15 +185,15 @@ impl Correlator for Genetic {
 }
 
 impl Genetic {
-    fn dice(&self, name: u64) -> Xoshiro256PlusPlus {
+    fn rng(&self, name: u64) -> Xoshiro256PlusPlus {
         Xoshiro256PlusPlus::from_rng(&mut self.seed.stream(
             Purpose::Correlator,
             name,
-            self.occasion - 1,
+            self.calls - 1,
         ))
     }
 
-    fn evolve_chromosomes(&self, problem: &Problem, watch: &Watch) -> Solution {
+    fn evolve_chromosomes(&self, problem: &CorrelationProblem, watch: &Watch) -> Solution {
         let mut coding = Chromosomes::new(problem);
         let Evolution {
             best,
@@ -204,11 +204,11 @@ impl Genetic {
             &mut coding,
             &self.settings,
             f64::NEG_INFINITY,
-            &mut self.dice(0),
+            &mut self.rng(0),
             watch,
         );
         let tuples = coding.tuples(&best);
-        let search = Search {
+        let search = SearchHistory {
             best: best_costs,
             mean: mean_costs,
             evaluations: coding.evaluations(),
@@ -216,11 +216,11 @@ impl Genetic {
         };
         Solution {
             search: Some(search),
-            ..Solution::of(problem, tuples).bounded(dual_bound(problem))
+            ..Solution::from_tuples(problem, tuples).with_bound(dual_bound(problem))
         }
     }
 
-    fn evolve_clusters(&self, problem: &Problem, watch: &Watch) -> Solution {
+    fn evolve_clusters(&self, problem: &CorrelationProblem, watch: &Watch) -> Solution {
         let start = (self.settings.variant == Variant::Improved).then(|| Start::new(problem));
         let (mut tuples, mut searches, mut bound) = (Vec::new(), Vec::new(), Some(0.0));
         let mut improver = Improver::default();
@@ -236,8 +236,8 @@ impl Genetic {
                 bound.max(cluster.least_cost())
             });
             let mut coding = Partitions::new(&cluster, seeds, of_cluster.is_some(), improver);
-            let mut dice = self.dice(cluster.name());
-            let mut found = evolve(&mut coding, &self.settings, least_cost, &mut dice, watch);
+            let mut rng = self.rng(cluster.name());
+            let mut found = evolve(&mut coding, &self.settings, least_cost, &mut rng, watch);
             for _ in 1..ISLANDS {
                 if of_cluster.is_none() || found.stop != "unchanged" {
                     break;
@@ -247,7 +247,7 @@ impl Genetic {
                     &mut coding,
                     &self.settings,
                     least_cost,
-                    &mut dice,
+                    &mut rng,
                     watch,
                 ));
             }
@@ -262,7 +262,7 @@ impl Genetic {
                 stop,
                 ..
             } = found;
-            searches.push(Search {
+            searches.push(SearchHistory {
                 best: best_costs,
                 mean: mean_costs,
                 evaluations: improver.evaluations - before,
@@ -274,8 +274,8 @@ impl Genetic {
             .or_else(|| dual_bound(problem));
         let bound = [bound, of_problem].into_iter().flatten().reduce(f64::max);
         Solution {
-            search: Some(summed(&searches)),
-            ..Solution::of(problem, tuples).bounded(bound)
+            search: Some(sum_searches(&searches)),
+            ..Solution::from_tuples(problem, tuples).with_bound(bound)
         }
     }
 }
@@ -289,7 +289,7 @@ struct Start {
 }
 
 impl Start {
-    fn new(problem: &Problem) -> Self {
+    fn new(problem: &CorrelationProblem) -> Self {
         if let Costs::Chain = problem.costs {
             let (tuples, least) = cheapest_chains(problem);
             return Start {
@@ -314,37 +314,42 @@ impl Start {
             let bound = optimum.cost();
             return (vec![optimum], Some(bound));
         }
-        let mut seeds = improved(cluster, &self.answers, improver);
+        let mut seeds = improve_all(cluster, &self.answers, improver);
         let (answer, bound) = relaxed_answer(cluster, seeds[0].clone(), improver);
         seeds.insert(0, answer);
         (seeds, bound)
     }
 }
 
+/// Of each generation; a search that has ended keeps its last costs.
+fn sum_costs(
+    searches: &[SearchHistory],
+    generations: usize,
+    costs: fn(&SearchHistory) -> &[f64],
+) -> Vec<f64> {
+    let at = |generation: usize| {
+        let all = searches.iter().map(costs);
+        all.map(|costs| costs[generation.min(costs.len() - 1)])
+            .sum()
+    };
+    (0..generations).map(at).collect()
+}
+
 /// The searches of all clusters as one: those that have ended stay where they are.
-fn summed(searches: &[Search]) -> Search {
+fn sum_searches(searches: &[SearchHistory]) -> SearchHistory {
     let generations = searches
         .iter()
         .map(|search| search.best.len())
         .max()
         .unwrap_or(1);
-    let sum = |costs: fn(&Search) -> &[f64]| -> Vec<f64> {
-        let at = |generation: usize| {
-            searches
-                .iter()
-                .map(|search| costs(search)[generation.min(costs(search).len() - 1)])
-                .sum()
-        };
-        (0..generations).map(at).collect()
-    };
     let stops = ["evaluations", "generations", "unchanged"];
     let stop = stops
         .into_iter()
         .find(|stop| searches.iter().any(|search| search.stop == *stop))
         .unwrap_or("optimal");
-    Search {
-        best: sum(|search| &search.best),
-        mean: sum(|search| &search.mean),
+    SearchHistory {
+        best: sum_costs(searches, generations, |search| &search.best),
+        mean: sum_costs(searches, generations, |search| &search.mean),
         evaluations: searches.iter().map(|search| search.evaluations).sum(),
         stop,
     }

@@ -12,14 +12,14 @@
 use super::evolve::Coding;
 use super::permutation::Crossover;
 use crate::correlation::admissible::divide;
-use crate::correlation::problem::Problem;
+use crate::correlation::problem::CorrelationProblem;
 use rand::RngExt;
 use rand::rngs::Xoshiro256PlusPlus;
 use rand::seq::SliceRandom;
 use std::ops::Range;
 
 pub(super) struct Chromosomes<'a> {
-    problem: &'a Problem,
+    problem: &'a CorrelationProblem,
     rows: usize,
     crossover: Crossover,
     row: Vec<u32>,
@@ -28,7 +28,7 @@ pub(super) struct Chromosomes<'a> {
 }
 
 impl<'a> Chromosomes<'a> {
-    pub(super) fn new(problem: &'a Problem) -> Self {
+    pub(super) fn new(problem: &'a CorrelationProblem) -> Self {
         Chromosomes {
             problem,
             rows: problem.tracks(),
@@ -70,22 +70,22 @@ impl<'a> Chromosomes<'a> {
 impl Coding for Chromosomes<'_> {
     type Individual = Vec<u32>;
 
-    fn create(&mut self, _: usize, dice: &mut Xoshiro256PlusPlus) -> Vec<u32> {
+    fn create(&mut self, _: usize, rng: &mut Xoshiro256PlusPlus) -> Vec<u32> {
         let permutations = self.problem.sensors().saturating_sub(1);
         let mut chromosome: Vec<u32> = (0..permutations)
             .flat_map(|_| 0..self.rows as u32)
             .collect();
         chromosome
             .chunks_exact_mut(self.rows.max(1))
-            .for_each(|permutation| permutation.shuffle(dice));
+            .for_each(|permutation| permutation.shuffle(rng));
         chromosome
     }
 
-    fn cross(&mut self, left: &mut Vec<u32>, right: &mut Vec<u32>, dice: &mut Xoshiro256PlusPlus) {
+    fn cross(&mut self, left: &mut Vec<u32>, right: &mut Vec<u32>, rng: &mut Xoshiro256PlusPlus) {
         for number in 0..left.len() / self.rows {
             let (one, other) = (
-                dice.random_range(0..=self.rows),
-                dice.random_range(0..=self.rows),
+                rng.random_range(0..=self.rows),
+                rng.random_range(0..=self.rows),
             );
             let range = self.permutation_of(number);
             self.crossover.cross(
@@ -96,15 +96,15 @@ impl Coding for Chromosomes<'_> {
         }
     }
 
-    fn mutate(&mut self, chromosome: &mut Vec<u32>, dice: &mut Xoshiro256PlusPlus) {
+    fn mutate(&mut self, chromosome: &mut Vec<u32>, rng: &mut Xoshiro256PlusPlus) {
         if chromosome.is_empty() {
             return;
         }
-        let range = self.permutation_of(dice.random_range(0..chromosome.len() / self.rows));
+        let range = self.permutation_of(rng.random_range(0..chromosome.len() / self.rows));
         let permutation = &mut chromosome[range];
         permutation.swap(
-            dice.random_range(0..self.rows),
-            dice.random_range(0..self.rows),
+            rng.random_range(0..self.rows),
+            rng.random_range(0..self.rows),
         );
     }
 
@@ -126,7 +126,7 @@ mod tests {
     use crate::correlation::problem::Costs;
     use rand::SeedableRng;
 
-    fn decoded(problem: &Problem, chromosome: &[u32]) -> (Vec<Vec<u32>>, f64) {
+    fn decode(problem: &CorrelationProblem, chromosome: &[u32]) -> (Vec<Vec<u32>>, f64) {
         let mut coding = Chromosomes::new(problem);
         (
             coding.tuples(chromosome),
@@ -138,28 +138,28 @@ mod tests {
     fn rows_are_cut_where_links_do_not_pay() {
         // Sensors {0, 1}, {2}, {3}: four rows. Values 1 to 3 of the second and third sensor are "absent".
         let pairs = [(0, 2, -3.0), (2, 3, 1.0), (0, 3, -2.0), (1, 3, -1.0)];
-        let chain = Problem::new(&[2, 1, 1], &pairs, Costs::Chain);
+        let chain = CorrelationProblem::new(&[2, 1, 1], &pairs, Costs::Chain);
         let in_one_row = [0, 1, 2, 3, 0, 2, 1, 3];
         assert_eq!(
-            decoded(&chain, &in_one_row),
+            decode(&chain, &in_one_row),
             (vec![vec![0, 2], vec![3], vec![1]], -3.0)
         );
         // Two absent between 0 and 3 are skipped; 2 stands behind the rows of the first sensor.
         assert_eq!(
-            decoded(&chain, &[1, 2, 0, 3, 0, 2, 1, 3]),
+            decode(&chain, &[1, 2, 0, 3, 0, 2, 1, 3]),
             (vec![vec![0, 3], vec![1], vec![2]], -2.0)
         );
         // All pairs: 3 lowers the cost of (0, 2) by 1.
-        let all = Problem::new(&[2, 1, 1], &pairs, Costs::AllPairs);
+        let all = CorrelationProblem::new(&[2, 1, 1], &pairs, Costs::AllPairs);
         assert_eq!(
-            decoded(&all, &in_one_row),
+            decode(&all, &in_one_row),
             (vec![vec![0, 2, 3], vec![1]], -4.0)
         );
     }
 
     #[test]
     fn the_fitness_is_the_sum_over_the_tuples() {
-        let mut dice = Xoshiro256PlusPlus::seed_from_u64(9);
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(9);
         let counts = [4, 3, 5];
         let sensor_of = |track: u32| [4, 7, 12].iter().position(|&end| track < end);
         for number in 0..200 {
@@ -167,7 +167,7 @@ mod tests {
                 .flat_map(|a| (a + 1..12).map(move |b| (a, b)))
                 .filter(|&(a, b)| sensor_of(a) != sensor_of(b));
             let pairs: Vec<(u32, u32, f64)> = all
-                .filter(|_| dice.random_bool(0.6))
+                .filter(|_| rng.random_bool(0.6))
                 .map(|(a, b)| (a, b, f64::from(a * 7 + b * 5) % 11.0 - 7.0))
                 .collect();
             let costs = if number % 2 == 0 {
@@ -175,10 +175,10 @@ mod tests {
             } else {
                 Costs::AllPairs
             };
-            let problem = Problem::new(&counts, &pairs, costs);
+            let problem = CorrelationProblem::new(&counts, &pairs, costs);
             let mut coding = Chromosomes::new(&problem);
-            let mut chromosome = coding.create(0, &mut dice);
-            coding.mutate(&mut chromosome, &mut dice);
+            let mut chromosome = coding.create(0, &mut rng);
+            coding.mutate(&mut chromosome, &mut rng);
             let tuples = coding.tuples(&chromosome);
             let sum: f64 = tuples
                 .iter()

@@ -79,7 +79,7 @@ mod tests {
 
     #[test]
     fn a_million_crossovers_and_swaps_leave_permutations() {
-        let mut dice = Xoshiro256PlusPlus::from_rng(&mut Seed { seed: 2, run: 0 }.stream(
+        let mut rng = Xoshiro256PlusPlus::from_rng(&mut Seed { seed: 2, run: 0 }.stream(
             Purpose::Correlator,
             0,
             0,
@@ -90,8 +90,8 @@ mod tests {
             for _ in 0..25_000 {
                 let [left, right] = &mut parents;
                 let (one, other) = (
-                    dice.random_range(0..=length as usize),
-                    dice.random_range(0..=length as usize),
+                    rng.random_range(0..=length as usize),
+                    rng.random_range(0..=length as usize),
                 );
                 let cut = one.min(other)..one.max(other);
                 let given = right[cut.clone()].to_vec();
@@ -99,8 +99,8 @@ mod tests {
                 assert_eq!(left[cut], given);
                 assert!(is_permutation(left, &mut seen) && is_permutation(right, &mut seen));
                 left.swap(
-                    dice.random_range(0..length as usize),
-                    dice.random_range(0..length as usize),
+                    rng.random_range(0..length as usize),
+                    rng.random_range(0..length as usize),
                 );
                 assert!(is_permutation(left, &mut seen));
             }

@@ -19,7 +19,7 @@
 //! Both steps lower Σ d² or leave it, so the search ends; where depends on where it began.
 
 use super::information::Information;
-use super::{BuildGrouper, Grouper, Grouping, Place, Report, Snapshot};
+use super::{BuildGrouper, Grouper, Grouping, Place, SensorReport, Snapshot};
 use crate::math::fuzzy_c_means::harden::BySource;
 use crate::math::gaussian::Gaussian;
 use crate::math::rng::Seed;
@@ -98,7 +98,7 @@ impl Grouper for ConstrainedHardCMeans {
     }
 }
 
-fn move_centres(reports: &[Report], labels: &[Option<usize>], centres: &mut [Place]) {
+fn move_centres(reports: &[SensorReport], labels: &[Option<usize>], centres: &mut [Place]) {
     let mut sums = vec![Information::none(); centres.len()];
     for (report, label) in reports.iter().zip(labels) {
         if let Some(centre) = label {

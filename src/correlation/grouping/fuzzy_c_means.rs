@@ -16,19 +16,21 @@
 //!    assignment of its reports to different clusters with the largest total membership. A report that gets none is a group
 //!    of its own.
 
+mod parameters;
+
 use super::constrained_hard_c_means::with_groups_of_their_own;
-use super::{BuildGrouper, Grouper, Grouping, Place, Report, Snapshot, by_sensor};
+use super::{BuildGrouper, Grouper, Grouping, Place, SensorReport, Snapshot, by_sensor};
 use crate::math::fuzzy_c_means::genetic::{self, GeneticSettings};
 use crate::math::fuzzy_c_means::harden::{self, BySource};
 use crate::math::fuzzy_c_means::{
-    FuzzyCMeans, FuzzyError, Metric, Objects, Outcome, Settings, Step, start, validity,
+    ClusteringResult, FuzzyCMeans, FuzzyCMeansSettings, FuzzyError, IterationState, Metric,
+    Objects, start, validity,
 };
 use crate::math::gaussian::Gaussian;
 use crate::math::rng::{Purpose, Seed};
 use crate::model::fault::Fault;
-use crate::registry::{
-    Field, Kind, Method, Object, Union, default, number, required, variant, whole,
-};
+use crate::registry::Method;
+use parameters::{Clusters, Initial, PARAMETERS, Parameters, ValidityIndex};
 use serde::Deserialize;
 use serde_json::Value;
 
@@ -38,175 +40,6 @@ pub const METHOD: Method<BuildGrouper> = Method {
     build,
 };
 
-static PARAMETERS: Object = Object {
-    name: "FuzzyCMeansGrouper",
-    summary: "Each report goes to the cluster to which it belongs most.",
-    fields: &[
-        default(
-            "initial",
-            "Where the first centres come from.",
-            Kind::Union(&INITIAL),
-            r#"{"from":"predictions"}"#,
-        ),
-        super::FUZZIFIER,
-        super::TOLERANCE,
-        super::MAX_ITERATIONS,
-        super::ONE_PER_SENSOR,
-        default(
-            "trace",
-            "Whether to keep costs, centres and memberships of every iteration for a file.",
-            Kind::Flag,
-            "false",
-        ),
-    ],
-};
-
-static INITIAL: Union = Union {
-    name: "FuzzyInitialCentres",
-    summary: "Where the first centres come from.",
-    tag: "from",
-    variants: || {
-        vec![
-            variant("predictions", &PREDICTIONS),
-            variant("sensor", &SENSOR),
-            variant("random", &RANDOM),
-            variant("genetic", &GENETIC),
-        ]
-    },
-};
-
-static PREDICTIONS: Object = Object {
-    name: "CentresOfPredictions",
-    summary: "One centre where each track is predicted.",
-    fields: &[],
-};
-
-static SENSOR: Object = Object {
-    name: "CentresOfOneSensor",
-    summary: "The reports of the sensor that has most, then each time the report that is farthest from all centres.",
-    fields: &[CLUSTERS],
-};
-
-static RANDOM: Object = Object {
-    name: "CentresAtRandom",
-    summary: "Different reports, drawn at random.",
-    fields: &[CLUSTERS],
-};
-
-static GENETIC: Object = Object {
-    name: "CentresOfGeneticSearch",
-    summary: "The best of a population of centres, each driven to its optimum before it is crossed and mutated. The cost is (generations + 1) · population runs.",
-    fields: &[
-        CLUSTERS,
-        default("population", "Individuals.", whole(2, 1000, ""), "10"),
-        default(
-            "generations",
-            "Generations after the first population.",
-            whole(0, 1000, ""),
-            "10",
-        ),
-        default(
-            "crossover_rate",
-            "Probability that a child has two parents.",
-            SHARE,
-            "0.8",
-        ),
-        default(
-            "mutation_rate",
-            "Probability that a centre of a child becomes a random report.",
-            SHARE,
-            "0.15",
-        ),
-    ],
-};
-
-const SHARE: Kind = number(0.0, 1.0, "");
-
-const CLUSTERS: Field = required(
-    "clusters",
-    "c, the number of clusters.",
-    Kind::Union(&CLUSTER_COUNT),
-);
-
-static CLUSTER_COUNT: Union = Union {
-    name: "ClusterCount",
-    summary: "How the number of clusters is known.",
-    tag: "by",
-    variants: || vec![variant("count", &COUNT), variant("validity", &VALIDITY)],
-};
-
-static COUNT: Object = Object {
-    name: "GivenClusterCount",
-    summary: "It is given.",
-    fields: &[required("count", "c.", NUMBER)],
-};
-
-static VALIDITY: Object = Object {
-    name: "ValidClusterCount",
-    summary: "Fuzzy c-means runs for each number of a range; the one with the best validity index stays.",
-    fields: &[
-        default(
-            "index",
-            "xie_beni: compact clusters far apart; partition_coefficient: memberships near 0 or 1.",
-            Kind::Choice(&["xie_beni", "partition_coefficient"]),
-            "\"xie_beni\"",
-        ),
-        default("min", "Smallest c.", NUMBER, "2"),
-        required("max", "Largest c.", NUMBER),
-    ],
-};
-
-const NUMBER: Kind = whole(2, 10_000, "");
-
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-struct Parameters {
-    initial: Initial,
-    fuzzifier: f64,
-    tolerance: f64,
-    max_iterations: u32,
-    one_per_sensor: bool,
-    trace: bool,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(tag = "from", rename_all = "snake_case")]
-enum Initial {
-    Predictions,
-    Sensor {
-        clusters: Clusters,
-    },
-    Random {
-        clusters: Clusters,
-    },
-    Genetic {
-        clusters: Clusters,
-        population: u32,
-        generations: u32,
-        crossover_rate: f64,
-        mutation_rate: f64,
-    },
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(tag = "by", rename_all = "snake_case")]
-enum Clusters {
-    Count {
-        count: usize,
-    },
-    Validity {
-        index: ValidityIndex,
-        min: usize,
-        max: usize,
-    },
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum ValidityIndex {
-    XieBeni,
-    PartitionCoefficient,
-}
-
 fn build(parameters: &Value, seed: Seed) -> Result<Box<dyn Grouper>, serde_json::Error> {
     let parameters = Parameters::deserialize(parameters)?;
     let Parameters {
@@ -215,7 +48,7 @@ fn build(parameters: &Value, seed: Seed) -> Result<Box<dyn Grouper>, serde_json:
         max_iterations,
         ..
     } = parameters;
-    let clustering = FuzzyCMeans::new(Settings {
+    let clustering = FuzzyCMeans::new(FuzzyCMeansSettings {
         fuzzifier,
         tolerance,
         max_iterations,
@@ -257,7 +90,7 @@ impl History {
     /// Numbers that are kept.
     const MAX_SIZE: usize = 1_000_000;
 
-    fn keep(&mut self, snapshot: u64, step: &Step) {
+    fn keep(&mut self, snapshot: u64, step: &IterationState) {
         let size = 1 + step.centres.len() + step.memberships.len();
         if self.size + size > Self::MAX_SIZE {
             self.left_out += 1;
@@ -307,7 +140,7 @@ impl Grouper for FuzzyGrouper {
         let outcome = run.map_err(fault)?;
         Ok(self.harden(
             snapshot.reports,
-            &Outcome {
+            &ClusteringResult {
                 iterations: spent + outcome.iterations,
                 ..outcome
             },
@@ -411,7 +244,7 @@ impl FuzzyGrouper {
         Ok((chosen.centres().to_vec(), spent))
     }
 
-    fn harden(&mut self, reports: &[Report], outcome: &Outcome) -> Grouping {
+    fn harden(&mut self, reports: &[SensorReport], outcome: &ClusteringResult) -> Grouping {
         let (memberships, clusters) = (self.clustering.memberships(), self.clustering.clusters());
         let mut labels = Vec::new();
         if self.parameters.one_per_sensor {
@@ -456,8 +289,8 @@ fn fault(error: FuzzyError) -> Vec<Fault> {
 }
 
 /// Four numbers for each report.
-fn inverse_covariances(reports: &[Report]) -> Vec<f64> {
-    let inverse = |report: &Report| {
+fn inverse_covariances(reports: &[SensorReport]) -> Vec<f64> {
+    let inverse = |report: &SensorReport| {
         let gaussian = Gaussian::new(&report.place.covariance);
         gaussian.map_or([0.0; 4], |gaussian| {
             let inverse = gaussian.inverse();

@@ -23,7 +23,7 @@ impl Information {
         }
     }
 
-    pub fn of(place: &Place) -> Self {
+    pub fn from_place(place: &Place) -> Self {
         let mut information = Information::none();
         information.add(place);
         information

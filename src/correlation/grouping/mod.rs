@@ -26,7 +26,7 @@ pub struct Place {
 
 /// What one sensor reported of one target.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Report {
+pub struct SensorReport {
     pub place: Place,
     pub sensor: u32,
 }
@@ -37,7 +37,7 @@ pub struct Snapshot<'a> {
     /// Its number, from 0; a grouper that draws lots draws others at each.
     pub number: u64,
     /// Those of one sensor stand together.
-    pub reports: &'a [Report],
+    pub reports: &'a [SensorReport],
     /// Empty for groupers that use none.
     pub predictions: &'a [Place],
 }
@@ -149,7 +149,7 @@ const MAX_ITERATIONS: Field = default(
 );
 
 /// The reports of each sensor, by their places in the list.
-fn by_sensor(reports: &[Report]) -> impl Iterator<Item = std::ops::Range<usize>> {
+fn by_sensor(reports: &[SensorReport]) -> impl Iterator<Item = std::ops::Range<usize>> {
     let mut first = 0;
     reports
         .chunk_by(|left, right| left.sensor == right.sensor)

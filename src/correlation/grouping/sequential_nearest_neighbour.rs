@@ -18,7 +18,7 @@
 use super::closest_pairs::{choose, gate};
 use super::information::{Information, squared_distance};
 use super::nearest_neighbour::SIGMAS;
-use super::{BuildGrouper, Grouper, Grouping, Place, Report, Snapshot, by_sensor};
+use super::{BuildGrouper, Grouper, Grouping, Place, SensorReport, Snapshot, by_sensor};
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
 use crate::registry::{Method, Object, default};
@@ -59,7 +59,7 @@ pub struct SequentialNearestNeighbour {
 
 impl SequentialNearestNeighbour {
     /// For each report its group; those of one sensor stand together.
-    pub fn groups(&self, reports: &[Report]) -> Vec<usize> {
+    pub fn groups(&self, reports: &[SensorReport]) -> Vec<usize> {
         let mut groups: Vec<Information> = Vec::new();
         let mut group_of = Vec::with_capacity(reports.len());
         for range in by_sensor(reports) {
@@ -80,7 +80,7 @@ impl SequentialNearestNeighbour {
                 let place = &reports[report].place;
                 match chosen {
                     Some(group) => groups[group].add(place),
-                    None => groups.push(Information::of(place)),
+                    None => groups.push(Information::from_place(place)),
                 }
                 group_of.push(chosen.unwrap_or(groups.len() - 1));
             }

@@ -15,9 +15,9 @@ fn place(x_m: f64, y_m: f64) -> Place {
 }
 
 /// Reports as (sensor, x, y).
-fn reports(list: &[(u32, f64, f64)]) -> Vec<Report> {
+fn reports(list: &[(u32, f64, f64)]) -> Vec<SensorReport> {
     list.iter()
-        .map(|&(sensor, x_m, y_m)| Report {
+        .map(|&(sensor, x_m, y_m)| SensorReport {
             place: place(x_m, y_m),
             sensor,
         })

@@ -21,7 +21,7 @@
 #[cfg(test)]
 mod tests;
 
-use super::comparison::{Comparison, Pair, Step};
+use super::comparison::{ComparedStep, Comparison, Pair};
 use super::matching::StepMatcher;
 use crate::model::watch::Watch;
 use serde::Serialize;
@@ -166,7 +166,7 @@ impl<'a> Memory<'a> {
     }
 
     /// Matches the truths and tracks of a step.
-    fn meet(&mut self, step: &Step, matcher: &mut StepMatcher) {
+    fn meet(&mut self, step: &ComparedStep, matcher: &mut StepMatcher) {
         let comparison = self.comparison;
         restart(&mut self.pair_of_truth, step.truths.len());
         restart(&mut self.pair_of_track, step.tracks.len());
@@ -190,7 +190,7 @@ impl<'a> Memory<'a> {
         }
     }
 
-    fn tell_truths(&mut self, index: u32, step: &Step, events: &mut Vec<Event>) {
+    fn tell_truths(&mut self, index: u32, step: &ComparedStep, events: &mut Vec<Event>) {
         let comparison = self.comparison;
         for (presence, &pair) in comparison.truths[step.truths.clone()]
             .iter()
@@ -234,7 +234,7 @@ impl<'a> Memory<'a> {
         }
     }
 
-    fn tell_tracks(&mut self, index: u32, step: &Step, events: &mut Vec<Event>) {
+    fn tell_tracks(&mut self, index: u32, step: &ComparedStep, events: &mut Vec<Event>) {
         if !self.pair_of_track.contains(&NONE) {
             return;
         }
@@ -257,7 +257,7 @@ impl<'a> Memory<'a> {
     }
 
     /// Finds the nearest and the old truth of every track of the step.
-    fn look_around(&mut self, step: &Step) {
+    fn look_around(&mut self, step: &ComparedStep) {
         let comparison = self.comparison;
         restart(&mut self.nearest, step.tracks.len());
         restart(&mut self.old, step.tracks.len());
@@ -282,7 +282,7 @@ impl<'a> Memory<'a> {
     /// What a track without a truth of its own is: kind, the truth it has to do with, their distance.
     fn unmatched(
         &self,
-        step: &Step,
+        step: &ComparedStep,
         offset: usize,
         track: u32,
     ) -> (EventKind, Option<u32>, Option<f64>) {

@@ -18,7 +18,7 @@
 
 use super::origin::{Origin, PAIRS, PairColumn, Statistic, TRACKS, TRUTH_POINTS, TRUTHS};
 use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence};
-use crate::evaluation::comparison::{Comparison, Shape, Step};
+use crate::evaluation::comparison::{ComparedStep, Comparison, Shape};
 use crate::registry::{Bound, Kind, Method, Object, optional};
 use serde::Deserialize;
 use serde_json::json;
@@ -199,7 +199,7 @@ impl<'a> Walk<'a> {
         walk
     }
 
-    fn look_around(&mut self, step: &Step) {
+    fn look_around(&mut self, step: &ComparedStep) {
         self.kept.clear();
         self.kept.resize(step.tracks.len(), None);
         self.nearest.clear();
@@ -224,7 +224,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Method, 1.
-    fn assign(&mut self, index: u32, step: &Step) {
+    fn assign(&mut self, index: u32, step: &ComparedStep) {
         let truths = &self.comparison.truths[step.truths.clone()];
         for (offset, presence) in self.comparison.tracks[step.tracks.clone()]
             .iter()
@@ -254,7 +254,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Method, 2.
-    fn associate(&mut self, step: &Step) {
+    fn associate(&mut self, step: &ComparedStep) {
         let comparison = self.comparison;
         self.associated.clear();
         self.associated.resize(step.truths.len(), None);
@@ -269,8 +269,8 @@ impl<'a> Walk<'a> {
             let Some(place) = track.truth.and_then(place) else {
                 continue;
             };
-            let is_longer = |other: u32| track.since < self.tracks[other as usize].since;
-            if self.associated[place].is_none_or(is_longer) {
+            let other = self.associated[place].map(|other| &self.tracks[other as usize]);
+            if other.is_none_or(|other| track.since < other.since) {
                 self.associated[place] = Some(presence.id);
             }
         }
@@ -298,7 +298,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Method, 3.
-    fn count_truths(&mut self, step: &Step) {
+    fn count_truths(&mut self, step: &ComparedStep) {
         for (presence, associated) in self.comparison.truths[step.truths.clone()]
             .iter()
             .zip(&self.associated)
@@ -320,18 +320,17 @@ impl<'a> Walk<'a> {
 
 impl TruthLife {
     fn quantities(&self) -> Vec<Quantity> {
-        let count = |name, count: u32| Quantity::new(name, f64::from(count), "");
         let establishment = Some(f64::from(self.establishment)).filter(|_| self.associated > 0);
         vec![
-            count("steps_inside_coverage", self.steps),
-            count("established", u32::from(self.associated > 0)),
+            Quantity::count("steps_inside_coverage", self.steps),
+            Quantity::count("established", u32::from(self.associated > 0)),
             Quantity::or(
                 "establishment_length",
                 establishment,
                 "steps",
                 "never established",
             ),
-            count("breaks", self.breaks),
+            Quantity::count("breaks", self.breaks),
             Quantity::new("break_length", f64::from(self.break_length), "steps"),
             Quantity::ratio(
                 "associated_share",
@@ -350,17 +349,16 @@ impl TrackLife {
     }
 
     fn quantities(&self) -> Vec<Quantity> {
-        let count = |name, count: u32| Quantity::new(name, f64::from(count), "");
         let length = |name, steps: u32| Quantity::new(name, f64::from(steps), "steps");
         vec![
             length("length", self.steps),
             length("assigned_length", self.assigned),
-            count("swaps", self.swaps),
-            count("divergences", self.divergences),
+            Quantity::count("swaps", self.swaps),
+            Quantity::count("divergences", self.divergences),
             length("divergence_length", self.divergence_length),
-            count("redundancies", self.redundancies),
+            Quantity::count("redundancies", self.redundancies),
             length("redundancy_length", self.redundancy_length),
-            count("false", u32::from(self.is_false())),
+            Quantity::count("false", u32::from(self.is_false())),
             length("false_length", if self.is_false() { self.steps } else { 0 }),
         ]
     }
@@ -381,25 +379,21 @@ fn lines<Life>(
 }
 
 fn totals(truths: &[TruthLife], tracks: &[TrackLife]) -> Vec<Quantity> {
-    let of_truths =
-        |part: fn(&TruthLife) -> u32| truths.iter().map(|life| f64::from(part(life))).sum::<f64>();
-    let of_tracks =
-        |part: fn(&TrackLife) -> u32| tracks.iter().map(|life| f64::from(part(life))).sum::<f64>();
-    let established = of_truths(|life| u32::from(life.associated > 0));
-    let establishment = of_truths(|life| {
+    let established = sum(truths, |life| u32::from(life.associated > 0));
+    let establishment = sum(truths, |life| {
         if life.associated > 0 {
             life.establishment
         } else {
             0
         }
     });
-    let false_tracks = of_tracks(|life| u32::from(life.is_false()));
+    let false_tracks = sum(tracks, |life| u32::from(life.is_false()));
     let no_truth = "no truth at any step";
     vec![
         Quantity::ratio(
             "associated_share",
-            of_truths(|life| life.associated),
-            of_truths(|life| life.steps),
+            sum(truths, |life| life.associated),
+            sum(truths, |life| life.steps),
             "",
             no_truth,
         ),
@@ -419,20 +413,24 @@ fn totals(truths: &[TruthLife], tracks: &[TrackLife]) -> Vec<Quantity> {
             "steps",
             "no truth was established",
         ),
-        Quantity::new("breaks", of_truths(|life| life.breaks), ""),
-        Quantity::new("break_length", of_truths(|life| life.break_length), "steps"),
-        Quantity::new("tracks", tracks.len() as f64, ""),
-        Quantity::new("swaps", of_tracks(|life| life.swaps), ""),
-        Quantity::new("divergences", of_tracks(|life| life.divergences), ""),
+        Quantity::new("breaks", sum(truths, |life| life.breaks), ""),
         Quantity::new(
-            "divergence_length",
-            of_tracks(|life| life.divergence_length),
+            "break_length",
+            sum(truths, |life| life.break_length),
             "steps",
         ),
-        Quantity::new("redundancies", of_tracks(|life| life.redundancies), ""),
+        Quantity::new("tracks", tracks.len() as f64, ""),
+        Quantity::new("swaps", sum(tracks, |life| life.swaps), ""),
+        Quantity::new("divergences", sum(tracks, |life| life.divergences), ""),
+        Quantity::new(
+            "divergence_length",
+            sum(tracks, |life| life.divergence_length),
+            "steps",
+        ),
+        Quantity::new("redundancies", sum(tracks, |life| life.redundancies), ""),
         Quantity::new(
             "redundancy_length",
-            of_tracks(|life| life.redundancy_length),
+            sum(tracks, |life| life.redundancy_length),
             "steps",
         ),
         Quantity::new("false_tracks", false_tracks, ""),
@@ -445,207 +443,15 @@ fn totals(truths: &[TruthLife], tracks: &[TrackLife]) -> Vec<Quantity> {
         ),
         Quantity::new(
             "false_track_length",
-            of_tracks(|life| if life.is_false() { life.steps } else { 0 }),
+            sum(tracks, |life| if life.is_false() { life.steps } else { 0 }),
             "steps",
         ),
     ]
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::evaluation::tests::{
-        GONE, assert_quantities, compare, evaluate, line, main_scene, swap_scene,
-    };
-
-    fn numbers(lines: &[Line], id: &str) -> Vec<f64> {
-        line(lines, id)
-            .into_iter()
-            .map(|(_, value)| value.unwrap_or(f64::INFINITY))
-            .collect()
-    }
-
-    #[test]
-    fn the_main_scene_by_hand() {
-        let report = evaluate("assignment", json!({}), &[main_scene(10.0)]);
-        // A is there at 0..=9, established at once, broken at 6. B is there at 2..=9, established at 3.
-        assert_eq!(
-            numbers(&report.per_truth, "A"),
-            [10.0, 1.0, 0.0, 1.0, 1.0, 0.9]
-        );
-        assert_eq!(
-            numbers(&report.per_truth, "B"),
-            [8.0, 1.0, 1.0, 0.0, 0.0, 7.0 / 8.0]
-        );
-        assert_eq!(
-            numbers(&report.per_track, "T4"),
-            [3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 3.0]
-        );
-        assert_quantities(
-            &report,
-            &[
-                ("associated_share", Some(16.0 / 18.0)),
-                ("mean_establishment_length", Some(0.5)),
-            ],
-        );
-        assert_quantities(
-            &report,
-            &[
-                ("false_tracks", Some(1.0)),
-                ("breaks", Some(1.0)),
-                ("swaps", Some(0.0)),
-                ("truths_established", Some(2.0)),
-            ],
-        );
-    }
-
-    #[test]
-    fn crossing_tracks_swap() {
-        let report = evaluate("assignment", json!({}), &[swap_scene(10.0)]);
-        assert_quantities(
-            &report,
-            &[
-                ("swaps", Some(2.0)),
-                ("divergences", Some(2.0)),
-                ("divergence_length", Some(0.0)),
-                ("breaks", Some(0.0)),
-            ],
-        );
-    }
-
-    #[test]
-    fn a_track_keeps_its_truth_up_to_the_divergence_gate() {
-        // 1, 15, 15, 30, 30, 5 m from A at a gate of 10.
-        let scene = || {
-            [compare(
-                &[("A", &[0.0; 6])],
-                &[("T", &[1.0, 15.0, 15.0, 30.0, 30.0, 5.0])],
-                10.0,
-            )]
-        };
-        let report = evaluate("assignment", json!({"divergence_gate": 20.0}), &scene());
-        assert_eq!(
-            numbers(&report.per_track, "T"),
-            [6.0, 4.0, 0.0, 1.0, 2.0, 0.0, 0.0, 0.0, 0.0]
-        );
-        assert_eq!(
-            numbers(&report.per_truth, "A"),
-            [6.0, 1.0, 0.0, 1.0, 2.0, 4.0 / 6.0]
-        );
-        assert_eq!(report.parameters["divergence_gate"], 20.0);
-        let report = evaluate("assignment", json!({}), &scene());
-        assert_eq!(
-            numbers(&report.per_track, "T")[..5],
-            [6.0, 2.0, 0.0, 1.0, 4.0]
-        );
-        // Below the gate it is the gate.
-        assert_eq!(
-            Assignment {
-                divergence_gate: Some(3.0)
-            }
-            .reach_m(10.0),
-            10.0
-        );
-    }
-
-    #[test]
-    fn the_track_that_has_kept_a_truth_longest_is_associated() {
-        // T has A from the start, U joins at 1. T leaves at 3, so U is associated; T comes back and is redundant.
-        let tracks = [
-            ("U", &[GONE, 1.0, 1.0, 1.0, 1.0][..]),
-            ("T", &[2.0, 2.0, 2.0, 40.0, 2.0]),
-        ];
-        let report = evaluate(
-            "assignment",
-            json!({}),
-            &[compare(&[("A", &[0.0; 5])], &tracks, 10.0)],
-        );
-        assert_eq!(numbers(&report.per_track, "U")[5..7], [1.0, 2.0]);
-        assert_eq!(
-            numbers(&report.per_track, "T"),
-            [5.0, 4.0, 0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0]
-        );
-        assert_quantities(
-            &report,
-            &[
-                ("breaks", Some(0.0)),
-                ("redundancies", Some(2.0)),
-                ("redundancy_length", Some(3.0)),
-            ],
-        );
-    }
-
-    #[test]
-    fn a_truth_that_ends_frees_its_track_without_divergence() {
-        let truths = [
-            ("A", &[0.0, 0.0, GONE, GONE][..]),
-            ("B", &[GONE, GONE, GONE, 3.0]),
-        ];
-        let report = evaluate(
-            "assignment",
-            json!({}),
-            &[compare(&truths, &[("T", &[1.0; 4])], 10.0)],
-        );
-        assert_eq!(
-            numbers(&report.per_track, "T")[..5],
-            [4.0, 3.0, 1.0, 0.0, 0.0]
-        );
-    }
-
-    #[test]
-    fn edges() {
-        let report = evaluate(
-            "assignment",
-            json!({}),
-            &[compare(&[("A", &[0.0; 3])], &[], 10.0)],
-        );
-        assert_quantities(
-            &report,
-            &[
-                ("associated_share", Some(0.0)),
-                ("mean_establishment_length", None),
-                ("false_tracks_share", None),
-            ],
-        );
-        assert_eq!(
-            line(&report.per_truth, "A")[2],
-            ("establishment_length", None)
-        );
-        let report = evaluate(
-            "assignment",
-            json!({}),
-            &[compare(&[], &[("T", &[0.0; 3])], 10.0)],
-        );
-        assert_quantities(
-            &report,
-            &[
-                ("associated_share", None),
-                ("false_tracks", Some(1.0)),
-                ("false_track_length", Some(3.0)),
-            ],
-        );
-        let report = evaluate("assignment", json!({}), &[compare(&[], &[], 10.0)]);
-        assert_quantities(
-            &report,
-            &[
-                ("associated_share", None),
-                ("truths", Some(0.0)),
-                ("truths_established_share", None),
-            ],
-        );
-        let report = evaluate(
-            "assignment",
-            json!({}),
-            &[main_scene(10.0), swap_scene(10.0)],
-        );
-        assert_quantities(
-            &report,
-            &[
-                ("associated_share", Some(38.0 / 40.0)),
-                ("truths", Some(4.0)),
-                ("mean_establishment_length", Some(0.25)),
-            ],
-        );
-        assert!(report.per_track.is_empty());
-    }
+fn sum<Life>(lives: &[Life], part: fn(&Life) -> u32) -> f64 {
+    lives.iter().map(|life| f64::from(part(life))).sum()
 }
+
+#[cfg(test)]
+mod tests;

@@ -7,7 +7,7 @@
 //! A pair at c or beyond costs as much as two strangers. So among the pairs with d < c those matter whose (d / c)ᵖ − 1 is
 //! gained, and an assignment of least cost over them, anyone free to stay alone at 0, is a best one over all pairs.
 
-use crate::evaluation::comparison::{Comparison, Pair, Step};
+use crate::evaluation::comparison::{ComparedStep, Comparison, Pair};
 use crate::math::assignment::AssignmentSolver;
 use crate::registry::{Field, Kind, default, number};
 use serde::Deserialize;
@@ -75,7 +75,7 @@ impl Matcher {
     pub fn assign(
         &mut self,
         comparison: &Comparison,
-        step: &Step,
+        step: &ComparedStep,
         cutoff: Cutoff,
         mut matched: impl FnMut(&Pair, f64),
     ) {

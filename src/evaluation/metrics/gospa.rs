@@ -20,7 +20,7 @@ use super::origin::{
     Origin, PAIRS, PairColumn, SERIES, STEPS, Statistic, TRACK_POINTS, TRUTH_POINTS,
 };
 use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence, Series};
-use crate::evaluation::comparison::{Comparison, Shape, Step};
+use crate::evaluation::comparison::{ComparedStep, Comparison, Shape};
 use crate::registry::{Method, Object, default, number};
 use serde::Deserialize;
 use serde_json::json;
@@ -127,7 +127,7 @@ impl Gospa {
         &self,
         (matcher, memory, powers): (&mut Matcher, &mut Memory, &mut Powers),
         comparison: &Comparison,
-        step: &Step,
+        step: &ComparedStep,
     ) -> Parts {
         let mut parts = Parts::default();
         memory.now.clear();
@@ -294,7 +294,7 @@ impl Parts {
 
 impl Memory {
     /// Step 2, for the truths of the step; those that are absent are remembered as they were.
-    fn switches(&mut self, comparison: &Comparison, step: &Step) -> f64 {
+    fn switches(&mut self, comparison: &Comparison, step: &ComparedStep) -> f64 {
         let mut switches = 0.0;
         for (truth, &now) in comparison.truths[step.truths.clone()].iter().zip(&self.now) {
             let id = truth.id as usize;

@@ -14,7 +14,7 @@
 use super::origin::{Origin, PAIRS, PairColumn, Statistic, TRACK_POINTS, TRUTH_POINTS};
 use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence};
 use crate::evaluation::acquaintances::Acquaintances;
-use crate::evaluation::comparison::{Comparison, Pair, Presence, Shape};
+use crate::evaluation::comparison::{Comparison, Presence, Shape};
 use crate::math::assignment::AssignmentSolver;
 use crate::registry::{Method, Object};
 use serde_json::json;
@@ -163,22 +163,15 @@ impl Explained {
 
     /// The pairs of partners within the gate.
     fn pairs(&self, comparison: &Comparison) -> Vec<(u32, u32, f64)> {
-        let ids = |pair: &Pair| {
-            (
-                comparison.truths[pair.truth as usize].id,
-                comparison.tracks[pair.track as usize].id,
-            )
-        };
-        let is_explained = |pair: &&Pair| {
-            pair.distance <= comparison.gate
-                && self.partner[ids(pair).0 as usize] == Some(ids(pair).1)
-        };
-        comparison
-            .pairs
-            .iter()
-            .filter(is_explained)
-            .map(|pair| (pair.truth, pair.track, 1.0))
-            .collect()
+        let mut explained = Vec::new();
+        for pair in &comparison.pairs {
+            let truth = comparison.truths[pair.truth as usize].id;
+            let track = comparison.tracks[pair.track as usize].id;
+            if pair.distance <= comparison.gate && self.partner[truth as usize] == Some(track) {
+                explained.push((pair.truth, pair.track, 1.0));
+            }
+        }
+        explained
     }
 }
 

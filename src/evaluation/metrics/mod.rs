@@ -51,6 +51,11 @@ impl Quantity {
         Quantity::or(name, Some(value), unit, "not a finite number")
     }
 
+    /// So many of something.
+    pub fn count(name: &'static str, count: impl Into<f64>) -> Quantity {
+        Quantity::new(name, count.into(), "")
+    }
+
     /// A value that may be undefined, then for this reason.
     pub fn or(
         name: &'static str,

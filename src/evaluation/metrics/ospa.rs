@@ -18,7 +18,7 @@ use super::origin::{
     Origin, PAIRS, PairColumn, SERIES, STEPS, Statistic, TRACK_POINTS, TRUTH_POINTS,
 };
 use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence, Series};
-use crate::evaluation::comparison::{Comparison, Shape, Step};
+use crate::evaluation::comparison::{ComparedStep, Comparison, Shape};
 use crate::registry::{Method, Object};
 use serde::Deserialize;
 use serde_json::json;
@@ -45,6 +45,15 @@ struct Parts {
     cardinality_m: f64,
 }
 
+const NO_STEP: &str = "there is no step";
+
+/// What is told of each step.
+const PARTS: [(&str, fn(&Parts) -> f64); 3] = [
+    ("ospa", |parts| parts.distance_m),
+    ("localisation", |parts| parts.localisation_m),
+    ("cardinality", |parts| parts.cardinality_m),
+];
+
 impl Metric for Ospa {
     fn accepts(&self, shape: Shape) -> bool {
         shape == Shape::Points
@@ -66,33 +75,20 @@ impl Metric for Ospa {
         let parts: Vec<Parts> = steps
             .map(|(comparison, step)| self.step(&mut matcher, comparison, step, &mut powers))
             .collect();
-        let mean = |name, of: fn(&Parts) -> f64| {
-            Quantity::ratio(
-                name,
-                parts.iter().map(of).sum(),
-                parts.len() as f64,
-                "m",
-                "there is no step",
-            )
-        };
-        let quantities = vec![
-            mean("ospa", |parts| parts.distance_m),
-            mean("localisation", |parts| parts.localisation_m),
-            mean("cardinality", |parts| parts.cardinality_m),
-            Quantity::new("steps", parts.len() as f64, ""),
-        ];
+        let mut quantities = Vec::new();
+        let mut series = Vec::new();
+        for (name, of) in PARTS {
+            let values = || parts.iter().map(of);
+            let count = parts.len() as f64;
+            quantities.push(Quantity::ratio(name, values().sum(), count, "m", NO_STEP));
+            series.push(Series::over_time(name, "m", values().map(Some)));
+        }
+        quantities.push(Quantity::new("steps", parts.len() as f64, ""));
         let parameters = json!({"cutoff_m": self.0.cutoff_m, "p": self.0.p});
         let mut report = MetricReport::new("ospa", false, parameters, quantities);
         report.origins = self.origins();
         if sequences.len() == 1 {
-            let series = |name, of: fn(&Parts) -> f64| {
-                Series::over_time(name, "m", parts.iter().map(|parts| Some(of(parts))))
-            };
-            report.series = vec![
-                series("ospa", |parts| parts.distance_m),
-                series("localisation", |parts| parts.localisation_m),
-                series("cardinality", |parts| parts.cardinality_m),
-            ];
+            report.series = series;
             report.pairs = vec![PairColumn::new("power", "m^p", powers)];
         }
         report
@@ -135,7 +131,7 @@ impl Ospa {
         &self,
         matcher: &mut Matcher,
         comparison: &Comparison,
-        step: &Step,
+        step: &ComparedStep,
         powers: &mut Vec<(u32, u32, f64)>,
     ) -> Parts {
         let (fewer, more) = (

@@ -20,7 +20,7 @@
 
 use super::origin::{Origin, PAIRS, PairColumn, Statistic, TRUTH_POINTS, TRUTHS};
 use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence, Series};
-use crate::evaluation::comparison::{Comparison, Presence, Shape, Step};
+use crate::evaluation::comparison::{ComparedStep, Comparison, Presence, Shape};
 use crate::model::sensor::SensorSettings;
 use crate::model::state::Position;
 use crate::registry::{Field, Method, Object, above, default, optional};
@@ -117,7 +117,7 @@ impl Metric for TrackKeeping {
             .map(|(sequence, sigma)| self.run(sequence, sigma.unwrap_or(f64::NAN)))
             .collect();
         let unit = unit_of(sequences);
-        let quantities = quantities(&runs, undefined(sequences, &sigmas), unit);
+        let quantities = quantities(&runs, why_undefined(sequences, &sigmas), unit);
         let parameters = json!({
             "sigma": sigmas.first().copied().flatten(), "unit": unit, "apart_sigmas": self.apart_sigmas,
             "lost_sigmas": self.lost_sigmas, "stay_sigmas": self.stay_sigmas,
@@ -125,7 +125,7 @@ impl Metric for TrackKeeping {
         let mut report = MetricReport::new("identity", true, parameters, quantities);
         report.origins = FROM.to_vec();
         if let ([sequence], [run]) = (sequences, &runs[..]) {
-            let is_defined = undefined(sequences, &sigmas).is_none();
+            let is_defined = why_undefined(sequences, &sigmas).is_none();
             let lines = sequence.comparison.truth_ids.iter().zip(&run.targets);
             report.per_truth = lines
                 .map(|(id, kept)| line(id, kept, sequence.comparison, is_defined, unit))
@@ -162,21 +162,21 @@ fn unit_of(sequences: &[Sequence]) -> &'static str {
 }
 
 /// Why nothing can be said of the tracks' keeping.
-fn undefined(sequences: &[Sequence], sigmas: &[Option<f64>]) -> Option<&'static str> {
+fn why_undefined(sequences: &[Sequence], sigmas: &[Option<f64>]) -> Option<&'static str> {
     let comparisons = || sequences.iter().map(|sequence| sequence.comparison);
     if comparisons().all(|comparison| comparison.truth_ids.is_empty()) {
         return Some(NO_TARGET);
     }
-    let is_named = |comparison: &Comparison| {
-        comparison
-            .track_ids
-            .iter()
-            .any(|id| comparison.truth_ids.contains(id))
-    };
-    if !comparisons().any(is_named) {
+    if !comparisons().any(has_named_track) {
         return Some(NO_NAME);
     }
     sigmas.iter().any(Option::is_none).then_some(NO_SIGMA)
+}
+
+/// Whether a track is called like a target.
+fn has_named_track(comparison: &Comparison) -> bool {
+    let mut track_ids = comparison.track_ids.iter();
+    track_ids.any(|id| comparison.truth_ids.contains(id))
 }
 
 /// The largest of the sensors' standard deviations, if all tell one.
@@ -214,7 +214,7 @@ impl TrackKeeping {
             for truth_place in step.truths.clone() {
                 let truth = &comparison.truths[truth_place];
                 let track =
-                    track_of[truth.id as usize].and_then(|id| found(&comparison.tracks, step, id));
+                    track_of[truth.id as usize].and_then(|id| find(&comparison.tracks, step, id));
                 let kept = &mut run.targets[truth.id as usize];
                 let Some(track_place) = track else {
                     kept.missing += 1;
@@ -276,7 +276,7 @@ fn track_of_each(comparison: &Comparison) -> Vec<Option<u32>> {
         .collect()
 }
 
-fn found(tracks: &[Presence], step: &Step, id: u32) -> Option<usize> {
+fn find(tracks: &[Presence], step: &ComparedStep, id: u32) -> Option<usize> {
     tracks[step.tracks.clone()]
         .binary_search_by_key(&id, |presence| presence.id)
         .ok()
@@ -290,7 +290,7 @@ struct Places {
 }
 
 impl Places {
-    fn new(comparison: &Comparison, step: &Step) -> Places {
+    fn new(comparison: &Comparison, step: &ComparedStep) -> Places {
         let mut by_x: Vec<(Position, u32)> = comparison.truths[step.truths.clone()]
             .iter()
             .map(|truth| (truth.position_m, truth.id))
@@ -337,54 +337,53 @@ fn look(
 
 /// Steps 4 and 5 in numbers.
 fn quantities(runs: &[Run], undefined: Option<&'static str>, unit: &'static str) -> Vec<Quantity> {
-    let all = |run: &&Run, is_kept: fn(&Kept) -> bool| run.targets.iter().all(is_kept);
-    let of_runs = |name, is_kept: fn(&Kept) -> bool| {
-        let kept = runs.iter().filter(|run| all(run, is_kept)).count();
-        Quantity::or(
-            name,
-            undefined.is_none().then(|| kept as f64 / runs.len() as f64),
-            "",
-            undefined.unwrap_or_default(),
-        )
+    let unless_undefined = |name, value: f64| {
+        let value = undefined.is_none().then_some(value);
+        Quantity::or(name, value, "", undefined.unwrap_or_default())
     };
-    let of_targets = |name, is_kept: fn(&Kept) -> bool| {
-        let kept = runs
-            .iter()
-            .flat_map(|run| &run.targets)
-            .filter(|kept| is_kept(kept))
-            .count();
-        Quantity::or(
-            name,
-            undefined.is_none().then_some(kept as f64),
-            "",
-            undefined.unwrap_or_default(),
-        )
-    };
-    let error = |name, reason, of: &dyn Fn(&&Run) -> bool| {
-        let targets = || runs.iter().filter(of).flat_map(|run| &run.targets);
-        let (sum, count) = (
-            targets().map(|kept| kept.error_sum).sum(),
-            targets().map(|kept| kept.errors).sum::<usize>(),
-        );
-        Quantity::ratio(name, sum, count as f64, unit, reason)
-    };
-    let targets = || runs.iter().flat_map(|run| &run.targets);
+    let all: Vec<&Run> = runs.iter().collect();
+    let kept: Vec<&Run> = runs
+        .iter()
+        .filter(|run| undefined.is_none() && run.targets.iter().all(|kept| kept.identity))
+        .collect();
+    let missing: usize = targets_of(&all).map(|kept| kept.missing).sum();
     vec![
-        of_runs("identity", |kept| kept.identity),
-        of_runs("stay", |kept| kept.stay),
-        error("mean_absolute_error", NO_NAME, &|_| true),
-        error("mean_absolute_error_kept", "no run is kept", &|run| {
-            undefined.is_none() && all(run, |kept| kept.identity)
-        }),
-        of_targets("targets_identity", |kept| kept.identity),
-        of_targets("targets_stay", |kept| kept.stay),
-        Quantity::new("targets", targets().count() as f64, ""),
-        Quantity::new(
-            "missing_points",
-            targets().map(|kept| kept.missing).sum::<usize>() as f64,
-            "",
+        unless_undefined("identity", share_of_runs(runs, |kept| kept.identity)),
+        unless_undefined("stay", share_of_runs(runs, |kept| kept.stay)),
+        mean_error("mean_absolute_error", &all, unit, NO_NAME),
+        mean_error("mean_absolute_error_kept", &kept, unit, "no run is kept"),
+        unless_undefined(
+            "targets_identity",
+            targets_of(&all).filter(|kept| kept.identity).count() as f64,
         ),
+        unless_undefined(
+            "targets_stay",
+            targets_of(&all).filter(|kept| kept.stay).count() as f64,
+        ),
+        Quantity::new("targets", targets_of(&all).count() as f64, ""),
+        Quantity::new("missing_points", missing as f64, ""),
     ]
+}
+
+fn targets_of<'r>(runs: &[&'r Run]) -> impl Iterator<Item = &'r Kept> {
+    runs.iter().flat_map(|run| &run.targets)
+}
+
+/// The share of runs all of whose targets are kept in one sense.
+fn share_of_runs(runs: &[Run], is_kept: fn(&Kept) -> bool) -> f64 {
+    let kept = runs.iter().filter(|run| run.targets.iter().all(is_kept));
+    kept.count() as f64 / runs.len() as f64
+}
+
+fn mean_error(
+    name: &'static str,
+    runs: &[&Run],
+    unit: &'static str,
+    reason: &'static str,
+) -> Quantity {
+    let sum = targets_of(runs).map(|kept| kept.error_sum).sum();
+    let count = targets_of(runs).map(|kept| kept.errors).sum::<usize>();
+    Quantity::ratio(name, sum, count as f64, unit, reason)
 }
 
 fn line(
@@ -438,116 +437,4 @@ fn findings(comparison: &Comparison, run: &Run) -> Value {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::evaluation::tests::{GONE, assert_quantities, compare, evaluate};
-
-    fn report(comparisons: &[Comparison]) -> MetricReport {
-        evaluate("track_keeping", json!({"sigma": 1.0}), comparisons)
-    }
-
-    #[test]
-    fn a_swap_is_told_at_the_first_step_at_which_the_targets_are_apart_again() {
-        // The targets are 20, 2, 4 and 8 apart; the tracks change sides at the third step, and 4 is not yet apart (6).
-        let truths: [(&str, &[f64]); 2] = [
-            ("a", &[-10.0, -1.0, 2.0, 4.0]),
-            ("b", &[10.0, 1.0, -2.0, -4.0]),
-        ];
-        let swapped = compare(
-            &truths,
-            &[
-                ("a", &[-10.0, -1.0, -2.0, -4.0]),
-                ("b", &[10.0, 1.0, 2.0, 4.0]),
-            ],
-            50.0,
-        );
-        let found = report(std::slice::from_ref(&swapped));
-        let expected = [
-            ("identity", Some(0.0)),
-            ("stay", Some(0.0)),
-            ("mean_absolute_error", Some(3.0)),
-            ("mean_absolute_error_kept", None),
-        ];
-        assert_quantities(&found, &expected);
-        let target = &found.findings["targets"][0];
-        assert_eq!(
-            (
-                &target["lost_step"],
-                &target["lost_time_s"],
-                &target["swapped_with"]
-            ),
-            (&json!(4), &json!(3.0), &json!("b"))
-        );
-        let kept = compare(&truths, &truths, 50.0);
-        assert_quantities(
-            &report(&[swapped, kept]),
-            &[
-                ("identity", Some(0.5)),
-                ("mean_absolute_error", Some(1.5)),
-                ("targets_identity", Some(2.0)),
-            ],
-        );
-    }
-
-    #[test]
-    fn a_lag_of_more_than_five_sigma_breaks_stay_and_of_more_than_ten_identity() {
-        let of = |error: f64| {
-            report(&[compare(
-                &[("a", &[0.0, 0.0])],
-                &[("a", &[0.0, error])],
-                50.0,
-            )])
-        };
-        for (error, identity, stay) in [
-            (5.0, 1.0, 1.0),
-            (5.01, 1.0, 0.0),
-            (10.0, 1.0, 0.0),
-            (10.01, 0.0, 0.0),
-        ] {
-            assert_quantities(
-                &of(error),
-                &[("identity", Some(identity)), ("stay", Some(stay))],
-            );
-        }
-        assert_eq!(
-            of(11.0).findings["targets"][0]["swapped_with"],
-            Value::Null,
-            "there is no other target"
-        );
-    }
-
-    #[test]
-    fn a_missing_track_is_a_lost_one_and_names_and_sigma_are_needed() {
-        let truths: [(&str, &[f64]); 2] = [("a", &[0.0, 0.0]), ("b", &[50.0, 50.0])];
-        let found = report(&[compare(
-            &truths,
-            &[("a", &[0.0, 0.0]), ("b", &[50.0, GONE])],
-            50.0,
-        )]);
-        assert_quantities(
-            &found,
-            &[
-                ("identity", Some(0.0)),
-                ("stay", Some(0.0)),
-                ("targets_identity", Some(1.0)),
-                ("missing_points", Some(1.0)),
-            ],
-        );
-        assert_eq!(found.findings["targets"][1]["lost_step"], 2);
-        let strangers = report(&[compare(&truths, &[("1", &[0.0, 0.0])], 50.0)]);
-        assert_quantities(
-            &strangers,
-            &[("identity", None), ("mean_absolute_error", None)],
-        );
-        let unknown = evaluate(
-            "track_keeping",
-            json!({}),
-            &[compare(&truths, &truths, 50.0)],
-        );
-        assert_quantities(
-            &unknown,
-            &[("identity", None), ("mean_absolute_error", Some(0.0))],
-        );
-        assert_eq!(unknown.reason, Some(NO_SIGMA));
-    }
-}
+mod tests;

@@ -1,6 +1,6 @@
 //! What each step of a string may have been, where the tracks did not decide (`all_gated`).
 
-use super::normal_form::{EPSILON, Step};
+use super::step::{EPSILON, StringStep};
 
 /// Symbols and weights, those of one step in a row.
 #[derive(Debug)]
@@ -22,7 +22,7 @@ impl Default for Choices {
 
 impl Choices {
     /// Of the next step; when no others are given the step itself is the only choice.
-    pub fn push(&mut self, step: Step, others: &[Step]) {
+    pub fn push(&mut self, step: StringStep, others: &[StringStep]) {
         let steps = if others.is_empty() {
             std::slice::from_ref(&step)
         } else {

@@ -1,6 +1,7 @@
 //! Two strings laid beside each other on the axis.
 
-use super::normal_form::{EPSILON, StringSet, TrackString};
+use super::normal_form::{StringSet, TrackString};
+use super::step::EPSILON;
 use std::ops::Range;
 
 /// A string and the set it belongs to.

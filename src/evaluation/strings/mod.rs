@@ -12,6 +12,7 @@ mod choices;
 pub mod difference;
 pub mod normal_form;
 pub mod outputs;
+pub mod step;
 
 use super::EvaluationInput;
 use super::axis::Axis;
@@ -23,9 +24,10 @@ use crate::model::fault::Fault;
 use crate::model::scan::Recording;
 use crate::model::sensor::SensorSettings;
 use crate::model::truth::TruthSet;
-use normal_form::{Step, StringSet};
+use normal_form::StringSet;
 use outputs::Outputs;
 use serde::Deserialize;
+use step::StringStep;
 
 /// What the symbols of strings are.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -284,11 +286,12 @@ fn by_nearest_truth<'a>(
     let nearest = NearestTruth::new(truth, &axis, gate_m, max_gap_s, input.recording.is_none())?;
     let mut strings = StringSet::new(max_missed);
     for (target, scans) in nearest.scans_of_target.iter().enumerate() {
-        strings.push_owner(
-            scans
-                .iter()
-                .map(|&scan| (axis.scans()[scan].position, Step::certain(target as u32))),
-        );
+        strings.push_owner(scans.iter().map(|&scan| {
+            (
+                axis.scans()[scan].position,
+                StringStep::certain(target as u32),
+            )
+        }));
     }
     if nearest.never_watched > 0 {
         warnings.push(format!(
@@ -350,7 +353,7 @@ fn truth_strings(
         strings.push_owner(
             places[first..end]
                 .iter()
-                .map(|&(position, symbol)| (position as usize, Step::certain(symbol))),
+                .map(|&(position, symbol)| (position as usize, StringStep::certain(symbol))),
         );
         first = room;
     }

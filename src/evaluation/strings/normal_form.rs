@@ -4,34 +4,11 @@
 //! automaton: what was read so far, and what may come next.
 
 use super::choices::Choices;
+use super::step::{EPSILON, StringStep};
 use std::ops::Range;
 
-/// ε in a list of symbols.
-pub const EPSILON: u32 = u32::MAX;
 /// What stands behind the last symbol of a string.
 pub const END: u32 = u32::MAX - 1;
-
-/// What is at one scan of a string: a real symbol or ε (`None`), and the weight the tracker gave it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Step {
-    pub symbol: Option<u32>,
-    pub weight: f64,
-}
-
-impl Step {
-    /// ε for want of anything said.
-    pub const NOTHING: Step = Step {
-        symbol: None,
-        weight: 1.0,
-    };
-
-    pub fn certain(symbol: u32) -> Self {
-        Step {
-            symbol: Some(symbol),
-            weight: 1.0,
-        }
-    }
-}
 
 /// One string of a [`StringSet`].
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,7 +50,7 @@ pub struct StringSet {
     /// Where the strings of each owner begin in `strings`, and the end.
     first_of_owner: Vec<usize>,
     /// ε since the last real symbol of the open string.
-    pending: Vec<Step>,
+    pending: Vec<StringStep>,
     /// The string at hand, which is not among `strings` yet.
     open: Option<TrackString>,
 }
@@ -115,7 +92,7 @@ impl StringSet {
     }
 
     /// Appends the strings of the next owner from its steps in order of position; places left out are ε.
-    pub fn push_owner(&mut self, steps: impl IntoIterator<Item = (usize, Step)>) {
+    pub fn push_owner(&mut self, steps: impl IntoIterator<Item = (usize, StringStep)>) {
         for (position, step) in steps {
             self.push_step(position, step, &[]);
         }
@@ -125,7 +102,7 @@ impl StringSet {
     /// Takes the next step of the owner that [`end_owner`](Self::end_owner) closes, with what else it may have been. A scan
     /// where it may have been real does not count as missed.
     #[inline]
-    pub fn push_step(&mut self, position: usize, step: Step, choices: &[Step]) {
+    pub fn push_step(&mut self, position: usize, step: StringStep, choices: &[StringStep]) {
         if let Some(end) = self.open.as_ref().map(TrackString::end) {
             self.pass_gap(position - end);
         }
@@ -147,7 +124,7 @@ impl StringSet {
         if missed >= self.max_missed {
             self.close_string();
         } else if missed > self.pending.len() {
-            self.pending.resize(missed, Step::NOTHING);
+            self.pending.resize(missed, StringStep::NOTHING);
         }
     }
 
@@ -169,7 +146,7 @@ impl StringSet {
         if let Some(string) = self.open.take() {
             self.strings.push(string);
             self.write(
-                Step {
+                StringStep {
                     symbol: Some(END),
                     weight: 0.0,
                 },
@@ -180,7 +157,7 @@ impl StringSet {
 
     /// Adds a step and what is pending to the open string, or opens one.
     #[inline]
-    fn append(&mut self, position: usize, step: Step, choices: &[Step]) {
+    fn append(&mut self, position: usize, step: StringStep, choices: &[StringStep]) {
         let mut open = self
             .open
             .take()
@@ -198,7 +175,7 @@ impl StringSet {
     }
 
     #[inline]
-    fn write(&mut self, step: Step, choices: &[Step]) {
+    fn write(&mut self, step: StringStep, choices: &[StringStep]) {
         self.symbols.push(step.symbol.unwrap_or(EPSILON));
         if !self.weights.is_empty() {
             self.weights.push(step.weight);
@@ -301,9 +278,9 @@ mod tests {
             (
                 position,
                 if byte == b'.' {
-                    Step::NOTHING
+                    StringStep::NOTHING
                 } else {
-                    Step::certain(byte.into())
+                    StringStep::certain(byte.into())
                 },
             )
         }));
@@ -352,11 +329,15 @@ mod tests {
     #[test]
     fn weights_of_epsilon_are_kept() {
         let mut set = StringSet::weighted(3, false);
-        let doubted = Step {
+        let doubted = StringStep {
             symbol: None,
             weight: 0.25,
         };
-        set.push_owner([(0, Step::certain(1)), (2, doubted), (3, Step::certain(2))]);
+        set.push_owner([
+            (0, StringStep::certain(1)),
+            (2, doubted),
+            (3, StringStep::certain(2)),
+        ]);
         let string = set.strings()[0];
         assert_eq!(set.symbols_of(&string), [1, EPSILON, EPSILON, 2]);
         assert_eq!(
@@ -373,19 +354,19 @@ mod tests {
     fn a_scan_that_may_have_been_real_is_not_missed() {
         let mut set = StringSet::weighted(1, true);
         let (nothing, maybe) = (
-            Step {
+            StringStep {
                 symbol: None,
                 weight: 0.6,
             },
-            Step {
+            StringStep {
                 symbol: Some(7),
                 weight: 0.4,
             },
         );
-        set.push_step(0, Step::certain(1), &[Step::certain(1)]);
+        set.push_step(0, StringStep::certain(1), &[StringStep::certain(1)]);
         set.push_step(1, nothing, &[nothing, maybe]);
-        set.push_step(2, Step::certain(2), &[Step::certain(2)]);
-        set.push_step(3, Step::NOTHING, &[Step::NOTHING]);
+        set.push_step(2, StringStep::certain(2), &[StringStep::certain(2)]);
+        set.push_step(3, StringStep::NOTHING, &[StringStep::NOTHING]);
         set.end_owner();
         let string = set.strings()[0];
         assert_eq!(

@@ -5,7 +5,8 @@
 //! least weight is kept beside the decision, ε also where nothing else is. Under `nearest_detection` and `nearest_truth`
 //! the symbol is the nearest detection or target instead.
 
-use super::normal_form::{Step, StringSet};
+use super::normal_form::StringSet;
+use super::step::StringStep;
 use super::{DecisionPolicy, Source};
 use crate::evaluation::axis::Axis;
 use crate::evaluation::identities::Identities;
@@ -96,7 +97,7 @@ struct Reader<'r, 'a> {
     outputs: Outputs,
     /// The candidates of the track at hand at the scan at hand, and the choices they leave it.
     at_scan: Vec<Candidate>,
-    choices: Vec<Step>,
+    choices: Vec<StringStep>,
     /// The first points that belong to no scan, in words.
     lost_points: Vec<String>,
     /// Lost points that may be of several scans.
@@ -192,7 +193,7 @@ impl Reader<'_, '_> {
             None
         };
         let decision = match alone {
-            Some(one) => Step {
+            Some(one) => StringStep {
                 symbol: one.detection.map(|name| self.identify(index, scan, name)),
                 weight: one.probability,
             },
@@ -208,7 +209,7 @@ impl Reader<'_, '_> {
         let step = match self.source {
             Source::NearestTruth(nearest) => {
                 let place_m = place_of(&track.points[first]);
-                Step {
+                StringStep {
                     symbol: place_m.and_then(|place_m| nearest.symbol(scan, &place_m)),
                     weight: 1.0,
                 }
@@ -227,7 +228,7 @@ impl Reader<'_, '_> {
         scan: usize,
         track: &Track,
         points: &[(usize, usize)],
-    ) -> Step {
+    ) -> StringStep {
         self.gather(
             index,
             scan,
@@ -249,7 +250,7 @@ impl Reader<'_, '_> {
                 let place_m = points
                     .first()
                     .and_then(|&(_, first)| place_of(&track.points[first]));
-                Step {
+                StringStep {
                     symbol: place_m.and_then(|place_m| nearest.nearest(scan, &place_m)),
                     weight: 1.0,
                 }
@@ -362,9 +363,9 @@ fn place_of(point: &TrackPoint) -> Option<Position> {
 }
 
 /// The most probable candidate; ε when there is none.
-fn decide(candidates: impl Iterator<Item = Candidate>) -> Step {
+fn decide(candidates: impl Iterator<Item = Candidate>) -> StringStep {
     let best = candidates.fold(None, more_probable);
-    best.map_or(Step::NOTHING, |best| Step {
+    best.map_or(StringStep::NOTHING, |best| StringStep {
         symbol: best.detection,
         weight: best.probability,
     })
@@ -387,7 +388,7 @@ fn more_probable(best: Option<Candidate>, next: Candidate) -> Option<Candidate> 
 }
 
 /// Every candidate of at least the least weight; where there is none, ε with what is said of it or what is left for it.
-fn allow(candidates: &[Candidate], min_weight: f64, choices: &mut Vec<Step>) {
+fn allow(candidates: &[Candidate], min_weight: f64, choices: &mut Vec<StringStep>) {
     for candidate in candidates
         .iter()
         .filter(|candidate| candidate.probability >= min_weight)
@@ -397,7 +398,7 @@ fn allow(candidates: &[Candidate], min_weight: f64, choices: &mut Vec<Step>) {
             .find(|choice| choice.symbol == candidate.detection)
         {
             Some(known) => known.weight = known.weight.max(candidate.probability),
-            None => choices.push(Step {
+            None => choices.push(StringStep {
                 symbol: candidate.detection,
                 weight: candidate.probability,
             }),
@@ -413,7 +414,7 @@ fn allow(candidates: &[Candidate], min_weight: f64, choices: &mut Vec<Step>) {
             .map(|candidate| candidate.probability)
             .filter(|probability| !probability.is_nan())
             .sum();
-        choices.push(Step {
+        choices.push(StringStep {
             symbol: None,
             weight: said.unwrap_or((1.0 - taken).max(0.0)),
         });

@@ -12,7 +12,7 @@ use crate::evaluation::strings::normal_form::StringSet;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transition {
     pub time: u32,
-    /// ε is [`crate::evaluation::strings::normal_form::EPSILON`].
+    /// ε is [`crate::evaluation::strings::step::EPSILON`].
     pub symbol: u32,
     pub weight: f64,
     pub to: u32,

@@ -3,7 +3,8 @@
 //! A string of decided symbols is born with its first symbol. With choices (`all_gated`) a string may also be born later,
 //! where it may have been ε so long that what was before it does not belong to the same string.
 
-use crate::evaluation::strings::normal_form::{EPSILON, StringSet, TrackString};
+use crate::evaluation::strings::normal_form::{StringSet, TrackString};
+use crate::evaluation::strings::step::EPSILON;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Birth {

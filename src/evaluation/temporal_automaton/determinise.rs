@@ -91,7 +91,7 @@ pub fn minimise(automaton: &Automaton) -> Automaton {
                 .or_insert(next);
         }
     }
-    renumbered(classes, class_of[START as usize])
+    renumber(classes, class_of[START as usize])
 }
 
 /// The states that can be reached, each behind all states that it leads to.
@@ -119,7 +119,7 @@ fn ends_first(automaton: &Automaton) -> Vec<u32> {
 }
 
 /// The classes as an automaton: the start is state 0, the others in the order in which they are met from it.
-fn renumbered(classes: BTreeMap<Signature, u32>, start: u32) -> Automaton {
+fn renumber(classes: BTreeMap<Signature, u32>, start: u32) -> Automaton {
     let mut by_class: Vec<Signature> = vec![Signature::default(); classes.len()];
     for (signature, class) in classes {
         by_class[class as usize] = signature;

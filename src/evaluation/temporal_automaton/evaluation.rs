@@ -5,12 +5,11 @@ use super::automaton::Automaton;
 use super::births::Births;
 use super::determinise::{determinise, minimise};
 use super::export::AutomatonFile;
-use super::findings::Findings;
 use super::model_check::{self, Broken};
 use super::output_tracks::{self, Classes};
 use super::paths::Paths;
-use super::report::{Size, TfaReport};
-use super::search::Search;
+use super::report::Size;
+use super::search::RunSearch;
 use super::tolerant::{self, Bridge};
 use super::verdict::{self, Sides, TargetVerdict};
 use super::weighted::{self, ScanProbability};
@@ -90,7 +89,7 @@ impl<'a> TfaEvaluation<'a> {
             births: &births,
             track_ranks: &track_ranks,
         };
-        let mut search = Search::new(settings.search);
+        let mut search = RunSearch::new(settings.search);
         let table = outputs
             .has_choices()
             .then(|| Automaton::of_strings(outputs, &births));
@@ -108,7 +107,7 @@ impl<'a> TfaEvaluation<'a> {
         let classes = output_tracks::classify(&strings, &target_ranks, &track_ranks);
         let broken = model_check::check(&strings.outputs);
         let (least_errors, bridges) = tolerant::least_errors(&strings, &verdicts);
-        let bridged = bridged(&strings, input, &bridges);
+        let bridged = bridge_gaps(&strings, input, &bridges);
         strings.warnings.extend(bridged);
         let minimal = settings
             .minimise
@@ -127,10 +126,6 @@ impl<'a> TfaEvaluation<'a> {
             broken,
             least_errors,
         }
-    }
-
-    pub fn report(&self) -> TfaReport {
-        Findings(self).report()
     }
 
     /// The sizes of the automaton as built.
@@ -193,7 +188,7 @@ impl<'a> TfaEvaluation<'a> {
 }
 
 /// A warning where one track goes on across gaps that end strings of its target.
-fn bridged(strings: &Strings, input: EvaluationInput, bridges: &[Bridge]) -> Option<String> {
+fn bridge_gaps(strings: &Strings, input: EvaluationInput, bridges: &[Bridge]) -> Option<String> {
     let first = bridges.first()?;
     let (target, track) = (
         strings.target_ids[first.target as usize],

@@ -3,7 +3,7 @@
 use super::automaton::{Automaton, Transition};
 use super::report::EPSILON;
 use super::search::{START, Transitions};
-use crate::evaluation::strings::{Strings, normal_form};
+use crate::evaluation::strings::{Strings, step};
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -41,7 +41,7 @@ impl AutomatonFile {
                 to: transition.to,
                 scan: scan.map(|scan| scan.number),
                 time_s: scan.map(|scan| scan.time_s),
-                symbol: if symbol == normal_form::EPSILON {
+                symbol: if symbol == step::EPSILON {
                     EPSILON
                 } else {
                     strings.name_of(symbol)

@@ -17,11 +17,17 @@ use crate::evaluation::strings::{DecisionPolicy, SymbolRule};
 /// At most so many violations, and so many unknown detections, are listed.
 pub const MAX_LISTED: usize = 1000;
 
+impl TfaEvaluation<'_> {
+    pub fn report(&self) -> TfaReport {
+        Findings(self).report()
+    }
+}
+
 /// Everything found, by index.
-pub struct Findings<'f, 'a>(pub &'f TfaEvaluation<'a>);
+struct Findings<'f, 'a>(&'f TfaEvaluation<'a>);
 
 impl Findings<'_, '_> {
-    pub fn report(&self) -> TfaReport {
+    fn report(&self) -> TfaReport {
         let found = self.0;
         let output_tracks = self.output_tracks();
         let counts = self.counts(&output_tracks);
@@ -89,28 +95,23 @@ impl Findings<'_, '_> {
     }
 
     fn counts(&self, output_tracks: &[OutputTrackReport]) -> Counts {
-        let verdicts = |wanted| {
-            self.0
-                .verdicts
-                .iter()
-                .filter(|judged| judged.verdict == wanted)
-                .count()
-        };
-        let classes = |wanted| {
-            output_tracks
-                .iter()
-                .filter(|track| track.class == wanted)
-                .count()
-        };
+        let mut of_verdict = [0; 3];
+        for judged in &self.0.verdicts {
+            of_verdict[judged.verdict as usize] += 1;
+        }
+        let mut of_class = [0; 3];
+        for track in output_tracks {
+            of_class[track.class as usize] += 1;
+        }
         Counts {
             targets: self.0.verdicts.len(),
             output_tracks: output_tracks.len(),
-            correct: verdicts(Verdict::Correct),
-            missed: verdicts(Verdict::Missed),
-            wrong: verdicts(Verdict::False),
-            matched_tracks: classes(TrackClass::Matched),
-            redundant_tracks: classes(TrackClass::Redundant),
-            false_tracks: classes(TrackClass::False),
+            correct: of_verdict[Verdict::Correct as usize],
+            missed: of_verdict[Verdict::Missed as usize],
+            wrong: of_verdict[Verdict::False as usize],
+            matched_tracks: of_class[TrackClass::Matched as usize],
+            redundant_tracks: of_class[TrackClass::Redundant as usize],
+            false_tracks: of_class[TrackClass::False as usize],
             violations: self.0.broken.len(),
             unknown_detections: self.0.strings.outputs.unknown.len(),
         }

@@ -6,7 +6,8 @@
 //! The errors of a track are the scans at which it and the target, all its strings together, differ.
 
 use crate::evaluation::strings::Strings;
-use crate::evaluation::strings::normal_form::{EPSILON, StringSet, TrackString};
+use crate::evaluation::strings::normal_form::{StringSet, TrackString};
+use crate::evaluation::strings::step::EPSILON;
 use serde::Serialize;
 use std::cmp::Reverse;
 
@@ -57,33 +58,29 @@ pub fn classify(strings: &Strings, target_ranks: &[u32], track_ranks: &[u32]) ->
                 .sum()
         })
         .collect();
-    let mut targets = Vec::new();
-    let follow = |string| {
-        let (target, hits) = most_hit(strings, target_ranks, string, &mut targets)?;
+    let (mut targets, mut following) = (Vec::new(), Vec::new());
+    let mut best = vec![None; strings.target_ids.len()];
+    for (index, string) in outputs.strings().iter().enumerate() {
+        let Some((target, hits)) = most_hit(strings, target_ranks, string, &mut targets) else {
+            following.push(None);
+            continue;
+        };
         let errors =
             real_of_target[target as usize] + string.real - agreement(strings, string, target);
-        Some(Following {
-            target,
-            hits,
+        let merit = Reverse((
+            Reverse(hits),
             errors,
-        })
-    };
-    let following: Vec<Option<Following>> = outputs.strings().iter().map(follow).collect();
-    let merit = |index: usize, following: &Following| {
-        let string = &outputs.strings()[index];
-        Reverse((
-            Reverse(following.hits),
-            following.errors,
             string.start,
             track_ranks[string.owner as usize],
             string.part,
-        ))
-    };
-    let mut best = vec![None; strings.target_ids.len()];
-    for (index, following) in following.iter().enumerate() {
-        let Some(following) = following else { continue };
-        let slot = &mut best[following.target as usize];
-        *slot = (*slot).max(Some((merit(index, following), index)));
+        ));
+        let slot = &mut best[target as usize];
+        *slot = (*slot).max(Some((merit, index)));
+        following.push(Some(Following {
+            target,
+            hits,
+            errors,
+        }));
     }
     Classes {
         following,

@@ -69,15 +69,15 @@ impl Product {
 
 /// Searches one string after another with the same memory.
 #[derive(Debug)]
-pub struct Search {
+pub struct RunSearch {
     order: Order,
     present: Vec<(u32, Product)>,
     next: Vec<(u32, Product)>,
 }
 
-impl Search {
+impl RunSearch {
     pub fn new(order: Order) -> Self {
-        Search {
+        RunSearch {
             order,
             present: Vec::new(),
             next: Vec::new(),
@@ -94,7 +94,7 @@ impl Search {
 
     /// All states that can be reached, symbol by symbol.
     fn breadth_first(&mut self, automaton: &impl Transitions, start: u32, symbols: &[u32]) -> Run {
-        let Search { present, next, .. } = self;
+        let RunSearch { present, next, .. } = self;
         present.clear();
         present.push((START, Product::ONE));
         for (offset, &symbol) in symbols.iter().enumerate() {

@@ -4,8 +4,9 @@ use super::automaton::{Automaton, Transition};
 use super::births::Births;
 use super::determinise::{determinise, minimise};
 use super::paths::Paths;
-use super::search::{Order, Run, START, Search, Transitions};
-use crate::evaluation::strings::normal_form::{EPSILON, Step, StringSet};
+use super::search::{Order, Run, RunSearch, START, Transitions};
+use crate::evaluation::strings::normal_form::StringSet;
+use crate::evaluation::strings::step::{EPSILON, StringStep};
 use proptest::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -17,7 +18,7 @@ fn any_strings() -> impl Strategy<Value = StringSet> {
         for line in lines {
             set.push_owner(
                 line.into_iter()
-                    .map(|(symbol, tenths)| Step {
+                    .map(|(symbol, tenths)| StringStep {
                         symbol,
                         weight: f64::from(tenths) / 10.0,
                     })
@@ -40,9 +41,9 @@ fn any_choices() -> impl Strategy<Value = StringSet> {
         for line in lines {
             for (position, scan) in line.into_iter().enumerate() {
                 let by_symbol: BTreeMap<Option<u32>, u32> = scan.into_iter().collect();
-                let choices: Vec<Step> = by_symbol
+                let choices: Vec<StringStep> = by_symbol
                     .into_iter()
-                    .map(|(symbol, tenths)| Step {
+                    .map(|(symbol, tenths)| StringStep {
                         symbol,
                         weight: f64::from(tenths) / 10.0,
                     })
@@ -116,7 +117,7 @@ fn naive(automaton: &Automaton, state: u32, time: u32, symbols: &[u32]) -> Optio
 }
 
 fn run(order: Order, automaton: &impl Transitions, start: usize, symbols: &[u32]) -> Run {
-    Search::new(order).run(automaton, start, symbols)
+    RunSearch::new(order).run(automaton, start, symbols)
 }
 
 fn are_the_same(a: Run, b: Run) -> bool {
@@ -136,7 +137,7 @@ fn reads(lines: &[Vec<u32>], max_missed: usize, start: usize, word: &[u32]) -> b
         let mut set = StringSet::new(max_missed as u32);
         set.push_owner(
             line.iter()
-                .map(|&symbol| Step {
+                .map(|&symbol| StringStep {
                     symbol: Some(symbol).filter(|&it| it != EPSILON),
                     weight: 1.0,
                 })
@@ -246,7 +247,7 @@ proptest! {
 #[test]
 fn more_states_than_allowed_are_not_made() {
     let mut set = StringSet::new(5);
-    set.push_owner((0..9).map(|position| (position, Step::certain(position as u32))));
+    set.push_owner((0..9).map(|position| (position, StringStep::certain(position as u32))));
     let table = Automaton::of_strings(&set, &Births::new(&set));
     assert_eq!((table.states(), table.transitions()), (10, 9));
     assert!(determinise(&table, 9).is_none());
@@ -262,7 +263,12 @@ fn more_states_than_allowed_are_not_made() {
 fn strings_that_begin_and_end_alike_share_states() {
     let mut set = StringSet::new(5);
     for middle in [7, 8] {
-        set.push_owner([1, middle, 2].into_iter().map(Step::certain).enumerate());
+        set.push_owner(
+            [1, middle, 2]
+                .into_iter()
+                .map(StringStep::certain)
+                .enumerate(),
+        );
     }
     let table = Automaton::of_strings(&set, &Births::new(&set));
     let minimal = minimise(&determinise(&table, 100).unwrap());
@@ -276,7 +282,7 @@ fn very_long_products_do_not_vanish() {
     set.push_owner((0..5000).map(|position| {
         (
             position,
-            Step {
+            StringStep {
                 symbol: Some(1),
                 weight: 0.5,
             },

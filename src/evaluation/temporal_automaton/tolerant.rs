@@ -17,7 +17,8 @@
 use super::verdict::{TargetVerdict, Verdict};
 use crate::evaluation::strings::Strings;
 use crate::evaluation::strings::difference::differences;
-use crate::evaluation::strings::normal_form::{EPSILON, TrackString};
+use crate::evaluation::strings::normal_form::TrackString;
+use crate::evaluation::strings::step::EPSILON;
 use crate::math::assignment::AssignmentSolver;
 
 /// A truth string and an output string that share a detection.

@@ -6,7 +6,7 @@
 //! symbols.
 
 use super::births::Births;
-use super::search::{Run, Search, Transitions};
+use super::search::{Run, RunSearch, Transitions};
 use crate::evaluation::strings::difference::differences;
 use crate::evaluation::strings::normal_form::{StringSet, TrackString};
 use serde::Serialize;
@@ -54,7 +54,7 @@ pub struct Sides<'a> {
 pub fn judge(
     sides: Sides,
     automaton: &impl Transitions,
-    search: &mut Search,
+    search: &mut RunSearch,
 ) -> Vec<TargetVerdict> {
     (0..sides.truth.owners())
         .map(|owner| target(sides, automaton, search, owner))
@@ -64,7 +64,7 @@ pub fn judge(
 fn target(
     sides: Sides,
     automaton: &impl Transitions,
-    search: &mut Search,
+    search: &mut RunSearch,
     owner: usize,
 ) -> TargetVerdict {
     let mut judged = TargetVerdict {
@@ -103,6 +103,13 @@ pub struct Speaker {
     pub output: usize,
     /// Where the two first differ; `None` when they never do.
     pub differs_at: Option<usize>,
+}
+
+impl Speaker {
+    /// How long the two agree.
+    fn length(&self) -> usize {
+        self.differs_at.unwrap_or(usize::MAX)
+    }
 }
 
 impl<'a> Sides<'a> {
@@ -179,8 +186,7 @@ impl<'a> Sides<'a> {
         next: &(Speaker, Reverse<(u32, u32)>),
         kept: &(Speaker, Reverse<(u32, u32)>),
     ) -> bool {
-        let length = |speaker: &Speaker| speaker.differs_at.unwrap_or(usize::MAX);
-        let by_length = length(&next.0).cmp(&length(&kept.0));
+        let by_length = next.0.length().cmp(&kept.0.length());
         let by_weight = || match (next.0.differs_at, kept.0.differs_at) {
             (None, None) => self
                 .ln_weight(string, next.0.output)

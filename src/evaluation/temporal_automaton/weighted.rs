@@ -6,7 +6,7 @@
 
 use super::verdict::Sides;
 use crate::evaluation::strings::Strings;
-use crate::evaluation::strings::normal_form::EPSILON;
+use crate::evaluation::strings::step::EPSILON;
 
 /// One scan of a truth string.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -25,7 +25,7 @@ pub enum EstimateColumns {
 }
 
 impl EstimateColumns {
-    pub fn of(header: &Header) -> Self {
+    pub fn from_header(header: &Header) -> Self {
         if header.find("x_m").is_none() {
             return EstimateColumns::Bearing {
                 bearing: header.required("bearing_deg"),
@@ -128,27 +128,30 @@ pub enum EstimateLayout {
 }
 
 impl EstimateLayout {
-    pub fn of(set: &TrackSet) -> Self {
-        let points = || set.tracks.iter().flat_map(|track| &track.points);
-        if set.is_of_bearings() {
-            let has = |wanted: fn(&BearingEstimate) -> bool| {
-                points()
-                    .filter_map(|point| point.estimate.bearing())
-                    .any(wanted)
-            };
-            return EstimateLayout::Bearing {
-                rate: has(|bearing| bearing.rate_radps.is_some()),
-                covariance: has(|bearing| bearing.covariance.is_some()),
-            };
+    pub fn for_set(set: &TrackSet) -> Self {
+        let (mut has_rates, mut has_covariance) = (false, false);
+        for point in set.tracks.iter().flat_map(|track| &track.points) {
+            match &point.estimate {
+                Estimate::Plane(plane) => {
+                    has_rates |= plane.has_velocity;
+                    has_covariance |= plane.covariance.is_some();
+                }
+                Estimate::Bearing(bearing) => {
+                    has_rates |= bearing.rate_radps.is_some();
+                    has_covariance |= bearing.covariance.is_some();
+                }
+            }
         }
-        let has = |wanted: fn(&PlaneEstimate) -> bool| {
-            points()
-                .filter_map(|point| point.estimate.plane())
-                .any(wanted)
-        };
-        EstimateLayout::Plane {
-            velocity: has(|plane| plane.has_velocity),
-            covariance: has(|plane| plane.covariance.is_some()),
+        if set.is_of_bearings() {
+            EstimateLayout::Bearing {
+                rate: has_rates,
+                covariance: has_covariance,
+            }
+        } else {
+            EstimateLayout::Plane {
+                velocity: has_rates,
+                covariance: has_covariance,
+            }
         }
     }
 

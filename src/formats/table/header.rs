@@ -4,7 +4,7 @@ use super::{FaultLog, Rows};
 use crate::formats::ReadOptions;
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
-use crate::model::names::shortened;
+use crate::model::names::shorten;
 use std::collections::BTreeMap;
 
 /// The ten columns of a covariance, upper triangle.
@@ -262,14 +262,13 @@ fn check_missing(
     names: &[String],
     faults: &mut FaultLog,
 ) {
-    let has = |name: &str| names.iter().any(|known| known == name);
     let mut missing = |name: &str, detail: String| {
         faults.push(
             rows.header_fault(Some(name), "missing", detail)
                 .allowing(schema.known()),
         );
     };
-    for &name in schema.required.iter().filter(|name| !has(name)) {
+    for &name in schema.required.iter().filter(|name| !has(names, name)) {
         missing(
             name,
             format!("a file of {} needs a column '{name}'", kind.name()),
@@ -278,9 +277,9 @@ fn check_missing(
     for group in schema
         .together
         .iter()
-        .filter(|group| group.iter().any(|name| has(name)))
+        .filter(|group| group.iter().any(|name| has(names, name)))
     {
-        for &name in group.iter().filter(|name| !has(name)) {
+        for &name in group.iter().filter(|name| !has(names, name)) {
             missing(
                 name,
                 format!(
@@ -290,13 +289,15 @@ fn check_missing(
             );
         }
     }
-    if kind == DatasetKind::Detections && has("range_m") && !has("bearing_deg") {
+    if kind == DatasetKind::Detections && has(names, "range_m") && !has(names, "bearing_deg") {
         missing(
             "bearing_deg",
             "column 'bearing_deg' is missing: range_m, bearing_deg come together".to_owned(),
         );
     } else if kind == DatasetKind::Detections
-        && !["x_m", "y_m", "bearing_deg"].iter().any(|name| has(name))
+        && !["x_m", "y_m", "bearing_deg"]
+            .iter()
+            .any(|name| has(names, name))
     {
         missing(
             "x_m",
@@ -306,15 +307,15 @@ fn check_missing(
     }
 }
 
+fn has(names: &[String], name: &str) -> bool {
+    names.iter().any(|known| known == name)
+}
+
 /// Names in a message: the first ones, each cut to a length that fits.
 fn listed<'n>(names: impl ExactSizeIterator<Item = &'n str>) -> String {
     const MOST: usize = 50;
     let more = names.len().saturating_sub(MOST);
-    let first = names
-        .take(MOST)
-        .map(shortened)
-        .collect::<Vec<_>>()
-        .join(", ");
+    let first = names.take(MOST).map(shorten).collect::<Vec<_>>().join(", ");
     if more > 0 {
         format!("{first} and {more} more")
     } else {

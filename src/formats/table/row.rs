@@ -2,7 +2,7 @@
 
 use super::{FaultLog, Repeats, Rows};
 use crate::model::fault::Fault;
-use crate::model::names::{name_fault, shortened};
+use crate::model::names::{name_fault, shorten};
 
 /// Walks the rows of a table and collects what is wrong with them.
 pub struct RowReader<'a> {
@@ -117,7 +117,7 @@ impl<'a> RowReader<'a> {
             Err(_) => self.fault(
                 column,
                 "malformed",
-                format!("expected a number, found '{}'", shortened(text)),
+                format!("expected a number, found '{}'", shorten(text)),
             ),
         }
         None
@@ -147,7 +147,7 @@ impl<'a> RowReader<'a> {
                 let detail = format!(
                     "expected a whole number from 0 to {}, found '{}'",
                     u32::MAX,
-                    shortened(text)
+                    shorten(text)
                 );
                 self.fault(column, "malformed", detail);
             }

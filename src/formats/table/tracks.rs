@@ -26,11 +26,11 @@ struct Columns {
 }
 
 impl Columns {
-    fn of(header: &Header) -> Self {
+    fn from_header(header: &Header) -> Self {
         Columns {
             time: header.required("time_s"),
             track: header.required("track_id"),
-            estimate: EstimateColumns::of(header),
+            estimate: EstimateColumns::from_header(header),
             sensor: header.find("sensor_id"),
             detection: header.find("detection_id"),
             probability: header.find("probability"),
@@ -70,7 +70,7 @@ pub fn read(
     header: &Header,
     warnings: &mut Vec<String>,
 ) -> Result<(Dataset, bool), Vec<Fault>> {
-    let columns = Columns::of(header);
+    let columns = Columns::from_header(header);
     let mut reader = RowReader::new(rows);
     let mut builder = Builder::default();
     while reader.advance() {
@@ -357,7 +357,7 @@ fn check_same_point(
 /// # Errors
 /// What the output says.
 pub fn write(set: &TrackSet, sink: &mut dyn Sink) -> io::Result<()> {
-    let layout = Layout::of(set);
+    let layout = Layout::for_set(set);
     sink.begin(&layout.columns())?;
     for track in &set.tracks {
         for point in &track.points {
@@ -384,7 +384,7 @@ struct Layout {
 }
 
 impl Layout {
-    fn of(set: &TrackSet) -> Self {
+    fn for_set(set: &TrackSet) -> Self {
         let has = |wanted: fn(&TrackPoint) -> bool| {
             set.tracks
                 .iter()
@@ -392,7 +392,7 @@ impl Layout {
         };
         Layout {
             sensor: has(|point| point.sensor.is_some()),
-            estimate: EstimateLayout::of(set),
+            estimate: EstimateLayout::for_set(set),
             candidates: has(|point| point.candidates > 0),
             status: has(|point| point.status.is_some()),
             nis: has(|point| point.nis.is_some()),

@@ -46,7 +46,7 @@ pub fn read(
     let columns = Columns {
         time: header.required("time_s"),
         truth: header.required("truth_id"),
-        place: PlaceColumns::of(header),
+        place: PlaceColumns::from_header(header),
     };
     let mut reader = RowReader::new(rows);
     let mut names = Interner::default();
@@ -62,7 +62,10 @@ pub fn read(
     warnings.extend(reader.repeats_warning(&repeats));
     reader.faults.finish()?;
     let empty = paths.is_empty();
-    Ok((Dataset::Truth(TruthSet::new(sorted(names, paths))?), empty))
+    Ok((
+        Dataset::Truth(TruthSet::new(sort_targets(names, paths))?),
+        empty,
+    ))
 }
 
 fn read_row(
@@ -98,7 +101,7 @@ fn read_row(
 }
 
 impl PlaceColumns {
-    fn of(header: &Header) -> Self {
+    fn from_header(header: &Header) -> Self {
         if header.find("x_m").is_none() {
             return PlaceColumns::Bearing(header.required("bearing_deg"));
         }
@@ -142,7 +145,7 @@ fn check_order(reader: &mut RowReader, columns: &Columns, time_s: f64, before_s:
 }
 
 /// The targets in natural order of their names.
-fn sorted(names: Interner, mut paths: Vec<Path>) -> Vec<Target> {
+fn sort_targets(names: Interner, mut paths: Vec<Path>) -> Vec<Target> {
     let (names, place) = names.sorted();
     let mut targets: Vec<Target> = names
         .into_iter()

@@ -107,7 +107,7 @@ pub fn search(
     stream: &mut impl Rng,
 ) -> Result<GeneticOutcome, FuzzyError> {
     settings.check()?;
-    let mut search = Search {
+    let mut search = CentreSearch {
         means,
         objects,
         settings,
@@ -132,7 +132,7 @@ pub fn search(
     })
 }
 
-struct Search<'a, 'o> {
+struct CentreSearch<'a, 'o> {
     means: &'a mut FuzzyCMeans,
     objects: &'a Objects<'o>,
     settings: GeneticSettings,
@@ -142,7 +142,7 @@ struct Search<'a, 'o> {
     population: Vec<Individual>,
 }
 
-impl Search<'_, '_> {
+impl CentreSearch<'_, '_> {
     /// Step 1.
     fn populate(&mut self, clusters: usize, stream: &mut impl Rng) -> Result<(), FuzzyError> {
         let mut centres = Vec::new();

@@ -30,7 +30,7 @@ impl Fuzzifier {
 
     /// u^q.
     #[inline]
-    pub fn raised(self, membership: f64) -> f64 {
+    pub fn raise(self, membership: f64) -> f64 {
         if self.q == 2.0 {
             membership * membership
         } else {

@@ -16,7 +16,7 @@
 //!   does not.
 
 use super::{Fuzzifier, FuzzyError};
-use crate::math::angle::wrapped;
+use crate::math::angle::wrap;
 use std::f64::consts::TAU;
 
 /// m at most.
@@ -151,7 +151,7 @@ impl<'a> Objects<'a> {
     pub(super) fn difference(&self, attribute: usize, left: f64, right: f64) -> f64 {
         let difference = left - right;
         if self.has_angles && self.angles[attribute] {
-            wrapped(difference)
+            wrap(difference)
         } else {
             difference
         }
@@ -259,7 +259,7 @@ impl CentreUpdate {
     ) {
         let clusters = centres.len() / objects.attributes;
         for (cluster, centre) in centres.chunks_exact_mut(objects.attributes).enumerate() {
-            let weight = |object: usize| fuzzifier.raised(memberships[object * clusters + cluster]);
+            let weight = |object: usize| fuzzifier.raise(memberships[object * clusters + cluster]);
             match objects.metric {
                 Metric::Scaled(_) => self.mean(objects, weight, centre),
                 Metric::Mahalanobis(inverses) => {
@@ -361,7 +361,7 @@ fn walk(objects: &Objects, step: &[f64], part: f64, centre: &mut [f64]) {
     for attribute in 0..objects.attributes {
         let moved = centre[attribute] + part * step[attribute];
         centre[attribute] = if objects.angles[attribute] {
-            wrapped(moved)
+            wrap(moved)
         } else {
             moved
         };

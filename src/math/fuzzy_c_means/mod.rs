@@ -38,7 +38,7 @@ use metric::CentreUpdate;
 
 /// How fuzzy, and how long.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
+pub struct FuzzyCMeansSettings {
     /// q.
     pub fuzzifier: f64,
     /// Of the largest change of a membership.
@@ -46,9 +46,9 @@ pub struct Settings {
     pub max_iterations: u32,
 }
 
-impl Default for Settings {
+impl Default for FuzzyCMeansSettings {
     fn default() -> Self {
-        Settings {
+        FuzzyCMeansSettings {
             fuzzifier: 2.0,
             tolerance: 1e-4,
             max_iterations: 100,
@@ -56,7 +56,7 @@ impl Default for Settings {
     }
 }
 
-impl Settings {
+impl FuzzyCMeansSettings {
     /// # Errors
     /// The first value out of its range.
     pub fn check(&self) -> Result<(), FuzzyError> {
@@ -73,7 +73,7 @@ impl Settings {
 
 /// How a run ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Outcome {
+pub struct ClusteringResult {
     /// How often the centres were moved.
     pub iterations: u32,
     /// Whether the memberships stayed within the tolerance at last.
@@ -84,7 +84,7 @@ pub struct Outcome {
 
 /// What an observer is shown: the state after an iteration, 0 being that of the initial centres.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Step<'a> {
+pub struct IterationState<'a> {
     pub iteration: u32,
     /// J.
     pub cost: f64,
@@ -97,7 +97,7 @@ pub struct Step<'a> {
 /// Runs fuzzy c-means on one set of objects after another, and holds the result of the last run.
 #[derive(Debug, Clone)]
 pub struct FuzzyCMeans {
-    settings: Settings,
+    settings: FuzzyCMeansSettings,
     fuzzifier: Fuzzifier,
     clusters: usize,
     memberships: Vec<f64>,
@@ -111,7 +111,7 @@ pub struct FuzzyCMeans {
 impl FuzzyCMeans {
     /// # Errors
     /// The first setting out of its range.
-    pub fn new(settings: Settings) -> Result<Self, FuzzyError> {
+    pub fn new(settings: FuzzyCMeansSettings) -> Result<Self, FuzzyError> {
         settings.check()?;
         Ok(FuzzyCMeans {
             settings,
@@ -130,7 +130,11 @@ impl FuzzyCMeans {
     ///
     /// # Errors
     /// c outside 2 to n, or an initial value that is not finite.
-    pub fn run(&mut self, objects: &Objects, initial: &[f64]) -> Result<Outcome, FuzzyError> {
+    pub fn run(
+        &mut self,
+        objects: &Objects,
+        initial: &[f64],
+    ) -> Result<ClusteringResult, FuzzyError> {
         self.run_observed(objects, initial, |_| {})
     }
 
@@ -142,10 +146,10 @@ impl FuzzyCMeans {
         &mut self,
         objects: &Objects,
         initial: &[f64],
-        mut observe: impl FnMut(&Step),
-    ) -> Result<Outcome, FuzzyError> {
+        mut observe: impl FnMut(&IterationState),
+    ) -> Result<ClusteringResult, FuzzyError> {
         self.begin(objects, initial)?;
-        let mut outcome = Outcome {
+        let mut outcome = ClusteringResult {
             iterations: 0,
             converged: false,
             cost: self.show(0, &mut observe),
@@ -209,13 +213,13 @@ impl FuzzyCMeans {
     }
 
     /// J, remembered and shown.
-    fn show(&mut self, iteration: u32, observe: &mut impl FnMut(&Step)) -> f64 {
+    fn show(&mut self, iteration: u32, observe: &mut impl FnMut(&IterationState)) -> f64 {
         let pairs = self.memberships.iter().zip(&self.squared_distances);
         let cost = pairs
-            .map(|(&membership, &squared)| self.fuzzifier.raised(membership) * squared)
+            .map(|(&membership, &squared)| self.fuzzifier.raise(membership) * squared)
             .sum();
         self.costs.push(cost);
-        observe(&Step {
+        observe(&IterationState {
             iteration,
             cost,
             memberships: &self.memberships,
@@ -224,7 +228,7 @@ impl FuzzyCMeans {
         cost
     }
 
-    pub fn settings(&self) -> Settings {
+    pub fn settings(&self) -> FuzzyCMeansSettings {
         self.settings
     }
 

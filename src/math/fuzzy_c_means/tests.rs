@@ -7,13 +7,17 @@ use crate::math::rng::{Purpose, Seed};
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 
-const TIGHT: Settings = Settings {
+const TIGHT: FuzzyCMeansSettings = FuzzyCMeansSettings {
     fuzzifier: 2.0,
     tolerance: 1e-12,
     max_iterations: 10_000,
 };
 
-fn run(settings: Settings, objects: &Objects, initial: &[f64]) -> (FuzzyCMeans, Outcome) {
+fn run(
+    settings: FuzzyCMeansSettings,
+    objects: &Objects,
+    initial: &[f64],
+) -> (FuzzyCMeans, ClusteringResult) {
     let mut means = FuzzyCMeans::new(settings).unwrap();
     let outcome = means.run(objects, initial).unwrap();
     (means, outcome)
@@ -26,9 +30,9 @@ fn one_iteration_by_hand() {
     // v₁ = (0.64 + 4/289) / (1 + 0.64 + 1/289) = 0.6538408 / 1.6434602 = 0.3978440,
     // v₂ = (0.04 + 4·256/289) / (0.04 + 256/289) = 3.5832526 / 0.9258131 = 3.8703844.
     let objects = Objects::new(&[0.0, 1.0, 4.0], &[false], Metric::Scaled(&[1.0])).unwrap();
-    let settings = Settings {
+    let settings = FuzzyCMeansSettings {
         max_iterations: 1,
-        ..Settings::default()
+        ..FuzzyCMeansSettings::default()
     };
     let mut means = FuzzyCMeans::new(settings).unwrap();
     let mut seen = Vec::new();
@@ -66,7 +70,7 @@ fn two_objects_become_two_clusters() {
     // = 10 / 6562; each iteration comes much nearer, and on the objects J is 0 and U the unit matrix.
     let objects = Objects::new(&[0.0, 10.0], &[false], Metric::Scaled(&[1.0])).unwrap();
     let (first, _) = run(
-        Settings {
+        FuzzyCMeansSettings {
             max_iterations: 1,
             ..TIGHT
         },
@@ -133,7 +137,7 @@ fn a_cluster_across_north_is_one_cluster() {
 #[test]
 fn faults_name_the_field_and_what_is_allowed() {
     let objects = Objects::new(&[0.0, 1.0, 4.0], &[false], Metric::Scaled(&[1.0])).unwrap();
-    let settings = Settings::default();
+    let settings = FuzzyCMeansSettings::default();
     let named = |error: FuzzyError| (error.field(), error.allowed());
     let mut means = FuzzyCMeans::new(settings).unwrap();
     for initial in [&[1.0][..], &[1.0; 4][..]] {
@@ -151,26 +155,39 @@ fn faults_name_the_field_and_what_is_allowed() {
     );
     let refused = |settings| named(FuzzyCMeans::new(settings).unwrap_err());
     assert_eq!(
-        refused(Settings {
+        refused(FuzzyCMeansSettings {
             fuzzifier: 1.0,
             ..settings
         }),
         ("fuzzifier", "> 1".to_owned())
     );
     assert_eq!(
-        refused(Settings {
+        refused(FuzzyCMeansSettings {
             tolerance: 0.0,
             ..settings
         }),
         ("tolerance", "> 0".to_owned())
     );
     assert_eq!(
-        refused(Settings {
+        refused(FuzzyCMeansSettings {
             max_iterations: 0,
             ..settings
         }),
         ("max_iterations", ">= 1".to_owned())
     );
+    let fault = FuzzyError::Tolerance(-1.0).fault("/correlator");
+    assert_eq!(
+        (
+            fault.pointer.as_str(),
+            fault.detail.as_str(),
+            fault.allowed.as_deref()
+        ),
+        ("/correlator/tolerance", "the tolerance is -1", Some("> 0"))
+    );
+}
+
+#[test]
+fn objects_and_metrics_that_are_no_numbers_are_named() {
     let flat = [false, false];
     let not_finite = Objects::new(
         &[0.0, 1.0, f64::INFINITY, 2.0],
@@ -198,15 +215,6 @@ fn faults_name_the_field_and_what_is_allowed() {
         Metric::Mahalanobis(&[1.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 1.0]),
     );
     assert_eq!(bad_inverse.unwrap_err(), FuzzyError::Inverse { object: 1 });
-    let fault = FuzzyError::Tolerance(-1.0).fault("/correlator");
-    assert_eq!(
-        (
-            fault.pointer.as_str(),
-            fault.detail.as_str(),
-            fault.allowed.as_deref()
-        ),
-        ("/correlator/tolerance", "the tolerance is -1", Some("> 0"))
-    );
 }
 
 /// Three groups of three, 100 apart.
@@ -267,10 +275,10 @@ fn pairs() -> Vec<f64> {
 fn genetic_search_is_never_above_the_best_of_twenty_random_starts() {
     let values = pairs();
     let objects = Objects::new(&values, &[false, false], Metric::Scaled(&[1.0, 1.0])).unwrap();
-    let mut means = FuzzyCMeans::new(Settings {
+    let mut means = FuzzyCMeans::new(FuzzyCMeansSettings {
         tolerance: 1e-6,
         max_iterations: 300,
-        ..Settings::default()
+        ..FuzzyCMeansSettings::default()
     })
     .unwrap();
     let (mut worst_of_plain, mut initial) = (0.0f64, Vec::new());
@@ -313,7 +321,7 @@ fn genetic_search_is_never_above_the_best_of_twenty_random_starts() {
 fn genetic_search_repeats_and_refuses_bad_rates() {
     let values = pairs();
     let objects = Objects::new(&values, &[false, false], Metric::Scaled(&[1.0, 1.0])).unwrap();
-    let mut means = FuzzyCMeans::new(Settings::default()).unwrap();
+    let mut means = FuzzyCMeans::new(FuzzyCMeansSettings::default()).unwrap();
     let few = GeneticSettings {
         population: 3,
         generations: 2,
@@ -409,7 +417,7 @@ proptest! {
 
     #[test]
     fn the_cost_never_rises_and_memberships_sum_to_one(case in cases()) {
-        let settings = Settings { fuzzifier: case.fuzzifier, tolerance: 1e-6, max_iterations: 60 };
+        let settings = FuzzyCMeansSettings { fuzzifier: case.fuzzifier, tolerance: 1e-6, max_iterations: 60 };
         let (means, outcome) = run(settings, &case.objects(), case.initial());
         for pair in means.costs().windows(2) {
             prop_assert!(pair[1] <= pair[0] * (1.0 + 1e-12) + 1e-300, "{} after {}", pair[1], pair[0]);
@@ -423,7 +431,7 @@ proptest! {
     #[test]
     fn a_fixed_point_satisfies_both_equations(case in cases()) {
         let objects = case.objects();
-        let settings = Settings { fuzzifier: case.fuzzifier, tolerance: 1e-13, max_iterations: 20_000 };
+        let settings = FuzzyCMeansSettings { fuzzifier: case.fuzzifier, tolerance: 1e-13, max_iterations: 20_000 };
         let (means, outcome) = run(settings, &objects, case.initial());
         prop_assume!(outcome.converged);
         let c = case.clusters;
@@ -460,7 +468,7 @@ proptest! {
         let values: Vec<f64> = places.iter().enumerate().flat_map(|(k, (x, y))| [corners[k % 3].0 + x, corners[k % 3].1 + y]).collect();
         let objects = Objects::new(&values, &[false, false], Metric::Scaled(&[1.0, 1.0])).unwrap();
         let initial: Vec<f64> = (0..3).flat_map(|group| objects.object(3 * chosen[group] + group).to_vec()).collect();
-        let (means, outcome) = run(Settings { fuzzifier, ..Settings::default() }, &objects, &initial);
+        let (means, outcome) = run(FuzzyCMeansSettings { fuzzifier, ..FuzzyCMeansSettings::default() }, &objects, &initial);
         let mut labels = Vec::new();
         harden::largest(means.memberships(), 3, &mut labels);
         prop_assert!(outcome.converged);
@@ -476,7 +484,7 @@ proptest! {
         let values: Vec<f64> = places.iter().enumerate().flat_map(|(k, (x, y))| [f64::from(k as u32 % 2) * 50.0 + x, *y]).collect();
         let objects = Objects::new(&values, &[false, false], Metric::Scaled(&[1.0, 1.0])).unwrap();
         let initial = [objects.object(first), objects.object(second)].concat();
-        let (means, outcome) = run(Settings::default(), &objects, &initial);
+        let (means, outcome) = run(FuzzyCMeansSettings::default(), &objects, &initial);
         let mut labels = Vec::new();
         harden::largest(means.memberships(), 2, &mut labels);
         prop_assert!(outcome.converged);

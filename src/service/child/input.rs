@@ -1,12 +1,11 @@
 //! A file that holds a dataset, with what has to be known to read it.
 
 use crate::experiment::{Input, InputRequest};
-use crate::formats::npy::BearingTimeAxes;
-use crate::formats::{ReadOptions, format_named};
+use crate::formats::{FormatOptions, ReadOptions, format_named};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
-use crate::service::jobs::Failure;
+use crate::service::child::Failure;
 use anyhow::Context;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -20,7 +19,7 @@ pub struct InputFile {
     pub format: String,
     pub kind: DatasetKind,
     pub columns: BTreeMap<String, String>,
-    pub bearing_time: Option<BearingTimeAxes>,
+    pub options: FormatOptions,
     pub sensors: Vec<SensorSettings>,
     pub sha256: String,
 }
@@ -41,7 +40,7 @@ impl InputFile {
         let options = ReadOptions {
             kind: Some(self.kind),
             columns: self.columns.clone(),
-            bearing_time: self.bearing_time,
+            options: self.options.clone(),
         };
         let read = (format.read)(&mut BufReader::with_capacity(1 << 16, file), &options);
         Ok(read.map_err(faults_or_memory)?.dataset)

@@ -4,17 +4,27 @@
 //! - `protocol`: what the two say to each other, over the child's standard input and output.
 //! - `inside`: what happens in a child; `work` is what it can do, `campaign` that of campaigns.
 //! - `process`: one child, seen from outside; `host` keeps the children that are ready.
+//! - `meter` and `report`: how far a job is, and what it leaves.
+//! - `desk`: work that somebody waits for.
 //! - `limit`: how much memory one may have, and how it dies with whoever started it.
 
 mod campaign;
+mod desk;
+mod failure;
 mod host;
 mod input;
 mod inside;
 mod limit;
+pub(in crate::service) mod meter;
 mod process;
 mod protocol;
+pub(in crate::service) mod report;
 mod work;
 
+pub(in crate::service) use desk::{
+    Desk, all_of, crash_text, failure_of, memory_text, result_of, unexpected,
+};
+pub(in crate::service) use failure::Failure;
 pub use host::Children;
 pub use input::InputFile;
 pub use inside::run;

@@ -2,7 +2,7 @@
 //! and one that hears its complaints.
 
 use super::protocol::{self, Answer, Made, Message, Order};
-use crate::service::jobs::report::ENGINE_VERSION;
+use crate::service::child::report::ENGINE_VERSION;
 use crate::service::types::Progress;
 use anyhow::{Context, bail, ensure};
 use std::io::{self, BufRead, BufReader, Read, Write};

@@ -2,7 +2,7 @@
 
 use super::input::InputFile;
 use crate::experiment::JobKind;
-use crate::formats::npy::BearingTimeAxes;
+use crate::formats::FormatOptions;
 use crate::model::dataset::{DatasetKind, DatasetSummary};
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
@@ -97,7 +97,7 @@ pub struct Upload {
     pub format: Option<String>,
     pub kind: Option<DatasetKind>,
     pub columns: BTreeMap<String, String>,
-    pub bearing_time: Option<BearingTimeAxes>,
+    pub options: FormatOptions,
 }
 
 /// A campaign, by its job.

@@ -7,9 +7,9 @@ use crate::experiment::observer::{Observer, Step};
 use crate::experiment::{self, Artifact, Inputs, JobKind, Plan};
 use crate::formats::{FORMATS, Format, ReadOptions, ReadOutcome, detect_format, format_named};
 use crate::model::fault::Fault;
-use crate::service::jobs::Failure;
-use crate::service::jobs::meter::Meter;
-use crate::service::jobs::report::{self, ReportInput};
+use crate::service::child::Failure;
+use crate::service::child::meter::Meter;
+use crate::service::child::report::{self, ReportInput};
 use crate::service::storage::blobs::sha256_hex;
 use crate::service::views::preview;
 use anyhow::Context;
@@ -121,7 +121,7 @@ fn check_as(format: &Format, upload: &Upload, file: File) -> Result<ReadOutcome,
     let options = ReadOptions {
         kind: upload.kind,
         columns: upload.columns.clone(),
-        bearing_time: upload.bearing_time,
+        options: upload.options.clone(),
     };
     (format.read)(&mut BufReader::with_capacity(1 << 16, file), &options).map_err(faults_or_memory)
 }

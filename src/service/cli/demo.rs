@@ -4,8 +4,11 @@
 use crate::experiment::presets;
 use crate::experiment::text::{cell, table};
 use crate::service::config::Config;
-use crate::service::jobs::{DatasetMeta, Jobs, JobsError, ReceivedFile};
+use crate::service::datasets::DatasetMeta;
+use crate::service::error::ServiceError;
+use crate::service::jobs::Jobs;
 use crate::service::server;
+use crate::service::storage::blobs::ReceivedFile;
 use crate::service::storage::blobs::sha256_hex;
 use crate::service::types::{Job, JobKind, JobState};
 use anyhow::{Context, bail};
@@ -138,7 +141,7 @@ async fn radar_job(jobs: &Jobs) -> anyhow::Result<Value> {
 }
 
 async fn upload(jobs: &Jobs, file_name: &str, bytes: &[u8]) -> anyhow::Result<Uuid> {
-    let path = jobs.temp_dir().join(Uuid::now_v7().to_string());
+    let path = jobs.datasets().temp_dir().join(Uuid::now_v7().to_string());
     tokio::fs::write(&path, bytes).await?;
     let sha256 = sha256_hex(bytes);
     let file = ReceivedFile {
@@ -152,7 +155,7 @@ async fn upload(jobs: &Jobs, file_name: &str, bytes: &[u8]) -> anyhow::Result<Uu
         file_name: Some(file_name.to_owned()),
         ..Default::default()
     };
-    Ok(jobs.add_dataset(file, meta).await.map_err(explain)?.0.id)
+    Ok(jobs.datasets().add(file, meta).await.map_err(explain)?.0.id)
 }
 
 async fn submit(jobs: &Jobs, mut body: Value) -> anyhow::Result<Job> {
@@ -194,9 +197,8 @@ async fn follow(jobs: &Jobs, job: Job) -> anyhow::Result<Value> {
         );
     }
     let report = jobs.report(job.id).await.map_err(explain)?;
-    Ok(serde_json::from_slice(
-        &tokio::fs::read(&report.path).await?,
-    )?)
+    let bytes = tokio::task::spawn_blocking(move || report.content.read()).await??;
+    Ok(serde_json::from_slice(&bytes)?)
 }
 
 fn row(scene: &str, report: &Value) -> Vec<String> {
@@ -221,6 +223,6 @@ fn row(scene: &str, report: &Value) -> Vec<String> {
     cells
 }
 
-fn explain(error: JobsError) -> anyhow::Error {
+fn explain(error: ServiceError) -> anyhow::Error {
     anyhow::anyhow!("{error}")
 }

@@ -5,11 +5,10 @@
 
 use crate::experiment::job_shape::take_kind;
 use crate::experiment::{Input, Inputs, JobKind, Plan, Source};
-use crate::formats::npy::BearingTimeAxes;
-use crate::formats::{self, ReadOptions};
+use crate::formats::{self, FormatOptions, OPTION_FIELDS, ReadOptions};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
-use crate::registry::{self, Kind, Object, optional, required};
+use crate::registry::{self, Field, Kind, Object, joined, optional, required};
 use crate::service::storage::blobs::sha256_hex;
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -29,12 +28,17 @@ pub(super) struct JobFile {
 
 #[derive(Debug, Clone, Deserialize)]
 struct FileSource {
+    /// Always `file`.
+    #[serde(rename = "source")]
+    _source: String,
     path: String,
     format: Option<String>,
     #[serde(default)]
     columns: BTreeMap<String, String>,
-    bearing_time: Option<BearingTimeAxes>,
     sensor_ids: Option<Vec<String>>,
+    /// What is left: the table lets nothing else through.
+    #[serde(flatten)]
+    options: FormatOptions,
 }
 
 const TEXT: Kind = Kind::Text { max_length: 4096 };
@@ -42,38 +46,39 @@ const TEXT: Kind = Kind::Text { max_length: 4096 };
 static FILE_SOURCE: Object = Object {
     name: "FileSource",
     summary: "A file, relative to the job file.",
-    fields: &[
-        required("source", "file", Kind::Choice(&["file"])),
-        required("path", "Where the file is.", TEXT),
-        optional(
-            "format",
-            "Its format; told from the file when absent.",
-            TEXT,
-        ),
-        optional(
-            "columns",
-            "The file's column name to the canonical one.",
-            Kind::TextMap {
-                max_entries: 64,
-                max_length: 100,
-            },
-        ),
-        optional(
-            "bearing_time",
-            "The axes of a bearing-time record whose file does not have them.",
-            Kind::Object(&formats::npy::AXES),
-        ),
-        optional(
-            "sensor_ids",
-            "Only these sensors.",
-            Kind::List {
-                item: &TEXT,
-                min: 1,
-                max: 64,
-            },
-        ),
-    ],
+    fields: &FILE_FIELDS,
 };
+
+const FILE_FIELDS: [Field; 5 + OPTION_FIELDS.len()] =
+    joined([&COMMON, &OPTION_FIELDS, &SENSOR_IDS]);
+
+const COMMON: [Field; 4] = [
+    required("source", "file", Kind::Choice(&["file"])),
+    required("path", "Where the file is.", TEXT),
+    optional(
+        "format",
+        "Its format; told from the file when absent.",
+        TEXT,
+    ),
+    optional(
+        "columns",
+        "The file's column name to the canonical one.",
+        Kind::TextMap {
+            max_entries: 64,
+            max_length: 100,
+        },
+    ),
+];
+
+const SENSOR_IDS: [Field; 1] = [optional(
+    "sensor_ids",
+    "Only these sensors.",
+    Kind::List {
+        item: &TEXT,
+        min: 1,
+        max: 64,
+    },
+)];
 
 /// The JSON pointers of every place in a request that may name a source; those of a campaign are in its base.
 fn source_pointers(body: &Value) -> Vec<String> {
@@ -155,8 +160,8 @@ impl JobFile {
             if !file.columns.is_empty() {
                 source["columns"] = json!(file.columns);
             }
-            if let Some(axes) = &file.bearing_time {
-                source["bearing_time"] = json!(axes);
+            for (name, value) in file.options.iter() {
+                source[name] = value.clone();
             }
             if let Some(sensor_ids) = &file.sensor_ids {
                 source["sensor_ids"] = json!(sensor_ids);
@@ -246,7 +251,7 @@ impl JobFile {
         let options = ReadOptions {
             kind: Some(role),
             columns: file.columns.clone(),
-            bearing_time: file.bearing_time,
+            options: file.options.clone(),
         };
         let read = (format.read)(&mut bytes.as_slice(), &options)?;
         warnings.extend(

@@ -5,7 +5,7 @@ use super::hosts::compressed;
 use crate::model::fault::Fault;
 use crate::registry::{self, Object};
 use crate::service::connections::TooSlow;
-use crate::service::error::ApiError;
+use crate::service::http::error::ApiError;
 use axum::body::{Body, Bytes};
 use axum::extract::{FromRequest, Request};
 use axum::http::{HeaderMap, header};

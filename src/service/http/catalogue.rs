@@ -6,7 +6,7 @@ use super::state::AppState;
 use crate::experiment::job_shape::with_kind;
 use crate::experiment::{self, catalogue, presets};
 use crate::registry::{Variant, standalone_schema};
-use crate::service::error::{ApiError, ApiResult};
+use crate::service::http::error::{ApiError, ApiResult};
 use crate::service::types::{JobKind, JobSpec};
 use axum::extract::Path;
 use axum::http::HeaderMap;

@@ -2,7 +2,7 @@
 
 use super::query::Params;
 use super::state::AppState;
-use crate::service::error::ApiResult;
+use crate::service::http::error::ApiResult;
 use crate::service::types::Comparison;
 use axum::Json;
 use axum::extract::State;

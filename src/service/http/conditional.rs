@@ -1,15 +1,16 @@
 //! Entity tags, answers that have not changed, and ranges of files.
 
 use super::query::encoded;
-use crate::service::error::{ApiError, ApiResult};
-use crate::service::jobs::StoredFile;
-use crate::service::storage::blobs::sha256_hex;
+use crate::service::datasets::StoredFile;
+use crate::service::http::error::{ApiError, ApiResult};
+use crate::service::storage::blobs::{Content, sha256_hex};
 use axum::Json;
 use axum::body::{Body, Bytes};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use std::io::{ErrorKind, SeekFrom};
+use std::path::Path;
 use tokio::io::{AsyncReadExt, AsyncSeekExt};
 use tokio_util::io::ReaderStream;
 
@@ -95,18 +96,16 @@ pub async fn stored(request: &HeaderMap, file: StoredFile, as_attachment: bool) 
 async fn send(request: &HeaderMap, file: &StoredFile, tag: &str) -> ApiResult {
     let wanted = wanted_range(request, tag, file.bytes)?;
     let (first, length) = wanted.unwrap_or((0, file.bytes));
-    let mut source =
-        tokio::fs::File::open(&file.path)
-            .await
-            .map_err(|error| match error.kind() {
-                ErrorKind::NotFound => ApiError::new("gone", "the file has been deleted"),
-                _ => ApiError::internal(error),
-            })?;
-    source
-        .seek(SeekFrom::Start(first))
-        .await
-        .map_err(ApiError::internal)?;
-    let mut response = Body::from_stream(ReaderStream::new(source.take(length))).into_response();
+    let body = match &file.content {
+        // The range lies within the file, hence within memory.
+        Content::Bytes(bytes) => {
+            let first = usize::try_from(first).map_err(ApiError::internal)?;
+            let length = usize::try_from(length).map_err(ApiError::internal)?;
+            Body::from(Bytes::from_owner(bytes.clone()).slice(first..first + length))
+        }
+        Content::File(path) => stream(path, first, length).await?,
+    };
+    let mut response = body.into_response();
     set(&mut response, header::CONTENT_TYPE, &file.media_type);
     set(&mut response, header::ACCEPT_RANGES, "bytes");
     response
@@ -121,6 +120,20 @@ async fn send(request: &HeaderMap, file: &StoredFile, tag: &str) -> ApiResult {
         );
     }
     Ok(response)
+}
+
+async fn stream(path: &Path, first: u64, length: u64) -> Result<Body, ApiError> {
+    let mut source = tokio::fs::File::open(path)
+        .await
+        .map_err(|error| match error.kind() {
+            ErrorKind::NotFound => ApiError::new("gone", "the file has been deleted"),
+            _ => ApiError::internal(error),
+        })?;
+    source
+        .seek(SeekFrom::Start(first))
+        .await
+        .map_err(ApiError::internal)?;
+    Ok(Body::from_stream(ReaderStream::new(source.take(length))))
 }
 
 /// First byte and length of the range that is asked for. Several ranges, other units and a stale `If-Range` mean the

@@ -7,8 +7,9 @@ use super::query::{NoParams, Params, names};
 use super::state::AppState;
 use super::{raw_upload, upload};
 use crate::model::dataset::DatasetKind as ModelKind;
-use crate::service::error::ApiResult;
-use crate::service::jobs::{DatasetFilter, JobsError, Sort};
+use crate::service::error::ServiceError;
+use crate::service::http::error::ApiResult;
+use crate::service::storage::{DatasetFilter, Sort};
 use crate::service::types::{DatasetInfo, DatasetPage};
 use crate::service::views::preview;
 use axum::Json;
@@ -48,12 +49,12 @@ async fn upload_dataset(State(app): State<AppState>, _: NoParams, request: Reque
     {
         let headers = request.headers().clone();
         drain(&headers, request.into_body()).await;
-        return Err(JobsError::from(error).into());
+        return Err(ServiceError::from(error).into());
     }
-    let upload = upload::receive(request, app.jobs.temp_dir(), app.max_upload_bytes).await?;
+    let upload = upload::receive(request, app.datasets.temp_dir(), app.max_upload_bytes).await?;
     let added = app
-        .jobs
-        .add_dataset(upload.file.clone(), upload.meta.clone())
+        .datasets
+        .add(upload.file.clone(), upload.meta.clone())
         .await;
     added
         .map(answer)
@@ -74,11 +75,16 @@ async fn upload_raw_dataset(
     params: Params,
     request: Request,
 ) -> ApiResult {
-    let upload =
-        raw_upload::receive(params, request, app.jobs.temp_dir(), app.max_upload_bytes).await?;
+    let upload = raw_upload::receive(
+        params,
+        request,
+        app.datasets.temp_dir(),
+        app.max_upload_bytes,
+    )
+    .await?;
     let added = app
-        .jobs
-        .add_dataset(upload.file.clone(), upload.meta.clone())
+        .datasets
+        .add(upload.file.clone(), upload.meta.clone())
         .await;
     added
         .map(answer)
@@ -123,7 +129,7 @@ async fn list_datasets(State(app): State<AppState>, mut params: Params) -> ApiRe
     params.add(filter.faults());
     let next = params.next_page();
     params.finish()?;
-    let page = app.jobs.list_datasets(filter).await?;
+    let page = app.datasets.list(filter).await?;
     Ok(with_next(
         "/v1/datasets",
         &next,
@@ -144,7 +150,7 @@ async fn get_dataset(
     _: NoParams,
     headers: HeaderMap,
 ) -> ApiResult {
-    conditional::weakly_tagged(&headers, &app.jobs.dataset(id).await?)
+    conditional::weakly_tagged(&headers, &app.datasets.get(id).await?)
 }
 
 /// Delete a dataset
@@ -154,7 +160,7 @@ async fn get_dataset(
     params(("id" = uuid::Uuid, Path, description = "Identity of the dataset.")),
     responses((status = 204, description = "It is deleted.")))]
 async fn delete_dataset(State(app): State<AppState>, Id(id): Id, _: NoParams) -> ApiResult {
-    app.jobs.delete_dataset(id).await?;
+    app.datasets.delete(id).await?;
     Ok(StatusCode::NO_CONTENT.into_response())
 }
 
@@ -172,7 +178,7 @@ async fn preview_dataset(State(app): State<AppState>, Id(id): Id, mut params: Pa
         .whole_number("limit", 1..=PREVIEW_ROWS.1)
         .unwrap_or(PREVIEW_ROWS.0);
     params.finish()?;
-    Ok(Json(app.jobs.preview(id, rows as usize).await?).into_response())
+    Ok(Json(app.datasets.preview(id, rows as usize).await?).into_response())
 }
 
 /// Download a dataset
@@ -187,7 +193,7 @@ async fn download_dataset(
     _: NoParams,
     headers: HeaderMap,
 ) -> ApiResult {
-    conditional::stored(&headers, app.jobs.dataset_content(id).await?, true).await
+    conditional::stored(&headers, app.datasets.file(id).await?, true).await
 }
 
 pub(super) fn sort(params: &mut Params) -> Sort {

@@ -1,6 +1,6 @@
 //! What the path names.
 
-use crate::service::error::ApiError;
+use crate::service::http::error::ApiError;
 use axum::extract::{FromRequestParts, Path};
 use axum::http::request::Parts;
 use uuid::Uuid;

@@ -2,7 +2,7 @@
 //! names stand here alone.
 
 use crate::model::fault::Fault;
-use crate::service::error::ApiError;
+use crate::service::http::error::ApiError;
 use axum::http::{HeaderMap, HeaderName, HeaderValue};
 use axum::response::Response;
 use std::time::Duration;

@@ -4,7 +4,7 @@
 
 use super::body::drain;
 use crate::service::connections::Ends;
-use crate::service::error::ApiError;
+use crate::service::http::error::ApiError;
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, Version, header};
 use axum::middleware::Next;

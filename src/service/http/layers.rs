@@ -1,7 +1,7 @@
 //! What every answer goes through: a request id, problem bodies, content negotiation, security headers, numbers.
 
 use super::hosts::{Hosts, guard};
-use crate::service::error::{ApiError, problem_of_status};
+use crate::service::http::error::{ApiError, problem_of_status};
 use crate::service::types::Problem;
 use axum::Router;
 use axum::extract::{MatchedPath, Request};

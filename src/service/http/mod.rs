@@ -6,6 +6,7 @@ mod catalogue;
 mod compare;
 pub(super) mod conditional;
 mod datasets;
+mod error;
 mod extract;
 mod headers;
 mod hosts;
@@ -19,11 +20,12 @@ mod streams;
 mod system;
 mod upload;
 
+pub use conditional::Constant;
 pub use hosts::Hosts;
 pub use jobs::PATCH;
 pub use layers::wrap;
-pub use raw_upload::{JSON_TEXTS, MAX_FILE_NAME, TEXTS};
-pub use state::AppState;
+pub use raw_upload::{MAX_FILE_NAME, TEXTS, json_texts};
+pub use state::{AppState, Documents};
 pub use streams::Streams;
 pub use upload::META;
 

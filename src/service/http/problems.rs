@@ -3,7 +3,7 @@
 use super::conditional::{Constant, set};
 use super::query::{NoParams, names};
 use super::state::AppState;
-use crate::service::error::{ApiError, ApiResult};
+use crate::service::http::error::{ApiError, ApiResult};
 use crate::service::types::{PROBLEMS, explanation};
 use axum::extract::Path;
 use axum::http::{HeaderMap, header};

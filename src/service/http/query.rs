@@ -2,7 +2,7 @@
 
 use crate::model::fault::Fault;
 use crate::registry::control_character_fault;
-use crate::service::error::ApiError;
+use crate::service::http::error::ApiError;
 use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
 use jiff::Timestamp;

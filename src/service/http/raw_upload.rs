@@ -5,8 +5,8 @@ use super::query::{Params, names};
 use super::upload::{META, Meta, Upload, store};
 use crate::formats::FORMATS;
 use crate::registry::{Kind, check_field, check_into};
-use crate::service::error::ApiError;
-use crate::service::jobs::DatasetMeta;
+use crate::service::datasets::DatasetMeta;
+use crate::service::http::error::ApiError;
 use axum::body::Body;
 use axum::extract::Request;
 use axum::http::request::Parts;
@@ -18,7 +18,10 @@ use std::path::Path;
 
 /// Members of the meta that stand in the query of a raw upload as they are, and those that stand there as JSON.
 pub const TEXTS: [&str; 3] = ["name", "kind", "format"];
-pub const JSON_TEXTS: [&str; 3] = ["columns", "bearing_time", "sensors"];
+pub fn json_texts() -> impl Iterator<Item = &'static str> {
+    let names = META.fields.iter().map(|field| field.name);
+    names.filter(|name| !TEXTS.contains(name))
+}
 /// Longest name of a file.
 pub const MAX_FILE_NAME: usize = 255;
 static FILE_NAME: Kind = Kind::Text {
@@ -70,7 +73,7 @@ fn read_query(mut params: Params) -> Result<DatasetMeta, ApiError> {
                 .map(|text| (name.to_owned(), Value::from(text))),
         );
     }
-    for name in JSON_TEXTS {
+    for name in json_texts() {
         meta.extend(params.json(name).map(|value| (name.to_owned(), value)));
     }
     let file_name = params.text("file_name").filter(|name| !name.is_empty());

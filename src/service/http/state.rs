@@ -1,8 +1,9 @@
 //! What every handler can reach. Built once, when the service starts.
 
+use super::conditional::Constant;
 use super::streams::Streams;
+use crate::service::datasets::Datasets;
 use crate::service::jobs::Jobs;
-use crate::service::openapi::Documents;
 use metrics_exporter_prometheus::PrometheusHandle;
 use std::sync::Arc;
 use utoipa::ToSchema;
@@ -10,11 +11,18 @@ use utoipa::ToSchema;
 #[derive(Clone)]
 pub struct AppState {
     pub jobs: Jobs,
+    pub datasets: Arc<Datasets>,
     /// Largest file of an upload.
     pub max_upload_bytes: u64,
     pub metrics: PrometheusHandle,
     pub documents: Arc<Documents>,
     pub streams: Streams,
+}
+
+/// The API documents as they are served.
+pub struct Documents {
+    pub v3_1: Constant,
+    pub v3_0: Constant,
 }
 
 /// The bytes of a file.

@@ -1,7 +1,7 @@
 //! How many event streams are open: each one holds a connection for as long as its job lasts.
 
 use crate::service::config::ConnectionLimits;
-use crate::service::error::ApiError;
+use crate::service::http::error::ApiError;
 use std::collections::HashMap;
 use std::net::IpAddr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};

@@ -1,9 +1,8 @@
 //! The service about itself: health, numbers, version, documents, and what is not the API.
 
-use super::conditional;
 use super::query::NoParams;
 use super::state::AppState;
-use crate::service::error::{ApiError, ApiResult};
+use crate::service::http::error::{ApiError, ApiResult};
 use crate::service::types::JobState;
 use crate::service::{build_info, dashboard};
 use axum::extract::{Request, State};
@@ -112,21 +111,11 @@ pub fn documents() -> Router<AppState> {
 }
 
 async fn document(State(app): State<AppState>, headers: HeaderMap) -> Response {
-    conditional::fixed(
-        &headers,
-        "application/json",
-        app.documents.v3_1.bytes.clone(),
-        &app.documents.v3_1.sha256,
-    )
+    app.documents.v3_1.answer(&headers)
 }
 
 async fn document_3_0(State(app): State<AppState>, headers: HeaderMap) -> Response {
-    conditional::fixed(
-        &headers,
-        "application/json",
-        app.documents.v3_0.bytes.clone(),
-        &app.documents.v3_0.sha256,
-    )
+    app.documents.v3_0.answer(&headers)
 }
 
 /// The document made readable; its scripts are part of the program.

@@ -7,15 +7,15 @@ use super::body::{
 };
 use super::hosts::compressed;
 use crate::experiment::catalogue;
-use crate::formats::npy::BearingTimeAxes;
-use crate::formats::{self, FORMATS};
+use crate::formats::{FORMATS, FormatOptions, OPTION_FIELDS};
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
-use crate::registry::{Kind, Object, control_character_fault, optional};
-use crate::service::error::ApiError;
-use crate::service::jobs::{DatasetMeta, JobsError, ReceivedFile};
-use crate::service::storage::blobs::hex;
+use crate::registry::{Field, Kind, Object, control_character_fault, joined, optional};
+use crate::service::datasets::DatasetMeta;
+use crate::service::error::ServiceError;
+use crate::service::http::error::ApiError;
+use crate::service::storage::blobs::{ReceivedFile, hex};
 use axum::body::Bytes;
 use axum::extract::multipart::Field as Part;
 use axum::extract::{FromRequest, Multipart, Request};
@@ -49,46 +49,46 @@ const FORMAT_NAMES: [&str; FORMATS.len()] = {
 pub static META: Object = Object {
     name: "DatasetMeta",
     summary: "What is known of an uploaded file besides its content. Everything may be absent.",
-    fields: &[
-        optional(
-            "name",
-            "A name for people; the file's name when absent.",
-            Kind::Text { max_length: 200 },
-        ),
-        optional(
-            "kind",
-            "What the file holds; told from its columns when absent.",
-            Kind::Choice(&["detections", "truth", "tracks", "bearing_time"]),
-        ),
-        optional(
-            "format",
-            "How the file is written; told from its content when absent.",
-            Kind::Choice(&FORMAT_NAMES),
-        ),
-        optional(
-            "columns",
-            "The file's column name to the canonical one, where they differ.",
-            Kind::TextMap {
-                max_entries: 64,
-                max_length: 100,
-            },
-        ),
-        optional(
-            "bearing_time",
-            "The axes of a bearing-time record in a file that does not have them, such as a NumPy array.",
-            Kind::Object(&formats::npy::AXES),
-        ),
-        optional(
-            "sensors",
-            "What is known of the sensors.",
-            Kind::List {
-                item: &SENSOR,
-                min: 1,
-                max: 64,
-            },
-        ),
-    ],
+    fields: &META_FIELDS,
 };
+
+const META_FIELDS: [Field; 5 + OPTION_FIELDS.len()] = joined([&COMMON, &OPTION_FIELDS, &SENSORS]);
+
+const COMMON: [Field; 4] = [
+    optional(
+        "name",
+        "A name for people; the file's name when absent.",
+        Kind::Text { max_length: 200 },
+    ),
+    optional(
+        "kind",
+        "What the file holds; told from its columns when absent.",
+        Kind::Choice(&["detections", "truth", "tracks", "bearing_time"]),
+    ),
+    optional(
+        "format",
+        "How the file is written; told from its content when absent.",
+        Kind::Choice(&FORMAT_NAMES),
+    ),
+    optional(
+        "columns",
+        "The file's column name to the canonical one, where they differ.",
+        Kind::TextMap {
+            max_entries: 64,
+            max_length: 100,
+        },
+    ),
+];
+
+const SENSORS: [Field; 1] = [optional(
+    "sensors",
+    "What is known of the sensors.",
+    Kind::List {
+        item: &SENSOR,
+        min: 1,
+        max: 64,
+    },
+)];
 
 static SENSOR: Kind = Kind::Object(catalogue::sensor_settings());
 
@@ -99,9 +99,11 @@ pub(super) struct Meta {
     format: Option<String>,
     #[serde(default)]
     columns: BTreeMap<String, String>,
-    bearing_time: Option<BearingTimeAxes>,
     #[serde(default)]
     sensors: Vec<SensorSettings>,
+    /// What is left: the table lets nothing else through.
+    #[serde(flatten)]
+    options: FormatOptions,
 }
 
 impl From<Meta> for DatasetMeta {
@@ -111,7 +113,7 @@ impl From<Meta> for DatasetMeta {
             kind,
             format,
             columns,
-            bearing_time,
+            options,
             sensors,
         } = meta;
         DatasetMeta {
@@ -119,7 +121,7 @@ impl From<Meta> for DatasetMeta {
             kind,
             format,
             columns,
-            bearing_time,
+            options,
             sensors,
             file_name: None,
         }
@@ -301,8 +303,8 @@ pub(super) async fn store(
 }
 
 /// The fault where the request says what it is about: what the checks of the meta and of the file call `/meta` and `/file`.
-pub fn repoint(error: JobsError, meta: &str, file: &str) -> ApiError {
-    let JobsError::Invalid(faults) = error else {
+pub fn repoint(error: ServiceError, meta: &str, file: &str) -> ApiError {
+    let ServiceError::Invalid(faults) = error else {
         return error.into();
     };
     let place =

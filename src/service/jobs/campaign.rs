@@ -1,15 +1,17 @@
 //! What happens to a chunk of a campaign: claimed, worked off by a child, and its result written once.
 
 use super::control::{Control, Stop};
-use super::in_child::{LOOKS, unexpected};
-use super::inputs::{Located, local_files};
+
+use super::Inner;
 use super::runner::Product;
 use super::submit::planned;
-use super::{Failure, Inner, JobsError};
 use crate::experiment::JobKind;
 use crate::experiment::campaign::{Campaign, Items};
-use crate::service::child::{self, CampaignOrder, Looked, Order, Runs};
+use crate::service::child::Failure;
+use crate::service::child::{self, CampaignOrder, Looked, Order, Runs, unexpected};
+use crate::service::datasets::{Located, local_files};
 use crate::service::engine::Entry;
+use crate::service::error::ServiceError;
 use crate::service::storage::{
     Chunk, ChunkKind, ChunkResult, ClaimedChunk, ClaimedJob, Ending, NewChunk,
 };
@@ -269,20 +271,19 @@ impl Inner {
     }
 
     /// What the runs that are made say of the cells, while others are still being made or after they were given up.
-    pub(super) async fn cells_so_far(&self, id: Uuid) -> Result<CampaignSoFar, JobsError> {
+    pub(super) async fn cells_so_far(&self, id: Uuid) -> Result<CampaignSoFar, ServiceError> {
         let job = self.job(id).await?;
         if job.kind != JobKind::Campaign {
             let detail = format!(
                 "the job is of the kind '{}'; only a campaign has cells",
                 job.kind.name()
             );
-            return Err(JobsError::NotThere(detail));
+            return Err(ServiceError::NotThere(detail));
         }
         if job.state == JobState::Succeeded {
-            let path = self.artifact(id, "report.json").await?.path;
-            let read = move || {
-                anyhow::Ok(serde_json::from_slice::<WithResult>(&std::fs::read(&path)?)?.result)
-            };
+            let content = self.artifact(id, "report.json").await?.content;
+            let read =
+                move || anyhow::Ok(serde_json::from_slice::<WithResult>(&content.read()?)?.result);
             let result = tokio::task::spawn_blocking(read)
                 .await
                 .context("reading a report panicked")?
@@ -295,7 +296,7 @@ impl Inner {
             });
         }
         let Some(outcomes) = self.storage.outcomes(id).await? else {
-            return Err(JobsError::conflict(
+            return Err(ServiceError::conflict(
                 "result_not_ready",
                 format!(
                     "the job is {}, and no run has been made yet",
@@ -314,10 +315,7 @@ impl Inner {
             pieces,
             outcomes,
         };
-        match self
-            .ask(order, (&self.looks, LOOKS), "putting the runs together")
-            .await?
-        {
+        match self.looks.ask(order, "putting the runs together").await? {
             child::Made::SoFar { runs, result } => {
                 let result = serde_json::from_str(result.get())
                     .context("the result of a campaign is another")?;

@@ -1,9 +1,9 @@
 //! Changing jobs that exist: names, cancelling, deleting.
 
 use super::control::Stop;
-use super::datasets::listed;
-use super::{Inner, JobPatch, JobsError};
+use super::{Inner, JobPatch};
 use crate::registry::{self, Kind, Object, optional};
+use crate::service::error::ServiceError;
 use crate::service::storage::{Cancellation, Changed, Deletion};
 use crate::service::types::Job;
 use serde_json::{Map, json};
@@ -31,7 +31,7 @@ pub static JOB_PATCH: Object = Object {
 };
 
 impl Inner {
-    pub(super) async fn patch(&self, id: Uuid, patch: JobPatch) -> Result<Job, JobsError> {
+    pub(super) async fn patch(&self, id: Uuid, patch: JobPatch) -> Result<Job, ServiceError> {
         self.job(id).await?;
         let JobPatch { name, labels } = patch;
         let mut body = Map::new();
@@ -41,14 +41,14 @@ impl Inner {
                 .as_ref()
                 .map(|labels| ("labels".to_owned(), json!(labels))),
         );
-        registry::check(&body.into(), &JOB_PATCH).map_err(JobsError::Invalid)?;
+        registry::check(&body.into(), &JOB_PATCH).map_err(ServiceError::Invalid)?;
         self.storage
             .patch_job(id, name.as_deref(), labels.as_ref())
             .await?;
         self.job(id).await
     }
 
-    pub(super) async fn cancel(&self, id: Uuid) -> Result<Job, JobsError> {
+    pub(super) async fn cancel(&self, id: Uuid) -> Result<Job, ServiceError> {
         self.job(id).await?;
         match self.storage.cancel(id).await? {
             Cancellation::Canceled(changed) => {
@@ -60,7 +60,7 @@ impl Inner {
                 self.publish(changed).await;
             }
             Cancellation::AlreadyEnded(state) => {
-                return Err(JobsError::conflict(
+                return Err(ServiceError::conflict(
                     "job_terminal",
                     format!("the job has already {}", ended(state.name())),
                 ));
@@ -69,7 +69,7 @@ impl Inner {
         self.job(id).await
     }
 
-    pub(super) async fn delete(&self, id: Uuid) -> Result<(), JobsError> {
+    pub(super) async fn delete(&self, id: Uuid) -> Result<(), ServiceError> {
         self.job(id).await?;
         match self.storage.delete_job(id).await? {
             Deletion::Deleted(contents) => {
@@ -78,16 +78,13 @@ impl Inner {
                     ready: Vec::new(),
                 })
                 .await;
-                self.sweep(contents).await
+                self.datasets.collect_garbage(contents).await
             }
-            Deletion::StillActive(state) => Err(JobsError::conflict(
+            Deletion::StillActive(state) => Err(ServiceError::conflict(
                 "job_active",
                 format!("the job is {}; cancel it first", state.name()),
             )),
-            Deletion::NeededBy(users) => Err(JobsError::conflict(
-                "in_use",
-                format!("the job's results are needed by {}", listed(&users)),
-            )),
+            Deletion::NeededBy(users) => Err(ServiceError::in_use("the job's results are", &users)),
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Reading what a comparison of jobs needs.
 
+use super::Inner;
 use super::read::METRIC_SERIES;
-use super::{Inner, JobsError};
+use crate::service::error::ServiceError;
 use crate::service::storage::blobs::Blobs;
 use crate::service::types::{ComparedJob, Comparison, Job};
 use crate::service::views::compare::{self, Side};
@@ -24,14 +25,14 @@ impl Inner {
         ids: &[Uuid],
         baseline: usize,
         confidence: f64,
-    ) -> Result<Comparison, JobsError> {
+    ) -> Result<Comparison, ServiceError> {
         self.refuse_unknown(ids).await?;
         let mut files = Vec::new();
         for &id in ids {
             files.push(self.files_of(id).await.map_err(|error| of_job(id, error))?);
         }
         let blobs = self.blobs.clone();
-        let work = move || -> Result<Comparison, JobsError> {
+        let work = move || -> Result<Comparison, ServiceError> {
             let sides = files
                 .into_iter()
                 .map(|files| side(&blobs, files))
@@ -44,24 +45,24 @@ impl Inner {
     }
 
     /// All jobs that are not there are told at once.
-    async fn refuse_unknown(&self, ids: &[Uuid]) -> Result<(), JobsError> {
+    async fn refuse_unknown(&self, ids: &[Uuid]) -> Result<(), ServiceError> {
         let mut missing = Vec::new();
         for &id in ids {
             match self.job(id).await {
                 Ok(_) => {}
-                Err(JobsError::NotFound(_)) => missing.push(format!("there is no job '{id}'")),
-                Err(JobsError::Gone(_)) => missing.push(format!("job '{id}' has been deleted")),
+                Err(ServiceError::NotFound(_)) => missing.push(format!("there is no job '{id}'")),
+                Err(ServiceError::Gone(_)) => missing.push(format!("job '{id}' has been deleted")),
                 Err(error) => return Err(error),
             }
         }
         if missing.is_empty() {
             Ok(())
         } else {
-            Err(JobsError::NotThere(missing.join("; ")))
+            Err(ServiceError::NotThere(missing.join("; ")))
         }
     }
 
-    async fn files_of(&self, id: Uuid) -> Result<Files, JobsError> {
+    async fn files_of(&self, id: Uuid) -> Result<Files, ServiceError> {
         self.ended_well(id).await?;
         let artifacts = self.storage.artifacts(id).await?;
         let named = |name: &str| {
@@ -70,7 +71,7 @@ impl Inner {
                 .find(|artifact| artifact.name == name)
                 .map(|artifact| artifact.sha256.clone())
         };
-        let report = named("report.json").ok_or(JobsError::NotFound("report"))?;
+        let report = named("report.json").ok_or(ServiceError::NotFound("report"))?;
         Ok(Files {
             job: self.job(id).await?,
             report,
@@ -81,9 +82,9 @@ impl Inner {
 }
 
 /// The conflict of one job among several.
-fn of_job(id: Uuid, error: JobsError) -> JobsError {
+fn of_job(id: Uuid, error: ServiceError) -> ServiceError {
     match error {
-        JobsError::Conflict { code, detail } => JobsError::Conflict {
+        ServiceError::Conflict { code, detail } => ServiceError::Conflict {
             code,
             detail: format!("job {id}: {detail}"),
         },

@@ -4,63 +4,54 @@ mod campaign;
 mod change;
 mod compare;
 mod control;
-mod datasets;
-mod error;
-mod failure;
 mod hub;
 mod in_child;
 mod inputs;
-pub(in crate::service) mod meter;
+mod open;
 mod read;
 mod recent;
-pub(in crate::service) mod report;
 mod request;
 mod runner;
 mod submit;
 mod upkeep;
 
-pub use crate::service::storage::{DatasetFilter, JobFilter, Sort};
+pub use crate::service::storage::{JobFilter, Sort};
 pub use change::JOB_PATCH;
-pub use error::JobsError;
 pub use request::*;
 
-pub(in crate::service) use failure::Failure;
-
-use super::child::{Children, IS_LIMITED, default_memory, size_text};
+use super::child::{Children, Desk};
 use super::config::Config;
+use super::datasets::{Datasets, StoredFile};
 use super::engine::{Engine, Entry, Handler};
+use super::error::ServiceError;
 use super::storage::blobs::Blobs;
 use super::storage::notices::{Notice, Notices};
 use super::storage::room::{NoRoom, Room};
-use super::storage::{Changed, Database, Storage};
+use super::storage::{Changed, Storage};
 use super::types::{
-    ArtifactList, CampaignSoFar, Comparison, DatasetInfo, DatasetPage, Event, EventPage, Job,
-    JobKind, JobPage, JobState,
+    ArtifactList, CampaignSoFar, Comparison, Event, EventPage, Job, JobKind, JobPage, JobState,
 };
+use super::views::layers::JobLayers;
 use crate::experiment::job_shape::with_kind;
-use anyhow::{Context, bail, ensure};
+use anyhow::bail;
 use campaign::Campaigns;
 use control::{Running, Stop};
 use futures::{FutureExt, Stream};
 use hub::Hub;
-use in_child::{LOOKS, UPLOADS};
 use recent::Recent;
 use serde_json::Value;
-use serde_json::value::RawValue;
 use std::collections::BTreeMap;
-use std::fs::{DirBuilder, File, TryLockError};
-use std::os::unix::fs::DirBuilderExt;
-use std::path::Path;
+use std::fs::File;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Weak};
 use std::time::{Duration, Instant};
-use tokio::sync::{RwLock, Semaphore};
+use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 use uuid::Uuid;
 
 /// How often the service looks after itself, and how often it sweeps.
-const UPKEEP: Duration = Duration::from_secs(5);
-const SWEEP: Duration = Duration::from_secs(3600);
+const MAINTENANCE_INTERVAL: Duration = Duration::from_secs(5);
+const COLLECTION_INTERVAL: Duration = Duration::from_secs(3600);
 /// A database that takes longer for nothing is not there.
 const ANSWER: Duration = Duration::from_secs(2);
 /// An idempotency key is remembered for a day.
@@ -79,14 +70,12 @@ struct Inner {
     recent: Recent,
     running: Running,
     campaigns: Campaigns,
-    children: Children,
+    children: Arc<Children>,
+    datasets: Arc<Datasets>,
     /// Jobs that may compute at the same time.
     slots: Arc<Semaphore>,
-    /// Uploads that may be checked at the same time, and looks at data.
-    uploads: Arc<Semaphore>,
-    looks: Arc<Semaphore>,
-    /// Held for reading while files wait for their row, for writing while unused files are removed.
-    sweeping: RwLock<()>,
+    /// Where runs are put together for somebody who waits.
+    looks: Desk,
     room: Room,
     closing: CancellationToken,
     /// Some ready job may be missing in the queue.
@@ -96,93 +85,9 @@ struct Inner {
 }
 
 impl Jobs {
-    /// Opens the data directory, takes up what an earlier process left, and starts the workers.
-    ///
-    /// # Errors
-    /// When another process uses the directory, or it cannot be read or written.
-    pub async fn open(config: Config) -> anyhow::Result<Jobs> {
-        let directory = &config.data_dir;
-        make_private(directory).with_context(|| format!("cannot make {}", directory.display()))?;
-        let database = match &config.database_url {
-            None => Database::Sqlite(directory.join("app.db")),
-            Some(url) => Database::Postgres(url.clone()),
-        };
-        let lock = if config.database_url.is_none() {
-            Some(lock(directory)?)
-        } else {
-            None
-        };
-        let slots = config.slots.max(1);
-        let storage = Storage::open(&database).await?;
-        let blobs = Blobs::open(directory, config.artifacts.as_ref(), lock.is_none()).await?;
-        let place = blobs.identity();
-        ensure!(
-            storage.agree_on("artifacts", place).await? == place,
-            "the files of this database are kept elsewhere: say --data with the directory that its server uses, which all must reach, \
-             or --artifacts with its bucket"
-        );
-        let room = Room::open(
-            directory,
-            lock.as_ref().map(|lock| (lock, LOCK)),
-            config.min_free,
-        )?;
-        let job_memory_bytes = config
-            .job_memory_bytes
-            .or_else(|| default_memory(slots))
-            .filter(|_| IS_LIMITED);
-        match job_memory_bytes {
-            Some(bytes) => tracing::info!(slots, "a job may use {} of memory", size_text(bytes)),
-            None => tracing::warn!(
-                "this system does not limit the memory of a process: one job may take all there is"
-            ),
-        }
-        let children = Children::open(config.child_program.clone(), job_memory_bytes, slots).await;
-        let children = children.context("no process for jobs can be started")?;
-        let inner = Arc::new(Inner {
-            room,
-            blobs,
-            children,
-            engine: Engine::open(&database, slots).await?,
-            storage,
-            hub: Hub::default(),
-            recent: Recent::default(),
-            running: Running::default(),
-            campaigns: Campaigns::default(),
-            slots: Arc::new(Semaphore::new(slots)),
-            uploads: Arc::new(Semaphore::new(UPLOADS)),
-            looks: Arc::new(Semaphore::new(LOOKS)),
-            sweeping: RwLock::new(()),
-            closing: CancellationToken::new(),
-            must_requeue: AtomicBool::new(false),
-            config: Config {
-                slots,
-                job_memory_bytes,
-                ..config
-            },
-            lock,
-        });
-        if let Some(url) = &inner.config.database_url {
-            let notices = Notices::listen(url)
-                .await
-                .context("cannot listen to the database")?;
-            tokio::spawn(hear(notices, Arc::downgrade(&inner), inner.closing.clone()));
-        } else {
-            inner.take_up().await.with_context(|| {
-                format!(
-                    "cannot use the tables in {}",
-                    inner.config.data_dir.display()
-                )
-            })?;
-        }
-        inner.enqueue_ready(inner.lock.is_none()).await?;
-        inner.engine.run(handler(Arc::downgrade(&inner)));
-        tokio::spawn(keep_up(Arc::downgrade(&inner), inner.closing.clone()));
-        Ok(Jobs(inner))
-    }
-
-    /// Where uploads are received: on the same file system as the blobs.
-    pub fn temp_dir(&self) -> &Path {
-        self.0.blobs.temporary()
+    /// The datasets of the same directory.
+    pub fn datasets(&self) -> &Arc<Datasets> {
+        &self.0.datasets
     }
 
     /// Checks a request and queues its job. A key that was used for the same request gives the job of that time.
@@ -191,49 +96,49 @@ impl Jobs {
         kind: JobKind,
         body: Value,
         idempotency_key: Option<String>,
-    ) -> Result<Submitted, JobsError> {
+    ) -> Result<Submitted, ServiceError> {
         self.0.submit(kind, body, idempotency_key, None).await
     }
 
     /// The same checks as [`Self::submit`], without a job.
-    pub async fn validate(&self, kind: JobKind, body: Value) -> Result<Validation, JobsError> {
+    pub async fn validate(&self, kind: JobKind, body: Value) -> Result<Validation, ServiceError> {
         self.0.validate(kind, body).await
     }
 
-    pub async fn get(&self, id: Uuid) -> Result<Job, JobsError> {
+    pub async fn get(&self, id: Uuid) -> Result<Job, ServiceError> {
         self.0.job(id).await
     }
 
-    pub async fn list(&self, filter: JobFilter) -> Result<JobPage, JobsError> {
+    pub async fn list(&self, filter: JobFilter) -> Result<JobPage, ServiceError> {
         self.0.list(filter).await
     }
 
     /// How many jobs are in each state.
-    pub async fn counts(&self) -> Result<BTreeMap<JobState, u64>, JobsError> {
+    pub async fn counts(&self) -> Result<BTreeMap<JobState, u64>, ServiceError> {
         Ok(self.0.storage.job_counts().await?)
     }
 
-    pub async fn patch(&self, id: Uuid, patch: JobPatch) -> Result<Job, JobsError> {
+    pub async fn patch(&self, id: Uuid, patch: JobPatch) -> Result<Job, ServiceError> {
         self.0.patch(id, patch).await
     }
 
     /// Deletes a job that has ended, with its files; datasets that it made stay.
-    pub async fn delete(&self, id: Uuid) -> Result<(), JobsError> {
+    pub async fn delete(&self, id: Uuid) -> Result<(), ServiceError> {
         self.0.delete(id).await
     }
 
     /// Asks a job to stop: a queued one is canceled at once, a running one as soon as it notices.
-    pub async fn cancel(&self, id: Uuid) -> Result<Job, JobsError> {
+    pub async fn cancel(&self, id: Uuid) -> Result<Job, ServiceError> {
         self.0.cancel(id).await
     }
 
     /// Queues a new job with the spec of this one.
-    pub async fn rerun(&self, id: Uuid) -> Result<Job, JobsError> {
+    pub async fn rerun(&self, id: Uuid) -> Result<Job, ServiceError> {
         self.0.rerun(id).await
     }
 
     /// The job as soon as it has ended, or as it is after `patience`.
-    pub async fn wait(&self, id: Uuid, patience: Duration) -> Result<Job, JobsError> {
+    pub async fn wait(&self, id: Uuid, patience: Duration) -> Result<Job, ServiceError> {
         self.0.wait(id, patience).await
     }
 
@@ -243,7 +148,7 @@ impl Jobs {
         id: Uuid,
         after: u64,
         patience: Duration,
-    ) -> Result<EventPage, JobsError> {
+    ) -> Result<EventPage, ServiceError> {
         self.0.history(id, after, patience).await
     }
 
@@ -252,36 +157,36 @@ impl Jobs {
         &self,
         id: Uuid,
         after: u64,
-    ) -> Result<impl Stream<Item = Event> + Send + use<>, JobsError> {
+    ) -> Result<impl Stream<Item = Event> + Send + use<>, ServiceError> {
         self.0.job(id).await?;
         Ok(read::live_events(self.0.clone(), id, after))
     }
 
-    pub async fn report(&self, id: Uuid) -> Result<StoredFile, JobsError> {
+    pub async fn report(&self, id: Uuid) -> Result<StoredFile, ServiceError> {
         self.0.artifact(id, "report.json").await
     }
 
-    pub async fn artifacts(&self, id: Uuid) -> Result<ArtifactList, JobsError> {
+    pub async fn artifacts(&self, id: Uuid) -> Result<ArtifactList, ServiceError> {
         self.0.artifact_list(id).await
     }
 
-    pub async fn artifact(&self, id: Uuid, name: &str) -> Result<StoredFile, JobsError> {
+    pub async fn artifact(&self, id: Uuid, name: &str) -> Result<StoredFile, ServiceError> {
         self.0.artifact(id, name).await
     }
 
     /// The job's request as normalised, with its kind.
-    pub async fn spec(&self, id: Uuid) -> Result<Value, JobsError> {
+    pub async fn spec(&self, id: Uuid) -> Result<Value, ServiceError> {
         let job = self.0.job(id).await?;
         Ok(with_kind(job.kind, &self.0.storage.spec(id).await?))
     }
 
     /// The data behind the pictures of a job.
-    pub async fn load_job_layers(&self, id: Uuid) -> Result<Arc<JobLayers>, JobsError> {
+    pub async fn load_job_layers(&self, id: Uuid) -> Result<Arc<JobLayers>, ServiceError> {
         self.0.layers(id).await
     }
 
     /// What a campaign has found so far.
-    pub async fn cells(&self, id: Uuid) -> Result<CampaignSoFar, JobsError> {
+    pub async fn cells(&self, id: Uuid) -> Result<CampaignSoFar, ServiceError> {
         self.0.cells_so_far(id).await
     }
 
@@ -291,46 +196,15 @@ impl Jobs {
         ids: &[Uuid],
         baseline: usize,
         confidence: f64,
-    ) -> Result<Comparison, JobsError> {
+    ) -> Result<Comparison, ServiceError> {
         self.0.compare(ids, baseline, confidence).await
     }
 
-    /// Checks a received file and keeps it. The same content with the same meta gives the dataset that exists, and `false`.
-    pub async fn add_dataset(
-        &self,
-        file: ReceivedFile,
-        meta: DatasetMeta,
-    ) -> Result<(DatasetInfo, bool), JobsError> {
-        self.0.add_dataset(file, meta).await
-    }
-
-    pub async fn dataset(&self, id: Uuid) -> Result<DatasetInfo, JobsError> {
-        Ok(self.0.stored_dataset(id).await?.info)
-    }
-
-    pub async fn list_datasets(&self, filter: DatasetFilter) -> Result<DatasetPage, JobsError> {
-        self.0.list_datasets(filter).await
-    }
-
-    /// Deletes a dataset, unless a queued or running job needs it.
-    pub async fn delete_dataset(&self, id: Uuid) -> Result<(), JobsError> {
-        self.0.delete_dataset(id).await
-    }
-
-    pub async fn dataset_content(&self, id: Uuid) -> Result<StoredFile, JobsError> {
-        self.0.dataset_content(id).await
-    }
-
-    /// The first rows of a dataset, as the JSON of a [`Preview`](crate::service::views::preview::Preview).
-    pub async fn preview(&self, id: Uuid, rows: usize) -> Result<Box<RawValue>, JobsError> {
-        self.0.preview(id, rows).await
-    }
-
     /// Whether the database answers soon.
-    pub async fn check(&self) -> Result<(), JobsError> {
+    pub async fn check(&self) -> Result<(), ServiceError> {
         match tokio::time::timeout(ANSWER, self.0.storage.check()).await {
             Ok(answered) => Ok(answered?),
-            Err(_) => Err(JobsError::Unavailable),
+            Err(_) => Err(ServiceError::Unavailable),
         }
     }
 
@@ -426,40 +300,10 @@ impl Inner {
         self.storage.recover().await
     }
 
-    async fn sweep_tables(&self) -> anyhow::Result<()> {
+    async fn clean_tables(&self) -> anyhow::Result<()> {
         self.storage.forget_keys(KEY_AGE).await?;
         // What a bucket that was out of reach still has.
-        Ok(self.sweep(Vec::new()).await?)
-    }
-}
-
-/// The file that is locked while the directory is in use.
-const LOCK: &str = "lock";
-
-/// Makes the directory where it is missing, for nobody but its owner.
-fn make_private(directory: &Path) -> std::io::Result<()> {
-    DirBuilder::new()
-        .recursive(true)
-        .mode(0o700)
-        .create(directory)
-}
-
-fn lock(directory: &Path) -> anyhow::Result<File> {
-    let path = directory.join(LOCK);
-    let file = File::options()
-        .create(true)
-        .truncate(false)
-        .write(true)
-        .open(&path)
-        .with_context(|| format!("cannot open {}", path.display()))?;
-    match file.try_lock() {
-        Ok(()) => Ok(file),
-        Err(TryLockError::WouldBlock) => {
-            bail!("{} is in use by another trackloom", directory.display())
-        }
-        Err(TryLockError::Error(error)) => {
-            Err(error).with_context(|| format!("cannot lock {}", path.display()))
-        }
+        Ok(self.datasets.collect_garbage(Vec::new()).await?)
     }
 }
 
@@ -471,7 +315,7 @@ fn handler(inner: Weak<Inner>) -> Handler {
             let Some(inner) = inner else {
                 bail!("the service has stopped")
             };
-            let looked = inner.clone().look(entry).await;
+            let looked = inner.clone().handle_entry(entry).await;
             if looked.is_err() {
                 inner.must_requeue.store(true, Ordering::Release);
             }
@@ -481,11 +325,11 @@ fn handler(inner: Weak<Inner>) -> Handler {
     })
 }
 
-async fn keep_up(inner: Weak<Inner>, closing: CancellationToken) {
-    let mut swept = Instant::now();
+async fn maintain(inner: Weak<Inner>, closing: CancellationToken) {
+    let mut collected = Instant::now();
     loop {
         tokio::select! {
-            () = tokio::time::sleep(UPKEEP) => {}
+            () = tokio::time::sleep(MAINTENANCE_INTERVAL) => {}
             () = closing.cancelled() => return,
         }
         let Some(inner) = inner.upgrade() else { return };
@@ -494,9 +338,9 @@ async fn keep_up(inner: Weak<Inner>, closing: CancellationToken) {
             // In case a notice was lost.
             done = inner.stop_unwanted(&inner.running.jobs()).await;
         }
-        if done.is_ok() && swept.elapsed() > SWEEP {
-            swept = Instant::now();
-            done = inner.sweep_tables().await;
+        if done.is_ok() && collected.elapsed() > COLLECTION_INTERVAL {
+            collected = Instant::now();
+            done = inner.clean_tables().await;
         }
         if done.is_ok() {
             done = inner.tidy().await;
@@ -508,7 +352,7 @@ async fn keep_up(inner: Weak<Inner>, closing: CancellationToken) {
 }
 
 /// Listens to the processes that share the database.
-async fn hear(mut notices: Notices, inner: Weak<Inner>, closing: CancellationToken) {
+async fn listen(mut notices: Notices, inner: Weak<Inner>, closing: CancellationToken) {
     loop {
         let heard = tokio::select! {
             heard = notices.next() => heard,

@@ -1,11 +1,12 @@
 //! Looking at jobs: one, many, their files, and what happens to them while someone waits.
 
-use super::inputs::Located;
-use super::{Inner, JobFilter, JobLayers, JobsError, StoredFile};
+use super::{Inner, JobFilter};
 use crate::model::dataset::{Dataset, DatasetKind};
-use crate::model::fault::Fault;
-use crate::service::storage::{Cursor, StoredArtifact};
+use crate::service::datasets::{Located, StoredFile};
+use crate::service::error::{ServiceError, cursor_of, refuse_any};
+use crate::service::storage::{Page, StoredArtifact};
 use crate::service::types::{ArtifactInfo, ArtifactList, Event, EventPage, Job, JobPage, JobState};
+use crate::service::views::layers::JobLayers;
 use crate::service::views::metrics::MetricTable;
 use anyhow::{Context, anyhow};
 use futures::Stream;
@@ -18,38 +19,29 @@ use tokio::sync::watch;
 use tokio::time::{Instant, timeout_at};
 use uuid::Uuid;
 
-/// # Errors
-/// When there is a fault.
-pub(super) fn refuse_any(faults: Vec<Fault>) -> Result<(), JobsError> {
-    if faults.is_empty() {
-        Ok(())
-    } else {
-        Err(JobsError::Invalid(faults))
-    }
-}
-
 impl Inner {
     /// The job, unless there is none or it has been deleted.
-    pub(super) async fn job(&self, id: Uuid) -> Result<Job, JobsError> {
+    pub(super) async fn job(&self, id: Uuid) -> Result<Job, ServiceError> {
         let stored = self
             .storage
             .job(id)
             .await?
-            .ok_or(JobsError::NotFound("job"))?;
+            .ok_or(ServiceError::NotFound("job"))?;
         if stored.deleted {
-            Err(JobsError::Gone("job"))
+            Err(ServiceError::Gone("job"))
         } else {
             Ok(stored.job)
         }
     }
 
-    pub(super) async fn list(&self, filter: JobFilter) -> Result<JobPage, JobsError> {
+    pub(super) async fn list(&self, filter: JobFilter) -> Result<JobPage, ServiceError> {
         refuse_any(filter.faults())?;
-        let cursor = match &filter.cursor {
-            Some(text) => Some(Cursor::decode(text, filter.sort).ok_or(JobsError::InvalidCursor)?),
-            None => None,
-        };
-        let (items, next_cursor, total) = self.storage.jobs(&filter, cursor).await?;
+        let after = cursor_of(filter.cursor.as_deref(), filter.sort)?;
+        let Page {
+            items,
+            next_cursor,
+            total,
+        } = self.storage.jobs(&filter, after).await?;
         Ok(JobPage {
             items,
             next_cursor,
@@ -57,7 +49,7 @@ impl Inner {
         })
     }
 
-    pub(super) async fn wait(&self, id: Uuid, patience: Duration) -> Result<Job, JobsError> {
+    pub(super) async fn wait(&self, id: Uuid, patience: Duration) -> Result<Job, ServiceError> {
         let deadline = Instant::now() + patience;
         let mut news = self.hub.subscribe(id);
         loop {
@@ -73,7 +65,7 @@ impl Inner {
         id: Uuid,
         after: u64,
         patience: Duration,
-    ) -> Result<EventPage, JobsError> {
+    ) -> Result<EventPage, ServiceError> {
         let deadline = Instant::now() + patience;
         let mut news = self.hub.subscribe(id);
         loop {
@@ -99,7 +91,7 @@ impl Inner {
         }
     }
 
-    pub(super) async fn artifact_list(&self, id: Uuid) -> Result<ArtifactList, JobsError> {
+    pub(super) async fn artifact_list(&self, id: Uuid) -> Result<ArtifactList, ServiceError> {
         self.job(id).await?;
         let info = |artifact: StoredArtifact| ArtifactInfo {
             href: format!("/v1/jobs/{id}/artifacts/{}", artifact.name),
@@ -120,7 +112,7 @@ impl Inner {
         })
     }
 
-    pub(super) async fn artifact(&self, id: Uuid, name: &str) -> Result<StoredFile, JobsError> {
+    pub(super) async fn artifact(&self, id: Uuid, name: &str) -> Result<StoredFile, ServiceError> {
         self.ended_well(id).await?;
         let artifacts = self.storage.artifacts(id).await?;
         let Some(artifact) = artifacts
@@ -132,7 +124,7 @@ impl Inner {
                 .iter()
                 .map(|artifact| artifact.name.as_str())
                 .collect();
-            return Err(JobsError::NotThere(format!(
+            return Err(ServiceError::NotThere(format!(
                 "the job has no file '{name}'; it has {}",
                 known.join(", ")
             )));
@@ -145,7 +137,7 @@ impl Inner {
             ..
         } = artifact;
         Ok(StoredFile {
-            path: self.local(&sha256).await?,
+            content: self.datasets.content(&sha256, bytes).await?,
             media_type,
             bytes,
             sha256,
@@ -154,23 +146,23 @@ impl Inner {
     }
 
     /// Refuses a job that has no results.
-    pub(super) async fn ended_well(&self, id: Uuid) -> Result<(), JobsError> {
+    pub(super) async fn ended_well(&self, id: Uuid) -> Result<(), ServiceError> {
         match self.job(id).await?.state {
             JobState::Succeeded => Ok(()),
-            state @ (JobState::Queued | JobState::Running) => Err(JobsError::conflict(
+            state @ (JobState::Queued | JobState::Running) => Err(ServiceError::conflict(
                 "result_not_ready",
                 format!("the job is {}", state.name()),
             )),
-            JobState::Failed => Err(JobsError::conflict(
+            JobState::Failed => Err(ServiceError::conflict(
                 "job_failed",
                 "the job failed; its error says why",
             )),
-            JobState::Canceled => Err(JobsError::conflict("job_failed", "the job was canceled")),
+            JobState::Canceled => Err(ServiceError::conflict("job_failed", "the job was canceled")),
         }
     }
 
     /// The data behind the pictures of a job that ended well.
-    pub(super) async fn layers(&self, id: Uuid) -> Result<Arc<JobLayers>, JobsError> {
+    pub(super) async fn layers(&self, id: Uuid) -> Result<Arc<JobLayers>, ServiceError> {
         self.ended_well(id).await?;
         let artifacts = self.storage.artifacts(id).await?;
         let bytes = artifacts
@@ -187,7 +179,7 @@ impl Inner {
         &self,
         id: Uuid,
         artifacts: Vec<StoredArtifact>,
-    ) -> Result<JobLayers, JobsError> {
+    ) -> Result<JobLayers, ServiceError> {
         let mut files = Vec::new();
         // Of a bearing-time record the job has a picture.
         for kind in [
@@ -219,7 +211,7 @@ fn read_files(
     spec: Value,
     files: &[Located],
     metrics: Option<PathBuf>,
-) -> Result<JobLayers, JobsError> {
+) -> Result<JobLayers, ServiceError> {
     let mut layers = JobLayers {
         spec,
         ..JobLayers::default()
@@ -242,13 +234,13 @@ fn read_files(
                     .join()
                     .map_err(|_| anyhow!("reading a file panicked"))?
             })
-            .collect::<Result<Vec<_>, JobsError>>()
+            .collect::<Result<Vec<_>, ServiceError>>()
     })?;
     for (file, dataset) in files.iter().zip(datasets) {
         match dataset {
             Dataset::Detections(recording) => {
                 layers.detections = Some(recording);
-                layers.sensors = file.sensors().to_vec();
+                layers.sensors = file.sensors.clone();
             }
             Dataset::Truth(truth) => layers.truth = Some(truth),
             Dataset::Tracks(tracks) => layers.tracks = Some(tracks),

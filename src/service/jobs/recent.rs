@@ -1,7 +1,8 @@
 //! The data of the jobs that were looked at last, kept in memory: the views of a job ask for them again and again, and they
 //! never change.
 
-use super::{JobLayers, JobsError};
+use crate::service::error::ServiceError;
+use crate::service::views::layers::JobLayers;
 use std::future::Future;
 use std::sync::{Arc, Mutex, PoisonError};
 use tokio::sync::OnceCell;
@@ -34,9 +35,9 @@ impl Recent {
         id: Uuid,
         bytes: u64,
         read: impl FnOnce() -> F,
-    ) -> Result<Arc<JobLayers>, JobsError>
+    ) -> Result<Arc<JobLayers>, ServiceError>
     where
-        F: Future<Output = Result<JobLayers, JobsError>>,
+        F: Future<Output = Result<JobLayers, ServiceError>>,
     {
         let slot = self.slot(id, bytes);
         slot.get_or_try_init(|| async { read().await.map(Arc::new) })
@@ -126,7 +127,7 @@ mod tests {
         let (recent, readings) = (Recent::default(), AtomicUsize::new(0));
         let failed = recent
             .get(Uuid::nil(), 1, || async {
-                Err(JobsError::NotFound("file"))
+                Err(ServiceError::NotFound("file"))
             })
             .await;
         assert!(failed.is_err());

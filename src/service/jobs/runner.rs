@@ -1,14 +1,15 @@
 //! What happens when the queue says "look at this": claim it, have a child run it, write how it ended.
 
 use super::control::{Control, Stop, Work};
-use super::datasets::NoSweepingHere;
-use super::error::may_pass;
-use super::in_child::{crash_text, unexpected};
-use super::inputs::local_files;
+use crate::service::datasets::NoSweepingHere;
+use crate::service::error::may_pass;
+
+use super::Inner;
 use super::submit::planned;
-use super::{Failure, Inner};
 use crate::experiment::JobKind;
-use crate::service::child::{Made, MadeFile, Order};
+use crate::service::child::Failure;
+use crate::service::child::{Made, MadeFile, Order, crash_text, unexpected};
+use crate::service::datasets::local_files;
 use crate::service::engine::Entry;
 use crate::service::storage::blobs::{Blobs, Damaged, ReceivedFile};
 use crate::service::storage::{Changed, Claim, ClaimedJob, Ending, NewArtifact};
@@ -38,7 +39,7 @@ pub(super) struct Product {
 
 impl Inner {
     /// Works off the entry if that is still to be done. Extra calls for the same work do nothing.
-    pub(super) async fn look(self: Arc<Self>, entry: Entry) -> anyhow::Result<()> {
+    pub(super) async fn handle_entry(self: Arc<Self>, entry: Entry) -> anyhow::Result<()> {
         let work = (entry.job_id, entry.chunk);
         // The queue took this process for dead and gives the entry out again: what runs here goes on, and is waited for, since an entry
         // that is answered is gone.
@@ -89,7 +90,7 @@ impl Inner {
             Claim::Run(job) => {
                 self.announce(&[id]).await;
                 let control = self.begin((id, None));
-                let made = self.attend(&job, &control, permit).await;
+                let made = self.run(&job, &control, permit).await;
                 let written = self.conclude(&job, &control, made).await;
                 self.running.unregister((id, None));
                 written
@@ -107,7 +108,7 @@ impl Inner {
     }
 
     /// Makes what the job makes, with an ear for wishes that came before the stop sign was up.
-    async fn attend(
+    async fn run(
         &self,
         job: &ClaimedJob,
         control: &Control,
@@ -155,7 +156,7 @@ impl Inner {
     pub(super) async fn surely_no_sweeping(&self) -> anyhow::Result<NoSweepingHere<'_>> {
         let mut tries = 0;
         loop {
-            match self.no_sweeping().await {
+            match self.datasets.no_sweeping().await {
                 Err(error) if self.may_try_again(&error, &mut tries) => {
                     tracing::warn!(error = format!("{error:#}"), "files wait to be kept");
                     tokio::time::sleep(Duration::from_secs(1)).await;

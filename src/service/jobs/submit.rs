@@ -1,15 +1,17 @@
 //! From a request to a queued job.
 
 use super::inputs::source_refs;
-use super::report::ENGINE_VERSION;
-use super::{Inner, JobsError, Submitted, Validation};
+use super::{Inner, Submitted, Validation};
 use crate::experiment::{self, Plan};
 use crate::model::fault::Fault;
+use crate::service::canonical::sorted;
+use crate::service::child::report::ENGINE_VERSION;
+use crate::service::error::ServiceError;
 use crate::service::storage::blobs::sha256_hex;
 use crate::service::storage::{Admission, IdempotencyKey, NewJob};
 use crate::service::types::{Job, JobKind};
 use anyhow::Context;
-use serde_json::{Map, Value};
+use serde_json::Value;
 use std::collections::BTreeMap;
 use uuid::Uuid;
 
@@ -20,9 +22,9 @@ impl Inner {
         body: Value,
         key: Option<String>,
         rerun_of: Option<Uuid>,
-    ) -> Result<Submitted, JobsError> {
+    ) -> Result<Submitted, ServiceError> {
         if self.closing.is_cancelled() {
-            return Err(JobsError::ShuttingDown);
+            return Err(ServiceError::ShuttingDown);
         }
         let idempotency = key.map(|key| IdempotencyKey {
             key,
@@ -35,18 +37,18 @@ impl Inner {
             return self.answer(admission).await;
         }
         self.room.check(0)?;
-        let mut plan = planned(kind, body).await?.map_err(JobsError::Invalid)?;
+        let mut plan = planned(kind, body).await?.map_err(ServiceError::Invalid)?;
         let (known, _) = self.known_of(&plan).await?;
         let faults = experiment::check_known(&mut plan, &known);
         if !faults.is_empty() {
-            return Err(JobsError::Invalid(faults));
+            return Err(ServiceError::Invalid(faults));
         }
         let new = new_job(kind, plan, rerun_of, idempotency)?;
         let admission = self.storage.admit(&new, self.config.queue_limit).await?;
         self.answer(admission).await
     }
 
-    async fn answer(&self, admission: Admission) -> Result<Submitted, JobsError> {
+    async fn answer(&self, admission: Admission) -> Result<Submitted, ServiceError> {
         match admission {
             Admission::Admitted(id, changed) => {
                 // As it was taken in: a moment later it may be running.
@@ -61,9 +63,9 @@ impl Inner {
                 job: self.job(id).await?,
                 replayed: true,
             }),
-            Admission::Mismatch => Err(JobsError::IdempotencyMismatch),
-            Admission::QueueFull => Err(JobsError::QueueFull),
-            Admission::Missing(faults) => Err(JobsError::Invalid(faults)),
+            Admission::Mismatch => Err(ServiceError::IdempotencyMismatch),
+            Admission::QueueFull => Err(ServiceError::QueueFull),
+            Admission::Missing(faults) => Err(ServiceError::Invalid(faults)),
         }
     }
 
@@ -71,7 +73,7 @@ impl Inner {
         &self,
         kind: JobKind,
         body: Value,
-    ) -> Result<Validation, JobsError> {
+    ) -> Result<Validation, ServiceError> {
         let refused = |faults| Validation {
             faults,
             warnings: Vec::new(),
@@ -97,7 +99,7 @@ impl Inner {
         })
     }
 
-    pub(super) async fn rerun(&self, id: Uuid) -> Result<Job, JobsError> {
+    pub(super) async fn rerun(&self, id: Uuid) -> Result<Job, ServiceError> {
         let Job {
             kind, name, labels, ..
         } = self.job(id).await?;
@@ -133,7 +135,7 @@ fn new_job(
     plan: Plan,
     rerun_of: Option<Uuid>,
     idempotency: Option<IdempotencyKey>,
-) -> Result<NewJob, JobsError> {
+) -> Result<NewJob, ServiceError> {
     let sources = source_refs(&plan);
     let priority = priority(kind, &plan);
     let mut spec = plan.spec;
@@ -184,25 +186,6 @@ fn take_names(spec: &mut Value) -> (Option<String>, BTreeMap<String, String>) {
 /// Of the kind and the body, whatever the order of its members.
 fn request_sha256(kind: JobKind, body: &Value) -> String {
     sha256_hex(format!("{} {}", kind.name(), sorted(body)).as_bytes())
-}
-
-pub(super) fn sorted(value: &Value) -> Value {
-    match value {
-        Value::Array(items) => items.iter().map(sorted).collect(),
-        Value::Object(members) => {
-            let in_order: BTreeMap<&String, Value> = members
-                .iter()
-                .map(|(name, value)| (name, sorted(value)))
-                .collect();
-            Value::Object(
-                in_order
-                    .into_iter()
-                    .map(|(name, value)| (name.clone(), value))
-                    .collect::<Map<_, _>>(),
-            )
-        }
-        other => other.clone(),
-    }
 }
 
 #[cfg(test)]

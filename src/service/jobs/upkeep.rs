@@ -38,7 +38,7 @@ impl Inner {
             if left.is_empty() {
                 return Ok(());
             }
-            let _no_sweeping = self.no_sweeping().await?;
+            let _no_sweeping = self.datasets.no_sweeping().await?;
             let mut wanted = Vec::new();
             for blob in &left {
                 if self.storage.blob_is_used(&blob.sha256).await? {

@@ -153,7 +153,7 @@ pub fn raw_upload_query() -> Value {
             schema,
         ));
     }
-    for name in http::JSON_TEXTS {
+    for name in http::json_texts() {
         let description = format!(
             "{} Written as JSON, as `{name}` of DatasetMeta.",
             meta[name]["description"].as_str().unwrap_or_default()

@@ -12,50 +12,12 @@ use crate::experiment::{ARTIFACT_TYPES, JobKind};
 use crate::formats::FORMATS;
 use crate::model::fault::FAULT_CODES;
 use crate::registry::Components;
-use crate::service::storage::blobs::sha256_hex;
-use axum::body::Bytes;
 use bodies::{capital, request_bodies};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use utoipa::PartialSchema;
 
 pub use examples::job_examples;
-
-/// Both documents as they are served.
-pub struct Documents {
-    pub v3_1: Document,
-    pub v3_0: Document,
-}
-
-pub struct Document {
-    pub bytes: Bytes,
-    pub sha256: String,
-}
-
-impl Documents {
-    pub fn new() -> Self {
-        Documents {
-            v3_1: Document::new(&document()),
-            v3_0: Document::new(&document_3_0()),
-        }
-    }
-}
-
-impl Default for Documents {
-    fn default() -> Self {
-        Documents::new()
-    }
-}
-
-impl Document {
-    fn new(value: &Value) -> Self {
-        let bytes = Bytes::from(value.to_string());
-        Document {
-            sha256: sha256_hex(&bytes),
-            bytes,
-        }
-    }
-}
 
 const TAGS: [(&str, &str); 5] = [
     ("jobs", "Ask for work, follow it, cancel it, run it again."),

@@ -1,5 +1,6 @@
 //! Opening the tables, in either database.
 
+use super::recall::{Changes, Recall};
 use super::transaction::Change;
 use anyhow::{Context, bail, ensure};
 use sqlx::any::{AnyConnectOptions, AnyPoolOptions};
@@ -7,6 +8,7 @@ use sqlx::migrate::{MigrateError, Migration, MigrationType, Migrator};
 use sqlx::{AnyConnection, AnyPool, Connection, Executor, SqlSafeStr};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 use uuid::Uuid;
 
@@ -26,6 +28,11 @@ const SQLITE_TABLES: &Migrations = &[
         include_str!("migrations/sqlite/0003_chunks.sql"),
     ),
     (4, "blobs", include_str!("migrations/sqlite/0004_blobs.sql")),
+    (
+        5,
+        "format options",
+        include_str!("migrations/sqlite/0005_format_options.sql"),
+    ),
 ];
 
 const POSTGRES_TABLES: &Migrations = &[
@@ -38,6 +45,11 @@ const POSTGRES_TABLES: &Migrations = &[
         4,
         "queue",
         include_str!("migrations/postgres/0004_queue.sql"),
+    ),
+    (
+        5,
+        "format options",
+        include_str!("migrations/postgres/0005_format_options.sql"),
     ),
 ];
 
@@ -100,6 +112,9 @@ pub struct Storage {
     /// Whether other processes write as well.
     pub(super) is_shared: bool,
     guards: AnyPool,
+    changes: Changes,
+    /// Absent where other processes write as well.
+    pub(super) recall: Option<Arc<Recall>>,
 }
 
 /// While it lives, no other process removes unused files.
@@ -143,7 +158,7 @@ impl Storage {
                 "BEGIN; SET LOCAL synchronous_commit = off; LOCK TABLE one_writer IN EXCLUSIVE MODE"
             }
         };
-        Ok(Change::begin(&self.write, statements).await?)
+        Ok(Change::begin(&self.write, statements, &self.changes).await?)
     }
 
     /// For whoever keeps files whose rows come later.
@@ -169,7 +184,9 @@ impl Storage {
         if !self.is_shared {
             return Ok(None);
         }
-        Ok(Some(Change::begin(&self.guards, statements).await?))
+        Ok(Some(
+            Change::begin(&self.guards, statements, &self.changes).await?,
+        ))
     }
 
     /// Sets what all processes have to agree on, unless one of them has done so; gives what is set.
@@ -236,6 +253,7 @@ async fn open_sqlite(path: &Path) -> anyhow::Result<Storage> {
     // What writes the log back needs another connection that may write, or changes would wait.
     let guards =
         pool(1, TURN_PATIENCE, SQLITE_SETUP).connect_lazy_with(sqlite_options(path, "rw")?);
+    let changes = Changes::default();
     Ok(Storage {
         work: read.clone(),
         read,
@@ -243,6 +261,8 @@ async fn open_sqlite(path: &Path) -> anyhow::Result<Storage> {
         owner: String::new(),
         is_shared: false,
         guards,
+        recall: Some(Arc::new(Recall::new(changes.clone()))),
+        changes,
     })
 }
 
@@ -288,6 +308,8 @@ async fn open_postgres(url: &str) -> anyhow::Result<Storage> {
         owner: Uuid::now_v7().to_string(),
         is_shared: true,
         guards,
+        changes: Changes::default(),
+        recall: None,
     })
 }
 

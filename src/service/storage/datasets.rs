@@ -3,10 +3,10 @@
 use super::change::parse_id;
 use super::filter::DatasetFilter;
 use super::life::{ClaimedJob, NewArtifact};
-use super::page::{Cursor, cut, push_page, push_search, row_limit};
+use super::page::{Cursor, Page, Paging, push_search};
 use super::statement::Statement;
 use super::{Storage, from_micros, now, to_micros};
-use crate::formats::npy::BearingTimeAxes;
+use crate::formats::FormatOptions;
 use crate::model::dataset::DatasetSummary;
 use crate::model::facts::RecordingFacts;
 use crate::model::sensor::SensorSettings;
@@ -29,7 +29,8 @@ pub struct NewDataset {
     pub meta_sha256: String,
     /// The file's column name → the canonical one.
     pub columns: BTreeMap<String, String>,
-    pub bearing_time: Option<BearingTimeAxes>,
+    /// What its format was told.
+    pub options: FormatOptions,
     pub summary: DatasetSummary,
     pub sensors: Vec<SensorSettings>,
     pub warnings: Vec<String>,
@@ -52,7 +53,7 @@ impl NewDataset {
             sha256: artifact.sha256.clone(),
             meta_sha256: String::new(),
             columns: BTreeMap::new(),
-            bearing_time: None,
+            options: FormatOptions::default(),
             summary,
             sensors: artifact.sensors.clone(),
             warnings: Vec::new(),
@@ -67,14 +68,15 @@ impl NewDataset {
 pub struct StoredDataset {
     pub info: DatasetInfo,
     pub columns: BTreeMap<String, String>,
-    pub bearing_time: Option<BearingTimeAxes>,
+    /// What its format was told.
+    pub options: FormatOptions,
     pub file_name: Option<String>,
     pub deleted: bool,
     /// Of detections; `None` of those that an earlier version kept.
     pub facts: Option<RecordingFacts>,
 }
 
-const COLUMNS: &str = "SELECT id, name, format, bytes, sha256, columns, bearing_time, summary, sensors, warnings, origin_job_id, file_name,
+const COLUMNS: &str = "SELECT id, name, format, bytes, sha256, columns, format_options, summary, sensors, warnings, origin_job_id, file_name,
     created_at, CASE WHEN deleted_at IS NULL THEN 0 ELSE 1 END AS deleted FROM datasets WHERE ";
 
 impl Storage {
@@ -108,32 +110,21 @@ impl Storage {
             .transpose()
     }
 
-    /// One page, the cursor of the next, and the count if it was asked for.
     pub async fn datasets(
         &self,
         filter: &DatasetFilter,
-        cursor: Option<Cursor>,
-    ) -> anyhow::Result<(Vec<DatasetInfo>, Option<String>, Option<u64>)> {
-        let total = if filter.count {
-            let mut query = Statement::new("SELECT count(*) FROM datasets WHERE ");
-            push_filter(&mut query, filter);
-            Some(query.count().fetch_one(&self.read).await?.cast_unsigned())
-        } else {
-            None
+        after: Option<Cursor>,
+    ) -> anyhow::Result<Page<DatasetInfo>> {
+        let paging = Paging {
+            sort: filter.sort,
+            limit: filter.limit,
+            after,
+            count: filter.count,
         };
-        let limit = row_limit(filter.limit);
-        let mut query = Statement::new(COLUMNS);
-        push_filter(&mut query, filter);
-        push_page(&mut query, filter.sort, cursor, limit);
-        let rows = query.query().fetch_all(&self.read).await?;
-        let items = rows
-            .iter()
-            .map(|row| Ok(stored(row)?.info))
-            .collect::<anyhow::Result<Vec<_>>>()?;
-        let (items, next) = cut(items, limit, |info| {
-            Cursor::new(filter.sort, info.created_at, info.id)
-        });
-        Ok((items, next, total))
+        let count = "SELECT count(*) FROM datasets WHERE ";
+        let read = |row: &AnyRow| Ok(stored(row)?.info);
+        self.page((COLUMNS, count), condition(filter), paging, read)
+            .await
     }
 
     /// Deletes a dataset; gives the jobs that still need it instead if there are any.
@@ -197,7 +188,7 @@ pub(super) async fn insert_dataset(
 ) -> anyhow::Result<Uuid> {
     let id = Uuid::now_v7();
     sqlx::query(
-        "INSERT INTO datasets (id, name, kind, format, bytes, sha256, meta_sha256, columns, bearing_time, summary, sensors, warnings,
+        "INSERT INTO datasets (id, name, kind, format, bytes, sha256, meta_sha256, columns, format_options, summary, sensors, warnings,
              origin_job_id, file_name, created_at) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, $15)",
     )
     .bind(id.to_string())
@@ -208,7 +199,7 @@ pub(super) async fn insert_dataset(
     .bind(&new.sha256)
     .bind(&new.meta_sha256)
     .bind(serde_json::to_string(&new.columns)?)
-    .bind(serde_json::to_string(&new.bearing_time)?)
+    .bind(serde_json::to_string(&new.options)?)
     .bind(serde_json::to_string(&new.summary)?)
     .bind(serde_json::to_string(&new.sensors)?)
     .bind(serde_json::to_string(&new.warnings)?)
@@ -220,16 +211,17 @@ pub(super) async fn insert_dataset(
     Ok(id)
 }
 
-fn push_filter(query: &mut Statement, filter: &DatasetFilter) {
-    query.push("deleted_at IS NULL");
+fn condition(filter: &DatasetFilter) -> Statement {
+    let mut query = Statement::new("deleted_at IS NULL");
     if !filter.kinds.is_empty() {
         query
             .push(" AND kind IN ")
             .bind_list(filter.kinds.iter().map(|kind| kind.name().to_owned()));
     }
     if let Some(q) = &filter.q {
-        push_search(query, q);
+        push_search(&mut query, q);
     }
+    query
 }
 
 fn stored(row: &AnyRow) -> anyhow::Result<StoredDataset> {
@@ -278,7 +270,7 @@ fn stored(row: &AnyRow) -> anyhow::Result<StoredDataset> {
     Ok(StoredDataset {
         info,
         columns: serde_json::from_str(row.try_get("columns")?)?,
-        bearing_time: serde_json::from_str(row.try_get("bearing_time")?)?,
+        options: serde_json::from_str(row.try_get("format_options")?)?,
         file_name,
         facts: summary.facts,
         deleted: row.try_get::<i64, _>("deleted")? != 0,

@@ -3,7 +3,7 @@
 use super::change::{Changed, append_event, end_job, parse_id};
 use super::datasets::active_users;
 use super::filter::JobFilter;
-use super::page::{Cursor, cut, push_page, push_search, row_limit};
+use super::page::{Cursor, Page, Paging, push_search};
 use super::statement::Statement;
 use super::{Storage, from_micros, now, to_micros};
 use crate::service::types::{EventData, Job, JobKind, JobLinks, JobState, LogLine};
@@ -57,15 +57,25 @@ pub struct StoredArtifact {
 
 impl Storage {
     pub async fn job(&self, id: Uuid) -> anyhow::Result<Option<StoredJob>> {
+        let Some(recall) = &self.recall else {
+            return self.read_job(id).await;
+        };
+        if let Some(known) = recall.job(id) {
+            return Ok(Some(known));
+        }
+        let at = recall.now();
+        let job = self.read_job(id).await?;
+        if let Some(job) = &job {
+            recall.keep_job(at, id, job);
+        }
+        Ok(job)
+    }
+
+    async fn read_job(&self, id: Uuid) -> anyhow::Result<Option<StoredJob>> {
         let mut query = Statement::new(COLUMNS);
         query.push("id = ").bind(id.to_string());
-        query
-            .query()
-            .fetch_optional(&self.read)
-            .await?
-            .as_ref()
-            .map(stored)
-            .transpose()
+        let row = query.query().fetch_optional(&self.read).await?;
+        row.as_ref().map(stored).transpose()
     }
 
     /// The job's request as normalised.
@@ -77,32 +87,21 @@ impl Storage {
         serde_json::from_str(&json).context("a stored spec is not JSON")
     }
 
-    /// One page, the cursor of the next, and the count if it was asked for.
     pub async fn jobs(
         &self,
         filter: &JobFilter,
-        cursor: Option<Cursor>,
-    ) -> anyhow::Result<(Vec<Job>, Option<String>, Option<u64>)> {
-        let total = if filter.count {
-            let mut query = Statement::new("SELECT count(*) FROM jobs WHERE ");
-            push_filter(&mut query, filter);
-            Some(query.count().fetch_one(&self.read).await?.cast_unsigned())
-        } else {
-            None
+        after: Option<Cursor>,
+    ) -> anyhow::Result<Page<Job>> {
+        let paging = Paging {
+            sort: filter.sort,
+            limit: filter.limit,
+            after,
+            count: filter.count,
         };
-        let limit = row_limit(filter.limit);
-        let mut query = Statement::new(COLUMNS);
-        push_filter(&mut query, filter);
-        push_page(&mut query, filter.sort, cursor, limit);
-        let rows = query.query().fetch_all(&self.read).await?;
-        let items = rows
-            .iter()
-            .map(|row| Ok(stored(row)?.job))
-            .collect::<anyhow::Result<Vec<_>>>()?;
-        let (items, next) = cut(items, limit, |job| {
-            Cursor::new(filter.sort, job.created_at, job.id)
-        });
-        Ok((items, next, total))
+        let count = "SELECT count(*) FROM jobs WHERE ";
+        let read = |row: &AnyRow| Ok(stored(row)?.job);
+        self.page((COLUMNS, count), condition(filter), paging, read)
+            .await
     }
 
     pub async fn job_counts(&self) -> anyhow::Result<BTreeMap<JobState, u64>> {
@@ -225,6 +224,19 @@ impl Storage {
 
     /// The files of a job, in the order in which it made them.
     pub async fn artifacts(&self, id: Uuid) -> anyhow::Result<Vec<StoredArtifact>> {
+        let Some(recall) = &self.recall else {
+            return self.read_artifacts(id).await;
+        };
+        if let Some(known) = recall.artifacts(id) {
+            return Ok(known);
+        }
+        let at = recall.now();
+        let artifacts = self.read_artifacts(id).await?;
+        recall.keep_artifacts(at, id, &artifacts);
+        Ok(artifacts)
+    }
+
+    async fn read_artifacts(&self, id: Uuid) -> anyhow::Result<Vec<StoredArtifact>> {
         let rows = sqlx::query("SELECT name, media_type, bytes, sha256, dataset_id FROM artifacts WHERE job_id = $1 ORDER BY position")
             .bind(id.to_string())
             .fetch_all(&self.read)
@@ -273,14 +285,18 @@ pub(super) async fn write_labels(
     Ok(())
 }
 
-fn push_filter(query: &mut Statement, filter: &JobFilter) {
-    query.push("deleted_at IS NULL");
+fn condition(filter: &JobFilter) -> Statement {
+    let mut query = Statement::new("deleted_at IS NULL");
     push_names(
-        query,
+        &mut query,
         "state",
         filter.states.iter().map(|state| state.name()),
     );
-    push_names(query, "kind", filter.kinds.iter().map(|kind| kind.name()));
+    push_names(
+        &mut query,
+        "kind",
+        filter.kinds.iter().map(|kind| kind.name()),
+    );
     for (key, value) in &filter.labels {
         query
             .push(" AND id IN (SELECT job_id FROM job_labels WHERE key = ")
@@ -294,8 +310,9 @@ fn push_filter(query: &mut Statement, filter: &JobFilter) {
         query.push(" AND created_at < ").bind(to_micros(before));
     }
     if let Some(q) = &filter.q {
-        push_search(query, q);
+        push_search(&mut query, q);
     }
+    query
 }
 
 fn push_names(

@@ -17,6 +17,7 @@ mod life;
 pub mod notices;
 mod outbox;
 mod page;
+mod recall;
 pub mod room;
 mod statement;
 mod transaction;
@@ -30,7 +31,7 @@ pub use datasets::{NewDataset, StoredDataset};
 pub use filter::{DatasetFilter, JobFilter, Sort};
 pub use jobs::{Cancellation, Deletion, StoredArtifact};
 pub use life::{Claim, ClaimedJob, Ending, NewArtifact};
-pub use page::Cursor;
+pub use page::{Cursor, Page};
 
 use anyhow::Context;
 use jiff::Timestamp;

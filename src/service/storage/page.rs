@@ -1,9 +1,11 @@
 //! Keyset paging: a cursor names the last row of a page by its time and id, so that rows added meanwhile move nothing.
 
+use super::Storage;
+use super::change::parse_id;
 use super::filter::Sort;
 use super::statement::Statement;
-use super::to_micros;
-use jiff::Timestamp;
+use sqlx::Row;
+use sqlx::any::AnyRow;
 use uuid::Uuid;
 
 /// Rows of a page when the caller does not say, and at most.
@@ -18,12 +20,13 @@ pub struct Cursor {
 }
 
 impl Cursor {
-    pub fn new(sort: Sort, created_at: Timestamp, id: Uuid) -> Self {
-        Cursor {
+    /// The row of a page in this order.
+    fn of_row(sort: Sort, row: &AnyRow) -> anyhow::Result<Self> {
+        Ok(Cursor {
             sort,
-            created_micros: to_micros(created_at),
-            id,
-        }
+            created_micros: row.try_get("created_at")?,
+            id: parse_id(row.try_get("id")?)?,
+        })
     }
 
     /// The opaque text of the cursor.
@@ -51,8 +54,61 @@ impl Cursor {
     }
 }
 
+/// What a list is asked for besides what narrows it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Paging {
+    pub sort: Sort,
+    /// 1 to 200; 0 stands for 50.
+    pub limit: u32,
+    /// The end of the page before.
+    pub after: Option<Cursor>,
+    /// Count every match.
+    pub count: bool,
+}
+
+/// Rows, or what was made of them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Page<Row> {
+    pub items: Vec<Row>,
+    /// Absent at the end of the list.
+    pub next_cursor: Option<String>,
+    /// Where it was asked for.
+    pub total: Option<u64>,
+}
+
+impl Storage {
+    /// One page of the rows that `select` selects and `condition` narrows; `count` counts such rows.
+    pub(super) async fn page<T>(
+        &self,
+        (select, count): (&'static str, &'static str),
+        condition: Statement,
+        paging: Paging,
+        read: impl Fn(&AnyRow) -> anyhow::Result<T>,
+    ) -> anyhow::Result<Page<T>> {
+        let mut total = None;
+        if paging.count {
+            let count = condition.clone().after(count).count();
+            total = Some(count.fetch_one(&self.read).await?.cast_unsigned());
+        }
+        let limit = row_limit(paging.limit);
+        let mut query = condition.after(select);
+        push_page(&mut query, paging.sort, paging.after, limit);
+        let mut rows = query.query().fetch_all(&self.read).await?;
+        // The surplus row means that there is a next page.
+        let has_more = rows.len() > limit as usize;
+        rows.truncate(limit as usize);
+        let last = rows.last().filter(|_| has_more);
+        let next = last.map(|row| Cursor::of_row(paging.sort, row));
+        Ok(Page {
+            items: rows.iter().map(read).collect::<anyhow::Result<_>>()?,
+            next_cursor: next.transpose()?.map(|cursor| cursor.encode()),
+            total,
+        })
+    }
+}
+
 /// `limit` as asked for, brought into its range.
-pub(super) fn row_limit(asked: u32) -> u32 {
+fn row_limit(asked: u32) -> u32 {
     if asked == 0 {
         LIMIT.0
     } else {
@@ -61,7 +117,7 @@ pub(super) fn row_limit(asked: u32) -> u32 {
 }
 
 /// Restricts to the rows after the cursor, in order, one more than a page holds.
-pub(super) fn push_page(query: &mut Statement, sort: Sort, cursor: Option<Cursor>, limit: u32) {
+fn push_page(query: &mut Statement, sort: Sort, cursor: Option<Cursor>, limit: u32) {
     let (order, beyond) = match sort {
         Sort::NewestFirst => (" DESC", " < ("),
         Sort::OldestFirst => (" ASC", " > ("),
@@ -96,21 +152,6 @@ pub(super) fn push_search(query: &mut Statement, q: &str) {
         .push(" ESCAPE '\\' OR id LIKE ")
         .bind(format!("{needle}%"))
         .push(" ESCAPE '\\')");
-}
-
-/// Cuts the surplus row off; its presence means that there is a next page.
-pub(super) fn cut<Row>(
-    mut rows: Vec<Row>,
-    limit: u32,
-    cursor_of: impl Fn(&Row) -> Cursor,
-) -> (Vec<Row>, Option<String>) {
-    let more = rows.len() > limit as usize;
-    rows.truncate(limit as usize);
-    let next = rows
-        .last()
-        .filter(|_| more)
-        .map(|row| cursor_of(row).encode());
-    (rows, next)
 }
 
 #[cfg(test)]

@@ -5,11 +5,13 @@ use sqlx::query::{Query, QueryScalar};
 use sqlx::{Any, AssertSqlSafe};
 
 /// SQL and the values of its parameters. Values from outside get into it by [`Statement::bind`] alone.
+#[derive(Clone)]
 pub(super) struct Statement {
     sql: String,
     values: Vec<Value>,
 }
 
+#[derive(Clone)]
 pub(super) enum Value {
     Text(String),
     Number(i64),
@@ -33,6 +35,12 @@ impl Statement {
             sql: sql.to_owned(),
             values: Vec::new(),
         }
+    }
+
+    /// The same after other words without parameters.
+    pub fn after(mut self, sql: &'static str) -> Self {
+        self.sql.insert_str(0, sql);
+        self
     }
 
     pub fn push(&mut self, sql: &'static str) -> &mut Self {

@@ -1,12 +1,12 @@
 //! The bearing–time series: in which direction truth, detections and tracks lay, clockwise from north, for sensors that know
 //! directions alone. Places are seen from the sensors when all stand at one place, else they are left out.
 
+use super::layers::JobLayers;
 use super::plan::sensor_places;
 use super::{Method, Reduced, Window, most_probable, points, scans};
 use crate::model::scan::{Measurement, Recording};
 use crate::model::track::TrackSet;
 use crate::model::truth::{TruePlace, TruthSet};
-use crate::service::jobs::JobLayers;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use utoipa::ToSchema;

@@ -1,8 +1,8 @@
 //! The series of gates: where each track looked for its detections at each scan.
 
+use super::layers::JobLayers;
 use super::{Method, Reduced, Window};
 use crate::experiment::gates::{Gate, Region, compute_gates};
-use crate::service::jobs::JobLayers;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use utoipa::ToSchema;

@@ -4,6 +4,7 @@
 pub mod bearing_time;
 pub mod compare;
 pub mod gates;
+pub mod layers;
 pub mod metrics;
 pub mod plan;
 pub mod preview;

@@ -1,10 +1,10 @@
 //! The plan view: truth, detections and tracks in the plane, with the scans to step through.
 
+use super::layers::JobLayers;
 use super::{Density, Method, Reduced, Window, detection_id, most_probable, place, points, scans};
 use crate::model::scan::{Detection, Recording};
 use crate::model::track::TrackSet;
 use crate::model::truth::TruthSet;
-use crate::service::jobs::JobLayers;
 use crate::service::types::SensorSettings;
 use serde::Serialize;
 use std::collections::BTreeMap;

@@ -2,11 +2,11 @@
 
 use super::bearing_time::{self, BearingTimeSeries};
 use super::gates::{self, GatesSeries};
+use super::layers::JobLayers;
 use super::metrics::{MetricsSeries, over_time};
 use super::{Method, Reduced, Window, detection_id, points, scans};
 use crate::model::scan::Recording;
 use crate::model::track::{TrackSet, TrackStatus};
-use crate::service::jobs::JobLayers;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use utoipa::ToSchema;

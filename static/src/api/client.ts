@@ -1,8 +1,30 @@
-// Every call to the service, one function each; failures become an ApiError with the service's own problem.
+// Every call to the service, one function each; failures become an ApiError with the service's own
+// problem.
 
 import createClient from "openapi-fetch";
 import type { components, paths } from "../../generated/api";
-import type { Artifact, BearingTime, CampaignSoFar, Comparison, Dataset, DatasetPage, DatasetPreview, Gates, Job, JobKind, JobPage, Methods, MetricsSeries, Plan, Preset, Problem, Report, ScanCounts, TrackProbability, Validation } from "./types";
+import type {
+  Artifact,
+  BearingTime,
+  CampaignSoFar,
+  Comparison,
+  Dataset,
+  DatasetPage,
+  DatasetPreview,
+  Gates,
+  Job,
+  JobKind,
+  JobPage,
+  Methods,
+  MetricsSeries,
+  Plan,
+  Preset,
+  Problem,
+  Report,
+  ScanCounts,
+  TrackProbability,
+  Validation,
+} from "./types";
 
 const client = createClient<paths>({ baseUrl: location.origin, cache: "no-cache" });
 
@@ -43,17 +65,25 @@ export interface JobFilter {
 
 const path = (id: string) => ({ params: { path: { id } } });
 
-export const listJobs = (query: JobFilter): Promise<JobPage> => taken(client.GET("/v1/jobs", { params: { query } }));
+export const listJobs = (query: JobFilter): Promise<JobPage> =>
+  taken(client.GET("/v1/jobs", { params: { query } }));
 export const getJob = (id: string): Promise<Job> => taken(client.GET("/v1/jobs/{id}", path(id)));
-export const cancelJob = (id: string): Promise<Job> => taken(client.POST("/v1/jobs/{id}/cancel", path(id)));
-export const rerunJob = (id: string): Promise<Job> => taken(client.POST("/v1/jobs/{id}/rerun", path(id)));
-export const getReport = (id: string): Promise<Report> => taken(client.GET("/v1/jobs/{id}/report", path(id)));
-export const getCampaignCells = (id: string): Promise<CampaignSoFar> => taken(client.GET("/v1/jobs/{id}/cells", path(id)));
+export const cancelJob = (id: string): Promise<Job> =>
+  taken(client.POST("/v1/jobs/{id}/cancel", path(id)));
+export const rerunJob = (id: string): Promise<Job> =>
+  taken(client.POST("/v1/jobs/{id}/rerun", path(id)));
+export const getReport = (id: string): Promise<Report> =>
+  taken(client.GET("/v1/jobs/{id}/report", path(id)));
+export const getCampaignCells = (id: string): Promise<CampaignSoFar> =>
+  taken(client.GET("/v1/jobs/{id}/cells", path(id)));
 
 const KEPT = 4;
 const kept = new Map<string, Promise<unknown>>();
 
-/** The answer to a question whose answer never changes; the last few are kept, so that they can be asked ahead of their view. */
+/**
+ * The answer to a question whose answer never changes; the last few are kept, so that they can be
+ * asked ahead of their view.
+ */
 function once<T>(question: string, ask: () => Promise<T>): Promise<T> {
   const answer = (kept.get(question) as Promise<T> | undefined) ?? ask();
   kept.delete(question);
@@ -63,13 +93,19 @@ function once<T>(question: string, ask: () => Promise<T>): Promise<T> {
   return answer;
 }
 
-export const getPlan = (id: string): Promise<Plan> => once(`plan ${id}`, () => taken(client.GET("/v1/jobs/{id}/plan", path(id))));
+export const getPlan = (id: string): Promise<Plan> =>
+  once(`plan ${id}`, () => taken(client.GET("/v1/jobs/{id}/plan", path(id))));
 /** Only what was there at one time. */
 export function getPlanAt(id: string, time_s: number): Promise<Plan> {
-  return taken(client.GET("/v1/jobs/{id}/plan", { params: { path: { id }, query: { from: time_s, to: time_s } } }));
+  return taken(
+    client.GET("/v1/jobs/{id}/plan", {
+      params: { path: { id }, query: { from: time_s, to: time_s } },
+    }),
+  );
 }
 /** The request of a job, as the form of its kind shows it. */
-export const getSpec = async (id: string): Promise<Record<string, unknown>> => withoutKind(await taken(client.GET("/v1/jobs/{id}/spec", path(id))));
+export const getSpec = async (id: string): Promise<Record<string, unknown>> =>
+  withoutKind(await taken(client.GET("/v1/jobs/{id}/spec", path(id))));
 
 /** The schemas in it are free JSON to the API document; here they are read as what they are. */
 export async function getMethods(): Promise<Methods> {
@@ -88,21 +124,31 @@ export async function getArtifactText(id: string, name: string): Promise<string>
 
 /** The series of one name has one shape, which the path cannot say. */
 function series<T>(id: string, name: string, query: { track?: string }): Promise<T> {
-  return taken(client.GET("/v1/jobs/{id}/series/{name}", { params: { path: { id, name }, query } })) as Promise<T>;
+  return taken(
+    client.GET("/v1/jobs/{id}/series/{name}", { params: { path: { id, name }, query } }),
+  ) as Promise<T>;
 }
 
-export const getTrackProbability = (id: string, track: string): Promise<TrackProbability> => series(id, "track_probability", { track });
-export const getGates = (id: string, track: string): Promise<Gates> => series(id, "gates", { track });
+export const getTrackProbability = (id: string, track: string): Promise<TrackProbability> =>
+  series(id, "track_probability", { track });
+export const getGates = (id: string, track: string): Promise<Gates> =>
+  series(id, "gates", { track });
 export const getMetricSeries = (id: string): Promise<MetricsSeries> => series(id, "metrics", {});
 export const getBearingTime = (id: string): Promise<BearingTime> => series(id, "bearing_time", {});
-export const getScanCounts = (id: string): Promise<ScanCounts> => once(`scan_counts ${id}`, () => series(id, "scan_counts", {}));
+export const getScanCounts = (id: string): Promise<ScanCounts> =>
+  once(`scan_counts ${id}`, () => series(id, "scan_counts", {}));
 
 export async function listPresets(): Promise<Preset[]> {
-  return (await taken(client.GET("/v1/presets"))).items.map((preset) => ({ ...preset, body: withoutKind(preset.body) }));
+  return (await taken(client.GET("/v1/presets"))).items.map((preset) => ({
+    ...preset,
+    body: withoutKind(preset.body),
+  }));
 }
 
 export function compareJobs(job: string[], baseline: string | undefined): Promise<Comparison> {
-  return taken(client.GET("/v1/compare", { params: { query: { job, ...(baseline ? { baseline } : {}) } } }));
+  return taken(
+    client.GET("/v1/compare", { params: { query: { job, ...(baseline ? { baseline } : {}) } } }),
+  );
 }
 
 export interface DatasetFilter {
@@ -112,12 +158,16 @@ export interface DatasetFilter {
   limit?: number;
 }
 
-export const pageOfDatasets = (query: DatasetFilter): Promise<DatasetPage> => taken(client.GET("/v1/datasets", { params: { query } }));
-export const previewDataset = (id: string, limit: number): Promise<DatasetPreview> => taken(client.GET("/v1/datasets/{id}/preview", { params: { path: { id }, query: { limit } } }));
+export const pageOfDatasets = (query: DatasetFilter): Promise<DatasetPage> =>
+  taken(client.GET("/v1/datasets", { params: { query } }));
+export const previewDataset = (id: string, limit: number): Promise<DatasetPreview> =>
+  taken(client.GET("/v1/datasets/{id}/preview", { params: { path: { id }, query: { limit } } }));
 
 /** The text of a data set as it was uploaded. */
 export async function getDatasetText(id: string): Promise<string> {
-  return (await taken(client.GET("/v1/datasets/{id}/content", { ...path(id), parseAs: "text" }))) as unknown as string;
+  return (await taken(
+    client.GET("/v1/datasets/{id}/content", { ...path(id), parseAs: "text" }),
+  )) as unknown as string;
 }
 
 export async function deleteDataset(id: string): Promise<void> {
@@ -125,19 +175,24 @@ export async function deleteDataset(id: string): Promise<void> {
   if (!response.ok) await taken(Promise.resolve({ error, response }));
 }
 
-export const getDataset = (id: string): Promise<Dataset> => taken(client.GET("/v1/datasets/{id}", path(id)));
+export const getDataset = (id: string): Promise<Dataset> =>
+  taken(client.GET("/v1/datasets/{id}", path(id)));
 
 export async function listDatasets(kind: Dataset["kind"] | undefined): Promise<Dataset[]> {
   const query = { limit: 200, ...(kind ? { kind } : {}) };
   return (await taken(client.GET("/v1/datasets", { params: { query } }))).items;
 }
 
-function withoutKind({ kind: _, ...body }: components["schemas"]["JobSpec"]): Record<string, unknown> {
+function withoutKind({
+  kind: _,
+  ...body
+}: components["schemas"]["JobSpec"]): Record<string, unknown> {
   return body;
 }
 
 /** The form does not promise a valid body: the service judges it. */
-export const validate = (kind: JobKind, body: Record<string, unknown>): Promise<Validation> => taken(client.POST("/v1/validate", { body: { ...body, kind } as never }));
+export const validate = (kind: JobKind, body: Record<string, unknown>): Promise<Validation> =>
+  taken(client.POST("/v1/validate", { body: { ...body, kind } as never }));
 
 export function createJob(kind: JobKind, body: Record<string, unknown>): Promise<Job> {
   return taken(client.POST(`/v1/jobs/${kind}`, { body: body as never }));

@@ -1,5 +1,5 @@
-// Names for the shapes of the service's answers, which are generated from the API document (`npm run types`), and the
-// few that the document leaves open.
+// Names for the shapes of the service's answers, which are generated from the API document
+// (`npm run types`), and the few that the document leaves open.
 
 import type { components } from "../../generated/api";
 
@@ -36,8 +36,12 @@ export type Tfa = Schemas["Tfa"];
 export type TrackProbability = Schemas["TrackProbabilitySeries"];
 export type Validation = Schemas["ValidationResult"];
 
-/** A problem of the service, or one that the dashboard states itself (the service cannot be reached). */
-export type Problem = Pick<Schemas["Problem"], "type" | "title" | "status" | "code"> & Partial<Pick<Schemas["Problem"], "detail" | "request_id" | "errors">>;
+/**
+ * A problem of the service, or one that the dashboard states itself (the service cannot be
+ * reached).
+ */
+export type Problem = Pick<Schemas["Problem"], "type" | "title" | "status" | "code"> &
+  Partial<Pick<Schemas["Problem"], "detail" | "request_id" | "errors">>;
 
 export type Cell = number | string | null;
 export type Columns = Record<string, Cell[]>;

@@ -1,5 +1,6 @@
-// The automaton along time with one target's way through it: accepted scans on one line; where the string breaks, the target goes
-// on above and the track below, and the weight that the track gave to the target's own symbol stands underneath.
+// The automaton along time with one target's way through it: accepted scans on one line; where the
+// string breaks, the target goes on above and the track below, and the weight that the track gave
+// to the target's own symbol stands underneath.
 
 import type { JSX } from "preact";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
@@ -9,8 +10,8 @@ import type { TableData } from "../components/table";
 import { probability } from "../format";
 import type { Palette } from "../state/theme";
 import { go, hereHref } from "../state/url";
+import { type Automaton, EPSILON, type Expected, type Step, type Way, wayOf } from "./automaton";
 import { NO_EVENT } from "./event-moment";
-import { EPSILON, wayOf, type Automaton, type Expected, type Step, type Way } from "./automaton";
 import { ChartFrame } from "./frame";
 import { Key, type KeyMark } from "./marks";
 
@@ -44,25 +45,24 @@ export function AutomatonView({ verdict, expected, automaton, file, origin }: Pr
   }, []);
   useEffect(() => {
     // A long way is wider than its box: the break is what people come for.
-    if (box.current && way.break_ !== undefined) box.current.scrollLeft = x(way.break_) - box.current.clientWidth / 2;
+    if (box.current && way.break_ !== undefined)
+      box.current.scrollLeft = x(way.break_) - box.current.clientWidth / 2;
   }, [way, room]);
   const scans = scansOf(way);
   const step = Math.max((room - LEFT - RIGHT) / Math.max(scans.length - 0.5, 1), LEAST_STEP_PX);
   const width = LEFT + RIGHT + step * Math.max(scans.length - 0.5, 1);
   const x = (index: number) => LEFT + step * (index + 0.25);
-  const end = way.break_ === undefined ? "accepted to its end" : `broken at scan ${way.steps[way.break_]?.scan}`;
-  const label = `Way of target ${verdict.truth_id} through the automaton over ${way.steps.length} scans, ${end}. The table shows the same.`;
+  const end =
+    way.break_ === undefined
+      ? "accepted to its end"
+      : `broken at scan ${way.steps[way.break_]?.scan}`;
+  const over = `through the automaton over ${way.steps.length} scans, ${end}`;
+  const label = `Way of target ${verdict.truth_id} ${over}. The table shows the same.`;
   const seek = (event: MouseEvent) => {
     const index = Math.round((event.offsetX - LEFT) / step - 0.25);
     const time = timeAt(way, scans[Math.min(Math.max(index, 0), scans.length - 1)]);
     if (time !== undefined && !(event.target as Element).closest("a")) go(placeOf(verdict, time));
   };
-  const under = (
-    <>
-      <Key marks={pictureKey} />
-      {automaton.minimised ? <p class="muted small frame-note">Minimised: without weights.</p> : null}
-    </>
-  );
   return (
     <ChartFrame
       title={`Target ${verdict.truth_id} in the automaton`}
@@ -70,14 +70,26 @@ export function AutomatonView({ verdict, expected, automaton, file, origin }: Pr
       table={() => tableOf(way, origin)}
       chart={() => drawing.current ?? undefined}
       pictureKey={pictureKey}
-      tools={under}
+      tools={<Under isMinimised={automaton.minimised} />}
     >
       <div class="automaton" ref={box} tabIndex={0} role="region" aria-label={label}>
-        <svg ref={drawing} class="drawing" width={width} height={HEIGHT} viewBox={`0 0 ${width} ${HEIGHT}`} role="group" aria-label={label} onClick={seek}>
+        {/* biome-ignore lint/a11y/useKeyWithClickEvents: the clock has its keys in its own bar */}
+        <svg
+          ref={drawing}
+          class="drawing"
+          width={width}
+          height={HEIGHT}
+          viewBox={`0 0 ${width} ${HEIGHT}`}
+          role="group"
+          aria-label={label}
+          onClick={seek}
+        >
           <Names broken={way.break_ !== undefined} />
           <Ticks scans={scans} x={x} step={step} />
           <Accepted way={way} x={x} step={step} />
-          {way.break_ === undefined ? null : <Broken way={way} scans={scans} x={x} step={step} verdict={verdict} />}
+          {way.break_ === undefined ? null : (
+            <Broken way={way} scans={scans} x={x} step={step} verdict={verdict} />
+          )}
           <Weights way={way} x={x} step={step} />
         </svg>
       </div>
@@ -85,14 +97,33 @@ export function AutomatonView({ verdict, expected, automaton, file, origin }: Pr
   );
 }
 
+function Under({ isMinimised }: { isMinimised: boolean }): JSX.Element {
+  return (
+    <>
+      <Key marks={pictureKey} />
+      {isMinimised ? <p class="muted small frame-note">Minimised: without weights.</p> : null}
+    </>
+  );
+}
+
 function placeOf(verdict: TargetVerdict, time: number): string {
   const track = verdict.track_id ?? verdict.matched_track_id ?? null;
-  return hereHref({ ...NO_EVENT, tab: "plan", time, truth: verdict.truth_id, track, centre: "selection", span: null });
+  return hereHref({
+    ...NO_EVENT,
+    tab: "plan",
+    time,
+    truth: verdict.truth_id,
+    track,
+    centre: "selection",
+    span: null,
+  });
 }
 
 /** Every scan of the target and of the track that goes on without it. */
 function scansOf(way: Way): number[] {
-  return [...new Set([...way.steps.map((step) => step.scan), ...way.taken.map((step) => step.scan)])].sort((a, b) => a - b);
+  return [
+    ...new Set([...way.steps.map((step) => step.scan), ...way.taken.map((step) => step.scan)]),
+  ].sort((a, b) => a - b);
 }
 
 function timeAt(way: Way, scan: number | undefined): number | undefined {
@@ -116,7 +147,15 @@ function Names({ broken }: { broken: boolean }): JSX.Element {
   );
 }
 
-function Ticks({ scans, x, step }: { scans: number[]; x: (index: number) => number; step: number }): JSX.Element {
+function Ticks({
+  scans,
+  x,
+  step,
+}: {
+  scans: number[];
+  x: (index: number) => number;
+  step: number;
+}): JSX.Element {
   const every = Math.max(1, Math.ceil(34 / step));
   return (
     <g class="drawing-axis">
@@ -139,7 +178,19 @@ const shown = (symbol: string, step: number): string => {
   return symbol.length > room ? `${symbol.slice(0, Math.max(room - 1, 1))}…` : symbol;
 };
 
-function Node({ x, y, kind, isFinal, title }: { x: number; y: number; kind: string; isFinal?: boolean; title: string }): JSX.Element {
+function Node({
+  x,
+  y,
+  kind,
+  isFinal,
+  title,
+}: {
+  x: number;
+  y: number;
+  kind: string;
+  isFinal?: boolean;
+  title: string;
+}): JSX.Element {
   return (
     <g class={`state-node state-node-${kind}`}>
       {isFinal ? <circle cx={x} cy={y} r={8} class="state-ring" /> : null}
@@ -154,19 +205,41 @@ function titleOf(step: Step): string {
   return `scan ${step.scan}: ${step.symbol}${others}`;
 }
 
-function Accepted({ way, x, step }: { way: Way; x: (index: number) => number; step: number }): JSX.Element {
+function Accepted({
+  way,
+  x,
+  step,
+}: {
+  way: Way;
+  x: (index: number) => number;
+  step: number;
+}): JSX.Element {
   const scans = scansOf(way);
   const accepted = way.steps.slice(0, way.break_ ?? way.steps.length);
   const place = (entry: Step) => x(scans.indexOf(entry.scan));
   const start = LEFT - step * 0.35;
   return (
     <g>
-      <path class="way" d={`M${start} ${Y.way}${accepted.map((entry) => `H${place(entry)}`).join("")}`} />
+      <path
+        class="way"
+        d={`M${start} ${Y.way}${accepted.map((entry) => `H${place(entry)}`).join("")}`}
+      />
       <path class="way-start" d={`M${start - 5} ${Y.way - 5}l6 5-6 5`} />
       {accepted.map((entry) => (
         <>
-          {entry.others.length ? <path class="way-other" d={`M${place(entry) - step} ${Y.way}q${step * 0.4} 0 ${step * 0.6} 20`} /> : null}
-          <Node x={place(entry)} y={Y.way} kind={entry.symbol === EPSILON ? "empty" : "accepted"} isFinal={entry.isFinal} title={titleOf(entry)} />
+          {entry.others.length ? (
+            <path
+              class="way-other"
+              d={`M${place(entry) - step} ${Y.way}q${step * 0.4} 0 ${step * 0.6} 20`}
+            />
+          ) : null}
+          <Node
+            x={place(entry)}
+            y={Y.way}
+            kind={entry.symbol === EPSILON ? "empty" : "accepted"}
+            isFinal={entry.isFinal}
+            title={titleOf(entry)}
+          />
           {step >= LABELLED_STEP_PX ? (
             <text class="drawing-symbol" x={place(entry)} y={Y.way - 13} text-anchor="middle">
               {shown(entry.symbol, step)}
@@ -193,7 +266,8 @@ function Broken({ way, scans, x, step, verdict }: BrokenProps): JSX.Element {
   const before = first > 0 ? x(scans.indexOf(way.steps[first - 1]?.scan ?? 0)) : LEFT - step * 0.35;
   const line = (entries: { scan: number }[], y: number) => {
     const places = entries.map((entry) => x(scans.indexOf(entry.scan)));
-    return `M${before} ${Y.way}${places.map((place, index) => (index ? `H${place}` : `L${place} ${y}`)).join("")}`;
+    const moves = places.map((place, index) => (index ? `H${place}` : `L${place} ${y}`));
+    return `M${before} ${Y.way}${moves.join("")}`;
   };
   const label = `Break at scan ${way.steps[first]?.scan}: show it in the plan view`;
   return (
@@ -201,13 +275,30 @@ function Broken({ way, scans, x, step, verdict }: BrokenProps): JSX.Element {
       <path class="drawing-break" d={`M${at} 12V${Y.base}`} />
       <path class="way way-truth" d={line(rest, Y.truth)} />
       {rest.map((entry) => (
-        <Symbol x={x(scans.indexOf(entry.scan))} y={Y.truth} above entry={entry} step={step} kind="truth" />
+        <SymbolMark
+          x={x(scans.indexOf(entry.scan))}
+          y={Y.truth}
+          above
+          entry={entry}
+          step={step}
+          kind="truth"
+        />
       ))}
       {way.taken.length ? <path class="way way-track" d={line(way.taken, Y.track)} /> : null}
       {way.taken.map((entry) => (
-        <Symbol x={x(scans.indexOf(entry.scan))} y={Y.track} entry={entry} step={step} kind="track" />
+        <SymbolMark
+          x={x(scans.indexOf(entry.scan))}
+          y={Y.track}
+          entry={entry}
+          step={step}
+          kind="track"
+        />
       ))}
-      <Link href={placeOf(verdict, way.steps[first]?.time ?? 0)} label={label} class="lane-mark lane-break">
+      <Link
+        href={placeOf(verdict, way.steps[first]?.time ?? 0)}
+        label={label}
+        class="lane-mark lane-break"
+      >
         <rect x={at - 9} y={Y.way - 9} width={18} height={18} fill="transparent" stroke="none" />
         <path d={`m${at - 6} ${Y.way - 6} 12 12m0-12-12 12`} />
       </Link>
@@ -215,10 +306,29 @@ function Broken({ way, scans, x, step, verdict }: BrokenProps): JSX.Element {
   );
 }
 
-function Symbol({ x, y, entry, step, kind, above }: { x: number; y: number; entry: { scan: number; symbol: string }; step: number; kind: string; above?: boolean }): JSX.Element {
+function SymbolMark({
+  x,
+  y,
+  entry,
+  step,
+  kind,
+  above,
+}: {
+  x: number;
+  y: number;
+  entry: { scan: number; symbol: string };
+  step: number;
+  kind: string;
+  above?: boolean;
+}): JSX.Element {
   return (
     <>
-      <Node x={x} y={y} kind={entry.symbol === EPSILON ? "empty" : kind} title={`scan ${entry.scan}: ${entry.symbol}`} />
+      <Node
+        x={x}
+        y={y}
+        kind={entry.symbol === EPSILON ? "empty" : kind}
+        title={`scan ${entry.scan}: ${entry.symbol}`}
+      />
       {step >= LABELLED_STEP_PX ? (
         <text class="drawing-symbol" x={x} y={above ? y - 12 : y + 20} text-anchor="middle">
           {shown(entry.symbol, step)}
@@ -228,18 +338,39 @@ function Symbol({ x, y, entry, step, kind, above }: { x: number; y: number; entr
   );
 }
 
-function Weights({ way, x, step }: { way: Way; x: (index: number) => number; step: number }): JSX.Element {
+function Weights({
+  way,
+  x,
+  step,
+}: {
+  way: Way;
+  x: (index: number) => number;
+  step: number;
+}): JSX.Element {
   const scans = scansOf(way);
   const width = Math.max(Math.min(step * 0.6, 14), 2);
+  const end = x(scans.length - 1) + width;
   return (
     <g>
-      <path class="drawing-grid" d={`M${LEFT} ${Y.bars}H${x(scans.length - 1) + width}M${LEFT} ${Y.base}H${x(scans.length - 1) + width}`} />
-      <text class="drawing-symbol" x={LEFT - 4} y={Y.bars} text-anchor="end" dominant-baseline="central">
+      <path class="drawing-grid" d={`M${LEFT} ${Y.bars}H${end}M${LEFT} ${Y.base}H${end}`} />
+      <text
+        class="drawing-symbol"
+        x={LEFT - 4}
+        y={Y.bars}
+        text-anchor="end"
+        dominant-baseline="central"
+      >
         1
       </text>
       {way.steps.map((entry) =>
         entry.probability === null ? null : (
-          <rect class="weight-bar" x={x(scans.indexOf(entry.scan)) - width / 2} y={Y.base - entry.probability * (Y.base - Y.bars)} width={width} height={entry.probability * (Y.base - Y.bars)}>
+          <rect
+            class="weight-bar"
+            x={x(scans.indexOf(entry.scan)) - width / 2}
+            y={Y.base - entry.probability * (Y.base - Y.bars)}
+            width={width}
+            height={entry.probability * (Y.base - Y.bars)}
+          >
             <title>{`scan ${entry.scan}: ${probability(entry.probability)}`}</title>
           </rect>
         ),
@@ -254,9 +385,25 @@ function tableOf(way: Way, origin_s: number): TableData {
   const rowOf = (entry: Step, index: number): Cell[] => {
     const took = index < first ? entry.symbol : (taken.get(entry.scan) ?? null);
     const accepted = index < first ? "yes" : index === first ? "break" : "no";
-    return [entry.scan, entry.time, entry.symbol, took, accepted, entry.probability, entry.others.join(" ") || null];
+    return [
+      entry.scan,
+      entry.time,
+      entry.symbol,
+      took,
+      accepted,
+      entry.probability,
+      entry.others.join(" ") || null,
+    ];
   };
-  const columns = ["scan", "time_s", "expected", "took", "accepted", "weight of its own symbol", "also accepted"];
+  const columns = [
+    "scan",
+    "time_s",
+    "expected",
+    "took",
+    "accepted",
+    "weight of its own symbol",
+    "also accepted",
+  ];
   return { columns, rows: way.steps.map(rowOf), origin_s };
 }
 

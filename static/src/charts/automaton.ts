@@ -56,8 +56,15 @@ async function optional(id: string, name: string): Promise<string | undefined> {
 }
 
 export async function readTfaFiles(jobId: string): Promise<TfaFiles> {
-  const [automaton, probabilities] = await Promise.all([optional(jobId, "automaton.json"), optional(jobId, "truth_probability.csv")]);
-  return { automaton: automaton === undefined ? undefined : automatonOf(JSON.parse(automaton) as AutomatonFile), expected: expectedOf(probabilities ?? "") };
+  const [automaton, probabilities] = await Promise.all([
+    optional(jobId, "automaton.json"),
+    optional(jobId, "truth_probability.csv"),
+  ]);
+  return {
+    automaton:
+      automaton === undefined ? undefined : automatonOf(JSON.parse(automaton) as AutomatonFile),
+    expected: expectedOf(probabilities ?? ""),
+  };
 }
 
 function automatonOf(file: AutomatonFile): Automaton {
@@ -67,17 +74,35 @@ function automatonOf(file: AutomatonFile): Automaton {
     if (known) known.push(transition);
     else out.set(transition.from, [transition]);
   }
-  return { start: file.start_state, final: new Set(file.final_states), minimised: file.minimised, out };
+  return {
+    start: file.start_state,
+    final: new Set(file.final_states),
+    minimised: file.minimised,
+    out,
+  };
 }
 
 function expectedOf(text: string): Map<string, Expected[]> {
   const table = parseCsv(text);
   const field = (name: string) => reader(table, name);
-  const [truth, time, scan, symbol, track, probability] = [field("truth_id"), field("time_s"), field("scan"), field("expected"), field("track_id"), field("probability")];
+  const [truth, time, scan, symbol, track, probability] = [
+    field("truth_id"),
+    field("time_s"),
+    field("scan"),
+    field("expected"),
+    field("track_id"),
+    field("probability"),
+  ];
   const all = new Map<string, Expected[]>();
   for (const row of table.rows) {
     const of = truth(row);
-    const entry = { scan: Number(scan(row)), time: Number(time(row)), symbol: symbol(row), track: track(row), probability: probability(row) === "" ? null : Number(probability(row)) };
+    const entry = {
+      scan: Number(scan(row)),
+      time: Number(time(row)),
+      symbol: symbol(row),
+      track: track(row),
+      probability: probability(row) === "" ? null : Number(probability(row)),
+    };
     const known = all.get(of);
     if (known) known.push(entry);
     else all.set(of, [entry]);
@@ -87,7 +112,10 @@ function expectedOf(text: string): Map<string, Expected[]> {
 
 /** One scan of a target's way. */
 export interface Step extends Expected {
-  /** The state that the automaton is in after the scan; undefined where it accepts the symbol no more. */
+  /**
+   * The state that the automaton is in after the scan; undefined where it accepts the symbol no
+   * more.
+   */
   state: number | undefined;
   isFinal: boolean;
   /** What else the automaton would have accepted there. */
@@ -102,7 +130,10 @@ export interface Way {
   taken: { scan: number; time: number; symbol: string }[];
 }
 
-/** Runs the automaton over a target's string. A string that is over begins again at the start with its next symbol. */
+/**
+ * Runs the automaton over a target's string. A string that is over begins again at the start with
+ * its next symbol.
+ */
 export function wayOf(automaton: Automaton, expected: Expected[]): Way {
   let state: number | undefined = automaton.start;
   const steps: Step[] = [];
@@ -111,13 +142,29 @@ export function wayOf(automaton: Automaton, expected: Expected[]): Way {
   for (const entry of expected) {
     if (state !== undefined) last = state;
     const choices: Transition[] = state === undefined ? [] : at(automaton, state, entry.scan);
-    let next: Transition | undefined = choices.find((transition) => transition.symbol === entry.symbol);
-    if (!next && state !== undefined && automaton.final.has(state)) next = at(automaton, automaton.start, entry.scan).find((transition) => transition.symbol === entry.symbol);
+    let next: Transition | undefined = choices.find(
+      (transition) => transition.symbol === entry.symbol,
+    );
+    if (!next && state !== undefined && automaton.final.has(state))
+      next = at(automaton, automaton.start, entry.scan).find(
+        (transition) => transition.symbol === entry.symbol,
+      );
     if (!next && state !== undefined && broken === undefined) broken = steps.length;
     state = next?.to;
-    steps.push({ ...entry, state, isFinal: state !== undefined && automaton.final.has(state), others: choices.filter((transition) => transition !== next).map((transition) => transition.symbol) });
+    steps.push({
+      ...entry,
+      state,
+      isFinal: state !== undefined && automaton.final.has(state),
+      others: choices
+        .filter((transition) => transition !== next)
+        .map((transition) => transition.symbol),
+    });
   }
-  return { steps, break_: broken, taken: broken === undefined ? [] : goingOn(automaton, last, steps[broken]?.scan ?? 0) };
+  return {
+    steps,
+    break_: broken,
+    taken: broken === undefined ? [] : goingOn(automaton, last, steps[broken]?.scan ?? 0),
+  };
 }
 
 function at(automaton: Automaton, state: number, scan: number): Transition[] {
@@ -130,8 +177,13 @@ function goingOn(automaton: Automaton, from: number, scan: number): Way["taken"]
   const taken: Way["taken"] = [];
   let state = from;
   for (let guard = 0; guard < 100_000; guard++) {
-    const choices = (automaton.out.get(state) ?? []).filter((transition) => (transition.scan ?? -1) >= scan);
-    const next = choices.reduce<Transition | undefined>((best, transition) => ((transition.weight ?? 0) > (best?.weight ?? -1) ? transition : best), undefined);
+    const choices = (automaton.out.get(state) ?? []).filter(
+      (transition) => (transition.scan ?? -1) >= scan,
+    );
+    const next = choices.reduce<Transition | undefined>(
+      (best, transition) => ((transition.weight ?? 0) > (best?.weight ?? -1) ? transition : best),
+      undefined,
+    );
     if (!next) break;
     taken.push({ scan: next.scan ?? 0, time: next.time_s ?? 0, symbol: next.symbol });
     state = next.to;

@@ -5,7 +5,10 @@ import type { Palette } from "../state/theme";
 
 export const MARGIN = { left: 58, right: 14, top: 12, bottom: 42 };
 
-/** `outerBoundsMode` none: the drawing area must stay where it is put, or metres would not be equal on both axes. */
+/**
+ * `outerBoundsMode` none: the drawing area must stay where it is put, or metres would not be equal
+ * on both axes.
+ */
 export const GRID = { ...MARGIN, containLabel: false, outerBoundsMode: "none" as const };
 
 /** Without quotes: the chart library writes it into an attribute as it is. */
@@ -33,7 +36,13 @@ export function valueAxis(name: string, palette: Palette, more: object): object 
 
 /** Labels with few digits. */
 export function axisLabel(palette: Palette, more: object = {}): object {
-  return { color: palette.muted, fontSize: 11, hideOverlap: true, formatter: (value: number) => number(value), ...more };
+  return {
+    color: palette.muted,
+    fontSize: 11,
+    hideOverlap: true,
+    formatter: (value: number) => number(value),
+    ...more,
+  };
 }
 
 /** The same along the lower edge, where the outer ones would stick out of the picture. */
@@ -48,15 +57,31 @@ export interface Rule {
   label?: object;
 }
 
-/** A line across a chart at one value of an axis, at that very value: the library would round it to hundredths. */
-export function ruleAt(place: { xAxis: number } | { yAxis: number }, { color, width = 1.5, type = "solid", label = { show: false } }: Rule): object {
+/**
+ * A line across a chart at one value of an axis, at that very value: the library would round it to
+ * hundredths.
+ */
+export function ruleAt(
+  place: { xAxis: number } | { yAxis: number },
+  { color, width = 1.5, type = "solid", label = { show: false } }: Rule,
+): object {
   const lineStyle = { color, width, type };
-  return { silent: true, symbol: "none", animation: false, precision: 20, label, lineStyle, data: [place] };
+  return {
+    silent: true,
+    symbol: "none",
+    animation: false,
+    precision: 20,
+    label,
+    lineStyle,
+    data: [place],
+  };
 }
 
 const ROUNDING = 1e-9;
 
-/** The ends of an axis of values that all lie from 0 to 1, as shares do: no such axis goes beyond. */
+/**
+ * The ends of an axis of values that all lie from 0 to 1, as shares do: no such axis goes beyond.
+ */
 export function shareRange(values: number[]): { min?: number; max?: number } {
   const [least, greatest] = [Math.min(...values), Math.max(...values)];
   if (!(least >= -ROUNDING && greatest <= 1 + ROUNDING)) return {};
@@ -75,14 +100,19 @@ export function tooltip(palette: Palette): object {
   };
 }
 
-/** The content of a tooltip: a heading and rows, built without markup so that no name can be markup. */
+/**
+ * The content of a tooltip: a heading and rows, built without markup so that no name can be markup.
+ */
 export function tipContent(heading: string, rows: [string, string][]): HTMLElement {
   const box = document.createElement("div");
   box.className = "tip";
   box.append(Object.assign(document.createElement("strong"), { textContent: heading }));
   for (const [name, value] of rows) {
     const row = document.createElement("div");
-    row.append(Object.assign(document.createElement("span"), { textContent: name }), Object.assign(document.createElement("span"), { textContent: value }));
+    row.append(
+      Object.assign(document.createElement("span"), { textContent: name }),
+      Object.assign(document.createElement("span"), { textContent: value }),
+    );
     box.append(row);
   }
   return box;

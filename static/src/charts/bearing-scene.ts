@@ -1,4 +1,5 @@
-// The bearings of a job sorted out for drawing: one line a truth and a track, one cloud of detections.
+// The bearings of a job sorted out for drawing: one line a truth and a track, one cloud of
+// detections.
 
 import type { BearingTime } from "../api/types";
 
@@ -19,7 +20,8 @@ export interface BearingScene {
 
 export function bearingScene(series: BearingTime): BearingScene {
   const scene: BearingScene = { truths: new Map(), tracks: new Map(), detections: [] };
-  const { time_s, layer, id, bearing_deg, bearing_rate_degps, sigma_bearing_deg, detection_id } = series.columns;
+  const { time_s, layer, id, bearing_deg, bearing_rate_degps, sigma_bearing_deg, detection_id } =
+    series.columns;
   time_s.forEach((time, row) => {
     const name = id[row] ?? "";
     const bearing = bearing_deg[row] ?? 0;
@@ -28,7 +30,14 @@ export function bearingScene(series: BearingTime): BearingScene {
       return;
     }
     const lines = layer[row] === "truth" ? scene.truths : scene.tracks;
-    const line = lines.get(name) ?? { id: name, time: [], bearing: [], rate: [], sigma: [], detection: [] };
+    const line = lines.get(name) ?? {
+      id: name,
+      time: [],
+      bearing: [],
+      rate: [],
+      sigma: [],
+      detection: [],
+    };
     lines.set(name, line);
     line.time.push(time);
     line.bearing.push(bearing);

@@ -1,14 +1,15 @@
-// Means over what has a name and no order: a row a name with a dot for each mean and a whisker for its interval, the greatest above.
+// Means over what has a name and no order: a row a name with a dot for each mean and a whisker for
+// its interval, the greatest above.
 
 import type { ComponentChildren, JSX } from "preact";
 import { useRef } from "preact/hooks";
 import type { TableData } from "../components/table";
 import { count, number } from "../format";
-import { readPalette, theme, type Palette } from "../state/theme";
+import { type Palette, readPalette, theme } from "../state/theme";
 import { shareRange } from "./axes";
 import { ChartFrame } from "./frame";
 import { lookOf } from "./lines";
-import { Key, MARK_WIDTH, MarkShapes, type KeyMark } from "./marks";
+import { Key, type KeyMark, MARK_WIDTH, MarkShapes } from "./marks";
 import { useRoom } from "./room";
 import { decades, niceStep, ticks } from "./ticks";
 
@@ -63,23 +64,31 @@ const sorted = (rows: Row[]): Row[] => [...rows].sort((a, b) => meanOf(b) - mean
 /** Round limits around all values; those of shares stay within 0 and 1. */
 function limits(values: number[], log: boolean): [number, number] {
   const [least, greatest] = [Math.min(...values), Math.max(...values)];
-  if (log) return [10 ** Math.floor(Math.log10(least)), 10 ** Math.ceil(Math.log10(greatest) + 1e-9)];
+  if (log)
+    return [10 ** Math.floor(Math.log10(least)), 10 ** Math.ceil(Math.log10(greatest) + 1e-9)];
   const step = niceStep(greatest - least || Math.abs(greatest) || 1, 5);
   const share = shareRange(values);
-  return [share.min ?? Math.floor(least / step) * step, share.max ?? Math.ceil(greatest / step) * step];
+  return [
+    share.min ?? Math.floor(least / step) * step,
+    share.max ?? Math.ceil(greatest / step) * step,
+  ];
 }
 
 function scaleOf(rows: Row[], log: boolean, left: number, width: number): Scale {
   const all = rows.flatMap((row) => row.estimates).filter((estimate) => estimate !== undefined);
   const values = all.flatMap(({ mean, low, high }) => [mean, low ?? mean, high ?? mean]);
   const [from, to] = limits(values.length ? values : [0, 1], log);
-  const place = (value: number) => (log ? Math.log10(value / from) / Math.log10(to / from) : (value - from) / (to - from || 1));
-  const marks = log ? decades(from, to) : ticks(from, to, Math.max((width - left - RIGHT_PX) / TICK_PX, 2));
+  const place = (value: number) =>
+    log ? Math.log10(value / from) / Math.log10(to / from) : (value - from) / (to - from || 1);
+  const marks = log
+    ? decades(from, to)
+    : ticks(from, to, Math.max((width - left - RIGHT_PX) / TICK_PX, 2));
   return { from, to, marks, x: (value) => left + place(value) * (width - left - RIGHT_PX) };
 }
 
 function estimateText({ mean, low, high, runs }: Estimate): string {
-  const interval = low === undefined || high === undefined ? "" : ` [${number(low)}, ${number(high)}]`;
+  const interval =
+    low === undefined || high === undefined ? "" : ` [${number(low)}, ${number(high)}]`;
   return `${number(mean)}${interval}${runs === undefined ? "" : `, ${count(runs)} runs`}`;
 }
 
@@ -113,7 +122,15 @@ export function CategoryDots(props: Props): JSX.Element {
     </>
   );
   return (
-    <ChartFrame title={title} file={file} badge={badge} table={table} chart={() => drawing.current ?? undefined} pictureKey={key} tools={under}>
+    <ChartFrame
+      title={title}
+      file={file}
+      badge={badge}
+      table={table}
+      chart={() => drawing.current ?? undefined}
+      pictureKey={key}
+      tools={under}
+    >
       <div class="lanes" ref={box}>
         <svg
           ref={drawing}
@@ -124,9 +141,22 @@ export function CategoryDots(props: Props): JSX.Element {
           role="img"
           aria-label={`${label} The table shows the same numbers.`}
         >
-          <Axis scale={scale} name={props.valueName} left={layout.left} width={width} height={height} />
+          <Axis
+            scale={scale}
+            name={props.valueName}
+            left={layout.left}
+            width={width}
+            height={height}
+          />
           {rows.map((row, index) => (
-            <RowMarks key={row.name} row={row} top={TOP_PX + index * layout.rowHeight} scale={scale} layout={layout} width={width} />
+            <RowMarks
+              key={row.name}
+              row={row}
+              top={TOP_PX + index * layout.rowHeight}
+              scale={scale}
+              layout={layout}
+              width={width}
+            />
           ))}
         </svg>
       </div>
@@ -134,7 +164,9 @@ export function CategoryDots(props: Props): JSX.Element {
   );
 }
 
-/** Names stand at the left of their rows, or above them where that would leave no room for the dots. */
+/**
+ * Names stand at the left of their rows, or above them where that would leave no room for the dots.
+ */
 interface Layout {
   left: number;
   rowHeight: number;
@@ -190,15 +222,31 @@ function RowMarks({ row, top, scale, layout, width }: RowMarksProps): JSX.Elemen
   const marks = top + layout.marksFrom;
   const middle = marks + (layout.rowHeight - layout.marksFrom) / 2;
   const isAbove = layout.marksFrom > 0;
-  const [nameX, nameY] = isAbove ? [NARROW_LEFT_PX, top + LINE_PX / 2 + 2] : [layout.left - 10, middle];
+  const [nameX, nameY] = isAbove
+    ? [NARROW_LEFT_PX, top + LINE_PX / 2 + 2]
+    : [layout.left - 10, middle];
   return (
     <g class="category-row">
-      <text class="drawing-name" x={nameX} y={nameY} text-anchor={isAbove ? "start" : "end"} dominant-baseline="central">
+      <text
+        class="drawing-name"
+        x={nameX}
+        y={nameY}
+        text-anchor={isAbove ? "start" : "end"}
+        dominant-baseline="central"
+      >
         {row.name}
       </text>
       {row.estimates.map((estimate, order) => {
         const y = marks + PAD_PX / 2 + (order + 0.5) * LINE_PX;
-        return estimate ? <EstimateMark estimate={estimate} name={row.name} mark={markOf(order, "", palette)} y={y} x={scale.x} /> : null;
+        return estimate ? (
+          <EstimateMark
+            estimate={estimate}
+            name={row.name}
+            mark={markOf(order, "", palette)}
+            y={y}
+            x={scale.x}
+          />
+        ) : null;
       })}
       <text x={width - END_PX / 2} y={middle} text-anchor="end" dominant-baseline="central">
         {sizeText(row)}
@@ -217,7 +265,10 @@ interface EstimateMarkProps {
 
 function EstimateMark({ estimate, name, mark, y, x }: EstimateMarkProps): JSX.Element {
   const { mean, low, high } = estimate;
-  const whisker = low === undefined || high === undefined ? "" : `M${x(low)} ${y}H${x(high)}M${x(low)} ${y - 3.5}v7M${x(high)} ${y - 3.5}v7`;
+  const whisker =
+    low === undefined || high === undefined
+      ? ""
+      : `M${x(low)} ${y}H${x(high)}M${x(low)} ${y - 3.5}v7M${x(high)} ${y - 3.5}v7`;
   return (
     <g class="estimate">
       <path d={whisker} stroke={mark.color} stroke-width={1.6} />

@@ -1,4 +1,5 @@
-// A canvas with a chart on it: mounted when it comes into view, sized with its box, named for screen readers.
+// A canvas with a chart on it: mounted when it comes into view, sized with its box, named for
+// screen readers.
 
 import type { JSX } from "preact";
 import { useEffect, useRef } from "preact/hooks";
@@ -7,7 +8,10 @@ import type { Chart } from "./echarts";
 export interface ChartProps {
   /** What the picture shows, for those who cannot see it. */
   label: string;
-  /** Called with the chart once it stands, and again whenever its box changes; answers what undoes it. */
+  /**
+   * Called with the chart once it stands, and again whenever its box changes; answers what undoes
+   * it.
+   */
   draw: (chart: Chart) => void;
   /** Redrawn when one of these changes. */
   keys: unknown[];

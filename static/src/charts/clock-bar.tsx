@@ -3,15 +3,32 @@
 import type { JSX, TargetedEvent } from "preact";
 import { useEffect } from "preact/hooks";
 import { Icon, type IconName } from "../components/basics";
-import { SPEEDS, type Clock } from "../state/clock";
+import { type Clock, SPEEDS } from "../state/clock";
 import { param, setParams } from "../state/url";
 import { timeText, utcText } from "../times";
 
 const TRAILS = [1, 2, 5, 10, 20, 50, 100];
 
-function Button({ icon, label, press, disabled }: { icon: IconName; label: string; press: () => void; disabled?: boolean }): JSX.Element {
+function Button({
+  icon,
+  label,
+  press,
+  disabled,
+}: {
+  icon: IconName;
+  label: string;
+  press: () => void;
+  disabled?: boolean;
+}): JSX.Element {
   return (
-    <button type="button" class="clock-button" aria-label={label} title={label} disabled={disabled} onClick={press}>
+    <button
+      type="button"
+      class="clock-button"
+      aria-label={label}
+      title={label}
+      disabled={disabled}
+      onClick={press}
+    >
       <Icon name={icon} />
     </button>
   );
@@ -31,37 +48,58 @@ function keys(clock: Clock): (event: KeyboardEvent) => void {
   };
 }
 
-export function ClockBar({ clock }: { clock: Clock }): JSX.Element {
-  useEffect(() => {
-    const listener = keys(clock);
-    document.addEventListener("keydown", listener);
-    return () => document.removeEventListener("keydown", listener);
-  }, [clock]);
-  const last = Math.max(clock.times.length - 1, 0);
+const lastOf = (clock: Clock): number => Math.max(clock.times.length - 1, 0);
+
+function Buttons({ clock }: { clock: Clock }): JSX.Element {
+  const last = lastOf(clock);
   const index = clock.index.value;
   const playing = clock.playing.value;
-  const text = `scan ${clock.numbers[index]} of ${clock.numbers.at(-1)}, ${timeText(clock.time.value, clock.origin)}`;
-  const drag = (event: TargetedEvent<HTMLInputElement>) => {
-    clock.playing.value = false;
-    clock.seek(Number(event.currentTarget.value));
-  };
   return (
-    <div class="clock" role="group" aria-label="Clock">
-      <div class="clock-buttons">
-        <Button icon="first" label="To the first scan" press={() => clock.step(-last)} disabled={index === 0} />
-        <Button icon="back" label="One scan back" press={() => clock.step(-1)} disabled={index === 0} />
-        <Button icon={playing ? "pause" : "play"} label={playing ? "Pause" : "Play"} press={clock.toggle} disabled={last === 0} />
-        <Button icon="forward" label="One scan forward" press={() => clock.step(1)} disabled={index === last} />
-        <Button icon="last" label="To the last scan" press={() => clock.step(last)} disabled={index === last} />
-      </div>
-      <input class="clock-slider" type="range" min={0} max={last} step={1} value={index} aria-label="Scan" aria-valuetext={text} onInput={drag} />
-      <output class="clock-text">
-        <b>{timeText(clock.time.value, clock.origin)}</b> scan {clock.numbers[index]}/{clock.numbers.at(-1)}
-        {clock.origin ? <span class="sub">{utcText(clock.time.value)}</span> : null}
-      </output>
+    <div class="clock-buttons">
+      <Button
+        icon="first"
+        label="To the first scan"
+        press={() => clock.step(-last)}
+        disabled={index === 0}
+      />
+      <Button
+        icon="back"
+        label="One scan back"
+        press={() => clock.step(-1)}
+        disabled={index === 0}
+      />
+      <Button
+        icon={playing ? "pause" : "play"}
+        label={playing ? "Pause" : "Play"}
+        press={clock.toggle}
+        disabled={last === 0}
+      />
+      <Button
+        icon="forward"
+        label="One scan forward"
+        press={() => clock.step(1)}
+        disabled={index === last}
+      />
+      <Button
+        icon="last"
+        label="To the last scan"
+        press={() => clock.step(last)}
+        disabled={index === last}
+      />
+    </div>
+  );
+}
+
+/** How fast it goes, and how much of the past stays drawn. */
+function Choices({ clock }: { clock: Clock }): JSX.Element {
+  return (
+    <>
       <label class="inline">
         Speed
-        <select value={String(clock.speed.value)} onChange={(event) => setParams({ speed: event.currentTarget.value })}>
+        <select
+          value={String(clock.speed.value)}
+          onChange={(event) => setParams({ speed: event.currentTarget.value })}
+        >
           {SPEEDS.map((speed) => (
             <option value={String(speed)}>×{speed}</option>
           ))}
@@ -69,7 +107,10 @@ export function ClockBar({ clock }: { clock: Clock }): JSX.Element {
       </label>
       <label class="inline">
         Trail
-        <select value={param("trail") ?? ""} onChange={(event) => setParams({ trail: event.currentTarget.value })}>
+        <select
+          value={param("trail") ?? ""}
+          onChange={(event) => setParams({ trail: event.currentTarget.value })}
+        >
           <option value="">all</option>
           {TRAILS.map((scans) => (
             <option value={String(scans)}>
@@ -78,6 +119,42 @@ export function ClockBar({ clock }: { clock: Clock }): JSX.Element {
           ))}
         </select>
       </label>
+    </>
+  );
+}
+
+export function ClockBar({ clock }: { clock: Clock }): JSX.Element {
+  useEffect(() => {
+    const listener = keys(clock);
+    document.addEventListener("keydown", listener);
+    return () => document.removeEventListener("keydown", listener);
+  }, [clock]);
+  const last = lastOf(clock);
+  const index = clock.index.value;
+  const time = timeText(clock.time.value, clock.origin);
+  const drag = (event: TargetedEvent<HTMLInputElement>) => {
+    clock.playing.value = false;
+    clock.seek(Number(event.currentTarget.value));
+  };
+  return (
+    <div class="clock" role="group" aria-label="Clock">
+      <Buttons clock={clock} />
+      <input
+        class="clock-slider"
+        type="range"
+        min={0}
+        max={last}
+        step={1}
+        value={index}
+        aria-label="Scan"
+        aria-valuetext={`scan ${clock.numbers[index]} of ${clock.numbers.at(-1)}, ${time}`}
+        onInput={drag}
+      />
+      <output class="clock-text">
+        <b>{time}</b> scan {clock.numbers[index]}/{clock.numbers.at(-1)}
+        {clock.origin ? <span class="sub">{utcText(clock.time.value)}</span> : null}
+      </output>
+      <Choices clock={clock} />
     </div>
   );
 }

@@ -1,4 +1,5 @@
-// The events of an evaluation, read from its file: what happened to each target and track at each step.
+// The events of an evaluation, read from its file: what happened to each target and track at each
+// step.
 
 import { getArtifactText } from "../api/client";
 import { parseCsv, reader } from "../components/csv";
@@ -27,7 +28,15 @@ export async function readEvents(jobId: string): Promise<EventLog> {
   const table = parseCsv(await getArtifactText(jobId, "events.csv"), MOST_ENTRIES);
   const field = (name: string) => reader(table, name);
   const names = ["sequence", "step", "time_s", "event", "truth_id", "track_id", "distance"];
-  const [sequence, step, time, kind, truth, track, distance] = names.map(field) as [Field, Field, Field, Field, Field, Field, Field];
+  const [sequence, step, time, kind, truth, track, distance] = names.map(field) as [
+    Field,
+    Field,
+    Field,
+    Field,
+    Field,
+    Field,
+    Field,
+  ];
   const entry = (row: string[]): LogEntry => ({
     sequence: sequence(row),
     step: Number(step(row)),
@@ -52,7 +61,8 @@ function noteFormerTracks(entries: LogEntry[]): void {
     former.set(`${of(entry)}\u0000${entry.step}`, last.get(of(entry)) ?? "");
     last.set(of(entry), entry.track);
   }
-  for (const entry of entries) if (entry.kind === "switch") entry.before = former.get(`${of(entry)}\u0000${entry.step}`) ?? "";
+  for (const entry of entries)
+    if (entry.kind === "switch") entry.before = former.get(`${of(entry)}\u0000${entry.step}`) ?? "";
 }
 
 type Field = (row: string[]) => string;
@@ -71,20 +81,29 @@ export interface Lane {
   from: number;
   to: number;
   runs: Run[];
-  marks: { kind: "switch" | "break" | "reacquisition"; time: number; track: string; before: string }[];
+  marks: {
+    kind: "switch" | "break" | "reacquisition";
+    time: number;
+    track: string;
+    before: string;
+  }[];
 }
 
-/** One lane a target, in the order in which targets appear; `sequence` keeps those of one sequence. */
+/**
+ * One lane a target, in the order in which targets appear; `sequence` keeps those of one sequence.
+ */
 export function lanesOf(entries: LogEntry[], sequence: string): Lane[] {
   const lanes = new Map<string, Lane>();
   for (const { truth, sequence: of, time, kind, track, before } of entries) {
     if (truth === "" || of !== sequence) continue;
-    let lane = lanes.get(truth);
-    if (!lane) lanes.set(truth, (lane = { truth, sequence, from: time, to: time, runs: [], marks: [] }));
+    const fresh: Lane = { truth, sequence, from: time, to: time, runs: [], marks: [] };
+    const lane = lanes.get(truth) ?? fresh;
+    lanes.set(truth, lane);
     if (kind === "match" || kind === "miss") lane.to = Math.max(lane.to, time);
     if (kind === "match") follow(lane, track, time);
     if (kind === "miss") lane.runs.push({ track: "", from: time, to: time });
-    if (kind === "switch" || kind === "break" || kind === "reacquisition") lane.marks.push({ kind, time, track, before });
+    if (kind === "switch" || kind === "break" || kind === "reacquisition")
+      lane.marks.push({ kind, time, track, before });
   }
   for (const lane of lanes.values()) lane.runs = lane.runs.filter((run) => run.track !== "");
   return [...lanes.values()];

@@ -12,10 +12,21 @@ export interface EventMoment {
   before: string;
 }
 
-/** In the plan view, with the event beside it. The former track of a switch is known to the log alone, so that the address has it. */
+/**
+ * In the plan view, with the event beside it. The former track of a switch is known to the log
+ * alone, so that the address has it.
+ */
 export function planHref({ kind, time, truth, track, before }: EventMoment): string {
   const event = { mark: `${kind}@${time}`, former: before || null };
-  return hereHref({ tab: "plan", truth: truth || null, track: track || null, time, centre: "selection", span: null, ...event });
+  return hereHref({
+    tab: "plan",
+    truth: truth || null,
+    track: track || null,
+    time,
+    centre: "selection",
+    span: null,
+    ...event,
+  });
 }
 
 /** Among the lanes, where there is no plan. */
@@ -30,18 +41,28 @@ export const NO_EVENT = { mark: null, former: null };
 export function addressedEvent(): EventMoment | undefined {
   const [kind, time] = (param("mark") ?? "").split("@");
   if (!kind || !time || !Number.isFinite(Number(time))) return undefined;
-  return { kind, time: Number(time), truth: param("truth") ?? "", track: param("track") ?? "", before: param("former") ?? "" };
+  return {
+    kind,
+    time: Number(time),
+    truth: param("truth") ?? "",
+    track: param("track") ?? "",
+    before: param("former") ?? "",
+  };
 }
 
 export function eventSentence({ kind, truth, track, before }: EventMoment): string | undefined {
+  const other = before ? `; before it was track ${before}` : ", another than before";
+  const last = track ? `; until here it was track ${track}` : "";
+  const from = `From here on track ${track}`;
+  const gate = `the gate of ${truth || "its target"}`;
   const sentences: Record<string, string> = {
     match: `Track ${track} follows ${truth} here.`,
     miss: `No track follows ${truth} here.`,
-    switch: `From here on track ${track} follows ${truth}${before ? `; before it was track ${before}` : ", another than before"}.`,
-    break: `From here on no track follows ${truth}${track ? `; until here it was track ${track}` : ""}.`,
-    reacquisition: `From here on track ${track} follows ${truth}, which no track followed just before.`,
+    switch: `${from} follows ${truth}${other}.`,
+    break: `From here on no track follows ${truth}${last}.`,
+    reacquisition: `${from} follows ${truth}, which no track followed just before.`,
     redundant: `Track ${track} is near ${truth}, which another track follows.`,
-    divergence: `Track ${track} is beyond the gate of ${truth || "its target"}, which it followed before.`,
+    divergence: `Track ${track} is beyond ${gate}, which it followed before.`,
     false_alarm: `Track ${track} follows no target here.`,
   };
   return sentences[kind];

@@ -1,14 +1,15 @@
-// What stands around every chart: its title, how much of the data it shows, its table twin, and its exports.
+// What stands around every chart: its title, how much of the data it shows, its table twin, and its
+// exports.
 
 import type { ComponentChildren, JSX } from "preact";
 import { useState } from "preact/hooks";
 import { Icon } from "../components/basics";
 import { saveText } from "../components/save";
-import { DataTable, toCsv, type TableData } from "../components/table";
+import { DataTable, type TableData, toCsv } from "../components/table";
 import { count } from "../format";
-import { readPalette, type Palette } from "../state/theme";
+import { type Palette, readPalette } from "../state/theme";
 import type { KeyMark } from "./marks";
-import { savePng, saveSvg, type Source } from "./picture";
+import { type Source, savePng, saveSvg } from "./picture";
 
 interface FrameProps {
   title: string;
@@ -27,14 +28,30 @@ interface FrameProps {
   class?: string;
 }
 
-export function reducedBadge(parts: { name: string; source_points: number; returned_points: number; method: string }[]): string | undefined {
+export function reducedBadge(
+  parts: { name: string; source_points: number; returned_points: number; method: string }[],
+): string | undefined {
   const reduced = parts.filter((part) => part.returned_points < part.source_points);
   if (!reduced.length) return undefined;
-  const words = reduced.map((part) => `${part.name} ${count(part.returned_points)} of ${count(part.source_points)} (${part.method.replaceAll("_", " ")})`);
+  const words = reduced.map(({ name, returned_points, source_points, method }) => {
+    const how = method.replaceAll("_", " ");
+    return `${name} ${count(returned_points)} of ${count(source_points)} (${how})`;
+  });
   return `Shown: ${words.join("; ")}`;
 }
 
-export function ChartFrame({ title, file, badge, table, chart, pictureKey, pictureTitle, tools, children, ...rest }: FrameProps): JSX.Element {
+export function ChartFrame({
+  title,
+  file,
+  badge,
+  table,
+  chart,
+  pictureKey,
+  pictureTitle,
+  tools,
+  children,
+  ...rest
+}: FrameProps): JSX.Element {
   const [asTable, setAsTable] = useState(false);
   const save = (as: "png" | "svg") => () => {
     const drawn = chart();
@@ -47,10 +64,19 @@ export function ChartFrame({ title, file, badge, table, chart, pictureKey, pictu
         <h2>{title}</h2>
         {badge ? <span class="reduced">{badge}</span> : null}
         <div class="chart-tools">
-          <button type="button" class="quiet" aria-pressed={asTable} onClick={() => setAsTable(!asTable)}>
+          <button
+            type="button"
+            class="quiet"
+            aria-pressed={asTable}
+            onClick={() => setAsTable(!asTable)}
+          >
             <Icon name={asTable ? "chart" : "table"} /> {asTable ? "Chart" : "Table"}
           </button>
-          <button type="button" class="quiet" onClick={() => saveText(toCsv(table()), `${file}.csv`, "text/csv")}>
+          <button
+            type="button"
+            class="quiet"
+            onClick={() => saveText(toCsv(table()), `${file}.csv`, "text/csv")}
+          >
             <Icon name="download" /> CSV
           </button>
           {asTable ? null : (

@@ -1,4 +1,5 @@
-// Pointer, wheel and keys over a plan: dragging pans, the wheel and two fingers zoom, a still press is a click.
+// Pointer, wheel and keys over a plan: dragging pans, the wheel and two fingers zoom, a still press
+// is a click.
 
 export interface Gestures {
   /** One finger moved from `before` to `now`, having gone down at `start`. */
@@ -35,7 +36,8 @@ export function listen(box: HTMLElement, gestures: Gestures): () => void {
     if (!before) return;
     const now = place(event);
     moved += Math.hypot(now.x - before.x, now.y - before.y);
-    if (moved > STILL_PX && !box.hasPointerCapture(event.pointerId)) box.setPointerCapture(event.pointerId);
+    if (moved > STILL_PX && !box.hasPointerCapture(event.pointerId))
+      box.setPointerCapture(event.pointerId);
     const other = [...fingers.entries()].find(([id]) => id !== event.pointerId)?.[1];
     fingers.set(event.pointerId, now);
     if (other) pinch(other, before, now);

@@ -1,14 +1,14 @@
-// Which track followed each target when: a lane a target, a bar a track, marks where tracks changed or broke. Every mark leads to
-// its moment in the plan view.
+// Which track followed each target when: a lane a target, a bar a track, marks where tracks changed
+// or broke. Every mark leads to its moment in the plan view.
 
 import type { JSX } from "preact";
 import { useRef } from "preact/hooks";
 import { Link } from "../components/basics";
 import type { TableData } from "../components/table";
 import { number } from "../format";
-import { timeAxisName, timeText } from "../times";
-import { readPalette, theme, type Palette } from "../state/theme";
+import { type Palette, readPalette, theme } from "../state/theme";
 import { param } from "../state/url";
+import { timeAxisName, timeText } from "../times";
 import type { Lane } from "./event-log";
 import type { EventMoment } from "./event-moment";
 import { ChartFrame } from "./frame";
@@ -38,12 +38,24 @@ interface Props {
 }
 
 function tableOf(lanes: Lane[], origin_s: number): TableData {
-  const runs = lanes.flatMap((lane) => lane.runs.map((run) => [lane.truth, "followed by", run.track, run.from, run.to]));
-  const marks = lanes.flatMap((lane) => lane.marks.map((mark) => [lane.truth, mark.kind, mark.track, mark.time, mark.time]));
-  return { columns: ["truth_id", "what", "track_id", "from_s", "to_s"], rows: [...runs, ...marks], origin_s };
+  const runs = lanes.flatMap((lane) =>
+    lane.runs.map((run) => [lane.truth, "followed by", run.track, run.from, run.to]),
+  );
+  const marks = lanes.flatMap((lane) =>
+    lane.marks.map((mark) => [lane.truth, mark.kind, mark.track, mark.time, mark.time]),
+  );
+  return {
+    columns: ["truth_id", "what", "track_id", "from_s", "to_s"],
+    rows: [...runs, ...marks],
+    origin_s,
+  };
 }
 
-const NAMES = { switch: "switch to another track", break: "break", reacquisition: "taken up again" } as const;
+const NAMES = {
+  switch: "switch to another track",
+  break: "break",
+  reacquisition: "taken up again",
+} as const;
 
 function colors(palette: Palette): string[] {
   return [palette.track, ...palette.sensors.slice(0, 4)];
@@ -56,18 +68,26 @@ export function Lanes(props: Props): JSX.Element {
   const width = useRoom(box);
   void theme.value;
   const palette = readPalette();
-  const [from, to] = [Math.min(...lanes.map((lane) => lane.from)), Math.max(...lanes.map((lane) => lane.to))];
-  const x = (time: number) => LEFT_PX + ((time - from) / (to - from || 1)) * (width - LEFT_PX - RIGHT_PX);
+  const [from, to] = [
+    Math.min(...lanes.map((lane) => lane.from)),
+    Math.max(...lanes.map((lane) => lane.to)),
+  ];
+  const x = (time: number) =>
+    LEFT_PX + ((time - from) / (to - from || 1)) * (width - LEFT_PX - RIGHT_PX);
   const asked = param("time");
   const now = asked === null || Number(asked) < from || Number(asked) > to ? null : Number(asked);
   const height = TOP_PX + lanes.length * LANE_PX + AXIS_PX;
   const note = (
     <>
       <Key marks={pictureKey} />
-      <p class="muted small frame-note">A bar has a colour a track. A mark leads to its moment in {place}.</p>
+      <p class="muted small frame-note">
+        A bar has a colour a track. A mark leads to its moment in {place}.
+      </p>
     </>
   );
-  const badge = props.badge ?? (lanes.length < total ? `Shown: ${lanes.length} of ${total} targets` : undefined);
+  const badge =
+    props.badge ??
+    (lanes.length < total ? `Shown: ${lanes.length} of ${total} targets` : undefined);
   return (
     <ChartFrame
       title="Who followed whom"
@@ -88,10 +108,20 @@ export function Lanes(props: Props): JSX.Element {
           role="group"
           aria-label={`Lanes of ${lanes.length} targets over time. The table shows the same.`}
         >
-          {now === null ? null : <path class="drawing-now" d={`M${x(now)} ${TOP_PX}V${height - AXIS_PX}`} />}
+          {now === null ? null : (
+            <path class="drawing-now" d={`M${x(now)} ${TOP_PX}V${height - AXIS_PX}`} />
+          )}
           <Axis from={from} to={to} origin={origin} x={x} height={height} width={width} />
           {lanes.map((lane, row) => (
-            <LaneRow key={lane.truth} lane={lane} y={TOP_PX + row * LANE_PX} x={x} palette={palette} origin={origin} href={props.href} />
+            <LaneRow
+              key={lane.truth}
+              lane={lane}
+              y={TOP_PX + row * LANE_PX}
+              x={x}
+              palette={palette}
+              origin={origin}
+              href={props.href}
+            />
           ))}
         </svg>
       </div>
@@ -155,26 +185,42 @@ function LaneRow({ lane, y, x, palette, origin, href }: RowProps): JSX.Element {
   const shades = colors(palette);
   const known = [...new Set(lane.runs.map((run) => run.track))];
   const middle = y + LANE_PX / 2;
+  const span = ({ from, to }: { from: number; to: number }) =>
+    `${timeText(from, origin)} to ${timeText(to, origin)}`;
   return (
     <g>
-      <text class={`drawing-name${param("truth") === lane.truth ? " chosen" : ""}`} x={LEFT_PX - 8} y={middle} text-anchor="end" dominant-baseline="central">
+      <text
+        class={`drawing-name${param("truth") === lane.truth ? " chosen" : ""}`}
+        x={LEFT_PX - 8}
+        y={middle}
+        text-anchor="end"
+        dominant-baseline="central"
+      >
         {shortened(lane.truth)}
         <title>{lane.truth}</title>
       </text>
-      <path class="lane-there" d={`M${x(lane.from)} ${middle}H${Math.max(x(lane.to), x(lane.from) + 2)}`} />
+      <path
+        class="lane-there"
+        d={`M${x(lane.from)} ${middle}H${Math.max(x(lane.to), x(lane.from) + 2)}`}
+      />
       {lane.runs.map((run) => (
         <path
           d={`M${x(run.from)} ${middle}H${Math.max(x(run.to), x(run.from) + 3)}`}
           stroke={shades[known.indexOf(run.track) % shades.length]}
           stroke-width={9}
         >
-          <title>{`${lane.truth} followed by track ${run.track}, ${timeText(run.from, origin)} to ${timeText(run.to, origin)}`}</title>
+          <title>{`${lane.truth} followed by track ${run.track}, ${span(run)}`}</title>
         </path>
       ))}
       {lane.marks.map((mark) => {
-        const label = `${lane.truth}: ${NAMES[mark.kind]} at ${timeText(mark.time, origin)}${mark.track ? `, track ${mark.track}` : ""}`;
+        const when = `${NAMES[mark.kind]} at ${timeText(mark.time, origin)}`;
+        const label = `${lane.truth}: ${when}${mark.track ? `, track ${mark.track}` : ""}`;
         return (
-          <Link href={href({ ...mark, truth: lane.truth })} label={label} class={`lane-mark lane-${mark.kind}`}>
+          <Link
+            href={href({ ...mark, truth: lane.truth })}
+            label={label}
+            class={`lane-mark lane-${mark.kind}`}
+          >
             <Sign kind={mark.kind} x={x(mark.time)} y={middle} />
           </Link>
         );
@@ -183,7 +229,15 @@ function LaneRow({ lane, y, x, palette, origin, href }: RowProps): JSX.Element {
   );
 }
 
-function Sign({ kind, x, y }: { kind: Lane["marks"][number]["kind"]; x: number; y: number }): JSX.Element {
+function Sign({
+  kind,
+  x,
+  y,
+}: {
+  kind: Lane["marks"][number]["kind"];
+  x: number;
+  y: number;
+}): JSX.Element {
   const shapes = {
     switch: `M${x - 5} ${y - 9}h10l-5 8Z`,
     break: `m${x - 4} ${y - 4} 8 8m0-8-8 8`,
@@ -191,7 +245,14 @@ function Sign({ kind, x, y }: { kind: Lane["marks"][number]["kind"]; x: number; 
   };
   return (
     <>
-      <rect x={x - 8} y={y - LANE_PX / 2} width={16} height={LANE_PX} fill="transparent" stroke="none" />
+      <rect
+        x={x - 8}
+        y={y - LANE_PX / 2}
+        width={16}
+        height={LANE_PX}
+        fill="transparent"
+        stroke="none"
+      />
       <path d={shapes[kind]} />
     </>
   );

@@ -32,14 +32,21 @@ function entries({ scene, sensors, hasGate, moment }: LegendProps): Entry[] {
   const marks = scene.clouds.map((cloud, order) => ({
     layer: `d:${cloud.sensor}`,
     name: `detections, ${cloud.sensor}`,
-    mark: stroke(`mark-sensor-${(order % 5) + 1}`, MARKS[detectionSymbol(drawnDetections(cloud, moment), order)] ?? ""),
+    mark: stroke(
+      `mark-sensor-${(order % 5) + 1}`,
+      MARKS[detectionSymbol(drawnDetections(cloud, moment), order)] ?? "",
+    ),
   }));
   const list: Entry[] = [];
-  if (scene.truths.size) list.push({ layer: "truth", name: "truth", mark: stroke("mark-truth", "M1 8h22") });
-  if (sensors.some((sensor) => sensor.max_range_m)) list.push({ layer: "rings", name: "sensor range", mark: stroke("mark-ring", "M1 8h22") });
+  if (scene.truths.size)
+    list.push({ layer: "truth", name: "truth", mark: stroke("mark-truth", "M1 8h22") });
+  if (sensors.some((sensor) => sensor.max_range_m))
+    list.push({ layer: "rings", name: "sensor range", mark: stroke("mark-ring", "M1 8h22") });
   const ofTracks = scene.locals.length ? "system tracks" : "tracks";
-  if (scene.tracks.size) list.push({ layer: "tracks", name: ofTracks, mark: stroke("mark-track", "M1 8h22") });
-  if (hasGate) list.push({ layer: "gate", name: "gate", mark: stroke("mark-gate mark-dashed", "M1 8h22") });
+  if (scene.tracks.size)
+    list.push({ layer: "tracks", name: ofTracks, mark: stroke("mark-track", "M1 8h22") });
+  if (hasGate)
+    list.push({ layer: "gate", name: "gate", mark: stroke("mark-gate mark-dashed", "M1 8h22") });
   const locals = scene.locals.map(({ sensor }, order) => ({
     layer: `l:${sensor}`,
     name: `tracks of ${sensor}`,
@@ -59,20 +66,28 @@ export function Legend(props: LegendProps): JSX.Element {
   const { scene } = props;
   const hidden = (param("hide") ?? "").split(",").filter(Boolean);
   const toggle = (layer: string) => {
-    const next = hidden.includes(layer) ? hidden.filter((name) => name !== layer) : [...hidden, layer];
+    const next = hidden.includes(layer)
+      ? hidden.filter((name) => name !== layer)
+      : [...hidden, layer];
     setParams({ hide: next.join(",") });
   };
   return (
     <div class="legend" role="group" aria-label="Layers">
       {entries(props).map((entry) => (
-        <button type="button" class="legend-entry" aria-pressed={!hidden.includes(entry.layer)} onClick={() => toggle(entry.layer)}>
+        <button
+          type="button"
+          class="legend-entry"
+          aria-pressed={!hidden.includes(entry.layer)}
+          onClick={() => toggle(entry.layer)}
+        >
           {entry.mark}
           {entry.name}
         </button>
       ))}
       {scene.tracks.size && !scene.locals.length ? (
         <span class="legend-note">
-          {stroke("mark-track mark-dashed", "M1 8h22")} coasted {stroke("mark-tentative", "M1 8h22")} tentative
+          {stroke("mark-track mark-dashed", "M1 8h22")} coasted{" "}
+          {stroke("mark-tentative", "M1 8h22")} tentative
         </span>
       ) : null}
     </div>

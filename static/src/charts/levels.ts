@@ -1,4 +1,5 @@
-// The levels of a bearing-time record as shades: blocks of cells with their mean power, the palest third of them clear.
+// The levels of a bearing-time record as shades: blocks of cells with their mean power, the palest
+// third of them clear.
 
 export interface Levels {
   rows: number;
@@ -42,10 +43,17 @@ export function readLevels(text: string): Levels | undefined {
       cells[block] = (cells[block] ?? 0) + 1;
     }
   }
-  const level_db = Float32Array.from(power, (sum, block) => 10 * Math.log10(sum / Math.max(cells[block] ?? 1, 1)));
+  const level_db = Float32Array.from(
+    power,
+    (sum, block) => 10 * Math.log10(sum / Math.max(cells[block] ?? 1, 1)),
+  );
   const sorted = Float32Array.from(level_db).sort();
   const at = (share: number) => sorted[Math.floor(share * (sorted.length - 1))] ?? 0;
-  const [first, last, step] = [bearings[0] ?? 0, bearings.at(-1) ?? 0, (bearings[1] ?? 0) - (bearings[0] ?? 0)];
+  const [first, last, step] = [
+    bearings[0] ?? 0,
+    bearings.at(-1) ?? 0,
+    (bearings[1] ?? 0) - (bearings[0] ?? 0),
+  ];
   const period = ((times.at(-1) ?? 0) - (times[0] ?? 0)) / (count - 1);
   return {
     rows,
@@ -76,7 +84,10 @@ export function shades(levels: Levels, color: string): HTMLCanvasElement {
     const [red = 0, green = 0, blue = 0] = pen.getImageData(0, 0, 1, 1).data;
     const pixels = pen.createImageData(levels.columns, levels.rows);
     levels.level_db.forEach((level, block) => {
-      const share = Math.min(Math.max((level - levels.low) / Math.max(levels.high - levels.low, 1e-9), 0), 1);
+      const share = Math.min(
+        Math.max((level - levels.low) / Math.max(levels.high - levels.low, 1e-9), 0),
+        1,
+      );
       pixels.data.set([red, green, blue, Math.round(share * 150)], block * 4);
     });
     pen.putImageData(pixels, 0, 0);

@@ -1,15 +1,26 @@
-// Curves over one axis, with bands where an interval is known: the common part of the charts that need no more.
+// Curves over one axis, with bands where an interval is known: the common part of the charts that
+// need no more.
 
 import type { ComponentChildren, JSX } from "preact";
 import { useRef } from "preact/hooks";
 import type { TableData } from "../components/table";
 import { number } from "../format";
-import { readPalette, theme, type Palette } from "../state/theme";
-import { axisLabel, GRID, lowerLabel, ruleAt, shareRange, textStyle, tipContent, tooltip, valueAxis } from "./axes";
+import { type Palette, readPalette, theme } from "../state/theme";
+import {
+  axisLabel,
+  GRID,
+  lowerLabel,
+  ruleAt,
+  shareRange,
+  textStyle,
+  tipContent,
+  tooltip,
+  valueAxis,
+} from "./axes";
 import { ChartCanvas } from "./chart";
 import type { Chart } from "./echarts";
 import { ChartFrame } from "./frame";
-import { Key, symbolLook, type KeyMark } from "./marks";
+import { Key, type KeyMark, symbolLook } from "./marks";
 
 export type Point = [number, number | null];
 
@@ -28,13 +39,21 @@ export interface Curve {
 
 const SIX = 6;
 
-/** Colour, dash and shape of the n-th of several curves. No two of the first 18 are alike, and neighbours differ without colour. */
+/**
+ * Colour, dash and shape of the n-th of several curves. No two of the first 18 are alike, and
+ * neighbours differ without colour.
+ */
 export function lookOf(index: number): Pick<Curve, "color" | "look" | "symbol"> {
   const turned = index + Math.floor(index / SIX);
-  const color = (palette: Palette) => [palette.track, ...palette.sensors][index % (palette.sensors.length + 1)] ?? palette.track;
+  const color = (palette: Palette) =>
+    [palette.track, ...palette.sensors][index % (palette.sensors.length + 1)] ?? palette.track;
   const looks: KeyMark["look"][] = ["solid", "dashed", "dotted"];
   const symbols = ["circle", "rect", "triangle", "diamond", "emptyCircle", "emptyRect"];
-  return { color, look: looks[turned % looks.length] ?? "solid", symbol: symbols[turned % SIX] ?? "circle" };
+  return {
+    color,
+    look: looks[turned % looks.length] ?? "solid",
+    symbol: symbols[turned % SIX] ?? "circle",
+  };
 }
 
 interface Props {
@@ -64,7 +83,10 @@ interface Props {
 function whenPicked(chart: Chart, pick: (x: number) => void): () => void {
   const pressed = (event: { offsetX: number; offsetY: number }) => {
     if (!chart.containPixel("grid", [event.offsetX, event.offsetY])) return;
-    const [x] = chart.convertFromPixel("grid", [event.offsetX, event.offsetY]) as unknown as number[];
+    const [x] = chart.convertFromPixel("grid", [
+      event.offsetX,
+      event.offsetY,
+    ]) as unknown as number[];
     if (x !== undefined) pick(x);
   };
   chart.getZr().on("click", pressed);
@@ -74,7 +96,8 @@ function whenPicked(chart: Chart, pick: (x: number) => void): () => void {
 const MARKS_UP_TO = 60;
 
 /** Bands over each other must not become one dark field. */
-const bandOpacity = (bands: number): number => Math.max(0.04, Math.min(0.16, 0.4 / Math.max(bands, 1)));
+const bandOpacity = (bands: number): number =>
+  Math.max(0.04, Math.min(0.16, 0.4 / Math.max(bands, 1)));
 
 const hasSymbols = (curve: Curve): boolean => !curve.stack && curve.points.length <= MARKS_UP_TO;
 
@@ -94,17 +117,40 @@ function lineOf(curve: Curve, palette: Palette, cursor: number | undefined): obj
     connectNulls: false,
     lineStyle,
     ...(curve.stack ? { stack: "parts", areaStyle: { color, opacity: 0.35 } } : {}),
-    ...(cursor === undefined ? {} : { markLine: ruleAt({ xAxis: cursor }, { color: palette.selected }) }),
+    ...(cursor === undefined
+      ? {}
+      : { markLine: ruleAt({ xAxis: cursor }, { color: palette.selected }) }),
   };
 }
 
-/** A band is two lines that are not seen, the upper one stacked on the lower, with the colour between them. */
+/**
+ * A band is two lines that are not seen, the upper one stacked on the lower, with the colour
+ * between them.
+ */
 function bandOf(curve: Curve, palette: Palette, bands: number): object[] {
-  const edge = (side: 0 | 1) => curve.points.map(([x], index): Point => [x, curve.band?.[index]?.[side] ?? null]);
+  const edge = (side: 0 | 1) =>
+    curve.points.map(([x], index): Point => [x, curve.band?.[index]?.[side] ?? null]);
   const low = edge(0);
-  const height = edge(1).map(([x, high], index): Point => [x, high === null || low[index]?.[1] == null ? null : high - low[index][1]]);
-  const still = { type: "line", animation: false, silent: true, showSymbol: false, z: 1, tooltip: { show: false } };
-  const limits = { ...still, stack: `band ${curve.name}`, stackStrategy: "all", lineStyle: { opacity: 0, width: 0 } };
+  const height = edge(1).map(
+    ([x, high], index): Point => [
+      x,
+      high === null || low[index]?.[1] == null ? null : high - low[index][1],
+    ],
+  );
+  const still = {
+    type: "line",
+    animation: false,
+    silent: true,
+    showSymbol: false,
+    z: 1,
+    tooltip: { show: false },
+  };
+  const limits = {
+    ...still,
+    stack: `band ${curve.name}`,
+    stackStrategy: "all",
+    lineStyle: { opacity: 0, width: 0 },
+  };
   const areaStyle = { color: curve.color(palette), opacity: bandOpacity(bands) };
   return [
     { ...limits, name: `${curve.name} low`, data: low },
@@ -112,7 +158,12 @@ function bandOf(curve: Curve, palette: Palette, bands: number): object[] {
   ];
 }
 
-function seriesOf(curve: Curve, palette: Palette, cursor: number | undefined, bands: number): object[] {
+function seriesOf(
+  curve: Curve,
+  palette: Palette,
+  cursor: number | undefined,
+  bands: number,
+): object[] {
   return [...(curve.band ? bandOf(curve, palette, bands) : []), lineOf(curve, palette, cursor)];
 }
 
@@ -130,7 +181,12 @@ function tip(items: TipItem[], props: Props): HTMLElement | string {
     const value = curve.points[at]?.[1];
     if (value === null || value === undefined) return [];
     const band = curve.band?.[at];
-    return [[curve.name, band ? `${number(value)} [${number(band[0])}, ${number(band[1])}]` : number(value)]];
+    return [
+      [
+        curve.name,
+        band ? `${number(value)} [${number(band[0])}, ${number(band[1])}]` : number(value),
+      ],
+    ];
   });
   const heading = props.xText?.(x) ?? `${props.xName.replace(/ \(.*\)$/, "")} ${number(x)}`;
   return tipContent(heading, rows);
@@ -141,7 +197,13 @@ function xAxis(props: Props, palette: Palette): object {
   const range = xs.length ? { min: Math.min(...xs), max: Math.max(...xs) } : {};
   // Iterations and errors are counted in whole numbers.
   const least = xs.every(Number.isInteger) ? { minInterval: 1 } : {};
-  return valueAxis(props.xName, palette, { ...least, ...(props.logX ? { type: "log" } : {}), ...range, nameGap: 26, axisLabel: lowerLabel(palette) });
+  return valueAxis(props.xName, palette, {
+    ...least,
+    ...(props.logX ? { type: "log" } : {}),
+    ...range,
+    nameGap: 26,
+    axisLabel: lowerLabel(palette),
+  });
 }
 
 /** The ends of the axis of values. */
@@ -150,15 +212,24 @@ function valueRange({ curves, logY, values = "values" }: Props): object {
   if (values === "shares") return { min: 0, max: 1 };
   if (values === "counts") return { min: 0, minInterval: 1 };
   const limits = (curve: Curve) => (curve.band ?? []).flatMap((limit) => limit ?? []);
-  const all = curves.flatMap((curve) => [...curve.points.flatMap(([, value]) => value ?? []), ...limits(curve)]);
+  const all = curves.flatMap((curve) => [
+    ...curve.points.flatMap(([, value]) => value ?? []),
+    ...limits(curve),
+  ]);
   return all.length && !curves.some((curve) => curve.stack) ? shareRange(all) : {};
 }
 
 function yAxis(props: Props, palette: Palette): object {
   // Long numbers would reach into the name of the axis.
-  const formatter = (value: number) => (Math.abs(value) >= 1e5 ? value.toExponential().replace("e+", "e") : number(value));
+  const formatter = (value: number) =>
+    Math.abs(value) >= 1e5 ? value.toExponential().replace("e+", "e") : number(value);
   const label = axisLabel(palette, { formatter });
-  return valueAxis(props.yName, palette, { scale: true, ...valueRange(props), nameGap: 50, axisLabel: label });
+  return valueAxis(props.yName, palette, {
+    scale: true,
+    ...valueRange(props),
+    nameGap: 50,
+    axisLabel: label,
+  });
 }
 
 function draw(chart: Chart, props: Props): void {
@@ -169,7 +240,11 @@ function draw(chart: Chart, props: Props): void {
       animation: false,
       textStyle: textStyle(palette),
       grid: { ...GRID, left: 66 },
-      tooltip: { trigger: "axis", ...tooltip(palette), formatter: (items: TipItem[]) => tip(items, props) },
+      tooltip: {
+        trigger: "axis",
+        ...tooltip(palette),
+        formatter: (items: TipItem[]) => tip(items, props),
+      },
       xAxis: xAxis(props, palette),
       yAxis: yAxis(props, palette),
       dataZoom: [{ type: "inside", filterMode: "none", zoomOnMouseWheel: "ctrl" }],
@@ -181,7 +256,12 @@ function draw(chart: Chart, props: Props): void {
 
 function markOf(curve: Curve, palette: Palette): KeyMark {
   const look = curve.stack ? "area" : curve.look;
-  return { name: curve.name, color: curve.color(palette), look, symbol: hasSymbols(curve) ? (curve.symbol ?? "circle") : undefined };
+  return {
+    name: curve.name,
+    color: curve.color(palette),
+    look,
+    symbol: hasSymbols(curve) ? (curve.symbol ?? "circle") : undefined,
+  };
 }
 
 export function Lines(props: Props): JSX.Element {
@@ -197,7 +277,15 @@ export function Lines(props: Props): JSX.Element {
     </>
   );
   return (
-    <ChartFrame title={title} file={file} badge={badge} table={table} chart={() => chart.current} pictureKey={key} tools={under}>
+    <ChartFrame
+      title={title}
+      file={file}
+      badge={badge}
+      table={table}
+      chart={() => chart.current}
+      pictureKey={key}
+      tools={under}
+    >
       <ChartCanvas
         class={props.class ?? "lines-canvas"}
         label={`${label} The table shows the same numbers.`}

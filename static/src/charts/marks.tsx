@@ -1,7 +1,7 @@
 // The marks of the charts, drawn alike on the page's keys and in the keys of saved pictures.
 
 import type { JSX } from "preact";
-import { readPalette, theme, type Palette } from "../state/theme";
+import { type Palette, readPalette, theme } from "../state/theme";
 
 export interface KeyMark {
   name: string;
@@ -16,7 +16,8 @@ export const MARK_WIDTH = 22;
 const RADIUS = 3.5;
 const OPEN = ["cross", "ring"];
 
-const circle = (r: number): string => `M${-r} 0a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0Z`;
+const circle = (r: number): string =>
+  `M${-r} 0a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0Z`;
 
 /** Shapes around the origin, of a radius of `r`. */
 const SHAPES: Record<string, (r: number) => string> = {
@@ -25,12 +26,22 @@ const SHAPES: Record<string, (r: number) => string> = {
   triangle: (r) => `M0 ${-r}L${r} ${r}H${-r}Z`,
   down: (r) => `M0 ${r}L${r} ${-r}H${-r}Z`,
   diamond: (r) => `M0 ${-r}L${r} 0L0 ${r}L${-r} 0Z`,
-  pin: (r) => `M0 ${1.5 * r}C${-0.6 * r} ${0.6 * r} ${-r} ${0.3 * r} ${-r} ${-0.3 * r}a${r} ${r} 0 0 1 ${2 * r} 0C${r} ${0.3 * r} ${0.6 * r} ${0.6 * r} 0 ${1.5 * r}Z`,
+  pin: (r) =>
+    [
+      `M0 ${1.5 * r}C${-0.6 * r} ${0.6 * r} ${-r} ${0.3 * r} ${-r} ${-0.3 * r}`,
+      `a${r} ${r} 0 0 1 ${2 * r} 0C${r} ${0.3 * r} ${0.6 * r} ${0.6 * r} 0 ${1.5 * r}Z`,
+    ].join(""),
   ring: (r) => `${circle(r)}${circle(0.4 * r)}`,
   cross: (r) => `M${-r} ${-r}L${r} ${r}M${r} ${-r}L${-r} ${r}`,
 };
 
-const DASHES: Record<KeyMark["look"], number[]> = { solid: [], dashed: [5, 3], dotted: [2, 3], area: [], dot: [] };
+const DASHES: Record<KeyMark["look"], number[]> = {
+  solid: [],
+  dashed: [5, 3],
+  dotted: [2, 3],
+  area: [],
+  dot: [],
+};
 
 export const isHollow = (symbol: string): boolean => symbol.startsWith("empty");
 
@@ -40,9 +51,18 @@ export function shapeOf(symbol: string): string {
   return bare in SHAPES ? bare : "circle";
 }
 
-/** A symbol of the chart library; hollow ones have the colour `inside`, else they show what is under them. */
-export function symbolLook(symbol: string, color: string, inside = "transparent"): { symbol: string; itemStyle: object } {
-  const itemStyle = isHollow(symbol) ? { color: inside, borderColor: color, borderWidth: 1.5 } : { color };
+/**
+ * A symbol of the chart library; hollow ones have the colour `inside`, else they show what is under
+ * them.
+ */
+export function symbolLook(
+  symbol: string,
+  color: string,
+  inside = "transparent",
+): { symbol: string; itemStyle: object } {
+  const itemStyle = isHollow(symbol)
+    ? { color: inside, borderColor: color, borderWidth: 1.5 }
+    : { color };
   return { symbol: shapeOf(symbol), itemStyle };
 }
 
@@ -53,7 +73,10 @@ interface Parts {
 
 function partsOf({ look, symbol }: KeyMark): Parts {
   const wide = look === "area";
-  const line = look === "dot" ? {} : { line: { width: wide ? 8 : 2, opacity: wide ? 0.6 : 1, dashes: DASHES[look] } };
+  const line =
+    look === "dot"
+      ? {}
+      : { line: { width: wide ? 8 : 2, opacity: wide ? 0.6 : 1, dashes: DASHES[look] } };
   const name = symbol ?? (look === "dot" ? "circle" : undefined);
   if (!name) return line;
   const shape = shapeOf(name);
@@ -67,11 +90,16 @@ export function markSvg(mark: KeyMark, x: number, y: number): string {
   const pieces: string[] = [];
   if (line) {
     const dashes = line.dashes.length ? ` stroke-dasharray="${line.dashes.join(" ")}"` : "";
-    pieces.push(`<path d="M0 0h${MARK_WIDTH}" fill="none" stroke="${mark.color}" stroke-width="${line.width}" opacity="${line.opacity}"${dashes}/>`);
+    const look = `stroke-width="${line.width}" opacity="${line.opacity}"${dashes}`;
+    pieces.push(`<path d="M0 0h${MARK_WIDTH}" fill="none" stroke="${mark.color}" ${look}/>`);
   }
   if (symbol) {
-    const [fill, stroke] = [symbol.fill ? mark.color : "none", symbol.stroke ? ` stroke="${mark.color}" stroke-width="1.5"` : ""];
-    pieces.push(`<path transform="translate(${MARK_WIDTH / 2} 0)" d="${symbol.path}" fill="${fill}"${stroke}/>`);
+    const [fill, stroke] = [
+      symbol.fill ? mark.color : "none",
+      symbol.stroke ? ` stroke="${mark.color}" stroke-width="1.5"` : "",
+    ];
+    const place = `transform="translate(${MARK_WIDTH / 2} 0)"`;
+    pieces.push(`<path ${place} d="${symbol.path}" fill="${fill}"${stroke}/>`);
   }
   return `<g transform="translate(${x} ${y})">${pieces.join("")}</g>`;
 }
@@ -106,7 +134,13 @@ export function MarkShapes({ mark }: { mark: KeyMark }): JSX.Element {
   return (
     <>
       {line ? (
-        <path d={`M0 0h${MARK_WIDTH}`} stroke={color} stroke-width={line.width} stroke-dasharray={line.dashes.join(" ") || "none"} opacity={line.opacity} />
+        <path
+          d={`M0 0h${MARK_WIDTH}`}
+          stroke={color}
+          stroke-width={line.width}
+          stroke-dasharray={line.dashes.join(" ") || "none"}
+          opacity={line.opacity}
+        />
       ) : null}
       {symbol ? (
         <path
@@ -129,7 +163,9 @@ function Mark({ mark }: { mark: KeyMark }): JSX.Element {
   );
 }
 
-/** What the lines and symbols of a chart mean, beside it: the same marks as in its saved picture. */
+/**
+ * What the lines and symbols of a chart mean, beside it: the same marks as in its saved picture.
+ */
 export function Key({ marks }: { marks: (palette: Palette) => KeyMark[] }): JSX.Element {
   void theme.value;
   return (

@@ -1,10 +1,10 @@
 // A chart as a PNG or SVG file that explains itself: its title and its key stand above the drawing.
 
 import { saveBlob } from "../components/save";
-import { readPalette, type Palette } from "../state/theme";
+import { type Palette, readPalette } from "../state/theme";
 import { FONT } from "./axes";
 import type { Chart } from "./echarts";
-import { drawMark, MARK_WIDTH, markSvg, type KeyMark } from "./marks";
+import { drawMark, type KeyMark, MARK_WIDTH, markSvg } from "./marks";
 
 const SCALE = 2;
 const MARGIN = 14;
@@ -12,7 +12,11 @@ const TITLE_HEIGHT = 30;
 const ROW_HEIGHT = 20;
 
 /** Where each mark of the key stands, row by row within the width. */
-function placed(pen: CanvasRenderingContext2D, key: KeyMark[], width: number): { mark: KeyMark; x: number; row: number }[] {
+function placed(
+  pen: CanvasRenderingContext2D,
+  key: KeyMark[],
+  width: number,
+): { mark: KeyMark; x: number; row: number }[] {
   let x = MARGIN;
   let row = 0;
   return key.map((mark) => {
@@ -24,7 +28,12 @@ function placed(pen: CanvasRenderingContext2D, key: KeyMark[], width: number): {
   });
 }
 
-function compose(drawing: HTMLCanvasElement, title: string, key: KeyMark[], palette: Palette): HTMLCanvasElement {
+function compose(
+  drawing: HTMLCanvasElement,
+  title: string,
+  key: KeyMark[],
+  palette: Palette,
+): HTMLCanvasElement {
   const sheet = document.createElement("canvas");
   const pen = sheet.getContext("2d");
   if (!pen) return drawing;
@@ -60,14 +69,22 @@ const INLINED = [
   ...["font-size", "font-family", "font-weight", "text-anchor", "dominant-baseline"],
 ];
 
-/** A drawing with the looks that the style sheet gives it written into it, so that it stands alone. */
+/**
+ * A drawing with the looks that the style sheet gives it written into it, so that it stands alone.
+ */
 function standalone(drawing: SVGSVGElement): { text: string; width: number; height: number } {
   const { width, height } = drawing.getBoundingClientRect();
   const copy = drawing.cloneNode(true) as SVGSVGElement;
-  const [from, to] = [drawing, copy].map((root) => [root, ...root.querySelectorAll<SVGElement>("*")]) as [SVGElement[], SVGElement[]];
+  const [from, to] = [drawing, copy].map((root) => [
+    root,
+    ...root.querySelectorAll<SVGElement>("*"),
+  ]) as [SVGElement[], SVGElement[]];
   from.forEach((element, index) => {
     const style = getComputedStyle(element);
-    to[index]?.setAttribute("style", INLINED.map((name) => `${name}:${style.getPropertyValue(name)}`).join(";"));
+    to[index]?.setAttribute(
+      "style",
+      INLINED.map((name) => `${name}:${style.getPropertyValue(name)}`).join(";"),
+    );
   });
   copy.setAttribute("xmlns", "http://www.w3.org/2000/svg");
   copy.setAttribute("width", String(width));
@@ -93,23 +110,34 @@ async function asCanvas(source: Source): Promise<HTMLCanvasElement> {
   return canvas;
 }
 
-export async function savePng(source: Source, title: string, key: KeyMark[], name: string): Promise<void> {
+export async function savePng(
+  source: Source,
+  title: string,
+  key: KeyMark[],
+  name: string,
+): Promise<void> {
   const palette = readPalette();
   compose(await asCanvas(source), title, key, palette).toBlob((blob) => {
     if (blob) saveBlob(blob, name);
   }, "image/png");
 }
 
-const escaped = (text: string) => text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll('"', "&quot;");
+const escaped = (text: string) =>
+  text.replaceAll("&", "&amp;").replaceAll("<", "&lt;").replaceAll('"', "&quot;");
 
 /** Names may hold signs that XML has no place for. */
-const NOT_XML = /[\u0000-\u0008\u000b\u000c\u000e-\u001f\ufffe\uffff]/g;
+const NOT_XML = /[^\t\n\r\x20-\ufffd\u{10000}-\u{10ffff}]/gu;
 
 function textSvg(text: string, x: number, y: number, style: string): string {
   return `<text x="${x}" y="${y}" ${style} dominant-baseline="middle">${escaped(text)}</text>`;
 }
 
-export async function saveSvg(source: Source, title: string, key: KeyMark[], name: string): Promise<void> {
+export async function saveSvg(
+  source: Source,
+  title: string,
+  key: KeyMark[],
+  name: string,
+): Promise<void> {
   const palette = readPalette();
   const { text, width, height } = await asSvg(source);
   const pen = document.createElement("canvas").getContext("2d");
@@ -121,12 +149,16 @@ export async function saveSvg(source: Source, title: string, key: KeyMark[], nam
     return markSvg(mark, x, y) + textSvg(mark.name, x + MARK_WIDTH + 6, y, 'font-size="12"');
   });
   const box = `width="${width}" height="${height + head}" viewBox="0 0 ${width} ${height + head}"`;
+  const look = `font-family="${escaped(FONT)}" fill="${palette.text}"`;
   const sheet = [
-    `<svg xmlns="http://www.w3.org/2000/svg" ${box} font-family="${escaped(FONT)}" fill="${palette.text}">`,
+    `<svg xmlns="http://www.w3.org/2000/svg" ${box} ${look}>`,
     `<title>${escaped(title)}</title><rect width="100%" height="100%" fill="${palette.surface}"/>`,
     textSvg(title, MARGIN, TITLE_HEIGHT / 2 + 2, 'font-size="14" font-weight="600"'),
     ...marks,
     `<g transform="translate(0 ${head})">${text}</g></svg>`,
   ];
-  saveBlob(new Blob([sheet.join("\n").replace(NOT_XML, "\ufffd")], { type: "image/svg+xml" }), name);
+  saveBlob(
+    new Blob([sheet.join("\n").replace(NOT_XML, "\ufffd")], { type: "image/svg+xml" }),
+    name,
+  );
 }

@@ -1,13 +1,24 @@
-// What the plan view draws at one moment: rings, truth, detections, tracks, the selected one with its ellipses.
+// What the plan view draws at one moment: rings, truth, detections, tracks, the selected one with
+// its ellipses.
 
 import type { Gates, SensorSettings } from "../api/types";
 import type { Palette } from "../state/theme";
+import { circle, ellipse, type Point } from "./curves";
 import type { SeriesOption } from "./echarts";
 import { gatesAt, outline } from "./gates";
-import { at, hasEnded, isAlive, memberName, within, type Cloud, type Line, type Scene, type TrackLine } from "./scene";
+import {
+  at,
+  type Cloud,
+  hasEnded,
+  isAlive,
+  type Line,
+  memberName,
+  type Scene,
+  type TrackLine,
+  within,
+} from "./scene";
 
 export const SHAPES = ["circle", "rect", "triangle", "diamond", "pin"];
-const CIRCLE_POINTS = 96;
 const LABELS_UP_TO = 12;
 const ONE_BY_ONE_UP_TO = 2000;
 
@@ -20,7 +31,6 @@ export interface Moment {
   track: string | null;
 }
 
-type Point = [number, number];
 const BREAK = [NaN, NaN] as Point;
 
 function points(line: Line, from: number, to: number): Point[] {
@@ -33,17 +43,35 @@ function joined(lines: Point[][]): Point[] {
   return lines.filter((line) => line.length).flatMap((line) => [...line, BREAK]);
 }
 
-/** Points one after the other: the chart copies such a list in one go, and a list of lists piece by piece. Its types know lists only. */
+/**
+ * Points one after the other: the chart copies such a list in one go, and a list of lists piece by
+ * piece. Its types know lists only.
+ */
 function packed(rows: readonly (readonly number[])[]): number[][] {
   const width = rows[0]?.length ?? 0;
   const values = new Float64Array(rows.length * width);
-  rows.forEach((row, index) => values.set(row, index * width));
+  for (const [index, row] of rows.entries()) values.set(row, index * width);
   return values as unknown as number[][];
 }
 
-function lineSeries(id: string, data: Point[], color: string, style: { width: number; type?: "solid" | "dashed" | "dotted"; opacity?: number; z?: number }): SeriesOption {
+function lineSeries(
+  id: string,
+  data: Point[],
+  color: string,
+  style: { width: number; type?: "solid" | "dashed" | "dotted"; opacity?: number; z?: number },
+): SeriesOption {
   const { width, type = "solid", opacity = 1, z = 2 } = style;
-  return { type: "line", id, dimensions: ["x", "y"], data: packed(data), showSymbol: false, silent: true, animation: false, z, lineStyle: { color, width, type, opacity } };
+  return {
+    type: "line",
+    id,
+    dimensions: ["x", "y"],
+    data: packed(data),
+    showSymbol: false,
+    silent: true,
+    animation: false,
+    z,
+    lineStyle: { color, width, type, opacity },
+  };
 }
 
 /** The runs of a track that have one status; each begins where the one before ended. */
@@ -55,43 +83,39 @@ function runs(track: TrackLine, from: number, to: number): { status: string; poi
     const status = track.status[row] ?? "confirmed";
     const last = result.at(-1);
     if (last?.status === status) last.points.push(point);
-    else result.push({ status, points: row > first ? [[track.x[row - 1] ?? 0, track.y[row - 1] ?? 0], point] : [point] });
+    else
+      result.push({
+        status,
+        points: row > first ? [[track.x[row - 1] ?? 0, track.y[row - 1] ?? 0], point] : [point],
+      });
   }
   return result;
 }
 
-function circle(x: number, y: number, radius: number): Point[] {
-  return Array.from({ length: CIRCLE_POINTS + 1 }, (_, step) => {
-    const angle = (step / CIRCLE_POINTS) * 2 * Math.PI;
-    return [x + radius * Math.cos(angle), y + radius * Math.sin(angle)];
-  });
-}
-
-/** The curve at `sigma` standard deviations of a position's covariance `[p_xx, p_xy, p_yy]`. */
-export function ellipse(x: number, y: number, [xx, xy, yy]: [number, number, number], sigma: number): Point[] {
-  const middle = (xx + yy) / 2;
-  const spread = Math.hypot((xx - yy) / 2, xy);
-  const major = Math.sqrt(Math.max(middle + spread, 0)) * sigma;
-  const minor = Math.sqrt(Math.max(middle - spread, 0)) * sigma;
-  const turn = Math.atan2(2 * xy, xx - yy) / 2;
-  return Array.from({ length: CIRCLE_POINTS + 1 }, (_, step) => {
-    const angle = (step / CIRCLE_POINTS) * 2 * Math.PI;
-    const along = major * Math.cos(angle);
-    const across = minor * Math.sin(angle);
-    return [x + along * Math.cos(turn) - across * Math.sin(turn), y + along * Math.sin(turn) + across * Math.cos(turn)];
-  });
-}
-
 function rings(sensors: SensorSettings[], palette: Palette): SeriesOption[] {
-  const placed = sensors.filter((sensor) => typeof sensor.x_m === "number" && typeof sensor.y_m === "number");
+  const placed = sensors.filter(
+    (sensor) => typeof sensor.x_m === "number" && typeof sensor.y_m === "number",
+  );
   const ranges = placed.filter((sensor) => sensor.max_range_m);
-  const curves = ranges.flatMap((sensor) => [1, 0.5].map((part) => circle(sensor.x_m ?? 0, sensor.y_m ?? 0, (sensor.max_range_m ?? 0) * part)));
+  const curves = ranges.flatMap((sensor) =>
+    [1, 0.5].map((part) =>
+      circle(sensor.x_m ?? 0, sensor.y_m ?? 0, (sensor.max_range_m ?? 0) * part),
+    ),
+  );
   return [
-    lineSeries("rings", joined(curves), palette.muted, { width: 1, type: "dotted", opacity: 0.6, z: 1 }),
+    lineSeries("rings", joined(curves), palette.muted, {
+      width: 1,
+      type: "dotted",
+      opacity: 0.6,
+      z: 1,
+    }),
     {
       type: "scatter",
       id: "sensors",
-      data: placed.map((sensor) => ({ name: sensor.sensor_id, value: [sensor.x_m ?? 0, sensor.y_m ?? 0] })),
+      data: placed.map((sensor) => ({
+        name: sensor.sensor_id,
+        value: [sensor.x_m ?? 0, sensor.y_m ?? 0],
+      })),
       symbol: "path://M0 -6V6M-6 0H6",
       symbolSize: 11,
       itemStyle: { color: "transparent", borderColor: palette.text, borderWidth: 1.5 },
@@ -127,7 +151,10 @@ function detections(cloud: Cloud, order: number, moment: Moment, palette: Palett
     // Beyond that the whole cloud is one shape: a shape a point takes seconds to draw.
     large: isLarge,
     largeThreshold: ONE_BY_ONE_UP_TO,
-    itemStyle: { color: palette.sensors[order % palette.sensors.length] ?? palette.text, opacity: 0.75 },
+    itemStyle: {
+      color: palette.sensors[order % palette.sensors.length] ?? palette.text,
+      opacity: 0.75,
+    },
     progressive: 0,
     animation: false,
     z: 2,
@@ -137,12 +164,23 @@ function detections(cloud: Cloud, order: number, moment: Moment, palette: Palett
 function tracks(scene: Scene, moment: Moment, palette: Palette): SeriesOption[] {
   const byStatus: Record<string, Point[][]> = { confirmed: [], coasted: [], tentative: [] };
   for (const track of scene.tracks.values()) {
-    for (const run of runs(track, moment.from, moment.now)) (byStatus[run.status] ?? byStatus["confirmed"])?.push(run.points);
+    for (const run of runs(track, moment.from, moment.now))
+      (byStatus[run.status] ?? byStatus.confirmed)?.push(run.points);
   }
   return [
-    lineSeries("tracks:tentative", joined(byStatus["tentative"] ?? []), palette.tentative, { width: 1, z: 3 }),
-    lineSeries("tracks:confirmed", joined(byStatus["confirmed"] ?? []), palette.track, { width: 1.6, z: 4 }),
-    lineSeries("tracks:coasted", joined(byStatus["coasted"] ?? []), palette.track, { width: 1.6, type: "dashed", z: 4 }),
+    lineSeries("tracks:tentative", joined(byStatus.tentative ?? []), palette.tentative, {
+      width: 1,
+      z: 3,
+    }),
+    lineSeries("tracks:confirmed", joined(byStatus.confirmed ?? []), palette.track, {
+      width: 1.6,
+      z: 4,
+    }),
+    lineSeries("tracks:coasted", joined(byStatus.coasted ?? []), palette.track, {
+      width: 1.6,
+      type: "dashed",
+      z: 4,
+    }),
     heads(scene, moment, palette),
   ];
 }
@@ -166,41 +204,95 @@ function heads(scene: Scene, moment: Moment, palette: Palette): SeriesOption {
     data,
     symbol: "circle",
     itemStyle: { borderColor: palette.track, borderWidth: 1.5 },
-    label: { show: data.length <= LABELS_UP_TO, formatter: "{b}", position: "right", color: palette.track, fontSize: 11 },
+    label: {
+      show: data.length <= LABELS_UP_TO,
+      formatter: "{b}",
+      position: "right",
+      color: palette.track,
+      fontSize: 11,
+    },
     progressive: 0,
     animation: false,
     z: 5,
   };
 }
 
-/** The chosen truth and track; what has ended has no place now, and so no ring and no ellipses: grey, with a cross at its end. */
-function selection(scene: Scene, gates: Gates | undefined, moment: Moment, palette: Palette): SeriesOption[] {
+/**
+ * The chosen truth and track; what has ended has no place now, and so no ring and no ellipses:
+ * grey, with a cross at its end.
+ */
+function selection(
+  scene: Scene,
+  gates: Gates | undefined,
+  moment: Moment,
+  palette: Palette,
+): SeriesOption[] {
   const { from, now } = moment;
   const truth = moment.hidden.has("truth") ? undefined : scene.truths.get(moment.truth ?? "");
   const track = scene.tracks.get(moment.track ?? "");
   const here = track && isAlive(scene, track, now) ? at(track, now) : undefined;
   const covariance = here && track?.covariance[here.index];
-  const curves = here && covariance ? [1, 2, 3].map((sigma) => ellipse(here.x, here.y, covariance, sigma)) : [];
-  const edges = gates && !moment.hidden.has("gate") ? gatesAt(gates, moment.track, now).map((row) => outline(gates, row)) : [];
+  const curves =
+    here && covariance ? [1, 2, 3].map((sigma) => ellipse(here.x, here.y, covariance, sigma)) : [];
+  const edges =
+    gates && !moment.hidden.has("gate")
+      ? gatesAt(gates, moment.track, now).map((row) => outline(gates, row))
+      : [];
   const chosen = [truth, track].filter((line) => line !== undefined);
   const placeOf = (line: Line): Point => [line.x.at(-1) ?? 0, line.y.at(-1) ?? 0];
-  const rings = chosen.filter((line) => isAlive(scene, line, now)).flatMap((line) => at(line, now) ?? []);
+  const rings = chosen
+    .filter((line) => isAlive(scene, line, now))
+    .flatMap((line) => at(line, now) ?? []);
   const color = track && hasEnded(scene, track, now) ? palette.muted : palette.selected;
   return [
-    lineSeries("selected:truth", truth ? points(truth, from, now) : [], palette.truth, { width: 3, z: 6 }),
-    lineSeries("selected:track", track ? points(track, from, now) : [], color, { width: 2.6, z: 7 }),
+    lineSeries("selected:truth", truth ? points(truth, from, now) : [], palette.truth, {
+      width: 3,
+      z: 6,
+    }),
+    lineSeries("selected:track", track ? points(track, from, now) : [], color, {
+      width: 2.6,
+      z: 7,
+    }),
     lineSeries("selected:ellipses", joined(curves), palette.selected, { width: 1.2, z: 7 }),
     lineSeries("selected:gate", joined(edges), palette.text, { width: 1.2, type: "dashed", z: 7 }),
-    spots("selected:now", rings.map(({ x, y }): Point => [x, y]), "circle", 16, palette.selected),
-    spots("selected:end", track && hasEnded(scene, track, now) ? [placeOf(track)] : [], CROSS, 9, palette.muted),
+    spots(
+      "selected:now",
+      rings.map(({ x, y }): Point => [x, y]),
+      "circle",
+      16,
+      palette.selected,
+    ),
+    spots(
+      "selected:end",
+      track && hasEnded(scene, track, now) ? [placeOf(track)] : [],
+      CROSS,
+      9,
+      palette.muted,
+    ),
   ];
 }
 
 const CROSS = "path://M-5 -5L5 5M5 -5L-5 5";
 
-function spots(id: string, data: Point[], symbol: string, symbolSize: number, borderColor: string): SeriesOption {
+function spots(
+  id: string,
+  data: Point[],
+  symbol: string,
+  symbolSize: number,
+  borderColor: string,
+): SeriesOption {
   const itemStyle = { color: "transparent", borderColor, borderWidth: 2 };
-  return { type: "scatter", id, data, symbol, symbolSize, silent: true, itemStyle, animation: false, z: 8 };
+  return {
+    type: "scatter",
+    id,
+    data,
+    symbol,
+    symbolSize,
+    silent: true,
+    itemStyle,
+    animation: false,
+    z: 8,
+  };
 }
 
 const DASHES = ["dashed", "dotted", "solid"] as const;
@@ -214,9 +306,18 @@ function localTracks(scene: Scene, moment: Moment, palette: Palette): SeriesOpti
     const type = DASHES[order % DASHES.length] ?? "solid";
     const isChosen = (line: Line) => members?.has(memberName(sensor, line.id)) ?? false;
     const drawn = (chosen: boolean) =>
-      joined(lines.filter((line) => isChosen(line) === chosen).map((line) => points(line, moment.from, moment.now)));
+      joined(
+        lines
+          .filter((line) => isChosen(line) === chosen)
+          .map((line) => points(line, moment.from, moment.now)),
+      );
     return [
-      lineSeries(`local:${sensor}`, drawn(false), color, { width: 1, type, opacity: members ? 0.45 : 0.85, z: 3 }),
+      lineSeries(`local:${sensor}`, drawn(false), color, {
+        width: 1,
+        type,
+        opacity: members ? 0.45 : 0.85,
+        z: 3,
+      }),
       lineSeries(`local:${sensor}:chosen`, drawn(true), color, { width: 2.6, type, z: 6 }),
     ];
   });
@@ -231,28 +332,48 @@ export interface Surroundings {
   dots: boolean;
 }
 
-export function planSeries({ scene, sensors, gates, dots }: Surroundings, moment: Moment, palette: Palette): SeriesOption[] {
+export function planSeries(
+  { scene, sensors, gates, dots }: Surroundings,
+  moment: Moment,
+  palette: Palette,
+): SeriesOption[] {
   const shown = (layer: string) => !moment.hidden.has(layer);
-  const truth = joined([...scene.truths.values()].map((line) => points(line, moment.from, moment.now)));
+  const truth = joined(
+    [...scene.truths.values()].map((line) => points(line, moment.from, moment.now)),
+  );
   return [
     ...(shown("rings") ? rings(sensors, palette) : []),
-    ...(shown("truth") ? [lineSeries("truth", truth, palette.truth, { width: 1.4, opacity: 0.65 })] : []),
-    ...scene.clouds.flatMap((cloud, order) => (dots && shown(`d:${cloud.sensor}`) ? [detections(cloud, order, moment, palette)] : [])),
+    ...(shown("truth")
+      ? [lineSeries("truth", truth, palette.truth, { width: 1.4, opacity: 0.65 })]
+      : []),
+    ...scene.clouds.flatMap((cloud, order) =>
+      dots && shown(`d:${cloud.sensor}`) ? [detections(cloud, order, moment, palette)] : [],
+    ),
     ...localTracks(scene, moment, palette),
     ...(shown("tracks") ? tracks(scene, moment, palette) : []),
     ...selection(scene, gates, moment, palette),
   ];
 }
 
-/** The truth or track drawn nearest to a point, if one is within `reach` metres. Tracks win over truth. */
-export function nearest(scene: Scene, moment: Moment, x: number, y: number, reach: number): { track: string } | { truth: string } | undefined {
+/**
+ * The truth or track drawn nearest to a point, if one is within `reach` metres. Tracks win over
+ * truth.
+ */
+export function nearest(
+  scene: Scene,
+  moment: Moment,
+  x: number,
+  y: number,
+  reach: number,
+): { track: string } | { truth: string } | undefined {
   const closest = (lines: Iterable<Line>): { id: string; distance: number } | undefined => {
     let best: { id: string; distance: number } | undefined;
     for (const line of lines) {
       const [first, end] = within(line.time, moment.from, moment.now);
       for (let row = first; row < end; row++) {
         const distance = toSegment(line, Math.max(row - 1, first), row, x, y);
-        if (distance <= reach && (!best || distance < best.distance)) best = { id: line.id, distance };
+        if (distance <= reach && (!best || distance < best.distance))
+          best = { id: line.id, distance };
       }
     }
     return best;
@@ -266,6 +387,9 @@ export function nearest(scene: Scene, moment: Moment, x: number, y: number, reac
 function toSegment(line: Line, from: number, to: number, x: number, y: number): number {
   const [x0, y0, x1, y1] = [line.x[from] ?? 0, line.y[from] ?? 0, line.x[to] ?? 0, line.y[to] ?? 0];
   const length = (x1 - x0) ** 2 + (y1 - y0) ** 2;
-  const along = length === 0 ? 0 : Math.min(1, Math.max(0, ((x - x0) * (x1 - x0) + (y - y0) * (y1 - y0)) / length));
+  const along =
+    length === 0
+      ? 0
+      : Math.min(1, Math.max(0, ((x - x0) * (x1 - x0) + (y - y0) * (y1 - y0)) / length));
   return Math.hypot(x - (x0 + along * (x1 - x0)), y - (y0 + along * (y1 - y0)));
 }

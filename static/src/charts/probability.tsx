@@ -1,4 +1,5 @@
-// How probable each candidate was for one track, scan by scan: the detection it took, "none" (ε), and the others.
+// How probable each candidate was for one track, scan by scan: the detection it took, "none" (ε),
+// and the others.
 
 import type { JSX } from "preact";
 import { useMemo, useRef } from "preact/hooks";
@@ -8,14 +9,14 @@ import { Empty, Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import { fromColumns } from "../components/table";
 import { probability } from "../format";
-import { indexAt, type Clock } from "../state/clock";
-import { readPalette, theme, type Palette } from "../state/theme";
+import { type Clock, indexAt } from "../state/clock";
+import { type Palette, readPalette, theme } from "../state/theme";
 import { timeAxisName, timeText } from "../times";
 import { GRID, lowerLabel, ruleAt, textStyle, tipContent, tooltip, valueAxis } from "./axes";
 import { ChartCanvas } from "./chart";
 import type { Chart } from "./echarts";
 import { ChartFrame, reducedBadge } from "./frame";
-import { Key, symbolLook, type KeyMark } from "./marks";
+import { Key, type KeyMark, symbolLook } from "./marks";
 
 interface Candidate {
   detection: string | null;
@@ -33,9 +34,16 @@ function rowsOf(series: TrackProbability): Row[] {
   const { time_s, detection_id, probability: values, status } = series.columns;
   (time_s ?? []).forEach((cell, at) => {
     const time = Number(cell);
-    if (rows.at(-1)?.time !== time) rows.push({ time, status: String(status?.[at] ?? ""), candidates: [] });
+    if (rows.at(-1)?.time !== time)
+      rows.push({ time, status: String(status?.[at] ?? ""), candidates: [] });
     const detection = detection_id?.[at];
-    rows.at(-1)?.candidates.push({ detection: detection === null || detection === undefined || detection === "" ? null : String(detection), probability: Number(values?.[at] ?? 0) });
+    rows.at(-1)?.candidates.push({
+      detection:
+        detection === null || detection === undefined || detection === ""
+          ? null
+          : String(detection),
+      probability: Number(values?.[at] ?? 0),
+    });
   });
   for (const row of rows) row.candidates.sort((a, b) => b.probability - a.probability);
   return rows;
@@ -45,7 +53,10 @@ type Point = [number, number];
 
 /** For each scan the best detection, "none", and the rest. */
 function split(rows: Row[], origin: number): { best: Point[]; none: Point[]; others: Point[] } {
-  const none: Point[] = rows.map((row) => [row.time - origin, row.candidates.find((entry) => entry.detection === null)?.probability ?? 0]);
+  const none: Point[] = rows.map((row) => [
+    row.time - origin,
+    row.candidates.find((entry) => entry.detection === null)?.probability ?? 0,
+  ]);
   const best: Point[] = [];
   const others: Point[] = [];
   for (const row of rows) {
@@ -65,27 +76,64 @@ function curves(rows: Row[], { origin, time }: Clock, palette: Palette): object[
   const [track, muted, other] = [palette.track, palette.muted, palette.sensors[0] ?? palette.text];
   const cursor = ruleAt({ xAxis: time.value - origin }, { color: palette.selected });
   return [
-    { ...step, name: "best detection", data: best, lineStyle: { color: track, width: 1.8 }, ...symbolLook(SYMBOLS.best, track), markLine: cursor },
-    { ...step, name: "none (ε)", data: none, lineStyle: { color: muted, width: 1.3, type: "dashed" }, ...symbolLook(SYMBOLS.none, muted, palette.surface) },
-    { ...common, type: "scatter", name: "other candidates", symbolSize: 8, data: others, ...symbolLook(SYMBOLS.others, other) },
+    {
+      ...step,
+      name: "best detection",
+      data: best,
+      lineStyle: { color: track, width: 1.8 },
+      ...symbolLook(SYMBOLS.best, track),
+      markLine: cursor,
+    },
+    {
+      ...step,
+      name: "none (ε)",
+      data: none,
+      lineStyle: { color: muted, width: 1.3, type: "dashed" },
+      ...symbolLook(SYMBOLS.none, muted, palette.surface),
+    },
+    {
+      ...common,
+      type: "scatter",
+      name: "other candidates",
+      symbolSize: 8,
+      data: others,
+      ...symbolLook(SYMBOLS.others, other),
+    },
   ];
 }
 
-function rowTip(rows: Row[], origin: number): (items: { value?: unknown }[]) => HTMLElement | string {
+function rowTip(
+  rows: Row[],
+  origin: number,
+): (items: { value?: unknown }[]) => HTMLElement | string {
   return (items) => {
     const time = Array.isArray(items[0]?.value) ? Number(items[0].value[0]) + origin : NaN;
     const row = rows.find((entry) => Math.abs(entry.time - time) < 1e-6);
     if (!row) return "";
     const sum = row.candidates.reduce((total, entry) => total + entry.probability, 0);
-    const lines = row.candidates.map((entry): [string, string] => [entry.detection ?? "none (ε)", probability(entry.probability)]);
-    return tipContent(`${timeText(row.time, origin)} · ${row.status}`, [...lines, ["sum", probability(sum)]]);
+    const lines = row.candidates.map((entry): [string, string] => [
+      entry.detection ?? "none (ε)",
+      probability(entry.probability),
+    ]);
+    return tipContent(`${timeText(row.time, origin)} · ${row.status}`, [
+      ...lines,
+      ["sum", probability(sum)],
+    ]);
   };
 }
 
 function slider(palette: Palette): object {
   const clear = { lineStyle: { opacity: 0 }, areaStyle: { opacity: 0 } };
   return {
-    ...{ type: "slider", xAxisIndex: 0, filterMode: "none", height: 14, bottom: 6, showDetail: false, brushSelect: false },
+    ...{
+      type: "slider",
+      xAxisIndex: 0,
+      filterMode: "none",
+      height: 14,
+      bottom: 6,
+      showDetail: false,
+      brushSelect: false,
+    },
     ...{ borderColor: palette.line, fillerColor: `${palette.track}22` },
     handleStyle: { color: palette.surface, borderColor: palette.muted },
     dataBackground: clear,
@@ -99,16 +147,29 @@ function draw(chart: Chart, rows: Row[], clock: Clock): void {
   const [first, last] = [rows[0]?.time ?? origin, rows.at(-1)?.time ?? origin + 1];
   const label = lowerLabel(palette, { showMinLabel: false, showMaxLabel: false });
   const pointer = { type: "line", lineStyle: { color: palette.muted } };
-  const tip = { trigger: "axis", axisPointer: pointer, ...tooltip(palette), formatter: rowTip(rows, origin) };
+  const tip = {
+    trigger: "axis",
+    axisPointer: pointer,
+    ...tooltip(palette),
+    formatter: rowTip(rows, origin),
+  };
   chart.setOption(
     {
       animation: false,
       textStyle: textStyle(palette),
       grid: { ...GRID, bottom: 66 },
       tooltip: tip,
-      xAxis: valueAxis(timeAxisName(origin), palette, { min: first - origin, max: last - origin, nameGap: 24, axisLabel: label }),
+      xAxis: valueAxis(timeAxisName(origin), palette, {
+        min: first - origin,
+        max: last - origin,
+        nameGap: 24,
+        axisLabel: label,
+      }),
       yAxis: valueAxis("probability", palette, { min: 0, max: 1, nameGap: 34 }),
-      dataZoom: [{ type: "inside", xAxisIndex: 0, filterMode: "none", zoomOnMouseWheel: "ctrl" }, slider(palette)],
+      dataZoom: [
+        { type: "inside", xAxisIndex: 0, filterMode: "none", zoomOnMouseWheel: "ctrl" },
+        slider(palette),
+      ],
       series: curves(rows, clock, palette),
     },
     { replaceMerge: ["series"] },
@@ -119,26 +180,44 @@ function draw(chart: Chart, rows: Row[], clock: Clock): void {
 function seekOnClick(chart: Chart, clock: Clock): () => void {
   const pressed = (event: { offsetX: number; offsetY: number }) => {
     if (!chart.containPixel("grid", [event.offsetX, event.offsetY])) return;
-    const [shown] = chart.convertFromPixel("grid", [event.offsetX, event.offsetY]) as unknown as number[];
+    const [shown] = chart.convertFromPixel("grid", [
+      event.offsetX,
+      event.offsetY,
+    ]) as unknown as number[];
     if (shown === undefined) return;
     const time = shown + clock.origin;
     const before = indexAt(clock.times, time);
     const next = Math.min(before + 1, clock.times.length - 1);
-    clock.seek(time - (clock.times[before] ?? 0) <= (clock.times[next] ?? 0) - time ? before : next);
+    clock.seek(
+      time - (clock.times[before] ?? 0) <= (clock.times[next] ?? 0) - time ? before : next,
+    );
   };
   chart.getZr().on("click", pressed);
   return () => chart.getZr().off("click", pressed);
 }
 
-export function ProbabilityChart({ jobId, track, clock }: { jobId: string; track: string | null; clock: Clock }): JSX.Element {
-  const series = useResource(() => (track ? getTrackProbability(jobId, track) : Promise.resolve(undefined)), [jobId, track]);
+export function ProbabilityChart({
+  jobId,
+  track,
+  clock,
+}: {
+  jobId: string;
+  track: string | null;
+  clock: Clock;
+}): JSX.Element {
+  const series = useResource(
+    () => (track ? getTrackProbability(jobId, track) : Promise.resolve(undefined)),
+    [jobId, track],
+  );
   const rows = useMemo(() => (series.data ? rowsOf(series.data) : []), [series.data]);
   const chart = useRef<Chart | undefined>(undefined);
-  if (!track) return <Empty title="Select a track to see how probable each of its candidates was." />;
+  if (!track)
+    return <Empty title="Select a track to see how probable each of its candidates was." />;
   if (series.error) return <ProblemBox error={series.error} retry={series.reload} />;
   if (!series.data) return <Loading what="probabilities" />;
   const badge = reducedBadge([{ ...series.data, name: "points" }]);
-  const label = `Association probability of track ${track} over time, ${rows.length} scans. The table shows the same numbers.`;
+  const title = `Association probability of track ${track} over time`;
+  const label = `${title}, ${rows.length} scans. The table shows the same numbers.`;
   const data = series.data;
   return (
     <ChartFrame
@@ -168,6 +247,11 @@ function pictureKey(palette: Palette): KeyMark[] {
   return [
     { name: "best detection", color: palette.track, look: "solid", symbol: SYMBOLS.best },
     { name: "none (ε)", color: palette.muted, look: "dashed", symbol: SYMBOLS.none },
-    { name: "other candidates", color: palette.sensors[0] ?? palette.text, look: "dot", symbol: SYMBOLS.others },
+    {
+      name: "other candidates",
+      color: palette.sensors[0] ?? palette.text,
+      look: "dot",
+      symbol: SYMBOLS.others,
+    },
   ];
 }

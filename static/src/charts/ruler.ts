@@ -1,4 +1,5 @@
-// The ruler of the plan view: two points, how far the second is from the first, and in which direction. It stands in the address.
+// The ruler of the plan view: two points, how far the second is from the first, and in which
+// direction. It stands in the address.
 
 import { metres } from "../format";
 import type { Palette } from "../state/theme";
@@ -45,7 +46,8 @@ export function rulerWords(ruler: Ruler): string | undefined {
   const result = measured(ruler);
   if (!result) return undefined;
   const { distance, bearing } = result;
-  const length = distance < KILOMETRES_FROM_M ? `${metres(distance)} m` : `${(distance / 1000).toFixed(3)} km`;
+  const length =
+    distance < KILOMETRES_FROM_M ? `${metres(distance)} m` : `${(distance / 1000).toFixed(3)} km`;
   return `${length}, ${bearing.toFixed(1)}°`;
 }
 
@@ -54,9 +56,41 @@ export function rulerSeries(ruler: Ruler | undefined, palette: Palette): SeriesO
   const spots = [ruler?.from, ruler?.to].filter((spot) => spot !== undefined);
   const { from, to } = ruler ?? {};
   const middle = from && to ? [[(from.x + to.x) / 2, (from.y + to.y) / 2]] : [];
-  const label = { show: true, formatter: rulerWords(ruler ?? {}) ?? "", position: "top" as const, color: palette.text, backgroundColor: palette.surface, borderColor: palette.line, borderWidth: 1, padding: [3, 6], borderRadius: 3, fontSize: 12 };
+  const label = {
+    show: true,
+    formatter: rulerWords(ruler ?? {}) ?? "",
+    position: "top" as const,
+    color: palette.text,
+    backgroundColor: palette.surface,
+    borderColor: palette.line,
+    borderWidth: 1,
+    padding: [3, 6],
+    borderRadius: 3,
+    fontSize: 12,
+  };
   return [
-    { type: "line", id: "ruler", data: spots.map(({ x, y }) => [x, y]), symbol: "rect", symbolSize: 7, silent: true, animation: false, z: 9, lineStyle: { color: palette.text, width: 1.6, type: "solid" }, itemStyle: { color: palette.surface, borderColor: palette.text, borderWidth: 1.5 } },
-    { type: "scatter", id: "ruler:label", data: middle, symbolSize: 1, silent: true, animation: false, z: 10, itemStyle: { color: "transparent" }, label },
+    {
+      type: "line",
+      id: "ruler",
+      data: spots.map(({ x, y }) => [x, y]),
+      symbol: "rect",
+      symbolSize: 7,
+      silent: true,
+      animation: false,
+      z: 9,
+      lineStyle: { color: palette.text, width: 1.6, type: "solid" },
+      itemStyle: { color: palette.surface, borderColor: palette.text, borderWidth: 1.5 },
+    },
+    {
+      type: "scatter",
+      id: "ruler:label",
+      data: middle,
+      symbolSize: 1,
+      silent: true,
+      animation: false,
+      z: 10,
+      itemStyle: { color: "transparent" },
+      label,
+    },
   ];
 }

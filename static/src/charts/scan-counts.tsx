@@ -7,13 +7,13 @@ import type { ScanCounts as ScanCountsSeries } from "../api/types";
 import { Empty, Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import { fromColumns } from "../components/table";
-import { readPalette, theme, type Palette } from "../state/theme";
+import { type Palette, readPalette, theme } from "../state/theme";
 import { originOf, timeAxisName, timeText } from "../times";
 import { GRID, lowerLabel, textStyle, tipContent, tooltip, valueAxis } from "./axes";
 import { ChartCanvas } from "./chart";
 import type { Chart } from "./echarts";
 import { ChartFrame, reducedBadge } from "./frame";
-import { Key, symbolLook, type KeyMark } from "./marks";
+import { Key, type KeyMark, symbolLook } from "./marks";
 import { SHAPES } from "./plan-series";
 
 const MARKS_UP_TO = 80;
@@ -37,14 +37,27 @@ function countsOf(series: ScanCountsSeries): Counts {
   const rows = times.map((_, row) => row);
   const sensors = [...new Set(sensor_id)].sort();
   const origin = originOf(times[0]);
-  const curve = (name: string, kind: Curve["kind"], column: number[], keep = rows, sensor = 0): Curve => {
-    const points = keep.map((row): [number, number] => [(times[row] ?? 0) - origin, column[row] ?? 0]);
+  const curve = (
+    name: string,
+    kind: Curve["kind"],
+    column: number[],
+    keep = rows,
+    sensor = 0,
+  ): Curve => {
+    const points = keep.map((row): [number, number] => [
+      (times[row] ?? 0) - origin,
+      column[row] ?? 0,
+    ]);
     return { name, kind, sensor, points };
   };
   const rowsOf = (id: string) => rows.filter((row) => sensor_id[row] === id);
-  const ofSensors = sensors.map((id, order) => curve(`detections, ${id}`, "detections", detections, rowsOf(id), order));
+  const ofSensors = sensors.map((id, order) =>
+    curve(`detections, ${id}`, "detections", detections, rowsOf(id), order),
+  );
   const anyTrack = tracks.some((alive) => alive > 0);
-  const ofTracks = anyTrack ? [curve("tracks", "tracks", tracks), curve("confirmed tracks", "confirmed", confirmed)] : [];
+  const ofTracks = anyTrack
+    ? [curve("tracks", "tracks", tracks), curve("confirmed tracks", "confirmed", confirmed)]
+    : [];
   return { times, origin, curves: [...ofSensors, ...ofTracks] };
 }
 
@@ -53,7 +66,8 @@ function look(curve: Curve, palette: Palette): Omit<KeyMark, "name"> & { symbol:
     const color = palette.sensors[curve.sensor % palette.sensors.length] ?? palette.text;
     return { color, look: "dotted", symbol: SHAPES[curve.sensor % SHAPES.length] ?? "circle" };
   }
-  if (curve.kind === "tracks") return { color: palette.muted, look: "dashed", symbol: "emptyTriangle" };
+  if (curve.kind === "tracks")
+    return { color: palette.muted, look: "dashed", symbol: "emptyTriangle" };
   return { color: palette.track, look: "solid", symbol: "circle" };
 }
 
@@ -62,8 +76,19 @@ const hasSymbols = (curve: Curve): boolean => curve.points.length <= MARKS_UP_TO
 function lineOf(curve: Curve, palette: Palette): object {
   const { color, look: type, symbol } = look(curve, palette);
   const lineStyle = { color, type, width: 1.6 };
-  const shown = { ...symbolLook(symbol, color, palette.surface), symbolSize: 5, showSymbol: hasSymbols(curve) };
-  return { type: "line", name: curve.name, animation: false, ...shown, data: curve.points, lineStyle };
+  const shown = {
+    ...symbolLook(symbol, color, palette.surface),
+    symbolSize: 5,
+    showSymbol: hasSymbols(curve),
+  };
+  return {
+    type: "line",
+    name: curve.name,
+    animation: false,
+    ...shown,
+    data: curve.points,
+    lineStyle,
+  };
 }
 
 interface TipItem {
@@ -89,8 +114,16 @@ function draw(chart: Chart, { times, origin, curves }: Counts): void {
       animation: false,
       textStyle: textStyle(palette),
       grid: GRID,
-      tooltip: { trigger: "axis", ...tooltip(palette), formatter: (items: TipItem[]) => tip(items, origin) },
-      xAxis: valueAxis(timeAxisName(origin), palette, { ...range, nameGap: 26, axisLabel: lowerLabel(palette) }),
+      tooltip: {
+        trigger: "axis",
+        ...tooltip(palette),
+        formatter: (items: TipItem[]) => tip(items, origin),
+      },
+      xAxis: valueAxis(timeAxisName(origin), palette, {
+        ...range,
+        nameGap: 26,
+        axisLabel: lowerLabel(palette),
+      }),
       yAxis: valueAxis("count", palette, { min: 0, minInterval: 1, nameGap: 40 }),
       dataZoom: [{ type: "inside", filterMode: "none", zoomOnMouseWheel: "ctrl" }],
       series: curves.map((curve) => lineOf(curve, palette)),
@@ -105,13 +138,15 @@ export function ScanCounts({ jobId }: { jobId: string }): JSX.Element {
   const chart = useRef<Chart | undefined>(undefined);
   if (series.error) return <ProblemBox error={series.error} retry={series.reload} />;
   if (!series.data || !counts) return <Loading what="the counts of each scan" />;
-  if (!counts.times.length) return <Empty title="No scans are known: these tracks came without their detections." />;
+  if (!counts.times.length)
+    return <Empty title="No scans are known: these tracks came without their detections." />;
   const data = series.data;
   const mark = (curve: Curve, palette: Palette): KeyMark => {
     const { symbol, ...line } = look(curve, palette);
     return { name: curve.name, ...line, symbol: hasSymbols(curve) ? symbol : undefined };
   };
   const key = (palette: Palette) => counts.curves.map((curve) => mark(curve, palette));
+  const what = "Detections, tracks and confirmed tracks";
   return (
     <ChartFrame
       title="Scan by scan"
@@ -124,7 +159,7 @@ export function ScanCounts({ jobId }: { jobId: string }): JSX.Element {
     >
       <ChartCanvas
         class="counts-canvas"
-        label={`Detections, tracks and confirmed tracks of ${counts.times.length} scans. The table shows the same numbers.`}
+        label={`${what} of ${counts.times.length} scans. The table shows the same numbers.`}
         keys={[counts, theme.value]}
         draw={(made) => {
           chart.current = made;

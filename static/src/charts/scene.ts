@@ -1,4 +1,5 @@
-// The plan of a job, sorted out for drawing: one line a truth and a track, one cloud a sensor, in order of time.
+// The plan of a job, sorted out for drawing: one line a truth and a track, one cloud a sensor, in
+// order of time.
 
 import type { Cell, Columns, Plan } from "../api/types";
 import { originOf } from "../times";
@@ -60,7 +61,8 @@ export interface Scene {
 }
 
 const column = (columns: Columns, name: string): Cell[] => columns[name] ?? [];
-const text = (cell: Cell | undefined): string | null => (cell === null || cell === undefined || cell === "" ? null : String(cell));
+const text = (cell: Cell | undefined): string | null =>
+  cell === null || cell === undefined || cell === "" ? null : String(cell);
 
 function rowsInTime(columns: Columns): number[] {
   const times = column(columns, "time_s") as number[];
@@ -76,16 +78,20 @@ function entry<V>(map: Map<string, V>, key: string, create: () => V): V {
 }
 
 function addPoint(line: Line, columns: Columns, row: number): void {
-  line.time.push(Number(columns["time_s"]?.[row]));
-  line.x.push(Number(columns["x_m"]?.[row]));
-  line.y.push(Number(columns["y_m"]?.[row]));
+  line.time.push(Number(columns.time_s?.[row]));
+  line.x.push(Number(columns.x_m?.[row]));
+  line.y.push(Number(columns.y_m?.[row]));
 }
 
 function truthLines(columns: Columns): Map<string, Line> {
   const lines = new Map<string, Line>();
   for (const row of rowsInTime(columns)) {
     const id = String(column(columns, "truth_id")[row]);
-    addPoint(entry(lines, id, () => ({ id, time: [], x: [], y: [] })), columns, row);
+    addPoint(
+      entry(lines, id, () => ({ id, time: [], x: [], y: [] })),
+      columns,
+      row,
+    );
   }
   return lines;
 }
@@ -95,12 +101,20 @@ function trackLines(columns: Columns): Map<string, TrackLine> {
   const part = (name: string, row: number) => column(columns, name)[row];
   for (const row of rowsInTime(columns)) {
     const id = String(part("track_id", row));
-    const line = entry(lines, id, (): TrackLine => ({ id, time: [], x: [], y: [], status: [], detection: [], covariance: [] }));
+    const line = entry(
+      lines,
+      id,
+      (): TrackLine => ({ id, time: [], x: [], y: [], status: [], detection: [], covariance: [] }),
+    );
     addPoint(line, columns, row);
     line.status.push(text(part("status", row)) ?? "confirmed");
     line.detection.push(text(part("detection_id", row)));
     const known = typeof part("p_xx", row) === "number" && typeof part("p_yy", row) === "number";
-    line.covariance.push(known ? [Number(part("p_xx", row)), Number(part("p_xy", row) ?? 0), Number(part("p_yy", row))] : null);
+    line.covariance.push(
+      known
+        ? [Number(part("p_xx", row)), Number(part("p_xy", row) ?? 0), Number(part("p_yy", row))]
+        : null,
+    );
   }
   return lines;
 }
@@ -111,7 +125,11 @@ function clouds(columns: Columns): Cloud[] {
     // A bearing alone has no place in the plan.
     if (typeof column(columns, "x_m")[row] !== "number") continue;
     const sensor = String(column(columns, "sensor_id")[row]);
-    const cloud = entry(bySensor, sensor, (): Cloud => ({ sensor, time: [], x: [], y: [], id: [], truth: [] }));
+    const cloud = entry(
+      bySensor,
+      sensor,
+      (): Cloud => ({ sensor, time: [], x: [], y: [], id: [], truth: [] }),
+    );
     cloud.time.push(Number(column(columns, "time_s")[row]));
     cloud.x.push(Number(column(columns, "x_m")[row]));
     cloud.y.push(Number(column(columns, "y_m")[row]));
@@ -123,7 +141,12 @@ function clouds(columns: Columns): Cloud[] {
 
 function extentOf(plan: Plan): Extent {
   const given = plan.extent;
-  return { xMin: given.x_min_m ?? -1, xMax: given.x_max_m ?? 1, yMin: given.y_min_m ?? -1, yMax: given.y_max_m ?? 1 };
+  return {
+    xMin: given.x_min_m ?? -1,
+    xMax: given.x_max_m ?? 1,
+    yMin: given.y_min_m ?? -1,
+    yMax: given.y_max_m ?? 1,
+  };
 }
 
 /** A row of the file of local tracks. */
@@ -149,29 +172,54 @@ function localTracks(points: LocalPoint[]): LocalTracks[] {
 
 export const memberName = (sensor: string, track: string): string => `${sensor}\u0000${track}`;
 
-export function sceneOf(plan: Plan, locals: LocalPoint[] = [], members = new Map<string, Set<string>>()): Scene {
+export function sceneOf(
+  plan: Plan,
+  locals: LocalPoint[] = [],
+  members = new Map<string, Set<string>>(),
+): Scene {
   const truths = truthLines(plan.truth.columns);
   const tracks = trackLines(plan.tracks.columns);
   const numberAt = new Map(plan.scans.map((scan) => [scan.time_s, scan.number]));
-  const known = numberAt.size ? [...numberAt.keys()] : [...truths.values(), ...tracks.values()].flatMap((line) => line.time);
+  const known = numberAt.size
+    ? [...numberAt.keys()]
+    : [...truths.values(), ...tracks.values()].flatMap((line) => line.time);
   const times = [...new Set(known)].sort((a, b) => a - b);
   const numbers = times.map((time, index) => numberAt.get(time) ?? index + 1);
-  const lines = { truths, tracks, clouds: clouds(plan.detections.columns), locals: localTracks(locals), members };
+  const lines = {
+    truths,
+    tracks,
+    clouds: clouds(plan.detections.columns),
+    locals: localTracks(locals),
+    members,
+  };
   const silence_s = silence(plan.truth, times);
-  const isWhole = plan.scans.length > 0 && plan.tracks.returned_points === plan.tracks.source_points;
+  const isWhole =
+    plan.scans.length > 0 && plan.tracks.returned_points === plan.tracks.source_points;
   const trackSilence_s = isWhole ? 0 : silence(plan.tracks, times);
-  return { ...lines, extent: extentOf(plan), times, numbers, origin: originOf(times[0]), silence_s, trackSilence_s };
+  return {
+    ...lines,
+    extent: extentOf(plan),
+    times,
+    numbers,
+    origin: originOf(times[0]),
+    silence_s,
+    trackSilence_s,
+  };
 }
 
 /** A scan and a half, more where points were left out. */
-function silence({ source_points, returned_points }: { source_points: number; returned_points: number }, times: number[]): number {
+function silence(
+  { source_points, returned_points }: { source_points: number; returned_points: number },
+  times: number[],
+): number {
   const period = ((times.at(-1) ?? 0) - (times[0] ?? 0)) / Math.max(times.length - 1, 1);
   return 1.5 * period * Math.max(1, Math.ceil(source_points / Math.max(returned_points, 1)));
 }
 
 const ROUNDING_S = 1e-9;
 
-const isSilent = (line: Line, now: number, silence_s: number): boolean => (line.time.at(-1) ?? -Infinity) < now - silence_s - ROUNDING_S;
+const isSilent = (line: Line, now: number, silence_s: number): boolean =>
+  (line.time.at(-1) ?? -Infinity) < now - silence_s - ROUNDING_S;
 
 /** Whether a track has no point any more at a time. */
 export function hasEnded(scene: Scene, track: TrackLine, now: number): boolean {

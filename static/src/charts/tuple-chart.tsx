@@ -1,12 +1,22 @@
-// How well the tracks of each tuple agree: its p-value over the threshold of the statistic, right and wrong told apart.
+// How well the tracks of each tuple agree: its p-value over the threshold of the statistic, right
+// and wrong told apart.
 
 import type { JSX } from "preact";
 import { useMemo, useRef } from "preact/hooks";
 import type { CorrelationTuple } from "../api/types";
 import type { TableData } from "../components/table";
 import { number } from "../format";
-import { readPalette, theme, type Palette } from "../state/theme";
-import { axisLabel, GRID, lowerLabel, ruleAt, textStyle, tipContent, tooltip, valueAxis } from "./axes";
+import { type Palette, readPalette, theme } from "../state/theme";
+import {
+  axisLabel,
+  GRID,
+  lowerLabel,
+  ruleAt,
+  textStyle,
+  tipContent,
+  tooltip,
+  valueAxis,
+} from "./axes";
 import { ChartCanvas } from "./chart";
 import type { Chart } from "./echarts";
 import { ChartFrame } from "./frame";
@@ -41,17 +51,43 @@ interface Props {
 function seriesOf(tuples: CorrelationTuple[], group: Group, palette: Palette): object {
   const data = tuples.flatMap((tuple, index) => {
     const { p_value } = tuple;
-    return groupOf(tuple) === group && typeof p_value === "number" ? [[index + 1, Math.max(p_value, LEAST_P), index]] : [];
+    return groupOf(tuple) === group && typeof p_value === "number"
+      ? [[index + 1, Math.max(p_value, LEAST_P), index]]
+      : [];
   });
-  const look = { symbol: SYMBOLS[group], symbolSize: group === "wrong" ? 12 : 9, itemStyle: { color: colorOf(group, palette) } };
-  return { type: "scatter", name: NAMES[group], data, ...look, animation: false, cursor: "pointer" };
+  const look = {
+    symbol: SYMBOLS[group],
+    symbolSize: group === "wrong" ? 12 : 9,
+    itemStyle: { color: colorOf(group, palette) },
+  };
+  return {
+    type: "scatter",
+    name: NAMES[group],
+    data,
+    ...look,
+    animation: false,
+    cursor: "pointer",
+  };
 }
 
 function threshold(alpha: number | undefined, palette: Palette): object[] {
   if (alpha === undefined) return [];
   const color = palette.selected;
-  const label = { show: true, formatter: `α = ${alpha}`, position: "insideEndTop", color, fontSize: 11 };
-  return [{ type: "scatter", name: "threshold", data: [], markLine: ruleAt({ yAxis: alpha }, { color, type: "dashed", label }) }];
+  const label = {
+    show: true,
+    formatter: `α = ${alpha}`,
+    position: "insideEndTop",
+    color,
+    fontSize: 11,
+  };
+  return [
+    {
+      type: "scatter",
+      name: "threshold",
+      data: [],
+      markLine: ruleAt({ yAxis: alpha }, { color, type: "dashed", label }),
+    },
+  ];
 }
 
 function tip(tuple: CorrelationTuple | undefined): HTMLElement | string {
@@ -67,7 +103,10 @@ function tip(tuple: CorrelationTuple | undefined): HTMLElement | string {
 
 function draw(chart: Chart, { tuples, alpha }: Props, groups: Group[]): void {
   const palette = readPalette();
-  const least = Math.min(alpha ?? 1, ...tuples.map((tuple) => Math.max(tuple.p_value ?? 1, LEAST_P)));
+  const least = Math.min(
+    alpha ?? 1,
+    ...tuples.map((tuple) => Math.max(tuple.p_value ?? 1, LEAST_P)),
+  );
   const lowest = 10 ** Math.floor(Math.log10(least) - 0.2);
   const formatter = (value: number) => (value >= 0.01 ? String(value) : value.toExponential(0));
   const label = lowerLabel(palette, { showMinLabel: false, showMaxLabel: false });
@@ -76,10 +115,30 @@ function draw(chart: Chart, { tuples, alpha }: Props, groups: Group[]): void {
       animation: false,
       textStyle: textStyle(palette),
       grid: { ...GRID, left: 66 },
-      tooltip: { trigger: "item", ...tooltip(palette), formatter: ({ data }: { data?: unknown }) => (Array.isArray(data) ? tip(tuples[Number(data[2])]) : "") },
-      xAxis: valueAxis("system track", palette, { min: 0, max: tuples.length + 1, minInterval: 1, nameGap: 26, axisLabel: label }),
-      yAxis: valueAxis("p-value", palette, { type: "log", min: lowest, max: 1, nameGap: 48, axisLabel: axisLabel(palette, { formatter }) }),
-      series: [...groups.map((group) => seriesOf(tuples, group, palette)), ...threshold(alpha, palette)],
+      tooltip: {
+        trigger: "item",
+        ...tooltip(palette),
+        formatter: ({ data }: { data?: unknown }) =>
+          Array.isArray(data) ? tip(tuples[Number(data[2])]) : "",
+      },
+      xAxis: valueAxis("system track", palette, {
+        min: 0,
+        max: tuples.length + 1,
+        minInterval: 1,
+        nameGap: 26,
+        axisLabel: label,
+      }),
+      yAxis: valueAxis("p-value", palette, {
+        type: "log",
+        min: lowest,
+        max: 1,
+        nameGap: 48,
+        axisLabel: axisLabel(palette, { formatter }),
+      }),
+      series: [
+        ...groups.map((group) => seriesOf(tuples, group, palette)),
+        ...threshold(alpha, palette),
+      ],
     },
     { replaceMerge: ["series"] },
   );
@@ -90,13 +149,23 @@ export function TupleChart(props: Props): JSX.Element {
   const chart = useRef<Chart | undefined>(undefined);
   const groups = useMemo(() => [...new Set(tuples.map(groupOf))], [tuples]);
   const key = (palette: Palette): KeyMark[] => [
-    ...groups.map((group): KeyMark => ({ name: NAMES[group], color: colorOf(group, palette), look: "dot", symbol: SYMBOLS[group] })),
-    ...(alpha === undefined ? [] : [{ name: `threshold α = ${alpha}`, color: palette.selected, look: "dashed" } as const]),
+    ...groups.map(
+      (group): KeyMark => ({
+        name: NAMES[group],
+        color: colorOf(group, palette),
+        look: "dot",
+        symbol: SYMBOLS[group],
+      }),
+    ),
+    ...(alpha === undefined
+      ? []
+      : [{ name: `threshold α = ${alpha}`, color: palette.selected, look: "dashed" } as const]),
   ];
   const pressed = (item: { data?: unknown }) => {
     const tuple = Array.isArray(item.data) ? tuples[Number(item.data[2])] : undefined;
     if (tuple) props.pick(tuple);
   };
+  const over = alpha === undefined ? "" : ` over the threshold ${alpha}`;
   return (
     <ChartFrame
       title="How well the tracks of each tuple agree"
@@ -109,7 +178,7 @@ export function TupleChart(props: Props): JSX.Element {
     >
       <ChartCanvas
         class="lines-canvas"
-        label={`p-values of ${tuples.length} tuples${alpha === undefined ? "" : ` over the threshold ${alpha}`}. The table shows the same numbers.`}
+        label={`p-values of ${tuples.length} tuples${over}. The table shows the same numbers.`}
         keys={[tuples, theme.value]}
         draw={(made) => {
           chart.current = made;

@@ -1,5 +1,5 @@
-// A chart drawn once more for a file. A twin of its own, since what the screen's chart drew as one shape is not drawn again by it, and
-// since a file has no use for a slider.
+// A chart drawn once more for a file. A twin of its own, since what the screen's chart drew as one
+// shape is not drawn again by it, and since a file has no use for a slider.
 
 import { init, use } from "echarts/core";
 import { SVGRenderer } from "echarts/renderers";
@@ -17,12 +17,20 @@ function still(chart: Chart): Record<string, unknown> {
   const option = chart.getOption() as { dataZoom?: Zoom[]; grid?: object[] };
   const zooms = option.dataZoom ?? [];
   const kept = zooms.filter((zoom) => zoom.type !== "slider");
-  const grid = kept.length < zooms.length ? (option.grid ?? []).map((each) => ({ ...each, bottom: MARGIN.bottom })) : option.grid;
+  const grid =
+    kept.length < zooms.length
+      ? (option.grid ?? []).map((each) => ({ ...each, bottom: MARGIN.bottom }))
+      : option.grid;
   return { ...option, dataZoom: kept, grid, animation: false };
 }
 
 export function drawSvg(chart: Chart): string {
-  const twin = init(null, null, { renderer: "svg", ssr: true, width: chart.getWidth(), height: chart.getHeight() });
+  const twin = init(null, null, {
+    renderer: "svg",
+    ssr: true,
+    width: chart.getWidth(),
+    height: chart.getHeight(),
+  });
   twin.setOption(still(chart));
   const text = twin.renderToSVGString();
   twin.dispose();

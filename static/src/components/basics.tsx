@@ -17,12 +17,19 @@ interface LinkProps {
 /** A link inside the dashboard; with a modifier key it stays an ordinary link. */
 export function Link({ href, current, label, children, ...rest }: LinkProps): JSX.Element {
   const follow = (event: MouseEvent) => {
-    if (event.button !== 0 || event.ctrlKey || event.metaKey || event.shiftKey || event.altKey) return;
+    if (event.button !== 0 || event.ctrlKey || event.metaKey || event.shiftKey || event.altKey)
+      return;
     event.preventDefault();
     go(href);
   };
   return (
-    <a href={href} class={rest.class} aria-current={current ? "page" : undefined} aria-label={label} onClick={follow}>
+    <a
+      href={href}
+      class={rest.class}
+      aria-current={current ? "page" : undefined}
+      aria-label={label}
+      onClick={follow}
+    >
       {children}
     </a>
   );
@@ -51,7 +58,10 @@ const PATHS = {
   fit: "M3 6V3h3m4 0h3v3m0 4v3h-3m-4 0H3v-3",
   ruler: "M2 11 11 2l3 3-9 9ZM5 8l1.5 1.5M7 6l1.5 1.5M9 4l1.5 1.5",
   warning: "M8 2.5 14 13H2Zm0 4V10m0 1.5v.3",
-  link: "M6.5 9.5 9.5 6.5M7.5 5 9.3 3.2a2.5 2.5 0 0 1 3.5 3.5L11 8.5M8.5 11l-1.8 1.8a2.5 2.5 0 0 1-3.5-3.5L5 7.5",
+  link: [
+    "M6.5 9.5 9.5 6.5M7.5 5 9.3 3.2a2.5 2.5 0 0 1 3.5 3.5L11 8.5",
+    "M8.5 11l-1.8 1.8a2.5 2.5 0 0 1-3.5-3.5L5 7.5",
+  ].join(""),
   close: "m4 4 8 8m0-8-8 8",
 } as const;
 
@@ -65,7 +75,13 @@ export function Icon({ name }: { name: IconName }): JSX.Element {
   );
 }
 
-export function StateBadge({ state, canceling }: { state: JobState; canceling?: boolean }): JSX.Element {
+export function StateBadge({
+  state,
+  canceling,
+}: {
+  state: JobState;
+  canceling?: boolean;
+}): JSX.Element {
   return (
     <span class={`badge state-${state}`}>
       <Icon name={state} />
@@ -76,10 +92,17 @@ export function StateBadge({ state, canceling }: { state: JobState; canceling?: 
 
 export function ProgressBar({ progress }: { progress: Progress }): JSX.Element {
   const percent = Math.round(progress.fraction * 100);
-  const left = progress.eta_s === null || progress.eta_s === undefined ? "" : ` · ${duration(progress.eta_s)} left`;
+  const left =
+    progress.eta_s === null || progress.eta_s === undefined
+      ? ""
+      : ` · ${duration(progress.eta_s)} left`;
   return (
     <div class="progress">
-      <progress max={1} value={progress.fraction} aria-label={`${progress.step}, ${percent} percent`} />
+      <progress
+        max={1}
+        value={progress.fraction}
+        aria-label={`${progress.step}, ${percent} percent`}
+      />
       <span class="progress-text">
         {progress.step} {percent} %<span class="muted">{left}</span>
       </span>
@@ -89,11 +112,22 @@ export function ProgressBar({ progress }: { progress: Progress }): JSX.Element {
 
 export function asProblem(error: unknown): Problem {
   if (error instanceof ApiError) return error.problem;
-  return { type: "about:blank", title: "Something went wrong here", status: 0, code: "dashboard", detail: String(error) };
+  return {
+    type: "about:blank",
+    title: "Something went wrong here",
+    status: 0,
+    code: "dashboard",
+    detail: String(error),
+  };
 }
 
 export function FaultText({ fault }: { fault: Fault }): JSX.Element {
-  const place = [fault.line ? `line ${fault.line}` : "", fault.column ? `column ${fault.column}` : ""].filter(Boolean).join(", ");
+  const place = [
+    fault.line ? `line ${fault.line}` : "",
+    fault.column ? `column ${fault.column}` : "",
+  ]
+    .filter(Boolean)
+    .join(", ");
   return (
     <>
       {capital(fault.detail)}
@@ -142,7 +176,13 @@ export function Loading({ what }: { what: string }): JSX.Element {
   );
 }
 
-export function Empty({ title, children }: { title: string; children?: ComponentChildren }): JSX.Element {
+export function Empty({
+  title,
+  children,
+}: {
+  title: string;
+  children?: ComponentChildren;
+}): JSX.Element {
   return (
     <div class="empty">
       <p class="empty-title">{title}</p>

@@ -7,7 +7,10 @@ export interface CsvTable {
   rows: string[][];
 }
 
-/** RFC 4180: fields divided by commas, quoted where they hold commas, quotes or line ends. At most `limit` rows below the header. */
+/**
+ * RFC 4180: fields divided by commas, quoted where they hold commas, quotes or line ends. At most
+ * `limit` rows below the header.
+ */
 export function parseCsv(text: string, limit = Infinity): CsvTable {
   const lines: string[][] = [];
   let row: string[] = [];
@@ -36,7 +39,8 @@ export function parseCsv(text: string, limit = Infinity): CsvTable {
 
 function endOf(text: string, from: number): number {
   let end = from;
-  while (end < text.length && text[end] !== "," && text[end] !== "\n" && text[end] !== "\r") end += 1;
+  while (end < text.length && text[end] !== "," && text[end] !== "\n" && text[end] !== "\r")
+    end += 1;
   return end;
 }
 

@@ -20,13 +20,25 @@ export function scaleOf(spans: Span[]): Scale {
   return { min: min - margin, max: max + margin };
 }
 
-export function IntervalBar({ mean, span, scale }: { mean: number; span: Span; scale: Scale }): JSX.Element {
-  const at = (value: number) => `${(((value - scale.min) / (scale.max - scale.min)) * 100).toFixed(2)}%`;
+export function IntervalBar({
+  mean,
+  span,
+  scale,
+}: {
+  mean: number;
+  span: Span;
+  scale: Scale;
+}): JSX.Element {
+  const at = (value: number) =>
+    `${(((value - scale.min) / (scale.max - scale.min)) * 100).toFixed(2)}%`;
   const clear = span.low > 0 || span.high < 0;
   return (
     <span class={`interval${clear ? " interval-clear" : ""}`} aria-hidden="true">
       <span class="interval-zero" style={{ left: at(0) }} />
-      <span class="interval-line" style={{ left: at(span.low), right: `calc(100% - ${at(span.high)})` }} />
+      <span
+        class="interval-line"
+        style={{ left: at(span.low), right: `calc(100% - ${at(span.high)})` }}
+      />
       <span class="interval-mean" style={{ left: at(mean) }} />
     </span>
   );

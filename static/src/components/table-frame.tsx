@@ -3,25 +3,46 @@
 import type { ComponentChildren, JSX } from "preact";
 import { Icon } from "./basics";
 import { saveText } from "./save";
-import { cellText, heads, toCsv, type TableData } from "./table";
+import { cellText, heads, type TableData, toCsv } from "./table";
 
-const shown = (table: TableData): string[][] => table.rows.map((row) => row.map((cell, column) => cellText(table, cell, column)));
+const shown = (table: TableData): string[][] =>
+  table.rows.map((row) => row.map((cell, column) => cellText(table, cell, column)));
 
 export function toMarkdown(table: TableData): string {
   const escaped = (text: string) => text.replaceAll("|", "\\|").replaceAll("\n", " ");
   const line = (cells: string[]) => `| ${cells.map(escaped).join(" | ")} |`;
-  return [line(heads(table)), `|${"---|".repeat(table.columns.length)}`, ...shown(table).map(line)].join("\n") + "\n";
+  const rule = `|${"---|".repeat(table.columns.length)}`;
+  return `${[line(heads(table)), rule, ...shown(table).map(line)].join("\n")}\n`;
 }
 
-const LATEX: Record<string, string> = { "\\": "\\textbackslash{}", "~": "\\textasciitilde{}", "^": "\\textasciicircum{}", "–": "--", "−": "$-$", "×": "$\\times$" };
+const LATEX: Record<string, string> = {
+  "\\": "\\textbackslash{}",
+  "~": "\\textasciitilde{}",
+  "^": "\\textasciicircum{}",
+  "–": "--",
+  "−": "$-$",
+  "×": "$\\times$",
+};
 
 export function toLatex(table: TableData): string {
-  const escaped = (text: string) => text.replace(/[\\~^–−×]|[&%$#_{}]/g, (sign) => LATEX[sign] ?? `\\${sign}`).replaceAll("\n", " ");
-  const numeric = table.columns.map((_, column) => table.rows.every((row) => row[column] === null || typeof row[column] === "number"));
+  const escaped = (text: string) =>
+    text
+      .replace(/[\\~^–−×]|[&%$#_{}]/g, (sign) => LATEX[sign] ?? `\\${sign}`)
+      .replaceAll("\n", " ");
+  const numeric = table.columns.map((_, column) =>
+    table.rows.every((row) => row[column] === null || typeof row[column] === "number"),
+  );
   const line = (cells: string[]) => `  ${cells.map(escaped).join(" & ")} \\\\`;
   const layout = numeric.map((right) => (right ? "r" : "l")).join("");
   const lines = [line(heads(table)), "  \\hline", ...shown(table).map(line)];
-  return [`\\begin{tabular}{${layout}}`, "  \\hline", ...lines, "  \\hline", "\\end{tabular}", ""].join("\n");
+  return [
+    `\\begin{tabular}{${layout}}`,
+    "  \\hline",
+    ...lines,
+    "  \\hline",
+    "\\end{tabular}",
+    "",
+  ].join("\n");
 }
 
 interface Props {
@@ -33,7 +54,8 @@ interface Props {
 }
 
 export function TableFrame({ title, file, table, tools, children }: Props): JSX.Element {
-  const save = (write: (table: TableData) => string, ending: string, type: string) => () => saveText(write(table()), `${file}.${ending}`, type);
+  const save = (write: (table: TableData) => string, ending: string, type: string) => () =>
+    saveText(write(table()), `${file}.${ending}`, type);
   const button = (name: string, press: () => void) => (
     <button type="button" class="quiet" onClick={press}>
       <Icon name="download" /> {name}

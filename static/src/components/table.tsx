@@ -5,12 +5,15 @@ import { useState } from "preact/hooks";
 import type { Cell, Columns } from "../api/types";
 import { number } from "../format";
 import { isTimeColumn, timeCell, timeHead, timeTitle } from "../times";
+import { HeadRow, numberHead, TableScroll } from "./table-parts";
 
 export interface TableData {
   /** Names with their units, as they head the CSV file. */
   columns: string[];
   rows: Cell[][];
-  /** Where the times of people's tables count from; a CSV file has them as they are. 0 when absent. */
+  /**
+   * Where the times of people's tables count from; a CSV file has them as they are. 0 when absent.
+   */
   origin_s?: number;
 }
 
@@ -25,15 +28,21 @@ export function cellText({ columns, origin_s = 0 }: TableData, cell: Cell, colum
   return isTimeColumn(columns[column] ?? "") ? timeCell(cell, origin_s) : number(cell);
 }
 
-function cellTitle({ columns, origin_s = 0 }: TableData, cell: Cell, column: number): string | undefined {
-  return typeof cell === "number" && isTimeColumn(columns[column] ?? "") ? timeTitle(cell, origin_s) : undefined;
+function cellTitle(
+  { columns, origin_s = 0 }: TableData,
+  cell: Cell,
+  column: number,
+): string | undefined {
+  return typeof cell === "number" && isTimeColumn(columns[column] ?? "")
+    ? timeTitle(cell, origin_s)
+    : undefined;
 }
 
 const ROWS_AT_ONCE = 200;
 
 export function fromColumns(columns: Columns, origin_s = 0): TableData {
   const names = Object.keys(columns);
-  const length = names.length ? (columns[names[0]!]?.length ?? 0) : 0;
+  const length = Object.values(columns)[0]?.length ?? 0;
   const rows: Cell[][] = [];
   for (let row = 0; row < length; row++) {
     rows.push(names.map((name) => columns[name]?.[row] ?? null));
@@ -48,30 +57,28 @@ function csvCell(cell: Cell): string {
 }
 
 export function toCsv(table: TableData): string {
-  return [table.columns, ...table.rows].map((row) => row.map(csvCell).join(",")).join("\r\n") + "\r\n";
+  return [table.columns, ...table.rows].map((row) => `${row.map(csvCell).join(",")}\r\n`).join("");
 }
 
 export function DataTable({ table, caption }: { table: TableData; caption: string }): JSX.Element {
   const [shown, setShown] = useState(ROWS_AT_ONCE);
-  const numeric = table.columns.map((_, column) => table.rows.every((row) => row[column] === null || typeof row[column] === "number"));
+  const numeric = table.columns.map((_, column) =>
+    table.rows.every((row) => row[column] === null || typeof row[column] === "number"),
+  );
+  const named = heads(table).map((name, column) => (numeric[column] ? numberHead(name) : name));
   return (
-    <div class="table-scroll" tabIndex={0} role="region" aria-label={caption}>
+    <TableScroll label={caption} class="table-scroll">
       <table class="data">
         <caption class="visually-hidden">{caption}</caption>
-        <thead>
-          <tr>
-            {heads(table).map((name, column) => (
-              <th scope="col" class={numeric[column] ? "num" : undefined}>
-                {name}
-              </th>
-            ))}
-          </tr>
-        </thead>
+        <HeadRow heads={named} />
         <tbody>
           {table.rows.slice(0, shown).map((row) => (
             <tr>
               {row.map((cell, column) => (
-                <td class={numeric[column] ? "num" : undefined} title={cellTitle(table, cell, column)}>
+                <td
+                  class={numeric[column] ? "num" : undefined}
+                  title={cellTitle(table, cell, column)}
+                >
                   {cellText(table, cell, column)}
                 </td>
               ))}
@@ -89,6 +96,6 @@ export function DataTable({ table, caption }: { table: TableData; caption: strin
           </span>
         </p>
       ) : null}
-    </div>
+    </TableScroll>
   );
 }

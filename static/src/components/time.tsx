@@ -6,7 +6,10 @@ import { timeText, timeTitle, utcText } from "../times";
 export function Time({ at, origin }: { at: number; origin: number }): JSX.Element {
   const utc = utcText(at);
   return (
-    <time title={timeTitle(at, origin)} dateTime={utc ? new Date(at * 1000).toISOString() : undefined}>
+    <time
+      title={timeTitle(at, origin)}
+      dateTime={utc ? new Date(at * 1000).toISOString() : undefined}
+    >
       {timeText(at, origin)}
     </time>
   );

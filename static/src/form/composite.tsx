@@ -1,12 +1,20 @@
 // Fields made of fields: objects, unions told apart by a select, lists, maps of text.
 
 import type { ComponentChildren, JSX, TargetedEvent } from "preact";
+import type { Schema } from "../api/types";
 import { Icon } from "../components/basics";
 import { capital, words } from "../format";
-import { useScope, type FieldProps, type FormScope } from "./context";
+import { type FieldProps, type FormScope, useScope } from "./context";
 import { Field, FieldFaults } from "./field";
-import { childPointer, fieldId, initial, isObject, variants, variantValue, type JsonObject } from "./schema";
-import type { Schema } from "../api/types";
+import {
+  childPointer,
+  fieldId,
+  initial,
+  isObject,
+  type JsonObject,
+  variants,
+  variantValue,
+} from "./schema";
 
 const LIST_SHOWN = 20;
 
@@ -23,7 +31,12 @@ function Group({ name, schema, pointer, remove, children }: GroupProps): JSX.Ele
     <fieldset class="group" id={fieldId(pointer)} tabIndex={-1}>
       <legend>{capital(schema.title ?? words(name))}</legend>
       {remove ? (
-        <button type="button" class="quiet group-remove" onClick={remove} aria-label={`Remove ${words(name)}`}>
+        <button
+          type="button"
+          class="quiet group-remove"
+          onClick={remove}
+          aria-label={`Remove ${words(name)}`}
+        >
           <Icon name="close" /> Remove
         </button>
       ) : null}
@@ -34,7 +47,9 @@ function Group({ name, schema, pointer, remove, children }: GroupProps): JSX.Ele
   );
 }
 
-/** A part that has a default would come back by itself; only a truly optional one can be taken out. */
+/**
+ * A part that has a default would come back by itself; only a truly optional one can be taken out.
+ */
 function removal({ required, schema, change }: FieldProps): (() => void) | undefined {
   return required || schema.default !== undefined ? undefined : () => change(undefined);
 }
@@ -42,7 +57,9 @@ function removal({ required, schema, change }: FieldProps): (() => void) | undef
 /** What a part begins with; the list of sensors with a row for each sensor of the data. */
 function beginning(pointer: string, schema: Schema, { root, sensorIds }: FormScope): unknown {
   if (pointer !== SENSORS || !sensorIds.length) return initial(schema, root);
-  return sensorIds.slice(0, schema.maxItems).map((sensor_id) => ({ ...emptyItem(schema, root), sensor_id }));
+  return sensorIds
+    .slice(0, schema.maxItems)
+    .map((sensor_id) => ({ ...emptyItem(schema, root), sensor_id }));
 }
 
 function emptyItem(list: Schema, root: Schema): JsonObject {
@@ -53,16 +70,24 @@ function emptyItem(list: Schema, root: Schema): JsonObject {
 const SENSORS = "/sensors";
 
 /** The next entry of a list; of the list of sensors, the first that has none. */
-function nextItem({ pointer, schema }: FieldProps, items: unknown[], { root, sensorIds }: FormScope): unknown {
+function nextItem(
+  { pointer, schema }: FieldProps,
+  items: unknown[],
+  { root, sensorIds }: FormScope,
+): unknown {
   const item = initial(schema.items ?? {}, root);
-  const left = sensorIds.find((id) => !items.some((known) => isObject(known) && known["sensor_id"] === id));
+  const left = sensorIds.find(
+    (id) => !items.some((known) => isObject(known) && known.sensor_id === id),
+  );
   return pointer === SENSORS && left && isObject(item) ? { ...item, sensor_id: left } : item;
 }
 
 /** What an entry is called: a sensor by its name. */
 function itemName(list: string, item: unknown, index: number): string {
   const one = words(list).replace(/s$/, "");
-  return isObject(item) && typeof item["sensor_id"] === "string" && item["sensor_id"] ? `${one} ${item["sensor_id"]}` : `${one} ${index + 1}`;
+  return isObject(item) && typeof item.sensor_id === "string" && item.sensor_id
+    ? `${one} ${item.sensor_id}`
+    : `${one} ${index + 1}`;
 }
 
 /** An optional part that is not in the request: one button that puts it there. */
@@ -120,7 +145,12 @@ export function ObjectField(props: FieldProps): JSX.Element {
   if (!isObject(props.value)) return <Absent {...props} />;
   return (
     <Group {...props} remove={removal(props)}>
-      <Fields schema={props.schema} value={props.value} pointer={props.pointer} change={props.change} />
+      <Fields
+        schema={props.schema}
+        value={props.value}
+        pointer={props.pointer}
+        change={props.change}
+      />
     </Group>
   );
 }
@@ -162,7 +192,14 @@ export function UnionField(props: FieldProps): JSX.Element {
   );
   return (
     <Group {...props} remove={removal(props)}>
-      <Fields schema={chosen?.schema ?? {}} value={value} pointer={props.pointer} change={props.change} tag={tag} head={head} />
+      <Fields
+        schema={chosen?.schema ?? {}}
+        value={value}
+        pointer={props.pointer}
+        change={props.change}
+        tag={tag}
+        head={head}
+      />
     </Group>
   );
 }
@@ -172,7 +209,8 @@ export function ListField(props: FieldProps): JSX.Element {
   if (!Array.isArray(props.value)) return <Absent {...props} />;
   const items: unknown[] = props.value;
   const item = props.schema.items ?? {};
-  const set = (at: number) => (to: unknown) => props.change(to === undefined ? items.filter((_, index) => index !== at) : items.with(at, to));
+  const set = (at: number) => (to: unknown) =>
+    props.change(to === undefined ? items.filter((_, index) => index !== at) : items.with(at, to));
   const full = items.length >= (props.schema.maxItems ?? Infinity);
   return (
     <Group {...props} remove={removal(props)}>
@@ -187,8 +225,17 @@ export function ListField(props: FieldProps): JSX.Element {
           change={set(index)}
         />
       ))}
-      {items.length > LIST_SHOWN ? <p class="help">{items.length - LIST_SHOWN} more entries; the JSON editor shows them all.</p> : null}
-      <button type="button" class="quiet" disabled={full} onClick={() => props.change([...items, nextItem(props, items, scope)])}>
+      {items.length > LIST_SHOWN ? (
+        <p class="help">
+          {items.length - LIST_SHOWN} more entries; the JSON editor shows them all.
+        </p>
+      ) : null}
+      <button
+        type="button"
+        class="quiet"
+        disabled={full}
+        onClick={() => props.change([...items, nextItem(props, items, scope)])}
+      >
         <Icon name="plus" /> Add
       </button>
     </Group>
@@ -202,7 +249,10 @@ export function TextMapField({ name, schema, value, pointer, change }: FieldProp
     .join("\n");
   const read = (event: TargetedEvent<HTMLTextAreaElement>) => {
     const lines = event.currentTarget.value.split("\n").filter((line) => line.trim() !== "");
-    const entries = lines.map((line) => [line.split("=")[0]?.trim() ?? "", line.split("=").slice(1).join("=").trim()] as const);
+    const entries = lines.map(
+      (line) =>
+        [line.split("=")[0]?.trim() ?? "", line.split("=").slice(1).join("=").trim()] as const,
+    );
     change(entries.length ? Object.fromEntries(entries) : undefined);
   };
   return (
@@ -211,7 +261,14 @@ export function TextMapField({ name, schema, value, pointer, change }: FieldProp
         {schema.title ?? words(name)} <span class="muted">optional</span>
       </label>
       <div class="field-input">
-        <textarea id={fieldId(pointer)} data-pointer={pointer} rows={2} value={text} placeholder="key = value" onChange={read} />
+        <textarea
+          id={fieldId(pointer)}
+          data-pointer={pointer}
+          rows={2}
+          value={text}
+          placeholder="key = value"
+          onChange={read}
+        />
       </div>
       {schema.description ? <p class="help">{schema.description}</p> : null}
       <FieldFaults pointer={pointer} />

@@ -1,4 +1,5 @@
-// What every field of a form must know of the whole: the schema's definitions and the faults the service found.
+// What every field of a form must know of the whole: the schema's definitions and the faults the
+// service found.
 
 import { createContext } from "preact";
 import { useContext } from "preact/hooks";

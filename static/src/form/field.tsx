@@ -1,10 +1,11 @@
-// One field of a form made from a schema: picks the right input, and wraps it in its label, unit, help and faults.
+// One field of a form made from a schema: picks the right input, and wraps it in its label, unit,
+// help and faults.
 
 import type { ComponentChildren, JSX } from "preact";
 import { FaultText } from "../components/basics";
 import { words } from "../format";
 import { ListField, ObjectField, TextMapField, UnionField } from "./composite";
-import { useFaults, useScope, type FieldProps } from "./context";
+import { type FieldProps, useFaults, useScope } from "./context";
 import { ChoiceInput, FlagInput, NumberInput, TextInput } from "./inputs";
 import { DatasetPicker, JobPicker } from "./pickers";
 import { fieldId, resolve, variants } from "./schema";
@@ -14,8 +15,10 @@ export function Field(props: FieldProps): JSX.Element {
   const schema = resolve(props.schema, root);
   const inner = { ...props, schema };
   if (variants(schema, root).length) return <UnionField {...inner} />;
-  if (schema.type === "object") return schema.properties ? <ObjectField {...inner} /> : <TextMapField {...inner} />;
-  if (schema.type === "array" && resolve(schema.items ?? {}, root).type !== "string") return <ListField {...inner} />;
+  if (schema.type === "object")
+    return schema.properties ? <ObjectField {...inner} /> : <TextMapField {...inner} />;
+  if (schema.type === "array" && resolve(schema.items ?? {}, root).type !== "string")
+    return <ListField {...inner} />;
   return <Labelled {...inner}>{input(inner)}</Labelled>;
 }
 
@@ -23,7 +26,8 @@ function input(props: FieldProps): JSX.Element {
   if (props.name === "dataset_id") return <DatasetPicker {...props} />;
   if (props.name === "job_id") return <JobPicker {...props} />;
   if (props.schema.type === "boolean") return <FlagInput {...props} />;
-  if (props.schema.type === "number" || props.schema.type === "integer") return <NumberInput {...props} />;
+  if (props.schema.type === "number" || props.schema.type === "integer")
+    return <NumberInput {...props} />;
   return props.schema.enum ? <ChoiceInput {...props} /> : <TextInput {...props} />;
 }
 
@@ -41,7 +45,13 @@ export function FieldFaults({ pointer }: { pointer: string }): JSX.Element | nul
   );
 }
 
-function Labelled({ name, schema, pointer, required, children }: FieldProps & { children: ComponentChildren }): JSX.Element {
+function Labelled({
+  name,
+  schema,
+  pointer,
+  required,
+  children,
+}: FieldProps & { children: ComponentChildren }): JSX.Element {
   const id = fieldId(pointer);
   const faulty = useFaults(pointer).length > 0;
   return (

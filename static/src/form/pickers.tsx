@@ -1,4 +1,5 @@
-// Choosing what a job reads: a data set (or a file uploaded on the spot), or the output of another job.
+// Choosing what a job reads: a data set (or a file uploaded on the spot), or the output of another
+// job.
 
 import type { JSX } from "preact";
 import { useState } from "preact/hooks";
@@ -13,10 +14,16 @@ import { fieldId } from "./schema";
 import { Upload } from "./upload";
 
 /** What a field of a request reads, by the name of the field. */
-const ROLES: Record<string, Dataset["kind"]> = { input: "detections", detections: "detections", truth: "truth", tracks: "tracks" };
+const ROLES: Record<string, Dataset["kind"]> = {
+  input: "detections",
+  detections: "detections",
+  truth: "truth",
+  tracks: "tracks",
+};
 
 function describe(dataset: Dataset): string {
-  return `${dataset.name} · ${dataset.kind} · ${count(dataset.rows)} rows, ${count(dataset.scans)} scans`;
+  const { name, kind, rows, scans } = dataset;
+  return `${name} · ${kind} · ${count(rows)} rows, ${count(scans)} scans`;
 }
 
 export function DatasetPicker({ value, pointer, change }: FieldProps): JSX.Element {
@@ -27,7 +34,10 @@ export function DatasetPicker({ value, pointer, change }: FieldProps): JSX.Eleme
   const chosen = typeof value === "string" ? value : "";
   const listed = known.some((set) => set.id === chosen);
   // The list holds the newest ones; an older one that is chosen is asked for by itself.
-  const older = useResource(() => (sets.data && chosen && !listed ? getDataset(chosen) : Promise.resolve(undefined)), [chosen, listed, Boolean(sets.data)]);
+  const older = useResource(
+    () => (sets.data && chosen && !listed ? getDataset(chosen) : Promise.resolve(undefined)),
+    [chosen, listed, Boolean(sets.data)],
+  );
   const uploaded = (dataset: Dataset) => {
     setUploading(false);
     sets.reload();
@@ -36,8 +46,18 @@ export function DatasetPicker({ value, pointer, change }: FieldProps): JSX.Eleme
   return (
     <div class="picker">
       <div class="picker-row">
-        <select {...useAria(pointer)} value={chosen} onChange={(event) => change(event.currentTarget.value)}>
-          {listed ? null : <option value={chosen}>{older.data ? describe(older.data) : chosen || (sets.data && !known.length ? "no data sets yet" : "choose…")}</option>}
+        <select
+          {...useAria(pointer)}
+          value={chosen}
+          onChange={(event) => change(event.currentTarget.value)}
+        >
+          {listed ? null : (
+            <option value={chosen}>
+              {older.data
+                ? describe(older.data)
+                : chosen || (sets.data && !known.length ? "no data sets yet" : "choose…")}
+            </option>
+          )}
           <Group label="Uploaded" sets={known.filter((set) => set.origin.kind === "upload")} />
           <Group label="Made by jobs" sets={known.filter((set) => set.origin.kind === "job")} />
         </select>
@@ -45,7 +65,7 @@ export function DatasetPicker({ value, pointer, change }: FieldProps): JSX.Eleme
           Upload a file
         </button>
       </div>
-      {uploading ? <Upload id={fieldId(pointer)} role={role} done={uploaded} /> : null}
+      {uploading ? <Upload id={fieldId(pointer)} expected={role} done={uploaded} /> : null}
       {sets.error ? <ProblemBox error={sets.error} retry={sets.reload} /> : null}
     </div>
   );
@@ -69,8 +89,14 @@ export function JobPicker({ value, pointer, change }: FieldProps): JSX.Element {
   const known = jobs.data?.items ?? [];
   const chosen = typeof value === "string" ? value : "";
   return (
-    <select {...useAria(pointer)} value={chosen} onChange={(event) => change(event.currentTarget.value)}>
-      {known.some((job) => job.id === chosen) ? null : <option value={chosen}>{chosen || "choose…"}</option>}
+    <select
+      {...useAria(pointer)}
+      value={chosen}
+      onChange={(event) => change(event.currentTarget.value)}
+    >
+      {known.some((job) => job.id === chosen) ? null : (
+        <option value={chosen}>{chosen || "choose…"}</option>
+      )}
       {known.map((job) => (
         <option value={job.id}>
           {job.name || job.id.slice(-12)} · {job.kind} · {moment(job.created_at)}

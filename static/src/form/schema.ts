@@ -1,4 +1,5 @@
-// Reading JSON Schema the way the catalogue writes it: references, unions told apart by a tag, defaults.
+// Reading JSON Schema the way the catalogue writes it: references, unions told apart by a tag,
+// defaults.
 
 import type { Schema } from "../api/types";
 
@@ -19,13 +20,22 @@ function onlyValue(schema: Schema | undefined): string | undefined {
   return schema?.const ?? (schema?.enum?.length === 1 ? schema.enum[0] : undefined);
 }
 
-/** The members of a union; empty when the schema is none. The tag is the field that has one value in every member. */
+/**
+ * The members of a union; empty when the schema is none. The tag is the field that has one value in
+ * every member.
+ */
 export function variants(schema: Schema, root: Schema): Variant[] {
   const members = (schema.oneOf ?? []).map((member) => resolve(member, root));
   const first = members[0]?.properties ?? {};
-  const tag = Object.keys(first).find((name) => members.every((member) => onlyValue(member.properties?.[name]) !== undefined));
+  const tag = Object.keys(first).find((name) =>
+    members.every((member) => onlyValue(member.properties?.[name]) !== undefined),
+  );
   if (tag === undefined) return [];
-  return members.map((member) => ({ tag, value: onlyValue(member.properties?.[tag]) ?? "", schema: member }));
+  return members.map((member) => ({
+    tag,
+    value: onlyValue(member.properties?.[tag]) ?? "",
+    schema: member,
+  }));
 }
 
 export type JsonObject = Record<string, unknown>;
@@ -34,17 +44,22 @@ export function isObject(value: unknown): value is JsonObject {
   return typeof value === "object" && value !== null && !Array.isArray(value);
 }
 
-/** A value to begin with: defaults where the schema has them, at every depth. A number that has no default stays
- * absent, so that the service asks for it instead of taking a guess. */
+/**
+ * A value to begin with: defaults where the schema has them, at every depth. A number that has no
+ * default stays absent, so that the service asks for it instead of taking a guess.
+ */
 export function initial(schema: Schema, root: Schema): unknown {
   const real = resolve(schema, root);
   const given = real.default;
   const all = variants(real, root);
-  const chosen = all.find((variant) => isObject(given) && given[variant.tag] === variant.value) ?? all[0];
+  const chosen =
+    all.find((variant) => isObject(given) && given[variant.tag] === variant.value) ?? all[0];
   if (chosen) return { ...variantValue(chosen, root), ...(isObject(given) ? given : {}) };
-  if (real.type === "object") return { ...objectValue(real, root), ...(isObject(given) ? given : {}) };
+  if (real.type === "object")
+    return { ...objectValue(real, root), ...(isObject(given) ? given : {}) };
   if (given !== undefined) return structuredClone(given);
-  if (real.type === "array") return Array.from({ length: real.minItems ?? 0 }, () => initial(real.items ?? {}, root));
+  if (real.type === "array")
+    return Array.from({ length: real.minItems ?? 0 }, () => initial(real.items ?? {}, root));
   if (real.type === "boolean") return false;
   return real.type === "string" ? (real.enum?.[0] ?? "") : undefined;
 }
@@ -77,7 +92,8 @@ export function allowedText(schema: Schema): string {
   if (schema["x-allowed"]) return schema["x-allowed"];
   const low = schema.minimum ?? schema.exclusiveMinimum;
   const high = schema.maximum ?? schema.exclusiveMaximum;
-  if (low !== undefined && high !== undefined && high < Number.MAX_SAFE_INTEGER) return `${low} to ${high}`;
+  if (low !== undefined && high !== undefined && high < Number.MAX_SAFE_INTEGER)
+    return `${low} to ${high}`;
   if (low !== undefined) return schema.minimum === undefined ? `above ${low}` : `at least ${low}`;
   return high === undefined ? "" : `at most ${high}`;
 }

@@ -1,15 +1,38 @@
-// Uploading a file: what it holds, and what its columns are called. The service judges; its faults stand at the column they are of.
+// Uploading a file: what it holds, and what its columns are called. The service judges; its faults
+// stand at the column they are of.
 
 import type { JSX } from "preact";
 import { useState } from "preact/hooks";
 import { uploadDataset } from "../api/client";
 import type { Dataset, Fault } from "../api/types";
 import { asProblem, FaultText, Icon, ProblemBox } from "../components/basics";
-import { parseCsv, type CsvTable } from "../components/csv";
+import { type CsvTable, parseCsv } from "../components/csv";
+import { HeadRow, TableScroll } from "../components/table-parts";
 
 const KINDS = ["", "detections", "truth", "tracks", "bearing_time"];
 const FORMATS = ["", "csv", "json", "autoferry", "mot", "npy"];
-const COLUMNS = ["time_s", "scan", "sensor_id", "detection_id", "truth_id", "track_id", "x_m", "y_m", "z_m", "range_m", "bearing_deg", "range_rate_mps", "vx_mps", "vy_mps", "amplitude", "probability", "status", "p_xx", "p_xy", "p_yy"];
+const COLUMNS = [
+  "time_s",
+  "scan",
+  "sensor_id",
+  "detection_id",
+  "truth_id",
+  "track_id",
+  "x_m",
+  "y_m",
+  "z_m",
+  "range_m",
+  "bearing_deg",
+  "range_rate_mps",
+  "vx_mps",
+  "vy_mps",
+  "amplitude",
+  "probability",
+  "status",
+  "p_xx",
+  "p_xy",
+  "p_yy",
+];
 /** As much of a file as its header and a few rows need. */
 const HEAD_BYTES = 65_536;
 const HEAD_ROWS = 3;
@@ -17,7 +40,7 @@ const MOST_COLUMNS = 60;
 
 interface Props {
   id: string;
-  role: Dataset["kind"] | undefined;
+  expected: Dataset["kind"] | undefined;
   done: (dataset: Dataset) => void;
 }
 
@@ -30,25 +53,52 @@ async function headOf(file: File): Promise<CsvTable | undefined> {
 }
 
 function metaOf(file: File, kind: string, format: string, renamed: Record<string, string>): object {
-  const columns = Object.fromEntries(Object.entries(renamed).filter(([name, to]) => to !== "" && to !== name));
-  const texts = Object.entries({ name: file.name, kind, format }).filter(([, value]) => value !== "");
+  const columns = Object.fromEntries(
+    Object.entries(renamed).filter(([name, to]) => to !== "" && to !== name),
+  );
+  const texts = Object.entries({ name: file.name, kind, format }).filter(
+    ([, value]) => value !== "",
+  );
   return { ...Object.fromEntries(texts), ...(Object.keys(columns).length ? { columns } : {}) };
 }
 
 const unescaped = (token: string): string => token.replaceAll("~1", "/").replaceAll("~0", "~");
 
-/** The column of the file that a fault is of: the one it names, or the one that is read as what it names. */
-function columnOf(fault: Fault, head: CsvTable | undefined, renamed: Record<string, string>): string | undefined {
+/**
+ * The column of the file that a fault is of: the one it names, or the one that is read as what it
+ * names.
+ */
+function columnOf(
+  fault: Fault,
+  head: CsvTable | undefined,
+  renamed: Record<string, string>,
+): string | undefined {
   const named = /^\/meta\/columns\/(.*)$/.exec(fault.pointer)?.[1];
   const column = named === undefined ? fault.column : unescaped(named);
   if (!head || !column) return undefined;
-  return head.columns.includes(column) ? column : head.columns.find((name) => renamed[name] === column);
+  return head.columns.includes(column)
+    ? column
+    : head.columns.find((name) => renamed[name] === column);
 }
 
-export function Upload({ id, role, done }: Props): JSX.Element {
+/** The faults by the column that they are of. */
+function placedFaults(
+  faults: Fault[],
+  head: CsvTable | undefined,
+  renamed: Record<string, string>,
+): Map<string, Fault[]> {
+  const placed = new Map<string, Fault[]>();
+  for (const fault of faults) {
+    const column = columnOf(fault, head, renamed);
+    if (column) placed.set(column, [...(placed.get(column) ?? []), fault]);
+  }
+  return placed;
+}
+
+export function Upload({ id, expected, done }: Props): JSX.Element {
   const [file, setFile] = useState<File>();
   const [head, setHead] = useState<CsvTable>();
-  const [kind, setKind] = useState<string>(role ?? "");
+  const [kind, setKind] = useState<string>(expected ?? "");
   const [format, setFormat] = useState("");
   const [renamed, setRenamed] = useState<Record<string, string>>({});
   const [error, setError] = useState<unknown>();
@@ -73,17 +123,18 @@ export function Upload({ id, role, done }: Props): JSX.Element {
     }
   };
   const faults = error ? (asProblem(error).errors ?? []) : [];
-  const placed = new Map<string, Fault[]>();
-  for (const fault of faults) {
-    const column = columnOf(fault, head, renamed);
-    if (column) placed.set(column, [...(placed.get(column) ?? []), fault]);
-  }
+  const placed = placedFaults(faults, head, renamed);
   const placedAll = faults.length > 0 && faults.every((fault) => columnOf(fault, head, renamed));
   return (
     <div class="upload">
       <label>
         <span>File</span>
-        <input type="file" data-upload={id} accept=".csv,.json,.txt,.npy" onChange={(event) => choose(event.currentTarget.files?.[0])} />
+        <input
+          type="file"
+          data-upload={id}
+          accept=".csv,.json,.txt,.npy"
+          onChange={(event) => choose(event.currentTarget.files?.[0])}
+        />
       </label>
       <label>
         <span>Kind</span>
@@ -100,11 +151,15 @@ export function Upload({ id, role, done }: Props): JSX.Element {
       <button type="button" class="primary" disabled={!file || busy} onClick={() => void send()}>
         <Icon name={busy ? "running" : "plus"} /> {busy ? "Uploading…" : "Upload"}
       </button>
-      {head ? <Mapping id={id} head={head} renamed={renamed} faults={placed} change={setRenamed} /> : null}
+      {head ? (
+        <Mapping id={id} head={head} renamed={renamed} faults={placed} change={setRenamed} />
+      ) : null}
       {error && !placedAll ? <ProblemBox error={error} /> : null}
       {placedAll ? (
         <p class="field-fault" role="alert">
-          {faults.length === 1 ? "One column needs" : `${faults.length} faults in the columns need`} a look.
+          {faults.length === 1
+            ? "One column needs a look."
+            : `${faults.length} faults in the columns need a look.`}
         </p>
       ) : null}
     </div>
@@ -125,15 +180,9 @@ interface MappingProps {
 
 function Mapping({ id, head, renamed, faults, change }: MappingProps): JSX.Element {
   return (
-    <div class="mapping table-scroll" tabIndex={0} role="region" aria-label="Columns of the file">
+    <TableScroll label="Columns of the file" class="mapping table-scroll">
       <table class="data">
-        <thead>
-          <tr>
-            <th scope="col">Column</th>
-            <th scope="col">First values</th>
-            <th scope="col">Read as</th>
-          </tr>
-        </thead>
+        <HeadRow heads={["Column", "First values", "Read as"]} />
         <tbody>
           {head.columns.map((name, index) => (
             <tr class={faults.has(name) ? "faulty" : undefined}>
@@ -142,7 +191,13 @@ function Mapping({ id, head, renamed, faults, change }: MappingProps): JSX.Eleme
               </th>
               <td class="mono muted">{head.rows.map((row) => row[index] ?? "").join(", ")}</td>
               <td>
-                <ColumnInput id={`${id}-column-${index}`} name={name} value={renamed[name] ?? ""} faults={faults.get(name) ?? []} change={(to) => change({ ...renamed, [name]: to })} />
+                <ColumnInput
+                  id={`${id}-column-${index}`}
+                  name={name}
+                  value={renamed[name] ?? ""}
+                  faults={faults.get(name) ?? []}
+                  change={(to) => change({ ...renamed, [name]: to })}
+                />
               </td>
             </tr>
           ))}
@@ -153,7 +208,7 @@ function Mapping({ id, head, renamed, faults, change }: MappingProps): JSX.Eleme
           <option value={name} />
         ))}
       </datalist>
-    </div>
+    </TableScroll>
   );
 }
 

@@ -1,7 +1,7 @@
-// The clock of a job's pictures: an index into the times of its scans. The address keeps the time; without one the
-// clock stands at the end, so that everything is shown.
+// The clock of a job's pictures: an index into the times of its scans. The address keeps the time;
+// without one the clock stands at the end, so that everything is shown.
 
-import { computed, effect, signal, type ReadonlySignal, type Signal } from "@preact/signals";
+import { computed, effect, type ReadonlySignal, type Signal, signal } from "@preact/signals";
 import { originOf } from "../times";
 import { params, setParams } from "./url";
 
@@ -53,15 +53,20 @@ export function createClock(times: number[], numbers: number[]): Clock {
   const followAddress = effect(() => {
     const text = addressed.value;
     if (playing.peek()) return;
-    index.value = text === null || text === "" || Number.isNaN(Number(text)) ? last : indexAt(times, Number(text));
+    index.value =
+      text === null || text === "" || Number.isNaN(Number(text))
+        ? last
+        : indexAt(times, Number(text));
   });
-  const writeAddress = () => setParams({ time: index.peek() === last ? null : times[index.peek()] });
+  const writeAddress = () =>
+    setParams({ time: index.peek() === last ? null : times[index.peek()] });
   const seek = (to: number) => {
     index.value = Math.min(Math.max(to, 0), last);
     writeAddress();
   };
   const stopPlaying = effect(() => {
-    if (playing.value) return play(times, index, speed, () => (playing.value = false), writeAddress);
+    if (playing.value)
+      return play(times, index, speed, () => (playing.value = false), writeAddress);
     return undefined;
   });
   return {
@@ -90,7 +95,13 @@ export function createClock(times: number[], numbers: number[]): Clock {
 }
 
 /** Runs the clock by the time that really passes: a slow machine drops pictures, not time. */
-function play(times: number[], index: Signal<number>, speed: ReadonlySignal<number>, ended: () => void, writeAddress: () => void): () => void {
+function play(
+  times: number[],
+  index: Signal<number>,
+  speed: ReadonlySignal<number>,
+  ended: () => void,
+  writeAddress: () => void,
+): () => void {
   let now = times[index.peek()] ?? 0;
   let before = performance.now();
   let written = before;

@@ -1,4 +1,5 @@
-// When the data of a job begin: its first scan, or where there are none its first point of truth or track.
+// When the data of a job begin: its first scan, or where there are none its first point of truth or
+// track.
 
 import { getPlan, getScanCounts } from "../api/client";
 import { useResource } from "../components/resource";

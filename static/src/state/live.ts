@@ -4,7 +4,10 @@ import { getJob } from "../api/client";
 import type { Job, Progress } from "../api/types";
 import { listenTo, type StreamEvent } from "./stream";
 
-/** Runs `task` at once and again after the milliseconds it answers (null: no more). Returns how to stop. */
+/**
+ * Runs `task` at once and again after the milliseconds it answers (null: no more). Returns how to
+ * stop.
+ */
 export function poll(task: () => Promise<number | null>): () => void {
   let timer: number | undefined;
   let stopped = false;
@@ -32,10 +35,16 @@ export function poll(task: () => Promise<number | null>): () => void {
   };
 }
 
-/** Of the time that an answer takes, how many times as long the service is left alone after it; and how long at least, and after a failure. */
+/**
+ * Of the time that an answer takes, how many times as long the service is left alone after it; and
+ * how long at least, and after a failure.
+ */
 const REST = { times: 10, least_ms: 1000, failed_ms: 5000 };
 
-/** Asks once there is news, but not while the page is hidden, and with a rest after each answer. What failed is asked again. */
+/**
+ * Asks once there is news, but not while the page is hidden, and with a rest after each answer.
+ * What failed is asked again.
+ */
 export function askOnNews(ask: () => Promise<unknown>): { news(): void; stop(): void } {
   let isDue = false;
   let isResting = false;
@@ -50,7 +59,9 @@ export function askOnNews(ask: () => Promise<unknown>): { news(): void; stop(): 
       () => false,
     );
     isDue ||= !answered;
-    const rest_ms = answered ? Math.max(REST.least_ms, REST.times * (performance.now() - begun)) : REST.failed_ms;
+    const rest_ms = answered
+      ? Math.max(REST.least_ms, REST.times * (performance.now() - begun))
+      : REST.failed_ms;
     window.setTimeout(() => {
       isResting = false;
       void run();
@@ -79,12 +90,14 @@ interface Follower {
   failed(error: unknown): void;
 }
 
-/** Without a stream, with one, and while nobody looks. What has not changed costs a tag and no body. */
+/**
+ * Without a stream, with one, and while nobody looks. What has not changed costs a tag and no body.
+ */
 const POLL_MS = { alone: 2000, streaming: 10_000, hidden: 15_000 };
 
 /**
- * Follows one job until it ends: by its event stream while the page is looked at, and by asking now and then where the
- * stream does not come through or the page is hidden.
+ * Follows one job until it ends: by its event stream while the page is looked at, and by asking now
+ * and then where the stream does not come through or the page is hidden.
  */
 export function followJob(id: string, follower: Follower): () => void {
   let current: Job | undefined;
@@ -92,7 +105,10 @@ export function followJob(id: string, follower: Follower): () => void {
   let stopListening: (() => void) | undefined;
   let timer: number | undefined;
   let stopped = false;
-  const take = (job: Job) => follower.job((current = job));
+  const take = (job: Job) => {
+    current = job;
+    follower.job(job);
+  };
   const silence = () => {
     stopListening?.();
     stopListening = undefined;
@@ -119,7 +135,10 @@ export function followJob(id: string, follower: Follower): () => void {
     if (document.hidden) silence();
     else if (current) stopListening ??= listenTo(id, { opened, heard });
     window.clearTimeout(timer);
-    timer = window.setTimeout(ask, document.hidden ? POLL_MS.hidden : isStreaming ? POLL_MS.streaming : POLL_MS.alone);
+    timer = window.setTimeout(
+      ask,
+      document.hidden ? POLL_MS.hidden : isStreaming ? POLL_MS.streaming : POLL_MS.alone,
+    );
   };
   const seen = () => {
     if (document.hidden) silence();

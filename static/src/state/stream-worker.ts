@@ -1,5 +1,5 @@
-// The event streams of all tabs of this browser: one a job, whoever looks at it. Browsers allow six connections to a host, so
-// that a stream a tab would leave none for anything else.
+// The event streams of all tabs of this browser: one a job, whoever looks at it. Browsers allow six
+// connections to a host, so that a stream a tab would leave none for anything else.
 
 import type { FromWorker, StreamEvent, ToWorker } from "./stream";
 
@@ -20,7 +20,8 @@ function tell(ports: Iterable<MessagePort>, message: FromWorker): void {
 }
 
 function open(job: string, entry: Followed): void {
-  // A connection that is lost comes back by itself, with the number of the last event, so that none is missed.
+  // A connection that is lost comes back by itself, with the number of the last event, so that none
+  // is missed.
   const source = new EventSource(`/v1/jobs/${encodeURIComponent(job)}/events`);
   entry.source = source;
   source.onopen = () => tell(entry.ports, { job, isOpen: true });
@@ -74,5 +75,6 @@ const scope = globalThis as unknown as { onconnect: (event: MessageEvent) => voi
 scope.onconnect = (event) => {
   const port = event.ports[0];
   if (!port) return;
-  port.onmessage = ({ data }: MessageEvent<ToWorker>) => (data.follow ? follow(data.job, port) : leave(data.job, port));
+  port.onmessage = ({ data }: MessageEvent<ToWorker>) =>
+    data.follow ? follow(data.job, port) : leave(data.job, port);
 };

@@ -1,4 +1,5 @@
-// The event stream of a job, shared by all tabs of the browser through a worker; a stream of our own where there is none.
+// The event stream of a job, shared by all tabs of the browser through a worker; a stream of our
+// own where there is none.
 
 export interface StreamEvent {
   type: "state" | "progress" | "done";

@@ -1,4 +1,5 @@
-// Light, dark, or as the system says. The choice stands in the address; the browser remembers the last one.
+// Light, dark, or as the system says. The choice stands in the address; the browser remembers the
+// last one.
 
 import { computed, effect, signal } from "@preact/signals";
 import { params, setParams } from "./url";
@@ -39,7 +40,7 @@ export function chooseTheme(choice: ThemeChoice): void {
 }
 
 effect(() => {
-  document.documentElement.dataset["theme"] = theme.value;
+  document.documentElement.dataset.theme = theme.value;
 });
 
 /** Colours of the drawing, read from the style sheet so that there is one palette. */

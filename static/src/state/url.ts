@@ -1,5 +1,5 @@
-// The address is the state: view, job, clock, selection, filters and theme are query parameters, so that a copied
-// link shows what its sender saw. Nothing here knows what the parameters mean.
+// The address is the state: view, job, clock, selection, filters and theme are query parameters, so
+// that a copied link shows what its sender saw. Nothing here knows what the parameters mean.
 
 import { signal } from "@preact/signals";
 
@@ -40,7 +40,10 @@ function search(of: URLSearchParams): string {
   return text === "" ? location.pathname : `?${text}`;
 }
 
-/** Changes some parameters. "push" makes a step that the back button undoes; "replace" is for clocks and sliders. */
+/**
+ * Changes some parameters. "push" makes a step that the back button undoes; "replace" is for clocks
+ * and sliders.
+ */
 export function setParams(patch: Patch, history: "push" | "replace" = "replace"): void {
   const next = patched(params.peek(), patch);
   if (next.toString() === params.peek().toString()) return;

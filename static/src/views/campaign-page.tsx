@@ -1,9 +1,10 @@
-// A campaign from its first runs to its report: the same table and charts all the way, so that nothing jumps when it ends.
+// A campaign from its first runs to its report: the same table and charts all the way, so that
+// nothing jumps when it ends.
 
 import type { JSX } from "preact";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { ApiError, getCampaignCells, getReport, getSpec } from "../api/client";
-import { partsOf, type CampaignSoFar, type Job, type Report } from "../api/types";
+import { type CampaignSoFar, type Job, partsOf, type Report } from "../api/types";
 import { Empty, Loading, ProblemBox, ProgressBar } from "../components/basics";
 import { useResource } from "../components/resource";
 import { count } from "../format";
@@ -12,7 +13,7 @@ import { param } from "../state/url";
 import { axesOf } from "./campaign-axes";
 import type { Campaign } from "./campaign-parts";
 import { JobCampaign } from "./job-campaign";
-import { Tabs, Waiting, type TabName } from "./job-parts";
+import { type TabName, Tabs, Waiting } from "./job-parts";
 import { JobSpec } from "./job-spec";
 import { Inputs, Timing, Warnings } from "./job-summary";
 
@@ -23,19 +24,38 @@ const TABS: [TabName, string][] = [
   ["spec", "Request and files"],
 ];
 
-function campaignOf(job: Job, spec: Spec, result: Partial<CampaignSoFar["result"]>, times: Campaign["times"]): Campaign {
+function campaignOf(
+  job: Job,
+  spec: Spec,
+  result: Partial<CampaignSoFar["result"]>,
+  times: Campaign["times"],
+): Campaign {
   const { cells = [], outcomes = [], confidence = 0.95 } = result;
-  return { axes: axesOf(spec, cells), cells, outcomes, confidence, runs: Number(spec["runs"] ?? 1), times, file: job.id.slice(-12) };
+  return {
+    axes: axesOf(spec, cells),
+    cells,
+    outcomes,
+    confidence,
+    runs: Number(spec.runs ?? 1),
+    times,
+    file: job.id.slice(-12),
+  };
 }
 
 /** Runs that are made, of this job or of the one that it runs again. */
 function mayHaveRuns(job: Job): boolean {
-  return (job.progress?.done ?? 0) > 0 || (!isActive(job) && Boolean(job.rerun_of && job.started_at));
+  return (
+    (job.progress?.done ?? 0) > 0 || (!isActive(job) && Boolean(job.rerun_of && job.started_at))
+  );
 }
 
 /** Whether runs were made that a rerun takes over. */
 export function leftRuns(job: Job): boolean {
-  return job.kind === "campaign" && (job.state === "failed" || job.state === "canceled") && mayHaveRuns(job);
+  return (
+    job.kind === "campaign" &&
+    (job.state === "failed" || job.state === "canceled") &&
+    mayHaveRuns(job)
+  );
 }
 
 interface SoFar {
@@ -55,7 +75,9 @@ function useSoFar(job: Job): SoFar {
       setSoFar((before) => ({ ...before, none, error: none ? undefined : error }));
       if (!none) throw error;
     };
-    asker.current = askOnNews(() => getCampaignCells(job.id).then((data) => setSoFar({ data }), failed));
+    asker.current = askOnNews(() =>
+      getCampaignCells(job.id).then((data) => setSoFar({ data }), failed),
+    );
     return () => asker.current?.stop();
   }, [job.id]);
   useEffect(() => {
@@ -70,33 +92,63 @@ interface Props {
 }
 
 function plannedOf(campaign: Campaign, spec: Spec | undefined): string {
-  return `${spec?.["stop_at"] ? "at most " : ""}${count(campaign.cells.length * campaign.runs)}`;
+  return `${spec?.stop_at ? "at most " : ""}${count(campaign.cells.length * campaign.runs)}`;
 }
 
 /** Has to be another component for another job. */
 export function CampaignPage({ job, rerun }: Props): JSX.Element {
   const hasReport = job.state === "succeeded";
   const spec = useResource(() => getSpec(job.id), [job.id]);
-  const report = useResource(async () => (hasReport ? getReport(job.id) : undefined), [job.id, hasReport]);
+  const report = useResource(
+    async () => (hasReport ? getReport(job.id) : undefined),
+    [job.id, hasReport],
+  );
   const soFar = useSoFar(job);
   const campaign = useMemo(() => {
-    if (report.data) return campaignOf(job, report.data.spec as Spec, partsOf(report.data), report.data.timing.cells ?? []);
+    if (report.data)
+      return campaignOf(
+        job,
+        report.data.spec as Spec,
+        partsOf(report.data),
+        report.data.timing.cells ?? [],
+      );
     // Until all cells have a run there is nothing to compare.
-    return spec.data && soFar.data?.runs ? campaignOf(job, spec.data, soFar.data.result, []) : undefined;
+    return spec.data && soFar.data?.runs
+      ? campaignOf(job, spec.data, soFar.data.result, [])
+      : undefined;
   }, [job.id, spec.data, report.data, soFar.data]);
   const error = report.error ? report : spec.error ? spec : undefined;
   if (error) return <ProblemBox error={error.error} retry={error.reload} />;
   const tab = report.data && param("tab") === "spec" ? "spec" : "summary";
   return (
     <>
-      {report.data ? <Tabs tabs={TABS} chosen={tab} /> : <HowFar job={job} soFar={soFar} planned={campaign && plannedOf(campaign, spec.data)} rerun={rerun} />}
-      {tab === "summary" && campaign ? <Summary job={job} campaign={campaign} report={report.data} /> : null}
+      {report.data ? (
+        <Tabs tabs={TABS} chosen={tab} />
+      ) : (
+        <HowFar
+          job={job}
+          soFar={soFar}
+          planned={campaign && plannedOf(campaign, spec.data)}
+          rerun={rerun}
+        />
+      )}
+      {tab === "summary" && campaign ? (
+        <Summary job={job} campaign={campaign} report={report.data} />
+      ) : null}
       {tab === "spec" && report.data ? <JobSpec job={job} report={report.data} /> : null}
     </>
   );
 }
 
-function Summary({ job, campaign, report }: { job: Job; campaign: Campaign; report: Report | undefined }): JSX.Element {
+function Summary({
+  job,
+  campaign,
+  report,
+}: {
+  job: Job;
+  campaign: Campaign;
+  report: Report | undefined;
+}): JSX.Element {
   return (
     <div class="summary">
       <Warnings all={[...job.warnings, ...(report?.warnings ?? [])]} />
@@ -120,13 +172,24 @@ interface HowFarProps extends Props {
 /** What stands in the place of the tabs until there is a report. */
 function HowFar({ job, soFar, planned, rerun }: HowFarProps): JSX.Element {
   const runs = planned === undefined ? undefined : `${count(soFar.data?.runs)} of ${planned}`;
-  if (isActive(job)) return runs === undefined ? <Waiting job={job} /> : <Growing job={job} runs={runs} />;
-  if (job.state === "succeeded") return runs === undefined ? <Loading what="the report" /> : <Growing job={job} runs={runs} />;
-  const problem = job.error ?? { type: "about:blank", title: "The job failed", status: 0, code: "failed" };
+  if (isActive(job))
+    return runs === undefined ? <Waiting job={job} /> : <Growing job={job} runs={runs} />;
+  if (job.state === "succeeded")
+    return runs === undefined ? <Loading what="the report" /> : <Growing job={job} runs={runs} />;
+  const problem = job.error ?? {
+    type: "about:blank",
+    title: "The job failed",
+    status: 0,
+    code: "failed",
+  };
   return (
     <>
       {job.state === "failed" ? <ProblemBox error={new ApiError(problem)} /> : null}
-      {leftRuns(job) && !soFar.none ? <Kept job={job} runs={runs ?? count(job.progress?.done)} rerun={rerun} /> : job.state === "canceled" ? <Empty title="This job was canceled. It left no result." /> : null}
+      {leftRuns(job) && !soFar.none ? (
+        <Kept job={job} runs={runs ?? count(job.progress?.done)} rerun={rerun} />
+      ) : job.state === "canceled" ? (
+        <Empty title="This job was canceled. It left no result." />
+      ) : null}
       {soFar.error ? <ProblemBox error={soFar.error} /> : null}
     </>
   );

@@ -4,12 +4,13 @@ import type { JSX } from "preact";
 import { useMemo } from "preact/hooks";
 import type { CampaignCell, Report } from "../api/types";
 import { CategoryDots } from "../charts/category-dots";
-import { Lines, lookOf, type Curve, type Point } from "../charts/lines";
-import { IntervalBar, scaleOf, type Span } from "../components/interval-bar";
+import { type Curve, Lines, lookOf, type Point } from "../charts/lines";
+import { IntervalBar, type Span, scaleOf } from "../components/interval-bar";
 import type { TableData } from "../components/table";
 import { TableFrame } from "../components/table-frame";
-import { count, number, plural } from "../format";
-import { cellAt, combinations, isNumeric, pointsOf, type Axis } from "./campaign-axes";
+import { HeadRow, hiddenHead, numberHead, TableScroll } from "../components/table-parts";
+import { count, intervalText, number, plural } from "../format";
+import { type Axis, cellAt, combinations, isNumeric, pointsOf } from "./campaign-axes";
 
 /** Curves that can be told apart. */
 export const CURVES_UP_TO = 12;
@@ -25,7 +26,20 @@ export interface Campaign {
   file: string;
 }
 
-export function Differences({ campaign, outcome }: { campaign: Campaign; outcome: string }): JSX.Element | null {
+const DIFFERENCE_HEADS = [
+  "Cell",
+  "Less",
+  ...["Pairs", "Mean difference", "Interval"].map(numberHead),
+  hiddenHead("Picture"),
+];
+
+export function Differences({
+  campaign,
+  outcome,
+}: {
+  campaign: Campaign;
+  outcome: string;
+}): JSX.Element | null {
   const compared = campaign.cells.filter((cell) => cell.differences[outcome]);
   if (!compared.length) return null;
   const spans = compared.flatMap((cell) => cell.differences[outcome]?.interval ?? []);
@@ -34,48 +48,52 @@ export function Differences({ campaign, outcome }: { campaign: Campaign; outcome
     columns: ["cell", "compared with", "pairs", "mean difference", "low", "high"],
     rows: compared.map((cell) => {
       const { pairs = 0, mean = null, interval } = cell.differences[outcome] ?? {};
-      return [cell.name, cell.compared_with ?? null, pairs, mean, interval?.low ?? null, interval?.high ?? null];
+      return [
+        cell.name,
+        cell.compared_with ?? null,
+        pairs,
+        mean,
+        interval?.low ?? null,
+        interval?.high ?? null,
+      ];
     }),
   });
   const note = (
     <p class="muted small frame-note">
-      Run by run on the same scenes; {number(campaign.confidence * 100)} % interval of the mean difference. A filled bar does not touch zero.
+      Run by run on the same scenes; {number(campaign.confidence * 100)} % interval of the mean
+      difference. A filled bar does not touch zero.
     </p>
   );
   return (
-    <TableFrame title={`Paired differences: ${outcome}`} file={`differences-${campaign.file}`} table={table} tools={note}>
-      <div class="table-scroll tall" tabIndex={0} role="region" aria-label={`Paired differences of ${outcome}`}>
+    <TableFrame
+      title={`Paired differences: ${outcome}`}
+      file={`differences-${campaign.file}`}
+      table={table}
+      tools={note}
+    >
+      <TableScroll label={`Paired differences of ${outcome}`}>
         <table class="data">
-          <thead>
-            <tr>
-              <th scope="col">Cell</th>
-              <th scope="col">Less</th>
-              <th scope="col" class="num">
-                Pairs
-              </th>
-              <th scope="col" class="num">
-                Mean difference
-              </th>
-              <th scope="col" class="num">
-                Interval
-              </th>
-              <th scope="col">
-                <span class="visually-hidden">Picture</span>
-              </th>
-            </tr>
-          </thead>
+          <HeadRow heads={DIFFERENCE_HEADS} />
           <tbody>
             {compared.map((cell) => (
               <Difference cell={cell} outcome={outcome} scale={scale} />
             ))}
           </tbody>
         </table>
-      </div>
+      </TableScroll>
     </TableFrame>
   );
 }
 
-function Difference({ cell, outcome, scale }: { cell: CampaignCell; outcome: string; scale: ReturnType<typeof scaleOf> }): JSX.Element {
+function Difference({
+  cell,
+  outcome,
+  scale,
+}: {
+  cell: CampaignCell;
+  outcome: string;
+  scale: ReturnType<typeof scaleOf>;
+}): JSX.Element {
   const difference = cell.differences[outcome];
   const span: Span | undefined = difference?.interval ?? undefined;
   return (
@@ -84,29 +102,43 @@ function Difference({ cell, outcome, scale }: { cell: CampaignCell; outcome: str
       <td>{cell.compared_with ?? "–"}</td>
       <td class="num">{count(difference?.pairs)}</td>
       <td class="num">{number(difference?.mean)}</td>
-      <td class="num">{span ? `[${number(span.low)}, ${number(span.high)}]` : "–"}</td>
-      <td class="interval-cell">{span && typeof difference?.mean === "number" ? <IntervalBar mean={difference.mean} span={span} scale={scale} /> : null}</td>
+      <td class="num">{span ? intervalText(span) : "–"}</td>
+      <td class="interval-cell">
+        {span && typeof difference?.mean === "number" ? (
+          <IntervalBar mean={difference.mean} span={span} scale={scale} />
+        ) : null}
+      </td>
     </tr>
   );
 }
 
-/** The slope of log y over log x by least squares, and its standard error where more than two points tell of one. */
+/**
+ * The slope of log y over log x by least squares, and its standard error where more than two points
+ * tell of one.
+ */
 export function slope(points: [number, number][]): { slope: number; error: number | null } | null {
-  const logs = points.filter(([x, y]) => x > 0 && y > 0).map(([x, y]) => [Math.log(x), Math.log(y)] as const);
+  const logs = points
+    .filter(([x, y]) => x > 0 && y > 0)
+    .map(([x, y]) => [Math.log(x), Math.log(y)] as const);
   if (logs.length < 2) return null;
-  const mean = (of: (point: readonly [number, number]) => number) => logs.reduce((sum, point) => sum + of(point), 0) / logs.length;
+  const mean = (of: (point: readonly [number, number]) => number) =>
+    logs.reduce((sum, point) => sum + of(point), 0) / logs.length;
   const [x, y] = [mean((point) => point[0]), mean((point) => point[1])];
   const spread = mean((point) => (point[0] - x) ** 2);
   if (spread === 0) return null;
   const steep = mean((point) => (point[0] - x) * (point[1] - y)) / spread;
   const rest = mean((point) => (point[1] - y - steep * (point[0] - x)) ** 2);
-  return { slope: steep, error: logs.length > 2 ? Math.sqrt(rest / spread / (logs.length - 2)) : null };
+  return {
+    slope: steep,
+    error: logs.length > 2 ? Math.sqrt(rest / spread / (logs.length - 2)) : null,
+  };
 }
 
 function slopeText(points: [number, number][]): string {
   const fit = slope(points);
   if (!fit) return "";
-  return ` (slope ${fit.slope.toFixed(2)}${fit.error === null ? "" : ` ± ${fit.error.toFixed(2)}`})`;
+  const error = fit.error === null ? "" : ` ± ${fit.error.toFixed(2)}`;
+  return ` (slope ${fit.slope.toFixed(2)}${error})`;
 }
 
 /** How long deciding took in each cell along an axis, for every combination of the other axes. */
@@ -114,14 +146,20 @@ function timesAlong(campaign: Campaign, x: Axis): { name: string; times: (number
   const others = campaign.axes.filter((axis) => axis !== x);
   const known = new Map(campaign.times.map((time) => [time.cell, time.decide_us_per_scan]));
   return combinations(others).map((points) => {
-    const cellOf = (point: string) => cellAt(campaign.cells, campaign.axes, { ...pointsOf(others, points), [x.name]: point });
-    return { name: points.join(", ") || "all", times: x.points.map((point) => known.get(cellOf(point)?.name ?? "") ?? null) };
+    const cellOf = (point: string) =>
+      cellAt(campaign.cells, campaign.axes, { ...pointsOf(others, points), [x.name]: point });
+    return {
+      name: points.join(", ") || "all",
+      times: x.points.map((point) => known.get(cellOf(point)?.name ?? "") ?? null),
+    };
   });
 }
 
 function timeCurves(campaign: Campaign, x: Axis): Curve[] {
   return timesAlong(campaign, x).map(({ name, times }, order) => {
-    const points = times.map((time, index): Point => [Number(x.points[index]), time]).sort((a, b) => a[0] - b[0]);
+    const points = times
+      .map((time, index): Point => [Number(x.points[index]), time])
+      .sort((a, b) => a[0] - b[0]);
     const steep = slopeText(points.filter((point): point is [number, number] => point[1] !== null));
     return { name: `${name}${steep}`, points, ...lookOf(order) };
   });
@@ -142,7 +180,6 @@ function TimePicture(props: TimePictureProps): JSX.Element {
 function TimeCurves({ campaign, x, table }: TimePictureProps): JSX.Element {
   const curves = useMemo(() => timeCurves(campaign, x).slice(0, CURVES_UP_TO), [campaign, x]);
   const positive = x.points.every((point) => Number(point) > 0);
-  const note = "The slope is that of the logarithms, by least squares, with its standard error where there are three points or more.";
   return (
     <Lines
       title={`Time of deciding over ${x.name}`}
@@ -154,20 +191,31 @@ function TimeCurves({ campaign, x, table }: TimePictureProps): JSX.Element {
       logX={positive}
       logY
       table={table}
-      tools={positive ? <p class="muted small frame-note">{note}</p> : null}
+      tools={
+        positive ? (
+          <p class="muted small frame-note">
+            The slope is that of the logarithms, by least squares, with its standard error where
+            there are three points or more.
+          </p>
+        ) : null
+      }
     />
   );
 }
 
 function TimeDots({ campaign, x, table }: TimePictureProps): JSX.Element {
   const series = timesAlong(campaign, x).slice(0, CURVES_UP_TO);
-  const estimateAt = (time: number | null | undefined) => (typeof time === "number" && time > 0 ? { mean: time } : undefined);
+  const estimateAt = (time: number | null | undefined) =>
+    typeof time === "number" && time > 0 ? { mean: time } : undefined;
   return (
     <CategoryDots
       title={`Time of deciding over ${x.name}`}
       file={`time-curves-${campaign.file}`}
       label={`Microseconds a scan for ${plural(x.points.length, "point")} of ${x.name}.`}
-      rows={x.points.map((name, index) => ({ name, estimates: series.map(({ times }) => estimateAt(times[index])) }))}
+      rows={x.points.map((name, index) => ({
+        name,
+        estimates: series.map(({ times }) => estimateAt(times[index])),
+      }))}
       series={series.map(({ name }) => name)}
       valueName={TIME_NAME}
       log
@@ -179,27 +227,19 @@ function TimeDots({ campaign, x, table }: TimePictureProps): JSX.Element {
 export function Times({ campaign, x }: { campaign: Campaign; x: Axis | undefined }): JSX.Element {
   const table = (): TableData => ({
     columns: ["cell", "µs a scan", "ratio", "timed runs"],
-    rows: campaign.times.map((time) => [time.cell, time.decide_us_per_scan, time.ratio ?? null, time.timed_runs]),
+    rows: campaign.times.map((time) => [
+      time.cell,
+      time.decide_us_per_scan,
+      time.ratio ?? null,
+      time.timed_runs,
+    ]),
   });
   return (
     <>
       <TableFrame title="Time of deciding" file={`times-${campaign.file}`} table={table}>
-        <div class="table-scroll tall" tabIndex={0} role="region" aria-label="Time of deciding">
+        <TableScroll label="Time of deciding">
           <table class="data">
-            <thead>
-              <tr>
-                <th scope="col">Cell</th>
-                <th scope="col" class="num">
-                  µs a scan
-                </th>
-                <th scope="col" class="num">
-                  Ratio
-                </th>
-                <th scope="col" class="num">
-                  Timed runs
-                </th>
-              </tr>
-            </thead>
+            <HeadRow heads={["Cell", ...["µs a scan", "Ratio", "Timed runs"].map(numberHead)]} />
             <tbody>
               {campaign.times.map((time) => (
                 <tr>
@@ -211,7 +251,7 @@ export function Times({ campaign, x }: { campaign: Campaign; x: Axis | undefined
               ))}
             </tbody>
           </table>
-        </div>
+        </TableScroll>
       </TableFrame>
       {x && x.points.length > 1 ? <TimePicture campaign={campaign} x={x} table={table} /> : null}
     </>

@@ -1,7 +1,9 @@
-// The cells of a campaign as a table: rows are the points of all axes but the last, columns those of the last.
+// The cells of a campaign as a table: rows are the points of all axes but the last, columns those
+// of the last.
 
 import type { JSX } from "preact";
-import { combinations, rowsAndColumns, type Axis } from "./campaign-axes";
+import { TableScroll } from "../components/table-parts";
+import { type Axis, combinations, rowsAndColumns } from "./campaign-axes";
 
 interface Props {
   axes: Axis[];
@@ -14,7 +16,7 @@ interface Props {
 export function CellTable({ axes, label, cell, ...rest }: Props): JSX.Element {
   const { rows, columns } = rowsAndColumns(axes);
   return (
-    <div class={`table-scroll ${rest.class ?? ""}`} tabIndex={0} role="region" aria-label={label}>
+    <TableScroll label={label} class={`table-scroll ${rest.class ?? ""}`}>
       <table class="grid">
         <thead>
           <tr>
@@ -35,11 +37,13 @@ export function CellTable({ axes, label, cell, ...rest }: Props): JSX.Element {
               {points.map((point) => (
                 <th scope="row">{point}</th>
               ))}
-              {columns.points.map((point, column) => cell(points, point, row * columns.points.length + column))}
+              {columns.points.map((point, column) =>
+                cell(points, point, row * columns.points.length + column),
+              )}
             </tr>
           ))}
         </tbody>
       </table>
-    </div>
+    </TableScroll>
   );
 }

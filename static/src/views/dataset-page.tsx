@@ -43,7 +43,9 @@ function Found({ dataset }: { dataset: Dataset }): JSX.Element {
     <article>
       <header class="job-head">
         <p class="crumbs">
-          <Link href={pageHref({ view: "datasets" })}>Data sets</Link> <span class="muted">/</span> <span class="mono">{dataset.id}</span>
+          <Link href={pageHref({ view: "datasets" })}>Data sets</Link>
+          <span class="muted"> / </span>
+          <span class="mono">{dataset.id}</span>
         </p>
         <div class="title-row">
           <h1>{dataset.name}</h1>
@@ -115,7 +117,11 @@ function Contents({ dataset }: { dataset: Dataset }): JSX.Element {
     ["Lasts", start_s === undefined || end_s === undefined ? "–" : `${number(end_s - start_s)} s`],
     ["Sensors", dataset.sensor_ids.join(", ") || "–"],
   ];
-  if (dataset.first_bearing_deg !== undefined) rows.push(["Bearings", `${number(dataset.first_bearing_deg)}° to ${number(dataset.last_bearing_deg)}°`]);
+  if (dataset.first_bearing_deg !== undefined)
+    rows.push([
+      "Bearings",
+      `${number(dataset.first_bearing_deg)}° to ${number(dataset.last_bearing_deg)}°`,
+    ]);
   return <Facts title="Contents" rows={rows} />;
 }
 
@@ -126,7 +132,15 @@ function Provenance({ dataset }: { dataset: Dataset }): JSX.Element {
       <h2>Provenance</h2>
       <dl class="facts">
         <dt>Origin</dt>
-        <dd>{origin.kind === "job" ? <Link href={pageHref({ view: "job", job: origin.job_id })}>job {origin.job_id.slice(-12)}</Link> : `upload${origin.file_name ? ` of ${origin.file_name}` : ""}`}</dd>
+        <dd>
+          {origin.kind === "job" ? (
+            <Link href={pageHref({ view: "job", job: origin.job_id })}>
+              job {origin.job_id.slice(-12)}
+            </Link>
+          ) : (
+            `upload${origin.file_name ? ` of ${origin.file_name}` : ""}`
+          )}
+        </dd>
         <dt>Created</dt>
         <dd>{dataset.created_at}</dd>
         <dt>Format</dt>
@@ -144,8 +158,12 @@ function Provenance({ dataset }: { dataset: Dataset }): JSX.Element {
 
 function Sensors({ sensors }: { sensors: SensorSettings[] }): JSX.Element {
   const rows = sensors.flatMap((sensor): [string, string][] => {
-    const known = Object.entries(sensor).filter(([name, value]) => name !== "sensor_id" && value !== null && value !== undefined);
-    return known.length ? known.map(([name, value]) => [`${sensor.sensor_id}: ${name}`, number(Number(value))]) : [[sensor.sensor_id, "nothing is known"]];
+    const known = Object.entries(sensor).filter(
+      ([name, value]) => name !== "sensor_id" && value !== null && value !== undefined,
+    );
+    return known.length
+      ? known.map(([name, value]) => [`${sensor.sensor_id}: ${name}`, number(Number(value))])
+      : [[sensor.sensor_id, "nothing is known"]];
   });
   return <Facts title="What is known of the sensors" rows={rows} />;
 }
@@ -156,14 +174,23 @@ function Preview({ dataset }: { dataset: Dataset }): JSX.Element {
   if (!preview.data) return <Loading what="the first rows" />;
   const { columns, rows, total_rows } = preview.data satisfies DatasetPreview;
   if (!rows.length) return <Empty title="The data set has no rows." />;
-  const table = { columns, rows: rows.map((row): Cell[] => row.map(cellOf)), origin_s: originOf(dataset.start_s) };
+  const table = {
+    columns,
+    rows: rows.map((row): Cell[] => row.map(cellOf)),
+    origin_s: originOf(dataset.start_s),
+  };
   const note = (
     <p class="muted small frame-note">
       {count(rows.length)} of {plural(total_rows, "row")}; all are in the file.
     </p>
   );
   return (
-    <TableFrame title="First rows" file={`preview-${dataset.id.slice(-12)}`} table={() => table} tools={note}>
+    <TableFrame
+      title="First rows"
+      file={`preview-${dataset.id.slice(-12)}`}
+      table={() => table}
+      tools={note}
+    >
       <DataTable table={table} caption="First rows" />
     </TableFrame>
   );

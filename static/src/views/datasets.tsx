@@ -3,11 +3,12 @@
 import { useSignal } from "@preact/signals";
 import type { JSX, TargetedEvent } from "preact";
 import { useEffect } from "preact/hooks";
-import { pageOfDatasets, type DatasetFilter } from "../api/client";
+import { type DatasetFilter, pageOfDatasets } from "../api/client";
 import type { Dataset } from "../api/types";
 import { Empty, Icon, Link, Loading, ProblemBox } from "../components/basics";
+import { HeadRow, numberHead, TableScroll } from "../components/table-parts";
 import { Upload } from "../form/upload";
-import { bytes, count, moment } from "../format";
+import { bytes, count, moment, plural } from "../format";
 import { go, pageHref, param, setParams } from "../state/url";
 
 const KINDS = ["detections", "truth", "tracks", "bearing_time"];
@@ -34,8 +35,12 @@ export function Datasets(): JSX.Element {
     listing.value = undefined;
     error.value = undefined;
     pageOfDatasets(asked).then(
-      (page) => current && (listing.value = { sets: page.items, next: page.next_cursor }),
-      (failure: unknown) => current && (error.value = failure),
+      (page) => {
+        if (current) listing.value = { sets: page.items, next: page.next_cursor };
+      },
+      (failure: unknown) => {
+        if (current) error.value = failure;
+      },
     );
     return () => {
       current = false;
@@ -56,20 +61,36 @@ export function Datasets(): JSX.Element {
     <section>
       <div class="title-row">
         <h1>Data sets</h1>
-        <button type="button" class="primary" aria-expanded={uploading} onClick={() => setParams({ upload: uploading ? null : "1" })}>
+        <button
+          type="button"
+          class="primary"
+          aria-expanded={uploading}
+          onClick={() => setParams({ upload: uploading ? null : "1" })}
+        >
           <Icon name="plus" /> Upload a file
         </button>
       </div>
-      {uploading ? <Upload id="upload" role={undefined} done={(dataset) => go(pageHref({ view: "dataset", dataset: dataset.id }))} /> : null}
+      {uploading ? (
+        <Upload
+          id="upload"
+          expected={undefined}
+          done={(dataset) => go(pageHref({ view: "dataset", dataset: dataset.id }))}
+        />
+      ) : null}
       <Filters />
       {error.value ? <ProblemBox error={error.value} retry={() => (round.value += 1)} /> : null}
-      {listing.value ? <List listing={listing.value} more={() => void more()} /> : error.value ? null : <Loading what="data sets" />}
+      {listing.value ? (
+        <List listing={listing.value} more={() => void more()} />
+      ) : error.value ? null : (
+        <Loading what="data sets" />
+      )}
     </section>
   );
 }
 
 function Filters(): JSX.Element {
-  const choose = (event: TargetedEvent<HTMLSelectElement>) => setParams({ kind: event.currentTarget.value });
+  const choose = (event: TargetedEvent<HTMLSelectElement>) =>
+    setParams({ kind: event.currentTarget.value });
   return (
     <form class="filters" role="search" onSubmit={(event) => event.preventDefault()}>
       <label>
@@ -83,58 +104,79 @@ function Filters(): JSX.Element {
       </label>
       <label class="grow">
         <span>Name or id</span>
-        <input type="search" data-filter value={param("q") ?? ""} placeholder="Press / to filter" onInput={(event) => setParams({ q: event.currentTarget.value })} />
+        <input
+          type="search"
+          data-filter
+          value={param("q") ?? ""}
+          placeholder="Press / to filter"
+          onInput={(event) => setParams({ q: event.currentTarget.value })}
+        />
       </label>
     </form>
+  );
+}
+
+const HEADS = [
+  "Name",
+  "Kind",
+  ...["Rows", "Scans", "Size"].map(numberHead),
+  "Origin",
+  numberHead("Created"),
+];
+
+function SetRow({ set }: { set: Dataset }): JSX.Element {
+  return (
+    <tr>
+      <td class="wrap">
+        <Link href={pageHref({ view: "dataset", dataset: set.id })}>{set.name}</Link>
+        {set.warnings.length ? (
+          <span class="sub">{plural(set.warnings.length, "warning")}</span>
+        ) : null}
+      </td>
+      <td>{set.kind}</td>
+      <td class="num">{count(set.rows)}</td>
+      <td class="num">{set.scans ? count(set.scans) : "–"}</td>
+      <td class="num">{bytes(set.bytes)}</td>
+      <td>
+        {set.origin.kind === "job" ? (
+          <Link href={pageHref({ view: "job", job: set.origin.job_id })}>
+            job {set.origin.job_id.slice(-12)}
+          </Link>
+        ) : (
+          "upload"
+        )}
+      </td>
+      <td class="num">
+        <time dateTime={set.created_at}>{moment(set.created_at)}</time>
+      </td>
+    </tr>
   );
 }
 
 function List({ listing, more }: { listing: Listing; more: () => void }): JSX.Element {
   if (!listing.sets.length) {
     return (
-      <Empty title={param("kind") || param("q") ? "No data set matches these filters." : "No data sets yet."}>
+      <Empty
+        title={
+          param("kind") || param("q") ? "No data set matches these filters." : "No data sets yet."
+        }
+      >
         <p>Upload a recording, or run a job: what it makes is kept here, too.</p>
       </Empty>
     );
   }
-  const heads = ["Name", "Kind", "Rows", "Scans", "Size", "Origin", "Created"];
   return (
     <>
-      <div class="table-scroll" tabIndex={0} role="region" aria-label="Data sets">
+      <TableScroll label="Data sets" class="table-scroll">
         <table class="data">
-          <thead>
-            <tr>
-              {heads.map((name) => (
-                <th scope="col" class={["Rows", "Scans", "Size", "Created"].includes(name) ? "num" : undefined}>
-                  {name}
-                </th>
-              ))}
-            </tr>
-          </thead>
+          <HeadRow heads={HEADS} />
           <tbody>
             {listing.sets.map((set) => (
-              <tr key={set.id}>
-                <td class="wrap">
-                  <Link href={pageHref({ view: "dataset", dataset: set.id })}>{set.name}</Link>
-                  {set.warnings.length ? (
-                    <span class="sub">
-                      {count(set.warnings.length)} {set.warnings.length === 1 ? "warning" : "warnings"}
-                    </span>
-                  ) : null}
-                </td>
-                <td>{set.kind}</td>
-                <td class="num">{count(set.rows)}</td>
-                <td class="num">{set.scans ? count(set.scans) : "–"}</td>
-                <td class="num">{bytes(set.bytes)}</td>
-                <td>{set.origin.kind === "job" ? <Link href={pageHref({ view: "job", job: set.origin.job_id })}>job {set.origin.job_id.slice(-12)}</Link> : "upload"}</td>
-                <td class="num">
-                  <time dateTime={set.created_at}>{moment(set.created_at)}</time>
-                </td>
-              </tr>
+              <SetRow key={set.id} set={set} />
             ))}
           </tbody>
         </table>
-      </div>
+      </TableScroll>
       {listing.next ? (
         <p class="more">
           <button type="button" onClick={more}>

@@ -1,23 +1,36 @@
-// A campaign: every cell of its grid, curves over an axis, differences run by run, and what deciding cost.
+// A campaign: every cell of its grid, curves over an axis, differences run by run, and what
+// deciding cost.
 
 import type { JSX } from "preact";
 import { useMemo } from "preact/hooks";
 import type { CampaignCell, Cell } from "../api/types";
 import { CategoryDots, type Estimate, type Row } from "../charts/category-dots";
-import { Lines, lookOf, type Curve, type Point } from "../charts/lines";
+import { type Curve, Lines, lookOf, type Point } from "../charts/lines";
 import { Empty } from "../components/basics";
 import type { TableData } from "../components/table";
 import { TableFrame } from "../components/table-frame";
-import { count, number, plural } from "../format";
+import { HeadRow, numberHead, TableScroll } from "../components/table-parts";
+import { count, intervalText, number, plural } from "../format";
 import { param, setParams } from "../state/url";
-import { cellAt, combinations, isNumeric, pointsOf, rowsAndColumns, type Axis } from "./campaign-axes";
-import { CURVES_UP_TO, Differences, Times, type Campaign } from "./campaign-parts";
+import {
+  type Axis,
+  cellAt,
+  combinations,
+  isNumeric,
+  pointsOf,
+  rowsAndColumns,
+} from "./campaign-axes";
+import { type Campaign, CURVES_UP_TO, Differences, Times } from "./campaign-parts";
 import { CellTable } from "./cell-table";
 
 export function JobCampaign({ campaign }: { campaign: Campaign }): JSX.Element {
-  const outcome = campaign.outcomes.find((name) => name === param("outcome")) ?? campaign.outcomes[0];
+  const outcome =
+    campaign.outcomes.find((name) => name === param("outcome")) ?? campaign.outcomes[0];
   if (!outcome) return <Empty title="No run gave a number." />;
-  const x = campaign.axes.find((axis) => axis.name === param("x")) ?? campaign.axes.find(isNumeric) ?? campaign.axes[0];
+  const x =
+    campaign.axes.find((axis) => axis.name === param("x")) ??
+    campaign.axes.find(isNumeric) ??
+    campaign.axes[0];
   return (
     <div class="summary">
       <Choices campaign={campaign} outcome={outcome} x={x} />
@@ -30,7 +43,15 @@ export function JobCampaign({ campaign }: { campaign: Campaign }): JSX.Element {
   );
 }
 
-function Choices({ campaign, outcome, x }: { campaign: Campaign; outcome: string; x: Axis | undefined }): JSX.Element {
+function Choices({
+  campaign,
+  outcome,
+  x,
+}: {
+  campaign: Campaign;
+  outcome: string;
+  x: Axis | undefined;
+}): JSX.Element {
   const select = (name: string, label: string, values: string[], value: string) => (
     <label>
       <span>{label}</span>
@@ -44,10 +65,22 @@ function Choices({ campaign, outcome, x }: { campaign: Campaign; outcome: string
   return (
     <div class="filters">
       {select("outcome", "Outcome", campaign.outcomes, outcome)}
-      {campaign.axes.length > 1 && x ? select("x", "Over", campaign.axes.map((axis) => axis.name), x.name) : null}
+      {campaign.axes.length > 1 && x
+        ? select(
+            "x",
+            "Over",
+            campaign.axes.map((axis) => axis.name),
+            x.name,
+          )
+        : null}
       {x && isNumeric(x) && x.points.every((point) => Number(point) > 0) ? (
         <label class="check-label">
-          <input type="checkbox" checked={param("log") === "1"} onChange={(event) => setParams({ log: event.currentTarget.checked ? "1" : null })} /> logarithmic axis
+          <input
+            type="checkbox"
+            checked={param("log") === "1"}
+            onChange={(event) => setParams({ log: event.currentTarget.checked ? "1" : null })}
+          />{" "}
+          logarithmic axis
         </label>
       ) : null}
     </div>
@@ -62,15 +95,34 @@ function Grid({ campaign, outcome }: { campaign: Campaign; outcome: string }): J
   const { rows, columns } = rowsAndColumns(campaign.axes);
   const means = campaign.cells.map((cell) => meanOf(cell, outcome)).filter((mean) => mean !== null);
   const [low, high] = [Math.min(...means), Math.max(...means)];
-  const shade = (mean: number | null) => (mean === null || high === low ? 0 : (mean - low) / (high - low));
+  const shade = (mean: number | null) =>
+    mean === null || high === low ? 0 : (mean - low) / (high - low);
   const table = (): TableData => ({
     columns: [...rows.map((axis) => axis.name), ...columns.points],
-    rows: combinations(rows).map((points) => [...points, ...columns.points.map((point) => meanOf(find(points, point), outcome))]),
+    rows: combinations(rows).map((points) => [
+      ...points,
+      ...columns.points.map((point) => meanOf(find(points, point), outcome)),
+    ]),
   });
-  const find = (points: string[], point: string) => (campaign.axes.length ? cellAt(campaign.cells, campaign.axes, { ...pointsOf(rows, points), [columns.name]: point }) : campaign.cells[0]);
+  const find = (points: string[], point: string) =>
+    campaign.axes.length
+      ? cellAt(campaign.cells, campaign.axes, { ...pointsOf(rows, points), [columns.name]: point })
+      : campaign.cells[0];
   return (
     <TableFrame title={`Cells: ${outcome}`} file={`grid-${campaign.file}`} table={table}>
-      <CellTable axes={campaign.axes} label={`Mean of ${outcome} in every cell`} class="tall" cell={(points, point) => <GridCell cell={find(points, point)} outcome={outcome} shade={shade} planned={campaign.runs} />} />
+      <CellTable
+        axes={campaign.axes}
+        label={`Mean of ${outcome} in every cell`}
+        class="tall"
+        cell={(points, point) => (
+          <GridCell
+            cell={find(points, point)}
+            outcome={outcome}
+            shade={shade}
+            planned={campaign.runs}
+          />
+        )}
+      />
     </TableFrame>
   );
 }
@@ -92,9 +144,13 @@ function GridCell({ cell, outcome, shade, planned }: GridCellProps): JSX.Element
   if (!cell || !summary) return <td class="num muted">no run</td>;
   const { mean, interval, missing, method } = summary;
   return (
-    <td class="num grid-cell" style={{ "--shade": shade(mean ?? null).toFixed(3) }} title={`${cell.name}: ${method} interval of ${summary.count} runs`}>
+    <td
+      class="num grid-cell"
+      style={{ "--shade": shade(mean ?? null).toFixed(3) }}
+      title={`${cell.name}: ${method} interval of ${summary.count} runs`}
+    >
       <b>{number(mean)}</b>
-      <span class="sub">{interval ? `[${number(interval.low)}, ${number(interval.high)}]` : "no interval"}</span>
+      <span class="sub">{interval ? intervalText(interval) : "no interval"}</span>
       <span class="sub">
         {runsOf(cell, summary.count, planned)}
         {missing ? `, ${count(missing)} without` : ""}
@@ -107,7 +163,9 @@ function GridCell({ cell, outcome, shade, planned }: GridCellProps): JSX.Element
 function curvesOf(campaign: Campaign, outcome: string, x: Axis): Curve[] {
   const others = campaign.axes.filter((axis) => axis !== x);
   return combinations(others).map((points, order) => {
-    const cells = x.points.map((point) => cellAt(campaign.cells, campaign.axes, { ...pointsOf(others, points), [x.name]: point }));
+    const cells = x.points.map((point) =>
+      cellAt(campaign.cells, campaign.axes, { ...pointsOf(others, points), [x.name]: point }),
+    );
     const place = (index: number) => Number(x.points[index]);
     const sorted = cells.map((_, index) => index).sort((a, b) => place(a) - place(b));
     return {
@@ -126,7 +184,13 @@ const CURVE_COLUMNS = ["mean", "low", "high"];
 
 function curveTable(curves: Curve[], x: Axis): TableData {
   const rowsOf = ({ name, points, band }: Curve) =>
-    points.map(([at, mean], index): Cell[] => [name, at, mean, band?.[index]?.[0] ?? null, band?.[index]?.[1] ?? null]);
+    points.map(([at, mean], index): Cell[] => [
+      name,
+      at,
+      mean,
+      band?.[index]?.[0] ?? null,
+      band?.[index]?.[1] ?? null,
+    ]);
   return { columns: ["curve", x.name, ...CURVE_COLUMNS], rows: curves.flatMap(rowsOf) };
 }
 
@@ -143,20 +207,28 @@ function Curves(props: CurvesProps): JSX.Element {
 function NumericCurves({ campaign, outcome, x }: CurvesProps): JSX.Element {
   const all = useMemo(() => curvesOf(campaign, outcome, x), [campaign, outcome, x]);
   const curves = useMemo(() => all.slice(0, CURVES_UP_TO), [all]);
-  const badge = all.length > curves.length ? `Shown: ${curves.length} of ${all.length} curves; the table below has all` : undefined;
+  const badge =
+    all.length > curves.length
+      ? `Shown: ${curves.length} of ${all.length} curves; the table below has all`
+      : undefined;
   const percent = number(campaign.confidence * 100);
+  const title = `${outcome} over ${x.name}`;
   return (
     <Lines
-      title={`${outcome} over ${x.name}`}
+      title={title}
       file={`curves-${campaign.file}`}
-      label={`${outcome} over ${x.name}: ${plural(curves.length, "curve")} with ${percent} % bands.`}
+      label={`${title}: ${plural(curves.length, "curve")} with ${percent} % bands.`}
       curves={curves}
       xName={x.name}
       yName={outcome}
       logX={param("log") === "1"}
       table={() => curveTable(all, x)}
       badge={badge}
-      tools={<p class="muted small frame-note">Mean of the runs of a cell; the band is its {percent} % interval.</p>}
+      tools={
+        <p class="muted small frame-note">
+          Mean of the runs of a cell; the band is its {percent} % interval.
+        </p>
+      }
       class="curves-canvas"
     />
   );
@@ -165,7 +237,12 @@ function NumericCurves({ campaign, outcome, x }: CurvesProps): JSX.Element {
 function estimateOf(cell: CampaignCell | undefined, outcome: string): Estimate | undefined {
   const summary = cell?.outcomes[outcome];
   if (summary?.mean === null || summary?.mean === undefined) return undefined;
-  return { mean: summary.mean, low: summary.interval?.low, high: summary.interval?.high, runs: summary.count };
+  return {
+    mean: summary.mean,
+    low: summary.interval?.low,
+    high: summary.interval?.high,
+    runs: summary.count,
+  };
 }
 
 /** The points of an axis of names have no order, and nothing between them. */
@@ -174,7 +251,8 @@ function Dots({ campaign, outcome, x }: CurvesProps): JSX.Element {
   const combined = combinations(others);
   const shown = combined.slice(0, CURVES_UP_TO);
   const rowOf = (point: string, series: string[][]): Row => {
-    const cell = (points: string[]) => cellAt(campaign.cells, campaign.axes, { ...pointsOf(others, points), [x.name]: point });
+    const cell = (points: string[]) =>
+      cellAt(campaign.cells, campaign.axes, { ...pointsOf(others, points), [x.name]: point });
     return { name: point, estimates: series.map((points) => estimateOf(cell(points), outcome)) };
   };
   const nameOf = (points: string[]) => points.join(", ") || outcome;
@@ -188,17 +266,26 @@ function Dots({ campaign, outcome, x }: CurvesProps): JSX.Element {
     return { columns: ["curve", x.name, ...CURVE_COLUMNS, "runs"], rows };
   };
   const percent = number(campaign.confidence * 100);
+  const points = plural(x.points.length, "point");
   return (
     <CategoryDots
       title={`${outcome} over ${x.name}`}
       file={`curves-${campaign.file}`}
-      label={`${outcome} of ${plural(x.points.length, "point")} of ${x.name}, with ${percent} % intervals.`}
+      label={`${outcome} of ${points} of ${x.name}, with ${percent} % intervals.`}
       rows={x.points.map((point) => rowOf(point, shown))}
       series={shown.map(nameOf)}
       valueName={outcome}
       table={table}
-      badge={combined.length > shown.length ? `Shown: ${shown.length} of ${combined.length} series; the table below has all` : undefined}
-      tools={<p class="muted small frame-note">Mean of the runs of a cell, the greatest above; the whisker is its {percent} % interval.</p>}
+      badge={
+        combined.length > shown.length
+          ? `Shown: ${shown.length} of ${combined.length} series; the table below has all`
+          : undefined
+      }
+      tools={
+        <p class="muted small frame-note">
+          Mean of the runs of a cell, the greatest above; the whisker is its {percent} % interval.
+        </p>
+      }
     />
   );
 }
@@ -206,29 +293,29 @@ function Dots({ campaign, outcome, x }: CurvesProps): JSX.Element {
 function Everything({ campaign }: { campaign: Campaign }): JSX.Element {
   const { axes, cells, outcomes } = campaign;
   const table = (): TableData => ({
-    columns: [...(axes.length ? axes.map((axis) => axis.name) : ["cell"]), "runs", ...outcomes.flatMap((name) => [name, `${name} low`, `${name} high`])],
+    columns: [
+      ...(axes.length ? axes.map((axis) => axis.name) : ["cell"]),
+      "runs",
+      ...outcomes.flatMap((name) => [name, `${name} low`, `${name} high`]),
+    ],
     rows: cells.map((cell) => [
       ...(axes.length ? axes.map((axis) => cell.parameters[axis.name] ?? null) : [cell.name]),
       cell.runs,
       ...outcomes.flatMap((name): Cell[] => {
         const summary = cell.outcomes[name];
-        return [summary?.mean ?? null, summary?.interval?.low ?? null, summary?.interval?.high ?? null];
+        return [
+          summary?.mean ?? null,
+          summary?.interval?.low ?? null,
+          summary?.interval?.high ?? null,
+        ];
       }),
     ]),
   });
   return (
     <TableFrame title="All outcomes" file={`cells-${campaign.file}`} table={table}>
-      <div class="table-scroll tall" tabIndex={0} role="region" aria-label="All cells and outcomes">
+      <TableScroll label="All cells and outcomes">
         <table class="data">
-          <thead>
-            <tr>
-              {["Cell", "Runs", ...outcomes].map((name, index) => (
-                <th scope="col" class={index ? "num" : undefined}>
-                  {name}
-                </th>
-              ))}
-            </tr>
-          </thead>
+          <HeadRow heads={["Cell", ...["Runs", ...outcomes].map(numberHead)]} />
           <tbody>
             {cells.map((cell) => (
               <tr>
@@ -239,7 +326,7 @@ function Everything({ campaign }: { campaign: Campaign }): JSX.Element {
                   return (
                     <td class="num">
                       {number(cell.outcomes[name]?.mean)}
-                      {interval ? <span class="sub">{`[${number(interval.low)}, ${number(interval.high)}]`}</span> : null}
+                      {interval ? <span class="sub">{intervalText(interval)}</span> : null}
                     </td>
                   );
                 })}
@@ -247,7 +334,7 @@ function Everything({ campaign }: { campaign: Campaign }): JSX.Element {
             ))}
           </tbody>
         </table>
-      </div>
+      </TableScroll>
     </TableFrame>
   );
 }

@@ -1,15 +1,17 @@
-// Which tracks were put together: the cost and how far it may be above the least, every tuple with its statistic, and the search.
+// Which tracks were put together: the cost and how far it may be above the least, every tuple with
+// its statistic, and the search.
 
 import type { JSX, TargetedEvent } from "preact";
 import { useMemo } from "preact/hooks";
-import type { Cell, CorrelationTuple, CorrelateResult, Job, Report } from "../api/types";
+import type { Cell, CorrelateResult, CorrelationTuple, Job, Report } from "../api/types";
 import { NO_EVENT } from "../charts/event-moment";
-import { Lines, type Curve, type Point } from "../charts/lines";
+import { type Curve, Lines, type Point } from "../charts/lines";
 import { TupleChart } from "../charts/tuple-chart";
 import { Empty, Icon } from "../components/basics";
-import { Figures, type Figure } from "../components/figures";
+import { type Figure, Figures } from "../components/figures";
 import type { TableData } from "../components/table";
 import { TableFrame } from "../components/table-frame";
+import { type Head, HeadRow, numberHead, TableScroll } from "../components/table-parts";
 import { capital, count, number, plural, probability, words } from "../format";
 import type { Palette } from "../state/theme";
 import { go, hereHref, param, setParams } from "../state/url";
@@ -19,9 +21,12 @@ const FILTERS = ["all", "right", "wrong", "below the threshold"];
 
 export function JobCorrelation({ job, report }: { job: Job; report: Report }): JSX.Element {
   const result = report.result as CorrelateResult;
-  const { alpha } = ((report.spec as Record<string, unknown>)["statistic"] ?? {}) as { alpha?: number };
+  const { alpha } = ((report.spec as Record<string, unknown>).statistic ?? {}) as {
+    alpha?: number;
+  };
   const file = job.id.slice(-12);
-  const shown = `Shown: ${count(result.tuples.length)} of ${plural(result.counts.tuples, "tuple")}; all are in tuples.csv`;
+  const all = plural(result.counts.tuples, "tuple");
+  const shown = `Shown: ${count(result.tuples.length)} of ${all}; all are in tuples.csv`;
   const badge = result.tuples_left_out ? shown : undefined;
   const table = () => tupleTable(result, result.tuples);
   return (
@@ -51,47 +56,101 @@ export function JobCorrelation({ job, report }: { job: Job; report: Report }): J
 /** Where the plan view shows a tuple. */
 function placeOf(tuple: CorrelationTuple): string {
   const selected = { track: tuple.system_track_id, truth: tuple.truth_id ?? null };
-  return hereHref({ ...NO_EVENT, tab: "plan", ...selected, centre: "selection", span: null, time: null });
+  return hereHref({
+    ...NO_EVENT,
+    tab: "plan",
+    ...selected,
+    centre: "selection",
+    span: null,
+    time: null,
+  });
 }
 
 /** Sums of costs are rounded: a gap below this is none. */
 const ROUNDING = 1e-9;
 
 function gapFigure(gap: number | null | undefined): Figure {
-  if (gap === null || gap === undefined) return { name: "Gap", value: "not known", note: "without a bound" };
-  if (Math.abs(gap) < ROUNDING) return { name: "Gap", value: "0 %", note: "proved to be the least" };
+  if (gap === null || gap === undefined)
+    return { name: "Gap", value: "not known", note: "without a bound" };
+  if (Math.abs(gap) < ROUNDING)
+    return { name: "Gap", value: "0 %", note: "proved to be the least" };
   return { name: "Gap", value: `${number(gap * 100)} %`, note: "at most, above the least" };
 }
 
 function figures(result: CorrelateResult): Figure[] {
   const { counts, truth, gap } = result;
-  const known = (value: number | null | undefined) => (value === null || value === undefined ? "not known" : number(value));
+  const known = (value: number | null | undefined) =>
+    value === null || value === undefined ? "not known" : number(value);
   const list: Figure[] = [
-    { name: "Cost J", value: number(result.cost), note: `${words(result.correlator)}, ${words(result.statistic)}` },
+    {
+      name: "Cost J",
+      value: number(result.cost),
+      note: `${words(result.correlator)}, ${words(result.statistic)}`,
+    },
     { name: "Dual bound", value: known(result.dual_bound), note: "no division costs less" },
     gapFigure(gap),
-    { name: "Tuples", value: count(counts.tuples), note: `of ${plural(counts.tracks, "track")} of ${plural(counts.sensors, "sensor")}` },
-    { name: "Alone", value: count(counts.unassociated), note: `${plural(counts.system_tracks, "system track")} in all` },
-    { name: "Common times", value: count(counts.common_times), note: `${plural(counts.dimensions, "number")}, ${plural(counts.links, "link")}` },
+    {
+      name: "Tuples",
+      value: count(counts.tuples),
+      note: `of ${plural(counts.tracks, "track")} of ${plural(counts.sensors, "sensor")}`,
+    },
+    {
+      name: "Alone",
+      value: count(counts.unassociated),
+      note: `${plural(counts.system_tracks, "system track")} in all`,
+    },
+    {
+      name: "Common times",
+      value: count(counts.common_times),
+      note: `${plural(counts.dimensions, "number")}, ${plural(counts.links, "link")}`,
+    },
   ];
   if (!truth) return list;
   return [
     ...list,
-    { name: "Tuples right", value: `${count(truth.tuples_right)} of ${count(truth.tuples)}`, note: `share ${probability(truth.share_right)} of targets that two sensors or more saw` },
-    { name: "Pairs", value: probability(truth.pairwise_precision), note: `precision; recall ${probability(truth.pairwise_recall)}` },
+    {
+      name: "Tuples right",
+      value: `${count(truth.tuples_right)} of ${count(truth.tuples)}`,
+      note: `share ${probability(truth.share_right)} of targets that two sensors or more saw`,
+    },
+    {
+      name: "Pairs",
+      value: probability(truth.pairwise_precision),
+      note: `precision; recall ${probability(truth.pairwise_recall)}`,
+    },
     { name: "False tracks", value: count(truth.false_tracks), note: "of no target" },
   ];
 }
 
 function columnsOf(result: CorrelateResult): string[] {
   const known = result.truth ? ["truth", "right"] : [];
-  return ["system track", ...result.sensors.map((sensor) => `track of ${sensor.sensor_id}`), "cost", "b", "Q", "d.o.f.", "p-value", "found", ...known];
+  return [
+    "system track",
+    ...result.sensors.map((sensor) => `track of ${sensor.sensor_id}`),
+    "cost",
+    "b",
+    "Q",
+    "d.o.f.",
+    "p-value",
+    "found",
+    ...known,
+  ];
 }
 
 function rowOf(result: CorrelateResult, tuple: CorrelationTuple): Cell[] {
   const known = result.truth ? [tuple.truth_id ?? null, tuple.right ? "right" : "wrong"] : [];
   const { cost = null, b = null, statistic, degrees_of_freedom, p_value = null, found } = tuple;
-  return [tuple.system_track_id, ...tuple.tracks, cost, b, statistic, degrees_of_freedom, p_value, found, ...known];
+  return [
+    tuple.system_track_id,
+    ...tuple.tracks,
+    cost,
+    b,
+    statistic,
+    degrees_of_freedom,
+    p_value,
+    found,
+    ...known,
+  ];
 }
 
 function tupleTable(result: CorrelateResult, tuples: CorrelationTuple[]): TableData {
@@ -106,12 +165,32 @@ function kept(tuples: CorrelationTuple[], alpha: number | undefined): Correlatio
   const filter = param("tuples");
   if (filter === "right") return tuples.filter((tuple) => tuple.right === true);
   if (filter === "wrong") return tuples.filter((tuple) => tuple.right === false);
-  return filter === "below the threshold" ? tuples.filter((tuple) => isBelow(tuple, alpha)) : tuples;
+  return filter === "below the threshold"
+    ? tuples.filter((tuple) => isBelow(tuple, alpha))
+    : tuples;
 }
 
-function Matrix({ result, alpha, file, badge }: { result: CorrelateResult; alpha: number | undefined; file: string; badge: string | undefined }): JSX.Element {
+function headsOf(result: CorrelateResult): Head[] {
+  return columnsOf(result).map((name, column) => {
+    const isNumber = column > result.sensors.length && !["truth", "right"].includes(name);
+    return isNumber ? numberHead(name) : name;
+  });
+}
+
+function Matrix({
+  result,
+  alpha,
+  file,
+  badge,
+}: {
+  result: CorrelateResult;
+  alpha: number | undefined;
+  file: string;
+  badge: string | undefined;
+}): JSX.Element {
   const tuples = kept(result.tuples, alpha);
-  const choose = ({ currentTarget: { value } }: TargetedEvent<HTMLSelectElement>) => setParams({ tuples: value === "all" ? null : value });
+  const choose = ({ currentTarget: { value } }: TargetedEvent<HTMLSelectElement>) =>
+    setParams({ tuples: value === "all" ? null : value });
   const tools = (
     <div class="filters frame-filters">
       <label>
@@ -123,32 +202,30 @@ function Matrix({ result, alpha, file, badge }: { result: CorrelateResult; alpha
         </select>
       </label>
       <p class="muted small">
-        {count(Math.min(tuples.length, ROWS))} of {count(result.counts.tuples)} shown{alpha === undefined ? "" : ` · p below α = ${alpha} is marked`}
+        {count(Math.min(tuples.length, ROWS))} of {count(result.counts.tuples)} shown
+        {alpha === undefined ? "" : ` · p below α = ${alpha} is marked`}
         {badge ? ` · ${badge}` : ""}
         {result.truth ? ` · ${rightText(result)}` : ""}
       </p>
     </div>
   );
   return (
-    <TableFrame title="Tuples" file={`tuples-${file}`} table={() => tupleTable(result, tuples)} tools={tools}>
-      <div class="table-scroll tall" tabIndex={0} role="region" aria-label="Tuples and sensors">
+    <TableFrame
+      title="Tuples"
+      file={`tuples-${file}`}
+      table={() => tupleTable(result, tuples)}
+      tools={tools}
+    >
+      <TableScroll label="Tuples and sensors">
         <table class="data tuples">
-          <thead>
-            <tr>
-              {columnsOf(result).map((name, column) => (
-                <th scope="col" class={column > result.sensors.length && !["truth", "right"].includes(name) ? "num" : undefined}>
-                  {name}
-                </th>
-              ))}
-            </tr>
-          </thead>
+          <HeadRow heads={headsOf(result)} />
           <tbody>
             {tuples.slice(0, ROWS).map((tuple) => (
               <Row key={tuple.system_track_id} tuple={tuple} result={result} alpha={alpha} />
             ))}
           </tbody>
         </table>
-      </div>
+      </TableScroll>
     </TableFrame>
   );
 }
@@ -159,12 +236,24 @@ function rightText({ truth, tuples }: CorrelateResult): string {
   const wrong = tuples.filter((tuple) => tuple.right === false).length;
   if (!truth || !wrong) return rule;
   const which = wrong === 1 ? "the wrong tuple" : `each of the ${count(wrong)} wrong tuples`;
-  if (truth.pairwise_precision !== 1) return `${rule} ${capital(which)} holds tracks of several targets or of none, or lacks some of its target.`;
+  if (truth.pairwise_precision !== 1) {
+    const fault = "holds tracks of several targets or of none, or lacks some of its target";
+    return `${rule} ${capital(which)} ${fault}.`;
+  }
   const pairs = "No two tracks of different targets were put together (pair precision 1)";
-  return `${rule} ${pairs}, so ${which} lacks tracks of its target: other pieces of it stand alone or in another tuple.`;
+  const rest = "other pieces of it stand alone or in another tuple";
+  return `${rule} ${pairs}, so ${which} lacks tracks of its target: ${rest}.`;
 }
 
-function Row({ tuple, result, alpha }: { tuple: CorrelationTuple; result: CorrelateResult; alpha: number | undefined }): JSX.Element {
+function Row({
+  tuple,
+  result,
+  alpha,
+}: {
+  tuple: CorrelationTuple;
+  result: CorrelateResult;
+  alpha: number | undefined;
+}): JSX.Element {
   const show = () => go(placeOf(tuple));
   const below = isBelow(tuple, alpha);
   const pressed = (event: MouseEvent) => {
@@ -173,7 +262,12 @@ function Row({ tuple, result, alpha }: { tuple: CorrelationTuple; result: Correl
   return (
     <tr class="selectable" onClick={pressed}>
       <td>
-        <button type="button" class="link" onClick={show} aria-label={`Show system track ${tuple.system_track_id} in the plan view`}>
+        <button
+          type="button"
+          class="link"
+          onClick={show}
+          aria-label={`Show system track ${tuple.system_track_id} in the plan view`}
+        >
           {tuple.system_track_id}
         </button>
       </td>
@@ -214,12 +308,32 @@ function searchCurves(result: CorrelateResult): Curve[] {
   const { search, dual_bound } = result;
   const points = (values: number[]): Point[] => values.map((value, index) => [index + 1, value]);
   const curves: Curve[] = [
-    { name: "best", points: points(search?.best ?? []), color: track, look: "solid", symbol: "circle" },
-    { name: "mean", points: points(search?.mean ?? []), color: muted, look: "dashed", symbol: "triangle" },
+    {
+      name: "best",
+      points: points(search?.best ?? []),
+      color: track,
+      look: "solid",
+      symbol: "circle",
+    },
+    {
+      name: "mean",
+      points: points(search?.mean ?? []),
+      color: muted,
+      look: "dashed",
+      symbol: "triangle",
+    },
   ];
   if (dual_bound === null || dual_bound === undefined) return curves;
   const ends = [1, Math.max(search?.generations ?? 1, 2)];
-  return [...curves, { name: "dual bound", points: ends.map((x): Point => [x, dual_bound]), color: chosen, look: "dotted" }];
+  return [
+    ...curves,
+    {
+      name: "dual bound",
+      points: ends.map((x): Point => [x, dual_bound]),
+      color: chosen,
+      look: "dotted",
+    },
+  ];
 }
 
 function Search({ result, file }: { result: CorrelateResult; file: string }): JSX.Element {
@@ -229,15 +343,24 @@ function Search({ result, file }: { result: CorrelateResult; file: string }): JS
   if (search.generations < 2) {
     return (
       <p class="muted">
-        The search ended with its first answers ({words(search.stop)}): best {number(search.best[0])}
-        {search.evaluations ? `, mean ${number(search.mean[0])} of ${plural(search.evaluations, "solution")}` : ""}.
+        The search ended with its first answers ({words(search.stop)}): best{" "}
+        {number(search.best[0])}
+        {search.evaluations
+          ? `, mean ${number(search.mean[0])} of ${plural(search.evaluations, "solution")}`
+          : ""}
+        .
       </p>
     );
   }
-  const rows = search.best.map((best, index): Cell[] => [index + 1, best, search.mean[index] ?? null]);
+  const rows = search.best.map((best, index): Cell[] => [
+    index + 1,
+    best,
+    search.mean[index] ?? null,
+  ]);
   const note = (
     <p class="muted small frame-note">
-      {plural(search.generations, "generation")}, {plural(search.evaluations, "solution")} evaluated; it ended because: {words(search.stop)}.
+      {plural(search.generations, "generation")}, {plural(search.evaluations, "solution")}{" "}
+      evaluated; it ended because: {words(search.stop)}.
     </p>
   );
   return (
@@ -255,7 +378,11 @@ function Search({ result, file }: { result: CorrelateResult; file: string }): JS
 }
 
 function NoSearch({ result }: { result: CorrelateResult }): JSX.Element {
-  return <p class="muted">{capital(words(result.correlator))} does not search by generations: there is no trace.</p>;
+  return (
+    <p class="muted">
+      {capital(words(result.correlator))} does not search by generations: there is no trace.
+    </p>
+  );
 }
 
 function Alone({ result }: { result: CorrelateResult }): JSX.Element | null {
@@ -264,7 +391,8 @@ function Alone({ result }: { result: CorrelateResult }): JSX.Element | null {
   return (
     <details class="panel">
       <summary>
-        {count(result.counts.unassociated)} {result.counts.unassociated === 1 ? "track is" : "tracks are"} alone
+        {count(result.counts.unassociated)}{" "}
+        {result.counts.unassociated === 1 ? "track is" : "tracks are"} alone
       </summary>
       <ul class="chips">
         {result.unassociated.map(({ sensor_id, track_id }) => (

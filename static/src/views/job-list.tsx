@@ -5,7 +5,17 @@ import type { JSX, TargetedEvent } from "preact";
 import { useEffect } from "preact/hooks";
 import { cancelJob, listJobs } from "../api/client";
 import type { Job, JobPage } from "../api/types";
-import { asProblem, Empty, Icon, Link, Loading, ProblemBox, ProgressBar, StateBadge } from "../components/basics";
+import {
+  asProblem,
+  Empty,
+  Icon,
+  Link,
+  Loading,
+  ProblemBox,
+  ProgressBar,
+  StateBadge,
+} from "../components/basics";
+import { HeadRow, hiddenHead, numberHead } from "../components/table-parts";
 import { duration, moment, seconds } from "../format";
 import { isActive, poll } from "../state/live";
 import { pageHref, param, setParams } from "../state/url";
@@ -28,12 +38,17 @@ interface Listing {
 function merged(first: JobPage, before: Listing | undefined): Listing {
   const known = new Set(first.items.map((job) => job.id));
   const later = (before?.jobs ?? []).slice(PAGE).filter((job) => !known.has(job.id));
-  return { jobs: [...first.items, ...later], next: later.length ? before?.next : first.next_cursor, updated: new Date() };
+  return {
+    jobs: [...first.items, ...later],
+    next: later.length ? before?.next : first.next_cursor,
+    updated: new Date(),
+  };
 }
 
 function Filters(): JSX.Element {
   const text = param("q") ?? "";
-  const choose = (name: string) => (event: TargetedEvent<HTMLSelectElement>) => setParams({ [name]: event.currentTarget.value });
+  const choose = (name: string) => (event: TargetedEvent<HTMLSelectElement>) =>
+    setParams({ [name]: event.currentTarget.value });
   const select = (name: string, label: string, values: string[]) => (
     <label>
       <span>{label}</span>
@@ -51,7 +66,13 @@ function Filters(): JSX.Element {
       {select("kind", "Kind", KINDS)}
       <label class="grow">
         <span>Name or id</span>
-        <input type="search" data-filter value={text} placeholder="Press / to filter" onInput={(event) => setParams({ q: event.currentTarget.value })} />
+        <input
+          type="search"
+          data-filter
+          value={text}
+          placeholder="Press / to filter"
+          onInput={(event) => setParams({ q: event.currentTarget.value })}
+        />
       </label>
     </form>
   );
@@ -64,8 +85,17 @@ function ticked(): string[] {
 function Tick({ job }: { job: Job }): JSX.Element {
   const ids = ticked();
   const isOn = ids.includes(job.id);
-  const change = () => setParams({ ticked: (isOn ? ids.filter((id) => id !== job.id) : [...ids, job.id]).join(",") });
-  return <input type="checkbox" checked={isOn} disabled={!isOn && ids.length >= MOST_COMPARED} aria-label={`Compare ${job.name || job.id}`} onChange={change} />;
+  const change = () =>
+    setParams({ ticked: (isOn ? ids.filter((id) => id !== job.id) : [...ids, job.id]).join(",") });
+  return (
+    <input
+      type="checkbox"
+      checked={isOn}
+      disabled={!isOn && ids.length >= MOST_COMPARED}
+      aria-label={`Compare ${job.name || job.id}`}
+      onChange={change}
+    />
+  );
 }
 
 function CompareBar(): JSX.Element | null {
@@ -73,7 +103,13 @@ function CompareBar(): JSX.Element | null {
   if (!ids.length) return null;
   return (
     <p class="compare-bar">
-      {ids.length === 1 ? <span class="muted">One job is ticked; another one makes a comparison.</span> : <Link class="button primary" href={compareHref(ids)}>Compare {ids.length} jobs</Link>}
+      {ids.length === 1 ? (
+        <span class="muted">One job is ticked; another one makes a comparison.</span>
+      ) : (
+        <Link class="button primary" href={compareHref(ids)}>
+          Compare {ids.length} jobs
+        </Link>
+      )}
       <button type="button" class="quiet" onClick={() => setParams({ ticked: null })}>
         Untick all
       </button>
@@ -87,7 +123,9 @@ function JobRow({ job, cancel }: { job: Job; cancel: (job: Job) => void }): JSX.
     <tr class={`row-${job.state}`}>
       <td class="cell-tick">{job.state === "succeeded" ? <Tick job={job} /> : null}</td>
       <td class="cell-name">
-        <Link href={pageHref({ view: "job", job: job.id })}>{job.name || <span class="mono">{job.id}</span>}</Link>
+        <Link href={pageHref({ view: "job", job: job.id })}>
+          {job.name || <span class="mono">{job.id}</span>}
+        </Link>
         {job.name ? <span class="mono muted id">{job.id.slice(-12)}</span> : null}
       </td>
       <td>{job.kind}</td>
@@ -101,10 +139,17 @@ function JobRow({ job, cancel }: { job: Job; cancel: (job: Job) => void }): JSX.
           {moment(job.created_at)}
         </time>
       </td>
-      <td class="num">{job.started_at ? duration(seconds(job.started_at, job.finished_at)) : "–"}</td>
+      <td class="num">
+        {job.started_at ? duration(seconds(job.started_at, job.finished_at)) : "–"}
+      </td>
       <td class="cell-action">
         {job.can_cancel && !job.cancel_requested_at ? (
-          <button type="button" class="quiet" onClick={() => cancel(job)} aria-label={`Cancel ${job.name || job.id}`}>
+          <button
+            type="button"
+            class="quiet"
+            onClick={() => cancel(job)}
+            aria-label={`Cancel ${job.name || job.id}`}
+          >
             Cancel
           </button>
         ) : null}
@@ -133,29 +178,21 @@ function Nothing(): JSX.Element {
   );
 }
 
+const HEADS = [
+  hiddenHead("Compare"),
+  "Name",
+  "Kind",
+  "State",
+  numberHead("Created"),
+  numberHead("Duration"),
+  hiddenHead("Action"),
+];
+
 function Rows({ jobs, cancel }: { jobs: Job[]; cancel: (job: Job) => void }): JSX.Element {
   return (
     <div class="table-scroll">
       <table class="jobs">
-        <thead>
-          <tr>
-            <th scope="col">
-              <span class="visually-hidden">Compare</span>
-            </th>
-            <th scope="col">Name</th>
-            <th scope="col">Kind</th>
-            <th scope="col">State</th>
-            <th scope="col" class="num">
-              Created
-            </th>
-            <th scope="col" class="num">
-              Duration
-            </th>
-            <th scope="col">
-              <span class="visually-hidden">Action</span>
-            </th>
-          </tr>
-        </thead>
+        <HeadRow heads={HEADS} />
         <tbody>
           {jobs.map((job) => (
             <JobRow key={job.id} job={job} cancel={cancel} />
@@ -170,7 +207,12 @@ export function JobList(): JSX.Element {
   const listing = useSignal<Listing | undefined>(undefined);
   const error = useSignal<unknown>(undefined);
   const round = useSignal(0);
-  const query = { state: param("state") ?? undefined, kind: param("kind") ?? undefined, q: param("q") ?? undefined, limit: PAGE };
+  const query = {
+    state: param("state") ?? undefined,
+    kind: param("kind") ?? undefined,
+    q: param("q") ?? undefined,
+    limit: PAGE,
+  };
   const key = JSON.stringify(query);
   useEffect(() => {
     listing.value = undefined;
@@ -195,14 +237,19 @@ export function JobList(): JSX.Element {
     };
   }, [key, round.value]);
   const again = () => (round.value += 1);
-  const cancel = (job: Job) => void cancelJob(job.id).then(again, (failure: unknown) => (error.value = failure));
+  const cancel = (job: Job) =>
+    void cancelJob(job.id).then(again, (failure: unknown) => (error.value = failure));
   const more = async () => {
     const before = listing.peek();
     if (!before?.next) return;
     try {
       const page = await listJobs({ ...clean(query), cursor: before.next });
       const known = new Set(before.jobs.map((job) => job.id));
-      listing.value = { ...before, jobs: [...before.jobs, ...page.items.filter((job) => !known.has(job.id))], next: page.next_cursor };
+      listing.value = {
+        ...before,
+        jobs: [...before.jobs, ...page.items.filter((job) => !known.has(job.id))],
+        next: page.next_cursor,
+      };
     } catch (failure) {
       error.value = failure;
     }
@@ -236,7 +283,8 @@ function Body({ listing, error, again, cancel, more }: BodyProps): JSX.Element {
     <>
       {error ? (
         <p class="stale" role="status">
-          <Icon name="warning" /> {asProblem(error).title}. Shown as of {moment(listing.updated.toISOString())}; trying again.
+          <Icon name="warning" /> {asProblem(error).title}. Shown as of{" "}
+          {moment(listing.updated.toISOString())}; trying again.
         </p>
       ) : null}
       {listing.jobs.length ? <Rows jobs={listing.jobs} cancel={cancel} /> : <Nothing />}
@@ -253,5 +301,7 @@ function Body({ listing, error, again, cancel, more }: BodyProps): JSX.Element {
 }
 
 function clean<T extends object>(query: T): T {
-  return Object.fromEntries(Object.entries(query).filter(([, value]) => value !== undefined && value !== "")) as T;
+  return Object.fromEntries(
+    Object.entries(query).filter(([, value]) => value !== undefined && value !== ""),
+  ) as T;
 }

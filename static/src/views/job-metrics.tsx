@@ -1,7 +1,8 @@
-// Everything that the metrics say: each quantity with its unit and parameters, over time and over other axes, and what happened.
+// Everything that the metrics say: each quantity with its unit and parameters, over time and over
+// other axes, and what happened.
 
 import type { JSX } from "preact";
-import { partsOf, type Cell, type Job, type MetricReport, type Report } from "../api/types";
+import { type Cell, type Job, type MetricReport, partsOf, type Report } from "../api/types";
 import { Lines, lookOf, type Point } from "../charts/lines";
 import { Empty, Link, Loading } from "../components/basics";
 import { useResource } from "../components/resource";
@@ -42,19 +43,37 @@ export function JobMetrics({ job, report }: { job: Job; report: Report }): JSX.E
     <div class="summary">
       {names.length ? <SequenceChoice names={names} chosen={sequence} /> : null}
       <MetricTable metrics={shown} file={file} />
-      <OverTime jobId={job.id} metrics={metrics} names={names} sequence={sequence} file={file} origin={origin} />
+      <OverTime
+        jobId={job.id}
+        metrics={metrics}
+        names={names}
+        sequence={sequence}
+        file={file}
+        origin={origin}
+      />
       <MetricCurves metrics={shown} file={file} />
-      {events ? <EventViews job={job} sequence={ofSequence} file={file} origin={origin} hasPlan={hasPlan} /> : null}
+      {events ? (
+        <EventViews job={job} sequence={ofSequence} file={file} origin={origin} hasPlan={hasPlan} />
+      ) : null}
     </div>
   );
 }
 
-function SequenceChoice({ names, chosen }: { names: string[]; chosen: string | undefined }): JSX.Element {
+function SequenceChoice({
+  names,
+  chosen,
+}: {
+  names: string[];
+  chosen: string | undefined;
+}): JSX.Element {
   return (
     <div class="filters">
       <label>
         <span>Sequence</span>
-        <select value={chosen ?? ""} onChange={(event) => setParams({ sequence: event.currentTarget.value })}>
+        <select
+          value={chosen ?? ""}
+          onChange={(event) => setParams({ sequence: event.currentTarget.value })}
+        >
           <option value="">all together</option>
           {names.map((name) => (
             <option value={name}>{name}</option>
@@ -68,14 +87,30 @@ function SequenceChoice({ names, chosen }: { names: string[]; chosen: string | u
 function metricRows(metrics: Record<string, MetricReport>): Cell[][] {
   return Object.entries(metrics).flatMap(([name, metric]) => {
     const parameters = parametersText(metric);
-    const rowOf = ([quantity, { value, unit, reason }]: Quantities[number]): Cell[] => [name, quantity, value ?? null, unit, reason ?? null, parameters];
+    const rowOf = ([quantity, { value, unit, reason }]: Quantities[number]): Cell[] => [
+      name,
+      quantity,
+      value ?? null,
+      unit,
+      reason ?? null,
+      parameters,
+    ];
     return Object.entries(metric.quantities).map(rowOf);
   });
 }
 
-function MetricTable({ metrics, file }: { metrics: Record<string, MetricReport>; file: string }): JSX.Element {
+function MetricTable({
+  metrics,
+  file,
+}: {
+  metrics: Record<string, MetricReport>;
+  file: string;
+}): JSX.Element {
   const find = (param("find") ?? "").toLowerCase();
-  const table = (): TableData => ({ columns: ["metric", "quantity", "value", "unit", "reason", "parameters"], rows: metricRows(metrics) });
+  const table = (): TableData => ({
+    columns: ["metric", "quantity", "value", "unit", "reason", "parameters"],
+    rows: metricRows(metrics),
+  });
   const tools = (
     <div class="filters frame-filters" role="search">
       <label class="grow">
@@ -91,7 +126,9 @@ function MetricTable({ metrics, file }: { metrics: Record<string, MetricReport>;
     </div>
   );
   const groups = Object.entries(metrics).flatMap(([name, metric]) => {
-    const kept = Object.entries(metric.quantities).filter(([quantity]) => matches(find, name, quantity));
+    const kept = Object.entries(metric.quantities).filter(([quantity]) =>
+      matches(find, name, quantity),
+    );
     return kept.length ? [{ name, metric, kept }] : [];
   });
   return (
@@ -111,18 +148,30 @@ function MetricTable({ metrics, file }: { metrics: Record<string, MetricReport>;
 
 /** By the name in the report or by the one that the field uses. */
 function matches(find: string, metric: string, quantity: string): boolean {
-  return [quantity, quantityName(metric, quantity)].some((name) => `${metric} ${name}`.toLowerCase().includes(find));
+  return [quantity, quantityName(metric, quantity)].some((name) =>
+    `${metric} ${name}`.toLowerCase().includes(find),
+  );
 }
 
 type Quantities = [string, MetricReport["quantities"][string]][];
 
-function MetricGroup({ name, metric, kept }: { name: string; metric: MetricReport; kept: Quantities }): JSX.Element {
+function MetricGroup({
+  name,
+  metric,
+  kept,
+}: {
+  name: string;
+  metric: MetricReport;
+  kept: Quantities;
+}): JSX.Element {
+  const isMissing = metric.value === null || metric.value === undefined;
   return (
     <section class="metric-group" aria-label={name}>
       <h3>
         {name}
         <span class="metric-headline">
-          {metric.value === null || metric.value === undefined ? "undefined" : number(metric.value)} {metric.unit}
+          {`${isMissing ? "undefined" : number(metric.value)} `}
+          {metric.unit}
         </span>
       </h3>
       <p class="muted small">
@@ -171,16 +220,28 @@ interface Panel {
 
 function panelsOf(name: string, metric: MetricReport): Panel[] {
   const axes = [...new Set(metric.curves.map((curve) => curve.axis))];
-  const kindOf = (curve: MetricCurve): Panel["kind"] => (isCount(name, curve.name) ? "counts" : isOfShares(name) ? "shares" : "values");
+  const kindOf = (curve: MetricCurve): Panel["kind"] =>
+    isCount(name, curve.name) ? "counts" : isOfShares(name) ? "shares" : "values";
   const panels = axes.flatMap((axis) =>
     (["values", "shares", "counts"] as const).map((kind) => {
-      return { name, axis, kind, curves: metric.curves.filter((curve) => curve.axis === axis && kindOf(curve) === kind) };
+      return {
+        name,
+        axis,
+        kind,
+        curves: metric.curves.filter((curve) => curve.axis === axis && kindOf(curve) === kind),
+      };
     }),
   );
   return panels.filter(({ curves }) => curves.length > 0);
 }
 
-function MetricCurves({ metrics, file }: { metrics: Record<string, MetricReport>; file: string }): JSX.Element {
+function MetricCurves({
+  metrics,
+  file,
+}: {
+  metrics: Record<string, MetricReport>;
+  file: string;
+}): JSX.Element {
   const panels = Object.entries(metrics).flatMap(([name, metric]) => panelsOf(name, metric));
   return (
     <>
@@ -205,7 +266,10 @@ function CurvePanel({ panel, file }: { panel: Panel; file: string }): JSX.Elemen
     const points = curve.at.map((at, row): Point => [at, curve.values[row] ?? null]);
     return { name: names[index] ?? "", points, ...lookOf(index) };
   });
-  const rows = (curves[0]?.at ?? []).map((at, row): Cell[] => [at, ...curves.map((curve) => curve.values[row] ?? null)]);
+  const rows = (curves[0]?.at ?? []).map((at, row): Cell[] => [
+    at,
+    ...curves.map((curve) => curve.values[row] ?? null),
+  ]);
   return (
     <Lines
       title={title}

@@ -1,10 +1,11 @@
-// One job: its head and live progress, and the tabs of its result. It opens on the summary; pictures load when asked.
+// One job: its head and live progress, and the tabs of its result. It opens on the summary;
+// pictures load when asked.
 
 import { useSignal } from "@preact/signals";
 import type { JSX } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
 import { ApiError, cancelJob, getPlan, getReport, getScanCounts, rerunJob } from "../api/client";
-import { partsOf, type Job, type Report } from "../api/types";
+import { type Job, partsOf, type Report } from "../api/types";
 import { Empty, Link, Loading, ProblemBox, StateBadge } from "../components/basics";
 import { useResource } from "../components/resource";
 import { duration, moment, seconds } from "../format";
@@ -13,7 +14,7 @@ import { go, hereHref, pageHref, param } from "../state/url";
 import { CampaignPage, leftRuns } from "./campaign-page";
 import { JobCorrelation } from "./job-correlation";
 import { JobMetrics } from "./job-metrics";
-import { Tabs, Waiting, type TabName } from "./job-parts";
+import { type TabName, Tabs, Waiting } from "./job-parts";
 import { JobPictures } from "./job-pictures";
 import { hasTrace, JobSearch } from "./job-search";
 import { JobSpec } from "./job-spec";
@@ -38,13 +39,25 @@ export function JobPage({ id }: { id: string }): JSX.Element {
   const failed = (failure: unknown) => (error.value = failure);
   const { kind } = job.value;
   // A campaign that goes on keeps what was chosen to look at.
-  const hrefOf = (fresh: Job) => (kind === "campaign" ? hereHref({ job: fresh.id, tab: null }) : pageHref({ view: "job", job: fresh.id }));
+  const hrefOf = (fresh: Job) =>
+    kind === "campaign"
+      ? hereHref({ job: fresh.id, tab: null })
+      : pageHref({ view: "job", job: fresh.id });
   const rerun = () => void rerunJob(id).then((fresh) => go(hrefOf(fresh)), failed);
   return (
     <article>
-      <Head job={job.value} rerun={rerun} failed={failed} changed={(fresh) => (job.value = fresh)} />
+      <Head
+        job={job.value}
+        rerun={rerun}
+        failed={failed}
+        changed={(fresh) => (job.value = fresh)}
+      />
       {error.value ? <ProblemBox error={error.value} /> : null}
-      {kind === "campaign" ? <CampaignPage key={job.value.id} job={job.value} rerun={rerun} /> : <Outcome job={job.value} />}
+      {kind === "campaign" ? (
+        <CampaignPage key={job.value.id} job={job.value} rerun={rerun} />
+      ) : (
+        <Outcome job={job.value} />
+      )}
     </article>
   );
 }
@@ -72,7 +85,8 @@ function Head({ job, rerun, failed, changed }: HeadProps): JSX.Element {
   return (
     <header class="job-head">
       <p class="crumbs">
-        <Link href={pageHref({})}>Jobs</Link> <span class="muted">/</span> <span class="mono">{job.id}</span>
+        <Link href={pageHref({})}>Jobs</Link> <span class="muted">/</span>{" "}
+        <span class="mono">{job.id}</span>
       </p>
       <div class="title-row">
         <h1>{job.name || `${job.kind} job`}</h1>
@@ -101,15 +115,23 @@ function Head({ job, rerun, failed, changed }: HeadProps): JSX.Element {
         <span>{job.kind}</span>
         <span>seed {job.seed}</span>
         <span>created {moment(job.created_at)}</span>
-        {job.started_at ? <span>took {duration(seconds(job.started_at, job.finished_at))}</span> : null}
+        {job.started_at ? (
+          <span>took {duration(seconds(job.started_at, job.finished_at))}</span>
+        ) : null}
         {job.rerun_of ? (
           <span>
-            rerun of <Link href={pageHref({ view: "job", job: job.rerun_of })}>{job.rerun_of.slice(-12)}</Link>
+            rerun of{" "}
+            <Link href={pageHref({ view: "job", job: job.rerun_of })}>
+              {job.rerun_of.slice(-12)}
+            </Link>
           </span>
         ) : null}
         {job.duplicate_of ? (
           <span>
-            same request as <Link href={pageHref({ view: "job", job: job.duplicate_of })}>{job.duplicate_of.slice(-12)}</Link>
+            same request as{" "}
+            <Link href={pageHref({ view: "job", job: job.duplicate_of })}>
+              {job.duplicate_of.slice(-12)}
+            </Link>
           </span>
         ) : null}
         {Object.entries(job.labels).map(([key, value]) => (
@@ -126,7 +148,12 @@ function Outcome({ job }: { job: Job }): JSX.Element {
   if (isActive(job)) return <Waiting job={job} />;
   if (job.state === "succeeded") return <Result job={job} />;
   if (job.state === "canceled") return <Empty title="This job was canceled. It left no result." />;
-  const problem = job.error ?? { type: "about:blank", title: "The job failed", status: 0, code: "failed" };
+  const problem = job.error ?? {
+    type: "about:blank",
+    title: "The job failed",
+    status: 0,
+    code: "failed",
+  };
   return <ProblemBox error={new ApiError(problem)} />;
 }
 
@@ -149,7 +176,12 @@ function askAhead(job: Job): void {
   if (param("tab") === "spec") return;
   void import("../charts/echarts");
   // Who draws it says what went wrong.
-  const answer = param("tab") === "plan" ? getPlan(job.id) : param("tab") === null && !SCANLESS.includes(job.kind) ? getScanCounts(job.id) : undefined;
+  const answer =
+    param("tab") === "plan"
+      ? getPlan(job.id)
+      : param("tab") === null && !SCANLESS.includes(job.kind)
+        ? getScanCounts(job.id)
+        : undefined;
   answer?.catch(() => undefined);
 }
 

@@ -7,13 +7,19 @@ import { hereHref, pageHref } from "../state/url";
 
 function waitingFor(job: Job): string {
   if (job.state === "running") return "Starting…";
-  return job.depends_on.length ? "Waiting for the job it reads from." : "Waiting for a free worker.";
+  return job.depends_on.length
+    ? "Waiting for the job it reads from."
+    : "Waiting for a free worker.";
 }
 
 export function Waiting({ job }: { job: Job }): JSX.Element {
   return (
     <section class="waiting" aria-live="polite">
-      {job.progress ? <ProgressBar progress={job.progress} /> : <p class="muted">{waitingFor(job)}</p>}
+      {job.progress ? (
+        <ProgressBar progress={job.progress} />
+      ) : (
+        <p class="muted">{waitingFor(job)}</p>
+      )}
       {job.progress ? (
         <p class="muted">
           Step {job.progress.step}: {job.progress.done} of {job.progress.total}
@@ -28,16 +34,34 @@ export function Waiting({ job }: { job: Job }): JSX.Element {
   );
 }
 
-export type TabName = "summary" | "correlation" | "plan" | "verdicts" | "metrics" | "search" | "spec";
+export type TabName =
+  | "summary"
+  | "correlation"
+  | "plan"
+  | "verdicts"
+  | "metrics"
+  | "search"
+  | "spec";
 
-/** What leaves the address when a tab changes: the rest (clock, selection) is the same in every tab. */
+/**
+ * What leaves the address when a tab changes: the rest (clock, selection) is the same in every tab.
+ */
 const TAB_RESET = { page: null };
 
-export function Tabs({ tabs, chosen }: { tabs: [TabName, string][]; chosen: TabName }): JSX.Element {
+export function Tabs({
+  tabs,
+  chosen,
+}: {
+  tabs: [TabName, string][];
+  chosen: TabName;
+}): JSX.Element {
   return (
     <nav class="tabs" aria-label="Result">
       {tabs.map(([name, title]) => (
-        <Link href={hereHref({ ...TAB_RESET, tab: name === "summary" ? null : name })} current={name === chosen}>
+        <Link
+          href={hereHref({ ...TAB_RESET, tab: name === "summary" ? null : name })}
+          current={name === chosen}
+        >
           {title}
         </Link>
       ))}

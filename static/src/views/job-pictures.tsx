@@ -1,21 +1,37 @@
-// The pictures of a job under one clock and one selection: the plan view, what is selected, its probabilities.
+// The pictures of a job under one clock and one selection: the plan view, what is selected, its
+// probabilities.
 
 import type { JSX } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
-import { getArtifactText, getBearingTime, getDataset, getDatasetText, getGates, getPlan, listArtifacts } from "../api/client";
-import { partsOf, type Artifact, type BearingTime, type Job, type Plan, type Report } from "../api/types";
+import {
+  getArtifactText,
+  getBearingTime,
+  getDataset,
+  getDatasetText,
+  getGates,
+  getPlan,
+  listArtifacts,
+} from "../api/client";
+import {
+  type Artifact,
+  type BearingTime,
+  type Job,
+  type Plan,
+  partsOf,
+  type Report,
+} from "../api/types";
 import { bearingScene } from "../charts/bearing-scene";
 import { BearingTimeChart } from "../charts/bearing-time";
 import { ClockBar } from "../charts/clock-bar";
-import { readLevels, type Levels } from "../charts/levels";
+import { type Levels, readLevels } from "../charts/levels";
 import { PlanView } from "../charts/plan-view";
 import { ProbabilityChart } from "../charts/probability";
-import { memberName, sceneOf, type LocalPoint } from "../charts/scene";
+import { type LocalPoint, memberName, sceneOf } from "../charts/scene";
 import { Empty, Link, Loading, ProblemBox } from "../components/basics";
-import { parseCsv, reader, type CsvTable } from "../components/csv";
+import { type CsvTable, parseCsv, reader } from "../components/csv";
 import { useResource } from "../components/resource";
 import { capital, plural } from "../format";
-import { boxesOf, type Boxes } from "../state/boxes";
+import { type Boxes, boxesOf } from "../state/boxes";
 import { createClock } from "../state/clock";
 import { hereHref, param } from "../state/url";
 import { Selection, TupleNote } from "./selection";
@@ -39,11 +55,16 @@ const MOST_RECORD_BYTES = 30e6;
 /** The record that the job made or read, where it is a table of a size for a browser. */
 async function levelsOf(job: Job, report: Report, files: Artifact[]): Promise<Levels | undefined> {
   const made = files.find((file) => file.name === "bearing_time.csv");
-  if (made) return made.bytes <= MOST_RECORD_BYTES ? readLevels(await getArtifactText(job.id, made.name)) : undefined;
+  if (made)
+    return made.bytes <= MOST_RECORD_BYTES
+      ? readLevels(await getArtifactText(job.id, made.name))
+      : undefined;
   const read = report.inputs.find((input) => input.role === "bearing_time")?.dataset_id;
   if (!read) return undefined;
   const set = await getDataset(read);
-  return set.format === "csv" && set.bytes <= MOST_RECORD_BYTES ? readLevels(await getDatasetText(read)) : undefined;
+  return set.format === "csv" && set.bytes <= MOST_RECORD_BYTES
+    ? readLevels(await getDatasetText(read))
+    : undefined;
 }
 
 const RECORD = "record.svg";
@@ -53,22 +74,45 @@ async function load(job: Job, report: Report): Promise<Drawn> {
   const ofLocals = job.kind === "correlate" ? getArtifactText(job.id, "local_tracks.csv") : "";
   const [plan, locals, boxes] = await Promise.all([getPlan(job.id), ofLocals, boxesOf(report)]);
   const hasBearings = plan.notes.length > 0 || plan.detections.columns.x_m.some((x) => x === null);
-  const [bearings, files] = hasBearings ? await Promise.all([getBearingTime(job.id), listArtifacts(job.id)]) : [undefined, []];
+  const [bearings, files] = hasBearings
+    ? await Promise.all([getBearingTime(job.id), listArtifacts(job.id)])
+    : [undefined, []];
   const levels = await levelsOf(job, report, files).catch(() => undefined);
   const hasRecord = files.some((file) => file.name === RECORD);
-  return { plan, locals: localPoints(parseCsv(locals, MOST_LOCAL_POINTS)), bearings, levels, hasRecord, boxes };
+  return {
+    plan,
+    locals: localPoints(parseCsv(locals, MOST_LOCAL_POINTS)),
+    bearings,
+    levels,
+    hasRecord,
+    boxes,
+  };
 }
 
 function localPoints(table: CsvTable): LocalPoint[] {
   const field = (name: string) => reader(table, name);
-  const [time, sensor, track, x, y] = [field("time_s"), field("sensor_id"), field("track_id"), field("x_m"), field("y_m")];
-  return table.rows.map((row) => ({ time: Number(time(row)), sensor: sensor(row), track: track(row), x: Number(x(row)), y: Number(y(row)) }));
+  const [time, sensor, track, x, y] = [
+    field("time_s"),
+    field("sensor_id"),
+    field("track_id"),
+    field("x_m"),
+    field("y_m"),
+  ];
+  return table.rows.map((row) => ({
+    time: Number(time(row)),
+    sensor: sensor(row),
+    track: track(row),
+    x: Number(x(row)),
+    y: Number(y(row)),
+  }));
 }
 
 function membersOf(report: Report): Map<string, Set<string>> {
   const { tuples = [], sensors = [] } = partsOf(report);
   const names = (tracks: (string | null)[]) =>
-    tracks.flatMap((track, index) => (track === null ? [] : [memberName(sensors[index]?.sensor_id ?? "", track)]));
+    tracks.flatMap((track, index) =>
+      track === null ? [] : [memberName(sensors[index]?.sensor_id ?? "", track)],
+    );
   return new Map(tuples.map((tuple) => [tuple.system_track_id, new Set(names(tuple.tracks))]));
 }
 
@@ -88,25 +132,55 @@ function Pictures({ job, drawn, report }: { job: Job; drawn: Drawn; report: Repo
   const hasPlaces = scene.truths.size + scene.tracks.size + scene.clouds.length > 0;
   const track = param("track");
   const gated = track && scene.tracks.has(track) && !locals.length ? track : undefined;
-  const gates = useResource(async () => (gated ? getGates(job.id, gated) : undefined), [job.id, gated, scene]).data;
+  const gates = useResource(
+    async () => (gated ? getGates(job.id, gated) : undefined),
+    [job.id, gated, scene],
+  ).data;
   useEffect(() => clock.dispose, [clock]);
   if (!scene.times.length) return <Nothing boxes={drawn.boxes} report={report} />;
   const hasTracks = scene.tracks.size + (directions?.tracks.size ?? 0) > 0;
-  const notes = [...boxNotes(drawn.boxes), ...plan.notes.map((note) => noteText(note, bearings !== undefined))];
+  const notes = [
+    ...boxNotes(drawn.boxes),
+    ...plan.notes.map((note) => noteText(note, bearings !== undefined)),
+  ];
   return (
     <div class="pictures">
       <div class="pictures-main">
         {bearings && directions ? (
-          <BearingTimeChart jobId={job.id} series={bearings} scene={directions} clock={clock} levels={drawn.levels} />
+          <BearingTimeChart
+            jobId={job.id}
+            series={bearings}
+            scene={directions}
+            clock={clock}
+            levels={drawn.levels}
+          />
         ) : null}
-        {bearings && !hasPlaces ? null : <PlanView jobId={job.id} plan={plan} scene={scene} clock={clock} gates={gates} notes={notes} />}
+        {bearings && !hasPlaces ? null : (
+          <PlanView
+            jobId={job.id}
+            plan={plan}
+            scene={scene}
+            clock={clock}
+            gates={gates}
+            notes={notes}
+          />
+        )}
         <ClockBar clock={clock} />
         {drawn.hasRecord ? <RecordPicture id={job.id} /> : null}
       </div>
       <aside class="pictures-side" aria-label="Selection">
-        <Selection scene={scene} directions={directions} clock={clock} tfa={tfa} gates={gates} maxMissed={maxMissedOf(report)} />
+        <Selection
+          scene={scene}
+          directions={directions}
+          clock={clock}
+          tfa={tfa}
+          gates={gates}
+          maxMissed={maxMissedOf(report)}
+        />
         <TupleNote report={report} />
-        {hasTracks && job.kind !== "correlate" ? <ProbabilityChart jobId={job.id} track={track} clock={clock} /> : null}
+        {hasTracks && job.kind !== "correlate" ? (
+          <ProbabilityChart jobId={job.id} track={track} clock={clock} />
+        ) : null}
       </aside>
     </div>
   );
@@ -114,20 +188,29 @@ function Pictures({ job, drawn, report }: { job: Job; drawn: Drawn; report: Repo
 
 /** Misses in a row that end a track, as the request says. */
 function maxMissedOf(report: Report): number | undefined {
-  const { max_missed } = ((report.spec as Record<string, unknown>)["tracker"] ?? {}) as { max_missed?: number };
+  const { max_missed } = ((report.spec as Record<string, unknown>).tracker ?? {}) as {
+    max_missed?: number;
+  };
   return max_missed;
 }
 
 function boxNotes(boxes: Boxes): string[] {
-  const kinds = [boxes.truths ? plural(boxes.truths, "truth") : "", boxes.tracks ? plural(boxes.tracks, "track") : ""].filter(Boolean);
-  return kinds.length ? [`${kinds.join(" and ")} of boxes in a video: boxes are not drawn in this view.`] : [];
+  const kinds = [
+    boxes.truths ? plural(boxes.truths, "truth") : "",
+    boxes.tracks ? plural(boxes.tracks, "track") : "",
+  ].filter(Boolean);
+  return kinds.length
+    ? [`${kinds.join(" and ")} of boxes in a video: boxes are not drawn in this view.`]
+    : [];
 }
 
 /** What the service says of its answers, as people need it who look at the pictures. */
 function noteText(note: string, hasBearings: boolean): string {
   const of = /^the (truth|tracks) are directions/.exec(note)?.[1];
   if (!of || !hasBearings) return capital(note);
-  return of === "truth" ? "The truth is directions: the bearing–time picture shows it." : "The tracks are directions: the bearing–time picture shows them.";
+  return of === "truth"
+    ? "The truth is directions: the bearing–time picture shows it."
+    : "The tracks are directions: the bearing–time picture shows them.";
 }
 
 /** A job without a place and a scan; of a video it says what there is and where that is told. */
@@ -138,12 +221,16 @@ function Nothing({ boxes, report }: { boxes: Boxes; report: Report }): JSX.Eleme
     <Empty title={note}>
       {partsOf(report).metrics ? (
         <p>
-          <Link href={hereHref({ tab: "metrics" })}>The metrics tab</Link> shows which track followed which target when, and every event.
+          <Link href={hereHref({ tab: "metrics" })}>The metrics tab</Link> shows which track
+          followed which target when, and every event.
         </p>
       ) : null}
     </Empty>
   );
 }
+
+const RECORD_TEXT =
+  "Bearing-time record: levels as shades, time downwards, with detections and tracks over it";
 
 /** The levels of the record, as the service drew them once. */
 function RecordPicture({ id }: { id: string }): JSX.Element {
@@ -152,7 +239,7 @@ function RecordPicture({ id }: { id: string }): JSX.Element {
     <details class="panel record">
       <summary>The record as the service drew it</summary>
       <a href={address} target="_blank" rel="noreferrer">
-        <img src={address} loading="lazy" alt="Bearing-time record: levels as shades, time downwards, with detections and tracks over it" />
+        <img src={address} loading="lazy" alt={RECORD_TEXT} />
       </a>
     </details>
   );

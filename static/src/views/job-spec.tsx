@@ -1,4 +1,5 @@
-// What was asked and what came out: the request as the service understood it, and the files of the result.
+// What was asked and what came out: the request as the service understood it, and the files of the
+// result.
 
 import { useSignal } from "@preact/signals";
 import type { JSX } from "preact";
@@ -7,6 +8,7 @@ import type { Job, Report } from "../api/types";
 import { Icon, Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import { saveText } from "../components/save";
+import { HeadRow, numberHead } from "../components/table-parts";
 import { bytes } from "../format";
 
 export function JobSpec({ job, report }: { job: Job; report: Report }): JSX.Element {
@@ -22,7 +24,13 @@ export function JobSpec({ job, report }: { job: Job; report: Report }): JSX.Elem
           <h2>Request</h2>
           <div class="chart-tools">
             <CopyButton text={text} />
-            <button type="button" class="quiet" onClick={() => saveText(text, `request-${job.id.slice(-12)}.json`, "application/json")}>
+            <button
+              type="button"
+              class="quiet"
+              onClick={() =>
+                saveText(text, `request-${job.id.slice(-12)}.json`, "application/json")
+              }
+            >
               <Icon name="download" /> JSON
             </button>
           </div>
@@ -60,16 +68,7 @@ function Files({ id }: { id: string }): JSX.Element {
   return (
     <div class="table-scroll">
       <table class="data">
-        <thead>
-          <tr>
-            <th scope="col">File</th>
-            <th scope="col">Type</th>
-            <th scope="col" class="num">
-              Size
-            </th>
-            <th scope="col">sha256</th>
-          </tr>
-        </thead>
+        <HeadRow heads={["File", "Type", numberHead("Size"), "sha256"]} />
         <tbody>
           {files.data.map((file) => (
             <tr>

@@ -1,9 +1,18 @@
-// The summary of a finished job: its numbers, warnings, inputs, timing, and what happened scan by scan.
+// The summary of a finished job: its numbers, warnings, inputs, timing, and what happened scan by
+// scan.
 
 import type { JSX } from "preact";
-import { partsOf, type EventCounts, type Grouping, type Job, type MetricReport, type Report, type Tfa } from "../api/types";
+import {
+  type EventCounts,
+  type Grouping,
+  type Job,
+  type MetricReport,
+  partsOf,
+  type Report,
+  type Tfa,
+} from "../api/types";
 import { ScanCounts } from "../charts/scan-counts";
-import { Icon, Link, type IconName } from "../components/basics";
+import { Icon, type IconName, Link } from "../components/basics";
 import { capital, count, duration, number, plural, probability, words } from "../format";
 import { hereHref, pageHref } from "../state/url";
 
@@ -19,7 +28,9 @@ export function JobSummary({ job, report }: { job: Job; report: Report }): JSX.E
       <div class="panels">
         {grouping ? <Groups grouping={grouping} /> : null}
         {tfa ? <OutputTracks tfa={tfa} /> : null}
-        {association ? <Counts title={`Association, ${words(association.method)}`} counts={association.counts} /> : null}
+        {association ? (
+          <Counts title={`Association, ${words(association.method)}`} counts={association.counts} />
+        ) : null}
         {counts ? <Counts title="Scene" counts={counts as Record<string, number>} /> : null}
         {metrics ? <Headlines metrics={metrics} /> : null}
         {events ? <Events events={events} /> : null}
@@ -47,19 +58,28 @@ export function Warnings({ all }: { all: string[] }): JSX.Element | null {
 const VERDICTS = ["correct", "missed", "false"] as const;
 type VerdictName = (typeof VERDICTS)[number];
 
-/** What a probability is the share of: the paper counts the correct ones among output tracks, the others among targets. */
+/**
+ * What a probability is the share of: the paper counts the correct ones among output tracks, the
+ * others among targets.
+ */
 function divisorText({ counts }: Tfa, name: VerdictName): string {
-  return name === "correct" ? plural(counts.output_tracks, "output track") : plural(counts.targets, "target");
+  return name === "correct"
+    ? plural(counts.output_tracks, "output track")
+    : plural(counts.targets, "target");
 }
 
 /** Correct, missed and false: how many targets, and the probabilities as the paper defines them. */
 export function TfaNumbers({ tfa }: { tfa: Tfa }): JSX.Element {
-  const perTarget = tfa.ratios.correct_per_target;
+  const perTarget = probability(tfa.ratios.correct_per_target);
+  const ofTargets = `correct per target ${perTarget}, of ${count(tfa.counts.targets)}`;
   return (
     <section aria-label="Verdicts">
       <div class="verdict-cards">
         {VERDICTS.map((name) => (
-          <Link class={`verdict-card verdict-${name}`} href={hereHref({ tab: "verdicts", verdict: name, page: null })}>
+          <Link
+            class={`verdict-card verdict-${name}`}
+            href={hereHref({ tab: "verdicts", verdict: name, page: null })}
+          >
             <span class="verdict-name">
               <Icon name={name as IconName} /> {name}
             </span>
@@ -68,13 +88,15 @@ export function TfaNumbers({ tfa }: { tfa: Tfa }): JSX.Element {
               P = <b>{probability(tfa.probability[name])}</b>
             </span>
             <span class="muted small">of {divisorText(tfa, name)}</span>
-            {name === "correct" ? <span class="muted small">{`correct per target ${probability(perTarget)}, of ${count(tfa.counts.targets)}`}</span> : null}
+            {name === "correct" ? <span class="muted small">{ofTargets}</span> : null}
           </Link>
         ))}
       </div>
       <p class="muted small verdict-definition">
-        P correct is the share of output tracks that follow one target all its way, so that redundant and false tracks lower it; P missed and
-        P false are shares of targets. The three need not add up to 1. Correct per target is the share of targets that are followed all their way.
+        P correct is the share of output tracks that follow one target all its way, so that
+        redundant and false tracks lower it; P missed and P false are shares of targets. The three
+        need not add up to 1. Correct per target is the share of targets that are followed all their
+        way.
       </p>
     </section>
   );
@@ -106,7 +128,13 @@ function OutputTracks({ tfa }: { tfa: Tfa }): JSX.Element {
   );
 }
 
-function Counts({ title, counts }: { title: string; counts: Record<string, number | undefined> }): JSX.Element {
+function Counts({
+  title,
+  counts,
+}: {
+  title: string;
+  counts: Record<string, number | undefined>;
+}): JSX.Element {
   return (
     <section class="panel">
       <h2>{capital(title)}</h2>
@@ -133,7 +161,9 @@ function Headlines({ metrics }: { metrics: Record<string, MetricReport> }): JSX.
         {Object.entries(metrics).map(([name, { value, unit }]) => (
           <>
             <dt>{name}</dt>
-            <dd>{value === null || value === undefined ? "undefined" : `${number(value)} ${unit}`}</dd>
+            <dd>
+              {value === null || value === undefined ? "undefined" : `${number(value)} ${unit}`}
+            </dd>
           </>
         ))}
       </dl>
@@ -150,7 +180,10 @@ function Events({ events }: { events: EventCounts }): JSX.Element {
           <>
             <dt>{capital(words(name))}</dt>
             <dd>
-              <Link href={hereHref({ tab: "metrics", event: name })} label={`${count(value)} events: ${words(name)}`}>
+              <Link
+                href={hereHref({ tab: "metrics", event: name })}
+                label={`${count(value)} events: ${words(name)}`}
+              >
                 {count(value)}
               </Link>
             </dd>
@@ -187,12 +220,14 @@ export function Timing({ timing }: { timing: Report["timing"] }): JSX.Element {
     <section class="panel">
       <h2>Computing time</h2>
       <dl class="facts">
-        {Object.entries({ ...timing, cells: undefined }).filter(([, value]) => value !== undefined).map(([name, value]) => (
-          <>
-            <dt>{capital(words(name))}</dt>
-            <dd>{duration(value)}</dd>
-          </>
-        ))}
+        {Object.entries({ ...timing, cells: undefined })
+          .filter(([, value]) => value !== undefined)
+          .map(([name, value]) => (
+            <>
+              <dt>{capital(words(name))}</dt>
+              <dd>{duration(value)}</dd>
+            </>
+          ))}
       </dl>
     </section>
   );
@@ -206,8 +241,17 @@ export function Inputs({ report }: { report: Report }): JSX.Element {
       <ul class="inputs">
         {report.inputs.map((input) => (
           <li>
-            <b>{input.role}</b> from {input.source} {input.job_id ? <Link href={pageHref({ view: "job", job: input.job_id })}>{input.job_id.slice(-12)}</Link> : null}
-            {input.dataset_id ? <Link href={pageHref({ view: "dataset", dataset: input.dataset_id })}>{input.dataset_id.slice(-12)}</Link> : null}
+            <b>{input.role}</b> from {input.source}{" "}
+            {input.job_id ? (
+              <Link href={pageHref({ view: "job", job: input.job_id })}>
+                {input.job_id.slice(-12)}
+              </Link>
+            ) : null}
+            {input.dataset_id ? (
+              <Link href={pageHref({ view: "dataset", dataset: input.dataset_id })}>
+                {input.dataset_id.slice(-12)}
+              </Link>
+            ) : null}
             <span class="sub mono" title={input.sha256}>
               sha256 {input.sha256.slice(0, 16)}…
             </span>

@@ -1,24 +1,34 @@
-// The verdicts of the temporal automaton, one row a target; a row leads to the scan where its track went wrong.
+// The verdicts of the temporal automaton, one row a target; a row leads to the scan where its track
+// went wrong.
 
 import type { JSX } from "preact";
 import { useMemo } from "preact/hooks";
 import type { Job, TargetVerdict, Tfa } from "../api/types";
 import { readTfaFiles } from "../charts/automaton";
 import { AutomatonView } from "../charts/automaton-view";
-import { Lines, type Curve, type Point } from "../charts/lines";
-import { Empty, Icon, Link, Loading, ProblemBox, type IconName } from "../components/basics";
+import { type Curve, Lines, type Point } from "../charts/lines";
+import { Empty, Icon, type IconName, Link, Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import { saveText } from "../components/save";
 import { toCsv } from "../components/table";
 import { count, number, probability } from "../format";
 import { useOrigin } from "../state/job-start";
-import { hereHref, go, param, setParams } from "../state/url";
+import { go, hereHref, param, setParams } from "../state/url";
 import { TfaNumbers } from "./job-summary";
 import { placeOf, reason, sentence, took, tookKind } from "./verdicts";
 
 const PAGE = 200;
 
-type Key = "truth_id" | "verdict" | "at_scan" | "expected" | "took" | "took_kind" | "errors" | "log_probability" | "track_id";
+type Key =
+  | "truth_id"
+  | "verdict"
+  | "at_scan"
+  | "expected"
+  | "took"
+  | "took_kind"
+  | "errors"
+  | "log_probability"
+  | "track_id";
 
 const COLUMNS: { key: Key; name: string; numeric?: boolean }[] = [
   { key: "truth_id", name: "Truth" },
@@ -39,7 +49,9 @@ function compare(key: Key, a: TargetVerdict, b: TargetVerdict): number {
   if (left === right) return 0;
   if (left === null || left === undefined) return 1;
   if (right === null || right === undefined) return -1;
-  return typeof left === "number" && typeof right === "number" ? left - right : collator.compare(String(left), String(right));
+  return typeof left === "number" && typeof right === "number"
+    ? left - right
+    : collator.compare(String(left), String(right));
 }
 
 function sorting(): { key: Key; down: boolean } {
@@ -54,8 +66,16 @@ export function filtered(targets: TargetVerdict[]): TargetVerdict[] {
   const { key, down } = sorting();
   return targets
     .filter((target) => !verdict || target.verdict === verdict)
-    .filter((target) => !text || [target.truth_id, target.track_id, target.took_truth_id].some((id) => id?.toLowerCase().includes(text)))
-    .sort((a, b) => (down ? -1 : 1) * compare(key, a, b) || collator.compare(a.truth_id, b.truth_id));
+    .filter(
+      (target) =>
+        !text ||
+        [target.truth_id, target.track_id, target.took_truth_id].some((id) =>
+          id?.toLowerCase().includes(text),
+        ),
+    )
+    .sort(
+      (a, b) => (down ? -1 : 1) * compare(key, a, b) || collator.compare(a.truth_id, b.truth_id),
+    );
 }
 
 function SortHead({ column }: { column: (typeof COLUMNS)[number] }): JSX.Element {
@@ -63,8 +83,16 @@ function SortHead({ column }: { column: (typeof COLUMNS)[number] }): JSX.Element
   const active = key === column.key;
   const next = active && !down ? `-${column.key}` : column.key;
   return (
-    <th scope="col" class={column.numeric ? "num" : undefined} aria-sort={active ? (down ? "descending" : "ascending") : undefined}>
-      <button type="button" class="sort" onClick={() => setParams({ sort: next === "truth_id" ? null : next, page: null })}>
+    <th
+      scope="col"
+      class={column.numeric ? "num" : undefined}
+      aria-sort={active ? (down ? "descending" : "ascending") : undefined}
+    >
+      <button
+        type="button"
+        class="sort"
+        onClick={() => setParams({ sort: next === "truth_id" ? null : next, page: null })}
+      >
         {column.name}
         <span aria-hidden="true">{active ? (down ? " ↓" : " ↑") : ""}</span>
       </button>
@@ -78,9 +106,17 @@ function VerdictRow({ verdict }: { verdict: TargetVerdict }): JSX.Element {
     if (!(event.target as HTMLElement).closest("a, button")) show();
   };
   return (
-    <tr class={`verdict-row selectable${param("truth") === verdict.truth_id ? " selected" : ""}`} onClick={pressed}>
+    <tr
+      class={`verdict-row selectable${param("truth") === verdict.truth_id ? " selected" : ""}`}
+      onClick={pressed}
+    >
       <td>
-        <button type="button" class="link" onClick={show} aria-label={`Show ${verdict.truth_id} in the plan view`}>
+        <button
+          type="button"
+          class="link"
+          onClick={show}
+          aria-label={`Show ${verdict.truth_id} in the plan view`}
+        >
           {verdict.truth_id}
         </button>
       </td>
@@ -103,14 +139,23 @@ function VerdictRow({ verdict }: { verdict: TargetVerdict }): JSX.Element {
 }
 
 function Filter({ tfa, rows }: { tfa: Tfa; rows: TargetVerdict[] }): JSX.Element {
-  const rowOf = (row: TargetVerdict) => [...COLUMNS.map(({ key }) => row[key] ?? null), row.verdict === "correct" ? null : reason(row)];
-  const table = () => ({ columns: [...COLUMNS.map((column) => column.key), "why"], rows: rows.map(rowOf) });
+  const rowOf = (row: TargetVerdict) => [
+    ...COLUMNS.map(({ key }) => row[key] ?? null),
+    row.verdict === "correct" ? null : reason(row),
+  ];
+  const table = () => ({
+    columns: [...COLUMNS.map((column) => column.key), "why"],
+    rows: rows.map(rowOf),
+  });
   const csv = () => saveText(toCsv(table()), "verdicts.csv", "text/csv");
   return (
     <form class="filters" role="search" onSubmit={(event) => event.preventDefault()}>
       <label>
         <span>Verdict</span>
-        <select value={param("verdict") ?? ""} onChange={(event) => setParams({ verdict: event.currentTarget.value, page: null })}>
+        <select
+          value={param("verdict") ?? ""}
+          onChange={(event) => setParams({ verdict: event.currentTarget.value, page: null })}
+        >
           <option value="">all {count(tfa.targets.length)}</option>
           {(["correct", "missed", "false"] as const).map((name) => (
             <option value={name}>
@@ -151,7 +196,9 @@ export function JobVerdicts({ job, tfa }: { job: Job; tfa: Tfa }): JSX.Element {
       {rows.length ? (
         <div class="table-scroll">
           <table class="data">
-            <caption class="visually-hidden">Verdicts; a row leads to the scan that decided it</caption>
+            <caption class="visually-hidden">
+              Verdicts; a row leads to the scan that decided it
+            </caption>
             <thead>
               <tr>
                 {COLUMNS.map((column) => (
@@ -168,7 +215,11 @@ export function JobVerdicts({ job, tfa }: { job: Job; tfa: Tfa }): JSX.Element {
           </table>
         </div>
       ) : (
-        <Empty title={tfa.targets.length ? "No verdict matches this filter." : "There was no target to judge."} />
+        <Empty
+          title={
+            tfa.targets.length ? "No verdict matches this filter." : "There was no target to judge."
+          }
+        />
       )}
       {pages > 1 ? (
         <p class="more">
@@ -217,7 +268,9 @@ function Sets({ tfa }: { tfa: Tfa }): JSX.Element {
             </ul>
             {targets.length > CHIPS ? (
               <p class="small">
-                <Link href={hereHref({ verdict: name, page: null })}>{count(targets.length - CHIPS)} more in the table</Link>
+                <Link href={hereHref({ verdict: name, page: null })}>
+                  {count(targets.length - CHIPS)} more in the table
+                </Link>
               </p>
             ) : null}
           </section>
@@ -239,8 +292,10 @@ function WayOfTarget({ job, tfa }: { job: Job; tfa: Tfa }): JSX.Element | null {
   if (!files.data || origin === undefined) return <Loading what="the automaton" />;
   const { automaton, expected } = files.data;
   const steps = expected.get(chosen.truth_id);
-  if (!automaton) return <p class="muted">The automaton was too large for a file, so that it is not drawn.</p>;
-  if (!steps) return <p class="muted">{`Target ${chosen.truth_id} has no string: ${sentence(chosen)}`}</p>;
+  if (!automaton)
+    return <p class="muted">The automaton was too large for a file, so that it is not drawn.</p>;
+  if (!steps)
+    return <p class="muted">{`Target ${chosen.truth_id} has no string: ${sentence(chosen)}`}</p>;
   const file = `way-${chosen.truth_id}-${job.id.slice(-12)}`;
   return (
     <div class="way-of-target">
@@ -248,9 +303,17 @@ function WayOfTarget({ job, tfa }: { job: Job; tfa: Tfa }): JSX.Element | null {
         <span class={`badge verdict-${chosen.verdict}`}>
           <Icon name={chosen.verdict as IconName} /> {chosen.verdict}
         </span>{" "}
-        <b>{chosen.truth_id}</b> {sentence(chosen)} <Link href={hereHref(placeOf(chosen))}>Show in the plan view</Link>
+        <b>{chosen.truth_id}</b> {sentence(chosen)}{" "}
+        <Link href={hereHref(placeOf(chosen))}>Show in the plan view</Link>
       </p>
-      <AutomatonView key={chosen.truth_id} verdict={chosen} expected={steps} automaton={automaton} file={file} origin={origin} />
+      <AutomatonView
+        key={chosen.truth_id}
+        verdict={chosen}
+        expected={steps}
+        automaton={automaton}
+        file={file}
+        origin={origin}
+      />
     </div>
   );
 }
@@ -259,14 +322,28 @@ function Tolerance({ tfa, file }: { tfa: Tfa; file: string }): JSX.Element | nul
   const curves = useMemo((): Curve[] => {
     const points = tfa.tolerance.map(({ k, correct }): Point => [k, correct]);
     const name = "correct when up to k errors are forgiven";
-    return [{ name, points, color: (palette) => palette.good, look: "solid", symbol: "circle", step: true }];
+    return [
+      {
+        name,
+        points,
+        color: (palette) => palette.good,
+        look: "solid",
+        symbol: "circle",
+        step: true,
+      },
+    ];
   }, [tfa]);
   if (tfa.tolerance.length < 2) return null;
-  const rows = tfa.tolerance.map(({ k, correct, probability: share }) => [k, correct, share ?? null]);
+  const rows = tfa.tolerance.map(({ k, correct, probability: share }) => [
+    k,
+    correct,
+    share ?? null,
+  ]);
   const [first, last] = [tfa.tolerance[0], tfa.tolerance.at(-1)];
   const note = (
     <p class="muted small frame-note">
-      P correct is {probability(first?.probability)} without errors and {probability(last?.probability)} when {last?.k} are forgiven.
+      P correct is {probability(first?.probability)} without errors and{" "}
+      {probability(last?.probability)} when {last?.k} are forgiven.
     </p>
   );
   return (

@@ -1,19 +1,36 @@
-// A new job: start from a preset or from nothing, change it in a form made from the service's schema or as JSON,
-// see the service's own faults at the fields, submit.
+// A new job: start from a preset or from nothing, change it in a form made from the service's
+// schema or as JSON, see the service's own faults at the fields, submit.
 
-import { useSignal, type Signal } from "@preact/signals";
+import { type Signal, useSignal } from "@preact/signals";
 import type { JSX, TargetedEvent } from "preact";
 import { useEffect, useMemo } from "preact/hooks";
-import { ApiError, createJob, getDataset, getJob, getMethods, getSpec, listPresets, validate } from "../api/client";
+import {
+  ApiError,
+  createJob,
+  getDataset,
+  getJob,
+  getMethods,
+  getSpec,
+  listPresets,
+  validate,
+} from "../api/client";
 import type { Fault, JobKind, Methods, Preset, Schema, Validation } from "../api/types";
 import { asProblem, Link, Loading, ProblemBox } from "../components/basics";
 import { useResource } from "../components/resource";
 import { Fields } from "../form/composite";
 import { FormContext } from "../form/context";
-import { initial, isObject, resolve, type JsonObject } from "../form/schema";
+import { initial, isObject, type JsonObject, resolve } from "../form/schema";
 import { capital } from "../format";
 import { go, hereHref, pageHref, param, setParams } from "../state/url";
-import { asFaults, faultsOf, RequestCheck, showField, shownPointer, type Checked, type Failed } from "./request-check";
+import {
+  asFaults,
+  type Checked,
+  type Failed,
+  faultsOf,
+  RequestCheck,
+  showField,
+  shownPointer,
+} from "./request-check";
 
 /** Where to begin without a preset; `parts` are optional fields that most such requests need. */
 const BLANK: { kind: JobKind; summary: string; parts: string[] }[] = [
@@ -25,14 +42,21 @@ const BLANK: { kind: JobKind; summary: string; parts: string[] }[] = [
     parts: ["input", "truth", "associator", "filter", "tracker"],
   },
   { kind: "campaign", summary: "Run a job many times over a grid of its parameters.", parts: [] },
-  { kind: "correlate", summary: "Put the tracks of several sensors together that are of one target, and fuse them.", parts: ["input"] },
+  {
+    kind: "correlate",
+    summary: "Put the tracks of several sensors together that are of one target, and fuse them.",
+    parts: ["input"],
+  },
   { kind: "group", summary: "Put together what several sensors report of one target.", parts: [] },
 ];
 const VALIDATE_AFTER_MS = 300;
 
 export function NewJob(): JSX.Element {
   const from = param("from");
-  const catalogue = useResource(() => Promise.all([getMethods(), listPresets(), from ? jobAsStart(from) : undefined]), [from]);
+  const catalogue = useResource(
+    () => Promise.all([getMethods(), listPresets(), from ? jobAsStart(from) : undefined]),
+    [from],
+  );
   if (catalogue.error) return <ProblemBox error={catalogue.error} retry={catalogue.reload} />;
   if (!catalogue.data) return <Loading what="the catalogue" />;
   const [methods, presets, former] = catalogue.data;
@@ -41,7 +65,11 @@ export function NewJob(): JSX.Element {
   return (
     <section>
       <h1>New job</h1>
-      {kind ? <Editor key={preset?.name ?? kind} kind={kind} start={preset} methods={methods} /> : <Choices presets={presets} />}
+      {kind ? (
+        <Editor key={preset?.name ?? kind} kind={kind} start={preset} methods={methods} />
+      ) : (
+        <Choices presets={presets} />
+      )}
     </section>
   );
 }
@@ -54,12 +82,30 @@ interface Start extends Preset {
 /** An earlier job as the beginning of a new one, with the faults it failed on. */
 async function jobAsStart(id: string): Promise<Start> {
   const [job, body] = await Promise.all([getJob(id), getSpec(id)]);
-  const label = { ...(job.name ? { name: job.name } : {}), ...(Object.keys(job.labels).length ? { labels: job.labels } : {}) };
-  const start = { name: `from ${job.name || id}`, summary: `The request of job ${id}.`, kind: job.kind, body: { ...body, ...label } };
+  const label = {
+    ...(job.name ? { name: job.name } : {}),
+    ...(Object.keys(job.labels).length ? { labels: job.labels } : {}),
+  };
+  const start = {
+    name: `from ${job.name || id}`,
+    summary: `The request of job ${id}.`,
+    kind: job.kind,
+    body: { ...body, ...label },
+  };
   return job.error ? { ...start, failure: new ApiError(job.error) } : start;
 }
 
-function Card({ title, kind, summary, href }: { title: string; kind: string; summary: string; href: string }): JSX.Element {
+function Card({
+  title,
+  kind,
+  summary,
+  href,
+}: {
+  title: string;
+  kind: string;
+  summary: string;
+  href: string;
+}): JSX.Element {
   return (
     <li>
       <Link class="card" href={href}>
@@ -77,7 +123,12 @@ function Choices({ presets }: { presets: Preset[] }): JSX.Element {
       <h2>From a preset</h2>
       <ul class="cards">
         {presets.map((preset) => (
-          <Card title={preset.name} kind={preset.kind} summary={preset.summary} href={hereHref({ preset: preset.name })} />
+          <Card
+            title={preset.name}
+            kind={preset.kind}
+            summary={preset.summary}
+            href={hereHref({ preset: preset.name })}
+          />
         ))}
       </ul>
       <h2>From your own data or scene</h2>
@@ -120,10 +171,13 @@ function useValidation(kind: JobKind, spec: Signal<JsonObject>): Signal<Checked 
 
 /** The sensors of the data set that a request reads: those that it keeps, or all. */
 function useSensorIds(spec: JsonObject): string[] {
-  const input = isObject(spec["input"]) ? spec["input"] : {};
-  const id = typeof input["dataset_id"] === "string" ? input["dataset_id"] : "";
-  const ids = useResource(async () => (id ? (await getDataset(id)).sensor_ids : []), [id]).data ?? [];
-  const kept = Array.isArray(input["sensor_ids"]) ? input["sensor_ids"].filter((sensor) => sensor !== "") : [];
+  const input = isObject(spec.input) ? spec.input : {};
+  const id = typeof input.dataset_id === "string" ? input.dataset_id : "";
+  const ids =
+    useResource(async () => (id ? (await getDataset(id)).sensor_ids : []), [id]).data ?? [];
+  const kept = Array.isArray(input.sensor_ids)
+    ? input.sensor_ids.filter((sensor) => sensor !== "")
+    : [];
   return kept.length ? ids.filter((sensor) => kept.includes(sensor)) : ids;
 }
 
@@ -142,6 +196,23 @@ function byField(faults: Fault[], spec: JsonObject): Map<string, Fault[]> {
   return map;
 }
 
+function Modes({ asJson }: { asJson: boolean }): JSX.Element {
+  return (
+    <div class="tabs" role="tablist" aria-label="How to edit">
+      {["form", "json"].map((mode) => (
+        <button
+          type="button"
+          role="tab"
+          aria-selected={asJson === (mode === "json")}
+          onClick={() => setParams({ as: mode === "json" ? "json" : null })}
+        >
+          {mode === "json" ? "JSON" : "Form"}
+        </button>
+      ))}
+    </div>
+  );
+}
+
 interface EditorProps {
   kind: JobKind;
   start: Start | undefined;
@@ -152,7 +223,9 @@ function Editor({ kind, start, methods }: EditorProps): JSX.Element {
   const root = useMemo(() => requestSchema(methods.requests[kind]), [methods, kind]);
   const spec = useSignal<JsonObject>(start ? { ...start.body } : blank(kind, root));
   const checked = useValidation(kind, spec);
-  const failure = useSignal<Failed | undefined>(start?.failure ? { of: spec.peek(), error: start.failure, before: true } : undefined);
+  const failure = useSignal<Failed | undefined>(
+    start?.failure ? { of: spec.peek(), error: start.failure, before: true } : undefined,
+  );
   const busy = useSignal(false);
   const sensorIds = useSensorIds(spec.value);
   const asJson = param("as") === "json";
@@ -177,17 +250,12 @@ function Editor({ kind, start, methods }: EditorProps): JSX.Element {
   return (
     <>
       <p class="crumbs">
-        <Link href={pageHref({ view: "new" })}>All presets</Link> <span class="muted">/</span> {start?.name ?? capital(kind)}
+        <Link href={pageHref({ view: "new" })}>All presets</Link> <span class="muted">/</span>{" "}
+        {start?.name ?? capital(kind)}
         <span class="muted"> · {kind}</span>
       </p>
       {start ? <p class="lead">{start.summary}</p> : null}
-      <div class="tabs" role="tablist" aria-label="How to edit">
-        {["form", "json"].map((mode) => (
-          <button type="button" role="tab" aria-selected={asJson === (mode === "json")} onClick={() => setParams({ as: mode === "json" ? "json" : null })}>
-            {mode === "json" ? "JSON" : "Form"}
-          </button>
-        ))}
-      </div>
+      <Modes asJson={asJson} />
       <div class="editor">
         <div class="editor-main">
           {asJson ? (
@@ -195,14 +263,24 @@ function Editor({ kind, start, methods }: EditorProps): JSX.Element {
           ) : (
             <FormContext.Provider value={{ root, faults: byField(faults, spec.value), sensorIds }}>
               <form class="schema-form" onSubmit={(event) => event.preventDefault()}>
-                <Fields schema={root} value={spec.value} pointer="" change={(value) => (spec.value = value)} />
+                <Fields
+                  schema={root}
+                  value={spec.value}
+                  pointer=""
+                  change={(value) => (spec.value = value)}
+                />
               </form>
             </FormContext.Provider>
           )}
         </div>
         <aside class="editor-side" aria-label="Check and submit">
           <RequestCheck spec={spec.value} checked={checked.value} failed={failed} asJson={asJson} />
-          <button type="button" class="primary wide" disabled={busy.value} onClick={() => void submit()}>
+          <button
+            type="button"
+            class="primary wide"
+            disabled={busy.value}
+            onClick={() => void submit()}
+          >
             {busy.value ? "Submitting…" : `Submit ${kind} job`}
           </button>
         </aside>

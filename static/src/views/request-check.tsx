@@ -1,4 +1,5 @@
-// What the service says of a request as it stands: valid with what that leaves open, or its faults. One box, never two.
+// What the service says of a request as it stands: valid with what that leaves open, or its faults.
+// One box, never two.
 
 import type { JSX } from "preact";
 import type { ApiError } from "../api/client";
@@ -27,9 +28,15 @@ export function asFaults(error: unknown): Validation {
   return { valid: false, errors: problem.errors?.length ? problem.errors : [whole], warnings: [] };
 }
 
-/** Everything that is wrong with the request: what the check found, and what the same request failed on. */
+/**
+ * Everything that is wrong with the request: what the check found, and what the same request failed
+ * on.
+ */
 export function faultsOf(checked: Checked | undefined, failed: Failed | undefined): Fault[] {
-  const all = [...(failed ? (asProblem(failed.error).errors ?? []) : []), ...(checked?.validation.errors ?? [])];
+  const all = [
+    ...(failed ? (asProblem(failed.error).errors ?? []) : []),
+    ...(checked?.validation.errors ?? []),
+  ];
   const known = new Set<string>();
   return all.filter(({ pointer, detail }) => {
     const key = `${pointer}\u0000${detail}`;
@@ -39,7 +46,10 @@ export function faultsOf(checked: Checked | undefined, failed: Failed | undefine
 
 const unescaped = (token: string): string => token.replaceAll("~1", "/").replaceAll("~0", "~");
 
-/** The field of the form for a place in the request: the place itself, or the nearest part above it that is not there. */
+/**
+ * The field of the form for a place in the request: the place itself, or the nearest part above it
+ * that is not there.
+ */
 export function shownPointer(pointer: string, spec: unknown): string {
   let shown = "";
   let value = spec;
@@ -61,13 +71,19 @@ export function showField(pointer: string): void {
 function reads(value: unknown, key: string): boolean {
   if (Array.isArray(value)) return value.some((item) => reads(item, key));
   if (!isObject(value)) return false;
-  return (typeof value[key] === "string" && value[key] !== "") || Object.values(value).some((item) => reads(item, key));
+  return (
+    (typeof value[key] === "string" && value[key] !== "") ||
+    Object.values(value).some((item) => reads(item, key))
+  );
 }
 
 /** What the check does not look at. */
 function notChecked(spec: JsonObject): string | undefined {
-  if (reads(spec, "job_id")) return "Not checked: what the other job leaves. A fault in it fails this job when it runs.";
-  return reads(spec, "dataset_id") ? "Not checked: the rows of the data. A fault in them fails the job when it runs." : undefined;
+  if (reads(spec, "job_id"))
+    return "Not checked: what the other job leaves. A fault in it fails this job when it runs.";
+  return reads(spec, "dataset_id")
+    ? "Not checked: the rows of the data. A fault in them fails the job when it runs."
+    : undefined;
 }
 
 interface CheckProps {
@@ -80,11 +96,22 @@ interface CheckProps {
 export function RequestCheck({ spec, checked, failed, asJson }: CheckProps): JSX.Element {
   const faults = faultsOf(checked, failed);
   if (failed && !faults.length) return <ProblemBox error={failed.error} />;
-  if (faults.length) return <Faults faults={faults} spec={spec} asJson={asJson} before={failed?.before ?? false} />;
-  return checked?.of === spec ? <Valid validation={checked.validation} note={notChecked(spec)} /> : <p class="muted">Checking…</p>;
+  if (faults.length)
+    return <Faults faults={faults} spec={spec} asJson={asJson} before={failed?.before ?? false} />;
+  return checked?.of === spec ? (
+    <Valid validation={checked.validation} note={notChecked(spec)} />
+  ) : (
+    <p class="muted">Checking…</p>
+  );
 }
 
-function Valid({ validation, note }: { validation: Validation; note: string | undefined }): JSX.Element {
+function Valid({
+  validation,
+  note,
+}: {
+  validation: Validation;
+  note: string | undefined;
+}): JSX.Element {
   const { estimate } = validation;
   return (
     <div class="check ok" role="status">
@@ -94,8 +121,12 @@ function Valid({ validation, note }: { validation: Validation; note: string | un
       {note ? <p class="muted small">{note}</p> : null}
       {estimate ? (
         <dl class="facts">
-          {estimate.detections ? <Fact name="Detections" value={`about ${count(estimate.detections)}`} /> : null}
-          {estimate.cost_s ? <Fact name="Cost" value={`about ${duration(estimate.cost_s)}`} /> : null}
+          {estimate.detections ? (
+            <Fact name="Detections" value={`about ${count(estimate.detections)}`} />
+          ) : null}
+          {estimate.cost_s ? (
+            <Fact name="Cost" value={`about ${duration(estimate.cost_s)}`} />
+          ) : null}
           {estimate.bytes ? <Fact name="Stored" value={`about ${bytes(estimate.bytes)}`} /> : null}
         </dl>
       ) : null}
@@ -129,7 +160,11 @@ function Faults({ faults, spec, asJson, before }: FaultsProps): JSX.Element {
             {asJson || fault.pointer === "" ? (
               <code>{fault.pointer || "/"}</code>
             ) : (
-              <button type="button" class="link mono" onClick={() => showField(shownPointer(fault.pointer, spec))}>
+              <button
+                type="button"
+                class="link mono"
+                onClick={() => showField(shownPointer(fault.pointer, spec))}
+              >
                 {fault.pointer}
               </button>
             )}{" "}

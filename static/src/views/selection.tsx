@@ -1,25 +1,37 @@
-// What is chosen in the pictures of a job: a truth, a track, how its verdict was decided, how its tuple was made.
+// What is chosen in the pictures of a job: a truth, a track, how its verdict was decided, how its
+// tuple was made.
 
 import type { JSX } from "preact";
 import { useEffect, useState } from "preact/hooks";
-import { partsOf, type Gates, type Report, type TargetVerdict, type Tfa } from "../api/types";
+import { type Gates, partsOf, type Report, type TargetVerdict, type Tfa } from "../api/types";
 import type { BearingScene } from "../charts/bearing-scene";
+import { addressedEvent, eventSentence, NO_EVENT } from "../charts/event-moment";
 import { gatesAt, innovationWords } from "../charts/gates";
 import { at, hasEnded, isAlive, missesAtEnd, type Scene, type TrackLine } from "../charts/scene";
-import { Icon, Link, type IconName } from "../components/basics";
+import { Icon, type IconName, Link } from "../components/basics";
 import { Time } from "../components/time";
 import { capital, metres, number, plural, words } from "../format";
 import type { Clock } from "../state/clock";
 import { hereHref, param, setParams } from "../state/url";
 import { timeText } from "../times";
-import { addressedEvent, eventSentence, NO_EVENT } from "../charts/event-moment";
 import { placeOf, sentence } from "./verdicts";
 
-/** Beyond this many the names are found by typing: a list of thousands takes long to make and longer to read. */
+/**
+ * Beyond this many the names are found by typing: a list of thousands takes long to make and longer
+ * to read.
+ */
 const LISTED_UP_TO = 500;
 const SUGGESTED = 50;
 
-function Find({ name, label, ids }: { name: "track" | "truth"; label: string; ids: string[] }): JSX.Element {
+function Find({
+  name,
+  label,
+  ids,
+}: {
+  name: "track" | "truth";
+  label: string;
+  ids: string[];
+}): JSX.Element {
   const chosen = param(name) ?? "";
   const [text, setText] = useState(chosen);
   useEffect(() => setText(chosen), [chosen]);
@@ -44,12 +56,23 @@ function Find({ name, label, ids }: { name: "track" | "truth"; label: string; id
   );
 }
 
-function Pick({ name, label, ids }: { name: "track" | "truth"; label: string; ids: string[] }): JSX.Element {
+function Pick({
+  name,
+  label,
+  ids,
+}: {
+  name: "track" | "truth";
+  label: string;
+  ids: string[];
+}): JSX.Element {
   if (ids.length > LISTED_UP_TO) return <Find name={name} label={label} ids={ids} />;
   return (
     <label>
       <span>{label}</span>
-      <select value={param(name) ?? ""} onChange={(event) => setParams({ ...NO_EVENT, [name]: event.currentTarget.value }, "push")}>
+      <select
+        value={param(name) ?? ""}
+        onChange={(event) => setParams({ ...NO_EVENT, [name]: event.currentTarget.value }, "push")}
+      >
         <option value="">none of {ids.length}</option>
         {ids.map((id) => (
           <option value={id}>{id}</option>
@@ -59,9 +82,15 @@ function Pick({ name, label, ids }: { name: "track" | "truth"; label: string; id
   );
 }
 
-function verdictOf(tfa: Tfa | undefined, truth: string | null, track: string | null): TargetVerdict | undefined {
+function verdictOf(
+  tfa: Tfa | undefined,
+  truth: string | null,
+  track: string | null,
+): TargetVerdict | undefined {
   if (truth) return tfa?.targets.find((target) => target.truth_id === truth);
-  return track ? tfa?.targets.find((target) => (target.track_id ?? target.matched_track_id) === track) : undefined;
+  return track
+    ? tfa?.targets.find((target) => (target.track_id ?? target.matched_track_id) === track)
+    : undefined;
 }
 
 /** How the chosen system track was put together. */
@@ -108,11 +137,23 @@ interface SelectionProps {
   maxMissed: number | undefined;
 }
 
-const idsOf = (one: Map<string, unknown>, other: Map<string, unknown> | undefined) => [...new Set([...one.keys(), ...(other?.keys() ?? [])])];
+const idsOf = (one: Map<string, unknown>, other: Map<string, unknown> | undefined) => [
+  ...new Set([...one.keys(), ...(other?.keys() ?? [])]),
+];
 
-export function Selection({ scene, directions, clock, tfa, gates, maxMissed }: SelectionProps): JSX.Element {
+export function Selection({
+  scene,
+  directions,
+  clock,
+  tfa,
+  gates,
+  maxMissed,
+}: SelectionProps): JSX.Element {
   const track = param("track");
-  const [truths, tracks] = [idsOf(scene.truths, directions?.truths), idsOf(scene.tracks, directions?.tracks)];
+  const [truths, tracks] = [
+    idsOf(scene.truths, directions?.truths),
+    idsOf(scene.tracks, directions?.tracks),
+  ];
   const verdict = verdictOf(tfa, param("truth"), track);
   const line = scene.tracks.get(track ?? "");
   return (
@@ -122,9 +163,15 @@ export function Selection({ scene, directions, clock, tfa, gates, maxMissed }: S
         {truths.length ? <Pick name="truth" label="Truth" ids={truths} /> : null}
         {tracks.length ? <Pick name="track" label="Track" ids={tracks} /> : null}
       </div>
-      {track && directions?.tracks.has(track) ? <BearingFacts scene={directions} track={track} clock={clock} /> : null}
-      {line ? <TrackFacts scene={scene} line={line} clock={clock} gates={gates} maxMissed={maxMissed} /> : null}
-      {track && !line && !directions?.tracks.has(track) ? <p class="muted">There is no track {track} here.</p> : null}
+      {track && directions?.tracks.has(track) ? (
+        <BearingFacts scene={directions} track={track} clock={clock} />
+      ) : null}
+      {line ? (
+        <TrackFacts scene={scene} line={line} clock={clock} gates={gates} maxMissed={maxMissed} />
+      ) : null}
+      {track && !line && !directions?.tracks.has(track) ? (
+        <p class="muted">There is no track {track} here.</p>
+      ) : null}
       <EventNote clock={clock} />
       {verdict ? <VerdictNote verdict={verdict} isAlive={speaksThen(scene, verdict)} /> : null}
       {tfa ? <Failures tfa={tfa} current={verdict} /> : null}
@@ -153,7 +200,10 @@ function EventNote({ clock }: { clock: Clock }): JSX.Element | null {
   );
 }
 
-/** How a track ended: the misses at its end, and the one that was too many where the request names as many. */
+/**
+ * How a track ended: the misses at its end, and the one that was too many where the request names
+ * as many.
+ */
 function endText(line: TrackLine, maxMissed: number | undefined): string {
   const misses = missesAtEnd(line);
   if (misses === 0) return "";
@@ -181,7 +231,11 @@ function TrackFacts(props: TrackFactsProps): JSX.Element {
         <Time at={first} origin={origin} /> to <Time at={last} origin={origin} />
       </dd>
       <dt>Status</dt>
-      {ended ? <dd>{`ended at ${timeText(last, origin)}${endText(line, maxMissed)}`}</dd> : <LivingFacts {...props} />}
+      {ended ? (
+        <dd>{`ended at ${timeText(last, origin)}${endText(line, maxMissed)}`}</dd>
+      ) : (
+        <LivingFacts {...props} />
+      )}
     </dl>
   );
 }
@@ -197,13 +251,19 @@ function LivingFacts({ scene, line, clock, gates }: TrackFactsProps): JSX.Elemen
       <dt>Position</dt>
       <dd>{`${metres(here.x)}, ${metres(here.y)} m`}</dd>
       <dt>1σ east, north</dt>
-      <dd>{covariance ? `${metres(Math.sqrt(covariance[0]))}, ${metres(Math.sqrt(covariance[2]))} m` : "–"}</dd>
+      <dd>
+        {covariance
+          ? `${metres(Math.sqrt(covariance[0]))}, ${metres(Math.sqrt(covariance[2]))} m`
+          : "–"}
+      </dd>
       {gatesAt(gates, line.id, clock.time.value).map((row) => (
         <>
           <dt>Gate</dt>
           <dd>
             d² ≤ {number(gates?.threshold)}
-            <span class="sub">innovation 1σ {gates ? innovationWords(gates, row, metres) : ""}</span>
+            <span class="sub">
+              innovation 1σ {gates ? innovationWords(gates, row, metres) : ""}
+            </span>
           </dd>
         </>
       ))}
@@ -217,15 +277,25 @@ function LivingFacts({ scene, line, clock, gates }: TrackFactsProps): JSX.Elemen
   );
 }
 
-function BearingFacts({ scene, track, clock }: { scene: BearingScene; track: string; clock: Clock }): JSX.Element | null {
+function BearingFacts({
+  scene,
+  track,
+  clock,
+}: {
+  scene: BearingScene;
+  track: string;
+  clock: Clock;
+}): JSX.Element | null {
   const line = scene.tracks.get(track);
   if (!line) return null;
   const { origin } = clock;
   const now = clock.time.value;
   const [first, last] = [line.time[0] ?? 0, line.time.at(-1) ?? 0];
   const row = line.time.findLastIndex((time) => time <= now + 1e-9);
-  const status = row < 0 ? "not born yet" : last < now - 1e-9 ? `ended at ${timeText(last, origin)}` : undefined;
-  const value = (column: (number | null)[], unit: string) => (column[row] === null ? "–" : `${number(column[row])}${unit}`);
+  const status =
+    row < 0 ? "not born yet" : last < now - 1e-9 ? `ended at ${timeText(last, origin)}` : undefined;
+  const value = (column: (number | null)[], unit: string) =>
+    column[row] === null ? "–" : `${number(column[row])}${unit}`;
   return (
     <dl class="facts">
       <dt>Life</dt>
@@ -253,7 +323,13 @@ function BearingFacts({ scene, track, clock }: { scene: BearingScene; track: str
   );
 }
 
-function VerdictNote({ verdict, isAlive }: { verdict: TargetVerdict; isAlive: boolean | undefined }): JSX.Element {
+function VerdictNote({
+  verdict,
+  isAlive,
+}: {
+  verdict: TargetVerdict;
+  isAlive: boolean | undefined;
+}): JSX.Element {
   return (
     <div class="verdict-note">
       <p>
@@ -272,7 +348,13 @@ function VerdictNote({ verdict, isAlive }: { verdict: TargetVerdict; isAlive: bo
 }
 
 /** Steps through the targets that were not followed correctly, without going back to the table. */
-function Failures({ tfa, current }: { tfa: Tfa; current: TargetVerdict | undefined }): JSX.Element | null {
+function Failures({
+  tfa,
+  current,
+}: {
+  tfa: Tfa;
+  current: TargetVerdict | undefined;
+}): JSX.Element | null {
   const failures = tfa.targets.filter((target) => target.verdict !== "correct");
   if (!failures.length) return null;
   const index = current ? failures.indexOf(current) : -1;
@@ -285,7 +367,11 @@ function Failures({ tfa, current }: { tfa: Tfa; current: TargetVerdict | undefin
       <button type="button" onClick={show(index < 0 ? -1 : index - 1)}>
         Previous
       </button>
-      <span class="muted">{index < 0 ? plural(failures.length, "failure") : `failure ${index + 1} of ${failures.length}`}</span>
+      <span class="muted">
+        {index < 0
+          ? plural(failures.length, "failure")
+          : `failure ${index + 1} of ${failures.length}`}
+      </span>
       <button type="button" onClick={show(index + 1)}>
         Next
       </button>

@@ -26,27 +26,39 @@ function missed({ start_scan, matched_track_id }: TargetVerdict): string {
 
 function tookText(verdict: TargetVerdict): string {
   if (verdict.took_kind === "epsilon") return "took no detection (ε)";
-  if (verdict.took_kind === "target") return `took ${verdict.took ?? "–"} of target ${verdict.took_truth_id ?? ""}`;
+  if (verdict.took_kind === "target")
+    return `took ${verdict.took ?? "–"} of target ${verdict.took_truth_id ?? ""}`;
   return `took ${verdict.took ?? "–"}, which is clutter`;
 }
 
-/** The automaton reads a track in strings: a long gap or a long way off ends one, though the track may live on. */
+/**
+ * The automaton reads a track in strings: a long gap or a long way off ends one, though the track
+ * may live on.
+ */
 function stringEnded({ at_scan, track_id }: TargetVerdict, isAlive: boolean | undefined): string {
   const where = `scan ${at_scan ?? "–"}`;
   if (isAlive === false) return `Before ${where} track ${track_id ?? ""} had ended`;
-  const goesOn = isAlive ? ", though the track lives on: it was beyond the gate, or without a detection, for too long" : "";
+  const goesOn = isAlive
+    ? ", though the track lives on: it was beyond the gate, or without a detection, for too long"
+    : "";
   return `Before ${where} the string of track ${track_id ?? ""} had ended${goesOn}`;
 }
 
 function wrong(verdict: TargetVerdict, isAlive: boolean | undefined): string {
   const expected = verdict.expected ?? "nothing, since the target had ended";
-  if (verdict.took_kind === "ended") return `${stringEnded(verdict, isAlive)}; expected ${expected}.`;
-  return `At scan ${verdict.at_scan ?? "–"} track ${verdict.track_id ?? ""} ${tookText(verdict)}; expected ${expected}.`;
+  if (verdict.took_kind === "ended")
+    return `${stringEnded(verdict, isAlive)}; expected ${expected}.`;
+  const who = `At scan ${verdict.at_scan ?? "–"} track ${verdict.track_id ?? ""}`;
+  return `${who} ${tookText(verdict)}; expected ${expected}.`;
 }
 
-/** A verdict with its reason; `isAlive` says whether the track that speaks has a point at that time, where that is known. */
+/**
+ * A verdict with its reason; `isAlive` says whether the track that speaks has a point at that time,
+ * where that is known.
+ */
 export function sentence(verdict: TargetVerdict, isAlive?: boolean): string {
-  if (verdict.verdict === "correct") return `Track ${verdict.track_id ?? verdict.matched_track_id ?? ""} followed the target all its way.`;
+  const track = verdict.track_id ?? verdict.matched_track_id ?? "";
+  if (verdict.verdict === "correct") return `Track ${track} followed the target all its way.`;
   return verdict.verdict === "missed" ? missed(verdict) : wrong(verdict, isAlive);
 }
 

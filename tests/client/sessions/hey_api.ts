@@ -1,10 +1,19 @@
-// A session with the client of @hey-api/openapi-ts: upload, associate, evaluate, wait by its events, report, a typed refusal.
+// A session with the client of @hey-api/openapi-ts: upload, associate, evaluate, wait by its
+// events, report, a typed refusal.
 
 import { deepStrictEqual as same } from "node:assert";
 import { readFileSync } from "node:fs";
-import { createAssociateJob, createJob, downloadDataset, getJob, getJobReport, streamJobEvents, uploadRawDataset } from "./generated";
-import { client } from "./generated/client.gen";
 import type { DatasetInfo, Job, Problem } from "./generated";
+import {
+  createAssociateJob,
+  createJob,
+  downloadDataset,
+  getJob,
+  getJobReport,
+  streamJobEvents,
+  uploadRawDataset,
+} from "./generated";
+import { client } from "./generated/client.gen";
 
 const [address = "", data = ""] = process.argv.slice(2);
 client.setConfig({ baseUrl: address, throwOnError: false });
@@ -27,15 +36,24 @@ async function succeeded(job: Job): Promise<Job> {
   return (await getJob({ path: { id: job.id }, throwOnError: true })).data;
 }
 
-const [detections, truth] = [await upload("detections.csv", "detections"), await upload("truth.csv", "truth")];
+const [detections, truth] = [
+  await upload("detections.csv", "detections"),
+  await upload("truth.csv", "truth"),
+];
 same([detections.rows, truth.objects], [24, 2]);
-const content = await downloadDataset({ path: { id: truth.id }, parseAs: "text", throwOnError: true });
+const content = await downloadDataset({
+  path: { id: truth.id },
+  parseAs: "text",
+  throwOnError: true,
+});
 same(content.data as unknown, readFileSync(`${data}/truth.csv`, "utf8"));
 
 const queued = await createAssociateJob({
   body: {
     input: { source: "dataset", dataset_id: detections.id },
-    sensors: [{ sensor_id: "radar", p_d: 0.95, clutter_per_m2: 1e-9, sigma_x_m: 10, sigma_y_m: 10 }],
+    sensors: [
+      { sensor_id: "radar", p_d: 0.95, clutter_per_m2: 1e-9, sigma_x_m: 10, sigma_y_m: 10 },
+    ],
     associator: { method: "nearest_neighbour" },
     tracker: { initial_speed_sigma_mps: 60 },
   },
@@ -43,7 +61,11 @@ const queued = await createAssociateJob({
 });
 const associated = await succeeded(queued.data);
 const asked = await createJob({
-  body: { kind: "evaluate", tracks: { source: "job", job_id: associated.id }, truth: { source: "dataset", dataset_id: truth.id } },
+  body: {
+    kind: "evaluate",
+    tracks: { source: "job", job_id: associated.id },
+    truth: { source: "dataset", dataset_id: truth.id },
+  },
   throwOnError: true,
 });
 const judged = await succeeded(asked.data);
@@ -52,7 +74,12 @@ if (report.kind !== "evaluate") throw new Error("not the report of an evaluation
 const counts = report.result.tfa?.counts;
 same([counts?.targets, counts?.correct, counts?.missed, counts?.false], [2, 2, 0, 0]);
 
-const refused = await createAssociateJob({ body: { input: { source: "dataset", dataset_id: detections.id }, seed: -1 } });
+const refused = await createAssociateJob({
+  body: { input: { source: "dataset", dataset_id: detections.id }, seed: -1 },
+});
 const problem: Problem | undefined = refused.error;
-same([problem?.status, problem?.code, problem?.errors?.map((fault) => [fault.pointer, fault.code])], [422, "validation", [["/seed", "out_of_range"]]]);
+same(
+  [problem?.status, problem?.code, problem?.errors?.map((fault) => [fault.pointer, fault.code])],
+  [422, "validation", [["/seed", "out_of_range"]]],
+);
 console.log("@hey-api/openapi-ts: ok");

@@ -1,4 +1,5 @@
-// A session with openapi-fetch and the types of openapi-typescript: upload, associate, evaluate, wait, report, a typed refusal.
+// A session with openapi-fetch and the types of openapi-typescript: upload, associate, evaluate,
+// wait, report, a typed refusal.
 
 import { deepStrictEqual as same } from "node:assert";
 import { readFileSync } from "node:fs";
@@ -12,7 +13,10 @@ const client = createClient<paths>({ baseUrl: address });
 const PATIENT = { header: { Prefer: "wait=30" } };
 
 /** The file itself is the body, which is text to the types. */
-async function upload(name: string, kind: Schemas["DatasetInfo"]["kind"]): Promise<Schemas["DatasetInfo"]> {
+async function upload(
+  name: string,
+  kind: Schemas["DatasetInfo"]["kind"],
+): Promise<Schemas["DatasetInfo"]> {
   const { data: dataset, error } = await client.POST("/v1/datasets/raw", {
     params: { query: { name, kind } },
     headers: { "Content-Type": "application/octet-stream" },
@@ -23,15 +27,27 @@ async function upload(name: string, kind: Schemas["DatasetInfo"]["kind"]): Promi
   return dataset;
 }
 
-function succeeded({ data: job, error }: { data?: Schemas["Job"]; error?: Schemas["Problem"] }): Schemas["Job"] {
+function succeeded({
+  data: job,
+  error,
+}: {
+  data?: Schemas["Job"];
+  error?: Schemas["Problem"];
+}): Schemas["Job"] {
   if (!job) throw new Error(error?.detail);
   same(job.state, "succeeded");
   return job;
 }
 
-const [detections, truth] = [await upload("detections.csv", "detections"), await upload("truth.csv", "truth")];
+const [detections, truth] = [
+  await upload("detections.csv", "detections"),
+  await upload("truth.csv", "truth"),
+];
 same([detections.rows, truth.objects], [24, 2]);
-const content = await client.GET("/v1/datasets/{id}/content", { params: { path: { id: truth.id } }, parseAs: "text" });
+const content = await client.GET("/v1/datasets/{id}/content", {
+  params: { path: { id: truth.id } },
+  parseAs: "text",
+});
 same(content.data, readFileSync(`${data}/truth.csv`, "utf8"));
 
 const associated = succeeded(
@@ -39,7 +55,9 @@ const associated = succeeded(
     params: PATIENT,
     body: {
       input: { source: "dataset", dataset_id: detections.id },
-      sensors: [{ sensor_id: "radar", p_d: 0.95, clutter_per_m2: 1e-9, sigma_x_m: 10, sigma_y_m: 10 }],
+      sensors: [
+        { sensor_id: "radar", p_d: 0.95, clutter_per_m2: 1e-9, sigma_x_m: 10, sigma_y_m: 10 },
+      ],
       associator: { method: "nearest_neighbour" },
       tracker: { initial_speed_sigma_mps: 60 },
     },
@@ -52,12 +70,19 @@ const spec: Schemas["JobSpec"] = {
 };
 same((await client.POST("/v1/validate", { body: spec })).data?.valid, true);
 const judged = succeeded(await client.POST("/v1/jobs", { params: PATIENT, body: spec }));
-const { data: report } = await client.GET("/v1/jobs/{id}/report", { params: { path: { id: judged.id } } });
+const { data: report } = await client.GET("/v1/jobs/{id}/report", {
+  params: { path: { id: judged.id } },
+});
 if (report?.kind !== "evaluate") throw new Error("not the report of an evaluation");
 const counts = report.result.tfa?.counts;
 same([counts?.targets, counts?.correct, counts?.missed, counts?.false], [2, 2, 0, 0]);
 
-const refused = await client.POST("/v1/jobs/associate", { body: { input: { source: "dataset", dataset_id: detections.id }, seed: -1 } });
+const refused = await client.POST("/v1/jobs/associate", {
+  body: { input: { source: "dataset", dataset_id: detections.id }, seed: -1 },
+});
 const problem: Schemas["Problem"] | undefined = refused.error;
-same([problem?.status, problem?.code, problem?.errors?.map((fault) => [fault.pointer, fault.code])], [422, "validation", [["/seed", "out_of_range"]]]);
+same(
+  [problem?.status, problem?.code, problem?.errors?.map((fault) => [fault.pointer, fault.code])],
+  [422, "validation", [["/seed", "out_of_range"]]],
+);
 console.log("openapi-typescript and openapi-fetch: ok");

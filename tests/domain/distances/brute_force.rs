@@ -4,7 +4,7 @@ use super::fixture::{Row, Scene, assert_close};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde_json::json;
-use trackloom_domain::evaluation::comparison::{Comparison, Presence, Step};
+use trackloom_domain::evaluation::comparison::{ComparedStep, Comparison, Presence};
 
 const NAMES: [&str; 4] = ["a", "b", "c", "d"];
 
@@ -29,7 +29,7 @@ fn rows(rng: &mut ChaCha8Rng, heads: usize, steps: usize) -> Vec<Row<'static>> {
 }
 
 /// Positions of all truths and all tracks at a step, where they exist.
-pub fn positions_at(comparison: &Comparison, step: &Step) -> (Positions, Positions) {
+pub fn positions_at(comparison: &Comparison, step: &ComparedStep) -> (Positions, Positions) {
     let spread = |presences: &[Presence], count: usize| {
         let mut positions = vec![None; count];
         for presence in presences {

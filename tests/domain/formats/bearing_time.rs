@@ -2,7 +2,7 @@
 
 use super::{of_kind, read, read_with};
 use proptest::prelude::*;
-use trackloom_domain::formats::npy::BearingTimeAxes;
+use serde_json::json;
 use trackloom_domain::formats::{ReadOptions, ReadOutcome, write_csv, write_json};
 use trackloom_domain::model::bearing_time::{BearingTimeParts, BearingTimeRecord};
 use trackloom_domain::model::dataset::{Dataset, DatasetKind};
@@ -126,14 +126,9 @@ fn npy(version: u8, header: &str, values: &[u8]) -> Vec<u8> {
 }
 
 fn with_axes() -> ReadOptions {
-    let axes = BearingTimeAxes {
-        first_time_s: 5.0,
-        time_step_s: 2.0,
-        first_bearing_deg: 90.0,
-        bearing_step_deg: 0.5,
-    };
+    let axes = json!({"first_time_s": 5.0, "time_step_s": 2.0, "first_bearing_deg": 90.0, "bearing_step_deg": 0.5});
     ReadOptions {
-        bearing_time: Some(axes),
+        options: [("bearing_time".to_owned(), axes)].into_iter().collect(),
         ..Default::default()
     }
 }

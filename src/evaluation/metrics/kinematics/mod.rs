@@ -130,9 +130,12 @@ const FROM: &[Origin] = &[
 /// What each match says.
 fn pair_columns(samples: &[Sample]) -> Vec<PairColumn> {
     let column = |name, unit, of: &dyn Fn(&Sample) -> Option<f64>| {
-        let cell =
-            |sample: &Sample| of(sample).map(|value| (sample.places.0, sample.places.1, value));
-        PairColumn::new(name, unit, samples.iter().filter_map(cell).collect())
+        let mut cells = Vec::new();
+        for sample in samples {
+            let (truth, track) = sample.places;
+            cells.extend(of(sample).map(|value| (truth, track, value)));
+        }
+        PairColumn::new(name, unit, cells)
     };
     let mut columns = vec![
         column("position_error", "m", &|sample| Some(sample.error_m.norm())),
@@ -251,18 +254,8 @@ fn errors(samples: &[&Sample]) -> Vec<Quantity> {
         .filter_map(|sample| sample.on_course_m)
         .map(|(_, across)| across)
         .collect();
-    let squares = |values: &[f64]| {
-        values
-            .iter()
-            .map(|value| value * value)
-            .collect::<Vec<f64>>()
-    };
-    let of = |axis: fn(&Position) -> f64| {
-        samples
-            .iter()
-            .map(|sample| axis(&sample.error_m))
-            .collect::<Vec<f64>>()
-    };
+    let x: Vec<f64> = samples.iter().map(|sample| sample.error_m.x).collect();
+    let y: Vec<f64> = samples.iter().map(|sample| sample.error_m.y).collect();
     vec![
         root_mean("position_rmse", &position_squares(samples), "m", NO_MATCH),
         Quantity::or("position_95", percentile_95(samples), "m", NO_MATCH),
@@ -271,10 +264,14 @@ fn errors(samples: &[&Sample]) -> Vec<Quantity> {
         root_mean("across_rmse", &squares(&across), "m", NO_COURSE),
         mean("along_bias", &along, "m", NO_COURSE),
         mean("across_bias", &across, "m", NO_COURSE),
-        mean("x_bias", &of(|error| error.x), "m", NO_MATCH),
-        mean("y_bias", &of(|error| error.y), "m", NO_MATCH),
+        mean("x_bias", &x, "m", NO_MATCH),
+        mean("y_bias", &y, "m", NO_MATCH),
         Quantity::new("matches", samples.len() as f64, ""),
     ]
+}
+
+fn squares(values: &[f64]) -> Vec<f64> {
+    values.iter().map(|value| value * value).collect()
 }
 
 fn position_squares(samples: &[&Sample]) -> Vec<f64> {

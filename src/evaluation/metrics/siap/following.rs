@@ -9,7 +9,7 @@
 //!    is the 75 % quantile of those of the track, or of all tracks where it has fewer than four; so a track that is there at
 //!    every third step alone is not absent.
 
-use super::{Compat, Settings};
+use super::{Compat, SiapSettings};
 use crate::evaluation::comparison::Comparison;
 
 /// An unbroken stretch of following, by the steps at its ends.
@@ -28,7 +28,7 @@ pub struct Following {
     pub truth_of: Vec<Option<u32>>,
 }
 
-pub fn follow(comparison: &Comparison, settings: &Settings) -> Following {
+pub fn follow(comparison: &Comparison, settings: &SiapSettings) -> Following {
     let nearest = nearest_truths(comparison, settings.siap_compat);
     let mut pieces = Vec::new();
     let mut truth_of = vec![None; comparison.tracks.len()];
@@ -63,7 +63,7 @@ const FEWEST_GAPS: usize = 4;
 
 /// What makes a track follow a target, and how often it is there.
 struct Rule<'s> {
-    settings: &'s Settings,
+    settings: &'s SiapSettings,
     /// In steps.
     usual_gap: usize,
 }

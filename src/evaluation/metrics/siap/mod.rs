@@ -23,7 +23,7 @@ use self::following::{Following, follow};
 use self::numbers::{Numbers, numbers};
 use super::origin::{Origin, PAIRS, PairColumn, Statistic, TRACK_POINTS, TRUTH_POINTS, TRUTHS};
 use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence, Series};
-use crate::evaluation::comparison::{Comparison, Presence, Shape, Step};
+use crate::evaluation::comparison::{ComparedStep, Comparison, Presence, Shape};
 use crate::registry::{Kind, Method, Object, default, whole};
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -31,7 +31,7 @@ use serde_json::{Value, json};
 pub const METHOD: Method<BuildMetric> = Method {
     name: "siap",
     parameters: &PARAMETERS,
-    build: |spec| Ok(Box::new(Siap(Settings::deserialize(spec)?))),
+    build: |spec| Ok(Box::new(Siap(SiapSettings::deserialize(spec)?))),
 };
 
 static PARAMETERS: Object = Object {
@@ -60,7 +60,7 @@ static PARAMETERS: Object = Object {
 };
 
 #[derive(Debug, Clone, Copy, Deserialize)]
-struct Settings {
+struct SiapSettings {
     confirm_steps: u32,
     end_steps: u32,
     siap_compat: Compat,
@@ -73,7 +73,7 @@ enum Compat {
     StoneSoup,
 }
 
-struct Siap(Settings);
+struct Siap(SiapSettings);
 
 /// Step 2, of one step or summed.
 #[derive(Debug, Clone, Copy, Default)]
@@ -103,7 +103,7 @@ impl Metric for Siap {
                 comparison
                     .steps
                     .iter()
-                    .map(|step| Counts::of(comparison, step, &following)),
+                    .map(|step| Counts::at_step(comparison, step, &following)),
             );
             pairs = pair_columns(comparison, &following);
             let truths = numbers(comparison, &following, self.0.siap_compat);
@@ -183,7 +183,7 @@ impl Siap {
 }
 
 impl Counts {
-    fn of(comparison: &Comparison, step: &Step, following: &Following) -> Counts {
+    fn at_step(comparison: &Comparison, step: &ComparedStep, following: &Following) -> Counts {
         let truths = &comparison.truths[step.truths.clone()];
         let mut counts = Counts {
             targets: truths.len() as f64,
@@ -260,7 +260,7 @@ impl Counts {
 /// comparison, and whether it is the first track of that target.
 fn for_each_following(
     comparison: &Comparison,
-    step: &Step,
+    step: &ComparedStep,
     following: &Following,
     mut found: impl FnMut(usize, usize, bool),
 ) {

@@ -36,25 +36,28 @@ pub fn numbers(comparison: &Comparison, following: &Following, compat: Compat) -
 }
 
 fn of_pieces(comparison: &Comparison, mut pieces: Vec<Piece>, compat: Compat) -> Numbers {
-    let time_s = |step: usize| comparison.steps[step].time_s;
-    let length_s = |piece: &Piece| time_s(piece.to) - time_s(piece.from);
-    let mut of_track = BTreeMap::<u32, f64>::new();
+    let length_s =
+        |from: usize, to: usize| comparison.steps[to].time_s - comparison.steps[from].time_s;
+    let (mut of_track, mut longest_piece_s) = (BTreeMap::<u32, f64>::new(), 0.0f64);
     for piece in &pieces {
-        *of_track.entry(piece.track).or_default() += length_s(piece);
+        let piece_s = length_s(piece.from, piece.to);
+        *of_track.entry(piece.track).or_default() += piece_s;
+        longest_piece_s = longest_piece_s.max(piece_s);
     }
     let longest_s = match compat {
-        Compat::None => pieces.iter().map(length_s).fold(0.0, f64::max),
+        Compat::None => longest_piece_s,
         Compat::StoneSoup => of_track.into_values().fold(0.0, f64::max),
     };
     pieces.sort_by_key(|piece| (piece.from, Reverse(piece.to), piece.track));
-    let chosen = fewest(&pieces);
-    let is_change = |pair: &&[Piece]| compat == Compat::StoneSoup || pair[0].track != pair[1].track;
+    let mut changes = 0;
+    for pair in fewest(&pieces).windows(2) {
+        let is_change = compat == Compat::StoneSoup || pair[0].track != pair[1].track;
+        changes += usize::from(is_change);
+    }
     Numbers {
         longest_s,
-        changes: chosen.windows(2).filter(is_change).count(),
-        tracked_s: union(&pieces)
-            .map(|(from, to)| time_s(to) - time_s(from))
-            .sum(),
+        changes,
+        tracked_s: union(&pieces).map(|(from, to)| length_s(from, to)).sum(),
         ..Numbers::default()
     }
 }

@@ -148,19 +148,16 @@ impl TGospa {
 
     /// The share to which each near pair is assigned, and so much of its dᵖ.
     fn pair_columns(&self, comparison: &Comparison, solution: &Solution) -> Vec<PairColumn> {
-        let column = |name, unit, of: &dyn Fn(f64, f64) -> f64| {
-            let cell = |&(pair, share): &(u32, f64)| {
-                let pair = &comparison.pairs[pair as usize];
-                (pair.truth, pair.track, of(share, pair.distance))
-            };
-            PairColumn::new(name, unit, solution.shares.iter().map(cell).collect())
-        };
-        let power = |share: f64, distance_m: f64| {
-            share * self.cutoff.powers(self.cutoff.share_of(distance_m))
-        };
+        let (mut shares, mut powers) = (Vec::new(), Vec::new());
+        for &(pair, share) in &solution.shares {
+            let pair = &comparison.pairs[pair as usize];
+            let power = share * self.cutoff.powers(self.cutoff.share_of(pair.distance));
+            shares.push((pair.truth, pair.track, share));
+            powers.push((pair.truth, pair.track, power));
+        }
         vec![
-            column("share", "", &|share, _| share),
-            column("power", "m^p", &power),
+            PairColumn::new("share", "", shares),
+            PairColumn::new("power", "m^p", powers),
         ]
     }
 

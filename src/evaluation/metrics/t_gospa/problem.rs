@@ -7,7 +7,7 @@
 //! A pair that is not within the cutoff at a step, or of which one is absent, costs the same assigned or not. So only gains
 //! and switches matter; no optimal solution assigns a pair that never has a gain; clusters do not touch each other.
 
-use crate::evaluation::comparison::Comparison;
+use crate::evaluation::comparison::{ComparedStep, Comparison};
 use crate::evaluation::metrics::cutoff::Cutoff;
 
 /// A pair within the cutoff at one step, by places in its cluster.
@@ -74,23 +74,11 @@ impl std::ops::AddAssign for Tally {
 pub fn clusters(comparison: &Comparison, cutoff: Cutoff) -> Vec<Cluster> {
     let truths = comparison.truth_ids.len();
     let mut roots: Vec<usize> = (0..truths + comparison.track_ids.len()).collect();
-    let near = |step: &crate::evaluation::comparison::Step| {
-        let of_pair = |index: usize| {
-            let pair = &comparison.pairs[index];
-            Near {
-                truth: comparison.truths[pair.truth as usize].id as usize,
-                track: comparison.tracks[pair.track as usize].id as usize,
-                gain: 1.0 - cutoff.share_of(pair.distance),
-                pair: index as u32,
-            }
-        };
-        step.pairs
-            .clone()
-            .map(of_pair)
-            .filter(|near| near.gain > 0.0)
-            .collect::<Vec<Near>>()
-    };
-    let steps: Vec<Vec<Near>> = comparison.steps.iter().map(near).collect();
+    let steps: Vec<Vec<Near>> = comparison
+        .steps
+        .iter()
+        .map(|step| near_pairs(comparison, step, cutoff))
+        .collect();
     for pair in steps.iter().flatten() {
         let (one, other) = (
             root(&mut roots, pair.truth),
@@ -99,6 +87,24 @@ pub fn clusters(comparison: &Comparison, cutoff: Cutoff) -> Vec<Cluster> {
         roots[one.max(other)] = one.min(other);
     }
     gather(&steps, truths, &mut roots)
+}
+
+/// The pairs of a step that gain anything.
+fn near_pairs(comparison: &Comparison, step: &ComparedStep, cutoff: Cutoff) -> Vec<Near> {
+    let mut near = Vec::new();
+    for index in step.pairs.clone() {
+        let pair = &comparison.pairs[index];
+        let gain = 1.0 - cutoff.share_of(pair.distance);
+        if gain > 0.0 {
+            near.push(Near {
+                truth: comparison.truths[pair.truth as usize].id as usize,
+                track: comparison.tracks[pair.track as usize].id as usize,
+                gain,
+                pair: index as u32,
+            });
+        }
+    }
+    near
 }
 
 /// Deals the pairs out to their clusters, in the order of the clusters' first truths.

@@ -81,7 +81,7 @@ fn the_request_wins_over_the_upload_and_the_rest_is_estimated_with_a_warning() {
     let mut warnings = Vec::new();
     let known = merge_settings(&recording, &uploaded, &requested).unwrap();
     let sensors = resolve(&recording, &known, &KALMAN, &mut warnings).unwrap();
-    let report = Report::Position {
+    let report = MeasurementModel::Position {
         sigma_x_m: 3.0,
         sigma_y_m: 2.0,
     };
@@ -179,7 +179,7 @@ fn a_polar_sensor_takes_its_noise_in_degrees_and_its_range_rates_only_when_all_h
         }),
     };
     let (report, warnings) = resolved(&[polar(10.0, Some(-10.0)), polar(20.0, Some(20.0))]);
-    assert_eq!(report, Report::Polar(expected));
+    assert_eq!(report, MeasurementModel::Polar(expected));
     assert!(
         warnings.len() == 1 && warnings[0].contains("position is not known"),
         "{warnings:?}"
@@ -187,7 +187,7 @@ fn a_polar_sensor_takes_its_noise_in_degrees_and_its_range_rates_only_when_all_h
     let (report, warnings) = resolved(&[polar(10.0, Some(-10.0)), polar(20.0, None)]);
     assert_eq!(
         report,
-        Report::Polar(Polar {
+        MeasurementModel::Polar(Polar {
             range_rate: None,
             ..expected
         })
@@ -222,7 +222,7 @@ fn a_bearing_sensor_takes_its_clutter_per_degree_and_ranges_are_left_out_with_a_
         .unwrap();
         assert_eq!(
             sensors[0].report,
-            Report::Bearing {
+            MeasurementModel::Bearing {
                 sigma_bearing_rad: 1f64.to_radians()
             }
         );
@@ -258,7 +258,7 @@ fn with_densities(per_m2: Option<f64>, per_deg: Option<f64>) -> SensorSettings {
 }
 
 /// The field with a density of the wrong space, and the one that is wanted.
-fn misplaced(settings: &SensorSettings, report: Report) -> Vec<(String, String)> {
+fn misplaced(settings: &SensorSettings, report: MeasurementModel) -> Vec<(String, String)> {
     let sensor = Sensor {
         sensor_id: "radar".into(),
         p_d: 0.9,
@@ -274,10 +274,10 @@ fn misplaced(settings: &SensorSettings, report: Report) -> Vec<(String, String)>
 
 #[test]
 fn a_density_over_the_wrong_space_is_named() {
-    let of_bearings = Report::Bearing {
+    let of_bearings = MeasurementModel::Bearing {
         sigma_bearing_rad: 0.1,
     };
-    let of_places = Report::Position {
+    let of_places = MeasurementModel::Position {
         sigma_x_m: 1.0,
         sigma_y_m: 1.0,
     };

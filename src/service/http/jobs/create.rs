@@ -7,7 +7,7 @@ use super::super::query::NoParams;
 use super::super::state::AppState;
 use crate::experiment::job_shape::take_kind;
 use crate::model::fault::Fault;
-use crate::service::error::{ApiError, ApiResult};
+use crate::service::http::error::{ApiError, ApiResult};
 use crate::service::types::{FaultItem, Job, JobKind};
 use axum::Json;
 use axum::extract::State;

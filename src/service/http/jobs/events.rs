@@ -5,7 +5,7 @@ use super::super::headers::{MAX_EVENT, MAX_WAIT_S, last_event_id, patience};
 use super::super::query::Params;
 use super::super::state::AppState;
 use crate::service::connections::Ends;
-use crate::service::error::ApiResult;
+use crate::service::http::error::ApiResult;
 use crate::service::types::{Event, EventPage};
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, header};

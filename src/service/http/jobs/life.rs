@@ -7,7 +7,7 @@ use super::super::query::NoParams;
 use super::super::state::AppState;
 use super::create::answer;
 use crate::registry::{Kind, Object, optional};
-use crate::service::error::ApiResult;
+use crate::service::http::error::ApiResult;
 use crate::service::jobs::JobPatch;
 use crate::service::types::Job;
 use axum::Json;

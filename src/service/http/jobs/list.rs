@@ -5,7 +5,7 @@ use super::super::datasets::{limit, sort, with_next};
 use super::super::extract::Id;
 use super::super::query::{NoParams, Params, names};
 use super::super::state::AppState;
-use crate::service::error::ApiResult;
+use crate::service::http::error::ApiResult;
 use crate::service::jobs::JobFilter;
 use crate::service::types::{Job, JobKind, JobPage, JobSpec, JobState};
 use axum::Json;

@@ -3,7 +3,7 @@
 use super::super::extract::{Id, IdAndName};
 use super::super::query::{Params, names};
 use super::super::state::AppState;
-use crate::service::error::{ApiError, ApiResult};
+use crate::service::http::error::{ApiError, ApiResult};
 use crate::service::views::{DEFAULT_MAX_POINTS, Window, plan, series};
 use axum::Json;
 use axum::extract::State;

@@ -4,7 +4,7 @@ use super::super::conditional;
 use super::super::extract::{Id, IdAndName};
 use super::super::query::NoParams;
 use super::super::state::{AppState, FileContent};
-use crate::service::error::ApiResult;
+use crate::service::http::error::ApiResult;
 use crate::service::types::{ArtifactList, CampaignSoFar, Report};
 use axum::Json;
 use axum::extract::State;

@@ -5,6 +5,7 @@ mod bucket;
 #[cfg(feature = "s3")]
 mod cache;
 mod directory;
+mod small;
 mod url;
 mod verified;
 
@@ -14,6 +15,7 @@ use anyhow::Context;
 use bucket::Bucket;
 use directory::Directory;
 use sha2::{Digest, Sha256};
+use small::Small;
 use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -48,6 +50,26 @@ pub struct Blobs {
     identity: String,
     temporary: PathBuf,
     verified: Arc<Verified>,
+    small: Arc<Small>,
+}
+
+/// What a blob holds.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Content {
+    /// A small one, in memory.
+    Bytes(Arc<[u8]>),
+    /// In a local file, to be opened soon.
+    File(PathBuf),
+}
+
+impl Content {
+    /// All bytes. Blocks.
+    pub fn read(&self) -> std::io::Result<Arc<[u8]>> {
+        match self {
+            Content::Bytes(bytes) => Ok(bytes.clone()),
+            Content::File(path) => Ok(fs::read(path)?.into()),
+        }
+    }
 }
 
 #[derive(Debug, Clone)]
@@ -94,6 +116,7 @@ impl Blobs {
             identity,
             temporary,
             verified,
+            small: Arc::default(),
         })
     }
 
@@ -196,6 +219,25 @@ impl Blobs {
             tracing::error!(path = %path.display(), "a file is missing");
         }
         Ok(path)
+    }
+
+    /// The content of a blob that was read before and is small; does not block.
+    pub fn known(&self, sha256: &str) -> Option<Content> {
+        self.small.get(sha256).map(Content::Bytes)
+    }
+
+    /// The content of a blob of so many bytes: in memory where it is small.
+    ///
+    /// # Errors
+    /// As [`Self::local`]; also when a small file cannot be read.
+    pub fn content(&self, sha256: &str, bytes: u64) -> anyhow::Result<Content> {
+        let path = self.local(sha256)?;
+        if !Small::is_small(bytes) || !path.exists() {
+            return Ok(Content::File(path));
+        }
+        let content = Content::File(path).read().context("cannot read a blob")?;
+        self.small.keep(sha256, content.clone());
+        Ok(Content::Bytes(content))
     }
 
     /// Blobs that were to be removed and may still be there; nothing may need them when they are given to [`Self::remove`]

@@ -5,11 +5,11 @@
 //! Rows are the tracks as predecessors, columns the tracks as successors, edges the links of negative cost; having no
 //! successor costs 0 ([`crate::math::assignment`]). The duals of the assignment certify J.
 
-use crate::correlation::problem::Problem;
+use super::problem::CorrelationProblem;
 use crate::math::assignment::AssignmentSolver;
 
 /// The tuples of least cost, and what no solution undercuts.
-pub(in crate::correlation) fn cheapest_chains(problem: &Problem) -> (Vec<Vec<u32>>, f64) {
+pub(super) fn cheapest_chains(problem: &CorrelationProblem) -> (Vec<Vec<u32>>, f64) {
     let mut solver = AssignmentSolver::default();
     solver.clear();
     for track in 0..problem.tracks() as u32 {

@@ -17,7 +17,7 @@ pub(in crate::service) struct Meter {
     started: Instant,
     /// When the observer was last called, and in which step.
     last: (Instant, Step),
-    told: Option<Instant>,
+    notified: Option<Instant>,
     timing: Timing,
 }
 
@@ -34,7 +34,7 @@ impl Meter {
             news: Box::new(news),
             started: now,
             last: (now, Step::Load),
-            told: None,
+            notified: None,
             timing: Timing::default(),
         }
     }
@@ -68,12 +68,12 @@ impl Meter {
         let elapsed = now.duration_since(self.started);
         let pause = Progress::pause_after(elapsed);
         if self
-            .told
-            .is_some_and(|told| now.duration_since(told) < pause)
+            .notified
+            .is_some_and(|notified| now.duration_since(notified) < pause)
         {
             return;
         }
-        self.told = Some(now);
+        self.notified = Some(now);
         let fraction = fraction(self.kind, step, done, total);
         let eta_s = Progress::left_s(elapsed, fraction);
         (self.news)(Progress {

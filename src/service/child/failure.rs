@@ -1,8 +1,8 @@
 //! Why a piece of work made nothing, in a child and outside it.
 
-use super::JobsError;
 use crate::experiment::RunError;
 use crate::model::fault::Fault;
+use crate::service::error::ServiceError;
 use anyhow::anyhow;
 
 #[derive(Debug)]
@@ -16,15 +16,15 @@ pub(in crate::service) enum Failure {
     Internal(anyhow::Error),
 }
 
-impl From<JobsError> for Failure {
-    fn from(error: JobsError) -> Self {
+impl From<ServiceError> for Failure {
+    fn from(error: ServiceError) -> Self {
         match error {
-            JobsError::Invalid(faults) => Failure::Faults(faults),
-            JobsError::Internal(error) => Failure::Internal(error),
+            ServiceError::Invalid(faults) => Failure::Faults(faults),
+            ServiceError::Internal(error) => Failure::Internal(error),
             // Which of its errors it was is in the log.
-            JobsError::Unavailable => Failure::Internal(sqlx::Error::PoolTimedOut.into()),
-            JobsError::NoRoom(reason) => Failure::Internal(reason.into()),
-            JobsError::Damaged(damaged) => Failure::Internal(damaged.into()),
+            ServiceError::Unavailable => Failure::Internal(sqlx::Error::PoolTimedOut.into()),
+            ServiceError::NoRoom(reason) => Failure::Internal(reason.into()),
+            ServiceError::Damaged(damaged) => Failure::Internal(damaged.into()),
             other => Failure::Internal(anyhow!(other)),
         }
     }

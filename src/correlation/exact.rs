@@ -1,18 +1,14 @@
 //! The optimum itself, proven.
 
-mod chain;
-mod cover;
-
-pub(super) use chain::cheapest_chains;
-
-use super::cluster::{Cluster, clusters};
-use super::improve::Improver;
+use super::chain::cheapest_chains;
+use super::cluster::clusters;
+use super::cover::cheapest_cover;
+use super::improve::{Improver, improve_all};
 use super::nearest::nearest_tuples;
-use super::partition::Partition;
-use super::problem::{Costs, Problem};
+use super::problem::{CorrelationProblem, Costs};
 use super::tuples::TooLarge;
 use super::weighted::weighted_tuples;
-use super::{BuildCorrelator, Correlator, Search, Solution};
+use super::{BuildCorrelator, Correlator, SearchHistory, Solution};
 use crate::model::fault::Fault;
 use crate::model::watch::Watch;
 use crate::registry::{Method, Object, default, whole};
@@ -41,13 +37,13 @@ struct Exact {
 }
 
 impl Correlator for Exact {
-    fn correlate(&mut self, problem: &Problem) -> Result<Solution, Vec<Fault>> {
+    fn correlate(&mut self, problem: &CorrelationProblem) -> Result<Solution, Vec<Fault>> {
         self.correlate_until(problem, &Watch::never())
     }
 
     fn correlate_until(
         &mut self,
-        problem: &Problem,
+        problem: &CorrelationProblem,
         watch: &Watch,
     ) -> Result<Solution, Vec<Fault>> {
         let (tuples, bound) = match problem.costs {
@@ -56,7 +52,7 @@ impl Correlator for Exact {
                 (self.cheapest_covers(problem, watch)?, f64::INFINITY)
             }
         };
-        Ok(proven(Solution::of(problem, tuples), bound))
+        Ok(proven(Solution::from_tuples(problem, tuples), bound))
     }
 }
 
@@ -64,16 +60,16 @@ impl Exact {
     /// Cluster by cluster.
     fn cheapest_covers(
         &self,
-        problem: &Problem,
+        problem: &CorrelationProblem,
         watch: &Watch,
     ) -> Result<Vec<Vec<u32>>, Vec<Fault>> {
         let known = [nearest_tuples(problem), weighted_tuples(problem)];
         let mut improver = Improver::default();
         let mut tuples = Vec::new();
         for cluster in clusters(problem) {
-            let start = improved(&cluster, &known, &mut improver).swap_remove(0);
+            let start = improve_all(&cluster, &known, &mut improver).swap_remove(0);
             let mut nodes = self.max_nodes;
-            let found = cover::cheapest_cover(&cluster, start.cost(), &mut nodes, watch).map_err(|TooLarge| {
+            let found = cheapest_cover(&cluster, start.cost(), &mut nodes, watch).map_err(|TooLarge| {
                 let detail = format!(
                     "a cluster of {} tracks of {} sensors needs more than {} nodes to prove its optimum",
                     cluster.len(),
@@ -89,24 +85,8 @@ impl Exact {
     }
 }
 
-/// What others answer for a cluster, after local search, the better first.
-pub(super) fn improved(
-    cluster: &Cluster,
-    known: &[Vec<Vec<u32>>],
-    improver: &mut Improver,
-) -> Vec<Partition> {
-    let improve = |tuples: &Vec<Vec<u32>>| {
-        let mut partition = Partition::of_problem(cluster, tuples);
-        improver.improve_all(cluster, &mut partition);
-        partition
-    };
-    let mut partitions: Vec<Partition> = known.iter().map(improve).collect();
-    partitions.sort_by(|left, right| left.cost().total_cmp(&right.cost()));
-    partitions
-}
-
 fn proven(solution: Solution, bound: f64) -> Solution {
-    let search = Search {
+    let search = SearchHistory {
         best: vec![solution.cost],
         mean: vec![solution.cost],
         evaluations: 1,

@@ -10,8 +10,8 @@
 //! 2. Where the cost so far and Σ u(t) over the free tracks do not undercut the best answer known, nothing below is looked at.
 //!    The first best answer is a local search's.
 
-use crate::correlation::cluster::{Cluster, LEAST_GAIN};
-use crate::correlation::tuples::{Relaxation, TooLarge, Tuple, listed, prices, relaxed};
+use super::cluster::{Cluster, LEAST_GAIN};
+use super::tuples::{Relaxation, TooLarge, Tuple, list_tuples, prices, relax};
 use crate::model::watch::Watch;
 
 /// Rounds of the relaxation that gives the prices.
@@ -41,7 +41,7 @@ pub(super) fn cheapest_cover(
         tuples,
         multipliers,
         ..
-    } = relaxed(&listed(cluster, nodes, watch)?, known, ROUNDS);
+    } = relax(&list_tuples(cluster, nodes, watch)?, known, ROUNDS);
     let prices = prices(&tuples, &multipliers);
     let rest = prices.iter().sum();
     let is_free = vec![true; cluster.len()];
