@@ -47,8 +47,10 @@ struct Parts {
 
 const NO_STEP: &str = "there is no step";
 
+type Part = (&'static str, fn(&Parts) -> f64);
+
 /// What is told of each step.
-const PARTS: [(&str, fn(&Parts) -> f64); 3] = [
+const PARTS: [Part; 3] = [
     ("ospa", |parts| parts.distance_m),
     ("localisation", |parts| parts.localisation_m),
     ("cardinality", |parts| parts.cardinality_m),
