@@ -103,6 +103,7 @@ pub struct Plan {
 }
 
 impl Plan {
+    /// What must be loaded before it runs.
     pub fn inputs(&self) -> &[InputRequest] {
         self.job.inputs()
     }
@@ -308,6 +309,7 @@ pub struct CellTime {
     pub timed_runs: u32,
 }
 
+/// Why a job has no result.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RunError {
     /// The observer asked to stop.

@@ -38,6 +38,10 @@ struct AssociateJob {
     cost: Cost,
 }
 
+/// Plans a job that tracks.
+///
+/// # Errors
+/// All faults of the request.
 pub fn plan(mut draft: Draft, _: Planner) -> Result<Planned, Vec<Fault>> {
     let cost = check::check_tracking(&mut draft, true);
     let inputs = draft.inputs();

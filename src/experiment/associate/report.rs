@@ -53,6 +53,7 @@ struct TrackLine {
     detections: usize,
 }
 
+/// The part `association` of a report.
 pub fn report(
     tracked: &Tracked,
     recording: &Recording,

@@ -53,6 +53,7 @@ pub static ASSOCIATE: Object = Object {
     ],
 };
 
+/// A request that tracks.
 #[derive(Clone, Deserialize)]
 pub struct Spec {
     pub input: InputSpec,

@@ -242,7 +242,7 @@ impl TrackerRun<'_> {
     fn start<F: Filter<N, D>, const N: usize, const D: usize>(
         self,
         filter: F,
-    ) -> Result<Tracker<F, N, D>, Fault>
+    ) -> Result<Tracker<F, N, D>, RunError>
     where
         Estimate: From<GaussianState<N>>,
     {

@@ -50,6 +50,10 @@ const MAX_NUMBERS: f64 = 50e6;
 /// Outcomes that are reckoned with where none are listed: about what all metrics together have.
 const UNLISTED_OUTCOMES: usize = 100;
 
+/// Plans a campaign.
+///
+/// # Errors
+/// All faults of the request, those of its base and its cells with where the campaign makes them.
 pub fn plan(mut draft: Draft, planner: Planner) -> Result<Planned, Vec<Fault>> {
     let spec: Spec = draft.typed(|draft| {
         // What the table says of a base that is missing, it has said.

@@ -203,6 +203,7 @@ pub static CAMPAIGN: Object = Object {
     ],
 };
 
+/// A request for a campaign.
 #[derive(Deserialize)]
 pub struct Spec {
     pub seed: u32,
@@ -231,18 +232,21 @@ pub struct StopSpec {
     pub half_width: f64,
 }
 
+/// A value for one place of the base.
 #[derive(Debug, Clone, Deserialize)]
 pub struct Change {
     pub path: String,
     pub value: Value,
 }
 
+/// A named set of changes.
 #[derive(Debug, Clone, Deserialize)]
 pub struct VariantSpec {
     pub name: String,
     pub set: Vec<Change>,
 }
 
+/// One direction of the grid.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(tag = "by", rename_all = "snake_case")]
 pub enum AxisSpec {

@@ -4,6 +4,7 @@ use super::check::{MAX_ESTIMATES, too_many_estimates};
 use super::spec::{AlignmentSettings, Spec};
 use crate::correlation::alignment::{self, Alignment, Node};
 use crate::correlation::estimates::Estimates;
+use crate::experiment::job::RunError;
 use crate::model::fault::Fault;
 
 /// All tracks at the common times.
@@ -14,13 +15,13 @@ pub fn align_tracks(
     nodes: &[Node],
     spec: &Spec,
     warnings: &mut Vec<String>,
-) -> Result<Estimates, Fault> {
+) -> Result<Estimates, RunError> {
     let (settings, place) = (&spec.alignment, spec.place());
     let times_s = common_times(nodes, settings)?;
     let tracks: usize = nodes.iter().map(|node| node.tracks.tracks.len()).sum();
     if tracks * times_s.len() > MAX_ESTIMATES {
         let points = (tracks * times_s.len()) as f64;
-        return Err(too_many_estimates(place, points, points * 2e-6));
+        return Err(too_many_estimates(place, points, points * 2e-6).into());
     }
     let alignment = Alignment {
         process_noise_m2ps3: settings.process_noise_m2ps3,
@@ -31,7 +32,8 @@ pub fn align_tracks(
     if estimates.times() == 0 {
         let detail = "there is no common time at which two sensors have a track";
         return Err(Fault::new(place, "disjoint", detail)
-            .allowing("tracks that overlap in time, or a longer alignment/max_gap_s"));
+            .allowing("tracks that overlap in time, or a longer alignment/max_gap_s")
+            .into());
     }
     if left_out > 0 {
         warnings.push(format!(
@@ -47,7 +49,7 @@ pub fn align_tracks(
     Ok(estimates)
 }
 
-fn common_times(nodes: &[Node], settings: &AlignmentSettings) -> Result<Vec<f64>, Fault> {
+fn common_times(nodes: &[Node], settings: &AlignmentSettings) -> Result<Vec<f64>, RunError> {
     if let Some(period_s) = settings.period_s {
         let times_s: Vec<f64> = nodes
             .iter()
@@ -59,7 +61,8 @@ fn common_times(nodes: &[Node], settings: &AlignmentSettings) -> Result<Vec<f64>
         if count > MAX_ESTIMATES as f64 {
             let detail = format!("{last_s} s − {first_s} s make {count:.0} common times");
             let fault = Fault::new("/alignment/period_s", "too_large", detail);
-            return Err(fault.allowing(format!("at most {MAX_ESTIMATES} tracks × common times")));
+            let allowed = format!("at most {MAX_ESTIMATES} tracks × common times");
+            return Err(fault.allowing(allowed).into());
         }
         return Ok((0..=count as u64)
             .map(|number| first_s + number as f64 * period_s)

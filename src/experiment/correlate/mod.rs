@@ -36,6 +36,10 @@ struct CorrelateJob {
     cost: Cost,
 }
 
+/// Plans a job that puts tracks together.
+///
+/// # Errors
+/// All faults of the request.
 pub fn plan(mut draft: Draft, _: Planner) -> Result<Planned, Vec<Fault>> {
     check::check_tracks(&mut draft);
     let of_scenario = check_tracking(&mut draft, false);

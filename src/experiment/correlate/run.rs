@@ -131,7 +131,7 @@ fn cross_covariances(
     nodes: &[Node],
     pairs: &[(u32, u32)],
     warnings: &mut Vec<String>,
-) -> Result<Option<CrossTable>, Fault> {
+) -> Result<Option<CrossTable>, RunError> {
     match cross {
         CrossSpec::None => Ok(None),
         CrossSpec::Coefficient { coefficient } => {
@@ -159,7 +159,8 @@ fn cross_covariances(
                     node.sensor_id
                 );
                 return Err(Fault::new("/cross_covariance/kind", "unsupported", detail)
-                    .allowing("none, coefficient"));
+                    .allowing("none, coefficient")
+                    .into());
             }
             let tracks: Vec<&Track> = nodes.iter().flat_map(|node| &node.tracks.tracks).collect();
             Ok(Some(CrossTable::by_recursion(

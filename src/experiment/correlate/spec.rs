@@ -235,6 +235,7 @@ pub static CORRELATE: Object = Object {
     ],
 };
 
+/// A request that puts tracks together.
 #[derive(Clone, Deserialize)]
 pub struct Spec {
     #[serde(default)]
@@ -283,6 +284,7 @@ pub struct Confirm {
     pub of: u32,
 }
 
+/// How tracks are brought to common times.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct AlignmentSettings {
     pub reference: Option<String>,
@@ -293,6 +295,7 @@ pub struct AlignmentSettings {
     pub sigma_mps: Option<f64>,
 }
 
+/// How the errors of tracks of one target depend on each other.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum CrossSpec {

@@ -53,12 +53,12 @@ impl<'a> Subject<'a> {
         name: Option<&'a str>,
         index: usize,
         pair: &'a TruthAndTracks,
-    ) -> Result<Self, Fault> {
+    ) -> Result<Self, RunError> {
         let content = match (&pair.truth, &pair.tracks) {
             (Some(Dataset::Truth(truth)), Some(Dataset::Tracks(tracks))) => {
                 if truth.is_of_bearings() != tracks.is_of_bearings() {
                     let allowed = "truth and tracks of one kind";
-                    return Err(unlike(name, index, OF_BEARINGS, allowed));
+                    return Err(unlike(name, index, OF_BEARINGS, allowed).into());
                 }
                 let input = EvaluationInput {
                     recording: None,
@@ -72,12 +72,8 @@ impl<'a> Subject<'a> {
             }
             _ => {
                 let detail = "truth and tracks are not of one kind";
-                return Err(unlike(
-                    name,
-                    index,
-                    detail,
-                    "both in the plane, or both boxes",
-                ));
+                let allowed = "both in the plane, or both boxes";
+                return Err(unlike(name, index, detail, allowed).into());
             }
         };
         let name = name.unwrap_or_default();

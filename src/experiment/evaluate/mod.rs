@@ -38,6 +38,10 @@ struct EvaluateJob {
     cost: Cost,
 }
 
+/// Plans a job that judges tracks.
+///
+/// # Errors
+/// All faults of the request.
 pub fn plan(mut draft: Draft, _: Planner) -> Result<Planned, Vec<Fault>> {
     check::check_subject(&mut draft);
     let cost = check_tracking(&mut draft, true);

@@ -82,6 +82,7 @@ struct Number {
     reason: Option<&'static str>,
 }
 
+/// The part `events` of a report.
 pub fn event_counts(subjects: &[Subject], sequences: &[Sequence]) -> Value {
     let count = |kind| {
         sequences

@@ -24,6 +24,13 @@ const WITHOUT_TRUTH: &str = "there is no truth with positions, so the automaton 
 
 type Metrics = [Choice<BuildMetric>];
 
+/// What is judged, and by what.
+type Judged<'d> = (Vec<Subject<'d>>, Cow<'d, Metrics>);
+
+/// Loads, tracks if it must, and judges.
+///
+/// # Errors
+/// [`RunError::Stopped`]; inputs that do not fit.
 pub fn run(
     job: &EvaluateJob,
     inputs: Inputs,
@@ -192,7 +199,7 @@ impl EvaluateJob {
         &'d self,
         data: &'d JobData,
         warnings: &mut Vec<String>,
-    ) -> Result<(Vec<Subject<'d>>, Cow<'d, Metrics>), RunError> {
+    ) -> Result<Judged<'d>, RunError> {
         let mut subjects = Vec::with_capacity(data.pairs.len());
         for (index, pair) in data.pairs.iter().enumerate() {
             let sequence = self.spec.sequences.get(index);
@@ -217,7 +224,7 @@ impl EvaluateJob {
         data: &'d JobData,
         tracked: Option<&'d TrackSet>,
         warnings: &mut Vec<String>,
-    ) -> Result<Option<(Vec<Subject<'d>>, Cow<'d, Metrics>)>, RunError> {
+    ) -> Result<Option<Judged<'d>>, RunError> {
         let Some(truth) = &data.truth else {
             let warning = "no truth was found for this job, so no metric was computed";
             warnings.push(warning.to_owned());

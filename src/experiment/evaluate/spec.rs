@@ -13,6 +13,7 @@ use serde::Deserialize;
 /// The metrics that directions can be judged by.
 pub const METRICS_OF_BEARINGS: &str = "track_keeping";
 
+/// A request that judges tracks.
 #[derive(Clone, Deserialize)]
 pub struct Spec {
     #[serde(default)]
@@ -43,6 +44,7 @@ impl Spec {
     }
 }
 
+/// One of several recordings.
 #[derive(Clone, Deserialize)]
 pub struct SequenceSpec {
     pub name: String,
@@ -67,6 +69,7 @@ pub struct ComparisonSpec {
     pub alignment: AlignmentSpec,
 }
 
+/// How truth is brought to the times of tracks.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub struct AlignmentSpec {
     #[serde(flatten)]

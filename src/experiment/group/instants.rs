@@ -1,7 +1,7 @@
 //! The instants of a recording at which several sensors report.
 
 use crate::correlation::grouping::{Place, SensorReport};
-use crate::experiment::job::refuse_any;
+use crate::experiment::job::{RunError, refuse_any};
 use crate::model::fault::Fault;
 use crate::model::scan::{Measurement, Recording, Scan};
 use crate::model::sensor::{self, Sensor, SensorSettings};
@@ -71,7 +71,7 @@ pub fn usable_sensors(
 }
 
 /// Scans of one time are one instant; one sensor alone makes none.
-pub fn instants_of(recording: &Recording, sensors: &[Sensor]) -> Result<Vec<Instant>, Fault> {
+pub fn instants_of(recording: &Recording, sensors: &[Sensor]) -> Result<Vec<Instant>, RunError> {
     let together = recording
         .scans
         .chunk_by(|left, right| left.time_s == right.time_s)
@@ -88,7 +88,8 @@ pub fn instants_of(recording: &Recording, sensors: &[Sensor]) -> Result<Vec<Inst
         instants.len()
     );
     Err(Fault::new("/input", "disjoint", detail)
-        .allowing("scans of two sensors or more at two times or more"))
+        .allowing("scans of two sensors or more at two times or more")
+        .into())
 }
 
 fn instant_of(recording: &Recording, scans: &[Scan], sensors: &[Sensor]) -> Instant {

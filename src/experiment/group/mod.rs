@@ -27,6 +27,10 @@ struct GroupJob {
     cost: Cost,
 }
 
+/// Plans a job that groups reports.
+///
+/// # Errors
+/// All faults of the request.
 pub fn plan(mut draft: Draft, _: Planner) -> Result<Planned, Vec<Fault>> {
     draft.check_sources(false);
     let cost = draft.check_scenario();

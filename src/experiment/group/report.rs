@@ -64,6 +64,7 @@ struct Line {
     exact: Option<u64>,
 }
 
+/// The part `grouping` of a report.
 pub fn report(grouped: &Grouped, recording: &Recording) -> GroupingReport {
     let counts = grouped.counts.as_deref();
     let line = |(index, (instant, grouping)): (usize, &(Instant, Grouping))| {

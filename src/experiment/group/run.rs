@@ -18,10 +18,13 @@ use crate::model::fault::Fault;
 use crate::model::scan::Recording;
 use std::time::Duration;
 
+/// The instants, each with its groups.
+type Groupings = Vec<(Instant, Grouping)>;
+
 /// The groups of all instants that were grouped.
 pub struct Grouped {
     pub method: &'static str,
-    pub instants: Vec<(Instant, Grouping)>,
+    pub instants: Groupings,
     /// Against the origins, where they are known.
     pub counts: Option<Vec<GroupingCounts>>,
     pub history: Option<History>,
@@ -29,6 +32,10 @@ pub struct Grouped {
     pub association_time: Option<AssociationTime>,
 }
 
+/// Groups the reports of every instant.
+///
+/// # Errors
+/// [`RunError::Stopped`]; detections that cannot be grouped.
 pub fn group(
     spec: &Spec,
     data: &JobData,
@@ -79,7 +86,7 @@ fn group_all(
     mut tracks: Option<Tracks>,
     scene: &Scene,
     observer: &mut dyn Observer,
-) -> Result<(Vec<(Instant, Grouping)>, Option<Duration>), RunError> {
+) -> Result<(Groupings, Option<Duration>), RunError> {
     let total = instants.len() as u64;
     report_progress(observer, Step::Associate, 0, total)?;
     let mut grouped = Vec::with_capacity(instants.len());

@@ -66,6 +66,7 @@ static PREDICTIONS: Object = Object {
     ],
 };
 
+/// A request that groups reports.
 #[derive(Deserialize)]
 pub struct Spec {
     pub input: InputSpec,
@@ -85,6 +86,7 @@ pub struct PredictionSpec {
     pub speed_sigma_mps: f64,
 }
 
+/// What tracks begin at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Start {
@@ -92,6 +94,7 @@ pub enum Start {
     Groups,
 }
 
+/// Whether tracks are updated with their true reports, or with the groups that were found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Loop {

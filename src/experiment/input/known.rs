@@ -64,6 +64,7 @@ pub struct KnownRecording {
 }
 
 impl KnownRecording {
+    /// What is known of the detections at `/input`.
     pub fn find(inputs: &[InputRequest], known: &[Option<Known>]) -> Option<KnownRecording> {
         let place = inputs.iter().position(|request| {
             request.pointer == "/input" && request.role == DatasetKind::Detections

@@ -224,6 +224,7 @@ impl JobData {
         Ok(files)
     }
 
+    /// What the job found, with the warnings so far.
     pub fn into_outcome(self, result: Value, artifacts: Vec<Artifact>) -> Outcome {
         Outcome {
             result,

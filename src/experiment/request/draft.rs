@@ -14,6 +14,7 @@ use std::sync::Arc;
 /// What the types of a request and its table have in common is held by a test.
 const AGREED: &str = "the table of a request checks all that its type reads";
 
+/// A request that its table has checked.
 pub struct Draft {
     pub(super) spec: Value,
     pub(super) faults: Vec<Fault>,
@@ -48,10 +49,12 @@ impl Draft {
         Ok(Draft { spec, faults })
     }
 
+    /// Whether a field is given.
     pub fn has(&self, name: &str) -> bool {
         self.spec.get(name).is_some()
     }
 
+    /// What stands at a JSON pointer.
     pub fn at(&self, pointer: &str) -> Option<&Value> {
         self.spec.pointer(pointer)
     }
@@ -75,6 +78,7 @@ impl Draft {
             .and_then(|value| T::deserialize(value).ok())
     }
 
+    /// Sets a field.
     pub fn put(&mut self, name: &str, value: Value) {
         self.spec[name] = value;
     }
@@ -90,6 +94,7 @@ impl Draft {
         }
     }
 
+    /// Adds faults.
     pub fn add(&mut self, faults: impl IntoIterator<Item = Fault>) {
         self.faults.extend(faults);
     }

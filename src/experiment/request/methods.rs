@@ -52,12 +52,14 @@ fn find<Build>(
 }
 
 impl<T: ?Sized> Choice<fn(&Value, Seed) -> serde_json::Result<Box<T>>> {
+    /// With the seed of its random choices.
     pub fn build(&self, seed: Seed) -> Box<T> {
         (self.method.build)(&self.parameters, seed).expect(BUILT_BEFORE)
     }
 }
 
 impl<T: ?Sized> Choice<fn(&Value) -> serde_json::Result<Box<T>>> {
+    /// As its parameters say.
     pub fn build(&self) -> Box<T> {
         (self.method.build)(&self.parameters).expect(BUILT_BEFORE)
     }

@@ -30,6 +30,10 @@ struct SimulateJob {
     cost: Cost,
 }
 
+/// Plans a simulation.
+///
+/// # Errors
+/// All faults of the request.
 pub fn plan(mut draft: Draft, _: Planner) -> Result<Planned, Vec<Fault>> {
     let cost = draft.check_scenario();
     // The scenario stands where other requests have their input.

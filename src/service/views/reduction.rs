@@ -132,7 +132,8 @@ impl Density {
         } else {
             1.0
         };
-        let cells = |length_m: f64| (length_m / cell_m).ceil().max(1.0) as usize;
+        // The longer side has so many cells, whatever its quotient is rounded to.
+        let cells = |length_m: f64| (length_m / cell_m).ceil().clamp(1.0, DENSITY_CELLS) as usize;
         let (east, north) = (cells(width_m), cells(height_m));
         let mut counts = vec![0; east * north];
         for (x_m, y_m) in places_m {
@@ -245,6 +246,13 @@ mod tests {
     /// Values, some of them missing.
     fn values() -> impl Strategy<Value = Vec<f64>> {
         prop::collection::vec(prop_oneof![9 => -1e6..1e6f64, 1 => Just(f64::NAN)], 1..400)
+    }
+
+    #[test]
+    fn the_longer_side_has_as_many_cells_as_there_are() {
+        let places = [(-45_455.042_219_442_475, 0.0), (90_632.913_386_084_26, 0.0)];
+        let density = Density::of(&places).unwrap();
+        assert_eq!(density.columns.east, [0, 199]);
     }
 
     proptest! {
