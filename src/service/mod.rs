@@ -15,7 +15,6 @@ mod child;
 pub mod cli;
 pub mod config;
 mod connections;
-pub mod dashboard;
 pub mod datasets;
 mod engine;
 pub mod error;

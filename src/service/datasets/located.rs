@@ -33,10 +33,10 @@ impl Located {
         Located {
             blobs,
             format: info.format,
-            kind: info.kind.into(),
+            kind: info.kind,
             columns,
             options,
-            sensors: info.sensors.into_iter().map(Into::into).collect(),
+            sensors: info.sensors,
             sha256: info.sha256,
         }
     }

@@ -218,18 +218,12 @@ impl Datasets {
     /// What is known of a recording. What an earlier version kept is read once more, and remembered.
     pub async fn facts_of(&self, id: Uuid) -> Result<Option<Known>, ServiceError> {
         let stored = self.storage.dataset(id).await?;
-        let Some(stored) = stored
-            .filter(|stored| !stored.deleted && stored.info.kind == DatasetKind::Detections.into())
+        let Some(stored) =
+            stored.filter(|stored| !stored.deleted && stored.info.kind == DatasetKind::Detections)
         else {
             return Ok(None);
         };
-        let sensors = stored
-            .info
-            .sensors
-            .iter()
-            .cloned()
-            .map(Into::into)
-            .collect();
+        let sensors = stored.info.sensors.clone();
         let facts = match stored.facts.clone() {
             Some(facts) => Some(facts),
             None => {
@@ -247,7 +241,7 @@ impl Datasets {
             path: self.local(&stored.info.sha256).await?,
             file_name: None,
             format: Some(stored.info.format),
-            kind: Some(stored.info.kind.into()),
+            kind: Some(stored.info.kind),
             columns: stored.columns,
             options: stored.options,
         };

@@ -5,6 +5,7 @@ mod body;
 mod catalogue;
 mod compare;
 pub(super) mod conditional;
+mod dashboard;
 mod datasets;
 mod error;
 mod extract;

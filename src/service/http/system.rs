@@ -1,10 +1,11 @@
 //! The service about itself: health, numbers, version, documents, and what is not the API.
 
+use super::dashboard;
 use super::query::NoParams;
 use super::state::AppState;
+use crate::service::build_info;
 use crate::service::http::error::{ApiError, ApiResult};
 use crate::service::types::JobState;
-use crate::service::{build_info, dashboard};
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, Method, header};
 use axum::response::{IntoResponse, Response};

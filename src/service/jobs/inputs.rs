@@ -128,7 +128,7 @@ impl Inner {
             kind: role,
             columns: BTreeMap::new(),
             options: FormatOptions::default(),
-            sensors: sensors.into_iter().map(Into::into).collect(),
+            sensors,
             sha256: artifact.sha256,
         }))
     }

@@ -426,7 +426,7 @@ mod tests {
         );
         assert!(
             error.contains("version 99")
-                && error.contains("up to version 4")
+                && error.contains("up to version 5")
                 && error.contains("newer trackloom"),
             "{error}"
         );

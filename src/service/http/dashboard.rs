@@ -1,7 +1,7 @@
 //! The dashboard: the files of its build, embedded in the program. Without them a plain page says what is missing.
 
-use super::http::conditional;
-use super::storage::blobs::hex;
+use super::conditional;
+use crate::service::storage::blobs::hex;
 use axum::body::Bytes;
 use axum::http::{HeaderMap, header};
 use axum::response::{Html, IntoResponse, Response};
