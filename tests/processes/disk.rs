@@ -331,8 +331,10 @@ async fn a_damaged_file_is_neither_served_nor_computed_with_and_a_missing_one_is
             .stderr(said),
     );
     let server = Server::of(process);
-    let (status, dataset, _) = upload(&server, 10).await;
+    // More than is kept in memory.
+    let (status, dataset, _) = upload(&server, 20_000).await;
     assert_eq!(status, StatusCode::CREATED);
+    assert!(dataset["bytes"].as_u64() > Some(256 << 10));
     let (id, sha256) = (
         dataset["id"].as_str().unwrap(),
         dataset["sha256"].as_str().unwrap(),

@@ -407,6 +407,38 @@ mod tests {
     }
 
     #[tokio::test]
+    async fn the_axes_of_a_record_of_before_are_an_option_of_its_format() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("app.db");
+        let options = sqlite_options(&path, "rwc").unwrap();
+        sqlx::any::install_default_drivers();
+        let former = pool(1, TURN_PATIENCE, "")
+            .connect_with(options)
+            .await
+            .unwrap();
+        migrate(&SQLITE_TABLES[..4], &former).await.unwrap();
+        for (id, axes) in [("a", "null"), ("b", r#"{"time_step_s":2.0}"#)] {
+            sqlx::query(
+                "INSERT INTO datasets (id, name, kind, format, bytes, sha256, meta_sha256, columns, bearing_time, summary, sensors, warnings, created_at)
+                 VALUES ($1, 'n', 'bearing_time', 'npy', 1, $1, 'm', '{}', $2, '{}', '[]', '[]', 0)",
+            )
+            .bind(id)
+            .bind(axes)
+            .execute(&former)
+            .await
+            .unwrap();
+        }
+        former.close().await;
+        let storage = Storage::open(&Database::Sqlite(path)).await.unwrap();
+        let options: Vec<String> =
+            sqlx::query_scalar("SELECT format_options FROM datasets ORDER BY id")
+                .fetch_all(&storage.read)
+                .await
+                .unwrap();
+        assert_eq!(options, ["{}", r#"{"bearing_time":{"time_step_s":2.0}}"#]);
+    }
+
+    #[tokio::test]
     async fn tables_of_a_newer_version_and_files_of_something_else_are_refused() {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("app.db");
