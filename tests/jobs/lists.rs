@@ -423,7 +423,7 @@ async fn a_full_queue_refuses_jobs_but_never_a_cancellation() {
         JobState::Canceled
     );
     assert!(
-        since.elapsed() < Duration::from_millis(100),
+        since.elapsed() < Duration::from_secs(1),
         "{:?}",
         since.elapsed()
     );
