@@ -19,6 +19,7 @@ ROOT = Path(__file__).resolve().parents[2]
 # Commands that are not run, by how they begin, with the reason.
 SKIPPED = {
     "tests/run": "this is one of its lanes",
+    "tests/goldens.sh": "builds another commit; tests/domain/goldens.rs compares with stored results",
     "cargo run --release -p trackloom-domain": "builds a release and draws for minutes; its numbers have tests of their own",
     "trackloom serve": "a service runs already; two pages need PostgreSQL or a bucket, which other lanes have",
     "trackloom worker": "needs PostgreSQL; the lane 'processes' has it",
