@@ -1,8 +1,7 @@
 //! What happens to a chunk of a campaign: claimed, worked off by a child, and its result written once.
 
-use super::control::{Control, Stop};
-
 use super::Inner;
+use super::control::{Control, Stop};
 use super::runner::Product;
 use super::submit::planned;
 use crate::experiment::JobKind;

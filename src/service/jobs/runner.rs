@@ -1,16 +1,15 @@
 //! What happens when the queue says "look at this": claim it, have a child run it, write how it ended.
 
-use super::control::{Control, Stop, Work};
-use crate::service::datasets::NoSweepingHere;
-use crate::service::error::may_pass;
-
 use super::Inner;
+use super::control::{Control, Stop, Work};
 use super::submit::planned;
 use crate::experiment::JobKind;
 use crate::service::child::Failure;
 use crate::service::child::{Made, MadeFile, Order, crash_text, unexpected};
+use crate::service::datasets::NoSweepingHere;
 use crate::service::datasets::local_files;
 use crate::service::engine::Entry;
+use crate::service::error::may_pass;
 use crate::service::storage::blobs::{Blobs, Damaged, ReceivedFile};
 use crate::service::storage::{Changed, Claim, ClaimedJob, Ending, NewArtifact};
 use crate::service::types::{Problem, Progress};
