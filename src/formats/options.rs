@@ -1,35 +1,24 @@
 //! What a format has to be told of a file besides its content: fields of the format's own table.
 
 use super::FORMATS;
-use crate::registry::{Field, Kind, optional};
+use crate::registry::{Field, count_fields, joined};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-const COUNT: usize = {
-    let (mut count, mut format) = (0, 0);
+const TABLES: [&[Field]; FORMATS.len()] = {
+    let mut tables: [&[Field]; FORMATS.len()] = [&[]; FORMATS.len()];
+    let mut format = 0;
     while format < FORMATS.len() {
-        count += FORMATS[format].options.len();
+        tables[format] = FORMATS[format].options;
         format += 1;
     }
-    count
+    tables
 };
 
 /// The options of every format, for whoever takes files of any.
-pub const OPTION_FIELDS: [Field; COUNT] = {
-    let mut fields = [optional("", "", Kind::Json); COUNT];
-    let (mut count, mut format) = (0, 0);
-    while format < FORMATS.len() {
-        let mut option = 0;
-        while option < FORMATS[format].options.len() {
-            fields[count] = FORMATS[format].options[option];
-            (count, option) = (count + 1, option + 1);
-        }
-        format += 1;
-    }
-    fields
-};
+pub const OPTION_FIELDS: [Field; count_fields(&TABLES)] = joined(&TABLES);
 
 /// Options by name, as the tables checked them.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]

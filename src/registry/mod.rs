@@ -138,8 +138,18 @@ pub const fn whole(min: i64, max: i64, unit: &'static str) -> Kind {
     Kind::Integer { min, max, unit }
 }
 
+/// How many fields several tables have together.
+pub const fn count_fields(tables: &[&[Field]]) -> usize {
+    let (mut count, mut table) = (0, 0);
+    while table < tables.len() {
+        count += tables[table].len();
+        table += 1;
+    }
+    count
+}
+
 /// The fields of several tables as those of one, which has `N` of them.
-pub const fn joined<const N: usize>(tables: [&'static [Field]; 3]) -> [Field; N] {
+pub const fn joined<const N: usize>(tables: &[&[Field]]) -> [Field; N] {
     let mut fields = [optional("", "", Kind::Json); N];
     let (mut count, mut table) = (0, 0);
     while table < tables.len() {

@@ -50,7 +50,7 @@ static FILE_SOURCE: Object = Object {
 };
 
 const FILE_FIELDS: [Field; 5 + OPTION_FIELDS.len()] =
-    joined([&COMMON, &OPTION_FIELDS, &SENSOR_IDS]);
+    joined(&[&COMMON, &OPTION_FIELDS, &SENSOR_IDS]);
 
 const COMMON: [Field; 4] = [
     required("source", "file", Kind::Choice(&["file"])),

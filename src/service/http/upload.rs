@@ -52,7 +52,7 @@ pub static META: Object = Object {
     fields: &META_FIELDS,
 };
 
-const META_FIELDS: [Field; 5 + OPTION_FIELDS.len()] = joined([&COMMON, &OPTION_FIELDS, &SENSORS]);
+const META_FIELDS: [Field; 5 + OPTION_FIELDS.len()] = joined(&[&COMMON, &OPTION_FIELDS, &SENSORS]);
 
 const COMMON: [Field; 4] = [
     optional(
