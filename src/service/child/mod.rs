@@ -30,4 +30,4 @@ pub use input::InputFile;
 pub use inside::run;
 pub use limit::{IS_LIMITED, SMALLEST_BYTES, default_memory, size_text};
 pub use process::{Death, Heard};
-pub use protocol::{CampaignOrder, Looked, Made, MadeFile, Order, Runs, Upload};
+pub use protocol::{CampaignOrder, Checked, Looked, Made, MadeFile, Order, Runs, Upload};

@@ -123,11 +123,7 @@ pub struct Runs {
 /// What came of an order.
 #[derive(Debug, Serialize, Deserialize)]
 pub enum Made {
-    Checked {
-        format: String,
-        summary: DatasetSummary,
-        warnings: Vec<String>,
-    },
+    Checked(Checked),
     Preview(Box<RawValue>),
     Files {
         files: Vec<MadeFile>,
@@ -153,6 +149,15 @@ pub enum Made {
         text: String,
         is_full: bool,
     },
+}
+
+/// What was found in an upload.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct Checked {
+    /// The name of its format.
+    pub format: String,
+    pub summary: DatasetSummary,
+    pub warnings: Vec<String>,
 }
 
 /// What a look at a campaign gave.

@@ -2,7 +2,7 @@
 
 use super::campaign::Kept;
 use super::input::{InputFile, faults_or_memory, open};
-use super::protocol::{Made, MadeFile, Order, Upload};
+use super::protocol::{Checked, Made, MadeFile, Order, Upload};
 use crate::experiment::observer::{Observer, Step};
 use crate::experiment::{self, Artifact, Inputs, JobKind, Plan};
 use crate::formats::{FORMATS, Format, ReadOptions, ReadOutcome, detect_format, format_named};
@@ -94,11 +94,11 @@ fn check(upload: &Upload) -> Result<Made, Failure> {
         }
     }?;
     let ReadOutcome { dataset, warnings } = check_as(format, upload, file)?;
-    Ok(Made::Checked {
+    Ok(Made::Checked(Checked {
         format: format.name.to_owned(),
         summary: dataset.summary(),
         warnings,
-    })
+    }))
 }
 
 fn check_as(format: &Format, upload: &Upload, file: File) -> Result<ReadOutcome, Failure> {

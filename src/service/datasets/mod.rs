@@ -6,7 +6,7 @@ mod upload;
 pub use located::{Located, local_files};
 pub use upload::DatasetMeta;
 
-use super::child::{Desk, Made, Order, Upload, unexpected};
+use super::child::{Checked, Desk, Made, Order, Upload, unexpected};
 use super::error::{ServiceError, cursor_of, refuse_any};
 pub use super::storage::DatasetFilter;
 use super::storage::blobs::Blobs;
@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 use tokio::sync::{RwLock, RwLockReadGuard};
 use tokio::task::spawn_blocking;
 use tokio_util::sync::CancellationToken;
-use upload::{Checked, new_dataset, text_faults};
+use upload::{new_dataset, text_faults};
 use uuid::Uuid;
 
 /// A file to serve; it stays where it is until its owner is deleted.
@@ -108,15 +108,7 @@ impl Datasets {
     async fn check(&self, upload: Upload) -> Result<Checked, ServiceError> {
         let order = Order::Check(upload);
         match self.uploads.ask(order, "reading the file").await? {
-            Made::Checked {
-                format,
-                summary,
-                warnings,
-            } => Ok(Checked {
-                format,
-                summary,
-                warnings,
-            }),
+            Made::Checked(checked) => Ok(checked),
             made => Err(unexpected(&made).into()),
         }
     }

@@ -1,11 +1,12 @@
 //! What an upload says of itself, and the dataset that it becomes.
 
 use crate::formats::FormatOptions;
-use crate::model::dataset::{DatasetKind, DatasetSummary};
+use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
 use crate::registry::control_character_fault;
 use crate::service::canonical::sorted;
+use crate::service::child::Checked;
 use crate::service::storage::NewDataset;
 use crate::service::storage::blobs::{ReceivedFile, sha256_hex};
 use serde_json::json;
@@ -24,13 +25,6 @@ pub struct DatasetMeta {
     pub options: FormatOptions,
     pub sensors: Vec<SensorSettings>,
     pub file_name: Option<String>,
-}
-
-/// What a child found in the file.
-pub(super) struct Checked {
-    pub format: String,
-    pub summary: DatasetSummary,
-    pub warnings: Vec<String>,
 }
 
 /// Names with characters that not every database keeps.
