@@ -10,8 +10,10 @@
 //!
 //! # Method
 //! 1. K = C S⁻¹.
-//! 2. ν = Σ βⱼ νⱼ, x̂ ← x̂ + K ν.
-//! 3. P ← P − (1 − β₀) K S Kᵀ + K (Σ βⱼ νⱼ νⱼᵀ − ν νᵀ) Kᵀ.
+//! 2. K ν = Σ βⱼ K νⱼ, x̂ ← x̂ + K ν.
+//! 3. P ← P − (1 − β₀) K S Kᵀ + Σ βⱼ K νⱼ (K νⱼ)ᵀ − K ν (K ν)ᵀ.
+//!
+//! K νⱼ and K S Kᵀ = C S⁻¹ Cᵀ have the size of the state, whatever the sensor measures.
 
 use crate::math::gaussian::Gaussian;
 use crate::model::state::GaussianState;
@@ -94,31 +96,32 @@ pub fn update<const N: usize, const D: usize>(
         return;
     }
     let gain = correction.cross * correction.inverse;
-    let mut mean_innovation = SVector::<f64, D>::zeros();
+    let mut shift = SVector::<f64, N>::zeros();
     let mut detected = 0.0;
     for detection in detections {
-        mean_innovation += detection.innovation * detection.weight;
+        shift += gain * detection.innovation * detection.weight;
         detected += detection.weight;
     }
-    state.mean += gain * mean_innovation;
+    state.mean += shift;
     state.covariance -= gain * correction.cross.transpose() * detected;
     if detected < 1.0 || detections.len() > 1 {
-        state.covariance += spread(&gain, detections, &mean_innovation);
+        state.covariance += spread(&gain, detections, &shift);
     }
     mirror(&mut state.covariance);
 }
 
-/// K (Σ βⱼ νⱼ νⱼᵀ − ν νᵀ) Kᵀ: what is not known because it is not known which detection was the right one.
+/// Σ βⱼ (K νⱼ)(K νⱼ)ᵀ − K ν (K ν)ᵀ: what is not known because it is not known which detection was the right one.
 fn spread<const N: usize, const D: usize>(
     gain: &SMatrix<f64, N, D>,
     detections: &[WeightedInnovation<D>],
-    mean_innovation: &SVector<f64, D>,
+    shift: &SVector<f64, N>,
 ) -> SMatrix<f64, N, N> {
-    let mut second_moment = -(mean_innovation * mean_innovation.transpose());
+    let mut second_moment = -(shift * shift.transpose());
     for detection in detections {
-        second_moment += detection.innovation * detection.innovation.transpose() * detection.weight;
+        let change = gain * detection.innovation;
+        second_moment += change * change.transpose() * detection.weight;
     }
-    gain * second_moment * gain.transpose()
+    second_moment
 }
 
 /// Copies the upper triangle below the diagonal, so that rounding never makes P unsymmetric.
