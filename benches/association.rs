@@ -15,16 +15,19 @@ use serde_json::json;
 use std::hint::black_box;
 use std::time::Instant;
 use trackloom_domain::association::{ASSOCIATORS, Associator};
-use trackloom_domain::filtering::kalman::Kalman;
+use trackloom_domain::filtering::AnyFilter;
 use trackloom_domain::math::rng::Seed;
 use trackloom_domain::model::scan::Recording;
 use trackloom_domain::model::scenario::{
     RandomTargets, ReportNoise, Scenario, ScenarioSensor, TargetPlan,
 };
-use trackloom_domain::model::sensor::{MeasurementModel, Sensor};
+use trackloom_domain::model::sensing::MeasurementModel;
+use trackloom_domain::model::sensor::Sensor;
 use trackloom_domain::model::watch::Watch;
 use trackloom_domain::registry;
-use trackloom_domain::tracking::{Confirmation, Initiation, Lifecycle, Tracker, TrackerParts};
+use trackloom_domain::tracking::{
+    Confirmation, History, Initiation, Lifecycle, TRACKERS, TrackerParts,
+};
 use yardstick::yardstick_ns;
 
 /// Every figure is the least of this many runs, the contenders taking turns: what other programs do only ever adds.
@@ -175,9 +178,7 @@ fn tracked(
         panic!("the scenes have position reports")
     };
     let parts = TrackerParts {
-        filter: Kalman {
-            process_noise_m2ps3: 1.0,
-        },
+        filter: AnyFilter::kalman(1.0),
         associator: associator(method, &json!({})),
         lifecycle: Lifecycle {
             gate_probability: 0.999,
@@ -193,26 +194,34 @@ fn tracked(
             sensor_id: "radar".into(),
             p_d: sensor.p_d,
             clutter_density: sensor.clutter_per_m2().unwrap_or_default(),
+            may_start: true,
             report: MeasurementModel::Position {
                 sigma_x_m,
                 sigma_y_m,
             },
         }],
+        given: Vec::new(),
     };
     let start = Instant::now();
-    let mut tracker = Tracker::new(parts);
+    let mut tracker = (TRACKERS[0].build)(parts);
+    let mut history = History::default();
     let mut track_scans = 0;
     for scan in &recording.scans {
         track_scans += u64::from(
             tracker
-                .step(scan, recording.detections_of(scan), &Watch::never())
+                .step(
+                    scan,
+                    recording.detections_of(scan),
+                    &mut history,
+                    &Watch::never(),
+                )
                 .expect("the scene fits")
                 .tracks,
         );
     }
     let seconds = start.elapsed().as_secs_f64();
     let diagnostics = tracker.diagnostics();
-    black_box(tracker.into_history());
+    black_box(history);
     (seconds, track_scans, diagnostics)
 }
 
@@ -242,10 +251,10 @@ fn report_flights(scene: &flights::Flights, u_ns: f64) {
                 },
             );
             let start = Instant::now();
-            let tracker = scene.tracked(associator);
+            let (tracker, history) = scene.tracked(associator);
             *least_s = least_s.min(start.elapsed().as_secs_f64());
             diagnostics = tracker.diagnostics();
-            black_box(tracker.into_history());
+            black_box(history);
         }
     }
     let u = least_s.map(|seconds| seconds * 1e9 / u_ns);

@@ -37,6 +37,10 @@ fn jpda() -> Box<dyn Associator> {
 struct Telling(Box<dyn Associator>);
 
 impl Associator for Telling {
+    fn fork(&self) -> Box<dyn Associator> {
+        unreachable!("nobody goes another way")
+    }
+
     fn is_soft(&self) -> bool {
         self.0.is_soft()
     }

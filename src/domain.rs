@@ -5,7 +5,8 @@
 //! - [`model`], [`math`], [`registry`]: words and tools.
 //! - [`simulation`], [`detection`], [`filtering`], [`gating`], [`association`], [`correlation`], [`evaluation`], [`formats`]: the
 //!   steps; siblings do not know each other.
-//! - [`tracking`]: a tracker composed of steps. [`experiment`]: whole jobs, pure.
+//! - [`hypotheses`]: gates and likelihoods of tracks and detections, from filters and gates.
+//! - [`tracking`]: trackers, composed of steps. [`experiment`]: whole jobs, pure.
 
 #![forbid(unsafe_code)]
 
@@ -17,6 +18,7 @@ pub mod experiment;
 pub mod filtering;
 pub mod formats;
 pub mod gating;
+pub mod hypotheses;
 pub mod math;
 pub mod model;
 pub mod registry;

@@ -6,14 +6,17 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 use trackloom_domain::association::ASSOCIATORS;
-use trackloom_domain::filtering::kalman::Kalman;
+use trackloom_domain::filtering::AnyFilter;
 use trackloom_domain::math::rng::Seed;
 use trackloom_domain::model::scan::{Recording, RecordingParts};
 use trackloom_domain::model::scenario::{ListedTarget, Scenario, ScenarioSensor, TargetPlan};
-use trackloom_domain::model::sensor::{MeasurementModel, Sensor};
+use trackloom_domain::model::sensing::MeasurementModel;
+use trackloom_domain::model::sensor::Sensor;
 use trackloom_domain::model::watch::Watch;
 use trackloom_domain::registry;
-use trackloom_domain::tracking::{Confirmation, Initiation, Lifecycle, Tracker, TrackerParts};
+use trackloom_domain::tracking::{
+    Confirmation, History, Initiation, Lifecycle, TRACKERS, TrackerParts,
+};
 
 /// Counts every request for memory.
 struct Counting;
@@ -124,23 +127,34 @@ fn with_amplitudes(recording: Recording) -> Recording {
 
 /// Requests for memory in the last [`COUNTED`] scans.
 fn allocations(method: &str, scenario: &Scenario, recording: &Recording) -> u64 {
-    let mut tracker = Tracker::new(parts(method, scenario));
+    let mut tracker = (TRACKERS[0].build)(parts(method, scenario));
+    let mut history = History::default();
     for scan in &recording.scans[..WARM_UP] {
         tracker
-            .step(scan, recording.detections_of(scan), &Watch::never())
+            .step(
+                scan,
+                recording.detections_of(scan),
+                &mut history,
+                &Watch::never(),
+            )
             .unwrap();
     }
     let before = ALLOCATIONS.load(Ordering::Relaxed);
     for scan in &recording.scans[WARM_UP..] {
         let outcome = tracker
-            .step(scan, recording.detections_of(scan), &Watch::never())
+            .step(
+                scan,
+                recording.detections_of(scan),
+                &mut history,
+                &Watch::never(),
+            )
             .unwrap();
         assert!(outcome.confirmed > 0);
     }
     ALLOCATIONS.load(Ordering::Relaxed) - before
 }
 
-fn parts(method: &str, scenario: &Scenario) -> TrackerParts<Kalman> {
+fn parts(method: &str, scenario: &Scenario) -> TrackerParts {
     let associator = ASSOCIATORS
         .iter()
         .find(|entry| entry.name == method)
@@ -148,9 +162,7 @@ fn parts(method: &str, scenario: &Scenario) -> TrackerParts<Kalman> {
     let defaults = registry::check(&json!({}), associator.parameters).unwrap();
     let sensor = &scenario.sensors[0];
     TrackerParts {
-        filter: Kalman {
-            process_noise_m2ps3: 0.1,
-        },
+        filter: AnyFilter::kalman(0.1),
         associator: (associator.build)(&defaults, Seed { seed: 1, run: 0 }).unwrap(),
         lifecycle: Lifecycle {
             gate_probability: 0.999,
@@ -166,10 +178,12 @@ fn parts(method: &str, scenario: &Scenario) -> TrackerParts<Kalman> {
             sensor_id: "radar".into(),
             p_d: sensor.p_d,
             clutter_density: sensor.clutter_per_m2().unwrap(),
+            may_start: true,
             report: MeasurementModel::Position {
                 sigma_x_m: 10.0,
                 sigma_y_m: 10.0,
             },
         }],
+        given: Vec::new(),
     }
 }

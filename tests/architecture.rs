@@ -18,6 +18,10 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("evaluation", BASE),
     ("formats", BASE),
     (
+        "hypotheses",
+        &["model", "math", "filtering", "gating", "association"],
+    ),
+    (
         "tracking",
         &[
             "model",
@@ -26,6 +30,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "filtering",
             "gating",
             "association",
+            "hypotheses",
         ],
     ),
     ("experiment", PURE),
@@ -56,6 +61,7 @@ const PURE: &[&str] = &[
     "correlation",
     "evaluation",
     "formats",
+    "hypotheses",
     "tracking",
 ];
 

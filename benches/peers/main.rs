@@ -12,16 +12,17 @@ use std::time::Instant;
 use trackloom_domain::association::ASSOCIATORS;
 use trackloom_domain::experiment::observer::Silent;
 use trackloom_domain::experiment::{self, JobKind, Plan, plan, presets};
-use trackloom_domain::filtering::kalman::Kalman;
+use trackloom_domain::filtering::kalman;
 use trackloom_domain::formats::{self, ReadOptions};
 use trackloom_domain::math::rng::Seed;
 use trackloom_domain::model::dataset::Dataset;
 use trackloom_domain::model::scan::Recording;
 use trackloom_domain::model::scenario::Scenario;
-use trackloom_domain::model::sensor::{MeasurementModel, Sensor};
+use trackloom_domain::model::sensing::MeasurementModel;
+use trackloom_domain::model::sensor::Sensor;
 use trackloom_domain::model::track::TrackSet;
 use trackloom_domain::model::watch::Watch;
-use trackloom_domain::tracking::{Lifecycle, Tracker, TrackerParts};
+use trackloom_domain::tracking::{History, Lifecycle, TRACKERS, TrackerParts};
 
 const METHODS: [&str; 4] = [
     "nearest_neighbour",
@@ -132,17 +133,23 @@ fn timed(spec: &Value, recording: &Recording) -> Result<(TrackSet, f64), Failure
     Ok((track(parts_of(spec)?, recording), seconds[RUNS / 2]))
 }
 
-fn track(parts: TrackerParts<Kalman>, recording: &Recording) -> TrackSet {
-    let mut tracker = Tracker::new(parts);
+fn track(parts: TrackerParts, recording: &Recording) -> TrackSet {
+    let mut tracker = (TRACKERS[0].build)(parts);
+    let mut history = History::default();
     for scan in &recording.scans {
         tracker
-            .step(scan, recording.detections_of(scan), &Watch::never())
+            .step(
+                scan,
+                recording.detections_of(scan),
+                &mut history,
+                &Watch::never(),
+            )
             .expect("the scene fits");
     }
-    tracker.into_history().into_tracks(recording)
+    history.into_tracks(recording)
 }
 
-fn parts_of(spec: &Value) -> Result<TrackerParts<Kalman>, Failure> {
+fn parts_of(spec: &Value) -> Result<TrackerParts, Failure> {
     let associator = ASSOCIATORS
         .iter()
         .find(|entry| spec["associator"]["method"] == entry.name)
@@ -153,17 +160,19 @@ fn parts_of(spec: &Value) -> Result<TrackerParts<Kalman>, Failure> {
         .zip(radar.sigma_y_m)
         .ok_or("the radar does not report positions")?;
     Ok(TrackerParts {
-        filter: Kalman::deserialize(&spec["filter"])?,
+        filter: (kalman::METHOD.build)(&spec["filter"])?,
         associator: (associator.build)(&spec["associator"], Seed { seed: 1, run: 0 })?,
         lifecycle: Lifecycle::deserialize(&spec["tracker"])?,
         sensors: vec![Sensor {
             sensor_id: radar.sensor_id.clone(),
             p_d: radar.p_d,
             clutter_density: radar.clutter_per_m2().unwrap_or_default(),
+            may_start: true,
             report: MeasurementModel::Position {
                 sigma_x_m,
                 sigma_y_m,
             },
         }],
+        given: Vec::new(),
     })
 }

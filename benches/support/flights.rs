@@ -3,14 +3,17 @@
 
 use std::ops::ControlFlow;
 use trackloom_domain::association::Associator;
-use trackloom_domain::filtering::kalman::Kalman;
+use trackloom_domain::filtering::AnyFilter;
 use trackloom_domain::math::rng::Seed;
 use trackloom_domain::model::scan::Recording;
 use trackloom_domain::model::scenario::{ListedTarget, Scenario, ScenarioSensor, TargetPlan};
-use trackloom_domain::model::sensor::{MeasurementModel, Sensor};
+use trackloom_domain::model::sensing::MeasurementModel;
+use trackloom_domain::model::sensor::Sensor;
 use trackloom_domain::model::state::{Covariance, GaussianState, State};
 use trackloom_domain::model::watch::Watch;
-use trackloom_domain::tracking::{Confirmation, Initiation, Lifecycle, Tracker, TrackerParts};
+use trackloom_domain::tracking::{
+    Confirmation, GivenTrack, History, Initiation, Lifecycle, TRACKERS, Tracker, TrackerParts,
+};
 
 const SIGMA_M: f64 = 10.0;
 const P_D: f64 = 0.9;
@@ -98,27 +101,35 @@ impl Flights {
     }
 
     /// Tracks all targets to the end.
-    pub fn tracked(&self, associator: Box<dyn Associator>) -> Tracker<Kalman, 4, 2> {
-        let mut tracker = Tracker::new(self.parts(associator));
-        let variances = [SIGMA_M, SIGMA_M, 1.0, 1.0].map(|sigma: f64| sigma * sigma);
-        let covariance = Covariance::from_diagonal(&State::from(variances));
-        for (target, listed) in self.targets.iter().enumerate() {
-            let mean = State::new(listed.x_m, listed.y_m, listed.vx_mps, listed.vy_mps);
-            tracker.add_track(
-                listed.truth_id.clone(),
-                GaussianState { mean, covariance },
-                Some(target as u32),
-            );
-        }
+    pub fn tracked(&self, associator: Box<dyn Associator>) -> (Box<dyn Tracker>, History) {
+        let mut tracker = (TRACKERS[0].build)(self.parts(associator));
+        let mut history = History::default();
         for scan in &self.recording.scans {
+            let detections = self.recording.detections_of(scan);
             tracker
-                .step(scan, self.recording.detections_of(scan), &Watch::never())
+                .step(scan, detections, &mut history, &Watch::never())
                 .expect("the scene fits");
         }
-        tracker
+        (tracker, history)
     }
 
-    fn parts(&self, associator: Box<dyn Associator>) -> TrackerParts<Kalman> {
+    fn given(&self) -> Vec<GivenTrack> {
+        let variances = [SIGMA_M, SIGMA_M, 1.0, 1.0].map(|sigma: f64| sigma * sigma);
+        let covariance = Covariance::from_diagonal(&State::from(variances));
+        let given = |(target, listed): (usize, &ListedTarget)| {
+            let mean = State::new(listed.x_m, listed.y_m, listed.vx_mps, listed.vy_mps);
+            let mut kinematics = Vec::new();
+            GaussianState { mean, covariance }.pack_into(&mut kinematics);
+            GivenTrack {
+                name: listed.truth_id.clone(),
+                origin: Some(target as u32),
+                kinematics,
+            }
+        };
+        self.targets.iter().enumerate().map(given).collect()
+    }
+
+    fn parts(&self, associator: Box<dyn Associator>) -> TrackerParts {
         let lifecycle = Lifecycle {
             gate_probability: 0.999,
             initiation: Initiation::Truth {
@@ -140,15 +151,15 @@ impl Flights {
             sensor_id: "radar".into(),
             p_d: P_D,
             clutter_density: self.clutter_per_m2,
+            may_start: true,
             report,
         };
         TrackerParts {
-            filter: Kalman {
-                process_noise_m2ps3: 1.0,
-            },
+            filter: AnyFilter::kalman(1.0),
             associator,
             lifecycle,
             sensors: vec![sensor],
+            given: self.given(),
         }
     }
 }

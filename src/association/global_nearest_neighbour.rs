@@ -32,7 +32,7 @@ static PARAMETERS: Object = Object {
     fields: &[],
 };
 
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct GlobalNearestNeighbour {
     solver: AssignmentSolver,
 }
@@ -63,6 +63,10 @@ impl Associator for GlobalNearestNeighbour {
                 weights.choose(row, state.first as usize + edge);
             }
         }
+    }
+
+    fn fork(&self) -> Box<dyn Associator> {
+        Box::new(self.clone())
     }
 }
 

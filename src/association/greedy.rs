@@ -4,7 +4,7 @@
 use super::problem::{Edge, Problem, Weights};
 
 /// The pairs of a cluster and what is taken already.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Greedy {
     pairs: Vec<Pair>,
     /// For each detection of the scan, whether it is taken; only entries that `pairs` name are ever read or set.

@@ -1,7 +1,7 @@
 //! Numbers of a cluster's detections: those of the scan in the order in which the cluster names them, from 0. All memory
 //! is reused from cluster to cluster.
 
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct LocalNumbers {
     /// Number in the cluster of each detection of the scan; only those of the cluster are not [`NOBODY`].
     local_of: Vec<u32>,

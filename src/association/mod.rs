@@ -57,6 +57,22 @@ pub trait Associator: Send {
     fn trace(&self) -> Option<&Trace> {
         None
     }
+
+    /// The same associator once more.
+    fn fork(&self) -> Box<dyn Associator>;
+
+    /// What it remembers from scan to scan.
+    fn memory(&self) -> serde_json::Value {
+        serde_json::Value::Null
+    }
+
+    /// Takes back what [`Associator::memory`] told.
+    ///
+    /// # Errors
+    /// A memory of another associator.
+    fn recall(&mut self, _memory: &serde_json::Value) -> Result<(), serde_json::Error> {
+        Ok(())
+    }
 }
 
 /// Builds an associator from its checked parameters and the seed of its random choices, if it makes any.

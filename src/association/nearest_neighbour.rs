@@ -59,7 +59,7 @@ enum Conflicts {
     ClosestPair,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct NearestNeighbour {
     conflicts: Conflicts,
     greedy: Greedy,
@@ -125,6 +125,10 @@ impl Associator for NearestNeighbour {
                 }
             }
         }
+    }
+
+    fn fork(&self) -> Box<dyn Associator> {
+        Box::new(self.clone())
     }
 }
 

@@ -22,7 +22,7 @@ static PARAMETERS: Object = Object {
     fields: &[],
 };
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Oracle;
 
 impl Associator for Oracle {
@@ -36,5 +36,9 @@ impl Associator for Oracle {
                 weights.choose(row, edge);
             }
         }
+    }
+
+    fn fork(&self) -> Box<dyn Associator> {
+        Box::new(self.clone())
     }
 }

@@ -63,6 +63,10 @@ impl Associator for Pda {
             );
         }
     }
+
+    fn fork(&self) -> Box<dyn Associator> {
+        Box::new(self.clone())
+    }
 }
 
 impl Pda {

@@ -93,7 +93,7 @@ pub struct Problem<'a> {
 }
 
 /// What an associator answers, for all rows and edges of the scan.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Weights {
     /// β of each edge, parallel to the problem's edges.
     pub edges: Vec<f64>,

@@ -30,7 +30,7 @@ static PARAMETERS: Object = Object {
     fields: &[],
 };
 
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct StrongestNeighbour {
     greedy: Greedy,
 }
@@ -43,6 +43,10 @@ impl Associator for StrongestNeighbour {
     fn associate(&mut self, problem: &Problem, weights: &mut Weights) {
         self.greedy
             .associate(problem, weights, |edge| -problem.amplitude(edge.detection));
+    }
+
+    fn fork(&self) -> Box<dyn Associator> {
+        Box::new(self.clone())
     }
 }
 

@@ -1,12 +1,13 @@
 //! What an associator writes down step by step: rows of a table, up to a limit. What is beyond it is counted.
 
+use serde::{Deserialize, Serialize};
 use std::fmt::{self, Write};
 
 /// Rows that are kept.
 const MAX_ROWS: u64 = 500_000;
 
 /// A table as CSV text.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Trace {
     text: String,
     rows: u64,

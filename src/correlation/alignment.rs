@@ -15,7 +15,7 @@
 //! 4. Times at which fewer than two sensors have a track are dropped.
 
 use super::estimates::Estimates;
-use crate::model::motion::ConstantVelocity;
+use crate::model::motion::constant_velocity::ConstantVelocity;
 use crate::model::state::{Covariance, GaussianState};
 use crate::model::track::{PlaneEstimate, Track, TrackPoint, TrackSet};
 

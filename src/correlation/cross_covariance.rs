@@ -20,7 +20,7 @@
 
 use super::alignment::transition;
 use super::estimates::Estimates;
-use crate::model::motion::ConstantVelocity;
+use crate::model::motion::constant_velocity::ConstantVelocity;
 use crate::model::state::Covariance;
 use crate::model::track::{Track, TrackPoint};
 use nalgebra::SymmetricEigen;

@@ -10,7 +10,7 @@
 //! The bearing of a target is nearly a line over three scans, so var d = 6σ². For each detection the nearest ones of the scans
 //! before and behind are taken, if they are within a few cells; σ = 1.4826 median |d| / √6.
 
-use crate::math::angle::wrap;
+use crate::model::angle::wrap;
 use crate::model::scan::{Detection, Measurement, Recording};
 
 /// Neighbours in time are looked for within this many cells.

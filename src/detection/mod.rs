@@ -24,7 +24,7 @@ mod threshold;
 pub use accuracy::estimated_sigma_rad;
 pub use origins::{Quality, assign_origins};
 
-use crate::math::angle::wrap;
+use crate::model::angle::wrap;
 use crate::model::bearing_time::BearingTimeRecord;
 use crate::model::fault::Fault;
 use crate::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};

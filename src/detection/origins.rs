@@ -4,7 +4,7 @@
 //! In each scan pairs of a detection and a true bearing, at the time of the scan and not more than the gate apart, are taken from the
 //! nearest on: a detection has one origin, a target one detection. Two targets in one beam are one detection, that of the nearer.
 
-use crate::math::angle::wrap;
+use crate::model::angle::wrap;
 use crate::model::fault::Fault;
 use crate::model::scan::{Measurement, Recording, Scan};
 use crate::model::truth::TruthSet;

@@ -149,7 +149,7 @@ mod tests {
         use_up(&mut extent);
         match extent.finish() {
             Err(Halt::TooLarge(fault)) => Some((fault.detail, fault.allowed.unwrap_or_default())),
-            Err(Halt::Stopped) => panic!("nobody stopped it"),
+            Err(halt) => panic!("nobody asked for {halt:?}"),
             Ok(()) => None,
         }
     }

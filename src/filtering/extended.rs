@@ -14,49 +14,34 @@
 //! ẑᵢ = hᵢ(x̂) + ½ tr(Fᵢ P), Sᵢⱼ = (H P Hᵀ + R)ᵢⱼ + ½ tr(Fᵢ P Fⱼ P), C = P Hᵀ. Differences of bearings take the shorter way
 //! round.
 
-use super::mixture::Expected;
-use super::plane::PolarFilter;
-use super::{AnyFilter, FilterMethod, PROCESS_NOISE, polar};
-use crate::model::sensor::Polar;
+use super::expected::{Expected, Gain, expected};
+use super::{FilterMethod, MOTION_FIELDS, Reports, Way, in_plane};
+use crate::model::sensing::Sensing;
 use crate::model::state::GaussianState;
 use crate::registry::Object;
-use serde::Deserialize;
 
 pub const METHOD: FilterMethod = FilterMethod {
     name: "extended",
     parameters: &PARAMETERS,
-    build: |spec| Extended::deserialize(spec).map(AnyFilter::Extended),
+    build: |spec| in_plane(spec, Way::Line, Reports::All),
 };
 
 static PARAMETERS: Object = Object {
     name: "ExtendedFilter",
-    summary: "Extended Kalman filter for ranges and bearings, with or without range rates, and for positions; nearly constant velocity.",
-    fields: &[PROCESS_NOISE],
+    summary: "Extended Kalman filter for ranges and bearings, with or without range rates, for positions, and for bearings from a known place.",
+    fields: &MOTION_FIELDS,
 };
 
-/// The filter of one tracker; `D` is 3 when every detection has a range rate.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-pub struct Extended {
-    pub process_noise_m2ps3: f64,
-}
-
-impl PolarFilter for Extended {
-    fn spectral_density(&self) -> f64 {
-        self.process_noise_m2ps3
-    }
-
-    fn expect_polar<const D: usize>(
-        &self,
-        state: &GaussianState,
-        polar: &Polar,
-    ) -> Option<Expected<4, D>> {
-        let (shift, spread) = polar::curvature(polar, state);
-        let measurement = polar::project(polar, &state.mean) + shift;
-        Expected::linear(
-            measurement,
-            &polar::jacobian(polar, state),
-            &(polar::noise(polar)? + spread),
-            state,
-        )
-    }
+pub(super) fn expect<S: Sensing<K, D>, const N: usize, const K: usize, const D: usize>(
+    belief: &GaussianState<N>,
+    sensing: &S,
+) -> Option<(Expected<D>, Gain<N, D>)> {
+    let kinematics = belief.leading::<K>();
+    let (shift, spread) = sensing.curvature(&kinematics);
+    let measurement = sensing.project(&kinematics.mean) + shift;
+    let slope = sensing.jacobian(&kinematics);
+    let noise = sensing.noise(&kinematics) + spread;
+    let cross = belief.covariance.fixed_columns::<K>(0) * slope.transpose();
+    let covariance = slope * cross.fixed_rows::<K>(0) + noise;
+    expected(measurement, covariance, cross)
 }

@@ -1,80 +1,198 @@
-//! Filters: prediction of a track to the time of a scan, and its update with weighted detections. Both are the same for
-//! all ([`prediction`], [`mixture`]); what a filter adds is what it expects a sensor to report of a state.
+//! Filters: how a belief about a target is predicted to the time of a scan, compared with reports and updated with weighted
+//! detections. A filter is a motion model and a way through sensing models; it knows neither by name.
 
-use crate::model::motion::ConstantVelocity;
+use crate::model::motion::constant_velocity::ConstantVelocity;
 use crate::model::scan::Measurement;
-use crate::model::sensor::Sensor;
+use crate::model::sensing::MeasurementModel;
 use crate::model::state::GaussianState;
-use crate::registry::{Field, Kind, Method, Object, Union, default, number, variant};
-use mixture::Expected;
+use crate::registry::{Field, Kind, Method, Object, Union, default, number, optional, variant};
+use bearing_only::BearingOnly;
+use gaussian::GaussianFilter;
+use motions::{AnyMotion, MOTION_KIND, MotionSpec};
 use nalgebra::SVector;
+use serde::Deserialize;
 
 pub mod bearing_only;
 pub mod converted;
+pub mod expected;
 pub mod extended;
+pub mod gaussian;
 pub mod kalman;
-pub mod mixture;
-mod plane;
-mod polar;
-pub mod prediction;
+mod mixture;
+pub mod motions;
 pub mod unscented;
 
-/// A filter of states of `N` variables (coordinates, then their rates) by measurements of `D` values.
-pub trait Filter<const N: usize, const D: usize> {
-    /// How targets move.
-    fn motion(&self) -> ConstantVelocity;
+pub use expected::{Expected, Way};
 
-    /// A report as a point of the measurement space; `None` for one that the filter cannot use.
-    fn to_measurement_space(
+/// A filter of targets whose kinematics have `K` variables: coordinates, then their rates. What it believes is its own.
+pub trait Filter<const K: usize>: Copy + Send + 'static {
+    /// What it holds of one target.
+    type Belief: Copy + Send;
+    /// What a time does to every belief.
+    type Step: Copy + Send;
+    /// What a detection changes, were it certain.
+    type Change: Copy + Send;
+    /// What uncertainty a belief loses by a certain detection, whichever it is.
+    type Loss: Copy + Send;
+
+    fn step(&self, dt_s: f64) -> Self::Step;
+
+    fn predict(step: &Self::Step, belief: &mut Self::Belief);
+
+    /// Does the work with the way of comparing beliefs with these reports; `None` where they say nothing of such targets.
+    fn correct<W: WithCorrector<Self, K>>(
         &self,
-        sensor: &Sensor,
-        measurement: &Measurement,
-    ) -> Option<SVector<f64, D>>;
+        report: &MeasurementModel,
+        work: W,
+    ) -> Option<W::Output>;
 
-    /// The coordinate of the sensor's measurements that is an angle, if there is one.
-    fn angle(&self, _sensor: &Sensor) -> Option<usize> {
-        None
-    }
+    /// The weights of the detections and of none sum to 1.
+    fn update(belief: &mut Self::Belief, loss: &Self::Loss, detections: &[Weighted<Self::Change>]);
 
-    /// What the sensor should report of a target in this state. `None` when S is not positive definite.
-    fn expect(&self, state: &GaussianState<N>, sensor: &Sensor) -> Option<Expected<N, D>>;
+    /// The belief of a target of which these kinematics are known.
+    fn begin(&self, kinematics: &GaussianState<K>) -> Self::Belief;
 
-    /// ln of how much of the space in which the sensor's clutter density is stated a unit of the measurement space covers.
-    fn log_clutter_scale(&self, _sensor: &Sensor, _expected: &Expected<N, D>) -> f64 {
-        0.0
-    }
+    fn kinematics(belief: &Self::Belief) -> GaussianState<K>;
 
-    /// A state that knows one detection alone. Of a velocity in the plane it knows that each component is 0 ± `speed_sigma_mps`.
-    fn initiate(
-        &self,
-        measurement: &SVector<f64, D>,
-        sensor: &Sensor,
-        speed_sigma_mps: f64,
-    ) -> Option<GaussianState<N>>;
+    /// Appends all numbers of a belief.
+    fn pack(belief: &Self::Belief, packed: &mut Vec<f64>);
+
+    /// What [`Filter::pack`] wrote; `None` for anything else.
+    fn unpack(packed: &[f64]) -> Option<Self::Belief>;
+
+    /// Variance of a rate at the end of `dt_s` around the mean rate of that time, as far as the motion's noise goes.
+    fn rate_variance(&self, dt_s: f64) -> f64;
+
+    /// Standard deviation of the rates of a new track, where the tracker says `speed_sigma_mps` of velocities.
+    fn rate_sigma(&self, speed_sigma_mps: f64) -> f64;
+}
+
+/// How a filter compares its beliefs with reports of `D` values.
+pub trait Corrector<F: Filter<K>, const K: usize, const D: usize> {
+    /// What makes a change of an innovation.
+    type Gain;
+    /// The value that is an angle, if there is one.
+    const ANGLE: Option<usize>;
+
+    /// A report as a point of the measurement space; `None` for one of another kind.
+    fn read(&self, report: &Measurement) -> Option<SVector<f64, D>>;
+
+    /// What should be reported of a target. `None` when S is not positive definite.
+    fn expect(&self, belief: &F::Belief) -> Option<(Expected<D>, Self::Gain)>;
+
+    fn change(gain: &Self::Gain, innovation: &SVector<f64, D>) -> F::Change;
+
+    fn loss(gain: &Self::Gain) -> F::Loss;
+
+    /// ln of how much of the space in which clutter is stated a unit of the measurement space covers.
+    fn log_clutter_scale(&self, expected: &SVector<f64, D>) -> f64;
+
+    /// The kinematics that one report alone tells, if it says where the target is.
+    fn locate(&self, report: &SVector<f64, D>, rate_sigma: f64) -> Option<GaussianState<K>>;
+}
+
+/// Work that is compiled for each kind of report.
+pub trait WithCorrector<F: Filter<K>, const K: usize> {
+    type Output;
+
+    fn with<C: Corrector<F, K, D>, const D: usize>(self, corrector: &C) -> Self::Output;
+}
+
+/// The change by a detection, and the weight of that detection.
+#[derive(Debug, Clone, Copy)]
+pub struct Weighted<C> {
+    pub change: C,
+    pub weight: f64,
 }
 
 /// A filter that was chosen by name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum AnyFilter {
-    Kalman(kalman::Kalman),
-    Converted(converted::Converted),
-    Extended(extended::Extended),
-    Unscented(unscented::Unscented),
-    BearingOnly(bearing_only::BearingOnly),
+    /// Of places.
+    Plane {
+        motion: AnyMotion,
+        way: Way,
+        reports: Reports,
+    },
+    /// Of directions.
+    Bearing(BearingOnly),
+}
+
+/// Which reports a filter of places uses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reports {
+    Positions,
+    /// Ranges and bearings are turned into positions first.
+    Converted,
+    All,
+}
+
+/// Work that is compiled for each filter.
+pub trait WithFilter {
+    type Output;
+
+    fn in_plane<F: Filter<4>>(self, filter: F) -> Self::Output;
+
+    fn of_bearings<F: Filter<2>>(self, filter: F) -> Self::Output;
 }
 
 impl AnyFilter {
+    pub fn with<W: WithFilter>(&self, work: W) -> W::Output {
+        match *self {
+            AnyFilter::Plane {
+                motion: AnyMotion::ConstantVelocity(motion),
+                way,
+                reports,
+            } => work.in_plane(GaussianFilter::<_, 4, 4>::new(motion, way, reports)),
+            AnyFilter::Plane {
+                motion: AnyMotion::ConstantAcceleration(motion),
+                way,
+                reports,
+            } => work.in_plane(GaussianFilter::<_, 6, 4>::new(motion, way, reports)),
+            AnyFilter::Bearing(filter) => work.of_bearings(filter.build()),
+        }
+    }
+
+    /// The Kalman filter of positions, with nearly constant velocity.
+    pub fn kalman(process_noise_m2ps3: f64) -> Self {
+        AnyFilter::Plane {
+            motion: AnyMotion::ConstantVelocity(ConstantVelocity {
+                spectral_density: process_noise_m2ps3,
+            }),
+            way: Way::Line,
+            reports: Reports::Positions,
+        }
+    }
+
+    /// Whether the kinematics of a target say all that the filter believes of it.
+    pub fn is_known_by_kinematics(&self) -> bool {
+        !matches!(
+            self,
+            AnyFilter::Plane {
+                motion: AnyMotion::ConstantAcceleration(_),
+                ..
+            }
+        )
+    }
+
     pub fn uses_ranges(&self) -> bool {
-        !matches!(self, AnyFilter::Kalman(_) | AnyFilter::BearingOnly(_))
+        self.uses(&[Reports::Converted, Reports::All])
+    }
+
+    pub fn uses_range_rates(&self) -> bool {
+        self.uses(&[Reports::All])
     }
 
     /// Whether it tracks directions instead of places.
     pub fn is_of_bearings(&self) -> bool {
-        matches!(self, AnyFilter::BearingOnly(_))
+        matches!(self, AnyFilter::Bearing(_))
     }
 
-    pub fn uses_range_rates(&self) -> bool {
-        matches!(self, AnyFilter::Extended(_) | AnyFilter::Unscented(_))
+    fn uses(&self, any_of: &[Reports]) -> bool {
+        match self {
+            AnyFilter::Plane { reports, .. } => any_of.contains(reports),
+            AnyFilter::Bearing(_) => false,
+        }
     }
 }
 
@@ -114,10 +232,43 @@ pub static FILTER: Union = Union {
 /// The field kind of a filter choice.
 pub static FILTER_KIND: Kind = Kind::Union(&FILTER);
 
-/// The parameter of every filter in the plane.
 const PROCESS_NOISE: Field = default(
     "process_noise_m2ps3",
     "Spectral density q of the white-noise acceleration; the velocity wanders by about sqrt(q·T) in T seconds.",
     number(0.0, 1e9, "m²/s³"),
     "1.0",
 );
+const MOTION: Field = optional(
+    "motion",
+    "How targets move; when absent, with nearly constant velocity and process_noise_m2ps3.",
+    MOTION_KIND,
+);
+/// The parameters of every filter in the plane.
+const MOTION_FIELDS: [Field; 2] = [PROCESS_NOISE, MOTION];
+
+/// How targets move, of a filter in the plane.
+#[derive(Deserialize)]
+struct MotionFields {
+    process_noise_m2ps3: f64,
+    motion: Option<MotionSpec>,
+}
+
+/// A filter in the plane with the motion that its checked parameters say.
+fn in_plane(
+    spec: &serde_json::Value,
+    way: Way,
+    reports: Reports,
+) -> Result<AnyFilter, serde_json::Error> {
+    let fields = MotionFields::deserialize(spec)?;
+    let motion = fields.motion.map_or(
+        AnyMotion::ConstantVelocity(ConstantVelocity {
+            spectral_density: fields.process_noise_m2ps3,
+        }),
+        AnyMotion::from,
+    );
+    Ok(AnyFilter::Plane {
+        motion,
+        way,
+        reports,
+    })
+}

@@ -6,7 +6,7 @@
 //! E. A. Wan, R. van der Merwe, The unscented Kalman filter for nonlinear estimation, 2000 (α, β, κ).
 //!
 //! # Symbols
-//! x̂, P state and covariance; n = 4 its size; L Lᵀ = P; h report of a state; R, S noise and innovation covariance;
+//! x̂, P state and covariance; n its size; L Lᵀ = P; h report of a state; R, S noise and innovation covariance;
 //! C = cov(x, z); χ points, with weights wᵢ for means and, at the centre, another one w₀ᶜ for covariances.
 //!
 //! # Method
@@ -16,12 +16,11 @@
 //! Differences of bearings take the shorter way round, the mean is taken of differences to h(χ₀). With c ≥ n, as by
 //! default, no weight is negative and S cannot fail to be positive definite.
 
-use super::mixture::Expected;
-use super::plane::PolarFilter;
-use super::{AnyFilter, FilterMethod, PROCESS_NOISE, polar};
-use crate::math::angle;
-use crate::model::sensor::Polar;
-use crate::model::state::{GaussianState, State};
+use super::expected::{Expected, Gain, expected};
+use super::{FilterMethod, MOTION, PROCESS_NOISE, Reports, Way, in_plane};
+use crate::model::angle;
+use crate::model::sensing::Sensing;
+use crate::model::state::GaussianState;
 use crate::registry::{Object, default, number};
 use nalgebra::{Cholesky, SMatrix, SVector};
 use serde::Deserialize;
@@ -29,14 +28,21 @@ use serde::Deserialize;
 pub const METHOD: FilterMethod = FilterMethod {
     name: "unscented",
     parameters: &PARAMETERS,
-    build: |spec| Unscented::deserialize(spec).map(AnyFilter::Unscented),
+    build: |spec| {
+        in_plane(
+            spec,
+            Way::Points(Unscented::deserialize(spec)?),
+            Reports::All,
+        )
+    },
 };
 
 static PARAMETERS: Object = Object {
     name: "UnscentedFilter",
-    summary: "Unscented Kalman filter for ranges and bearings, with or without range rates, and for positions; nearly constant velocity.",
+    summary: "Unscented Kalman filter for ranges and bearings, with or without range rates, for positions, and for bearings from a known place.",
     fields: &[
         PROCESS_NOISE,
+        MOTION,
         default(
             "alpha",
             "Spread of the points around the mean; 1 keeps every weight positive.",
@@ -58,61 +64,56 @@ static PARAMETERS: Object = Object {
     ],
 };
 
-/// The filter of one tracker; `D` is 3 when every detection has a range rate.
+/// How the points lie.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 pub struct Unscented {
-    pub process_noise_m2ps3: f64,
     pub alpha: f64,
     pub beta: f64,
     pub kappa: f64,
 }
 
-/// n, and the number of points besides the centre.
-const SIZE: usize = 4;
-const AROUND: usize = 2 * SIZE;
-
-impl PolarFilter for Unscented {
-    fn spectral_density(&self) -> f64 {
-        self.process_noise_m2ps3
-    }
-
-    fn expect_polar<const D: usize>(
+impl Unscented {
+    pub(super) fn expect<S: Sensing<K, D>, const N: usize, const K: usize, const D: usize>(
         &self,
-        state: &GaussianState,
-        polar: &Polar,
-    ) -> Option<Expected<4, D>> {
-        let spread = self.alpha.powi(2) * (SIZE as f64 + self.kappa);
+        belief: &GaussianState<N>,
+        sensing: &S,
+    ) -> Option<(Expected<D>, Gain<N, D>)> {
+        let spread = self.alpha.powi(2) * (N as f64 + self.kappa);
         let weight = 1.0 / (2.0 * spread);
-        let centre_weight = 1.0 - SIZE as f64 / spread + 1.0 - self.alpha.powi(2) + self.beta;
-        let steps = steps(state, spread)?;
-        let centre: SVector<f64, D> = polar::project(polar, &state.mean);
-        let shifts = steps.map(|step| {
-            angle::difference(
-                &polar::project(polar, &(state.mean + step)),
-                &centre,
-                Some(1),
-            )
+        let centre_weight = 1.0 - N as f64 / spread + 1.0 - self.alpha.powi(2) + self.beta;
+        let steps = steps(belief, spread)?;
+        let project =
+            |mean: SVector<f64, N>| sensing.project(&mean.fixed_rows::<K>(0).into_owned());
+        let centre = project(belief.mean);
+        let shifts = steps.map(|pair| {
+            pair.map(|step| angle::difference(&project(belief.mean + step), &centre, S::ANGLE))
         });
+        let (steps, shifts) = (steps.as_flattened(), shifts.as_flattened());
         let mean_shift = shifts.iter().sum::<SVector<f64, D>>() * weight;
-        let mut covariance =
-            polar::noise(polar)? + mean_shift * mean_shift.transpose() * centre_weight;
-        let mut cross = SMatrix::<f64, 4, D>::zeros();
-        for (step, shift) in steps.iter().zip(&shifts) {
+        let mut covariance = sensing.noise(&belief.leading::<K>())
+            + mean_shift * mean_shift.transpose() * centre_weight;
+        let mut cross = SMatrix::<f64, N, D>::zeros();
+        for (step, shift) in steps.iter().zip(shifts) {
             let deviation = shift - mean_shift;
             covariance += deviation * deviation.transpose() * weight;
             cross += step * deviation.transpose() * weight;
         }
         let mut measurement = centre + mean_shift;
-        measurement[1] = angle::wrap(measurement[1]);
-        Expected::new(measurement, covariance, cross)
+        if let Some(value) = S::ANGLE {
+            measurement[value] = angle::wrap(measurement[value]);
+        }
+        expected(measurement, covariance, cross)
     }
 }
 
 /// χᵢ − x̂ for the points around the centre; `None` when P is not positive definite.
-fn steps(state: &GaussianState, spread: f64) -> Option<[State; AROUND]> {
-    let root = Cholesky::new(state.covariance)?.l() * spread.sqrt();
+fn steps<const N: usize>(
+    belief: &GaussianState<N>,
+    spread: f64,
+) -> Option<[[SVector<f64, N>; 2]; N]> {
+    let root = Cholesky::new(belief.covariance)?.l() * spread.sqrt();
     Some(std::array::from_fn(|index| {
-        let step: State = root.column(index / 2).into_owned();
-        if index % 2 == 0 { step } else { -step }
+        let step: SVector<f64, N> = root.column(index).into_owned();
+        [step, -step]
     }))
 }

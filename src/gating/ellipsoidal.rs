@@ -4,64 +4,71 @@
 //! # Reference
 //! Y. Bar-Shalom, X.-R. Li, Multitarget-Multisensor Tracking, 1995, section 2.3.2.
 
-use super::grid::{Grid, Placed};
-use crate::math::angle;
+use super::grid::Grid;
 use crate::math::gaussian::{Gaussian, gate_threshold, log_unit_ball};
+use crate::model::angle;
 use nalgebra::{SMatrix, SVector};
 
-/// The gate of a tracker whose measurements have `D` coordinates.
+/// Values of a measurement at the most.
+const MAX_DIMENSIONS: usize = 4;
+
+/// The gate of a tracker, for measurements of any number of values.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct EllipsoidalGate<const D: usize> {
-    threshold: f64,
+pub struct EllipsoidalGate {
+    /// γ of measurements of 1, 2, … values.
+    thresholds: [f64; MAX_DIMENSIONS],
     /// ln((γ / 2π)^(D/2)) and that of the volume of the unit ball.
-    log_scale: f64,
+    log_scales: [f64; MAX_DIMENSIONS],
 }
 
-impl<const D: usize> EllipsoidalGate<D> {
+impl EllipsoidalGate {
     /// `probability` P_G in (0, 1]; with 1 everything is inside.
     pub fn new(probability: f64) -> Self {
-        let threshold = gate_threshold(probability, D as u32);
-        let log_scale =
-            log_unit_ball(D as u32) + D as f64 / 2.0 * (threshold / std::f64::consts::TAU).ln();
+        let of_dimension = [1, 2, 3, 4];
+        let thresholds = of_dimension.map(|d| gate_threshold(probability, d));
+        let log_scales = of_dimension.map(|d| {
+            let threshold = thresholds[d as usize - 1];
+            log_unit_ball(d) + f64::from(d) / 2.0 * (threshold / std::f64::consts::TAU).ln()
+        });
         EllipsoidalGate {
-            threshold,
-            log_scale,
+            thresholds,
+            log_scales,
         }
     }
 
     /// ln V of the gate around a Gaussian with covariance S: V = c_D γ^(D/2) √det S, in the units of the measurement;
     /// c_D is the volume of the unit ball, π in the plane.
     #[inline]
-    pub fn log_volume(&self, gaussian: &Gaussian<D>) -> f64 {
+    pub fn log_volume<const D: usize>(&self, gaussian: &Gaussian<D>) -> f64 {
         // The density at the centre is 1 / ((2π)^(D/2) √det S).
-        self.log_scale - gaussian.log_density(0.0)
+        self.log_scales[D - 1] - gaussian.log_density(0.0)
     }
 
     /// Calls `found(detection, ν, d²)` for each measurement inside the gate around ẑ with innovation covariance S.
     /// `placed` are the measurements as the grid arranged them; `angle` names the coordinate that goes round, if there is one.
     #[inline]
-    pub fn candidates(
+    pub fn candidates<const D: usize>(
         &self,
-        grid: &Grid,
-        placed: &[Placed<D>],
+        (grid, placed): (&Grid, &[[f64; D]]),
         (centre, angle): (&SVector<f64, D>, Option<usize>),
         (covariance, gaussian): (&SMatrix<f64, D, D>, &Gaussian<D>),
         mut found: impl FnMut(u32, SVector<f64, D>, f64),
     ) {
+        let threshold = self.thresholds[D - 1];
         // The ellipsoid's bounding box reaches √(γ Sᵢᵢ) along axis i.
         let reach = |axis: usize| {
             if axis < D {
-                (self.threshold * covariance[(axis, axis)]).sqrt()
+                (threshold * covariance[(axis, axis)]).sqrt()
             } else {
                 0.0
             }
         };
-        grid.near_places(centre, [reach(0), reach(1)], angle, |places| {
-            for near in &placed[places] {
-                let innovation = angle::difference(&near.measurement, centre, angle);
+        grid.near_places(centre, [reach(0), reach(1)], angle, |places, detections| {
+            for (near, &detection) in placed[places].iter().zip(detections) {
+                let innovation = angle::difference(&SVector::from(*near), centre, angle);
                 let squared = gaussian.squared_distance(&innovation);
-                if squared <= self.threshold {
-                    found(near.detection, innovation, squared);
+                if squared <= threshold {
+                    found(detection, innovation, squared);
                 }
             }
         });
@@ -75,6 +82,28 @@ mod tests {
     use nalgebra::{Matrix1, Matrix2, Vector1, Vector2};
     use proptest::prelude::*;
     use std::f64::consts::PI;
+
+    /// The detections inside the gate, in their order.
+    fn gated<const D: usize>(
+        measurements: &[SVector<f64, D>],
+        (centre, angle): (SVector<f64, D>, Option<usize>),
+        covariance: SMatrix<f64, D, D>,
+        probability: f64,
+    ) -> Vec<u32> {
+        let rows: Vec<[f64; D]> = measurements.iter().map(|row| row.data.0[0]).collect();
+        let (mut grid, mut placed, mut found) = (Grid::default(), Vec::new(), Vec::new());
+        grid.rebuild(&rows);
+        grid.arrange(&rows, &mut placed);
+        let gaussian = Gaussian::new(&covariance).unwrap();
+        EllipsoidalGate::new(probability).candidates(
+            (&grid, placed.as_chunks::<D>().0),
+            (&centre, angle),
+            (&covariance, &gaussian),
+            |detection, _, _| found.push(detection),
+        );
+        found.sort_unstable();
+        found
+    }
 
     #[test]
     fn the_volume_of_the_gate_is_that_of_an_ellipse() {
@@ -90,19 +119,8 @@ mod tests {
             .map(|index| Position::new(1e5 * f64::from(index), -3.0 * f64::from(index)))
             .collect();
         let covariance = PositionCovariance::new(1.0, 0.5, 0.5, 2.0);
-        let (mut grid, mut placed, mut found) = (Grid::default(), Vec::new(), Vec::new());
-        grid.rebuild(&positions);
-        grid.arrange(&positions, &mut placed);
-        let gaussian = Gaussian::new(&covariance).unwrap();
-        let gate = EllipsoidalGate::new(1.0);
-        gate.candidates(
-            &grid,
-            &placed,
-            (&Position::new(7.0, 7.0), None),
-            (&covariance, &gaussian),
-            |detection, _, _| found.push(detection),
-        );
-        found.sort_unstable();
+        let centre = (Position::new(7.0, 7.0), None);
+        let found = gated(&positions, centre, covariance, 1.0);
         assert_eq!(found, (0..50).collect::<Vec<u32>>());
     }
 
@@ -118,14 +136,7 @@ mod tests {
             let xy = correlation * (xx * yy).sqrt();
             let covariance = PositionCovariance::new(xx, xy, xy, yy);
             let gaussian = Gaussian::new(&covariance).unwrap();
-            let gate = EllipsoidalGate::new(0.99);
-            let mut grid = Grid::default();
-            let mut placed = Vec::new();
-            grid.rebuild(&positions);
-            grid.arrange(&positions, &mut placed);
-            let mut gated = Vec::new();
-            gate.candidates(&grid, &placed, (&centre, None), (&covariance, &gaussian), |detection, _, _| gated.push(detection));
-            gated.sort_unstable();
+            let gated = gated(&positions, (centre, None), covariance, 0.99);
             let inside = |index: &u32| gaussian.squared_distance(&(positions[*index as usize] - centre)) <= -2.0 * 0.01f64.ln() + 1e-12;
             let brute: Vec<u32> = (0..positions.len() as u32).filter(inside).collect();
             prop_assert_eq!(gated, brute);
@@ -161,22 +172,8 @@ mod tests {
         covariance: SMatrix<f64, D, D>,
         axis: usize,
     ) -> Result<(), TestCaseError> {
-        let gate = EllipsoidalGate::<D>::new(0.99);
         let gaussian = Gaussian::new(&covariance).unwrap();
-        let mut grid = Grid::default();
-        let mut placed = Vec::new();
-        grid.rebuild(measurements);
-        grid.arrange(measurements, &mut placed);
-        let mut gated = Vec::new();
-        let found = |detection, _, _| gated.push(detection);
-        gate.candidates(
-            &grid,
-            &placed,
-            (&centre, Some(axis)),
-            (&covariance, &gaussian),
-            found,
-        );
-        gated.sort_unstable();
+        let gated = gated(measurements, (centre, Some(axis)), covariance, 0.99);
         let inside = |index: &u32| {
             let mut difference = measurements[*index as usize] - centre;
             let ways = [

@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 use std::ops::{Range, RangeInclusive};
 
 /// The grid of one scan.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct Grid {
     axes: Axes,
     /// Detections of cell c: `order[first[c]..first[c + 1]]`.
@@ -24,31 +24,18 @@ struct Axes {
     cells: [usize; 2],
 }
 
-/// A measurement with the index of its detection. Lying in the order of the cells, those that a gate looks at are neighbours
-/// in memory, too.
-#[derive(Debug, Clone, Copy)]
-pub struct Placed<const D: usize> {
-    pub measurement: SVector<f64, D>,
-    pub detection: u32,
-}
-
 impl Grid {
-    /// Writes the measurements of [`Grid::rebuild`] in the order of the cells.
-    pub fn arrange<const D: usize>(
-        &self,
-        measurements: &[SVector<f64, D>],
-        placed: &mut Vec<Placed<D>>,
-    ) {
+    /// Writes the measurements of [`Grid::rebuild`] in the order of the cells, one after the other: those that a gate looks at
+    /// are neighbours in memory, too.
+    pub fn arrange<const D: usize>(&self, measurements: &[[f64; D]], placed: &mut Vec<f64>) {
         placed.clear();
-        let place = |&detection: &u32| Placed {
-            measurement: measurements[detection as usize],
-            detection,
-        };
-        placed.extend(self.order.iter().map(place));
+        for &detection in &self.order {
+            placed.extend_from_slice(&measurements[detection as usize]);
+        }
     }
 
     /// Takes the measurements of a new scan.
-    pub fn rebuild<const D: usize>(&mut self, measurements: &[SVector<f64, D>]) {
+    pub fn rebuild<const D: usize>(&mut self, measurements: &[[f64; D]]) {
         let (low, high) = bounds(measurements);
         let cells = measurements.len() as f64 / 2.0;
         let side = (if D == 1 { cells } else { cells.sqrt() }.ceil() as usize).clamp(1, 4096);
@@ -69,7 +56,7 @@ impl Grid {
     }
 
     /// Counting sort of the detections by cell; inside a cell they keep their order.
-    fn sort_into_cells<const D: usize>(&mut self, measurements: &[SVector<f64, D>]) {
+    fn sort_into_cells<const D: usize>(&mut self, measurements: &[[f64; D]]) {
         let axes = self.axes;
         self.cell_of.clear();
         self.cell_of.extend(
@@ -107,26 +94,24 @@ impl Grid {
         angle: Option<usize>,
         mut found: impl FnMut(u32),
     ) {
-        self.near_places(centre, half, angle, |places| {
-            self.order[places]
-                .iter()
-                .for_each(|&detection| found(detection))
+        self.near_places(centre, half, angle, |_, detections| {
+            detections.iter().for_each(|&detection| found(detection))
         });
     }
 
-    /// The same, in stretches of the order of the cells.
+    /// The same, in stretches of the order of the cells: the places in that order, and their detections.
     #[inline]
     pub fn near_places<const D: usize>(
         &self,
         centre: &SVector<f64, D>,
         half: [f64; 2],
         angle: Option<usize>,
-        mut found: impl FnMut(Range<usize>),
+        mut found: impl FnMut(Range<usize>, &[u32]),
     ) {
         if self.order.is_empty() {
             return;
         }
-        let centre = plane(centre);
+        let centre = plane(&centre.data.0[0]);
         if let Some(axis) = angle {
             return self.near_round(centre, half, axis, found);
         }
@@ -144,7 +129,7 @@ impl Grid {
         centre: [f64; 2],
         half: [f64; 2],
         axis: usize,
-        mut found: impl FnMut(Range<usize>),
+        mut found: impl FnMut(Range<usize>, &[u32]),
     ) {
         let other = self.span(centre[1 - axis], half[1 - axis], 1 - axis);
         for part in self
@@ -166,12 +151,12 @@ impl Grid {
         &self,
         columns: RangeInclusive<usize>,
         rows: RangeInclusive<usize>,
-        found: &mut impl FnMut(Range<usize>),
+        found: &mut impl FnMut(Range<usize>, &[u32]),
     ) {
         for row in rows {
-            let from = self.first[row * self.axes.cells[0] + columns.start()];
-            let to = self.first[row * self.axes.cells[0] + columns.end() + 1];
-            found(from as usize..to as usize);
+            let from = self.first[row * self.axes.cells[0] + columns.start()] as usize;
+            let to = self.first[row * self.axes.cells[0] + columns.end() + 1] as usize;
+            found(from..to, &self.order[from..to]);
         }
     }
 
@@ -229,11 +214,11 @@ impl Axes {
 
 /// The two coordinates that the grid looks at.
 #[inline]
-fn plane<const D: usize>(measurement: &SVector<f64, D>) -> [f64; 2] {
+fn plane<const D: usize>(measurement: &[f64; D]) -> [f64; 2] {
     [measurement[0], if D > 1 { measurement[1] } else { 0.0 }]
 }
 
-fn bounds<const D: usize>(measurements: &[SVector<f64, D>]) -> ([f64; 2], [f64; 2]) {
+fn bounds<const D: usize>(measurements: &[[f64; D]]) -> ([f64; 2], [f64; 2]) {
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     for measurement in measurements {
         for (axis, value) in plane(measurement).into_iter().enumerate() {
@@ -275,8 +260,9 @@ mod tests {
             let centre = Position::new(centre.0, centre.1);
             let half = [half.0, half.1];
             let mut grid = Grid::default();
-            grid.rebuild(&positions[..positions.len() / 2]);
-            grid.rebuild(&positions);
+            let rows: Vec<[f64; 2]> = positions.iter().map(|&position| position.into()).collect();
+            grid.rebuild(&rows[..rows.len() / 2]);
+            grid.rebuild(&rows);
             let mut found = Vec::new();
             grid.near(&centre, half, None, |detection| found.push(detection));
             found.sort_unstable();

@@ -1,7 +1,6 @@
-//! Tools: angles, optimal assignment, fuzzy clustering, Gaussian distances and likelihoods, intervals of means, and named
+//! Tools: optimal assignment, fuzzy clustering, Gaussian distances and likelihoods, intervals of means, and named
 //! streams of random numbers.
 
-pub mod angle;
 pub mod assignment;
 pub mod fuzzy_c_means;
 pub mod gaussian;

@@ -1,7 +1,9 @@
-//! The nouns every other layer speaks: sensors, scans, detections, truth, tracks, scenarios.
+//! The nouns every other layer speaks: sensors, scans, detections, truth, tracks, scenarios; how targets move ([`motion`]) and
+//! what sensors report of them ([`sensing`]).
 //! Plain values whose constructors check; no algorithm, file, clock or random number lives here.
 
 pub mod allowance;
+pub mod angle;
 pub mod bearing_time;
 pub mod boxes;
 pub mod dataset;
@@ -12,6 +14,7 @@ pub mod names;
 pub mod scan;
 pub mod scan_numbers;
 pub mod scenario;
+pub mod sensing;
 pub mod sensor;
 pub mod state;
 pub mod track;

@@ -1,6 +1,6 @@
 //! What is known of a sensor, and the complete description that a tracker works with.
 
-use super::state::Position;
+use super::sensing::MeasurementModel;
 use serde::{Deserialize, Serialize};
 
 /// What is known of a sensor; what is absent comes from the data or from the request that uses it.
@@ -47,6 +47,10 @@ pub struct SensorSettings {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "service", schema(nullable = false))]
     pub sigma_range_rate_mps: Option<f64>,
+    /// Whether a report that no track uses may start a track.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub may_start: Option<bool>,
 }
 
 impl SensorSettings {
@@ -104,6 +108,7 @@ impl SensorSettings {
             sigma_range_m: other.sigma_range_m.or(self.sigma_range_m),
             sigma_bearing_deg: other.sigma_bearing_deg.or(self.sigma_bearing_deg),
             sigma_range_rate_mps: other.sigma_range_rate_mps.or(self.sigma_range_rate_mps),
+            may_start: other.may_start.or(self.may_start),
         }
     }
 }
@@ -121,40 +126,9 @@ pub struct Misfit {
 pub struct Sensor {
     pub sensor_id: String,
     pub p_d: f64,
-    /// Expected false detections a scan: per m² for positions and polar reports, per rad for bearings.
+    /// Expected false detections a scan: per m² for positions and polar reports, per rad for bearings alone.
     pub clutter_density: f64,
+    /// Whether a report that no track uses may start a track.
+    pub may_start: bool,
     pub report: MeasurementModel,
-}
-
-/// What a sensor measures, and how well: independent Gaussian noise on each value.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum MeasurementModel {
-    Position { sigma_x_m: f64, sigma_y_m: f64 },
-    Polar(Polar),
-    Bearing { sigma_bearing_rad: f64 },
-}
-
-impl MeasurementModel {
-    pub fn range_rate(&self) -> Option<RangeRate> {
-        match self {
-            MeasurementModel::Polar(polar) => polar.range_rate,
-            _ => None,
-        }
-    }
-}
-
-/// Range and bearing from the sensor's place, and the rate of the range where the sensor measures it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Polar {
-    pub place_m: Position,
-    pub sigma_range_m: f64,
-    pub sigma_bearing_rad: f64,
-    pub range_rate: Option<RangeRate>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RangeRate {
-    pub sigma_mps: f64,
-    /// False detections have range rates uniform over an interval of this length.
-    pub span_mps: f64,
 }

@@ -18,38 +18,60 @@ pub struct GaussianState<const N: usize = 4> {
     pub covariance: SMatrix<f64, N, N>,
 }
 
-/// A [`GaussianState`] of up to four variables: its mean, then the upper triangle of its covariance row by row. A history
-/// is long, and the rest of a covariance says nothing new.
-pub type PackedState = [f64; 14];
-
 impl<const N: usize> GaussianState<N> {
-    #[inline]
-    pub fn pack(&self) -> PackedState {
-        const { assert!(N <= 4, "a packed state has room for four variables") };
-        let mut packed = [0.0; 14];
-        packed[..N].copy_from_slice(self.mean.as_slice());
-        for (place, (row, column)) in upper_triangle_places(N).enumerate() {
-            packed[N + place] = self.covariance[(row, column)];
+    /// Of the first `K` variables alone.
+    #[inline(always)]
+    pub fn leading<const K: usize>(&self) -> GaussianState<K> {
+        GaussianState {
+            mean: self.mean.fixed_rows::<K>(0).into_owned(),
+            covariance: self.covariance.fixed_view::<K, K>(0, 0).into_owned(),
         }
-        packed
     }
 
-    pub fn unpack(packed: &PackedState) -> Self {
-        let mut covariance = SMatrix::zeros();
-        for (place, (row, column)) in upper_triangle_places(N).enumerate() {
-            covariance[(row, column)] = packed[N + place];
-            covariance[(column, row)] = packed[N + place];
+    /// Appends the mean, then the upper triangle of the covariance: [`packed_len`] numbers.
+    #[inline]
+    pub fn pack_into(&self, packed: &mut Vec<f64>) {
+        packed.extend_from_slice(self.mean.as_slice());
+        for row in 0..N {
+            for column in row..N {
+                packed.push(self.covariance[(row, column)]);
+            }
         }
-        GaussianState {
+    }
+
+    /// What [`GaussianState::pack_into`] wrote; `None` for another number of values.
+    pub fn unpacked(packed: &[f64]) -> Option<Self> {
+        if packed.len() != packed_len(N) {
+            return None;
+        }
+        let mut covariance = SMatrix::zeros();
+        let mut rest = packed[N..].iter();
+        for row in 0..N {
+            for (column, &element) in (row..N).zip(rest.by_ref()) {
+                covariance[(row, column)] = element;
+                covariance[(column, row)] = element;
+            }
+        }
+        Some(GaussianState {
             mean: SVector::from_column_slice(&packed[..N]),
             covariance,
-        }
+        })
     }
 }
 
-/// Row and column of each element of the upper triangle of an `order` × `order` matrix, row by row.
-fn upper_triangle_places(order: usize) -> impl Iterator<Item = (usize, usize)> {
-    (0..order).flat_map(move |row| (row..order).map(move |column| (row, column)))
+/// How many numbers a state of so many variables is packed into.
+pub const fn packed_len(variables: usize) -> usize {
+    variables + variables * (variables + 1) / 2
+}
+
+/// Copies the upper triangle below the diagonal, so that rounding never makes P unsymmetric.
+#[inline]
+pub fn mirror<const N: usize>(covariance: &mut SMatrix<f64, N, N>) {
+    for row in 1..N {
+        for column in 0..row {
+            covariance[(row, column)] = covariance[(column, row)];
+        }
+    }
 }
 
 /// Row and column of each element of the upper triangle, in the order of the CSV columns
@@ -92,15 +114,11 @@ mod tests {
             mean: SVector::<f64, 2>::new(1.0, 2.0),
             covariance: SMatrix::<f64, 2, 2>::new(3.0, 4.0, 4.0, 5.0),
         };
-        assert_eq!(bearing.pack()[..6], [1.0, 2.0, 3.0, 4.0, 5.0, 0.0]);
-        assert_eq!(GaussianState::unpack(&bearing.pack()), bearing);
-        let elements = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0];
-        let plane = GaussianState {
-            mean: State::new(-1.0, -2.0, -3.0, -4.0),
-            covariance: from_upper_triangle(&elements),
-        };
-        assert_eq!(plane.pack()[4..], elements);
-        assert_eq!(GaussianState::unpack(&plane.pack()), plane);
+        let mut packed = Vec::new();
+        bearing.pack_into(&mut packed);
+        assert_eq!(packed, [1.0, 2.0, 3.0, 4.0, 5.0]);
+        assert_eq!(GaussianState::unpacked(&packed), Some(bearing));
+        assert_eq!(GaussianState::<4>::unpacked(&packed), None);
     }
 
     #[test]

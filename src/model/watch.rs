@@ -72,6 +72,8 @@ pub enum Halt {
     Stopped,
     /// Its tables would hold more than is allowed.
     TooLarge(Box<Fault>),
+    /// It was given something of a time that it has passed.
+    Late { time_s: f64, last_s: f64 },
 }
 
 impl std::fmt::Debug for Watch<'_> {

@@ -16,8 +16,8 @@
 //! The noises of neighbouring cells are independent, which those of overlapping beams are not. 0 dB is the noise.
 
 use super::targets::{self, Path};
-use crate::math::angle::wrap;
 use crate::math::rng::{Purpose, Seed};
+use crate::model::angle::wrap;
 use crate::model::bearing_time::{BearingTimeParts, BearingTimeRecord, MAX_CELLS};
 use crate::model::fault::Fault;
 use crate::model::scenario::{RecordPlan, Scenario, TargetPlan};

@@ -5,8 +5,8 @@
 
 use super::coverage::Coverage;
 use super::targets::Path;
-use crate::math::angle::wrap;
 use crate::math::rng::{Purpose, Seed};
+use crate::model::angle::wrap;
 use crate::model::scan::{Detection, Measurement};
 use crate::model::scenario::{ReportNoise, ScenarioSensor};
 use crate::model::state::Position;

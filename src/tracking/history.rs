@@ -1,115 +1,137 @@
-//! What a tracker did: one entry a track and scan, in scan order, turned into tracks at the end.
+//! The recorder of a job: one entry a track and scan, in scan order, turned into tracks at the end.
 
-use crate::model::scan::Recording;
-use crate::model::state::PackedState;
+use super::recorder::{RecordedPoint, Recorder};
+use crate::hypotheses::bounds;
+use crate::model::scan::{Recording, Scan};
+use crate::model::state::GaussianState;
 use crate::model::track::{Candidate, Estimate, Track, TrackPoint, TrackSet, TrackStatus};
+use crate::model::watch::Halt;
 
 /// A track at one scan.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Entry {
-    /// Number of the track in order of initiation, tentative ones counted too.
-    pub serial: u32,
+struct Entry {
+    serial: u32,
     /// Index of the scan in the recording.
-    pub scan: u32,
-    pub status: TrackStatus,
+    scan: u32,
+    status: TrackStatus,
     /// How many of the history's candidates are its; they follow those of the entry before.
-    pub candidates: u32,
-    pub state: PackedState,
+    candidates: u32,
     /// NaN where there is none.
-    pub nis: f64,
+    nis: f64,
 }
 
 /// Entries of a piece of a long history: some megabytes.
 const LARGEST_PIECE: usize = 1 << 15;
 const SMALLEST_PIECE: usize = 1 << 8;
 
-/// Everything a tracker remembers.
+/// Entries, and the packed kinematics of each one after the other.
 #[derive(Debug)]
-pub struct History {
-    /// What a kept state says; it knows of how many variables.
-    unpack: fn(&PackedState) -> Estimate,
-    /// In pieces that are never moved: what a scene of many targets remembers is too long to be copied as it grows.
-    pieces: Vec<Vec<Entry>>,
-    pub(super) candidates: Vec<Candidate>,
-    /// Candidates beyond the first of each entry.
-    pub(super) surplus: usize,
-    /// Tracks ever started; serials are below it.
-    pub(super) started: u32,
-    /// Serials of the tracks that were ever confirmed.
-    pub(super) confirmed: Vec<u32>,
-    /// Names of the tracks that were given at the start; theirs are the first serials.
-    pub(super) names: Vec<String>,
+struct Piece {
+    entries: Vec<Entry>,
+    kinematics: Vec<f64>,
 }
 
-impl History {
-    pub(super) fn new(unpack: fn(&PackedState) -> Estimate) -> Self {
-        History {
-            unpack,
-            pieces: Vec::new(),
-            candidates: Vec::new(),
-            surplus: 0,
-            started: 0,
-            confirmed: Vec::new(),
-            names: Vec::new(),
+/// Everything a tracker did.
+#[derive(Debug, Default)]
+pub struct History {
+    /// In pieces that are never moved: what a scene of many targets remembers is too long to be copied as it grows.
+    pieces: Vec<Piece>,
+    candidates: Vec<Candidate>,
+    /// Candidates beyond the first of each entry.
+    surplus: usize,
+    /// Whether each track was ever confirmed, by serial.
+    confirmed: Vec<bool>,
+    /// Names of the tracks that were given at the start; theirs are the first serials.
+    names: Vec<String>,
+}
+
+impl Recorder for History {
+    fn given(&mut self, serial: u32, name: &str) {
+        self.note(serial, true);
+        self.names.push(name.to_owned());
+    }
+
+    fn point(&mut self, point: &RecordedPoint) {
+        self.note(point.serial, point.status != TrackStatus::Tentative);
+        self.surplus += point.candidates.len().saturating_sub(1);
+        self.candidates.extend_from_slice(point.candidates);
+        let has_room = |piece: &Piece| piece.entries.len() < piece.entries.capacity();
+        if !self.pieces.last().is_some_and(has_room) {
+            self.start_piece(point.kinematics.len());
+        }
+        if let Some(piece) = self.pieces.last_mut() {
+            piece.kinematics.extend_from_slice(point.kinematics);
+            piece.entries.push(Entry {
+                serial: point.serial,
+                scan: point.scan_index,
+                status: point.status,
+                candidates: point.candidates.len() as u32,
+                nis: point.nis.unwrap_or(f64::NAN),
+            });
         }
     }
 
-    pub(super) fn push(&mut self, entry: Entry) {
-        self.surplus += entry.candidates.saturating_sub(1) as usize;
-        match self
-            .pieces
-            .last_mut()
-            .filter(|piece| piece.len() < piece.capacity())
-        {
-            Some(piece) => piece.push(entry),
-            None => self.start_piece(entry),
+    fn check(&self, scan: &Scan) -> Result<(), Halt> {
+        bounds::check_history(self.surplus, scan)
+    }
+
+    fn end(&mut self, _serial: u32) {}
+}
+
+impl History {
+    fn note(&mut self, serial: u32, is_confirmed: bool) {
+        let serial = serial as usize;
+        if self.confirmed.len() <= serial {
+            self.confirmed.resize(serial + 1, false);
         }
+        self.confirmed[serial] |= is_confirmed;
     }
 
     /// Each piece is as long as all before it together, up to a limit.
     #[cold]
-    fn start_piece(&mut self, entry: Entry) {
-        let length: usize = self.pieces.iter().map(Vec::len).sum();
-        let mut piece = Vec::with_capacity(length.clamp(SMALLEST_PIECE, LARGEST_PIECE));
-        piece.push(entry);
-        self.pieces.push(piece);
+    fn start_piece(&mut self, values: usize) {
+        let before: usize = self.pieces.iter().map(|piece| piece.entries.len()).sum();
+        let length = before.clamp(SMALLEST_PIECE, LARGEST_PIECE);
+        self.pieces.push(Piece {
+            entries: Vec::with_capacity(length),
+            kinematics: Vec::with_capacity(length * values),
+        });
     }
 
     /// The tracks that were ever confirmed, from their first detection on, named 1, 2, … in order of initiation; those that
     /// were given keep their names.
     pub fn into_tracks(mut self, recording: &Recording) -> TrackSet {
-        self.confirmed.sort_unstable();
-        let mut lengths = vec![0; self.started as usize];
-        self.pieces
-            .iter()
-            .flatten()
-            .for_each(|entry| lengths[entry.serial as usize] += 1);
-        let mut number_of = vec![u32::MAX; self.started as usize];
-        let mut tracks: Vec<Track> = Vec::with_capacity(self.confirmed.len());
-        for (index, &serial) in self.confirmed.iter().enumerate() {
-            number_of[serial as usize] = index as u32;
-            let track_id = self
-                .names
-                .get(serial as usize)
-                .cloned()
-                .unwrap_or_else(|| (index + 1).to_string());
+        let mut lengths = vec![0; self.confirmed.len()];
+        for entry in self.pieces.iter().flat_map(|piece| &piece.entries) {
+            lengths[entry.serial as usize] += 1;
+        }
+        let mut number_of = vec![u32::MAX; self.confirmed.len()];
+        let mut tracks: Vec<Track> = Vec::new();
+        for (serial, _) in self.confirmed.iter().enumerate().filter(|(_, is)| **is) {
+            number_of[serial] = tracks.len() as u32;
+            let named = self.names.get(serial).cloned();
             tracks.push(Track {
-                track_id,
-                points: Vec::with_capacity(lengths[serial as usize]),
+                track_id: named.unwrap_or_else(|| (tracks.len() + 1).to_string()),
+                points: Vec::with_capacity(lengths[serial]),
             });
         }
         let mut first_candidate = 0;
         // Each piece goes when it is read: the history of a large scene and its tracks need not be there together.
-        for entry in self.pieces.into_iter().flatten() {
-            if let Some(track) = tracks.get_mut(number_of[entry.serial as usize] as usize) {
-                track.points.push(point(
-                    &entry,
-                    first_candidate,
-                    (self.unpack)(&entry.state),
-                    recording,
-                ));
+        for piece in self.pieces {
+            let values = piece.kinematics.len() / piece.entries.len();
+            for (entry, kinematics) in piece.entries.iter().zip(piece.kinematics.chunks(values)) {
+                let candidates = first_candidate..first_candidate + entry.candidates as usize;
+                let first = recording.scans[entry.scan as usize].first as u32;
+                for candidate in &mut self.candidates[candidates.clone()] {
+                    candidate.detection = candidate.detection.map(|detection| first + detection);
+                }
+                if let Some(track) = tracks.get_mut(number_of[entry.serial as usize] as usize) {
+                    track
+                        .points
+                        .push(point(entry, first_candidate, kinematics, recording));
+                }
+                first_candidate = candidates.end;
             }
-            first_candidate += entry.candidates as usize;
         }
         TrackSet {
             tracks,
@@ -127,17 +149,26 @@ impl History {
 fn point(
     entry: &Entry,
     first_candidate: usize,
-    estimate: Estimate,
+    kinematics: &[f64],
     recording: &Recording,
 ) -> TrackPoint {
     let scan = &recording.scans[entry.scan as usize];
     TrackPoint {
         time_s: scan.time_s,
         sensor: Some(scan.sensor as u32),
-        estimate,
+        estimate: estimate(kinematics),
         status: Some(entry.status),
         nis: Some(entry.nis).filter(|nis| !nis.is_nan()),
         first_candidate,
         candidates: entry.candidates as usize,
+    }
+}
+
+fn estimate(kinematics: &[f64]) -> Estimate {
+    match GaussianState::<2>::unpacked(kinematics) {
+        Some(bearing) => bearing.into(),
+        None => GaussianState::<4>::unpacked(kinematics)
+            .expect("kinematics of the plane")
+            .into(),
     }
 }

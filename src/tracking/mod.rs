@@ -1,20 +1,112 @@
-//! The tracker: predict → gate → associate → update → manage, once a scan.
+//! Trackers: what takes scans and tells tracks. One folder a tracker, one line of [`TRACKERS`].
 
-mod bounds;
-mod confirmation;
-mod group_tracks;
+mod bits;
+pub mod group_tracks;
 mod history;
-mod initiation;
-mod lifecycle;
-mod likelihood_constants;
 mod outcome;
-mod scan_view;
-mod tracker;
+pub mod recorder;
+pub mod single_hypothesis;
 
-pub use confirmation::{Confirmation, ScoreRule};
+use crate::association::{Associator, Trace};
+use crate::filtering::AnyFilter;
+use crate::model::fault::Fault;
+use crate::model::scan::{Detection, Scan};
+use crate::model::sensor::Sensor;
+use crate::model::track::TrackStatus;
+use crate::model::watch::{Halt, Watch};
+use crate::registry::Method;
+
 pub use group_tracks::GroupTracks;
 pub use history::History;
-pub use initiation::Initiation;
-pub use lifecycle::{LIFECYCLE, Lifecycle};
 pub use outcome::{Nis, ScanOutcome};
-pub use tracker::{Tracker, TrackerParts};
+pub use recorder::Recorder;
+pub use single_hypothesis::confirmation::{Confirmation, ScoreRule};
+pub use single_hypothesis::initiation::Initiation;
+pub use single_hypothesis::lifecycle::{LIFECYCLE, Lifecycle};
+
+/// A multi-target tracker. Feed it scans in order of time.
+pub trait Tracker: Send {
+    /// Takes one scan with its detections and tells the recorder what becomes of the tracks.
+    ///
+    /// # Errors
+    /// [`Halt::Late`] for a scan before the last one, which changes nothing. [`Halt::Stopped`] when the watch says so, and
+    /// [`Halt::TooLarge`] when there are more candidates than a tracker may hold; then the tracker is of no use any more.
+    fn step(
+        &mut self,
+        scan: &Scan,
+        detections: &[Detection],
+        recorder: &mut dyn Recorder,
+        watch: &Watch,
+    ) -> Result<ScanOutcome, Halt>;
+
+    /// The living tracks as they are believed to be at the last scan.
+    fn tracks(&self) -> Vec<TrackEstimate>;
+
+    /// Tells the recorder what is still open; no scan follows.
+    fn finish(&mut self, _recorder: &mut dyn Recorder) {}
+
+    /// The same tracker once more, to go another way from here.
+    fn fork(&self) -> Box<dyn Tracker>;
+
+    /// All that it knows, from which [`Tracker::read_back`] continues to the bit.
+    fn write_down(&self) -> Vec<u8>;
+
+    /// Takes the place of the tracker that wrote this down, whose parts were the same.
+    ///
+    /// # Errors
+    /// Bytes that no tracker of this kind wrote.
+    fn read_back(&mut self, written: &[u8]) -> Result<(), Fault>;
+
+    /// How well the detections fitted so far.
+    fn nis(&self) -> Nis;
+
+    /// What the associator says of all it did so far.
+    fn diagnostics(&self) -> Option<serde_json::Value>;
+
+    /// What the associator wrote down step by step.
+    fn trace(&self) -> Option<&Trace>;
+
+    /// From now on the problems of the confirmed tracks are kept, for [`Tracker::decide_again`].
+    fn keep_problems(&mut self);
+
+    /// Gives the kept problems to the associator once more, and does nothing with what it says: for those who time it.
+    fn decide_again(&mut self, watch: &Watch);
+}
+
+/// What a tracker believes of one track.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrackEstimate {
+    /// Number of the track in order of initiation, tentative ones counted too.
+    pub serial: u32,
+    pub time_s: f64,
+    pub status: TrackStatus,
+    /// Mean of the kinematics, then the upper triangle of its covariance row by row.
+    pub kinematics: Vec<f64>,
+}
+
+/// What a tracker is made of.
+pub struct TrackerParts {
+    pub filter: AnyFilter,
+    pub associator: Box<dyn Associator>,
+    pub lifecycle: Lifecycle,
+    /// In the order of the recording's sensors.
+    pub sensors: Vec<Sensor>,
+    /// Tracks that are there from the start and never end.
+    pub given: Vec<GivenTrack>,
+}
+
+/// A track that is there at the time of the first scan.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GivenTrack {
+    pub name: String,
+    /// Its target, for an associator that is told where detections came from.
+    pub origin: Option<u32>,
+    /// Packed as those of a [`TrackEstimate`].
+    pub kinematics: Vec<f64>,
+}
+
+/// Builds a tracker.
+pub type BuildTracker = fn(TrackerParts) -> Box<dyn Tracker>;
+
+/// Every tracker.
+pub const TRACKERS: &[Method<BuildTracker>] = &[single_hypothesis::METHOD];

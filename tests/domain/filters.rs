@@ -5,41 +5,53 @@ use nalgebra::{Cholesky, Matrix4, SMatrix, SVector, Vector4};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use trackloom_domain::filtering::Filter;
 use trackloom_domain::filtering::bearing_only::BearingOnly;
-use trackloom_domain::filtering::converted::Converted;
-use trackloom_domain::filtering::extended::Extended;
-use trackloom_domain::filtering::kalman::Kalman;
-use trackloom_domain::filtering::mixture::{WeightedInnovation, update};
-use trackloom_domain::filtering::prediction::Transition;
+use trackloom_domain::filtering::gaussian::GaussianFilter;
 use trackloom_domain::filtering::unscented::Unscented;
-use trackloom_domain::math::angle;
+use trackloom_domain::filtering::{Corrector, Filter, Reports, Way, Weighted, WithCorrector};
+use trackloom_domain::hypotheses::certain::{locate, update};
 use trackloom_domain::math::rng::{Purpose, Seed};
+use trackloom_domain::model::angle;
+use trackloom_domain::model::motion::constant_acceleration::ConstantAcceleration;
+use trackloom_domain::model::motion::constant_velocity::ConstantVelocity;
 use trackloom_domain::model::scan::Measurement;
-use trackloom_domain::model::sensor::{MeasurementModel, Polar, RangeRate, Sensor};
+use trackloom_domain::model::sensing::{Bearing, MeasurementModel, Polar, RangeRate};
+use trackloom_domain::model::sensor::Sensor;
 use trackloom_domain::model::state::{GaussianState, Position};
 
-const KALMAN: Kalman = Kalman {
-    process_noise_m2ps3: 1.0,
+type PlaneFilter = GaussianFilter<ConstantVelocity, 4, 4>;
+
+const MOTION: ConstantVelocity = ConstantVelocity {
+    spectral_density: 1.0,
 };
-const EXTENDED: Extended = Extended {
-    process_noise_m2ps3: 1.0,
-};
-const UNSCENTED: Unscented = Unscented {
-    process_noise_m2ps3: 1.0,
+const POINTS: Unscented = Unscented {
     alpha: 1.0,
     beta: 2.0,
     kappa: 0.0,
 };
-const CONVERTED: Converted = Converted {
-    process_noise_m2ps3: 1.0,
-};
+
+fn kalman() -> PlaneFilter {
+    GaussianFilter::new(MOTION, Way::Line, Reports::Positions)
+}
+
+fn extended() -> PlaneFilter {
+    GaussianFilter::new(MOTION, Way::Line, Reports::All)
+}
+
+fn unscented() -> PlaneFilter {
+    GaussianFilter::new(MOTION, Way::Points(POINTS), Reports::All)
+}
+
+fn converted() -> PlaneFilter {
+    GaussianFilter::new(MOTION, Way::Line, Reports::Converted)
+}
 
 fn sensor(report: MeasurementModel) -> Sensor {
     Sensor {
         sensor_id: "radar".into(),
         p_d: 0.9,
         clutter_density: 1e-8,
+        may_start: true,
         report,
     }
 }
@@ -51,11 +63,19 @@ fn positions() -> Sensor {
     })
 }
 
-fn polar(sigma_bearing_rad: f64) -> Sensor {
+fn doppler(sigma_bearing_rad: f64) -> Sensor {
     let range_rate = Some(RangeRate {
         sigma_mps: 0.5,
         span_mps: 600.0,
     });
+    polar_with(sigma_bearing_rad, range_rate)
+}
+
+fn polar(sigma_bearing_rad: f64) -> Sensor {
+    polar_with(sigma_bearing_rad, None)
+}
+
+fn polar_with(sigma_bearing_rad: f64, range_rate: Option<RangeRate>) -> Sensor {
     sensor(MeasurementModel::Polar(Polar {
         place_m: Position::new(100.0, -50.0),
         sigma_range_m: 15.0,
@@ -78,100 +98,152 @@ fn normals<const N: usize>(draw: &mut ChaCha8Rng) -> SVector<f64, N> {
 
 /// A million updates of random tracks: random time steps, one to three weighted detections anywhere in the gate, and
 /// now and then a new track. The covariance must stay symmetric and positive definite after each.
-fn stays_definite<const N: usize, const D: usize>(
-    filter: &impl Filter<N, D>,
+struct StaysDefinite<'a, F> {
+    filter: &'a F,
+    first: Measurement,
+    rate_sigma: f64,
+}
+
+fn stays_definite<F, const N: usize, const K: usize>(
+    filter: &F,
     sensor: &Sensor,
-    first: SVector<f64, D>,
-    speed_sigma: f64,
-) {
-    let mut draw = stream(1);
-    let mut state = filter.initiate(&first, sensor, speed_sigma).unwrap();
-    let transitions: Vec<Transition<N>> = [0.1, 1.0, 8.0]
-        .map(|dt_s| Transition::new(filter.motion(), dt_s))
-        .into();
-    for round in 0..1_000_000 {
-        if round % 500 == 0 {
-            state = filter.initiate(&first, sensor, speed_sigma).unwrap();
+    first: Measurement,
+    rate_sigma: f64,
+) where
+    F: Filter<K, Belief = GaussianState<N>>,
+{
+    let work = StaysDefinite {
+        filter,
+        first,
+        rate_sigma,
+    };
+    filter.correct(&sensor.report, work).unwrap();
+}
+
+impl<F, const N: usize, const K: usize> WithCorrector<F, K> for StaysDefinite<'_, F>
+where
+    F: Filter<K, Belief = GaussianState<N>>,
+{
+    type Output = ();
+
+    fn with<C: Corrector<F, K, D>, const D: usize>(self, corrector: &C) {
+        let mut draw = stream(1);
+        let first = corrector.read(&self.first).unwrap();
+        let start = corrector.locate(&first, self.rate_sigma).unwrap();
+        let mut belief = self.filter.begin(&start);
+        let steps = [0.1, 1.0, 8.0].map(|dt_s| self.filter.step(dt_s));
+        for round in 0..1_000_000 {
+            if round % 500 == 0 {
+                belief = self.filter.begin(&start);
+            }
+            F::predict(&steps[draw.random_range(0..steps.len())], &mut belief);
+            let (expected, gain) = corrector
+                .expect(&belief)
+                .unwrap_or_else(|| panic!("round {round}: nothing is expected of {belief:?}"));
+            let count = draw.random_range(1..=3);
+            let weight = if count == 1 && draw.random::<f64>() < 0.5 {
+                1.0
+            } else {
+                0.9 / f64::from(count)
+            };
+            let detections: Vec<Weighted<F::Change>> = (0..count)
+                .map(|_| {
+                    let innovation = SVector::from_fn(|axis, _| {
+                        (expected.covariance[(axis, axis)]).sqrt() * draw.random_range(-2.0..2.0)
+                    });
+                    Weighted {
+                        change: C::change(&gain, &innovation),
+                        weight,
+                    }
+                })
+                .collect();
+            F::update(&mut belief, &C::loss(&gain), &detections);
+            let covariance = belief.covariance;
+            assert_eq!(covariance, covariance.transpose(), "round {round}");
+            assert!(
+                Cholesky::new(covariance).is_some(),
+                "round {round}: {covariance}"
+            );
         }
-        transitions[draw.random_range(0..transitions.len())].predict(&mut state);
-        let expected = filter
-            .expect(&state, sensor)
-            .unwrap_or_else(|| panic!("round {round}: nothing is expected of {state:?}"));
-        let count = draw.random_range(1..=3);
-        let share = if count == 1 && draw.random::<f64>() < 0.5 {
-            1.0
-        } else {
-            0.9 / f64::from(count)
-        };
-        let detections: Vec<WeightedInnovation<D>> = (0..count)
-            .map(|_| {
-                let innovation = SVector::from_fn(|axis, _| {
-                    (expected.covariance[(axis, axis)]).sqrt() * draw.random_range(-2.0..2.0)
-                });
-                WeightedInnovation {
-                    innovation,
-                    weight: share,
-                }
-            })
-            .collect();
-        update(&mut state, &expected.correction(), &detections);
-        assert_eq!(
-            state.covariance,
-            state.covariance.transpose(),
-            "round {round}"
-        );
-        assert!(
-            Cholesky::new(state.covariance).is_some(),
-            "round {round}: {}",
-            state.covariance
-        );
+    }
+}
+
+fn range_bearing(range_m: f64, bearing_rad: f64, range_rate_mps: Option<f64>) -> Measurement {
+    Measurement::RangeBearing {
+        range_m,
+        bearing_rad,
+        range_rate_mps,
     }
 }
 
 #[test]
 fn kalman_covariances_stay_definite_over_a_million_updates() {
-    stays_definite(&KALMAN, &positions(), SVector::from([3e3, -2e3]), 430.0);
+    let first = Measurement::Position {
+        x_m: 3e3,
+        y_m: -2e3,
+    };
+    stays_definite(&kalman(), &positions(), first, 430.0);
 }
 
 #[test]
-fn extended_covariances_stay_definite_over_a_million_updates() {
-    stays_definite::<4, 2>(&EXTENDED, &polar(0.0052), SVector::from([3e4, 3.0]), 430.0);
-}
-
-#[test]
-fn extended_covariances_with_range_rates_stay_definite_over_a_million_updates() {
-    stays_definite::<4, 3>(
-        &EXTENDED,
+fn covariances_of_accelerations_stay_definite_over_a_million_updates() {
+    let motion = ConstantAcceleration {
+        spectral_density: 0.1,
+        initial_sigma: 3.0,
+    };
+    let filter = GaussianFilter::<_, 6, 4>::new(motion, Way::Line, Reports::All);
+    stays_definite(
+        &filter,
         &polar(0.0052),
-        SVector::from([3e4, -1.0, 20.0]),
+        range_bearing(3e4, 3.0, None),
         430.0,
     );
 }
 
 #[test]
-fn unscented_covariances_stay_definite_over_a_million_updates() {
-    stays_definite::<4, 2>(&UNSCENTED, &polar(0.0052), SVector::from([3e4, 3.0]), 430.0);
-}
-
-#[test]
-fn bearing_only_covariances_stay_definite_over_a_million_updates() {
-    let sonar = sensor(MeasurementModel::Bearing {
-        sigma_bearing_rad: 0.01,
-    });
+fn extended_covariances_stay_definite_over_a_million_updates() {
     stays_definite(
-        &BearingOnly {
-            process_noise_rad2ps3: 1e-6,
-            initial_rate_sigma_radps: 0.1,
-        },
-        &sonar,
-        SVector::from([3.0]),
-        0.1,
+        &extended(),
+        &polar(0.0052),
+        range_bearing(3e4, 3.0, None),
+        430.0,
     );
 }
 
 #[test]
+fn extended_covariances_with_range_rates_stay_definite_over_a_million_updates() {
+    let first = range_bearing(3e4, -1.0, Some(20.0));
+    stays_definite(&extended(), &doppler(0.0052), first, 430.0);
+}
+
+#[test]
+fn unscented_covariances_stay_definite_over_a_million_updates() {
+    stays_definite(
+        &unscented(),
+        &polar(0.0052),
+        range_bearing(3e4, 3.0, None),
+        430.0,
+    );
+}
+
+#[test]
+fn bearing_only_covariances_stay_definite_over_a_million_updates() {
+    let sonar = sensor(MeasurementModel::Bearing(Bearing {
+        place_m: Position::zeros(),
+        sigma_bearing_rad: 0.01,
+    }));
+    let filter = BearingOnly {
+        process_noise_rad2ps3: 1e-6,
+        initial_rate_sigma_radps: 0.1,
+    };
+    let first = Measurement::Bearing { bearing_rad: 3.0 };
+    stays_definite(&filter.build(), &sonar, first, 0.1);
+}
+
+#[test]
 fn converted_covariances_stay_definite_over_a_million_updates() {
-    stays_definite(&CONVERTED, &polar(0.0052), SVector::from([3e4, 3e4]), 430.0);
+    let first = range_bearing(4.2e4, 0.8, None);
+    stays_definite(&converted(), &polar(0.0052), first, 430.0);
 }
 
 /// What the sensor reports of a state, without noise.
@@ -215,47 +287,55 @@ fn noisy_report(sensor: &Sensor, state: &Vector4<f64>, draw: &mut ChaCha8Rng) ->
 }
 
 /// Mean NIS of 200 targets over 50 scans each, which move and are measured exactly as the filter believes.
-fn mean_nis<const D: usize>(filter: &impl Filter<4, D>, sensor: &Sensor) -> f64 {
-    let (speed_sigma, dt_s, runs, scans) = (30.0, 8.0, 200, 50);
-    let noise: Matrix4<f64> = filter.motion().process_noise(dt_s);
-    let root = Cholesky::new(noise).unwrap().l();
-    let mut sum = 0.0;
-    for run in 0..runs {
-        let mut draw = stream(100 + run);
-        let bearing = draw.random_range(-3.1..3.1f64);
-        let start = Position::new(bearing.sin(), bearing.cos()) * 3e4;
-        let velocity = normals::<2>(&mut draw) * speed_sigma;
-        let mut truth = Vector4::new(start[0], start[1], velocity[0], velocity[1]);
-        let first = filter
-            .to_measurement_space(sensor, &noisy_report(sensor, &truth, &mut draw))
-            .unwrap();
-        let mut state = filter.initiate(&first, sensor, speed_sigma).unwrap();
-        for _ in 0..scans {
-            truth = Vector4::new(
-                truth[0] + dt_s * truth[2],
-                truth[1] + dt_s * truth[3],
-                truth[2],
-                truth[3],
-            ) + root * normals::<4>(&mut draw);
-            Transition::new(filter.motion(), dt_s).predict(&mut state);
-            let expected = filter.expect(&state, sensor).unwrap();
-            let measured = filter
-                .to_measurement_space(sensor, &noisy_report(sensor, &truth, &mut draw))
-                .unwrap();
-            let innovation =
-                angle::difference(&measured, &expected.measurement, filter.angle(sensor));
-            sum += expected.gaussian.squared_distance(&innovation);
-            update(
-                &mut state,
-                &expected.correction(),
-                &[WeightedInnovation {
-                    innovation,
+struct MeanNis<'a> {
+    filter: &'a PlaneFilter,
+    sensor: &'a Sensor,
+}
+
+fn mean_nis(filter: &PlaneFilter, sensor: &Sensor) -> f64 {
+    filter
+        .correct(&sensor.report, MeanNis { filter, sensor })
+        .unwrap()
+}
+
+impl WithCorrector<PlaneFilter, 4> for MeanNis<'_> {
+    type Output = f64;
+
+    fn with<C: Corrector<PlaneFilter, 4, D>, const D: usize>(self, corrector: &C) -> f64 {
+        let (speed_sigma, dt_s, runs, scans) = (30.0, 8.0, 200, 50);
+        let noise: Matrix4<f64> = self.filter.motion.process_noise(dt_s);
+        let root = Cholesky::new(noise).unwrap().l();
+        let mut sum = 0.0;
+        for run in 0..runs {
+            let mut draw = stream(100 + run);
+            let bearing = draw.random_range(-3.1..3.1f64);
+            let start = Position::new(bearing.sin(), bearing.cos()) * 3e4;
+            let velocity = normals::<2>(&mut draw) * speed_sigma;
+            let mut truth = Vector4::new(start[0], start[1], velocity[0], velocity[1]);
+            let first = corrector.read(&noisy_report(self.sensor, &truth, &mut draw));
+            let mut state = corrector.locate(&first.unwrap(), speed_sigma).unwrap();
+            for _ in 0..scans {
+                truth = Vector4::new(
+                    truth[0] + dt_s * truth[2],
+                    truth[1] + dt_s * truth[3],
+                    truth[2],
+                    truth[3],
+                ) + root * normals::<4>(&mut draw);
+                PlaneFilter::predict(&self.filter.step(dt_s), &mut state);
+                let (expected, gain) = corrector.expect(&state).unwrap();
+                let measured = corrector.read(&noisy_report(self.sensor, &truth, &mut draw));
+                let innovation =
+                    angle::difference(&measured.unwrap(), &expected.measurement, C::ANGLE);
+                sum += expected.gaussian.squared_distance(&innovation);
+                let certain = Weighted {
+                    change: C::change(&gain, &innovation),
                     weight: 1.0,
-                }],
-            );
+                };
+                PlaneFilter::update(&mut state, &C::loss(&gain), &[certain]);
+            }
         }
+        sum / (runs * scans) as f64
     }
-    sum / (runs * scans) as f64
 }
 
 /// The mean of n chi-square values of D degrees of freedom has the standard deviation √(2 D / n); four of them hold
@@ -270,53 +350,30 @@ fn assert_consistent(mean: f64, dimensions: f64, bias: f64) {
 
 #[test]
 fn the_mean_nis_of_linear_gaussian_data_is_within_its_chi_square_bounds() {
-    assert_consistent(mean_nis(&KALMAN, &positions()), 2.0, 0.0);
+    assert_consistent(mean_nis(&kalman(), &positions()), 2.0, 0.0);
 }
 
 #[test]
 fn the_mean_nis_of_polar_data_is_within_its_chi_square_bounds() {
-    assert_consistent(mean_nis::<2>(&EXTENDED, &polar(0.0052)), 2.0, 0.01);
-    assert_consistent(mean_nis::<3>(&EXTENDED, &polar(0.0052)), 3.0, 0.01);
-    assert_consistent(mean_nis::<2>(&UNSCENTED, &polar(0.0052)), 2.0, 0.01);
-    assert_consistent(mean_nis::<3>(&UNSCENTED, &polar(0.0052)), 3.0, 0.01);
-    assert_consistent(mean_nis(&CONVERTED, &polar(0.0052)), 2.0, 0.01);
+    assert_consistent(mean_nis(&extended(), &polar(0.0052)), 2.0, 0.01);
+    assert_consistent(mean_nis(&extended(), &doppler(0.0052)), 3.0, 0.01);
+    assert_consistent(mean_nis(&unscented(), &polar(0.0052)), 2.0, 0.01);
+    assert_consistent(mean_nis(&unscented(), &doppler(0.0052)), 3.0, 0.01);
+    assert_consistent(mean_nis(&converted(), &polar(0.0052)), 2.0, 0.01);
 }
 
 /// The state after 20 scans of one target.
-fn estimate<const D: usize>(
-    filter: &impl Filter<4, D>,
-    sensor: &Sensor,
-    errors: &[[f64; 2]],
-) -> GaussianState {
-    let at = |scan: usize| {
+fn estimate(filter: &PlaneFilter, sensor: &Sensor, errors: &[[f64; 2]]) -> GaussianState {
+    let report = |scan: usize| {
         let time_s = 4.0 * scan as f64;
         let [x, y] = errors[scan];
-        Vector4::new(
-            -300.0 + 10.0 * time_s + x,
-            200.0 - 5.0 * time_s + y,
-            10.0,
-            -5.0,
-        )
+        let (x_m, y_m) = (-300.0 + 10.0 * time_s + x, 200.0 - 5.0 * time_s + y);
+        report_of(sensor, &Vector4::new(x_m, y_m, 10.0, -5.0))
     };
-    let measured = |scan| {
-        filter
-            .to_measurement_space(sensor, &report_of(sensor, &at(scan)))
-            .unwrap()
-    };
-    let mut state = filter.initiate(&measured(0), sensor, 30.0).unwrap();
+    let mut state = locate(filter, &sensor.report, &report(0), 30.0).unwrap();
     for scan in 1..errors.len() {
-        Transition::new(filter.motion(), 4.0).predict(&mut state);
-        let expected = filter.expect(&state, sensor).unwrap();
-        let innovation =
-            angle::difference(&measured(scan), &expected.measurement, filter.angle(sensor));
-        update(
-            &mut state,
-            &expected.correction(),
-            &[WeightedInnovation {
-                innovation,
-                weight: 1.0,
-            }],
-        );
+        PlaneFilter::predict(&filter.step(4.0), &mut state);
+        update(filter, &sensor.report, &report(scan), &mut state).unwrap();
     }
     state
 }
@@ -345,18 +402,18 @@ fn on_a_linear_measurement_all_filters_are_the_kalman_filter() {
     let errors: Vec<[f64; 2]> = (0..20)
         .map(|_| [15.0 * normal(&mut draw), 5.2 * normal(&mut draw)])
         .collect();
-    let linear = estimate(&KALMAN, &positions(), &errors);
+    let linear = estimate(&kalman(), &positions(), &errors);
+    assert_equal_states(&linear, &estimate(&extended(), &positions(), &errors), 1e-9);
     assert_equal_states(
         &linear,
-        &estimate::<2>(&EXTENDED, &positions(), &errors),
+        &estimate(&unscented(), &positions(), &errors),
         1e-9,
     );
     assert_equal_states(
         &linear,
-        &estimate::<2>(&UNSCENTED, &positions(), &errors),
+        &estimate(&converted(), &positions(), &errors),
         1e-9,
     );
-    assert_equal_states(&linear, &estimate(&CONVERTED, &positions(), &errors), 1e-9);
     // A radar far to the south sees ranges that are y and bearings that are x, each up to a constant.
     let far_m = 1e8;
     let polar = Polar {
@@ -366,7 +423,7 @@ fn on_a_linear_measurement_all_filters_are_the_kalman_filter() {
         range_rate: None,
     };
     let far = sensor(MeasurementModel::Polar(polar));
-    assert_equal_states(&linear, &estimate::<2>(&EXTENDED, &far, &errors), 1e-3);
-    assert_equal_states(&linear, &estimate::<2>(&UNSCENTED, &far, &errors), 1e-3);
-    assert_equal_states(&linear, &estimate(&CONVERTED, &far, &errors), 1e-3);
+    assert_equal_states(&linear, &estimate(&extended(), &far, &errors), 1e-3);
+    assert_equal_states(&linear, &estimate(&unscented(), &far, &errors), 1e-3);
+    assert_equal_states(&linear, &estimate(&converted(), &far, &errors), 1e-3);
 }

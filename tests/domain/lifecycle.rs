@@ -7,17 +7,18 @@ use std::collections::BTreeMap;
 use trackloom_domain::association::ASSOCIATORS;
 use trackloom_domain::experiment::observer::Silent;
 use trackloom_domain::experiment::{self, JobKind, plan, presets};
-use trackloom_domain::filtering::kalman::Kalman;
+use trackloom_domain::filtering::AnyFilter;
 use trackloom_domain::formats;
 use trackloom_domain::math::rng::{Purpose, Seed};
 use trackloom_domain::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
-use trackloom_domain::model::sensor::{MeasurementModel, Sensor, SensorSettings};
+use trackloom_domain::model::sensing::MeasurementModel;
+use trackloom_domain::model::sensor::{Sensor, SensorSettings};
 use trackloom_domain::model::state::Covariance;
 use trackloom_domain::model::track::{TrackPoint, TrackSet};
 use trackloom_domain::model::watch::Watch;
 use trackloom_domain::registry;
 use trackloom_domain::tracking::{
-    Confirmation, Initiation, Lifecycle, ScanOutcome, ScoreRule, Tracker, TrackerParts,
+    Confirmation, History, Initiation, Lifecycle, ScanOutcome, ScoreRule, TRACKERS, TrackerParts,
 };
 
 const LIFE: Lifecycle = Lifecycle {
@@ -91,26 +92,24 @@ fn tracked(
         sensor_id: "radar".into(),
         p_d: 0.9,
         clutter_density,
+        may_start: true,
         report,
     }];
-    let mut tracker = Tracker::new(TrackerParts {
-        filter: Kalman {
-            process_noise_m2ps3: 1.0,
-        },
+    let mut tracker = (TRACKERS[0].build)(TrackerParts {
+        filter: AnyFilter::kalman(1.0),
         associator,
         lifecycle,
         sensors,
+        given: Vec::new(),
     });
-    let outcomes = recording
-        .scans
-        .iter()
-        .map(|scan| {
-            tracker
-                .step(scan, recording.detections_of(scan), &Watch::never())
-                .unwrap()
-        })
-        .collect();
-    (outcomes, tracker.into_history().into_tracks(recording))
+    let mut history = History::default();
+    let mut step = |scan: &Scan| {
+        let detections = recording.detections_of(scan);
+        tracker.step(scan, detections, &mut history, &Watch::never())
+    };
+    let outcomes = recording.scans.iter().map(|scan| step(scan).unwrap());
+    let outcomes = outcomes.collect();
+    (outcomes, history.into_tracks(recording))
 }
 
 /// Poisson clutter of 1e-4 per m² in a square kilometre, 300 scans: about one detection in the gate of a young track.

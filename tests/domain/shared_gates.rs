@@ -28,6 +28,10 @@ struct Comparing {
 }
 
 impl Associator for Comparing {
+    fn fork(&self) -> Box<dyn Associator> {
+        unreachable!("nobody forks it")
+    }
+
     fn is_soft(&self) -> bool {
         true
     }

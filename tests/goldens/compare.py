@@ -99,8 +99,22 @@ def reports_apart(old, new):
     old, new = members(old.decode()), members(new.decode())
     if list(old) != list(new):
         return [names_apart(old, new)]
+    if "spec" in old:
+        old["spec"], new["spec"] = (json.dumps(spec) for spec in specs(old["spec"], new["spec"]))
     return [value_apart(f"/{name}", parsed(old[name]), parsed(new[name]))
             for name in old if name not in VOLATILE and old[name] != new[name]]
+
+
+def specs(old, new):
+    """Both requests, without the defaults that only the new program knows."""
+    old, new = parsed(old), parsed(new)
+    return old, known_to(old, new)
+
+
+def known_to(old, new):
+    if isinstance(old, dict) and isinstance(new, dict):
+        return {name: known_to(old.get(name), value) for name, value in new.items() if name in old}
+    return new
 
 
 def members(text):

@@ -47,7 +47,7 @@ struct Span {
     count: u32,
 }
 
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Cluster {
     rows: Vec<Span>,
     codes: Vec<Code>,

@@ -10,7 +10,7 @@ use rand::rngs::Xoshiro256PlusPlus;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct ClusterRng(Xoshiro256PlusPlus);
 
 impl ClusterRng {

@@ -45,6 +45,7 @@ use cluster::Cluster;
 use cluster_rng::ClusterRng;
 use optimality_check::OptimalityCheck;
 use serde::Deserialize;
+use serde_json::json;
 use swarm::Swarm;
 use visited::Visited;
 
@@ -183,7 +184,7 @@ impl BatSettings {
 const TRACE_HEADER: &str =
     "occasion,cluster,iteration,best_j,mean_j,evaluations,optimal_j,gap,assignment";
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Bat {
     settings: BatSettings,
     seed: Seed,
@@ -273,5 +274,20 @@ impl Associator for Bat {
 
     fn trace(&self) -> Option<&Trace> {
         self.trace.as_ref()
+    }
+
+    fn fork(&self) -> Box<dyn Associator> {
+        Box::new(self.clone())
+    }
+
+    fn memory(&self) -> serde_json::Value {
+        json!((self.optimality.counts(), &self.trace))
+    }
+
+    fn recall(&mut self, memory: &serde_json::Value) -> Result<(), serde_json::Error> {
+        let (counts, trace) = Deserialize::deserialize(memory)?;
+        self.optimality.set_counts(counts);
+        self.trace = trace;
+        Ok(())
     }
 }

@@ -6,15 +6,21 @@ use super::cluster::Cluster;
 use super::swarm::Swarm;
 use super::visited::Visited;
 use crate::math::assignment::AssignmentSolver;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 
 /// Objectives this close, relative to the optimum, are equal: two sums of the same terms in another order.
 const EQUAL: f64 = 1e-12;
 
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct OptimalityCheck {
     solver: AssignmentSolver,
+    counts: Counts,
+}
+
+/// What all searches came to.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Counts {
     clusters: Clusters,
     evaluations: u64,
     reached: u64,
@@ -23,7 +29,7 @@ pub(super) struct OptimalityCheck {
     visited_events: u64,
 }
 
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 struct Clusters {
     /// A single track: the closed form.
     single: u64,
@@ -54,6 +60,14 @@ struct Optimum {
 }
 
 impl OptimalityCheck {
+    pub(super) fn counts(&self) -> Counts {
+        self.counts
+    }
+
+    pub(super) fn set_counts(&mut self, counts: Counts) {
+        self.counts = counts;
+    }
+
     /// J of the best assignment.
     pub(super) fn optimum(&mut self, cluster: &Cluster) -> f64 {
         self.solver.clear();
@@ -79,33 +93,33 @@ impl OptimalityCheck {
     }
 
     pub(super) fn count_single(&mut self, candidates: usize) {
-        self.clusters.single += 1;
-        self.evaluations += candidates as u64;
+        self.counts.clusters.single += 1;
+        self.counts.evaluations += candidates as u64;
     }
 
     pub(super) fn count_search(&mut self, swarm: &Swarm, optimum: f64, visited: Option<&Visited>) {
-        self.clusters.searched += 1;
-        self.evaluations += swarm.evaluations();
+        self.counts.clusters.searched += 1;
+        self.counts.evaluations += swarm.evaluations();
         let gap = gap(swarm.best_value(), optimum);
-        self.reached += u64::from(gap == 0.0);
-        self.sum_of_gaps += gap;
-        self.largest_gap = self.largest_gap.max(gap);
-        self.visited_events += visited.map_or(0, Visited::events);
+        self.counts.reached += u64::from(gap == 0.0);
+        self.counts.sum_of_gaps += gap;
+        self.counts.largest_gap = self.counts.largest_gap.max(gap);
+        self.counts.visited_events += visited.map_or(0, Visited::events);
     }
 
     pub(super) fn diagnostics(&self, is_soft: bool) -> BatDiagnostics {
-        let searched = self.clusters.searched as f64;
+        let searched = self.counts.clusters.searched as f64;
         let share = |sum: f64| (searched > 0.0).then_some(sum / searched);
         let optimum = Optimum {
-            reached: self.reached,
-            share_reached: share(self.reached as f64),
-            mean_gap: share(self.sum_of_gaps),
-            largest_gap: share(searched * self.largest_gap),
+            reached: self.counts.reached,
+            share_reached: share(self.counts.reached as f64),
+            mean_gap: share(self.counts.sum_of_gaps),
+            largest_gap: share(searched * self.counts.largest_gap),
         };
-        let visited_events = is_soft.then_some(self.visited_events);
+        let visited_events = is_soft.then_some(self.counts.visited_events);
         BatDiagnostics {
-            clusters: self.clusters,
-            evaluations: self.evaluations,
+            clusters: self.counts.clusters,
+            evaluations: self.counts.evaluations,
             optimum,
             visited_events,
         }

@@ -7,7 +7,7 @@ use super::cluster_rng::ClusterRng;
 use super::visited::Visited;
 
 /// Bats side by side in flat tables; x* stands behind the last bat.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Swarm {
     rows: usize,
     /// Places of a bat in `owners`: one a detection, and one for "none" that nobody owns.

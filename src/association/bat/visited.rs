@@ -10,7 +10,7 @@
 use super::super::problem::{Problem, Weights};
 use super::cluster::{Cluster, Move, NOBODY};
 
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Visited {
     /// Hashes, 0 where there is none; a power of two of them.
     slots: Vec<u64>,

@@ -2,8 +2,8 @@
 //! beside the tracks. All memory is reused.
 
 use super::super::problem::{Places, Problem, Row, Weights};
-use crate::math::angle::wrap;
 use crate::math::fuzzy_c_means::{Fuzzifier, largest_change};
+use crate::model::angle::wrap;
 
 /// δ² at least: dense clutter never puts noise nearer than one standard deviation, so that what fits well is still taken.
 const LEAST_NOISE: f64 = 1.0;
@@ -33,7 +33,7 @@ struct Noise {
     membership: f64,
 }
 
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Clustering {
     dimensions: usize,
     angle: Option<usize>,

@@ -36,6 +36,7 @@ use crate::math::fuzzy_c_means::{Fuzzifier, FuzzyError};
 use crate::registry::{Bound, Kind, Method, Object, above, default, whole};
 use clustering::Clustering;
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 use std::fmt;
 
 pub const METHOD: Method<BuildAssociator> = Method {
@@ -111,7 +112,7 @@ const TRACE_HEADER: &str = "occasion,cluster,iteration,quantity,track,detection,
 /// What a unit of d² weighs beside memberships, so that it decides between equal ones alone.
 const TIE_BREAK: f64 = 1e-8;
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct FuzzyCMeans {
     settings: FuzzyAssociatorSettings,
     fuzzifier: Fuzzifier,
@@ -122,7 +123,7 @@ struct FuzzyCMeans {
 }
 
 /// The part `association.diagnostics` of a report.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 struct Diagnostics {
     /// Tracks alone, which need no clustering.
     lone_tracks: u64,
@@ -133,7 +134,7 @@ struct Diagnostics {
     not_converged: u64,
 }
 
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 struct Iterations {
     /// Of a cluster of two tracks or more; none before the first.
     mean: Option<f64>,
@@ -174,6 +175,27 @@ impl Associator for FuzzyCMeans {
 
     fn trace(&self) -> Option<&Trace> {
         self.trace.as_ref()
+    }
+
+    fn fork(&self) -> Box<dyn Associator> {
+        Box::new(self.clone())
+    }
+
+    fn memory(&self) -> serde_json::Value {
+        json!((
+            &self.diagnostics,
+            self.diagnostics.iterations.sum,
+            &self.trace
+        ))
+    }
+
+    fn recall(&mut self, memory: &serde_json::Value) -> Result<(), serde_json::Error> {
+        (
+            self.diagnostics,
+            self.diagnostics.iterations.sum,
+            self.trace,
+        ) = Deserialize::deserialize(memory)?;
+        Ok(())
     }
 }
 

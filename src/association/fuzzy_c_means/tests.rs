@@ -34,7 +34,7 @@ fn around(tracks: &[f64], detections: &[f64], angle: Option<usize>) -> ScanProbl
     for &track in tracks {
         for (detection, &place) in detections.iter().enumerate() {
             let difference = if angle.is_some() {
-                crate::math::angle::wrap(place - track)
+                crate::model::angle::wrap(place - track)
             } else {
                 place - track
             };

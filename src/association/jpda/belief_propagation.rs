@@ -21,7 +21,7 @@ use crate::model::watch::Watch;
 /// Smallest nᵢ beside a largest weight of 1: below it the messages would leave the range of `f64`.
 const SMALLEST_MISSED: f64 = 1e-290;
 
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct BeliefPropagation {
     weight: Vec<f64>,
     missed: Vec<f64>,

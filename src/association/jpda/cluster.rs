@@ -5,7 +5,7 @@ use crate::association::local_numbers::LocalNumbers;
 use crate::association::problem::{Problem, Weights};
 
 /// Nodes of one side with the edges at each.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Nodes {
     /// End of each node's part of `incident`.
     ends: Vec<u32>,
@@ -61,7 +61,7 @@ pub(super) enum Turn {
     Detections,
 }
 
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Cluster {
     pub(super) tracks: Nodes,
     pub(super) detections: Nodes,

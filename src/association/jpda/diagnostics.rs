@@ -2,14 +2,14 @@
 
 use super::belief_propagation::Settled;
 use super::cluster::Cluster;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The largest error of a marginal by belief propagation in the table of `docs/jpda.md`: 24 300 random problems of up to
 /// 12 × 12. It was measured, not proved.
 const LARGEST_MEASURED_ERROR: f64 = 0.4;
 
 /// The part `association.diagnostics` of a report.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Diagnostics {
     clusters: Clusters,
     /// That with the most edges.
@@ -21,7 +21,7 @@ pub(super) struct Diagnostics {
 }
 
 /// Clusters by the algorithm that gave their marginals.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Clusters {
     /// A single track: the closed form.
     pub(super) single: u64,
@@ -31,7 +31,7 @@ pub(super) struct Clusters {
 }
 
 /// How often a cap kept a cluster from an algorithm that was asked for, or that `auto` would have preferred.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Caps {
     /// More than `max_events` joint events.
     pub(super) enumerate: u64,
@@ -39,14 +39,14 @@ pub(super) struct Caps {
     pub(super) exact: u64,
 }
 
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 struct Size {
     tracks: usize,
     detections: usize,
     edges: usize,
 }
 
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 struct Approximation {
     /// Clusters by belief propagation that have a cycle; without one it is exact.
     clusters: u64,

@@ -15,13 +15,13 @@ use super::number::{Number, Wide};
 /// Clusters of more tracks are not listed at all: the search is as deep as there are tracks.
 const MAX_TRACKS: usize = 1000;
 
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Enumerate {
     ordinary: EventSearch<f64>,
     extreme: EventSearch<Wide>,
 }
 
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 struct EventSearch<T> {
     weight: Vec<T>,
     /// Sum over the events that hold each edge.

@@ -23,7 +23,7 @@ use super::cluster::{Cluster, Turn};
 use super::number::{Number, Wide};
 use super::plan::{self, Choice, EliminationPlan, EliminationStep, Limits, PRIVATE};
 
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Exact {
     by_track: EliminationPlan,
     by_detection: EliminationPlan,
@@ -96,7 +96,7 @@ impl Exact {
     }
 }
 
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 struct Tables<T> {
     weight: Vec<T>,
     /// 1 + the weights of the private nodes of each step.

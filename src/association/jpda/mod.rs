@@ -39,6 +39,7 @@ use enumerate::Enumerate;
 use exact::{Exact, Planned};
 use plan::Limits;
 use serde::Deserialize;
+use serde_json::json;
 
 pub const METHOD: Method<BuildAssociator> = Method {
     name: "jpda",
@@ -135,7 +136,7 @@ const FEW_EVENTS: f64 = 32.0;
 /// Cells that one exact sum may visit, over all its tables: beyond it the memory for them would be too large.
 const MAX_EXACT_COST: u64 = 1 << 25;
 
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 struct Jpda {
     settings: JpdaSettings,
     diagnostics: Diagnostics,
@@ -168,6 +169,19 @@ impl Associator for Jpda {
 
     fn diagnostics(&self) -> Option<serde_json::Value> {
         serde_json::to_value(&self.diagnostics).ok()
+    }
+
+    fn fork(&self) -> Box<dyn Associator> {
+        Box::new(self.clone())
+    }
+
+    fn memory(&self) -> serde_json::Value {
+        json!(self.diagnostics)
+    }
+
+    fn recall(&mut self, memory: &serde_json::Value) -> Result<(), serde_json::Error> {
+        self.diagnostics = Diagnostics::deserialize(memory)?;
+        Ok(())
     }
 }
 

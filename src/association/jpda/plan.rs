@@ -34,7 +34,7 @@ pub(super) struct EliminationStep {
     pub(super) leaving_end: u32,
 }
 
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct EliminationPlan {
     pub(super) steps: Vec<EliminationStep>,
     pub(super) choices: Vec<Choice>,

@@ -20,7 +20,8 @@ use crate::experiment::input::extent::place_of;
 use crate::gating::grid::Grid;
 use crate::math::gaussian::gate_threshold;
 use crate::model::scan::{Recording, Scan};
-use crate::model::sensor::{MeasurementModel, Sensor, SensorSettings};
+use crate::model::sensing::MeasurementModel;
+use crate::model::sensor::{Sensor, SensorSettings};
 use crate::model::state::Position;
 
 const MOST_TRIPLES: usize = 200;
@@ -117,7 +118,7 @@ fn triples_of<'a>(recording: &'a Recording, sensors: &[Sensor]) -> Vec<[&'a Scan
     for (scans, _) in scans_of
         .iter()
         .zip(sensors)
-        .filter(|(_, sensor)| !matches!(sensor.report, MeasurementModel::Bearing { .. }))
+        .filter(|(_, sensor)| !sensor.report.is_bearing())
     {
         let in_a_row = scans.windows(3).map(|three| [three[0], three[1], three[2]]);
         triples.extend(in_a_row.filter(|three| three.iter().all(|scan| scan.count > 0)));
@@ -134,10 +135,10 @@ fn triples_of<'a>(recording: &'a Recording, sensors: &[Sensor]) -> Vec<[&'a Scan
 
 impl Look {
     fn new(recording: &Recording, scan: &Scan, settings: &SensorSettings, sensor: &Sensor) -> Look {
-        let place_m = match &sensor.report {
-            MeasurementModel::Polar(polar) => polar.place_m,
-            _ => place_of(settings),
-        };
+        let place_m = sensor
+            .report
+            .place_m()
+            .unwrap_or_else(|| place_of(settings));
         let mut seen = Vec::new();
         for detection in recording.detections_of(scan).iter().take(MOST_OF_A_SCAN) {
             let Some(at_m) = detection.measurement.position_seen_from(&place_m) else {
@@ -148,7 +149,7 @@ impl Look {
                 variance_m2: variance_m2(&sensor.report, &at_m),
             });
         }
-        let places: Vec<Position> = seen.iter().map(|seen| seen.place_m).collect();
+        let places: Vec<[f64; 2]> = seen.iter().map(|seen| seen.place_m.into()).collect();
         let mut grid = Grid::default();
         grid.rebuild(&places);
         let largest_variance_m2 = seen.iter().map(|seen| seen.variance_m2).fold(0.0, f64::max);
@@ -190,11 +191,11 @@ fn variance_m2(report: &MeasurementModel, at_m: &Position) -> f64 {
             sigma_x_m,
             sigma_y_m,
         } => sigma_x_m.max(sigma_y_m).powi(2),
-        MeasurementModel::Polar(polar) => polar
+        MeasurementModel::Polar(polar) | MeasurementModel::Converted(polar) => polar
             .sigma_range_m
             .max((at_m - polar.place_m).norm() * polar.sigma_bearing_rad)
             .powi(2),
-        MeasurementModel::Bearing { .. } => 0.0,
+        MeasurementModel::Bearing(_) => 0.0,
     }
 }
 
@@ -203,7 +204,7 @@ fn climb([first, second, third]: &[Look; 3], most_pairs: usize, ladder: &mut [Ru
     let (starts, ends) = (first.gone_from(second), second.gone_from(first));
     let (before_s, after_s) = (second.time_s - first.time_s, third.time_s - second.time_s);
     let ratio = after_s / before_s;
-    let places: Vec<Position> = ends.iter().map(|seen| seen.place_m).collect();
+    let places: Vec<[f64; 2]> = ends.iter().map(|seen| seen.place_m.into()).collect();
     let mut grid = Grid::default();
     grid.rebuild(&places);
     let reach_m = reach_m(&starts, &ends, most_pairs);

@@ -62,6 +62,9 @@ fn choose_method(recording: &Recording) -> &'static str {
     let knows = |wanted: fn(&SensorSettings) -> bool| recording.sensors.iter().any(wanted);
     match (is_placed, is_polar) {
         (_, true) => "unscented",
+        (true, false) if has(|measurement| matches!(measurement, Measurement::Bearing { .. })) => {
+            "unscented"
+        }
         (true, false) => "kalman",
         // Without places: bearings, or nothing at all, where settings tell what would be reported.
         (false, false) if !recording.detections.is_empty() => "bearing_only",

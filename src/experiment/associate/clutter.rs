@@ -65,7 +65,8 @@ fn used_detections(recording: &Recording, tracks: &TrackSet) -> Vec<bool> {
 mod tests {
     use super::*;
     use crate::model::scan::{Detection, Measurement, RecordingParts, Scan};
-    use crate::model::sensor::{MeasurementModel, Sensor};
+    use crate::model::sensing::MeasurementModel;
+    use crate::model::sensor::Sensor;
 
     /// One scan of a sensor with a field of view of 1 000 m², and `count` detections that no track takes.
     fn warnings(count: usize, clutter_per_m2: Option<f64>) -> Vec<String> {
@@ -104,6 +105,7 @@ mod tests {
             sensor_id: "radar".into(),
             p_d: 0.9,
             clutter_density: clutter_per_m2.unwrap_or(1e3),
+            may_start: true,
             report,
         };
         let data = ResolvedRecording {

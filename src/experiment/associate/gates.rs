@@ -4,15 +4,15 @@
 //! ẑ, S expected measurement and innovation covariance; γ threshold of the squared distance; D values of a measurement.
 
 use super::auto_filter::settle;
-use super::track::{needs_of, report_range_rates};
+use super::track::needs_of;
 use crate::association::Needs;
 use crate::experiment::input::sensors;
 use crate::experiment::request::methods::TrackingSpec;
-use crate::filtering::prediction::Transition;
-use crate::filtering::{AnyFilter, Filter};
+use crate::filtering::{Filter, WithFilter};
+use crate::hypotheses::region;
 use crate::math::gaussian::gate_threshold;
 use crate::model::scan::Recording;
-use crate::model::sensor::{MeasurementModel, Sensor, SensorSettings};
+use crate::model::sensor::{Sensor, SensorSettings};
 use crate::model::state::{GaussianState, Position, PositionCovariance};
 use crate::model::track::{Track, TrackPoint, TrackSet};
 use nalgebra::Matrix2;
@@ -85,53 +85,55 @@ pub fn compute_gates<'a>(
         return None;
     }
     let sensors = sensors::resolve(recording, known, &named, &mut Vec::new()).ok()?;
+    if !named.filter.is_known_by_kinematics() {
+        return None;
+    }
+    let dimensions = sensors.iter().map(|sensor| sensor.report.dimensions());
     let walk = Walk {
         sensors: &sensors,
         set: tracks,
         probability,
+        threshold: gate_threshold(probability, dimensions.max()? as u32),
+        wanted,
     };
-    let has_rates = report_range_rates(&sensors);
-    match named.filter {
-        AnyFilter::Kalman(filter) => Some(walk.gates::<_, 2>(&filter, wanted)),
-        AnyFilter::Converted(filter) => Some(walk.gates::<_, 2>(&filter, wanted)),
-        AnyFilter::Extended(filter) if has_rates => Some(walk.gates::<_, 3>(&filter, wanted)),
-        AnyFilter::Extended(filter) => Some(walk.gates::<_, 2>(&filter, wanted)),
-        AnyFilter::Unscented(filter) if has_rates => Some(walk.gates::<_, 3>(&filter, wanted)),
-        AnyFilter::Unscented(filter) => Some(walk.gates::<_, 2>(&filter, wanted)),
-        AnyFilter::BearingOnly(_) => None,
-    }
+    named.filter.with(walk)
 }
 
 /// What the predictions need besides a filter.
-struct Walk<'s, 'a> {
+struct Walk<'s, 'a, W> {
     sensors: &'s [Sensor],
     set: &'a TrackSet,
     /// P_G.
     probability: f64,
+    /// γ.
+    threshold: f64,
+    wanted: W,
 }
 
-impl<'a> Walk<'_, 'a> {
-    fn gates<F: Filter<4, D>, const D: usize>(
-        &self,
-        filter: &F,
-        wanted: impl Fn(&Track) -> bool,
-    ) -> Gates<'a> {
-        let tracks = self.set.tracks.iter().filter(|track| wanted(track));
-        let steps = tracks.flat_map(|track| {
-            track
-                .points
-                .windows(2)
-                .map(move |pair| (track, &pair[0], &pair[1]))
-        });
-        let gates = steps
-            .filter(|(_, _, point)| self.was_gated(point))
-            .filter_map(|step| self.gate::<F, D>(filter, step));
-        Gates {
-            threshold: gate_threshold(self.probability, D as u32),
-            gates: gates.collect(),
+impl<'a, W: Fn(&Track) -> bool> WithFilter for Walk<'_, 'a, W> {
+    type Output = Option<Gates<'a>>;
+
+    fn in_plane<F: Filter<4>>(self, filter: F) -> Option<Gates<'a>> {
+        let mut gates = Vec::new();
+        for track in self.set.tracks.iter().filter(|track| (self.wanted)(track)) {
+            for pair in track.points.windows(2) {
+                if self.was_gated(&pair[1]) {
+                    gates.extend(self.gate(&filter, (track, &pair[0], &pair[1])));
+                }
+            }
         }
+        Some(Gates {
+            threshold: self.threshold,
+            gates,
+        })
     }
 
+    fn of_bearings<F: Filter<2>>(self, _filter: F) -> Option<Gates<'a>> {
+        None
+    }
+}
+
+impl<'a, W> Walk<'_, 'a, W> {
     /// The second of two detections that start a track was not looked for in a gate of the track.
     fn was_gated(&self, point: &TrackPoint) -> bool {
         point.nis.is_some()
@@ -142,27 +144,27 @@ impl<'a> Walk<'_, 'a> {
                 .all(|candidate| candidate.detection.is_none())
     }
 
-    fn gate<F: Filter<4, D>, const D: usize>(
+    fn gate<F: Filter<4>>(
         &self,
         filter: &F,
         (track, before, point): (&'a Track, &TrackPoint, &TrackPoint),
     ) -> Option<Gate<'a>> {
         let known = before.estimate.plane()?;
-        let mut state = GaussianState {
+        let kinematics = GaussianState {
             mean: known.state,
             covariance: known.covariance?,
         };
-        Transition::new(filter.motion(), point.time_s - before.time_s).predict(&mut state);
         let sensor_id = self.set.sensor_ids[point.sensor? as usize].as_str();
         let sensor = self
             .sensors
             .iter()
             .find(|sensor| sensor.sensor_id == sensor_id)?;
-        let expected = filter.expect(&state, sensor)?;
-        let covariance = expected.covariance.fixed_view::<2, 2>(0, 0).into_owned();
-        let region = match &sensor.report {
-            MeasurementModel::Polar(polar) if filter.angle(sensor).is_some() => Region::Polar {
-                sensor_m: polar.place_m,
+        let dt_s = point.time_s - before.time_s;
+        let expected = region::expect(filter, &sensor.report, &kinematics, dt_s)?;
+        let covariance = expected.covariance * self.scale_of(sensor);
+        let region = match (sensor.report.place_m(), expected.angle) {
+            (Some(sensor_m), Some(_)) => Region::Polar {
+                sensor_m,
                 range_m: expected.measurement[0],
                 bearing_rad: expected.measurement[1],
                 covariance,
@@ -171,13 +173,17 @@ impl<'a> Walk<'_, 'a> {
                 covariance_m2: covariance,
             },
         };
-        let place_m = Position::new(state.mean[0], state.mean[1]);
         Some(Gate {
             track_id: &track.track_id,
             time_s: point.time_s,
             sensor_id,
-            place_m,
+            place_m: expected.place_m,
             region,
         })
+    }
+
+    /// All gates are told by one threshold: the covariance of a report of fewer values is made smaller instead.
+    fn scale_of(&self, sensor: &Sensor) -> f64 {
+        gate_threshold(self.probability, sensor.report.dimensions() as u32) / self.threshold
     }
 }

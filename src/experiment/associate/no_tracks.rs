@@ -40,7 +40,7 @@ pub fn warning(
 
 fn speed_text(lifecycle: &Lifecycle, filter: &AnyFilter) -> String {
     match (lifecycle.initiation, filter) {
-        (_, AnyFilter::BearingOnly(filter)) => format!(
+        (_, AnyFilter::Bearing(filter)) => format!(
             ", initial_rate_sigma_degps {}",
             filter.initial_rate_sigma_radps.to_degrees()
         ),

@@ -24,12 +24,12 @@ pub struct AssociationReport {
 }
 
 /// Normalised innovation squared of the updates of confirmed tracks: near `dimensions` on average when the filter's
-/// covariances are honest.
+/// covariances are honest. `dimensions` is null where some sensors report more values than others.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct NisReport {
     pub mean: Option<f64>,
     pub updates: u64,
-    pub dimensions: usize,
+    pub dimensions: Option<usize>,
 }
 
 #[derive(Debug, Serialize)]

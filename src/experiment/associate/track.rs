@@ -12,16 +12,17 @@ use crate::experiment::job::{Artifact, AssociationTime, RunError, RunSettings, r
 use crate::experiment::observer::{Observer, Step};
 use crate::experiment::request::methods::Choice;
 use crate::experiment::request::sources::InputSpec;
-use crate::filtering::{AnyFilter, Filter};
+use crate::filtering::AnyFilter;
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
 use crate::model::scan::Recording;
 use crate::model::scenario::Scenario;
 use crate::model::sensor::{Sensor, SensorSettings};
-use crate::model::state::GaussianState;
-use crate::model::track::{Estimate, TrackSet};
+use crate::model::track::TrackSet;
 use crate::model::watch::Watch;
-use crate::tracking::{Lifecycle, ScanOutcome, Tracker, TrackerParts};
+use crate::tracking::{
+    BuildTracker, History, Initiation, Lifecycle, ScanOutcome, Tracker, TrackerParts,
+};
 use serde_json::Value;
 use std::cell::RefCell;
 
@@ -119,12 +120,14 @@ fn track_with(
     let faults = [
         unmet_need(associator, recording),
         unbounded_gate(&lifecycle, &sensors),
+        nothing_starts(&lifecycle, &sensors),
     ];
     if let Some(fault) = faults.into_iter().flatten().next() {
         return Err(fault.into());
     }
     let truth = data.truth.as_ref();
     let run = TrackerRun {
+        build: tracker.build,
         recording,
         associator: associator.build(settings.seed),
         lifecycle,
@@ -140,7 +143,7 @@ fn track_with(
         )?,
         is_timed: settings.time_association,
     };
-    let mut tracked = run.with_any(filter, observer)?;
+    let mut tracked = run.run(filter, observer)?;
     tracked.taken = Taken {
         filter: tracking.chosen.clone(),
         ..taken
@@ -151,9 +154,15 @@ fn track_with(
         dimensions,
         ..
     } = tracked.nis;
-    warnings.extend(tracked.nis.mean.and_then(|mean| {
-        noise::warning(mean, updates, dimensions as u32, lifecycle.gate_probability)
-    }));
+    if let (Some(mean), Some(dimensions)) = (tracked.nis.mean, dimensions) {
+        let probability = lifecycle.gate_probability;
+        warnings.extend(noise::warning(
+            mean,
+            updates,
+            dimensions as u32,
+            probability,
+        ));
+    }
     warnings.extend(no_tracks::warning(&tracked, &resolved, &lifecycle, filter));
     // Clutter that lies near targets only is not spread over what the sensor watches: a comparison would mislead.
     if !scenario.is_some_and(has_local_clutter) {
@@ -171,6 +180,7 @@ fn has_local_clutter(scenario: &Scenario) -> bool {
 
 /// Everything that a tracker needs besides its filter.
 struct TrackerRun<'a> {
+    build: BuildTracker,
     recording: &'a Recording,
     associator: Box<dyn Associator>,
     lifecycle: Lifecycle,
@@ -183,51 +193,29 @@ struct TrackerRun<'a> {
 }
 
 impl TrackerRun<'_> {
-    fn with_any(
-        self,
-        filter: &AnyFilter,
-        observer: &mut dyn Observer,
-    ) -> Result<Tracked, RunError> {
-        let has_rates = report_range_rates(&self.sensors);
-        match *filter {
-            AnyFilter::Kalman(filter) => self.with::<_, 4, 2>(filter, observer),
-            AnyFilter::Converted(filter) => self.with::<_, 4, 2>(filter, observer),
-            AnyFilter::Extended(filter) if has_rates => self.with::<_, 4, 3>(filter, observer),
-            AnyFilter::Extended(filter) => self.with::<_, 4, 2>(filter, observer),
-            AnyFilter::Unscented(filter) if has_rates => self.with::<_, 4, 3>(filter, observer),
-            AnyFilter::Unscented(filter) => self.with::<_, 4, 2>(filter, observer),
-            AnyFilter::BearingOnly(filter) => self.with::<_, 2, 1>(filter, observer),
-        }
-    }
-
-    /// With a filter whose states have `N` variables and whose measurements have `D` values.
-    fn with<F: Filter<N, D>, const N: usize, const D: usize>(
-        self,
-        filter: F,
-        observer: &mut dyn Observer,
-    ) -> Result<Tracked, RunError>
-    where
-        Estimate: From<GaussianState<N>>,
-    {
+    fn run(self, filter: &AnyFilter, observer: &mut dyn Observer) -> Result<Tracked, RunError> {
         let (recording, method, is_timed) = (self.recording, self.method, self.is_timed);
+        let dimensions = common_dimensions(&self.sensors);
         let mut tracker = self.start(filter)?;
         if is_timed {
             tracker.keep_problems();
         }
-        let scans = step_all(&mut tracker, recording, observer)?;
+        let mut history = History::default();
+        let scans = step_all(tracker.as_mut(), recording, &mut history, observer)?;
         let nis = NisReport {
             mean: tracker.nis().mean(),
             updates: tracker.nis().updates,
-            dimensions: D,
+            dimensions,
         };
         let (diagnostics, trace) = (tracker.diagnostics(), tracker.trace().cloned());
         let association_time = if is_timed {
-            time_association(&mut tracker, recording.scans.len(), observer)
+            time_association(tracker.as_mut(), recording.scans.len(), observer)
         } else {
             None
         };
+        drop(tracker);
         Ok(Tracked {
-            tracks: tracker.into_history().into_tracks(recording),
+            tracks: history.into_tracks(recording),
             scans,
             method,
             nis,
@@ -239,41 +227,35 @@ impl TrackerRun<'_> {
     }
 
     /// A tracker with the tracks that it is given.
-    fn start<F: Filter<N, D>, const N: usize, const D: usize>(
-        self,
-        filter: F,
-    ) -> Result<Tracker<F, N, D>, RunError>
-    where
-        Estimate: From<GaussianState<N>>,
-    {
+    fn start(self, filter: &AnyFilter) -> Result<Box<dyn Tracker>, RunError> {
         let first_sensor = self.recording.scans.first().map_or(0, |scan| scan.sensor);
-        let states: Vec<_> = self
-            .starts
-            .iter()
-            .map(|start| start.state(&filter, &self.sensors[first_sensor]))
-            .collect();
-        let mut tracker = Tracker::new(TrackerParts {
-            filter,
+        let mut given = Vec::with_capacity(self.starts.len());
+        for start in self.starts {
+            given.push(start.given(filter, &self.sensors[first_sensor])?);
+        }
+        Ok((self.build)(TrackerParts {
+            filter: *filter,
             associator: self.associator,
             lifecycle: self.lifecycle,
             sensors: self.sensors,
-        });
-        for (start, state) in self.starts.into_iter().zip(states) {
-            let state = state.ok_or_else(|| start.without_state())?;
-            tracker.add_track(start.truth_id, state, start.origin);
-        }
-        Ok(tracker)
+            given,
+        }))
     }
 }
 
-fn step_all<F: Filter<N, D>, const N: usize, const D: usize>(
-    tracker: &mut Tracker<F, N, D>,
+/// Values of a report, where those of all sensors have as many.
+fn common_dimensions(sensors: &[Sensor]) -> Option<usize> {
+    let mut dimensions = sensors.iter().map(|sensor| sensor.report.dimensions());
+    let first = dimensions.next().unwrap_or(2);
+    dimensions.all(|other| other == first).then_some(first)
+}
+
+fn step_all(
+    tracker: &mut dyn Tracker,
     recording: &Recording,
+    history: &mut History,
     observer: &mut dyn Observer,
-) -> Result<Vec<ScanOutcome>, RunError>
-where
-    Estimate: From<GaussianState<N>>,
-{
+) -> Result<Vec<ScanOutcome>, RunError> {
     let mut scans = Vec::with_capacity(recording.scans.len());
     let total = recording.scans.len() as u64;
     let asked = RefCell::new((observer, 1));
@@ -283,25 +265,23 @@ where
     };
     let watch = Watch::new(&question);
     for (index, scan) in recording.scans.iter().enumerate() {
-        scans.push(tracker.step(scan, recording.detections_of(scan), &watch)?);
+        scans.push(tracker.step(scan, recording.detections_of(scan), history, &watch)?);
         asked.borrow_mut().1 = index as u64 + 1;
         if question().is_break() {
             return Err(RunError::Stopped);
         }
     }
+    tracker.finish(history);
     Ok(scans)
 }
 
 /// How long the associator takes for all problems that it met, one after the other: that alone, and long enough for a clock.
 /// `None` where the observer has no clock.
-fn time_association<F: Filter<N, D>, const N: usize, const D: usize>(
-    tracker: &mut Tracker<F, N, D>,
+fn time_association(
+    tracker: &mut dyn Tracker,
     scans: usize,
     observer: &mut dyn Observer,
-) -> Option<AssociationTime>
-where
-    Estimate: From<GaussianState<N>>,
-{
+) -> Option<AssociationTime> {
     let begun = observer.now()?;
     let scans = scans as u64;
     let asked = RefCell::new(&mut *observer);
@@ -315,10 +295,14 @@ where
     Some(AssociationTime { spent, scans })
 }
 
-/// Whether all sensors report range rates that are used.
-pub fn report_range_rates(sensors: &[Sensor]) -> bool {
-    let has_rate = |sensor: &Sensor| sensor.report.range_rate().is_some();
-    !sensors.is_empty() && sensors.iter().all(has_rate)
+/// A fault where no sensor may start a track.
+fn nothing_starts(lifecycle: &Lifecycle, sensors: &[Sensor]) -> Option<Fault> {
+    let begins_at_truth = matches!(lifecycle.initiation, Initiation::Truth { .. });
+    if begins_at_truth || sensors.is_empty() || sensors.iter().any(|sensor| sensor.may_start) {
+        return None;
+    }
+    let detail = "no sensor may start a track: there will be none";
+    Some(Fault::new("/sensors", "conflict", detail).allowing("a sensor with may_start true"))
 }
 
 /// A fault where a sensor never misses and nothing is outside a gate.

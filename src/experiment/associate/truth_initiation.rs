@@ -13,14 +13,16 @@
 
 use crate::experiment::job::RunError;
 use crate::experiment::request::methods::NamedFilter;
-use crate::filtering::Filter;
+use crate::filtering::{AnyFilter, Filter, WithFilter};
+use crate::hypotheses::certain::locate;
 use crate::math::rng::{Purpose, Seed};
 use crate::model::fault::Fault;
 use crate::model::scan::{Measurement, Recording};
-use crate::model::sensor::{MeasurementModel, Sensor};
+use crate::model::sensing::MeasurementModel;
+use crate::model::sensor::Sensor;
 use crate::model::state::{GaussianState, Position};
 use crate::model::truth::{Target, TruePlace, TruthSet};
-use crate::tracking::{Initiation, Lifecycle};
+use crate::tracking::{GivenTrack, Initiation, Lifecycle};
 use rand_distr::{Distribution, StandardNormal};
 
 /// Where a track begins.
@@ -155,9 +157,9 @@ fn true_at(target: &Target, time_s: f64) -> Option<Truth> {
 /// something else than truth tells.
 fn draw_report(report: &MeasurementModel, truth: &Truth, errors: [f64; 5]) -> Option<Measurement> {
     match (*report, truth.place) {
-        (MeasurementModel::Bearing { sigma_bearing_rad }, TruePlace::Bearing { bearing_rad }) => {
+        (MeasurementModel::Bearing(sensor), TruePlace::Bearing { bearing_rad }) => {
             Some(Measurement::Bearing {
-                bearing_rad: bearing_rad + sigma_bearing_rad * errors[0],
+                bearing_rad: bearing_rad + sensor.sigma_bearing_rad * errors[0],
             })
         }
         (
@@ -187,7 +189,7 @@ fn draw_report(report: &MeasurementModel, truth: &Truth, errors: [f64; 5]) -> Op
 
 impl Start {
     /// The fault of a start of which the filter makes no state.
-    pub fn without_state(&self) -> Fault {
+    fn without_state(&self) -> Fault {
         let detail = format!(
             "the filter makes no state of what a sensor would report of target '{}'",
             self.truth_id
@@ -195,20 +197,64 @@ impl Start {
         Fault::new("/truth", "unsupported", detail)
     }
 
-    /// The state with which the track begins; `None` where the filter cannot use the sensor's reports.
-    pub fn state<const N: usize, const D: usize>(
-        &self,
-        filter: &impl Filter<N, D>,
-        sensor: &Sensor,
-    ) -> Option<GaussianState<N>> {
-        let measured = filter.to_measurement_space(sensor, &self.measurement)?;
-        let mut state = filter.initiate(&measured, sensor, self.sigma)?;
-        for (axis, rate) in (N / 2..N).enumerate() {
+    /// What is known of the target where its track begins, packed as a tracker takes it.
+    ///
+    /// # Errors
+    /// The filter cannot use what the sensor would report of it.
+    pub fn given(self, filter: &AnyFilter, sensor: &Sensor) -> Result<GivenTrack, Fault> {
+        let Some(kinematics) = filter.with(Begin {
+            start: &self,
+            sensor,
+        }) else {
+            return Err(self.without_state());
+        };
+        Ok(GivenTrack {
+            name: self.truth_id,
+            origin: self.origin,
+            kinematics,
+        })
+    }
+
+    /// Steps 1 and 2.
+    fn packed<const K: usize>(&self, located: Option<GaussianState<K>>) -> Option<Vec<f64>> {
+        let mut state = located?;
+        for (axis, rate) in (K / 2..K).enumerate() {
             state.mean[rate] = self.rates[axis];
             state.covariance.row_mut(rate).fill(0.0);
             state.covariance.column_mut(rate).fill(0.0);
             state.covariance[(rate, rate)] = self.sigma * self.sigma;
         }
-        Some(state)
+        let mut packed = Vec::new();
+        state.pack_into(&mut packed);
+        Some(packed)
+    }
+}
+
+struct Begin<'a> {
+    start: &'a Start,
+    sensor: &'a Sensor,
+}
+
+impl WithFilter for Begin<'_> {
+    type Output = Option<Vec<f64>>;
+
+    fn in_plane<F: Filter<4>>(self, filter: F) -> Option<Vec<f64>> {
+        let Begin { start, sensor } = self;
+        start.packed(locate(
+            &filter,
+            &sensor.report,
+            &start.measurement,
+            start.sigma,
+        ))
+    }
+
+    fn of_bearings<F: Filter<2>>(self, filter: F) -> Option<Vec<f64>> {
+        let Begin { start, sensor } = self;
+        start.packed(locate(
+            &filter,
+            &sensor.report,
+            &start.measurement,
+            start.sigma,
+        ))
     }
 }

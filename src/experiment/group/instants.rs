@@ -4,7 +4,8 @@ use crate::correlation::grouping::{Place, SensorReport};
 use crate::experiment::job::{RunError, refuse_any};
 use crate::model::fault::Fault;
 use crate::model::scan::{Measurement, Recording, Scan};
-use crate::model::sensor::{self, Sensor, SensorSettings};
+use crate::model::sensing::MeasurementModel;
+use crate::model::sensor::{Sensor, SensorSettings};
 use crate::model::state::PositionCovariance;
 
 /// The reports of one instant.
@@ -55,7 +56,7 @@ pub fn usable_sensors(
             faults.push(Fault::new("/sensors", "missing", detail).allowing("> 0 m"));
             continue;
         };
-        let report = sensor::MeasurementModel::Position {
+        let report = MeasurementModel::Position {
             sigma_x_m,
             sigma_y_m,
         };
@@ -63,6 +64,7 @@ pub fn usable_sensors(
             sensor_id: settings.sensor_id.clone(),
             p_d: settings.p_d.unwrap_or(1.0),
             clutter_density: 0.0,
+            may_start: true,
             report,
         });
     }
@@ -100,7 +102,7 @@ fn instant_of(recording: &Recording, scans: &[Scan], sensors: &[Sensor]) -> Inst
         predictions: Vec::new(),
     };
     for scan in scans {
-        let sensor::MeasurementModel::Position {
+        let MeasurementModel::Position {
             sigma_x_m,
             sigma_y_m,
         } = sensors[scan.sensor].report

@@ -5,8 +5,8 @@ use super::spec::{Loop, PredictionSpec, Start};
 use crate::correlation::grouping::Place;
 use crate::correlation::grouping::sequential_nearest_neighbour::SequentialNearestNeighbour;
 use crate::experiment::job::refuse_any;
-use crate::filtering::kalman::Kalman;
 use crate::model::fault::Fault;
+use crate::model::motion::constant_velocity::ConstantVelocity;
 use crate::model::scan::{Detection, Recording};
 use crate::model::sensor::Sensor;
 use crate::model::state::{GaussianState, Position};
@@ -60,11 +60,11 @@ pub struct Tracks {
 
 /// The tracks of the first instant, each with all reports of its target or group.
 pub fn begin(settings: &PredictionSpec, first: &Instant, scene: &Scene) -> Tracks {
-    let filter = Kalman {
-        process_noise_m2ps3: settings.process_noise_m2ps3,
+    let motion = ConstantVelocity {
+        spectral_density: settings.process_noise_m2ps3,
     };
     let mut begun = Tracks {
-        tracks: GroupTracks::new(filter, first.time_s),
+        tracks: GroupTracks::new(motion, first.time_s),
         targets: Vec::new(),
     };
     let groups = FIRST_GROUPS.groups(&first.reports);
@@ -84,8 +84,8 @@ pub fn begin(settings: &PredictionSpec, first: &Instant, scene: &Scene) -> Track
         }
         let origin = detection.origin.filter(|_| settings.start == Start::Truth);
         let velocity_mps = origin.and_then(|origin| scene.true_velocity_mps(origin, first.time_s));
-        let (place_m, sigma_mps) = (&report.place.position_m, settings.speed_sigma_mps);
-        begun.tracks.begin(sensor, place_m, velocity_mps, sigma_mps);
+        let (report, sigma_mps) = (&detection.measurement, settings.speed_sigma_mps);
+        begun.tracks.begin(sensor, report, velocity_mps, sigma_mps);
         begun.targets.push(detection.origin);
         keys.push(key);
     }
@@ -103,9 +103,7 @@ impl Scene<'_> {
 
 impl Tracks {
     pub fn update(&mut self, track: usize, sensor: &Sensor, detection: &Detection) {
-        if let Some(position_m) = detection.measurement.position() {
-            self.tracks.update(track, sensor, &position_m);
-        }
+        self.tracks.update(track, sensor, &detection.measurement);
     }
 
     pub fn places(&self) -> Vec<Place> {

@@ -2,7 +2,8 @@
 //! are stated over it, per m² or per degree.
 
 use crate::model::scan::{Detection, Measurement, Recording};
-use crate::model::sensor::{MeasurementModel, SensorSettings};
+use crate::model::sensing::MeasurementModel;
+use crate::model::sensor::SensorSettings;
 use crate::model::state::Position;
 use std::f64::consts::{PI, TAU};
 
@@ -23,7 +24,7 @@ impl Extent {
         settings: &SensorSettings,
         report: &MeasurementModel,
     ) -> Self {
-        let is_of_bearings = matches!(report, MeasurementModel::Bearing { .. });
+        let is_of_bearings = report.is_bearing();
         let seen = if is_of_bearings {
             arc_deg(recording, sensor)
         } else {
@@ -122,6 +123,7 @@ fn arc_deg(recording: &Recording, sensor: usize) -> f64 {
 mod tests {
     use super::*;
     use crate::model::scan::{RecordingParts, Scan};
+    use crate::model::sensing::Bearing;
 
     fn arc_of(bearings_deg: &[f64]) -> f64 {
         let detection = |&degrees: &f64| Detection {
@@ -150,9 +152,10 @@ mod tests {
             &recording.unwrap(),
             0,
             &SensorSettings::named("sonar"),
-            &MeasurementModel::Bearing {
+            &MeasurementModel::Bearing(Bearing {
+                place_m: Position::zeros(),
                 sigma_bearing_rad: 0.01,
-            },
+            }),
         )
         .seen
     }

@@ -4,10 +4,10 @@
 use super::extent::{Extent, detections_of, place_of};
 use crate::experiment::job::refuse_any;
 use crate::experiment::request::methods::NamedFilter;
-use crate::filtering::AnyFilter;
 use crate::model::fault::Fault;
 use crate::model::scan::{Detection, Measurement, Recording};
-use crate::model::sensor::{MeasurementModel, Polar, RangeRate, Sensor, SensorSettings};
+use crate::model::sensing::{Bearing, MeasurementModel, Polar, RangeRate};
+use crate::model::sensor::{Sensor, SensorSettings};
 use crate::model::state::Position;
 
 /// Assumed when nobody says how often a target is detected.
@@ -68,12 +68,19 @@ pub fn resolve(
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Sensor>, Vec<Fault>> {
     let mut faults = Vec::new();
-    let uses_rates = uses_range_rates(recording, filter, warnings);
+    if !filter.filter.uses_range_rates() && reported_rates(&mut recording.detections.iter()) > 0 {
+        warnings.push(format!(
+            "range rates are not used: the filter '{}' does not know them",
+            filter.name
+        ));
+    }
     let mut sensors = Vec::with_capacity(known.len());
     for (index, settings) in known.iter().enumerate() {
         let Some(kind) = usable_kind(recording, index, settings, filter, &mut faults) else {
             continue;
         };
+        let uses_rates =
+            kind == Kind::Polar && uses_range_rates(recording, index, filter, warnings);
         if kind == Kind::Bearing
             && detections_of(recording, index)
                 .any(|detection| matches!(detection.measurement, Measurement::RangeBearing { .. }))
@@ -107,13 +114,20 @@ pub fn resolve(
                     span_mps: range_rate_span_mps(recording, index),
                 }),
             }),
-            Kind::Bearing => MeasurementModel::Bearing {
+            Kind::Bearing => MeasurementModel::Bearing(Bearing {
+                place_m: place_of(settings),
                 sigma_bearing_rad: reader
                     .required("sigma_bearing_deg", settings.sigma_bearing_deg, "deg")
                     .to_radians(),
-            },
+            }),
         };
-        sensors.push(complete(recording, index, settings, report, warnings));
+        let locates = filter.filter.is_of_bearings() || report.locates();
+        faults.extend(unable_start(settings, locates));
+        let sensor = complete(recording, index, settings, report, warnings);
+        sensors.push(Sensor {
+            may_start: settings.may_start.unwrap_or(locates),
+            ..sensor
+        });
     }
     if filter.filter.is_of_bearings() {
         faults.extend(two_places(known));
@@ -131,10 +145,7 @@ pub fn misplaced_densities(requested: &[SensorSettings], sensors: &[Sensor]) -> 
         let sensor = sensors
             .iter()
             .find(|sensor| sensor.sensor_id == settings.sensor_id)?;
-        let (given, wanted) = misplaced_density(
-            settings,
-            matches!(sensor.report, MeasurementModel::Bearing { .. }),
-        )?;
+        let (given, wanted) = misplaced_density(settings, sensor.report.is_bearing())?;
         let detail = format!(
             "the clutter of sensor '{}' is stated in '{given}'; what is used of its reports needs '{wanted}'",
             sensor.sensor_id
@@ -174,6 +185,18 @@ fn two_places(known: &[SensorSettings]) -> Option<Fault> {
     )
 }
 
+/// A fault where tracks should start at reports that do not say where their targets are.
+fn unable_start(settings: &SensorSettings, locates: bool) -> Option<Fault> {
+    if locates || settings.may_start != Some(true) {
+        return None;
+    }
+    let detail = format!(
+        "sensor '{}' reports bearings, of which one alone does not say where a target is",
+        settings.sensor_id
+    );
+    Some(Fault::new("/sensors", "unsupported", detail).allowing("may_start false"))
+}
+
 /// What of a sensor's reports is used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
@@ -198,10 +221,12 @@ fn usable_kind(
     let bearings = has(|measurement| matches!(measurement, Measurement::Bearing { .. }));
     let name = &settings.sensor_id;
     let (filter, filter_name) = (&named.filter, named.name);
-    let usable = match filter {
-        AnyFilter::Kalman(_) => "positions (x_m, y_m)",
-        AnyFilter::BearingOnly(_) => "bearings (bearing_deg), with or without ranges (range_m)",
-        _ => "positions (x_m, y_m); ranges and bearings (range_m, bearing_deg)",
+    let usable = if filter.is_of_bearings() {
+        "bearings (bearing_deg), with or without ranges (range_m)"
+    } else if filter.uses_ranges() {
+        "positions (x_m, y_m); ranges and bearings (range_m, bearing_deg)"
+    } else {
+        "positions (x_m, y_m)"
     };
     let mut refuse = |what: &str| {
         let others = if recording.sensors.len() > 1 {
@@ -218,6 +243,10 @@ fn usable_kind(
     match (positions, ranges, bearings) {
         (true, ..) if filter.is_of_bearings() => refuse("positions"),
         _ if filter.is_of_bearings() => Some(Kind::Bearing),
+        (false, false, true) if filter.uses_ranges() && any_locates(recording) => {
+            faults.extend(unknown_place(settings));
+            Some(Kind::Bearing)
+        }
         (_, _, true) => refuse("bearings without ranges"),
         (true, true, _) => refuse("positions in some detections and ranges in others"),
         (false, true, _) if !filter.uses_ranges() => refuse("ranges and bearings"),
@@ -260,12 +289,25 @@ fn place(settings: &SensorSettings, warnings: &mut Vec<String>) -> Position {
     place_of(settings)
 }
 
-/// Range rates are used by a filter that can, when every detection of the recording has one.
-fn uses_range_rates(
-    recording: &Recording,
-    named: &NamedFilter,
-    warnings: &mut Vec<String>,
-) -> bool {
+/// Whether some report of the recording says where its target is.
+fn any_locates(recording: &Recording) -> bool {
+    let mut reports = recording.detections.iter();
+    reports.any(|detection| !matches!(detection.measurement, Measurement::Bearing { .. }))
+}
+
+/// Bearings place a target of the plane only from a place that is known.
+fn unknown_place(settings: &SensorSettings) -> Option<Fault> {
+    if settings.x_m.is_some() && settings.y_m.is_some() {
+        return None;
+    }
+    let detail = format!(
+        "sensor '{}' reports bearings, and where it stands is not known: give 'x_m' and 'y_m' in 'sensors'",
+        settings.sensor_id
+    );
+    Some(Fault::new("/sensors", "missing", detail).allowing("a place (m)"))
+}
+
+fn reported_rates<'d>(detections: &mut dyn Iterator<Item = &'d Detection>) -> usize {
     let has_rate = |detection: &&Detection| {
         matches!(
             detection.measurement,
@@ -275,26 +317,31 @@ fn uses_range_rates(
             }
         )
     };
-    let with_rate = recording.detections.iter().filter(has_rate).count();
-    if with_rate == 0 {
+    detections.filter(has_rate).count()
+}
+
+/// Range rates of a sensor are used by a filter that can, when every detection of the sensor has one.
+fn uses_range_rates(
+    recording: &Recording,
+    sensor: usize,
+    named: &NamedFilter,
+    warnings: &mut Vec<String>,
+) -> bool {
+    let with_rate = reported_rates(&mut detections_of(recording, sensor));
+    let all = detections_of(recording, sensor).count();
+    if with_rate == 0 || !named.filter.uses_range_rates() {
         return false;
     }
-    let (all, is_able) = (
-        with_rate == recording.detections.len(),
-        named.filter.uses_range_rates(),
-    );
-    if !is_able {
+    if with_rate < all {
+        let whose = match recording.sensors.as_slice() {
+            [_] => String::new(),
+            sensors => format!("sensor '{}': ", sensors[sensor].sensor_id),
+        };
         warnings.push(format!(
-            "range rates are not used: the filter '{}' does not know them",
-            named.name
-        ));
-    } else if !all {
-        warnings.push(format!(
-            "range rates are not used: {with_rate} of {} detections have one",
-            recording.detections.len()
+            "{whose}range rates are not used: {with_rate} of {all} detections have one"
         ));
     }
-    all && is_able
+    with_rate == all
 }
 
 /// The interval over which a sensor's range rates reach; at least 1 m/s, so that a density over it exists.
@@ -339,6 +386,7 @@ fn complete(
         sensor_id: name.clone(),
         p_d,
         clutter_density: extent.inside(density.max(LEAST_CLUTTER)),
+        may_start: true,
         report,
     }
 }

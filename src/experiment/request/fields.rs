@@ -126,6 +126,11 @@ pub static SENSOR_SETTINGS: Object = Object {
             "Standard deviation of range rates.",
             SIGMA_RATE,
         ),
+        optional(
+            "may_start",
+            "Whether a report that no track uses may start a track; false of bearings in the plane, else true.",
+            Kind::Flag,
+        ),
     ],
 };
 

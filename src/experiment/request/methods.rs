@@ -8,7 +8,7 @@ use crate::evaluation::metrics::{BuildMetric, METRICS};
 use crate::filtering::{AUTO, AnyFilter, FILTER_KIND, FILTERS};
 use crate::math::rng::Seed;
 use crate::registry::{self, Method};
-use crate::tracking::{Initiation, Lifecycle};
+use crate::tracking::{BuildTracker, Initiation, Lifecycle, TRACKERS};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer};
 use serde_json::{Value, json};
@@ -171,9 +171,10 @@ pub fn filter_named(method: &str) -> Value {
     )
 }
 
-/// Gate and life cycle of tracks.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A tracker, and gate and life cycle of its tracks.
+#[derive(Debug, Clone, Copy)]
 pub struct TrackerSpec {
+    pub build: BuildTracker,
     pub lifecycle: Lifecycle,
     /// Whether the request leaves the speed open that new tracks allow for.
     pub leaves_speed_open: bool,
@@ -188,7 +189,9 @@ impl<'de> Deserialize<'de> for TrackerSpec {
             Initiation::TwoPoint { .. } => value.pointer("/initiation/max_speed_mps").is_none(),
             Initiation::Truth { .. } => false,
         };
+        let method = find(TRACKERS, &value, "method").map_err(D::Error::custom)?;
         Ok(TrackerSpec {
+            build: method.build,
             lifecycle,
             leaves_speed_open,
         })

@@ -34,7 +34,7 @@ const NONE: u32 = u32::MAX;
 
 /// Solves one problem after another: [`clear`](Self::clear), edges and [`end_row`](Self::end_row) for each row,
 /// [`solve`](Self::solve), then read the answer.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct AssignmentSolver {
     rows: Vec<RowState>,
     edges: Vec<Edge>,

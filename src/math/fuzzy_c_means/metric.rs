@@ -16,7 +16,7 @@
 //!   does not.
 
 use super::{Fuzzifier, FuzzyError};
-use crate::math::angle::wrap;
+use crate::model::angle::wrap;
 use std::f64::consts::TAU;
 
 /// m at most.

@@ -92,6 +92,7 @@ fn seen(recording: &Recording) -> ApparentSpeed {
         sensor_id: "radar".into(),
         p_d: 0.9,
         clutter_density: 1e-8,
+        may_start: true,
         report,
     };
     apparent_speed(recording, &[SensorSettings::named("radar")], &[sensor]).unwrap()
@@ -164,6 +165,7 @@ fn three_scans_are_the_least() {
         sensor_id: "radar".into(),
         p_d: 0.9,
         clutter_density: 1e-8,
+        may_start: true,
         report,
     }];
     let known = [SensorSettings::named("radar")];

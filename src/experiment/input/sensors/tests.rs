@@ -2,8 +2,9 @@
 
 use super::*;
 use crate::filtering::bearing_only::BearingOnly;
-use crate::filtering::extended::Extended;
-use crate::filtering::kalman::Kalman;
+use crate::filtering::motions::AnyMotion;
+use crate::filtering::{AnyFilter, Reports, Way};
+use crate::model::motion::constant_velocity::ConstantVelocity;
 use crate::model::scan::{RecordingParts, Scan};
 
 fn recording(measurements: &[Measurement]) -> Recording {
@@ -33,21 +34,25 @@ fn recording(measurements: &[Measurement]) -> Recording {
     .unwrap()
 }
 
-const KALMAN: NamedFilter = NamedFilter {
-    filter: AnyFilter::Kalman(Kalman {
-        process_noise_m2ps3: 1.0,
-    }),
-    name: "kalman",
-};
-const EXTENDED: NamedFilter = NamedFilter {
-    filter: AnyFilter::Extended(Extended {
-        process_noise_m2ps3: 1.0,
-    }),
-    name: "extended",
-};
+const KALMAN: NamedFilter = named("kalman", Reports::Positions);
+const EXTENDED: NamedFilter = named("extended", Reports::All);
+
+const fn named(name: &'static str, reports: Reports) -> NamedFilter {
+    let motion = AnyMotion::ConstantVelocity(ConstantVelocity {
+        spectral_density: 1.0,
+    });
+    NamedFilter {
+        filter: AnyFilter::Plane {
+            motion,
+            way: Way::Line,
+            reports,
+        },
+        name,
+    }
+}
 
 const BEARING_ONLY: NamedFilter = NamedFilter {
-    filter: AnyFilter::BearingOnly(BearingOnly {
+    filter: AnyFilter::Bearing(BearingOnly {
         process_noise_rad2ps3: 1e-6,
         initial_rate_sigma_radps: 0.1,
     }),
@@ -89,6 +94,7 @@ fn the_request_wins_over_the_upload_and_the_rest_is_estimated_with_a_warning() {
         sensor_id: "radar".into(),
         p_d: 0.9,
         clutter_density: 0.02,
+        may_start: true,
         report,
     };
     assert_eq!(sensors, [expected]);
@@ -222,9 +228,10 @@ fn a_bearing_sensor_takes_its_clutter_per_degree_and_ranges_are_left_out_with_a_
         .unwrap();
         assert_eq!(
             sensors[0].report,
-            MeasurementModel::Bearing {
+            MeasurementModel::Bearing(Bearing {
+                place_m: Position::zeros(),
                 sigma_bearing_rad: 1f64.to_radians()
-            }
+            })
         );
         (sensors[0].clutter_density.to_radians(), warnings)
     };
@@ -263,6 +270,7 @@ fn misplaced(settings: &SensorSettings, report: MeasurementModel) -> Vec<(String
         sensor_id: "radar".into(),
         p_d: 0.9,
         clutter_density: 1.0,
+        may_start: true,
         report,
     };
     let requested = [SensorSettings::named("other"), settings.clone()];
@@ -274,9 +282,10 @@ fn misplaced(settings: &SensorSettings, report: MeasurementModel) -> Vec<(String
 
 #[test]
 fn a_density_over_the_wrong_space_is_named() {
-    let of_bearings = MeasurementModel::Bearing {
+    let of_bearings = MeasurementModel::Bearing(Bearing {
+        place_m: Position::zeros(),
         sigma_bearing_rad: 0.1,
-    };
+    });
     let of_places = MeasurementModel::Position {
         sigma_x_m: 1.0,
         sigma_y_m: 1.0,

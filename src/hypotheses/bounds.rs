@@ -8,39 +8,23 @@ use crate::model::watch::{Halt, Watch};
 
 const REMEDY: &str = "a smaller gate_probability, fewer detections at one place, or an associator that gives a track one detection";
 
-/// What is counted over all scans.
-#[derive(Debug, Default)]
-pub struct Bounds {
-    /// Candidates of the problems kept for timing.
-    timed: usize,
+/// `timed` counts the candidates of the problems that are kept for timing.
+pub fn check_timed(timed: usize, scan: &Scan) -> Result<(), Halt> {
+    refuse_above(MAX_TIMED_CANDIDATES, timed, "candidates to be timed", scan)
 }
 
-impl Bounds {
-    /// Counts the candidates of a problem that is kept for timing.
-    pub fn keep(&mut self, candidates: usize, scan: &Scan) -> Result<(), Halt> {
-        self.timed += candidates;
-        refuse_above(
-            MAX_TIMED_CANDIDATES,
-            self.timed,
-            "candidates to be timed",
-            scan,
-        )
+/// `surplus` counts the candidates that a history holds beyond the first of each track and scan.
+#[inline]
+pub fn check_history(surplus: usize, scan: &Scan) -> Result<(), Halt> {
+    if surplus <= MAX_CANDIDATES {
+        return Ok(());
     }
-
-    /// `surplus` counts the candidates that the history holds beyond the first of each track and scan.
-    #[inline]
-    pub fn check_history(&self, surplus: usize, scan: &Scan) -> Result<(), Halt> {
-        if surplus <= MAX_CANDIDATES {
-            Ok(())
-        } else {
-            refuse_above(
-                MAX_CANDIDATES,
-                surplus,
-                "candidates of tracks to be remembered",
-                scan,
-            )
-        }
-    }
+    refuse_above(
+        MAX_CANDIDATES,
+        surplus,
+        "candidates of tracks to be remembered",
+        scan,
+    )
 }
 
 /// Counts the candidates of all tracks in one scan.

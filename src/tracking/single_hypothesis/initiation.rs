@@ -7,29 +7,28 @@
 //! (two-point differencing).
 //!
 //! # Symbols
-//! z₁, z₂ places of the two detections and R₁, R₂ their covariances; Δ = z₂ − z₁; T time between them; q spectral density of
-//! the motion's noise; γ the gate's threshold on d².
+//! z₁, z₂ places of the two detections and R₁, R₂ their covariances; Δ = z₂ − z₁; T time between them; γ the gate's threshold on d².
 //!
 //! # Method
 //! 1. z₂ is within reach of z₁ when |Δ| ≤ `max_speed_mps` T + √(γ σ²), σ² the variance of Δ along itself.
 //! 2. All pairs within reach compete at once: those are taken whose squares |Δ|² have the least sum, where a first point that
 //!    stays alone counts as the square of its reach. Each detection is in one pair at most.
-//! 3. x̂ = (z₂, Δ / T); P has the blocks R₂, R₂ / T and (R₁ + R₂) / T² + q T / 3.
+//! 3. x̂ = (z₂, Δ / T); P has the blocks R₂, R₂ / T and (R₁ + R₂) / T² + w, with w the variance that the motion's noise gives a
+//!    rate around its mean over T: q T / 3 of nearly constant velocity.
 //!
 //! The first points are those of the sensor's last `max_wait_scans` scans that have no partner yet, each with a reach of its own
 //! T; what is new and alone waits in its turn. Ranges and bearings are turned into places for this; range rates are left to the first update.
 
-use super::bounds;
 use crate::association::Associator;
 use crate::association::global_nearest_neighbour::GlobalNearestNeighbour;
 use crate::association::problem::{Edge, ScanProblem, Weights};
 use crate::gating::grid::Grid;
+use crate::hypotheses::bounds;
 use crate::math::gaussian::log_unit_ball;
 use crate::model::scan::Scan;
 use crate::model::state::GaussianState;
 use crate::model::watch::{Halt, Watch};
 use crate::registry::{Object, Union, above, default, optional, variant, whole};
-use nalgebra::SVector;
 use serde::Deserialize;
 
 /// How a track begins.
@@ -51,7 +50,7 @@ pub enum Initiation {
 
 /// Two and a half times what is assumed of tracks of one point.
 fn assumed_max_speed_mps() -> f64 {
-    2.5 * super::Lifecycle::ASSUMED_SPEED_SIGMA_MPS
+    2.5 * super::lifecycle::Lifecycle::ASSUMED_SPEED_SIGMA_MPS
 }
 
 static ONE_POINT: Object = Object {
@@ -112,23 +111,25 @@ pub(super) static INITIATION: Union = Union {
 
 /// An unused detection as a state without a known speed.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Point<const N: usize> {
-    /// Index of its scan in the recording.
-    pub scan: u32,
+pub(super) struct Point<const K: usize> {
+    /// How many scans there were before its own.
+    pub scan_index: u32,
     pub time_s: f64,
-    /// Its index in the recording.
+    /// Index of its sensor.
+    pub sensor: usize,
+    /// Its index in its scan.
     pub detection: u32,
     pub origin: Option<u32>,
-    pub state: GaussianState<N>,
+    pub state: GaussianState<K>,
 }
 
 /// Two points that are a track.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Pair<const N: usize> {
-    pub first: Point<N>,
-    pub second: Point<N>,
-    /// State at the second point.
-    pub state: GaussianState<N>,
+pub(super) struct Pair<const K: usize> {
+    pub first: Point<K>,
+    pub second: Point<K>,
+    /// State at the second point, without what the motion's noise adds.
+    pub state: GaussianState<K>,
     /// Volume of the places within the first point's reach.
     pub log_reach_volume: f64,
     /// Scans of the sensor between the two.
@@ -143,36 +144,34 @@ pub(super) struct PairRule {
     pub max_wait_scans: u32,
     /// γ.
     pub gate_threshold: f64,
-    /// q.
-    pub spectral_density: f64,
     /// For the oracle: only points of one target.
     pub by_origin: bool,
 }
 
 /// A first point, and how many scans of its sensor passed without a second one.
 #[derive(Debug, Clone, Copy)]
-struct Waiting<const N: usize> {
-    point: Point<N>,
-    missed: u32,
+pub(super) struct Waiting<const K: usize> {
+    pub point: Point<K>,
+    pub missed: u32,
 }
 
 /// The points that wait for a second one; memory is reused.
-#[derive(Debug)]
-pub(super) struct Initiator<const N: usize> {
+#[derive(Debug, Clone)]
+pub(super) struct Initiator<const K: usize> {
     /// Those of each sensor, the longest waiting first.
-    waiting: Vec<Vec<Waiting<N>>>,
+    waiting: Vec<Vec<Waiting<K>>>,
     /// Those of the current scan.
-    fresh: Vec<Point<N>>,
-    places: Vec<SVector<f64, N>>,
+    fresh: Vec<Point<K>>,
+    places: Vec<[f64; K]>,
     grid: Grid,
     problem: ScanProblem,
     weights: Weights,
     solver: GlobalNearestNeighbour,
     is_paired: Vec<bool>,
-    pairs: Vec<Pair<N>>,
+    pairs: Vec<Pair<K>>,
 }
 
-impl<const N: usize> Default for Initiator<N> {
+impl<const K: usize> Default for Initiator<K> {
     fn default() -> Self {
         Initiator {
             waiting: Vec::new(),
@@ -188,14 +187,37 @@ impl<const N: usize> Default for Initiator<N> {
     }
 }
 
-impl<const N: usize> Initiator<N> {
+impl<const K: usize> Initiator<K> {
     /// One more unused detection of the current scan.
-    pub fn push(&mut self, point: Point<N>) {
+    pub fn push(&mut self, point: Point<K>) {
         self.fresh.push(point);
     }
 
+    /// The unused detections of the current scan.
+    pub fn fresh(&self) -> &[Point<K>] {
+        &self.fresh
+    }
+
+    /// Ends the current scan where each detection is a start by itself.
+    pub fn clear(&mut self) {
+        self.fresh.clear();
+    }
+
+    /// Those that wait, of each sensor the longest waiting first.
+    pub fn waiting(&self) -> &[Vec<Waiting<K>>] {
+        &self.waiting
+    }
+
+    /// With these points waiting.
+    pub fn with_waiting(waiting: Vec<Vec<Waiting<K>>>) -> Self {
+        Initiator {
+            waiting,
+            ..Initiator::default()
+        }
+    }
+
     /// The pairs that the current scan of `sensor` completed.
-    pub fn pairs(&self) -> &[Pair<N>] {
+    pub fn pairs(&self) -> &[Pair<K>] {
         &self.pairs
     }
 
@@ -231,7 +253,7 @@ impl<const N: usize> Initiator<N> {
         self.problem.begin(0, self.fresh.len());
         self.places.clear();
         self.places
-            .extend(self.fresh.iter().map(|point| point.state.mean));
+            .extend(self.fresh.iter().map(|point| point.state.mean.data.0[0]));
         self.grid.rebuild(&self.places);
         let largest_noise = self
             .fresh
@@ -295,10 +317,10 @@ impl<const N: usize> Initiator<N> {
                 let index = self.problem.edges()[edge].detection as usize;
                 let second = &self.fresh[index];
                 self.is_paired[index] = true;
-                let axes = (N / 2) as u32;
+                let axes = (K / 2) as u32;
                 let log_reach_volume =
                     log_unit_ball(axes) + f64::from(axes) * reach(first, second, rule).ln();
-                let state = difference(first, second, rule.spectral_density);
+                let state = difference(first, second);
                 self.pairs.push(Pair {
                     first: *first,
                     second: *second,
@@ -313,30 +335,30 @@ impl<const N: usize> Initiator<N> {
 }
 
 impl PairRule {
-    fn allows<const N: usize>(&self, first: &Point<N>, second: &Point<N>) -> bool {
+    fn allows<const K: usize>(&self, first: &Point<K>, second: &Point<K>) -> bool {
         !self.by_origin || (first.origin.is_some() && first.origin == second.origin)
     }
 }
 
 /// Trace of R.
-fn noise<const N: usize>(state: &GaussianState<N>) -> f64 {
-    (0..N / 2).map(|axis| state.covariance[(axis, axis)]).sum()
+fn noise<const K: usize>(state: &GaussianState<K>) -> f64 {
+    (0..K / 2).map(|axis| state.covariance[(axis, axis)]).sum()
 }
 
 /// |Δ|².
-fn squared_distance<const N: usize>(first: &Point<N>, second: &Point<N>) -> f64 {
-    (0..N / 2)
+fn squared_distance<const K: usize>(first: &Point<K>, second: &Point<K>) -> f64 {
+    (0..K / 2)
         .map(|axis| (second.state.mean[axis] - first.state.mean[axis]).powi(2))
         .sum()
 }
 
 /// `max_speed_mps` T + √(γ σ²).
-fn reach<const N: usize>(first: &Point<N>, second: &Point<N>, rule: &PairRule) -> f64 {
+fn reach<const K: usize>(first: &Point<K>, second: &Point<K>, rule: &PairRule) -> f64 {
     let delta = second.state.mean - first.state.mean;
     let covariance = first.state.covariance + second.state.covariance;
     let mut variance = 0.0;
-    for row in 0..N / 2 {
-        for column in 0..N / 2 {
+    for row in 0..K / 2 {
+        for column in 0..K / 2 {
             variance += delta[row] * covariance[(row, column)] * delta[column];
         }
     }
@@ -349,13 +371,9 @@ fn reach<const N: usize>(first: &Point<N>, second: &Point<N>, rule: &PairRule) -
     rule.max_speed_mps * (second.time_s - first.time_s) + (rule.gate_threshold * along).sqrt()
 }
 
-/// Step 3.
-fn difference<const N: usize>(
-    first: &Point<N>,
-    second: &Point<N>,
-    spectral_density: f64,
-) -> GaussianState<N> {
-    let (axes, dt_s) = (N / 2, second.time_s - first.time_s);
+/// Step 3, without what the motion's noise adds.
+fn difference<const K: usize>(first: &Point<K>, second: &Point<K>) -> GaussianState<K> {
+    let (axes, dt_s) = (K / 2, second.time_s - first.time_s);
     let mut state = second.state;
     for row in 0..axes {
         state.mean[row + axes] = (second.state.mean[row] - first.state.mean[row]) / dt_s;
@@ -364,14 +382,9 @@ fn difference<const N: usize>(
                 first.state.covariance[(row, column)],
                 second.state.covariance[(row, column)],
             );
-            let turned = if row == column {
-                spectral_density * dt_s / 3.0
-            } else {
-                0.0
-            };
             state.covariance[(row, column + axes)] = now / dt_s;
             state.covariance[(row + axes, column)] = now / dt_s;
-            state.covariance[(row + axes, column + axes)] = (before + now) / (dt_s * dt_s) + turned;
+            state.covariance[(row + axes, column + axes)] = (before + now) / (dt_s * dt_s);
         }
     }
     state

@@ -2,7 +2,7 @@
 
 use crate::model::sensor::Sensor;
 
-pub(super) struct LikelihoodConstants {
+pub struct LikelihoodConstants {
     /// ln λ.
     pub log_clutter: f64,
     /// ln(P_D / λ).

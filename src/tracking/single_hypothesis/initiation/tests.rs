@@ -7,7 +7,6 @@ const RULE: PairRule = PairRule {
     max_speed_mps: 10.0,
     max_wait_scans: 1,
     gate_threshold: 9.0,
-    spectral_density: 6.0,
     by_origin: false,
 };
 
@@ -25,8 +24,9 @@ fn point(time_s: f64, [x, y]: [f64; 2], [xx, xy, yy]: [f64; 3]) -> Point<4> {
         covariance,
     };
     Point {
-        scan: time_s as u32,
+        scan_index: time_s as u32,
         time_s,
+        sensor: 0,
         detection: x as u32,
         origin: None,
         state,
@@ -64,15 +64,14 @@ fn paired(rule: &PairRule, first: &[Point<4>], second: &[Point<4>]) -> Vec<(f64,
 
 #[test]
 fn two_points_are_the_state_worked_by_hand() {
-    // T = 2; R₁ = [4 1; 1 9], R₂ = [8 2; 2 7]; q = 6, so q T / 3 = 4. Δ = (6, −4): v = (3, −2).
-    // R₂ / T = [4 1; 1 3.5]; (R₁ + R₂) / T² + 4 = [3 0.75; 0.75 4] + 4 I.
+    // T = 2; R₁ = [4 1; 1 9], R₂ = [8 2; 2 7]. Δ = (6, −4): v = (3, −2).
+    // R₂ / T = [4 1; 1 3.5]; (R₁ + R₂) / T² = [3 0.75; 0.75 4].
     let state = difference(
         &point(1.0, [10.0, 20.0], [4.0, 1.0, 9.0]),
         &point(3.0, [16.0, 16.0], [8.0, 2.0, 7.0]),
-        6.0,
     );
     let covariance = Covariance::new(
-        8.0, 2.0, 4.0, 1.0, 2.0, 7.0, 1.0, 3.5, 4.0, 1.0, 7.0, 0.75, 1.0, 3.5, 0.75, 8.0,
+        8.0, 2.0, 4.0, 1.0, 2.0, 7.0, 1.0, 3.5, 4.0, 1.0, 3.0, 0.75, 1.0, 3.5, 0.75, 4.0,
     );
     assert!((state.mean - State::new(16.0, 16.0, 3.0, -2.0)).norm() < 1e-12);
     assert!(

@@ -16,12 +16,18 @@ use super::initiation::{INITIATION, Initiation};
 use crate::model::track::TrackStatus;
 use crate::registry::{Kind, Object, above, default, optional, whole};
 use nalgebra::SMatrix;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 pub static LIFECYCLE: Object = Object {
     name: "TrackerSettings",
     summary: "Gate, initiation, confirmation and deletion of tracks.",
     fields: &[
+        default(
+            "method",
+            "What turns scans into tracks: single_hypothesis decides after each scan which detections continue which track, for good.",
+            Kind::Choice(&[super::NAME]),
+            r#""single_hypothesis""#,
+        ),
         default(
             "gate_probability",
             "P_G: the probability that a true detection lies inside its track's gate; with 1 there is no gate, and every detection of a scan is a candidate of every track.",
@@ -90,7 +96,7 @@ fn assumed_speed_sigma_mps() -> f64 {
 }
 
 /// What a track has lived through.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct TrackLifecycleState {
     /// One bit a scan, the newest lowest: whether the track was given a detection.
     hits: u64,
@@ -147,13 +153,13 @@ impl Lifecycle {
 
     /// Ends a track whose position is too uncertain to be of use.
     #[inline]
-    pub(super) fn limit<const N: usize>(
+    pub(super) fn limit<const K: usize>(
         &self,
         life: &mut TrackLifecycleState,
-        covariance: &SMatrix<f64, N, N>,
+        covariance: impl FnOnce() -> SMatrix<f64, K, K>,
     ) {
         if let Some(limit_m) = self.max_position_sigma_m.filter(|_| !life.is_permanent) {
-            life.is_over |= largest_variance(covariance) > limit_m * limit_m;
+            life.is_over |= largest_variance(&covariance()) > limit_m * limit_m;
         }
     }
 
@@ -164,8 +170,8 @@ impl Lifecycle {
 }
 
 /// The largest variance of the position in any direction: the greater eigenvalue of its covariance.
-fn largest_variance<const N: usize>(covariance: &SMatrix<f64, N, N>) -> f64 {
-    if N < 4 {
+fn largest_variance<const K: usize>(covariance: &SMatrix<f64, K, K>) -> f64 {
+    if K < 4 {
         return covariance[(0, 0)];
     }
     let (xx, xy, yy) = (covariance[(0, 0)], covariance[(0, 1)], covariance[(1, 1)]);
@@ -320,7 +326,9 @@ mod tests {
             assert_eq!(life.status(), TrackStatus::Confirmed);
             for _ in 0..10 {
                 lifecycle.advance(&mut life, false, -2.0);
-                lifecycle.limit(&mut life, &SMatrix::<f64, 4, 4>::from_diagonal_element(1e6));
+                lifecycle.limit(&mut life, || {
+                    SMatrix::<f64, 4, 4>::from_diagonal_element(1e6)
+                });
                 assert_eq!(
                     (life.is_over(), life.status()),
                     (false, TrackStatus::Coasted)
@@ -349,7 +357,7 @@ mod tests {
                 ..LIFE
             };
             let mut life = lifecycle.start();
-            lifecycle.limit(&mut life, &covariance);
+            lifecycle.limit(&mut life, || covariance);
             assert_eq!(life.is_over(), is_over);
         }
     }

@@ -20,7 +20,8 @@
 
 use crate::association::problem::{ScanProblem, Weights};
 use crate::registry::{Bound, Kind, Object, Union, above, default, variant};
-use serde::Deserialize;
+use crate::tracking::bits;
+use serde::{Deserialize, Serialize};
 
 /// When a track is confirmed.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
@@ -84,9 +85,11 @@ pub(super) static CONFIRMATION: Union = Union {
 };
 
 /// L, and the highest that it was.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Score {
+    #[serde(with = "bits")]
     current: f64,
+    #[serde(with = "bits")]
     highest: f64,
 }
 

@@ -1,34 +1,61 @@
-//! The prediction that all filters share: every coordinate moves with nearly constant velocity, which is linear.
+//! Nearly constant velocity: the acceleration of each coordinate is white noise of spectral density q.
+//!
+//! # Reference
+//! Y. Bar-Shalom, X.-R. Li, T. Kirubarajan, Estimation with Applications to Tracking and Navigation, 2001, section 6.2.2.
 //!
 //! # Symbols
-//! x̂, P state and covariance; F, Q transition and process noise.
+//! x̂, P state and covariance; F, Q transition and process noise over dt.
 //!
 //! # Method
 //! x̂ ← F x̂, P ← F P Fᵀ + Q, written out in blocks of coordinates and rates.
 
-use super::mixture::mirror;
-use crate::model::motion::ConstantVelocity;
-use crate::model::state::GaussianState;
+use super::Motion;
+use crate::model::state::{GaussianState, mirror};
 use nalgebra::SMatrix;
 
-/// How a track's state changes over one time step; the same for all tracks of a scan.
+/// `spectral_density` is q, the same for every coordinate: m²/s³ in the plane, rad²/s³ for a bearing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ConstantVelocity {
+    pub spectral_density: f64,
+}
+
+impl ConstantVelocity {
+    /// Q(dt): q·dt³/3 on a coordinate, q·dt²/2 between it and its rate, q·dt on the rate.
+    pub fn process_noise<const N: usize>(&self, dt_s: f64) -> SMatrix<f64, N, N> {
+        let q = self.spectral_density;
+        let (position, cross, velocity) =
+            (q * dt_s.powi(3) / 3.0, q * dt_s.powi(2) / 2.0, q * dt_s);
+        let mut noise = SMatrix::zeros();
+        for (axis, rate) in (0..N / 2).map(|axis| (axis, axis + N / 2)) {
+            noise[(axis, axis)] = position;
+            noise[(axis, rate)] = cross;
+            noise[(rate, axis)] = cross;
+            noise[(rate, rate)] = velocity;
+        }
+        noise
+    }
+}
+
+/// F and Q.
 #[derive(Debug, Clone, Copy)]
-pub struct Transition<const N: usize> {
+pub struct Step<const N: usize> {
     dt_s: f64,
     noise: SMatrix<f64, N, N>,
 }
 
-impl<const N: usize> Transition<N> {
-    pub fn new(motion: ConstantVelocity, dt_s: f64) -> Self {
-        Transition {
+impl<const N: usize> Motion<N> for ConstantVelocity {
+    type Step = Step<N>;
+
+    fn step(&self, dt_s: f64) -> Step<N> {
+        Step {
             dt_s,
-            noise: motion.process_noise(dt_s),
+            noise: self.process_noise(dt_s),
         }
     }
 
     #[inline]
-    pub fn predict(&self, state: &mut GaussianState<N>) {
-        let (dt, axes) = (self.dt_s, N / 2);
+    fn predict(step: &Step<N>, state: &mut GaussianState<N>) {
+        let (dt, axes) = (step.dt_s, N / 2);
         for axis in 0..axes {
             state.mean[axis] += state.mean[axis + axes] * dt;
         }
@@ -45,8 +72,13 @@ impl<const N: usize> Transition<N> {
                 p[(row, column + axes)] += dt * p[(row + axes, column + axes)];
             }
         }
-        *p += self.noise;
+        *p += step.noise;
         mirror(p);
+    }
+
+    /// q·T/3.
+    fn rate_variance(&self, dt_s: f64) -> f64 {
+        self.spectral_density * dt_s / 3.0
     }
 }
 
@@ -71,7 +103,7 @@ mod tests {
         for _ in 0..3 {
             let expected = f * state.covariance * f.transpose() + motion.process_noise(dt);
             let expected_mean = f * state.mean;
-            Transition::new(motion, dt).predict(&mut state);
+            ConstantVelocity::predict(&motion.step(dt), &mut state);
             assert!((state.covariance - expected).abs().max() < 1e-9);
             assert!((state.mean - expected_mean).abs().max() < 1e-12);
         }
@@ -84,13 +116,10 @@ mod tests {
             mean: Vector2::new(0.5, 0.1),
             covariance: Matrix2::new(1.0, 0.0, 0.0, 4.0),
         };
-        Transition::new(
-            ConstantVelocity {
-                spectral_density: 2.0,
-            },
-            3.0,
-        )
-        .predict(&mut state);
+        let motion = ConstantVelocity {
+            spectral_density: 2.0,
+        };
+        ConstantVelocity::predict(&motion.step(3.0), &mut state);
         assert!((state.mean - Vector2::new(0.8, 0.1)).abs().max() < 1e-12);
         assert!(
             (state.covariance - Matrix2::new(55.0, 21.0, 21.0, 10.0))

@@ -1,0 +1,100 @@
+//! What a Gaussian belief expects of a report, and the two ways to find it: along a line, and by points.
+
+use super::unscented::Unscented;
+use crate::math::gaussian::Gaussian;
+use crate::model::sensing::Sensing;
+use crate::model::state::GaussianState;
+use nalgebra::{SMatrix, SVector};
+
+/// Where a report of `D` values is expected.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Expected<const D: usize> {
+    /// ẑ.
+    pub measurement: SVector<f64, D>,
+    /// S.
+    pub covariance: SMatrix<f64, D, D>,
+    /// S⁻¹ and ln of the density at ẑ.
+    pub gaussian: Gaussian<D>,
+}
+
+/// What makes a change of `N` state variables of an innovation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gain<const N: usize, const D: usize> {
+    /// K.
+    gain: SMatrix<f64, N, D>,
+    /// C.
+    cross: SMatrix<f64, N, D>,
+}
+
+impl<const N: usize, const D: usize> Gain<N, D> {
+    /// K ν.
+    #[inline(always)]
+    pub fn change(&self, innovation: &SVector<f64, D>) -> SVector<f64, N> {
+        self.gain * innovation
+    }
+
+    /// K S Kᵀ.
+    #[inline(always)]
+    pub fn loss(&self) -> SMatrix<f64, N, N> {
+        self.gain * self.cross.transpose()
+    }
+}
+
+/// ẑ, S and C as what is expected; `None` when S is not positive definite.
+#[inline(always)]
+pub fn expected<const N: usize, const D: usize>(
+    measurement: SVector<f64, D>,
+    covariance: SMatrix<f64, D, D>,
+    cross: SMatrix<f64, N, D>,
+) -> Option<(Expected<D>, Gain<N, D>)> {
+    let gaussian = Gaussian::new(&covariance)?;
+    let gain = Gain {
+        gain: cross * gaussian.inverse(),
+        cross,
+    };
+    let expected = Expected {
+        measurement,
+        covariance,
+        gaussian,
+    };
+    Some((expected, gain))
+}
+
+/// A way of a belief through a sensing model. Of `N` state variables the first `K` are the kinematics that are sensed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Way {
+    /// Along the tangent at x̂; exact where the report is linear in the state.
+    Line,
+    Points(Unscented),
+}
+
+impl Way {
+    #[inline(always)]
+    pub fn expect<S: Sensing<K, D>, const N: usize, const K: usize, const D: usize>(
+        &self,
+        belief: &GaussianState<N>,
+        sensing: &S,
+    ) -> Option<(Expected<D>, Gain<N, D>)> {
+        if S::IS_DIRECT {
+            return direct(belief, sensing);
+        }
+        match self {
+            Way::Line => super::extended::expect(belief, sensing),
+            Way::Points(unscented) => unscented.expect(belief, sensing),
+        }
+    }
+}
+
+/// Of a report of the first `D` variables: S = P + R and C = P, cut to those.
+#[inline(always)]
+fn direct<S: Sensing<K, D>, const N: usize, const K: usize, const D: usize>(
+    belief: &GaussianState<N>,
+    sensing: &S,
+) -> Option<(Expected<D>, Gain<N, D>)> {
+    let kinematics = belief.leading::<K>();
+    expected(
+        sensing.project(&kinematics.mean),
+        belief.covariance.fixed_view::<D, D>(0, 0) + sensing.noise(&kinematics),
+        belief.covariance.fixed_columns::<D>(0).into_owned(),
+    )
+}

@@ -1,0 +1,104 @@
+//! The detections of one scan as hypotheses look at them: as points of a measurement space, in a grid, used or not.
+
+use crate::filtering::Expected;
+use crate::gating::ellipsoidal::EllipsoidalGate;
+use crate::gating::grid::Grid;
+use crate::model::angle;
+use crate::model::scan::Detection;
+use nalgebra::SVector;
+
+/// The detections of a scan, prepared for gating; memory is reused.
+#[derive(Debug, Default)]
+pub(super) struct Detections {
+    /// As points of the measurement space, one after the other.
+    values: Vec<f64>,
+    /// The same as the grid arranged them.
+    placed: Vec<f64>,
+    grid: Grid,
+    pub used: Vec<bool>,
+    /// The detection of each target in this scan.
+    by_origin: Vec<Option<u32>>,
+}
+
+impl Detections {
+    /// Takes the points of a new scan; none of them is used.
+    pub fn read<const D: usize>(&mut self, points: impl Iterator<Item = [f64; D]>) {
+        self.values.clear();
+        self.values.extend(points.flatten());
+        self.used.clear();
+        self.used.resize(self.values.len() / D, false);
+    }
+
+    pub fn len(&self) -> usize {
+        self.used.len()
+    }
+
+    /// As points of `D` values, as which they were read.
+    pub fn points<const D: usize>(&self) -> &[[f64; D]] {
+        self.values.as_chunks().0
+    }
+
+    /// Sorts the points into the grid.
+    pub fn arrange<const D: usize>(&mut self) {
+        let points = self.values.as_chunks::<D>().0;
+        self.grid.rebuild(points);
+        self.grid.arrange(points, &mut self.placed);
+    }
+
+    /// Notes the first detection of each target.
+    pub fn index_origins(&mut self, detections: &[Detection]) {
+        self.by_origin.clear();
+        let highest = detections
+            .iter()
+            .filter_map(|detection| detection.origin)
+            .max();
+        self.by_origin
+            .resize(highest.map_or(0, |origin| origin as usize + 1), None);
+        for (index, detection) in detections.iter().enumerate() {
+            if let Some(origin) = detection.origin {
+                self.by_origin[origin as usize].get_or_insert(index as u32);
+            }
+        }
+    }
+
+    /// Calls `found(detection, ν, d²)` for each unused detection inside the gate.
+    #[inline]
+    pub fn inside<const D: usize>(
+        &self,
+        gate: &EllipsoidalGate,
+        expected: &Expected<D>,
+        angle: Option<usize>,
+        mut found: impl FnMut(u32, SVector<f64, D>, f64),
+    ) {
+        gate.candidates(
+            (&self.grid, self.placed.as_chunks().0),
+            (&expected.measurement, angle),
+            (&expected.covariance, &expected.gaussian),
+            |detection, innovation, squared| {
+                if !self.used[detection as usize] {
+                    found(detection, innovation, squared);
+                }
+            },
+        );
+    }
+
+    /// The same for the detection of one target, inside the gate or not.
+    #[inline]
+    pub fn of_target<const D: usize>(
+        &self,
+        origin: Option<u32>,
+        expected: &Expected<D>,
+        angle: Option<usize>,
+        mut found: impl FnMut(u32, SVector<f64, D>, f64),
+    ) {
+        let detection =
+            origin.and_then(|origin| self.by_origin.get(origin as usize).copied().flatten());
+        let Some(detection) = detection.filter(|&detection| !self.used[detection as usize]) else {
+            return;
+        };
+        let point = SVector::from(self.points()[detection as usize]);
+        let innovation = angle::difference(&point, &expected.measurement, angle);
+        let squared = expected.gaussian.squared_distance(&innovation);
+        found(detection, innovation, squared);
+    }
+}

@@ -1,0 +1,327 @@
+//! Hypotheses: which detections of a scan each track may have caused, and how likely. The measurement's dimension is chosen here,
+//! once a scan, by what its sensor reports; it shows in no result.
+//!
+//! # Method
+//! 1. The detections of a scan become points of its sensor's measurement space, in a grid.
+//! 2. Each track is predicted and its gate finds its candidates; what the filter would change for each is kept with its likelihood.
+//!    For an associator that is told where detections came from, the candidate is the detection of the track's target instead.
+
+pub mod bounds;
+pub mod certain;
+mod detections;
+mod likelihood_constants;
+pub mod region;
+
+pub use likelihood_constants::LikelihoodConstants;
+
+use crate::association::Needs;
+use crate::association::problem::{Edge, ScanProblem};
+use crate::filtering::{Corrector, Expected, Filter, Weighted, WithCorrector};
+use crate::gating::ellipsoidal::EllipsoidalGate;
+use crate::model::scan::{Detection, Scan};
+use crate::model::sensor::Sensor;
+use crate::model::state::GaussianState;
+use crate::model::watch::{Halt, Watch};
+use detections::Detections;
+use std::ops::Range;
+
+/// The hypotheses of one scan; memory is reused.
+pub struct Hypotheses<F: Filter<K>, const K: usize> {
+    gate: EllipsoidalGate,
+    gate_probability: f64,
+    needs: Needs,
+    detections: Detections,
+    problem: ScanProblem,
+    /// The tracks of the problem's rows.
+    rows: Vec<(u32, F::Loss)>,
+    /// Of each of the problem's edges.
+    changes: Vec<F::Change>,
+    /// Tracks of which nothing can be expected any more.
+    lost: Vec<u32>,
+}
+
+/// A look of a sensor at tracks.
+#[derive(Clone, Copy)]
+pub struct Look<'a, F, S> {
+    pub filter: &'a F,
+    pub sensor: &'a Sensor,
+    pub scan: &'a Scan,
+    /// From the scan before to this one.
+    pub step: &'a S,
+}
+
+impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
+    pub fn new(gate_probability: f64, needs: Needs) -> Self {
+        Hypotheses {
+            gate: EllipsoidalGate::new(gate_probability),
+            gate_probability,
+            needs,
+            detections: Detections::default(),
+            problem: ScanProblem::default(),
+            rows: Vec::new(),
+            changes: Vec::new(),
+            lost: Vec::new(),
+        }
+    }
+
+    /// Step 1.
+    pub fn begin_scan(&mut self, filter: &F, sensor: &Sensor, detections: &[Detection]) {
+        if self.needs == Needs::Amplitudes {
+            // What has no amplitude is weaker than everything that has.
+            self.problem.set_amplitudes(
+                detections
+                    .iter()
+                    .map(|detection| detection.amplitude.unwrap_or(f64::NEG_INFINITY)),
+            );
+        }
+        let work = Reading {
+            hypotheses: self,
+            detections,
+        };
+        filter.correct(&sensor.report, work);
+    }
+
+    /// Step 2: predicts the named tracks and writes a problem of them; `problem_index` numbers the problems of a tracker.
+    ///
+    /// # Errors
+    /// When there are too many candidates, or the watch says to stop.
+    pub fn write(
+        &mut self,
+        look: Look<F, F::Step>,
+        problem_index: u32,
+        (beliefs, members): (&mut [F::Belief], &[u32]),
+        origin_of: impl Fn(u32) -> Option<u32>,
+        watch: &Watch,
+    ) -> Result<(), Halt> {
+        self.problem.begin(problem_index, self.detections.len());
+        self.rows.clear();
+        self.changes.clear();
+        self.lost.clear();
+        let work = Writing {
+            constants: LikelihoodConstants::new(look.sensor, self.gate_probability),
+            hypotheses: self,
+            look,
+            beliefs,
+            members,
+            origin_of,
+            watch,
+        };
+        look.filter
+            .correct(&look.sensor.report, work)
+            .unwrap_or(Ok(()))
+    }
+
+    /// The kinematics that each detection tells which no track uses, with its index in the scan.
+    pub fn starts(
+        &self,
+        filter: &F,
+        sensor: &Sensor,
+        speed_sigma_mps: f64,
+        found: impl FnMut(usize, GaussianState<K>),
+    ) {
+        let work = Locating {
+            detections: &self.detections,
+            rate_sigma: filter.rate_sigma(speed_sigma_mps),
+            found,
+        };
+        filter.correct(&sensor.report, work);
+    }
+
+    pub fn problem(&self) -> &ScanProblem {
+        &self.problem
+    }
+
+    pub fn problem_mut(&mut self) -> &mut ScanProblem {
+        &mut self.problem
+    }
+
+    /// The track of a row.
+    #[inline]
+    pub fn track(&self, row: usize) -> usize {
+        self.rows[row].0 as usize
+    }
+
+    /// Writes the changes of a row's edges that have a weight.
+    #[inline]
+    pub fn weighted(
+        &self,
+        edges: Range<usize>,
+        weights: &[f64],
+        weighted: &mut Vec<Weighted<F::Change>>,
+    ) {
+        weighted.clear();
+        for edge in edges {
+            if weights[edge] > 0.0 {
+                weighted.push(Weighted {
+                    change: self.changes[edge],
+                    weight: weights[edge],
+                });
+            }
+        }
+    }
+
+    #[inline]
+    pub fn loss(&self, row: usize) -> &F::Loss {
+        &self.rows[row].1
+    }
+
+    /// The tracks of which nothing can be expected any more: their covariance has left the range of numbers.
+    pub fn lost(&self) -> &[u32] {
+        &self.lost
+    }
+
+    /// From now on nobody else gets this detection.
+    #[inline]
+    pub fn mark_used(&mut self, detection: u32) {
+        self.detections.used[detection as usize] = true;
+    }
+
+    /// Detections that no track uses.
+    pub fn unused(&self) -> u32 {
+        let is_unused = self.detections.used.iter().filter(|is_used| !**is_used);
+        is_unused.count() as u32
+    }
+
+    /// Adds what a track expects and the detections that may be its as a row.
+    #[inline(always)]
+    fn push_row<C: Corrector<F, K, D>, const D: usize>(
+        &mut self,
+        corrector: &C,
+        constants: &LikelihoodConstants,
+        (track, origin): (u32, Option<u32>),
+        (expected, gain): &(Expected<D>, C::Gain),
+    ) {
+        let log_scale = corrector.log_clutter_scale(&expected.measurement);
+        let log_density = constants.log_density - log_scale;
+        let (problem, changes) = (&mut self.problem, &mut self.changes);
+        let found = |detection, innovation, squared_distance| {
+            changes.push(C::change(gain, &innovation));
+            problem.push_edge(Edge {
+                detection,
+                squared_distance,
+                log_likelihood: log_density + expected.gaussian.log_density(squared_distance),
+            });
+        };
+        if self.needs == Needs::Origins {
+            self.detections.of_target(origin, expected, C::ANGLE, found);
+        } else {
+            self.detections
+                .inside(&self.gate, expected, C::ANGLE, found);
+        }
+        if self.needs == Needs::Places {
+            self.problem.push_place(
+                expected.measurement.as_slice(),
+                expected.gaussian.inverse().as_slice(),
+            );
+        }
+        self.problem.end_row(
+            constants.log_missed,
+            constants.log_clutter + log_scale + self.gate.log_volume(&expected.gaussian),
+        );
+        self.rows.push((track, C::loss(gain)));
+    }
+
+    /// Whether the problem, as far as it is written, is small enough, and whether to go on.
+    #[inline]
+    fn check(&self, scan: &Scan, watch: &Watch) -> Result<(), Halt> {
+        bounds::check_scan(self.problem.edges().len(), scan)?;
+        let candidates = self.problem.rows().last().map_or(0, |row| row.count);
+        if watch.stops_after(8 * u64::from(candidates) + 64) {
+            Err(Halt::Stopped)
+        } else {
+            Ok(())
+        }
+    }
+}
+
+struct Reading<'a, F: Filter<K>, const K: usize> {
+    hypotheses: &'a mut Hypotheses<F, K>,
+    detections: &'a [Detection],
+}
+
+impl<F: Filter<K>, const K: usize> WithCorrector<F, K> for Reading<'_, F, K> {
+    type Output = ();
+
+    fn with<C: Corrector<F, K, D>, const D: usize>(self, corrector: &C) {
+        let Hypotheses {
+            needs,
+            detections,
+            problem,
+            ..
+        } = self.hypotheses;
+        let values = self
+            .detections
+            .iter()
+            .filter_map(|detection| corrector.read(&detection.measurement));
+        detections.read(values.map(|values| values.data.0[0]));
+        debug_assert_eq!(
+            detections.len(),
+            self.detections.len(),
+            "only reports that the filter can use are let through"
+        );
+        match needs {
+            Needs::Origins => detections.index_origins(self.detections),
+            _ => detections.arrange::<D>(),
+        }
+        if *needs == Needs::Places {
+            let points = detections.points::<D>().iter();
+            problem.set_measurements(D, C::ANGLE, points.map(|point| &point[..]));
+        }
+    }
+}
+
+struct Writing<'a, F: Filter<K>, O, const K: usize> {
+    hypotheses: &'a mut Hypotheses<F, K>,
+    constants: LikelihoodConstants,
+    look: Look<'a, F, F::Step>,
+    beliefs: &'a mut [F::Belief],
+    members: &'a [u32],
+    origin_of: O,
+    watch: &'a Watch<'a>,
+}
+
+impl<F: Filter<K>, O: Fn(u32) -> Option<u32>, const K: usize> WithCorrector<F, K>
+    for Writing<'_, F, O, K>
+{
+    type Output = Result<(), Halt>;
+
+    /// One pass: a large scene does not fit into the caches.
+    fn with<C: Corrector<F, K, D>, const D: usize>(self, corrector: &C) -> Result<(), Halt> {
+        for &track in self.members {
+            let belief = &mut self.beliefs[track as usize];
+            F::predict(self.look.step, belief);
+            let Some(expected) = corrector.expect(belief) else {
+                self.hypotheses.lost.push(track);
+                continue;
+            };
+            let of_track = (track, (self.origin_of)(track));
+            self.hypotheses
+                .push_row(corrector, &self.constants, of_track, &expected);
+            self.hypotheses.check(self.look.scan, self.watch)?;
+        }
+        Ok(())
+    }
+}
+
+struct Locating<'a, V> {
+    detections: &'a Detections,
+    rate_sigma: f64,
+    found: V,
+}
+
+impl<F: Filter<K>, V: FnMut(usize, GaussianState<K>), const K: usize> WithCorrector<F, K>
+    for Locating<'_, V>
+{
+    type Output = ();
+
+    fn with<C: Corrector<F, K, D>, const D: usize>(mut self, corrector: &C) {
+        for (index, values) in self.detections.points::<D>().iter().enumerate() {
+            if self.detections.used[index] {
+                continue;
+            }
+            if let Some(kinematics) = corrector.locate(&(*values).into(), self.rate_sigma) {
+                (self.found)(index, kinematics);
+            }
+        }
+    }
+}

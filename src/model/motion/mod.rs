@@ -1,0 +1,25 @@
+//! Motion models, one file a model: how a target's state changes over a time without a look at it.
+
+use super::state::GaussianState;
+
+pub mod constant_acceleration;
+pub mod constant_velocity;
+
+/// A motion model of states of `N` variables: the coordinates, then their rates, then what the model adds.
+pub trait Motion<const N: usize>: Copy + Send + 'static {
+    /// What a time does to a state; the same for all states, so a scan works it out once.
+    type Step: Copy + Send;
+
+    /// Over `dt_s` ≥ 0; over 0 nothing changes, and two steps are as one over their sum.
+    fn step(&self, dt_s: f64) -> Self::Step;
+
+    fn predict(step: &Self::Step, belief: &mut GaussianState<N>);
+
+    /// The standard deviation at the start of each variable beyond coordinates and rates, whose mean is 0 then.
+    fn initial_sigma(&self) -> f64 {
+        0.0
+    }
+
+    /// Variance of a rate at the end of `dt_s` around the mean rate of that time, as far as the model's own noise goes.
+    fn rate_variance(&self, dt_s: f64) -> f64;
+}

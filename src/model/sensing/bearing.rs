@@ -1,0 +1,118 @@
+//! Bearings of targets in the plane, from a place that is known: h(x) = atan2(Δx, Δy), clockwise from north.
+//!
+//! # Symbols
+//! Δ from the sensor to the target; r = |Δ|; u, t unit vectors along Δ and clockwise across it.
+//!
+//! # Method
+//! ∂β/∂p = t / r and ∂²β/∂u∂t = −1/r²; of a second derivative F, the mean gains ½ tr(F P) and the variance ½ tr(F P F P).
+
+use super::Sensing;
+use super::polar::View;
+use crate::model::angle::wrap;
+use crate::model::scan::Measurement;
+use crate::model::state::{GaussianState, Position, State};
+use nalgebra::{Matrix1, SMatrix, Vector1};
+
+/// A sensor of bearings, and where it stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bearing {
+    pub place_m: Position,
+    pub sigma_bearing_rad: f64,
+}
+
+impl Sensing<4, 1> for Bearing {
+    const ANGLE: Option<usize> = Some(0);
+
+    fn read(&self, report: &Measurement) -> Option<Vector1<f64>> {
+        match *report {
+            Measurement::Bearing { bearing_rad } => Some(Vector1::new(wrap(bearing_rad))),
+            _ => None,
+        }
+    }
+
+    fn project(&self, mean: &State) -> Vector1<f64> {
+        Vector1::new(View::from(self.place_m, mean).bearing_rad)
+    }
+
+    fn jacobian(&self, belief: &GaussianState) -> SMatrix<f64, 1, 4> {
+        let view = View::from(self.place_m, &belief.mean);
+        let slope = view.across / view.least_range(belief);
+        SMatrix::<f64, 1, 4>::new(slope[0], slope[1], 0.0, 0.0)
+    }
+
+    fn curvature(&self, belief: &GaussianState) -> (Vector1<f64>, Matrix1<f64>) {
+        let view = View::from(self.place_m, &belief.mean);
+        let covariance = belief.covariance.fixed_view::<2, 2>(0, 0);
+        let (along, across) = (view.along, view.across);
+        let cross = along.dot(&(covariance * across));
+        let (of_along, of_across) = (
+            along.dot(&(covariance * along)),
+            across.dot(&(covariance * across)),
+        );
+        let second = -1.0 / view.least_range(belief).powi(2);
+        // tr(F P) = 2 f c and tr(F P F P) = 2 f² (c² + a b), with f the second derivative along u and t.
+        (
+            Vector1::new(second * cross),
+            Matrix1::new(second * second * (cross * cross + of_along * of_across)),
+        )
+    }
+
+    fn noise(&self, _belief: &GaussianState) -> Matrix1<f64> {
+        Matrix1::new(self.sigma_bearing_rad.powi(2))
+    }
+
+    fn locate(&self, _report: &Vector1<f64>, _rate_sigma: f64) -> Option<GaussianState> {
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::polar::Polar;
+    use super::*;
+
+    const BEARING: Bearing = Bearing {
+        place_m: Position::new(10.0, -20.0),
+        sigma_bearing_rad: 0.01,
+    };
+
+    fn belief() -> GaussianState {
+        let root = SMatrix::<f64, 4, 4>::from_fn(|row, column| ((row + 2 * column) % 5) as f64);
+        GaussianState {
+            mean: State::new(310.0, -420.0, 10.0, -5.0),
+            covariance: root * root.transpose() + SMatrix::identity(),
+        }
+    }
+
+    #[test]
+    fn the_jacobian_is_the_slope_of_the_projection() {
+        let matrix = BEARING.jacobian(&belief());
+        for variable in 0..4 {
+            let step = State::ith(variable, 1e-3);
+            let (after, before) = (belief().mean + step, belief().mean - step);
+            let slope = (BEARING.project(&after) - BEARING.project(&before)) / 2e-3;
+            assert!((slope[0] - matrix[variable]).abs() < 1e-10, "{variable}");
+        }
+    }
+
+    #[test]
+    fn it_is_the_second_value_of_a_polar_report() {
+        let polar = Polar {
+            place_m: BEARING.place_m,
+            sigma_range_m: 3.0,
+            sigma_bearing_rad: BEARING.sigma_bearing_rad,
+            range_rate: None,
+        };
+        let (belief, wanted) = (belief(), BEARING.curvature(&belief()));
+        let (shift, spread) = Sensing::<4, 2>::curvature(&polar, &belief);
+        assert!((shift[1] - wanted.0[0]).abs() < 1e-15);
+        assert!((spread[(1, 1)] - wanted.1[0]).abs() < 1e-15);
+        let projected = Sensing::<4, 2>::project(&polar, &belief.mean);
+        assert_eq!(projected[1], BEARING.project(&belief.mean)[0]);
+    }
+
+    #[test]
+    fn a_bearing_alone_is_no_place() {
+        assert_eq!(BEARING.locate(&Vector1::new(1.0), 10.0), None);
+    }
+}

@@ -1,0 +1,158 @@
+//! Sensing models, one file a kind of report: what a sensor reports of a target's kinematics, how well, and where a report alone
+//! would put a target.
+//!
+//! # Symbols
+//! x̂, P mean and covariance of the kinematics: position and velocity in the plane (`K` = 4), or a bearing and its rate (`K` = 2);
+//! z a report as `D` values; h what is reported of a state without noise; H = ∂h/∂x; R noise covariance.
+
+use super::scan::Measurement;
+use super::state::{GaussianState, Position};
+use nalgebra::{SMatrix, SVector};
+
+mod bearing;
+mod converted;
+mod direction;
+mod polar;
+mod position;
+
+pub use bearing::Bearing;
+pub use converted::Converted;
+pub use direction::Direction;
+pub use polar::{Polar, RangeRate};
+pub use position::Positions;
+
+/// One kind of report of targets whose kinematics have `K` variables, as `D` values.
+pub trait Sensing<const K: usize, const D: usize> {
+    /// The value that is an angle, if there is one; it is kept in [−π, π).
+    const ANGLE: Option<usize> = None;
+    /// Whether h picks the first `D` variables of the state; then the others need no H.
+    const IS_DIRECT: bool = false;
+
+    /// A report as z; `None` for a report of another kind.
+    fn read(&self, report: &Measurement) -> Option<SVector<f64, D>>;
+
+    /// h(x).
+    fn project(&self, mean: &SVector<f64, K>) -> SVector<f64, D>;
+
+    /// H around x̂, bounded where h has no slope.
+    fn jacobian(&self, belief: &GaussianState<K>) -> SMatrix<f64, D, K>;
+
+    /// What the curvature of h adds to the mean and the covariance of h(x), to second order.
+    fn curvature(&self, _belief: &GaussianState<K>) -> (SVector<f64, D>, SMatrix<f64, D, D>) {
+        (SVector::zeros(), SMatrix::zeros())
+    }
+
+    /// R of a report of a target in this state.
+    fn noise(&self, belief: &GaussianState<K>) -> SMatrix<f64, D, D>;
+
+    /// ln of how much of the space in which clutter is stated a unit of z covers, around the expected z.
+    fn log_clutter_scale(&self, _expected: &SVector<f64, D>) -> f64 {
+        0.0
+    }
+
+    /// The kinematics that one report alone tells; each rate that it does not tell is 0 ± `rate_sigma`. `None` where the report
+    /// does not say where the target is.
+    fn locate(&self, report: &SVector<f64, D>, rate_sigma: f64) -> Option<GaussianState<K>>;
+}
+
+/// What a sensor measures, and how well: independent Gaussian noise on each value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum MeasurementModel {
+    Position {
+        sigma_x_m: f64,
+        sigma_y_m: f64,
+    },
+    Polar(Polar),
+    /// Ranges and bearings that are turned into positions.
+    Converted(Polar),
+    Bearing(Bearing),
+}
+
+impl MeasurementModel {
+    pub fn range_rate(&self) -> Option<RangeRate> {
+        match self {
+            MeasurementModel::Polar(polar) => polar.range_rate,
+            _ => None,
+        }
+    }
+
+    /// Values of a report.
+    pub fn dimensions(&self) -> usize {
+        match self {
+            MeasurementModel::Position { .. } | MeasurementModel::Converted(_) => 2,
+            MeasurementModel::Polar(polar) => 2 + usize::from(polar.range_rate.is_some()),
+            MeasurementModel::Bearing(_) => 1,
+        }
+    }
+
+    /// Whether its reports are bearings alone.
+    pub fn is_bearing(&self) -> bool {
+        matches!(self, MeasurementModel::Bearing(_))
+    }
+
+    /// Whether one of its reports tells where a target of the plane is.
+    pub fn locates(&self) -> bool {
+        !self.is_bearing()
+    }
+
+    /// The same with its ranges and bearings turned into positions.
+    #[must_use]
+    pub fn converted(self) -> Self {
+        match self {
+            MeasurementModel::Polar(polar) => MeasurementModel::Converted(polar),
+            other => other,
+        }
+    }
+
+    /// Where the sensor stands, if that matters to its reports.
+    pub fn place_m(&self) -> Option<Position> {
+        match self {
+            MeasurementModel::Position { .. } => None,
+            MeasurementModel::Polar(polar) | MeasurementModel::Converted(polar) => {
+                Some(polar.place_m)
+            }
+            MeasurementModel::Bearing(bearing) => Some(bearing.place_m),
+        }
+    }
+}
+
+/// Work that is compiled for each kind of report.
+pub trait WithSensing<const K: usize> {
+    type Output;
+
+    fn with<S: Sensing<K, D>, const D: usize>(self, sensing: &S) -> Self::Output;
+}
+
+/// The kinds of report of targets whose kinematics have `K` variables.
+pub trait Dispatch<const K: usize> {
+    /// Does the work with the sensing model of these reports; `None` where they say nothing of such targets.
+    fn dispatch<W: WithSensing<K>>(&self, work: W) -> Option<W::Output>;
+}
+
+/// Targets in the plane.
+impl Dispatch<4> for MeasurementModel {
+    fn dispatch<W: WithSensing<4>>(&self, work: W) -> Option<W::Output> {
+        Some(match *self {
+            MeasurementModel::Position {
+                sigma_x_m,
+                sigma_y_m,
+            } => work.with::<_, 2>(&Positions::new(sigma_x_m, sigma_y_m)),
+            MeasurementModel::Polar(polar) if polar.range_rate.is_some() => {
+                work.with::<_, 3>(&polar)
+            }
+            MeasurementModel::Polar(polar) => work.with::<_, 2>(&polar),
+            MeasurementModel::Converted(polar) => work.with::<_, 2>(&Converted(polar)),
+            MeasurementModel::Bearing(bearing) => work.with::<_, 1>(&bearing),
+        })
+    }
+}
+
+/// Directions.
+impl Dispatch<2> for MeasurementModel {
+    fn dispatch<W: WithSensing<2>>(&self, work: W) -> Option<W::Output> {
+        match *self {
+            MeasurementModel::Bearing(bearing) => Some(work.with::<_, 1>(&Direction(bearing))),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! Starting tracks with the detections that no track used.
+
+use super::initiation::{Initiation, Pair, PairRule, Point};
+use super::lifecycle::Lifecycle;
+use super::{ActiveTrack, SingleHypothesis};
+use crate::association::Needs;
+use crate::filtering::Filter;
+use crate::hypotheses::LikelihoodConstants;
+use crate::math::gaussian::gate_threshold;
+use crate::model::scan::{Detection, Scan};
+use crate::model::track::Candidate;
+use crate::model::watch::{Halt, Watch};
+use crate::tracking::recorder::{RecordedPoint, Recorder};
+
+impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
+    /// Starts tracks with the detections that no track used, and counts these.
+    pub(super) fn initiate(
+        &mut self,
+        scan: &Scan,
+        detections: &[Detection],
+        recorder: &mut dyn Recorder,
+        watch: &Watch,
+    ) -> Result<u32, Halt> {
+        let unused = self.scratch.hypotheses.unused();
+        let sensor = &self.sensors[scan.sensor];
+        if matches!(self.lifecycle.initiation, Initiation::Truth { .. }) || !sensor.may_start {
+            return Ok(unused);
+        }
+        let (scan_index, speed_sigma_mps) =
+            (self.memory.scans, self.lifecycle.initial_speed_sigma_mps);
+        let (hypotheses, initiator) = (&self.scratch.hypotheses, &mut self.memory.initiator);
+        hypotheses.starts(&self.filter, sensor, speed_sigma_mps, |index, state| {
+            initiator.push(Point {
+                scan_index,
+                time_s: scan.time_s,
+                sensor: scan.sensor,
+                detection: index as u32,
+                origin: detections[index].origin,
+                state,
+            });
+        });
+        match self.pair_rule {
+            Some(rule) => {
+                self.memory.initiator.pair(scan, &rule, watch)?;
+                for index in 0..self.memory.initiator.pairs().len() {
+                    let pair = self.memory.initiator.pairs()[index];
+                    self.start_with_two(pair, recorder);
+                }
+            }
+            None => {
+                for index in 0..self.memory.initiator.fresh().len() {
+                    let point = self.memory.initiator.fresh()[index];
+                    self.start_with_one(&point, recorder);
+                }
+                self.memory.initiator.clear();
+            }
+        }
+        Ok(unused)
+    }
+
+    fn start_with_one(&mut self, point: &Point<K>, recorder: &mut dyn Recorder) {
+        let track = self.start(point, recorder);
+        self.memory.push(track, self.filter.begin(&point.state));
+    }
+
+    /// A new track, with its first point told.
+    fn start(&mut self, point: &Point<K>, recorder: &mut dyn Recorder) -> ActiveTrack {
+        let track = ActiveTrack {
+            serial: self.memory.next_serial(),
+            life: self.lifecycle.start(),
+            origin: point.origin,
+        };
+        self.record_start(&track, point, recorder);
+        track
+    }
+
+    /// Starts the track of a pair, unless its score says at once that it is clutter.
+    fn start_with_two(&mut self, mut pair: Pair<K>, recorder: &mut dyn Recorder) {
+        let (sensor, lifecycle) = (&self.sensors[pair.second.sensor], self.lifecycle);
+        let log_ratio = (sensor.p_d / sensor.clutter_density).ln() - pair.log_reach_volume;
+        let mut life = lifecycle.start();
+        let log_missed = LikelihoodConstants::new(sensor, lifecycle.gate_probability).log_missed;
+        (0..pair.missed).for_each(|_| lifecycle.advance(&mut life, false, log_missed));
+        lifecycle.advance(&mut life, true, log_ratio);
+        if life.is_over() {
+            return;
+        }
+        let wandered = self
+            .filter
+            .rate_variance(pair.second.time_s - pair.first.time_s);
+        for rate in K / 2..K {
+            pair.state.covariance[(rate, rate)] += wandered;
+        }
+        let track = ActiveTrack {
+            life,
+            ..self.start(&pair.first, recorder)
+        };
+        let second = Point {
+            state: pair.state,
+            ..pair.second
+        };
+        self.record_start(&track, &second, recorder);
+        self.memory.push(track, self.filter.begin(&pair.state));
+    }
+
+    /// Tells the recorder of a track that a detection started, alone or as the second of two.
+    fn record_start(&mut self, track: &ActiveTrack, point: &Point<K>, recorder: &mut dyn Recorder) {
+        let kinematics = &mut self.scratch.kinematics;
+        kinematics.clear();
+        point.state.pack_into(kinematics);
+        recorder.point(&RecordedPoint {
+            serial: track.serial,
+            scan_index: point.scan_index,
+            time_s: point.time_s,
+            sensor: point.sensor,
+            status: track.life.status(),
+            kinematics,
+            nis: None,
+            candidates: &[Candidate {
+                detection: Some(point.detection),
+                probability: 1.0,
+            }],
+        });
+    }
+}
+
+/// What makes two points a pair, where tracks begin with two. Kinematics have so many variables.
+pub(super) fn pair_rule(lifecycle: &Lifecycle, needs: Needs, variables: usize) -> Option<PairRule> {
+    let Initiation::TwoPoint {
+        max_speed_mps,
+        max_wait_scans,
+    } = lifecycle.initiation
+    else {
+        return None;
+    };
+    Some(PairRule {
+        max_speed_mps,
+        max_wait_scans,
+        gate_threshold: gate_threshold(lifecycle.gate_probability, (variables / 2) as u32),
+        by_origin: needs == Needs::Origins,
+    })
+}

@@ -1,0 +1,494 @@
+//! The tracker that keeps one hypothesis: after each scan an associator decides which detections continue which track, for good.
+//!
+//! # Method
+//! Predict → gate → associate → update → manage, once a scan, first the confirmed tracks, then the tentative ones with what is
+//! left; unused detections start tracks.
+
+pub mod confirmation;
+mod initiate;
+pub mod initiation;
+pub mod lifecycle;
+mod written;
+
+use super::recorder::{RecordedPoint, Recorder};
+use super::{BuildTracker, GivenTrack, Nis, ScanOutcome, TrackEstimate, Tracker, TrackerParts};
+use crate::association::global_nearest_neighbour::GlobalNearestNeighbour;
+use crate::association::problem::{ScanProblem, Weights};
+use crate::association::{Associator, Needs, Trace};
+use crate::filtering::{Filter, Weighted, WithFilter};
+use crate::hypotheses::{Hypotheses, Look, bounds};
+use crate::model::fault::Fault;
+use crate::model::scan::{Detection, Scan};
+use crate::model::sensor::Sensor;
+use crate::model::state::GaussianState;
+use crate::model::track::Candidate;
+use crate::model::watch::{Halt, Watch};
+use crate::registry::Method;
+use initiate::pair_rule;
+use initiation::{Initiator, PairRule};
+use lifecycle::{LIFECYCLE, Lifecycle, TrackLifecycleState};
+
+const NAME: &str = "single_hypothesis";
+
+pub const METHOD: Method<BuildTracker> = Method {
+    name: NAME,
+    parameters: &LIFECYCLE,
+    build: |mut parts| {
+        let (filter, given) = (parts.filter, std::mem::take(&mut parts.given));
+        filter.with(Building { parts, given })
+    },
+};
+
+/// A detection to which a track gives at least this weight is used: neither do the tentative tracks see it after a
+/// confirmed one used it, nor does it start a track. One that all tracks weigh less explains too little of any of them.
+const USED_WEIGHT: f64 = 0.01;
+
+/// A living track besides its belief.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct ActiveTrack {
+    serial: u32,
+    life: TrackLifecycleState,
+    /// The target that the first detection came from, for an associator that is told where detections came from.
+    origin: Option<u32>,
+}
+
+/// What a tracker knows from scan to scan.
+#[derive(Debug, Clone)]
+struct Memory<B, const K: usize> {
+    tracks: Vec<ActiveTrack>,
+    /// Parallel to the tracks.
+    beliefs: Vec<B>,
+    /// Names of the tracks that were given; theirs are the first serials.
+    given: Vec<String>,
+    /// Tracks ever started; serials are below it.
+    started: u32,
+    last_time_s: Option<f64>,
+    /// Scans taken.
+    scans: u32,
+    initiator: Initiator<K>,
+    nis: Nis,
+}
+
+/// Its filter has kinematics of `K` variables.
+struct SingleHypothesis<F: Filter<K>, const K: usize> {
+    filter: F,
+    associator: Box<dyn Associator>,
+    lifecycle: Lifecycle,
+    sensors: Vec<Sensor>,
+    /// Serves the tentative tracks in place of a soft associator.
+    beginner: GlobalNearestNeighbour,
+    /// Of two-point initiation.
+    pair_rule: Option<PairRule>,
+    memory: Memory<F::Belief, K>,
+    /// The problems of the confirmed tracks, when they are kept, and how many candidates they have.
+    kept: Option<(Vec<ScanProblem>, usize)>,
+    scratch: Scratch<F, K>,
+}
+
+/// What is written anew at each scan; memory is reused.
+struct Scratch<F: Filter<K>, const K: usize> {
+    hypotheses: Hypotheses<F, K>,
+    weights: Weights,
+    /// Indices of the tracks that are confirmed, and of the others.
+    members: [Vec<u32>; 2],
+    weighted: Vec<Weighted<F::Change>>,
+    candidates: Vec<Candidate>,
+    kinematics: Vec<f64>,
+}
+
+/// Makes the tracker of a filter.
+struct Building {
+    parts: TrackerParts,
+    given: Vec<GivenTrack>,
+}
+
+impl WithFilter for Building {
+    type Output = Box<dyn Tracker>;
+
+    fn in_plane<F: Filter<4>>(self, filter: F) -> Box<dyn Tracker> {
+        Box::new(SingleHypothesis::new(filter, self.parts, self.given))
+    }
+
+    fn of_bearings<F: Filter<2>>(self, filter: F) -> Box<dyn Tracker> {
+        Box::new(SingleHypothesis::new(filter, self.parts, self.given))
+    }
+}
+
+impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
+    fn new(filter: F, parts: TrackerParts, given: Vec<GivenTrack>) -> Self {
+        let (lifecycle, needs) = (parts.lifecycle, parts.associator.needs());
+        let mut tracker = SingleHypothesis {
+            filter,
+            pair_rule: pair_rule(&lifecycle, needs, K),
+            associator: parts.associator,
+            lifecycle,
+            sensors: parts.sensors,
+            beginner: GlobalNearestNeighbour::default(),
+            memory: Memory {
+                tracks: Vec::new(),
+                beliefs: Vec::new(),
+                given: Vec::new(),
+                started: 0,
+                last_time_s: None,
+                scans: 0,
+                initiator: Initiator::default(),
+                nis: Nis::default(),
+            },
+            kept: None,
+            scratch: Scratch::new(lifecycle.gate_probability, needs),
+        };
+        given.into_iter().for_each(|given| tracker.add(given));
+        tracker
+    }
+
+    /// A track that is there from the start and never ends.
+    fn add(&mut self, given: GivenTrack) {
+        let kinematics = GaussianState::unpacked(&given.kinematics);
+        debug_assert!(kinematics.is_some(), "given tracks fit the filter");
+        let Some(kinematics) = kinematics else {
+            return;
+        };
+        let track = ActiveTrack {
+            serial: self.memory.next_serial(),
+            life: TrackLifecycleState::permanent(),
+            origin: given.origin,
+        };
+        self.memory.given.push(given.name);
+        self.memory.push(track, self.filter.begin(&kinematics));
+    }
+
+    /// The problem of the confirmed tracks, or of the others and the detections still unused.
+    fn hypothesise(
+        &mut self,
+        part: usize,
+        (scan, step): (&Scan, &F::Step),
+        watch: &Watch,
+    ) -> Result<(), Halt> {
+        let Memory {
+            tracks,
+            beliefs,
+            scans,
+            ..
+        } = &mut self.memory;
+        let look = Look {
+            filter: &self.filter,
+            sensor: &self.sensors[scan.sensor],
+            scan,
+            step,
+        };
+        let hypotheses = &mut self.scratch.hypotheses;
+        let members = &self.scratch.members[part];
+        let origin_of = |track: u32| tracks[track as usize].origin;
+        // Each scan has two problems: of the confirmed tracks, then of the others.
+        let problem_index = 2 * *scans + part as u32;
+        hypotheses.write(look, problem_index, (beliefs, members), origin_of, watch)?;
+        for &track in hypotheses.lost() {
+            tracks[track as usize].life.end();
+        }
+        Ok(())
+    }
+
+    /// Associates and updates the tracks of the problem, confirmed or tentative ones.
+    fn associate(
+        &mut self,
+        is_confirmed: bool,
+        scan: &Scan,
+        recorder: &mut dyn Recorder,
+        watch: &Watch,
+    ) -> Result<(), Halt> {
+        let (hypotheses, weights) = (&mut self.scratch.hypotheses, &mut self.scratch.weights);
+        weights.reset(hypotheses.problem());
+        if let Some((kept, candidates)) = self.kept.as_mut().filter(|_| is_confirmed) {
+            kept.push(hypotheses.problem().clone());
+            *candidates += hypotheses.problem().edges().len();
+            bounds::check_timed(*candidates, scan)?;
+        }
+        // The gate of a track that is still without a speed holds much that is not its own. An average over all of that
+        // would never become a speed, so soft weights begin when the track is confirmed.
+        let associator: &mut dyn Associator = if !is_confirmed && self.associator.is_soft() {
+            &mut self.beginner
+        } else {
+            self.associator.as_mut()
+        };
+        hypotheses
+            .problem_mut()
+            .for_each_cluster_until(watch, |cluster| associator.associate(cluster, weights));
+        bounds::go_on(watch)?;
+        for row in 0..self.scratch.hypotheses.problem().rows().len() {
+            self.update(row, scan, recorder);
+            recorder.check(scan)?;
+            let count = self.scratch.hypotheses.problem().rows()[row].count;
+            if watch.stops_after(8 * u64::from(count) + 64) {
+                return Err(Halt::Stopped);
+            }
+        }
+        Ok(())
+    }
+
+    /// Updates the track of one row by its weights, and tells what was decided.
+    fn update(&mut self, row: usize, scan: &Scan, recorder: &mut dyn Recorder) {
+        let Scratch {
+            hypotheses,
+            weights,
+            weighted,
+            candidates,
+            ..
+        } = &mut self.scratch;
+        let log_ratio = if self.lifecycle.is_scored() {
+            confirmation::log_ratio(hypotheses.problem(), weights, row)
+        } else {
+            0.0
+        };
+        let index = hypotheses.track(row);
+        let edges = hypotheses.problem().rows()[row].edges();
+        hypotheses.weighted(edges.clone(), &weights.edges, weighted);
+        candidates.clear();
+        let (mut detected, mut weighted_nis) = (0.0, 0.0);
+        for edge in edges {
+            let weight = weights.edges[edge];
+            if weight > 0.0 {
+                let edge = &hypotheses.problem().edges()[edge];
+                detected += weight;
+                weighted_nis += weight * edge.squared_distance;
+                candidates.push(Candidate {
+                    detection: Some(edge.detection),
+                    probability: weight,
+                });
+            }
+        }
+        let missed = weights.missed[row];
+        if missed > 0.0 {
+            candidates.push(Candidate {
+                detection: None,
+                probability: missed,
+            });
+        }
+        let (track, belief) = self.memory.track_mut(index);
+        F::update(belief, hypotheses.loss(row), weighted);
+        let was_confirmed = track.life.is_confirmed();
+        // The scan is a hit when it is more probable that the track was detected than that it was not.
+        self.lifecycle
+            .advance(&mut track.life, detected > missed, log_ratio);
+        self.lifecycle
+            .limit(&mut track.life, || F::kinematics(belief).covariance);
+        // One that ends does so before this scan: what nobody carries on is not a track any more, and uses nothing.
+        if !track.life.is_over() {
+            self.mark_used();
+            if was_confirmed && detected > 0.0 {
+                self.memory.nis.add(weighted_nis, detected);
+            }
+            let nis = (detected > 0.0).then(|| weighted_nis / detected);
+            self.record(index, scan, nis, recorder);
+        }
+    }
+
+    fn mark_used(&mut self) {
+        let Scratch {
+            hypotheses,
+            candidates,
+            ..
+        } = &mut self.scratch;
+        for candidate in candidates {
+            if let Some(detection) = candidate.detection
+                && candidate.probability >= USED_WEIGHT
+            {
+                hypotheses.mark_used(detection);
+            }
+        }
+    }
+
+    /// Tells the recorder of a track at this scan, with the candidates at hand.
+    fn record(&mut self, index: usize, scan: &Scan, nis: Option<f64>, recorder: &mut dyn Recorder) {
+        let kinematics = &mut self.scratch.kinematics;
+        kinematics.clear();
+        F::kinematics(&self.memory.beliefs[index]).pack_into(kinematics);
+        let track = &self.memory.tracks[index];
+        recorder.point(&RecordedPoint {
+            serial: track.serial,
+            scan_index: self.memory.scans,
+            time_s: scan.time_s,
+            sensor: scan.sensor,
+            status: track.life.status(),
+            kinematics,
+            nis,
+            candidates: &self.scratch.candidates,
+        });
+    }
+
+    /// Forgets the tracks that are over, and counts those that are confirmed.
+    fn sweep(&mut self, recorder: &mut dyn Recorder) -> u32 {
+        let (mut confirmed, mut kept) = (0, 0);
+        let Memory {
+            tracks, beliefs, ..
+        } = &mut self.memory;
+        for index in 0..tracks.len() {
+            if tracks[index].life.is_over() {
+                recorder.end(tracks[index].serial);
+                continue;
+            }
+            confirmed += u32::from(tracks[index].life.is_confirmed());
+            tracks[kept] = tracks[index];
+            beliefs[kept] = beliefs[index];
+            kept += 1;
+        }
+        tracks.truncate(kept);
+        beliefs.truncate(kept);
+        confirmed
+    }
+
+    fn sort_members(&mut self) {
+        let [confirmed, others] = &mut self.scratch.members;
+        confirmed.clear();
+        others.clear();
+        for (index, track) in self.memory.tracks.iter().enumerate() {
+            if track.life.is_confirmed() {
+                confirmed.push(index as u32);
+            } else {
+                others.push(index as u32);
+            }
+        }
+    }
+}
+
+impl<F: Filter<K>, const K: usize> Scratch<F, K> {
+    fn new(gate_probability: f64, needs: Needs) -> Self {
+        Scratch {
+            hypotheses: Hypotheses::new(gate_probability, needs),
+            weights: Weights::default(),
+            members: Default::default(),
+            weighted: Vec::new(),
+            candidates: Vec::new(),
+            kinematics: Vec::new(),
+        }
+    }
+}
+
+impl<B: Copy, const K: usize> Memory<B, K> {
+    fn next_serial(&mut self) -> u32 {
+        self.started += 1;
+        self.started - 1
+    }
+
+    fn push(&mut self, track: ActiveTrack, belief: B) {
+        self.tracks.push(track);
+        self.beliefs.push(belief);
+    }
+
+    #[inline]
+    fn track_mut(&mut self, index: usize) -> (&mut ActiveTrack, &mut B) {
+        (&mut self.tracks[index], &mut self.beliefs[index])
+    }
+}
+
+impl<F: Filter<K>, const K: usize> Tracker for SingleHypothesis<F, K> {
+    fn step(
+        &mut self,
+        scan: &Scan,
+        detections: &[Detection],
+        recorder: &mut dyn Recorder,
+        watch: &Watch,
+    ) -> Result<ScanOutcome, Halt> {
+        let last_s = self.memory.last_time_s.unwrap_or(scan.time_s);
+        if scan.time_s < last_s {
+            return Err(Halt::Late {
+                time_s: scan.time_s,
+                last_s,
+            });
+        }
+        self.memory.last_time_s = Some(scan.time_s);
+        let step = self.filter.step(scan.time_s - last_s);
+        let started_before = if self.memory.scans == 0 {
+            for (serial, name) in self.memory.given.iter().enumerate() {
+                recorder.given(serial as u32, name);
+            }
+            0
+        } else {
+            self.memory.started
+        };
+        self.scratch
+            .hypotheses
+            .begin_scan(&self.filter, &self.sensors[scan.sensor], detections);
+        self.sort_members();
+        for (part, is_confirmed) in [(0, true), (1, false)] {
+            self.hypothesise(part, (scan, &step), watch)?;
+            self.associate(is_confirmed, scan, recorder, watch)?;
+        }
+        let unused = self.initiate(scan, detections, recorder, watch)?;
+        let confirmed = self.sweep(recorder);
+        self.memory.scans += 1;
+        Ok(ScanOutcome {
+            tracks: self.memory.tracks.len() as u32,
+            confirmed,
+            unused,
+            started: self.memory.started - started_before,
+        })
+    }
+
+    fn tracks(&self) -> Vec<TrackEstimate> {
+        let Memory {
+            tracks, beliefs, ..
+        } = &self.memory;
+        let estimate = |(track, belief): (&ActiveTrack, &F::Belief)| {
+            let mut kinematics = Vec::new();
+            F::kinematics(belief).pack_into(&mut kinematics);
+            TrackEstimate {
+                serial: track.serial,
+                time_s: self.memory.last_time_s.unwrap_or(0.0),
+                status: track.life.status(),
+                kinematics,
+            }
+        };
+        tracks.iter().zip(beliefs).map(estimate).collect()
+    }
+
+    fn fork(&self) -> Box<dyn Tracker> {
+        let needs = self.associator.needs();
+        Box::new(SingleHypothesis {
+            filter: self.filter,
+            associator: self.associator.fork(),
+            lifecycle: self.lifecycle,
+            sensors: self.sensors.clone(),
+            beginner: GlobalNearestNeighbour::default(),
+            pair_rule: self.pair_rule,
+            memory: self.memory.clone(),
+            kept: self.kept.clone(),
+            scratch: Scratch::new(self.lifecycle.gate_probability, needs),
+        })
+    }
+
+    fn write_down(&self) -> Vec<u8> {
+        written::write::<F, K>(&self.memory, self.associator.as_ref())
+    }
+
+    fn read_back(&mut self, written: &[u8]) -> Result<(), Fault> {
+        self.memory = written::read::<F, K>(written, self.associator.as_mut())?;
+        Ok(())
+    }
+
+    fn nis(&self) -> Nis {
+        self.memory.nis
+    }
+
+    fn diagnostics(&self) -> Option<serde_json::Value> {
+        self.associator.diagnostics()
+    }
+
+    fn trace(&self) -> Option<&Trace> {
+        self.associator.trace()
+    }
+
+    fn keep_problems(&mut self) {
+        self.kept = Some((Vec::new(), 0));
+    }
+
+    fn decide_again(&mut self, watch: &Watch) {
+        let (associator, weights) = (&mut self.associator, &mut self.scratch.weights);
+        for problem in self.kept.iter_mut().flat_map(|(problems, _)| problems) {
+            weights.reset(problem);
+            problem.for_each_cluster_until(watch, |cluster| associator.associate(cluster, weights));
+            if watch.is_stopped() {
+                return;
+            }
+        }
+    }
+}
