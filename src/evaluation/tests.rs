@@ -4,8 +4,9 @@ use super::EvaluationInput;
 use super::comparison::{Alignment, Comparison, PointSettings};
 use super::events::EventLog;
 use super::metrics::{METRICS, Metric, MetricReport, Sequence};
+use crate::model::space::Space;
 use crate::model::state::{Position, State};
-use crate::model::track::{Estimate, PlaneEstimate, Track, TrackPoint, TrackSet};
+use crate::model::track::{Kinematics, Track, TrackPoint, TrackSet};
 use crate::model::truth::{Target, TruthPoint, TruthSet};
 use crate::registry;
 
@@ -31,15 +32,11 @@ pub fn truth_of(truths: &[Places]) -> TruthSet {
         truth_id: (*id).to_owned(),
         points: seen(places).map(point).collect(),
     };
-    TruthSet::new(truths.iter().map(target).collect()).unwrap()
+    TruthSet::new(Space::Plane, truths.iter().map(target).collect()).unwrap()
 }
 
-fn place(x_m: f64, y_m: f64) -> Estimate {
-    Estimate::Plane(PlaneEstimate {
-        state: State::new(x_m, y_m, 0.0, 0.0),
-        has_velocity: false,
-        covariance: None,
-    })
+fn place(x_m: f64, y_m: f64) -> Kinematics {
+    Kinematics::of_plane(&State::new(x_m, y_m, 0.0, 0.0), false, None)
 }
 
 pub fn tracks_of(tracks: &[Places]) -> TrackSet {
@@ -214,19 +211,19 @@ pub fn swap_scene(gate_m: f64) -> Comparison {
 }
 
 fn in_the_plane(targets: Vec<Target>, tracks: &[Path], gate_m: f64) -> Comparison {
-    let truth = TruthSet::new(targets).unwrap();
+    let truth = TruthSet::new(Space::Plane, targets).unwrap();
     let mut set = tracks_of(
         &tracks
             .iter()
             .map(|&(id, _, _)| (id, &[][..]))
             .collect::<Vec<_>>(),
     );
-    let like = tracks_of(&[("", &[0.0])]).tracks[0].points[0];
+    let like = tracks_of(&[("", &[0.0])]).tracks[0].points[0].clone();
     for (track, (_, start_s, places)) in set.tracks.iter_mut().zip(tracks) {
         let point = |(step, &(x_m, y_m)): (usize, &(f64, f64))| TrackPoint {
             time_s: start_s + step as f64,
             estimate: place(x_m, y_m),
-            ..like
+            ..like.clone()
         };
         track.points = places.iter().enumerate().map(point).collect();
     }

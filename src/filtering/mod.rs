@@ -4,6 +4,7 @@
 use crate::model::motion::ConstantVelocity;
 use crate::model::scan::Measurement;
 use crate::model::sensor::Sensor;
+use crate::model::space::Space;
 use crate::model::state::GaussianState;
 use crate::registry::{Field, Kind, Method, Object, Union, default, number, variant};
 use mixture::Expected;
@@ -68,9 +69,12 @@ impl AnyFilter {
         !matches!(self, AnyFilter::Kalman(_) | AnyFilter::BearingOnly(_))
     }
 
-    /// Whether it tracks directions instead of places.
-    pub fn is_of_bearings(&self) -> bool {
-        matches!(self, AnyFilter::BearingOnly(_))
+    /// Of the tracks that it makes.
+    pub fn space(&self) -> Space {
+        match self {
+            AnyFilter::BearingOnly(_) => Space::Bearing,
+            _ => Space::Plane,
+        }
     }
 
     pub fn uses_range_rates(&self) -> bool {

@@ -13,6 +13,7 @@ pub mod scan;
 pub mod scan_numbers;
 pub mod scenario;
 pub mod sensor;
+pub mod space;
 pub mod state;
 pub mod track;
 pub mod truth;

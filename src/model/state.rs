@@ -18,68 +18,47 @@ pub struct GaussianState<const N: usize = 4> {
     pub covariance: SMatrix<f64, N, N>,
 }
 
-/// A [`GaussianState`] of up to four variables: its mean, then the upper triangle of its covariance row by row. A history
-/// is long, and the rest of a covariance says nothing new.
-pub type PackedState = [f64; 14];
-
 impl<const N: usize> GaussianState<N> {
+    /// Appends the mean, then the upper triangle of the covariance: [`packed_len`] numbers.
     #[inline]
-    pub fn pack(&self) -> PackedState {
-        const { assert!(N <= 4, "a packed state has room for four variables") };
-        let mut packed = [0.0; 14];
-        packed[..N].copy_from_slice(self.mean.as_slice());
-        for (place, (row, column)) in upper_triangle_places(N).enumerate() {
-            packed[N + place] = self.covariance[(row, column)];
-        }
-        packed
+    pub fn pack_into(&self, packed: &mut Vec<f64>) {
+        packed.extend_from_slice(self.mean.as_slice());
+        push_upper_triangle(&self.covariance, packed);
     }
+}
 
-    pub fn unpack(packed: &PackedState) -> Self {
-        let mut covariance = SMatrix::zeros();
-        for (place, (row, column)) in upper_triangle_places(N).enumerate() {
-            covariance[(row, column)] = packed[N + place];
-            covariance[(column, row)] = packed[N + place];
-        }
-        GaussianState {
-            mean: SVector::from_column_slice(&packed[..N]),
-            covariance,
+/// How many numbers a state of so many variables is packed into.
+pub const fn packed_len(variables: usize) -> usize {
+    variables + variables * (variables + 1) / 2
+}
+
+#[inline]
+fn push_upper_triangle<const N: usize>(matrix: &SMatrix<f64, N, N>, elements: &mut Vec<f64>) {
+    for row in 0..N {
+        for column in row..N {
+            elements.push(matrix[(row, column)]);
         }
     }
 }
 
-/// Row and column of each element of the upper triangle of an `order` × `order` matrix, row by row.
-fn upper_triangle_places(order: usize) -> impl Iterator<Item = (usize, usize)> {
-    (0..order).flat_map(move |row| (row..order).map(move |column| (row, column)))
+/// The upper triangle of a symmetric matrix, row by row: a history is long, and the rest says nothing new.
+pub fn upper_triangle<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Box<[f64]> {
+    let mut elements = Vec::with_capacity(packed_len(N) - N);
+    push_upper_triangle(matrix, &mut elements);
+    elements.into()
 }
 
-/// Row and column of each element of the upper triangle, in the order of the CSV columns
-/// `p_xx, p_xy, p_xvx, p_xvy, p_yy, p_yvx, p_yvy, p_vxvx, p_vxvy, p_vyvy`.
-pub const UPPER_TRIANGLE: [(usize, usize); 10] = [
-    (0, 0),
-    (0, 1),
-    (0, 2),
-    (0, 3),
-    (1, 1),
-    (1, 2),
-    (1, 3),
-    (2, 2),
-    (2, 3),
-    (3, 3),
-];
-
-/// The ten elements of the upper triangle of a symmetric covariance.
-pub fn upper_triangle(covariance: &Covariance) -> [f64; 10] {
-    UPPER_TRIANGLE.map(|(row, column)| covariance[(row, column)])
-}
-
-/// The symmetric covariance with this upper triangle.
-pub fn from_upper_triangle(elements: &[f64; 10]) -> Covariance {
-    let mut covariance = Covariance::zeros();
-    for (&(row, column), &element) in UPPER_TRIANGLE.iter().zip(elements) {
-        covariance[(row, column)] = element;
-        covariance[(column, row)] = element;
+/// The symmetric matrix with this upper triangle of N(N + 1)/2 elements.
+pub fn from_upper_triangle<const N: usize>(elements: &[f64]) -> SMatrix<f64, N, N> {
+    let mut matrix = SMatrix::zeros();
+    let mut rest = elements.iter();
+    for row in 0..N {
+        for (column, &element) in (row..N).zip(rest.by_ref()) {
+            matrix[(row, column)] = element;
+            matrix[(column, row)] = element;
+        }
     }
-    covariance
+    matrix
 }
 
 #[cfg(test)]
@@ -87,27 +66,28 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_state_of_any_size_comes_back_from_its_packed_form() {
+    fn a_state_of_any_size_is_packed_into_its_mean_and_upper_triangle() {
         let bearing = GaussianState {
             mean: SVector::<f64, 2>::new(1.0, 2.0),
             covariance: SMatrix::<f64, 2, 2>::new(3.0, 4.0, 4.0, 5.0),
         };
-        assert_eq!(bearing.pack()[..6], [1.0, 2.0, 3.0, 4.0, 5.0, 0.0]);
-        assert_eq!(GaussianState::unpack(&bearing.pack()), bearing);
-        let elements = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0];
-        let plane = GaussianState {
-            mean: State::new(-1.0, -2.0, -3.0, -4.0),
-            covariance: from_upper_triangle(&elements),
+        let mut packed = vec![0.0];
+        bearing.pack_into(&mut packed);
+        assert_eq!(packed, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+        let volume = GaussianState::<6> {
+            mean: SVector::zeros(),
+            covariance: SMatrix::identity(),
         };
-        assert_eq!(plane.pack()[4..], elements);
-        assert_eq!(GaussianState::unpack(&plane.pack()), plane);
+        volume.pack_into(&mut packed);
+        assert_eq!(packed.len(), 1 + packed_len(2) + packed_len(6));
     }
 
     #[test]
     fn a_covariance_comes_back_from_its_upper_triangle() {
         let elements = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0];
-        let covariance = from_upper_triangle(&elements);
+        let covariance: Covariance = from_upper_triangle(&elements);
         assert_eq!(covariance, covariance.transpose());
-        assert_eq!(upper_triangle(&covariance), elements);
+        assert_eq!(covariance[(1, 3)], 7.0);
+        assert_eq!(*upper_triangle(&covariance), elements);
     }
 }

@@ -2,8 +2,9 @@
 
 use super::fault::Fault;
 use super::scan::check_known;
-use super::state::{Covariance, GaussianState, Position, State};
-use nalgebra::Matrix2;
+use super::space::{Frame, Place, Space};
+use super::state::{Covariance, Position, State, from_upper_triangle, upper_triangle};
+use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
 
 /// The state of a track's life at one scan.
@@ -38,90 +39,72 @@ pub struct Candidate {
     pub probability: f64,
 }
 
-/// What a track says of its target at one scan. All points of a set say the same kind of thing.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Estimate {
-    Plane(PlaneEstimate),
-    /// Of a tracker that knows directions only.
-    Bearing(BearingEstimate),
+/// What a track says of its target at one scan. All points of a set are of its space.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Kinematics {
+    pub position: Place,
+    pub velocity: Option<Place>,
+    /// Upper triangle, row by row, of the covariance of the coordinates, then their rates, on the axes of the space: 3, 10 or
+    /// 21 numbers. It lies apart, so that a point is the same in every space, and small without one.
+    pub covariance: Option<Box<[f64]>>,
 }
 
-/// A place in the plane.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PlaneEstimate {
-    /// `[x_m, y_m, vx_mps, vy_mps]`; velocities are 0 where `has_velocity` is false.
-    pub state: State,
-    pub has_velocity: bool,
-    pub covariance: Option<Covariance>,
-}
-
-/// A direction, clockwise from north.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BearingEstimate {
-    pub bearing_rad: f64,
-    pub rate_radps: Option<f64>,
-    /// Of the bearing and its rate (rad², rad²/s, rad²/s²).
-    pub covariance: Option<Matrix2<f64>>,
-}
-
-impl Estimate {
-    /// The place, if it says one.
-    pub fn plane(&self) -> Option<&PlaneEstimate> {
-        match self {
-            Estimate::Plane(plane) => Some(plane),
-            Estimate::Bearing(_) => None,
+impl Kinematics {
+    /// In the plane.
+    pub fn of_plane(state: &State, has_velocity: bool, covariance: Option<&Covariance>) -> Self {
+        Kinematics {
+            position: Place::new(state[0], state[1], 0.0),
+            velocity: has_velocity.then(|| Place::new(state[2], state[3], 0.0)),
+            covariance: covariance.map(upper_triangle),
         }
     }
 
-    /// The direction, if it says no more than that.
-    pub fn bearing(&self) -> Option<&BearingEstimate> {
-        match self {
-            Estimate::Bearing(bearing) => Some(bearing),
-            Estimate::Plane(_) => None,
+    /// Of the mean and covariance that [`GaussianState::pack_into`](super::state::GaussianState::pack_into) makes of a state of this space.
+    pub fn unpack(space: Space, packed: &[f64]) -> Self {
+        let axes = space.axes();
+        let (position, rest) = packed.split_at(axes);
+        let (velocity, covariance) = rest.split_at(axes);
+        Kinematics {
+            position: space.normal(place(position)),
+            velocity: Some(place(velocity)),
+            covariance: Some(covariance.into()),
         }
     }
-}
 
-impl PlaneEstimate {
+    /// In the plane.
     pub fn position_m(&self) -> Position {
-        self.state.fixed_rows::<2>(0).into_owned()
+        self.position.xy()
     }
 
-    pub fn velocity_mps(&self) -> Option<Position> {
-        self.has_velocity
-            .then(|| self.state.fixed_rows::<2>(2).into_owned())
+    /// In the plane: the velocity is 0 where there is none.
+    pub fn state(&self) -> State {
+        let (position_m, velocity_mps) = (self.position, self.velocity.unwrap_or_default());
+        State::new(position_m.x, position_m.y, velocity_mps.x, velocity_mps.y)
+    }
+
+    /// The covariance of N variables; `None` of what has others.
+    pub fn covariance<const N: usize>(&self) -> Option<SMatrix<f64, N, N>> {
+        let elements = self.covariance.as_deref()?;
+        (elements.len() == N * (N + 1) / 2).then(|| from_upper_triangle(elements))
     }
 }
 
-impl From<GaussianState<4>> for Estimate {
-    fn from(state: GaussianState<4>) -> Self {
-        Estimate::Plane(PlaneEstimate {
-            state: state.mean,
-            has_velocity: true,
-            covariance: Some(state.covariance),
-        })
+fn place(coordinates: &[f64]) -> Place {
+    let mut place = Place::zeros();
+    for (axis, coordinate) in coordinates.iter().enumerate() {
+        place[axis] = *coordinate;
     }
-}
-
-impl From<GaussianState<2>> for Estimate {
-    fn from(state: GaussianState<2>) -> Self {
-        let bearing_rad = state.mean[0].rem_euclid(std::f64::consts::TAU);
-        Estimate::Bearing(BearingEstimate {
-            bearing_rad,
-            rate_radps: Some(state.mean[1]),
-            covariance: Some(state.covariance),
-        })
-    }
+    place
 }
 
 /// A track at one scan. Its candidates are `first_candidate .. first_candidate + candidates` of
 /// [`TrackSet::candidates`]; none at all means that the file said nothing about detections.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct TrackPoint {
     pub time_s: f64,
     /// Index into [`TrackSet::sensor_ids`]; `None` where the file does not say.
     pub sensor: Option<u32>,
-    pub estimate: Estimate,
+    pub estimate: Kinematics,
     pub status: Option<TrackStatus>,
     /// Normalised innovation squared of the update at this scan, the mean over its detections by their weights; `None` where
     /// there was no detection, or one that started the track.
@@ -140,6 +123,8 @@ pub struct Track {
 /// The tracks of one tracker, or of one file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TrackSet {
+    pub space: Space,
+    pub frame: Option<Frame>,
     pub tracks: Vec<Track>,
     pub candidates: Vec<Candidate>,
     /// Names of the detections that candidates refer to.
@@ -148,14 +133,6 @@ pub struct TrackSet {
 }
 
 impl TrackSet {
-    /// Whether its points are directions instead of places.
-    pub fn is_of_bearings(&self) -> bool {
-        self.tracks
-            .iter()
-            .find_map(|track| track.points.first())
-            .is_some_and(|point| point.estimate.bearing().is_some())
-    }
-
     /// Only the points of the named sensors; tracks without any are left out. Candidates keep their places.
     ///
     /// # Errors
@@ -180,6 +157,7 @@ impl TrackSet {
             });
         }
         self.tracks.retain(|track| !track.points.is_empty());
+        self.space = self.space.of_points(!self.tracks.is_empty());
         self.sensor_ids = kept.into_iter().cloned().collect();
         Ok(self)
     }

@@ -1,8 +1,9 @@
 //! What a tracker did: one entry a track and scan, in scan order, turned into tracks at the end.
 
 use crate::model::scan::Recording;
-use crate::model::state::PackedState;
-use crate::model::track::{Candidate, Estimate, Track, TrackPoint, TrackSet, TrackStatus};
+use crate::model::space::Space;
+use crate::model::state::{GaussianState, packed_len};
+use crate::model::track::{Candidate, Kinematics, Track, TrackPoint, TrackSet, TrackStatus};
 
 /// A track at one scan.
 #[derive(Debug, Clone, Copy)]
@@ -14,7 +15,6 @@ pub(super) struct Entry {
     pub status: TrackStatus,
     /// How many of the history's candidates are its; they follow those of the entry before.
     pub candidates: u32,
-    pub state: PackedState,
     /// NaN where there is none.
     pub nis: f64,
 }
@@ -23,13 +23,20 @@ pub(super) struct Entry {
 const LARGEST_PIECE: usize = 1 << 15;
 const SMALLEST_PIECE: usize = 1 << 8;
 
+/// Entries, and the packed state of each one after the other.
+#[derive(Debug)]
+struct Piece {
+    entries: Vec<Entry>,
+    states: Vec<f64>,
+}
+
 /// Everything a tracker remembers.
 #[derive(Debug)]
 pub struct History {
-    /// What a kept state says; it knows of how many variables.
-    unpack: fn(&PackedState) -> Estimate,
+    /// Of each state.
+    variables: usize,
     /// In pieces that are never moved: what a scene of many targets remembers is too long to be copied as it grows.
-    pieces: Vec<Vec<Entry>>,
+    pieces: Vec<Piece>,
     pub(super) candidates: Vec<Candidate>,
     /// Candidates beyond the first of each entry.
     pub(super) surplus: usize,
@@ -42,9 +49,9 @@ pub struct History {
 }
 
 impl History {
-    pub(super) fn new(unpack: fn(&PackedState) -> Estimate) -> Self {
+    pub(super) fn new(variables: usize) -> Self {
         History {
-            unpack,
+            variables,
             pieces: Vec::new(),
             candidates: Vec::new(),
             surplus: 0,
@@ -54,25 +61,28 @@ impl History {
         }
     }
 
-    pub(super) fn push(&mut self, entry: Entry) {
+    pub(super) fn push<const N: usize>(&mut self, entry: Entry, state: &GaussianState<N>) {
+        debug_assert_eq!(N, self.variables);
         self.surplus += entry.candidates.saturating_sub(1) as usize;
-        match self
-            .pieces
-            .last_mut()
-            .filter(|piece| piece.len() < piece.capacity())
-        {
-            Some(piece) => piece.push(entry),
-            None => self.start_piece(entry),
+        let has_room = |piece: &Piece| piece.entries.len() < piece.entries.capacity();
+        if !self.pieces.last().is_some_and(has_room) {
+            self.start_piece();
+        }
+        if let Some(piece) = self.pieces.last_mut() {
+            piece.entries.push(entry);
+            state.pack_into(&mut piece.states);
         }
     }
 
     /// Each piece is as long as all before it together, up to a limit.
     #[cold]
-    fn start_piece(&mut self, entry: Entry) {
-        let length: usize = self.pieces.iter().map(Vec::len).sum();
-        let mut piece = Vec::with_capacity(length.clamp(SMALLEST_PIECE, LARGEST_PIECE));
-        piece.push(entry);
-        self.pieces.push(piece);
+    fn start_piece(&mut self) {
+        let before: usize = self.pieces.iter().map(|piece| piece.entries.len()).sum();
+        let length = before.clamp(SMALLEST_PIECE, LARGEST_PIECE);
+        self.pieces.push(Piece {
+            entries: Vec::with_capacity(length),
+            states: Vec::with_capacity(length * packed_len(self.variables)),
+        });
     }
 
     /// The tracks that were ever confirmed, from their first detection on, named 1, 2, … in order of initiation; those that
@@ -80,10 +90,9 @@ impl History {
     pub fn into_tracks(mut self, recording: &Recording) -> TrackSet {
         self.confirmed.sort_unstable();
         let mut lengths = vec![0; self.started as usize];
-        self.pieces
-            .iter()
-            .flatten()
-            .for_each(|entry| lengths[entry.serial as usize] += 1);
+        for entry in self.pieces.iter().flat_map(|piece| &piece.entries) {
+            lengths[entry.serial as usize] += 1;
+        }
         let mut number_of = vec![u32::MAX; self.started as usize];
         let mut tracks: Vec<Track> = Vec::with_capacity(self.confirmed.len());
         for (index, &serial) in self.confirmed.iter().enumerate() {
@@ -100,18 +109,22 @@ impl History {
         }
         let mut first_candidate = 0;
         // Each piece goes when it is read: the history of a large scene and its tracks need not be there together.
-        for entry in self.pieces.into_iter().flatten() {
-            if let Some(track) = tracks.get_mut(number_of[entry.serial as usize] as usize) {
-                track.points.push(point(
-                    &entry,
-                    first_candidate,
-                    (self.unpack)(&entry.state),
-                    recording,
-                ));
+        let space = Space::of_state(self.variables);
+        for Piece { entries, states } in self.pieces {
+            let states = states.chunks_exact(packed_len(self.variables));
+            for (entry, state) in entries.iter().zip(states) {
+                if let Some(track) = tracks.get_mut(number_of[entry.serial as usize] as usize) {
+                    let estimate = Kinematics::unpack(space, state);
+                    track
+                        .points
+                        .push(point(entry, first_candidate, estimate, recording));
+                }
+                first_candidate += entry.candidates as usize;
             }
-            first_candidate += entry.candidates as usize;
         }
         TrackSet {
+            space: space.of_points(!tracks.is_empty()),
+            frame: recording.frame,
             tracks,
             candidates: self.candidates,
             detection_ids: recording.detection_ids.clone(),
@@ -127,7 +140,7 @@ impl History {
 fn point(
     entry: &Entry,
     first_candidate: usize,
-    estimate: Estimate,
+    estimate: Kinematics,
     recording: &Recording,
 ) -> TrackPoint {
     let scan = &recording.scans[entry.scan as usize];

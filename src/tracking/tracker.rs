@@ -20,7 +20,7 @@ use crate::gating::ellipsoidal::EllipsoidalGate;
 use crate::model::scan::{Detection, Scan};
 use crate::model::sensor::Sensor;
 use crate::model::state::GaussianState;
-use crate::model::track::{Candidate, Estimate};
+use crate::model::track::Candidate;
 use crate::model::watch::{Halt, Watch};
 use initiate::pair_rule;
 use nalgebra::SVector;
@@ -74,10 +74,7 @@ pub struct Tracker<F, const N: usize, const D: usize> {
     innovations: Vec<WeightedInnovation<D>>,
 }
 
-impl<F: Filter<N, D>, const N: usize, const D: usize> Tracker<F, N, D>
-where
-    Estimate: From<GaussianState<N>>,
-{
+impl<F: Filter<N, D>, const N: usize, const D: usize> Tracker<F, N, D> {
     pub fn new(parts: TrackerParts<F>) -> Self {
         let gate = EllipsoidalGate::new(parts.lifecycle.gate_probability);
         let pair_rule = pair_rule::<F, N, D>(&parts);
@@ -90,7 +87,7 @@ where
             tracks: Vec::new(),
             last_time_s: None,
             scans: 0,
-            history: History::new(|packed| GaussianState::<N>::unpack(packed).into()),
+            history: History::new(N),
             nis: Nis::default(),
             view: ScanView::default(),
             problem: ScanProblem::default(),
@@ -437,13 +434,13 @@ impl History {
         if track.life.is_confirmed() && !was_confirmed {
             self.confirmed.push(track.serial);
         }
-        self.push(Entry {
+        let entry = Entry {
             serial: track.serial,
             scan,
             status: track.life.status(),
             candidates: (self.candidates.len() - first_candidate) as u32,
-            state: track.state.pack(),
             nis: nis.unwrap_or(f64::NAN),
-        });
+        };
+        self.push(entry, &track.state);
     }
 }

@@ -147,10 +147,9 @@ impl<'a> Walk<'_, 'a> {
         filter: &F,
         (track, before, point): (&'a Track, &TrackPoint, &TrackPoint),
     ) -> Option<Gate<'a>> {
-        let known = before.estimate.plane()?;
         let mut state = GaussianState {
-            mean: known.state,
-            covariance: known.covariance?,
+            mean: before.estimate.state(),
+            covariance: before.estimate.covariance()?,
         };
         Transition::new(filter.motion(), point.time_s - before.time_s).predict(&mut state);
         let sensor_id = self.set.sensor_ids[point.sensor? as usize].as_str();

@@ -18,8 +18,7 @@ use crate::model::fault::Fault;
 use crate::model::scan::Recording;
 use crate::model::scenario::Scenario;
 use crate::model::sensor::{Sensor, SensorSettings};
-use crate::model::state::GaussianState;
-use crate::model::track::{Estimate, TrackSet};
+use crate::model::track::TrackSet;
 use crate::model::watch::Watch;
 use crate::tracking::{Lifecycle, ScanOutcome, Tracker, TrackerParts};
 use serde_json::Value;
@@ -205,10 +204,7 @@ impl TrackerRun<'_> {
         self,
         filter: F,
         observer: &mut dyn Observer,
-    ) -> Result<Tracked, RunError>
-    where
-        Estimate: From<GaussianState<N>>,
-    {
+    ) -> Result<Tracked, RunError> {
         let (recording, method, is_timed) = (self.recording, self.method, self.is_timed);
         let mut tracker = self.start(filter)?;
         if is_timed {
@@ -242,10 +238,7 @@ impl TrackerRun<'_> {
     fn start<F: Filter<N, D>, const N: usize, const D: usize>(
         self,
         filter: F,
-    ) -> Result<Tracker<F, N, D>, RunError>
-    where
-        Estimate: From<GaussianState<N>>,
-    {
+    ) -> Result<Tracker<F, N, D>, RunError> {
         let first_sensor = self.recording.scans.first().map_or(0, |scan| scan.sensor);
         let states: Vec<_> = self
             .starts
@@ -270,10 +263,7 @@ fn step_all<F: Filter<N, D>, const N: usize, const D: usize>(
     tracker: &mut Tracker<F, N, D>,
     recording: &Recording,
     observer: &mut dyn Observer,
-) -> Result<Vec<ScanOutcome>, RunError>
-where
-    Estimate: From<GaussianState<N>>,
-{
+) -> Result<Vec<ScanOutcome>, RunError> {
     let mut scans = Vec::with_capacity(recording.scans.len());
     let total = recording.scans.len() as u64;
     let asked = RefCell::new((observer, 1));
@@ -298,10 +288,7 @@ fn time_association<F: Filter<N, D>, const N: usize, const D: usize>(
     tracker: &mut Tracker<F, N, D>,
     scans: usize,
     observer: &mut dyn Observer,
-) -> Option<AssociationTime>
-where
-    Estimate: From<GaussianState<N>>,
-{
+) -> Option<AssociationTime> {
     let begun = observer.now()?;
     let scans = scans as u64;
     let asked = RefCell::new(&mut *observer);

@@ -1,13 +1,14 @@
 //! The sensors of a recording, completed: what the request says, else what came with the data, else what can soundly
 //! be estimated from the data, said in a warning; what cannot be estimated is a fault.
 
-use super::extent::{Extent, detections_of, place_of};
+use super::extent::{Extent, detections_of, place_of, space_of};
 use crate::experiment::job::refuse_any;
 use crate::experiment::request::methods::NamedFilter;
 use crate::filtering::AnyFilter;
 use crate::model::fault::Fault;
 use crate::model::scan::{Detection, Measurement, Recording};
 use crate::model::sensor::{MeasurementModel, Polar, RangeRate, Sensor, SensorSettings};
+use crate::model::space::Space;
 use crate::model::state::Position;
 
 /// Assumed when nobody says how often a target is detected.
@@ -115,7 +116,7 @@ pub fn resolve(
         };
         sensors.push(complete(recording, index, settings, report, warnings));
     }
-    if filter.filter.is_of_bearings() {
+    if !filter.filter.space().has_places() {
         faults.extend(two_places(known));
     }
     if faults.is_empty() {
@@ -131,10 +132,7 @@ pub fn misplaced_densities(requested: &[SensorSettings], sensors: &[Sensor]) -> 
         let sensor = sensors
             .iter()
             .find(|sensor| sensor.sensor_id == settings.sensor_id)?;
-        let (given, wanted) = misplaced_density(
-            settings,
-            matches!(sensor.report, MeasurementModel::Bearing { .. }),
-        )?;
+        let (given, wanted) = misplaced_density(settings, space_of(&sensor.report))?;
         let detail = format!(
             "the clutter of sensor '{}' is stated in '{given}'; what is used of its reports needs '{wanted}'",
             sensor.sensor_id
@@ -149,11 +147,13 @@ pub fn misplaced_densities(requested: &[SensorSettings], sensors: &[Sensor]) -> 
 /// The density that is given and the one that is wanted instead. A sensor that has both is described for either use.
 fn misplaced_density(
     settings: &SensorSettings,
-    is_of_bearings: bool,
+    space: Space,
 ) -> Option<(&'static str, &'static str)> {
-    match (settings.clutter_per_m2, settings.clutter_per_deg) {
-        (Some(_), None) if is_of_bearings => Some(("clutter_per_m2", "clutter_per_deg")),
-        (None, Some(_)) if !is_of_bearings => Some(("clutter_per_deg", "clutter_per_m2")),
+    match (settings.clutter_per_m2, settings.clutter_per_deg, space) {
+        (Some(_), None, Space::Bearing) => Some(("clutter_per_m2", "clutter_per_deg")),
+        (None, Some(_), Space::Plane | Space::Volume) => {
+            Some(("clutter_per_deg", "clutter_per_m2"))
+        }
         _ => None,
     }
 }
@@ -216,8 +216,8 @@ fn usable_kind(
         None
     };
     match (positions, ranges, bearings) {
-        (true, ..) if filter.is_of_bearings() => refuse("positions"),
-        _ if filter.is_of_bearings() => Some(Kind::Bearing),
+        (true, ..) if !filter.space().has_places() => refuse("positions"),
+        _ if !filter.space().has_places() => Some(Kind::Bearing),
         (_, _, true) => refuse("bearings without ranges"),
         (true, true, _) => refuse("positions in some detections and ranges in others"),
         (false, true, _) if !filter.uses_ranges() => refuse("ranges and bearings"),
@@ -325,7 +325,7 @@ fn complete(
     let extent = Extent::measure(recording, index, settings, &report);
     let density = extent.density_of(settings).unwrap_or_else(|| {
         let density = estimated_clutter(recording, index, &extent);
-        let unknown = misplaced_density(settings, extent.is_of_bearings).map_or(
+        let unknown = misplaced_density(settings, extent.space).map_or(
             "the clutter density is not known".to_owned(),
             |(given, wanted)| format!("'{given}' is not used, '{wanted}' is not known"),
         );

@@ -5,16 +5,12 @@ use crate::association::Needs;
 use crate::filtering::Filter;
 use crate::math::gaussian::gate_threshold;
 use crate::model::scan::{Detection, Scan};
-use crate::model::state::GaussianState;
-use crate::model::track::{Candidate, Estimate};
+use crate::model::track::Candidate;
 use crate::model::watch::{Halt, Watch};
 use crate::tracking::initiation::{Initiation, Pair, PairRule, Point};
 use crate::tracking::likelihood_constants::LikelihoodConstants;
 
-impl<F: Filter<N, D>, const N: usize, const D: usize> Tracker<F, N, D>
-where
-    Estimate: From<GaussianState<N>>,
-{
+impl<F: Filter<N, D>, const N: usize, const D: usize> Tracker<F, N, D> {
     /// Starts tracks with the detections that no track used, and counts these.
     pub(super) fn initiate(
         &mut self,
