@@ -62,15 +62,19 @@ pub fn tracks_of(tracks: &[Places]) -> TrackSet {
 /// Compares within a gate; pairs are listed up to twice the gate.
 pub fn compare(truths: &[Places], tracks: &[Places], gate_m: f64) -> Comparison {
     let (truth, tracks) = (truth_of(truths), tracks_of(tracks));
+    compare_sets(&truth, &tracks, gate_m)
+}
+
+fn compare_sets(truth: &TruthSet, tracks: &TrackSet, gate_m: f64) -> Comparison {
     let input = EvaluationInput {
         recording: None,
-        truth: Some(&truth),
-        tracks: &tracks,
+        truth: Some(truth),
+        tracks,
     };
     let alignment = Alignment::Interpolate { max_gap_s: 0.0 };
     Comparison::of_points(
         &input,
-        &truth,
+        truth,
         &PointSettings {
             alignment,
             gate_m,
@@ -227,20 +231,21 @@ fn in_the_plane(targets: Vec<Target>, tracks: &[Path], gate_m: f64) -> Compariso
         };
         track.points = places.iter().enumerate().map(point).collect();
     }
-    let input = EvaluationInput {
-        recording: None,
-        truth: Some(&truth),
-        tracks: &set,
-    };
-    let alignment = Alignment::Interpolate { max_gap_s: 0.0 };
-    Comparison::of_points(
-        &input,
-        &truth,
-        &PointSettings {
-            alignment,
-            gate_m,
-            reach_m: 2.0 * gate_m,
-            time_tolerance_s: None,
-        },
-    )
+    compare_sets(&truth, &set, gate_m)
+}
+
+#[test]
+fn places_in_a_volume_are_apart_by_all_axes() {
+    let truth = truth_of(&[("A", &[0.0, 3.0])]);
+    let truth = TruthSet::new(Space::Volume, truth.targets().to_vec()).unwrap();
+    let mut tracks = tracks_of(&[("T", &[30.0, 33.0])]);
+    tracks.space = Space::Volume;
+    for point in &mut tracks.tracks[0].points {
+        point.estimate.position.z = 40.0;
+    }
+    let comparison = compare_sets(&truth, &tracks, 60.0);
+    let distances: Vec<f64> = comparison.pairs.iter().map(|pair| pair.distance).collect();
+    assert_eq!(distances, [50.0, 50.0]);
+    let in_plane = tracks_of(&[("T", &[30.0, 33.0])]);
+    assert!(compare_sets(&truth, &in_plane, 60.0).pairs.is_empty());
 }

@@ -41,11 +41,43 @@ fn push_upper_triangle<const N: usize>(matrix: &SMatrix<f64, N, N>, elements: &m
     }
 }
 
-/// The upper triangle of a symmetric matrix, row by row: a history is long, and the rest says nothing new.
-pub fn upper_triangle<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Box<[f64]> {
+/// The upper triangle of a covariance, row by row: tracks are long, and the rest says nothing new. Small ones lie in place,
+/// for memory asked for by each point of a track costs more than it holds.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Packed {
+    Three([f64; 3]),
+    Ten([f64; 10]),
+    Many(Box<[f64]>),
+}
+
+impl From<&[f64]> for Packed {
+    fn from(elements: &[f64]) -> Self {
+        if let Ok(three) = elements.try_into() {
+            Packed::Three(three)
+        } else if let Ok(ten) = elements.try_into() {
+            Packed::Ten(ten)
+        } else {
+            Packed::Many(elements.into())
+        }
+    }
+}
+
+impl std::ops::Deref for Packed {
+    type Target = [f64];
+    fn deref(&self) -> &[f64] {
+        match self {
+            Packed::Three(elements) => elements,
+            Packed::Ten(elements) => elements,
+            Packed::Many(elements) => elements,
+        }
+    }
+}
+
+/// The upper triangle of a symmetric matrix.
+pub fn upper_triangle<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Packed {
     let mut elements = Vec::with_capacity(packed_len(N) - N);
     push_upper_triangle(matrix, &mut elements);
-    elements.into()
+    elements.as_slice().into()
 }
 
 /// The symmetric matrix with this upper triangle of N(N + 1)/2 elements.

@@ -3,7 +3,7 @@
 use super::fault::Fault;
 use super::scan::check_known;
 use super::space::{Frame, Place, Space};
-use super::state::{Covariance, Position, State, from_upper_triangle, upper_triangle};
+use super::state::{Covariance, Packed, Position, State, from_upper_triangle, upper_triangle};
 use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
 
@@ -44,9 +44,8 @@ pub struct Candidate {
 pub struct Kinematics {
     pub position: Place,
     pub velocity: Option<Place>,
-    /// Upper triangle, row by row, of the covariance of the coordinates, then their rates, on the axes of the space: 3, 10 or
-    /// 21 numbers. It lies apart, so that a point is the same in every space, and small without one.
-    pub covariance: Option<Box<[f64]>>,
+    /// Of the coordinates, then their rates, on the axes of the space: 3, 10 or 21 numbers.
+    pub covariance: Option<Packed>,
 }
 
 impl Kinematics {
@@ -165,5 +164,41 @@ impl TrackSet {
     /// The candidates of one point.
     pub fn candidates_of(&self, point: &TrackPoint) -> &[Candidate] {
         &self.candidates[point.first_candidate..point.first_candidate + point.candidates]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::state::GaussianState;
+    use nalgebra::SVector;
+
+    fn kinematics<const N: usize>() -> Kinematics {
+        let state = GaussianState::<N> {
+            mean: SVector::from_fn(|row, _| row as f64 - 1.0),
+            covariance: SMatrix::identity() * 9.0,
+        };
+        let mut packed = Vec::new();
+        state.pack_into(&mut packed);
+        Kinematics::unpack(Space::of_state(N), &packed)
+    }
+
+    #[test]
+    fn a_state_of_any_space_has_its_axes_and_its_covariance() {
+        let (plane, volume) = (kinematics::<4>(), kinematics::<6>());
+        assert_eq!(plane.state(), State::new(-1.0, 0.0, 1.0, 2.0));
+        assert_eq!(plane.covariance(), Some(Covariance::identity() * 9.0));
+        assert_eq!(volume.position, Place::new(-1.0, 0.0, 1.0));
+        assert_eq!(volume.velocity, Some(Place::new(2.0, 3.0, 4.0)));
+        let covariance = volume.covariance::<6>();
+        assert_eq!(covariance, Some(SMatrix::identity() * 9.0));
+        assert_eq!(volume.covariance::<4>(), None, "it has six variables");
+        let bearing = kinematics::<2>();
+        assert_eq!(bearing.position.x, std::f64::consts::TAU - 1.0);
+    }
+
+    #[test]
+    fn a_point_in_the_plane_is_small() {
+        assert!(size_of::<TrackPoint>() <= 200);
     }
 }

@@ -6,7 +6,7 @@ use super::degrees::{degrees, radians_of_square_degrees, square_degrees};
 use super::header::{BEARING_COVARIANCE, COVARIANCE, Header};
 use super::row::RowReader;
 use crate::model::space::{Place, Space};
-use crate::model::state::from_upper_triangle;
+use crate::model::state::{Packed, from_upper_triangle};
 use crate::model::track::{Kinematics, TrackSet};
 use nalgebra::Cholesky;
 use std::io;
@@ -106,7 +106,7 @@ impl EstimateColumns {
     }
 
     /// A covariance must be positive definite: one that is not gives no distances.
-    fn read_covariance(&self, reader: &mut RowReader) -> Option<Box<[f64]>> {
+    fn read_covariance(&self, reader: &mut RowReader) -> Option<Packed> {
         let columns = self.covariance.as_deref()?;
         let mut elements = vec![0.0; columns.len()];
         if !reader.fill(Some(columns), &mut elements) {
@@ -121,7 +121,7 @@ impl EstimateColumns {
             let allowed = "a positive definite matrix: every variance > 0, every correlation within (-1, 1); or all its cells empty";
             reader.fault_allowing(columns[0], "out_of_range", detail.to_owned(), allowed);
         }
-        Some(elements.into())
+        Some(elements.as_slice().into())
     }
 }
 
