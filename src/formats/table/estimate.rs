@@ -133,6 +133,9 @@ fn is_definite(space: Space, elements: &[f64]) -> bool {
     }
 }
 
+/// From what is held to what is written.
+type Convert = fn(f64) -> f64;
+
 /// Which columns the points of a set need.
 #[derive(Clone, Copy)]
 pub struct EstimateLayout {
@@ -175,7 +178,7 @@ impl EstimateLayout {
         sink: &mut dyn Sink,
     ) -> io::Result<()> {
         let names = Names::of(self.space);
-        let (place, square): (fn(f64) -> f64, fn(f64) -> f64) = match self.space {
+        let (place, square): (Convert, Convert) = match self.space {
             Space::Bearing => (degrees, square_degrees),
             Space::Plane | Space::Volume => (|value| value, |value| value),
         };
