@@ -20,7 +20,7 @@ use trackloom_domain::model::scan::{Detection, Measurement, Recording, Recording
 use trackloom_domain::model::sensor::SensorSettings;
 use trackloom_domain::model::state::State;
 use trackloom_domain::model::track::{
-    Candidate, Estimate, PlaneEstimate, Track, TrackPoint, TrackSet, TrackStatus,
+    Candidate, Kinematics, Track, TrackPoint, TrackSet, TrackStatus,
 };
 use yardstick::yardstick_ns;
 
@@ -226,12 +226,7 @@ fn point(scan: usize, first_candidate: usize, is_seen: bool) -> TrackPoint {
         TrackStatus::Coasted
     });
     let time_s = 8.0 * (scan + 1) as f64;
-    let plane = PlaneEstimate {
-        state: State::new(1.0, 2.0, 3.0, 4.0),
-        has_velocity: true,
-        covariance: None,
-    };
-    let estimate = Estimate::Plane(plane);
+    let estimate = Kinematics::of_plane(&State::new(1.0, 2.0, 3.0, 4.0), true, None);
     TrackPoint {
         time_s,
         sensor: Some(0),

@@ -17,7 +17,7 @@
 use super::estimates::Estimates;
 use crate::model::motion::constant_velocity::ConstantVelocity;
 use crate::model::state::{Covariance, GaussianState};
-use crate::model::track::{PlaneEstimate, Track, TrackPoint, TrackSet};
+use crate::model::track::{Kinematics, Track, TrackPoint, TrackSet};
 
 /// Times that differ by less are the same: files round them.
 const SAME_TIME_S: f64 = 1e-6;
@@ -73,11 +73,7 @@ pub fn align(nodes: &[Node], times_s: &[f64], alignment: &Alignment) -> (Estimat
             else {
                 continue;
             };
-            let Some(mut state) = point
-                .estimate
-                .plane()
-                .and_then(|plane| state_of(plane, alignment.assumed))
-            else {
+            let Some(mut state) = state_of(&point.estimate, alignment.assumed) else {
                 continue;
             };
             predict(&mut state, motion, (time_s - point.time_s).max(0.0));
@@ -89,15 +85,11 @@ pub fn align(nodes: &[Node], times_s: &[f64], alignment: &Alignment) -> (Estimat
 
 /// Whether every point of the tracks has a velocity that can be compared.
 pub fn has_velocity(tracks: &TrackSet, assumed: Option<Assumed>) -> bool {
-    let mut points = tracks
-        .tracks
-        .iter()
-        .flat_map(|track| &track.points)
-        .filter_map(|point| point.estimate.plane());
-    let is_known = |plane: &PlaneEstimate| {
-        plane.covariance.is_some() || assumed.is_some_and(|assumed| assumed.sigma_mps.is_some())
-    };
-    points.all(|plane| plane.has_velocity && is_known(plane))
+    let mut points = tracks.tracks.iter().flat_map(|track| &track.points);
+    let is_assumed = assumed.is_some_and(|assumed| assumed.sigma_mps.is_some());
+    points.all(|TrackPoint { estimate, .. }| {
+        estimate.velocity.is_some() && (estimate.covariance.is_some() || is_assumed)
+    })
 }
 
 /// The times of all points, each once.
@@ -148,8 +140,8 @@ fn last_point(track: &Track, time_s: f64, max_gap_s: f64) -> Option<&TrackPoint>
 }
 
 /// The state with its covariance, or with the one that is assumed.
-fn state_of(plane: &PlaneEstimate, assumed: Option<Assumed>) -> Option<GaussianState> {
-    let covariance = plane.covariance.or_else(|| {
+fn state_of(estimate: &Kinematics, assumed: Option<Assumed>) -> Option<GaussianState> {
+    let covariance = estimate.covariance().or_else(|| {
         let assumed = assumed?;
         let (position, velocity) = (
             assumed.sigma_m.powi(2),
@@ -160,7 +152,7 @@ fn state_of(plane: &PlaneEstimate, assumed: Option<Assumed>) -> Option<GaussianS
         )))
     })?;
     Some(GaussianState {
-        mean: plane.state,
+        mean: estimate.state(),
         covariance,
     })
 }

@@ -175,11 +175,7 @@ fn update_factor(
 ) -> Option<Covariance> {
     let dt_s = now.time_s - before.time_s;
     let transition = transition(dt_s);
-    let predicted = transition * covariance_of(before)? * transition.transpose()
+    let predicted = transition * before.estimate.covariance()? * transition.transpose()
         + motion.process_noise::<4>(dt_s);
-    Some(covariance_of(now)? * predicted.try_inverse()?)
-}
-
-fn covariance_of(point: &TrackPoint) -> Option<Covariance> {
-    point.estimate.plane().and_then(|plane| plane.covariance)
+    Some(now.estimate.covariance()? * predicted.try_inverse()?)
 }

@@ -7,6 +7,7 @@
 use crate::model::angle::wrap;
 use crate::model::fault::Fault;
 use crate::model::scan::{Measurement, Recording, Scan};
+use crate::model::space::Space;
 use crate::model::truth::TruthSet;
 use serde::Serialize;
 
@@ -85,13 +86,13 @@ fn matches(
 ) -> Vec<(f64, usize, usize)> {
     let mut pairs = Vec::new();
     for (index, target) in truth.targets().iter().enumerate() {
-        let Some(true_rad) = target.bearing_at(scan.time_s, f64::INFINITY) else {
+        let Some(place) = target.position_at(Space::Bearing, scan.time_s, f64::INFINITY) else {
             continue;
         };
         counts.true_bearings += 1;
         for (number, detection) in detections.iter().enumerate() {
             if let Measurement::Bearing { bearing_rad } = detection.measurement {
-                let error_rad = wrap(bearing_rad - true_rad).abs();
+                let error_rad = wrap(bearing_rad - place.x).abs();
                 pairs.extend((error_rad <= gate_rad).then_some((error_rad, number, index)));
             }
         }

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::model::bearing_time::BearingTimeParts;
+use crate::model::space::Space;
 use crate::model::truth::{Target, TruthPoint, TruthSet};
 use crate::registry;
 use rand::SeedableRng;
@@ -117,13 +118,16 @@ fn with_noise_a_strong_target_is_found_within_a_quarter_of_a_cell() {
         10.0 * (1.0 + 1000.0 * beam(bearing)).log10() + noise(row, bearing)
     });
     let found = found(&detector(json!({})), &record);
-    let truth = TruthSet::new(vec![Target {
-        truth_id: "a".into(),
-        points: vec![
-            TruthPoint::at_bearing(0.0, 100.4f64.to_radians()),
-            TruthPoint::at_bearing(499.0, 100.4f64.to_radians()),
-        ],
-    }])
+    let truth = TruthSet::new(
+        Space::Bearing,
+        vec![Target {
+            truth_id: "a".into(),
+            points: vec![
+                TruthPoint::at_bearing(0.0, 100.4f64.to_radians()),
+                TruthPoint::at_bearing(499.0, 100.4f64.to_radians()),
+            ],
+        }],
+    )
     .unwrap();
     let (recording, quality) = assign_origins(found.recording, &truth, 2.0).unwrap();
     assert_eq!((recording.scans.len(), quality.p_d), (50, Some(1.0)));
@@ -207,12 +211,15 @@ fn a_detection_has_one_target_and_a_target_one_detection() {
         truth_id: name.into(),
         points: vec![TruthPoint::at_bearing(0.0, degrees.to_radians())],
     };
-    let truth = TruthSet::new(vec![
-        target("a", 10.5),
-        target("b", 11.5),
-        target("c", 79.0),
-        target("d", 81.5),
-    ])
+    let truth = TruthSet::new(
+        Space::Bearing,
+        vec![
+            target("a", 10.5),
+            target("b", 11.5),
+            target("c", 79.0),
+            target("d", 81.5),
+        ],
+    )
     .unwrap();
     let (recording, quality) = assign_origins(found.recording, &truth, 2.0).unwrap();
     let origins: Vec<_> = recording

@@ -192,7 +192,7 @@ mod tests {
     use crate::model::scan::{RecordingParts, Scan};
     use crate::model::sensor::SensorSettings;
     use crate::model::state::State;
-    use crate::model::track::{Estimate, PlaneEstimate};
+    use crate::model::track::Kinematics;
 
     fn recording(sensors: &[&str], scans: &[(u32, f64, usize)]) -> Recording {
         let scan = |&(number, time_s, sensor): &(u32, f64, usize)| Scan {
@@ -218,11 +218,7 @@ mod tests {
     }
 
     fn point(time_s: f64, sensor: Option<u32>) -> TrackPoint {
-        let estimate = Estimate::Plane(PlaneEstimate {
-            state: State::zeros(),
-            has_velocity: false,
-            covariance: None,
-        });
+        let estimate = Kinematics::of_plane(&State::zeros(), false, None);
         TrackPoint {
             time_s,
             sensor,

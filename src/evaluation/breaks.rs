@@ -4,7 +4,7 @@
 //! A detection within the gate of the target's true place counts as seen, whoever made it.
 
 use super::EvaluationInput;
-use super::comparison::{ComparedStep, Comparison, Shape};
+use super::comparison::{ComparedStep, Comparison};
 use super::events::{Event, EventKind, EventLog};
 use crate::model::scan::Recording;
 use crate::model::state::Position;
@@ -52,8 +52,8 @@ pub fn explain<'a>(
     input: Option<&'a EvaluationInput<'a>>,
 ) -> impl Iterator<Item = Break> + use<'a> {
     let recording = input.and_then(|input| input.recording);
-    let recording = recording
-        .filter(|recording| comparison.shape == Shape::Points && !recording.detections.is_empty());
+    let recording =
+        recording.filter(|recording| comparison.is_in_metres() && !recording.detections.is_empty());
     let breaks = log
         .events
         .iter()
@@ -103,7 +103,7 @@ fn unseen_scans(comparison: &Comparison, recording: &Recording, step: usize, tru
         truths
             .binary_search_by_key(&truth, |presence| presence.id)
             .ok()
-            .map(|index| truths[index].position_m)
+            .map(|index| truths[index].position_m.xy())
     };
     let steps = comparison.steps[..=step].iter().rev();
     let places = steps.map_while(|step| place(step).map(|position_m| (step.time_s, position_m)));

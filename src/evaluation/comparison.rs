@@ -15,8 +15,8 @@
 use super::EvaluationInput;
 use super::extent::Extent;
 use super::steps::Steps;
-use crate::model::state::Position;
-use crate::model::track::{Estimate, TrackSet};
+use crate::model::space::{Place, Space};
+use crate::model::track::{Kinematics, TrackSet};
 use crate::model::truth::{Target, TruthSet};
 use crate::model::watch::Watch;
 use serde::Deserialize;
@@ -48,8 +48,8 @@ pub struct Presence {
     /// Index into [`Comparison::truth_ids`] or [`Comparison::track_ids`].
     pub id: u32,
     /// Of boxes: their centres, in pixels. Of directions: the bearing in degrees, and 0.
-    pub position_m: Position,
-    pub velocity_mps: Option<Position>,
+    pub position_m: Place,
+    pub velocity_mps: Option<Place>,
     /// Of a track: index of the point in its track.
     pub point: u32,
 }
@@ -66,39 +66,11 @@ pub struct Pair {
     pub similarity: f64,
 }
 
-/// What is compared.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Shape {
-    Points,
-    Bearings,
-    Boxes,
-}
-
-impl Shape {
-    /// What is added to a place to find it again: directions repeat after a turn.
-    pub fn turns(self) -> &'static [f64] {
-        if self == Shape::Bearings {
-            &[0.0, -360.0, 360.0]
-        } else {
-            &[0.0]
-        }
-    }
-
-    /// Of directions the shorter way round.
-    pub fn distance(self, left: &Position, right: &Position) -> f64 {
-        let distance = (left - right).norm();
-        if self == Shape::Bearings {
-            distance.min(360.0 - distance)
-        } else {
-            distance
-        }
-    }
-}
-
 /// The table. Within a step, truths and tracks rise by id, pairs by truth, then track.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
-    pub shape: Shape,
+    /// `None` of boxes.
+    pub space: Option<Space>,
     /// Largest distance of a match: metres, degrees, or 1 − intersection over union.
     pub gate: f64,
     pub truth_ids: Vec<String>,
@@ -144,13 +116,14 @@ impl Comparison {
         settings: &PointSettings,
         extent: &mut Extent,
     ) -> Comparison {
-        let shape = if truth.is_of_bearings() && input.tracks.is_of_bearings() {
-            Shape::Bearings
+        let is_alike = truth.space() == input.tracks.space;
+        let space = if is_alike {
+            truth.space()
         } else {
-            Shape::Points
+            Space::Plane
         };
         let mut comparison = Comparison {
-            shape,
+            space: Some(space),
             gate: settings.gate_m,
             truth_ids: truth
                 .targets()
@@ -177,13 +150,13 @@ impl Comparison {
         );
         comparison.warnings.append(&mut steps.warnings);
         extent.add_ids(comparison.truth_ids.len() + comparison.track_ids.len());
-        let truths = truths_at(truth, &steps, shape, settings.alignment, extent);
-        let tracks = tracks_at(input.tracks, &steps, shape, extent);
+        let truths = truths_at(truth, &steps, space, settings.alignment, extent);
+        let tracks = tracks_at(input.tracks, &steps, space, extent);
         comparison.warn_of_strangers(&truths, truth, &tracks, input.tracks);
         for ((time_s, truths), tracks) in steps.times_s().zip(truths).zip(tracks) {
             let first_pair = comparison.pairs.len();
             comparison.push_step(time_s, truths, tracks, |truths, tracks, found| {
-                near_pairs((truths, tracks), shape, settings, extent, found);
+                near_pairs((truths, tracks), space, settings, extent, found);
             });
             if !extent.end_step(comparison.pairs.len() - first_pair) {
                 break;
@@ -238,11 +211,23 @@ impl Comparison {
 
     /// The similarity of a pair at this distance.
     pub fn similarity(&self, distance: f64) -> f64 {
-        let zero_at = match self.shape {
-            Shape::Points | Shape::Bearings => 2.0 * self.gate,
-            Shape::Boxes => 1.0,
-        };
+        let zero_at = self.space.map_or(1.0, |_| 2.0 * self.gate);
         (1.0 - distance / zero_at).max(0.0)
+    }
+
+    /// How far apart two places are: of directions, in degrees, the shorter way round.
+    pub fn distance(&self, left: &Place, right: &Place) -> f64 {
+        let distance = (left - right).norm();
+        if self.space == Some(Space::Bearing) {
+            distance.min(360.0 - distance)
+        } else {
+            distance
+        }
+    }
+
+    /// Whether places in metres are compared.
+    pub fn is_in_metres(&self) -> bool {
+        self.space.is_some_and(Space::has_places)
     }
 
     fn warn_of_strangers(
@@ -252,11 +237,8 @@ impl Comparison {
         tracks: &[Vec<Presence>],
         set: &TrackSet,
     ) {
-        for (name, is_of_bearings) in [
-            ("truth", truth.is_of_bearings()),
-            ("tracks", set.is_of_bearings()),
-        ] {
-            if self.shape == Shape::Points && is_of_bearings {
+        for (name, space) in [("truth", truth.space()), ("tracks", set.space)] {
+            if self.is_in_metres() && !space.has_places() {
                 self.warnings.push(format!("the {name} are directions (bearing_deg) without places: nothing is compared in metres"));
                 return;
             }
@@ -276,7 +258,7 @@ impl Comparison {
 fn truths_at(
     truth: &TruthSet,
     steps: &Steps,
-    shape: Shape,
+    space: Space,
     alignment: Alignment,
     extent: &mut Extent,
 ) -> Vec<Vec<Presence>> {
@@ -285,26 +267,37 @@ fn truths_at(
         let mut points = 0;
         for step in alignment.steps_of(target, steps) {
             let (time_s, tolerance_s) = (steps.time_s(step), steps.tolerance_s);
-            let place = match shape {
-                Shape::Bearings => alignment
-                    .bearing_rad(target, time_s, tolerance_s)
-                    .map(|bearing_rad| (direction(bearing_rad), None)),
-                Shape::Points | Shape::Boxes => alignment.place(target, time_s, tolerance_s),
-            };
-            let presence = |(position_m, velocity_mps)| Presence {
-                id: id as u32,
-                position_m,
-                velocity_mps,
-                point: 0,
-            };
-            points += usize::from(place.is_some());
-            lists[step].extend(place.map(presence));
+            let place = (truth.space() == space)
+                .then(|| alignment.place(space, target, time_s, tolerance_s));
+            if let Some((position, velocity)) = place.flatten() {
+                lists[step].push(presence(space, (id, 0), &position, velocity));
+                points += 1;
+            }
         }
         if !extent.add_points(points) {
             break;
         }
     }
     lists
+}
+
+/// What is compared of a place: a direction in degrees, whose rate is not compared.
+fn presence(
+    space: Space,
+    (id, point): (usize, usize),
+    position: &Place,
+    velocity: Option<Place>,
+) -> Presence {
+    let (position_m, velocity_mps) = match space {
+        Space::Bearing => (direction(position), None),
+        Space::Plane | Space::Volume => (*position, velocity),
+    };
+    Presence {
+        id: id as u32,
+        position_m,
+        velocity_mps,
+        point: point as u32,
+    }
 }
 
 impl Alignment {
@@ -331,57 +324,47 @@ impl Alignment {
     /// path does not say more.
     pub fn place(
         self,
+        space: Space,
         target: &Target,
         time_s: f64,
         tolerance_s: f64,
-    ) -> Option<(Position, Option<Position>)> {
+    ) -> Option<(Place, Option<Place>)> {
         let at_point = |limit_s: f64| {
             let point = target.nearest_point(time_s, limit_s)?;
-            Some((
-                point.position_m()?,
-                target.velocity_at(point.time_s, f64::INFINITY),
-            ))
+            let velocity = target.velocity_at(space, point.time_s, f64::INFINITY);
+            Some((point.position, velocity))
         };
         match self {
-            Alignment::Interpolate { max_gap_s } => match target.position_at(time_s, max_gap_s) {
-                Some(position_m) => Some((position_m, target.velocity_at(time_s, max_gap_s))),
-                None => at_point(tolerance_s),
-            },
-            Alignment::Nearest { max_gap_s } => at_point(max_gap_s.max(tolerance_s)),
-        }
-    }
-
-    /// The same of a target whose direction alone is known.
-    fn bearing_rad(self, target: &Target, time_s: f64, tolerance_s: f64) -> Option<f64> {
-        let at_point = |limit_s: f64| target.nearest_point(time_s, limit_s)?.bearing_rad();
-        match self {
-            Alignment::Interpolate { max_gap_s } => target
-                .bearing_at(time_s, max_gap_s)
-                .or_else(|| at_point(tolerance_s)),
+            Alignment::Interpolate { max_gap_s } => {
+                match target.position_at(space, time_s, max_gap_s) {
+                    Some(position) => {
+                        Some((position, target.velocity_at(space, time_s, max_gap_s)))
+                    }
+                    None => at_point(tolerance_s),
+                }
+            }
             Alignment::Nearest { max_gap_s } => at_point(max_gap_s.max(tolerance_s)),
         }
     }
 }
 
-fn direction(bearing_rad: f64) -> Position {
-    Position::new(bearing_rad.to_degrees().rem_euclid(360.0), 0.0)
+fn direction(bearing: &Place) -> Place {
+    Place::new(bearing.x.to_degrees().rem_euclid(360.0), 0.0, 0.0)
 }
 
-/// Position and velocity that a track says; a direction is no place, unless directions are compared.
-fn place_of(estimate: &Estimate, shape: Shape) -> Option<(Position, Option<Position>)> {
-    match (estimate, shape) {
-        (Estimate::Bearing(bearing), Shape::Bearings) => {
-            Some((direction(bearing.bearing_rad), None))
-        }
-        (Estimate::Plane(plane), Shape::Points) => Some((plane.position_m(), plane.velocity_mps())),
-        _ => None,
+/// What is added to a place to find it again: directions repeat after a turn.
+pub fn turns(space: Option<Space>) -> &'static [f64] {
+    if space == Some(Space::Bearing) {
+        &[0.0, -360.0, 360.0]
+    } else {
+        &[0.0]
     }
 }
 
 fn tracks_at(
     set: &TrackSet,
     steps: &Steps,
-    shape: Shape,
+    space: Space,
     extent: &mut Extent,
 ) -> Vec<Vec<Presence>> {
     let mut lists: Vec<Vec<Presence>> = vec![Vec::new(); steps.count()];
@@ -392,15 +375,13 @@ fn tracks_at(
                 continue;
             };
             guess = step + 1;
-            let Some((position_m, velocity_mps)) = place_of(&point.estimate, shape) else {
+            if set.space != space {
                 continue;
-            };
-            let presence = Presence {
-                id: id as u32,
-                position_m,
-                velocity_mps,
-                point: index as u32,
-            };
+            }
+            let Kinematics {
+                position, velocity, ..
+            } = &point.estimate;
+            let presence = presence(space, (id, index), position, *velocity);
             match lists[step].last_mut() {
                 Some(last) if last.id == presence.id => *last = presence,
                 _ => lists[step].push(presence),
@@ -416,7 +397,7 @@ fn tracks_at(
 /// The pairs within reach: for each truth the tracks whose x is near enough are looked at, at every turn.
 fn near_pairs(
     (truths, tracks): (&[Presence], &[Presence]),
-    shape: Shape,
+    space: Space,
     settings: &PointSettings,
     extent: &mut Extent,
     found: &mut dyn FnMut(usize, usize, f64, f64),
@@ -429,8 +410,8 @@ fn near_pairs(
         .collect();
     by_x.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     for (truth, place) in truths.iter().enumerate() {
-        for turn in shape.turns() {
-            let position_m = place.position_m + Position::new(*turn, 0.0);
+        for turn in turns(Some(space)) {
+            let position_m = place.position_m + Place::new(*turn, 0.0, 0.0);
             let from = by_x.partition_point(|&(x_m, _)| x_m < position_m.x - settings.reach_m);
             for &(x_m, track) in &by_x[from..] {
                 if x_m > position_m.x + settings.reach_m {

@@ -14,6 +14,7 @@ use super::id_order;
 use super::nearest_point::{Place, PlaneTree};
 use crate::model::allowance::{MAX_POINTS, too_large};
 use crate::model::fault::Fault;
+use crate::model::space::Space;
 use crate::model::state::Position;
 use crate::model::truth::{Target, TruthSet};
 
@@ -108,7 +109,10 @@ fn positions_on(axis: &Axis, target: &Target, max_gap_s: f64) -> Vec<(usize, Pos
         .take_while(|(_, scan)| scan.time_s <= last.time_s + tolerance_s);
     scans
         .filter_map(|(index, scan)| {
-            Some((index, alignment.place(target, scan.time_s, tolerance_s)?.0))
+            let place = alignment
+                .place(Space::Plane, target, scan.time_s, tolerance_s)?
+                .0;
+            Some((index, place.xy()))
         })
         .collect()
 }

@@ -7,7 +7,7 @@
 //!    points are within the gate there, and half of all need the same shift, give or take a usual gap of the truth, that is it.
 
 use super::comparison::{Comparison, Presence};
-use crate::model::state::Position;
+use crate::model::space::Place;
 use crate::model::track::TrackSet;
 use crate::model::truth::{TruthPoint, TruthSet};
 
@@ -47,11 +47,11 @@ pub fn clock_shift_s(truth: &TruthSet, tracks: &TrackSet, gate_m: f64) -> Option
         .iter()
         .flat_map(|target| target.points.windows(2))
         .collect();
-    let points: Vec<(f64, Position)> = tracks
+    let points: Vec<(f64, Place)> = tracks
         .tracks
         .iter()
         .flat_map(|track| &track.points)
-        .filter_map(|point| Some((point.time_s, point.estimate.plane()?.position_m())))
+        .map(|point| (point.time_s, point.estimate.position))
         .collect();
     if segments.is_empty() || segments.len() > MAX_TRUTH_POINTS {
         return None;
@@ -79,13 +79,11 @@ pub fn clock_shift_s(truth: &TruthSet, tracks: &TrackSet, gate_m: f64) -> Option
 }
 
 /// When a target is nearest to a place, if it comes within the gate.
-fn nearest_time_s(segments: &[&[TruthPoint]], at_m: &Position, gate_m: f64) -> Option<f64> {
+fn nearest_time_s(segments: &[&[TruthPoint]], at_m: &Place, gate_m: f64) -> Option<f64> {
     let mut best = (gate_m, None);
     for pair in segments {
-        let (Some(from_m), Some(to_m)) = (pair[0].position_m(), pair[1].position_m()) else {
-            continue;
-        };
-        let along_m = to_m - from_m;
+        let from_m = pair[0].position;
+        let along_m = pair[1].position - from_m;
         let share = if along_m.norm_squared() > 0.0 {
             ((at_m - from_m).dot(&along_m) / along_m.norm_squared()).clamp(0.0, 1.0)
         } else {

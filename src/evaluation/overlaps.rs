@@ -4,10 +4,10 @@
 //! The steps are the frames in which anything is, of truth or of tracks. A box of truth meets only the tracks whose left
 //! edge lies between its own, less the greatest width, and its right edge; pairs that do not overlap are not listed.
 
-use super::comparison::{ComparedStep, Comparison, Pair, Presence, Shape};
+use super::comparison::{ComparedStep, Comparison, Pair, Presence};
 use super::extent::Extent;
 use crate::model::boxes::{BoxSet, ObjectBox};
-use crate::model::state::Position;
+use crate::model::space::Place;
 use crate::model::watch::Watch;
 
 impl Comparison {
@@ -32,7 +32,7 @@ impl Comparison {
         extent.add_ids(truth.object_ids().len() + tracks.object_ids().len());
         extent.add_points(truth.boxes().len() + tracks.boxes().len());
         let mut comparison = Comparison {
-            shape: Shape::Boxes,
+            space: None,
             gate: 1.0 - min_overlap,
             truth_ids: truth.object_ids().to_vec(),
             track_ids: tracks.object_ids().to_vec(),
@@ -81,9 +81,10 @@ impl Comparison {
 fn presences(boxes: &[ObjectBox]) -> Vec<Presence> {
     let presence = |(point, one): (usize, &ObjectBox)| Presence {
         id: one.object,
-        position_m: Position::new(
+        position_m: Place::new(
             one.left_px + one.width_px / 2.0,
             one.top_px + one.height_px / 2.0,
+            0.0,
         ),
         velocity_mps: None,
         point: point as u32,

@@ -4,8 +4,9 @@ use super::EvaluationInput;
 use super::comparison::{Alignment, Comparison, PointSettings};
 use super::events::EventLog;
 use super::metrics::{METRICS, Metric, MetricReport, Sequence};
+use crate::model::space::Space;
 use crate::model::state::{Position, State};
-use crate::model::track::{Estimate, PlaneEstimate, Track, TrackPoint, TrackSet};
+use crate::model::track::{Kinematics, Track, TrackPoint, TrackSet};
 use crate::model::truth::{Target, TruthPoint, TruthSet};
 use crate::registry;
 
@@ -31,15 +32,11 @@ pub fn truth_of(truths: &[Places]) -> TruthSet {
         truth_id: (*id).to_owned(),
         points: seen(places).map(point).collect(),
     };
-    TruthSet::new(truths.iter().map(target).collect()).unwrap()
+    TruthSet::new(Space::Plane, truths.iter().map(target).collect()).unwrap()
 }
 
-fn place(x_m: f64, y_m: f64) -> Estimate {
-    Estimate::Plane(PlaneEstimate {
-        state: State::new(x_m, y_m, 0.0, 0.0),
-        has_velocity: false,
-        covariance: None,
-    })
+fn place(x_m: f64, y_m: f64) -> Kinematics {
+    Kinematics::of_plane(&State::new(x_m, y_m, 0.0, 0.0), false, None)
 }
 
 pub fn tracks_of(tracks: &[Places]) -> TrackSet {
@@ -65,15 +62,19 @@ pub fn tracks_of(tracks: &[Places]) -> TrackSet {
 /// Compares within a gate; pairs are listed up to twice the gate.
 pub fn compare(truths: &[Places], tracks: &[Places], gate_m: f64) -> Comparison {
     let (truth, tracks) = (truth_of(truths), tracks_of(tracks));
+    compare_sets(&truth, &tracks, gate_m)
+}
+
+fn compare_sets(truth: &TruthSet, tracks: &TrackSet, gate_m: f64) -> Comparison {
     let input = EvaluationInput {
         recording: None,
-        truth: Some(&truth),
-        tracks: &tracks,
+        truth: Some(truth),
+        tracks,
     };
     let alignment = Alignment::Interpolate { max_gap_s: 0.0 };
     Comparison::of_points(
         &input,
-        &truth,
+        truth,
         &PointSettings {
             alignment,
             gate_m,
@@ -214,36 +215,37 @@ pub fn swap_scene(gate_m: f64) -> Comparison {
 }
 
 fn in_the_plane(targets: Vec<Target>, tracks: &[Path], gate_m: f64) -> Comparison {
-    let truth = TruthSet::new(targets).unwrap();
+    let truth = TruthSet::new(Space::Plane, targets).unwrap();
     let mut set = tracks_of(
         &tracks
             .iter()
             .map(|&(id, _, _)| (id, &[][..]))
             .collect::<Vec<_>>(),
     );
-    let like = tracks_of(&[("", &[0.0])]).tracks[0].points[0];
+    let like = tracks_of(&[("", &[0.0])]).tracks[0].points[0].clone();
     for (track, (_, start_s, places)) in set.tracks.iter_mut().zip(tracks) {
         let point = |(step, &(x_m, y_m)): (usize, &(f64, f64))| TrackPoint {
             time_s: start_s + step as f64,
             estimate: place(x_m, y_m),
-            ..like
+            ..like.clone()
         };
         track.points = places.iter().enumerate().map(point).collect();
     }
-    let input = EvaluationInput {
-        recording: None,
-        truth: Some(&truth),
-        tracks: &set,
-    };
-    let alignment = Alignment::Interpolate { max_gap_s: 0.0 };
-    Comparison::of_points(
-        &input,
-        &truth,
-        &PointSettings {
-            alignment,
-            gate_m,
-            reach_m: 2.0 * gate_m,
-            time_tolerance_s: None,
-        },
-    )
+    compare_sets(&truth, &set, gate_m)
+}
+
+#[test]
+fn places_in_a_volume_are_apart_by_all_axes() {
+    let truth = truth_of(&[("A", &[0.0, 3.0])]);
+    let truth = TruthSet::new(Space::Volume, truth.targets().to_vec()).unwrap();
+    let mut tracks = tracks_of(&[("T", &[30.0, 33.0])]);
+    tracks.space = Space::Volume;
+    for point in &mut tracks.tracks[0].points {
+        point.estimate.position.z = 40.0;
+    }
+    let comparison = compare_sets(&truth, &tracks, 60.0);
+    let distances: Vec<f64> = comparison.pairs.iter().map(|pair| pair.distance).collect();
+    assert_eq!(distances, [50.0, 50.0]);
+    let in_plane = tracks_of(&[("T", &[30.0, 33.0])]);
+    assert!(compare_sets(&truth, &in_plane, 60.0).pairs.is_empty());
 }

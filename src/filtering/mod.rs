@@ -4,6 +4,7 @@
 use crate::model::motion::constant_velocity::ConstantVelocity;
 use crate::model::scan::Measurement;
 use crate::model::sensing::MeasurementModel;
+use crate::model::space::Space;
 use crate::model::state::GaussianState;
 use crate::registry::{Field, Kind, Method, Object, Union, default, number, optional, variant};
 use bearing_only::BearingOnly;
@@ -183,9 +184,12 @@ impl AnyFilter {
         self.uses(&[Reports::All])
     }
 
-    /// Whether it tracks directions instead of places.
-    pub fn is_of_bearings(&self) -> bool {
-        matches!(self, AnyFilter::Bearing(_))
+    /// Of the tracks that it makes.
+    pub fn space(&self) -> Space {
+        match self {
+            AnyFilter::Bearing(_) => Space::Bearing,
+            AnyFilter::Plane { .. } => Space::Plane,
+        }
     }
 
     fn uses(&self, any_of: &[Reports]) -> bool {

@@ -20,6 +20,7 @@ use crate::model::fault::Fault;
 use crate::model::names::natural_order;
 use crate::model::scan::{Detection, Recording, RecordingParts, Scan};
 use crate::model::sensor::SensorSettings;
+use crate::model::space::Space;
 use crate::model::truth::{Target, TruthPoint, TruthSet};
 use std::collections::BTreeMap;
 use std::io::BufRead;
@@ -146,7 +147,7 @@ fn truth(
     faults.finish()?;
     targets.sort_by(|a, b| natural_order(&a.truth_id, &b.truth_id));
     Ok(ReadOutcome {
-        dataset: Dataset::Truth(TruthSet::new(targets)?),
+        dataset: Dataset::Truth(TruthSet::new(Space::Plane, targets)?),
         warnings: Vec::new(),
     })
 }
@@ -163,7 +164,7 @@ fn target(truth_id: String, mut entries: Vec<Entry>, faults: &mut FaultLog) -> T
     } in entries
     {
         match points.last().filter(|last| last.time_s == time_s) {
-            Some(last) if last.position_m() != Some(position_m) => {
+            Some(last) if last.position.xy() != position_m => {
                 let detail = format!("target {truth_id} is at two positions at {time_s} s");
                 faults.push(Fault::new(
                     format!("/file/{item}/{nth}/position"),

@@ -16,6 +16,7 @@ pub mod scan_numbers;
 pub mod scenario;
 pub mod sensing;
 pub mod sensor;
+pub mod space;
 pub mod state;
 pub mod track;
 pub mod truth;

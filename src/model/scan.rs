@@ -3,6 +3,7 @@
 use super::fault::Fault;
 use super::scan_numbers;
 use super::sensor::SensorSettings;
+use super::space::Frame;
 use super::state::Position;
 
 /// What a sensor reported for one detection. Bearings are clockwise from north (y), in radians.
@@ -92,6 +93,7 @@ impl Scan {
 /// The parts of a [`Recording`]; [`Recording::new`] checks that they fit together.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct RecordingParts {
+    pub frame: Option<Frame>,
     pub sensors: Vec<SensorSettings>,
     /// In order of time, then sensor; scans that saw nothing are here too.
     pub scans: Vec<Scan>,
@@ -152,6 +154,7 @@ impl Recording {
             .collect();
         check_known("recording has", &known, sensor_ids)?;
         let mut parts = RecordingParts {
+            frame: self.frame,
             targets: self.targets.clone(),
             origins_known: self.origins_known,
             ..Default::default()

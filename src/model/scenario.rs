@@ -1,5 +1,6 @@
 //! A scenario: which targets move how, and which sensors watch them. Pure description; `simulation` plays it.
 
+use super::space::Space;
 use serde::{Deserialize, Serialize};
 
 /// A scene to simulate. Every sensor makes `scans` scans, one each `scan_period_s`, the first at time 0.
@@ -172,6 +173,13 @@ pub enum TargetPlan {
 }
 
 impl TargetPlan {
+    pub fn space(&self) -> Space {
+        match self {
+            TargetPlan::Bearings(_) => Space::Bearing,
+            _ => Space::Plane,
+        }
+    }
+
     pub fn count(&self) -> usize {
         match self {
             TargetPlan::Random(plan) => plan.count as usize,

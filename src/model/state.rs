@@ -28,40 +28,20 @@ impl<const N: usize> GaussianState<N> {
         }
     }
 
+    /// What [`GaussianState::pack_into`] wrote; `None` for another number of values.
+    pub fn unpacked(packed: &[f64]) -> Option<Self> {
+        (packed.len() == packed_len(N)).then(|| GaussianState {
+            mean: SVector::from_column_slice(&packed[..N]),
+            covariance: from_upper_triangle(&packed[N..]),
+        })
+    }
+
     /// Appends the mean, then the upper triangle of the covariance: [`packed_len`] numbers.
     #[inline]
     pub fn pack_into(&self, packed: &mut Vec<f64>) {
         packed.extend_from_slice(self.mean.as_slice());
-        for row in 0..N {
-            for column in row..N {
-                packed.push(self.covariance[(row, column)]);
-            }
-        }
+        push_upper_triangle(&self.covariance, packed);
     }
-
-    /// What [`GaussianState::pack_into`] wrote; `None` for another number of values.
-    pub fn unpacked(packed: &[f64]) -> Option<Self> {
-        if packed.len() != packed_len(N) {
-            return None;
-        }
-        let mut covariance = SMatrix::zeros();
-        let mut rest = packed[N..].iter();
-        for row in 0..N {
-            for (column, &element) in (row..N).zip(rest.by_ref()) {
-                covariance[(row, column)] = element;
-                covariance[(column, row)] = element;
-            }
-        }
-        Some(GaussianState {
-            mean: SVector::from_column_slice(&packed[..N]),
-            covariance,
-        })
-    }
-}
-
-/// How many numbers a state of so many variables is packed into.
-pub const fn packed_len(variables: usize) -> usize {
-    variables + variables * (variables + 1) / 2
 }
 
 /// Copies the upper triangle below the diagonal, so that rounding never makes P unsymmetric.
@@ -74,34 +54,70 @@ pub fn mirror<const N: usize>(covariance: &mut SMatrix<f64, N, N>) {
     }
 }
 
-/// Row and column of each element of the upper triangle, in the order of the CSV columns
-/// `p_xx, p_xy, p_xvx, p_xvy, p_yy, p_yvx, p_yvy, p_vxvx, p_vxvy, p_vyvy`.
-pub const UPPER_TRIANGLE: [(usize, usize); 10] = [
-    (0, 0),
-    (0, 1),
-    (0, 2),
-    (0, 3),
-    (1, 1),
-    (1, 2),
-    (1, 3),
-    (2, 2),
-    (2, 3),
-    (3, 3),
-];
-
-/// The ten elements of the upper triangle of a symmetric covariance.
-pub fn upper_triangle(covariance: &Covariance) -> [f64; 10] {
-    UPPER_TRIANGLE.map(|(row, column)| covariance[(row, column)])
+/// How many numbers a state of so many variables is packed into.
+pub const fn packed_len(variables: usize) -> usize {
+    variables + variables * (variables + 1) / 2
 }
 
-/// The symmetric covariance with this upper triangle.
-pub fn from_upper_triangle(elements: &[f64; 10]) -> Covariance {
-    let mut covariance = Covariance::zeros();
-    for (&(row, column), &element) in UPPER_TRIANGLE.iter().zip(elements) {
-        covariance[(row, column)] = element;
-        covariance[(column, row)] = element;
+#[inline]
+fn push_upper_triangle<const N: usize>(matrix: &SMatrix<f64, N, N>, elements: &mut Vec<f64>) {
+    for row in 0..N {
+        for column in row..N {
+            elements.push(matrix[(row, column)]);
+        }
     }
-    covariance
+}
+
+/// The upper triangle of a covariance, row by row: tracks are long, and the rest says nothing new. Small ones lie in place,
+/// for memory asked for by each point of a track costs more than it holds.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Packed {
+    Three([f64; 3]),
+    Ten([f64; 10]),
+    Many(Box<[f64]>),
+}
+
+impl From<&[f64]> for Packed {
+    fn from(elements: &[f64]) -> Self {
+        if let Ok(three) = elements.try_into() {
+            Packed::Three(three)
+        } else if let Ok(ten) = elements.try_into() {
+            Packed::Ten(ten)
+        } else {
+            Packed::Many(elements.into())
+        }
+    }
+}
+
+impl std::ops::Deref for Packed {
+    type Target = [f64];
+    fn deref(&self) -> &[f64] {
+        match self {
+            Packed::Three(elements) => elements,
+            Packed::Ten(elements) => elements,
+            Packed::Many(elements) => elements,
+        }
+    }
+}
+
+/// The upper triangle of a symmetric matrix.
+pub fn upper_triangle<const N: usize>(matrix: &SMatrix<f64, N, N>) -> Packed {
+    let mut elements = Vec::with_capacity(packed_len(N) - N);
+    push_upper_triangle(matrix, &mut elements);
+    elements.as_slice().into()
+}
+
+/// The symmetric matrix with this upper triangle of N(N + 1)/2 elements.
+pub fn from_upper_triangle<const N: usize>(elements: &[f64]) -> SMatrix<f64, N, N> {
+    let mut matrix = SMatrix::zeros();
+    let mut rest = elements.iter();
+    for row in 0..N {
+        for (column, &element) in (row..N).zip(rest.by_ref()) {
+            matrix[(row, column)] = element;
+            matrix[(column, row)] = element;
+        }
+    }
+    matrix
 }
 
 #[cfg(test)]
@@ -109,23 +125,30 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_state_of_any_size_comes_back_from_its_packed_form() {
+    fn a_state_of_any_size_is_packed_into_its_mean_and_upper_triangle() {
         let bearing = GaussianState {
             mean: SVector::<f64, 2>::new(1.0, 2.0),
             covariance: SMatrix::<f64, 2, 2>::new(3.0, 4.0, 4.0, 5.0),
         };
-        let mut packed = Vec::new();
+        let mut packed = vec![0.0];
         bearing.pack_into(&mut packed);
-        assert_eq!(packed, [1.0, 2.0, 3.0, 4.0, 5.0]);
-        assert_eq!(GaussianState::unpacked(&packed), Some(bearing));
-        assert_eq!(GaussianState::<4>::unpacked(&packed), None);
+        assert_eq!(packed, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
+        assert_eq!(GaussianState::unpacked(&packed[1..]), Some(bearing));
+        assert_eq!(GaussianState::<4>::unpacked(&packed[1..]), None);
+        let volume = GaussianState::<6> {
+            mean: SVector::zeros(),
+            covariance: SMatrix::identity(),
+        };
+        volume.pack_into(&mut packed);
+        assert_eq!(packed.len(), 1 + packed_len(2) + packed_len(6));
     }
 
     #[test]
     fn a_covariance_comes_back_from_its_upper_triangle() {
         let elements = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0];
-        let covariance = from_upper_triangle(&elements);
+        let covariance: Covariance = from_upper_triangle(&elements);
         assert_eq!(covariance, covariance.transpose());
-        assert_eq!(upper_triangle(&covariance), elements);
+        assert_eq!(covariance[(1, 3)], 7.0);
+        assert_eq!(*upper_triangle(&covariance), elements);
     }
 }

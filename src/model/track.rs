@@ -2,8 +2,9 @@
 
 use super::fault::Fault;
 use super::scan::check_known;
-use super::state::{Covariance, GaussianState, Position, State};
-use nalgebra::Matrix2;
+use super::space::{Frame, Place, Space};
+use super::state::{Covariance, Packed, Position, State, from_upper_triangle, upper_triangle};
+use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
 
 /// The state of a track's life at one scan.
@@ -38,90 +39,71 @@ pub struct Candidate {
     pub probability: f64,
 }
 
-/// What a track says of its target at one scan. All points of a set say the same kind of thing.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Estimate {
-    Plane(PlaneEstimate),
-    /// Of a tracker that knows directions only.
-    Bearing(BearingEstimate),
+/// What a track says of its target at one scan. All points of a set are of its space.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Kinematics {
+    pub position: Place,
+    pub velocity: Option<Place>,
+    /// Of the coordinates, then their rates, on the axes of the space: 3, 10 or 21 numbers.
+    pub covariance: Option<Packed>,
 }
 
-/// A place in the plane.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PlaneEstimate {
-    /// `[x_m, y_m, vx_mps, vy_mps]`; velocities are 0 where `has_velocity` is false.
-    pub state: State,
-    pub has_velocity: bool,
-    pub covariance: Option<Covariance>,
-}
-
-/// A direction, clockwise from north.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BearingEstimate {
-    pub bearing_rad: f64,
-    pub rate_radps: Option<f64>,
-    /// Of the bearing and its rate (rad², rad²/s, rad²/s²).
-    pub covariance: Option<Matrix2<f64>>,
-}
-
-impl Estimate {
-    /// The place, if it says one.
-    pub fn plane(&self) -> Option<&PlaneEstimate> {
-        match self {
-            Estimate::Plane(plane) => Some(plane),
-            Estimate::Bearing(_) => None,
+impl Kinematics {
+    /// In the plane.
+    pub fn of_plane(state: &State, has_velocity: bool, covariance: Option<&Covariance>) -> Self {
+        Kinematics {
+            position: Place::new(state[0], state[1], 0.0),
+            velocity: has_velocity.then(|| Place::new(state[2], state[3], 0.0)),
+            covariance: covariance.map(upper_triangle),
         }
     }
 
-    /// The direction, if it says no more than that.
-    pub fn bearing(&self) -> Option<&BearingEstimate> {
-        match self {
-            Estimate::Bearing(bearing) => Some(bearing),
-            Estimate::Plane(_) => None,
+    /// Of the mean and covariance that [`GaussianState::pack_into`](super::state::GaussianState::pack_into) makes of a state of this space.
+    pub fn unpack(space: Space, packed: &[f64]) -> Self {
+        let axes = space.axes();
+        let (position, rest) = packed.split_at(axes);
+        let (velocity, covariance) = rest.split_at(axes);
+        Kinematics {
+            position: space.normal(place(position)),
+            velocity: Some(place(velocity)),
+            covariance: Some(covariance.into()),
         }
     }
-}
 
-impl PlaneEstimate {
+    /// In the plane.
     pub fn position_m(&self) -> Position {
-        self.state.fixed_rows::<2>(0).into_owned()
+        self.position.xy()
     }
 
-    pub fn velocity_mps(&self) -> Option<Position> {
-        self.has_velocity
-            .then(|| self.state.fixed_rows::<2>(2).into_owned())
+    /// In the plane: the velocity is 0 where there is none.
+    pub fn state(&self) -> State {
+        let (position_m, velocity_mps) = (self.position, self.velocity.unwrap_or_default());
+        State::new(position_m.x, position_m.y, velocity_mps.x, velocity_mps.y)
+    }
+
+    /// The covariance of N variables; `None` of what has others.
+    pub fn covariance<const N: usize>(&self) -> Option<SMatrix<f64, N, N>> {
+        let elements = self.covariance.as_deref()?;
+        (elements.len() == N * (N + 1) / 2).then(|| from_upper_triangle(elements))
     }
 }
 
-impl From<GaussianState<4>> for Estimate {
-    fn from(state: GaussianState<4>) -> Self {
-        Estimate::Plane(PlaneEstimate {
-            state: state.mean,
-            has_velocity: true,
-            covariance: Some(state.covariance),
-        })
+fn place(coordinates: &[f64]) -> Place {
+    let mut place = Place::zeros();
+    for (axis, coordinate) in coordinates.iter().enumerate() {
+        place[axis] = *coordinate;
     }
-}
-
-impl From<GaussianState<2>> for Estimate {
-    fn from(state: GaussianState<2>) -> Self {
-        let bearing_rad = state.mean[0].rem_euclid(std::f64::consts::TAU);
-        Estimate::Bearing(BearingEstimate {
-            bearing_rad,
-            rate_radps: Some(state.mean[1]),
-            covariance: Some(state.covariance),
-        })
-    }
+    place
 }
 
 /// A track at one scan. Its candidates are `first_candidate .. first_candidate + candidates` of
 /// [`TrackSet::candidates`]; none at all means that the file said nothing about detections.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct TrackPoint {
     pub time_s: f64,
     /// Index into [`TrackSet::sensor_ids`]; `None` where the file does not say.
     pub sensor: Option<u32>,
-    pub estimate: Estimate,
+    pub estimate: Kinematics,
     pub status: Option<TrackStatus>,
     /// Normalised innovation squared of the update at this scan, the mean over its detections by their weights; `None` where
     /// there was no detection, or one that started the track.
@@ -140,6 +122,8 @@ pub struct Track {
 /// The tracks of one tracker, or of one file.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TrackSet {
+    pub space: Space,
+    pub frame: Option<Frame>,
     pub tracks: Vec<Track>,
     pub candidates: Vec<Candidate>,
     /// Names of the detections that candidates refer to.
@@ -148,14 +132,6 @@ pub struct TrackSet {
 }
 
 impl TrackSet {
-    /// Whether its points are directions instead of places.
-    pub fn is_of_bearings(&self) -> bool {
-        self.tracks
-            .iter()
-            .find_map(|track| track.points.first())
-            .is_some_and(|point| point.estimate.bearing().is_some())
-    }
-
     /// Only the points of the named sensors; tracks without any are left out. Candidates keep their places.
     ///
     /// # Errors
@@ -180,6 +156,7 @@ impl TrackSet {
             });
         }
         self.tracks.retain(|track| !track.points.is_empty());
+        self.space = self.space.of_points(!self.tracks.is_empty());
         self.sensor_ids = kept.into_iter().cloned().collect();
         Ok(self)
     }
@@ -187,5 +164,41 @@ impl TrackSet {
     /// The candidates of one point.
     pub fn candidates_of(&self, point: &TrackPoint) -> &[Candidate] {
         &self.candidates[point.first_candidate..point.first_candidate + point.candidates]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::state::GaussianState;
+    use nalgebra::SVector;
+
+    fn kinematics<const N: usize>() -> Kinematics {
+        let state = GaussianState::<N> {
+            mean: SVector::from_fn(|row, _| row as f64 - 1.0),
+            covariance: SMatrix::identity() * 9.0,
+        };
+        let mut packed = Vec::new();
+        state.pack_into(&mut packed);
+        Kinematics::unpack(Space::of_packed(packed.len()), &packed)
+    }
+
+    #[test]
+    fn a_state_of_any_space_has_its_axes_and_its_covariance() {
+        let (plane, volume) = (kinematics::<4>(), kinematics::<6>());
+        assert_eq!(plane.state(), State::new(-1.0, 0.0, 1.0, 2.0));
+        assert_eq!(plane.covariance(), Some(Covariance::identity() * 9.0));
+        assert_eq!(volume.position, Place::new(-1.0, 0.0, 1.0));
+        assert_eq!(volume.velocity, Some(Place::new(2.0, 3.0, 4.0)));
+        let covariance = volume.covariance::<6>();
+        assert_eq!(covariance, Some(SMatrix::identity() * 9.0));
+        assert_eq!(volume.covariance::<4>(), None, "it has six variables");
+        let bearing = kinematics::<2>();
+        assert_eq!(bearing.position.x, std::f64::consts::TAU - 1.0);
+    }
+
+    #[test]
+    fn a_point_in_the_plane_is_small() {
+        assert!(size_of::<TrackPoint>() <= 200);
     }
 }

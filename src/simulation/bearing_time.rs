@@ -22,7 +22,7 @@ use crate::model::bearing_time::{BearingTimeParts, BearingTimeRecord, MAX_CELLS}
 use crate::model::fault::Fault;
 use crate::model::scenario::{RecordPlan, Scenario, TargetPlan};
 use crate::model::sensor::SensorSettings;
-use crate::model::truth::{TruePlace, TruthSet};
+use crate::model::truth::TruthSet;
 use crate::registry::{Bound, Kind, Object, default, number, optional, required, whole};
 use rand::RngExt;
 use rand_distr::{Distribution, Gamma, Poisson, StandardNormal};
@@ -254,7 +254,8 @@ pub fn simulate_record(
             return Ok(None);
         }
     }
-    let truth = TruthSet::new(paths.iter().map(|path| path.truth_at(&times_s)).collect())?;
+    let targets = paths.iter().map(|path| path.truth_at(&times_s)).collect();
+    let truth = TruthSet::new(scenario.targets.space(), targets)?;
     let bearings_rad = scene.bearings_rad;
     let record = BearingTimeRecord::new(BearingTimeParts {
         times_s,
@@ -339,9 +340,8 @@ impl<'a> RecordScene<'a> {
         self.power.clone_from(&self.background);
         for index in 0..self.paths.len() {
             let level_db = self.target_level_db(index, row);
-            if let TruePlace::Bearing { bearing_rad } = self.paths[index].place_at(time_s) {
-                self.add_beam(bearing_rad, from_db(level_db));
-            }
+            let bearing_rad = self.paths[index].point_at(time_s).position.x;
+            self.add_beam(bearing_rad, from_db(level_db));
         }
         if let Some(kind) = self.plan.transients {
             for index in 0..self.transients.len() {

@@ -14,8 +14,9 @@
 //! 4. The tracks of a sensor are in a random order.
 
 use crate::math::rng::{Purpose, Seed};
+use crate::model::space::Space;
 use crate::model::state::{Covariance, Position, State};
-use crate::model::track::{Estimate, PlaneEstimate, Track, TrackPoint, TrackSet};
+use crate::model::track::{Kinematics, Track, TrackPoint, TrackSet};
 use crate::model::truth::{Target, TruthPoint, TruthSet};
 use crate::registry::{Bound, Kind, Object, above, default, number, whole};
 use rand::RngExt;
@@ -185,7 +186,7 @@ pub fn simulate_local_tracks(
             points: (0..plan.times).map(point).collect(),
         });
     }
-    Ok((sensors, TruthSet::new(targets)?))
+    Ok((sensors, TruthSet::new(Space::Plane, targets)?))
 }
 
 /// Where a target begins; the stream of entity k draws the k-th.
@@ -278,11 +279,7 @@ fn track(
         points.push(TrackPoint {
             time_s,
             sensor: Some(0),
-            estimate: Estimate::Plane(PlaneEstimate {
-                state,
-                has_velocity: true,
-                covariance: Some(covariance),
-            }),
+            estimate: Kinematics::of_plane(&state, true, Some(&covariance)),
             status: None,
             nis: None,
             first_candidate: 0,

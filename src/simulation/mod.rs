@@ -119,6 +119,7 @@ pub fn simulate(
                 noise: sensor.noise()?,
                 coverage: &coverage,
                 fastest_mps,
+                space: scenario.targets.space(),
             })
         })
     };
@@ -187,10 +188,11 @@ fn observed_truth(
     let mut seen = Vec::with_capacity(paths.len());
     for (index, path) in paths.iter().enumerate() {
         let is_visible = |time_s: &f64| {
-            let place = path.place_at(*time_s);
+            let point = path.point_at(*time_s);
             let mut sensors = scenario.sensors.iter().enumerate();
             sensors.any(|(sensor_index, sensor)| {
-                coverage.includes(sensor_index, index) && radar::is_in_view(sensor, &place)
+                coverage.includes(sensor_index, index)
+                    && radar::is_in_view(sensor, scenario.targets.space(), &point)
             })
         };
         let first = times.iter().position(is_visible);
@@ -200,7 +202,7 @@ fn observed_truth(
             observed.push(path.truth_at(&times[first..=last]));
         }
     }
-    Ok((TruthSet::new(observed)?, seen))
+    Ok((TruthSet::new(scenario.targets.space(), observed)?, seen))
 }
 
 /// Appends one scan. Detections are sorted by what was measured, so that their order tells nothing of their origin.

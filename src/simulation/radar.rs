@@ -9,8 +9,9 @@ use crate::math::rng::{Purpose, Seed};
 use crate::model::angle::wrap;
 use crate::model::scan::{Detection, Measurement};
 use crate::model::scenario::{ReportNoise, ScenarioSensor};
+use crate::model::space::Space;
 use crate::model::state::Position;
-use crate::model::truth::TruePlace;
+use crate::model::truth::TruthPoint;
 use rand::RngExt;
 use rand_distr::{Distribution, Poisson, StandardNormal};
 use std::f64::consts::TAU;
@@ -25,19 +26,15 @@ pub(super) struct Radar<'a> {
     pub coverage: &'a Coverage,
     /// Speed of the fastest target of the scene: range rates of false detections are uniform between it and its opposite.
     pub fastest_mps: f64,
+    /// Of the targets.
+    pub space: Space,
 }
 
 /// Whether a place is inside the sensor's field of view: directions always are.
-pub(super) fn is_in_view(sensor: &ScenarioSensor, place: &TruePlace) -> bool {
-    match place {
-        TruePlace::Plane { position_m, .. } => {
-            let range_m = (position_m - Position::new(sensor.x_m, sensor.y_m)).norm();
-            sensor
-                .max_range_m
-                .is_some_and(|max_range_m| range_m <= max_range_m)
-        }
-        TruePlace::Bearing { .. } => true,
-    }
+pub(super) fn is_in_view(sensor: &ScenarioSensor, space: Space, point: &TruthPoint) -> bool {
+    let range_m = (point.position.xy() - Position::new(sensor.x_m, sensor.y_m)).norm();
+    let is_near = |max_range_m| range_m <= max_range_m;
+    !space.has_places() || sensor.max_range_m.is_some_and(is_near)
 }
 
 /// The detections of one scan, targets first. `seen[path]` is the index of the path's target in the recording.
@@ -52,14 +49,16 @@ pub(super) fn scan(
     let mut found = Vec::new();
     let mut bearings_rad = Vec::new();
     for (index, path) in paths.iter().enumerate() {
-        let place = path.place_at(time_s);
-        if radar.coverage.includes(radar.index, index) && is_in_view(radar.sensor, &place) {
-            bearings_rad.push(radar.bearing_rad(&place).rem_euclid(TAU));
+        let point = path.point_at(time_s);
+        if radar.coverage.includes(radar.index, index)
+            && is_in_view(radar.sensor, radar.space, &point)
+        {
+            bearings_rad.push(radar.bearing_rad(&point).rem_euclid(TAU));
             let entity = ((radar.index as u64) << 32) | index as u64;
             let mut draw = seed.stream(Purpose::Detection, entity, scan_index);
             if draw.random::<f64>() < radar.sensor.p_d {
                 let errors: [f64; 3] = std::array::from_fn(|_| StandardNormal.sample(&mut draw));
-                let report = radar.report(&place, errors);
+                let report = radar.report(&point, errors);
                 found.extend(report.map(|measurement| Detection {
                     measurement,
                     origin: seen[index],
@@ -139,34 +138,34 @@ impl Radar<'_> {
             .any(|other| wrap(bearing_rad - other).abs() <= within_deg.to_radians())
     }
 
-    /// The direction of a place.
-    fn bearing_rad(&self, place: &TruePlace) -> f64 {
-        match place {
-            TruePlace::Plane { position_m, .. } => {
-                (position_m[0] - self.sensor.x_m).atan2(position_m[1] - self.sensor.y_m)
+    /// The direction of a target.
+    fn bearing_rad(&self, point: &TruthPoint) -> f64 {
+        match self.space {
+            Space::Bearing => point.position.x,
+            Space::Plane | Space::Volume => {
+                (point.position.x - self.sensor.x_m).atan2(point.position.y - self.sensor.y_m)
             }
-            TruePlace::Bearing { bearing_rad } => *bearing_rad,
         }
     }
 
     /// What the sensor reports of a target, with draws of the standard normal distribution as its errors. `None` of a
     /// direction, if it reports places.
-    fn report(&self, place: &TruePlace, errors: [f64; 3]) -> Option<Measurement> {
-        let seen_rad = |error_rad: f64| (self.bearing_rad(place) + error_rad).rem_euclid(TAU);
-        match (self.noise, place) {
+    fn report(&self, point: &TruthPoint, errors: [f64; 3]) -> Option<Measurement> {
+        let seen_rad = |error_rad: f64| (self.bearing_rad(point) + error_rad).rem_euclid(TAU);
+        match (self.noise, self.space) {
             (ReportNoise::Bearing { sigma_bearing_rad }, _) => Some(Measurement::Bearing {
                 bearing_rad: seen_rad(errors[0] * sigma_bearing_rad),
             }),
-            (_, TruePlace::Bearing { .. }) => None,
+            (_, Space::Bearing) => None,
             (
                 ReportNoise::Position {
                     sigma_x_m,
                     sigma_y_m,
                 },
-                TruePlace::Plane { position_m, .. },
+                _,
             ) => Some(Measurement::Position {
-                x_m: position_m[0] + errors[0] * sigma_x_m,
-                y_m: position_m[1] + errors[1] * sigma_y_m,
+                x_m: point.position.x + errors[0] * sigma_x_m,
+                y_m: point.position.y + errors[1] * sigma_y_m,
             }),
             (
                 ReportNoise::RangeBearing {
@@ -174,17 +173,16 @@ impl Radar<'_> {
                     sigma_bearing_rad,
                     sigma_range_rate_mps,
                 },
-                TruePlace::Plane {
-                    position_m,
-                    velocity_mps,
-                },
+                _,
             ) => {
-                let offset_m = position_m - Position::new(self.sensor.x_m, self.sensor.y_m);
+                let offset_m =
+                    point.position.xy() - Position::new(self.sensor.x_m, self.sensor.y_m);
                 // A range below 0 would be one in the opposite direction, which no sensor reports.
                 let range_m = (offset_m.norm() + errors[0] * sigma_range_m).abs();
                 let towards = offset_m.try_normalize(0.0).unwrap_or_else(Position::zeros);
-                let approach_mps =
-                    velocity_mps.map_or(0.0, |velocity_mps| towards.dot(&velocity_mps));
+                let approach_mps = point
+                    .velocity
+                    .map_or(0.0, |velocity_mps| towards.dot(&velocity_mps.xy()));
                 let range_rate_mps =
                     sigma_range_rate_mps.map(|sigma_mps| approach_mps + errors[2] * sigma_mps);
                 Some(Measurement::RangeBearing {

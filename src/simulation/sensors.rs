@@ -54,7 +54,7 @@ fn clutter_faults(index: usize, sensor: &ScenarioSensor) -> Vec<Fault> {
             "clutter_per_scan or clutter_per_deg",
         );
     }
-    if sensor.clutter_per_deg.is_some() && sensor.noise().is_some() && !is_of_bearings(sensor) {
+    if sensor.clutter_per_deg.is_some() && sensor.noise().is_some() && !reports_bearings(sensor) {
         let detail = format!("sensor '{name}' does not report bearings alone");
         refuse("clutter_per_deg", "unsupported", detail, "clutter_per_scan");
     }
@@ -82,7 +82,7 @@ fn has_noise(sensor: &ScenarioSensor) -> bool {
     noises.iter().any(Option::is_some)
 }
 
-fn is_of_bearings(sensor: &ScenarioSensor) -> bool {
+fn reports_bearings(sensor: &ScenarioSensor) -> bool {
     matches!(sensor.noise(), Some(ReportNoise::Bearing { .. }))
 }
 
@@ -116,15 +116,15 @@ fn unclear_noise(index: usize, sensor: &ScenarioSensor) -> Fault {
 
 /// What a recording says of a sensor. Clutter is stated over what it reports: an area, or all directions.
 pub fn settings(sensor: &ScenarioSensor) -> SensorSettings {
-    let is_of_bearings = is_of_bearings(sensor);
+    let reports_bearings = reports_bearings(sensor);
     SensorSettings {
         sensor_id: sensor.sensor_id.clone(),
         x_m: Some(sensor.x_m),
         y_m: Some(sensor.y_m),
         max_range_m: sensor.max_range_m,
         p_d: Some(sensor.p_d),
-        clutter_per_m2: sensor.clutter_per_m2().filter(|_| !is_of_bearings),
-        clutter_per_deg: is_of_bearings.then(|| {
+        clutter_per_m2: sensor.clutter_per_m2().filter(|_| !reports_bearings),
+        clutter_per_deg: reports_bearings.then(|| {
             sensor
                 .clutter_per_deg
                 .unwrap_or_else(|| sensor.mean_clutter() / 360.0)

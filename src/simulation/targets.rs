@@ -8,7 +8,7 @@ use crate::model::scenario::{
     Scenario, TargetPlan,
 };
 use crate::model::state::Position;
-use crate::model::truth::{Target, TruePlace, TruthPoint};
+use crate::model::truth::{Target, TruthPoint};
 use rand::RngExt;
 use std::f64::consts::TAU;
 
@@ -40,40 +40,33 @@ enum Law {
 }
 
 impl Path {
-    pub fn place_at(&self, time_s: f64) -> TruePlace {
+    pub fn point_at(&self, time_s: f64) -> TruthPoint {
         match self.law {
             Law::Straight {
                 start_m,
                 velocity_mps,
-            } => TruePlace::Plane {
-                position_m: start_m + velocity_mps * time_s,
-                velocity_mps: Some(velocity_mps),
-            },
+            } => TruthPoint::in_plane(time_s, start_m + velocity_mps * time_s, Some(velocity_mps)),
             Law::Weaving {
                 start_m,
                 course_mps,
                 ref weave,
             } => weaving_at(start_m, course_mps, weave, time_s),
-            Law::Crossing(pair) => at_bearing(pair.bearing_deg(time_s)),
+            Law::Crossing(pair) => at_bearing(time_s, pair.bearing_deg(time_s)),
             Law::Turning {
                 bearing_deg,
                 rate_degps,
-            } => at_bearing(bearing_deg + rate_degps * time_s),
+            } => at_bearing(time_s, bearing_deg + rate_degps * time_s),
         }
     }
 
     /// The target at these times.
     pub fn truth_at(&self, times_s: &[f64]) -> Target {
-        let mut points = Vec::with_capacity(times_s.len());
-        for &time_s in times_s {
-            points.push(TruthPoint {
-                time_s,
-                place: self.place_at(time_s),
-            });
-        }
         Target {
             truth_id: self.truth_id.clone(),
-            points,
+            points: times_s
+                .iter()
+                .map(|&time_s| self.point_at(time_s))
+                .collect(),
         }
     }
 
@@ -87,20 +80,19 @@ impl Path {
     }
 }
 
-fn at_bearing(bearing_deg: f64) -> TruePlace {
-    TruePlace::Bearing {
-        bearing_rad: bearing_deg.to_radians().rem_euclid(TAU),
-    }
+fn at_bearing(time_s: f64, bearing_deg: f64) -> TruthPoint {
+    TruthPoint::at_bearing(time_s, bearing_deg.to_radians().rem_euclid(TAU))
 }
 
-fn weaving_at(start_m: Position, course_mps: Position, weave: &Weave, time_s: f64) -> TruePlace {
+fn weaving_at(start_m: Position, course_mps: Position, weave: &Weave, time_s: f64) -> TruthPoint {
     let right_mps = Position::new(course_mps[1], -course_mps[0]);
     let moved_s = weave.displacement_s(time_s);
     let (across, along) = weave.heading_rad(time_s).sin_cos();
-    TruePlace::Plane {
-        position_m: start_m + course_mps * moved_s[0] + right_mps * moved_s[1],
-        velocity_mps: Some(course_mps * along + right_mps * across),
-    }
+    TruthPoint::in_plane(
+        time_s,
+        start_m + course_mps * moved_s[0] + right_mps * moved_s[1],
+        Some(course_mps * along + right_mps * across),
+    )
 }
 
 impl CrossingPair {

@@ -3,8 +3,8 @@
 use super::recorder::{RecordedPoint, Recorder};
 use crate::hypotheses::bounds;
 use crate::model::scan::{Recording, Scan};
-use crate::model::state::GaussianState;
-use crate::model::track::{Candidate, Estimate, Track, TrackPoint, TrackSet, TrackStatus};
+use crate::model::space::Space;
+use crate::model::track::{Candidate, Kinematics, Track, TrackPoint, TrackSet, TrackStatus};
 use crate::model::watch::Halt;
 
 /// A track at one scan.
@@ -116,9 +116,11 @@ impl History {
             });
         }
         let mut first_candidate = 0;
+        let mut space = Space::default();
         // Each piece goes when it is read: the history of a large scene and its tracks need not be there together.
         for piece in self.pieces {
             let values = piece.kinematics.len() / piece.entries.len();
+            let of_piece = Space::of_packed(values);
             for (entry, kinematics) in piece.entries.iter().zip(piece.kinematics.chunks(values)) {
                 let candidates = first_candidate..first_candidate + entry.candidates as usize;
                 let first = recording.scans[entry.scan as usize].first as u32;
@@ -126,14 +128,18 @@ impl History {
                     candidate.detection = candidate.detection.map(|detection| first + detection);
                 }
                 if let Some(track) = tracks.get_mut(number_of[entry.serial as usize] as usize) {
+                    space = of_piece;
+                    let estimate = Kinematics::unpack(space, kinematics);
                     track
                         .points
-                        .push(point(entry, first_candidate, kinematics, recording));
+                        .push(point(entry, first_candidate, estimate, recording));
                 }
                 first_candidate = candidates.end;
             }
         }
         TrackSet {
+            space,
+            frame: recording.frame,
             tracks,
             candidates: self.candidates,
             detection_ids: recording.detection_ids.clone(),
@@ -149,26 +155,17 @@ impl History {
 fn point(
     entry: &Entry,
     first_candidate: usize,
-    kinematics: &[f64],
+    estimate: Kinematics,
     recording: &Recording,
 ) -> TrackPoint {
     let scan = &recording.scans[entry.scan as usize];
     TrackPoint {
         time_s: scan.time_s,
         sensor: Some(scan.sensor as u32),
-        estimate: estimate(kinematics),
+        estimate,
         status: Some(entry.status),
         nis: Some(entry.nis).filter(|nis| !nis.is_nan()),
         first_candidate,
         candidates: entry.candidates as usize,
-    }
-}
-
-fn estimate(kinematics: &[f64]) -> Estimate {
-    match GaussianState::<2>::unpacked(kinematics) {
-        Some(bearing) => bearing.into(),
-        None => GaussianState::<4>::unpacked(kinematics)
-            .expect("kinematics of the plane")
-            .into(),
     }
 }

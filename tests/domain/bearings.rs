@@ -13,7 +13,7 @@ use trackloom_domain::math::rng::{Purpose, Seed};
 use trackloom_domain::model::angle::wrap;
 use trackloom_domain::model::dataset::Dataset;
 use trackloom_domain::model::fault::Fault;
-use trackloom_domain::model::track::{BearingEstimate, Track, TrackSet, TrackStatus};
+use trackloom_domain::model::track::{Kinematics, Track, TrackSet, TrackStatus};
 
 const SIGMA_DEG: f64 = 0.5;
 const SCANS: u32 = 41;
@@ -110,14 +110,14 @@ fn tracked(csv: &str, settings: &Value) -> (TrackSet, Value) {
     (set, outcome.result)
 }
 
-fn bearing(track: &Track, point: usize) -> &BearingEstimate {
-    track.points[point].estimate.bearing().expect("a direction")
+fn bearing(track: &Track, point: usize) -> &Kinematics {
+    &track.points[point].estimate
 }
 
 /// Degrees by which a track is off a course at one of its points.
 fn error_deg(track: &Track, point: usize, (first_deg, rate_degps): Course) -> f64 {
     let truth_rad = (first_deg + rate_degps * track.points[point].time_s).to_radians();
-    wrap(bearing(track, point).bearing_rad - truth_rad).to_degrees()
+    wrap(bearing(track, point).position.x - truth_rad).to_degrees()
 }
 
 /// The tracks of at least half of the scans; everything shorter is clutter's.
@@ -154,14 +154,14 @@ fn assert_followed(name: &str, tracks: &[&Track], course: Course) {
     let last = track.points.len() - 1;
     let (off_deg, estimate) = (error_deg(track, last, course), bearing(track, last));
     let covariance = estimate
-        .covariance
+        .covariance::<2>()
         .unwrap()
         .map(|variance| variance * 1f64.to_degrees().powi(2));
     assert!(
         off_deg.abs() < 0.5 * SIGMA_DEG && off_deg.abs() < 4.0 * covariance[(0, 0)].sqrt(),
         "{name}: {off_deg} degrees off at the end"
     );
-    let rate_off = estimate.rate_radps.unwrap().to_degrees() - course.1;
+    let rate_off = estimate.velocity.unwrap().x.to_degrees() - course.1;
     assert!(
         rate_off.abs() < 4.0 * covariance[(1, 1)].sqrt() && rate_off.abs() < 0.05,
         "{name}: the rate is {rate_off} off"
@@ -199,7 +199,7 @@ fn a_target_that_crosses_north_is_one_track_under_every_associator() {
         assert_followed(method.name, &tracks, OVER_NORTH[0]);
         let bearings = || {
             (0..tracks[0].points.len())
-                .map(|point| bearing(tracks[0], point).bearing_rad.to_degrees())
+                .map(|point| bearing(tracks[0], point).position.x.to_degrees())
         };
         assert!(
             bearings().all(|degrees| (0.0..360.0).contains(&degrees)),

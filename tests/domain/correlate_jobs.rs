@@ -152,10 +152,10 @@ fn two_sets_by_hand() {
     let trackloom_domain::model::dataset::Dataset::Tracks(system) = system.dataset else {
         panic!("tracks")
     };
-    let state = system.tracks[0].points[0].estimate.plane().unwrap();
+    let state = &system.tracks[0].points[0].estimate;
     assert!(
-        (state.state[0] - 2.0).abs() < 1e-9
-            && (state.covariance.unwrap()[(0, 0)] - 2.0).abs() < 1e-9,
+        (state.position.x - 2.0).abs() < 1e-9
+            && (state.covariance.as_ref().unwrap()[0] - 2.0).abs() < 1e-9,
         "{state:?}"
     );
     assert_eq!(outcome.result["truth"], Value::Null);

@@ -48,7 +48,7 @@ fn path(simulated: &Simulated, target: usize) -> Vec<(Position, Position)> {
     let points = &simulated.truth.targets()[target].points;
     points
         .iter()
-        .map(|point| (point.position_m().unwrap(), point.velocity_mps().unwrap()))
+        .map(|point| (point.position.xy(), point.velocity.unwrap().xy()))
         .collect()
 }
 

@@ -339,7 +339,7 @@ fn a_tentative_track_sees_only_what_confirmed_tracks_left() {
 }
 
 fn covariance_of(point: &TrackPoint) -> Covariance {
-    point.estimate.plane().unwrap().covariance.unwrap()
+    point.estimate.covariance().unwrap()
 }
 
 /// The names of the detections of a track, empty where it has none.
@@ -389,7 +389,7 @@ fn two_points_start_a_track_with_a_speed_and_remember_both() {
         ["tentative", "confirmed", "confirmed", "confirmed"]
     );
     let second = &points[1];
-    let state = second.estimate.plane().unwrap().state;
+    let state = second.estimate.state();
     assert!((state[0] - 5.0).abs() < 1e-12 && (state[2] - 5.0).abs() < 1e-12 && state[3] == 0.0);
     // R = 100 I, T = 1 s, q = 1: P_xv = 100, P_vv = 200 + 1 / 3.
     let covariance = covariance_of(second);
@@ -439,7 +439,7 @@ fn two_points_start_a_track_with_a_speed_and_remember_both() {
             .collect::<String>();
         (
             names(&tracks, 0).join(" "),
-            tracks.tracks[0].points[1].estimate.plane().unwrap().state[2],
+            tracks.tracks[0].points[1].estimate.state()[2],
             initials,
         )
     };

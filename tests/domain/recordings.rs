@@ -10,6 +10,7 @@ use trackloom_domain::experiment::observer::Silent;
 use trackloom_domain::experiment::{self, Input, JobKind};
 use trackloom_domain::formats::{ReadOptions, format_named};
 use trackloom_domain::model::dataset::{Dataset, DatasetKind};
+use trackloom_domain::model::space::Space;
 use trackloom_domain::model::state::Position;
 use trackloom_domain::model::truth::{Target, TruthPoint, TruthSet};
 
@@ -215,7 +216,7 @@ fn seen_from_the_ferry(truth: &Dataset, detections: &[u8]) -> Dataset {
         .1
     };
     let direction = |point: &TruthPoint| {
-        let away_m = point.position_m().unwrap() - ferry_at(point.time_s);
+        let away_m = point.position.xy() - ferry_at(point.time_s);
         TruthPoint::at_bearing(
             point.time_s,
             away_m.x.atan2(away_m.y).rem_euclid(std::f64::consts::TAU),
@@ -225,7 +226,8 @@ fn seen_from_the_ferry(truth: &Dataset, detections: &[u8]) -> Dataset {
         truth_id: target.truth_id.clone(),
         points: target.points.iter().map(direction).collect(),
     };
-    Dataset::Truth(TruthSet::new(truth.targets().iter().map(target).collect()).unwrap())
+    let targets = truth.targets().iter().map(target).collect();
+    Dataset::Truth(TruthSet::new(Space::Bearing, targets).unwrap())
 }
 
 /// The inputs of a camera, each detection with the boat that it is of, and what that says of the camera.

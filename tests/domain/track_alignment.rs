@@ -6,18 +6,18 @@ use serde_json::{Value, json};
 use trackloom_domain::correlation::alignment::{Alignment, Assumed, Node, align};
 use trackloom_domain::math::rng::Seed;
 use trackloom_domain::model::state::{Covariance, State};
-use trackloom_domain::model::track::{Estimate, PlaneEstimate, Track, TrackPoint, TrackSet};
+use trackloom_domain::model::track::{Kinematics, Track, TrackPoint, TrackSet};
 use trackloom_domain::registry;
 use trackloom_domain::simulation::{
     LOCAL_TRACKS, LocalTracks, SensorTracks, simulate_local_tracks,
 };
 
 /// A sensor with one track: times with states.
-fn node(name: &str, points: &[(f64, [f64; 4])], estimate: impl Fn(State) -> PlaneEstimate) -> Node {
+fn node(name: &str, points: &[(f64, [f64; 4])], estimate: impl Fn(State) -> Kinematics) -> Node {
     let point = |&(time_s, state): &(f64, [f64; 4])| TrackPoint {
         time_s,
         sensor: None,
-        estimate: Estimate::Plane(estimate(State::from(state))),
+        estimate: estimate(State::from(state)),
         status: None,
         nis: None,
         first_candidate: 0,
@@ -36,15 +36,9 @@ fn node(name: &str, points: &[(f64, [f64; 4])], estimate: impl Fn(State) -> Plan
     }
 }
 
-fn known(state: State) -> PlaneEstimate {
-    let covariance = Some(Covariance::from_diagonal(&Vector4::new(
-        1.0, 1.0, 0.25, 0.25,
-    )));
-    PlaneEstimate {
-        state,
-        has_velocity: true,
-        covariance,
-    }
+fn known(state: State) -> Kinematics {
+    let covariance = Covariance::from_diagonal(&Vector4::new(1.0, 1.0, 0.25, 0.25));
+    Kinematics::of_plane(&state, true, Some(&covariance))
 }
 
 const ALIGNMENT: Alignment = Alignment {
@@ -95,8 +89,8 @@ fn a_track_is_predicted_to_the_times_of_the_other() {
 
 #[test]
 fn tracks_without_velocities_count_at_their_own_times() {
-    let positions = |state: State| PlaneEstimate {
-        has_velocity: false,
+    let positions = |state: State| Kinematics {
+        velocity: None,
         ..known(state)
     };
     let nodes = [
@@ -116,7 +110,7 @@ fn tracks_without_velocities_count_at_their_own_times() {
 
 #[test]
 fn what_is_assumed_takes_the_place_of_missing_covariances() {
-    let bare = |state: State| PlaneEstimate {
+    let bare = |state: State| Kinematics {
         covariance: None,
         ..known(state)
     };
@@ -175,10 +169,7 @@ fn drawn(settings: Value) -> (Vec<SensorTracks>, Vec<Errors>) {
             let target = &truth.targets()[origin as usize].points;
             let error =
                 |(point, truth): (&TrackPoint, &trackloom_domain::model::truth::TruthPoint)| {
-                    let (state, position_m) = (
-                        point.estimate.plane().unwrap().state,
-                        truth.position_m().unwrap(),
-                    );
+                    let (state, position_m) = (point.estimate.state(), truth.position);
                     assert_eq!(point.time_s, truth.time_s);
                     State::new(state[0] - position_m[0], state[1] - position_m[1], 0.0, 0.0)
                 };

@@ -12,7 +12,7 @@ use trackloom_domain::correlation::evidence::{Evidence, Times};
 use trackloom_domain::correlation::fusion::{FUSIONS, Fusion, Members, system_tracks};
 use trackloom_domain::math::rng::{Purpose, Seed};
 use trackloom_domain::model::state::{Covariance, GaussianState, State};
-use trackloom_domain::model::track::{Estimate as TrackEstimate, PlaneEstimate, Track, TrackPoint};
+use trackloom_domain::model::track::{Kinematics, Track, TrackPoint};
 use trackloom_domain::registry;
 
 fn fusion(method: &str) -> Box<dyn Fusion> {
@@ -174,12 +174,10 @@ fn system_tracks_have_the_times_of_any_member() {
     let tracks = system_tracks(&evidence, &[vec![0, 1], vec![2]], &*fusion("weighted")).tracks;
     let rounded = |x_m: f64| (x_m * 1e9).round() / 1e9;
     let x_m = |track: &Track| {
-        let points = track.points.iter().map(|point| {
-            (
-                point.time_s,
-                rounded(point.estimate.plane().unwrap().state[0]),
-            )
-        });
+        let points = track
+            .points
+            .iter()
+            .map(|point| (point.time_s, rounded(point.estimate.state()[0])));
         points.collect::<Vec<_>>()
     };
     assert_eq!(
@@ -245,11 +243,7 @@ fn the_recursion_finds_what_two_filters_have_in_common() {
     let point = |time: usize, covariance: Matrix4<f64>| TrackPoint {
         time_s: time as f64,
         sensor: None,
-        estimate: TrackEstimate::Plane(PlaneEstimate {
-            state: State::zeros(),
-            has_velocity: true,
-            covariance: Some(covariance),
-        }),
+        estimate: Kinematics::of_plane(&State::zeros(), true, Some(&covariance)),
         status: None,
         nis: None,
         first_candidate: 0,

@@ -9,7 +9,7 @@ mod weighted;
 use super::estimates::AlignedEstimate;
 use super::evidence::Evidence;
 use crate::model::state::{Covariance, GaussianState};
-use crate::model::track::{Estimate as TrackEstimate, PlaneEstimate, Track, TrackPoint, TrackSet};
+use crate::model::track::{Kinematics, Track, TrackPoint, TrackSet};
 use crate::registry::{Method, Union};
 
 /// What the members of a tuple say at one time.
@@ -97,16 +97,11 @@ fn point(
         })?,
     };
     let has_velocity = evidence.estimates.has_velocity;
-    let estimate = TrackEstimate::Plane(PlaneEstimate {
-        state: state.mean,
-        has_velocity,
-        covariance: Some(state.covariance),
-    });
     let time_s = evidence.estimates.times_s[time];
     Some(TrackPoint {
         time_s,
         sensor: None,
-        estimate,
+        estimate: Kinematics::of_plane(&state.mean, has_velocity, Some(&state.covariance)),
         status: None,
         nis: None,
         first_candidate: 0,

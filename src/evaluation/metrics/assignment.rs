@@ -18,7 +18,8 @@
 
 use super::origin::{Origin, PAIRS, PairColumn, Statistic, TRACKS, TRUTH_POINTS, TRUTHS};
 use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence};
-use crate::evaluation::comparison::{ComparedStep, Comparison, Shape};
+use crate::evaluation::comparison::{ComparedStep, Comparison};
+use crate::model::space::Space;
 use crate::registry::{Bound, Kind, Method, Object, optional};
 use serde::Deserialize;
 use serde_json::json;
@@ -49,8 +50,8 @@ pub struct Assignment {
 }
 
 impl Metric for Assignment {
-    fn accepts(&self, shape: Shape) -> bool {
-        shape != Shape::Bearings
+    fn accepts(&self, space: Option<Space>) -> bool {
+        space != Some(Space::Bearing)
     }
 
     fn reach_m(&self, gate_m: f64) -> f64 {

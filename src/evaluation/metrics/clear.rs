@@ -18,8 +18,8 @@
 
 use super::origin::{EVENTS, Origin, STEPS, Source, Statistic, TRUTHS};
 use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence};
-use crate::evaluation::comparison::Shape;
 use crate::evaluation::events::EventKind;
+use crate::model::space::Space;
 use crate::registry::{Kind, Method, Object, default};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -78,8 +78,8 @@ struct Counts {
 }
 
 impl Metric for Clear {
-    fn accepts(&self, shape: Shape) -> bool {
-        shape != Shape::Bearings
+    fn accepts(&self, space: Option<Space>) -> bool {
+        space != Some(Space::Bearing)
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
@@ -98,7 +98,7 @@ impl Metric for Clear {
             }
         }
         let first = sequences.first().map(|sequence| sequence.comparison);
-        let unit = if first.is_some_and(|comparison| comparison.shape == Shape::Points) {
+        let unit = if first.is_some_and(|comparison| comparison.is_in_metres()) {
             "m"
         } else {
             ""

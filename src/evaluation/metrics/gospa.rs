@@ -20,7 +20,8 @@ use super::origin::{
     Origin, PAIRS, PairColumn, SERIES, STEPS, Statistic, TRACK_POINTS, TRUTH_POINTS,
 };
 use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence, Series};
-use crate::evaluation::comparison::{ComparedStep, Comparison, Shape};
+use crate::evaluation::comparison::{ComparedStep, Comparison};
+use crate::model::space::Space;
 use crate::registry::{Method, Object, default, number};
 use serde::Deserialize;
 use serde_json::json;
@@ -76,8 +77,8 @@ struct Memory {
 }
 
 impl Metric for Gospa {
-    fn accepts(&self, shape: Shape) -> bool {
-        shape == Shape::Points
+    fn accepts(&self, space: Option<Space>) -> bool {
+        space.is_some_and(Space::has_places)
     }
 
     fn reach_m(&self, _: f64) -> f64 {

@@ -22,8 +22,9 @@
 use super::origin::{Origin, PAIRS, PairColumn, Statistic, TRACK_POINTS, TRUTH_POINTS};
 use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence, Series};
 use crate::evaluation::acquaintances::Acquaintances;
-use crate::evaluation::comparison::{Comparison, Pair, Presence, Shape};
+use crate::evaluation::comparison::{Comparison, Pair, Presence};
 use crate::evaluation::matching::StepMatcher;
+use crate::model::space::Space;
 use crate::registry::{Method, Object};
 use serde_json::json;
 
@@ -76,8 +77,8 @@ struct Sums {
 }
 
 impl Metric for Hota {
-    fn accepts(&self, shape: Shape) -> bool {
-        shape != Shape::Bearings
+    fn accepts(&self, space: Option<Space>) -> bool {
+        space != Some(Space::Bearing)
     }
 
     /// Where similarity becomes 0.
@@ -91,12 +92,12 @@ impl Metric for Hota {
             reached = sums.add(sequence.comparison);
         }
         let first = sequences.first().map(|sequence| sequence.comparison);
-        let similarity = match first.map(|comparison| comparison.shape) {
-            Some(Shape::Points) => "1 - distance / (2 gate)",
+        let similarity = match first.map(Comparison::is_in_metres) {
+            Some(true) => "1 - distance / (2 gate)",
             _ => "intersection over union",
         };
         let gate = first
-            .filter(|comparison| comparison.shape == Shape::Points)
+            .filter(|comparison| comparison.is_in_metres())
             .map(|comparison| comparison.gate);
         let alphas: Vec<f64> = (0..ALPHAS).map(alpha).collect();
         let parameters = json!({"alphas": alphas, "similarity": similarity, "gate": gate});

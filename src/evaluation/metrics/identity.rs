@@ -14,8 +14,9 @@
 use super::origin::{Origin, PAIRS, PairColumn, Statistic, TRACK_POINTS, TRUTH_POINTS};
 use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence};
 use crate::evaluation::acquaintances::Acquaintances;
-use crate::evaluation::comparison::{Comparison, Presence, Shape};
+use crate::evaluation::comparison::{Comparison, Presence};
 use crate::math::assignment::AssignmentSolver;
+use crate::model::space::Space;
 use crate::registry::{Method, Object};
 use serde_json::json;
 
@@ -35,8 +36,8 @@ static PARAMETERS: Object = Object {
 pub struct Identity;
 
 impl Metric for Identity {
-    fn accepts(&self, shape: Shape) -> bool {
-        shape != Shape::Bearings
+    fn accepts(&self, space: Option<Space>) -> bool {
+        space != Some(Space::Bearing)
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {

@@ -20,8 +20,9 @@ pub use cutoff::METRES;
 
 use self::origin::{Origin, PairColumn};
 use super::EvaluationInput;
-use super::comparison::{Comparison, Shape};
+use super::comparison::Comparison;
 use super::events::EventLog;
+use crate::model::space::Space;
 use crate::model::watch::Watch;
 use crate::registry::{Method, Union};
 use serde::Serialize;
@@ -202,8 +203,8 @@ impl MetricReport {
 }
 
 pub trait Metric: Send {
-    /// Whether it is defined for this kind of data.
-    fn accepts(&self, shape: Shape) -> bool;
+    /// Whether it is defined in this space, or, where there is none, for boxes.
+    fn accepts(&self, space: Option<Space>) -> bool;
 
     /// The largest distance (m) at which a pair of points matters to it, given the gate.
     fn reach_m(&self, gate_m: f64) -> f64 {

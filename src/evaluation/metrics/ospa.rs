@@ -18,7 +18,8 @@ use super::origin::{
     Origin, PAIRS, PairColumn, SERIES, STEPS, Statistic, TRACK_POINTS, TRUTH_POINTS,
 };
 use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence, Series};
-use crate::evaluation::comparison::{ComparedStep, Comparison, Shape};
+use crate::evaluation::comparison::{ComparedStep, Comparison};
+use crate::model::space::Space;
 use crate::registry::{Method, Object};
 use serde::Deserialize;
 use serde_json::json;
@@ -57,8 +58,8 @@ const PARTS: [Part; 3] = [
 ];
 
 impl Metric for Ospa {
-    fn accepts(&self, shape: Shape) -> bool {
-        shape == Shape::Points
+    fn accepts(&self, space: Option<Space>) -> bool {
+        space.is_some_and(Space::has_places)
     }
 
     fn reach_m(&self, _: f64) -> f64 {

@@ -20,9 +20,9 @@
 
 use super::origin::{Origin, PAIRS, PairColumn, Statistic, TRUTH_POINTS, TRUTHS};
 use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence, Series};
-use crate::evaluation::comparison::{ComparedStep, Comparison, Presence, Shape};
+use crate::evaluation::comparison::{ComparedStep, Comparison, Presence, turns};
 use crate::model::sensor::SensorSettings;
-use crate::model::state::Position;
+use crate::model::space::{Place, Space};
 use crate::registry::{Field, Method, Object, above, default, optional};
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -102,8 +102,8 @@ const NO_TARGET: &str = "there is no target";
 const NO_NAME: &str = "no track is called like a target";
 
 impl Metric for TrackKeeping {
-    fn accepts(&self, shape: Shape) -> bool {
-        shape != Shape::Boxes
+    fn accepts(&self, space: Option<Space>) -> bool {
+        space.is_some()
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
@@ -155,10 +155,13 @@ const FROM: &[Origin] = &[
 ];
 
 fn unit_of(sequences: &[Sequence]) -> &'static str {
-    let is_of_bearings = sequences
+    match sequences
         .first()
-        .is_some_and(|sequence| sequence.comparison.shape == Shape::Bearings);
-    if is_of_bearings { "deg" } else { "m" }
+        .and_then(|sequence| sequence.comparison.space)
+    {
+        Some(Space::Bearing) => "deg",
+        _ => "m",
+    }
 }
 
 /// Why nothing can be said of the tracks' keeping.
@@ -181,10 +184,9 @@ fn has_named_track(comparison: &Comparison) -> bool {
 
 /// The largest of the sensors' standard deviations, if all tell one.
 fn sigma_of(sequence: &Sequence) -> Option<f64> {
-    let sigma = |sensor: &SensorSettings| match sequence.comparison.shape {
-        Shape::Bearings => sensor.sigma_bearing_deg,
-        Shape::Points => Some(sensor.sigma_x_m?.max(sensor.sigma_y_m?)),
-        Shape::Boxes => None,
+    let sigma = |sensor: &SensorSettings| match sequence.comparison.space? {
+        Space::Bearing => sensor.sigma_bearing_deg,
+        Space::Plane | Space::Volume => Some(sensor.sigma_x_m?.max(sensor.sigma_y_m?)),
     };
     let sensors = &sequence.input?.recording?.sensors;
     let sigmas: Option<Vec<f64>> = sensors.iter().map(sigma).collect();
@@ -223,9 +225,7 @@ impl TrackKeeping {
                     continue;
                 };
                 let track = &comparison.tracks[track_place];
-                let error = comparison
-                    .shape
-                    .distance(&track.position_m, &truth.position_m);
+                let error = comparison.distance(&track.position_m, &truth.position_m);
                 run.pairs
                     .push((truth_place as u32, track_place as u32, error));
                 kept.error_sum += error;
@@ -285,32 +285,32 @@ fn find(tracks: &[Presence], step: &ComparedStep, id: u32) -> Option<usize> {
 
 /// The targets of a step, in order of x.
 struct Places {
-    shape: Shape,
-    by_x: Vec<(Position, u32)>,
+    space: Option<Space>,
+    by_x: Vec<(Place, u32)>,
 }
 
 impl Places {
     fn new(comparison: &Comparison, step: &ComparedStep) -> Places {
-        let mut by_x: Vec<(Position, u32)> = comparison.truths[step.truths.clone()]
+        let mut by_x: Vec<(Place, u32)> = comparison.truths[step.truths.clone()]
             .iter()
             .map(|truth| (truth.position_m, truth.id))
             .collect();
         by_x.sort_by(|a, b| a.0.x.total_cmp(&b.0.x).then(a.1.cmp(&b.1)));
         Places {
-            shape: comparison.shape,
+            space: comparison.space,
             by_x,
         }
     }
 
     /// Distance and id of the nearest target other than `except`.
-    fn nearest(&self, position: &Position, except: Option<u32>) -> Option<(f64, u32)> {
+    fn nearest(&self, position: &Place, except: Option<u32>) -> Option<(f64, u32)> {
         let mut best: Option<(f64, u32)> = None;
-        for turn in self.shape.turns() {
-            let x = position.x + turn;
-            let after = self.by_x.partition_point(|(other, _)| other.x < x);
+        for turn in turns(self.space) {
+            let wanted = position + Place::new(*turn, 0.0, 0.0);
+            let after = self.by_x.partition_point(|(other, _)| other.x < wanted.x);
             let (below, above) = self.by_x.split_at(after);
-            look(&mut below.iter().rev(), x, position.y, except, &mut best);
-            look(&mut above.iter(), x, position.y, except, &mut best);
+            look(&mut below.iter().rev(), &wanted, except, &mut best);
+            look(&mut above.iter(), &wanted, except, &mut best);
         }
         best
     }
@@ -318,17 +318,18 @@ impl Places {
 
 /// Goes on until no place can be nearer than the best.
 fn look(
-    places: &mut dyn Iterator<Item = &(Position, u32)>,
-    x: f64,
-    y: f64,
+    places: &mut dyn Iterator<Item = &(Place, u32)>,
+    wanted: &Place,
     except: Option<u32>,
     best: &mut Option<(f64, u32)>,
 ) {
     for (other, id) in places {
-        if best.is_some_and(|(distance, _)| (other.x - x).abs() > distance) {
+        if best.is_some_and(|(distance, _)| (other.x - wanted.x).abs() > distance) {
             break;
         }
-        let distance = (other.x - x).hypot(other.y - y);
+        let distance = (other.x - wanted.x)
+            .hypot(other.y - wanted.y)
+            .hypot(other.z - wanted.z);
         if Some(*id) != except && best.is_none_or(|(least, _)| distance < least) {
             *best = Some((distance, *id));
         }

@@ -7,6 +7,7 @@ use crate::evaluation::tests::{tracks_of, truth_of};
 use crate::evaluation::{
     EvaluationInput, SymbolRule, TfaReport, TfaSettings, evaluate_temporal_automaton,
 };
+use crate::model::space::Space;
 use crate::model::state::Position;
 use crate::model::truth::{Target, TruthPoint};
 
@@ -14,10 +15,13 @@ use crate::model::truth::{Target, TruthPoint};
 fn truth_at(times_s: &[f64]) -> TruthSet {
     let point =
         |&time_s: &f64| TruthPoint::in_plane(time_s, Position::new(20.0 * time_s, 0.0), None);
-    TruthSet::new(vec![Target {
-        truth_id: "A".to_owned(),
-        points: times_s.iter().map(point).collect(),
-    }])
+    TruthSet::new(
+        Space::Plane,
+        vec![Target {
+            truth_id: "A".to_owned(),
+            points: times_s.iter().map(point).collect(),
+        }],
+    )
     .unwrap()
 }
 

@@ -138,21 +138,21 @@ pub fn write_strings<'a>(
 /// Only detection ids can be compared without a place: a direction is no number of metres away from anything.
 fn check_places(input: &EvaluationInput, rule: SymbolRule) -> Result<(), Vec<Fault>> {
     let needs_truth = matches!(rule, SymbolRule::NearestTruth { .. });
-    let is_truth_of_bearings = needs_truth && input.truth.is_some_and(TruthSet::is_of_bearings);
-    let of_bearings = [
-        ("tracks", input.tracks.is_of_bearings()),
-        ("truth", is_truth_of_bearings),
+    let truth = input.truth.filter(|_| needs_truth);
+    let spaces = [
+        ("tracks", Some(input.tracks.space)),
+        ("truth", truth.map(TruthSet::space)),
     ];
-    let fault = |(name, _): &(&str, bool)| {
+    let fault = |name: &str| {
         let detail = format!(
             "the {name} are directions (bearing_deg): what is nearest to them in metres is not defined"
         );
         Fault::new("/tfa/symbols", "unsupported", detail).allowing("detection_id")
     };
-    let faults: Vec<Fault> = of_bearings
+    let faults: Vec<Fault> = spaces
         .iter()
-        .filter(|(_, is_of_bearings)| *is_of_bearings)
-        .map(fault)
+        .filter(|(_, space)| space.is_some_and(|space| !space.has_places()))
+        .map(|(name, _)| fault(name))
         .collect();
     if rule == SymbolRule::DetectionId || faults.is_empty() {
         Ok(())

@@ -10,8 +10,7 @@ use super::step::StringStep;
 use super::{DecisionPolicy, Source};
 use crate::evaluation::axis::Axis;
 use crate::evaluation::identities::Identities;
-use crate::model::state::Position;
-use crate::model::track::{Candidate, PlaneEstimate, Track, TrackPoint, TrackSet, TrackStatus};
+use crate::model::track::{Candidate, Track, TrackPoint, TrackSet, TrackStatus};
 
 /// A track decided on a detection, or named one the scan does not have.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -208,9 +207,9 @@ impl Reader<'_, '_> {
         }
         let step = match self.source {
             Source::NearestTruth(nearest) => {
-                let place_m = place_of(&track.points[first]);
+                let place_m = track.points[first].estimate.position_m();
                 StringStep {
-                    symbol: place_m.and_then(|place_m| nearest.symbol(scan, &place_m)),
+                    symbol: nearest.symbol(scan, &place_m),
                     weight: 1.0,
                 }
             }
@@ -247,11 +246,11 @@ impl Reader<'_, '_> {
                 decide(self.at_scan.iter().copied())
             }
             Source::NearestDetection(nearest) => {
-                let place_m = points
-                    .first()
-                    .and_then(|&(_, first)| place_of(&track.points[first]));
+                let symbol = points.first().and_then(|&(_, first)| {
+                    nearest.nearest(scan, &track.points[first].estimate.position_m())
+                });
                 StringStep {
-                    symbol: place_m.and_then(|place_m| nearest.nearest(scan, &place_m)),
+                    symbol,
                     weight: 1.0,
                 }
             }
@@ -355,11 +354,6 @@ impl Reader<'_, '_> {
             ));
         }
     }
-}
-
-/// A direction has no place.
-fn place_of(point: &TrackPoint) -> Option<Position> {
-    point.estimate.plane().map(PlaneEstimate::position_m)
 }
 
 /// The most probable candidate; ε when there is none.

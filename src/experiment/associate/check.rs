@@ -63,7 +63,7 @@ fn check_directions(draft: &mut Draft, lifecycle: &Lifecycle) {
     let Some(NamedFilter { filter, name }) = named_filter(draft) else {
         return;
     };
-    if !filter.is_of_bearings() {
+    if filter.space().has_places() {
         return;
     }
     let mut refuse = |pointer: &str, needs: &str, allowed: &str| {

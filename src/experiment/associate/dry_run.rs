@@ -11,7 +11,7 @@ use crate::experiment::request::draft::Draft;
 use crate::experiment::request::methods::{Choice, NamedFilter};
 use crate::model::fault::Fault;
 use crate::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
-use crate::model::scenario::{ReportNoise, Scenario, ScenarioSensor, TargetPlan};
+use crate::model::scenario::{ReportNoise, Scenario, ScenarioSensor};
 use crate::model::sensor::SensorSettings;
 use crate::simulation;
 use crate::tracking::Lifecycle;
@@ -34,13 +34,12 @@ pub fn check(draft: &mut Draft) {
     if let Some(associator) = draft.read::<Choice<BuildAssociator>>("/associator") {
         draft.add(unmet_need(&associator, &recording));
     }
-    let is_of_bearings = matches!(scenario.targets, TargetPlan::Bearings(_));
     if !draft.has("truth")
         && let Some(lifecycle) = lifecycle
     {
         draft.add(truth_initiation::unfit_truth(
             &lifecycle,
-            is_of_bearings,
+            scenario.targets.space(),
             &filter,
         ));
     }

@@ -149,10 +149,9 @@ impl<'a, W> Walk<'_, 'a, W> {
         filter: &F,
         (track, before, point): (&'a Track, &TrackPoint, &TrackPoint),
     ) -> Option<Gate<'a>> {
-        let known = before.estimate.plane()?;
         let kinematics = GaussianState {
-            mean: known.state,
-            covariance: known.covariance?,
+            mean: before.estimate.state(),
+            covariance: before.estimate.covariance()?,
         };
         let sensor_id = self.set.sensor_ids[point.sensor? as usize].as_str();
         let sensor = self

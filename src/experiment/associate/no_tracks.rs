@@ -23,7 +23,7 @@ pub fn warning(
         .iter()
         .map(|scan| u64::from(scan.started))
         .sum();
-    let advice = if filter.is_of_bearings() {
+    let advice = if !filter.space().has_places() {
         "; a larger initial_rate_sigma_degps of the filter, a larger gate_probability or fewer confirm_hits confirm more".to_owned()
     } else {
         advice(data, lifecycle)

@@ -10,14 +10,17 @@
 //! 3. NIS goes with 1/σ²: the σ that would fit is the square root of mean / due mean times the assumed one. Where that is less than
 //!    a tenth away nothing is said, for with many updates every interval is narrow.
 
+use super::report::NisReport;
 use crate::math::gaussian::{chi_square_tail, gate_threshold};
 
 /// Fewer updates say nothing.
 const FEWEST_UPDATES: u64 = 10;
 
-/// A warning where the mean NIS says that the noise is assumed too large or too small.
-pub fn warning(mean: f64, updates: u64, dimensions: u32, gate_probability: f64) -> Option<String> {
-    let (due, variance) = gated_chi_square(dimensions, gate_probability);
+/// A warning where the mean NIS says that the noise is assumed too large or too small. Nothing is said of reports of different
+/// numbers of values.
+pub fn warning(nis: &NisReport, gate_probability: f64) -> Option<String> {
+    let (mean, updates) = (nis.mean?, nis.updates);
+    let (due, variance) = gated_chi_square(nis.dimensions? as u32, gate_probability);
     let half = 1.96 * (variance / updates as f64).sqrt();
     let factor = (mean / due).sqrt();
     if updates < FEWEST_UPDATES || (mean - due).abs() <= half || (factor - 1.0).abs() <= 0.1 {
@@ -72,23 +75,29 @@ mod tests {
         assert_eq!(gated_chi_square(3, 1.0), (3.0, 6.0));
     }
 
+    /// Of reports of two values, without a gate.
+    fn of_two(mean: f64, updates: u64) -> Option<String> {
+        let nis = NisReport {
+            mean: Some(mean),
+            updates,
+            dimensions: Some(2),
+        };
+        warning(&nis, 1.0)
+    }
+
     #[test]
     fn the_sigma_that_would_fit_is_named_outside_the_interval_alone() {
         // √(0.31 / 2) = 0.39; 1.96 · √(4 / 400) = 0.196.
         let told = "mean NIS 0.31 of 400 updates, 2.00 is due within the gate (1.80 to 2.20 with 95 %): the noise is assumed too large; \
                     sigma × 0.39 would fit";
-        assert_eq!(warning(0.31, 400, 2, 1.0).as_deref(), Some(told));
+        assert_eq!(of_two(0.31, 400).as_deref(), Some(told));
         assert!(
-            warning(5.0, 400, 2, 1.0)
+            of_two(5.0, 400)
                 .unwrap()
                 .contains("is assumed too small; sigma × 1.58 would fit")
         );
         assert_eq!(
-            [
-                warning(2.15, 400, 2, 1.0),
-                warning(1.9, 1_000_000, 2, 1.0),
-                warning(0.3, 9, 2, 1.0)
-            ],
+            [of_two(2.15, 400), of_two(1.9, 1_000_000), of_two(0.3, 9)],
             [None, None, None]
         );
     }

@@ -65,7 +65,7 @@ pub fn complete(
     warnings: &mut Vec<String>,
 ) -> (Lifecycle, Taken) {
     let (mut lifecycle, mut taken) = (tracker.lifecycle, Taken::default());
-    if filter.is_of_bearings() || !tracker.leaves_speed_open {
+    if !filter.space().has_places() || !tracker.leaves_speed_open {
         return (lifecycle, taken);
     }
     let speeds = scenario.and_then(speeds_of_scenario).unwrap_or_else(|| {

@@ -149,20 +149,7 @@ fn track_with(
         ..taken
     };
     warnings.extend(scan_gaps::warning(recording));
-    let NisReport {
-        updates,
-        dimensions,
-        ..
-    } = tracked.nis;
-    if let (Some(mean), Some(dimensions)) = (tracked.nis.mean, dimensions) {
-        let probability = lifecycle.gate_probability;
-        warnings.extend(noise::warning(
-            mean,
-            updates,
-            dimensions as u32,
-            probability,
-        ));
-    }
+    warnings.extend(noise::warning(&tracked.nis, lifecycle.gate_probability));
     warnings.extend(no_tracks::warning(&tracked, &resolved, &lifecycle, filter));
     // Clutter that lies near targets only is not spread over what the sensor watches: a comparison would mislead.
     if !scenario.is_some_and(has_local_clutter) {

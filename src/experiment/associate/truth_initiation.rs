@@ -20,8 +20,9 @@ use crate::model::fault::Fault;
 use crate::model::scan::{Measurement, Recording};
 use crate::model::sensing::MeasurementModel;
 use crate::model::sensor::Sensor;
+use crate::model::space::{Place, Space};
 use crate::model::state::{GaussianState, Position};
-use crate::model::truth::{Target, TruePlace, TruthSet};
+use crate::model::truth::{Target, TruthSet};
 use crate::tracking::{GivenTrack, Initiation, Lifecycle};
 use rand_distr::{Distribution, StandardNormal};
 
@@ -41,7 +42,8 @@ pub struct Start {
 
 /// What is true of a target.
 struct Truth {
-    place: TruePlace,
+    space: Space,
+    position: Place,
     rates: [f64; 2],
 }
 
@@ -71,19 +73,18 @@ pub fn starts(
             "truth",
         ));
     };
-    if let Some(fault) = unfit_truth(lifecycle, truth.is_of_bearings(), filter) {
+    if let Some(fault) = unfit_truth(lifecycle, truth.space(), filter) {
         return Err(fault.into());
     }
     let Some(scan) = recording.scans.first() else {
         return Ok(Vec::new());
     };
-    let sigma = if filter.filter.is_of_bearings() {
-        rate_sigma_degps.to_radians()
-    } else {
-        speed_sigma_mps
+    let sigma = match truth.space() {
+        Space::Bearing => rate_sigma_degps.to_radians(),
+        Space::Plane | Space::Volume => speed_sigma_mps,
     };
     let start = |(index, target): (usize, &Target)| {
-        let truth = true_at(target, scan.time_s)?;
+        let truth = true_at(truth.space(), target, scan.time_s)?;
         let mut draw = seed.stream(Purpose::TrackStart, index as u64, 0);
         let errors: [f64; 5] = std::array::from_fn(|_| StandardNormal.sample(&mut draw));
         Some(Start {
@@ -107,20 +108,13 @@ pub fn starts(
 }
 
 /// A fault where tracks begin at truth of another kind than theirs.
-pub fn unfit_truth(
-    lifecycle: &Lifecycle,
-    is_of_bearings: bool,
-    named: &NamedFilter,
-) -> Option<Fault> {
-    if !matches!(lifecycle.initiation, Initiation::Truth { .. })
-        || is_of_bearings == named.filter.is_of_bearings()
-    {
+pub fn unfit_truth(lifecycle: &Lifecycle, space: Space, named: &NamedFilter) -> Option<Fault> {
+    if !matches!(lifecycle.initiation, Initiation::Truth { .. }) || space == named.filter.space() {
         return None;
     }
-    let (found, wanted) = if is_of_bearings {
-        ("directions (bearing_deg)", "places (x_m, y_m)")
-    } else {
-        ("places", "directions (bearing_deg)")
+    let (found, wanted) = match space {
+        Space::Bearing => ("directions (bearing_deg)", "places (x_m, y_m)"),
+        Space::Plane | Space::Volume => ("places", "directions (bearing_deg)"),
     };
     let detail = format!(
         "the truth are {found}, and tracks of the filter '{}' cannot begin at them",
@@ -133,47 +127,35 @@ fn refusal(code: &str, detail: &str, allowed: &str) -> RunError {
     Fault::new("/truth", code, detail).allowing(allowed).into()
 }
 
-fn true_at(target: &Target, time_s: f64) -> Option<Truth> {
-    if let Some(bearing_rad) = target.bearing_at(time_s, f64::INFINITY) {
-        let rate_radps = target.bearing_rate_at(time_s, f64::INFINITY).unwrap_or(0.0);
-        return Some(Truth {
-            place: TruePlace::Bearing { bearing_rad },
-            rates: [rate_radps, 0.0],
-        });
-    }
-    let position_m = target.position_at(time_s, f64::INFINITY)?;
-    let velocity_mps = target.velocity_at(time_s, f64::INFINITY);
-    let rates = velocity_mps.unwrap_or_else(Position::zeros).into();
+fn true_at(space: Space, target: &Target, time_s: f64) -> Option<Truth> {
+    let position = target.position_at(space, time_s, f64::INFINITY)?;
+    let rates = target.velocity_at(space, time_s, f64::INFINITY);
     Some(Truth {
-        place: TruePlace::Plane {
-            position_m,
-            velocity_mps,
-        },
-        rates,
+        space,
+        position,
+        rates: rates.unwrap_or_default().xy().into(),
     })
 }
 
 /// What the sensor would report, with draws of the standard normal distribution as its errors. `None` where it reports
 /// something else than truth tells.
 fn draw_report(report: &MeasurementModel, truth: &Truth, errors: [f64; 5]) -> Option<Measurement> {
-    match (*report, truth.place) {
-        (MeasurementModel::Bearing(sensor), TruePlace::Bearing { bearing_rad }) => {
-            Some(Measurement::Bearing {
-                bearing_rad: bearing_rad + sensor.sigma_bearing_rad * errors[0],
-            })
-        }
+    match (*report, truth.space) {
+        (MeasurementModel::Bearing(sensor), Space::Bearing) => Some(Measurement::Bearing {
+            bearing_rad: truth.position.x + sensor.sigma_bearing_rad * errors[0],
+        }),
         (
             MeasurementModel::Position {
                 sigma_x_m,
                 sigma_y_m,
             },
-            TruePlace::Plane { position_m, .. },
+            Space::Plane,
         ) => Some(Measurement::Position {
-            x_m: position_m[0] + sigma_x_m * errors[0],
-            y_m: position_m[1] + sigma_y_m * errors[1],
+            x_m: truth.position.x + sigma_x_m * errors[0],
+            y_m: truth.position.y + sigma_y_m * errors[1],
         }),
-        (MeasurementModel::Polar(polar), TruePlace::Plane { position_m, .. }) => {
-            let offset_m = position_m - polar.place_m;
+        (MeasurementModel::Polar(polar), Space::Plane) => {
+            let offset_m = truth.position.xy() - polar.place_m;
             let towards = offset_m.try_normalize(0.0).unwrap_or_else(Position::zeros);
             let range_rate =
                 |sigma_mps: f64| towards.dot(&Position::from(truth.rates)) + sigma_mps * errors[2];

@@ -7,6 +7,7 @@ use crate::experiment::job::refuse_any;
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
 use crate::model::scan::Recording;
+use crate::model::space::Space;
 use crate::model::state::Position;
 use crate::model::track::{TrackPoint, TrackSet};
 use crate::model::truth::{Target, TruthSet};
@@ -89,7 +90,7 @@ pub fn check(nodes: &[Node], spec: &Spec, warnings: &mut Vec<String>) -> Result<
             );
             faults.push(Fault::new(place(index), "duplicate", detail).allowing("each sensor once"));
         }
-        if node.tracks.is_of_bearings() {
+        if !node.tracks.space.has_places() {
             let detail = format!(
                 "the tracks of '{name}' are directions (bearing_deg), which are not compared with places"
             );
@@ -126,12 +127,7 @@ pub fn check(nodes: &[Node], spec: &Spec, warnings: &mut Vec<String>) -> Result<
 fn lacking_covariance(tracks: &TrackSet) -> usize {
     let points = tracks.tracks.iter().flat_map(|track| &track.points);
     points
-        .filter(|point| {
-            point
-                .estimate
-                .plane()
-                .is_some_and(|plane| plane.covariance.is_none())
-        })
+        .filter(|point| point.estimate.covariance.is_none())
         .count()
 }
 
@@ -171,24 +167,36 @@ impl Nodes {
 /// For each track, numbered through, the target that is nearest to most of its points, within the gate.
 fn nearest_targets(nodes: &[Node], truth: &TruthSet, gate_m: f64) -> Vec<Option<u32>> {
     let mut targets = Vec::new();
+    // Directions are near to nothing.
+    let known = if truth.space().has_places() {
+        truth.targets()
+    } else {
+        &[]
+    };
     for track in nodes.iter().flat_map(|node| &node.tracks.tracks) {
         let places = track
             .points
             .iter()
-            .filter_map(|point| Some((point.time_s, point.estimate.plane()?.position_m())));
+            .map(|point| (point.time_s, point.estimate.position_m()));
         targets.push(most_frequent(places.map(|(time_s, position_m)| {
-            nearest_target(truth, time_s, position_m, gate_m)
+            nearest_target(known, time_s, position_m, gate_m)
         })));
     }
     targets
 }
 
-fn nearest_target(truth: &TruthSet, time_s: f64, position_m: Position, gate_m: f64) -> Option<u32> {
+fn nearest_target(
+    targets: &[Target],
+    time_s: f64,
+    position_m: Position,
+    gate_m: f64,
+) -> Option<u32> {
     let distance_m = |(index, target): (usize, &Target)| {
-        let distance_m = (target.position_at(time_s, MAX_TRUTH_GAP_S)? - position_m).norm();
+        let true_m = target.position_at(Space::Plane, time_s, MAX_TRUTH_GAP_S)?;
+        let distance_m = (true_m.xy() - position_m).norm();
         (distance_m <= gate_m).then_some((distance_m, index as u32))
     };
-    let near = truth.targets().iter().enumerate().filter_map(distance_m);
+    let near = targets.iter().enumerate().filter_map(distance_m);
     near.min_by(|left, right| left.0.total_cmp(&right.0))
         .map(|(_, index)| index)
 }

@@ -310,15 +310,11 @@ fn local_tracks(nodes: &[Node]) -> Result<Artifact, Error> {
     let mut of_name: BTreeMap<&str, Vec<TrackPoint>> = BTreeMap::new();
     for (sensor, node) in nodes.iter().enumerate() {
         for track in &node.tracks.tracks {
-            let points = track
-                .points
-                .iter()
-                .filter(|point| point.estimate.plane().is_some());
-            let bare = points.map(|point| TrackPoint {
+            let bare = track.points.iter().map(|point| TrackPoint {
                 sensor: Some(sensor as u32),
                 first_candidate: 0,
                 candidates: 0,
-                ..*point
+                ..point.clone()
             });
             of_name.entry(&track.track_id).or_default().extend(bare);
         }
@@ -332,6 +328,7 @@ fn local_tracks(nodes: &[Node]) -> Result<Artifact, Error> {
     };
     let sensor_ids = nodes.iter().map(|node| node.sensor_id.clone()).collect();
     let set = TrackSet {
+        frame: nodes.first().and_then(|node| node.tracks.frame),
         tracks: of_name.into_iter().map(track).collect(),
         sensor_ids,
         ..TrackSet::default()

@@ -76,7 +76,10 @@ pub fn correlate(
         sources.extend(decisions.alone.iter().map(|&track| vec![track]));
     }
     let evidence = correlation.evidence(correlation.estimates.times());
-    let system_tracks = system_tracks(&evidence, &sources, &*spec.fusion.build());
+    let system_tracks = TrackSet {
+        frame: nodes.nodes.first().and_then(|node| node.tracks.frame),
+        ..system_tracks(&evidence, &sources, &*spec.fusion.build())
+    };
     report_progress(observer, Step::Evaluate, 1, 1)?;
     let association_time = decisions.association_time;
     Ok(Correlated {
@@ -150,8 +153,8 @@ fn cross_covariances(
             let is_known = |node: &Node| {
                 let points = node.tracks.tracks.iter().flat_map(|track| &track.points);
                 points
-                    .filter_map(|point| point.estimate.plane())
-                    .all(|plane| plane.has_velocity && plane.covariance.is_some())
+                    .map(|point| &point.estimate)
+                    .all(|said| said.velocity.is_some() && said.covariance.is_some())
             };
             if let Some(node) = nodes.iter().find(|node| !is_known(node)) {
                 let detail = format!(

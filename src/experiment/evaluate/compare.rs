@@ -3,7 +3,7 @@
 use super::metrics::NamedMetric;
 use super::spec::{ComparisonSpec, METRICS_OF_BEARINGS};
 use crate::evaluation::EvaluationInput;
-use crate::evaluation::comparison::{Comparison, PointSettings, Shape};
+use crate::evaluation::comparison::{Comparison, PointSettings};
 use crate::evaluation::extent::Extent;
 use crate::evaluation::nearness;
 use crate::experiment::input::TruthAndTracks;
@@ -11,6 +11,7 @@ use crate::experiment::job::{RunError, refuse_any};
 use crate::model::boxes::BoxSet;
 use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
+use crate::model::space::Space;
 use crate::model::truth::TruthSet;
 use crate::model::watch::Watch;
 
@@ -56,7 +57,7 @@ impl<'a> Subject<'a> {
     ) -> Result<Self, RunError> {
         let content = match (&pair.truth, &pair.tracks) {
             (Some(Dataset::Truth(truth)), Some(Dataset::Tracks(tracks))) => {
-                if truth.is_of_bearings() != tracks.is_of_bearings() {
+                if truth.space() != tracks.space {
                     let allowed = "truth and tracks of one kind";
                     return Err(unlike(name, index, OF_BEARINGS, allowed).into());
                 }
@@ -128,7 +129,7 @@ pub fn compare(
     let mut comparisons = Vec::with_capacity(subjects.len());
     for subject in subjects {
         comparisons.push(match &subject.content {
-            Content::Points { input, truth } if truth.is_of_bearings() => {
+            Content::Points { input, truth } if !truth.space().has_places() => {
                 Comparison::of_points_within(input, truth, &directions, &mut extent)
             }
             Content::Points { input, truth } => {
@@ -154,7 +155,7 @@ pub fn never_near(subject: &Subject, comparison: &Comparison) -> Option<String> 
     let Content::Points { input, truth } = &subject.content else {
         return None;
     };
-    if comparison.shape != Shape::Points
+    if !comparison.is_in_metres()
         || comparison
             .pairs
             .iter()
@@ -278,7 +279,7 @@ pub fn refuse_mixtures(subjects: &[Subject]) -> Result<(), Vec<Fault>> {
 
 fn shape_name(subject: &Subject) -> &'static str {
     match &subject.content {
-        Content::Points { truth, .. } if truth.is_of_bearings() => "directions",
+        Content::Points { truth, .. } if !truth.space().has_places() => "directions",
         Content::Points { .. } => "points",
         Content::Boxes { .. } => "boxes",
     }
@@ -288,14 +289,14 @@ fn shape_name(subject: &Subject) -> &'static str {
 fn refuse_shapes(metrics: &[NamedMetric], comparisons: &[Comparison]) -> Result<(), Vec<Fault>> {
     let mut faults = Vec::new();
     for NamedMetric { name, metric, .. } in metrics {
-        let shapes = comparisons.iter().map(|comparison| comparison.shape);
-        let Some(unfit) = shapes.into_iter().find(|shape| !metric.accepts(*shape)) else {
+        let mut spaces = comparisons.iter().map(|comparison| comparison.space);
+        let Some(unfit) = spaces.find(|space| !metric.accepts(*space)) else {
             continue;
         };
         let (found, allowed) = match unfit {
-            Shape::Points => ("points", "hota, clear, identity"),
-            Shape::Bearings => ("directions", METRICS_OF_BEARINGS),
-            Shape::Boxes => ("boxes", "hota, clear, identity (profile vision)"),
+            Some(Space::Plane | Space::Volume) => ("points", "hota, clear, identity"),
+            Some(Space::Bearing) => ("directions", METRICS_OF_BEARINGS),
+            None => ("boxes", "hota, clear, identity (profile vision)"),
         };
         let detail = format!("'{name}' is defined for positions in metres, not for {found}");
         faults.push(Fault::new("/metrics", "unsupported", detail).allowing(allowed));
@@ -308,7 +309,7 @@ mod tests {
     use super::*;
     use crate::evaluation::comparison::Alignment;
     use crate::model::state::{Position, State};
-    use crate::model::track::{Estimate, PlaneEstimate, Track, TrackPoint, TrackSet};
+    use crate::model::track::{Kinematics, Track, TrackPoint, TrackSet};
     use crate::model::truth::{Target, TruthPoint};
 
     /// Truth at 0 to 9 s and a track of ten seconds from `start_s` on.
@@ -317,20 +318,15 @@ mod tests {
         let points = times_s()
             .map(|time_s| TruthPoint::in_plane(time_s, Position::zeros(), None))
             .collect();
-        let truth = TruthSet::new(vec![Target {
+        let target = Target {
             truth_id: "A".to_owned(),
             points,
-        }])
-        .unwrap();
-        let estimate = Estimate::Plane(PlaneEstimate {
-            state: State::zeros(),
-            has_velocity: false,
-            covariance: None,
-        });
+        };
+        let truth = TruthSet::new(Space::Plane, vec![target]).unwrap();
         let point = |time_s| TrackPoint {
             time_s,
             sensor: None,
-            estimate,
+            estimate: Kinematics::of_plane(&State::zeros(), false, None),
             status: None,
             nis: None,
             first_candidate: 0,

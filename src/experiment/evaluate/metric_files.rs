@@ -1,7 +1,7 @@
 //! The files of a judgement: the log of events, the table of pairs, the metrics over time, and what the metrics say of each
 //! truth and each track. With them how the numbers of the report are made of their rows.
 
-use crate::evaluation::comparison::{Comparison, Shape};
+use crate::evaluation::comparison::Comparison;
 use crate::evaluation::metrics::origin::{
     EVENTS, Origin, PAIRS, PairColumn, SERIES, Source, TRACKS, TRUTHS,
 };
@@ -161,10 +161,9 @@ fn add_pairs(table: &mut Table, comparison: &Comparison, pairs: &[(u32, u32)], r
             .next_if(|pair| (pair.truth, pair.track) == (truth, track))
             .map(|pair| (pair.distance, pair.similarity));
         let far = || {
-            let distance = comparison
-                .shape
-                .distance(&of_truth.position_m, &of_track.position_m);
-            (comparison.shape != Shape::Boxes).then(|| (distance, comparison.similarity(distance)))
+            let distance = comparison.distance(&of_truth.position_m, &of_track.position_m);
+            comparison.space?;
+            Some((distance, comparison.similarity(distance)))
         };
         let distances = known.or_else(far);
         let mut row = vec![

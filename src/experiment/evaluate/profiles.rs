@@ -1,13 +1,13 @@
 //! Profiles: the metrics that a kind of user expects, when the request does not list any.
 
 use super::spec::METRICS_OF_BEARINGS;
-use crate::evaluation::comparison::Shape;
 use crate::evaluation::metrics::{BuildMetric, METRIC};
 use crate::experiment::associate::check::named_filter;
 use crate::experiment::job::InputRequest;
 use crate::experiment::request::draft::{Draft, parse};
 use crate::experiment::request::methods::Choice;
 use crate::model::fault::Fault;
+use crate::model::space::Space;
 use crate::registry::{self, Kind};
 use serde_json::{Value, json};
 
@@ -17,22 +17,22 @@ static ENTRY: Kind = Kind::Union(&METRIC);
 /// tracks that will be directions.
 pub fn fill_metrics(draft: &mut Draft, inputs: &[InputRequest]) {
     let has_truth = draft.knows_truth(inputs);
-    let is_of_bearings = named_filter(draft).is_some_and(|named| named.filter.is_of_bearings());
+    let are_places = named_filter(draft).is_none_or(|named| named.filter.space().has_places());
     match draft.length_of("metrics") {
         Some(listed) if listed > 0 && !has_truth && !inputs.is_empty() => {
             let detail = "'truth' is required when metrics are asked for";
             draft.add([Fault::new("/truth", "missing", detail)]);
         }
-        Some(listed) if is_of_bearings && !all_accept_bearings(draft, listed) => {
+        Some(listed) if !are_places && !all_accept_bearings(draft, listed) => {
             let detail = "most metrics compare places in metres; this filter makes directions, which the automaton judges";
             draft
                 .add([Fault::new("/metrics", "unsupported", detail).allowing(METRICS_OF_BEARINGS)]);
         }
         None if !draft.has("metrics") => {
-            let metrics = match (has_truth, is_of_bearings) {
+            let metrics = match (has_truth, are_places) {
                 (false, _) => Vec::new(),
-                (true, false) => metrics_of(draft.text_at("/profile"), gate_m(draft)),
-                (true, true) => metrics_of_bearings(draft),
+                (true, true) => metrics_of(draft.text_at("/profile"), gate_m(draft)),
+                (true, false) => metrics_of_bearings(draft),
             };
             draft.put("metrics", Value::Array(metrics));
         }
@@ -50,7 +50,7 @@ fn all_accept_bearings(draft: &Draft, listed: usize) -> bool {
 
 /// Whether this metric is one of [`METRICS_OF_BEARINGS`].
 pub fn accepts_bearings(metric: &Choice<BuildMetric>) -> bool {
-    metric.build().accepts(Shape::Bearings)
+    metric.build().accepts(Some(Space::Bearing))
 }
 
 /// Tracks that begin at the truth carry the names of their targets.

@@ -232,8 +232,8 @@ impl EvaluateJob {
         };
         let tracks = tracks_of(data, tracked)?;
         let mut metrics = Cow::Borrowed(self.spec.metrics.as_slice());
-        if truth.is_of_bearings() || tracks.is_of_bearings() {
-            let are_alike = truth.is_of_bearings() && tracks.is_of_bearings();
+        if !truth.space().has_places() || !tracks.space.has_places() {
+            let are_alike = truth.space() == tracks.space;
             let Some(kept) = metrics_of_bearings(&metrics, are_alike, warnings) else {
                 return Ok(None);
             };

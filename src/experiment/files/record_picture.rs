@@ -4,6 +4,7 @@
 use crate::experiment::job::Artifact;
 use crate::model::bearing_time::BearingTimeRecord;
 use crate::model::scan::{Measurement, Recording};
+use crate::model::space::Space;
 use crate::model::track::{Track, TrackSet};
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -47,8 +48,10 @@ pub fn draw(
     if let Some(recording) = recording {
         add_detections(&mut svg, &frame, recording);
     }
-    for track in tracks.into_iter().flat_map(|set| &set.tracks) {
-        add_track(&mut svg, &frame, track);
+    if let Some(set) = tracks {
+        for track in &set.tracks {
+            add_track(&mut svg, &frame, set.space, track);
+        }
     }
     add_legend(&mut svg, recording.is_some(), tracks.is_some());
     svg.push_str("</svg>\n");
@@ -305,9 +308,10 @@ fn add_detections(svg: &mut String, frame: &Frame, recording: &Recording) {
 const TRACK: &str = "#e4371e";
 
 /// The line of a track, broken where it goes round, and its name.
-fn add_track(svg: &mut String, frame: &Frame, track: &Track) {
+fn add_track(svg: &mut String, frame: &Frame, space: Space, track: &Track) {
     let place = |point: &crate::model::track::TrackPoint| {
-        let x = frame.x(point.estimate.bearing()?.bearing_rad)?;
+        let bearing_rad = (space == Space::Bearing).then_some(point.estimate.position.x)?;
+        let x = frame.x(bearing_rad)?;
         Some((x, frame.y(point.time_s)))
     };
     let mut path = String::new();

@@ -95,9 +95,11 @@ pub fn begin(settings: &PredictionSpec, first: &Instant, scene: &Scene) -> Track
 impl Scene<'_> {
     fn true_velocity_mps(&self, origin: u32, time_s: f64) -> Option<Position> {
         let truth_id = &self.recording.targets[origin as usize];
-        let mut targets = self.truth?.targets().iter();
+        let truth = self.truth.filter(|truth| truth.space().has_places())?;
+        let mut targets = truth.targets().iter();
         let target = targets.find(|target| target.truth_id == *truth_id)?;
-        target.velocity_at(time_s, 0.0)
+        let velocity_mps = target.velocity_at(truth.space(), time_s, 0.0)?;
+        Some(velocity_mps.xy())
     }
 }
 

@@ -44,7 +44,7 @@ pub fn detect(
         .detect(record, sensor, &mut progress)?
         .ok_or(RunError::Stopped)?;
     let mut quality = None;
-    if let Some(truth) = truth.filter(|truth| truth.is_of_bearings()) {
+    if let Some(truth) = truth.filter(|truth| !truth.space().has_places()) {
         let (with_origins, found) = assign_origins(recording, truth, detector.gate_deg)?;
         (recording, quality) = (with_origins, Some(found));
     }

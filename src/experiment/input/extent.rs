@@ -4,13 +4,14 @@
 use crate::model::scan::{Detection, Measurement, Recording};
 use crate::model::sensing::MeasurementModel;
 use crate::model::sensor::SensorSettings;
+use crate::model::space::Space;
 use crate::model::state::Position;
 use std::f64::consts::{PI, TAU};
 
 /// Of one sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extent {
-    pub is_of_bearings: bool,
+    pub space: Space,
     /// The rectangle (m²) or arc (degrees) that holds every detection; 0 when there are none.
     pub seen: f64,
     /// The field of view, or where that is not known what was seen.
@@ -24,46 +25,51 @@ impl Extent {
         settings: &SensorSettings,
         report: &MeasurementModel,
     ) -> Self {
-        let is_of_bearings = report.is_bearing();
-        let seen = if is_of_bearings {
-            arc_deg(recording, sensor)
-        } else {
-            area_m2(recording, sensor, settings)
+        let space = space_of(report);
+        let seen = match space {
+            Space::Bearing => arc_deg(recording, sensor),
+            Space::Plane | Space::Volume => area_m2(recording, sensor, settings),
         };
-        let field_of_view = |range_m: f64| {
-            if is_of_bearings {
-                360.0
-            } else {
-                PI * range_m * range_m
-            }
+        let field_of_view = |range_m: f64| match space {
+            Space::Bearing => 360.0,
+            Space::Plane | Space::Volume => PI * range_m * range_m,
         };
         Extent {
-            is_of_bearings,
+            space,
             seen,
             watched: settings.max_range_m.map_or(seen, field_of_view),
         }
     }
 
     pub fn unit(&self) -> &'static str {
-        if self.is_of_bearings { "degree" } else { "m²" }
+        match self.space {
+            Space::Bearing => "degree",
+            Space::Plane | Space::Volume => "m²",
+        }
     }
 
     /// The density over this extent that is known of the sensor.
     pub fn density_of(&self, settings: &SensorSettings) -> Option<f64> {
-        if self.is_of_bearings {
-            settings.clutter_per_deg
-        } else {
-            settings.clutter_per_m2
+        match self.space {
+            Space::Bearing => settings.clutter_per_deg,
+            Space::Plane | Space::Volume => settings.clutter_per_m2,
         }
     }
 
     /// A density over this extent, in the units that are used inside: per radian instead of per degree.
     pub fn inside(&self, density: f64) -> f64 {
-        if self.is_of_bearings {
-            density * (180.0 / PI)
-        } else {
-            density
+        match self.space {
+            Space::Bearing => density * (180.0 / PI),
+            Space::Plane | Space::Volume => density,
         }
+    }
+}
+
+/// The space in which reports are used.
+pub fn space_of(report: &MeasurementModel) -> Space {
+    match report {
+        MeasurementModel::Bearing { .. } => Space::Bearing,
+        _ => Space::Plane,
     }
 }
 

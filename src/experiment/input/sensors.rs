@@ -1,13 +1,14 @@
 //! The sensors of a recording, completed: what the request says, else what came with the data, else what can soundly
 //! be estimated from the data, said in a warning; what cannot be estimated is a fault.
 
-use super::extent::{Extent, detections_of, place_of};
+use super::extent::{Extent, detections_of, place_of, space_of};
 use crate::experiment::job::refuse_any;
 use crate::experiment::request::methods::NamedFilter;
 use crate::model::fault::Fault;
 use crate::model::scan::{Detection, Measurement, Recording};
 use crate::model::sensing::{Bearing, MeasurementModel, Polar, RangeRate};
 use crate::model::sensor::{Sensor, SensorSettings};
+use crate::model::space::Space;
 use crate::model::state::Position;
 
 /// Assumed when nobody says how often a target is detected.
@@ -90,38 +91,13 @@ pub fn resolve(
                 settings.sensor_id
             ));
         }
-        let mut reader = NoiseReader {
+        let rates_mps = uses_rates.then(|| range_rate_span_mps(recording, index));
+        let reader = NoiseReader {
             settings,
             faults: &mut faults,
         };
-        let report = match kind {
-            Kind::Position => MeasurementModel::Position {
-                sigma_x_m: reader.required("sigma_x_m", settings.sigma_x_m, "m"),
-                sigma_y_m: reader.required("sigma_y_m", settings.sigma_y_m, "m"),
-            },
-            Kind::Polar => MeasurementModel::Polar(Polar {
-                place_m: place(settings, warnings),
-                sigma_range_m: reader.required("sigma_range_m", settings.sigma_range_m, "m"),
-                sigma_bearing_rad: reader
-                    .required("sigma_bearing_deg", settings.sigma_bearing_deg, "deg")
-                    .to_radians(),
-                range_rate: uses_rates.then(|| RangeRate {
-                    sigma_mps: reader.required(
-                        "sigma_range_rate_mps",
-                        settings.sigma_range_rate_mps,
-                        "m/s",
-                    ),
-                    span_mps: range_rate_span_mps(recording, index),
-                }),
-            }),
-            Kind::Bearing => MeasurementModel::Bearing(Bearing {
-                place_m: place_of(settings),
-                sigma_bearing_rad: reader
-                    .required("sigma_bearing_deg", settings.sigma_bearing_deg, "deg")
-                    .to_radians(),
-            }),
-        };
-        let locates = filter.filter.is_of_bearings() || report.locates();
+        let report = reader.report(kind, rates_mps, warnings);
+        let locates = !filter.filter.space().has_places() || report.locates();
         faults.extend(unable_start(settings, locates));
         let sensor = complete(recording, index, settings, report, warnings);
         sensors.push(Sensor {
@@ -129,7 +105,7 @@ pub fn resolve(
             ..sensor
         });
     }
-    if filter.filter.is_of_bearings() {
+    if !filter.filter.space().has_places() {
         faults.extend(two_places(known));
     }
     if faults.is_empty() {
@@ -145,7 +121,7 @@ pub fn misplaced_densities(requested: &[SensorSettings], sensors: &[Sensor]) -> 
         let sensor = sensors
             .iter()
             .find(|sensor| sensor.sensor_id == settings.sensor_id)?;
-        let (given, wanted) = misplaced_density(settings, sensor.report.is_bearing())?;
+        let (given, wanted) = misplaced_density(settings, space_of(&sensor.report))?;
         let detail = format!(
             "the clutter of sensor '{}' is stated in '{given}'; what is used of its reports needs '{wanted}'",
             sensor.sensor_id
@@ -160,11 +136,13 @@ pub fn misplaced_densities(requested: &[SensorSettings], sensors: &[Sensor]) -> 
 /// The density that is given and the one that is wanted instead. A sensor that has both is described for either use.
 fn misplaced_density(
     settings: &SensorSettings,
-    is_of_bearings: bool,
+    space: Space,
 ) -> Option<(&'static str, &'static str)> {
-    match (settings.clutter_per_m2, settings.clutter_per_deg) {
-        (Some(_), None) if is_of_bearings => Some(("clutter_per_m2", "clutter_per_deg")),
-        (None, Some(_)) if !is_of_bearings => Some(("clutter_per_deg", "clutter_per_m2")),
+    match (settings.clutter_per_m2, settings.clutter_per_deg, space) {
+        (Some(_), None, Space::Bearing) => Some(("clutter_per_m2", "clutter_per_deg")),
+        (None, Some(_), Space::Plane | Space::Volume) => {
+            Some(("clutter_per_deg", "clutter_per_m2"))
+        }
         _ => None,
     }
 }
@@ -221,7 +199,7 @@ fn usable_kind(
     let bearings = has(|measurement| matches!(measurement, Measurement::Bearing { .. }));
     let name = &settings.sensor_id;
     let (filter, filter_name) = (&named.filter, named.name);
-    let usable = if filter.is_of_bearings() {
+    let usable = if !filter.space().has_places() {
         "bearings (bearing_deg), with or without ranges (range_m)"
     } else if filter.uses_ranges() {
         "positions (x_m, y_m); ranges and bearings (range_m, bearing_deg)"
@@ -241,8 +219,8 @@ fn usable_kind(
         None
     };
     match (positions, ranges, bearings) {
-        (true, ..) if filter.is_of_bearings() => refuse("positions"),
-        _ if filter.is_of_bearings() => Some(Kind::Bearing),
+        (true, ..) if !filter.space().has_places() => refuse("positions"),
+        _ if !filter.space().has_places() => Some(Kind::Bearing),
         (false, false, true) if filter.uses_ranges() && any_locates(recording) => {
             faults.extend(unknown_place(settings));
             Some(Kind::Bearing)
@@ -266,6 +244,44 @@ struct NoiseReader<'a> {
 }
 
 impl NoiseReader<'_> {
+    /// What the sensor reports, and range rates too where they reach over an interval of this length.
+    fn report(
+        mut self,
+        kind: Kind,
+        span_mps: Option<f64>,
+        warnings: &mut Vec<String>,
+    ) -> MeasurementModel {
+        let settings = self.settings;
+        match kind {
+            Kind::Position => MeasurementModel::Position {
+                sigma_x_m: self.required("sigma_x_m", settings.sigma_x_m, "m"),
+                sigma_y_m: self.required("sigma_y_m", settings.sigma_y_m, "m"),
+            },
+            Kind::Polar => MeasurementModel::Polar(Polar {
+                place_m: place(settings, warnings),
+                sigma_range_m: self.required("sigma_range_m", settings.sigma_range_m, "m"),
+                sigma_bearing_rad: self.bearing_sigma(),
+                range_rate: span_mps.map(|span_mps| RangeRate {
+                    sigma_mps: self.required(
+                        "sigma_range_rate_mps",
+                        settings.sigma_range_rate_mps,
+                        "m/s",
+                    ),
+                    span_mps,
+                }),
+            }),
+            Kind::Bearing => MeasurementModel::Bearing(Bearing {
+                place_m: place_of(settings),
+                sigma_bearing_rad: self.bearing_sigma(),
+            }),
+        }
+    }
+
+    fn bearing_sigma(&mut self) -> f64 {
+        self.required("sigma_bearing_deg", self.settings.sigma_bearing_deg, "deg")
+            .to_radians()
+    }
+
     fn required(&mut self, field: &str, value: Option<f64>, unit: &str) -> f64 {
         if value.is_none() {
             let detail = format!(
@@ -372,7 +388,7 @@ fn complete(
     let extent = Extent::measure(recording, index, settings, &report);
     let density = extent.density_of(settings).unwrap_or_else(|| {
         let density = estimated_clutter(recording, index, &extent);
-        let unknown = misplaced_density(settings, extent.is_of_bearings).map_or(
+        let unknown = misplaced_density(settings, extent.space).map_or(
             "the clutter density is not known".to_owned(),
             |(given, wanted)| format!("'{given}' is not used, '{wanted}' is not known"),
         );

@@ -151,7 +151,10 @@ impl Builder {
 
     /// The row's measurement; `None` for a row that declares an empty scan, and for faults.
     fn measurement(&mut self, reader: &mut RowReader, columns: &Columns) -> Option<Measurement> {
-        let position = reader.all_or_none(columns.x.zip(columns.y).map(|(x, y)| [x, y]));
+        let mut place_m = [0.0; 2];
+        let places = columns.x.zip(columns.y).map(|(x, y)| [x, y]);
+        let is_placed = reader.fill(places.as_ref().map(<[_; 2]>::as_slice), &mut place_m);
+        let position = is_placed.then_some(place_m);
         let range_m = reader.optional_number(columns.range);
         if let (Some(column), Some(range_m)) =
             (columns.range, range_m.filter(|range_m| *range_m < 0.0))
@@ -334,6 +337,7 @@ impl Builder {
         let sensors = names.into_iter().map(settings).collect();
         let (detections, detection_ids) = (self.detections, self.ids);
         Recording::new(RecordingParts {
+            frame: None,
             sensors,
             scans,
             detections,

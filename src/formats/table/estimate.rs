@@ -1,246 +1,200 @@
-//! The columns of what a track says of its target: a place in the plane with velocity and covariance, or a direction with
-//! its rate and covariance, in degrees. A file has the columns of one of them.
+//! The columns of what truth or a track says of a target, by the space of the file: a place with velocity and covariance, or a
+//! direction with its rate and covariance, in degrees.
 
 use super::Sink;
 use super::degrees::{degrees, radians_of_square_degrees, square_degrees};
 use super::header::{BEARING_COVARIANCE, COVARIANCE, Header};
 use super::row::RowReader;
-use crate::model::state::{State, from_upper_triangle, upper_triangle};
-use crate::model::track::{BearingEstimate, Estimate, PlaneEstimate, TrackPoint, TrackSet};
-use nalgebra::{Cholesky, Matrix2, SMatrix};
+use crate::model::space::{Place, Space};
+use crate::model::state::{Packed, from_upper_triangle};
+use crate::model::track::{Kinematics, TrackSet};
+use nalgebra::Cholesky;
 use std::io;
 
+/// The columns of a space.
+struct Names {
+    position: &'static [&'static str],
+    velocity: &'static [&'static str],
+    covariance: &'static [&'static str],
+}
+
+impl Names {
+    const fn of(space: Space) -> Names {
+        match space {
+            Space::Bearing => Names {
+                position: &["bearing_deg"],
+                velocity: &["bearing_rate_degps"],
+                covariance: &BEARING_COVARIANCE,
+            },
+            Space::Plane | Space::Volume => Names {
+                position: &["x_m", "y_m"],
+                velocity: &["vx_mps", "vy_mps"],
+                covariance: &COVARIANCE,
+            },
+        }
+    }
+}
+
 /// Where the columns of estimates are.
-pub enum EstimateColumns {
-    Plane {
-        position: [usize; 2],
-        velocity: Option<[usize; 2]>,
-        covariance: Option<[usize; 10]>,
-    },
-    Bearing {
-        bearing: usize,
-        rate: Option<usize>,
-        covariance: Option<[usize; 3]>,
-    },
+pub struct EstimateColumns {
+    pub space: Space,
+    position: Vec<usize>,
+    velocity: Option<Vec<usize>>,
+    covariance: Option<Vec<usize>>,
 }
 
 impl EstimateColumns {
+    /// Of tracks.
     pub fn from_header(header: &Header) -> Self {
-        if header.find("x_m").is_none() {
-            return EstimateColumns::Bearing {
-                bearing: header.required("bearing_deg"),
-                rate: header.find("bearing_rate_degps"),
-                covariance: header.all(BEARING_COVARIANCE),
-            };
+        let space = if header.find("x_m").is_none() {
+            Space::Bearing
+        } else {
+            Space::Plane
+        };
+        let names = Names::of(space);
+        EstimateColumns {
+            space,
+            position: names
+                .position
+                .iter()
+                .map(|name| header.required(name))
+                .collect(),
+            velocity: header.all(names.velocity),
+            covariance: header.all(names.covariance),
         }
-        EstimateColumns::Plane {
-            position: [header.required("x_m"), header.required("y_m")],
-            velocity: header.all(["vx_mps", "vy_mps"]),
-            covariance: header.all(COVARIANCE),
+    }
+
+    /// Of truth, which is certain, and says no rates of directions.
+    pub fn of_truth(header: &Header) -> Self {
+        let columns = EstimateColumns::from_header(header);
+        EstimateColumns {
+            velocity: columns.velocity.filter(|_| columns.space.has_places()),
+            covariance: None,
+            ..columns
         }
     }
 
     /// The column that faults of a whole estimate are reported in.
     pub fn first(&self) -> usize {
-        match self {
-            EstimateColumns::Plane { position, .. } => position[0],
-            EstimateColumns::Bearing { bearing, .. } => *bearing,
-        }
+        self.position[0]
     }
 
-    pub fn read(&self, reader: &mut RowReader) -> Option<Estimate> {
-        match *self {
-            EstimateColumns::Plane {
-                position,
-                velocity,
-                covariance,
-            } => {
-                let [x_m, y_m] = position.map(|column| reader.number(column));
-                let velocity = reader.all_or_none(velocity);
-                let first = covariance.map(|columns| columns[0]);
-                let covariance = reader
-                    .all_or_none(covariance)
-                    .map(|upper| from_upper_triangle(&upper));
-                check_definite(reader, first, covariance);
-                let [vx_mps, vy_mps] = velocity.unwrap_or_default();
-                let state = State::new(x_m?, y_m?, vx_mps, vy_mps);
-                Some(Estimate::Plane(PlaneEstimate {
-                    state,
-                    has_velocity: velocity.is_some(),
-                    covariance,
-                }))
-            }
-            EstimateColumns::Bearing {
-                bearing,
-                rate,
-                covariance,
-            } => {
-                let bearing_deg = reader.number(bearing);
-                let rate_radps = reader.optional_number(rate).map(f64::to_radians);
-                let first = covariance.map(|columns| columns[0]);
-                let covariance = reader.all_or_none(covariance).map(|upper| {
-                    let [bb, bbr, brbr] = upper.map(radians_of_square_degrees);
-                    Matrix2::new(bb, bbr, bbr, brbr)
-                });
-                check_definite(reader, first, covariance);
-                Some(Estimate::Bearing(BearingEstimate {
-                    bearing_rad: bearing_deg?.to_radians(),
-                    rate_radps,
-                    covariance,
-                }))
+    pub fn read(&self, reader: &mut RowReader) -> Option<Kinematics> {
+        let mut position = Some(Place::zeros());
+        for (axis, &column) in self.position.iter().enumerate() {
+            match (reader.number(column), &mut position) {
+                (Some(value), Some(position)) => position[axis] = self.inside(value),
+                _ => position = None,
             }
         }
+        let mut velocity = Place::zeros();
+        let has_velocity = reader.fill(self.velocity.as_deref(), velocity.as_mut_slice());
+        velocity.apply(|value| *value = self.inside(*value));
+        let covariance = self.read_covariance(reader);
+        Some(Kinematics {
+            position: position?,
+            velocity: has_velocity.then_some(velocity),
+            covariance,
+        })
     }
-}
 
-/// A covariance must be positive definite: one that is not gives no distances. `first` is its first column.
-fn check_definite<const N: usize>(
-    reader: &mut RowReader,
-    first: Option<usize>,
-    covariance: Option<SMatrix<f64, N, N>>,
-) {
-    if let (Some(first), Some(covariance)) = (first, covariance)
-        && Cholesky::new(covariance).is_none()
-    {
-        let detail =
-            "the covariance is singular, or not one: it is not positive definite".to_owned();
-        let allowed = "a positive definite matrix: every variance > 0, every correlation within (-1, 1); or all its cells empty";
-        reader.fault_allowing(first, "out_of_range", detail, allowed);
-    }
-}
-
-/// Whether two estimates are at one place, or in one direction.
-pub fn is_same_place(left: &Estimate, right: &Estimate) -> bool {
-    match (left, right) {
-        (Estimate::Plane(left), Estimate::Plane(right)) => left.position_m() == right.position_m(),
-        (Estimate::Bearing(left), Estimate::Bearing(right)) => {
-            left.bearing_rad == right.bearing_rad
+    fn inside(&self, value: f64) -> f64 {
+        match self.space {
+            Space::Bearing => value.to_radians(),
+            Space::Plane | Space::Volume => value,
         }
-        _ => false,
+    }
+
+    /// A covariance must be positive definite: one that is not gives no distances.
+    fn read_covariance(&self, reader: &mut RowReader) -> Option<Packed> {
+        let columns = self.covariance.as_deref()?;
+        let mut elements = vec![0.0; columns.len()];
+        if !reader.fill(Some(columns), &mut elements) {
+            return None;
+        }
+        if self.space == Space::Bearing {
+            let inside = |element: &mut f64| *element = radians_of_square_degrees(*element);
+            elements.iter_mut().for_each(inside);
+        }
+        if !is_definite(self.space, &elements) {
+            let detail = "the covariance is singular, or not one: it is not positive definite";
+            let allowed = "a positive definite matrix: every variance > 0, every correlation within (-1, 1); or all its cells empty";
+            reader.fault_allowing(columns[0], "out_of_range", detail.to_owned(), allowed);
+        }
+        Some(elements.as_slice().into())
     }
 }
 
-/// Which columns the estimates of a set need.
+fn is_definite(space: Space, elements: &[f64]) -> bool {
+    match space {
+        Space::Bearing => Cholesky::new(from_upper_triangle::<2>(elements)).is_some(),
+        Space::Plane => Cholesky::new(from_upper_triangle::<4>(elements)).is_some(),
+        Space::Volume => Cholesky::new(from_upper_triangle::<6>(elements)).is_some(),
+    }
+}
+
+/// From what is held to what is written.
+type Convert = fn(f64) -> f64;
+
+/// Which columns the points of a set need.
 #[derive(Clone, Copy)]
-pub enum EstimateLayout {
-    Plane { velocity: bool, covariance: bool },
-    Bearing { rate: bool, covariance: bool },
+pub struct EstimateLayout {
+    pub space: Space,
+    pub velocity: bool,
+    pub covariance: bool,
 }
 
 impl EstimateLayout {
     pub fn for_set(set: &TrackSet) -> Self {
-        let (mut has_rates, mut has_covariance) = (false, false);
+        let (mut velocity, mut covariance) = (false, false);
         for point in set.tracks.iter().flat_map(|track| &track.points) {
-            match &point.estimate {
-                Estimate::Plane(plane) => {
-                    has_rates |= plane.has_velocity;
-                    has_covariance |= plane.covariance.is_some();
-                }
-                Estimate::Bearing(bearing) => {
-                    has_rates |= bearing.rate_radps.is_some();
-                    has_covariance |= bearing.covariance.is_some();
-                }
-            }
+            velocity |= point.estimate.velocity.is_some();
+            covariance |= point.estimate.covariance.is_some();
         }
-        if set.is_of_bearings() {
-            EstimateLayout::Bearing {
-                rate: has_rates,
-                covariance: has_covariance,
-            }
-        } else {
-            EstimateLayout::Plane {
-                velocity: has_rates,
-                covariance: has_covariance,
-            }
+        EstimateLayout {
+            space: set.space,
+            velocity,
+            covariance,
         }
     }
 
     pub fn columns(self) -> Vec<&'static str> {
-        let (place, rates, covariance): (&[_], &[_], &[_]) = match self {
-            EstimateLayout::Plane { .. } => (&["x_m", "y_m"], &["vx_mps", "vy_mps"], &COVARIANCE),
-            EstimateLayout::Bearing { .. } => (
-                &["bearing_deg"],
-                &["bearing_rate_degps"],
-                &BEARING_COVARIANCE,
-            ),
+        let names = Names::of(self.space);
+        let velocity = if self.velocity { names.velocity } else { &[] };
+        let covariance = if self.covariance {
+            names.covariance
+        } else {
+            &[]
         };
-        let (EstimateLayout::Plane {
-            velocity: has_rates,
-            covariance: has_covariance,
-        }
-        | EstimateLayout::Bearing {
-            rate: has_rates,
-            covariance: has_covariance,
-        }) = self;
-        [
-            place,
-            if has_rates { rates } else { &[] },
-            if has_covariance { covariance } else { &[] },
-        ]
-        .concat()
+        [names.position, velocity, covariance].concat()
     }
 
-    pub fn write(self, point: &TrackPoint, sink: &mut dyn Sink) -> io::Result<()> {
-        match self {
-            EstimateLayout::Plane {
-                velocity,
-                covariance,
-            } => {
-                let plane = point.estimate.plane();
-                let moving = plane.filter(|plane| plane.has_velocity);
-                numbers(
-                    sink,
-                    true,
-                    [0, 1].map(|axis| plane.map(|plane| plane.state[axis])),
-                )?;
-                numbers(
-                    sink,
-                    velocity,
-                    [2, 3].map(|axis| moving.map(|plane| plane.state[axis])),
-                )?;
-                let upper = plane
-                    .and_then(|plane| plane.covariance.as_ref())
-                    .map(upper_triangle);
-                numbers::<10>(
-                    sink,
-                    covariance,
-                    std::array::from_fn(|index| upper.map(|upper| upper[index])),
-                )
-            }
-            EstimateLayout::Bearing { rate, covariance } => {
-                let bearing = point.estimate.bearing();
-                numbers(
-                    sink,
-                    true,
-                    [bearing.map(|bearing| degrees(bearing.bearing_rad))],
-                )?;
-                numbers(
-                    sink,
-                    rate,
-                    [bearing.and_then(|bearing| bearing.rate_radps).map(degrees)],
-                )?;
-                let square = bearing
-                    .and_then(|bearing| bearing.covariance)
-                    .map(|covariance| covariance.map(square_degrees));
-                numbers(
-                    sink,
-                    covariance,
-                    [(0, 0), (0, 1), (1, 1)].map(|place| square.map(|square| square[place])),
-                )
+    /// The cells of a point; those of columns that it does not fill are empty.
+    pub fn write(
+        self,
+        position: &Place,
+        velocity: Option<&Place>,
+        covariance: Option<&[f64]>,
+        sink: &mut dyn Sink,
+    ) -> io::Result<()> {
+        let names = Names::of(self.space);
+        let (place, square): (Convert, Convert) = match self.space {
+            Space::Bearing => (degrees, square_degrees),
+            Space::Plane | Space::Volume => (|value| value, |value| value),
+        };
+        for axis in 0..names.position.len() {
+            sink.number(Some(place(position[axis])))?;
+        }
+        if self.velocity {
+            for axis in 0..names.velocity.len() {
+                sink.number(velocity.map(|velocity| place(velocity[axis])))?;
             }
         }
-    }
-}
-
-/// Cells of columns that the table may lack.
-fn numbers<const N: usize>(
-    sink: &mut dyn Sink,
-    has_columns: bool,
-    values: [Option<f64>; N],
-) -> io::Result<()> {
-    if has_columns {
-        values.into_iter().try_for_each(|value| sink.number(value))
-    } else {
+        if self.covariance {
+            for element in 0..names.covariance.len() {
+                sink.number(covariance.map(|covariance| square(covariance[element])))?;
+            }
+        }
         Ok(())
     }
 }

@@ -141,12 +141,8 @@ impl Header {
     }
 
     /// The places of all these columns, if none is missing.
-    pub fn all<const N: usize>(&self, names: [&str; N]) -> Option<[usize; N]> {
-        let places = names.map(|name| self.find(name));
-        places
-            .iter()
-            .all(Option::is_some)
-            .then(|| places.map(Option::unwrap_or_default))
+    pub fn all(&self, names: &[&str]) -> Option<Vec<usize>> {
+        names.iter().map(|name| self.find(name)).collect()
     }
 
     /// A column that [`resolve`] made sure of.

@@ -155,21 +155,21 @@ impl<'a> RowReader<'a> {
         None
     }
 
-    /// Cells that are all filled or all empty; a mixture is a fault at each empty one.
-    pub fn all_or_none<const N: usize>(&mut self, columns: Option<[usize; N]>) -> Option<[f64; N]> {
-        let columns = columns?;
-        let filled = columns.map(|column| !self.rows.cell(column).trim_ascii().is_empty());
-        if !filled.contains(&true) {
-            return None;
+    /// Cells that are all filled or all empty; a mixture is a fault at each empty one. Whether all are filled: then `values`
+    /// begins with them.
+    pub fn fill(&mut self, columns: Option<&[usize]>, values: &mut [f64]) -> bool {
+        let columns = columns.unwrap_or_default();
+        let is_filled = |column: &usize| !self.rows.cell(*column).trim_ascii().is_empty();
+        let mut complete = columns.iter().any(is_filled);
+        if !complete {
+            return false;
         }
-        let mut values = [0.0; N];
-        let mut complete = true;
-        for (value, column) in values.iter_mut().zip(columns) {
+        for (value, &column) in values.iter_mut().zip(columns) {
             match self.number(column) {
                 Some(number) => *value = number,
                 None => complete = false,
             }
         }
-        complete.then_some(values)
+        complete
     }
 }

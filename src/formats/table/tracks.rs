@@ -2,13 +2,14 @@
 //! candidates of one point: a detection, or none (empty), with its probability. A row that repeats another one is taken once, and
 //! told.
 
-use super::estimate::{EstimateColumns, EstimateLayout, is_same_place};
+use super::estimate::{EstimateColumns, EstimateLayout};
 use super::header::Header;
 use super::interner::Interner;
 use super::row::RowReader;
 use super::{Repeats, Rows, Sink};
 use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
+use crate::model::space::Space;
 use crate::model::track::{Candidate, Track, TrackPoint, TrackSet, TrackStatus};
 use std::collections::{BTreeSet, HashMap};
 use std::io;
@@ -80,7 +81,10 @@ pub fn read(
     warnings.extend(reader.repeats_warning(&builder.repeats));
     reader.faults.finish()?;
     let empty = builder.points.is_empty();
-    Ok((Dataset::Tracks(builder.finish()), empty))
+    Ok((
+        Dataset::Tracks(builder.finish(columns.estimate.space)),
+        empty,
+    ))
 }
 
 impl Builder {
@@ -205,7 +209,7 @@ impl Builder {
     }
 
     /// Tracks and sensors in natural order; detections in the order that candidates name them.
-    fn finish(self) -> TrackSet {
+    fn finish(self, space: Space) -> TrackSet {
         let (names, track_place) = self.tracks.sorted();
         let (sensor_ids, sensor_place) = self.sensors.sorted();
         let mut tracks: Vec<Track> = names
@@ -238,6 +242,8 @@ impl Builder {
         }
         let detection_ids = renumber(&mut candidates, self.detections.into_names());
         TrackSet {
+            space: space.of_points(!tracks.is_empty()),
+            frame: None,
             tracks,
             candidates,
             detection_ids,
@@ -346,7 +352,7 @@ fn check_same_point(
     if columns.detection.is_none() {
         let detail = format!("track '{name}' is at {time_s} s twice: also on {before}");
         reader.fault(columns.time, "duplicate", detail);
-    } else if !is_same_place(&known.estimate, &point.estimate) {
+    } else if known.estimate.position != point.estimate.position {
         let detail = format!("track '{name}' at {time_s} s is at another position on {before}");
         reader.fault(columns.estimate.first(), "conflict", detail);
     }
@@ -432,7 +438,13 @@ fn write_row(
                 .map(|sensor| set.sensor_ids[sensor as usize].as_str()),
         )?;
     }
-    layout.estimate.write(point, sink)?;
+    let estimate = &point.estimate;
+    layout.estimate.write(
+        &estimate.position,
+        estimate.velocity.as_ref(),
+        estimate.covariance.as_deref(),
+        sink,
+    )?;
     if layout.candidates {
         let detection = candidate.and_then(|candidate| candidate.detection);
         sink.text(detection.map(|detection| set.detection_ids[detection as usize].as_str()))?;

@@ -1,30 +1,21 @@
 //! Truth: rows of any interleaving of targets; each target's times rise. A row that repeats its target's last one is taken
 //! once, and told.
 
-use super::degrees::degrees;
+use super::estimate::{EstimateColumns, EstimateLayout};
 use super::header::Header;
 use super::interner::Interner;
 use super::row::RowReader;
 use super::{Repeats, Rows, Sink};
 use crate::model::dataset::Dataset;
 use crate::model::fault::Fault;
-use crate::model::state::Position;
-use crate::model::truth::{Target, TruePlace, TruthPoint, TruthSet};
+use crate::model::truth::{Target, TruthPoint, TruthSet};
 use std::io;
 
 /// Where the columns of truth are.
 struct Columns {
     time: usize,
     truth: usize,
-    place: PlaceColumns,
-}
-
-enum PlaceColumns {
-    Plane {
-        position: [usize; 2],
-        velocity: Option<[usize; 2]>,
-    },
-    Bearing(usize),
+    estimate: EstimateColumns,
 }
 
 /// A target being read: its points and the row of the last one.
@@ -46,7 +37,7 @@ pub fn read(
     let columns = Columns {
         time: header.required("time_s"),
         truth: header.required("truth_id"),
-        place: PlaceColumns::from_header(header),
+        estimate: EstimateColumns::of_truth(header),
     };
     let mut reader = RowReader::new(rows);
     let mut names = Interner::default();
@@ -63,7 +54,10 @@ pub fn read(
     reader.faults.finish()?;
     let empty = paths.is_empty();
     Ok((
-        Dataset::Truth(TruthSet::new(sort_targets(names, paths))?),
+        Dataset::Truth(TruthSet::new(
+            columns.estimate.space,
+            sort_targets(names, paths),
+        )?),
         empty,
     ))
 }
@@ -76,7 +70,7 @@ fn read_row(
 ) {
     let time_s = reader.number(columns.time);
     reader.require_name(columns.truth);
-    let place = columns.place.read(reader);
+    let estimate = columns.estimate.read(reader);
     if reader.text(columns.truth).is_empty() {
         return;
     }
@@ -85,9 +79,11 @@ fn read_row(
         paths.resize_with(index + 1, Path::default);
     }
     let path = &mut paths[index];
-    let point = time_s
-        .zip(place)
-        .map(|(time_s, place)| TruthPoint { time_s, place });
+    let point = time_s.zip(estimate).map(|(time_s, estimate)| TruthPoint {
+        time_s,
+        position: estimate.position,
+        velocity: estimate.velocity,
+    });
     if point.is_some() && point.as_ref() == path.points.last() {
         return repeats.add(reader.row());
     }
@@ -97,38 +93,6 @@ fn read_row(
     if let Some(point) = point {
         path.points.push(point);
         path.last_row = reader.row();
-    }
-}
-
-impl PlaceColumns {
-    fn from_header(header: &Header) -> Self {
-        if header.find("x_m").is_none() {
-            return PlaceColumns::Bearing(header.required("bearing_deg"));
-        }
-        PlaceColumns::Plane {
-            position: [header.required("x_m"), header.required("y_m")],
-            velocity: header.all(["vx_mps", "vy_mps"]),
-        }
-    }
-
-    fn read(&self, reader: &mut RowReader) -> Option<TruePlace> {
-        match *self {
-            PlaceColumns::Plane { position, velocity } => {
-                let [x_m, y_m] = position.map(|column| reader.number(column));
-                let velocity_mps = reader
-                    .all_or_none(velocity)
-                    .map(|[vx, vy]| Position::new(vx, vy));
-                Some(TruePlace::Plane {
-                    position_m: Position::new(x_m?, y_m?),
-                    velocity_mps,
-                })
-            }
-            PlaceColumns::Bearing(column) => {
-                reader.number(column).map(|degrees| TruePlace::Bearing {
-                    bearing_rad: degrees.to_radians(),
-                })
-            }
-        }
     }
 }
 
@@ -165,43 +129,22 @@ fn sort_targets(names: Interner, mut paths: Vec<Path>) -> Vec<Target> {
 /// # Errors
 /// What the output says.
 pub fn write(truth: &TruthSet, sink: &mut dyn Sink) -> io::Result<()> {
-    let has_velocity = |point: &TruthPoint| point.velocity_mps().is_some();
-    let with_velocity = truth
-        .targets()
-        .iter()
-        .any(|target| target.points.iter().any(has_velocity));
-    let of_bearings = truth.is_of_bearings();
-    let columns: &[&str] = match (of_bearings, with_velocity) {
-        (true, _) => &["time_s", "truth_id", "bearing_deg"],
-        (false, false) => &["time_s", "truth_id", "x_m", "y_m"],
-        (false, true) => &["time_s", "truth_id", "x_m", "y_m", "vx_mps", "vy_mps"],
+    let mut points = truth.targets().iter().flat_map(|target| &target.points);
+    let layout = EstimateLayout {
+        space: truth.space(),
+        velocity: points.any(|point| point.velocity.is_some()),
+        covariance: false,
     };
-    sink.begin(columns)?;
+    let mut columns = vec!["time_s", "truth_id"];
+    columns.extend(layout.columns());
+    sink.begin(&columns)?;
     for target in truth.targets() {
         for point in &target.points {
             sink.number(Some(point.time_s))?;
             sink.text(Some(&target.truth_id))?;
-            write_place(&point.place, with_velocity, sink)?;
+            layout.write(&point.position, point.velocity.as_ref(), None, sink)?;
             sink.end_row()?;
         }
     }
     Ok(())
-}
-
-fn write_place(place: &TruePlace, with_velocity: bool, sink: &mut dyn Sink) -> io::Result<()> {
-    match place {
-        TruePlace::Bearing { bearing_rad } => sink.number(Some(degrees(*bearing_rad))),
-        TruePlace::Plane {
-            position_m,
-            velocity_mps,
-        } => {
-            sink.number(Some(position_m.x))?;
-            sink.number(Some(position_m.y))?;
-            if with_velocity {
-                sink.number(velocity_mps.map(|velocity| velocity.x))?;
-                sink.number(velocity_mps.map(|velocity| velocity.y))?;
-            }
-            Ok(())
-        }
-    }
 }

@@ -5,8 +5,9 @@ use super::layers::JobLayers;
 use super::plan::sensor_places;
 use super::{Method, Reduced, Window, most_probable, points, scans};
 use crate::model::scan::{Measurement, Recording};
-use crate::model::track::TrackSet;
-use crate::model::truth::{TruePlace, TruthSet};
+use crate::model::space::Space;
+use crate::model::track::{TrackPoint, TrackSet};
+use crate::model::truth::{TruthPoint, TruthSet};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use utoipa::ToSchema;
@@ -122,10 +123,10 @@ fn truth_rows<'a>(truth: &'a TruthSet, layers: &JobLayers, window: &Window) -> V
         .detections
         .as_ref()
         .and_then(|recording| common_place(recording, layers));
-    let bearing = |place: &TruePlace| match place {
-        TruePlace::Bearing { bearing_rad } => Some(*bearing_rad),
-        TruePlace::Plane { position_m, .. } => {
-            place_m.map(|(x_m, y_m)| (position_m.x - x_m).atan2(position_m.y - y_m))
+    let bearing = |point: &TruthPoint| match truth.space() {
+        Space::Bearing => Some(point.position.x),
+        Space::Plane | Space::Volume => {
+            place_m.map(|(x_m, y_m)| (point.position.x - x_m).atan2(point.position.y - y_m))
         }
     };
     let all = truth
@@ -139,7 +140,7 @@ fn truth_rows<'a>(truth: &'a TruthSet, layers: &JobLayers, window: &Window) -> V
                 point.time_s,
                 BearingLayer::Truth,
                 &target.truth_id,
-                bearing(&point.place)?,
+                bearing(point)?,
             ))
         })
         .collect()
@@ -173,24 +174,26 @@ fn detection_rows<'a>(recording: &'a Recording, window: &Window) -> Vec<Row<'a>>
 }
 
 fn track_rows<'a>(set: &'a TrackSet, window: &Window) -> Vec<Row<'a>> {
-    let row = |(track_id, point): (&'a str, &'a crate::model::track::TrackPoint)| {
-        let bearing = point.estimate.bearing()?;
+    if set.space != Space::Bearing {
+        return Vec::new();
+    }
+    let row = |(track_id, point): (&'a str, &'a TrackPoint)| {
         let detection = most_probable(set, point).and_then(|candidate| candidate.detection);
-        Some(Row {
-            rate_radps: bearing.rate_radps,
-            sigma_rad: bearing
-                .covariance
-                .map(|covariance| covariance[(0, 0)].max(0.0).sqrt()),
+        let estimate = &point.estimate;
+        let variance = estimate.covariance.as_ref().map(|elements| elements[0]);
+        Row {
+            rate_radps: estimate.velocity.map(|velocity| velocity.x),
+            sigma_rad: variance.map(|variance| variance.max(0.0).sqrt()),
             detection_id: detection.map(|index| set.detection_ids[index as usize].as_str()),
             ..Row::new(
                 point.time_s,
                 BearingLayer::Track,
                 track_id,
-                bearing.bearing_rad,
+                estimate.position.x,
             )
-        })
+        }
     };
-    points(set, window).filter_map(row).collect()
+    points(set, window).map(row).collect()
 }
 
 #[cfg(test)]

@@ -165,19 +165,16 @@ pub fn of(layers: &JobLayers, window: &Window) -> Plan {
     let tracks = layers.tracks.as_ref().unwrap_or(&empty.2);
     let mut extent = Extent::default();
     let (detections, density) = detection_layer(recording, layers, window, &mut extent);
-    let without_place = [
-        ("truth", truth.is_of_bearings()),
-        ("tracks", tracks.is_of_bearings()),
-    ];
+    let spaces = [("truth", truth.space()), ("tracks", tracks.space)];
     let note = |name: &str| {
         format!(
             "the {name} are directions (bearing_deg), which have no place in the plane: see the series bearing_time"
         )
     };
     Plan {
-        notes: without_place
+        notes: spaces
             .iter()
-            .filter(|(_, is_of_bearings)| *is_of_bearings)
+            .filter(|(_, space)| !space.has_places())
             .map(|(name, _)| note(name))
             .collect(),
         truth: truth_layer(truth, window, &mut extent),
@@ -201,19 +198,18 @@ fn truth_layer(truth: &TruthSet, window: &Window, extent: &mut Extent) -> TruthL
         .targets()
         .iter()
         .flat_map(|target| target.points.iter().map(move |point| (target, point)));
-    let placed = all.filter_map(|(target, point)| Some((target, point, point.position_m()?)));
-    let rows: Vec<_> = placed
-        .filter(|(_, point, _)| window.holds(point.time_s))
+    let rows: Vec<_> = all
+        .filter(|(_, point)| truth.space().has_places() && window.holds(point.time_s))
         .collect();
-    rows.iter().for_each(|(_, point, position_m)| {
-        extent.include(point.time_s, Some((position_m.x, position_m.y)))
+    rows.iter().for_each(|(_, point)| {
+        extent.include(point.time_s, Some((point.position.x, point.position.y)))
     });
     let kept = Reduced::every_nth(rows.len(), window.max_points);
     let columns = TruthColumns {
         time_s: kept.column(|row| rows[row].1.time_s),
         truth_id: kept.column(|row| rows[row].0.truth_id.clone()),
-        x_m: kept.column(|row| rows[row].2.x),
-        y_m: kept.column(|row| rows[row].2.y),
+        x_m: kept.column(|row| rows[row].1.position.x),
+        y_m: kept.column(|row| rows[row].1.position.y),
     };
     TruthLayer::new(columns, &kept)
 }
@@ -280,32 +276,33 @@ pub(super) fn sensor_places(recording: &Recording, layers: &JobLayers) -> Vec<(f
 
 fn track_layer(set: &TrackSet, window: &Window, extent: &mut Extent) -> TrackLayer {
     let rows: Vec<_> = points(set, window)
-        .filter_map(|(track_id, point)| Some((track_id, point, point.estimate.plane()?)))
+        .filter(|_| set.space.has_places())
         .collect();
-    rows.iter().for_each(|(_, point, plane)| {
-        extent.include(point.time_s, Some((plane.state[0], plane.state[1])))
+    rows.iter().for_each(|(_, point)| {
+        let position_m = point.estimate.position;
+        extent.include(point.time_s, Some((position_m.x, position_m.y)))
     });
     let kept = Reduced::every_nth(rows.len(), window.max_points);
-    let velocity =
-        |row: usize, axis: usize| rows[row].2.has_velocity.then(|| rows[row].2.state[axis]);
-    let variance = |row: usize, place: (usize, usize)| {
-        rows[row].2.covariance.map(|covariance| covariance[place])
-    };
+    let velocity = |row: usize| rows[row].1.estimate.velocity;
+    // The upper triangle, row by row: the variables are two for each axis.
+    let variables = 2 * set.space.axes();
+    let variance =
+        |row: usize, element: usize| Some(rows[row].1.estimate.covariance.as_ref()?[element]);
     let candidate = |row: usize| most_probable(set, rows[row].1);
     let columns = TrackColumns {
         time_s: kept.column(|row| rows[row].1.time_s),
         track_id: kept.column(|row| rows[row].0.to_owned()),
-        x_m: kept.column(|row| rows[row].2.state[0]),
-        y_m: kept.column(|row| rows[row].2.state[1]),
-        vx_mps: kept.column(|row| velocity(row, 2)),
-        vy_mps: kept.column(|row| velocity(row, 3)),
+        x_m: kept.column(|row| rows[row].1.estimate.position.x),
+        y_m: kept.column(|row| rows[row].1.estimate.position.y),
+        vx_mps: kept.column(|row| velocity(row).map(|velocity_mps| velocity_mps.x)),
+        vy_mps: kept.column(|row| velocity(row).map(|velocity_mps| velocity_mps.y)),
         status: kept.column(|row| rows[row].1.status.map(|status| status.name().to_owned())),
         detection_id: kept
             .column(|row| candidate(row).and_then(|candidate| detection_id(set, candidate))),
         probability: kept.column(|row| candidate(row).map(|candidate| candidate.probability)),
-        p_xx: kept.column(|row| variance(row, (0, 0))),
-        p_xy: kept.column(|row| variance(row, (0, 1))),
-        p_yy: kept.column(|row| variance(row, (1, 1))),
+        p_xx: kept.column(|row| variance(row, 0)),
+        p_xy: kept.column(|row| variance(row, 1)),
+        p_yy: kept.column(|row| variance(row, variables)),
     };
     TrackLayer::new(columns, &kept)
 }

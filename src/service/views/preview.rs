@@ -66,6 +66,7 @@ fn head_of_recording(recording: &Recording, limit: usize) -> Recording {
         .map(cut)
         .collect();
     let parts = RecordingParts {
+        frame: recording.frame,
         sensors: recording.sensors.clone(),
         scans,
         detections: recording.detections[..count].to_vec(),
@@ -90,14 +91,16 @@ fn head_of_truth(truth: &TruthSet, limit: usize) -> TruthSet {
             break;
         }
     }
-    TruthSet::new(head).expect("the head of sound truth is sound")
+    let mut head = TruthSet::new(truth.space(), head).expect("the head of sound truth is sound");
+    head.frame = truth.frame;
+    head
 }
 
 fn head_of_tracks(set: &TrackSet, limit: usize) -> TrackSet {
     let mut left = limit;
     let mut tracks = Vec::new();
     for track in &set.tracks {
-        let points: Vec<_> = track.points.iter().take(left).copied().collect();
+        let points = track.points[..track.points.len().min(left)].to_vec();
         left -= points.len();
         tracks.push(Track {
             track_id: track.track_id.clone(),
@@ -108,6 +111,8 @@ fn head_of_tracks(set: &TrackSet, limit: usize) -> TrackSet {
         }
     }
     TrackSet {
+        space: set.space,
+        frame: set.frame,
         tracks,
         candidates: set.candidates.clone(),
         detection_ids: set.detection_ids.clone(),

@@ -121,16 +121,15 @@ fn a_thousand_random_sets() {
         let scene = random_scene(&mut rng, 4, 1);
         let (c, p) = ([5.0, 10.0, 30.0][case % 3], [1.0, 2.0, 2.5, 4.0][case % 4]);
         let parameters = |name: &str| json!({"metric": name, "cutoff_m": c, "p": p});
-        let of_targets = scene.truth.targets().iter().map(|target| {
-            (
-                target.points[0].position_m().unwrap().x,
-                target.points[0].position_m().unwrap().y,
-            )
-        });
+        let of_targets = scene
+            .truth
+            .targets()
+            .iter()
+            .map(|target| (target.points[0].position.x, target.points[0].position.y));
         let of_tracks = scene.tracks.tracks.iter().map(|track| {
             (
-                track.points[0].estimate.plane().unwrap().state.x,
-                track.points[0].estimate.plane().unwrap().state.y,
+                track.points[0].estimate.state().x,
+                track.points[0].estimate.state().y,
             )
         });
         let (truths, tracks): (Vec<_>, Vec<_>) = (of_targets.collect(), of_tracks.collect());

@@ -5,8 +5,10 @@ use trackloom_domain::evaluation::EvaluationInput;
 use trackloom_domain::evaluation::comparison::{Alignment, Comparison, PointSettings};
 use trackloom_domain::evaluation::events::EventLog;
 use trackloom_domain::evaluation::metrics::{METRIC, METRICS, Metric, MetricReport, Sequence};
+use trackloom_domain::model::space::Space;
+use trackloom_domain::model::state::upper_triangle;
 use trackloom_domain::model::state::{Covariance, Position, State};
-use trackloom_domain::model::track::{Estimate, PlaneEstimate, Track, TrackPoint, TrackSet};
+use trackloom_domain::model::track::{Kinematics, Track, TrackPoint, TrackSet};
 use trackloom_domain::model::truth::{Target, TruthPoint, TruthSet};
 use trackloom_domain::registry::{Kind, check_field};
 
@@ -197,7 +199,7 @@ fn truth_set(rows: &[Row]) -> TruthSet {
             }),
         }
     }
-    TruthSet::new(targets).unwrap()
+    TruthSet::new(Space::Plane, targets).unwrap()
 }
 
 fn track_set(rows: &[Row]) -> TrackSet {
@@ -219,11 +221,7 @@ fn track_set(rows: &[Row]) -> TrackSet {
 }
 
 pub fn track_point(time_s: f64, state: State, covariance: Option<Covariance>) -> TrackPoint {
-    let estimate = Estimate::Plane(PlaneEstimate {
-        state,
-        has_velocity: true,
-        covariance,
-    });
+    let estimate = Kinematics::of_plane(&state, true, covariance.as_ref());
     TrackPoint {
         time_s,
         sensor: None,
@@ -237,8 +235,5 @@ pub fn track_point(time_s: f64, state: State, covariance: Option<Covariance>) ->
 
 /// Gives a point of a track in the plane another covariance.
 pub fn set_covariance(point: &mut TrackPoint, covariance: Covariance) {
-    let Estimate::Plane(plane) = &mut point.estimate else {
-        panic!("not in the plane")
-    };
-    plane.covariance = Some(covariance);
+    point.estimate.covariance = Some(upper_triangle(&covariance));
 }

@@ -194,11 +194,8 @@ fn kept_together(scene: &Scene) -> f64 {
         points
             .map(|(truth, track)| {
                 distance(
-                    (truth.position_m().unwrap().x, truth.position_m().unwrap().y),
-                    (
-                        track.estimate.plane().unwrap().state.x,
-                        track.estimate.plane().unwrap().state.y,
-                    ),
+                    (truth.position.x, truth.position.y),
+                    (track.estimate.state().x, track.estimate.state().y),
                 )
                 .min(100.0)
             })

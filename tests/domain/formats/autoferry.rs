@@ -4,7 +4,7 @@ use super::*;
 use std::path::{Path, PathBuf};
 use trackloom_domain::formats::{detect_format, write_csv};
 use trackloom_domain::model::scan::{Detection, Measurement, Scan};
-use trackloom_domain::model::state::Position;
+use trackloom_domain::model::space::{Place, Space};
 
 fn example(file: &str) -> Vec<u8> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -144,17 +144,17 @@ fn the_example_has_its_truth() {
     assert_eq!((two.truth_id.as_str(), two.points.len()), ("2", 591));
     let (start, end) = (one.points[0], two.points[590]);
     assert_eq!(
-        (start.time_s, start.position_m()),
+        (start.time_s, start.position),
         (
             1620114891.88,
-            Some(Position::new(-354.7959646839322, 84.63510099212183))
+            Place::new(-354.7959646839322, 84.63510099212183, 0.0)
         )
     );
     assert_eq!(
-        (end.time_s, end.position_m()),
+        (end.time_s, end.position),
         (
             1620115009.8,
-            Some(Position::new(-388.6721345894895, 29.428033521882423))
+            Place::new(-388.6721345894895, 29.428033521882423, 0.0)
         )
     );
 }
@@ -168,14 +168,14 @@ fn radar_and_truth_are_in_one_frame() {
         .expect("there is a radar");
     let mut near = 0;
     for scan in &radar.scans {
-        let Some(target) = truth.targets()[1].position_at(scan.time_s, 2.0) else {
+        let Some(target) = truth.targets()[1].position_at(Space::Plane, scan.time_s, 2.0) else {
             continue;
         };
         let distances = radar
             .detections_of(scan)
             .iter()
             .filter_map(|found| found.measurement.position())
-            .map(|at| (at - target).norm());
+            .map(|at| (at - target.xy()).norm());
         near += usize::from(distances.fold(f64::INFINITY, f64::min) < 10.0);
     }
     assert!(

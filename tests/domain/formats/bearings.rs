@@ -2,12 +2,8 @@
 
 use super::*;
 use std::f64::consts::PI;
-use trackloom_domain::model::track::{BearingEstimate, TrackPoint};
+use trackloom_domain::model::space::Space;
 use trackloom_domain::model::truth::TruthPoint;
-
-fn bearing(point: &TrackPoint) -> &BearingEstimate {
-    point.estimate.bearing().expect("a direction")
-}
 
 fn survives(dataset: &Dataset) {
     for name in ["csv", "json"] {
@@ -32,13 +28,13 @@ fn tracks_of_bearings_are_read_in_degrees_and_survive() {
     assert_eq!(outcome.warnings, Vec::<String>::new());
     survives(&outcome.dataset);
     let set = tracks(outcome);
-    assert!(set.is_of_bearings());
-    let first = bearing(&set.tracks[0].points[0]);
+    assert_eq!(set.space, Space::Bearing);
+    let first = &set.tracks[0].points[0].estimate;
     assert!(
-        (first.bearing_rad - PI).abs() < 1e-15
-            && (first.rate_radps.unwrap() + PI / 100.0).abs() < 1e-15
+        (first.position.x - PI).abs() < 1e-15
+            && (first.velocity.unwrap().x + PI / 100.0).abs() < 1e-15
     );
-    let covariance = first.covariance.expect("given");
+    let covariance = first.covariance::<2>().expect("given");
     assert!(
         (covariance[(0, 0)] - (PI / 100.0).powi(2)).abs() < 1e-15
             && (covariance[(1, 1)] - (PI / 1000.0).powi(2)).abs() < 1e-15
@@ -47,8 +43,8 @@ fn tracks_of_bearings_are_read_in_degrees_and_survive() {
         covariance[(0, 1)] == covariance[(1, 0)]
             && (covariance[(0, 1)] - 0.1 * (PI / 180.0).powi(2)).abs() < 1e-18
     );
-    let second = bearing(&set.tracks[0].points[1]);
-    assert_eq!((second.rate_radps, second.covariance), (None, None));
+    let second = &set.tracks[0].points[1].estimate;
+    assert_eq!((second.velocity, &second.covariance), (None, &None));
 }
 
 #[test]
@@ -60,15 +56,10 @@ fn truth_of_bearings_is_read_in_degrees_and_survives() {
     .expect("sound");
     survives(&outcome.dataset);
     let truth = truth(outcome);
-    assert!(truth.is_of_bearings());
+    assert_eq!(truth.space(), Space::Bearing);
     assert_eq!(
         truth.targets()[0].points[0],
         TruthPoint::at_bearing(0.0, 270f64.to_radians())
-    );
-    assert_eq!(
-        truth.targets()[0].position_at(0.0, 5.0),
-        None,
-        "a direction is no place"
     );
 }
 

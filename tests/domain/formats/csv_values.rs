@@ -3,12 +3,9 @@
 use super::*;
 use std::f64::consts::FRAC_PI_2;
 use trackloom_domain::model::scan::{Detection, Measurement, Scan};
-use trackloom_domain::model::state::{Position, State};
-use trackloom_domain::model::track::{Candidate, PlaneEstimate, TrackPoint, TrackStatus};
-
-fn plane(point: &TrackPoint) -> &PlaneEstimate {
-    point.estimate.plane().expect("a place")
-}
+use trackloom_domain::model::space::Place;
+use trackloom_domain::model::state::State;
+use trackloom_domain::model::track::{Candidate, TrackStatus};
 
 fn position(x_m: f64, y_m: f64, origin: Option<u32>) -> Detection {
     Detection {
@@ -231,11 +228,11 @@ fn truth_may_be_interleaved() {
         panic!("two targets")
     };
     assert_eq!((nine.truth_id.as_str(), ten.truth_id.as_str()), ("9", "10"));
-    assert_eq!(nine.points[0].velocity_mps(), Some(Position::new(5.0, 6.0)));
-    assert_eq!(ten.points[0].velocity_mps(), None);
+    assert_eq!(nine.points[0].velocity, Some(Place::new(5.0, 6.0, 0.0)));
+    assert_eq!(ten.points[0].velocity, None);
     assert_eq!(
-        (ten.points[1].time_s, ten.points[1].position_m()),
-        (1.0, Some(Position::new(7.0, 8.0)))
+        (ten.points[1].time_s, ten.points[1].position),
+        (1.0, Place::new(7.0, 8.0, 0.0))
     );
 }
 
@@ -263,10 +260,13 @@ fn rows_of_one_track_and_time_are_candidates() {
     assert_eq!(set.candidates_of(&b.points[1]), [candidate(Some(0), 1.0)]);
     assert_eq!((b.points[0].sensor, b.points[1].sensor), (Some(1), Some(0)));
     assert_eq!(
-        (plane(&b.points[0]).state, plane(&b.points[0]).has_velocity),
+        (
+            b.points[0].estimate.state(),
+            b.points[0].estimate.velocity.is_some()
+        ),
         (State::new(1.0, 2.0, 3.0, 4.0), true)
     );
-    assert!(!plane(&a.points[0]).has_velocity);
+    assert!(a.points[0].estimate.velocity.is_none());
     assert_eq!(
         (a.points[1].status, b.points[1].status),
         (Some(TrackStatus::Coasted), None)
@@ -277,8 +277,9 @@ fn rows_of_one_track_and_time_are_candidates() {
 fn a_covariance_is_symmetric() {
     let text = "time_s,track_id,x_m,y_m,p_xx,p_xy,p_xvx,p_xvy,p_yy,p_yvx,p_yvy,p_vxvx,p_vxvy,p_vyvy\n0,T,1,2,110,12,13,14,220,23,24,330,34,440\n1,T,1,2,,,,,,,,,,\n";
     let set = tracks(read("csv", text).expect("the file is sound"));
-    let covariance = plane(&set.tracks[0].points[0])
-        .covariance
+    let covariance = set.tracks[0].points[0]
+        .estimate
+        .covariance::<4>()
         .expect("the first point has one");
     assert_eq!(
         (
@@ -289,6 +290,6 @@ fn a_covariance_is_symmetric() {
         ),
         (14.0, 14.0, 23.0, 330.0)
     );
-    assert_eq!(plane(&set.tracks[0].points[1]).covariance, None);
+    assert_eq!(set.tracks[0].points[1].estimate.covariance, None);
     assert_eq!(set.candidates.len(), 0);
 }

@@ -8,10 +8,10 @@ use trackloom_domain::formats::{FORMATS, write_csv, write_json};
 use trackloom_domain::model::names::{name_fault, natural_order};
 use trackloom_domain::model::scan::{Detection, Measurement, RecordingParts, Scan};
 use trackloom_domain::model::sensor::SensorSettings;
+use trackloom_domain::model::space::{Place, Space};
+use trackloom_domain::model::state::upper_triangle;
 use trackloom_domain::model::state::{Covariance, Position, State};
-use trackloom_domain::model::track::{
-    BearingEstimate, Candidate, Estimate, PlaneEstimate, Track, TrackPoint, TrackStatus,
-};
+use trackloom_domain::model::track::{Candidate, Kinematics, Track, TrackPoint, TrackStatus};
 use trackloom_domain::model::truth::{Target, TruthPoint};
 
 fn check(dataset: &Dataset) {
@@ -205,8 +205,11 @@ fn truth_set() -> impl Strategy<Value = TruthSet> {
                 points: times.into_iter().zip(points).map(point).collect(),
             }
         };
-        TruthSet::new(names.into_iter().zip(paths).map(target).collect())
-            .expect("it is made to be sound")
+        TruthSet::new(
+            Space::Plane,
+            names.into_iter().zip(paths).map(target).collect(),
+        )
+        .expect("it is made to be sound")
     })
 }
 
@@ -288,11 +291,7 @@ fn point(set: &mut TrackSet, time_s: f64, raw: RawPoint) -> TrackPoint {
     TrackPoint {
         time_s,
         sensor: sensor.then_some(0),
-        estimate: Estimate::Plane(PlaneEstimate {
-            state,
-            has_velocity,
-            covariance,
-        }),
+        estimate: Kinematics::of_plane(&state, has_velocity, covariance.as_ref()),
         status: status.map(|index| TrackStatus::ALL[index].0),
         nis: status.map(|_| x.abs()),
         first_candidate,
@@ -302,24 +301,21 @@ fn point(set: &mut TrackSet, time_s: f64, raw: RawPoint) -> TrackPoint {
 
 /// The same truth with its x taken for a bearing in degrees.
 fn truth_of_bearings(truth: &TruthSet) -> TruthSet {
-    let point = |point: &TruthPoint| {
-        TruthPoint::at_bearing(
-            point.time_s,
-            point.position_m().unwrap_or_default().x.to_radians(),
-        )
-    };
+    let point =
+        |point: &TruthPoint| TruthPoint::at_bearing(point.time_s, point.position.x.to_radians());
     let target = |target: &Target| Target {
         truth_id: target.truth_id.clone(),
         points: target.points.iter().map(point).collect(),
     };
-    TruthSet::new(truth.targets().iter().map(target).collect()).expect("it was sound")
+    let targets = truth.targets().iter().map(target).collect();
+    TruthSet::new(Space::Bearing, targets).expect("it was sound")
 }
 
 /// The same tracks with x taken for a bearing in degrees, and its velocity and covariance for those of the bearing.
 fn tracks_of_bearings(mut set: TrackSet) -> TrackSet {
     let degree = 1f64.to_radians();
     for point in set.tracks.iter_mut().flat_map(|track| &mut track.points) {
-        let plane = point.estimate.plane().copied().expect("a place");
+        let plane = &point.estimate;
         let square = |covariance: Covariance| {
             Matrix2::new(
                 covariance[(0, 0)],
@@ -329,12 +325,14 @@ fn tracks_of_bearings(mut set: TrackSet) -> TrackSet {
             )
             .map(|value| value * (degree * degree))
         };
-        point.estimate = Estimate::Bearing(BearingEstimate {
-            bearing_rad: plane.state.x.to_radians(),
-            rate_radps: plane.has_velocity.then(|| plane.state[2].to_radians()),
-            covariance: plane.covariance.map(square),
-        });
+        let velocity = plane.velocity.map(|velocity| velocity.x.to_radians());
+        point.estimate = Kinematics {
+            position: Place::new(plane.position.x.to_radians(), 0.0, 0.0),
+            velocity: velocity.map(|rate_radps| Place::new(rate_radps, 0.0, 0.0)),
+            covariance: plane.covariance().map(square).as_ref().map(upper_triangle),
+        };
     }
+    set.space = Space::Bearing.of_points(!set.tracks.is_empty());
     set
 }
 

@@ -12,9 +12,10 @@ use trackloom_domain::evaluation::{
 };
 use trackloom_domain::model::scan::{Detection, Measurement, Recording, RecordingParts, Scan};
 use trackloom_domain::model::sensor::SensorSettings;
+use trackloom_domain::model::space::Space;
 use trackloom_domain::model::state::{Position, State};
 use trackloom_domain::model::track::{
-    Candidate, Estimate, PlaneEstimate, Track, TrackPoint, TrackSet, TrackStatus,
+    Candidate, Kinematics, Track, TrackPoint, TrackSet, TrackStatus,
 };
 use trackloom_domain::model::truth::{Target, TruthPoint, TruthSet};
 
@@ -131,11 +132,7 @@ fn point(set: &mut TrackSet, time_s: f64, word: &str) -> TrackPoint {
 
 fn bare_point(time_s: f64, x_m: f64, y_m: f64) -> TrackPoint {
     let state = State::new(x_m, y_m, 0.0, 0.0);
-    let estimate = Estimate::Plane(PlaneEstimate {
-        state,
-        has_velocity: false,
-        covariance: None,
-    });
+    let estimate = Kinematics::of_plane(&state, false, None);
     TrackPoint {
         time_s,
         sensor: None,
@@ -165,7 +162,7 @@ pub fn truth_set(targets: &[(&str, Path)]) -> TruthSet {
         truth_id: (*name).to_owned(),
         points: path.iter().map(point).collect(),
     };
-    TruthSet::new(targets.iter().map(target).collect()).unwrap()
+    TruthSet::new(Space::Plane, targets.iter().map(target).collect()).unwrap()
 }
 
 /// Tracks without detections from names and paths.

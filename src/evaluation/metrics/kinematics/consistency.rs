@@ -16,7 +16,8 @@ use super::Sample;
 use crate::evaluation::metrics::origin::{Origin, PAIRS, SERIES, Statistic};
 use crate::evaluation::metrics::{Quantity, Series};
 use crate::math::gaussian::{Gaussian, chi_square_quantile};
-use crate::model::state::{Covariance, Position, PositionCovariance, State};
+use crate::model::space::Place;
+use crate::model::state::{Covariance, PositionCovariance, State};
 use std::collections::BTreeMap;
 
 /// NEES of one match, and the NIS of its track point.
@@ -29,15 +30,16 @@ pub struct Normalised {
 
 impl Normalised {
     pub fn new(
-        error_m: Position,
-        error_mps: Option<Position>,
+        error_m: Place,
+        error_mps: Option<Place>,
         covariance: Option<Covariance>,
     ) -> Normalised {
         let Some(covariance) = covariance else {
             return Normalised::default();
         };
         let block: PositionCovariance = covariance.fixed_view::<2, 2>(0, 0).into_owned();
-        let position = Gaussian::new(&block).map(|gaussian| gaussian.squared_distance(&error_m));
+        let position =
+            Gaussian::new(&block).map(|gaussian| gaussian.squared_distance(&error_m.xy()));
         let state = error_mps.and_then(|error_mps| {
             let error = State::new(error_m.x, error_m.y, error_mps.x, error_mps.y);
             Gaussian::new(&covariance).map(|gaussian| gaussian.squared_distance(&error))

@@ -19,8 +19,9 @@ mod consistency;
 use self::consistency::{Consistency, Normalised};
 use super::origin::{Origin, PAIRS, PairColumn, Statistic};
 use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence, Series};
-use crate::evaluation::comparison::{Presence, Shape};
+use crate::evaluation::comparison::Presence;
 use crate::evaluation::events::EventKind;
+use crate::model::space::{Place, Space};
 use crate::model::state::Position;
 use crate::model::track::TrackPoint;
 use crate::registry::{Method, Object, default, number, whole};
@@ -65,8 +66,8 @@ struct Sample {
     truth: u32,
     /// Indices into the truths and tracks of the comparison.
     places: (u32, u32),
-    error_m: Position,
-    error_mps: Option<Position>,
+    error_m: Place,
+    error_mps: Option<Place>,
     /// Along and across the course.
     on_course_m: Option<(f64, f64)>,
     normalised: Normalised,
@@ -77,8 +78,8 @@ const NO_VELOCITY: &str = "no track with a velocity matches a target with one";
 const NO_COURSE: &str = "no matched target is known to move";
 
 impl Metric for Kinematics {
-    fn accepts(&self, shape: Shape) -> bool {
-        shape == Shape::Points
+    fn accepts(&self, space: Option<Space>) -> bool {
+        space.is_some_and(Space::has_places)
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {
@@ -182,7 +183,7 @@ fn samples(sequence: &Sequence) -> Vec<Sample> {
             .zip(truth.velocity_mps)
             .map(|(track, truth)| track - truth);
         let point = point_of(sequence, track);
-        let covariance = point.and_then(|point| point.estimate.plane()?.covariance);
+        let covariance = point.and_then(|point| point.estimate.covariance());
         let innovation = point.and_then(|point| point.nis);
         let normalised = Normalised {
             innovation,
@@ -190,7 +191,7 @@ fn samples(sequence: &Sequence) -> Vec<Sample> {
         };
         let on_course_m = truth
             .velocity_mps
-            .and_then(|velocity_mps| on_course(error_m, velocity_mps));
+            .and_then(|velocity_mps| on_course(error_m.xy(), velocity_mps.xy()));
         Some(Sample {
             step: event.step as usize,
             truth: truth.id,

@@ -23,7 +23,8 @@ use self::following::{Following, follow};
 use self::numbers::{Numbers, numbers};
 use super::origin::{Origin, PAIRS, PairColumn, Statistic, TRACK_POINTS, TRUTH_POINTS, TRUTHS};
 use super::{BuildMetric, Line, Metric, MetricReport, Quantity, Sequence, Series};
-use crate::evaluation::comparison::{ComparedStep, Comparison, Presence, Shape};
+use crate::evaluation::comparison::{ComparedStep, Comparison, Presence};
+use crate::model::space::Space;
 use crate::registry::{Kind, Method, Object, default, whole};
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -89,8 +90,8 @@ struct Counts {
 }
 
 impl Metric for Siap {
-    fn accepts(&self, shape: Shape) -> bool {
-        shape == Shape::Points
+    fn accepts(&self, space: Option<Space>) -> bool {
+        space.is_some_and(Space::has_places)
     }
 
     fn evaluate(&self, sequences: &[Sequence]) -> MetricReport {

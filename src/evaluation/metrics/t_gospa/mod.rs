@@ -28,7 +28,8 @@ use super::origin::{
     Origin, PAIRS, PairColumn, SERIES, STEPS, Statistic, TRACK_POINTS, TRUTH_POINTS,
 };
 use super::{BuildMetric, Metric, MetricReport, Quantity, Sequence, Series};
-use crate::evaluation::comparison::{Comparison, Shape};
+use crate::evaluation::comparison::Comparison;
+use crate::model::space::Space;
 use crate::model::watch::Watch;
 use crate::registry::{Method, Object, default, number};
 use serde::Deserialize;
@@ -79,8 +80,8 @@ struct Total {
 }
 
 impl Metric for TGospa {
-    fn accepts(&self, shape: Shape) -> bool {
-        shape == Shape::Points
+    fn accepts(&self, space: Option<Space>) -> bool {
+        space.is_some_and(Space::has_places)
     }
 
     fn reach_m(&self, _: f64) -> f64 {
