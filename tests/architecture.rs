@@ -322,6 +322,24 @@ fn reads_json(line: &str) -> bool {
             .any(|word| line.contains(word))
 }
 
+/// What is generic over the number of values of a measurement: sensing models, the filters that go through them, and hypotheses.
+#[test]
+fn trackers_know_no_measurement_dimension() {
+    let mut faults = Vec::new();
+    for source in sources().iter().filter(|source| source.part == "tracking") {
+        for (number, line) in source.code_lines() {
+            if line.contains("const D:") || line.contains("Corrector<") {
+                faults.push(format!(
+                    "{}:{number}: {}",
+                    source.path.display(),
+                    line.trim()
+                ));
+            }
+        }
+    }
+    assert_none("a measurement's dimension in tracking", &faults);
+}
+
 #[test]
 fn rooms_of_a_part_form_no_circle() {
     let sources = sources();
@@ -517,8 +535,12 @@ fn functions(text: &str) -> Vec<(String, usize, usize)> {
         let end = lines[index..]
             .iter()
             .position(|line| *line == format!("{indent}}}"));
-        let is_one_line = line.ends_with('}') || line.ends_with(';');
-        if let Some(end) = end.filter(|_| !is_one_line) {
+        let head = lines[index..]
+            .iter()
+            .find(|line| line.ends_with(['{', '}', ';']))
+            .unwrap_or(line);
+        let has_no_body = head.ends_with(';');
+        if let Some(end) = end.filter(|_| !has_no_body && !line.ends_with('}')) {
             found.push((
                 name.chars()
                     .take_while(|letter| letter.is_alphanumeric() || *letter == '_')
