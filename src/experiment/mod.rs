@@ -22,13 +22,18 @@ mod simulate;
 #[cfg(test)]
 mod tests;
 
-pub use associate::gates;
+pub use associate::{AssociateResult, Association, gates};
+pub use campaign::CampaignResult;
+pub use correlate::CorrelateResult;
 pub use files::text;
+pub use group::GroupResult;
+pub use input::DetectionResult;
 pub use job::{
     ARTIFACT_TYPES, Artifact, AssociationTime, CellTime, Cost, Input, InputRequest, Inputs, Job,
     JobKind, Known, Outcome, Plan, RunError, Source, run,
 };
 pub use request::job_shape;
+pub use simulate::SimulateResult;
 
 use crate::model::fault::Fault;
 use crate::registry::Object;

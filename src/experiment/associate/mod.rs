@@ -17,7 +17,7 @@ pub mod track;
 mod truth_initiation;
 
 pub use auto_filter::settle;
-pub use report::report;
+pub use report::{AssociateResult, Association, report};
 pub use spec::ASSOCIATE;
 
 use crate::experiment::input::JobData;
@@ -28,7 +28,6 @@ use crate::experiment::job::{
 use crate::experiment::observer::Observer;
 use crate::experiment::request::draft::{Draft, Planned};
 use crate::model::fault::Fault;
-use serde_json::{Map, Value};
 use spec::Spec;
 
 #[derive(Clone)]
@@ -84,14 +83,13 @@ impl Job for AssociateJob {
         } = &self.spec;
         let mut data = JobData::load(&self.inputs, inputs, sensors)?;
         data.gather(input, detector.as_ref(), sensors, settings.seed, observer)?;
-        let mut result = Map::new();
-        if let Some(detection) = &data.detection {
-            result.insert("detection".to_owned(), to_value(detection)?);
-        }
         let tracking = settle(tracking, data.recording()?);
         let tracked = track::track(&mut data, input, &tracking, sensors, settings, observer)?;
-        let association = report(&tracked, data.recording()?, &data.sensors);
-        result.insert("association".to_owned(), to_value(&association)?);
+        let result = AssociateResult {
+            detection: data.detection.take(),
+            association: report(&tracked, data.recording()?, &data.sensors),
+        };
+        let result = to_value(&result)?;
         let association_time = tracked.association_time;
         let mut artifacts = Vec::new();
         if settings.wants_files {
@@ -100,7 +98,7 @@ impl Job for AssociateJob {
         }
         Ok(Outcome {
             association_time,
-            ..data.into_outcome(Value::Object(result), artifacts)
+            ..data.into_outcome(result, artifacts)
         })
     }
 }

@@ -19,7 +19,7 @@ mod stop;
 mod tables;
 
 pub use chunks::{ChunkRequest, ChunkResult, Items};
-pub use outcomes::Outcome;
+pub use outcomes::{CampaignResult, Outcome};
 pub use spec::CAMPAIGN;
 pub use stages::Next;
 
@@ -37,7 +37,6 @@ use axes::Axis;
 use cells::Cell;
 use chunks::CollectedRuns;
 use outcomes::{CellReport, Judge};
-use serde_json::json;
 use spec::Spec;
 use stop::{Ended, Stop};
 
@@ -297,8 +296,11 @@ impl Campaign {
             #[cfg(feature = "parquet")]
             parquet::runs(&self.cell_names(), &names, rows, self.seed)?,
         ]);
-        let mut result =
-            json!({"outcomes": names, "confidence": self.confidence, "cells": to_value(&reports)?});
+        let mut result = to_value(&CampaignResult {
+            outcomes: names.into_iter().map(str::to_owned).collect(),
+            confidence: self.confidence,
+            cells: reports,
+        })?;
         unsign_zeros(&mut result);
         Ok(job::Outcome {
             result,

@@ -8,6 +8,7 @@ mod report;
 mod run;
 mod spec;
 
+pub use report::CorrelateResult;
 pub use spec::CORRELATE;
 
 use crate::correlation::alignment::Node;

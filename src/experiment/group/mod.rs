@@ -6,6 +6,7 @@ mod run;
 mod spec;
 mod tracks;
 
+pub use report::GroupResult;
 pub use spec::GROUP;
 
 use crate::experiment::input::JobData;
@@ -18,7 +19,6 @@ use crate::experiment::job::{
 use crate::experiment::observer::Observer;
 use crate::experiment::request::draft::{Draft, Planned};
 use crate::model::fault::Fault;
-use serde_json::json;
 use spec::Spec;
 
 struct GroupJob {
@@ -76,7 +76,7 @@ impl Job for GroupJob {
             ));
         }
         let recording = data.recording()?;
-        let result = json!({"grouping": to_value(&report::report(&grouped, recording))?});
+        let result = to_value(&report::report(&grouped, recording))?;
         let mut artifacts = Vec::new();
         if settings.wants_files {
             let files = report::artifacts(&grouped, recording);

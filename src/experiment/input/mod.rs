@@ -20,7 +20,7 @@ use crate::model::sensor::SensorSettings;
 use crate::model::track::TrackSet;
 use crate::model::truth::TruthSet;
 use crate::simulation;
-pub use detect::DetectionReport;
+pub use detect::DetectionResult;
 use serde_json::Value;
 
 /// What a job works on, as far as it has it.
@@ -38,7 +38,7 @@ pub struct JobData {
     pub sensors: Vec<SensorSettings>,
     pub warnings: Vec<String>,
     /// The part `detection` of the report.
-    pub detection: Option<DetectionReport>,
+    pub detection: Option<DetectionResult>,
     /// What came with the detections.
     uploaded: Vec<SensorSettings>,
 }

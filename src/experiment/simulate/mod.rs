@@ -11,8 +11,10 @@ use crate::experiment::request::fields::{JOB_NAME, LABELS, SEED};
 use crate::experiment::request::scenario::SCENARIO;
 use crate::experiment::request::sources::InputSpec;
 use crate::model::fault::Fault;
+use crate::model::scan::Detection;
+use crate::model::sensor::SensorSettings;
 use crate::registry::{Kind, Object, required};
-use serde_json::{Value, json};
+use serde::Serialize;
 
 pub static SIMULATE: Object = Object {
     name: "SimulateRequest",
@@ -24,6 +26,28 @@ pub static SIMULATE: Object = Object {
         required("scenario", "The scene.", Kind::Object(&SCENARIO)),
     ],
 };
+
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct SimulateResult {
+    counts: SimulationCounts,
+    sensors: Vec<SensorSettings>,
+}
+
+#[derive(Debug, Default, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+struct SimulationCounts {
+    sensors: u64,
+    scans: u64,
+    targets: u64,
+    detections: u64,
+    /// Detections that no target made.
+    clutter: u64,
+    /// Cells of the bearing-time record that was made instead of detections; then its times are the scans.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    cells: Option<u64>,
+}
 
 struct SimulateJob {
     input: InputSpec,
@@ -61,7 +85,10 @@ impl Job for SimulateJob {
     ) -> Result<Outcome, RunError> {
         let mut data = JobData::default();
         data.gather(&self.input, None, &[], settings.seed, observer)?;
-        let result = json!({"counts": counts(&data), "sensors": to_value(&data.sensors)?});
+        let result = to_value(&SimulateResult {
+            counts: counts(&data),
+            sensors: data.sensors.clone(),
+        })?;
         let mut artifacts = Vec::new();
         if settings.wants_files {
             artifacts = data.write(&self.input, Vec::new(), None, observer)?;
@@ -70,26 +97,29 @@ impl Job for SimulateJob {
     }
 }
 
-fn counts(data: &JobData) -> Value {
-    match (&data.recording, &data.record) {
-        (Some(recording), _) => {
-            let detections = &recording.detections;
-            json!({
-                "sensors": recording.sensors.len(),
-                "scans": recording.scans.len(),
-                "targets": recording.targets.len(),
-                "detections": detections.len(),
-                "clutter": detections.iter().filter(|detection| detection.origin.is_none()).count(),
-            })
-        }
-        (None, Some(record)) => json!({
-            "sensors": 1,
-            "scans": record.times_s.len(),
-            "targets": data.truth.as_ref().map_or(0, |truth| truth.targets().len()),
-            "detections": 0,
-            "clutter": 0,
-            "cells": record.levels_db.len(),
-        }),
-        (None, None) => Value::Null,
+fn counts(data: &JobData) -> SimulationCounts {
+    if let Some(record) = &data.record {
+        return SimulationCounts {
+            sensors: 1,
+            scans: record.times_s.len() as u64,
+            targets: data
+                .truth
+                .as_ref()
+                .map_or(0, |truth| truth.targets().len() as u64),
+            cells: Some(record.levels_db.len() as u64),
+            ..SimulationCounts::default()
+        };
+    }
+    let Some(recording) = &data.recording else {
+        return SimulationCounts::default();
+    };
+    let is_clutter = |detection: &&Detection| detection.origin.is_none();
+    SimulationCounts {
+        sensors: recording.sensors.len() as u64,
+        scans: recording.scans.len() as u64,
+        targets: recording.targets.len() as u64,
+        detections: recording.detections.len() as u64,
+        clutter: recording.detections.iter().filter(is_clutter).count() as u64,
+        cells: None,
     }
 }

@@ -9,8 +9,9 @@ use crate::formats::{FORMATS, Format, ReadOptions, ReadOutcome, detect_format, f
 use crate::model::fault::Fault;
 use crate::service::child::Failure;
 use crate::service::child::meter::Meter;
-use crate::service::child::report::{self, ReportInput};
+use crate::service::child::report;
 use crate::service::storage::blobs::sha256_hex;
+use crate::service::types::ReportInput;
 use crate::service::views::preview;
 use anyhow::Context;
 use serde_json::Value;

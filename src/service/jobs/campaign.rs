@@ -4,8 +4,8 @@ use super::Inner;
 use super::control::{Control, Stop};
 use super::runner::Product;
 use super::submit::planned;
-use crate::experiment::JobKind;
 use crate::experiment::campaign::{Campaign, Items};
+use crate::experiment::{CampaignResult, JobKind};
 use crate::service::child::Failure;
 use crate::service::child::{self, CampaignOrder, Looked, Order, Runs, unexpected};
 use crate::service::datasets::{Located, local_files};
@@ -14,7 +14,7 @@ use crate::service::error::ServiceError;
 use crate::service::storage::{
     Chunk, ChunkKind, ChunkResult, ClaimedChunk, ClaimedJob, Ending, NewChunk,
 };
-use crate::service::types::{CampaignResult, CampaignSoFar, JobState, Problem};
+use crate::service::types::{CampaignSoFar, JobState, Problem};
 use anyhow::Context;
 use futures::{FutureExt, TryStreamExt};
 use serde::Deserialize;
