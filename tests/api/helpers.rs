@@ -15,7 +15,7 @@ use trackloom::service::server::{Server, state};
 pub struct Api {
     pub base: String,
     pub client: Client,
-    pub jobs: Jobs,
+    pub jobs: Arc<Jobs>,
     server: Option<Server>,
     /// Held for its drop.
     _directory: TempDir,

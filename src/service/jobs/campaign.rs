@@ -1,6 +1,6 @@
 //! What happens to a chunk of a campaign: claimed, worked off by a child, and its result written once.
 
-use super::Inner;
+use super::Jobs;
 use super::control::{Control, Stop};
 use super::runner::Product;
 use super::submit::planned;
@@ -78,7 +78,7 @@ enum Made {
     Report(Product),
 }
 
-impl Inner {
+impl Jobs {
     /// Makes the claimed job a campaign: its chunks follow.
     pub(super) async fn start_campaign(&self, job: &ClaimedJob) -> anyhow::Result<()> {
         let control = self.begin((job.id, None));
@@ -270,8 +270,8 @@ impl Inner {
     }
 
     /// What the runs that are made say of the cells, while others are still being made or after they were given up.
-    pub(super) async fn cells_so_far(&self, id: Uuid) -> Result<CampaignSoFar, ServiceError> {
-        let job = self.job(id).await?;
+    pub async fn cells(&self, id: Uuid) -> Result<CampaignSoFar, ServiceError> {
+        let job = self.get(id).await?;
         if job.kind != JobKind::Campaign {
             let detail = format!(
                 "the job is of the kind '{}'; only a campaign has cells",

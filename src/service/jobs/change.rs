@@ -1,7 +1,7 @@
 //! Changing jobs that exist: names, cancelling, deleting.
 
 use super::control::Stop;
-use super::{Inner, JobPatch};
+use super::{JobPatch, Jobs};
 use crate::registry::{self, Kind, Object, optional};
 use crate::service::error::ServiceError;
 use crate::service::storage::{Cancellation, Changed, Deletion};
@@ -30,9 +30,9 @@ pub static JOB_PATCH: Object = Object {
     ],
 };
 
-impl Inner {
-    pub(super) async fn patch(&self, id: Uuid, patch: JobPatch) -> Result<Job, ServiceError> {
-        self.job(id).await?;
+impl Jobs {
+    pub async fn patch(&self, id: Uuid, patch: JobPatch) -> Result<Job, ServiceError> {
+        self.get(id).await?;
         let JobPatch { name, labels } = patch;
         let mut body = Map::new();
         body.extend(name.as_ref().map(|name| ("name".to_owned(), json!(name))));
@@ -45,11 +45,12 @@ impl Inner {
         self.storage
             .patch_job(id, name.as_deref(), labels.as_ref())
             .await?;
-        self.job(id).await
+        self.get(id).await
     }
 
-    pub(super) async fn cancel(&self, id: Uuid) -> Result<Job, ServiceError> {
-        self.job(id).await?;
+    /// Asks a job to stop: a queued one is canceled at once, a running one as soon as it notices.
+    pub async fn cancel(&self, id: Uuid) -> Result<Job, ServiceError> {
+        self.get(id).await?;
         match self.storage.cancel(id).await? {
             Cancellation::Canceled(changed) => {
                 self.running.stop(id, Stop::Canceled);
@@ -66,11 +67,12 @@ impl Inner {
                 ));
             }
         }
-        self.job(id).await
+        self.get(id).await
     }
 
-    pub(super) async fn delete(&self, id: Uuid) -> Result<(), ServiceError> {
-        self.job(id).await?;
+    /// Deletes a job that has ended, with its files; datasets that it made stay.
+    pub async fn delete(&self, id: Uuid) -> Result<(), ServiceError> {
+        self.get(id).await?;
         match self.storage.delete_job(id).await? {
             Deletion::Deleted(contents) => {
                 self.publish(Changed {

@@ -1,6 +1,6 @@
 //! From what a plan asks for to the files that hold it.
 
-use super::Inner;
+use super::Jobs;
 use crate::experiment::{InputRequest, Known, Plan, Source};
 use crate::formats::FormatOptions;
 use crate::model::dataset::DatasetKind;
@@ -27,7 +27,7 @@ pub(super) fn source_refs(plan: &Plan) -> Vec<SourceRef> {
     plan.inputs().iter().map(source_ref).collect()
 }
 
-impl Inner {
+impl Jobs {
     /// Finds the file of each input, in the order of the plan; `None` where an optional one is absent.
     pub(super) async fn locate(&self, plan: &Plan) -> Result<Vec<Option<Located>>, ServiceError> {
         let mut located = Vec::new();

@@ -1,6 +1,6 @@
 //! What happens when the queue says "look at this": claim it, have a child run it, write how it ended.
 
-use super::Inner;
+use super::Jobs;
 use super::control::{Control, Stop, Work};
 use super::submit::planned;
 use crate::experiment::JobKind;
@@ -36,7 +36,7 @@ pub(super) struct Product {
     pub directory: TempDir,
 }
 
-impl Inner {
+impl Jobs {
     /// Works off the entry if that is still to be done. Extra calls for the same work do nothing.
     pub(super) async fn handle_entry(self: Arc<Self>, entry: Entry) -> anyhow::Result<()> {
         let work = (entry.job_id, entry.chunk);
