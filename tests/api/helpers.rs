@@ -5,6 +5,7 @@ use reqwest::header::{HeaderMap, HeaderName};
 use reqwest::multipart::{Form, Part};
 use reqwest::{Client, Method, RequestBuilder, StatusCode};
 use serde_json::{Value, json};
+use std::sync::Arc;
 use tempfile::TempDir;
 use trackloom::service::config::Config;
 use trackloom::service::http::{self, Hosts};

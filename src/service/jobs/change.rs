@@ -12,11 +12,11 @@ use uuid::Uuid;
 /// What a patch of a job may hold, with the limits of a request's own `name` and `labels`.
 pub static JOB_PATCH: Object = Object {
     name: "JobPatch",
-    summary: "What to change of a job; absent members stay as they are.",
+    summary: "What to change of a job; absent members stay.",
     fields: &[
         optional(
             "name",
-            "A name for people; an empty one removes it.",
+            "The name from now on; an empty one removes it.",
             Kind::Text { max_length: 100 },
         ),
         optional(

@@ -20,6 +20,8 @@ mod page;
 mod recall;
 pub mod room;
 mod statement;
+#[cfg(test)]
+mod testing;
 mod transaction;
 mod unsynced;
 

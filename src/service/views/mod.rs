@@ -10,6 +10,8 @@ pub mod plan;
 pub mod preview;
 mod reduction;
 pub mod series;
+#[cfg(test)]
+mod testing;
 
 pub use reduction::{DEFAULT_MAX_POINTS, Density, Method, Reduced};
 
