@@ -13,6 +13,8 @@ pub use export::{Components, json_schema, standalone_schema, tagged_schema};
 pub use parse::parse;
 pub use paths::{nearest_of, nearest_path};
 
+use crate::model::fault::Fault;
+
 /// A JSON object with known fields; any other field is a fault.
 pub struct Object {
     /// Name of its schema in the OpenAPI document, in PascalCase.
@@ -197,4 +199,13 @@ impl<Build> Method<Build> {
             object: self.parameters,
         }
     }
+}
+
+/// Faults of a part, each with the place of the part before its pointer.
+pub fn placed(place: &str, faults: Vec<Fault>) -> Vec<Fault> {
+    let placed = |fault: Fault| Fault {
+        pointer: format!("{place}{}", fault.pointer),
+        ..fault
+    };
+    faults.into_iter().map(placed).collect()
 }

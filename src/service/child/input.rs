@@ -5,6 +5,7 @@ use crate::formats::{FormatOptions, ReadOptions, format_named};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
+use crate::registry::placed;
 use crate::service::child::Failure;
 use anyhow::Context;
 use serde::{Deserialize, Serialize};
@@ -53,12 +54,10 @@ impl InputFile {
             .map_err(|failure| repoint(failure, &request.pointer))?;
         let mut sensors = self.sensors;
         if let Some(wanted) = request.source.sensor_ids() {
-            dataset = dataset.only_sensors(wanted).map_err(|faults| {
-                repoint(
-                    Failure::Faults(faults),
-                    &format!("{}/sensor_ids", request.pointer),
-                )
-            })?;
+            let place = format!("{}/sensor_ids", request.pointer);
+            dataset = dataset
+                .only_sensors(wanted)
+                .map_err(|faults| Failure::Faults(placed(&place, faults)))?;
             sensors.retain(|sensor| wanted.contains(&sensor.sensor_id));
         }
         Ok(Input {
@@ -81,12 +80,8 @@ pub(super) fn faults_or_memory(faults: Vec<Fault>) -> Failure {
 
 /// Puts the place in the request before the pointers of faults.
 fn repoint(failure: Failure, pointer: &str) -> Failure {
-    let placed = |fault: Fault| Fault {
-        pointer: format!("{pointer}{}", fault.pointer),
-        ..fault
-    };
     match failure {
-        Failure::Faults(faults) => Failure::Faults(faults.into_iter().map(placed).collect()),
+        Failure::Faults(faults) => Failure::Faults(placed(pointer, faults)),
         other => other,
     }
 }

@@ -8,7 +8,7 @@ use crate::experiment::{Input, Inputs, JobKind, Plan, Source};
 use crate::formats::{self, FormatOptions, OPTION_FIELDS, ReadOptions};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
-use crate::registry::{self, Field, Kind, Object, joined, optional, required};
+use crate::registry::{self, Field, Kind, Object, joined, optional, placed, required};
 use crate::service::storage::blobs::sha256_hex;
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -121,10 +121,7 @@ impl JobFile {
                 Ok(Err(error)) => {
                     faults.push(Fault::new(pointer.clone(), "malformed", error.to_string()))
                 }
-                Err(found) => faults.extend(found.into_iter().map(|fault| Fault {
-                    pointer: format!("{pointer}{}", fault.pointer),
-                    ..fault
-                })),
+                Err(found) => faults.extend(placed(&pointer, found)),
             }
             *source = json!({"source": "dataset", "dataset_id": pointer});
         }
@@ -191,12 +188,7 @@ impl JobFile {
             match self.files.get(pointer.as_str()) {
                 Some(file) => match self.read(file, request.role, warnings) {
                     Ok(input) => inputs.push(Some(input)),
-                    Err(found) => {
-                        faults.extend(found.into_iter().map(|fault| Fault {
-                            pointer: format!("{}{}", request.pointer, fault.pointer),
-                            ..fault
-                        }));
-                    }
+                    Err(found) => faults.extend(placed(&request.pointer, found)),
                 },
                 None => {
                     let detail = "without a server a source is a file, a scenario or a preset";
@@ -273,11 +265,7 @@ impl JobFile {
 }
 
 fn only(dataset: Dataset, wanted: &[String]) -> Result<Dataset, Vec<Fault>> {
-    let repoint = |fault: Fault| Fault {
-        pointer: format!("/sensor_ids{}", fault.pointer),
-        ..fault
-    };
     dataset
         .only_sensors(wanted)
-        .map_err(|faults| faults.into_iter().map(repoint).collect())
+        .map_err(|faults| placed("/sensor_ids", faults))
 }

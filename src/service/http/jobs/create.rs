@@ -7,6 +7,7 @@ use super::super::query::NoParams;
 use super::super::state::AppState;
 use crate::experiment::job_shape::take_kind;
 use crate::model::fault::Fault;
+use crate::registry::placed;
 use crate::service::http::error::{ApiError, ApiResult};
 use crate::service::types::{FaultItem, Job, JobKind};
 use axum::Json;
@@ -227,14 +228,6 @@ fn read_job(mut job: Value) -> Result<(JobKind, Value), ApiError> {
     let Some(kind) = kind.filter(|_| faults.is_empty()) else {
         return Err(ApiError::validation(faults));
     };
-    kind_of(&mut spec, Some(kind))
-        .map_err(|found| ApiError::validation(found.into_iter().map(inside_spec).collect()))?;
+    kind_of(&mut spec, Some(kind)).map_err(|found| ApiError::validation(placed("/spec", found)))?;
     Ok((kind, spec))
-}
-
-fn inside_spec(fault: Fault) -> Fault {
-    Fault {
-        pointer: format!("/spec{}", fault.pointer),
-        ..fault
-    }
 }
