@@ -22,7 +22,7 @@ pub use spec::ASSOCIATE;
 
 use crate::experiment::input::JobData;
 use crate::experiment::job::{
-    Cost, InputRequest, Inputs, Job, Known, KnownInputs, Outcome, Planner, RunError, RunSettings,
+    InputRequest, Inputs, Job, Known, KnownInputs, Outcome, Planner, RunError, RunSettings,
     to_value,
 };
 use crate::experiment::observer::Observer;
@@ -33,8 +33,6 @@ use spec::Spec;
 #[derive(Clone)]
 struct AssociateJob {
     spec: Spec,
-    inputs: Vec<InputRequest>,
-    cost: Cost,
 }
 
 /// Plans a job that tracks.
@@ -45,23 +43,15 @@ pub fn plan(mut draft: Draft, _: Planner) -> Result<Planned, Vec<Fault>> {
     let cost = check::check_tracking(&mut draft, true);
     let inputs = draft.inputs();
     check::check_start(&mut draft, &inputs);
-    draft.finish(|spec| AssociateJob { spec, inputs, cost })
+    draft.finish(inputs, cost, |spec| AssociateJob { spec })
 }
 
 impl Job for AssociateJob {
-    fn inputs(&self) -> &[InputRequest] {
-        &self.inputs
-    }
-
-    fn cost(&self) -> Cost {
-        self.cost
-    }
-
-    fn check_known(&self, known: &[Option<Known>]) -> KnownInputs {
+    fn check_known(&self, requests: &[InputRequest], known: &[Option<Known>]) -> KnownInputs {
         let Spec {
             sensors, tracking, ..
         } = &self.spec;
-        let found = known::check_tracked(&self.inputs, known, tracking, sensors);
+        let found = known::check_tracked(requests, known, tracking, sensors);
         found.into_known_inputs(|filter| {
             let mut job = self.clone();
             job.spec.tracking.filter = filter;
@@ -71,6 +61,7 @@ impl Job for AssociateJob {
 
     fn run(
         &self,
+        requests: &[InputRequest],
         inputs: Inputs,
         settings: RunSettings,
         observer: &mut dyn Observer,
@@ -81,7 +72,7 @@ impl Job for AssociateJob {
             sensors,
             tracking,
         } = &self.spec;
-        let mut data = JobData::load(&self.inputs, inputs, sensors)?;
+        let mut data = JobData::load(requests, inputs, sensors)?;
         data.gather(input, detector.as_ref(), sensors, settings.seed, observer)?;
         let tracking = settle(tracking, data.recording()?);
         let tracked = track::track(&mut data, input, &tracking, sensors, settings, observer)?;

@@ -75,7 +75,7 @@ pub fn plan(mut draft: Draft, planner: Planner) -> Result<Planned, Vec<Fault>> {
     });
     draft.add(different_data(&cells));
     let inputs = inputs_of(&cells);
-    draft.finish(|spec: Spec| Campaign {
+    draft.finish(inputs, cost, |spec: Spec| Campaign {
         cells,
         axes,
         compared,
@@ -85,8 +85,6 @@ pub fn plan(mut draft: Draft, planner: Planner) -> Result<Planned, Vec<Fault>> {
         timed_runs: spec.timed_runs,
         confidence: spec.confidence,
         seed: spec.seed,
-        inputs,
-        cost,
     })
 }
 
@@ -133,8 +131,6 @@ pub struct Campaign {
     timed_runs: u32,
     confidence: f64,
     seed: u32,
-    inputs: Vec<InputRequest>,
-    cost: Cost,
 }
 
 /// What is loaded once for all runs.
@@ -143,7 +139,7 @@ fn inputs_of(cells: &[Cell]) -> Vec<InputRequest> {
         pointer: format!("/base{}", input.pointer),
         ..input.clone()
     };
-    let first = cells.first().map_or(&[][..], |cell| cell.plan.inputs());
+    let first = cells.first().map_or(&[][..], |cell| &cell.plan.inputs);
     first.iter().map(placed).collect()
 }
 
@@ -152,7 +148,7 @@ fn different_data(cells: &[Cell]) -> Option<Fault> {
     let first = cells.first()?;
     let other = cells
         .iter()
-        .find(|cell| cell.plan.inputs() != first.plan.inputs())?;
+        .find(|cell| cell.plan.inputs != first.plan.inputs)?;
     let detail = format!(
         "the cells '{}' and '{}' read different data",
         first.name, other.name
@@ -184,16 +180,8 @@ fn reference_point(spec: &Spec, axes: &[Axis]) -> Result<Option<(usize, usize)>,
 }
 
 impl Job for Campaign {
-    fn inputs(&self) -> &[InputRequest] {
-        &self.inputs
-    }
-
-    fn cost(&self) -> Cost {
-        self.cost
-    }
-
     /// The faults of all cells with the data that they read.
-    fn check_known(&self, known: &[Option<Known>]) -> KnownInputs {
+    fn check_known(&self, _: &[InputRequest], known: &[Option<Known>]) -> KnownInputs {
         let cost = cost_of(known);
         KnownInputs {
             faults: placing::check_known(&self.cells, &self.axes, known),
@@ -209,6 +197,7 @@ impl Job for Campaign {
     /// Makes all runs one after the other; a fault names the cell and the run that has it.
     fn run(
         &self,
+        _: &[InputRequest],
         inputs: Inputs,
         _: RunSettings,
         observer: &mut dyn Observer,

@@ -19,7 +19,7 @@ use crate::experiment::associate::track::track;
 use crate::experiment::input::known::check_inputs;
 use crate::experiment::input::{JobData, missing};
 use crate::experiment::job::{
-    Cost, InputRequest, Inputs, Job, Known, KnownInputs, Outcome, Planner, RunError, RunSettings,
+    InputRequest, Inputs, Job, Known, KnownInputs, Outcome, Planner, RunError, RunSettings,
     to_value,
 };
 use crate::experiment::observer::Observer;
@@ -33,8 +33,6 @@ use spec::Spec;
 struct CorrelateJob {
     spec: Spec,
     tracking: Option<TrackingSpec>,
-    inputs: Vec<InputRequest>,
-    cost: Cost,
 }
 
 /// Plans a job that puts tracks together.
@@ -47,28 +45,18 @@ pub fn plan(mut draft: Draft, _: Planner) -> Result<Planned, Vec<Fault>> {
     let cost = check::check_drawn_tracks(&mut draft).unwrap_or(of_scenario);
     let inputs = draft.inputs();
     check_start(&mut draft, &inputs);
-    draft.finish(|spec: Spec| CorrelateJob {
+    draft.finish(inputs, cost, |spec: Spec| CorrelateJob {
         tracking: spec.tracking(),
         spec,
-        inputs,
-        cost,
     })
 }
 
 impl Job for CorrelateJob {
-    fn inputs(&self) -> &[InputRequest] {
-        &self.inputs
-    }
-
-    fn cost(&self) -> Cost {
-        self.cost
-    }
-
-    fn check_known(&self, known: &[Option<Known>]) -> KnownInputs {
+    fn check_known(&self, requests: &[InputRequest], known: &[Option<Known>]) -> KnownInputs {
         let Some(tracking) = &self.tracking else {
-            return check_inputs(&self.inputs, known);
+            return check_inputs(requests, known);
         };
-        let found = check_tracked(&self.inputs, known, tracking, &self.spec.sensors);
+        let found = check_tracked(requests, known, tracking, &self.spec.sensors);
         found.into_known_inputs(|filter| {
             let mut job = self.clone();
             job.tracking = Some(TrackingSpec {
@@ -81,12 +69,13 @@ impl Job for CorrelateJob {
 
     fn run(
         &self,
+        requests: &[InputRequest],
         inputs: Inputs,
         settings: RunSettings,
         observer: &mut dyn Observer,
     ) -> Result<Outcome, RunError> {
         let Spec { input, sensors, .. } = &self.spec;
-        let mut data = JobData::load(&self.inputs, inputs, sensors)?;
+        let mut data = JobData::load(requests, inputs, sensors)?;
         data.gather(input, None, sensors, settings.seed, observer)?;
         let nodes = self.nodes(&mut data, settings, observer)?;
         let correlated = run::correlate(&self.spec, nodes, &mut data, settings, observer)?;

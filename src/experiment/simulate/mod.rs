@@ -2,7 +2,7 @@
 
 use crate::experiment::input::JobData;
 use crate::experiment::job::{
-    Cost, InputRequest, Inputs, Job, Known, KnownInputs, Outcome, Planner, RunError, RunSettings,
+    InputRequest, Inputs, Job, Known, KnownInputs, Outcome, Planner, RunError, RunSettings,
     to_value,
 };
 use crate::experiment::observer::Observer;
@@ -51,7 +51,6 @@ struct SimulationCounts {
 
 struct SimulateJob {
     input: InputSpec,
-    cost: Cost,
 }
 
 /// Plans a simulation.
@@ -61,24 +60,17 @@ struct SimulateJob {
 pub fn plan(mut draft: Draft, _: Planner) -> Result<Planned, Vec<Fault>> {
     let cost = draft.check_scenario();
     // The scenario stands where other requests have their input.
-    draft.finish(|input: InputSpec| SimulateJob { input, cost })
+    draft.finish(Vec::new(), cost, |input: InputSpec| SimulateJob { input })
 }
 
 impl Job for SimulateJob {
-    fn inputs(&self) -> &[InputRequest] {
-        &[]
-    }
-
-    fn cost(&self) -> Cost {
-        self.cost
-    }
-
-    fn check_known(&self, _: &[Option<Known>]) -> KnownInputs {
+    fn check_known(&self, _: &[InputRequest], _: &[Option<Known>]) -> KnownInputs {
         KnownInputs::default()
     }
 
     fn run(
         &self,
+        _: &[InputRequest],
         _: Inputs,
         settings: RunSettings,
         observer: &mut dyn Observer,

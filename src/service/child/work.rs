@@ -172,7 +172,7 @@ pub(super) fn load(
         );
     }
     let (mut inputs, mut read) = (Vec::new(), Vec::new());
-    for (done, (request, opened)) in plan.inputs().iter().zip(opened).enumerate() {
+    for (done, (request, opened)) in plan.inputs.iter().zip(opened).enumerate() {
         if meter.progress(Step::Load, done as u64, total).is_break() {
             return Err(Failure::Stopped);
         }

@@ -177,7 +177,7 @@ impl JobFile {
     ) -> Result<Inputs, Vec<Fault>> {
         let mut faults = Vec::new();
         let mut inputs = Vec::new();
-        for request in plan.inputs() {
+        for request in &plan.inputs {
             let (Source::Dataset {
                 dataset_id: pointer,
                 ..

@@ -259,7 +259,7 @@ fn compute(job: &JobFile, mut plan: Plan) -> Result<(Vec<u8>, Outcome), Trouble>
     }
     let _ = meter.progress(Step::Load, 1, 1);
     let read: Vec<ReportInput> = plan
-        .inputs()
+        .inputs
         .iter()
         .zip(&inputs)
         .filter_map(|(request, input)| input.as_ref().map(|input| ReportInput::new(request, input)))

@@ -24,7 +24,7 @@ pub(super) fn source_refs(plan: &Plan) -> Vec<SourceRef> {
             id,
         }
     };
-    plan.inputs().iter().map(source_ref).collect()
+    plan.inputs.iter().map(source_ref).collect()
 }
 
 impl Jobs {
@@ -32,7 +32,7 @@ impl Jobs {
     pub(super) async fn locate(&self, plan: &Plan) -> Result<Vec<Option<Located>>, ServiceError> {
         let mut located = Vec::new();
         let mut faults = Vec::new();
-        for request in plan.inputs() {
+        for request in &plan.inputs {
             let found = match &request.source {
                 Source::Dataset { dataset_id, .. } => self.datasets.locate(dataset_id).await?,
                 Source::Job { job_id, .. } => self.locate_artifact(job_id, request.role).await?,
@@ -55,7 +55,7 @@ impl Jobs {
         plan: &Plan,
     ) -> Result<(Vec<Option<Known>>, Vec<String>), ServiceError> {
         let (mut known, mut unknown) = (Vec::new(), Vec::new());
-        for request in plan.inputs() {
+        for request in &plan.inputs {
             let dataset = match &request.source {
                 Source::Dataset { dataset_id, .. } => Uuid::try_parse(dataset_id).ok(),
                 Source::Job { job_id, .. } => self.made_by(job_id, request.role).await?,
