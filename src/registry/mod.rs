@@ -135,6 +135,19 @@ pub const fn above(min: f64, max: f64, unit: &'static str) -> Kind {
     }
 }
 
+/// A list of `min` to `max` items.
+pub const fn list(item: &'static Kind, min: usize, max: usize) -> Kind {
+    Kind::List { item, min, max }
+}
+
+/// A map of at most so many texts of at most so many characters.
+pub const fn text_map(max_entries: usize, max_length: usize) -> Kind {
+    Kind::TextMap {
+        max_entries,
+        max_length,
+    }
+}
+
 /// A whole number from `min` to `max`.
 pub const fn whole(min: i64, max: i64, unit: &'static str) -> Kind {
     Kind::Integer { min, max, unit }

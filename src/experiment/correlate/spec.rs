@@ -13,7 +13,7 @@ use crate::experiment::request::sources::InputSpec;
 use crate::filtering::FILTER;
 use crate::model::sensor::SensorSettings;
 use crate::registry::{
-    Bound, Kind, Object, Union, above, default, number, optional, required, variant, whole,
+    Bound, Kind, Object, Union, above, default, list, number, optional, required, variant, whole,
 };
 use crate::simulation::LOCAL_TRACKS;
 use crate::tracking::LIFECYCLE;
@@ -153,11 +153,7 @@ pub static CORRELATE: Object = Object {
         optional(
             "sets",
             "Tracks of two sensors or more, one set each; instead of `input`.",
-            Kind::List {
-                item: &Kind::Union(&DATA),
-                min: 1,
-                max: 64,
-            },
+            list(&Kind::Union(&DATA), 1, 64),
         ),
         optional(
             "input",

@@ -8,7 +8,9 @@ use crate::experiment::{Input, Inputs, JobKind, Plan, Source};
 use crate::formats::{self, FormatOptions, OPTION_FIELDS, ReadOptions};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
-use crate::registry::{self, Field, Kind, Object, joined, optional, placed, required};
+use crate::registry::{
+    self, Field, Kind, Object, joined, list, optional, placed, required, text_map,
+};
 use crate::service::storage::blobs::sha256_hex;
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -63,21 +65,14 @@ const COMMON: [Field; 4] = [
     optional(
         "columns",
         "The file's column name to the canonical one.",
-        Kind::TextMap {
-            max_entries: 64,
-            max_length: 100,
-        },
+        text_map(64, 100),
     ),
 ];
 
 const SENSOR_IDS: [Field; 1] = [optional(
     "sensor_ids",
     "Only these sensors.",
-    Kind::List {
-        item: &TEXT,
-        min: 1,
-        max: 64,
-    },
+    list(&TEXT, 1, 64),
 )];
 
 /// The JSON pointers of every place in a request that may name a source; those of a campaign are in its base.

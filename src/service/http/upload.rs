@@ -11,7 +11,9 @@ use crate::formats::{FORMATS, FormatOptions, OPTION_FIELDS};
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
-use crate::registry::{Field, Kind, Object, control_character_fault, joined, optional};
+use crate::registry::{
+    Field, Kind, Object, control_character_fault, joined, list, optional, text_map,
+};
 use crate::service::datasets::DatasetMeta;
 use crate::service::error::ServiceError;
 use crate::service::http::error::ApiError;
@@ -73,21 +75,14 @@ const COMMON: [Field; 4] = [
     optional(
         "columns",
         "The file's column name to the canonical one, where they differ.",
-        Kind::TextMap {
-            max_entries: 64,
-            max_length: 100,
-        },
+        text_map(64, 100),
     ),
 ];
 
 const SENSORS: [Field; 1] = [optional(
     "sensors",
     "What is known of the sensors.",
-    Kind::List {
-        item: &SENSOR,
-        min: 1,
-        max: 64,
-    },
+    list(&SENSOR, 1, 64),
 )];
 
 static SENSOR: Kind = Kind::Object(catalogue::sensor_settings());

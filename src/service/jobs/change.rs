@@ -2,7 +2,7 @@
 
 use super::control::Stop;
 use super::{JobPatch, Jobs};
-use crate::registry::{self, Kind, Object, optional};
+use crate::registry::{self, Kind, Object, optional, text_map};
 use crate::service::error::ServiceError;
 use crate::service::storage::{Cancellation, Changed, Deletion};
 use crate::service::types::Job;
@@ -19,14 +19,7 @@ pub static JOB_PATCH: Object = Object {
             "The name from now on; an empty one removes it.",
             Kind::Text { max_length: 100 },
         ),
-        optional(
-            "labels",
-            "All labels from now on.",
-            Kind::TextMap {
-                max_entries: 32,
-                max_length: 100,
-            },
-        ),
+        optional("labels", "All labels from now on.", text_map(32, 100)),
     ],
 };
 
