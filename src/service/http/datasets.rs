@@ -9,14 +9,14 @@ use super::{raw_upload, upload};
 use crate::model::dataset::DatasetKind as ModelKind;
 use crate::service::error::ServiceError;
 use crate::service::http::error::ApiResult;
-use crate::service::storage::{DatasetFilter, Sort};
+use crate::service::storage::{DatasetFilter, Paging, Sort};
 use crate::service::types::{DatasetInfo, DatasetPage};
 use crate::service::views::preview;
 use axum::Json;
-use axum::body::Body;
 use axum::extract::{DefaultBodyLimit, Request, State};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse, Response};
+use serde::Serialize;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -121,21 +121,13 @@ async fn list_datasets(State(app): State<AppState>, mut params: Params) -> ApiRe
     let filter = DatasetFilter {
         kinds: params.list("kind", &names(ModelKind::ALL.map(ModelKind::name)), kind),
         q: params.text("q"),
-        sort: sort(&mut params),
-        limit: limit(&mut params),
-        cursor: params.text("cursor"),
-        count: params.flag("count"),
+        paging: paging(&mut params),
     };
     params.add(filter.faults());
     let next = params.next_page();
     params.finish()?;
     let page = app.datasets.list(filter).await?;
-    Ok(with_next(
-        "/v1/datasets",
-        &next,
-        page.next_cursor.as_deref(),
-        Json(&page).into_response(),
-    ))
+    Ok(with_next("/v1/datasets", &next, &page, &page.next_cursor))
 }
 
 /// Get a dataset
@@ -196,31 +188,32 @@ async fn download_dataset(
     conditional::stored(&headers, app.datasets.file(id).await?, true).await
 }
 
-pub(super) fn sort(params: &mut Params) -> Sort {
-    let read = |text: &str| match text {
+pub(super) fn paging(params: &mut Params) -> Paging {
+    let sort = |text: &str| match text {
         "-created_at" => Some(Sort::NewestFirst),
         "created_at" => Some(Sort::OldestFirst),
         _ => None,
     };
-    params
-        .read("sort", "-created_at, created_at", read)
-        .unwrap_or_default()
+    Paging {
+        sort: params
+            .read("sort", "-created_at, created_at", sort)
+            .unwrap_or_default(),
+        limit: params
+            .whole_number("limit", 1..=200)
+            .map_or(0, |limit| limit as u32),
+        cursor: params.text("cursor"),
+        count: params.flag("count"),
+    }
 }
 
-/// Rows of a page; 0 stands for what the storage thinks right.
-pub(super) fn limit(params: &mut Params) -> u32 {
-    params
-        .whole_number("limit", 1..=200)
-        .map_or(0, |limit| limit as u32)
-}
-
-/// Adds `Link: <…>; rel="next"` where there is a next page.
+/// A page, with `Link: <…>; rel="next"` where there is a next one.
 pub(super) fn with_next(
     path: &str,
     query: &str,
-    cursor: Option<&str>,
-    mut response: Response<Body>,
+    page: &impl Serialize,
+    cursor: &Option<String>,
 ) -> Response {
+    let mut response = Json(page).into_response();
     if let Some(cursor) = cursor {
         conditional::set(
             &mut response,

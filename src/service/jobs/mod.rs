@@ -15,7 +15,7 @@ mod runner;
 mod submit;
 mod upkeep;
 
-pub use crate::service::storage::{JobFilter, Sort};
+pub use crate::service::storage::{JobFilter, Paging, Sort};
 pub use change::JOB_PATCH;
 pub use request::*;
 

@@ -37,7 +37,7 @@ impl Jobs {
 
     pub async fn list(&self, filter: JobFilter) -> Result<JobPage, ServiceError> {
         refuse_any(filter.faults())?;
-        let after = cursor_of(filter.cursor.as_deref(), filter.sort)?;
+        let after = cursor_of(&filter.paging)?;
         let Page {
             items,
             next_cursor,

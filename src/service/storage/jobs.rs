@@ -3,7 +3,7 @@
 use super::change::{Changed, append_event, end_job, parse_id};
 use super::datasets::active_users;
 use super::filter::JobFilter;
-use super::page::{Cursor, Page, Paging, push_search};
+use super::page::{Cursor, Page, push_search};
 use super::statement::Statement;
 use super::{Storage, from_micros, now, to_micros};
 use crate::service::types::{EventData, Job, JobKind, JobLinks, JobState, LogLine};
@@ -92,14 +92,9 @@ impl Storage {
         filter: &JobFilter,
         after: Option<Cursor>,
     ) -> anyhow::Result<Page<Job>> {
-        let paging = Paging {
-            sort: filter.sort,
-            limit: filter.limit,
-            after,
-            count: filter.count,
-        };
         let count = "SELECT count(*) FROM jobs WHERE ";
         let read = |row: &AnyRow| Ok(stored(row)?.job);
+        let paging = (&filter.paging, after);
         self.page((COLUMNS, count), condition(filter), paging, read)
             .await
     }

@@ -30,7 +30,7 @@ pub use change::{Changed, Ready};
 pub use chunks::{Chunk, ChunkKind, ChunkResult, ClaimedChunk, NewChunk};
 pub use database::{Database, NoSweeping, Storage};
 pub use datasets::{NewDataset, StoredDataset};
-pub use filter::{DatasetFilter, JobFilter, Sort};
+pub use filter::{DatasetFilter, JobFilter, Paging, Sort};
 pub use jobs::{Cancellation, Deletion, StoredArtifact};
 pub use life::{Claim, ClaimedJob, Ending, NewArtifact};
 pub use page::{Cursor, Page};

@@ -1,17 +1,15 @@
 //! Finding jobs.
 
 use super::super::conditional;
-use super::super::datasets::{limit, sort, with_next};
+use super::super::datasets::{paging, with_next};
 use super::super::extract::Id;
 use super::super::query::{NoParams, Params, names};
 use super::super::state::AppState;
 use crate::service::http::error::ApiResult;
 use crate::service::jobs::JobFilter;
 use crate::service::types::{Job, JobKind, JobPage, JobSpec, JobState};
-use axum::Json;
 use axum::extract::State;
 use axum::http::HeaderMap;
-use axum::response::IntoResponse;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -55,21 +53,13 @@ async fn list_jobs(State(app): State<AppState>, mut params: Params) -> ApiResult
         created_after: params.timestamp("created_after"),
         created_before: params.timestamp("created_before"),
         q: params.text("q"),
-        sort: sort(&mut params),
-        limit: limit(&mut params),
-        cursor: params.text("cursor"),
-        count: params.flag("count"),
+        paging: paging(&mut params),
     };
     params.add(filter.faults());
     let next = params.next_page();
     params.finish()?;
     let page = app.jobs.list(filter).await?;
-    Ok(with_next(
-        "/v1/jobs",
-        &next,
-        page.next_cursor.as_deref(),
-        Json(&page).into_response(),
-    ))
+    Ok(with_next("/v1/jobs", &next, &page, &page.next_cursor))
 }
 
 /// Get a job
