@@ -17,6 +17,12 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct InputFile {
     pub path: PathBuf,
+    pub content: FileContent,
+}
+
+/// What a file holds, and how to read it.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct FileContent {
     pub format: String,
     pub kind: DatasetKind,
     pub columns: BTreeMap<String, String>,
@@ -36,12 +42,14 @@ impl InputFile {
     }
 
     fn read_from(&self, file: File) -> Result<Dataset, Failure> {
-        let format = format_named(&self.format)
-            .with_context(|| format!("a stored dataset has the unknown format {}", self.format))?;
+        let content = &self.content;
+        let format = format_named(&content.format).with_context(|| {
+            format!("a stored dataset has the unknown format {}", content.format)
+        })?;
         let options = ReadOptions {
-            kind: Some(self.kind),
-            columns: self.columns.clone(),
-            options: self.options.clone(),
+            kind: Some(content.kind),
+            columns: content.columns.clone(),
+            options: content.options.clone(),
         };
         let read = (format.read)(&mut BufReader::with_capacity(1 << 16, file), &options);
         Ok(read.map_err(faults_or_memory)?.dataset)
@@ -52,7 +60,7 @@ impl InputFile {
         let mut dataset = self
             .read_from(file)
             .map_err(|failure| repoint(failure, &request.pointer))?;
-        let mut sensors = self.sensors;
+        let mut sensors = self.content.sensors;
         if let Some(wanted) = request.source.sensor_ids() {
             let place = format!("{}/sensor_ids", request.pointer);
             dataset = dataset
@@ -63,7 +71,7 @@ impl InputFile {
         Ok(Input {
             dataset,
             sensors,
-            sha256: self.sha256,
+            sha256: self.content.sha256,
         })
     }
 }

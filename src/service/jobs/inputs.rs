@@ -5,6 +5,7 @@ use crate::experiment::{InputRequest, Known, Plan, Source};
 use crate::formats::FormatOptions;
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
+use crate::service::child::FileContent;
 use crate::service::datasets::Located;
 use crate::service::error::ServiceError;
 use crate::service::storage::{SourceId, SourceRef};
@@ -122,15 +123,16 @@ impl Jobs {
                 .unwrap_or_default(),
             None => Vec::new(),
         };
-        Ok(Some(Located {
-            blobs: self.blobs.clone(),
+        let content = FileContent {
             format: "csv".to_owned(),
             kind: role,
             columns: BTreeMap::new(),
             options: FormatOptions::default(),
             sensors,
             sha256: artifact.sha256,
-        }))
+        };
+        let blobs = self.blobs.clone();
+        Ok(Some(Located { blobs, content }))
     }
 }
 

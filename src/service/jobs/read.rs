@@ -276,7 +276,7 @@ fn read_files(
         match dataset {
             Dataset::Detections(recording) => {
                 layers.detections = Some(recording);
-                layers.sensors = file.sensors.clone();
+                layers.sensors = file.content.sensors.clone();
             }
             Dataset::Truth(truth) => layers.truth = Some(truth),
             Dataset::Tracks(tracks) => layers.tracks = Some(tracks),
