@@ -159,6 +159,7 @@ pub struct InputRequest {
 
 /// What a job will roughly cost.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = CostEstimate))]
 pub struct Cost {
     /// Detections that a simulation will make, or that are known to be in the data.
     pub detections: u64,

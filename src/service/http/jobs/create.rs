@@ -5,6 +5,7 @@ use super::super::conditional::created;
 use super::super::headers::{idempotency_key, note_replay, note_wait, patience, preferred_wait};
 use super::super::query::NoParams;
 use super::super::state::AppState;
+use crate::experiment::Cost;
 use crate::experiment::job_shape::take_kind;
 use crate::model::fault::Fault;
 use crate::registry::placed;
@@ -162,16 +163,7 @@ struct ValidationResult {
     /// Absent where there are errors.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
-    estimate: Option<CostEstimate>,
-}
-
-/// What a job will roughly cost.
-#[derive(Serialize, ToSchema)]
-struct CostEstimate {
-    /// Detections that a simulation will make, or that are known to be in the data.
-    detections: u64,
-    cost_s: f64,
-    bytes: u64,
+    estimate: Option<Cost>,
 }
 
 /// Check a job without queueing it
@@ -187,17 +179,12 @@ async fn validate_job(
 ) -> ApiResult {
     let (kind, body) = read_job(body)?;
     let found = app.jobs.validate(kind, body).await?;
-    let estimate = found.estimate.map(|estimate| CostEstimate {
-        detections: estimate.detections,
-        cost_s: estimate.cost_s,
-        bytes: estimate.bytes,
-    });
     let errors: Vec<FaultItem> = found.faults.into_iter().map(FaultItem::from).collect();
     let result = ValidationResult {
         valid: errors.is_empty(),
         errors,
         warnings: found.warnings,
-        estimate,
+        estimate: found.estimate,
     };
     Ok::<Response, ApiError>(Json(result).into_response())
 }
