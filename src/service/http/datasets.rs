@@ -4,8 +4,9 @@ use super::body::{content_length, drain};
 use super::conditional::{self, created};
 use super::extract::Id;
 use super::query::{NoParams, Params, names};
+use super::raw_upload;
 use super::state::AppState;
-use super::{raw_upload, upload};
+use super::upload::{self, Upload};
 use crate::model::dataset::DatasetKind as ModelKind;
 use crate::service::error::ServiceError;
 use crate::service::http::error::ApiResult;
@@ -52,13 +53,7 @@ async fn upload_dataset(State(app): State<AppState>, _: NoParams, request: Reque
         return Err(ServiceError::from(error).into());
     }
     let upload = upload::receive(request, app.datasets.temp_dir(), app.max_upload_bytes).await?;
-    let added = app
-        .datasets
-        .add(upload.file.clone(), upload.meta.clone())
-        .await;
-    added
-        .map(answer)
-        .map_err(|error| upload::repoint(error, "/meta", "/file"))
+    keep(&app, &upload, ("/meta", "/file")).await
 }
 
 /// Upload a dataset as the body
@@ -82,24 +77,23 @@ async fn upload_raw_dataset(
         app.max_upload_bytes,
     )
     .await?;
+    keep(&app, &upload, ("/query", "")).await
+}
+
+/// 201 with the dataset, or 200 where it was there before; faults name the places of the meta and of the file.
+async fn keep(app: &AppState, upload: &Upload, (meta, file): (&str, &str)) -> ApiResult {
     let added = app
         .datasets
         .add(upload.file.clone(), upload.meta.clone())
         .await;
-    added
-        .map(answer)
-        .map_err(|error| upload::repoint(error, "/query", ""))
-}
-
-/// 201 with the dataset, or 200 where it was there before.
-fn answer((dataset, is_new): (DatasetInfo, bool)) -> Response {
+    let (dataset, is_new) = added.map_err(|error| upload::repoint(error, meta, file))?;
     let status = if is_new {
         StatusCode::CREATED
     } else {
         StatusCode::OK
     };
     let location = dataset.links.self_path.clone();
-    created(status, &location, dataset)
+    Ok(created(status, &location, dataset))
 }
 
 /// List datasets
