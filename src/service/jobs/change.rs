@@ -45,11 +45,7 @@ impl Jobs {
     pub async fn cancel(&self, id: Uuid) -> Result<Job, ServiceError> {
         self.get(id).await?;
         match self.storage.cancel(id).await? {
-            Cancellation::Canceled(changed) => {
-                self.running.stop(id, Stop::Canceled);
-                self.publish(changed).await;
-            }
-            Cancellation::Requested(changed) => {
+            Cancellation::Canceled(changed) | Cancellation::Requested(changed) => {
                 self.running.stop(id, Stop::Canceled);
                 self.publish(changed).await;
             }
@@ -68,11 +64,7 @@ impl Jobs {
         self.get(id).await?;
         match self.storage.delete_job(id).await? {
             Deletion::Deleted(contents) => {
-                self.publish(Changed {
-                    touched: vec![id],
-                    ready: Vec::new(),
-                })
-                .await;
+                self.publish(Changed::touch(id)).await;
                 self.datasets.collect_garbage(contents).await
             }
             Deletion::StillActive(state) => Err(ServiceError::conflict(

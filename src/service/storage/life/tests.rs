@@ -29,13 +29,6 @@ fn ready(job_id: Uuid) -> Ready {
     }
 }
 
-fn changed_of(id: Uuid, ready: Vec<Ready>) -> Changed {
-    Changed {
-        touched: vec![id],
-        ready,
-    }
-}
-
 async fn claimed(storage: &Storage, id: Uuid) -> Option<ClaimedJob> {
     match storage.claim(id, Uuid::now_v7(), 3).await.unwrap() {
         Claim::Run(job) => Some(job),
@@ -63,7 +56,7 @@ fn done() -> Ending {
 async fn of_many_who_claim_a_job_one_gets_it() {
     let (storage, _directory) = storage().await;
     let (id, changed) = admit(&storage, &[]).await;
-    assert_eq!(changed, changed_of(id, vec![ready(id)]));
+    assert_eq!(changed, Changed::new(id, vec![ready(id)]));
     let claims = futures::future::join_all((0..10).map(|_| claimed(&storage, id))).await;
     assert_eq!(
         claims
@@ -112,7 +105,7 @@ async fn results_are_written_once_and_a_late_copy_is_dropped() {
     );
     assert_eq!(
         storage.finish(&second, &done()).await.unwrap(),
-        Some(changed_of(id, vec![]))
+        Some(Changed::new(id, vec![]))
     );
     assert_eq!(
         storage.finish(&second, &Ending::Canceled).await.unwrap(),
@@ -132,7 +125,7 @@ async fn a_job_is_ready_when_the_last_one_that_it_needs_has_succeeded() {
     let (storage, _directory) = storage().await;
     let ((one, _), (two, _)) = (admit(&storage, &[]).await, admit(&storage, &[]).await);
     let (both, changed) = admit(&storage, &[one, two]).await;
-    assert_eq!(changed, changed_of(both, vec![]));
+    assert_eq!(changed, Changed::new(both, vec![]));
     assert_eq!(
         storage.ready(false).await.unwrap(),
         [ready(one), ready(two)]
@@ -145,7 +138,7 @@ async fn a_job_is_ready_when_the_last_one_that_it_needs_has_succeeded() {
         let job = claimed(&storage, id).await.unwrap();
         assert_eq!(
             storage.finish(&job, &done()).await.unwrap(),
-            Some(changed_of(id, ready))
+            Some(Changed::new(id, ready))
         );
     }
     assert!(claimed(&storage, both).await.is_some());
