@@ -59,17 +59,19 @@ pub trait Job: Any + Send + Sync {
     /// Holds what is known of the inputs, in the order of `requests`, against the request.
     fn check_known(&self, requests: &[InputRequest], known: &[Option<Known>]) -> KnownInputs;
 
-    /// Does the work on what was loaded for `requests`.
+    /// Does the work.
     ///
     /// # Errors
     /// [`RunError::Stopped`] as soon as the observer says so; [`RunError::Faults`] when the inputs do not fit.
-    fn run(
-        &self,
-        requests: &[InputRequest],
-        inputs: Inputs,
-        settings: RunSettings,
-        observer: &mut dyn Observer,
-    ) -> Result<Outcome, RunError>;
+    fn run(&self, work: Work, observer: &mut dyn Observer) -> Result<Outcome, RunError>;
+}
+
+/// What a job works on, and how.
+pub struct Work<'a> {
+    pub requests: &'a [InputRequest],
+    /// What was loaded for them.
+    pub inputs: Inputs,
+    pub settings: RunSettings,
 }
 
 /// How a job is run, besides what its request says.
@@ -376,7 +378,12 @@ pub fn run_with(
     settings: RunSettings,
     observer: &mut dyn Observer,
 ) -> Result<Outcome, RunError> {
-    let mut outcome = plan.job.run(&plan.inputs, inputs, settings, observer)?;
+    let work = Work {
+        requests: &plan.inputs,
+        inputs,
+        settings,
+    };
+    let mut outcome = plan.job.run(work, observer)?;
     unsign_zeros(&mut outcome.result);
     Ok(outcome)
 }

@@ -22,8 +22,7 @@ pub use spec::ASSOCIATE;
 
 use crate::experiment::input::JobData;
 use crate::experiment::job::{
-    InputRequest, Inputs, Job, Known, KnownInputs, Outcome, Planner, RunError, RunSettings,
-    to_value,
+    InputRequest, Job, Known, KnownInputs, Outcome, Planner, RunError, Work, to_value,
 };
 use crate::experiment::observer::Observer;
 use crate::experiment::request::draft::{Draft, Planned};
@@ -52,27 +51,22 @@ impl Job for AssociateJob {
             sensors, tracking, ..
         } = &self.spec;
         let found = known::check_tracked(requests, known, tracking, sensors);
-        found.into_known_inputs(|filter| {
+        found.into_known_inputs(tracking, |tracking| {
             let mut job = self.clone();
-            job.spec.tracking.filter = filter;
+            job.spec.tracking = tracking;
             job
         })
     }
 
-    fn run(
-        &self,
-        requests: &[InputRequest],
-        inputs: Inputs,
-        settings: RunSettings,
-        observer: &mut dyn Observer,
-    ) -> Result<Outcome, RunError> {
+    fn run(&self, work: Work, observer: &mut dyn Observer) -> Result<Outcome, RunError> {
+        let settings = work.settings;
         let Spec {
             input,
             detector,
             sensors,
             tracking,
         } = &self.spec;
-        let mut data = JobData::load(requests, inputs, sensors)?;
+        let mut data = JobData::load(work.requests, work.inputs, sensors)?;
         data.gather(input, detector.as_ref(), sensors, settings.seed, observer)?;
         let tracking = settle(tracking, data.recording()?);
         let tracked = track::track(&mut data, input, &tracking, sensors, settings, observer)?;

@@ -24,8 +24,8 @@ pub use spec::CAMPAIGN;
 pub use stages::Next;
 
 use super::job::{
-    self, CellTime, Cost, InputRequest, Inputs, Job, Known, KnownInputs, Planner, RunError,
-    RunSettings, to_value, unsign_zeros,
+    self, CellTime, Cost, InputRequest, Job, Known, KnownInputs, Planner, RunError, Work, to_value,
+    unsign_zeros,
 };
 use super::observer::Observer;
 use super::request::draft::{Draft, Planned};
@@ -195,13 +195,7 @@ impl Job for Campaign {
     }
 
     /// Makes all runs one after the other; a fault names the cell and the run that has it.
-    fn run(
-        &self,
-        _: &[InputRequest],
-        inputs: Inputs,
-        _: RunSettings,
-        observer: &mut dyn Observer,
-    ) -> Result<job::Outcome, RunError> {
+    fn run(&self, work: Work, observer: &mut dyn Observer) -> Result<job::Outcome, RunError> {
         let (mut chunks, mut outcomes, mut made) = (Vec::new(), None, 0);
         while let Next::Runs { items, skipped } = self.next(&chunks) {
             let request = ChunkRequest {
@@ -211,7 +205,7 @@ impl Job for Campaign {
                 done: made + skipped,
                 total: self.total(),
             };
-            let (chunk, found) = self.make(request, &inputs, observer)?;
+            let (chunk, found) = self.make(request, &work.inputs, observer)?;
             made += chunk.len() as u64;
             chunks.push(chunk);
             outcomes = Some(found);

@@ -19,8 +19,7 @@ use crate::experiment::associate::track::track;
 use crate::experiment::input::known::check_inputs;
 use crate::experiment::input::{JobData, missing};
 use crate::experiment::job::{
-    InputRequest, Inputs, Job, Known, KnownInputs, Outcome, Planner, RunError, RunSettings,
-    to_value,
+    InputRequest, Job, Known, KnownInputs, Outcome, Planner, RunError, RunSettings, Work, to_value,
 };
 use crate::experiment::observer::Observer;
 use crate::experiment::request::draft::{Draft, Planned};
@@ -57,25 +56,16 @@ impl Job for CorrelateJob {
             return check_inputs(requests, known);
         };
         let found = check_tracked(requests, known, tracking, &self.spec.sensors);
-        found.into_known_inputs(|filter| {
-            let mut job = self.clone();
-            job.tracking = Some(TrackingSpec {
-                filter,
-                ..tracking.clone()
-            });
-            job
+        found.into_known_inputs(tracking, |tracking| CorrelateJob {
+            tracking: Some(tracking),
+            ..self.clone()
         })
     }
 
-    fn run(
-        &self,
-        requests: &[InputRequest],
-        inputs: Inputs,
-        settings: RunSettings,
-        observer: &mut dyn Observer,
-    ) -> Result<Outcome, RunError> {
+    fn run(&self, work: Work, observer: &mut dyn Observer) -> Result<Outcome, RunError> {
+        let settings = work.settings;
         let Spec { input, sensors, .. } = &self.spec;
-        let mut data = JobData::load(requests, inputs, sensors)?;
+        let mut data = JobData::load(work.requests, work.inputs, sensors)?;
         data.gather(input, None, sensors, settings.seed, observer)?;
         let nodes = self.nodes(&mut data, settings, observer)?;
         let correlated = run::correlate(&self.spec, nodes, &mut data, settings, observer)?;

@@ -19,7 +19,7 @@ use crate::experiment::associate::check::{check_start, check_tracking};
 use crate::experiment::associate::known::check_tracked;
 use crate::experiment::input::known::check_inputs;
 use crate::experiment::job::{
-    InputRequest, Inputs, Job, Known, KnownInputs, Outcome, Planner, RunError, RunSettings,
+    InputRequest, Job, Known, KnownInputs, Outcome, Planner, RunError, Work,
 };
 use crate::experiment::observer::Observer;
 use crate::experiment::request::draft::{Draft, Planned};
@@ -64,24 +64,14 @@ impl Job for EvaluateJob {
         if found.origins_known == Some(false) {
             found.faults.extend(missing_truth(requests));
         }
-        found.into_known_inputs(|filter| {
-            let mut job = self.clone();
-            job.tracking = Some(TrackingSpec {
-                filter,
-                ..tracking.clone()
-            });
-            job
+        found.into_known_inputs(tracking, |tracking| EvaluateJob {
+            tracking: Some(tracking),
+            ..self.clone()
         })
     }
 
-    fn run(
-        &self,
-        requests: &[InputRequest],
-        inputs: Inputs,
-        settings: RunSettings,
-        observer: &mut dyn Observer,
-    ) -> Result<Outcome, RunError> {
-        run::run(self, requests, inputs, settings, observer)
+    fn run(&self, work: Work, observer: &mut dyn Observer) -> Result<Outcome, RunError> {
+        run::run(self, work, observer)
     }
 }
 

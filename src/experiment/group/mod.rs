@@ -13,8 +13,7 @@ use crate::experiment::input::JobData;
 use crate::experiment::input::known::{KnownRecording, check_inputs};
 use crate::experiment::input::sensors;
 use crate::experiment::job::{
-    InputRequest, Inputs, Job, Known, KnownInputs, Outcome, Planner, RunError, RunSettings,
-    to_value,
+    InputRequest, Job, Known, KnownInputs, Outcome, Planner, RunError, Work, to_value,
 };
 use crate::experiment::observer::Observer;
 use crate::experiment::request::draft::{Draft, Planned};
@@ -46,15 +45,10 @@ impl Job for GroupJob {
         found
     }
 
-    fn run(
-        &self,
-        requests: &[InputRequest],
-        inputs: Inputs,
-        settings: RunSettings,
-        observer: &mut dyn Observer,
-    ) -> Result<Outcome, RunError> {
+    fn run(&self, work: Work, observer: &mut dyn Observer) -> Result<Outcome, RunError> {
+        let settings = work.settings;
         let Spec { input, sensors, .. } = &self.spec;
-        let mut data = JobData::load(requests, inputs, sensors)?;
+        let mut data = JobData::load(work.requests, work.inputs, sensors)?;
         data.gather(input, None, sensors, settings.seed, observer)?;
         let grouped = run::group(&self.spec, &data, settings.seed, observer)?;
         let left_out = grouped

@@ -2,8 +2,7 @@
 
 use crate::experiment::input::JobData;
 use crate::experiment::job::{
-    InputRequest, Inputs, Job, Known, KnownInputs, Outcome, Planner, RunError, RunSettings,
-    to_value,
+    InputRequest, Job, Known, KnownInputs, Outcome, Planner, RunError, Work, to_value,
 };
 use crate::experiment::observer::Observer;
 use crate::experiment::request::draft::{Draft, Planned};
@@ -68,13 +67,8 @@ impl Job for SimulateJob {
         KnownInputs::default()
     }
 
-    fn run(
-        &self,
-        _: &[InputRequest],
-        _: Inputs,
-        settings: RunSettings,
-        observer: &mut dyn Observer,
-    ) -> Result<Outcome, RunError> {
+    fn run(&self, work: Work, observer: &mut dyn Observer) -> Result<Outcome, RunError> {
+        let settings = work.settings;
         let mut data = JobData::default();
         data.gather(&self.input, None, &[], settings.seed, observer)?;
         let result = to_value(&SimulateResult {
