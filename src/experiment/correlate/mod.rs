@@ -45,7 +45,7 @@ pub fn plan(mut draft: Draft, _: Planner) -> Result<Planned, Vec<Fault>> {
     let inputs = draft.inputs();
     check_start(&mut draft, &inputs);
     draft.finish(inputs, cost, |spec: Spec| CorrelateJob {
-        tracking: spec.tracking(),
+        tracking: spec.tracking.whole(),
         spec,
     })
 }

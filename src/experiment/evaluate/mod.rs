@@ -49,7 +49,7 @@ pub fn plan(mut draft: Draft, _: Planner) -> Result<Planned, Vec<Fault>> {
     profiles::fill_metrics(&mut draft, &inputs);
     let metrics_of_boxes = profiles::metrics_of_boxes(&draft);
     draft.finish(inputs, cost, |spec: Spec| EvaluateJob {
-        tracking: spec.tracking(),
+        tracking: spec.tracking.whole(),
         spec,
         metrics_of_boxes,
     })
