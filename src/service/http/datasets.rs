@@ -2,7 +2,7 @@
 
 use super::body::{content_length, drain};
 use super::conditional::{self, created};
-use super::extract::Id;
+use super::extract::{Id, Question};
 use super::query::{NoParams, Params, names};
 use super::raw_upload;
 use super::state::AppState;
@@ -15,7 +15,7 @@ use crate::service::types::{DatasetInfo, DatasetPage};
 use crate::service::views::preview;
 use axum::Json;
 use axum::extract::{DefaultBodyLimit, Request, State};
-use axum::http::{HeaderMap, StatusCode};
+use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use utoipa_axum::router::OpenApiRouter;
@@ -130,12 +130,8 @@ async fn list_datasets(State(app): State<AppState>, mut params: Params) -> ApiRe
 #[utoipa::path(get, path = "/v1/datasets/{id}", operation_id = "getDataset", tag = "datasets",
     params(("id" = uuid::Uuid, Path, description = "Identity of the dataset.")),
     responses((status = 200, description = "The dataset.", body = DatasetInfo)))]
-async fn get_dataset(
-    State(app): State<AppState>,
-    Id(id): Id,
-    _: NoParams,
-    headers: HeaderMap,
-) -> ApiResult {
+async fn get_dataset(asked: Question) -> ApiResult {
+    let (State(app), Id(id), _, headers) = asked;
     conditional::weakly_tagged(&headers, &app.datasets.get(id).await?)
 }
 
@@ -173,12 +169,8 @@ async fn preview_dataset(State(app): State<AppState>, Id(id): Id, mut params: Pa
 #[utoipa::path(get, path = "/v1/datasets/{id}/content", operation_id = "downloadDataset", tag = "datasets",
     params(("id" = uuid::Uuid, Path, description = "Identity of the dataset.")),
     responses((status = 200, description = "The file.", content_type = "application/octet-stream", body = super::state::FileContent)))]
-async fn download_dataset(
-    State(app): State<AppState>,
-    Id(id): Id,
-    _: NoParams,
-    headers: HeaderMap,
-) -> ApiResult {
+async fn download_dataset(asked: Question) -> ApiResult {
+    let (State(app), Id(id), _, headers) = asked;
     conditional::stored(&headers, app.datasets.file(id).await?, true).await
 }
 

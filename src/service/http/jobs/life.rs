@@ -1,7 +1,7 @@
 //! Changing what has been asked for: name and labels, cancel, rerun, delete.
 
 use super::super::body::{JsonBody, checked};
-use super::super::extract::Id;
+use super::super::extract::{Id, Question};
 use super::super::headers::preferred_wait;
 use super::super::query::NoParams;
 use super::super::state::AppState;
@@ -11,7 +11,7 @@ use crate::service::jobs::{JOB_PATCH, JobPatch};
 use crate::service::types::Job;
 use axum::Json;
 use axum::extract::State;
-use axum::http::{HeaderMap, StatusCode};
+use axum::http::StatusCode;
 use axum::response::IntoResponse;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -72,12 +72,8 @@ async fn cancel_job(State(app): State<AppState>, Id(id): Id, _: NoParams) -> Api
         (status = 200, description = "The new job, ended within the wait that was asked for.", body = Job),
         (status = 202, description = "The new job, queued.", body = Job),
     ))]
-async fn rerun_job(
-    State(app): State<AppState>,
-    Id(id): Id,
-    _: NoParams,
-    headers: HeaderMap,
-) -> ApiResult {
+async fn rerun_job(asked: Question) -> ApiResult {
+    let (State(app), Id(id), _, headers) = asked;
     let wait_s = preferred_wait(&headers)?;
     let job = app.jobs.rerun(id).await?;
     answer(&app, job, wait_s).await
