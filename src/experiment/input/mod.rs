@@ -4,6 +4,8 @@ mod detect;
 pub mod extent;
 pub mod known;
 pub mod sensors;
+#[cfg(test)]
+pub mod testing;
 
 use crate::detection::Detector;
 use crate::experiment::files::{datasets, record_picture};

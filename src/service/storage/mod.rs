@@ -20,8 +20,6 @@ mod page;
 mod recall;
 pub mod room;
 mod statement;
-#[cfg(test)]
-mod testing;
 mod transaction;
 mod unsynced;
 
@@ -51,3 +49,6 @@ fn now() -> Timestamp {
     let now = Timestamp::now();
     Timestamp::from_microsecond(now.as_microsecond()).unwrap_or(now)
 }
+
+#[cfg(test)]
+mod testing;

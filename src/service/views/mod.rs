@@ -10,8 +10,6 @@ pub mod plan;
 pub mod preview;
 mod reduction;
 pub mod series;
-#[cfg(test)]
-mod testing;
 
 pub use reduction::{DEFAULT_MAX_POINTS, Density, Method, Reduced};
 
@@ -97,3 +95,6 @@ fn place(measurement: Measurement, sensor_m: (f64, f64)) -> Option<(f64, f64)> {
         Measurement::Bearing { .. } => None,
     }
 }
+
+#[cfg(test)]
+mod testing;
