@@ -76,7 +76,7 @@ fn choose_method(recording: &Recording) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::input::testing::one_scan;
+    use crate::experiment::input::tests::one_scan;
     use crate::registry::{self, Kind};
     use crate::tracking::LIFECYCLE;
     use serde_json::json;

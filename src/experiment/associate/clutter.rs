@@ -64,7 +64,7 @@ fn used_detections(recording: &Recording, tracks: &TrackSet) -> Vec<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::input::testing::one_scan;
+    use crate::experiment::input::tests::one_scan;
     use crate::model::scan::Measurement;
     use crate::model::sensor::{MeasurementModel, Sensor};
 

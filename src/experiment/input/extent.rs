@@ -121,7 +121,7 @@ fn arc_deg(recording: &Recording, sensor: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::input::testing::one_scan;
+    use crate::experiment::input::tests::one_scan;
 
     fn arc_of(bearings_deg: &[f64]) -> f64 {
         let bearing = |degrees: &f64| Measurement::Bearing {

@@ -5,7 +5,7 @@ pub mod extent;
 pub mod known;
 pub mod sensors;
 #[cfg(test)]
-pub mod testing;
+pub mod tests;
 
 use crate::detection::Detector;
 use crate::experiment::files::{datasets, record_picture};

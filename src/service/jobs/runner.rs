@@ -180,24 +180,24 @@ impl Jobs {
                     "{what} ran longer than {} s",
                     self.config.job_time_limit.as_secs_f64()
                 );
-                failed("time_limit", detail)
+                failed(Problem::new("time_limit", detail))
             }
             (Failure::Stopped, _) => Some(Ending::Canceled),
-            (Failure::Faults(faults), _) => Some(Ending::Failed(Problem::validation(faults))),
-            (Failure::Memory, _) => failed("memory_limit", self.memory_text(what)),
-            (Failure::Died(how), _) => failed("crashed", crash_text(what, &how)),
+            (Failure::Faults(faults), _) => failed(Problem::validation(faults)),
+            (Failure::Memory, _) => failed(Problem::new("memory_limit", self.memory_text(what))),
+            (Failure::Died(how), _) => failed(Problem::new("crashed", crash_text(what, &how))),
             (Failure::Internal(error), _) if may_pass(&error) => {
                 tracing::warn!(%job_id, error = format!("{error:#}"), "the database or the disk was not there; the work is queued again");
                 None
             }
             (Failure::Internal(error), _) if error.downcast_ref::<Damaged>().is_some() => {
                 let detail = "a file that the job reads is damaged; the log says which";
-                failed("damaged", detail)
+                failed(Problem::new("damaged", detail))
             }
             (Failure::Internal(error), _) => {
                 tracing::error!(%job_id, error = format!("{error:#}"), "a job failed inside the service");
                 let detail = "the job failed inside the service; its log says why";
-                failed("internal", detail)
+                failed(Problem::new("internal", detail))
             }
         }
     }
@@ -314,8 +314,8 @@ impl Jobs {
     }
 }
 
-fn failed(code: &str, detail: impl Into<String>) -> Option<Ending> {
-    Some(Ending::Failed(Problem::new(code, detail)))
+fn failed(problem: Problem) -> Option<Ending> {
+    Some(Ending::Failed(problem))
 }
 
 /// Makes the files blobs. Blocks.

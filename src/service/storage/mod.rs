@@ -51,4 +51,4 @@ fn now() -> Timestamp {
 }
 
 #[cfg(test)]
-mod testing;
+mod tests;

@@ -199,7 +199,7 @@ mod tests {
     use crate::model::dataset::Dataset;
     use crate::model::sensor::SensorSettings;
     use crate::service::views::plan;
-    use crate::service::views::testing::{everything, read};
+    use crate::service::views::tests::{everything, read};
 
     fn layers(truth: &str) -> JobLayers {
         let Dataset::Truth(truth) = read(truth) else {

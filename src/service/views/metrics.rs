@@ -130,7 +130,7 @@ pub fn over_time(table: &MetricTable, window: &Window) -> MetricsSeries {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::service::views::testing::everything;
+    use crate::service::views::tests::everything;
 
     #[test]
     fn the_file_becomes_columns_with_units_and_holes() {

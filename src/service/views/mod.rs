@@ -97,4 +97,4 @@ fn place(measurement: Measurement, sensor_m: (f64, f64)) -> Option<(f64, f64)> {
 }
 
 #[cfg(test)]
-mod testing;
+mod tests;

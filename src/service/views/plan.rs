@@ -315,7 +315,7 @@ mod tests {
     use super::*;
     use crate::model::dataset::Dataset;
     use crate::model::sensor;
-    use crate::service::views::testing::{everything, read};
+    use crate::service::views::tests::{everything, read};
 
     fn layers() -> JobLayers {
         let polar = "time_s,scan,sensor_id,detection_id,range_m,bearing_deg\n0,1,s,d1,100,90\n2,2,s,d2,50,0\n";

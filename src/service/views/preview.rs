@@ -118,7 +118,7 @@ fn head_of_tracks(set: &TrackSet, limit: usize) -> TrackSet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::service::views::testing::read;
+    use crate::service::views::tests::read;
 
     #[test]
     fn the_first_rows_are_shown_and_all_are_counted() {

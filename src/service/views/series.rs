@@ -245,7 +245,7 @@ fn seconds() -> BTreeMap<String, String> {
 mod tests {
     use super::*;
     use crate::model::dataset::Dataset;
-    use crate::service::views::testing::{everything, read};
+    use crate::service::views::tests::{everything, read};
 
     fn layers() -> JobLayers {
         let detections = "time_s,scan,sensor_id,detection_id,x_m,y_m\n0,1,a,d1,0,0\n0,2,b,d2,0,0\n2,3,a,d3,0,0\n2,3,a,d4,0,0\n";

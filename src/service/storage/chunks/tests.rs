@@ -6,7 +6,7 @@
 
 use super::*;
 use crate::service::storage::change::parse_id;
-use crate::service::storage::testing::{new_job, storage};
+use crate::service::storage::tests::{new_job, storage};
 use crate::service::storage::{Admission, Cancellation, Claim, NewJob};
 use crate::service::types::{Job, JobKind, JobState};
 

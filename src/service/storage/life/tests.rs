@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::model::dataset::DatasetKind;
-use crate::service::storage::testing::{new_job, storage};
+use crate::service::storage::tests::{new_job, storage};
 use crate::service::storage::{Admission, NewJob, Ready, SourceId, SourceRef};
 
 async fn admit(storage: &Storage, needs: &[Uuid]) -> (Uuid, Changed) {
