@@ -56,24 +56,22 @@ impl JobKind {
 
 /// A parsed request: its parts are typed, and it runs without a look at the JSON that it came from.
 pub trait Job: Any + Send + Sync {
-    /// What must be loaded before it runs, in the order in which [`Job::run`] takes it.
-    fn inputs(&self) -> &[InputRequest];
-
-    fn cost(&self) -> Cost;
-
-    /// Holds what is known of the inputs, in their order, against the request.
-    fn check_known(&self, known: &[Option<Known>]) -> KnownInputs;
+    /// Holds what is known of the inputs, in the order of `requests`, against the request.
+    fn check_known(&self, requests: &[InputRequest], known: &[Option<Known>]) -> KnownInputs;
 
     /// Does the work.
     ///
     /// # Errors
     /// [`RunError::Stopped`] as soon as the observer says so; [`RunError::Faults`] when the inputs do not fit.
-    fn run(
-        &self,
-        inputs: Inputs,
-        settings: RunSettings,
-        observer: &mut dyn Observer,
-    ) -> Result<Outcome, RunError>;
+    fn run(&self, work: Work, observer: &mut dyn Observer) -> Result<Outcome, RunError>;
+}
+
+/// What a job works on, and how.
+pub struct Work<'a> {
+    pub requests: &'a [InputRequest],
+    /// What was loaded for them.
+    pub inputs: Inputs,
+    pub settings: RunSettings,
 }
 
 /// How a job is run, besides what its request says.
@@ -98,16 +96,13 @@ pub struct Plan {
     pub run: u32,
     pub wants_files: bool,
     pub time_association: bool,
+    /// What must be loaded before it runs, in the order in which [`run`] takes it.
+    pub inputs: Vec<InputRequest>,
     pub cost: Cost,
     pub job: Arc<dyn Job>,
 }
 
 impl Plan {
-    /// What must be loaded before it runs.
-    pub fn inputs(&self) -> &[InputRequest] {
-        self.job.inputs()
-    }
-
     /// The job, if it is of this type.
     pub fn job_as<T: Job>(&self) -> Option<Arc<T>> {
         let job: Arc<dyn Any + Send + Sync> = self.job.clone();
@@ -166,6 +161,7 @@ pub struct InputRequest {
 
 /// What a job will roughly cost.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = CostEstimate))]
 pub struct Cost {
     /// Detections that a simulation will make, or that are known to be in the data.
     pub detections: u64,
@@ -373,20 +369,25 @@ pub fn run(plan: &Plan, inputs: Inputs, observer: &mut dyn Observer) -> Result<O
         wants_files: plan.wants_files,
         time_association: plan.time_association,
     };
-    run_job(&*plan.job, inputs, settings, observer)
+    run_with(plan, inputs, settings, observer)
 }
 
-/// The same of a job.
+/// The same with other settings.
 ///
 /// # Errors
 /// As [`Job::run`].
-pub fn run_job(
-    job: &dyn Job,
+pub fn run_with(
+    plan: &Plan,
     inputs: Inputs,
     settings: RunSettings,
     observer: &mut dyn Observer,
 ) -> Result<Outcome, RunError> {
-    let mut outcome = job.run(inputs, settings, observer)?;
+    let work = Work {
+        requests: &plan.inputs,
+        inputs,
+        settings,
+    };
+    let mut outcome = plan.job.run(work, observer)?;
     unsign_zeros(&mut outcome.result);
     Ok(outcome)
 }

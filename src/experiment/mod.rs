@@ -22,13 +22,18 @@ mod simulate;
 #[cfg(test)]
 mod tests;
 
-pub use associate::gates;
+pub use associate::{AssociateResult, Association, gates};
+pub use campaign::CampaignResult;
+pub use correlate::CorrelateResult;
 pub use files::text;
+pub use group::GroupResult;
+pub use input::DetectionResult;
 pub use job::{
     ARTIFACT_TYPES, Artifact, AssociationTime, CellTime, Cost, Input, InputRequest, Inputs, Job,
     JobKind, Known, Outcome, Plan, RunError, Source, run,
 };
 pub use request::job_shape;
+pub use simulate::SimulateResult;
 
 use crate::model::fault::Fault;
 use crate::registry::Object;
@@ -87,7 +92,13 @@ pub fn plan(kind: JobKind, body: &Value) -> Result<Plan, Vec<Fault>> {
     };
     let definition = find(kind);
     let draft = Draft::new(body, definition.request)?;
-    let Planned { spec, seed, job } = (definition.plan)(draft, planner)?;
+    let Planned {
+        spec,
+        seed,
+        inputs,
+        cost,
+        job,
+    } = (definition.plan)(draft, planner)?;
     Ok(Plan {
         kind,
         spec,
@@ -95,7 +106,8 @@ pub fn plan(kind: JobKind, body: &Value) -> Result<Plan, Vec<Fault>> {
         run: 0,
         wants_files: true,
         time_association: false,
-        cost: job.cost(),
+        inputs,
+        cost,
         job,
     })
 }
@@ -107,7 +119,7 @@ pub fn check_known(plan: &mut Plan, known: &[Option<Known>]) -> Vec<Fault> {
         faults,
         cost,
         settled,
-    } = plan.job.check_known(known);
+    } = plan.job.check_known(&plan.inputs, known);
     if let Some(settled) = settled {
         put_field(&mut plan.spec, "filter", settled.filter);
         plan.job = settled.job;

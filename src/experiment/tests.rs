@@ -18,7 +18,7 @@ fn pointers(kind: JobKind, body: Value) -> Vec<(String, String)> {
 fn roles(body: Value) -> Vec<(&'static str, DatasetKind, bool)> {
     plan(JobKind::Evaluate, &body)
         .unwrap()
-        .inputs()
+        .inputs
         .iter()
         .map(|input| (&*input.pointer.clone().leak(), input.role, input.optional))
         .collect()
@@ -30,7 +30,7 @@ fn every_preset_is_a_plan_and_its_spec_is_the_same_plan() {
         let first = plan(preset.kind, &preset.body).unwrap();
         let again = plan(preset.kind, &first.spec).unwrap();
         assert_eq!(first.spec, again.spec, "{}", preset.name);
-        assert!(first.cost.detections > 0 && first.inputs().is_empty());
+        assert!(first.cost.detections > 0 && first.inputs.is_empty());
     }
 }
 

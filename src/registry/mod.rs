@@ -13,6 +13,8 @@ pub use export::{Components, json_schema, standalone_schema, tagged_schema};
 pub use parse::parse;
 pub use paths::{nearest_of, nearest_path};
 
+use crate::model::fault::Fault;
+
 /// A JSON object with known fields; any other field is a fault.
 pub struct Object {
     /// Name of its schema in the OpenAPI document, in PascalCase.
@@ -133,6 +135,19 @@ pub const fn above(min: f64, max: f64, unit: &'static str) -> Kind {
     }
 }
 
+/// A list of `min` to `max` items.
+pub const fn list(item: &'static Kind, min: usize, max: usize) -> Kind {
+    Kind::List { item, min, max }
+}
+
+/// A map of at most so many texts of at most so many characters.
+pub const fn text_map(max_entries: usize, max_length: usize) -> Kind {
+    Kind::TextMap {
+        max_entries,
+        max_length,
+    }
+}
+
 /// A whole number from `min` to `max`.
 pub const fn whole(min: i64, max: i64, unit: &'static str) -> Kind {
     Kind::Integer { min, max, unit }
@@ -197,4 +212,13 @@ impl<Build> Method<Build> {
             object: self.parameters,
         }
     }
+}
+
+/// Faults of a part, each with the place of the part before its pointer.
+pub fn placed(place: &str, faults: Vec<Fault>) -> Vec<Fault> {
+    let placed = |fault: Fault| Fault {
+        pointer: format!("{place}{}", fault.pointer),
+        ..fault
+    };
+    faults.into_iter().map(placed).collect()
 }

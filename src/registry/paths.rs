@@ -70,7 +70,7 @@ fn edit_distance(left: &str, right: &str) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Union, Variant, optional};
+    use super::super::{Union, Variant, list, optional};
     use super::*;
     use serde_json::json;
 
@@ -120,15 +120,7 @@ mod tests {
         summary: "",
         fields: &[
             optional("night", "", Kind::Union(&METHOD)),
-            optional(
-                "nights",
-                "",
-                Kind::List {
-                    item: &Kind::Union(&METHOD),
-                    min: 0,
-                    max: 9,
-                },
-            ),
+            optional("nights", "", list(&Kind::Union(&METHOD), 0, 9)),
         ],
     };
 

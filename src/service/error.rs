@@ -3,7 +3,7 @@
 use crate::model::fault::Fault;
 use crate::service::storage::blobs::Damaged;
 use crate::service::storage::room::NoRoom;
-use crate::service::storage::{Cursor, Sort};
+use crate::service::storage::{Cursor, Paging};
 use std::io::ErrorKind;
 use uuid::Uuid;
 
@@ -86,12 +86,9 @@ pub(in crate::service) fn refuse_any(faults: Vec<Fault>) -> Result<(), ServiceEr
 }
 
 /// Where a page begins, if its cursor is one of ours and of this order.
-pub(in crate::service) fn cursor_of(
-    text: Option<&str>,
-    sort: Sort,
-) -> Result<Option<Cursor>, ServiceError> {
-    text.map(|text| Cursor::decode(text, sort).ok_or(ServiceError::InvalidCursor))
-        .transpose()
+pub(in crate::service) fn cursor_of(paging: &Paging) -> Result<Option<Cursor>, ServiceError> {
+    let decode = |text| Cursor::decode(text, paging.sort).ok_or(ServiceError::InvalidCursor);
+    paging.cursor.as_deref().map(decode).transpose()
 }
 
 /// Whether the same may succeed later, with nothing changed but the database or the disk.

@@ -35,7 +35,7 @@ pub async fn serve(config: Config) -> anyhow::Result<()> {
 ///
 /// # Errors
 /// When the address cannot be bound.
-pub async fn serve_jobs(config: Config, jobs: Jobs) -> anyhow::Result<()> {
+pub async fn serve_jobs(config: Config, jobs: Arc<Jobs>) -> anyhow::Result<()> {
     let server = match Server::start(&config, jobs.clone()).await {
         Ok(server) => server,
         Err(error) => {
@@ -72,7 +72,7 @@ pub async fn work(config: Config) -> anyhow::Result<()> {
 /// A service that answers at [`Server::address`] until [`Server::stop`].
 pub struct Server {
     address: SocketAddr,
-    jobs: Jobs,
+    jobs: Arc<Jobs>,
     stop: CancellationToken,
     serving: JoinHandle<()>,
 }
@@ -80,7 +80,7 @@ pub struct Server {
 impl Server {
     /// # Errors
     /// When the address cannot be bound, or metrics cannot be set up.
-    pub async fn start(config: &Config, jobs: Jobs) -> anyhow::Result<Server> {
+    pub async fn start(config: &Config, jobs: Arc<Jobs>) -> anyhow::Result<Server> {
         let application = http::wrap(
             http::application(state(config, jobs.clone())?),
             Hosts::new(&config.allowed_hosts),
@@ -94,7 +94,7 @@ impl Server {
     /// When the address cannot be bound.
     pub async fn start_with(
         config: &Config,
-        jobs: Jobs,
+        jobs: Arc<Jobs>,
         application: Router,
     ) -> anyhow::Result<Server> {
         let listener = TcpListener::bind(config.listen)
@@ -139,7 +139,7 @@ impl Server {
 ///
 /// # Errors
 /// When metrics cannot be set up.
-pub fn state(config: &Config, jobs: Jobs) -> anyhow::Result<AppState> {
+pub fn state(config: &Config, jobs: Arc<Jobs>) -> anyhow::Result<AppState> {
     Ok(AppState {
         datasets: jobs.datasets().clone(),
         jobs,

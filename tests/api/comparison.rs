@@ -2,7 +2,7 @@
 
 use crate::helpers::{Api, id};
 use serde_json::{Value, json};
-use trackloom::service::types::{Comparison, PairedOver, Report};
+use trackloom::service::types::{Comparison, PairedOver};
 
 async fn report_of(api: &Api, job: &Value) -> Value {
     assert_eq!(job["state"], "succeeded", "{job}");
@@ -216,20 +216,12 @@ async fn tuples_say_whether_they_are_right_and_local_tracks_are_kept() {
             .clone(),
     );
     let job = api.run("correlate", &body).await;
-    let report: Report = serde_json::from_value(report_of(&api, &job).await).unwrap();
-    let Report::Correlate(report) = report else {
-        panic!("not a correlation")
-    };
-    let truth = report.result.truth.unwrap();
-    let right = report
-        .result
-        .tuples
-        .iter()
-        .filter(|tuple| tuple.right == Some(true))
-        .count() as u64;
-    assert_eq!(right, truth.tuples_right);
+    let result = &report_of(&api, &job).await["result"];
+    let tuples = result["tuples"].as_array().unwrap();
+    let right = tuples.iter().filter(|tuple| tuple["right"] == true).count();
+    assert_eq!(result["truth"]["tuples_right"], right);
     assert!(
-        right > 0 && right < report.result.tuples.len() as u64,
+        right > 0 && right < tuples.len(),
         "some are right, some wrong: {right}"
     );
     let text = api
@@ -242,5 +234,5 @@ async fn tuples_say_whether_they_are_right_and_local_tracks_are_kept() {
     let names: std::collections::BTreeSet<_> = lines
         .map(|line| line.split(',').skip(1).take(2).collect::<Vec<_>>())
         .collect();
-    assert_eq!(names.len() as u64, report.result.counts.tracks);
+    assert_eq!(result["counts"]["tracks"], names.len());
 }

@@ -5,6 +5,7 @@ use reqwest::header::{HeaderMap, HeaderName};
 use reqwest::multipart::{Form, Part};
 use reqwest::{Client, Method, RequestBuilder, StatusCode};
 use serde_json::{Value, json};
+use std::sync::Arc;
 use tempfile::TempDir;
 use trackloom::service::config::Config;
 use trackloom::service::http::{self, Hosts};
@@ -15,7 +16,7 @@ use trackloom::service::server::{Server, state};
 pub struct Api {
     pub base: String,
     pub client: Client,
-    pub jobs: Jobs,
+    pub jobs: Arc<Jobs>,
     server: Option<Server>,
     /// Held for its drop.
     _directory: TempDir,

@@ -87,7 +87,7 @@ fn run_job(
     };
     experiment::run(
         &plan,
-        plan.inputs()
+        plan.inputs
             .iter()
             .map(|input_of| (!input_of.optional).then(|| input.clone()))
             .collect(),
@@ -278,7 +278,7 @@ fn metrics_in_metres_are_refused_to_directions_or_left_out_with_a_warning() {
         "/truth" => read("time_s,truth_id,bearing_deg\n0,0,359.5\n40,0,0.5\n"),
         _ => read(&recording(&OVER_NORTH, 0, 1)),
     };
-    let inputs = plan.inputs().iter().map(|wanted| {
+    let inputs = plan.inputs.iter().map(|wanted| {
         Some(experiment::Input {
             dataset: of(&wanted.pointer),
             sensors: vec![],
@@ -369,7 +369,7 @@ fn the_nearest_truth_of_a_direction_is_refused() {
         })
     };
     let inputs = plan
-        .inputs()
+        .inputs
         .iter()
         .map(|wanted| {
             input(if wanted.pointer == "/truth" {

@@ -77,7 +77,7 @@ fn associate(text: &str, method: &str, observer: &mut dyn Observer) -> Result<Ou
         sha256: String::new(),
     });
     let inputs = plan
-        .inputs()
+        .inputs
         .iter()
         .enumerate()
         .map(|(index, _)| input.clone().filter(|_| index == 0))

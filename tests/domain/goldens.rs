@@ -97,7 +97,7 @@ fn example(path: &Path) -> Value {
     let files = take_files(&mut body);
     let plan = plan(kind, &body).unwrap();
     let mut inputs = Inputs::new();
-    for request in plan.inputs() {
+    for request in &plan.inputs {
         let source = &files[request.pointer.as_str()];
         inputs.push(Some(input(path.parent().unwrap(), source, request.role)));
     }

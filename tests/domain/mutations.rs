@@ -296,7 +296,7 @@ fn changed_requests_are_refused_or_planned_and_run_to_sound_numbers() {
             continue;
         };
         planned += 1;
-        if plan.kind == JobKind::Campaign || plan.cost.cost_s > 0.02 || !plan.inputs().is_empty() {
+        if plan.kind == JobKind::Campaign || plan.cost.cost_s > 0.02 || !plan.inputs.is_empty() {
             continue;
         }
         let Ok(outcome) = run(&plan, Vec::new(), &mut Brief(300)) else {

@@ -7,6 +7,7 @@ use trackloom::model::sensor::SensorSettings;
 use trackloom::service::datasets::DatasetFilter;
 use trackloom::service::datasets::DatasetMeta;
 use trackloom::service::error::ServiceError;
+use trackloom::service::jobs::Paging;
 use trackloom::service::types::{DatasetOrigin, JobKind, JobState};
 use uuid::Uuid;
 
@@ -157,7 +158,10 @@ async fn a_job_reads_a_dataset_and_leaves_datasets() {
     assert!(matches!(&made.origin, DatasetOrigin::Job(origin) if origin.job_id == job.id));
     let filter = DatasetFilter {
         kinds: vec![DatasetKind::Tracks],
-        count: true,
+        paging: Paging {
+            count: true,
+            ..Default::default()
+        },
         ..Default::default()
     };
     let page = service.datasets().list(filter).await.unwrap();

@@ -7,9 +7,16 @@ use std::time::{Duration, Instant};
 use trackloom::service::datasets::DatasetFilter;
 use trackloom::service::datasets::DatasetMeta;
 use trackloom::service::error::ServiceError;
-use trackloom::service::jobs::{JobFilter, JobPatch, Sort};
+use trackloom::service::jobs::{JobFilter, JobPatch, Paging, Sort};
 use trackloom::service::types::{JobKind, JobState};
 use uuid::Uuid;
+
+fn counted() -> Paging {
+    Paging {
+        count: true,
+        ..Default::default()
+    }
+}
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_walk_through_the_pages_sees_each_job_once_while_others_are_added() {
@@ -24,10 +31,12 @@ async fn a_walk_through_the_pages_sees_each_job_once_while_others_are_added() {
         let mut cursor = None;
         loop {
             let filter = JobFilter {
-                sort,
-                limit: 7,
-                cursor,
-                count: true,
+                paging: Paging {
+                    sort,
+                    limit: 7,
+                    cursor,
+                    count: true,
+                },
                 ..Default::default()
             };
             let page = service.list(filter).await.unwrap();
@@ -58,7 +67,10 @@ async fn a_walk_through_the_pages_sees_each_job_once_while_others_are_added() {
         );
     }
     let wrong = JobFilter {
-        cursor: Some("page2".into()),
+        paging: Paging {
+            cursor: Some("page2".into()),
+            ..Default::default()
+        },
         ..Default::default()
     };
     assert!(matches!(
@@ -354,7 +366,7 @@ async fn lists_are_narrowed_by_few_labels_quickly() {
     let job = service.submit_ok(JobKind::Simulate, body).await;
     let filter = |count: usize| JobFilter {
         labels: (0..count).map(label).collect(),
-        count: true,
+        paging: counted(),
         ..Default::default()
     };
     let since = Instant::now();

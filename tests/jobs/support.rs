@@ -4,6 +4,7 @@ use futures::StreamExt;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 use tempfile::TempDir;
 use trackloom::model::fault::Fault;
@@ -16,14 +17,14 @@ use trackloom::service::types::{DatasetInfo, Event, Job, JobKind, JobState};
 use uuid::Uuid;
 
 pub struct Service {
-    pub jobs: Jobs,
+    pub jobs: Arc<Jobs>,
     pub directory: TempDir,
     database: Option<String>,
 }
 
 impl std::ops::Deref for Service {
-    type Target = Jobs;
-    fn deref(&self) -> &Jobs {
+    type Target = Arc<Jobs>;
+    fn deref(&self) -> &Arc<Jobs> {
         &self.jobs
     }
 }
@@ -43,7 +44,7 @@ pub async fn start_with(change: impl FnOnce(&mut Config)) -> Service {
     }
 }
 
-pub async fn open(directory: &Path, change: impl FnOnce(&mut Config)) -> Jobs {
+pub async fn open(directory: &Path, change: impl FnOnce(&mut Config)) -> Arc<Jobs> {
     open_on(&None, directory, change).await
 }
 
@@ -51,7 +52,7 @@ async fn open_on(
     database: &Option<String>,
     directory: &Path,
     change: impl FnOnce(&mut Config),
-) -> Jobs {
+) -> Arc<Jobs> {
     let mut config = Config::new(directory);
     config.slots = 2;
     config.child_program = Some(env!("CARGO_BIN_EXE_trackloom").into());

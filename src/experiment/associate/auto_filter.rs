@@ -79,33 +79,13 @@ fn choose_method(recording: &Recording) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::scan::{Detection, RecordingParts, Scan};
+    use crate::experiment::input::tests::one_scan;
     use crate::registry::{self, Kind};
     use crate::tracking::LIFECYCLE;
     use serde_json::json;
 
     fn chosen(measurements: &[Measurement]) -> &'static str {
-        let detection = |&measurement| Detection {
-            measurement,
-            origin: None,
-            amplitude: None,
-        };
-        let recording = Recording::new(RecordingParts {
-            sensors: vec![SensorSettings::named("radar")],
-            scans: vec![Scan {
-                number: 1,
-                time_s: 0.0,
-                sensor: 0,
-                first: 0,
-                count: measurements.len(),
-            }],
-            detections: measurements.iter().map(detection).collect(),
-            detection_ids: (0..measurements.len())
-                .map(|index| index.to_string())
-                .collect(),
-            ..Default::default()
-        });
-        choose_method(&recording.unwrap())
+        choose_method(&one_scan(SensorSettings::named("radar"), measurements))
     }
 
     #[test]

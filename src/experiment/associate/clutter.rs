@@ -64,7 +64,8 @@ fn used_detections(recording: &Recording, tracks: &TrackSet) -> Vec<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::scan::{Detection, Measurement, RecordingParts, Scan};
+    use crate::experiment::input::tests::one_scan;
+    use crate::model::scan::Measurement;
     use crate::model::sensing::MeasurementModel;
     use crate::model::sensor::Sensor;
 
@@ -76,27 +77,12 @@ mod tests {
             clutter_per_m2,
             ..SensorSettings::named("radar")
         };
-        let detection = |index: usize| Detection {
-            measurement: Measurement::Position {
-                x_m: index as f64,
-                y_m: 0.0,
-            },
-            origin: None,
-            amplitude: None,
+        let place = |index: usize| Measurement::Position {
+            x_m: index as f64,
+            y_m: 0.0,
         };
-        let recording = Recording::new(RecordingParts {
-            sensors: vec![settings.clone()],
-            scans: vec![Scan {
-                number: 1,
-                time_s: 0.0,
-                sensor: 0,
-                first: 0,
-                count,
-            }],
-            detections: (0..count).map(detection).collect(),
-            detection_ids: (0..count).map(|index| index.to_string()).collect(),
-            ..Default::default()
-        });
+        let places: Vec<Measurement> = (0..count).map(place).collect();
+        let recording = one_scan(settings.clone(), &places);
         let report = MeasurementModel::Position {
             sigma_x_m: 1.0,
             sigma_y_m: 1.0,
@@ -109,7 +95,7 @@ mod tests {
             report,
         };
         let data = ResolvedRecording {
-            recording: &recording.unwrap(),
+            recording: &recording,
             known: &[settings],
             sensors: &[sensor],
         };

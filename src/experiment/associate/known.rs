@@ -72,14 +72,18 @@ fn faults_of(
 }
 
 impl KnownTracking {
-    /// `with_filter` makes the job with a filter in the place of the open one.
+    /// `with_tracking` makes the job with a filter in the place of the open one of `tracking`.
     pub fn into_known_inputs<J: Job>(
         self,
-        with_filter: impl FnOnce(FilterChoice) -> J,
+        tracking: &TrackingSpec,
+        with_tracking: impl FnOnce(TrackingSpec) -> J,
     ) -> KnownInputs {
         let settled = self.filter.map(|(filter, named)| Settled {
             filter,
-            job: Arc::new(with_filter(FilterChoice::Named(named))),
+            job: Arc::new(with_tracking(TrackingSpec {
+                filter: FilterChoice::Named(named),
+                ..tracking.clone()
+            })),
         });
         KnownInputs {
             faults: self.faults,

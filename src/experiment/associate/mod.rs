@@ -17,25 +17,21 @@ pub mod track;
 mod truth_initiation;
 
 pub use auto_filter::settle;
-pub use report::report;
+pub use report::{AssociateResult, Association, report};
 pub use spec::ASSOCIATE;
 
 use crate::experiment::input::JobData;
 use crate::experiment::job::{
-    Cost, InputRequest, Inputs, Job, Known, KnownInputs, Outcome, Planner, RunError, RunSettings,
-    to_value,
+    InputRequest, Job, Known, KnownInputs, Outcome, Planner, RunError, Work, to_value,
 };
 use crate::experiment::observer::Observer;
 use crate::experiment::request::draft::{Draft, Planned};
 use crate::model::fault::Fault;
-use serde_json::{Map, Value};
 use spec::Spec;
 
 #[derive(Clone)]
 struct AssociateJob {
     spec: Spec,
-    inputs: Vec<InputRequest>,
-    cost: Cost,
 }
 
 /// Plans a job that tracks.
@@ -46,52 +42,39 @@ pub fn plan(mut draft: Draft, _: Planner) -> Result<Planned, Vec<Fault>> {
     let cost = check::check_tracking(&mut draft, true);
     let inputs = draft.inputs();
     check::check_start(&mut draft, &inputs);
-    draft.finish(|spec| AssociateJob { spec, inputs, cost })
+    draft.finish(inputs, cost, |spec| AssociateJob { spec })
 }
 
 impl Job for AssociateJob {
-    fn inputs(&self) -> &[InputRequest] {
-        &self.inputs
-    }
-
-    fn cost(&self) -> Cost {
-        self.cost
-    }
-
-    fn check_known(&self, known: &[Option<Known>]) -> KnownInputs {
+    fn check_known(&self, requests: &[InputRequest], known: &[Option<Known>]) -> KnownInputs {
         let Spec {
             sensors, tracking, ..
         } = &self.spec;
-        let found = known::check_tracked(&self.inputs, known, tracking, sensors);
-        found.into_known_inputs(|filter| {
+        let found = known::check_tracked(requests, known, tracking, sensors);
+        found.into_known_inputs(tracking, |tracking| {
             let mut job = self.clone();
-            job.spec.tracking.filter = filter;
+            job.spec.tracking = tracking;
             job
         })
     }
 
-    fn run(
-        &self,
-        inputs: Inputs,
-        settings: RunSettings,
-        observer: &mut dyn Observer,
-    ) -> Result<Outcome, RunError> {
+    fn run(&self, work: Work, observer: &mut dyn Observer) -> Result<Outcome, RunError> {
+        let settings = work.settings;
         let Spec {
             input,
             detector,
             sensors,
             tracking,
         } = &self.spec;
-        let mut data = JobData::load(&self.inputs, inputs, sensors)?;
+        let mut data = JobData::load(work.requests, work.inputs, sensors)?;
         data.gather(input, detector.as_ref(), sensors, settings.seed, observer)?;
-        let mut result = Map::new();
-        if let Some(detection) = &data.detection {
-            result.insert("detection".to_owned(), to_value(detection)?);
-        }
         let tracking = settle(tracking, data.recording()?);
         let tracked = track::track(&mut data, input, &tracking, sensors, settings, observer)?;
-        let association = report(&tracked, data.recording()?, &data.sensors);
-        result.insert("association".to_owned(), to_value(&association)?);
+        let result = AssociateResult {
+            detection: data.detection.take(),
+            association: report(&tracked, data.recording()?, &data.sensors),
+        };
+        let result = to_value(&result)?;
         let association_time = tracked.association_time;
         let mut artifacts = Vec::new();
         if settings.wants_files {
@@ -100,7 +83,7 @@ impl Job for AssociateJob {
         }
         Ok(Outcome {
             association_time,
-            ..data.into_outcome(Value::Object(result), artifacts)
+            ..data.into_outcome(result, artifacts)
         })
     }
 }

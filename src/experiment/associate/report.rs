@@ -2,76 +2,95 @@
 
 use super::speeds::Taken;
 use super::track::Tracked;
+use crate::experiment::input::DetectionResult;
 use crate::model::scan::Recording;
 use crate::model::sensor::SensorSettings;
 use crate::model::track::{Track, TrackPoint, TrackSet};
 use serde::Serialize;
 use serde_json::Value;
 
-/// The part `association` of a report.
 #[derive(Debug, Serialize)]
-pub struct AssociationReport {
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct AssociateResult {
+    /// Where the input was a bearing-time record.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    pub detection: Option<DetectionResult>,
+    pub association: Association,
+}
+
+/// What the tracker made.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct Association {
+    /// The associator.
     method: &'static str,
     counts: Counts,
     nis: NisReport,
     sensors: Vec<SensorSettings>,
+    /// Tracks that were confirmed.
     tracks: Vec<TrackLine>,
+    /// What the associator says of its own work; each has its own fields.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false, value_type = Object))]
     diagnostics: Option<Value>,
-    /// What the request left open, and what was taken.
-    #[serde(skip_serializing_if = "Taken::is_empty")]
-    taken: Taken,
+    /// What the request left open and was taken from the scene or the data; absent where it left nothing open.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    taken: Option<Taken>,
+}
+
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = AssociationCounts))]
+struct Counts {
+    scans: u64,
+    detections: u64,
+    /// Tracks ever started, tentative ones counted too.
+    started_tracks: u64,
+    tracks: u64,
+    track_points: u64,
+    /// Track points that were given a detection.
+    associated_detections: u64,
 }
 
 /// Normalised innovation squared of the updates of confirmed tracks: near `dimensions` on average when the filter's
 /// covariances are honest. `dimensions` is null where some sensors report more values than others.
 #[derive(Debug, Clone, Copy, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = Nis))]
 pub struct NisReport {
+    /// `null` when no confirmed track was updated.
     pub mean: Option<f64>,
     pub updates: u64,
+    /// Values of one measurement.
+    #[cfg_attr(feature = "service", schema(value_type = Option<u64>))]
     pub dimensions: Option<usize>,
 }
 
 #[derive(Debug, Serialize)]
-struct Counts {
-    scans: usize,
-    detections: usize,
-    /// Tracks ever started, tentative ones counted too.
-    started_tracks: u64,
-    tracks: usize,
-    track_points: usize,
-    /// Track points that were given a detection.
-    associated_detections: usize,
-}
-
-#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
 struct TrackLine {
     track_id: String,
     start_time_s: Option<f64>,
     end_time_s: Option<f64>,
-    points: usize,
-    detections: usize,
+    points: u64,
+    detections: u64,
 }
 
 /// The part `association` of a report.
-pub fn report(
-    tracked: &Tracked,
-    recording: &Recording,
-    sensors: &[SensorSettings],
-) -> AssociationReport {
+pub fn report(tracked: &Tracked, recording: &Recording, sensors: &[SensorSettings]) -> Association {
     let set = &tracked.tracks;
     let lines: Vec<TrackLine> = set.tracks.iter().map(|track| line(set, track)).collect();
-    AssociationReport {
+    Association {
         method: tracked.method,
         counts: Counts {
-            scans: recording.scans.len(),
-            detections: recording.detections.len(),
+            scans: recording.scans.len() as u64,
+            detections: recording.detections.len() as u64,
             started_tracks: tracked
                 .scans
                 .iter()
                 .map(|scan| u64::from(scan.started))
                 .sum(),
-            tracks: lines.len(),
+            tracks: lines.len() as u64,
             track_points: lines.iter().map(|line| line.points).sum(),
             associated_detections: lines.iter().map(|line| line.detections).sum(),
         },
@@ -79,7 +98,7 @@ pub fn report(
         sensors: sensors.to_vec(),
         tracks: lines,
         diagnostics: tracked.diagnostics.clone(),
-        taken: tracked.taken.clone(),
+        taken: (!tracked.taken.is_empty()).then(|| tracked.taken.clone()),
     }
 }
 
@@ -93,7 +112,7 @@ fn line(set: &TrackSet, track: &Track) -> TrackLine {
         track_id: track.track_id.clone(),
         start_time_s: track.points.first().map(|point| point.time_s),
         end_time_s: track.points.last().map(|point| point.time_s),
-        points: track.points.len(),
-        detections: track.points.iter().filter(is_detected).count(),
+        points: track.points.len() as u64,
+        detections: track.points.iter().filter(is_detected).count() as u64,
     }
 }

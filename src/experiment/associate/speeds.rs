@@ -22,14 +22,19 @@ pub const SIGMA_OF_FASTEST: f64 = 0.55;
 /// Targets that stand still are given this much, for nothing stands quite still.
 const LEAST_SIGMA_MPS: f64 = 0.1;
 
-/// What the request left open and what was taken, for the report.
+/// Settings that the request left open, with the values that were taken.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = TakenSettings))]
 pub struct Taken {
+    /// The filter that suits what the sensors report.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false, value_type = Object))]
     pub filter: Option<Value>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
     pub initial_speed_sigma_mps: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
     pub max_speed_mps: Option<f64>,
 }
 

@@ -8,6 +8,7 @@ use crate::experiment::request::job_shape::remove_kind;
 use crate::experiment::request::paths::{put_at, put_field, unknown_path};
 use crate::experiment::request::preset_source;
 use crate::model::fault::Fault;
+use crate::registry::placed;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
@@ -53,7 +54,7 @@ pub fn cells_of(spec: &Spec, axes: &[Axis], planner: Planner) -> Result<Vec<Cell
         return Err(vec![fault.allowing(format!("at most {MAX_CELLS} cells"))]);
     }
     check_names(axes)?;
-    (planner.plan)(kind, &body).map_err(in_base)?;
+    (planner.plan)(kind, &body).map_err(|faults| placed("/base", faults))?;
     let (mut cells, mut faults) = (Vec::new(), Vec::new());
     let base = Base {
         kind,
@@ -83,19 +84,11 @@ pub fn cells_of(spec: &Spec, axes: &[Axis], planner: Planner) -> Result<Vec<Cell
 
 /// Every fault of the base, whatever the grid makes of it.
 pub fn faults_of_base(base: &Value, planner: Planner) -> Vec<Fault> {
-    let planned =
-        base_of(base).and_then(|(kind, body)| (planner.plan)(kind, &body).map_err(in_base));
+    let planned = base_of(base).and_then(|(kind, body)| {
+        let planned = (planner.plan)(kind, &body);
+        planned.map_err(|faults| placed("/base", faults))
+    });
     planned.err().unwrap_or_default()
-}
-
-fn in_base(faults: Vec<Fault>) -> Vec<Fault> {
-    faults
-        .into_iter()
-        .map(|fault| Fault {
-            pointer: format!("/base{}", fault.pointer),
-            ..fault
-        })
-        .collect()
 }
 
 /// Kind and body of the base.

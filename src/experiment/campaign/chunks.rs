@@ -3,7 +3,7 @@
 use super::Campaign;
 use super::cells::Cell;
 use super::outcomes::{self, Outcome, Rows};
-use crate::experiment::job::{self, AssociationTime, Inputs, RunError, RunSettings, run_job};
+use crate::experiment::job::{self, AssociationTime, Inputs, RunError, RunSettings, run_with};
 use crate::experiment::observer::{Observer, Step, report_progress};
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
@@ -122,7 +122,7 @@ impl Campaign {
     /// Makes the runs of an order, at least one of them, with what was kept of each.
     ///
     /// # Errors
-    /// As [`run_job`]; a fault names the cell and the run that has it.
+    /// As [`run_with`]; a fault names the cell and the run that has it.
     pub fn make(
         &self,
         request: ChunkRequest,
@@ -174,7 +174,7 @@ impl Campaign {
             wants_files: false,
             time_association: run < self.timed_runs,
         };
-        let mut found = run_job(&*cell.plan.job, inputs.clone(), settings, observer)
+        let mut found = run_with(&cell.plan, inputs.clone(), settings, observer)
             .map_err(|error| place(error, cell, run))?;
         // Some time themselves wherever there is a clock.
         found.association_time = found.association_time.filter(|_| settings.time_association);

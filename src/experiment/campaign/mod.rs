@@ -19,13 +19,13 @@ mod stop;
 mod tables;
 
 pub use chunks::{ChunkRequest, ChunkResult, Items};
-pub use outcomes::Outcome;
+pub use outcomes::{CampaignResult, Outcome};
 pub use spec::CAMPAIGN;
 pub use stages::Next;
 
 use super::job::{
-    self, CellTime, Cost, InputRequest, Inputs, Job, Known, KnownInputs, Planner, RunError,
-    RunSettings, to_value, unsign_zeros,
+    self, CellTime, Cost, InputRequest, Job, Known, KnownInputs, Planner, RunError, Work, to_value,
+    unsign_zeros,
 };
 use super::observer::Observer;
 use super::request::draft::{Draft, Planned};
@@ -37,7 +37,6 @@ use axes::Axis;
 use cells::Cell;
 use chunks::CollectedRuns;
 use outcomes::{CellReport, Judge};
-use serde_json::json;
 use spec::Spec;
 use stop::{Ended, Stop};
 
@@ -76,7 +75,7 @@ pub fn plan(mut draft: Draft, planner: Planner) -> Result<Planned, Vec<Fault>> {
     });
     draft.add(different_data(&cells));
     let inputs = inputs_of(&cells);
-    draft.finish(|spec: Spec| Campaign {
+    draft.finish(inputs, cost, |spec: Spec| Campaign {
         cells,
         axes,
         compared,
@@ -86,8 +85,6 @@ pub fn plan(mut draft: Draft, planner: Planner) -> Result<Planned, Vec<Fault>> {
         timed_runs: spec.timed_runs,
         confidence: spec.confidence,
         seed: spec.seed,
-        inputs,
-        cost,
     })
 }
 
@@ -134,8 +131,6 @@ pub struct Campaign {
     timed_runs: u32,
     confidence: f64,
     seed: u32,
-    inputs: Vec<InputRequest>,
-    cost: Cost,
 }
 
 /// What is loaded once for all runs.
@@ -144,7 +139,7 @@ fn inputs_of(cells: &[Cell]) -> Vec<InputRequest> {
         pointer: format!("/base{}", input.pointer),
         ..input.clone()
     };
-    let first = cells.first().map_or(&[][..], |cell| cell.plan.inputs());
+    let first = cells.first().map_or(&[][..], |cell| &cell.plan.inputs);
     first.iter().map(placed).collect()
 }
 
@@ -153,7 +148,7 @@ fn different_data(cells: &[Cell]) -> Option<Fault> {
     let first = cells.first()?;
     let other = cells
         .iter()
-        .find(|cell| cell.plan.inputs() != first.plan.inputs())?;
+        .find(|cell| cell.plan.inputs != first.plan.inputs)?;
     let detail = format!(
         "the cells '{}' and '{}' read different data",
         first.name, other.name
@@ -185,16 +180,8 @@ fn reference_point(spec: &Spec, axes: &[Axis]) -> Result<Option<(usize, usize)>,
 }
 
 impl Job for Campaign {
-    fn inputs(&self) -> &[InputRequest] {
-        &self.inputs
-    }
-
-    fn cost(&self) -> Cost {
-        self.cost
-    }
-
     /// The faults of all cells with the data that they read.
-    fn check_known(&self, known: &[Option<Known>]) -> KnownInputs {
+    fn check_known(&self, _: &[InputRequest], known: &[Option<Known>]) -> KnownInputs {
         let cost = cost_of(known);
         KnownInputs {
             faults: placing::check_known(&self.cells, &self.axes, known),
@@ -208,12 +195,7 @@ impl Job for Campaign {
     }
 
     /// Makes all runs one after the other; a fault names the cell and the run that has it.
-    fn run(
-        &self,
-        inputs: Inputs,
-        _: RunSettings,
-        observer: &mut dyn Observer,
-    ) -> Result<job::Outcome, RunError> {
+    fn run(&self, work: Work, observer: &mut dyn Observer) -> Result<job::Outcome, RunError> {
         let (mut chunks, mut outcomes, mut made) = (Vec::new(), None, 0);
         while let Next::Runs { items, skipped } = self.next(&chunks) {
             let request = ChunkRequest {
@@ -223,7 +205,7 @@ impl Job for Campaign {
                 done: made + skipped,
                 total: self.total(),
             };
-            let (chunk, found) = self.make(request, &inputs, observer)?;
+            let (chunk, found) = self.make(request, &work.inputs, observer)?;
             made += chunk.len() as u64;
             chunks.push(chunk);
             outcomes = Some(found);
@@ -297,8 +279,11 @@ impl Campaign {
             #[cfg(feature = "parquet")]
             parquet::runs(&self.cell_names(), &names, rows, self.seed)?,
         ]);
-        let mut result =
-            json!({"outcomes": names, "confidence": self.confidence, "cells": to_value(&reports)?});
+        let mut result = to_value(&CampaignResult {
+            outcomes: names.into_iter().map(str::to_owned).collect(),
+            confidence: self.confidence,
+            cells: reports,
+        })?;
         unsign_zeros(&mut result);
         Ok(job::Outcome {
             result,

@@ -255,27 +255,47 @@ pub(super) fn found_in(result: &Value) -> Vec<Outcome> {
 /// The kept numbers of one cell: by outcome, by run.
 pub(super) type Rows = Vec<Vec<Option<f64>>>;
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub(super) struct CellReport {
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct CampaignResult {
+    /// Names of the outcomes, in their order.
+    pub outcomes: Vec<String>,
+    /// Of the intervals.
+    pub confidence: f64,
+    pub cells: Vec<CellReport>,
+}
+
+/// What the runs of one cell gave. Each run by itself is in the file `runs.csv`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = CampaignCell))]
+pub struct CellReport {
     pub name: String,
+    /// Its point on each axis.
+    #[cfg_attr(feature = "service", schema(value_type = BTreeMap<String, String>))]
     pub parameters: Map<String, Value>,
-    pub runs: usize,
-    /// Why it has no more.
+    pub runs: u64,
+    /// Why it has no more: `runs` (all are done) or `half_width` (of `stop_at`, reached); `not_yet` while the campaign is running.
+    #[cfg_attr(feature = "service", schema(value_type = String))]
     pub ended: Ended,
     pub outcomes: BTreeMap<String, Summary>,
-    /// To the cell that it is compared with; none of that cell itself.
+    /// Run by run to the cell it is compared with.
     pub differences: BTreeMap<String, Difference>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
     pub compared_with: Option<String>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub(super) struct Summary {
-    /// Runs that have the number, and those that do not.
-    pub count: usize,
-    pub missing: usize,
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = OutcomeSummary))]
+pub struct Summary {
+    /// Runs that have the number.
+    pub count: u64,
+    /// Runs that do not.
+    pub missing: u64,
     pub mean: Option<f64>,
     pub interval: Option<Interval>,
+    /// `t`, `wilson` or `bootstrap`.
+    #[cfg_attr(feature = "service", schema(value_type = String))]
     pub method: Method,
     pub standard_deviation: Option<f64>,
     pub min: Option<f64>,
@@ -283,11 +303,13 @@ pub(super) struct Summary {
     pub max: Option<f64>,
 }
 
-/// The mean of the differences run by run, with its t interval.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub(super) struct Difference {
-    pub pairs: usize,
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = OutcomeDifference))]
+pub struct Difference {
+    /// Runs in which both cells have the number.
+    pub pairs: u64,
     pub mean: Option<f64>,
+    /// Student's t.
     pub interval: Option<Interval>,
 }
 
@@ -320,7 +342,7 @@ impl Judge<'_> {
         CellReport {
             name: cell.name.clone(),
             parameters: cell.parameters(self.axes),
-            runs: rows.first().map_or(0, Vec::len),
+            runs: rows.first().map_or(0, Vec::len) as u64,
             ended,
             outcomes,
             differences,
@@ -339,8 +361,8 @@ impl Judge<'_> {
             (stats::mean(&present), stats::standard_deviation(&present));
         present.sort_by(f64::total_cmp);
         Summary {
-            count: present.len(),
-            missing: values.len() - present.len(),
+            count: present.len() as u64,
+            missing: (values.len() - present.len()) as u64,
             mean,
             interval,
             method,
@@ -363,7 +385,7 @@ impl Judge<'_> {
             .filter_map(|(ours, theirs)| Some((*ours)? - (*theirs)?))
             .collect();
         Difference {
-            pairs: pairs.len(),
+            pairs: pairs.len() as u64,
             mean: stats::mean(&pairs),
             interval: self.outcomes[number].interval_of_differences(&pairs, self.confidence),
         }

@@ -88,7 +88,8 @@ pub fn check_known(cells: &[Cell], axes: &[Axis], known: &[Option<Known>]) -> Ve
     let mut faults: Vec<Fault> = Vec::new();
     for cell in cells {
         let made = changes_at(axes, &cell.points);
-        for fault in cell.plan.job.check_known(known).faults {
+        let (job, inputs) = (&cell.plan.job, &cell.plan.inputs);
+        for fault in job.check_known(inputs, known).faults {
             let in_base = Fault {
                 pointer: format!("/base{}", fault.pointer),
                 ..fault.clone()

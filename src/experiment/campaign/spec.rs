@@ -3,7 +3,7 @@
 use super::outcomes::Outcome;
 use crate::experiment::request::fields::{JOB_NAME, LABELS, NAME, SEED};
 use crate::registry::{
-    Bound, Field, Kind, Object, Union, above, default, optional, required, variant, whole,
+    Bound, Field, Kind, Object, Union, above, default, list, optional, required, variant, whole,
 };
 use serde::Deserialize;
 use serde_json::Value;
@@ -29,15 +29,7 @@ static VARIANT: Object = Object {
     summary: "A named set of changes.",
     fields: &[
         required("name", "Name of the variant in the table.", NAME),
-        required(
-            "set",
-            "The changes.",
-            Kind::List {
-                item: &Kind::Object(&CHANGE),
-                min: 0,
-                max: 50,
-            },
-        ),
+        required("set", "The changes.", list(&Kind::Object(&CHANGE), 0, 50)),
     ],
 };
 
@@ -47,15 +39,7 @@ static BY_VALUES: Object = Object {
     fields: &[
         optional("name", "Name of the axis; the path when absent.", NAME),
         POINTER,
-        required(
-            "values",
-            "The values.",
-            Kind::List {
-                item: &Kind::Json,
-                min: 1,
-                max: 1000,
-            },
-        ),
+        required("values", "The values.", list(&Kind::Json, 1, 1000)),
     ],
 };
 
@@ -67,11 +51,7 @@ static BY_VARIANTS: Object = Object {
         required(
             "variants",
             "The variants.",
-            Kind::List {
-                item: &Kind::Object(&VARIANT),
-                min: 1,
-                max: 1000,
-            },
+            list(&Kind::Object(&VARIANT), 1, 1000),
         ),
     ],
 };
@@ -153,11 +133,7 @@ pub static CAMPAIGN: Object = Object {
         optional(
             "grid",
             "The axes; the cells are their product. When absent, the base is the one cell.",
-            Kind::List {
-                item: &Kind::Union(&AXIS),
-                min: 1,
-                max: 8,
-            },
+            list(&Kind::Union(&AXIS), 1, 8),
         ),
         default(
             "runs",
@@ -178,11 +154,7 @@ pub static CAMPAIGN: Object = Object {
         optional(
             "outcomes",
             "The numbers that are kept of each run; when absent, counts and probabilities of the automaton and every metric.",
-            Kind::List {
-                item: &Kind::Object(&OUTCOME),
-                min: 1,
-                max: 100,
-            },
+            list(&Kind::Object(&OUTCOME), 1, 100),
         ),
         optional(
             "compare",

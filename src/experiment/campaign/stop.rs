@@ -7,15 +7,15 @@ use super::outcomes::{Outcome, Rows};
 use super::spec::Spec;
 use crate::math::rng::{Purpose, Seed};
 use crate::model::fault::Fault;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Runs before the first look; each later one is at twice as many.
 const FIRST_LOOK: u32 = 10;
 
 /// Why a cell has no more runs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum Ended {
+pub enum Ended {
     Runs,
     HalfWidth,
     NotYet,

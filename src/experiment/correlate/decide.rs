@@ -11,6 +11,7 @@ use crate::experiment::job::{AssociationTime, RunError};
 use crate::experiment::observer::{Observer, Step, report_progress};
 use crate::model::fault::Fault;
 use crate::model::watch::Watch;
+use crate::registry::placed;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -136,11 +137,7 @@ fn standing(counts: BTreeMap<Vec<u32>, u32>, problem: &CorrelationProblem) -> Ve
 }
 
 fn refuse(faults: Vec<Fault>) -> RunError {
-    let placed = |fault: Fault| Fault {
-        pointer: format!("/correlator{}", fault.pointer),
-        ..fault
-    };
-    RunError::Faults(faults.into_iter().map(placed).collect())
+    RunError::Faults(placed("/correlator", faults))
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ mod report;
 mod run;
 mod spec;
 
+pub use report::CorrelateResult;
 pub use spec::CORRELATE;
 
 use crate::correlation::alignment::Node;
@@ -18,8 +19,7 @@ use crate::experiment::associate::track::track;
 use crate::experiment::input::known::check_inputs;
 use crate::experiment::input::{JobData, missing};
 use crate::experiment::job::{
-    Cost, InputRequest, Inputs, Job, Known, KnownInputs, Outcome, Planner, RunError, RunSettings,
-    to_value,
+    InputRequest, Job, Known, KnownInputs, Outcome, Planner, RunError, RunSettings, Work, to_value,
 };
 use crate::experiment::observer::Observer;
 use crate::experiment::request::draft::{Draft, Planned};
@@ -32,8 +32,6 @@ use spec::Spec;
 struct CorrelateJob {
     spec: Spec,
     tracking: Option<TrackingSpec>,
-    inputs: Vec<InputRequest>,
-    cost: Cost,
 }
 
 /// Plans a job that puts tracks together.
@@ -46,46 +44,28 @@ pub fn plan(mut draft: Draft, _: Planner) -> Result<Planned, Vec<Fault>> {
     let cost = check::check_drawn_tracks(&mut draft).unwrap_or(of_scenario);
     let inputs = draft.inputs();
     check_start(&mut draft, &inputs);
-    draft.finish(|spec: Spec| CorrelateJob {
-        tracking: spec.tracking(),
+    draft.finish(inputs, cost, |spec: Spec| CorrelateJob {
+        tracking: spec.tracking.whole(),
         spec,
-        inputs,
-        cost,
     })
 }
 
 impl Job for CorrelateJob {
-    fn inputs(&self) -> &[InputRequest] {
-        &self.inputs
-    }
-
-    fn cost(&self) -> Cost {
-        self.cost
-    }
-
-    fn check_known(&self, known: &[Option<Known>]) -> KnownInputs {
+    fn check_known(&self, requests: &[InputRequest], known: &[Option<Known>]) -> KnownInputs {
         let Some(tracking) = &self.tracking else {
-            return check_inputs(&self.inputs, known);
+            return check_inputs(requests, known);
         };
-        let found = check_tracked(&self.inputs, known, tracking, &self.spec.sensors);
-        found.into_known_inputs(|filter| {
-            let mut job = self.clone();
-            job.tracking = Some(TrackingSpec {
-                filter,
-                ..tracking.clone()
-            });
-            job
+        let found = check_tracked(requests, known, tracking, &self.spec.sensors);
+        found.into_known_inputs(tracking, |tracking| CorrelateJob {
+            tracking: Some(tracking),
+            ..self.clone()
         })
     }
 
-    fn run(
-        &self,
-        inputs: Inputs,
-        settings: RunSettings,
-        observer: &mut dyn Observer,
-    ) -> Result<Outcome, RunError> {
+    fn run(&self, work: Work, observer: &mut dyn Observer) -> Result<Outcome, RunError> {
+        let settings = work.settings;
         let Spec { input, sensors, .. } = &self.spec;
-        let mut data = JobData::load(&self.inputs, inputs, sensors)?;
+        let mut data = JobData::load(work.requests, work.inputs, sensors)?;
         data.gather(input, None, sensors, settings.seed, observer)?;
         let nodes = self.nodes(&mut data, settings, observer)?;
         let correlated = run::correlate(&self.spec, nodes, &mut data, settings, observer)?;

@@ -17,99 +17,120 @@ use std::io::Error;
 /// Tuples and lone tracks that the report lists; all of them are in `tuples.csv`.
 const MAX_LINES: usize = 1000;
 
-/// The result of the job.
+/// Which tracks are of one target. The fused tracks are in the file `system_tracks.csv`, all tuples in `tuples.csv`.
 #[derive(Debug, Serialize)]
-pub struct CorrelationReport {
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct CorrelateResult {
     correlator: &'static str,
+    /// `chain`, `all_pairs`, `fused` or `likelihood_ratio`.
     statistic: &'static str,
     /// In this order tracks stand in a tuple.
-    sensors: Vec<SensorLine>,
-    counts: Counts,
+    sensors: Vec<CorrelatedSensor>,
+    counts: CorrelationCounts,
     /// J of the last decision.
     cost: f64,
     /// No way to put the tracks together costs less; null where the correlator does not know.
     dual_bound: Option<f64>,
     /// How far J may be above the least cost there is, as a share of the bound; null without one.
     gap: Option<f64>,
+    /// Absent where the correlator does not search.
     #[serde(skip_serializing_if = "Option::is_none")]
-    search: Option<SearchReport>,
-    confirm: ConfirmReport,
-    tuples: Vec<TupleLine>,
-    tuples_left_out: usize,
-    unassociated: Vec<TrackName>,
-    unassociated_left_out: usize,
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    search: Option<CorrelationSearch>,
+    confirm: CorrelationConfirmation,
+    /// Tuples of two tracks or more; the first thousand.
+    tuples: Vec<CorrelationTuple>,
+    tuples_left_out: u64,
+    /// Tracks that are alone; the first thousand.
+    unassociated: Vec<UnassociatedTrack>,
+    unassociated_left_out: u64,
     /// Null where nobody knows what the tracks are of.
-    truth: Option<TruthReport>,
+    truth: Option<CorrelationTruth>,
 }
 
 #[derive(Debug, Serialize)]
-struct SensorLine {
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+struct CorrelatedSensor {
     sensor_id: String,
-    tracks: usize,
+    tracks: u64,
 }
 
 #[derive(Debug, Serialize)]
-struct Counts {
-    sensors: usize,
-    tracks: usize,
-    common_times: usize,
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+struct CorrelationCounts {
+    sensors: u64,
+    tracks: u64,
+    common_times: u64,
     /// Numbers of a state that are compared.
-    dimensions: usize,
-    links: usize,
-    tuples: usize,
-    unassociated: usize,
-    system_tracks: usize,
+    dimensions: u64,
+    /// Pairs that may be of one target.
+    links: u64,
+    tuples: u64,
+    unassociated: u64,
+    system_tracks: u64,
 }
 
 #[derive(Debug, Serialize)]
-struct SearchReport {
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+struct CorrelationSearch {
+    /// The cost of the best solution of each generation or iteration.
     best: Vec<f64>,
+    /// The mean cost of each.
     mean: Vec<f64>,
-    generations: usize,
+    generations: u64,
+    /// Solutions whose cost was computed.
     evaluations: u64,
+    /// Why it ended.
     stop: &'static str,
 }
 
+/// A tuple stands when it was found in so many of so many decisions at successive times.
 #[derive(Debug, Serialize)]
-struct ConfirmReport {
-    found: u32,
-    of: u32,
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+struct CorrelationConfirmation {
+    found: u64,
+    of: u64,
 }
 
-/// A tuple as it is told, in the report and in `tuples.csv`.
 #[derive(Debug, Serialize)]
-pub struct TupleLine {
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct CorrelationTuple {
     /// The system track made of it.
     system_track_id: String,
     /// The track of each sensor; null where the sensor has none.
     tracks: Vec<Option<String>>,
     /// Null for a tuple that could not be made at the last time.
     cost: Option<f64>,
-    /// b of the paper: the sum of λ over neighbours; null where two of them have no common time.
+    /// The sum of squared distances over neighbouring sensors; null where two of them have no common time.
     b: Option<f64>,
-    /// Q.
+    /// Squared distances from the information-weighted mean.
     statistic: f64,
-    degrees_of_freedom: usize,
+    degrees_of_freedom: u64,
+    /// Probability that tracks of one target are at least so far apart; null without common times.
     p_value: Option<f64>,
     /// Decisions that found it.
-    found: u32,
+    found: u64,
     /// The target of most of its tracks.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
     truth_id: Option<String>,
     /// Whether its tracks are all the tracks of one target and nothing else; absent where nobody knows.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
     right: Option<bool>,
 }
 
 #[derive(Debug, Serialize)]
-struct TrackName {
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+struct UnassociatedTrack {
     sensor_id: String,
     track_id: String,
 }
 
 /// Against what the tracks are really of.
 #[derive(Debug, Serialize)]
-struct TruthReport {
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+struct CorrelationTruth {
     /// Targets of which two sensors or more have tracks.
     tuples: u64,
     /// Those whose tracks, all of them and nothing else, are one tuple.
@@ -118,11 +139,11 @@ struct TruthReport {
     pairwise_precision: Option<f64>,
     pairwise_recall: Option<f64>,
     /// Tracks of no target.
-    false_tracks: usize,
+    false_tracks: u64,
 }
 
 /// The report; `tuples` are those of [`tuple_lines`].
-pub fn report(correlated: &Correlated, mut tuples: Vec<TupleLine>) -> CorrelationReport {
+pub fn report(correlated: &Correlated, mut tuples: Vec<CorrelationTuple>) -> CorrelateResult {
     let (estimates, solution) = (&correlated.correlation.estimates, &correlated.solution);
     let sensors = estimates.sensor_ids.iter().zip(&estimates.tracks_of);
     let sensors_of_tracks = estimates.sensors_of_tracks();
@@ -131,46 +152,46 @@ pub fn report(correlated: &Correlated, mut tuples: Vec<TupleLine>) -> Correlatio
         .map(|track| problem.links(track).len())
         .sum::<usize>()
         / 2;
-    let name = |&track: &u32| TrackName {
+    let name = |&track: &u32| UnassociatedTrack {
         sensor_id: estimates.sensor_ids[sensors_of_tracks[track as usize]].clone(),
         track_id: estimates.track_ids[track as usize].clone(),
     };
-    CorrelationReport {
+    CorrelateResult {
         correlator: correlated.correlator,
         statistic: correlated.correlation.statistic.name(),
         sensors: sensors
-            .map(|(sensor_id, &tracks)| SensorLine {
+            .map(|(sensor_id, &tracks)| CorrelatedSensor {
                 sensor_id: sensor_id.clone(),
-                tracks,
+                tracks: tracks as u64,
             })
             .collect(),
-        counts: Counts {
-            sensors: estimates.tracks_of.len(),
-            tracks: estimates.tracks(),
-            common_times: estimates.times(),
-            dimensions: estimates.dimensions(),
-            links,
-            tuples: tuples.len(),
-            unassociated: correlated.alone.len(),
-            system_tracks: correlated.system_tracks.tracks.len(),
+        counts: CorrelationCounts {
+            sensors: estimates.tracks_of.len() as u64,
+            tracks: estimates.tracks() as u64,
+            common_times: estimates.times() as u64,
+            dimensions: estimates.dimensions() as u64,
+            links: links as u64,
+            tuples: tuples.len() as u64,
+            unassociated: correlated.alone.len() as u64,
+            system_tracks: correlated.system_tracks.tracks.len() as u64,
         },
         cost: solution.cost,
         dual_bound: solution.dual_bound,
         gap: solution.dual_bound.map(|bound| gap(solution.cost, bound)),
-        search: solution.search.as_ref().map(|search| SearchReport {
+        search: solution.search.as_ref().map(|search| CorrelationSearch {
             best: search.best.clone(),
             mean: search.mean.clone(),
-            generations: search.best.len(),
+            generations: search.best.len() as u64,
             evaluations: search.evaluations,
             stop: search.stop,
         }),
-        confirm: ConfirmReport {
-            found: correlated.confirm.found,
-            of: correlated.confirm.of,
+        confirm: CorrelationConfirmation {
+            found: correlated.confirm.found.into(),
+            of: correlated.confirm.of.into(),
         },
-        tuples_left_out: tuples.len().saturating_sub(MAX_LINES),
+        tuples_left_out: tuples.len().saturating_sub(MAX_LINES) as u64,
         unassociated: correlated.alone.iter().take(MAX_LINES).map(name).collect(),
-        unassociated_left_out: correlated.alone.len().saturating_sub(MAX_LINES),
+        unassociated_left_out: correlated.alone.len().saturating_sub(MAX_LINES) as u64,
         truth: truth(correlated),
         tuples: {
             tuples.truncate(MAX_LINES);
@@ -186,7 +207,7 @@ fn gap(cost: f64, bound: f64) -> f64 {
 }
 
 /// Every tuple that stands.
-pub fn tuple_lines(correlated: &Correlated) -> Vec<TupleLine> {
+pub fn tuple_lines(correlated: &Correlated) -> Vec<CorrelationTuple> {
     let correlation = &correlated.correlation;
     let evidence = correlation.evidence(correlation.estimates.times());
     let sensors = correlation.estimates.sensors_of_tracks();
@@ -197,15 +218,15 @@ pub fn tuple_lines(correlated: &Correlated) -> Vec<TupleLine> {
             tracks[sensors[track as usize]] =
                 Some(correlation.estimates.track_ids[track as usize].clone())
         });
-        TupleLine {
+        CorrelationTuple {
             system_track_id: (index + 1).to_string(),
             tracks,
             cost: correlated.problem.cost(tuple),
             b: chain(&evidence, tuple),
             statistic: spread.q,
-            degrees_of_freedom: spread.degrees_of_freedom,
+            degrees_of_freedom: spread.degrees_of_freedom as u64,
             p_value: p_value(&spread),
-            found: *found,
+            found: (*found).into(),
             truth_id: truth_of(correlated, tuple),
             right: is_right(correlated, tuple),
         }
@@ -254,7 +275,7 @@ fn truth_of(correlated: &Correlated, tuple: &[u32]) -> Option<String> {
     correlated.truth_ids.get(*origin as usize).cloned()
 }
 
-fn truth(correlated: &Correlated) -> Option<TruthReport> {
+fn truth(correlated: &Correlated) -> Option<CorrelationTruth> {
     let origins = correlated.origins.as_ref()?;
     let sensors = correlated.correlation.estimates.sensors_of_tracks();
     let mut group_of = vec![0; origins.len()];
@@ -275,18 +296,21 @@ fn truth(correlated: &Correlated) -> Option<TruthReport> {
     };
     let reports: Vec<GroupedReport> = origins.iter().enumerate().map(report).collect();
     let counts = GroupingCounts::from_reports(&reports);
-    Some(TruthReport {
+    Some(CorrelationTruth {
         tuples: counts.duplicates,
         tuples_right: counts.exact,
         share_right: counts.accuracy(),
         pairwise_precision: counts.precision(),
         pairwise_recall: counts.recall(),
-        false_tracks: origins.iter().filter(|origin| origin.is_none()).count(),
+        false_tracks: origins.iter().filter(|origin| origin.is_none()).count() as u64,
     })
 }
 
 /// `tuples.csv`, `system_tracks.csv` and `local_tracks.csv`.
-pub fn artifacts(correlated: &Correlated, tuples: &[TupleLine]) -> Result<Vec<Artifact>, Error> {
+pub fn artifacts(
+    correlated: &Correlated,
+    tuples: &[CorrelationTuple],
+) -> Result<Vec<Artifact>, Error> {
     let mut bytes = Vec::new();
     let dataset = Dataset::Tracks(correlated.system_tracks.clone());
     formats::write_csv(&dataset, &mut bytes)?;
@@ -339,7 +363,7 @@ fn local_tracks(nodes: &[Node]) -> Result<Artifact, Error> {
 }
 
 /// A row a tuple, the tracks that are alone below them, with the track of each sensor.
-fn table(correlated: &Correlated, tuples: &[TupleLine]) -> Artifact {
+fn table(correlated: &Correlated, tuples: &[CorrelationTuple]) -> Artifact {
     let estimates = &correlated.correlation.estimates;
     let mut table = Table::new(
         false,

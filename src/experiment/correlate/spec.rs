@@ -1,6 +1,6 @@
 //! The body of a job that correlates tracks, described field by field, and its type.
 
-use crate::association::{ASSOCIATOR, BuildAssociator};
+use crate::association::ASSOCIATOR;
 use crate::correlation::alignment::Assumed;
 use crate::correlation::fusion::{BuildFusion, FUSION};
 use crate::correlation::statistic::{STATISTIC, Statistic};
@@ -8,12 +8,12 @@ use crate::correlation::{BuildCorrelator, CORRELATOR};
 use crate::experiment::request::fields::{
     DATA, JOB_NAME, LABELS, NAME, RANGE, SEED, SENSORS, SIGMA, input_sources,
 };
-use crate::experiment::request::methods::{Choice, FilterChoice, TrackerSpec, TrackingSpec};
+use crate::experiment::request::methods::{Choice, OptionalTracking};
 use crate::experiment::request::sources::InputSpec;
 use crate::filtering::FILTER;
 use crate::model::sensor::SensorSettings;
 use crate::registry::{
-    Bound, Kind, Object, Union, above, default, number, optional, required, variant, whole,
+    Bound, Kind, Object, Union, above, default, list, number, optional, required, variant, whole,
 };
 use crate::simulation::LOCAL_TRACKS;
 use crate::tracking::LIFECYCLE;
@@ -153,11 +153,7 @@ pub static CORRELATE: Object = Object {
         optional(
             "sets",
             "Tracks of two sensors or more, one set each; instead of `input`.",
-            Kind::List {
-                item: &Kind::Union(&DATA),
-                min: 1,
-                max: 64,
-            },
+            list(&Kind::Union(&DATA), 1, 64),
         ),
         optional(
             "input",
@@ -244,9 +240,8 @@ pub struct Spec {
     pub input: InputSpec,
     #[serde(default)]
     pub sensors: Vec<SensorSettings>,
-    associator: Option<Choice<BuildAssociator>>,
-    filter: Option<FilterChoice>,
-    tracker: Option<TrackerSpec>,
+    #[serde(flatten)]
+    pub tracking: OptionalTracking,
     pub truth_gate_m: f64,
     pub alignment: AlignmentSettings,
     pub statistic: Statistic,
@@ -265,15 +260,6 @@ impl Spec {
 
     pub fn has_sets(&self) -> bool {
         !self.sets.is_empty()
-    }
-
-    /// How detections are tracked; `None` of tracks that are there already.
-    pub fn tracking(&self) -> Option<TrackingSpec> {
-        Some(TrackingSpec {
-            associator: self.associator.clone()?,
-            filter: self.filter?,
-            tracker: self.tracker?,
-        })
     }
 }
 

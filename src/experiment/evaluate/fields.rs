@@ -7,7 +7,7 @@ use crate::experiment::request::fields::{
 };
 use crate::filtering::FILTER;
 use crate::registry::{
-    Field, Kind, Object, Union, above, default, number, optional, required, variant, whole,
+    Field, Kind, Object, Union, above, default, list, number, optional, required, variant, whole,
 };
 use crate::tracking::LIFECYCLE;
 
@@ -259,11 +259,7 @@ pub static EVALUATE: Object = Object {
         optional(
             "sequences",
             "Several pairs of truth and tracks, judged by `metrics` together; instead of `input` and `tracks`.",
-            Kind::List {
-                item: &Kind::Object(&SEQUENCE),
-                min: 1,
-                max: 1000,
-            },
+            list(&Kind::Object(&SEQUENCE), 1, 1000),
         ),
         default(
             "profile",
@@ -274,11 +270,7 @@ pub static EVALUATE: Object = Object {
         optional(
             "metrics",
             "The metrics; instead of those of the profile. A metric may be listed twice with other parameters.",
-            Kind::List {
-                item: &Kind::Union(&METRIC),
-                min: 0,
-                max: 32,
-            },
+            list(&Kind::Union(&METRIC), 0, 32),
         ),
         default(
             "comparison",

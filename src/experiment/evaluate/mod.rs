@@ -19,7 +19,7 @@ use crate::experiment::associate::check::{check_start, check_tracking};
 use crate::experiment::associate::known::check_tracked;
 use crate::experiment::input::known::check_inputs;
 use crate::experiment::job::{
-    Cost, InputRequest, Inputs, Job, Known, KnownInputs, Outcome, Planner, RunError, RunSettings,
+    InputRequest, Job, Known, KnownInputs, Outcome, Planner, RunError, Work,
 };
 use crate::experiment::observer::Observer;
 use crate::experiment::request::draft::{Draft, Planned};
@@ -34,8 +34,6 @@ struct EvaluateJob {
     tracking: Option<TrackingSpec>,
     /// The metrics that are taken instead where the data are boxes.
     metrics_of_boxes: Option<Vec<Choice<BuildMetric>>>,
-    inputs: Vec<InputRequest>,
-    cost: Cost,
 }
 
 /// Plans a job that judges tracks.
@@ -50,63 +48,42 @@ pub fn plan(mut draft: Draft, _: Planner) -> Result<Planned, Vec<Fault>> {
     check_start(&mut draft, &inputs);
     profiles::fill_metrics(&mut draft, &inputs);
     let metrics_of_boxes = profiles::metrics_of_boxes(&draft);
-    draft.finish(|spec: Spec| EvaluateJob {
-        tracking: spec.tracking(),
+    draft.finish(inputs, cost, |spec: Spec| EvaluateJob {
+        tracking: spec.tracking.whole(),
         spec,
         metrics_of_boxes,
-        inputs,
-        cost,
     })
 }
 
 impl Job for EvaluateJob {
-    fn inputs(&self) -> &[InputRequest] {
-        &self.inputs
-    }
-
-    fn cost(&self) -> Cost {
-        self.cost
-    }
-
-    fn check_known(&self, known: &[Option<Known>]) -> KnownInputs {
+    fn check_known(&self, requests: &[InputRequest], known: &[Option<Known>]) -> KnownInputs {
         let Some(tracking) = &self.tracking else {
-            return check_inputs(&self.inputs, known);
+            return check_inputs(requests, known);
         };
-        let mut found = check_tracked(&self.inputs, known, tracking, &self.spec.sensors);
+        let mut found = check_tracked(requests, known, tracking, &self.spec.sensors);
         if found.origins_known == Some(false) {
-            found.faults.extend(self.missing_truth());
+            found.faults.extend(missing_truth(requests));
         }
-        found.into_known_inputs(|filter| {
-            let mut job = self.clone();
-            job.tracking = Some(TrackingSpec {
-                filter,
-                ..tracking.clone()
-            });
-            job
+        found.into_known_inputs(tracking, |tracking| EvaluateJob {
+            tracking: Some(tracking),
+            ..self.clone()
         })
     }
 
-    fn run(
-        &self,
-        inputs: Inputs,
-        settings: RunSettings,
-        observer: &mut dyn Observer,
-    ) -> Result<Outcome, RunError> {
-        run::run(self, inputs, settings, observer)
+    fn run(&self, work: Work, observer: &mut dyn Observer) -> Result<Outcome, RunError> {
+        run::run(self, work, observer)
     }
 }
 
-impl EvaluateJob {
-    /// Tracks cannot be judged without truth and without detections of known origins.
-    fn missing_truth(&self) -> Option<Fault> {
-        let is_truth = |request: &InputRequest| request.role == DatasetKind::Truth;
-        if self.inputs.iter().any(is_truth) {
-            return None;
-        }
-        let detail = "the recording does not say which target its detections came from, so there is nothing to judge its tracks by";
-        Some(
-            Fault::new("/truth", "missing", detail)
-                .allowing("truth, a column 'truth_id' in the recording, or a job of kind associate, which judges nothing"),
-        )
+/// Tracks cannot be judged without truth and without detections of known origins.
+fn missing_truth(requests: &[InputRequest]) -> Option<Fault> {
+    let is_truth = |request: &InputRequest| request.role == DatasetKind::Truth;
+    if requests.iter().any(is_truth) {
+        return None;
     }
+    let detail = "the recording does not say which target its detections came from, so there is nothing to judge its tracks by";
+    Some(
+        Fault::new("/truth", "missing", detail)
+            .allowing("truth, a column 'truth_id' in the recording, or a job of kind associate, which judges nothing"),
+    )
 }

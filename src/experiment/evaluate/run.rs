@@ -11,7 +11,7 @@ use crate::evaluation::{EvaluationInput, TfaSettings};
 use crate::experiment::associate::track::{Tracked, track};
 use crate::experiment::associate::{report, settle};
 use crate::experiment::input::{JobData, missing};
-use crate::experiment::job::{Artifact, Inputs, Outcome, RunError, RunSettings, to_value};
+use crate::experiment::job::{Artifact, Outcome, RunError, RunSettings, Work, to_value};
 use crate::experiment::observer::{Observer, Step, report_progress};
 use crate::experiment::request::methods::Choice;
 use crate::model::fault::Fault;
@@ -33,12 +33,11 @@ type Judged<'d> = (Vec<Subject<'d>>, Cow<'d, Metrics>);
 /// [`RunError::Stopped`]; inputs that do not fit.
 pub fn run(
     job: &EvaluateJob,
-    inputs: Inputs,
-    settings: RunSettings,
+    work: Work,
     observer: &mut dyn Observer,
 ) -> Result<Outcome, RunError> {
-    let spec = &job.spec;
-    let mut data = JobData::load(&job.inputs, inputs, &spec.sensors)?;
+    let (spec, settings) = (&job.spec, work.settings);
+    let mut data = JobData::load(work.requests, work.inputs, &spec.sensors)?;
     let detector = spec.detector.as_ref();
     data.gather(
         &spec.input,

@@ -1,11 +1,10 @@
 //! The type of a request that judges tracks.
 
-use crate::association::BuildAssociator;
 use crate::detection::Detector;
 use crate::evaluation::TfaSettings;
 use crate::evaluation::comparison::Alignment;
 use crate::evaluation::metrics::BuildMetric;
-use crate::experiment::request::methods::{Choice, FilterChoice, TrackerSpec, TrackingSpec};
+use crate::experiment::request::methods::{Choice, OptionalTracking};
 use crate::experiment::request::sources::InputSpec;
 use crate::model::sensor::SensorSettings;
 use serde::Deserialize;
@@ -21,9 +20,8 @@ pub struct Spec {
     pub detector: Option<Detector>,
     #[serde(default)]
     pub sensors: Vec<SensorSettings>,
-    associator: Option<Choice<BuildAssociator>>,
-    filter: Option<FilterChoice>,
-    tracker: Option<TrackerSpec>,
+    #[serde(flatten)]
+    pub tracking: OptionalTracking,
     /// Empty where one recording is judged.
     #[serde(default)]
     pub sequences: Vec<SequenceSpec>,
@@ -31,17 +29,6 @@ pub struct Spec {
     pub metrics: Vec<Choice<BuildMetric>>,
     pub comparison: ComparisonSpec,
     pub tfa: Option<TfaSettings>,
-}
-
-impl Spec {
-    /// How the input is tracked; `None` of tracks that are judged as they are.
-    pub fn tracking(&self) -> Option<TrackingSpec> {
-        Some(TrackingSpec {
-            associator: self.associator.clone()?,
-            filter: self.filter?,
-            tracker: self.tracker?,
-        })
-    }
 }
 
 /// One of several recordings.

@@ -6,25 +6,22 @@ mod run;
 mod spec;
 mod tracks;
 
+pub use report::GroupResult;
 pub use spec::GROUP;
 
 use crate::experiment::input::JobData;
 use crate::experiment::input::known::{KnownRecording, check_inputs};
 use crate::experiment::input::sensors;
 use crate::experiment::job::{
-    Cost, InputRequest, Inputs, Job, Known, KnownInputs, Outcome, Planner, RunError, RunSettings,
-    to_value,
+    InputRequest, Job, Known, KnownInputs, Outcome, Planner, RunError, Work, to_value,
 };
 use crate::experiment::observer::Observer;
 use crate::experiment::request::draft::{Draft, Planned};
 use crate::model::fault::Fault;
-use serde_json::json;
 use spec::Spec;
 
 struct GroupJob {
     spec: Spec,
-    inputs: Vec<InputRequest>,
-    cost: Cost,
 }
 
 /// Plans a job that groups reports.
@@ -35,35 +32,23 @@ pub fn plan(mut draft: Draft, _: Planner) -> Result<Planned, Vec<Fault>> {
     draft.check_sources(false);
     let cost = draft.check_scenario();
     let inputs = draft.inputs();
-    draft.finish(|spec| GroupJob { spec, inputs, cost })
+    draft.finish(inputs, cost, |spec| GroupJob { spec })
 }
 
 impl Job for GroupJob {
-    fn inputs(&self) -> &[InputRequest] {
-        &self.inputs
-    }
-
-    fn cost(&self) -> Cost {
-        self.cost
-    }
-
-    fn check_known(&self, known: &[Option<Known>]) -> KnownInputs {
-        let mut found = check_inputs(&self.inputs, known);
-        let recording = KnownRecording::find(&self.inputs, known);
+    fn check_known(&self, requests: &[InputRequest], known: &[Option<Known>]) -> KnownInputs {
+        let mut found = check_inputs(requests, known);
+        let recording = KnownRecording::find(requests, known);
         if let Some(recording) = recording.filter(|_| found.faults.is_empty()) {
             found.faults = self.check_recording(&recording).err().unwrap_or_default();
         }
         found
     }
 
-    fn run(
-        &self,
-        inputs: Inputs,
-        settings: RunSettings,
-        observer: &mut dyn Observer,
-    ) -> Result<Outcome, RunError> {
+    fn run(&self, work: Work, observer: &mut dyn Observer) -> Result<Outcome, RunError> {
+        let settings = work.settings;
         let Spec { input, sensors, .. } = &self.spec;
-        let mut data = JobData::load(&self.inputs, inputs, sensors)?;
+        let mut data = JobData::load(work.requests, work.inputs, sensors)?;
         data.gather(input, None, sensors, settings.seed, observer)?;
         let grouped = run::group(&self.spec, &data, settings.seed, observer)?;
         let left_out = grouped
@@ -76,7 +61,7 @@ impl Job for GroupJob {
             ));
         }
         let recording = data.recording()?;
-        let result = json!({"grouping": to_value(&report::report(&grouped, recording))?});
+        let result = to_value(&report::report(&grouped, recording))?;
         let mut artifacts = Vec::new();
         if settings.wants_files {
             let files = report::artifacts(&grouped, recording);

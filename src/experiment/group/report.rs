@@ -13,72 +13,92 @@ use serde::Serialize;
 /// Instants that the report lists; all of them are in `groups.csv`.
 const MAX_INSTANTS: usize = 1000;
 
-/// The part `grouping` of a report.
 #[derive(Debug, Serialize)]
-pub struct GroupingReport {
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct GroupResult {
+    grouping: GroupingSummary,
+}
+
+/// What was put together, and how right it is where the detections say which target they came from. The groups themselves
+/// are in the file `groups.csv`.
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct GroupingSummary {
+    /// The grouper.
     method: &'static str,
     counts: Counts,
     /// Share of the targets reported by two sensors or more whose reports were put together exactly, averaged over the instants
-    /// that have such targets; null where origins are not known or there are none.
+    /// that have such targets; null where origins are not known.
     accuracy: Option<f64>,
-    /// Of pairs of reports, over all instants.
+    /// Share of the pairs of reports in one group that are of one target.
     precision: Option<f64>,
+    /// Share of the pairs of reports of one target that are in one group.
     recall: Option<f64>,
-    /// Of a grouper that searches.
+    /// Absent where the grouper does not search.
     #[serde(skip_serializing_if = "Option::is_none")]
-    search: Option<Search>,
-    instants: Vec<Line>,
-    instants_left_out: usize,
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    search: Option<GroupingSearch>,
+    /// The first thousand.
+    instants: Vec<GroupingInstant>,
+    instants_left_out: u64,
 }
 
 #[derive(Debug, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema), schema(as = GroupingCounts))]
 struct Counts {
-    sensors: usize,
-    instants: usize,
-    reports: usize,
-    groups: usize,
+    sensors: u64,
+    instants: u64,
+    reports: u64,
+    groups: u64,
+    /// Targets reported by two sensors or more, at each instant.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
     duplicates: Option<u64>,
+    /// Those whose reports were put together exactly.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
     exact: Option<u64>,
 }
 
 #[derive(Debug, Serialize)]
-struct Search {
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+struct GroupingSearch {
     mean_iterations: f64,
-    max_iterations: u32,
-    /// Mean over the instants of what is made small (J of fuzzy c-means); null for a grouper that does not say.
+    max_iterations: u64,
+    /// Mean over the instants of what is made small; null for a grouper that does not say.
     mean_cost: Option<f64>,
     /// Instants whose search did not come to rest.
-    unconverged: usize,
+    unconverged: u64,
 }
 
 #[derive(Debug, Serialize)]
-struct Line {
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+struct GroupingInstant {
     time_s: f64,
-    reports: usize,
-    groups: usize,
+    reports: u64,
+    groups: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
     duplicates: Option<u64>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
     exact: Option<u64>,
 }
 
-/// The part `grouping` of a report.
-pub fn report(grouped: &Grouped, recording: &Recording) -> GroupingReport {
+/// The result of the job.
+pub fn report(grouped: &Grouped, recording: &Recording) -> GroupResult {
     let counts = grouped.counts.as_deref();
     let line = |(index, (instant, grouping)): (usize, &(Instant, Grouping))| {
         let of_instant = counts.map(|counts| counts[index]);
-        let (time_s, reports, groups) = (instant.time_s, instant.reports.len(), grouping.count());
-        Line {
-            time_s,
-            reports,
-            groups,
+        GroupingInstant {
+            time_s: instant.time_s,
+            reports: instant.reports.len() as u64,
+            groups: grouping.count() as u64,
             duplicates: of_instant.map(|counts| counts.duplicates),
             exact: of_instant.map(|counts| counts.exact),
         }
     };
-    let mut lines: Vec<Line> = grouped.instants.iter().enumerate().map(line).collect();
+    let mut lines: Vec<GroupingInstant> = grouped.instants.iter().enumerate().map(line).collect();
     let mut total = GroupingCounts::default();
     counts
         .unwrap_or_default()
@@ -90,11 +110,11 @@ pub fn report(grouped: &Grouped, recording: &Recording) -> GroupingReport {
         .filter_map(GroupingCounts::accuracy)
         .collect();
     let of_counts = |value: u64| counts.map(|_| value);
-    GroupingReport {
+    let grouping = GroupingSummary {
         method: grouped.method,
         counts: Counts {
-            sensors: recording.sensors.len(),
-            instants: lines.len(),
+            sensors: recording.sensors.len() as u64,
+            instants: lines.len() as u64,
             reports: lines.iter().map(|line| line.reports).sum(),
             groups: lines.iter().map(|line| line.groups).sum(),
             duplicates: of_counts(total.duplicates),
@@ -105,15 +125,16 @@ pub fn report(grouped: &Grouped, recording: &Recording) -> GroupingReport {
         precision: total.precision(),
         recall: total.recall(),
         search: search_of(grouped),
-        instants_left_out: lines.len().saturating_sub(MAX_INSTANTS),
+        instants_left_out: lines.len().saturating_sub(MAX_INSTANTS) as u64,
         instants: {
             lines.truncate(MAX_INSTANTS);
             lines
         },
-    }
+    };
+    GroupResult { grouping }
 }
 
-fn search_of(grouped: &Grouped) -> Option<Search> {
+fn search_of(grouped: &Grouped) -> Option<GroupingSearch> {
     let iterations: Vec<u32> = grouped
         .instants
         .iter()
@@ -124,19 +145,19 @@ fn search_of(grouped: &Grouped) -> Option<Search> {
         .iter()
         .filter_map(|(_, grouping)| grouping.cost)
         .collect();
-    Some(Search {
+    Some(GroupingSearch {
         mean_iterations: iterations
             .iter()
             .map(|&count| f64::from(count))
             .sum::<f64>()
             / iterations.len() as f64,
-        max_iterations: iterations.iter().copied().max()?,
+        max_iterations: iterations.iter().copied().max()?.into(),
         mean_cost: (!costs.is_empty()).then(|| costs.iter().sum::<f64>() / costs.len() as f64),
         unconverged: grouped
             .instants
             .iter()
             .filter(|(_, grouping)| !grouping.converged)
-            .count(),
+            .count() as u64,
     })
 }
 

@@ -1,7 +1,7 @@
 //! From a bearing-time record to detections: the detector of the request, origins where truth is known, and the noise of the
 //! bearings where nobody told it.
 
-use crate::detection::{Detector, Found, Quality, Tuning, assign_origins, estimated_sigma_rad};
+use crate::detection::{Detector, Found, Quality, assign_origins, estimated_sigma_rad};
 use crate::experiment::job::RunError;
 use crate::experiment::observer::{Observer, Step};
 use crate::model::bearing_time::BearingTimeRecord;
@@ -14,18 +14,35 @@ use serde::Serialize;
 /// The sensor of a record that nobody named.
 const UNNAMED: &str = "sonar";
 
-/// The part `detection` of a report.
+/// What a detector found in a bearing-time record.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct DetectionReport {
-    /// Where truth is known.
-    #[serde(flatten)]
-    quality: Option<Quality>,
-    scans: usize,
-    detections: usize,
-    rows: usize,
-    cells: usize,
-    #[serde(flatten)]
-    tuning: Tuning,
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct DetectionResult {
+    /// Share of the true bearings at the scans that have a detection; `null` where there are none, absent without truth.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = Option<f64>))]
+    p_d: Option<Option<f64>>,
+    /// Detections without a target, on average; absent without truth.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = Option<f64>))]
+    false_alarms_per_scan: Option<Option<f64>>,
+    /// Of detections with a target; absent without truth.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(value_type = Option<f64>))]
+    bearing_rmse_deg: Option<Option<f64>>,
+    /// Largest distance of a detection from the true bearing of its target; absent without truth.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    gate_deg: Option<f64>,
+    scans: u64,
+    detections: u64,
+    /// Times of the record.
+    rows: u64,
+    cells: u64,
+    /// Independent values in the power of a cell, given or estimated; `null` of a constant threshold.
+    noise_averages: Option<f64>,
+    /// Threshold over the mean of the training cells, of an interval of full length; `null` of a constant threshold.
+    threshold_over_mean_db: Option<f64>,
 }
 
 /// What the detector finds.
@@ -35,7 +52,7 @@ pub fn detect(
     sensor: &SensorSettings,
     truth: Option<&TruthSet>,
     observer: &mut dyn Observer,
-) -> Result<(Recording, DetectionReport), RunError> {
+) -> Result<(Recording, DetectionResult), RunError> {
     let mut progress = |done, total| observer.progress(Step::Detect, done, total);
     let Found {
         mut recording,
@@ -43,19 +60,22 @@ pub fn detect(
     } = detector
         .detect(record, sensor, &mut progress)?
         .ok_or(RunError::Stopped)?;
-    let mut quality = None;
+    let mut quality: Option<Quality> = None;
     if let Some(truth) = truth.filter(|truth| !truth.space().has_places()) {
         let (with_origins, found) = assign_origins(recording, truth, detector.gate_deg)?;
         (recording, quality) = (with_origins, Some(found));
     }
-    let (scans, detections) = (recording.scans.len(), recording.detections.len());
-    let report = DetectionReport {
-        quality,
-        scans,
-        detections,
-        rows: record.times_s.len(),
-        cells: record.levels_db.len(),
-        tuning,
+    let report = DetectionResult {
+        p_d: quality.map(|quality| quality.p_d),
+        false_alarms_per_scan: quality.map(|quality| quality.false_alarms_per_scan),
+        bearing_rmse_deg: quality.map(|quality| quality.bearing_rmse_deg),
+        gate_deg: quality.map(|quality| quality.gate_deg),
+        scans: recording.scans.len() as u64,
+        detections: recording.detections.len() as u64,
+        rows: record.times_s.len() as u64,
+        cells: record.levels_db.len() as u64,
+        noise_averages: tuning.noise_averages,
+        threshold_over_mean_db: tuning.threshold_over_mean_db,
     };
     Ok((recording, report))
 }

@@ -128,34 +128,16 @@ fn arc_deg(recording: &Recording, sensor: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::scan::{RecordingParts, Scan};
+    use crate::experiment::input::tests::one_scan;
     use crate::model::sensing::Bearing;
 
     fn arc_of(bearings_deg: &[f64]) -> f64 {
-        let detection = |&degrees: &f64| Detection {
-            measurement: Measurement::Bearing {
-                bearing_rad: degrees.to_radians(),
-            },
-            origin: None,
-            amplitude: None,
+        let bearing = |degrees: &f64| Measurement::Bearing {
+            bearing_rad: degrees.to_radians(),
         };
-        let recording = Recording::new(RecordingParts {
-            sensors: vec![SensorSettings::named("sonar")],
-            scans: vec![Scan {
-                number: 1,
-                time_s: 0.0,
-                sensor: 0,
-                first: 0,
-                count: bearings_deg.len(),
-            }],
-            detections: bearings_deg.iter().map(detection).collect(),
-            detection_ids: (0..bearings_deg.len())
-                .map(|index| index.to_string())
-                .collect(),
-            ..Default::default()
-        });
+        let bearings: Vec<Measurement> = bearings_deg.iter().map(bearing).collect();
         Extent::measure(
-            &recording.unwrap(),
+            &one_scan(SensorSettings::named("sonar"), &bearings),
             0,
             &SensorSettings::named("sonar"),
             &MeasurementModel::Bearing(Bearing {

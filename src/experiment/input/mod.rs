@@ -4,6 +4,8 @@ mod detect;
 pub mod extent;
 pub mod known;
 pub mod sensors;
+#[cfg(test)]
+pub mod tests;
 
 use crate::detection::Detector;
 use crate::experiment::files::{datasets, record_picture};
@@ -20,7 +22,7 @@ use crate::model::sensor::SensorSettings;
 use crate::model::track::TrackSet;
 use crate::model::truth::TruthSet;
 use crate::simulation;
-pub use detect::DetectionReport;
+pub use detect::DetectionResult;
 use serde_json::Value;
 
 /// What a job works on, as far as it has it.
@@ -38,7 +40,7 @@ pub struct JobData {
     pub sensors: Vec<SensorSettings>,
     pub warnings: Vec<String>,
     /// The part `detection` of the report.
-    pub detection: Option<DetectionReport>,
+    pub detection: Option<DetectionResult>,
     /// What came with the detections.
     uploaded: Vec<SensorSettings>,
 }

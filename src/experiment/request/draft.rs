@@ -3,7 +3,7 @@
 
 use super::names::check_names;
 use super::preset_source;
-use crate::experiment::job::Job;
+use crate::experiment::job::{Cost, InputRequest, Job};
 use crate::model::fault::Fault;
 use crate::registry::{self, Kind, Object};
 use serde::Deserialize;
@@ -25,6 +25,9 @@ pub struct Planned {
     /// As normalised.
     pub spec: Value,
     pub seed: u32,
+    /// What must be loaded before it runs.
+    pub inputs: Vec<InputRequest>,
+    pub cost: Cost,
     pub job: Arc<dyn Job>,
 }
 
@@ -119,6 +122,8 @@ impl Draft {
     /// All faults that were found.
     pub fn finish<T: DeserializeOwned, J: Job>(
         self,
+        inputs: Vec<InputRequest>,
+        cost: Cost,
         make: impl FnOnce(T) -> J,
     ) -> Result<Planned, Vec<Fault>> {
         if !self.faults.is_empty() {
@@ -127,6 +132,8 @@ impl Draft {
         let Seeded { seed } = parse(&self.spec);
         Ok(Planned {
             seed,
+            inputs,
+            cost,
             job: Arc::new(make(parse(&self.spec))),
             spec: self.spec,
         })

@@ -2,7 +2,8 @@
 
 use super::scenario::SCENARIO;
 use crate::registry::{
-    Field, Kind, Object, Union, Variant, above, default, number, optional, required, variant, whole,
+    Field, Kind, Object, Union, Variant, above, default, list, number, optional, required,
+    text_map, variant, whole,
 };
 
 /// Limits that keep a job within one machine.
@@ -25,11 +26,7 @@ pub const NAME: Kind = Kind::Text { max_length: 100 };
 const SENSOR_IDS: Field = optional(
     "sensor_ids",
     "Only the scans, or of tracks the points, of these sensors; all of them when absent.",
-    Kind::List {
-        item: &NAME,
-        min: 1,
-        max: 64,
-    },
+    list(&NAME, 1, 64),
 );
 
 static SOURCE_DATASET: Object = Object {
@@ -138,10 +135,7 @@ pub const JOB_NAME: Field = optional("name", "A name for people.", NAME);
 pub const LABELS: Field = optional(
     "labels",
     "Labels to find the job by, name to text.",
-    Kind::TextMap {
-        max_entries: 32,
-        max_length: 100,
-    },
+    text_map(32, 100),
 );
 pub const DETECTOR: Field = optional(
     "detector",
@@ -158,11 +152,7 @@ static ONE_SENSOR: Kind = Kind::Object(&SENSOR_SETTINGS);
 pub const SENSORS: Field = optional(
     "sensors",
     "Settings of the recording's sensors, by name.",
-    Kind::List {
-        item: &ONE_SENSOR,
-        min: 1,
-        max: 64,
-    },
+    list(&ONE_SENSOR, 1, 64),
 );
 
 pub const DEFAULT_ASSOCIATOR: &str = r#"{"method":"nearest_neighbour"}"#;

@@ -205,3 +205,22 @@ pub struct TrackingSpec {
     pub filter: FilterChoice,
     pub tracker: TrackerSpec,
 }
+
+/// How a job tracks that may be given its tracks instead.
+#[derive(Clone, Deserialize)]
+pub struct OptionalTracking {
+    associator: Option<Choice<BuildAssociator>>,
+    filter: Option<FilterChoice>,
+    tracker: Option<TrackerSpec>,
+}
+
+impl OptionalTracking {
+    /// `None` of tracks that are there already.
+    pub fn whole(&self) -> Option<TrackingSpec> {
+        Some(TrackingSpec {
+            associator: self.associator.clone()?,
+            filter: self.filter?,
+            tracker: self.tracker?,
+        })
+    }
+}

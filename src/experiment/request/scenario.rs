@@ -5,7 +5,7 @@ use super::fields::{
     SIGMA_RATE, SPEED, VELOCITY,
 };
 use crate::registry::{
-    Kind, Object, Union, above, default, number, optional, required, variant, whole,
+    Kind, Object, Union, above, default, list, number, optional, required, variant, whole,
 };
 
 static SCENARIO_SENSOR: Object = Object {
@@ -156,21 +156,13 @@ static BEARING_TARGETS: Object = Object {
         default(
             "crossings",
             "Pairs that cross.",
-            Kind::List {
-                item: &Kind::Object(&CROSSING_PAIR),
-                min: 0,
-                max: 10_000,
-            },
+            list(&Kind::Object(&CROSSING_PAIR), 0, 10_000),
             "[]",
         ),
         default(
             "lines",
             "Others, one by one.",
-            Kind::List {
-                item: &Kind::Object(&BEARING_LINE),
-                min: 0,
-                max: 10_000,
-            },
+            list(&Kind::Object(&BEARING_LINE), 0, 10_000),
             "[]",
         ),
     ],
@@ -288,11 +280,7 @@ pub static SCENARIO: Object = Object {
         required(
             "sensors",
             "The sensors.",
-            Kind::List {
-                item: &Kind::Object(&SCENARIO_SENSOR),
-                min: 1,
-                max: 64,
-            },
+            list(&Kind::Object(&SCENARIO_SENSOR), 1, 64),
         ),
         required("targets", "The targets.", Kind::Union(&TARGET_PLAN)),
         optional(

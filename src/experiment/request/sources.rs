@@ -9,7 +9,7 @@ use crate::experiment::job::{Cost, InputRequest, Source};
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
 use crate::model::scenario::Scenario;
-use crate::registry::{self, Kind};
+use crate::registry::{self, Kind, placed};
 use crate::simulation::{self, LocalTracks};
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -89,10 +89,7 @@ impl Draft {
             return Cost::default();
         };
         if let Err(found) = simulation::check(&scenario) {
-            self.add(found.into_iter().map(|fault| Fault {
-                pointer: format!("{pointer}{}", fault.pointer),
-                ..fault
-            }));
+            self.add(placed(pointer, found));
         }
         let (detections, cost) = cost_of(&scenario);
         if detections > fields::MAX_DETECTIONS {

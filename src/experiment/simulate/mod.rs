@@ -2,8 +2,7 @@
 
 use crate::experiment::input::JobData;
 use crate::experiment::job::{
-    Cost, InputRequest, Inputs, Job, Known, KnownInputs, Outcome, Planner, RunError, RunSettings,
-    to_value,
+    InputRequest, Job, Known, KnownInputs, Outcome, Planner, RunError, Work, to_value,
 };
 use crate::experiment::observer::Observer;
 use crate::experiment::request::draft::{Draft, Planned};
@@ -11,8 +10,10 @@ use crate::experiment::request::fields::{JOB_NAME, LABELS, SEED};
 use crate::experiment::request::scenario::SCENARIO;
 use crate::experiment::request::sources::InputSpec;
 use crate::model::fault::Fault;
+use crate::model::scan::Detection;
+use crate::model::sensor::SensorSettings;
 use crate::registry::{Kind, Object, required};
-use serde_json::{Value, json};
+use serde::Serialize;
 
 pub static SIMULATE: Object = Object {
     name: "SimulateRequest",
@@ -25,9 +26,30 @@ pub static SIMULATE: Object = Object {
     ],
 };
 
+#[derive(Debug, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+pub struct SimulateResult {
+    counts: SimulationCounts,
+    sensors: Vec<SensorSettings>,
+}
+
+#[derive(Debug, Default, Serialize)]
+#[cfg_attr(feature = "service", derive(utoipa::ToSchema))]
+struct SimulationCounts {
+    sensors: u64,
+    scans: u64,
+    targets: u64,
+    detections: u64,
+    /// Detections that no target made.
+    clutter: u64,
+    /// Cells of the bearing-time record that was made instead of detections; then its times are the scans.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "service", schema(nullable = false))]
+    cells: Option<u64>,
+}
+
 struct SimulateJob {
     input: InputSpec,
-    cost: Cost,
 }
 
 /// Plans a simulation.
@@ -37,31 +59,22 @@ struct SimulateJob {
 pub fn plan(mut draft: Draft, _: Planner) -> Result<Planned, Vec<Fault>> {
     let cost = draft.check_scenario();
     // The scenario stands where other requests have their input.
-    draft.finish(|input: InputSpec| SimulateJob { input, cost })
+    draft.finish(Vec::new(), cost, |input: InputSpec| SimulateJob { input })
 }
 
 impl Job for SimulateJob {
-    fn inputs(&self) -> &[InputRequest] {
-        &[]
-    }
-
-    fn cost(&self) -> Cost {
-        self.cost
-    }
-
-    fn check_known(&self, _: &[Option<Known>]) -> KnownInputs {
+    fn check_known(&self, _: &[InputRequest], _: &[Option<Known>]) -> KnownInputs {
         KnownInputs::default()
     }
 
-    fn run(
-        &self,
-        _: Inputs,
-        settings: RunSettings,
-        observer: &mut dyn Observer,
-    ) -> Result<Outcome, RunError> {
+    fn run(&self, work: Work, observer: &mut dyn Observer) -> Result<Outcome, RunError> {
+        let settings = work.settings;
         let mut data = JobData::default();
         data.gather(&self.input, None, &[], settings.seed, observer)?;
-        let result = json!({"counts": counts(&data), "sensors": to_value(&data.sensors)?});
+        let result = to_value(&SimulateResult {
+            counts: counts(&data),
+            sensors: data.sensors.clone(),
+        })?;
         let mut artifacts = Vec::new();
         if settings.wants_files {
             artifacts = data.write(&self.input, Vec::new(), None, observer)?;
@@ -70,26 +83,29 @@ impl Job for SimulateJob {
     }
 }
 
-fn counts(data: &JobData) -> Value {
-    match (&data.recording, &data.record) {
-        (Some(recording), _) => {
-            let detections = &recording.detections;
-            json!({
-                "sensors": recording.sensors.len(),
-                "scans": recording.scans.len(),
-                "targets": recording.targets.len(),
-                "detections": detections.len(),
-                "clutter": detections.iter().filter(|detection| detection.origin.is_none()).count(),
-            })
-        }
-        (None, Some(record)) => json!({
-            "sensors": 1,
-            "scans": record.times_s.len(),
-            "targets": data.truth.as_ref().map_or(0, |truth| truth.targets().len()),
-            "detections": 0,
-            "clutter": 0,
-            "cells": record.levels_db.len(),
-        }),
-        (None, None) => Value::Null,
+fn counts(data: &JobData) -> SimulationCounts {
+    if let Some(record) = &data.record {
+        return SimulationCounts {
+            sensors: 1,
+            scans: record.times_s.len() as u64,
+            targets: data
+                .truth
+                .as_ref()
+                .map_or(0, |truth| truth.targets().len() as u64),
+            cells: Some(record.levels_db.len() as u64),
+            ..SimulationCounts::default()
+        };
+    }
+    let Some(recording) = &data.recording else {
+        return SimulationCounts::default();
+    };
+    let is_clutter = |detection: &&Detection| detection.origin.is_none();
+    SimulationCounts {
+        sensors: recording.sensors.len() as u64,
+        scans: recording.scans.len() as u64,
+        targets: recording.targets.len() as u64,
+        detections: recording.detections.len() as u64,
+        clutter: recording.detections.iter().filter(is_clutter).count() as u64,
+        cells: None,
     }
 }

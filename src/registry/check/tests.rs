@@ -123,14 +123,7 @@ fn control_characters_are_refused_in_texts_and_in_both_sides_of_a_map() {
         summary: "",
         fields: &[
             super::super::optional("name", "", Kind::Text { max_length: 5 }),
-            super::super::optional(
-                "labels",
-                "",
-                Kind::TextMap {
-                    max_entries: 4,
-                    max_length: 5,
-                },
-            ),
+            super::super::optional("labels", "", crate::registry::text_map(4, 5)),
         ],
     };
     let body = json!({"name": "a\u{0}b", "labels": {"k\n": "v", "kind": "\t", "long name": "v", "ok": "\u{7f}é"}});

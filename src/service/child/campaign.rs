@@ -6,7 +6,8 @@ use crate::experiment::campaign::{Campaign, ChunkRequest, ChunkResult, Next, Out
 use crate::experiment::{self, Inputs, JobKind, Plan};
 use crate::service::child::Failure;
 use crate::service::child::meter::Meter;
-use crate::service::child::report::{self, ReportInput, Timing};
+use crate::service::child::report;
+use crate::service::types::{ReportInput, Timing};
 use anyhow::Context;
 use serde_json::value::to_raw_value;
 use std::fs::File;

@@ -5,6 +5,7 @@ use crate::formats::{FormatOptions, ReadOptions, format_named};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
 use crate::model::sensor::SensorSettings;
+use crate::registry::placed;
 use crate::service::child::Failure;
 use anyhow::Context;
 use serde::{Deserialize, Serialize};
@@ -16,6 +17,12 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct InputFile {
     pub path: PathBuf,
+    pub content: FileContent,
+}
+
+/// What a file holds, and how to read it.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct FileContent {
     pub format: String,
     pub kind: DatasetKind,
     pub columns: BTreeMap<String, String>,
@@ -35,12 +42,14 @@ impl InputFile {
     }
 
     fn read_from(&self, file: File) -> Result<Dataset, Failure> {
-        let format = format_named(&self.format)
-            .with_context(|| format!("a stored dataset has the unknown format {}", self.format))?;
+        let content = &self.content;
+        let format = format_named(&content.format).with_context(|| {
+            format!("a stored dataset has the unknown format {}", content.format)
+        })?;
         let options = ReadOptions {
-            kind: Some(self.kind),
-            columns: self.columns.clone(),
-            options: self.options.clone(),
+            kind: Some(content.kind),
+            columns: content.columns.clone(),
+            options: content.options.clone(),
         };
         let read = (format.read)(&mut BufReader::with_capacity(1 << 16, file), &options);
         Ok(read.map_err(faults_or_memory)?.dataset)
@@ -51,20 +60,18 @@ impl InputFile {
         let mut dataset = self
             .read_from(file)
             .map_err(|failure| repoint(failure, &request.pointer))?;
-        let mut sensors = self.sensors;
+        let mut sensors = self.content.sensors;
         if let Some(wanted) = request.source.sensor_ids() {
-            dataset = dataset.only_sensors(wanted).map_err(|faults| {
-                repoint(
-                    Failure::Faults(faults),
-                    &format!("{}/sensor_ids", request.pointer),
-                )
-            })?;
+            let place = format!("{}/sensor_ids", request.pointer);
+            dataset = dataset
+                .only_sensors(wanted)
+                .map_err(|faults| Failure::Faults(placed(&place, faults)))?;
             sensors.retain(|sensor| wanted.contains(&sensor.sensor_id));
         }
         Ok(Input {
             dataset,
             sensors,
-            sha256: self.sha256,
+            sha256: self.content.sha256,
         })
     }
 }
@@ -81,12 +88,8 @@ pub(super) fn faults_or_memory(faults: Vec<Fault>) -> Failure {
 
 /// Puts the place in the request before the pointers of faults.
 fn repoint(failure: Failure, pointer: &str) -> Failure {
-    let placed = |fault: Fault| Fault {
-        pointer: format!("{pointer}{}", fault.pointer),
-        ..fault
-    };
     match failure {
-        Failure::Faults(faults) => Failure::Faults(faults.into_iter().map(placed).collect()),
+        Failure::Faults(faults) => Failure::Faults(placed(pointer, faults)),
         other => other,
     }
 }

@@ -1,9 +1,8 @@
 //! Watches a job from inside: how far it is, how long each step took, and whether it is to stop.
 
-use super::report::Timing;
 use crate::experiment::JobKind;
 use crate::experiment::observer::{Observer, Step};
-use crate::service::types::Progress;
+use crate::service::types::{Progress, Timing};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -43,7 +42,7 @@ impl Meter {
     pub(in crate::service) fn timing(&self) -> Timing {
         Timing {
             total_s: self.started.elapsed().as_secs_f64(),
-            ..self.timing
+            ..self.timing.clone()
         }
     }
 

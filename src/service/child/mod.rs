@@ -26,7 +26,7 @@ pub(in crate::service) use desk::{
 };
 pub(in crate::service) use failure::Failure;
 pub use host::Children;
-pub use input::InputFile;
+pub use input::{FileContent, InputFile};
 pub use inside::run;
 pub use limit::{IS_LIMITED, SMALLEST_BYTES, default_memory, size_text};
 pub use process::{Death, Heard};

@@ -1,32 +1,12 @@
 //! The report of a job: the same head for every kind, then the result as it was serialised once.
 
 use crate::experiment::job_shape::with_kind;
-use crate::experiment::{CellTime, Input, InputRequest, JobKind, Outcome, Plan, Source};
-use crate::model::dataset::DatasetKind;
+use crate::experiment::{JobKind, Outcome, Plan};
+use crate::service::types::{ReportInput, Timing};
 use serde::Serialize;
 use serde_json::Value;
 use serde_json::value::RawValue;
 use uuid::Uuid;
-
-/// Seconds that each step computed; not part of the result, since they differ from run to run.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
-pub struct Timing {
-    pub load_s: f64,
-    pub simulate_s: f64,
-    pub detect_s: f64,
-    pub associate_s: f64,
-    pub correlate_s: f64,
-    pub evaluate_s: f64,
-    pub total_s: f64,
-}
-
-#[derive(Serialize)]
-struct WholeTiming<'a> {
-    #[serde(flatten)]
-    steps: Timing,
-    #[serde(skip_serializing_if = "<[CellTime]>::is_empty")]
-    cells: &'a [CellTime],
-}
 
 #[derive(Serialize)]
 struct Report<'a> {
@@ -38,36 +18,9 @@ struct Report<'a> {
     engine_version: &'a str,
     inputs: &'a [ReportInput],
     warnings: &'a [String],
-    timing: WholeTiming<'a>,
+    /// Not part of the result, since it differs from run to run.
+    timing: Timing,
     result: &'a RawValue,
-}
-
-/// What the job read.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ReportInput {
-    role: DatasetKind,
-    source: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    dataset_id: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    job_id: Option<String>,
-    sha256: String,
-}
-
-impl ReportInput {
-    pub fn new(request: &InputRequest, input: &Input) -> Self {
-        let (source, dataset_id, job_id) = match &request.source {
-            Source::Dataset { dataset_id, .. } => ("dataset", Some(dataset_id.clone()), None),
-            Source::Job { job_id, .. } => ("job", None, Some(job_id.clone())),
-        };
-        ReportInput {
-            role: request.role,
-            source,
-            dataset_id,
-            job_id,
-            sha256: input.sha256.clone(),
-        }
-    }
 }
 
 /// The bytes of `report.json`.
@@ -87,9 +40,9 @@ pub fn build(
         engine_version: ENGINE_VERSION,
         inputs,
         warnings: &outcome.warnings,
-        timing: WholeTiming {
-            steps: timing,
-            cells: &outcome.cell_times,
+        timing: Timing {
+            cells: outcome.cell_times.clone(),
+            ..timing
         },
         result: &result,
     })

@@ -9,8 +9,9 @@ use crate::formats::{FORMATS, Format, ReadOptions, ReadOutcome, detect_format, f
 use crate::model::fault::Fault;
 use crate::service::child::Failure;
 use crate::service::child::meter::Meter;
-use crate::service::child::report::{self, ReportInput};
+use crate::service::child::report;
 use crate::service::storage::blobs::sha256_hex;
+use crate::service::types::ReportInput;
 use crate::service::views::preview;
 use anyhow::Context;
 use serde_json::Value;
@@ -171,7 +172,7 @@ pub(super) fn load(
         );
     }
     let (mut inputs, mut read) = (Vec::new(), Vec::new());
-    for (done, (request, opened)) in plan.inputs().iter().zip(opened).enumerate() {
+    for (done, (request, opened)) in plan.inputs.iter().zip(opened).enumerate() {
         if meter.progress(Step::Load, done as u64, total).is_break() {
             return Err(Failure::Stopped);
         }

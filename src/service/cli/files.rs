@@ -8,7 +8,9 @@ use crate::experiment::{Input, Inputs, JobKind, Plan, Source};
 use crate::formats::{self, FormatOptions, OPTION_FIELDS, ReadOptions};
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::model::fault::Fault;
-use crate::registry::{self, Field, Kind, Object, joined, optional, required};
+use crate::registry::{
+    self, Field, Kind, Object, joined, list, optional, placed, required, text_map,
+};
 use crate::service::storage::blobs::sha256_hex;
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -63,21 +65,14 @@ const COMMON: [Field; 4] = [
     optional(
         "columns",
         "The file's column name to the canonical one.",
-        Kind::TextMap {
-            max_entries: 64,
-            max_length: 100,
-        },
+        text_map(64, 100),
     ),
 ];
 
 const SENSOR_IDS: [Field; 1] = [optional(
     "sensor_ids",
     "Only these sensors.",
-    Kind::List {
-        item: &TEXT,
-        min: 1,
-        max: 64,
-    },
+    list(&TEXT, 1, 64),
 )];
 
 /// The JSON pointers of every place in a request that may name a source; those of a campaign are in its base.
@@ -121,10 +116,7 @@ impl JobFile {
                 Ok(Err(error)) => {
                     faults.push(Fault::new(pointer.clone(), "malformed", error.to_string()))
                 }
-                Err(found) => faults.extend(found.into_iter().map(|fault| Fault {
-                    pointer: format!("{pointer}{}", fault.pointer),
-                    ..fault
-                })),
+                Err(found) => faults.extend(placed(&pointer, found)),
             }
             *source = json!({"source": "dataset", "dataset_id": pointer});
         }
@@ -180,7 +172,7 @@ impl JobFile {
     ) -> Result<Inputs, Vec<Fault>> {
         let mut faults = Vec::new();
         let mut inputs = Vec::new();
-        for request in plan.inputs() {
+        for request in &plan.inputs {
             let (Source::Dataset {
                 dataset_id: pointer,
                 ..
@@ -191,12 +183,7 @@ impl JobFile {
             match self.files.get(pointer.as_str()) {
                 Some(file) => match self.read(file, request.role, warnings) {
                     Ok(input) => inputs.push(Some(input)),
-                    Err(found) => {
-                        faults.extend(found.into_iter().map(|fault| Fault {
-                            pointer: format!("{}{}", request.pointer, fault.pointer),
-                            ..fault
-                        }));
-                    }
+                    Err(found) => faults.extend(placed(&request.pointer, found)),
                 },
                 None => {
                     let detail = "without a server a source is a file, a scenario or a preset";
@@ -273,11 +260,7 @@ impl JobFile {
 }
 
 fn only(dataset: Dataset, wanted: &[String]) -> Result<Dataset, Vec<Fault>> {
-    let repoint = |fault: Fault| Fault {
-        pointer: format!("/sensor_ids{}", fault.pointer),
-        ..fault
-    };
     dataset
         .only_sensors(wanted)
-        .map_err(|faults| faults.into_iter().map(repoint).collect())
+        .map_err(|faults| placed("/sensor_ids", faults))
 }

@@ -8,8 +8,9 @@ use crate::experiment::{self, Artifact, JobKind, Known, Outcome, Plan, RunError,
 use crate::model::fault::Fault;
 use crate::registry;
 use crate::service::child::meter::Meter;
-use crate::service::child::report::{self, ReportInput};
+use crate::service::child::report;
 use crate::service::types::Progress;
+use crate::service::types::ReportInput;
 use anyhow::Context;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -258,7 +259,7 @@ fn compute(job: &JobFile, mut plan: Plan) -> Result<(Vec<u8>, Outcome), Trouble>
     }
     let _ = meter.progress(Step::Load, 1, 1);
     let read: Vec<ReportInput> = plan
-        .inputs()
+        .inputs
         .iter()
         .zip(&inputs)
         .filter_map(|(request, input)| input.as_ref().map(|input| ReportInput::new(request, input)))

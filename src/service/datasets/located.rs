@@ -1,25 +1,17 @@
 //! From a stored dataset to the file that holds it.
 
-use crate::formats::FormatOptions;
-use crate::model::dataset::{Dataset, DatasetKind};
-use crate::model::sensor::SensorSettings;
-use crate::service::child::{Failure, InputFile};
+use crate::model::dataset::Dataset;
+use crate::service::child::{Failure, FileContent, InputFile};
 use crate::service::error::ServiceError;
 use crate::service::storage::StoredDataset;
 use crate::service::storage::blobs::Blobs;
 use anyhow::{Context, anyhow};
-use std::collections::BTreeMap;
 
 /// What to read a dataset from.
 #[derive(Clone)]
 pub struct Located {
     pub blobs: Blobs,
-    pub format: String,
-    pub kind: DatasetKind,
-    pub columns: BTreeMap<String, String>,
-    pub options: FormatOptions,
-    pub sensors: Vec<SensorSettings>,
-    pub sha256: String,
+    pub content: FileContent,
 }
 
 impl Located {
@@ -30,36 +22,22 @@ impl Located {
             options,
             ..
         } = dataset;
-        Located {
-            blobs,
+        let content = FileContent {
             format: info.format,
             kind: info.kind,
             columns,
             options,
             sensors: info.sensors,
             sha256: info.sha256,
-        }
+        };
+        Located { blobs, content }
     }
 
     /// The file, fetched where it is elsewhere; to be opened soon. Blocks.
     pub fn local(self) -> anyhow::Result<InputFile> {
-        let Located {
-            blobs,
-            format,
-            kind,
-            columns,
-            options,
-            sensors,
-            sha256,
-        } = self;
         Ok(InputFile {
-            path: blobs.local(&sha256)?,
-            format,
-            kind,
-            columns,
-            options,
-            sensors,
-            sha256,
+            path: self.blobs.local(&self.content.sha256)?,
+            content: self.content,
         })
     }
 

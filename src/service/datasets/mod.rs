@@ -133,7 +133,7 @@ impl Datasets {
 
     pub async fn list(&self, filter: DatasetFilter) -> Result<DatasetPage, ServiceError> {
         refuse_any(filter.faults())?;
-        let after = cursor_of(filter.cursor.as_deref(), filter.sort)?;
+        let after = cursor_of(&filter.paging)?;
         let Page {
             items,
             next_cursor,

@@ -9,21 +9,26 @@ use crate::service::canonical::sorted;
 use crate::service::child::Checked;
 use crate::service::storage::NewDataset;
 use crate::service::storage::blobs::{ReceivedFile, sha256_hex};
+use serde::Deserialize;
 use serde_json::json;
 use std::collections::BTreeMap;
 
 /// What the uploader said about a file.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Deserialize)]
 pub struct DatasetMeta {
     pub name: Option<String>,
     pub kind: Option<DatasetKind>,
     /// A name of `formats::FORMATS`; absent: told from the file name, else `csv`.
     pub format: Option<String>,
     /// The file's column name → the canonical one.
+    #[serde(default)]
     pub columns: BTreeMap<String, String>,
-    /// What the format has to be told.
+    /// What the format has to be told: all that is left, for the table of an upload lets nothing else through.
+    #[serde(flatten)]
     pub options: FormatOptions,
+    #[serde(default)]
     pub sensors: Vec<SensorSettings>,
+    #[serde(skip)]
     pub file_name: Option<String>,
 }
 

@@ -3,7 +3,7 @@
 
 use super::hosts::compressed;
 use crate::model::fault::Fault;
-use crate::registry::{self, Object};
+use crate::registry::{self, Object, placed};
 use crate::service::connections::TooSlow;
 use crate::service::http::error::ApiError;
 use axum::body::{Body, Bytes};
@@ -62,7 +62,7 @@ pub fn parse_json(bytes: &[u8], pointer: &str) -> Result<Value, ApiError> {
     if faults.is_empty() {
         Ok(value)
     } else {
-        Err(ApiError::validation(prefixed(faults, pointer)))
+        Err(ApiError::validation(placed(pointer, faults)))
     }
 }
 
@@ -81,16 +81,6 @@ pub fn compression_of(bytes: &[u8]) -> Option<&'static str> {
         .map(|(_, name)| *name)
 }
 
-fn prefixed(faults: Vec<Fault>, prefix: &str) -> Vec<Fault> {
-    faults
-        .into_iter()
-        .map(|fault| Fault {
-            pointer: format!("{prefix}{}", fault.pointer),
-            ..fault
-        })
-        .collect()
-}
-
 /// The value checked against its description, as a type.
 ///
 /// # Errors
@@ -101,7 +91,7 @@ pub fn checked<T: DeserializeOwned>(
     prefix: &str,
 ) -> Result<T, ApiError> {
     let value = registry::check(value, object)
-        .map_err(|faults| ApiError::validation(prefixed(faults, prefix)))?;
+        .map_err(|faults| ApiError::validation(placed(prefix, faults)))?;
     serde_json::from_value(value).map_err(ApiError::internal)
 }
 

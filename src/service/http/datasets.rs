@@ -2,21 +2,22 @@
 
 use super::body::{content_length, drain};
 use super::conditional::{self, created};
-use super::extract::Id;
+use super::extract::{Id, Question};
 use super::query::{NoParams, Params, names};
+use super::raw_upload;
 use super::state::AppState;
-use super::{raw_upload, upload};
+use super::upload::{self, Upload};
 use crate::model::dataset::DatasetKind as ModelKind;
 use crate::service::error::ServiceError;
 use crate::service::http::error::ApiResult;
-use crate::service::storage::{DatasetFilter, Sort};
+use crate::service::storage::{DatasetFilter, Paging, Sort};
 use crate::service::types::{DatasetInfo, DatasetPage};
 use crate::service::views::preview;
 use axum::Json;
-use axum::body::Body;
 use axum::extract::{DefaultBodyLimit, Request, State};
-use axum::http::{HeaderMap, StatusCode};
+use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
+use serde::Serialize;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -52,13 +53,7 @@ async fn upload_dataset(State(app): State<AppState>, _: NoParams, request: Reque
         return Err(ServiceError::from(error).into());
     }
     let upload = upload::receive(request, app.datasets.temp_dir(), app.max_upload_bytes).await?;
-    let added = app
-        .datasets
-        .add(upload.file.clone(), upload.meta.clone())
-        .await;
-    added
-        .map(answer)
-        .map_err(|error| upload::repoint(error, "/meta", "/file"))
+    keep(&app, &upload, ("/meta", "/file")).await
 }
 
 /// Upload a dataset as the body
@@ -82,24 +77,23 @@ async fn upload_raw_dataset(
         app.max_upload_bytes,
     )
     .await?;
+    keep(&app, &upload, ("/query", "")).await
+}
+
+/// 201 with the dataset, or 200 where it was there before; faults name the places of the meta and of the file.
+async fn keep(app: &AppState, upload: &Upload, (meta, file): (&str, &str)) -> ApiResult {
     let added = app
         .datasets
         .add(upload.file.clone(), upload.meta.clone())
         .await;
-    added
-        .map(answer)
-        .map_err(|error| upload::repoint(error, "/query", ""))
-}
-
-/// 201 with the dataset, or 200 where it was there before.
-fn answer((dataset, is_new): (DatasetInfo, bool)) -> Response {
+    let (dataset, is_new) = added.map_err(|error| upload::repoint(error, meta, file))?;
     let status = if is_new {
         StatusCode::CREATED
     } else {
         StatusCode::OK
     };
     let location = dataset.links.self_path.clone();
-    created(status, &location, dataset)
+    Ok(created(status, &location, dataset))
 }
 
 /// List datasets
@@ -121,21 +115,13 @@ async fn list_datasets(State(app): State<AppState>, mut params: Params) -> ApiRe
     let filter = DatasetFilter {
         kinds: params.list("kind", &names(ModelKind::ALL.map(ModelKind::name)), kind),
         q: params.text("q"),
-        sort: sort(&mut params),
-        limit: limit(&mut params),
-        cursor: params.text("cursor"),
-        count: params.flag("count"),
+        paging: paging(&mut params),
     };
     params.add(filter.faults());
     let next = params.next_page();
     params.finish()?;
     let page = app.datasets.list(filter).await?;
-    Ok(with_next(
-        "/v1/datasets",
-        &next,
-        page.next_cursor.as_deref(),
-        Json(&page).into_response(),
-    ))
+    Ok(with_next("/v1/datasets", &next, &page, &page.next_cursor))
 }
 
 /// Get a dataset
@@ -144,12 +130,8 @@ async fn list_datasets(State(app): State<AppState>, mut params: Params) -> ApiRe
 #[utoipa::path(get, path = "/v1/datasets/{id}", operation_id = "getDataset", tag = "datasets",
     params(("id" = uuid::Uuid, Path, description = "Identity of the dataset.")),
     responses((status = 200, description = "The dataset.", body = DatasetInfo)))]
-async fn get_dataset(
-    State(app): State<AppState>,
-    Id(id): Id,
-    _: NoParams,
-    headers: HeaderMap,
-) -> ApiResult {
+async fn get_dataset(asked: Question) -> ApiResult {
+    let (State(app), Id(id), _, headers) = asked;
     conditional::weakly_tagged(&headers, &app.datasets.get(id).await?)
 }
 
@@ -187,40 +169,37 @@ async fn preview_dataset(State(app): State<AppState>, Id(id): Id, mut params: Pa
 #[utoipa::path(get, path = "/v1/datasets/{id}/content", operation_id = "downloadDataset", tag = "datasets",
     params(("id" = uuid::Uuid, Path, description = "Identity of the dataset.")),
     responses((status = 200, description = "The file.", content_type = "application/octet-stream", body = super::state::FileContent)))]
-async fn download_dataset(
-    State(app): State<AppState>,
-    Id(id): Id,
-    _: NoParams,
-    headers: HeaderMap,
-) -> ApiResult {
+async fn download_dataset(asked: Question) -> ApiResult {
+    let (State(app), Id(id), _, headers) = asked;
     conditional::stored(&headers, app.datasets.file(id).await?, true).await
 }
 
-pub(super) fn sort(params: &mut Params) -> Sort {
-    let read = |text: &str| match text {
+pub(super) fn paging(params: &mut Params) -> Paging {
+    let sort = |text: &str| match text {
         "-created_at" => Some(Sort::NewestFirst),
         "created_at" => Some(Sort::OldestFirst),
         _ => None,
     };
-    params
-        .read("sort", "-created_at, created_at", read)
-        .unwrap_or_default()
+    Paging {
+        sort: params
+            .read("sort", "-created_at, created_at", sort)
+            .unwrap_or_default(),
+        limit: params
+            .whole_number("limit", 1..=200)
+            .map_or(0, |limit| limit as u32),
+        cursor: params.text("cursor"),
+        count: params.flag("count"),
+    }
 }
 
-/// Rows of a page; 0 stands for what the storage thinks right.
-pub(super) fn limit(params: &mut Params) -> u32 {
-    params
-        .whole_number("limit", 1..=200)
-        .map_or(0, |limit| limit as u32)
-}
-
-/// Adds `Link: <…>; rel="next"` where there is a next page.
+/// A page, with `Link: <…>; rel="next"` where there is a next one.
 pub(super) fn with_next(
     path: &str,
     query: &str,
-    cursor: Option<&str>,
-    mut response: Response<Body>,
+    page: &impl Serialize,
+    cursor: &Option<String>,
 ) -> Response {
+    let mut response = Json(page).into_response();
     if let Some(cursor) = cursor {
         conditional::set(
             &mut response,

@@ -1,7 +1,10 @@
 //! What the path names.
 
+use super::query::NoParams;
+use super::state::AppState;
 use crate::service::http::error::ApiError;
-use axum::extract::{FromRequestParts, Path};
+use axum::extract::{FromRequestParts, Path, State};
+use axum::http::HeaderMap;
 use axum::http::request::Parts;
 use uuid::Uuid;
 
@@ -15,6 +18,9 @@ impl<S: Send + Sync> FromRequestParts<S> for Id {
         named(parts, state).await.map(|(id, _)| Id(id))
     }
 }
+
+/// A question about one thing: no parameters, and headers that may know the answer.
+pub type Question = (State<AppState>, Id, NoParams, HeaderMap);
 
 /// The `{id}` and `{name}` of a path.
 pub struct IdAndName(pub Uuid, pub String);

@@ -23,7 +23,6 @@ mod upload;
 
 pub use conditional::Constant;
 pub use hosts::Hosts;
-pub use jobs::PATCH;
 pub use layers::wrap;
 pub use raw_upload::{MAX_FILE_NAME, TEXTS, json_texts};
 pub use state::{AppState, Documents};

@@ -1,7 +1,7 @@
 //! Query parameters, read one by one; every fault is kept, and a parameter nobody asked for is one.
 
 use crate::model::fault::Fault;
-use crate::registry::control_character_fault;
+use crate::registry::{control_character_fault, placed};
 use crate::service::http::error::ApiError;
 use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
@@ -185,10 +185,7 @@ impl Params {
 
     /// Faults of what the parameters say, each with its pointer into them.
     pub fn add_within(&mut self, faults: Vec<Fault>) {
-        self.faults.extend(faults.into_iter().map(|fault| Fault {
-            pointer: format!("/query{}", fault.pointer),
-            ..fault
-        }));
+        self.faults.extend(placed("/query", faults));
     }
 
     /// The query without its cursor, ready to have one appended.

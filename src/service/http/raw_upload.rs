@@ -2,7 +2,7 @@
 
 use super::body::{broken_off, content_length, drain, media_type, too_large};
 use super::query::{Params, names};
-use super::upload::{META, Meta, Upload, store};
+use super::upload::{META, Upload, store};
 use crate::formats::FORMATS;
 use crate::registry::{Kind, check_field, check_into};
 use crate::service::datasets::DatasetMeta;
@@ -84,11 +84,8 @@ fn read_query(mut params: Params) -> Result<DatasetMeta, ApiError> {
     let meta = check_into(&Value::Object(meta), &META, &mut faults);
     params.add_within(faults);
     params.finish()?;
-    let meta: Meta = serde_json::from_value(meta).map_err(ApiError::internal)?;
-    Ok(DatasetMeta {
-        file_name,
-        ..meta.into()
-    })
+    let meta: DatasetMeta = serde_json::from_value(meta).map_err(ApiError::internal)?;
+    Ok(DatasetMeta { file_name, ..meta })
 }
 
 /// A form would be kept with its boundaries in it.

@@ -10,7 +10,7 @@ use utoipa::ToSchema;
 
 #[derive(Clone)]
 pub struct AppState {
-    pub jobs: Jobs,
+    pub jobs: Arc<Jobs>,
     pub datasets: Arc<Datasets>,
     /// Largest file of an upload.
     pub max_upload_bytes: u64,

@@ -7,11 +7,11 @@ use super::body::{
 };
 use super::hosts::compressed;
 use crate::experiment::catalogue;
-use crate::formats::{FORMATS, FormatOptions, OPTION_FIELDS};
-use crate::model::dataset::DatasetKind;
+use crate::formats::{FORMATS, OPTION_FIELDS};
 use crate::model::fault::Fault;
-use crate::model::sensor::SensorSettings;
-use crate::registry::{Field, Kind, Object, control_character_fault, joined, optional};
+use crate::registry::{
+    Field, Kind, Object, control_character_fault, joined, list, optional, text_map,
+};
 use crate::service::datasets::DatasetMeta;
 use crate::service::error::ServiceError;
 use crate::service::http::error::ApiError;
@@ -20,9 +20,7 @@ use axum::body::Bytes;
 use axum::extract::multipart::Field as Part;
 use axum::extract::{FromRequest, Multipart, Request};
 use futures::{Stream, StreamExt, TryStreamExt, stream};
-use serde::Deserialize;
 use sha2::{Digest, Sha256};
-use std::collections::BTreeMap;
 use std::path::Path;
 use tempfile::TempPath;
 use tokio::fs::File;
@@ -73,60 +71,17 @@ const COMMON: [Field; 4] = [
     optional(
         "columns",
         "The file's column name to the canonical one, where they differ.",
-        Kind::TextMap {
-            max_entries: 64,
-            max_length: 100,
-        },
+        text_map(64, 100),
     ),
 ];
 
 const SENSORS: [Field; 1] = [optional(
     "sensors",
     "What is known of the sensors.",
-    Kind::List {
-        item: &SENSOR,
-        min: 1,
-        max: 64,
-    },
+    list(&SENSOR, 1, 64),
 )];
 
 static SENSOR: Kind = Kind::Object(catalogue::sensor_settings());
-
-#[derive(Debug, Default, Deserialize)]
-pub(super) struct Meta {
-    name: Option<String>,
-    kind: Option<DatasetKind>,
-    format: Option<String>,
-    #[serde(default)]
-    columns: BTreeMap<String, String>,
-    #[serde(default)]
-    sensors: Vec<SensorSettings>,
-    /// What is left: the table lets nothing else through.
-    #[serde(flatten)]
-    options: FormatOptions,
-}
-
-impl From<Meta> for DatasetMeta {
-    fn from(meta: Meta) -> Self {
-        let Meta {
-            name,
-            kind,
-            format,
-            columns,
-            options,
-            sensors,
-        } = meta;
-        DatasetMeta {
-            name,
-            kind,
-            format,
-            columns,
-            options,
-            sensors,
-            file_name: None,
-        }
-    }
-}
 
 /// A complete upload. The temporary file is removed with it unless the storage has taken it over.
 pub struct Upload {
@@ -250,7 +205,7 @@ async fn read_meta(mut part: Part<'_>) -> Result<DatasetMeta, ApiError> {
             return Err(too_large(JSON_LIMIT_BYTES));
         }
     }
-    checked::<Meta>(&parse_json(&bytes, "/meta")?, &META, "/meta").map(DatasetMeta::from)
+    checked(&parse_json(&bytes, "/meta")?, &META, "/meta")
 }
 
 async fn read_file(

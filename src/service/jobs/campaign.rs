@@ -1,11 +1,11 @@
 //! What happens to a chunk of a campaign: claimed, worked off by a child, and its result written once.
 
-use super::Inner;
+use super::Jobs;
 use super::control::{Control, Stop};
 use super::runner::Product;
 use super::submit::planned;
-use crate::experiment::JobKind;
 use crate::experiment::campaign::{Campaign, Items};
+use crate::experiment::{CampaignResult, JobKind};
 use crate::service::child::Failure;
 use crate::service::child::{self, CampaignOrder, Looked, Order, Runs, unexpected};
 use crate::service::datasets::{Located, local_files};
@@ -14,7 +14,7 @@ use crate::service::error::ServiceError;
 use crate::service::storage::{
     Chunk, ChunkKind, ChunkResult, ClaimedChunk, ClaimedJob, Ending, NewChunk,
 };
-use crate::service::types::{CampaignResult, CampaignSoFar, JobState, Problem};
+use crate::service::types::{CampaignSoFar, JobState, Problem};
 use anyhow::Context;
 use futures::{FutureExt, TryStreamExt};
 use serde::Deserialize;
@@ -78,7 +78,7 @@ enum Made {
     Report(Product),
 }
 
-impl Inner {
+impl Jobs {
     /// Makes the claimed job a campaign: its chunks follow.
     pub(super) async fn start_campaign(&self, job: &ClaimedJob) -> anyhow::Result<()> {
         let control = self.begin((job.id, None));
@@ -270,8 +270,8 @@ impl Inner {
     }
 
     /// What the runs that are made say of the cells, while others are still being made or after they were given up.
-    pub(super) async fn cells_so_far(&self, id: Uuid) -> Result<CampaignSoFar, ServiceError> {
-        let job = self.job(id).await?;
+    pub async fn cells(&self, id: Uuid) -> Result<CampaignSoFar, ServiceError> {
+        let job = self.get(id).await?;
         if job.kind != JobKind::Campaign {
             let detail = format!(
                 "the job is of the kind '{}'; only a campaign has cells",

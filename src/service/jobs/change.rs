@@ -1,8 +1,8 @@
 //! Changing jobs that exist: names, cancelling, deleting.
 
 use super::control::Stop;
-use super::{Inner, JobPatch};
-use crate::registry::{self, Kind, Object, optional};
+use super::{JobPatch, Jobs};
+use crate::registry::{self, Kind, Object, optional, text_map};
 use crate::service::error::ServiceError;
 use crate::service::storage::{Cancellation, Changed, Deletion};
 use crate::service::types::Job;
@@ -12,27 +12,20 @@ use uuid::Uuid;
 /// What a patch of a job may hold, with the limits of a request's own `name` and `labels`.
 pub static JOB_PATCH: Object = Object {
     name: "JobPatch",
-    summary: "What to change of a job; absent members stay as they are.",
+    summary: "What to change of a job; absent members stay.",
     fields: &[
         optional(
             "name",
-            "A name for people; an empty one removes it.",
+            "The name from now on; an empty one removes it.",
             Kind::Text { max_length: 100 },
         ),
-        optional(
-            "labels",
-            "All labels from now on.",
-            Kind::TextMap {
-                max_entries: 32,
-                max_length: 100,
-            },
-        ),
+        optional("labels", "All labels from now on.", text_map(32, 100)),
     ],
 };
 
-impl Inner {
-    pub(super) async fn patch(&self, id: Uuid, patch: JobPatch) -> Result<Job, ServiceError> {
-        self.job(id).await?;
+impl Jobs {
+    pub async fn patch(&self, id: Uuid, patch: JobPatch) -> Result<Job, ServiceError> {
+        self.get(id).await?;
         let JobPatch { name, labels } = patch;
         let mut body = Map::new();
         body.extend(name.as_ref().map(|name| ("name".to_owned(), json!(name))));
@@ -45,17 +38,14 @@ impl Inner {
         self.storage
             .patch_job(id, name.as_deref(), labels.as_ref())
             .await?;
-        self.job(id).await
+        self.get(id).await
     }
 
-    pub(super) async fn cancel(&self, id: Uuid) -> Result<Job, ServiceError> {
-        self.job(id).await?;
+    /// Asks a job to stop: a queued one is canceled at once, a running one as soon as it notices.
+    pub async fn cancel(&self, id: Uuid) -> Result<Job, ServiceError> {
+        self.get(id).await?;
         match self.storage.cancel(id).await? {
-            Cancellation::Canceled(changed) => {
-                self.running.stop(id, Stop::Canceled);
-                self.publish(changed).await;
-            }
-            Cancellation::Requested(changed) => {
+            Cancellation::Canceled(changed) | Cancellation::Requested(changed) => {
                 self.running.stop(id, Stop::Canceled);
                 self.publish(changed).await;
             }
@@ -66,18 +56,15 @@ impl Inner {
                 ));
             }
         }
-        self.job(id).await
+        self.get(id).await
     }
 
-    pub(super) async fn delete(&self, id: Uuid) -> Result<(), ServiceError> {
-        self.job(id).await?;
+    /// Deletes a job that has ended, with its files; datasets that it made stay.
+    pub async fn delete(&self, id: Uuid) -> Result<(), ServiceError> {
+        self.get(id).await?;
         match self.storage.delete_job(id).await? {
             Deletion::Deleted(contents) => {
-                self.publish(Changed {
-                    touched: vec![id],
-                    ready: Vec::new(),
-                })
-                .await;
+                self.publish(Changed::touch(id)).await;
                 self.datasets.collect_garbage(contents).await
             }
             Deletion::StillActive(state) => Err(ServiceError::conflict(

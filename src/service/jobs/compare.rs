@@ -1,6 +1,6 @@
 //! Reading what a comparison of jobs needs.
 
-use super::Inner;
+use super::Jobs;
 use super::read::METRIC_SERIES;
 use crate::service::error::ServiceError;
 use crate::service::storage::blobs::Blobs;
@@ -19,8 +19,9 @@ struct Files {
     runs: Option<String>,
 }
 
-impl Inner {
-    pub(super) async fn compare(
+impl Jobs {
+    /// Jobs side by side; `baseline` is the place of the one that the others are compared with.
+    pub async fn compare(
         &self,
         ids: &[Uuid],
         baseline: usize,
@@ -48,7 +49,7 @@ impl Inner {
     async fn refuse_unknown(&self, ids: &[Uuid]) -> Result<(), ServiceError> {
         let mut missing = Vec::new();
         for &id in ids {
-            match self.job(id).await {
+            match self.get(id).await {
                 Ok(_) => {}
                 Err(ServiceError::NotFound(_)) => missing.push(format!("there is no job '{id}'")),
                 Err(ServiceError::Gone(_)) => missing.push(format!("job '{id}' has been deleted")),
@@ -73,7 +74,7 @@ impl Inner {
         };
         let report = named("report.json").ok_or(ServiceError::NotFound("report"))?;
         Ok(Files {
-            job: self.job(id).await?,
+            job: self.get(id).await?,
             report,
             metrics: named(METRIC_SERIES),
             runs: named("runs.csv"),

@@ -1,6 +1,6 @@
 //! Work in children: given, watched over, stopped when it is not wanted any more, and done again, alone, when a child died of it.
 
-use super::Inner;
+use super::Jobs;
 use super::control::{Control, Stop};
 use crate::service::child::{
     Failure, Heard, Made, Order, all_of, failure_of, memory_text, result_of,
@@ -14,7 +14,7 @@ use uuid::Uuid;
 /// Work that is over sooner says nothing of its progress: writing that down would take as long as the work.
 const SOON: Duration = Duration::from_millis(50);
 
-impl Inner {
+impl Jobs {
     /// Does a piece of a job in a child, and `tell`s how far it is. The slot is free when the child has answered or is dead.
     pub(super) async fn in_child<'a>(
         &self,

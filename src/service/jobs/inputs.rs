@@ -1,10 +1,11 @@
 //! From what a plan asks for to the files that hold it.
 
-use super::Inner;
+use super::Jobs;
 use crate::experiment::{InputRequest, Known, Plan, Source};
 use crate::formats::FormatOptions;
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
+use crate::service::child::FileContent;
 use crate::service::datasets::Located;
 use crate::service::error::ServiceError;
 use crate::service::storage::{SourceId, SourceRef};
@@ -24,15 +25,15 @@ pub(super) fn source_refs(plan: &Plan) -> Vec<SourceRef> {
             id,
         }
     };
-    plan.inputs().iter().map(source_ref).collect()
+    plan.inputs.iter().map(source_ref).collect()
 }
 
-impl Inner {
+impl Jobs {
     /// Finds the file of each input, in the order of the plan; `None` where an optional one is absent.
     pub(super) async fn locate(&self, plan: &Plan) -> Result<Vec<Option<Located>>, ServiceError> {
         let mut located = Vec::new();
         let mut faults = Vec::new();
-        for request in plan.inputs() {
+        for request in &plan.inputs {
             let found = match &request.source {
                 Source::Dataset { dataset_id, .. } => self.datasets.locate(dataset_id).await?,
                 Source::Job { job_id, .. } => self.locate_artifact(job_id, request.role).await?,
@@ -55,7 +56,7 @@ impl Inner {
         plan: &Plan,
     ) -> Result<(Vec<Option<Known>>, Vec<String>), ServiceError> {
         let (mut known, mut unknown) = (Vec::new(), Vec::new());
-        for request in plan.inputs() {
+        for request in &plan.inputs {
             let dataset = match &request.source {
                 Source::Dataset { dataset_id, .. } => Uuid::try_parse(dataset_id).ok(),
                 Source::Job { job_id, .. } => self.made_by(job_id, request.role).await?,
@@ -122,15 +123,16 @@ impl Inner {
                 .unwrap_or_default(),
             None => Vec::new(),
         };
-        Ok(Some(Located {
-            blobs: self.blobs.clone(),
+        let content = FileContent {
             format: "csv".to_owned(),
             kind: role,
             columns: BTreeMap::new(),
             options: FormatOptions::default(),
             sensors,
             sha256: artifact.sha256,
-        }))
+        };
+        let blobs = self.blobs.clone();
+        Ok(Some(Located { blobs, content }))
     }
 }
 

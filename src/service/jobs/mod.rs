@@ -1,4 +1,4 @@
-//! Submitting, running, waiting for and cancelling jobs, and keeping datasets: the facade of everything behind HTTP.
+//! Submitting, running, waiting for and cancelling jobs, and keeping datasets: everything behind HTTP.
 
 mod campaign;
 mod change;
@@ -15,31 +15,26 @@ mod runner;
 mod submit;
 mod upkeep;
 
-pub use crate::service::storage::{JobFilter, Sort};
+pub use crate::service::storage::{JobFilter, Paging, Sort};
 pub use change::JOB_PATCH;
 pub use request::*;
 
 use super::child::{Children, Desk};
 use super::config::Config;
-use super::datasets::{Datasets, StoredFile};
+use super::datasets::Datasets;
 use super::engine::{Engine, Entry, Handler};
 use super::error::ServiceError;
 use super::storage::blobs::Blobs;
 use super::storage::notices::{Notice, Notices};
 use super::storage::room::{NoRoom, Room};
 use super::storage::{Changed, Storage};
-use super::types::{
-    ArtifactList, CampaignSoFar, Comparison, Event, EventPage, Job, JobKind, JobPage, JobState,
-};
-use super::views::layers::JobLayers;
-use crate::experiment::job_shape::with_kind;
+use super::types::JobState;
 use anyhow::bail;
 use campaign::Campaigns;
 use control::{Running, Stop};
-use futures::{FutureExt, Stream};
+use futures::FutureExt;
 use hub::Hub;
 use recent::Recent;
-use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -57,11 +52,8 @@ const ANSWER: Duration = Duration::from_secs(2);
 /// An idempotency key is remembered for a day.
 const KEY_AGE: Duration = Duration::from_secs(24 * 3600);
 
-/// The jobs and datasets of one data directory, with the workers that run the jobs. Clones share everything.
-#[derive(Clone)]
-pub struct Jobs(Arc<Inner>);
-
-struct Inner {
+/// The jobs and datasets of one data directory, with the workers that run the jobs.
+pub struct Jobs {
     config: Config,
     storage: Storage,
     blobs: Blobs,
@@ -87,122 +79,17 @@ struct Inner {
 impl Jobs {
     /// The datasets of the same directory.
     pub fn datasets(&self) -> &Arc<Datasets> {
-        &self.0.datasets
-    }
-
-    /// Checks a request and queues its job. A key that was used for the same request gives the job of that time.
-    pub async fn submit(
-        &self,
-        kind: JobKind,
-        body: Value,
-        idempotency_key: Option<String>,
-    ) -> Result<Submitted, ServiceError> {
-        self.0.submit(kind, body, idempotency_key, None).await
-    }
-
-    /// The same checks as [`Self::submit`], without a job.
-    pub async fn validate(&self, kind: JobKind, body: Value) -> Result<Validation, ServiceError> {
-        self.0.validate(kind, body).await
-    }
-
-    pub async fn get(&self, id: Uuid) -> Result<Job, ServiceError> {
-        self.0.job(id).await
-    }
-
-    pub async fn list(&self, filter: JobFilter) -> Result<JobPage, ServiceError> {
-        self.0.list(filter).await
+        &self.datasets
     }
 
     /// How many jobs are in each state.
     pub async fn counts(&self) -> Result<BTreeMap<JobState, u64>, ServiceError> {
-        Ok(self.0.storage.job_counts().await?)
-    }
-
-    pub async fn patch(&self, id: Uuid, patch: JobPatch) -> Result<Job, ServiceError> {
-        self.0.patch(id, patch).await
-    }
-
-    /// Deletes a job that has ended, with its files; datasets that it made stay.
-    pub async fn delete(&self, id: Uuid) -> Result<(), ServiceError> {
-        self.0.delete(id).await
-    }
-
-    /// Asks a job to stop: a queued one is canceled at once, a running one as soon as it notices.
-    pub async fn cancel(&self, id: Uuid) -> Result<Job, ServiceError> {
-        self.0.cancel(id).await
-    }
-
-    /// Queues a new job with the spec of this one.
-    pub async fn rerun(&self, id: Uuid) -> Result<Job, ServiceError> {
-        self.0.rerun(id).await
-    }
-
-    /// The job as soon as it has ended, or as it is after `patience`.
-    pub async fn wait(&self, id: Uuid, patience: Duration) -> Result<Job, ServiceError> {
-        self.0.wait(id, patience).await
-    }
-
-    /// Events after number `after`; if there are none yet, waits up to `patience` for one.
-    pub async fn history(
-        &self,
-        id: Uuid,
-        after: u64,
-        patience: Duration,
-    ) -> Result<EventPage, ServiceError> {
-        self.0.history(id, after, patience).await
-    }
-
-    /// Events after number `after` as they happen; ends after the last one, and when the service stops.
-    pub async fn events(
-        &self,
-        id: Uuid,
-        after: u64,
-    ) -> Result<impl Stream<Item = Event> + Send + use<>, ServiceError> {
-        self.0.job(id).await?;
-        Ok(read::live_events(self.0.clone(), id, after))
-    }
-
-    pub async fn report(&self, id: Uuid) -> Result<StoredFile, ServiceError> {
-        self.0.artifact(id, "report.json").await
-    }
-
-    pub async fn artifacts(&self, id: Uuid) -> Result<ArtifactList, ServiceError> {
-        self.0.artifact_list(id).await
-    }
-
-    pub async fn artifact(&self, id: Uuid, name: &str) -> Result<StoredFile, ServiceError> {
-        self.0.artifact(id, name).await
-    }
-
-    /// The job's request as normalised, with its kind.
-    pub async fn spec(&self, id: Uuid) -> Result<Value, ServiceError> {
-        let job = self.0.job(id).await?;
-        Ok(with_kind(job.kind, &self.0.storage.spec(id).await?))
-    }
-
-    /// The data behind the pictures of a job.
-    pub async fn load_job_layers(&self, id: Uuid) -> Result<Arc<JobLayers>, ServiceError> {
-        self.0.layers(id).await
-    }
-
-    /// What a campaign has found so far.
-    pub async fn cells(&self, id: Uuid) -> Result<CampaignSoFar, ServiceError> {
-        self.0.cells_so_far(id).await
-    }
-
-    /// Jobs side by side; `baseline` is the place of the one that the others are compared with.
-    pub async fn compare(
-        &self,
-        ids: &[Uuid],
-        baseline: usize,
-        confidence: f64,
-    ) -> Result<Comparison, ServiceError> {
-        self.0.compare(ids, baseline, confidence).await
+        Ok(self.storage.job_counts().await?)
     }
 
     /// Whether the database answers soon.
     pub async fn check(&self) -> Result<(), ServiceError> {
-        match tokio::time::timeout(ANSWER, self.0.storage.check()).await {
+        match tokio::time::timeout(ANSWER, self.storage.check()).await {
             Ok(answered) => Ok(answered?),
             Err(_) => Err(ServiceError::Unavailable),
         }
@@ -210,28 +97,26 @@ impl Jobs {
 
     /// Whether so many bytes more can be kept.
     pub fn check_room(&self, bytes: u64) -> Result<(), NoRoom> {
-        self.0.room.check(bytes)
+        self.room.check(bytes)
     }
 
     /// Whether [`Self::shutdown`] has begun.
     pub fn is_shutting_down(&self) -> bool {
-        self.0.closing.is_cancelled()
+        self.closing.is_cancelled()
     }
 
     /// Takes no more work, hands running jobs back to the queue, and returns when all is written.
     pub async fn shutdown(&self) {
-        self.0.closing.cancel();
-        self.0.running.stop_all(Stop::ShuttingDown);
-        self.0.engine.stop().await;
-        self.0.children.close();
-        self.0.storage.close().await;
-        if let Some(Err(error)) = self.0.lock.as_ref().map(File::unlock) {
+        self.closing.cancel();
+        self.running.stop_all(Stop::ShuttingDown);
+        self.engine.stop().await;
+        self.children.close();
+        self.storage.close().await;
+        if let Some(Err(error)) = self.lock.as_ref().map(File::unlock) {
             tracing::warn!(%error, "the data directory was not unlocked");
         }
     }
-}
 
-impl Inner {
     /// Lets everybody know of a committed change, and queues what can be done now.
     async fn publish(&self, changed: Changed) {
         self.announce(&changed.touched).await;
@@ -308,16 +193,16 @@ impl Inner {
 }
 
 /// What the queue calls; it does not keep the service alive.
-fn handler(inner: Weak<Inner>) -> Handler {
+fn handler(jobs: Weak<Jobs>) -> Handler {
     Handler::new(move |entry: Entry| {
-        let inner = inner.upgrade();
+        let jobs = jobs.upgrade();
         async move {
-            let Some(inner) = inner else {
+            let Some(jobs) = jobs else {
                 bail!("the service has stopped")
             };
-            let looked = inner.clone().handle_entry(entry).await;
+            let looked = jobs.clone().handle_entry(entry).await;
             if looked.is_err() {
-                inner.must_requeue.store(true, Ordering::Release);
+                jobs.must_requeue.store(true, Ordering::Release);
             }
             looked
         }
@@ -325,25 +210,25 @@ fn handler(inner: Weak<Inner>) -> Handler {
     })
 }
 
-async fn maintain(inner: Weak<Inner>, closing: CancellationToken) {
+async fn maintain(jobs: Weak<Jobs>, closing: CancellationToken) {
     let mut collected = Instant::now();
     loop {
         tokio::select! {
             () = tokio::time::sleep(MAINTENANCE_INTERVAL) => {}
             () = closing.cancelled() => return,
         }
-        let Some(inner) = inner.upgrade() else { return };
-        let mut done = inner.requeue_if_needed().await;
-        if done.is_ok() && inner.lock.is_none() {
+        let Some(jobs) = jobs.upgrade() else { return };
+        let mut done = jobs.requeue_if_needed().await;
+        if done.is_ok() && jobs.lock.is_none() {
             // In case a notice was lost.
-            done = inner.stop_unwanted(&inner.running.jobs()).await;
+            done = jobs.stop_unwanted(&jobs.running.jobs()).await;
         }
         if done.is_ok() && collected.elapsed() > COLLECTION_INTERVAL {
             collected = Instant::now();
-            done = inner.clean_tables().await;
+            done = jobs.clean_tables().await;
         }
         if done.is_ok() {
-            done = inner.tidy().await;
+            done = jobs.tidy().await;
         }
         if let Err(error) = done {
             tracing::error!(error = format!("{error:#}"), "upkeep failed");
@@ -352,31 +237,30 @@ async fn maintain(inner: Weak<Inner>, closing: CancellationToken) {
 }
 
 /// Listens to the processes that share the database.
-async fn listen(mut notices: Notices, inner: Weak<Inner>, closing: CancellationToken) {
+async fn listen(mut notices: Notices, jobs: Weak<Jobs>, closing: CancellationToken) {
     loop {
         let heard = tokio::select! {
             heard = notices.next() => heard,
             () = closing.cancelled() => return,
         };
-        let Some(inner) = inner.upgrade() else { return };
+        let Some(jobs) = jobs.upgrade() else { return };
         let concerned = match heard {
             Ok(Notice::Changed(ids)) => {
-                inner.hub.wake(&ids);
-                inner
-                    .running
+                jobs.hub.wake(&ids);
+                jobs.running
                     .jobs()
                     .into_iter()
                     .filter(|id| ids.contains(id))
                     .collect()
             }
             Ok(Notice::Queued) => {
-                inner.engine.wake();
+                jobs.engine.wake();
                 Vec::new()
             }
             Ok(Notice::Anything) => {
-                inner.engine.wake();
-                inner.hub.wake_all();
-                inner.running.jobs()
+                jobs.engine.wake();
+                jobs.hub.wake_all();
+                jobs.running.jobs()
             }
             Err(error) => {
                 tracing::warn!(
@@ -387,7 +271,7 @@ async fn listen(mut notices: Notices, inner: Weak<Inner>, closing: CancellationT
                 Vec::new()
             }
         };
-        if let Err(error) = inner.stop_unwanted(&concerned).await {
+        if let Err(error) = jobs.stop_unwanted(&concerned).await {
             tracing::warn!(
                 error = format!("{error:#}"),
                 "the state of running jobs was not read"

@@ -4,7 +4,7 @@ use super::campaign::Campaigns;
 use super::control::Running;
 use super::hub::Hub;
 use super::recent::Recent;
-use super::{Inner, Jobs, handler, listen, maintain};
+use super::{Jobs, handler, listen, maintain};
 use crate::service::child::{Children, Desk, IS_LIMITED, default_memory, size_text};
 use crate::service::config::Config;
 use crate::service::datasets::Datasets;
@@ -31,35 +31,29 @@ impl Jobs {
     ///
     /// # Errors
     /// When another process uses the directory, or it cannot be read or written.
-    pub async fn open(config: Config) -> anyhow::Result<Jobs> {
-        let inner = Arc::new(Inner::open(config).await?);
-        if let Some(url) = &inner.config.database_url {
+    pub async fn open(config: Config) -> anyhow::Result<Arc<Jobs>> {
+        let jobs = Arc::new(Jobs::open_only(config).await?);
+        if let Some(url) = &jobs.config.database_url {
             let notices = Notices::listen(url)
                 .await
                 .context("cannot listen to the database")?;
-            tokio::spawn(listen(
-                notices,
-                Arc::downgrade(&inner),
-                inner.closing.clone(),
-            ));
+            tokio::spawn(listen(notices, Arc::downgrade(&jobs), jobs.closing.clone()));
         } else {
-            inner.take_up().await.with_context(|| {
+            jobs.take_up().await.with_context(|| {
                 format!(
                     "cannot use the tables in {}",
-                    inner.config.data_dir.display()
+                    jobs.config.data_dir.display()
                 )
             })?;
         }
-        inner.enqueue_ready(inner.lock.is_none()).await?;
-        inner.engine.run(handler(Arc::downgrade(&inner)));
-        tokio::spawn(maintain(Arc::downgrade(&inner), inner.closing.clone()));
-        Ok(Jobs(inner))
+        jobs.enqueue_ready(jobs.lock.is_none()).await?;
+        jobs.engine.run(handler(Arc::downgrade(&jobs)));
+        tokio::spawn(maintain(Arc::downgrade(&jobs), jobs.closing.clone()));
+        Ok(jobs)
     }
-}
 
-impl Inner {
     /// Everything open, nothing running.
-    async fn open(config: Config) -> anyhow::Result<Inner> {
+    async fn open_only(config: Config) -> anyhow::Result<Jobs> {
         let directory = &config.data_dir;
         make_private(directory).with_context(|| format!("cannot make {}", directory.display()))?;
         let database = match &config.database_url {
@@ -93,7 +87,7 @@ impl Inner {
         let looks = desk(LOOKS);
         let desks = (desk(UPLOADS), looks.clone());
         let datasets = Datasets::new(storage.clone(), blobs.clone(), desks, closing.clone());
-        Ok(Inner {
+        Ok(Jobs {
             room,
             blobs,
             children,

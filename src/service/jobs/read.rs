@@ -1,6 +1,7 @@
 //! Looking at jobs: one, many, their files, and what happens to them while someone waits.
 
-use super::{Inner, JobFilter};
+use super::{JobFilter, Jobs};
+use crate::experiment::job_shape::with_kind;
 use crate::model::dataset::{Dataset, DatasetKind};
 use crate::service::datasets::{Located, StoredFile};
 use crate::service::error::{ServiceError, cursor_of, refuse_any};
@@ -19,9 +20,9 @@ use tokio::sync::watch;
 use tokio::time::{Instant, timeout_at};
 use uuid::Uuid;
 
-impl Inner {
+impl Jobs {
     /// The job, unless there is none or it has been deleted.
-    pub(super) async fn job(&self, id: Uuid) -> Result<Job, ServiceError> {
+    pub async fn get(&self, id: Uuid) -> Result<Job, ServiceError> {
         let stored = self
             .storage
             .job(id)
@@ -34,9 +35,9 @@ impl Inner {
         }
     }
 
-    pub(super) async fn list(&self, filter: JobFilter) -> Result<JobPage, ServiceError> {
+    pub async fn list(&self, filter: JobFilter) -> Result<JobPage, ServiceError> {
         refuse_any(filter.faults())?;
-        let after = cursor_of(filter.cursor.as_deref(), filter.sort)?;
+        let after = cursor_of(&filter.paging)?;
         let Page {
             items,
             next_cursor,
@@ -49,18 +50,20 @@ impl Inner {
         })
     }
 
-    pub(super) async fn wait(&self, id: Uuid, patience: Duration) -> Result<Job, ServiceError> {
+    /// The job as soon as it has ended, or as it is after `patience`.
+    pub async fn wait(&self, id: Uuid, patience: Duration) -> Result<Job, ServiceError> {
         let deadline = Instant::now() + patience;
         let mut news = self.hub.subscribe(id);
         loop {
-            let job = self.job(id).await?;
+            let job = self.get(id).await?;
             if job.state.is_terminal() || !self.news_before(deadline, &mut news).await {
                 return Ok(job);
             }
         }
     }
 
-    pub(super) async fn history(
+    /// Events after number `after`; if there are none yet, waits up to `patience` for one.
+    pub async fn history(
         &self,
         id: Uuid,
         after: u64,
@@ -69,7 +72,7 @@ impl Inner {
         let deadline = Instant::now() + patience;
         let mut news = self.hub.subscribe(id);
         loop {
-            let job = self.job(id).await?;
+            let job = self.get(id).await?;
             let events = self.storage.events(id, after).await?;
             if !events.is_empty()
                 || job.state.is_terminal()
@@ -83,6 +86,29 @@ impl Inner {
         }
     }
 
+    /// Events after number `after` as they happen; ends after the last one, and when the service stops.
+    pub async fn events(
+        self: &Arc<Self>,
+        id: Uuid,
+        after: u64,
+    ) -> Result<impl Stream<Item = Event> + Send + use<>, ServiceError> {
+        self.get(id).await?;
+        let reading = Reading {
+            jobs: self.clone(),
+            id,
+            after,
+            read: VecDeque::new(),
+            news: self.hub.subscribe(id),
+            is_over: false,
+        };
+        Ok(futures::stream::unfold(reading, |mut reading| async move {
+            let event = reading.next().await?;
+            reading.after = event.seq();
+            reading.is_over = event.is_last();
+            Some((event, reading))
+        }))
+    }
+
     /// Waits for news; `false` when the time is up or the service stops.
     async fn news_before(&self, deadline: Instant, news: &mut watch::Receiver<()>) -> bool {
         tokio::select! {
@@ -91,8 +117,8 @@ impl Inner {
         }
     }
 
-    pub(super) async fn artifact_list(&self, id: Uuid) -> Result<ArtifactList, ServiceError> {
-        self.job(id).await?;
+    pub async fn artifacts(&self, id: Uuid) -> Result<ArtifactList, ServiceError> {
+        self.get(id).await?;
         let info = |artifact: StoredArtifact| ArtifactInfo {
             href: format!("/v1/jobs/{id}/artifacts/{}", artifact.name),
             name: artifact.name,
@@ -112,7 +138,7 @@ impl Inner {
         })
     }
 
-    pub(super) async fn artifact(&self, id: Uuid, name: &str) -> Result<StoredFile, ServiceError> {
+    pub async fn artifact(&self, id: Uuid, name: &str) -> Result<StoredFile, ServiceError> {
         self.ended_well(id).await?;
         let artifacts = self.storage.artifacts(id).await?;
         let Some(artifact) = artifacts
@@ -145,9 +171,19 @@ impl Inner {
         })
     }
 
+    pub async fn report(&self, id: Uuid) -> Result<StoredFile, ServiceError> {
+        self.artifact(id, "report.json").await
+    }
+
+    /// The job's request as normalised, with its kind.
+    pub async fn spec(&self, id: Uuid) -> Result<Value, ServiceError> {
+        let job = self.get(id).await?;
+        Ok(with_kind(job.kind, &self.storage.spec(id).await?))
+    }
+
     /// Refuses a job that has no results.
     pub(super) async fn ended_well(&self, id: Uuid) -> Result<(), ServiceError> {
-        match self.job(id).await?.state {
+        match self.get(id).await?.state {
             JobState::Succeeded => Ok(()),
             state @ (JobState::Queued | JobState::Running) => Err(ServiceError::conflict(
                 "result_not_ready",
@@ -162,7 +198,7 @@ impl Inner {
     }
 
     /// The data behind the pictures of a job that ended well.
-    pub(super) async fn layers(&self, id: Uuid) -> Result<Arc<JobLayers>, ServiceError> {
+    pub async fn load_job_layers(&self, id: Uuid) -> Result<Arc<JobLayers>, ServiceError> {
         self.ended_well(id).await?;
         let artifacts = self.storage.artifacts(id).await?;
         let bytes = artifacts
@@ -240,7 +276,7 @@ fn read_files(
         match dataset {
             Dataset::Detections(recording) => {
                 layers.detections = Some(recording);
-                layers.sensors = file.sensors.clone();
+                layers.sensors = file.content.sensors.clone();
             }
             Dataset::Truth(truth) => layers.truth = Some(truth),
             Dataset::Tracks(tracks) => layers.tracks = Some(tracks),
@@ -256,35 +292,12 @@ pub(super) const METRIC_SERIES: &str = "metric-series.csv";
 
 /// Where a reader of live events is.
 struct Reading {
-    inner: Arc<Inner>,
+    jobs: Arc<Jobs>,
     id: Uuid,
     after: u64,
     read: VecDeque<Event>,
     news: watch::Receiver<()>,
     is_over: bool,
-}
-
-/// Events after number `after`, until the last one or until the service stops.
-pub(super) fn live_events(
-    inner: Arc<Inner>,
-    id: Uuid,
-    after: u64,
-) -> impl Stream<Item = Event> + Send + use<> {
-    let news = inner.hub.subscribe(id);
-    let reading = Reading {
-        inner,
-        id,
-        after,
-        read: VecDeque::new(),
-        news,
-        is_over: false,
-    };
-    futures::stream::unfold(reading, |mut reading| async move {
-        let event = reading.next().await?;
-        reading.after = event.seq();
-        reading.is_over = event.is_last();
-        Some((event, reading))
-    })
 }
 
 impl Reading {
@@ -295,7 +308,7 @@ impl Reading {
             }
             // Asked before the events are read, so that none can slip in between.
             let has_ended = self.has_ended().await;
-            match self.inner.storage.events(self.id, self.after).await {
+            match self.jobs.storage.events(self.id, self.after).await {
                 Ok(events) if events.is_empty() => {
                     self.is_over = has_ended || !self.hears_more().await
                 }
@@ -311,8 +324,8 @@ impl Reading {
 
     /// Nothing will ever come: the reader already knew the last event, or the job has been deleted.
     async fn has_ended(&self) -> bool {
-        self.inner
-            .job(self.id)
+        self.jobs
+            .get(self.id)
             .await
             .map_or(true, |job| job.state.is_terminal())
     }
@@ -320,7 +333,7 @@ impl Reading {
     async fn hears_more(&mut self) -> bool {
         tokio::select! {
             heard = self.news.changed() => heard.is_ok(),
-            () = self.inner.closing.cancelled() => false,
+            () = self.jobs.closing.cancelled() => false,
         }
     }
 }

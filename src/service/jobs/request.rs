@@ -3,6 +3,7 @@
 use crate::experiment::Cost;
 use crate::model::fault::Fault;
 use crate::service::types::Job;
+use serde::Deserialize;
 use std::collections::BTreeMap;
 
 /// A job that was submitted.
@@ -23,7 +24,7 @@ pub struct Validation {
 }
 
 /// What to change of a job; absent members stay.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Deserialize)]
 pub struct JobPatch {
     /// An empty name removes it.
     pub name: Option<String>,

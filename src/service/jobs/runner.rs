@@ -1,6 +1,6 @@
 //! What happens when the queue says "look at this": claim it, have a child run it, write how it ended.
 
-use super::Inner;
+use super::Jobs;
 use super::control::{Control, Stop, Work};
 use super::submit::planned;
 use crate::experiment::JobKind;
@@ -36,7 +36,7 @@ pub(super) struct Product {
     pub directory: TempDir,
 }
 
-impl Inner {
+impl Jobs {
     /// Works off the entry if that is still to be done. Extra calls for the same work do nothing.
     pub(super) async fn handle_entry(self: Arc<Self>, entry: Entry) -> anyhow::Result<()> {
         let work = (entry.job_id, entry.chunk);
@@ -180,34 +180,24 @@ impl Inner {
                     "{what} ran longer than {} s",
                     self.config.job_time_limit.as_secs_f64()
                 );
-                Some(Ending::Failed(Problem::new("time_limit", detail)))
+                failed(Problem::new("time_limit", detail))
             }
             (Failure::Stopped, _) => Some(Ending::Canceled),
-            (Failure::Faults(faults), _) => Some(Ending::Failed(Problem::validation(faults))),
-            (Failure::Memory, _) => Some(Ending::Failed(Problem::new(
-                "memory_limit",
-                self.memory_text(what),
-            ))),
-            (Failure::Died(how), _) => Some(Ending::Failed(Problem::new(
-                "crashed",
-                crash_text(what, &how),
-            ))),
+            (Failure::Faults(faults), _) => failed(Problem::validation(faults)),
+            (Failure::Memory, _) => failed(Problem::new("memory_limit", self.memory_text(what))),
+            (Failure::Died(how), _) => failed(Problem::new("crashed", crash_text(what, &how))),
             (Failure::Internal(error), _) if may_pass(&error) => {
                 tracing::warn!(%job_id, error = format!("{error:#}"), "the database or the disk was not there; the work is queued again");
                 None
             }
             (Failure::Internal(error), _) if error.downcast_ref::<Damaged>().is_some() => {
-                Some(Ending::Failed(Problem::new(
-                    "damaged",
-                    "a file that the job reads is damaged; the log says which",
-                )))
+                let detail = "a file that the job reads is damaged; the log says which";
+                failed(Problem::new("damaged", detail))
             }
             (Failure::Internal(error), _) => {
                 tracing::error!(%job_id, error = format!("{error:#}"), "a job failed inside the service");
-                Some(Ending::Failed(Problem::new(
-                    "internal",
-                    "the job failed inside the service; its log says why",
-                )))
+                let detail = "the job failed inside the service; its log says why";
+                failed(Problem::new("internal", detail))
             }
         }
     }
@@ -322,6 +312,10 @@ impl Inner {
             tokio::time::sleep(Duration::from_secs(1)).await;
         }
     }
+}
+
+fn failed(problem: Problem) -> Option<Ending> {
+    Some(Ending::Failed(problem))
 }
 
 /// Makes the files blobs. Blocks.

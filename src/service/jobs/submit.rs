@@ -1,7 +1,7 @@
 //! From a request to a queued job.
 
 use super::inputs::source_refs;
-use super::{Inner, Submitted, Validation};
+use super::{Jobs, Submitted, Validation};
 use crate::experiment::{self, Plan};
 use crate::model::fault::Fault;
 use crate::service::canonical::sorted;
@@ -15,8 +15,18 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use uuid::Uuid;
 
-impl Inner {
-    pub(super) async fn submit(
+impl Jobs {
+    /// Checks a request and queues its job. A key that was used for the same request gives the job of that time.
+    pub async fn submit(
+        &self,
+        kind: JobKind,
+        body: Value,
+        idempotency_key: Option<String>,
+    ) -> Result<Submitted, ServiceError> {
+        self.submit_rerun(kind, body, idempotency_key, None).await
+    }
+
+    async fn submit_rerun(
         &self,
         kind: JobKind,
         body: Value,
@@ -52,7 +62,7 @@ impl Inner {
         match admission {
             Admission::Admitted(id, changed) => {
                 // As it was taken in: a moment later it may be running.
-                let job = self.job(id).await;
+                let job = self.get(id).await;
                 self.publish(changed).await;
                 Ok(Submitted {
                     job: job?,
@@ -60,7 +70,7 @@ impl Inner {
                 })
             }
             Admission::Replayed(id) => Ok(Submitted {
-                job: self.job(id).await?,
+                job: self.get(id).await?,
                 replayed: true,
             }),
             Admission::Mismatch => Err(ServiceError::IdempotencyMismatch),
@@ -69,11 +79,8 @@ impl Inner {
         }
     }
 
-    pub(super) async fn validate(
-        &self,
-        kind: JobKind,
-        body: Value,
-    ) -> Result<Validation, ServiceError> {
+    /// The same checks as [`Self::submit`], without a job.
+    pub async fn validate(&self, kind: JobKind, body: Value) -> Result<Validation, ServiceError> {
         let refused = |faults| Validation {
             faults,
             warnings: Vec::new(),
@@ -99,10 +106,11 @@ impl Inner {
         })
     }
 
-    pub(super) async fn rerun(&self, id: Uuid) -> Result<Job, ServiceError> {
+    /// Queues a new job with the spec of this one.
+    pub async fn rerun(&self, id: Uuid) -> Result<Job, ServiceError> {
         let Job {
             kind, name, labels, ..
-        } = self.job(id).await?;
+        } = self.get(id).await?;
         let mut body = self.storage.spec(id).await?;
         if let (Value::Object(members), Some(name)) = (&mut body, name) {
             members.insert("name".to_owned(), name.into());
@@ -116,7 +124,7 @@ impl Inner {
                     .collect(),
             );
         }
-        Ok(self.submit(kind, body, None, Some(id)).await?.job)
+        Ok(self.submit_rerun(kind, body, None, Some(id)).await?.job)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Keeping the disk in order behind the back of jobs: files that only the tables make safe are synced, and the tables' log is written back.
 
-use super::Inner;
+use super::Jobs;
 use anyhow::Context;
 use std::time::Duration;
 use tokio::sync::oneshot;
@@ -8,7 +8,7 @@ use tokio::sync::oneshot;
 /// Notes that nobody has dealt with for so long are of a process that died, with its machine perhaps.
 const LEFT: Duration = Duration::from_secs(120);
 
-impl Inner {
+impl Jobs {
     pub(super) async fn tidy(&self) -> anyhow::Result<()> {
         self.sync_blobs().await?;
         if self.lock.is_none() {

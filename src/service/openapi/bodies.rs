@@ -4,6 +4,7 @@ use super::{examples, reference};
 use crate::experiment::{self, JobKind};
 use crate::registry::{Components, Object, json_schema, tagged_schema};
 use crate::service::http;
+use crate::service::jobs::JOB_PATCH;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 
@@ -30,7 +31,7 @@ pub fn request_bodies(components: &mut Components) -> BTreeMap<String, Value> {
     );
     bodies.insert(
         "updateJob".to_owned(),
-        with_examples(&json_schema(&http::PATCH, &mut tables), &examples::patch()),
+        with_examples(&json_schema(&JOB_PATCH, &mut tables), &examples::patch()),
     );
     bodies.insert("uploadDataset".to_owned(), upload_body(&mut tables));
     bodies.insert("uploadRawDataset".to_owned(), raw_body());

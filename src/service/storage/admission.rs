@@ -4,12 +4,11 @@
 use super::change::{
     Changed, append_state, dependency_failed, end_job, parse_id, ready_job, unfinished_dependencies,
 };
-use super::jobs::write_labels;
+use super::jobs::{parse_state, write_labels};
 use super::{Storage, now, to_micros};
 use crate::model::dataset::DatasetKind;
 use crate::model::fault::Fault;
 use crate::service::types::{JobKind, JobState};
-use anyhow::Context;
 use sqlx::{AnyConnection, Row};
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -255,8 +254,7 @@ async fn start(connection: &mut AnyConnection, id: Uuid) -> anyhow::Result<Chang
     .fetch_optional(&mut *connection)
     .await?;
     if let Some(row) = failed {
-        let state = JobState::from_name(row.try_get("state")?)
-            .context("a stored job has an unknown state")?;
+        let state = parse_state(row.try_get("state")?)?;
         let problem = dependency_failed(parse_id(row.try_get("id")?)?, state);
         return end_job(connection, id, at, JobState::Failed, Some(problem)).await;
     }
@@ -265,8 +263,5 @@ async fn start(connection: &mut AnyConnection, id: Uuid) -> anyhow::Result<Chang
     } else {
         Vec::new()
     };
-    Ok(Changed {
-        touched: vec![id],
-        ready,
-    })
+    Ok(Changed::new(id, ready))
 }

@@ -1,7 +1,7 @@
 //! The parts that every change of a job is made of: an event, an end, and what an end means for the jobs that wait.
 
 use super::to_micros;
-use crate::service::types::{EventData, JobEnd, JobState, Problem, StateChange};
+use crate::service::types::{EventData, JobEnd, JobState, LogLine, Problem, StateChange};
 use jiff::Timestamp;
 use sqlx::{AnyConnection, Row};
 use uuid::Uuid;
@@ -25,11 +25,16 @@ pub struct Ready {
 }
 
 impl Changed {
-    pub(super) fn touch(id: Uuid) -> Self {
+    pub(super) fn new(id: Uuid, ready: Vec<Ready>) -> Self {
         Changed {
             touched: vec![id],
-            ready: Vec::new(),
+            ready,
         }
+    }
+
+    /// A change of the job that makes nothing ready.
+    pub fn touch(id: Uuid) -> Self {
+        Changed::new(id, Vec::new())
     }
 }
 
@@ -39,12 +44,6 @@ pub(super) async fn append_event(
     at: Timestamp,
     data: &EventData,
 ) -> anyhow::Result<()> {
-    let json = match data {
-        EventData::State(data) => serde_json::to_string(data),
-        EventData::Progress(data) => serde_json::to_string(data),
-        EventData::Log(data) => serde_json::to_string(data),
-        EventData::Done(data) => serde_json::to_string(data),
-    }?;
     let seq: i64 = sqlx::query_scalar(
         "UPDATE jobs SET last_seq = last_seq + 1 WHERE id = $1 RETURNING last_seq",
     )
@@ -56,10 +55,20 @@ pub(super) async fn append_event(
         .bind(seq)
         .bind(data.type_name())
         .bind(to_micros(at))
-        .bind(json)
+        .bind(serde_json::to_string(data)?)
         .execute(connection)
         .await?;
     Ok(())
+}
+
+pub(super) async fn append_log(
+    connection: &mut AnyConnection,
+    id: Uuid,
+    at: Timestamp,
+    message: &str,
+) -> anyhow::Result<()> {
+    let message = message.to_owned();
+    append_event(connection, id, at, &EventData::Log(LogLine { message })).await
 }
 
 /// Tells the job's present state as an event.
@@ -73,16 +82,20 @@ pub(super) async fn append_state(
         .bind(id.to_string())
         .fetch_one(&mut *connection)
         .await?;
-    append_event(
-        connection,
-        id,
-        at,
-        &EventData::State(StateChange {
-            state,
-            attempt: u32::try_from(attempt)?,
-        }),
-    )
-    .await
+    let attempt = u32::try_from(attempt)?;
+    let data = EventData::State(StateChange { state, attempt });
+    append_event(connection, id, at, &data).await
+}
+
+/// Ends a job that ended the process that ran it, too often.
+pub(super) async fn end_crashed(
+    connection: &mut AnyConnection,
+    id: Uuid,
+    at: Timestamp,
+    detail: String,
+) -> anyhow::Result<Changed> {
+    let problem = Problem::new("crashed", detail);
+    end_job(connection, id, at, JobState::Failed, Some(problem)).await
 }
 
 /// Ends a job, and with it every job that needed its result and now cannot have it.
@@ -105,11 +118,8 @@ pub(super) async fn end_job(
             continue;
         }
         for waiting in queued_dependents(connection, id).await? {
-            ended.push((
-                waiting,
-                JobState::Failed,
-                Some(dependency_failed(id, state)),
-            ));
+            let problem = dependency_failed(id, state);
+            ended.push((waiting, JobState::Failed, Some(problem)));
         }
     }
     Ok(changed)
@@ -154,13 +164,8 @@ async fn write_end(
         .execute(&mut *connection)
         .await?;
     append_state(connection, id, at, state).await?;
-    append_event(
-        connection,
-        id,
-        at,
-        &EventData::Done(JobEnd { state, error }),
-    )
-    .await
+    let data = EventData::Done(JobEnd { state, error });
+    append_event(connection, id, at, &data).await
 }
 
 async fn queued_dependents(connection: &mut AnyConnection, id: Uuid) -> anyhow::Result<Vec<Uuid>> {

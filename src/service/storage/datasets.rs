@@ -3,7 +3,7 @@
 use super::change::parse_id;
 use super::filter::DatasetFilter;
 use super::life::{ClaimedJob, NewArtifact};
-use super::page::{Cursor, Page, Paging, push_search};
+use super::page::{Cursor, Page, push_search};
 use super::statement::Statement;
 use super::{Storage, from_micros, now, to_micros};
 use crate::formats::FormatOptions;
@@ -115,14 +115,9 @@ impl Storage {
         filter: &DatasetFilter,
         after: Option<Cursor>,
     ) -> anyhow::Result<Page<DatasetInfo>> {
-        let paging = Paging {
-            sort: filter.sort,
-            limit: filter.limit,
-            after,
-            count: filter.count,
-        };
         let count = "SELECT count(*) FROM datasets WHERE ";
         let read = |row: &AnyRow| Ok(stored(row)?.info);
+        let paging = (&filter.paging, after);
         self.page((COLUMNS, count), condition(filter), paging, read)
             .await
     }

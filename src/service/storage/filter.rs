@@ -14,6 +14,17 @@ pub enum Sort {
     OldestFirst,
 }
 
+/// Which part of a list, in which order.
+#[derive(Debug, Clone, Default)]
+pub struct Paging {
+    pub sort: Sort,
+    /// 1 to 200; 0 stands for 50.
+    pub limit: u32,
+    pub cursor: Option<String>,
+    /// Count every match.
+    pub count: bool,
+}
+
 /// Which jobs to list. Empty lists and absent values do not restrict.
 #[derive(Debug, Clone, Default)]
 pub struct JobFilter {
@@ -25,12 +36,7 @@ pub struct JobFilter {
     pub created_before: Option<Timestamp>,
     /// Part of the name or the start of the id.
     pub q: Option<String>,
-    pub sort: Sort,
-    /// 1 to 200; 0 stands for 50.
-    pub limit: u32,
-    pub cursor: Option<String>,
-    /// Count every match.
-    pub count: bool,
+    pub paging: Paging,
 }
 
 /// Which datasets to list.
@@ -39,12 +45,7 @@ pub struct DatasetFilter {
     pub kinds: Vec<DatasetKind>,
     /// Part of the name or the start of the id.
     pub q: Option<String>,
-    pub sort: Sort,
-    /// 1 to 200; 0 stands for 50.
-    pub limit: u32,
-    pub cursor: Option<String>,
-    /// Count every match.
-    pub count: bool,
+    pub paging: Paging,
 }
 
 /// Labels that a list can be narrowed to at once; each costs the database a look of its own.

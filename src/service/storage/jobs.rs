@@ -1,12 +1,12 @@
 //! Rows of jobs: read, listed, renamed, canceled, deleted.
 
-use super::change::{Changed, append_event, end_job, parse_id};
+use super::change::{Changed, append_log, end_job, parse_id};
 use super::datasets::active_users;
 use super::filter::JobFilter;
-use super::page::{Cursor, Page, Paging, push_search};
+use super::page::{Cursor, Page, push_search};
 use super::statement::Statement;
 use super::{Storage, from_micros, now, to_micros};
-use crate::service::types::{EventData, Job, JobKind, JobLinks, JobState, LogLine};
+use crate::service::types::{Job, JobKind, JobLinks, JobState};
 use anyhow::Context;
 use sqlx::any::AnyRow;
 use sqlx::{AnyConnection, Row};
@@ -92,14 +92,9 @@ impl Storage {
         filter: &JobFilter,
         after: Option<Cursor>,
     ) -> anyhow::Result<Page<Job>> {
-        let paging = Paging {
-            sort: filter.sort,
-            limit: filter.limit,
-            after,
-            count: filter.count,
-        };
         let count = "SELECT count(*) FROM jobs WHERE ";
         let read = |row: &AnyRow| Ok(stored(row)?.job);
+        let paging = (&filter.paging, after);
         self.page((COLUMNS, count), condition(filter), paging, read)
             .await
     }
@@ -112,8 +107,7 @@ impl Storage {
         let mut counts: BTreeMap<JobState, u64> =
             JobState::ALL.into_iter().map(|state| (state, 0)).collect();
         for row in rows {
-            let state = JobState::from_name(row.try_get(0)?)
-                .context("a stored job has an unknown state")?;
+            let state = parse_state(row.try_get(0)?)?;
             counts.insert(state, row.try_get::<i64, _>(1)?.cast_unsigned());
         }
         Ok(counts)
@@ -145,11 +139,7 @@ impl Storage {
     pub async fn cancel(&self, id: Uuid) -> anyhow::Result<Cancellation> {
         let mut transaction = self.begin().await?;
         let at = now();
-        let state: String = sqlx::query_scalar("SELECT state FROM jobs WHERE id = $1")
-            .bind(id.to_string())
-            .fetch_one(&mut *transaction)
-            .await?;
-        let state = JobState::from_name(&state).context("a stored job has an unknown state")?;
+        let state = state_of(&mut transaction, id).await?;
         if state.is_terminal() {
             return Ok(Cancellation::AlreadyEnded(state));
         }
@@ -170,10 +160,7 @@ impl Storage {
             )
         } else {
             if asked.rows_affected() == 1 {
-                let data = EventData::Log(LogLine {
-                    message: "cancel requested".to_owned(),
-                });
-                append_event(&mut transaction, id, at, &data).await?;
+                append_log(&mut transaction, id, at, "cancel requested").await?;
             }
             Cancellation::Requested(Changed::touch(id))
         };
@@ -185,11 +172,7 @@ impl Storage {
     pub async fn delete_job(&self, id: Uuid) -> anyhow::Result<Deletion> {
         let mut transaction = self.begin().await?;
         let key = id.to_string();
-        let state: String = sqlx::query_scalar("SELECT state FROM jobs WHERE id = $1")
-            .bind(&key)
-            .fetch_one(&mut *transaction)
-            .await?;
-        let state = JobState::from_name(&state).context("a stored job has an unknown state")?;
+        let state = state_of(&mut transaction, id).await?;
         if !state.is_terminal() {
             return Ok(Deletion::StillActive(state));
         }
@@ -243,6 +226,18 @@ impl Storage {
             .await?;
         rows.iter().map(artifact).collect()
     }
+}
+
+async fn state_of(connection: &mut AnyConnection, id: Uuid) -> anyhow::Result<JobState> {
+    let state: String = sqlx::query_scalar("SELECT state FROM jobs WHERE id = $1")
+        .bind(id.to_string())
+        .fetch_one(connection)
+        .await?;
+    parse_state(&state)
+}
+
+pub(super) fn parse_state(name: &str) -> anyhow::Result<JobState> {
+    JobState::from_name(name).context("a stored job has an unknown state")
 }
 
 fn artifact(row: &AnyRow) -> anyhow::Result<StoredArtifact> {
@@ -332,8 +327,7 @@ fn push_names(
 
 fn stored(row: &AnyRow) -> anyhow::Result<StoredJob> {
     let id = parse_id(row.try_get("id")?)?;
-    let state =
-        JobState::from_name(row.try_get("state")?).context("a stored job has an unknown state")?;
+    let state = parse_state(row.try_get("state")?)?;
     let time = |column: &str| {
         row.try_get::<Option<i64>, _>(column)
             .map_err(anyhow::Error::from)?

@@ -4,7 +4,8 @@
 //! one caller, and an end only for the attempt that was claimed, so a second copy of the same work changes nothing.
 
 use super::change::{
-    Changed, append_event, append_state, end_job, parse_id, ready_job, unfinished_dependencies,
+    Changed, append_event, append_log, append_state, end_crashed, end_job, parse_id, ready_job,
+    unfinished_dependencies,
 };
 use super::chunks::recover_chunks;
 use super::database::Durability;
@@ -13,9 +14,7 @@ use super::unsynced::note_unsynced;
 use super::{Storage, now, to_micros};
 use crate::model::dataset::DatasetSummary;
 use crate::model::sensor::SensorSettings;
-use crate::service::types::{
-    EventData, JobKind, JobState, LogLine, Problem, Progress, ProgressStep,
-};
+use crate::service::types::{EventData, JobKind, JobState, Problem, Progress, ProgressStep};
 use anyhow::Context;
 use serde_json::Value;
 use sqlx::{AnyConnection, Row};
@@ -90,14 +89,7 @@ impl Storage {
             + i64::from(row.try_get::<&str, _>("state")? == "running");
         if crashes >= i64::from(crash_limit) {
             let detail = format!("the process ended {crash_limit} times while it ran this job");
-            let changed = end_job(
-                &mut transaction,
-                id,
-                at,
-                JobState::Failed,
-                Some(Problem::new("crashed", detail)),
-            )
-            .await?;
+            let changed = end_crashed(&mut transaction, id, at, detail).await?;
             transaction.commit().await?;
             return Ok(Claim::Refused(changed));
         }
@@ -155,13 +147,8 @@ impl Storage {
         if done.rows_affected() == 0 {
             return Ok(None);
         }
-        append_event(
-            &mut transaction,
-            id,
-            now(),
-            &EventData::Progress(progress.clone()),
-        )
-        .await?;
+        let data = EventData::Progress(progress.clone());
+        append_event(&mut transaction, id, now(), &data).await?;
         transaction.commit().await?;
         Ok(Some(Changed::touch(id)))
     }
@@ -190,10 +177,7 @@ impl Storage {
         requeue(&mut transaction, job.id, false).await?;
         let ready = vec![ready_job(&mut transaction, job.id).await?];
         transaction.commit().await?;
-        Ok(Some(Changed {
-            touched: vec![job.id],
-            ready,
-        }))
+        Ok(Some(Changed::new(job.id, ready)))
     }
 
     /// Puts every job and chunk that an earlier process left running back into the queue, or ends the job if it was to be canceled.
@@ -255,14 +239,8 @@ pub(super) async fn end_with(
             end_job(connection, job.id, at, JobState::Succeeded, None).await
         }
         Ending::Failed(problem) => {
-            end_job(
-                connection,
-                job.id,
-                at,
-                JobState::Failed,
-                Some(problem.clone()),
-            )
-            .await
+            let problem = Some(problem.clone());
+            end_job(connection, job.id, at, JobState::Failed, problem).await
         }
         Ending::Canceled => end_job(connection, job.id, at, JobState::Canceled, None).await,
     }
@@ -298,15 +276,7 @@ async fn requeue(connection: &mut AnyConnection, id: Uuid, crashed: bool) -> any
     } else {
         "the service stopped; queued again"
     };
-    append_event(
-        connection,
-        id,
-        at,
-        &EventData::Log(LogLine {
-            message: message.to_owned(),
-        }),
-    )
-    .await
+    append_log(connection, id, at, message).await
 }
 
 async fn insert_artifact(

@@ -28,7 +28,7 @@ pub use change::{Changed, Ready};
 pub use chunks::{Chunk, ChunkKind, ChunkResult, ClaimedChunk, NewChunk};
 pub use database::{Database, NoSweeping, Storage};
 pub use datasets::{NewDataset, StoredDataset};
-pub use filter::{DatasetFilter, JobFilter, Sort};
+pub use filter::{DatasetFilter, JobFilter, Paging, Sort};
 pub use jobs::{Cancellation, Deletion, StoredArtifact};
 pub use life::{Claim, ClaimedJob, Ending, NewArtifact};
 pub use page::{Cursor, Page};
@@ -49,3 +49,6 @@ fn now() -> Timestamp {
     let now = Timestamp::now();
     Timestamp::from_microsecond(now.as_microsecond()).unwrap_or(now)
 }
+
+#[cfg(test)]
+mod tests;

@@ -2,7 +2,7 @@
 
 use super::Storage;
 use super::change::parse_id;
-use super::filter::Sort;
+use super::filter::{Paging, Sort};
 use super::statement::Statement;
 use sqlx::Row;
 use sqlx::any::AnyRow;
@@ -54,18 +54,6 @@ impl Cursor {
     }
 }
 
-/// What a list is asked for besides what narrows it.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Paging {
-    pub sort: Sort,
-    /// 1 to 200; 0 stands for 50.
-    pub limit: u32,
-    /// The end of the page before.
-    pub after: Option<Cursor>,
-    /// Count every match.
-    pub count: bool,
-}
-
 /// Rows, or what was made of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Page<Row> {
@@ -77,12 +65,12 @@ pub struct Page<Row> {
 }
 
 impl Storage {
-    /// One page of the rows that `select` selects and `condition` narrows; `count` counts such rows.
+    /// One page of the rows that `select` selects and `condition` narrows; `count` counts such rows. `after` is the end of the page before.
     pub(super) async fn page<T>(
         &self,
         (select, count): (&'static str, &'static str),
         condition: Statement,
-        paging: Paging,
+        (paging, after): (&Paging, Option<Cursor>),
         read: impl Fn(&AnyRow) -> anyhow::Result<T>,
     ) -> anyhow::Result<Page<T>> {
         let mut total = None;
@@ -92,7 +80,7 @@ impl Storage {
         }
         let limit = row_limit(paging.limit);
         let mut query = condition.after(select);
-        push_page(&mut query, paging.sort, paging.after, limit);
+        push_page(&mut query, paging.sort, after, limit);
         let mut rows = query.query().fetch_all(&self.read).await?;
         // The surplus row means that there is a next page.
         let has_more = rows.len() > limit as usize;

@@ -1,7 +1,7 @@
 //! Several jobs side by side, on the wire.
 
-use super::campaign::Interval;
 use super::job::JobKind;
+use crate::math::stats::Interval;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 use uuid::Uuid;

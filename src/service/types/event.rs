@@ -85,7 +85,8 @@ pub struct JobEnd {
 }
 
 /// What an event says, before it has a number.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
 pub enum EventData {
     State(StateChange),
     Progress(Progress),

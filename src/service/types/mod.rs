@@ -5,30 +5,20 @@
 
 mod campaign;
 mod comparison;
-mod correlation;
 mod dataset;
-mod detection;
 mod event;
-mod grouping;
 mod job;
 mod problem;
 mod problem_help;
 mod report;
-mod taken;
-mod timing;
 mod tracking_events;
 
 pub use campaign::*;
 pub use comparison::*;
-pub use correlation::*;
 pub use dataset::*;
-pub use detection::*;
 pub use event::*;
-pub use grouping::*;
 pub use job::*;
 pub use problem::*;
 pub use problem_help::explanation;
 pub use report::*;
-pub use taken::*;
-pub use timing::*;
 pub use tracking_events::*;

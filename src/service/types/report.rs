@@ -1,14 +1,12 @@
 //! Reports on the wire. The service stores and sends a report as bytes; these types say what is in it, to the API
 //! document and to Rust programs that read one.
 
-use super::campaign::CampaignResult;
-use super::correlation::CorrelateResult;
-use super::dataset::{DatasetKind, SensorSettings};
-use super::detection::DetectionResult;
-use super::grouping::GroupResult;
-use super::taken::TakenSettings;
-use super::timing::Timing;
+use super::dataset::DatasetKind;
 use super::tracking_events::EventCounts;
+use crate::experiment::{
+    AssociateResult, Association, CampaignResult, CellTime, CorrelateResult, DetectionResult,
+    GroupResult, Input, InputRequest, SimulateResult, Source,
+};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -17,14 +15,14 @@ use uuid::Uuid;
 
 macro_rules! report {
     ($(#[$doc:meta])* $report:ident, $kind:ident::$variant:ident, $result:ty) => {
-        #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+        #[derive(Debug, Serialize, ToSchema)]
         #[serde(rename_all = "snake_case")]
         pub enum $kind {
             $variant,
         }
 
         $(#[$doc])*
-        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+        #[derive(Debug, Serialize, ToSchema)]
         pub struct $report {
             pub kind: $kind,
             pub job_id: Uuid,
@@ -79,7 +77,7 @@ report!(
 );
 
 /// The report of a job. `result` is the same, byte for byte, for the same request.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 #[serde(untagged)]
 #[expect(
     clippy::large_enum_variant,
@@ -95,135 +93,85 @@ pub enum Report {
 }
 
 /// What a job read.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct ReportInput {
     pub role: DatasetKind,
     /// `dataset` or `job`.
-    pub source: String,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub source: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<Uuid>, nullable = false)]
     pub dataset_id: Option<String>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<Uuid>, nullable = false)]
     pub job_id: Option<String>,
     pub sha256: String,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct SimulateResult {
-    pub counts: SimulationCounts,
-    pub sensors: Vec<SensorSettings>,
+impl ReportInput {
+    pub fn new(request: &InputRequest, input: &Input) -> Self {
+        let (source, dataset_id, job_id) = match &request.source {
+            Source::Dataset { dataset_id, .. } => ("dataset", Some(dataset_id.clone()), None),
+            Source::Job { job_id, .. } => ("job", None, Some(job_id.clone())),
+        };
+        ReportInput {
+            role: request.role,
+            source,
+            dataset_id,
+            job_id,
+            sha256: input.sha256.clone(),
+        }
+    }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-pub struct SimulationCounts {
-    pub sensors: u64,
-    pub scans: u64,
-    pub targets: u64,
-    pub detections: u64,
-    /// Detections that no target made.
-    pub clutter: u64,
-    /// Cells of the bearing-time record that was made instead of detections; then its times are the scans.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub cells: Option<u64>,
+/// Seconds that each step computed.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, ToSchema)]
+pub struct Timing {
+    pub load_s: f64,
+    pub simulate_s: f64,
+    pub detect_s: f64,
+    pub associate_s: f64,
+    pub correlate_s: f64,
+    pub evaluate_s: f64,
+    pub total_s: f64,
+    /// Of a campaign.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub cells: Vec<CellTime>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct AssociateResult {
-    /// Where the input was a bearing-time record.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub detection: Option<DetectionResult>,
-    pub association: Association,
-}
-
-/// What the tracker made.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct Association {
-    /// The associator.
-    pub method: String,
-    pub counts: AssociationCounts,
-    pub nis: Nis,
-    pub sensors: Vec<SensorSettings>,
-    /// Tracks that were confirmed.
-    pub tracks: Vec<TrackLine>,
-    /// What the associator says of its own work; each has its own fields.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false, value_type = Object)]
-    pub diagnostics: Option<Value>,
-    /// What the request left open and was taken from the scene or the data; absent where it left nothing open.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(nullable = false)]
-    pub taken: Option<TakenSettings>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-pub struct AssociationCounts {
-    pub scans: u64,
-    pub detections: u64,
-    /// Tracks ever started, tentative ones counted too.
-    pub started_tracks: u64,
-    pub tracks: u64,
-    pub track_points: u64,
-    /// Track points that were given a detection.
-    pub associated_detections: u64,
-}
-
-/// Normalised innovation squared of the updates of confirmed tracks: near `dimensions` on average when the filter's
-/// covariances are honest.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct Nis {
-    /// `null` when no confirmed track was updated.
-    pub mean: Option<f64>,
-    pub updates: u64,
-    /// Values of one measurement.
-    pub dimensions: u64,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct TrackLine {
-    pub track_id: String,
-    pub start_time_s: Option<f64>,
-    pub end_time_s: Option<f64>,
-    pub points: u64,
-    pub detections: u64,
-}
-
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 pub struct EvaluateResult {
     /// Where the input was a bearing-time record.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub detection: Option<DetectionResult>,
     /// Absent where the job judged tracks that it did not make.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub association: Option<Association>,
     /// Absent where only metrics were asked for.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub tfa: Option<Tfa>,
     /// By name, over all sequences together. Absent where no metric was asked for or no truth was found.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub metrics: Option<BTreeMap<String, MetricReport>>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub events: Option<EventCounts>,
     /// Each sequence alone, where there are several.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub sequences: Option<Vec<SequenceMetrics>>,
 }
 
 /// What a metric says. Its values over time, and those of each target and each track, are in the job's files.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 pub struct MetricReport {
     /// The headline; null with a reason where undefined.
     pub value: Option<f64>,
     pub unit: String,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub reason: Option<String>,
     pub higher_is_better: bool,
@@ -233,62 +181,62 @@ pub struct MetricReport {
     /// Everything it says in numbers, by name; the headline too.
     pub quantities: BTreeMap<String, Quantity>,
     /// How its numbers are made of the rows of the job's files; of the metrics over everything.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub from: Option<Vec<NumberOrigin>>,
     /// Values over another axis than time.
     pub curves: Vec<Curve>,
     /// What it says besides numbers, target by target; only of metrics that have it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Object, nullable = false)]
     pub findings: Option<Value>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 pub struct Quantity {
     pub value: Option<f64>,
     pub unit: String,
     /// Why there is no value.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub reason: Option<String>,
 }
 
 /// How a number is made: a statistic of rows of a `file`, or of other numbers of the metric (`over`, `under`).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 pub struct NumberOrigin {
     /// One of the quantities, or a step on the way to them; `series.x` is over time, `curves.x` along a curve.
     pub quantity: String,
     pub statistic: String,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub file: Option<String>,
     /// Of the file: the rows in which it is filled.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub column: Option<String>,
     /// The values that a column of the rows must have.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub filter: Option<BTreeMap<String, Vec<String>>>,
     /// Numbers that are added; those after `-` are subtracted.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub over: Option<Vec<String>>,
     /// Their sum is what is divided by.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub under: Option<Vec<String>>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub factor: Option<f64>,
     /// The order of the root that is taken.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
     pub root: Option<f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 pub struct Curve {
     pub name: String,
     pub unit: String,
@@ -298,14 +246,14 @@ pub struct Curve {
     pub values: Vec<Option<f64>>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 pub struct SequenceMetrics {
     pub name: String,
     pub metrics: BTreeMap<String, MetricReport>,
 }
 
 /// The verdicts of the temporal automaton.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 pub struct Tfa {
     pub parameters: TfaParameters,
     pub counts: TfaCounts,
@@ -329,7 +277,7 @@ pub struct Tfa {
     pub warnings: Vec<String>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 pub struct TfaParameters {
     /// `detection_id`, `nearest_detection` or `nearest_truth`.
     pub symbols: String,
@@ -346,7 +294,7 @@ pub struct TfaParameters {
     pub search: String,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 pub struct TfaCounts {
     pub targets: u64,
     pub output_tracks: u64,
@@ -362,21 +310,21 @@ pub struct TfaCounts {
 }
 
 /// The automaton as built, and determinised and minimised where that was asked for and was not too large.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 pub struct TfaAutomaton {
     pub states: u64,
     pub transitions: u64,
     pub minimised: Option<TfaAutomatonSize>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 pub struct TfaAutomatonSize {
     pub states: u64,
     pub transitions: u64,
 }
 
 /// Targets that are correct when up to `k` errors are forgiven, and what part of the output tracks they are.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 pub struct TfaTolerance {
     pub k: u64,
     pub correct: u64,
@@ -384,7 +332,7 @@ pub struct TfaTolerance {
 }
 
 /// Correct targets by output tracks; missed and false targets by targets. Null over zero.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 pub struct TfaProbability {
     pub correct: Option<f64>,
     pub missed: Option<f64>,
@@ -392,13 +340,13 @@ pub struct TfaProbability {
     pub wrong: Option<f64>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 pub struct TfaRatios {
     pub correct_per_target: Option<f64>,
     pub output_tracks_per_target: Option<f64>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TfaVerdict {
     Correct,
@@ -406,7 +354,7 @@ pub enum TfaVerdict {
     False,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TfaTookKind {
     Clutter,
@@ -416,7 +364,7 @@ pub enum TfaTookKind {
 }
 
 /// The verdict on one target, with the record of its first error.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 pub struct TfaTarget {
     pub truth_id: String,
     pub verdict: TfaVerdict,
@@ -444,7 +392,7 @@ pub struct TfaTarget {
     pub matched_track_id: Option<String>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TfaTrackClass {
     Matched,
@@ -452,7 +400,7 @@ pub enum TfaTrackClass {
     False,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 pub struct TfaOutputTrack {
     pub track_id: String,
     /// Which string of the track, from 1.
@@ -466,14 +414,14 @@ pub struct TfaOutputTrack {
     pub errors: Option<u64>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TfaViolationKind {
     DetectionSharedByTracks,
     SeveralDetectionsInTrack,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 pub struct TfaViolation {
     pub kind: TfaViolationKind,
     pub scan: u32,
@@ -482,7 +430,7 @@ pub struct TfaViolation {
     pub track_ids: Vec<String>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 pub struct TfaUnknownDetection {
     pub track_id: String,
     pub scan: u32,

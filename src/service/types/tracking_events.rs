@@ -1,11 +1,11 @@
 //! What happened to targets and tracks, as the report of an evaluation counts it.
 
 pub use crate::evaluation::breaks::{Break as TrackBreak, BreakCause};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use utoipa::ToSchema;
 
 /// How often each kind of event occurred; the events themselves are in the file `events.csv`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 pub struct EventCounts {
     pub counts: EventKindCounts,
     /// Why tracks broke; the first thousand.
@@ -16,7 +16,7 @@ pub struct EventCounts {
     pub track_points: u64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[derive(Debug, Serialize, ToSchema)]
 pub struct EventKindCounts {
     #[serde(rename = "match")]
     pub matched: u64,

@@ -199,17 +199,10 @@ fn track_rows<'a>(set: &'a TrackSet, window: &Window) -> Vec<Row<'a>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::{ReadOptions, format_named};
     use crate::model::dataset::Dataset;
     use crate::model::sensor::SensorSettings;
     use crate::service::views::plan;
-
-    fn read(text: &str) -> Dataset {
-        let csv = format_named("csv").unwrap();
-        (csv.read)(&mut text.as_bytes(), &ReadOptions::default())
-            .unwrap()
-            .dataset
-    }
+    use crate::service::views::tests::{everything, read};
 
     fn layers(truth: &str) -> JobLayers {
         let Dataset::Truth(truth) = read(truth) else {
@@ -238,18 +231,11 @@ mod tests {
         }
     }
 
-    fn window() -> Window {
-        Window {
-            max_points: 100,
-            ..Window::default()
-        }
-    }
-
     #[test]
     fn bearings_of_all_layers_are_rows_and_places_are_seen_from_the_sensor() {
         let columns = of(
             &layers("time_s,truth_id,x_m,y_m\n0,a,10,1000\n1,a,-90,20\n"),
-            &window(),
+            &everything(),
         )
         .columns;
         use BearingLayer::{Detection, Track, Truth};
@@ -280,7 +266,10 @@ mod tests {
 
     #[test]
     fn a_plan_of_directions_is_empty_and_says_why() {
-        let plan = plan::of(&layers("time_s,truth_id,bearing_deg\n0,a,359\n"), &window());
+        let plan = plan::of(
+            &layers("time_s,truth_id,bearing_deg\n0,a,359\n"),
+            &everything(),
+        );
         assert_eq!(
             (
                 plan.tracks.returned_points,

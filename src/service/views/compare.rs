@@ -3,8 +3,8 @@
 use super::metrics::MetricTable;
 use crate::math::stats;
 use crate::service::types::{
-    ComparedJob, ComparedNumber, ComparedVerdicts, Comparison, Interval, PairedDifference,
-    PairedNumber, PairedOver, RequestDifference,
+    ComparedJob, ComparedNumber, ComparedVerdicts, Comparison, PairedDifference, PairedNumber,
+    PairedOver, RequestDifference,
 };
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -222,13 +222,11 @@ fn difference(
     } else {
         pairs.clone()
     };
-    let interval = stats::t_interval(&values, confidence)
-        .map(|stats::Interval { low, high }| Interval { low, high });
     let count = |is_one: fn(&f64) -> bool| pairs.iter().filter(|pair| is_one(pair)).count() as u64;
     Some(PairedDifference {
         pairs: pairs.len() as u64,
         mean: stats::mean(&pairs)?,
-        interval,
+        interval: stats::t_interval(&values, confidence),
         smaller: count(|pair| *pair < 0.0),
         larger: count(|pair| *pair > 0.0),
     })

@@ -130,6 +130,7 @@ pub fn over_time(table: &MetricTable, window: &Window) -> MetricsSeries {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::service::views::tests::everything;
 
     #[test]
     fn the_file_becomes_columns_with_units_and_holes() {
@@ -139,8 +140,7 @@ mod tests {
             &table,
             &Window {
                 from_s: Some(0.5),
-                max_points: 10,
-                ..Window::default()
+                ..everything()
             },
         );
         assert_eq!(series.columns.time_s, [1.0]);
@@ -150,10 +150,7 @@ mod tests {
         assert_eq!(series.units["gospa.gospa"], "m");
         let plain = over_time(
             &MetricTable::read(b"time_s,x\n4,2\n").unwrap(),
-            &Window {
-                max_points: 10,
-                ..Window::default()
-            },
+            &everything(),
         );
         assert_eq!(
             (plain.columns.sequence, plain.columns.time_s),

@@ -95,3 +95,6 @@ fn place(measurement: Measurement, sensor_m: (f64, f64)) -> Option<(f64, f64)> {
         Measurement::Bearing { .. } => None,
     }
 }
+
+#[cfg(test)]
+mod tests;

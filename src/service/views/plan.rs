@@ -310,16 +310,9 @@ fn track_layer(set: &TrackSet, window: &Window, extent: &mut Extent) -> TrackLay
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::{ReadOptions, format_named};
     use crate::model::dataset::Dataset;
     use crate::model::sensor;
-
-    fn read(text: &str) -> Dataset {
-        let csv = format_named("csv").unwrap();
-        (csv.read)(&mut text.as_bytes(), &ReadOptions::default())
-            .unwrap()
-            .dataset
-    }
+    use crate::service::views::tests::{everything, read};
 
     fn layers() -> JobLayers {
         let polar = "time_s,scan,sensor_id,detection_id,range_m,bearing_deg\n0,1,s,d1,100,90\n2,2,s,d2,50,0\n";
@@ -345,13 +338,7 @@ mod tests {
 
     #[test]
     fn a_range_and_a_bearing_are_placed_from_the_sensor() {
-        let plan = of(
-            &layers(),
-            &Window {
-                max_points: 10,
-                ..Window::default()
-            },
-        );
+        let plan = of(&layers(), &everything());
         let DetectionColumns { x_m, y_m, .. } = plan.detections.columns;
         let placed: Vec<(f64, f64)> = x_m
             .into_iter()
@@ -385,15 +372,7 @@ mod tests {
 
     #[test]
     fn a_track_point_shows_its_most_probable_candidate() {
-        let columns = of(
-            &layers(),
-            &Window {
-                max_points: 10,
-                ..Window::default()
-            },
-        )
-        .tracks
-        .columns;
+        let columns = of(&layers(), &everything()).tracks.columns;
         assert_eq!(columns.detection_id, [None]);
         assert_eq!(columns.probability, [Some(0.75)]);
         assert_eq!(columns.vx_mps, [None]);
@@ -403,16 +382,14 @@ mod tests {
     fn a_window_leaves_out_what_is_outside() {
         let window = Window {
             from_s: Some(1.0),
-            max_points: 10,
-            ..Window::default()
+            ..everything()
         };
         let plan = of(&layers(), &window);
         assert_eq!(plan.detections.columns.detection_id, ["d2"]);
         assert_eq!(plan.tracks.source_points, 0);
         let other = Window {
             track_id: Some("u".to_owned()),
-            max_points: 10,
-            ..Window::default()
+            ..everything()
         };
         assert_eq!(of(&layers(), &other).tracks.source_points, 0);
     }

@@ -123,14 +123,7 @@ fn head_of_tracks(set: &TrackSet, limit: usize) -> TrackSet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::{ReadOptions, format_named};
-
-    fn read(text: &str) -> Dataset {
-        let csv = format_named("csv").unwrap();
-        (csv.read)(&mut text.as_bytes(), &ReadOptions::default())
-            .unwrap()
-            .dataset
-    }
+    use crate::service::views::tests::read;
 
     #[test]
     fn the_first_rows_are_shown_and_all_are_counted() {

@@ -244,15 +244,8 @@ fn seconds() -> BTreeMap<String, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::{ReadOptions, format_named};
     use crate::model::dataset::Dataset;
-
-    fn read(text: &str) -> Dataset {
-        let csv = format_named("csv").unwrap();
-        (csv.read)(&mut text.as_bytes(), &ReadOptions::default())
-            .unwrap()
-            .dataset
-    }
+    use crate::service::views::tests::{everything, read};
 
     fn layers() -> JobLayers {
         let detections = "time_s,scan,sensor_id,detection_id,x_m,y_m\n0,1,a,d1,0,0\n0,2,b,d2,0,0\n2,3,a,d3,0,0\n2,3,a,d4,0,0\n";
@@ -271,16 +264,9 @@ mod tests {
         }
     }
 
-    fn window() -> Window {
-        Window {
-            max_points: 100,
-            ..Window::default()
-        }
-    }
-
     #[test]
     fn every_candidate_is_a_row_with_its_scan() {
-        let columns = track_probability(&layers(), &window()).columns;
+        let columns = track_probability(&layers(), &everything()).columns;
         assert_eq!(columns.time_s, [0.0, 2.0, 2.0, 2.0]);
         assert_eq!(columns.scan, [Some(1), Some(3), Some(3), Some(3)]);
         assert_eq!(columns.probability, [1.0, 0.5, 0.5, 1.0]);
@@ -297,7 +283,7 @@ mod tests {
 
     #[test]
     fn a_scan_counts_the_tracks_of_its_sensor() {
-        let columns = scan_counts(&layers(), &window()).columns;
+        let columns = scan_counts(&layers(), &everything()).columns;
         assert_eq!(columns.sensor_id, ["a", "b", "a"]);
         assert_eq!(columns.detections, [1, 1, 2]);
         assert_eq!(columns.tracks, [1, 0, 2]);

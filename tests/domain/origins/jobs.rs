@@ -47,7 +47,7 @@ impl Texts {
     ) -> Result<Outcome, RunError> {
         let plan = plan(kind, body)?;
         let mut inputs = Vec::new();
-        for input in plan.inputs() {
+        for input in &plan.inputs {
             let Source::Dataset { dataset_id, .. } = &input.source else {
                 panic!("no job is named")
             };

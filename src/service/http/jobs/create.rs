@@ -5,8 +5,10 @@ use super::super::conditional::created;
 use super::super::headers::{idempotency_key, note_replay, note_wait, patience, preferred_wait};
 use super::super::query::NoParams;
 use super::super::state::AppState;
+use crate::experiment::Cost;
 use crate::experiment::job_shape::take_kind;
 use crate::model::fault::Fault;
+use crate::registry::placed;
 use crate::service::http::error::{ApiError, ApiResult};
 use crate::service::types::{FaultItem, Job, JobKind};
 use axum::Json;
@@ -161,16 +163,7 @@ struct ValidationResult {
     /// Absent where there are errors.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schema(nullable = false)]
-    estimate: Option<CostEstimate>,
-}
-
-/// What a job will roughly cost.
-#[derive(Serialize, ToSchema)]
-struct CostEstimate {
-    /// Detections that a simulation will make, or that are known to be in the data.
-    detections: u64,
-    cost_s: f64,
-    bytes: u64,
+    estimate: Option<Cost>,
 }
 
 /// Check a job without queueing it
@@ -186,17 +179,12 @@ async fn validate_job(
 ) -> ApiResult {
     let (kind, body) = read_job(body)?;
     let found = app.jobs.validate(kind, body).await?;
-    let estimate = found.estimate.map(|estimate| CostEstimate {
-        detections: estimate.detections,
-        cost_s: estimate.cost_s,
-        bytes: estimate.bytes,
-    });
     let errors: Vec<FaultItem> = found.faults.into_iter().map(FaultItem::from).collect();
     let result = ValidationResult {
         valid: errors.is_empty(),
         errors,
         warnings: found.warnings,
-        estimate,
+        estimate: found.estimate,
     };
     Ok::<Response, ApiError>(Json(result).into_response())
 }
@@ -227,14 +215,6 @@ fn read_job(mut job: Value) -> Result<(JobKind, Value), ApiError> {
     let Some(kind) = kind.filter(|_| faults.is_empty()) else {
         return Err(ApiError::validation(faults));
     };
-    kind_of(&mut spec, Some(kind))
-        .map_err(|found| ApiError::validation(found.into_iter().map(inside_spec).collect()))?;
+    kind_of(&mut spec, Some(kind)).map_err(|found| ApiError::validation(placed("/spec", found)))?;
     Ok((kind, spec))
-}
-
-fn inside_spec(fault: Fault) -> Fault {
-    Fault {
-        pointer: format!("/spec{}", fault.pointer),
-        ..fault
-    }
 }

@@ -1,21 +1,18 @@
 //! Changing what has been asked for: name and labels, cancel, rerun, delete.
 
 use super::super::body::{JsonBody, checked};
-use super::super::extract::Id;
+use super::super::extract::{Id, Question};
 use super::super::headers::preferred_wait;
 use super::super::query::NoParams;
 use super::super::state::AppState;
 use super::create::answer;
-use crate::registry::{Kind, Object, optional};
 use crate::service::http::error::ApiResult;
-use crate::service::jobs::JobPatch;
+use crate::service::jobs::{JOB_PATCH, JobPatch};
 use crate::service::types::Job;
 use axum::Json;
 use axum::extract::State;
-use axum::http::{HeaderMap, StatusCode};
+use axum::http::StatusCode;
 use axum::response::IntoResponse;
-use serde::Deserialize;
-use std::collections::BTreeMap;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -24,33 +21,6 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(update_job, delete_job))
         .routes(routes!(cancel_job))
         .routes(routes!(rerun_job))
-}
-
-/// What can be changed of a job.
-pub static PATCH: Object = Object {
-    name: "JobPatch",
-    summary: "What to change of a job; absent members stay.",
-    fields: &[
-        optional(
-            "name",
-            "The name from now on; an empty one removes it.",
-            Kind::Text { max_length: 100 },
-        ),
-        optional(
-            "labels",
-            "All labels from now on.",
-            Kind::TextMap {
-                max_entries: 32,
-                max_length: 100,
-            },
-        ),
-    ],
-};
-
-#[derive(Deserialize)]
-struct Patch {
-    name: Option<String>,
-    labels: Option<BTreeMap<String, String>>,
 }
 
 /// Rename or label a job
@@ -65,8 +35,8 @@ async fn update_job(
     _: NoParams,
     JsonBody(body): JsonBody,
 ) -> ApiResult {
-    let Patch { name, labels } = checked(&body, &PATCH, "")?;
-    Ok(Json(app.jobs.patch(id, JobPatch { name, labels }).await?).into_response())
+    let patch: JobPatch = checked(&body, &JOB_PATCH, "")?;
+    Ok(Json(app.jobs.patch(id, patch).await?).into_response())
 }
 
 /// Delete a job
@@ -102,12 +72,8 @@ async fn cancel_job(State(app): State<AppState>, Id(id): Id, _: NoParams) -> Api
         (status = 200, description = "The new job, ended within the wait that was asked for.", body = Job),
         (status = 202, description = "The new job, queued.", body = Job),
     ))]
-async fn rerun_job(
-    State(app): State<AppState>,
-    Id(id): Id,
-    _: NoParams,
-    headers: HeaderMap,
-) -> ApiResult {
+async fn rerun_job(asked: Question) -> ApiResult {
+    let (State(app), Id(id), _, headers) = asked;
     let wait_s = preferred_wait(&headers)?;
     let job = app.jobs.rerun(id).await?;
     answer(&app, job, wait_s).await

@@ -1,17 +1,14 @@
 //! Finding jobs.
 
 use super::super::conditional;
-use super::super::datasets::{limit, sort, with_next};
-use super::super::extract::Id;
-use super::super::query::{NoParams, Params, names};
+use super::super::datasets::{paging, with_next};
+use super::super::extract::{Id, Question};
+use super::super::query::{Params, names};
 use super::super::state::AppState;
 use crate::service::http::error::ApiResult;
 use crate::service::jobs::JobFilter;
 use crate::service::types::{Job, JobKind, JobPage, JobSpec, JobState};
-use axum::Json;
 use axum::extract::State;
-use axum::http::HeaderMap;
-use axum::response::IntoResponse;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -55,21 +52,13 @@ async fn list_jobs(State(app): State<AppState>, mut params: Params) -> ApiResult
         created_after: params.timestamp("created_after"),
         created_before: params.timestamp("created_before"),
         q: params.text("q"),
-        sort: sort(&mut params),
-        limit: limit(&mut params),
-        cursor: params.text("cursor"),
-        count: params.flag("count"),
+        paging: paging(&mut params),
     };
     params.add(filter.faults());
     let next = params.next_page();
     params.finish()?;
     let page = app.jobs.list(filter).await?;
-    Ok(with_next(
-        "/v1/jobs",
-        &next,
-        page.next_cursor.as_deref(),
-        Json(&page).into_response(),
-    ))
+    Ok(with_next("/v1/jobs", &next, &page, &page.next_cursor))
 }
 
 /// Get a job
@@ -78,12 +67,8 @@ async fn list_jobs(State(app): State<AppState>, mut params: Params) -> ApiResult
 #[utoipa::path(get, path = "/v1/jobs/{id}", operation_id = "getJob", tag = "jobs",
     params(("id" = uuid::Uuid, Path, description = "Identity of the job.")),
     responses((status = 200, description = "The job.", body = Job)))]
-async fn get_job(
-    State(app): State<AppState>,
-    Id(id): Id,
-    _: NoParams,
-    headers: HeaderMap,
-) -> ApiResult {
+async fn get_job(asked: Question) -> ApiResult {
+    let (State(app), Id(id), _, headers) = asked;
     conditional::weakly_tagged(&headers, &app.jobs.get(id).await?)
 }
 
@@ -93,11 +78,7 @@ async fn get_job(
 #[utoipa::path(get, path = "/v1/jobs/{id}/spec", operation_id = "getJobSpec", tag = "jobs",
     params(("id" = uuid::Uuid, Path, description = "Identity of the job.")),
     responses((status = 200, description = "The request.", body = JobSpec)))]
-async fn get_job_spec(
-    State(app): State<AppState>,
-    Id(id): Id,
-    _: NoParams,
-    headers: HeaderMap,
-) -> ApiResult {
+async fn get_job_spec(asked: Question) -> ApiResult {
+    let (State(app), Id(id), _, headers) = asked;
     conditional::weakly_tagged(&headers, &app.jobs.spec(id).await?)
 }

@@ -7,8 +7,6 @@ mod list;
 mod pictures;
 mod results;
 
-pub use life::PATCH;
-
 use super::state::AppState;
 use utoipa_axum::router::OpenApiRouter;
 

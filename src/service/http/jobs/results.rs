@@ -1,7 +1,7 @@
 //! What a job found: its report and its files.
 
 use super::super::conditional;
-use super::super::extract::{Id, IdAndName};
+use super::super::extract::{Id, IdAndName, Question};
 use super::super::query::NoParams;
 use super::super::state::{AppState, FileContent};
 use crate::service::http::error::ApiResult;
@@ -28,12 +28,8 @@ pub fn routes() -> OpenApiRouter<AppState> {
 #[utoipa::path(get, path = "/v1/jobs/{id}/report", operation_id = "getJobReport", tag = "results",
     params(("id" = uuid::Uuid, Path, description = "Identity of the job.")),
     responses((status = 200, description = "The report.", body = Report)))]
-async fn get_job_report(
-    State(app): State<AppState>,
-    Id(id): Id,
-    _: NoParams,
-    headers: HeaderMap,
-) -> ApiResult {
+async fn get_job_report(asked: Question) -> ApiResult {
+    let (State(app), Id(id), _, headers) = asked;
     conditional::stored(&headers, app.jobs.report(id).await?, false).await
 }
 
@@ -44,12 +40,8 @@ async fn get_job_report(
 #[utoipa::path(get, path = "/v1/jobs/{id}/cells", operation_id = "getCampaignCells", tag = "results",
     params(("id" = uuid::Uuid, Path, description = "Identity of the job.")),
     responses((status = 200, description = "The cells.", body = CampaignSoFar)))]
-async fn get_campaign_cells(
-    State(app): State<AppState>,
-    Id(id): Id,
-    _: NoParams,
-    headers: HeaderMap,
-) -> ApiResult {
+async fn get_campaign_cells(asked: Question) -> ApiResult {
+    let (State(app), Id(id), _, headers) = asked;
     conditional::weakly_tagged(&headers, &app.jobs.cells(id).await?)
 }
 

@@ -129,10 +129,7 @@ impl Storage {
         let items: Vec<Range<u64>> = (taken == 0).then_some(0..runs_total).into_iter().collect();
         let ready = vec![add_chunk(&mut transaction, job.id, kind, &items).await?];
         transaction.commit().await?;
-        Ok(Some(Changed {
-            touched: vec![job.id],
-            ready,
-        }))
+        Ok(Some(Changed::new(job.id, ready)))
     }
 
     /// Takes a queued chunk, unless `crash_limit` processes have already died of it. `entry` is as in [`Storage::claim`].
@@ -261,10 +258,7 @@ impl Storage {
             }
         }
         transaction.commit().await?;
-        Ok(Some(Changed {
-            touched: vec![job_id],
-            ready,
-        }))
+        Ok(Some(Changed::new(job_id, ready)))
     }
 
     /// Hands the claimed attempt back to the queue, because the service stops.

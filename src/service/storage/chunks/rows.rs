@@ -2,14 +2,12 @@
 
 use super::{ChunkKind, ClaimedChunk, NewChunk};
 use crate::service::storage::change::{
-    Changed, Ready, append_event, append_state, end_job, parse_id, priority_of,
+    Changed, Ready, append_event, append_log, append_state, end_crashed, parse_id, priority_of,
 };
 use crate::service::storage::life::ClaimedJob;
 use crate::service::storage::statement::Statement;
 use crate::service::storage::{from_micros, now, to_micros};
-use crate::service::types::{
-    EventData, JobKind, JobState, LogLine, Problem, Progress, ProgressStep,
-};
+use crate::service::types::{EventData, JobKind, JobState, Progress, ProgressStep};
 use jiff::Timestamp;
 use serde_json::Value;
 use sqlx::{AnyConnection, Row};
@@ -53,7 +51,7 @@ pub(super) async fn take_over(connection: &mut AnyConnection, id: Uuid) -> anyho
             .fetch_one(&mut *connection)
             .await?;
         let message = format!("{runs} runs are taken over from job {earlier}");
-        append_event(connection, id, now(), &EventData::Log(LogLine { message })).await?;
+        append_log(connection, id, now(), &message).await?;
     }
     Ok(taken)
 }
@@ -120,14 +118,8 @@ pub(super) async fn add_chunk(
     items: &[Range<u64>],
 ) -> anyhow::Result<Ready> {
     let number = next_number(connection, job_id).await?;
-    insert_chunks(
-        connection,
-        job_id,
-        number,
-        kind,
-        &[NewChunk(items.to_vec())],
-    )
-    .await?;
+    let chunk = NewChunk(items.to_vec());
+    insert_chunks(connection, job_id, number, kind, &[chunk]).await?;
     ready_chunk(connection, job_id, number).await
 }
 
@@ -173,19 +165,10 @@ pub(super) async fn give_up(
         let detail = format!(
             "the process ended {crash_limit} times while it put the runs of the campaign together"
         );
-        return end_job(
-            connection,
-            job_id,
-            now(),
-            JobState::Failed,
-            Some(Problem::new("crashed", detail)),
-        )
-        .await;
+        return end_crashed(connection, job_id, now(), detail).await;
     }
-    Ok(Changed {
-        touched: vec![job_id],
-        ready: look_if_all_done(connection, job_id).await?,
-    })
+    let ready = look_if_all_done(connection, job_id).await?;
+    Ok(Changed::new(job_id, ready))
 }
 
 /// Whether the attempt is still running, and its campaign too.
@@ -328,9 +311,8 @@ pub(in crate::service::storage) async fn recover_chunks(
         let id = parse_id(row.try_get("job_id")?)?;
         append_state(connection, id, now(), JobState::Running).await?;
         let message =
-            "the process ended while it ran the campaign; its unfinished runs are queued again"
-                .to_owned();
-        append_event(connection, id, now(), &EventData::Log(LogLine { message })).await?;
+            "the process ended while it ran the campaign; its unfinished runs are queued again";
+        append_log(connection, id, now(), message).await?;
     }
     Ok(())
 }

@@ -6,32 +6,14 @@
 
 use super::*;
 use crate::service::storage::change::parse_id;
-use crate::service::storage::{Admission, Cancellation, Claim, Database, NewJob};
-use crate::service::types::{JobKind, JobState};
-
-async fn storage() -> (Storage, tempfile::TempDir) {
-    let directory = tempfile::tempdir().unwrap();
-    (
-        Storage::open(&Database::Sqlite(directory.path().join("app.db")))
-            .await
-            .unwrap(),
-        directory,
-    )
-}
+use crate::service::storage::tests::{new_job, storage};
+use crate::service::storage::{Admission, Cancellation, Claim, NewJob};
+use crate::service::types::{Job, JobKind, JobState};
 
 async fn admitted(storage: &Storage, rerun_of: Option<Uuid>) -> Uuid {
     let new = NewJob {
-        kind: JobKind::Campaign,
-        name: None,
-        labels: Default::default(),
-        spec: "{}".into(),
-        spec_sha256: "x".into(),
-        seed: 1,
-        priority: 40,
-        engine_version: "0",
-        sources: Vec::new(),
         rerun_of,
-        idempotency: None,
+        ..new_job(JobKind::Campaign, 40)
     };
     let Admission::Admitted(id, _) = storage.admit(&new, 100).await.unwrap() else {
         panic!("it is not admitted")
@@ -54,6 +36,16 @@ async fn claimed(storage: &Storage, id: Uuid, number: u32, entry: Uuid) -> Optio
         Chunk::Run(chunk) => Some(chunk),
         _ => None,
     }
+}
+
+/// What is ready when the chunk has ended.
+async fn finished(storage: &Storage, chunk: &ClaimedChunk, result: &ChunkResult) -> Vec<Ready> {
+    let changed = storage.finish_chunk(chunk, result).await.unwrap();
+    changed.unwrap().ready
+}
+
+async fn job_of(storage: &Storage, id: Uuid) -> Job {
+    storage.job(id).await.unwrap().unwrap().job
 }
 
 async fn pieces(storage: &Storage, id: Uuid) -> Vec<String> {
@@ -87,15 +79,7 @@ async fn cut(storage: &Storage, id: Uuid) {
         (pilot.kind, pilot.outcomes.as_deref(), &pilot.items),
         (ChunkKind::Pilot, None, &vec![0..10])
     );
-    assert_eq!(
-        storage
-            .finish_chunk(&pilot, &piece(3))
-            .await
-            .unwrap()
-            .unwrap()
-            .ready,
-        ready(id, &[1])
-    );
+    assert_eq!(finished(storage, &pilot, &piece(3)).await, ready(id, &[1]));
     let look = claimed(storage, id, 1, entry).await.unwrap();
     assert_eq!(
         (look.kind, look.outcomes.as_deref(), look.runs_done),
@@ -105,15 +89,7 @@ async fn cut(storage: &Storage, id: Uuid) {
         chunks: vec![NewChunk(vec![3..7]), NewChunk(vec![7..10])],
         runs_total: 10,
     };
-    assert_eq!(
-        storage
-            .finish_chunk(&look, &more)
-            .await
-            .unwrap()
-            .unwrap()
-            .ready,
-        ready(id, &[2, 3])
-    );
+    assert_eq!(finished(storage, &look, &more).await, ready(id, &[2, 3]));
 }
 
 #[tokio::test]
@@ -125,34 +101,14 @@ async fn a_campaign_goes_from_its_pilot_over_looks_to_its_end() {
     let two = claimed(&storage, id, 2, Uuid::now_v7()).await.unwrap();
     let three = claimed(&storage, id, 3, Uuid::now_v7()).await.unwrap();
     assert_eq!((&two.items, &three.items), (&vec![3..7], &vec![7..10]));
-    assert_eq!(
-        storage
-            .finish_chunk(&three, &piece(3))
-            .await
-            .unwrap()
-            .unwrap()
-            .ready,
-        []
-    );
-    let progress = storage
-        .job(id)
-        .await
-        .unwrap()
-        .unwrap()
-        .job
-        .progress
-        .unwrap();
+    assert_eq!(finished(&storage, &three, &piece(3)).await, []);
+    let progress = job_of(&storage, id).await.progress.unwrap();
     assert_eq!(
         (progress.done, progress.total, progress.fraction),
         (6, 10, 0.6)
     );
     assert_eq!(
-        storage
-            .finish_chunk(&two, &piece(4))
-            .await
-            .unwrap()
-            .unwrap()
-            .ready,
+        finished(&storage, &two, &piece(4)).await,
         ready(id, &[4]),
         "the last one calls for a look"
     );
@@ -165,15 +121,8 @@ async fn a_campaign_goes_from_its_pilot_over_looks_to_its_end() {
         artifacts: Vec::new(),
         warnings: Vec::new(),
     };
-    storage
-        .finish_chunk(&look, &ChunkResult::Ended(ending))
-        .await
-        .unwrap()
-        .unwrap();
-    assert_eq!(
-        storage.job(id).await.unwrap().unwrap().job.state,
-        JobState::Succeeded
-    );
+    finished(&storage, &look, &ChunkResult::Ended(ending)).await;
+    assert_eq!(job_of(&storage, id).await.state, JobState::Succeeded);
     assert!(
         pieces(&storage, id).await.is_empty(),
         "its runs are in its files"
@@ -234,18 +183,7 @@ async fn of_many_who_claim_a_chunk_one_gets_it_and_only_its_result_counts() {
         "it has ended"
     );
     assert_eq!(storage.release_chunk(&second).await.unwrap(), None);
-    assert_eq!(
-        storage
-            .job(id)
-            .await
-            .unwrap()
-            .unwrap()
-            .job
-            .progress
-            .unwrap()
-            .done,
-        5
-    );
+    assert_eq!(job_of(&storage, id).await.progress.unwrap().done, 5);
 }
 
 #[tokio::test]
@@ -263,15 +201,7 @@ async fn a_chunk_that_was_running_at_three_deaths_is_given_up_after_the_others()
     };
     assert_eq!(changed.ready, [], "another chunk is still to be done");
     let three = claimed(&storage, id, 3, Uuid::now_v7()).await.unwrap();
-    assert_eq!(
-        storage
-            .finish_chunk(&three, &piece(3))
-            .await
-            .unwrap()
-            .unwrap()
-            .ready,
-        ready(id, &[4])
-    );
+    assert_eq!(finished(&storage, &three, &piece(3)).await, ready(id, &[4]));
     assert_eq!(storage.failed_chunks(id).await.unwrap(), [vec![3..7]]);
 }
 
@@ -284,29 +214,13 @@ async fn a_chunk_that_nobody_can_work_off_fails_and_the_last_of_the_others_calls
         claimed(&storage, id, 2, Uuid::now_v7()).await.unwrap(),
         claimed(&storage, id, 3, Uuid::now_v7()).await.unwrap(),
     );
-    assert_eq!(
-        storage
-            .finish_chunk(&two, &ChunkResult::GivenUp)
-            .await
-            .unwrap()
-            .unwrap()
-            .ready,
-        []
-    );
+    assert_eq!(finished(&storage, &two, &ChunkResult::GivenUp).await, []);
     assert_eq!(
         storage.finish_chunk(&two, &piece(4)).await.unwrap(),
         None,
         "it has failed"
     );
-    assert_eq!(
-        storage
-            .finish_chunk(&three, &piece(3))
-            .await
-            .unwrap()
-            .unwrap()
-            .ready,
-        ready(id, &[4])
-    );
+    assert_eq!(finished(&storage, &three, &piece(3)).await, ready(id, &[4]));
     assert_eq!(storage.failed_chunks(id).await.unwrap(), [vec![3..7]]);
 }
 
@@ -324,7 +238,7 @@ async fn a_look_that_kills_ends_the_campaign() {
         storage.claim_chunk(id, 1, Uuid::now_v7(), 3).await.unwrap(),
         Chunk::Refused(_)
     ));
-    let job = storage.job(id).await.unwrap().unwrap().job;
+    let job = job_of(&storage, id).await;
     assert_eq!(
         (job.state, job.error.unwrap().code.as_str()),
         (JobState::Failed, "crashed")
@@ -371,10 +285,7 @@ async fn a_wish_to_cancel_that_comes_while_a_campaign_begins_ends_it() {
     ));
     let changed = storage.start_campaign(&job, 10).await.unwrap().unwrap();
     assert_eq!((changed.touched, changed.ready), (vec![id], vec![]));
-    assert_eq!(
-        storage.job(id).await.unwrap().unwrap().job.state,
-        JobState::Canceled
-    );
+    assert_eq!(job_of(&storage, id).await.state, JobState::Canceled);
 }
 
 #[tokio::test]
@@ -391,12 +302,7 @@ async fn more_chunks_than_one_statement_takes_are_all_there() {
         chunks,
         runs_total: 1301,
     };
-    let ready = storage
-        .finish_chunk(&look, &more)
-        .await
-        .unwrap()
-        .unwrap()
-        .ready;
+    let ready = finished(&storage, &look, &more).await;
     assert_eq!(
         ready
             .iter()

@@ -2,17 +2,8 @@
 
 use super::*;
 use crate::model::dataset::DatasetKind;
-use crate::service::storage::{Admission, Database, NewJob, Ready, SourceId, SourceRef};
-
-async fn storage() -> (Storage, tempfile::TempDir) {
-    let directory = tempfile::tempdir().unwrap();
-    (
-        Storage::open(&Database::Sqlite(directory.path().join("app.db")))
-            .await
-            .unwrap(),
-        directory,
-    )
-}
+use crate::service::storage::tests::{new_job, storage};
+use crate::service::storage::{Admission, NewJob, Ready, SourceId, SourceRef};
 
 async fn admit(storage: &Storage, needs: &[Uuid]) -> (Uuid, Changed) {
     let source = |id: &Uuid| SourceRef {
@@ -21,17 +12,8 @@ async fn admit(storage: &Storage, needs: &[Uuid]) -> (Uuid, Changed) {
         id: SourceId::Job(id.to_string()),
     };
     let new = NewJob {
-        kind: JobKind::Simulate,
-        name: None,
-        labels: Default::default(),
-        spec: "{}".into(),
-        spec_sha256: "x".into(),
-        seed: 1,
-        priority: 7,
-        engine_version: "0",
         sources: needs.iter().map(source).collect(),
-        rerun_of: None,
-        idempotency: None,
+        ..new_job(JobKind::Simulate, 7)
     };
     match storage.admit(&new, 100).await.unwrap() {
         Admission::Admitted(id, changed) => (id, changed),
@@ -74,13 +56,7 @@ fn done() -> Ending {
 async fn of_many_who_claim_a_job_one_gets_it() {
     let (storage, _directory) = storage().await;
     let (id, changed) = admit(&storage, &[]).await;
-    assert_eq!(
-        changed,
-        Changed {
-            touched: vec![id],
-            ready: vec![ready(id)]
-        }
-    );
+    assert_eq!(changed, Changed::new(id, vec![ready(id)]));
     let claims = futures::future::join_all((0..10).map(|_| claimed(&storage, id))).await;
     assert_eq!(
         claims
@@ -129,10 +105,7 @@ async fn results_are_written_once_and_a_late_copy_is_dropped() {
     );
     assert_eq!(
         storage.finish(&second, &done()).await.unwrap(),
-        Some(Changed {
-            touched: vec![id],
-            ready: vec![]
-        })
+        Some(Changed::new(id, vec![]))
     );
     assert_eq!(
         storage.finish(&second, &Ending::Canceled).await.unwrap(),
@@ -152,13 +125,7 @@ async fn a_job_is_ready_when_the_last_one_that_it_needs_has_succeeded() {
     let (storage, _directory) = storage().await;
     let ((one, _), (two, _)) = (admit(&storage, &[]).await, admit(&storage, &[]).await);
     let (both, changed) = admit(&storage, &[one, two]).await;
-    assert_eq!(
-        changed,
-        Changed {
-            touched: vec![both],
-            ready: vec![]
-        }
-    );
+    assert_eq!(changed, Changed::new(both, vec![]));
     assert_eq!(
         storage.ready(false).await.unwrap(),
         [ready(one), ready(two)]
@@ -171,10 +138,7 @@ async fn a_job_is_ready_when_the_last_one_that_it_needs_has_succeeded() {
         let job = claimed(&storage, id).await.unwrap();
         assert_eq!(
             storage.finish(&job, &done()).await.unwrap(),
-            Some(Changed {
-                touched: vec![id],
-                ready
-            })
+            Some(Changed::new(id, ready))
         );
     }
     assert!(claimed(&storage, both).await.is_some());
