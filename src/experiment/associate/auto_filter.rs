@@ -1,6 +1,7 @@
 //! The filter `auto`: which filter suits what the sensors report.
 //!
-//! Positions are linear in the state, so they have the Kalman filter; ranges and bearings the unscented one, whose covariances stay
+//! Positions are linear in the state, so they have the Kalman filter; ranges and bearings, and bearings beside positions, the
+//! unscented one, whose covariances stay
 //! honest also near the sensor and where bearings are coarse; bearings alone the filter of directions.
 
 use super::dry_run;
@@ -114,7 +115,7 @@ mod tests {
                 "unscented",
                 "bearing_only",
                 "unscented",
-                "kalman",
+                "unscented",
                 "kalman"
             ]
         );

@@ -105,43 +105,13 @@ fn track_with(
     warnings: &mut Vec<String>,
     observer: &mut dyn Observer,
 ) -> Result<Tracked, RunError> {
-    let recording = data.recording()?;
-    let (named, filter) = (&tracking.filter, &tracking.filter.filter);
-    let sensors = sensors::resolve(recording, &data.sensors, named, warnings)?;
-    refuse_any(sensors::misplaced_densities(requested, &sensors))?;
+    let (recording, filter) = (data.recording()?, &tracking.filter.filter);
+    let (run, taken) = TrackerRun::new(data, scenario, tracking, requested, settings, warnings)?;
+    let (sensors, lifecycle) = (run.sensors.clone(), run.lifecycle);
     let resolved = ResolvedRecording {
         recording,
         known: &data.sensors,
         sensors: &sensors,
-    };
-    let tracker = &tracking.spec.tracker;
-    let (lifecycle, taken) = speeds::complete(tracker, scenario, &resolved, filter, warnings);
-    let associator = &tracking.spec.associator;
-    let faults = [
-        unmet_need(associator, recording),
-        unbounded_gate(&lifecycle, &sensors),
-        nothing_starts(&lifecycle, &sensors),
-    ];
-    if let Some(fault) = faults.into_iter().flatten().next() {
-        return Err(fault.into());
-    }
-    let truth = data.truth.as_ref();
-    let run = TrackerRun {
-        build: tracker.build,
-        recording,
-        associator: associator.build(settings.seed),
-        lifecycle,
-        sensors: sensors.clone(),
-        method: associator.name(),
-        starts: truth_initiation::starts(
-            &lifecycle,
-            recording,
-            truth,
-            &sensors,
-            named,
-            settings.seed,
-        )?,
-        is_timed: settings.time_association,
     };
     let mut tracked = run.run(filter, observer)?;
     tracked.taken = Taken {
@@ -179,7 +149,50 @@ struct TrackerRun<'a> {
     is_timed: bool,
 }
 
-impl TrackerRun<'_> {
+impl<'a> TrackerRun<'a> {
+    /// With what the settings leave open taken from the scene or the data.
+    fn new(
+        data: &'a JobData,
+        scenario: Option<&Scenario>,
+        tracking: &SettledTracking,
+        requested: &[SensorSettings],
+        settings: RunSettings,
+        warnings: &mut Vec<String>,
+    ) -> Result<(Self, Taken), RunError> {
+        let (recording, named) = (data.recording()?, &tracking.filter);
+        let sensors = sensors::resolve(recording, &data.sensors, named, warnings)?;
+        refuse_any(sensors::misplaced_densities(requested, &sensors))?;
+        let resolved = ResolvedRecording {
+            recording,
+            known: &data.sensors,
+            sensors: &sensors,
+        };
+        let (tracker, associator) = (&tracking.spec.tracker, &tracking.spec.associator);
+        let (lifecycle, taken) =
+            speeds::complete(tracker, scenario, &resolved, &named.filter, warnings);
+        let faults = [
+            unmet_need(associator, recording),
+            unbounded_gate(&lifecycle, &sensors),
+            nothing_starts(&lifecycle, &sensors),
+        ];
+        if let Some(fault) = faults.into_iter().flatten().next() {
+            return Err(fault.into());
+        }
+        let (truth, seed) = (data.truth.as_ref(), settings.seed);
+        let starts = truth_initiation::starts(&lifecycle, recording, truth, &sensors, named, seed)?;
+        let run = TrackerRun {
+            build: tracker.build,
+            recording,
+            associator: associator.build(seed),
+            lifecycle,
+            sensors,
+            method: associator.name(),
+            starts,
+            is_timed: settings.time_association,
+        };
+        Ok((run, taken))
+    }
+
     fn run(self, filter: &AnyFilter, observer: &mut dyn Observer) -> Result<Tracked, RunError> {
         let (recording, method, is_timed) = (self.recording, self.method, self.is_timed);
         let dimensions = common_dimensions(&self.sensors);
@@ -332,3 +345,6 @@ pub fn unmet_need(associator: &Choice<BuildAssociator>, recording: &Recording) -
 pub fn needs_of(associator: &Choice<BuildAssociator>) -> Needs {
     associator.build(Seed { seed: 0, run: 0 }).needs()
 }
+
+#[cfg(test)]
+mod checkpoints;
