@@ -111,20 +111,23 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
             .unwrap_or(Ok(()))
     }
 
-    /// The kinematics that each detection tells which no track uses, with its index in the scan.
-    pub fn starts(
+    /// The kinematics that a detection tells by itself, if no track uses it.
+    pub fn locate(
         &self,
         filter: &F,
         sensor: &Sensor,
         speed_sigma_mps: f64,
-        found: impl FnMut(usize, GaussianState<K>),
-    ) {
+        detection: usize,
+    ) -> Option<GaussianState<K>> {
+        if self.detections.used[detection] {
+            return None;
+        }
         let work = Locating {
             detections: &self.detections,
+            detection,
             rate_sigma: filter.rate_sigma(speed_sigma_mps),
-            found,
         };
-        filter.correct(&sensor.report, work);
+        filter.correct(&sensor.report, work).flatten()
     }
 
     pub fn problem(&self) -> &ScanProblem {
@@ -303,25 +306,17 @@ impl<F: Filter<K>, O: Fn(u32) -> Option<u32>, const K: usize> WithCorrector<F, K
     }
 }
 
-struct Locating<'a, V> {
+struct Locating<'a> {
     detections: &'a Detections,
+    detection: usize,
     rate_sigma: f64,
-    found: V,
 }
 
-impl<F: Filter<K>, V: FnMut(usize, GaussianState<K>), const K: usize> WithCorrector<F, K>
-    for Locating<'_, V>
-{
-    type Output = ();
+impl<F: Filter<K>, const K: usize> WithCorrector<F, K> for Locating<'_> {
+    type Output = Option<GaussianState<K>>;
 
-    fn with<C: Corrector<F, K, D>, const D: usize>(mut self, corrector: &C) {
-        for (index, values) in self.detections.points::<D>().iter().enumerate() {
-            if self.detections.used[index] {
-                continue;
-            }
-            if let Some(kinematics) = corrector.locate(&(*values).into(), self.rate_sigma) {
-                (self.found)(index, kinematics);
-            }
-        }
+    fn with<C: Corrector<F, K, D>, const D: usize>(self, corrector: &C) -> Self::Output {
+        let values = self.detections.points::<D>()[self.detection];
+        corrector.locate(&values.into(), self.rate_sigma)
     }
 }

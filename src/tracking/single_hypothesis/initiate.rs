@@ -22,37 +22,34 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         watch: &Watch,
     ) -> Result<u32, Halt> {
         let unused = self.scratch.hypotheses.unused();
-        let sensor = &self.sensors[scan.sensor];
-        if matches!(self.lifecycle.initiation, Initiation::Truth { .. }) || !sensor.may_start {
+        let may_start = self.sensors[scan.sensor].may_start;
+        if matches!(self.lifecycle.initiation, Initiation::Truth { .. }) || !may_start {
             return Ok(unused);
         }
-        let (scan_index, speed_sigma_mps) =
-            (self.memory.scans, self.lifecycle.initial_speed_sigma_mps);
-        let (hypotheses, initiator) = (&self.scratch.hypotheses, &mut self.memory.initiator);
-        hypotheses.starts(&self.filter, sensor, speed_sigma_mps, |index, state| {
-            initiator.push(Point {
-                scan_index,
+        for (index, detection) in detections.iter().enumerate() {
+            let sigma_mps = self.lifecycle.initial_speed_sigma_mps;
+            let (hypotheses, sensor) = (&self.scratch.hypotheses, &self.sensors[scan.sensor]);
+            let Some(state) = hypotheses.locate(&self.filter, sensor, sigma_mps, index) else {
+                continue;
+            };
+            let point = Point {
+                scan_index: self.memory.scans,
                 time_s: scan.time_s,
                 sensor: scan.sensor,
                 detection: index as u32,
-                origin: detections[index].origin,
+                origin: detection.origin,
                 state,
-            });
-        });
-        match self.pair_rule {
-            Some(rule) => {
-                self.memory.initiator.pair(scan, &rule, watch)?;
-                for index in 0..self.memory.initiator.pairs().len() {
-                    let pair = self.memory.initiator.pairs()[index];
-                    self.start_with_two(pair, recorder);
-                }
+            };
+            match self.pair_rule {
+                Some(_) => self.memory.initiator.push(point),
+                None => self.start_with_one(&point, recorder),
             }
-            None => {
-                for index in 0..self.memory.initiator.fresh().len() {
-                    let point = self.memory.initiator.fresh()[index];
-                    self.start_with_one(&point, recorder);
-                }
-                self.memory.initiator.clear();
+        }
+        if let Some(rule) = self.pair_rule {
+            self.memory.initiator.pair(scan, &rule, watch)?;
+            for index in 0..self.memory.initiator.pairs().len() {
+                let pair = self.memory.initiator.pairs()[index];
+                self.start_with_two(pair, recorder);
             }
         }
         Ok(unused)

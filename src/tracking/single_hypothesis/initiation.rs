@@ -193,16 +193,6 @@ impl<const K: usize> Initiator<K> {
         self.fresh.push(point);
     }
 
-    /// The unused detections of the current scan.
-    pub fn fresh(&self) -> &[Point<K>] {
-        &self.fresh
-    }
-
-    /// Ends the current scan where each detection is a start by itself.
-    pub fn clear(&mut self) {
-        self.fresh.clear();
-    }
-
     /// Those that wait, of each sensor the longest waiting first.
     pub fn waiting(&self) -> &[Vec<Waiting<K>>] {
         &self.waiting
