@@ -28,18 +28,54 @@ pub(super) fn presets() -> Vec<Preset> {
         let initiation = json!({"method": "two_point", "max_speed_mps": MAX_SPEED_MPS});
         preset(format!("liang2009-polar-{count}"), summary, "converted", initiation, scenario(count, noise))
     });
-    cartesian.chain(polar).chain([table1()]).collect()
+    cartesian
+        .chain(polar)
+        .chain([table1(), clutter(), beginnings()])
+        .collect()
 }
 
 /// Targets by associators, judged by the automaton alone.
 fn table1() -> Preset {
-    let name = "liang2009-table1".to_owned();
+    let summary = "Liang & Liu 2009, Table 1 and Figures 1 and 2: nearest neighbour, PDA and JPDA with 10 to 100 targets, judged by the \
+                   automaton; means with intervals, and JPDA and PDA against nearest neighbour on the same scenes.";
+    let targets = json!({"by": "values", "name": "targets", "path": "/input/scenario/targets/count", "values": TARGETS});
+    campaign("table1", summary, TARGETS[0], vec![targets], 200)
+}
+
+/// Clutter by associators.
+fn clutter() -> Preset {
+    let summary = "Liang & Liu 2009, what clutter does to each associator: 50 targets with no to 200 false detections a scan.";
+    let path = "/input/scenario/sensors/0/clutter_per_scan";
+    let clutter = json!({"by": "values", "name": "clutter", "path": path, "values": [0.0, 5.0, 20.0, 50.0, 100.0, 200.0]});
+    campaign("clutter", summary, 50, vec![clutter], 100)
+}
+
+/// Tracks that begin as in the paper, and at the truth.
+fn beginnings() -> Preset {
+    let summary = "Liang & Liu 2009, how much the beginnings of tracks decide: from single detections, and at the true states of the \
+                   first scan.";
+    let variant = |(name, value): (&str, Value)| json!({"name": name, "set": [{"path": "/tracker/initiation", "value": value}]});
+    let beginnings = [
+        ("one point", json!({"method": "one_point"})),
+        ("truth", json!({"method": "truth", "speed_sigma_mps": 10.0})),
+    ]
+    .map(variant);
+    let axes = vec![
+        json!({"by": "values", "name": "targets", "path": "/input/scenario/targets/count", "values": [10, 50, 100]}),
+        json!({"by": "variants", "name": "beginnings", "variants": beginnings}),
+    ];
+    campaign("beginnings", summary, TARGETS[0], axes, 100)
+}
+
+/// Axes by associators in the paper's scene.
+fn campaign(name: &str, summary: &str, targets: u32, mut axes: Vec<Value>, runs: u32) -> Preset {
+    let name = format!("liang2009-{name}");
     let mut base = preset(
         String::new(),
         String::new(),
         "kalman",
         json!({"method": "one_point"}),
-        scenario_of_paper(TARGETS[0]),
+        scenario_of_paper(targets),
     )
     .body;
     (base["kind"], base["profile"]) = (json!("evaluate"), json!("tfa"));
@@ -50,28 +86,29 @@ fn table1() -> Preset {
         ("JPDA", "jpda"),
     ]
     .map(variant);
+    axes.push(json!({"by": "variants", "name": "associator", "variants": associators}));
+    let outcome = |(name, path): (&str, &str)| json!({"name": name, "path": format!("tfa.{path}")});
+    let outcomes = [
+        ("P correct", "probability.correct"),
+        ("P missed", "probability.missed"),
+        ("correct per target", "ratios.correct_per_target"),
+        ("tracks per target", "ratios.output_tracks_per_target"),
+        ("targets", "counts.targets"),
+        ("targets with a track", "counts.matched_tracks"),
+        ("false tracks", "counts.false_tracks"),
+        ("redundant tracks", "counts.redundant_tracks"),
+    ]
+    .map(outcome);
     Preset {
-        summary: "Liang & Liu 2009, Table 1 and Figures 1 and 2: nearest neighbour, PDA and JPDA with 10 to 100 targets, judged by the \
-                  automaton; means with intervals, and JPDA and PDA against nearest neighbour on the same scenes."
-            .to_owned(),
+        summary: summary.to_owned(),
         kind: JobKind::Campaign,
         body: json!({
             "name": name,
             "seed": 1,
             "base": base,
-            "grid": [
-                {"by": "values", "name": "targets", "path": "/input/scenario/targets/count", "values": TARGETS},
-                {"by": "variants", "name": "associator", "variants": associators}
-            ],
-            "runs": 200,
-            "outcomes": [
-                {"name": "P correct", "path": "tfa.probability.correct"},
-                {"name": "P missed", "path": "tfa.probability.missed"},
-                {"name": "correct per target", "path": "tfa.ratios.correct_per_target"},
-                {"name": "tracks per target", "path": "tfa.ratios.output_tracks_per_target"},
-                {"name": "targets", "path": "tfa.counts.targets"},
-                {"name": "targets with a track", "path": "tfa.counts.matched_tracks"}
-            ],
+            "grid": axes,
+            "runs": runs,
+            "outcomes": outcomes,
             "compare": {"axis": "associator", "to": "NN"}
         }),
         name,

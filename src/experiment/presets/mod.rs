@@ -19,8 +19,10 @@ pub struct Preset {
 }
 
 /// The campaigns that compute what four papers claim.
-pub const PAPERS: [&str; 4] = [
+pub const PAPERS: [&str; 6] = [
     "liang2009-table1",
+    "liang2009-clutter",
+    "liang2009-beginnings",
     "cai-fuzzy-tables",
     "huo2008-study",
     "wang-bat-tables",
