@@ -1,0 +1,159 @@
+"""What docs/papers.md says of Liang, Liu: numbers of the campaigns, and what the program itself is measured at."""
+
+import csv
+import json
+import math
+import os
+import statistics
+import subprocess
+import tempfile
+from collections import defaultdict
+from pathlib import Path
+
+CAMPAIGNS = ["liang2009-table1", "liang2009-clutter", "liang2009-beginnings"]
+# Seconds of the paper's Table 1: targets, NN, PDA, JPDA.
+TABLE_1 = [(10, 0.52, 0.60, 0.67), (30, 1.62, 1.84, 2.05), (50, 2.56, 2.83, 3.14),
+           (80, 4.12, 4.23, 4.40), (100, 5.25, 5.36, 5.52)]
+METHODS = {"NN": "nearest_neighbour", "PDA": "pda", "JPDA": "jpda"}
+SEEDS = 20
+
+
+def measured(trackloom):
+    """Rows (table, cell, quantity, value, low, high, runs): times as ratios, memory, and errors around a switch."""
+    with tempfile.TemporaryDirectory() as folder:
+        program = Program(trackloom, Path(folder))
+        yield from times_beside_table_1(program)
+        yield from over_length(program)
+        yield from memory(program)
+        yield from around_switches(program)
+
+
+class Program:
+    """Runs jobs in Liang's scene."""
+
+    def __init__(self, trackloom, folder):
+        self.trackloom = trackloom
+        self.folder = folder
+        body = self.call("presets", "liang2009-table1")
+        self.base = json.loads(body)["base"]
+
+    def call(self, *arguments):
+        return subprocess.run([self.trackloom, *arguments], check=True, capture_output=True, text=True).stdout
+
+    def run(self, method="NN", targets=100, scans=30, seed=1, metrics=False):
+        """The report, the folder of files and the peak of memory (MB)."""
+        body = json.loads(json.dumps(self.base)) | {"seed": seed, "associator": {"method": METHODS[method]}}
+        scenario, scale = body["input"]["scenario"], max(1.0, targets / 100)
+        scenario["scans"], scenario["targets"]["count"] = scans, targets
+        scenario["targets"]["area_side_m"] *= math.sqrt(scale)
+        scenario["sensors"][0]["max_range_m"] *= math.sqrt(scale)
+        scenario["sensors"][0]["clutter_per_scan"] *= scale
+        if metrics:
+            del body["profile"]
+        path, out = self.folder / "job.json", self.folder / "out"
+        path.write_text(json.dumps(body))
+        child = subprocess.Popen([self.trackloom, "run", str(path), "--out", str(out)],
+                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        _, status, usage = os.wait4(child.pid, 0)
+        assert status == 0, status
+        return json.loads((out / "report.json").read_text()), out, usage.ru_maxrss / 1e3
+
+
+def spent(program, **job):
+    """Tracking and automaton (s), the least of five."""
+    timings = [program.run(**job)[0]["timing"] for _ in range(5)]
+    return min(t["associate_s"] for t in timings), min(t["evaluate_s"] for t in timings)
+
+
+def times_beside_table_1(program):
+    ours = {}
+    for targets, nn, pda, jpda in TABLE_1:
+        for method, paper in (("NN", nn), ("PDA", pda), ("JPDA", jpda)):
+            times = [spent(program, method=method, targets=targets, seed=seed) for seed in range(1, SEEDS + 1)]
+            ours[targets, method] = [sum(time) for time in times]
+            whole, automaton = statistics.median(map(sum, times)), statistics.median(t[1] for t in times)
+            yield "times", f"{targets}, {method}", "paper s", paper, None, None, 1
+            yield "times", f"{targets}, {method}", "to NN, paper", paper / nn, None, None, 1
+            ratios = [a / b for a, b in zip(ours[targets, method], ours[targets, "NN"])]
+            yield "times", f"{targets}, {method}", "to NN", *interval(ratios)
+            yield "times", f"{targets}, {method}", "automaton to whole", automaton / whole, None, None, SEEDS
+
+
+def over_length(program):
+    lengths = [15, 30, 60, 120, 240]
+    for part, name in ((0, "tracking"), (1, "automaton")):
+        slopes = []
+        for seed in range(1, 6):
+            times = [spent(program, targets=1000, scans=scans, seed=seed)[part] for scans in lengths]
+            slopes.append(slope(lengths, times))
+        yield "length", "1000 targets, 15 to 240 scans", f"slope of {name}", *interval(slopes)
+
+
+def memory(program):
+    counts = [100, 1000, 10000, 30000]
+    peaks = [program.run(targets=targets)[2] for targets in counts]
+    for targets, peak in zip(counts, peaks):
+        yield "space", f"{targets} targets", "peak MB", peak, None, None, 1
+    yield "space", "1000 to 30000 targets", "slope", slope(counts[1:], peaks[1:]), None, None, 1
+
+
+def around_switches(program):
+    """Position error (m) of confirmed tracks before and after their first detection of another target or of clutter."""
+    errors = defaultdict(list)
+    for seed in range(1, SEEDS + 1):
+        _, out, _ = program.run(seed=seed)
+        for offset, error in switches(out):
+            errors[offset].append(error)
+    for offset in sorted(errors):
+        yield "switches", f"{offset:+d} scans", "median error m", *middle(errors[offset])
+
+
+def switches(out):
+    origin = {row["detection_id"]: row["truth_id"] for row in table(out / "detections.csv")}
+    truth = {(row["truth_id"], row["time_s"]): place(row) for row in table(out / "truth.csv")}
+    tracks = defaultdict(list)
+    for row in table(out / "tracks.csv"):
+        tracks[row["track_id"]].append(row)
+    for points in tracks.values():
+        points = [row for row in points if float(row["probability"] or 1) > 0.5]
+        owners = [origin.get(row["detection_id"]) if row["detection_id"] else None for row in points]
+        target = next((owner for owner in owners if owner), None)
+        wrong = next((k for k, row in enumerate(points) if row["detection_id"] and owners[k] != target), None)
+        if wrong is None or wrong < 3:
+            continue
+        for k in range(wrong - 2, min(wrong + 4, len(points))):
+            at = truth.get((target, points[k]["time_s"]))
+            if at:
+                yield k - wrong, math.dist(at, place(points[k]))
+
+
+def table(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def place(row):
+    return float(row["x_m"]), float(row["y_m"])
+
+
+def slope(xs, ys):
+    xs, ys = [math.log(x) for x in xs], [math.log(y) for y in ys]
+    return statistics.linear_regression(xs, ys).slope
+
+
+T_97_5 = {4: 2.776, 19: 2.093}
+
+
+def interval(values):
+    """Mean with its 95 % interval of t."""
+    mean, half = statistics.mean(values), 0.0
+    if len(values) > 1:
+        half = T_97_5[len(values) - 1] * statistics.stdev(values) / math.sqrt(len(values))
+    return mean, mean - half, mean + half, len(values)
+
+
+def middle(values):
+    """Median with the order statistics that hold it with 95 %."""
+    ordered, half = sorted(values), 0.98 * math.sqrt(len(values))
+    low, high = (round(len(values) / 2 + side * half) for side in (-1, 1))
+    return statistics.median(ordered), ordered[max(low, 0)], ordered[min(high, len(ordered) - 1)], len(values)
