@@ -1,7 +1,8 @@
 //! The filter `auto`: which filter suits what the sensors report.
 //!
 //! Positions are linear in the state, so they have the Kalman filter; ranges and bearings the unscented one, whose covariances stay
-//! honest also near the sensor and where bearings are coarse; bearings alone the filter of directions.
+//! honest also near the sensor and where bearings are coarse, and so have bearings beside reports of places; bearings alone have the
+//! filter of directions.
 
 use super::dry_run;
 use crate::experiment::request::draft::{Draft, parse};
@@ -134,7 +135,7 @@ mod tests {
                 "unscented",
                 "bearing_only",
                 "unscented",
-                "kalman",
+                "unscented",
                 "kalman"
             ]
         );
