@@ -2,7 +2,7 @@
 //! would give it, with the errors that its covariance tells.
 //!
 //! # Symbols
-//! z what the sensor of the first scan would report of the true place, with its own noise; ṙ the true rate of each coordinate,
+//! z what the sensor of the first scan whose reports can start a track would report of the true place, with its own noise; ṙ the true rate of each coordinate,
 //! σ the standard deviation that is given for it.
 //!
 //! # Method
@@ -17,7 +17,7 @@ use crate::filtering::{AnyFilter, Filter, WithFilter};
 use crate::hypotheses::certain::locate;
 use crate::math::rng::{Purpose, Seed};
 use crate::model::fault::Fault;
-use crate::model::scan::{Measurement, Recording};
+use crate::model::scan::{Measurement, Recording, Scan};
 use crate::model::sensing::MeasurementModel;
 use crate::model::sensor::Sensor;
 use crate::model::space::{Place, Space};
@@ -32,6 +32,8 @@ pub struct Start {
     pub truth_id: String,
     /// Index of the target in the recording, if that knows it.
     pub origin: Option<u32>,
+    /// The sensor that would report z, by its index.
+    sensor: usize,
     /// z.
     measurement: Measurement,
     /// ṙ with its error, m/s or rad/s; of a bearing only the first.
@@ -76,7 +78,10 @@ pub fn starts(
     if let Some(fault) = unfit_truth(lifecycle, truth.space(), filter) {
         return Err(fault.into());
     }
-    let Some(scan) = recording.scans.first() else {
+    let starts_there =
+        |scan: &&Scan| !filter.filter.space().has_places() || sensors[scan.sensor].report.locates();
+    let first = recording.scans.first();
+    let Some((scan, told)) = first.zip(recording.scans.iter().find(starts_there)) else {
         return Ok(Vec::new());
     };
     let sigma = match truth.space() {
@@ -94,7 +99,8 @@ pub fn starts(
                 .iter()
                 .position(|name| *name == target.truth_id)
                 .map(|origin| origin as u32),
-            measurement: draw_report(&sensors[scan.sensor].report, &truth, errors)?,
+            sensor: told.sensor,
+            measurement: draw_report(&sensors[told.sensor].report, &truth, errors)?,
             rates: [0, 1].map(|axis| truth.rates[axis] + sigma * errors[3 + axis]),
             sigma,
         })
@@ -183,10 +189,10 @@ impl Start {
     ///
     /// # Errors
     /// The filter cannot use what the sensor would report of it.
-    pub fn given(self, filter: &AnyFilter, sensor: &Sensor) -> Result<GivenTrack, Fault> {
+    pub fn given(self, filter: &AnyFilter, sensors: &[Sensor]) -> Result<GivenTrack, Fault> {
         let Some(kinematics) = filter.with(Begin {
             start: &self,
-            sensor,
+            sensor: &sensors[self.sensor],
         }) else {
             return Err(self.without_state());
         };
