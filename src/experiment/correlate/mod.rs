@@ -12,7 +12,7 @@ pub use spec::CORRELATE;
 
 use crate::correlation::alignment::Node;
 use crate::experiment::associate::check::{check_start, check_tracking};
-use crate::experiment::associate::known::check_tracked;
+use crate::experiment::associate::known::check_tracked_apart;
 use crate::experiment::associate::settle;
 use crate::experiment::associate::track::track;
 use crate::experiment::input::known::check_inputs;
@@ -67,7 +67,7 @@ impl Job for CorrelateJob {
         let Some(tracking) = &self.tracking else {
             return check_inputs(&self.inputs, known);
         };
-        let found = check_tracked(&self.inputs, known, tracking, &self.spec.sensors);
+        let found = check_tracked_apart(&self.inputs, known, tracking, &self.spec.sensors);
         found.into_known_inputs(|filter| {
             let mut job = self.clone();
             job.tracking = Some(TrackingSpec {
