@@ -17,7 +17,7 @@ use crate::filtering::{AnyFilter, Filter, WithFilter};
 use crate::hypotheses::certain::locate;
 use crate::math::rng::{Purpose, Seed};
 use crate::model::fault::Fault;
-use crate::model::scan::{Measurement, Recording, Scan};
+use crate::model::scan::{Measurement, Recording};
 use crate::model::sensing::MeasurementModel;
 use crate::model::sensor::Sensor;
 use crate::model::space::{Place, Space};
@@ -78,10 +78,10 @@ pub fn starts(
     if let Some(fault) = unfit_truth(lifecycle, truth.space(), filter) {
         return Err(fault.into());
     }
-    let starts_there =
-        |scan: &&Scan| !filter.filter.space().has_places() || sensors[scan.sensor].report.locates();
-    let first = recording.scans.first();
-    let Some((scan, told)) = first.zip(recording.scans.iter().find(starts_there)) else {
+    let Some(scan) = recording.scans.first() else {
+        return Ok(Vec::new());
+    };
+    let Some(sensor) = starting_sensor(recording, sensors, filter) else {
         return Ok(Vec::new());
     };
     let sigma = match truth.space() {
@@ -99,8 +99,8 @@ pub fn starts(
                 .iter()
                 .position(|name| *name == target.truth_id)
                 .map(|origin| origin as u32),
-            sensor: told.sensor,
-            measurement: draw_report(&sensors[told.sensor].report, &truth, errors)?,
+            sensor,
+            measurement: draw_report(&sensors[sensor].report, &truth, errors)?,
             rates: [0, 1].map(|axis| truth.rates[axis] + sigma * errors[3 + axis]),
             sigma,
         })
@@ -111,6 +111,17 @@ pub fn starts(
         .enumerate()
         .filter_map(start)
         .collect())
+}
+
+/// The sensor of the first scan whose reports can start a track of this filter, by its index.
+fn starting_sensor(
+    recording: &Recording,
+    sensors: &[Sensor],
+    named: &NamedFilter,
+) -> Option<usize> {
+    let has_places = named.filter.space().has_places();
+    let mut scanned = recording.scans.iter().map(|scan| scan.sensor);
+    scanned.find(|sensor| !has_places || sensors[*sensor].report.locates())
 }
 
 /// A fault where tracks begin at truth of another kind than theirs.
@@ -189,12 +200,12 @@ impl Start {
     ///
     /// # Errors
     /// The filter cannot use what the sensor would report of it.
-    pub fn given(self, filter: &AnyFilter, sensors: &[Sensor]) -> Result<GivenTrack, Fault> {
+    pub fn given(self, filter: &AnyFilter, sensors: &[Sensor]) -> Result<GivenTrack, RunError> {
         let Some(kinematics) = filter.with(Begin {
             start: &self,
             sensor: &sensors[self.sensor],
         }) else {
-            return Err(self.without_state());
+            return Err(self.without_state().into());
         };
         Ok(GivenTrack {
             name: self.truth_id,

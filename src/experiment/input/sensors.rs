@@ -386,7 +386,7 @@ fn unknown_place(settings: &SensorSettings) -> Option<Fault> {
     Some(Fault::new("/sensors", "missing", detail).allowing("a place (m)"))
 }
 
-fn reported_rates<'d>(detections: &mut dyn Iterator<Item = &'d Detection>) -> usize {
+fn reported_rates(detections: &mut dyn Iterator<Item = &Detection>) -> usize {
     let has_rate = |detection: &&Detection| {
         matches!(
             detection.measurement,
