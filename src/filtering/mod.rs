@@ -217,7 +217,7 @@ pub const AUTO: &str = "auto";
 
 static AUTO_PARAMETERS: Object = Object {
     name: "AutoFilter",
-    summary: "The filter that suits what is reported, with its defaults: kalman for positions, unscented for ranges and bearings, bearing_only for bearings alone.",
+    summary: "The filter that suits what is reported, with its defaults: kalman for positions, unscented for ranges and bearings and for sensors of several kinds, bearing_only for bearings alone.",
     fields: &[],
 };
 

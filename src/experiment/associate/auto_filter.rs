@@ -1,8 +1,8 @@
 //! The filter `auto`: which filter suits what the sensors report.
 //!
-//! Positions are linear in the state, so they have the Kalman filter; ranges and bearings, and bearings beside positions, the
-//! unscented one, whose covariances stay
-//! honest also near the sensor and where bearings are coarse; bearings alone the filter of directions.
+//! Positions are linear in the state, so they have the Kalman filter; ranges and bearings the unscented one, whose covariances stay
+//! honest also near the sensor and where bearings are coarse, and so have bearings beside reports of places; bearings alone have the
+//! filter of directions.
 
 use super::dry_run;
 use crate::experiment::request::draft::{Draft, parse};

@@ -2,7 +2,8 @@
 //! one detection of each sensor tells what all of them would only tell in the run.
 
 use super::check::named_filter;
-use super::track::{unbounded_gate, unmet_need};
+use super::known::unusable_alone;
+use super::track::{nothing_starts, unbounded_gate, unmet_need};
 use super::truth_initiation;
 use crate::association::BuildAssociator;
 use crate::experiment::input::sensors;
@@ -28,7 +29,15 @@ pub fn check(draft: &mut Draft) {
     };
     let lifecycle = draft.read("/tracker");
     let requested: Vec<SensorSettings> = draft.read("/sensors").unwrap_or_default();
-    if let Err(found) = check_sensors(&requested, &recording, &filter, lifecycle.as_ref()) {
+    // There each sensor is tracked by itself.
+    let is_apart = draft.has("correlator");
+    if let Err(found) = check_sensors(
+        &requested,
+        &recording,
+        &filter,
+        lifecycle.as_ref(),
+        is_apart,
+    ) {
         draft.add(found);
     }
     if let Some(associator) = draft.read::<Choice<BuildAssociator>>("/associator") {
@@ -45,17 +54,22 @@ pub fn check(draft: &mut Draft) {
     }
 }
 
-/// The faults of the sensors with this filter, and of a gate that does not bound what is near a track.
-pub fn check_sensors(
+/// The faults of the sensors with this filter, of a gate that does not bound what is near a track, and of tracks that never start.
+fn check_sensors(
     requested: &[SensorSettings],
     recording: &Recording,
     filter: &NamedFilter,
     lifecycle: Option<&Lifecycle>,
+    is_apart: bool,
 ) -> Result<(), Vec<Fault>> {
     let known = sensors::merge_settings(recording, &[], requested)?;
     let resolved = sensors::resolve(recording, &known, filter, &mut Vec::new())?;
     let mut faults = sensors::misplaced_densities(requested, &resolved);
     faults.extend(lifecycle.and_then(|lifecycle| unbounded_gate(lifecycle, &resolved)));
+    faults.extend(lifecycle.and_then(|lifecycle| nothing_starts(lifecycle, &resolved)));
+    if let Some(lifecycle) = lifecycle.filter(|_| is_apart && faults.is_empty()) {
+        faults = unusable_alone(recording, &known, filter, lifecycle);
+    }
     refuse_any(faults)
 }
 

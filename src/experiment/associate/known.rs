@@ -1,13 +1,15 @@
 //! What is known of a recording before it is loaded, held against how it is to be tracked.
 
 use super::auto_filter::settle;
-use super::track::{unbounded_gate, unmet_need};
+use super::track::{nothing_starts, unbounded_gate, unmet_need};
 use crate::experiment::input::known::{KnownRecording, cost_of, unknown_sensors};
 use crate::experiment::input::sensors;
 use crate::experiment::job::{Cost, InputRequest, Job, Known, KnownInputs, Settled};
 use crate::experiment::request::methods::{FilterChoice, NamedFilter, TrackingSpec};
 use crate::model::fault::Fault;
+use crate::model::scan::Recording;
 use crate::model::sensor::SensorSettings;
+use crate::tracking::Lifecycle;
 use serde_json::Value;
 use std::sync::Arc;
 
@@ -46,6 +48,47 @@ pub fn check_tracked(
     found
 }
 
+/// The same where each sensor is tracked by itself, without the others' help.
+pub fn check_tracked_apart(
+    inputs: &[InputRequest],
+    known: &[Option<Known>],
+    tracking: &TrackingSpec,
+    requested: &[SensorSettings],
+) -> KnownTracking {
+    let mut found = check_tracked(inputs, known, tracking, requested);
+    let Some(recording) = KnownRecording::find(inputs, known) else {
+        return found;
+    };
+    if found.faults.is_empty() {
+        let filter = settle(tracking, &recording.sample).filter;
+        let KnownRecording {
+            sample, uploaded, ..
+        } = &recording;
+        let known = sensors::merge_settings(sample, uploaded, requested).unwrap_or_default();
+        found.faults = unusable_alone(sample, &known, &filter, &tracking.tracker.lifecycle);
+    }
+    found
+}
+
+/// The faults of sensors that are of use beside others only.
+pub fn unusable_alone(
+    sample: &Recording,
+    known: &[SensorSettings],
+    filter: &NamedFilter,
+    lifecycle: &Lifecycle,
+) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    for settings in known {
+        let own = sample.only_sensors(std::slice::from_ref(&settings.sensor_id));
+        let known = std::slice::from_ref(settings);
+        match own.and_then(|own| sensors::resolve(&own, known, filter, &mut Vec::new())) {
+            Ok(resolved) => faults.extend(nothing_starts(lifecycle, &resolved)),
+            Err(found) => faults.extend(found),
+        }
+    }
+    faults
+}
+
 fn faults_of(
     recording: &KnownRecording,
     filter: &NamedFilter,
@@ -63,6 +106,7 @@ fn faults_of(
         Ok(resolved) => {
             let mut faults = sensors::misplaced_densities(requested, &resolved);
             faults.extend(unbounded_gate(&tracking.tracker.lifecycle, &resolved));
+            faults.extend(nothing_starts(&tracking.tracker.lifecycle, &resolved));
             faults
         }
         Err(faults) => faults,

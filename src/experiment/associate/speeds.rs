@@ -96,9 +96,11 @@ pub fn complete(
             )
         }
     };
+    // Bearings say nothing of speeds.
     let names: Vec<&str> = data
         .sensors
         .iter()
+        .filter(|sensor| sensor.report.locates())
         .map(|sensor| sensor.sensor_id.as_str())
         .collect();
     let how = match speeds.ground {

@@ -228,10 +228,9 @@ impl<'a> TrackerRun<'a> {
 
     /// A tracker with the tracks that it is given.
     fn start(self, filter: &AnyFilter) -> Result<Box<dyn Tracker>, RunError> {
-        let first_sensor = self.recording.scans.first().map_or(0, |scan| scan.sensor);
         let mut given = Vec::with_capacity(self.starts.len());
         for start in self.starts {
-            given.push(start.given(filter, &self.sensors[first_sensor])?);
+            given.push(start.given(filter, &self.sensors)?);
         }
         Ok((self.build)(TrackerParts {
             filter: *filter,
@@ -296,7 +295,7 @@ fn time_association(
 }
 
 /// A fault where no sensor may start a track.
-fn nothing_starts(lifecycle: &Lifecycle, sensors: &[Sensor]) -> Option<Fault> {
+pub fn nothing_starts(lifecycle: &Lifecycle, sensors: &[Sensor]) -> Option<Fault> {
     let begins_at_truth = matches!(lifecycle.initiation, Initiation::Truth { .. });
     if begins_at_truth || sensors.is_empty() || sensors.iter().any(|sensor| sensor.may_start) {
         return None;

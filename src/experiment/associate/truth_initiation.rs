@@ -2,7 +2,7 @@
 //! would give it, with the errors that its covariance tells.
 //!
 //! # Symbols
-//! z what the sensor of the first scan would report of the true place, with its own noise; ṙ the true rate of each coordinate,
+//! z what the sensor of the first scan whose reports can start a track would report of the true place, with its own noise; ṙ the true rate of each coordinate,
 //! σ the standard deviation that is given for it.
 //!
 //! # Method
@@ -32,6 +32,8 @@ pub struct Start {
     pub truth_id: String,
     /// Index of the target in the recording, if that knows it.
     pub origin: Option<u32>,
+    /// The sensor that would report z, by its index.
+    sensor: usize,
     /// z.
     measurement: Measurement,
     /// ṙ with its error, m/s or rad/s; of a bearing only the first.
@@ -79,6 +81,9 @@ pub fn starts(
     let Some(scan) = recording.scans.first() else {
         return Ok(Vec::new());
     };
+    let Some(sensor) = starting_sensor(recording, sensors, filter) else {
+        return Ok(Vec::new());
+    };
     let sigma = match truth.space() {
         Space::Bearing => rate_sigma_degps.to_radians(),
         Space::Plane | Space::Volume => speed_sigma_mps,
@@ -94,7 +99,8 @@ pub fn starts(
                 .iter()
                 .position(|name| *name == target.truth_id)
                 .map(|origin| origin as u32),
-            measurement: draw_report(&sensors[scan.sensor].report, &truth, errors)?,
+            sensor,
+            measurement: draw_report(&sensors[sensor].report, &truth, errors)?,
             rates: [0, 1].map(|axis| truth.rates[axis] + sigma * errors[3 + axis]),
             sigma,
         })
@@ -105,6 +111,17 @@ pub fn starts(
         .enumerate()
         .filter_map(start)
         .collect())
+}
+
+/// The sensor of the first scan whose reports can start a track of this filter, by its index.
+fn starting_sensor(
+    recording: &Recording,
+    sensors: &[Sensor],
+    named: &NamedFilter,
+) -> Option<usize> {
+    let has_places = named.filter.space().has_places();
+    let mut scanned = recording.scans.iter().map(|scan| scan.sensor);
+    scanned.find(|sensor| !has_places || sensors[*sensor].report.locates())
 }
 
 /// A fault where tracks begin at truth of another kind than theirs.
@@ -183,12 +200,12 @@ impl Start {
     ///
     /// # Errors
     /// The filter cannot use what the sensor would report of it.
-    pub fn given(self, filter: &AnyFilter, sensor: &Sensor) -> Result<GivenTrack, Fault> {
+    pub fn given(self, filter: &AnyFilter, sensors: &[Sensor]) -> Result<GivenTrack, RunError> {
         let Some(kinematics) = filter.with(Begin {
             start: &self,
-            sensor,
+            sensor: &sensors[self.sensor],
         }) else {
-            return Err(self.without_state());
+            return Err(self.without_state().into());
         };
         Ok(GivenTrack {
             name: self.truth_id,

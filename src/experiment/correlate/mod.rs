@@ -13,7 +13,7 @@ pub use spec::CORRELATE;
 
 use crate::correlation::alignment::Node;
 use crate::experiment::associate::check::{check_start, check_tracking};
-use crate::experiment::associate::known::check_tracked;
+use crate::experiment::associate::known::check_tracked_apart;
 use crate::experiment::associate::settle;
 use crate::experiment::associate::track::track;
 use crate::experiment::input::known::check_inputs;
@@ -55,7 +55,7 @@ impl Job for CorrelateJob {
         let Some(tracking) = &self.tracking else {
             return check_inputs(requests, known);
         };
-        let found = check_tracked(requests, known, tracking, &self.spec.sensors);
+        let found = check_tracked_apart(requests, known, tracking, &self.spec.sensors);
         found.into_known_inputs(tracking, |tracking| CorrelateJob {
             tracking: Some(tracking),
             ..self.clone()

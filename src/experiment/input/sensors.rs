@@ -4,6 +4,7 @@
 use super::extent::{Extent, detections_of, place_of, space_of};
 use crate::experiment::job::refuse_any;
 use crate::experiment::request::methods::NamedFilter;
+use crate::filtering::AnyFilter;
 use crate::model::fault::Fault;
 use crate::model::scan::{Detection, Measurement, Recording};
 use crate::model::sensing::{Bearing, MeasurementModel, Polar, RangeRate};
@@ -69,6 +70,9 @@ pub fn resolve(
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Sensor>, Vec<Fault>> {
     let mut faults = Vec::new();
+    if let Some(fault) = nothing_locates(recording, known, filter) {
+        return Err(vec![fault]);
+    }
     if !filter.filter.uses_range_rates() && reported_rates(&mut recording.detections.iter()) > 0 {
         warnings.push(format!(
             "range rates are not used: the filter '{}' does not know them",
@@ -77,7 +81,7 @@ pub fn resolve(
     }
     let mut sensors = Vec::with_capacity(known.len());
     for (index, settings) in known.iter().enumerate() {
-        let Some(kind) = usable_kind(recording, index, settings, filter, &mut faults) else {
+        let Some(kind) = usable_kind(recording, (index, known), filter, &mut faults) else {
             continue;
         };
         let uses_rates =
@@ -186,11 +190,11 @@ enum Kind {
 /// What the sensor reports, if the filter can use it.
 fn usable_kind(
     recording: &Recording,
-    index: usize,
-    settings: &SensorSettings,
+    (index, known): (usize, &[SensorSettings]),
     named: &NamedFilter,
     faults: &mut Vec<Fault>,
 ) -> Option<Kind> {
+    let settings = &known[index];
     let has = |wanted: fn(&Measurement) -> bool| {
         detections_of(recording, index).any(|detection| wanted(&detection.measurement))
     };
@@ -199,13 +203,7 @@ fn usable_kind(
     let bearings = has(|measurement| matches!(measurement, Measurement::Bearing { .. }));
     let name = &settings.sensor_id;
     let (filter, filter_name) = (&named.filter, named.name);
-    let usable = if !filter.space().has_places() {
-        "bearings (bearing_deg), with or without ranges (range_m)"
-    } else if filter.uses_ranges() {
-        "positions (x_m, y_m); ranges and bearings (range_m, bearing_deg)"
-    } else {
-        "positions (x_m, y_m)"
-    };
+    let usable = usable_reports(filter);
     let mut refuse = |what: &str| {
         let others = if recording.sensors.len() > 1 {
             "; 'sensor_ids' of the input can leave it out"
@@ -221,11 +219,12 @@ fn usable_kind(
     match (positions, ranges, bearings) {
         (true, ..) if !filter.space().has_places() => refuse("positions"),
         _ if !filter.space().has_places() => Some(Kind::Bearing),
-        (false, false, true) if filter.uses_ranges() && any_locates(recording) => {
+        (false, false, true) if filter.uses_ranges() => {
             faults.extend(unknown_place(settings));
             Some(Kind::Bearing)
         }
-        (_, _, true) => refuse("bearings without ranges"),
+        (false, false, true) => refuse("bearings without ranges"),
+        (_, _, true) => refuse("bearings in some detections and places in others"),
         (true, true, _) => refuse("positions in some detections and ranges in others"),
         (false, true, _) if !filter.uses_ranges() => refuse("ranges and bearings"),
         (false, true, _) => Some(Kind::Polar),
@@ -233,8 +232,57 @@ fn usable_kind(
         (false, false, _) if settings.sigma_range_m.is_some() && filter.uses_ranges() => {
             Some(Kind::Polar)
         }
+        (false, false, _)
+            if tells_bearings(settings)
+                && filter.uses_ranges()
+                && any_locates(recording, known) =>
+        {
+            faults.extend(unknown_place(settings));
+            Some(Kind::Bearing)
+        }
         _ => Some(Kind::Position),
     }
+}
+
+/// What a filter can use, for people.
+fn usable_reports(filter: &AnyFilter) -> &'static str {
+    if !filter.space().has_places() {
+        "bearings (bearing_deg), with or without ranges (range_m)"
+    } else if filter.uses_ranges() {
+        "positions (x_m, y_m); ranges and bearings (range_m, bearing_deg)"
+    } else {
+        "positions (x_m, y_m)"
+    }
+}
+
+/// A fault where a filter of places is given bearings alone: no track could start.
+fn nothing_locates(
+    recording: &Recording,
+    known: &[SensorSettings],
+    named: &NamedFilter,
+) -> Option<Fault> {
+    if !named.filter.space().has_places() || any_locates(recording, known) {
+        return None;
+    }
+    let is_heard = |index: usize| detections_of(recording, index).next().is_some();
+    let heard: Vec<String> = known
+        .iter()
+        .enumerate()
+        .filter(|(index, _)| is_heard(*index))
+        .map(|(_, settings)| format!("'{}'", settings.sensor_id))
+        .collect();
+    let who = match heard.as_slice() {
+        [] => return None,
+        [one] => format!("sensor {one} reports"),
+        several => format!("sensors {} report", several.join(", ")),
+    };
+    let detail = format!(
+        "{who} bearings without ranges, which the filter '{}' cannot use",
+        named.name
+    );
+    Some(
+        Fault::new("/filter/method", "unsupported", detail).allowing(usable_reports(&named.filter)),
+    )
 }
 
 /// Takes noises from the settings; those that are missing become faults.
@@ -305,10 +353,25 @@ fn place(settings: &SensorSettings, warnings: &mut Vec<String>) -> Position {
     place_of(settings)
 }
 
-/// Whether some report of the recording says where its target is.
-fn any_locates(recording: &Recording) -> bool {
+/// Whether some report says where its target is, or a sensor that never reported anything would.
+fn any_locates(recording: &Recording, known: &[SensorSettings]) -> bool {
     let mut reports = recording.detections.iter();
+    let mut silent = known
+        .iter()
+        .enumerate()
+        .filter(|(index, _)| detections_of(recording, *index).next().is_none());
     reports.any(|detection| !matches!(detection.measurement, Measurement::Bearing { .. }))
+        || silent.any(|(_, settings)| tells_places(settings))
+}
+
+/// Whether the settings are those of a sensor that reports places.
+fn tells_places(settings: &SensorSettings) -> bool {
+    settings.sigma_x_m.is_some() || settings.sigma_range_m.is_some()
+}
+
+/// Whether they are those of a sensor that reports bearings alone.
+fn tells_bearings(settings: &SensorSettings) -> bool {
+    settings.sigma_bearing_deg.is_some() && !tells_places(settings)
 }
 
 /// Bearings place a target of the plane only from a place that is known.
@@ -323,7 +386,7 @@ fn unknown_place(settings: &SensorSettings) -> Option<Fault> {
     Some(Fault::new("/sensors", "missing", detail).allowing("a place (m)"))
 }
 
-fn reported_rates<'d>(detections: &mut dyn Iterator<Item = &'d Detection>) -> usize {
+fn reported_rates(detections: &mut dyn Iterator<Item = &Detection>) -> usize {
     let has_rate = |detection: &&Detection| {
         matches!(
             detection.measurement,
