@@ -346,4 +346,4 @@ pub fn needs_of(associator: &Choice<BuildAssociator>) -> Needs {
 }
 
 #[cfg(test)]
-mod checkpoints;
+mod tests;

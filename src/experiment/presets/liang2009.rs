@@ -67,6 +67,16 @@ fn beginnings() -> Preset {
     campaign("beginnings", summary, TARGETS[0], axes, 100)
 }
 
+const ASSOCIATORS: [(&str, &str); 3] = [
+    ("NN", "nearest_neighbour"),
+    ("PDA", "pda"),
+    ("JPDA", "jpda"),
+];
+
+fn associator((name, method): (&str, &str)) -> Value {
+    json!({"name": name, "set": [{"path": "/associator", "value": {"method": method}}]})
+}
+
 /// Axes by associators in the paper's scene.
 fn campaign(name: &str, summary: &str, targets: u32, mut axes: Vec<Value>, runs: u32) -> Preset {
     let name = format!("liang2009-{name}");
@@ -79,14 +89,9 @@ fn campaign(name: &str, summary: &str, targets: u32, mut axes: Vec<Value>, runs:
     )
     .body;
     (base["kind"], base["profile"]) = (json!("evaluate"), json!("tfa"));
-    let variant = |(name, method): (&str, &str)| json!({"name": name, "set": [{"path": "/associator", "value": {"method": method}}]});
-    let associators = [
-        ("NN", "nearest_neighbour"),
-        ("PDA", "pda"),
-        ("JPDA", "jpda"),
-    ]
-    .map(variant);
-    axes.push(json!({"by": "variants", "name": "associator", "variants": associators}));
+    axes.push(
+        json!({"by": "variants", "name": "associator", "variants": ASSOCIATORS.map(associator)}),
+    );
     let outcome = |(name, path): (&str, &str)| json!({"name": name, "path": format!("tfa.{path}")});
     let outcomes = [
         ("P correct", "probability.correct"),
