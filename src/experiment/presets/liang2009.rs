@@ -57,7 +57,7 @@ fn beginnings() -> Preset {
     let variant = |(name, value): (&str, Value)| json!({"name": name, "set": [{"path": "/tracker/initiation", "value": value}]});
     let beginnings = [
         ("one point", json!({"method": "one_point"})),
-        ("truth", json!({"method": "truth", "speed_sigma_mps": 10.0})),
+        ("truth", json!({"method": "truth"})),
     ]
     .map(variant);
     let axes = vec![
