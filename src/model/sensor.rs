@@ -1,5 +1,6 @@
 //! What is known of a sensor, and the complete description that a tracker works with.
 
+use super::scan::Scan;
 use super::sensing::MeasurementModel;
 use serde::{Deserialize, Serialize};
 
@@ -131,4 +132,12 @@ pub struct Sensor {
     /// Whether a report that no track uses may start a track.
     pub may_start: bool,
     pub report: MeasurementModel,
+}
+
+impl Sensor {
+    /// What it reports in a scan: it may be elsewhere in each.
+    pub fn report_in(&self, scan: &Scan) -> MeasurementModel {
+        let moved = scan.pose.map(|pose| self.report.seen_from(&pose));
+        moved.unwrap_or(self.report)
+    }
 }

@@ -29,6 +29,7 @@ mod grouping;
 mod integer_programme;
 mod liang_verdicts;
 mod lifecycle;
+mod moving_sensor;
 mod mutations;
 mod oracle;
 mod origins;

@@ -65,7 +65,7 @@ pub fn report(
         method: tracked.method,
         counts: Counts {
             scans: recording.scans.len(),
-            detections: recording.detections.len(),
+            detections: recording.detection_count(),
             started_tracks: tracked
                 .scans
                 .iter()

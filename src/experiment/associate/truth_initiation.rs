@@ -94,7 +94,7 @@ pub fn starts(
                 .iter()
                 .position(|name| *name == target.truth_id)
                 .map(|origin| origin as u32),
-            measurement: draw_report(&sensors[scan.sensor].report, &truth, errors)?,
+            measurement: draw_report(&sensors[scan.sensor].report_in(scan), &truth, errors)?,
             rates: [0, 1].map(|axis| truth.rates[axis] + sigma * errors[3 + axis]),
             sigma,
         })
@@ -183,10 +183,10 @@ impl Start {
     ///
     /// # Errors
     /// The filter cannot use what the sensor would report of it.
-    pub fn given(self, filter: &AnyFilter, sensor: &Sensor) -> Result<GivenTrack, Fault> {
+    pub fn given(self, filter: &AnyFilter, report: &MeasurementModel) -> Result<GivenTrack, Fault> {
         let Some(kinematics) = filter.with(Begin {
             start: &self,
-            sensor,
+            report,
         }) else {
             return Err(self.without_state());
         };
@@ -214,29 +214,19 @@ impl Start {
 
 struct Begin<'a> {
     start: &'a Start,
-    sensor: &'a Sensor,
+    report: &'a MeasurementModel,
 }
 
 impl WithFilter for Begin<'_> {
     type Output = Option<Vec<f64>>;
 
     fn in_plane<F: Filter<4>>(self, filter: F) -> Option<Vec<f64>> {
-        let Begin { start, sensor } = self;
-        start.packed(locate(
-            &filter,
-            &sensor.report,
-            &start.measurement,
-            start.sigma,
-        ))
+        let Begin { start, report } = self;
+        start.packed(locate(&filter, report, &start.measurement, start.sigma))
     }
 
     fn of_bearings<F: Filter<2>>(self, filter: F) -> Option<Vec<f64>> {
-        let Begin { start, sensor } = self;
-        start.packed(locate(
-            &filter,
-            &sensor.report,
-            &start.measurement,
-            start.sigma,
-        ))
+        let Begin { start, report } = self;
+        start.packed(locate(&filter, report, &start.measurement, start.sigma))
     }
 }

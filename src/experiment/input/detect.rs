@@ -48,7 +48,7 @@ pub fn detect(
         let (with_origins, found) = assign_origins(recording, truth, detector.gate_deg)?;
         (recording, quality) = (with_origins, Some(found));
     }
-    let (scans, detections) = (recording.scans.len(), recording.detections.len());
+    let (scans, detections) = (recording.scans.len(), recording.detection_count());
     let report = DetectionReport {
         quality,
         scans,

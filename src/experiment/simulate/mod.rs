@@ -73,13 +73,12 @@ impl Job for SimulateJob {
 fn counts(data: &JobData) -> Value {
     match (&data.recording, &data.record) {
         (Some(recording), _) => {
-            let detections = &recording.detections;
             json!({
                 "sensors": recording.sensors.len(),
                 "scans": recording.scans.len(),
                 "targets": recording.targets.len(),
-                "detections": detections.len(),
-                "clutter": detections.iter().filter(|detection| detection.origin.is_none()).count(),
+                "detections": recording.detection_count(),
+                "clutter": recording.detections().filter(|detection| detection.origin.is_none()).count(),
             })
         }
         (None, Some(record)) => json!({

@@ -7,7 +7,8 @@ use crate::association::Needs;
 use crate::filtering::Filter;
 use crate::hypotheses::LikelihoodConstants;
 use crate::math::gaussian::gate_threshold;
-use crate::model::scan::{Detection, Scan};
+use crate::model::scan::Scan;
+use crate::model::sensing::MeasurementModel;
 use crate::model::track::Candidate;
 use crate::model::watch::{Halt, Watch};
 use crate::tracking::recorder::{RecordedPoint, Recorder};
@@ -17,7 +18,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
     pub(super) fn initiate(
         &mut self,
         scan: &Scan,
-        detections: &[Detection],
+        report: &MeasurementModel,
         recorder: &mut dyn Recorder,
         watch: &Watch,
     ) -> Result<u32, Halt> {
@@ -29,13 +30,13 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         let (scan_index, speed_sigma_mps) =
             (self.memory.scans, self.lifecycle.initial_speed_sigma_mps);
         let (hypotheses, initiator) = (&self.scratch.hypotheses, &mut self.memory.initiator);
-        hypotheses.starts(&self.filter, sensor, speed_sigma_mps, |index, state| {
+        hypotheses.starts(&self.filter, report, speed_sigma_mps, |index, state| {
             initiator.push(Point {
                 scan_index,
                 time_s: scan.time_s,
                 sensor: scan.sensor,
                 detection: index as u32,
-                origin: detections[index].origin,
+                origin: scan.detections[index].origin,
                 state,
             });
         });
