@@ -200,7 +200,7 @@ fn scene(targets: usize) -> (Recording, TrackSet) {
             };
             tracks.tracks[taker].points.push(point(
                 scan,
-                tracks.candidates.len(),
+                tracks.candidates.len() as u32,
                 detection.is_some(),
             ));
             tracks.candidates.push(Candidate {
@@ -221,7 +221,7 @@ fn scene(targets: usize) -> (Recording, TrackSet) {
     (Recording::new(parts).expect("the scene is valid"), tracks)
 }
 
-fn point(scan: usize, first_candidate: usize, is_seen: bool) -> TrackPoint {
+fn point(scan: usize, first_candidate: u32, is_seen: bool) -> TrackPoint {
     let status = Some(if is_seen {
         TrackStatus::Confirmed
     } else {

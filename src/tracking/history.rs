@@ -167,7 +167,7 @@ fn point(
         estimate,
         status: Some(entry.status),
         nis: Some(entry.nis).filter(|nis| !nis.is_nan()),
-        first_candidate,
-        candidates: entry.candidates as usize,
+        first_candidate: first_candidate as u32,
+        candidates: entry.candidates,
     }
 }

@@ -295,8 +295,8 @@ fn point(set: &mut TrackSet, time_s: f64, raw: RawPoint) -> TrackPoint {
         estimate: Kinematics::of_plane(&state, has_velocity, covariance.as_ref()),
         status: status.map(|index| TrackStatus::ALL[index].0),
         nis: status.map(|_| x.abs()),
-        first_candidate,
-        candidates: set.candidates.len() - first_candidate,
+        first_candidate: first_candidate as u32,
+        candidates: (set.candidates.len() - first_candidate) as u32,
     }
 }
 

@@ -124,8 +124,8 @@ fn point(set: &mut TrackSet, time_s: f64, word: &str) -> TrackPoint {
     let candidates = set.candidates.len() - first_candidate;
     TrackPoint {
         status,
-        first_candidate,
-        candidates,
+        first_candidate: first_candidate as u32,
+        candidates: candidates as u32,
         ..bare_point(time_s, 0.0, 0.0)
     }
 }
