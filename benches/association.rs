@@ -99,7 +99,7 @@ fn compare(targets: u32, u_ns: f64, smallest: &[f64]) -> Vec<f64> {
     let each = |index: usize| least_ns[index] / points[index] as f64;
     let detections: Vec<f64> = least_ns
         .iter()
-        .map(|ns| ns / recording.detections.len() as f64)
+        .map(|ns| ns / recording.detection_count() as f64)
         .collect();
     for (index, method) in ASSOCIATORS.iter().enumerate() {
         let (name, scans, ns) = (method.name, points[index], each(index));
@@ -209,12 +209,7 @@ fn tracked(
     for scan in &recording.scans {
         track_scans += u64::from(
             tracker
-                .step(
-                    scan,
-                    recording.detections_of(scan),
-                    &mut history,
-                    &Watch::never(),
-                )
+                .step(scan, &mut history, &Watch::never())
                 .expect("the scene fits")
                 .tracks,
         );

@@ -170,7 +170,7 @@ fn scene(targets: usize) -> (Recording, TrackSet) {
         })
         .collect();
     for scan in 0..SCANS {
-        let first = parts.detections.len();
+        let mut detections = Vec::new();
         for target in 0..targets {
             let is_seen = roll(10) > 0;
             let origin = if roll(50) == 0 {
@@ -178,14 +178,16 @@ fn scene(targets: usize) -> (Recording, TrackSet) {
             } else {
                 Some(target as u32)
             };
-            let detection = is_seen.then_some(parts.detections.len() as u32);
+            let detection = is_seen.then_some(parts.detection_ids.len() as u32);
             if is_seen {
-                parts.detection_ids.push(parts.detections.len().to_string());
+                parts
+                    .detection_ids
+                    .push(parts.detection_ids.len().to_string());
                 let measurement = Measurement::Position {
                     x_m: roll(1000) as f64,
                     y_m: roll(1000) as f64,
                 };
-                parts.detections.push(Detection {
+                detections.push(Detection {
                     measurement,
                     origin,
                     amplitude: None,
@@ -198,7 +200,7 @@ fn scene(targets: usize) -> (Recording, TrackSet) {
             };
             tracks.tracks[taker].points.push(point(
                 scan,
-                tracks.candidates.len(),
+                tracks.candidates.len() as u32,
                 detection.is_some(),
             ));
             tracks.candidates.push(Candidate {
@@ -211,15 +213,15 @@ fn scene(targets: usize) -> (Recording, TrackSet) {
             number,
             time_s: 8.0 * f64::from(number),
             sensor: 0,
-            first,
-            count: parts.detections.len() - first,
+            pose: None,
+            detections,
         });
     }
     tracks.detection_ids = parts.detection_ids.clone();
     (Recording::new(parts).expect("the scene is valid"), tracks)
 }
 
-fn point(scan: usize, first_candidate: usize, is_seen: bool) -> TrackPoint {
+fn point(scan: usize, first_candidate: u32, is_seen: bool) -> TrackPoint {
     let status = Some(if is_seen {
         TrackStatus::Confirmed
     } else {

@@ -59,7 +59,7 @@ fn a_hundred_scans_of_any_size_cost_a_handful_of_allocations() {
         let (scenario, recording) = scene(side);
         let detections: usize = recording.scans[WARM_UP..]
             .iter()
-            .map(|scan| scan.count)
+            .map(|scan| scan.detections.len())
             .sum();
         assert!(detections > 100 * (side * side) as usize);
         for method in ASSOCIATORS {
@@ -119,7 +119,8 @@ fn scene(side: u32) -> (Scenario, Recording) {
 /// Every detection as strong as its place in the list says.
 fn with_amplitudes(recording: Recording) -> Recording {
     let mut parts: RecordingParts = recording.into_parts();
-    for (index, detection) in parts.detections.iter_mut().enumerate() {
+    let detections = parts.scans.iter_mut().flat_map(|scan| &mut scan.detections);
+    for (index, detection) in detections.enumerate() {
         detection.amplitude = Some((index * 7919 % 1000) as f64);
     }
     Recording::new(parts).unwrap()
@@ -130,25 +131,11 @@ fn allocations(method: &str, scenario: &Scenario, recording: &Recording) -> u64 
     let mut tracker = (TRACKERS[0].build)(parts(method, scenario));
     let mut history = History::default();
     for scan in &recording.scans[..WARM_UP] {
-        tracker
-            .step(
-                scan,
-                recording.detections_of(scan),
-                &mut history,
-                &Watch::never(),
-            )
-            .unwrap();
+        tracker.step(scan, &mut history, &Watch::never()).unwrap();
     }
     let before = ALLOCATIONS.load(Ordering::Relaxed);
     for scan in &recording.scans[WARM_UP..] {
-        let outcome = tracker
-            .step(
-                scan,
-                recording.detections_of(scan),
-                &mut history,
-                &Watch::never(),
-            )
-            .unwrap();
+        let outcome = tracker.step(scan, &mut history, &Watch::never()).unwrap();
         assert!(outcome.confirmed > 0);
     }
     ALLOCATIONS.load(Ordering::Relaxed) - before

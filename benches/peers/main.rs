@@ -138,12 +138,7 @@ fn track(parts: TrackerParts, recording: &Recording) -> TrackSet {
     let mut history = History::default();
     for scan in &recording.scans {
         tracker
-            .step(
-                scan,
-                recording.detections_of(scan),
-                &mut history,
-                &Watch::never(),
-            )
+            .step(scan, &mut history, &Watch::never())
             .expect("the scene fits");
     }
     history.into_tracks(recording)

@@ -105,9 +105,8 @@ impl Flights {
         let mut tracker = (TRACKERS[0].build)(self.parts(associator));
         let mut history = History::default();
         for scan in &self.recording.scans {
-            let detections = self.recording.detections_of(scan);
             tracker
-                .step(scan, detections, &mut history, &Watch::never())
+                .step(scan, &mut history, &Watch::never())
                 .expect("the scene fits");
         }
         (tracker, history)

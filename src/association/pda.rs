@@ -65,7 +65,7 @@ impl Associator for Pda {
     }
 
     fn fork(&self) -> Box<dyn Associator> {
-        Box::new(self.clone())
+        Box::new(*self)
     }
 }
 

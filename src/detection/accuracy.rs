@@ -11,7 +11,7 @@
 //! before and behind are taken, if they are within a few cells; σ = 1.4826 median |d| / √6.
 
 use crate::model::angle::wrap;
-use crate::model::scan::{Detection, Measurement, Recording};
+use crate::model::scan::{Detection, Measurement, Recording, Scan};
 
 /// Neighbours in time are looked for within this many cells.
 const REACH_CELLS: f64 = 3.0;
@@ -25,17 +25,12 @@ const OF_MEDIAN: f64 = 1.4826;
 pub fn estimated_sigma_rad(recording: &Recording, cell_rad: f64) -> Option<f64> {
     let mut sizes = Vec::new();
     for scans in recording.scans.windows(3) {
-        for middle in recording.detections_of(&scans[1]) {
+        for middle in &scans[1].detections {
             let Some(middle_rad) = bearing(middle) else {
                 continue;
             };
-            let off = |scan| {
-                nearest_offset(
-                    recording.detections_of(scan),
-                    middle_rad,
-                    REACH_CELLS * cell_rad,
-                )
-            };
+            let off =
+                |scan: &Scan| nearest_offset(&scan.detections, middle_rad, REACH_CELLS * cell_rad);
             if let (Some(before), Some(behind)) = (off(&scans[0]), off(&scans[2])) {
                 sizes.push((before + behind).abs());
             }

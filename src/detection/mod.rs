@@ -107,20 +107,20 @@ impl Detector {
         for (index, rows) in intervals.iter().enumerate() {
             average(record, rows.clone(), &mut power);
             let time_s = record.times_s[rows.clone()].iter().sum::<f64>() / rows.len() as f64;
-            let first = parts.detections.len();
             let thresholds = scale.thresholds(&power, rows.len());
-            parts.detections.extend(peaks(record, &power, thresholds));
-            let (number, count) = (index as u32 + 1, parts.detections.len() - first);
+            let detections = peaks(record, &power, thresholds);
+            let number = index as u32 + 1;
+            let numbers = 1..=detections.len();
+            parts
+                .detection_ids
+                .extend(numbers.map(|index| format!("{number}-{index}")));
             parts.scans.push(Scan {
                 number,
                 time_s,
                 sensor: 0,
-                first,
-                count,
+                pose: None,
+                detections,
             });
-            parts
-                .detection_ids
-                .extend((1..=count).map(|index| format!("{number}-{index}")));
             if progress(index as u64 + 1, intervals.len() as u64).is_break() {
                 return Ok(None);
             }
@@ -182,7 +182,9 @@ fn peaks(record: &BearingTimeRecord, power: &[f64], thresholds: &[f64]) -> Vec<D
             && power[cell] >= power[after];
         is_peak.then(|| peak(record, power, [before, cell, after]))
     });
-    found.collect()
+    let mut found: Vec<Detection> = found.collect();
+    found.shrink_to_fit();
+    found
 }
 
 fn peak(record: &BearingTimeRecord, power: &[f64], cells: [usize; 3]) -> Detection {

@@ -41,22 +41,17 @@ pub fn assign_origins(
 ) -> Result<(Recording, Quality), Vec<Fault>> {
     let mut parts = recording.into_parts();
     let mut counts = Counts::default();
-    for scan in &parts.scans {
-        for (error_rad, detection, target) in matches(
-            scan,
-            &parts.detections[scan.range()],
-            truth,
-            gate_deg.to_radians(),
-            &mut counts,
-        ) {
-            parts.detections[scan.first + detection].origin = Some(target as u32);
+    for scan in &mut parts.scans {
+        for (error_rad, detection, target) in
+            matches(scan, truth, gate_deg.to_radians(), &mut counts)
+        {
+            scan.detections[detection].origin = Some(target as u32);
             counts.found += 1;
             counts.square_errors += error_rad * error_rad;
         }
     }
     let false_alarms = parts
-        .detections
-        .iter()
+        .detections()
         .filter(|detection| detection.origin.is_none())
         .count() as f64;
     let share = |sum: f64, count: f64| (count > 0.0).then(|| sum / count);
@@ -79,7 +74,6 @@ pub fn assign_origins(
 /// Error, detection and target of each pair that is taken.
 fn matches(
     scan: &Scan,
-    detections: &[crate::model::scan::Detection],
     truth: &TruthSet,
     gate_rad: f64,
     counts: &mut Counts,
@@ -90,7 +84,7 @@ fn matches(
             continue;
         };
         counts.true_bearings += 1;
-        for (number, detection) in detections.iter().enumerate() {
+        for (number, detection) in scan.detections.iter().enumerate() {
             if let Measurement::Bearing { bearing_rad } = detection.measurement {
                 let error_rad = wrap(bearing_rad - place.x).abs();
                 pairs.extend((error_rad <= gate_rad).then_some((error_rad, number, index)));

@@ -55,7 +55,7 @@ fn bearings_deg(recording: &Recording) -> Vec<f64> {
         Measurement::Bearing { bearing_rad } => bearing_rad.to_degrees(),
         _ => f64::NAN,
     };
-    recording.detections.iter().map(degrees).collect()
+    recording.detections().map(degrees).collect()
 }
 
 #[test]
@@ -72,7 +72,7 @@ fn noise_alone_exceeds_the_threshold_as_often_as_asked() {
             &record(turn(), 800, noise(averages)),
         );
         assert_eq!(found.recording.scans.len(), 400);
-        let count = found.recording.detections.len();
+        let count = found.recording.detection_count();
         assert!((203..=373).contains(&count), "{averages}: {count}");
         let estimated = found.tuning.noise_averages.unwrap();
         assert!(
@@ -103,7 +103,7 @@ fn a_peak_is_found_to_a_fraction_of_its_cell_also_across_north() {
             bearings[0]
         );
         assert!(
-            (found.recording.detections[0].amplitude.unwrap() - 40.0).abs() < 1e-4,
+            (found.recording.scans[0].detections[0].amplitude.unwrap() - 40.0).abs() < 1e-4,
             "{at}"
         );
     }
@@ -162,7 +162,7 @@ fn power_is_averaged_and_the_time_is_the_middle() {
             .recording
             .scans
             .iter()
-            .map(|scan| (scan.time_s, scan.count))
+            .map(|scan| (scan.time_s, scan.detections.len()))
             .collect::<Vec<_>>()
     };
     assert_eq!(at(7.39), [(0.5, 1), (2.0, 1)]);
@@ -223,8 +223,7 @@ fn a_detection_has_one_target_and_a_target_one_detection() {
     .unwrap();
     let (recording, quality) = assign_origins(found.recording, &truth, 2.0).unwrap();
     let origins: Vec<_> = recording
-        .detections
-        .iter()
+        .detections()
         .map(|detection| detection.origin)
         .collect();
     assert_eq!(origins, [Some(0), Some(1), Some(2)]);

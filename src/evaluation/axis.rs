@@ -199,8 +199,8 @@ mod tests {
             number,
             time_s,
             sensor,
-            first: 0,
-            count: 0,
+            pose: None,
+            detections: Vec::new(),
         };
         Recording::new(RecordingParts {
             sensors: sensors

@@ -53,7 +53,7 @@ pub fn explain<'a>(
 ) -> impl Iterator<Item = Break> + use<'a> {
     let recording = input.and_then(|input| input.recording);
     let recording =
-        recording.filter(|recording| comparison.is_in_metres() && !recording.detections.is_empty());
+        recording.filter(|recording| comparison.is_in_metres() && recording.detection_count() > 0);
     let breaks = log
         .events
         .iter()
@@ -125,8 +125,9 @@ fn is_seen(recording: &Recording, time_s: f64, position_m: &Position, gate_m: f6
                 sensor.x_m.unwrap_or_default(),
                 sensor.y_m.unwrap_or_default(),
             );
-            let mut seen = recording
-                .detections_of(scan)
+            let place_m = scan.sensor_place_m(place_m);
+            let mut seen = scan
+                .detections
                 .iter()
                 .filter_map(|detection| detection.measurement.position_seen_from(&place_m));
             seen.any(|seen_m| (seen_m - position_m).norm() <= gate_m)

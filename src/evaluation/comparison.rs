@@ -43,15 +43,32 @@ pub struct ComparedStep {
 }
 
 /// A truth or a track at one step.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub struct Presence {
     /// Index into [`Comparison::truth_ids`] or [`Comparison::track_ids`].
     pub id: u32,
     /// Of boxes: their centres, in pixels. Of directions: the bearing in degrees, and 0.
     pub position_m: Place,
-    pub velocity_mps: Option<Place>,
+    /// NaN where it is not known: of millions, an `Option` of each takes too much room.
+    rates: Place,
     /// Of a track: index of the point in its track.
     pub point: u32,
+}
+
+impl Presence {
+    /// `velocity_mps` is `None` where it is not known.
+    pub fn new(id: u32, position_m: Place, velocity_mps: Option<Place>, point: u32) -> Self {
+        Presence {
+            id,
+            position_m,
+            rates: velocity_mps.unwrap_or(Place::repeat(f64::NAN)),
+            point,
+        }
+    }
+
+    pub fn velocity_mps(&self) -> Option<Place> {
+        (!self.rates.x.is_nan()).then_some(self.rates)
+    }
 }
 
 /// A truth and a track that are near each other at one step.
@@ -67,7 +84,7 @@ pub struct Pair {
 }
 
 /// The table. Within a step, truths and tracks rise by id, pairs by truth, then track.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Comparison {
     /// `None` of boxes.
     pub space: Option<Space>,
@@ -292,12 +309,7 @@ fn presence(
         Space::Bearing => (direction(position), None),
         Space::Plane | Space::Volume => (*position, velocity),
     };
-    Presence {
-        id: id as u32,
-        position_m,
-        velocity_mps,
-        point: point as u32,
-    }
+    Presence::new(id as u32, position_m, velocity_mps, point as u32)
 }
 
 impl Alignment {

@@ -3,12 +3,14 @@
 //! An identity is a name within a scan. A detection of the recording is known by its index; a name that the scan does
 //! not have gets a number of its own behind them, the same for the same name in the same scan.
 
-use crate::model::scan::Recording;
+use crate::model::scan::{DetectionIndex, Recording};
 use std::cell::OnceCell;
 use std::collections::HashMap;
+use std::ops::Range;
 
 pub struct Identities<'a> {
     recording: Option<&'a Recording>,
+    detections: Option<DetectionIndex<'a>>,
     names: &'a [String],
     /// The tracks use the recording's own list of names, so that an index in the right scan is the identity itself.
     same_names: bool,
@@ -24,6 +26,7 @@ impl<'a> Identities<'a> {
         let same_names = recording.is_some_and(|recording| recording.detection_ids == names);
         Identities {
             recording,
+            detections: recording.map(|recording| recording.index_detections()),
             names,
             same_names,
             by_name: OnceCell::new(),
@@ -35,11 +38,7 @@ impl<'a> Identities<'a> {
     /// The identity of the `index`-th name in a scan.
     #[inline]
     pub fn resolve(&mut self, scan: usize, index: u32) -> u32 {
-        if self.same_names
-            && self
-                .recording
-                .is_some_and(|recording| recording.scans[scan].range().contains(&(index as usize)))
-        {
+        if self.same_names && self.range(scan).contains(&(index as usize)) {
             return index;
         }
         let name = self.names[index as usize].as_str();
@@ -61,8 +60,7 @@ impl<'a> Identities<'a> {
         let Some(recording) = self.recording else {
             return false;
         };
-        let is_at_its_place =
-            self.same_names && recording.scans[scan].range().contains(&(index as usize));
+        let is_at_its_place = self.same_names && self.range(scan).contains(&(index as usize));
         is_at_its_place
             || self
                 .find(recording, scan, &self.names[index as usize])
@@ -76,8 +74,7 @@ impl<'a> Identities<'a> {
 
     /// How many identities are detections of the recording: all below this number.
     fn known(&self) -> usize {
-        self.recording
-            .map_or(0, |recording| recording.detections.len())
+        self.recording.map_or(0, Recording::detection_count)
     }
 
     pub fn name(&self, identity: u32) -> &str {
@@ -91,12 +88,19 @@ impl<'a> Identities<'a> {
 
     /// The target that a detection came from; `None` for clutter and for names the recording does not have.
     pub fn origin(&self, identity: u32) -> Option<u32> {
-        self.recording?.detections.get(identity as usize)?.origin
+        self.detections.as_ref()?.get(identity as usize)?.origin
+    }
+
+    /// The detections of a scan of the recording; none without one.
+    #[inline]
+    fn range(&self, scan: usize) -> Range<usize> {
+        self.detections
+            .as_ref()
+            .map_or(0..0, |detections| detections.range(scan))
     }
 
     fn find(&self, recording: &Recording, scan: usize, name: &str) -> Option<u32> {
-        let of_scan =
-            &self.by_name.get_or_init(|| sorted_by_name(recording))[recording.scans[scan].range()];
+        let of_scan = &self.by_name.get_or_init(|| sorted_by_name(recording))[self.range(scan)];
         let place = of_scan.binary_search_by(|&detection| {
             recording.detection_ids[detection as usize]
                 .as_str()
@@ -107,9 +111,9 @@ impl<'a> Identities<'a> {
 }
 
 fn sorted_by_name(recording: &Recording) -> Vec<u32> {
-    let mut order: Vec<u32> = (0..recording.detections.len() as u32).collect();
-    for scan in &recording.scans {
-        order[scan.range()].sort_unstable_by(|&a, &b| {
+    let mut order: Vec<u32> = (0..recording.detection_count() as u32).collect();
+    for (first, scan) in recording.scans_with_firsts() {
+        order[first..first + scan.detections.len()].sort_unstable_by(|&a, &b| {
             recording.detection_ids[a as usize].cmp(&recording.detection_ids[b as usize])
         });
     }
@@ -128,17 +132,16 @@ mod tests {
             origin: None,
             amplitude: None,
         };
-        let scan = |number: u32, first| Scan {
+        let scan = |number: u32| Scan {
             number,
             time_s: f64::from(number),
             sensor: 0,
-            first,
-            count: 2,
+            pose: None,
+            detections: vec![detection; 2],
         };
         Recording::new(RecordingParts {
             sensors: vec![SensorSettings::named("radar")],
-            scans: vec![scan(1, 0), scan(2, 2)],
-            detections: vec![detection; 4],
+            scans: vec![scan(1), scan(2)],
             detection_ids: ["b", "a", "a", "b"].map(String::from).to_vec(),
             ..Default::default()
         })

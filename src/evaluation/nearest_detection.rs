@@ -6,7 +6,7 @@
 
 use super::nearest_point::{Place, PlaneTree};
 use crate::model::fault::Fault;
-use crate::model::scan::{Measurement, Recording};
+use crate::model::scan::{Measurement, Recording, Scan};
 use crate::model::sensor::SensorSettings;
 use crate::model::state::Position;
 
@@ -29,12 +29,11 @@ impl NearestDetection {
     ) -> Result<Self, Vec<Fault>> {
         let places = places_of(recording, sensors)?;
         let mut bearings_alone = 0;
-        let mut tree = |scan: &crate::model::scan::Scan| {
-            let place_m = places[scan.sensor];
-            let seen = scan.range().filter_map(|index| {
-                let position_m = recording.detections[index]
-                    .measurement
-                    .position_seen_from(&place_m)?;
+        let mut tree = |(first, scan): (usize, &Scan)| {
+            let place_m = scan.sensor_place_m(places[scan.sensor]);
+            let seen = (first..).zip(&scan.detections);
+            let seen = seen.filter_map(|(index, detection)| {
+                let position_m = detection.measurement.position_seen_from(&place_m)?;
                 Some(Place {
                     position_m,
                     index: index as u32,
@@ -42,10 +41,10 @@ impl NearestDetection {
                 })
             });
             let seen: Vec<Place> = seen.collect();
-            bearings_alone += scan.count - seen.len();
+            bearings_alone += scan.detections.len() - seen.len();
             PlaneTree::new(seen)
         };
-        let trees = recording.scans.iter().map(&mut tree).collect();
+        let trees = recording.scans_with_firsts().map(&mut tree).collect();
         Ok(NearestDetection {
             bearings_alone,
             gate_m,
@@ -66,7 +65,7 @@ fn places_of(
 ) -> Result<Vec<Position>, Vec<Fault>> {
     let mut is_polar = vec![false; sensors.len()];
     for scan in &recording.scans {
-        let reports = recording.detections_of(scan).iter();
+        let reports = scan.detections.iter();
         is_polar[scan.sensor] |= reports
             .map(|detection| detection.measurement)
             .any(|it| matches!(it, Measurement::RangeBearing { .. }));

@@ -79,15 +79,13 @@ impl Comparison {
 }
 
 fn presences(boxes: &[ObjectBox]) -> Vec<Presence> {
-    let presence = |(point, one): (usize, &ObjectBox)| Presence {
-        id: one.object,
-        position_m: Place::new(
+    let presence = |(point, one): (usize, &ObjectBox)| {
+        let centre_px = Place::new(
             one.left_px + one.width_px / 2.0,
             one.top_px + one.height_px / 2.0,
             0.0,
-        ),
-        velocity_mps: None,
-        point: point as u32,
+        );
+        Presence::new(one.object, centre_px, None, point as u32)
     };
     boxes.iter().enumerate().map(presence).collect()
 }

@@ -327,10 +327,7 @@ impl From<Halt> for RunError {
         match halt {
             Halt::Stopped => RunError::Stopped,
             Halt::TooLarge(fault) => RunError::Faults(vec![*fault]),
-            Halt::Late { time_s, last_s } => {
-                let detail = format!("a scan at {time_s} s follows one at {last_s} s");
-                Fault::new("/scans", "unsorted", detail).into()
-            }
+            Halt::Late { .. } => Fault::new("/scans", "unsorted", halt.to_string()).into(),
         }
     }
 }

@@ -110,27 +110,22 @@ fn recording(ferry_scans: &[FerryScan]) -> Result<Recording, Vec<Fault>> {
     let mut counts = [0; SENSORS.len()];
     for (index, scan) in ferry_scans.iter().enumerate() {
         counts[scan.sensor] += 1;
-        let first = parts.detections.len();
-        for (nth, &measurement) in scan.measurements.iter().enumerate() {
-            parts.detection_ids.push(format!(
-                "{}-{}-{}",
-                name(scan),
-                counts[scan.sensor],
-                nth + 1
-            ));
-            parts.detections.push(Detection {
-                measurement,
-                origin: None,
-                amplitude: None,
-            });
+        for nth in 1..=scan.measurements.len() {
+            let id = format!("{}-{}-{nth}", name(scan), counts[scan.sensor]);
+            parts.detection_ids.push(id);
         }
+        let detection = |&measurement| Detection {
+            measurement,
+            origin: None,
+            amplitude: None,
+        };
         let sensor = present.partition_point(|&sensor| sensor < scan.sensor);
         parts.scans.push(Scan {
             number: index as u32 + 1,
             time_s: scan.time_s,
             sensor,
-            first,
-            count: scan.measurements.len(),
+            pose: None,
+            detections: scan.measurements.iter().map(detection).collect(),
         });
     }
     Recording::new(parts)

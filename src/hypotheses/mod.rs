@@ -19,6 +19,7 @@ use crate::association::problem::{Edge, ScanProblem};
 use crate::filtering::{Corrector, Expected, Filter, Weighted, WithCorrector};
 use crate::gating::ellipsoidal::EllipsoidalGate;
 use crate::model::scan::{Detection, Scan};
+use crate::model::sensing::MeasurementModel;
 use crate::model::sensor::Sensor;
 use crate::model::state::GaussianState;
 use crate::model::watch::{Halt, Watch};
@@ -45,6 +46,8 @@ pub struct Hypotheses<F: Filter<K>, const K: usize> {
 pub struct Look<'a, F, S> {
     pub filter: &'a F,
     pub sensor: &'a Sensor,
+    /// What the sensor reports in this scan.
+    pub report: &'a MeasurementModel,
     pub scan: &'a Scan,
     /// From the scan before to this one.
     pub step: &'a S,
@@ -65,7 +68,7 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
     }
 
     /// Step 1.
-    pub fn begin_scan(&mut self, filter: &F, sensor: &Sensor, detections: &[Detection]) {
+    pub fn begin_scan(&mut self, filter: &F, report: &MeasurementModel, detections: &[Detection]) {
         if self.needs == Needs::Amplitudes {
             // What has no amplitude is weaker than everything that has.
             self.problem.set_amplitudes(
@@ -78,7 +81,7 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
             hypotheses: self,
             detections,
         };
-        filter.correct(&sensor.report, work);
+        filter.correct(report, work);
     }
 
     /// Step 2: predicts the named tracks and writes a problem of them; `problem_index` numbers the problems of a tracker.
@@ -106,16 +109,14 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
             origin_of,
             watch,
         };
-        look.filter
-            .correct(&look.sensor.report, work)
-            .unwrap_or(Ok(()))
+        look.filter.correct(look.report, work).unwrap_or(Ok(()))
     }
 
     /// The kinematics that a detection tells by itself, if no track uses it.
     pub fn locate(
         &self,
         filter: &F,
-        sensor: &Sensor,
+        report: &MeasurementModel,
         speed_sigma_mps: f64,
         detection: usize,
     ) -> Option<GaussianState<K>> {
@@ -127,7 +128,7 @@ impl<F: Filter<K>, const K: usize> Hypotheses<F, K> {
             detection,
             rate_sigma: filter.rate_sigma(speed_sigma_mps),
         };
-        filter.correct(&sensor.report, work).flatten()
+        filter.correct(report, work).flatten()
     }
 
     pub fn problem(&self) -> &ScanProblem {

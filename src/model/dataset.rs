@@ -107,7 +107,7 @@ impl Dataset {
         let (scans, rows, objects) = match self {
             Dataset::Detections(recording) => (
                 recording.scans.len(),
-                recording.detections.len(),
+                recording.detection_count(),
                 recording.targets.len(),
             ),
             Dataset::Truth(truth) => (0, times_s.len(), truth.targets().len()),

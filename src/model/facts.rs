@@ -39,8 +39,7 @@ impl RecordingFacts {
         for scan in &recording.scans {
             let facts = &mut sensors[scan.sensor];
             facts.scans += 1;
-            recording
-                .detections_of(scan)
+            scan.detections
                 .iter()
                 .for_each(|detection| facts.count(detection));
         }
@@ -69,25 +68,22 @@ impl RecordingFacts {
             ..Default::default()
         };
         for (sensor, facts) in self.sensors.iter().enumerate() {
-            let first = parts.detections.len();
             let amplitude = (facts.amplitudes == facts.detections).then_some(1.0);
-            parts
-                .detections
-                .extend(facts.measurements().map(|measurement| Detection {
-                    measurement,
-                    origin: None,
-                    amplitude,
-                }));
+            let detection = |measurement| Detection {
+                measurement,
+                origin: None,
+                amplitude,
+            };
             parts.sensors.push(facts.settings.clone());
             parts.scans.push(Scan {
                 number: sensor as u32 + 1,
                 time_s: 0.0,
                 sensor,
-                first,
-                count: parts.detections.len() - first,
+                pose: None,
+                detections: facts.measurements().map(detection).collect(),
             });
         }
-        parts.detection_ids = (0..parts.detections.len())
+        parts.detection_ids = (0..parts.detections().count())
             .map(|index| index.to_string())
             .collect();
         // Every index is in range by construction.
@@ -166,22 +162,22 @@ mod tests {
             origin: None,
             amplitude: (index > 2).then_some(1.0),
         };
+        let all: Vec<Detection> = measurements
+            .into_iter()
+            .enumerate()
+            .map(detection)
+            .collect();
         Recording::new(RecordingParts {
             sensors: vec![SensorSettings::named("a"), SensorSettings::named("b")],
-            scans: [(0, 0, 3), (1, 3, 1)]
-                .map(|(sensor, first, count)| Scan {
+            scans: [(0, 0..3), (1, 3..4)]
+                .map(|(sensor, detections)| Scan {
                     number: 1,
                     time_s: 0.0,
                     sensor,
-                    first,
-                    count,
+                    pose: None,
+                    detections: all[detections].to_vec(),
                 })
                 .to_vec(),
-            detections: measurements
-                .into_iter()
-                .enumerate()
-                .map(detection)
-                .collect(),
             detection_ids: ["1", "2", "3", "1"].map(str::to_owned).to_vec(),
             origins_known: true,
             ..Default::default()
@@ -221,7 +217,7 @@ mod tests {
         assert_eq!(
             (
                 sample.sensors.len(),
-                sample.detections.len(),
+                sample.detection_count(),
                 sample.origins_known
             ),
             (2, 3, true)

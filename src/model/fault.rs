@@ -42,7 +42,8 @@ pub const FAULT_CODES: &[(&str, &str)] = &[
 
 /// A fault in a request or a file. `pointer` is a JSON pointer into the request ("" is the whole body);
 /// faults of an uploaded file also carry `line` (from 1, the header is line 1) and `column` (its name).
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, thiserror::Error)]
+#[error("{pointer}: {detail}")]
 pub struct Fault {
     pub pointer: String,
     /// Machine-readable: one of [`FAULT_CODES`].

@@ -3,8 +3,9 @@
 use super::fault::Fault;
 use super::scan_numbers;
 use super::sensor::SensorSettings;
-use super::space::Frame;
+use super::space::{Frame, Pose};
 use super::state::Position;
+use std::ops::Range;
 
 /// What a sensor reported for one detection. Bearings are clockwise from north (y), in radians.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,22 +72,23 @@ pub struct Detection {
     pub amplitude: Option<f64>,
 }
 
-/// One revisit of one sensor. Its detections are `first .. first + count` of [`Recording::detections`].
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// One revisit of one sensor.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Scan {
     /// The file's own; without a file 1, 2, … in (time, sensor) order. What is missing among them: [`super::scan_numbers`].
     pub number: u32,
     pub time_s: f64,
     /// Index into [`Recording::sensors`].
     pub sensor: usize,
-    pub first: usize,
-    pub count: usize,
+    /// Of a sensor that moves; else it is where its settings say.
+    pub pose: Option<Pose>,
+    pub detections: Vec<Detection>,
 }
 
 impl Scan {
-    /// Indices of this scan's detections in the recording.
-    pub fn range(&self) -> std::ops::Range<usize> {
-        self.first..self.first + self.count
+    /// Where its sensor is in the plane: at `place_m` where it does not move.
+    pub fn sensor_place_m(&self, place_m: Position) -> Position {
+        self.pose.map_or(place_m, |pose| pose.place.xy())
     }
 }
 
@@ -97,9 +99,8 @@ pub struct RecordingParts {
     pub sensors: Vec<SensorSettings>,
     /// In order of time, then sensor; scans that saw nothing are here too.
     pub scans: Vec<Scan>,
-    /// In scan order.
-    pub detections: Vec<Detection>,
-    /// One identity a detection, unique within its scan.
+    /// One identity a detection, in scan order, unique within its scan. Its place in this list is the detection's index in the
+    /// recording.
     pub detection_ids: Vec<String>,
     /// Names of the targets that origins refer to.
     pub targets: Vec<String>,
@@ -107,7 +108,56 @@ pub struct RecordingParts {
     pub origins_known: bool,
 }
 
-/// A checked recording: scans in time order, detections finite, every index in range.
+impl RecordingParts {
+    /// The detections of all scans.
+    pub fn detections(&self) -> impl Iterator<Item = &Detection> {
+        self.scans.iter().flat_map(|scan| &scan.detections)
+    }
+
+    /// Each scan, with the index of its first detection in the recording.
+    pub fn scans_with_firsts(&self) -> impl Iterator<Item = (usize, &Scan)> {
+        let mut next = 0;
+        self.scans.iter().map(move |scan| {
+            let first = next;
+            next += scan.detections.len();
+            (first, scan)
+        })
+    }
+
+    /// For those who name detections by their index.
+    pub fn index_detections(&self) -> DetectionIndex<'_> {
+        let firsts = self.scans_with_firsts().map(|(first, _)| first);
+        DetectionIndex {
+            firsts: firsts.collect(),
+            scans: &self.scans,
+        }
+    }
+}
+
+/// Finds detections by their index in the recording.
+pub struct DetectionIndex<'a> {
+    /// Of the first detection of each scan.
+    firsts: Vec<usize>,
+    scans: &'a [Scan],
+}
+
+impl<'a> DetectionIndex<'a> {
+    /// Indices of a scan's detections.
+    pub fn range(&self, scan: usize) -> Range<usize> {
+        let first = self.firsts[scan];
+        first..first + self.scans[scan].detections.len()
+    }
+
+    /// The detection of this index, if there is one.
+    pub fn get(&self, index: usize) -> Option<&'a Detection> {
+        // Of scans that begin at the same index, all but the last are empty.
+        let behind = self.firsts.partition_point(|&first| first <= index);
+        let scan = behind.checked_sub(1)?;
+        self.scans[scan].detections.get(index - self.firsts[scan])
+    }
+}
+
+/// A checked recording: scans in time order, values finite, every index in range.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Recording(RecordingParts);
 
@@ -120,7 +170,7 @@ impl std::ops::Deref for Recording {
 
 impl Recording {
     /// # Errors
-    /// All faults: scans out of order or not contiguous, indices out of range, values that are not finite.
+    /// All faults: scans out of order, indices out of range, values that are not finite.
     pub fn new(parts: RecordingParts) -> Result<Self, Vec<Fault>> {
         let mut faults = Vec::new();
         check_scans(&parts, &mut faults);
@@ -137,9 +187,9 @@ impl Recording {
         self.0
     }
 
-    /// The detections of one scan.
-    pub fn detections_of(&self, scan: &Scan) -> &[Detection] {
-        &self.0.detections[scan.range()]
+    /// How many there are in all scans.
+    pub fn detection_count(&self) -> usize {
+        self.detection_ids.len()
     }
 
     /// Only the scans of the named sensors, with everything else kept.
@@ -169,11 +219,10 @@ impl Recording {
         // One sensor of scans that were counted through all sensors would seem to lack those of the others.
         let is_counted_anew =
             kept.len() == 1 && self.sensors.len() > 1 && !scan_numbers::are_by_sensor(&self.scans);
-        for scan in &self.scans {
+        for (first, scan) in self.scans_with_firsts() {
             let Some(sensor) = kept.iter().position(|&index| index == scan.sensor) else {
                 continue;
             };
-            let first = parts.detections.len();
             let number = if is_counted_anew {
                 parts.scans.len() as u32 + 1
             } else {
@@ -182,15 +231,10 @@ impl Recording {
             parts.scans.push(Scan {
                 number,
                 sensor,
-                first,
-                ..*scan
+                ..scan.clone()
             });
-            parts
-                .detections
-                .extend_from_slice(&self.detections[scan.range()]);
-            parts
-                .detection_ids
-                .extend_from_slice(&self.detection_ids[scan.range()]);
+            let ids = &self.detection_ids[first..first + scan.detections.len()];
+            parts.detection_ids.extend_from_slice(ids);
         }
         Recording::new(parts)
     }
@@ -220,7 +264,6 @@ pub(super) fn check_known(who: &str, known: &[&str], wanted: &[String]) -> Resul
 }
 
 fn check_scans(parts: &RecordingParts, faults: &mut Vec<Fault>) {
-    let mut next = 0;
     for (index, scan) in parts.scans.iter().enumerate() {
         let pointer = || format!("/scans/{index}");
         if !scan.time_s.is_finite() {
@@ -230,6 +273,13 @@ fn check_scans(parts: &RecordingParts, faults: &mut Vec<Fault>) {
                 "time_s is not a finite number",
             ));
         }
+        if scan.pose.is_some_and(|pose| !pose.is_finite()) {
+            faults.push(Fault::new(
+                pointer(),
+                "not_finite",
+                "the sensor's place is not of finite numbers",
+            ));
+        }
         if scan.sensor >= parts.sensors.len() {
             faults.push(Fault::new(
                 pointer(),
@@ -237,14 +287,6 @@ fn check_scans(parts: &RecordingParts, faults: &mut Vec<Fault>) {
                 "the scan's sensor does not exist",
             ));
         }
-        if scan.first != next {
-            faults.push(Fault::new(
-                pointer(),
-                "malformed",
-                "the scan's detections do not follow those of the scan before",
-            ));
-        }
-        next = scan.first + scan.count;
         if index > 0
             && (parts.scans[index - 1].time_s, parts.scans[index - 1].sensor)
                 >= (scan.time_s, scan.sensor)
@@ -256,24 +298,17 @@ fn check_scans(parts: &RecordingParts, faults: &mut Vec<Fault>) {
             ));
         }
     }
-    if next != parts.detections.len() {
-        faults.push(Fault::new(
-            "/detections",
-            "malformed",
-            "there are detections outside every scan",
-        ));
-    }
 }
 
 fn check_detections(parts: &RecordingParts, faults: &mut Vec<Fault>) {
-    if parts.detection_ids.len() != parts.detections.len() {
+    if parts.detection_ids.len() != parts.detections().count() {
         faults.push(Fault::new(
             "/detection_ids",
             "malformed",
             "there is not one identity for each detection",
         ));
     }
-    for (index, detection) in parts.detections.iter().enumerate() {
+    for (index, detection) in parts.detections().enumerate() {
         if !detection.measurement.is_finite()
             || detection
                 .amplitude

@@ -77,8 +77,8 @@ mod tests {
             number,
             time_s,
             sensor,
-            first: 0,
-            count: 0,
+            pose: None,
+            detections: Vec::new(),
         };
         let scans: Vec<Scan> = scans.iter().map(scan).collect();
         let parts = RecordingParts {

@@ -1,5 +1,6 @@
 //! What is known of a sensor, and the complete description that a tracker works with.
 
+use super::scan::Scan;
 use super::sensing::MeasurementModel;
 use serde::{Deserialize, Serialize};
 
@@ -131,4 +132,26 @@ pub struct Sensor {
     /// Whether a report that no track uses may start a track.
     pub may_start: bool,
     pub report: MeasurementModel,
+}
+
+impl Sensor {
+    /// A sensor of positions with this noise on each axis, P_D 0.9 and one false detection in 100 km² and scan.
+    pub fn of_positions(known: &SensorSettings, sigma_m: f64) -> Self {
+        Sensor {
+            sensor_id: known.sensor_id.clone(),
+            p_d: 0.9,
+            clutter_density: 1e-8,
+            may_start: true,
+            report: MeasurementModel::Position {
+                sigma_x_m: sigma_m,
+                sigma_y_m: sigma_m,
+            },
+        }
+    }
+
+    /// What it reports in a scan: it may be elsewhere in each.
+    pub fn report_in(&self, scan: &Scan) -> MeasurementModel {
+        let moved = scan.pose.map(|pose| self.report.seen_from(&pose));
+        moved.unwrap_or(self.report)
+    }
 }

@@ -108,8 +108,8 @@ pub struct TrackPoint {
     /// Normalised innovation squared of the update at this scan, the mean over its detections by their weights; `None` where
     /// there was no detection, or one that started the track.
     pub nis: Option<f64>,
-    pub first_candidate: usize,
-    pub candidates: usize,
+    pub first_candidate: u32,
+    pub candidates: u32,
 }
 
 /// One track: its name and its points in order of time.
@@ -163,7 +163,8 @@ impl TrackSet {
 
     /// The candidates of one point.
     pub fn candidates_of(&self, point: &TrackPoint) -> &[Candidate] {
-        &self.candidates[point.first_candidate..point.first_candidate + point.candidates]
+        let first = point.first_candidate as usize;
+        &self.candidates[first..first + point.candidates as usize]
     }
 }
 
@@ -199,6 +200,6 @@ mod tests {
 
     #[test]
     fn a_point_in_the_plane_is_small() {
-        assert!(size_of::<TrackPoint>() <= 200);
+        assert!(size_of::<TrackPoint>() <= 192);
     }
 }

@@ -66,13 +66,16 @@ impl<'a> Watch<'a> {
 }
 
 /// Why work ended before its end.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Halt {
     /// It was asked to stop.
+    #[error("stopped")]
     Stopped,
     /// Its tables would hold more than is allowed.
+    #[error(transparent)]
     TooLarge(Box<Fault>),
     /// It was given something of a time that it has passed.
+    #[error("a scan at {time_s} s follows one at {last_s} s")]
     Late { time_s: f64, last_s: f64 },
 }
 

@@ -223,15 +223,15 @@ fn append_scan(parts: &mut RecordingParts, sensor: usize, time_s: f64, mut found
             .then(values(left).1.total_cmp(&values(right).1))
     });
     let number = parts.scans.len() as u32 + 1;
+    parts
+        .detection_ids
+        .extend((1..=found.len()).map(|index| format!("{number}-{index}")));
+    found.shrink_to_fit();
     parts.scans.push(Scan {
         number,
         time_s,
         sensor,
-        first: parts.detections.len(),
-        count: found.len(),
+        pose: None,
+        detections: found,
     });
-    parts
-        .detection_ids
-        .extend((1..=found.len()).map(|index| format!("{number}-{index}")));
-    parts.detections.append(&mut found);
 }

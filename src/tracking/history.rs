@@ -115,6 +115,8 @@ impl History {
                 points: Vec::with_capacity(lengths[serial]),
             });
         }
+        let firsts = recording.scans_with_firsts().map(|(first, _)| first as u32);
+        let firsts: Vec<u32> = firsts.collect();
         let mut first_candidate = 0;
         let mut space = Space::default();
         // Each piece goes when it is read: the history of a large scene and its tracks need not be there together.
@@ -123,7 +125,7 @@ impl History {
             let of_piece = Space::of_packed(values);
             for (entry, kinematics) in piece.entries.iter().zip(piece.kinematics.chunks(values)) {
                 let candidates = first_candidate..first_candidate + entry.candidates as usize;
-                let first = recording.scans[entry.scan as usize].first as u32;
+                let first = firsts[entry.scan as usize];
                 for candidate in &mut self.candidates[candidates.clone()] {
                     candidate.detection = candidate.detection.map(|detection| first + detection);
                 }
@@ -165,7 +167,7 @@ fn point(
         estimate,
         status: Some(entry.status),
         nis: Some(entry.nis).filter(|nis| !nis.is_nan()),
-        first_candidate,
-        candidates: entry.candidates as usize,
+        first_candidate: first_candidate as u32,
+        candidates: entry.candidates,
     }
 }

@@ -10,7 +10,7 @@ pub mod single_hypothesis;
 use crate::association::{Associator, Trace};
 use crate::filtering::AnyFilter;
 use crate::model::fault::Fault;
-use crate::model::scan::{Detection, Scan};
+use crate::model::scan::Scan;
 use crate::model::sensor::Sensor;
 use crate::model::track::TrackStatus;
 use crate::model::watch::{Halt, Watch};
@@ -26,7 +26,7 @@ pub use single_hypothesis::lifecycle::{LIFECYCLE, Lifecycle};
 
 /// A multi-target tracker. Feed it scans in order of time.
 pub trait Tracker: Send {
-    /// Takes one scan with its detections and tells the recorder what becomes of the tracks.
+    /// Takes one scan and tells the recorder what becomes of the tracks.
     ///
     /// # Errors
     /// [`Halt::Late`] for a scan before the last one, which changes nothing. [`Halt::Stopped`] when the watch says so, and
@@ -34,7 +34,6 @@ pub trait Tracker: Send {
     fn step(
         &mut self,
         scan: &Scan,
-        detections: &[Detection],
         recorder: &mut dyn Recorder,
         watch: &Watch,
     ) -> Result<ScanOutcome, Halt>;
@@ -55,7 +54,7 @@ pub trait Tracker: Send {
     ///
     /// # Errors
     /// Bytes that no tracker of this kind wrote.
-    fn read_back(&mut self, written: &[u8]) -> Result<(), Fault>;
+    fn read_back(&mut self, written: &[u8]) -> Result<(), Box<Fault>>;
 
     /// How well the detections fitted so far.
     fn nis(&self) -> Nis;

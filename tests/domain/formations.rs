@@ -59,7 +59,7 @@ fn duplicates_are_seen_by_all_sensors_and_the_others_by_one() {
         let mut instants: BTreeMap<u64, BTreeMap<u32, BTreeSet<usize>>> = BTreeMap::new();
         for scan in &recording.scans {
             let seen = instants.entry(scan.time_s as u64).or_default();
-            for detection in recording.detections_of(scan) {
+            for detection in &scan.detections {
                 assert!(
                     seen.entry(detection.origin.unwrap())
                         .or_default()
@@ -93,7 +93,7 @@ fn which_targets_are_duplicates_changes_with_the_seed_and_not_with_the_paths() {
         let recording = played(&scenario(&straight(), 10), seed).recording;
         let counts = recording.scans[..6]
             .iter()
-            .flat_map(|scan| recording.detections_of(scan))
+            .flat_map(|scan| &scan.detections)
             .fold([0; 25], |mut counts, detection| {
                 counts[detection.origin.unwrap() as usize] += 1;
                 counts

@@ -74,8 +74,8 @@ fn squared_distance(gate: &Gate, done: &Done, point: &TrackPoint) -> Option<f64>
         .iter()
         .position(|known| known == id)
         .unwrap();
-    let (innovation, covariance) = match (gate.region, done.recording.detections[index].measurement)
-    {
+    let detection = done.recording.index_detections().get(index)?;
+    let (innovation, covariance) = match (gate.region, detection.measurement) {
         (Region::Plane { covariance_m2 }, Measurement::Position { x_m, y_m }) => {
             (Vector2::new(x_m, y_m) - gate.place_m, covariance_m2)
         }

@@ -47,24 +47,20 @@ fn recording(scans: &[Vec<[f64; 2]>]) -> Recording {
         ..Default::default()
     };
     for (index, places) in scans.iter().enumerate() {
-        let first = parts.detections.len();
+        let detection = |&[x_m, y_m]: &[f64; 2]| Detection {
+            measurement: Measurement::Position { x_m, y_m },
+            origin: None,
+            amplitude: None,
+        };
         parts.scans.push(Scan {
             number: index as u32 + 1,
             time_s: index as f64,
             sensor: 0,
-            first,
-            count: places.len(),
+            pose: None,
+            detections: places.iter().map(detection).collect(),
         });
-        for (nth, &[x_m, y_m]) in places.iter().enumerate() {
-            parts.detections.push(Detection {
-                measurement: Measurement::Position { x_m, y_m },
-                origin: None,
-                amplitude: None,
-            });
-            parts
-                .detection_ids
-                .push(format!("{}-{}", index + 1, nth + 1));
-        }
+        let ids = (1..=places.len()).map(|nth| format!("{}-{nth}", index + 1));
+        parts.detection_ids.extend(ids);
     }
     Recording::new(parts).unwrap()
 }
@@ -103,10 +99,7 @@ fn tracked(
         given: Vec::new(),
     });
     let mut history = History::default();
-    let mut step = |scan: &Scan| {
-        let detections = recording.detections_of(scan);
-        tracker.step(scan, detections, &mut history, &Watch::never())
-    };
+    let mut step = |scan: &Scan| tracker.step(scan, &mut history, &Watch::never());
     let outcomes = recording.scans.iter().map(|scan| step(scan).unwrap());
     let outcomes = outcomes.collect();
     (outcomes, history.into_tracks(recording))

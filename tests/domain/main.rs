@@ -30,6 +30,7 @@ mod integer_programme;
 mod liang_verdicts;
 mod lifecycle;
 mod mixed;
+mod moving_sensor;
 mod mutations;
 mod oracle;
 mod origins;

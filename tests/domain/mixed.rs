@@ -338,10 +338,7 @@ fn a_tracker_believes_after_every_scan_what_stone_soup_does() {
         });
         let mut history = History::default();
         for (index, scan) in recording.scans.iter().enumerate() {
-            let detections = recording.detections_of(scan);
-            tracker
-                .step(scan, detections, &mut history, &Watch::never())
-                .unwrap();
+            tracker.step(scan, &mut history, &Watch::never()).unwrap();
             let tracks = tracker.tracks();
             assert_eq!(tracks.len(), 2);
             for (track, theirs) in tracks.iter().zip(values.states[name].values()) {

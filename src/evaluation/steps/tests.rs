@@ -272,8 +272,8 @@ fn points_belong_to_the_nearest_scan_of_a_recording() {
         number,
         time_s: f64::from(number),
         sensor: 0,
-        first: 0,
-        count: 0,
+        pose: None,
+        detections: Vec::new(),
     };
     let sensors = vec![SensorSettings::named("radar")];
     let recording = Recording::new(RecordingParts {

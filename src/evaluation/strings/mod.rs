@@ -372,8 +372,7 @@ struct DetectionsByTarget {
 fn detections_by_target(recording: &Recording, axis: &Axis, targets: usize) -> DetectionsByTarget {
     let mut ends = vec![(0, 0); targets];
     for origin in recording
-        .detections
-        .iter()
+        .detections()
         .filter_map(|detection| detection.origin)
     {
         ends[origin as usize].0 += 1;
@@ -386,9 +385,9 @@ fn detections_by_target(recording: &Recording, axis: &Axis, targets: usize) -> D
     }
     let mut places = vec![(u32::MAX, 0); total];
     let mut doubled = 0;
-    for (scan, place) in recording.scans.iter().zip(axis.scans()) {
-        for index in scan.range() {
-            let Some(origin) = recording.detections[index].origin else {
+    for ((first, scan), place) in recording.scans_with_firsts().zip(axis.scans()) {
+        for (index, detection) in (first..).zip(&scan.detections) {
+            let Some(origin) = detection.origin else {
                 continue;
             };
             let first = origin

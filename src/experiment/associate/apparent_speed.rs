@@ -85,7 +85,7 @@ pub fn apparent_speed(
     let (mut ladder, mut noises_mps) = ([Rung::default(); RUNGS], Vec::new());
     for scans in &triples {
         let sensor = scans[0].sensor;
-        let looks = scans.map(|scan| Look::new(recording, scan, &known[sensor], &sensors[sensor]));
+        let looks = scans.map(|scan| Look::new(scan, &known[sensor], &sensors[sensor]));
         let period_s = looks[1].time_s - looks[0].time_s;
         let mean_variance_m2 = looks[0]
             .seen
@@ -121,12 +121,13 @@ fn triples_of<'a>(recording: &'a Recording, sensors: &[Sensor]) -> Vec<[&'a Scan
         .filter(|(_, sensor)| !sensor.report.is_bearing())
     {
         let in_a_row = scans.windows(3).map(|three| [three[0], three[1], three[2]]);
-        triples.extend(in_a_row.filter(|three| three.iter().all(|scan| scan.count > 0)));
+        triples
+            .extend(in_a_row.filter(|three| three.iter().all(|scan| !scan.detections.is_empty())));
     }
     let detections: usize = triples
         .iter()
         .flatten()
-        .map(|scan| scan.count.min(MOST_OF_A_SCAN))
+        .map(|scan| scan.detections.len().min(MOST_OF_A_SCAN))
         .sum();
     let enough = (triples.len() * MOST_DETECTIONS / detections.max(1)).clamp(8, MOST_TRIPLES);
     let step = triples.len().div_ceil(enough).max(1);
@@ -134,19 +135,17 @@ fn triples_of<'a>(recording: &'a Recording, sensors: &[Sensor]) -> Vec<[&'a Scan
 }
 
 impl Look {
-    fn new(recording: &Recording, scan: &Scan, settings: &SensorSettings, sensor: &Sensor) -> Look {
-        let place_m = sensor
-            .report
-            .place_m()
-            .unwrap_or_else(|| place_of(settings));
+    fn new(scan: &Scan, settings: &SensorSettings, sensor: &Sensor) -> Look {
+        let report = sensor.report_in(scan);
+        let place_m = report.place_m().unwrap_or_else(|| place_of(settings));
         let mut seen = Vec::new();
-        for detection in recording.detections_of(scan).iter().take(MOST_OF_A_SCAN) {
+        for detection in scan.detections.iter().take(MOST_OF_A_SCAN) {
             let Some(at_m) = detection.measurement.position_seen_from(&place_m) else {
                 continue;
             };
             seen.push(Seen {
                 place_m: at_m,
-                variance_m2: variance_m2(&sensor.report, &at_m),
+                variance_m2: variance_m2(&report, &at_m),
             });
         }
         let places: Vec<[f64; 2]> = seen.iter().map(|seen| seen.place_m.into()).collect();

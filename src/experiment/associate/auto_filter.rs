@@ -54,8 +54,7 @@ pub fn settle<'s>(spec: &'s TrackingSpec, recording: &Recording) -> SettledTrack
 fn choose_method(recording: &Recording) -> &'static str {
     let has = |wanted: fn(&Measurement) -> bool| {
         recording
-            .detections
-            .iter()
+            .detections()
             .any(|detection| wanted(&detection.measurement))
     };
     let is_polar = has(|measurement| matches!(measurement, Measurement::RangeBearing { .. }));
@@ -68,7 +67,7 @@ fn choose_method(recording: &Recording) -> &'static str {
         }
         (true, false) => "kalman",
         // Without places: bearings, or nothing at all, where settings tell what would be reported.
-        (false, false) if !recording.detections.is_empty() => "bearing_only",
+        (false, false) if recording.detection_count() > 0 => "bearing_only",
         _ if knows(|sensor| sensor.sigma_range_m.is_some()) => "unscented",
         _ if knows(|sensor| sensor.sigma_bearing_deg.is_some() && sensor.sigma_x_m.is_none()) => {
             "bearing_only"

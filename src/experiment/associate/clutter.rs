@@ -23,9 +23,11 @@ pub fn disagreements(data: &ResolvedRecording, tracks: &TrackSet) -> Vec<String>
     let warning = |(index, settings): (usize, &SensorSettings)| {
         let sensor = &sensors[index];
         let scans = || recording.scans.iter().filter(|scan| scan.sensor == index);
-        let left_over = scans()
-            .flat_map(|scan| scan.range())
-            .filter(|&detection| !used[detection])
+        let left_over = recording
+            .scans_with_firsts()
+            .filter(|(_, scan)| scan.sensor == index)
+            .flat_map(|(first, scan)| &used[first..first + scan.detections.len()])
+            .filter(|is_used| !**is_used)
             .count() as f64;
         let extent = Extent::measure(recording, index, settings, &sensor.report);
         let (unit, watched, given) = (extent.unit(), extent.watched, extent.density_of(settings)?);
@@ -48,7 +50,7 @@ pub fn disagreements(data: &ResolvedRecording, tracks: &TrackSet) -> Vec<String>
 
 /// For each detection of the recording, whether an output track more likely took it than not.
 fn used_detections(recording: &Recording, tracks: &TrackSet) -> Vec<bool> {
-    let mut used = vec![false; recording.detections.len()];
+    let mut used = vec![false; recording.detection_count()];
     let points = tracks.tracks.iter().flat_map(|track| &track.points);
     for candidate in points
         .flat_map(|point| tracks.candidates_of(point))

@@ -89,16 +89,15 @@ pub fn recording_of(scenario: &Scenario) -> Result<Recording, Vec<Fault>> {
             number: index as u32 + 1,
             time_s: 0.0,
             sensor: index,
-            first: parts.detections.len(),
-            count: 1,
+            pose: None,
+            // A detector tells how strong what it found is; it also tells the noise where nobody else does.
+            detections: vec![Detection {
+                measurement,
+                origin: Some(0),
+                amplitude: is_record.then_some(1.0),
+            }],
         });
         parts.detection_ids.push("1".to_owned());
-        // A detector tells how strong what it found is; it also tells the noise where nobody else does.
-        parts.detections.push(Detection {
-            measurement,
-            origin: Some(0),
-            amplitude: is_record.then_some(1.0),
-        });
         let settings = simulation::sensor_settings(sensor);
         let sigma_bearing_deg = settings.sigma_bearing_deg.or(is_record.then_some(1.0));
         parts.sensors.push(SensorSettings {

@@ -11,7 +11,8 @@ use crate::experiment::request::methods::TrackingSpec;
 use crate::filtering::{Filter, WithFilter};
 use crate::hypotheses::region;
 use crate::math::gaussian::gate_threshold;
-use crate::model::scan::Recording;
+use crate::model::scan::{Recording, Scan};
+use crate::model::sensing::MeasurementModel;
 use crate::model::sensor::{Sensor, SensorSettings};
 use crate::model::state::{GaussianState, Position, PositionCovariance};
 use crate::model::track::{Track, TrackPoint, TrackSet};
@@ -91,6 +92,7 @@ pub fn compute_gates<'a>(
     let dimensions = sensors.iter().map(|sensor| sensor.report.dimensions());
     let walk = Walk {
         sensors: &sensors,
+        scans: &recording.scans,
         set: tracks,
         probability,
         threshold: gate_threshold(probability, dimensions.max()? as u32),
@@ -102,6 +104,7 @@ pub fn compute_gates<'a>(
 /// What the predictions need besides a filter.
 struct Walk<'s, 'a, W> {
     sensors: &'s [Sensor],
+    scans: &'s [Scan],
     set: &'a TrackSet,
     /// P_G.
     probability: f64,
@@ -157,11 +160,12 @@ impl<'a, W> Walk<'_, 'a, W> {
         let sensor = self
             .sensors
             .iter()
-            .find(|sensor| sensor.sensor_id == sensor_id)?;
+            .position(|sensor| sensor.sensor_id == sensor_id)?;
+        let report = self.report_at(point.time_s, sensor);
         let dt_s = point.time_s - before.time_s;
-        let expected = region::expect(filter, &sensor.report, &kinematics, dt_s)?;
-        let covariance = expected.covariance * self.scale_of(sensor);
-        let region = match (sensor.report.place_m(), expected.angle) {
+        let expected = region::expect(filter, &report, &kinematics, dt_s)?;
+        let covariance = expected.covariance * self.scale_of(&report);
+        let region = match (report.place_m(), expected.angle) {
             (Some(sensor_m), Some(_)) => Region::Polar {
                 sensor_m,
                 range_m: expected.measurement[0],
@@ -181,8 +185,16 @@ impl<'a, W> Walk<'_, 'a, W> {
         })
     }
 
+    /// What a sensor reports in its scan of this time.
+    fn report_at(&self, time_s: f64, sensor: usize) -> MeasurementModel {
+        let is_before = |scan: &Scan| (scan.time_s, scan.sensor) < (time_s, sensor);
+        let scan = self.scans.get(self.scans.partition_point(is_before));
+        let sensor = &self.sensors[sensor];
+        scan.map_or(sensor.report, |scan| sensor.report_in(scan))
+    }
+
     /// All gates are told by one threshold: the covariance of a report of fewer values is made smaller instead.
-    fn scale_of(&self, sensor: &Sensor) -> f64 {
-        gate_threshold(self.probability, sensor.report.dimensions() as u32) / self.threshold
+    fn scale_of(&self, report: &MeasurementModel) -> f64 {
+        gate_threshold(self.probability, report.dimensions() as u32) / self.threshold
     }
 }

@@ -15,7 +15,7 @@ pub fn warning(
 ) -> Option<String> {
     let recording = data.recording;
     let begins_at_truth = matches!(lifecycle.initiation, Initiation::Truth { .. });
-    if recording.detections.is_empty() || begins_at_truth || !tracked.tracks.tracks.is_empty() {
+    if recording.detection_count() == 0 || begins_at_truth || !tracked.tracks.tracks.is_empty() {
         return None;
     }
     let started: u64 = tracked
@@ -30,7 +30,7 @@ pub fn warning(
     };
     Some(format!(
         "no track was confirmed: {started} began with {} detections in {} scans (gate_probability {}{}, {}){advice}",
-        recording.detections.len(),
+        recording.detection_count(),
         recording.scans.len(),
         lifecycle.gate_probability,
         speed_text(lifecycle, filter),
@@ -73,7 +73,7 @@ fn advice(data: &ResolvedRecording, lifecycle: &Lifecycle) -> String {
         .recording
         .scans
         .iter()
-        .filter(|scan| scan.count > 0)
+        .filter(|scan| !scan.detections.is_empty())
         .count();
     if lifecycle.confirmation == Confirmation::MOfN && scans < lifecycle.confirm_hits as usize {
         return format!(

@@ -84,7 +84,7 @@ pub fn report(tracked: &Tracked, recording: &Recording, sensors: &[SensorSetting
         method: tracked.method,
         counts: Counts {
             scans: recording.scans.len() as u64,
-            detections: recording.detections.len() as u64,
+            detections: recording.detection_count() as u64,
             started_tracks: tracked
                 .scans
                 .iter()

@@ -230,7 +230,7 @@ impl<'a> TrackerRun<'a> {
     fn start(self, filter: &AnyFilter) -> Result<Box<dyn Tracker>, RunError> {
         let mut given = Vec::with_capacity(self.starts.len());
         for start in self.starts {
-            given.push(start.given(filter, &self.sensors)?);
+            given.push(start.given(filter)?);
         }
         Ok((self.build)(TrackerParts {
             filter: *filter,
@@ -264,7 +264,7 @@ fn step_all(
     };
     let watch = Watch::new(&question);
     for (index, scan) in recording.scans.iter().enumerate() {
-        scans.push(tracker.step(scan, recording.detections_of(scan), history, &watch)?);
+        scans.push(tracker.step(scan, history, &watch)?);
         asked.borrow_mut().1 = index as u64 + 1;
         if question().is_break() {
             return Err(RunError::Stopped);
@@ -318,15 +318,14 @@ pub fn unbounded_gate(lifecycle: &Lifecycle, sensors: &[Sensor]) -> Option<Fault
 
 /// A fault where the recording does not know of its detections what the associator needs.
 pub fn unmet_need(associator: &Choice<BuildAssociator>, recording: &Recording) -> Option<Fault> {
-    let detections = &recording.detections;
     let (what, lacking, column) = match needs_of(associator) {
         Needs::Nothing | Needs::Places => return None,
         Needs::Origins if recording.origins_known => return None,
-        Needs::Origins => ("origin", detections.len(), "a 'truth_id' column"),
+        Needs::Origins => ("origin", recording.detection_count(), "a 'truth_id' column"),
         Needs::Amplitudes => (
             "amplitude",
-            detections
-                .iter()
+            recording
+                .detections()
                 .filter(|detection| detection.amplitude.is_none())
                 .count(),
             "an 'amplitude' column without empty cells",
@@ -335,7 +334,7 @@ pub fn unmet_need(associator: &Choice<BuildAssociator>, recording: &Recording) -
     let detail = format!(
         "'{}' needs the {what} of every detection; {lacking} of {} lack it",
         associator.name(),
-        detections.len()
+        recording.detection_count()
     );
     (lacking > 0).then(|| Fault::new("/associator/method", "unsupported", detail).allowing(column))
 }

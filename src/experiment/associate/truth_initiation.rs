@@ -32,8 +32,8 @@ pub struct Start {
     pub truth_id: String,
     /// Index of the target in the recording, if that knows it.
     pub origin: Option<u32>,
-    /// The sensor that would report z, by its index.
-    sensor: usize,
+    /// What the sensor that would report z measures.
+    report: MeasurementModel,
     /// z.
     measurement: Measurement,
     /// ṙ with its error, m/s or rad/s; of a bearing only the first.
@@ -81,7 +81,7 @@ pub fn starts(
     let Some(scan) = recording.scans.first() else {
         return Ok(Vec::new());
     };
-    let Some(sensor) = starting_sensor(recording, sensors, filter) else {
+    let Some(report) = starting_report(recording, sensors, filter) else {
         return Ok(Vec::new());
     };
     let sigma = match truth.space() {
@@ -99,8 +99,8 @@ pub fn starts(
                 .iter()
                 .position(|name| *name == target.truth_id)
                 .map(|origin| origin as u32),
-            sensor,
-            measurement: draw_report(&sensors[sensor].report, &truth, errors)?,
+            report,
+            measurement: draw_report(&report, &truth, errors)?,
             rates: [0, 1].map(|axis| truth.rates[axis] + sigma * errors[3 + axis]),
             sigma,
         })
@@ -113,15 +113,18 @@ pub fn starts(
         .collect())
 }
 
-/// The sensor of the first scan whose reports can start a track of this filter, by its index.
-fn starting_sensor(
+/// What is measured in the first scan whose reports can start a track of this filter.
+fn starting_report(
     recording: &Recording,
     sensors: &[Sensor],
     named: &NamedFilter,
-) -> Option<usize> {
+) -> Option<MeasurementModel> {
     let has_places = named.filter.space().has_places();
-    let mut scanned = recording.scans.iter().map(|scan| scan.sensor);
-    scanned.find(|sensor| !has_places || sensors[*sensor].report.locates())
+    let mut reports = recording
+        .scans
+        .iter()
+        .map(|scan| sensors[scan.sensor].report_in(scan));
+    reports.find(|report| !has_places || report.locates())
 }
 
 /// A fault where tracks begin at truth of another kind than theirs.
@@ -200,10 +203,10 @@ impl Start {
     ///
     /// # Errors
     /// The filter cannot use what the sensor would report of it.
-    pub fn given(self, filter: &AnyFilter, sensors: &[Sensor]) -> Result<GivenTrack, RunError> {
+    pub fn given(self, filter: &AnyFilter) -> Result<GivenTrack, RunError> {
         let Some(kinematics) = filter.with(Begin {
             start: &self,
-            sensor: &sensors[self.sensor],
+            report: &self.report,
         }) else {
             return Err(self.without_state().into());
         };
@@ -231,29 +234,19 @@ impl Start {
 
 struct Begin<'a> {
     start: &'a Start,
-    sensor: &'a Sensor,
+    report: &'a MeasurementModel,
 }
 
 impl WithFilter for Begin<'_> {
     type Output = Option<Vec<f64>>;
 
     fn in_plane<F: Filter<4>>(self, filter: F) -> Option<Vec<f64>> {
-        let Begin { start, sensor } = self;
-        start.packed(locate(
-            &filter,
-            &sensor.report,
-            &start.measurement,
-            start.sigma,
-        ))
+        let Begin { start, report } = self;
+        start.packed(locate(&filter, report, &start.measurement, start.sigma))
     }
 
     fn of_bearings<F: Filter<2>>(self, filter: F) -> Option<Vec<f64>> {
-        let Begin { start, sensor } = self;
-        start.packed(locate(
-            &filter,
-            &sensor.report,
-            &start.measurement,
-            start.sigma,
-        ))
+        let Begin { start, report } = self;
+        start.packed(locate(&filter, report, &start.measurement, start.sigma))
     }
 }

@@ -134,13 +134,14 @@ fn lacking_covariance(tracks: &TrackSet) -> usize {
 /// For each track of one sensor the target of most of its detections.
 pub fn by_detections(tracks: &TrackSet, recording: &Recording) -> Vec<Option<u32>> {
     let mut targets = Vec::with_capacity(tracks.tracks.len());
+    let index = recording.index_detections();
     for track in &tracks.tracks {
         let detections = track
             .points
             .iter()
             .filter_map(|point| best_detection(tracks, point));
         targets.push(most_frequent(
-            detections.map(|detection| recording.detections[detection as usize].origin),
+            detections.map(|detection| index.get(detection as usize)?.origin),
         ));
     }
     targets

@@ -53,7 +53,7 @@ pub fn scans(recording: &Recording, outcomes: &[ScanOutcome]) -> Result<Artifact
             number(scan.time_s),
             scan.number,
             quoted(sensor_id),
-            scan.count
+            scan.detections.len()
         )?;
     }
     Ok(Artifact::file("scans.csv", "text/csv", bytes))

@@ -284,8 +284,7 @@ fn add_scale(svg: &mut String, low_db: f64, high_db: f64) {
 fn add_detections(svg: &mut String, frame: &Frame, recording: &Recording) {
     svg.push_str("<g fill=\"#ffffff\" stroke=\"#000000\" stroke-width=\"0.9\">\n");
     let all = recording.scans.iter().flat_map(|scan| {
-        recording
-            .detections_of(scan)
+        scan.detections
             .iter()
             .map(move |found| (scan.time_s, found))
     });

@@ -11,7 +11,7 @@ use crate::model::state::PositionCovariance;
 /// The reports of one instant.
 pub struct Instant {
     pub time_s: f64,
-    /// Their places in the recording, sensor by sensor.
+    /// Their indices in the recording, sensor by sensor.
     pub detections: Vec<usize>,
     pub reports: Vec<SensorReport>,
     /// Where the tracks were expected, when they were predicted beforehand.
@@ -37,7 +37,7 @@ pub fn usable_sensors(
     let mut sensors = Vec::with_capacity(known.len());
     for (index, settings) in known.iter().enumerate() {
         let scans = recording.scans.iter().filter(|scan| scan.sensor == index);
-        let mut detections = scans.flat_map(|scan| recording.detections_of(scan));
+        let mut detections = scans.flat_map(|scan| &scan.detections);
         if detections
             .any(|detection| !matches!(detection.measurement, Measurement::Position { .. }))
         {
@@ -74,14 +74,21 @@ pub fn usable_sensors(
 
 /// Scans of one time are one instant; one sensor alone makes none.
 pub fn instants_of(recording: &Recording, sensors: &[Sensor]) -> Result<Vec<Instant>, RunError> {
-    let together = recording
+    let mut instants = Vec::new();
+    let mut first = 0;
+    for scans in recording
         .scans
         .chunk_by(|left, right| left.time_s == right.time_s)
-        .filter(|scans| scans.len() > 1);
-    let instants: Vec<Instant> = together
-        .map(|scans| instant_of(recording, scans, sensors))
-        .filter(|instant| !instant.reports.is_empty())
-        .collect();
+    {
+        let instant = instant_of(scans, first, sensors);
+        if scans.len() > 1 && !instant.reports.is_empty() {
+            instants.push(instant);
+        }
+        first += scans
+            .iter()
+            .map(|scan| scan.detections.len())
+            .sum::<usize>();
+    }
     if instants.len() > 1 {
         return Ok(instants);
     }
@@ -94,7 +101,8 @@ pub fn instants_of(recording: &Recording, sensors: &[Sensor]) -> Result<Vec<Inst
         .into())
 }
 
-fn instant_of(recording: &Recording, scans: &[Scan], sensors: &[Sensor]) -> Instant {
+/// `next` is the index of the first detection of the scans.
+fn instant_of(scans: &[Scan], mut next: usize, sensors: &[Sensor]) -> Instant {
     let mut instant = Instant {
         time_s: scans[0].time_s,
         detections: Vec::new(),
@@ -102,6 +110,8 @@ fn instant_of(recording: &Recording, scans: &[Scan], sensors: &[Sensor]) -> Inst
         predictions: Vec::new(),
     };
     for scan in scans {
+        let first = next;
+        next += scan.detections.len();
         let MeasurementModel::Position {
             sigma_x_m,
             sigma_y_m,
@@ -111,9 +121,9 @@ fn instant_of(recording: &Recording, scans: &[Scan], sensors: &[Sensor]) -> Inst
         };
         let covariance =
             PositionCovariance::new(sigma_x_m * sigma_x_m, 0.0, 0.0, sigma_y_m * sigma_y_m);
-        for detection in scan.range() {
-            if let Some(position_m) = recording.detections[detection].measurement.position() {
-                instant.detections.push(detection);
+        for (index, detection) in (first..).zip(&scan.detections) {
+            if let Some(position_m) = detection.measurement.position() {
+                instant.detections.push(index);
                 instant.reports.push(SensorReport {
                     place: Place {
                         position_m,

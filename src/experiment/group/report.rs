@@ -174,13 +174,13 @@ pub fn artifacts(grouped: &Grouped, recording: &Recording) -> Vec<Artifact> {
             "truth_id",
         ],
     );
+    let found = recording.index_detections();
     for (instant, grouping) in &grouped.instants {
         for (index, (&detection, report)) in
             instant.detections.iter().zip(&instant.reports).enumerate()
         {
-            let truth_id = recording.detections[detection]
-                .origin
-                .map(|origin| recording.targets[origin as usize].clone());
+            let origin = found.get(detection).and_then(|found| found.origin);
+            let truth_id = origin.map(|origin| recording.targets[origin as usize].clone());
             table.row(&[
                 number(instant.time_s),
                 (grouping.group_of[index] + 1).to_string(),

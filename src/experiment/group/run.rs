@@ -15,7 +15,7 @@ use crate::experiment::job::{AssociationTime, RunError};
 use crate::experiment::observer::{Observer, Step, report_progress};
 use crate::math::rng::Seed;
 use crate::model::fault::Fault;
-use crate::model::scan::Recording;
+use crate::model::scan::DetectionIndex;
 use std::time::Duration;
 
 /// The instants, each with its groups.
@@ -48,6 +48,7 @@ pub fn group(
     let sensors = usable_sensors(recording, &data.sensors)?;
     let scene = Scene {
         recording,
+        detections: recording.index_detections(),
         sensors: &sensors,
         truth: data.truth.as_ref(),
     };
@@ -65,7 +66,7 @@ pub fn group(
     let counts = recording.origins_known.then(|| {
         grouped
             .iter()
-            .map(|pair| counts_of(recording, pair))
+            .map(|pair| counts_of(&scene.detections, pair))
             .collect()
     });
     report_progress(observer, Step::Evaluate, 1, 1)?;
@@ -136,22 +137,27 @@ fn group_one(
     };
     let reports = instant.reports.iter().zip(&grouping.group_of);
     for (&detection, (report, &group)) in instant.detections.iter().zip(reports) {
-        if group < instant.predictions.len() {
+        if group < instant.predictions.len()
+            && let Some(detection) = scene.detections.get(detection)
+        {
             let sensor = &scene.sensors[report.sensor as usize];
-            tracks.update(group, sensor, &scene.recording.detections[detection]);
+            tracks.update(group, sensor, detection);
         }
     }
     Ok(grouping)
 }
 
-fn counts_of(recording: &Recording, (instant, grouping): &(Instant, Grouping)) -> GroupingCounts {
+fn counts_of(
+    detections: &DetectionIndex,
+    (instant, grouping): &(Instant, Grouping),
+) -> GroupingCounts {
     let reports: Vec<GroupedReport> = instant
         .detections
         .iter()
         .zip(instant.reports.iter().zip(&grouping.group_of))
         .map(|(&detection, (report, &group))| GroupedReport {
             sensor: report.sensor,
-            origin: recording.detections[detection].origin,
+            origin: detections.get(detection).and_then(|found| found.origin),
             group,
         })
         .collect();

@@ -7,7 +7,7 @@ use crate::correlation::grouping::sequential_nearest_neighbour::SequentialNeares
 use crate::experiment::job::refuse_any;
 use crate::model::fault::Fault;
 use crate::model::motion::constant_velocity::ConstantVelocity;
-use crate::model::scan::{Detection, Recording};
+use crate::model::scan::{Detection, DetectionIndex, Recording};
 use crate::model::sensor::Sensor;
 use crate::model::state::{GaussianState, Position};
 use crate::model::truth::TruthSet;
@@ -22,6 +22,7 @@ const FIRST_GROUPS: SequentialNearestNeighbour = SequentialNearestNeighbour {
 /// What is grouped.
 pub struct Scene<'a> {
     pub recording: &'a Recording,
+    pub detections: DetectionIndex<'a>,
     pub sensors: &'a [Sensor],
     pub truth: Option<&'a TruthSet>,
 }
@@ -70,7 +71,9 @@ pub fn begin(settings: &PredictionSpec, first: &Instant, scene: &Scene) -> Track
     let groups = FIRST_GROUPS.groups(&first.reports);
     let mut keys: Vec<u64> = Vec::new();
     for ((&detection, report), group) in first.detections.iter().zip(&first.reports).zip(groups) {
-        let detection = &scene.recording.detections[detection];
+        let Some(detection) = scene.detections.get(detection) else {
+            continue;
+        };
         let key = match (settings.start, detection.origin) {
             (Start::Truth, Some(origin)) => u64::from(origin),
             // Clutter begins no track at the truth.
@@ -122,7 +125,9 @@ impl Tracks {
             self.tracks.predict(instant.time_s);
             instant.predictions = self.places();
             for (&detection, report) in instant.detections.iter().zip(&instant.reports) {
-                let detection = &scene.recording.detections[detection];
+                let Some(detection) = scene.detections.get(detection) else {
+                    continue;
+                };
                 let track = detection.origin.and_then(|origin| {
                     self.targets
                         .iter()

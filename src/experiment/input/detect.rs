@@ -71,7 +71,7 @@ pub fn detect(
         bearing_rmse_deg: quality.map(|quality| quality.bearing_rmse_deg),
         gate_deg: quality.map(|quality| quality.gate_deg),
         scans: recording.scans.len() as u64,
-        detections: recording.detections.len() as u64,
+        detections: recording.detection_count() as u64,
         rows: record.times_s.len() as u64,
         cells: record.levels_db.len() as u64,
         noise_averages: tuning.noise_averages,

@@ -79,7 +79,7 @@ pub fn detections_of(recording: &Recording, sensor: usize) -> impl Iterator<Item
         .scans
         .iter()
         .filter(move |scan| scan.sensor == sensor)
-        .flat_map(|scan| recording.detections_of(scan))
+        .flat_map(|scan| &scan.detections)
 }
 
 pub fn place_of(settings: &SensorSettings) -> Position {
@@ -88,9 +88,15 @@ pub fn place_of(settings: &SensorSettings) -> Position {
 
 fn area_m2(recording: &Recording, sensor: usize, settings: &SensorSettings) -> f64 {
     let place_m = place_of(settings);
-    let positions: Vec<Position> = detections_of(recording, sensor)
-        .filter_map(|detection| detection.measurement.position_seen_from(&place_m))
-        .collect();
+    let mut positions: Vec<Position> = Vec::new();
+    for scan in recording.scans.iter().filter(|scan| scan.sensor == sensor) {
+        let from_m = scan.sensor_place_m(place_m);
+        let seen = scan
+            .detections
+            .iter()
+            .map(|detection| detection.measurement);
+        positions.extend(seen.filter_map(|measurement| measurement.position_seen_from(&from_m)));
+    }
     let extent_m = |axis: usize| {
         let values = || positions.iter().map(|position| position[axis]);
         values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min)

@@ -73,7 +73,7 @@ pub fn resolve(
     if let Some(fault) = nothing_locates(recording, known, filter) {
         return Err(vec![fault]);
     }
-    if !filter.filter.uses_range_rates() && reported_rates(&mut recording.detections.iter()) > 0 {
+    if !filter.filter.uses_range_rates() && reported_rates(&mut recording.detections()) > 0 {
         warnings.push(format!(
             "range rates are not used: the filter '{}' does not know them",
             filter.name
@@ -355,7 +355,7 @@ fn place(settings: &SensorSettings, warnings: &mut Vec<String>) -> Position {
 
 /// Whether some report says where its target is, or a sensor that never reported anything would.
 fn any_locates(recording: &Recording, known: &[SensorSettings]) -> bool {
-    let mut reports = recording.detections.iter();
+    let mut reports = recording.detections();
     let mut silent = known
         .iter()
         .enumerate()
@@ -473,7 +473,7 @@ fn complete(
 /// Detections a scan over the extent of them all: an upper bound, since targets are among them.
 fn estimated_clutter(recording: &Recording, sensor: usize, extent: &Extent) -> f64 {
     let scans = || recording.scans.iter().filter(|scan| scan.sensor == sensor);
-    let detections: usize = scans().map(|scan| scan.count).sum();
+    let detections: usize = detections_of(recording, sensor).count();
     if detections < 2 || extent.seen <= 0.0 {
         LEAST_CLUTTER
     } else {

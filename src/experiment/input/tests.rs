@@ -17,10 +17,9 @@ pub fn one_scan(sensor: SensorSettings, measurements: &[Measurement]) -> Recordi
             number: 1,
             time_s: 0.0,
             sensor: 0,
-            first: 0,
-            count,
+            pose: None,
+            detections: measurements.iter().map(detection).collect(),
         }],
-        detections: measurements.iter().map(detection).collect(),
         detection_ids: (0..count).map(|index| index.to_string()).collect(),
         ..Default::default()
     };

@@ -104,8 +104,8 @@ fn counts(data: &JobData) -> SimulationCounts {
         sensors: recording.sensors.len() as u64,
         scans: recording.scans.len() as u64,
         targets: recording.targets.len() as u64,
-        detections: recording.detections.len() as u64,
-        clutter: recording.detections.iter().filter(is_clutter).count() as u64,
+        detections: recording.detection_count() as u64,
+        clutter: recording.detections().filter(is_clutter).count() as u64,
         cells: None,
     }
 }

@@ -49,15 +49,16 @@ impl Columns {
 }
 
 /// A scan as its rows show it; its sensor is numbered in the order the file names them.
-#[derive(Clone, Copy)]
+#[derive(Default)]
 struct OpenScan {
     sensor: u32,
     number: u32,
     time_s: f64,
     row: u64,
+    detections: Vec<Detection>,
 }
 
-/// What the rows have shown so far; one entry a detection in the four lists.
+/// What the rows have shown so far; one entry a detection in the last three lists.
 #[derive(Default)]
 struct Builder {
     sensors: Interner,
@@ -67,12 +68,11 @@ struct Builder {
     latest: Vec<Option<usize>>,
     /// Time and number of the row before.
     last_row: Option<(f64, u64)>,
-    detections: Vec<Detection>,
+    /// Whether a row had both a position and a range or bearing.
+    ambiguous: bool,
     ids: Vec<String>,
     scan_of: Vec<u32>,
     rows: Vec<u64>,
-    /// Whether a row had both a position and a range or bearing.
-    ambiguous: bool,
 }
 
 /// Reads detections; also whether there was no row at all.
@@ -130,6 +130,7 @@ impl Builder {
                 number,
                 time_s,
                 row: reader.row(),
+                detections: Vec::new(),
             },
         ) else {
             return;
@@ -139,7 +140,7 @@ impl Builder {
         };
         let truth = reader.optional_text(columns.truth);
         let origin = (!truth.is_empty()).then(|| self.targets.number(truth));
-        self.detections.push(Detection {
+        self.scans[scan].detections.push(Detection {
             measurement,
             origin,
             amplitude,
@@ -218,11 +219,11 @@ impl Builder {
             self.latest.resize(sensor + 1, None);
         }
         if let Some(index) = self.latest[sensor] {
-            let latest = self.scans[index];
+            let latest = &self.scans[index];
             if scan.number == latest.number && scan.time_s == latest.time_s {
                 return Some(index);
             }
-            if let Some((column, code, what)) = misfit(&latest, &scan, columns) {
+            if let Some((column, code, what)) = misfit(latest, &scan, columns) {
                 let detail = format!(
                     "sensor '{}': {what} ({})",
                     self.sensors.name(scan.sensor),
@@ -231,13 +232,14 @@ impl Builder {
                 reader.fault(column, code, detail);
                 return None;
             }
+            self.scans[index].detections.shrink_to_fit();
         }
         self.latest[sensor] = Some(self.scans.len());
         self.scans.push(scan);
         self.latest[sensor]
     }
 
-    /// Brings scans into the order of time and sensor, detections into that of scans, and finds ids used twice.
+    /// Brings scans into the order of time and sensor, ids and rows into that of scans, and finds ids used twice.
     fn sort_scans(&mut self, reader: &mut RowReader, columns: &Columns) {
         let mut order: Vec<u32> = (0..self.scan_of.len() as u32).collect();
         let key = |scan: &OpenScan| (scan.time_s, self.sensors.name(scan.sensor));
@@ -252,16 +254,15 @@ impl Builder {
         for (new, &old) in scan_order.iter().enumerate() {
             place[old] = new as u32;
         }
-        self.scans = scan_order.iter().map(|&old| self.scans[old]).collect();
+        self.scans = scan_order
+            .iter()
+            .map(|&old| std::mem::take(&mut self.scans[old]))
+            .collect();
         self.scan_of
             .iter_mut()
             .for_each(|scan| *scan = place[*scan as usize]);
         if !self.scan_of.is_sorted() {
             order.sort_by_key(|&index| self.scan_of[index as usize]);
-            self.detections = order
-                .iter()
-                .map(|&old| self.detections[old as usize])
-                .collect();
             self.ids = order
                 .iter()
                 .map(|&old| std::mem::take(&mut self.ids[old as usize]))
@@ -284,7 +285,7 @@ impl Builder {
                 .windows(2)
                 .filter(|pair| self.ids[pair[0]] == self.ids[pair[1]])
             {
-                let scan = self.scans[group[0] as usize];
+                let scan = &self.scans[group[0] as usize];
                 let detail = format!(
                     "detection '{}' occurs twice in scan {} of sensor '{}': also on {}",
                     self.ids[pair[1]],
@@ -307,25 +308,19 @@ impl Builder {
         }
         let (names, sensor_place) = self.sensors.sorted();
         let (targets, target_place) = self.targets.sorted();
-        for detection in &mut self.detections {
-            detection.origin = detection.origin.map(|origin| target_place[origin as usize]);
-        }
         let mut scans: Vec<Scan> = Vec::with_capacity(self.scans.len());
-        let mut first = 0;
-        for (index, scan) in self.scans.iter().enumerate() {
-            let count = self.scan_of[first..]
-                .iter()
-                .take_while(|&&of| of as usize == index)
-                .count();
-            let sensor = sensor_place[scan.sensor as usize] as usize;
+        for mut scan in self.scans {
+            for detection in &mut scan.detections {
+                detection.origin = detection.origin.map(|origin| target_place[origin as usize]);
+            }
+            scan.detections.shrink_to_fit();
             scans.push(Scan {
                 number: scan.number,
                 time_s: scan.time_s,
-                sensor,
-                first,
-                count,
+                sensor: sensor_place[scan.sensor as usize] as usize,
+                pose: None,
+                detections: scan.detections,
             });
-            first += count;
         }
         let settings = |name: String| {
             declared
@@ -335,13 +330,11 @@ impl Builder {
                 .unwrap_or(SensorSettings::named(name))
         };
         let sensors = names.into_iter().map(settings).collect();
-        let (detections, detection_ids) = (self.detections, self.ids);
         Recording::new(RecordingParts {
             frame: None,
             sensors,
             scans,
-            detections,
-            detection_ids,
+            detection_ids: self.ids,
             targets,
             origins_known,
         })

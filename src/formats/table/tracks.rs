@@ -234,7 +234,7 @@ impl Builder {
                     .iter()
                     .take_while(|row| (row.track, row.point) == (track, index as u32))
                     .count();
-                (point.first_candidate, point.candidates) = (candidates.len(), count);
+                (point.first_candidate, point.candidates) = (candidates.len() as u32, count as u32);
                 point.sensor = point.sensor.map(|sensor| sensor_place[sensor as usize]);
                 candidates.extend(rest[..count].iter().map(|row| row.candidate));
                 rest = &rest[count..];

@@ -6,6 +6,7 @@
 //! z a report as `D` values; h what is reported of a state without noise; H = ∂h/∂x; R noise covariance.
 
 use super::scan::Measurement;
+use super::space::Pose;
 use super::state::{GaussianState, Position};
 use nalgebra::{SMatrix, SVector};
 
@@ -101,6 +102,22 @@ impl MeasurementModel {
         match self {
             MeasurementModel::Polar(polar) => MeasurementModel::Converted(polar),
             other => other,
+        }
+    }
+
+    /// The same from where the sensor is at a scan.
+    #[must_use]
+    pub fn seen_from(&self, pose: &Pose) -> Self {
+        let place_m = pose.place.xy();
+        match *self {
+            MeasurementModel::Position { .. } => *self,
+            MeasurementModel::Polar(polar) => MeasurementModel::Polar(Polar { place_m, ..polar }),
+            MeasurementModel::Converted(polar) => {
+                MeasurementModel::Converted(Polar { place_m, ..polar })
+            }
+            MeasurementModel::Bearing(bearing) => {
+                MeasurementModel::Bearing(Bearing { place_m, ..bearing })
+            }
         }
     }
 

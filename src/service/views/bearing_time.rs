@@ -3,9 +3,10 @@
 
 use super::layers::JobLayers;
 use super::plan::sensor_places;
-use super::{Method, Reduced, Window, most_probable, points, scans};
+use super::{Method, Reduced, Seen, Window, detections, most_probable, points};
 use crate::model::scan::{Measurement, Recording};
 use crate::model::space::Space;
+use crate::model::state::Position;
 use crate::model::track::{TrackPoint, TrackSet};
 use crate::model::truth::{TruthPoint, TruthSet};
 use serde::Serialize;
@@ -126,7 +127,7 @@ fn truth_rows<'a>(truth: &'a TruthSet, layers: &JobLayers, window: &Window) -> V
     let bearing = |point: &TruthPoint| match truth.space() {
         Space::Bearing => Some(point.position.x),
         Space::Plane | Space::Volume => {
-            place_m.map(|(x_m, y_m)| (point.position.x - x_m).atan2(point.position.y - y_m))
+            place_m.map(|at_m| (point.position.x - at_m.x).atan2(point.position.y - at_m.y))
         }
     };
     let all = truth
@@ -146,8 +147,11 @@ fn truth_rows<'a>(truth: &'a TruthSet, layers: &JobLayers, window: &Window) -> V
         .collect()
 }
 
-/// Where all sensors stand, if they stand together.
-fn common_place(recording: &Recording, layers: &JobLayers) -> Option<(f64, f64)> {
+/// Where all sensors stand, if they stand together and none moves.
+fn common_place(recording: &Recording, layers: &JobLayers) -> Option<Position> {
+    if recording.scans.iter().any(|scan| scan.pose.is_some()) {
+        return None;
+    }
     let places_m = sensor_places(recording, layers);
     let first = *places_m.first()?;
     places_m
@@ -157,20 +161,18 @@ fn common_place(recording: &Recording, layers: &JobLayers) -> Option<(f64, f64)>
 }
 
 fn detection_rows<'a>(recording: &'a Recording, window: &Window) -> Vec<Row<'a>> {
-    let all = scans(recording, window)
-        .flat_map(|scan| scan.range().map(move |index| (scan.time_s, index)));
-    let row = |(time_s, index): (f64, usize)| match recording.detections[index].measurement {
+    let row = |seen: Seen<'a>| match seen.detection.measurement {
         Measurement::Bearing { bearing_rad } | Measurement::RangeBearing { bearing_rad, .. } => {
             Some(Row::new(
-                time_s,
+                seen.scan.time_s,
                 BearingLayer::Detection,
-                &recording.detection_ids[index],
+                seen.detection_id,
                 bearing_rad,
             ))
         }
         Measurement::Position { .. } => None,
     };
-    all.filter_map(row).collect()
+    detections(recording, window).filter_map(row).collect()
 }
 
 fn track_rows<'a>(set: &'a TrackSet, window: &Window) -> Vec<Row<'a>> {

@@ -13,7 +13,8 @@ pub mod series;
 
 pub use reduction::{DEFAULT_MAX_POINTS, Density, Method, Reduced};
 
-use crate::model::scan::{Measurement, Recording, Scan};
+use crate::model::scan::{Detection, Measurement, Recording, Scan};
+use crate::model::state::Position;
 use crate::model::track::{Candidate, TrackPoint, TrackSet};
 
 /// Which part of the data to show.
@@ -45,6 +46,29 @@ fn scans<'a>(recording: &'a Recording, window: &Window) -> impl Iterator<Item = 
         .scans
         .iter()
         .filter(move |scan| window.holds(scan.time_s))
+}
+
+/// A detection of a recording.
+struct Seen<'a> {
+    scan: &'a Scan,
+    detection: &'a Detection,
+    detection_id: &'a str,
+}
+
+/// The detections of the scans inside the window.
+fn detections<'a>(recording: &'a Recording, window: &Window) -> impl Iterator<Item = Seen<'a>> {
+    let ids = &recording.detection_ids;
+    recording
+        .scans_with_firsts()
+        .filter(|(_, scan)| window.holds(scan.time_s))
+        .flat_map(|(first, scan)| {
+            let found = ids[first..].iter().zip(&scan.detections);
+            found.map(move |(id, detection)| Seen {
+                scan,
+                detection,
+                detection_id: id,
+            })
+        })
 }
 
 /// Name and point of every track point inside the window, track by track.
@@ -81,7 +105,7 @@ fn detection_id(set: &TrackSet, candidate: &Candidate) -> Option<String> {
 }
 
 /// Where a detection is, in the plane; a bearing alone is nowhere.
-fn place(measurement: Measurement, sensor_m: (f64, f64)) -> Option<(f64, f64)> {
+fn place(measurement: Measurement, sensor_m: Position) -> Option<(f64, f64)> {
     match measurement {
         Measurement::Position { x_m, y_m } => Some((x_m, y_m)),
         Measurement::RangeBearing {
@@ -90,7 +114,7 @@ fn place(measurement: Measurement, sensor_m: (f64, f64)) -> Option<(f64, f64)> {
             ..
         } => {
             let (sine, cosine) = bearing_rad.sin_cos();
-            Some((sensor_m.0 + range_m * sine, sensor_m.1 + range_m * cosine))
+            Some((sensor_m.x + range_m * sine, sensor_m.y + range_m * cosine))
         }
         Measurement::Bearing { .. } => None,
     }

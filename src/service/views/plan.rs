@@ -1,8 +1,12 @@
 //! The plan view: truth, detections and tracks in the plane, with the scans to step through.
 
 use super::layers::JobLayers;
-use super::{Density, Method, Reduced, Window, detection_id, most_probable, place, points, scans};
+use super::{
+    Density, Method, Reduced, Seen, Window, detection_id, detections, most_probable, place, points,
+    scans,
+};
 use crate::model::scan::{Detection, Recording};
+use crate::model::state::Position;
 use crate::model::track::TrackSet;
 use crate::model::truth::TruthSet;
 use crate::service::types::SensorSettings;
@@ -221,21 +225,17 @@ fn detection_layer(
     extent: &mut Extent,
 ) -> (DetectionLayer, Option<Density>) {
     let sensors_m = sensor_places(recording, layers);
-    let rows: Vec<_> = scans(recording, window)
-        .flat_map(|scan| scan.range().map(move |index| (scan, index)))
-        .collect();
+    let rows: Vec<Seen> = detections(recording, window).collect();
     let places: Vec<_> = rows
         .iter()
-        .map(|(scan, index)| {
-            place(
-                recording.detections[*index].measurement,
-                sensors_m[scan.sensor],
-            )
+        .map(|seen| {
+            let sensor_m = seen.scan.sensor_place_m(sensors_m[seen.scan.sensor]);
+            place(seen.detection.measurement, sensor_m)
         })
         .collect();
     rows.iter()
         .zip(&places)
-        .for_each(|((scan, _), place)| extent.include(scan.time_s, *place));
+        .for_each(|(seen, place)| extent.include(seen.scan.time_s, *place));
     let kept = Reduced::every_nth(rows.len(), window.max_points);
     let truth_id = |detection: &Detection| {
         detection
@@ -243,13 +243,13 @@ fn detection_layer(
             .map(|origin| recording.targets[origin as usize].clone())
     };
     let columns = DetectionColumns {
-        time_s: kept.column(|row| rows[row].0.time_s),
-        scan: kept.column(|row| rows[row].0.number),
-        sensor_id: kept.column(|row| recording.sensors[rows[row].0.sensor].sensor_id.clone()),
-        detection_id: kept.column(|row| recording.detection_ids[rows[row].1].clone()),
+        time_s: kept.column(|row| rows[row].scan.time_s),
+        scan: kept.column(|row| rows[row].scan.number),
+        sensor_id: kept.column(|row| recording.sensors[rows[row].scan.sensor].sensor_id.clone()),
+        detection_id: kept.column(|row| rows[row].detection_id.to_owned()),
         x_m: kept.column(|row| places[row].map(|place| place.0)),
         y_m: kept.column(|row| places[row].map(|place| place.1)),
-        truth_id: kept.column(|row| truth_id(&recording.detections[rows[row].1])),
+        truth_id: kept.column(|row| truth_id(rows[row].detection)),
     };
     let is_reduced = kept.method != Method::All;
     let density = is_reduced
@@ -259,7 +259,7 @@ fn detection_layer(
 }
 
 /// Where each sensor of the recording stands: as the job knows it, else as the recording does, else at the origin.
-pub(super) fn sensor_places(recording: &Recording, layers: &JobLayers) -> Vec<(f64, f64)> {
+pub(super) fn sensor_places(recording: &Recording, layers: &JobLayers) -> Vec<Position> {
     let known: BTreeMap<_, _> = layers
         .sensors
         .iter()
@@ -269,7 +269,7 @@ pub(super) fn sensor_places(recording: &Recording, layers: &JobLayers) -> Vec<(f
         let settings = known
             .get(sensor.sensor_id.as_str())
             .map_or_else(|| sensor.clone(), |other| sensor.overridden_by(other));
-        (settings.x_m.unwrap_or(0.0), settings.y_m.unwrap_or(0.0))
+        Position::new(settings.x_m.unwrap_or(0.0), settings.y_m.unwrap_or(0.0))
     };
     recording.sensors.iter().map(place).collect()
 }

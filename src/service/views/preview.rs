@@ -54,22 +54,28 @@ pub fn of(dataset: &Dataset, limit: usize) -> Preview {
 }
 
 fn head_of_recording(recording: &Recording, limit: usize) -> Recording {
-    let count = recording.detections.len().min(limit);
-    let cut = |scan: &Scan| Scan {
-        count: count.saturating_sub(scan.first).min(scan.count),
-        ..*scan
+    let count = recording.detection_count().min(limit);
+    let cut = |(first, scan): (usize, &Scan)| Scan {
+        number: scan.number,
+        time_s: scan.time_s,
+        sensor: scan.sensor,
+        pose: scan.pose,
+        detections: scan
+            .detections
+            .iter()
+            .take(count - first)
+            .copied()
+            .collect(),
     };
     let scans = recording
-        .scans
-        .iter()
-        .take_while(|scan| scan.first < count.max(1))
+        .scans_with_firsts()
+        .take_while(|(first, _)| *first < count.max(1))
         .map(cut)
         .collect();
     let parts = RecordingParts {
         frame: recording.frame,
         sensors: recording.sensors.clone(),
         scans,
-        detections: recording.detections[..count].to_vec(),
         detection_ids: recording.detection_ids[..count].to_vec(),
         targets: recording.targets.clone(),
         origins_known: recording.origins_known,

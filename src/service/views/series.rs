@@ -190,7 +190,7 @@ fn scan_counts(layers: &JobLayers, window: &Window) -> ScanCountsSeries {
         });
         (counts[0].0 + counts[1].0, counts[0].1 + counts[1].1)
     };
-    let counts = (0..rows.len()).map(|row| (rows[row].count as f64, alive_at(row)));
+    let counts = (0..rows.len()).map(|row| (rows[row].detections.len() as f64, alive_at(row)));
     let (detections, alive): (Vec<f64>, Vec<(u32, u32)>) = counts.unzip();
     let (tracks, confirmed): (Vec<f64>, Vec<f64>) = alive
         .iter()
@@ -201,7 +201,7 @@ fn scan_counts(layers: &JobLayers, window: &Window) -> ScanCountsSeries {
         time_s: kept.column(|row| rows[row].time_s),
         scan: kept.column(|row| rows[row].number),
         sensor_id: kept.column(|row| recording.sensors[rows[row].sensor].sensor_id.clone()),
-        detections: kept.column(|row| rows[row].count),
+        detections: kept.column(|row| rows[row].detections.len()),
         tracks: kept.column(|row| alive[row].0),
         confirmed: kept.column(|row| alive[row].1),
     };

@@ -7,7 +7,8 @@ use crate::association::Needs;
 use crate::filtering::Filter;
 use crate::hypotheses::LikelihoodConstants;
 use crate::math::gaussian::gate_threshold;
-use crate::model::scan::{Detection, Scan};
+use crate::model::scan::Scan;
+use crate::model::sensing::MeasurementModel;
 use crate::model::track::Candidate;
 use crate::model::watch::{Halt, Watch};
 use crate::tracking::recorder::{RecordedPoint, Recorder};
@@ -17,7 +18,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
     pub(super) fn initiate(
         &mut self,
         scan: &Scan,
-        detections: &[Detection],
+        report: &MeasurementModel,
         recorder: &mut dyn Recorder,
         watch: &Watch,
     ) -> Result<u32, Halt> {
@@ -26,10 +27,12 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         if matches!(self.lifecycle.initiation, Initiation::Truth { .. }) || !may_start {
             return Ok(unused);
         }
-        for (index, detection) in detections.iter().enumerate() {
-            let sigma_mps = self.lifecycle.initial_speed_sigma_mps;
-            let (hypotheses, sensor) = (&self.scratch.hypotheses, &self.sensors[scan.sensor]);
-            let Some(state) = hypotheses.locate(&self.filter, sensor, sigma_mps, index) else {
+        for (index, detection) in scan.detections.iter().enumerate() {
+            let (hypotheses, sigma_mps) = (
+                &self.scratch.hypotheses,
+                self.lifecycle.initial_speed_sigma_mps,
+            );
+            let Some(state) = hypotheses.locate(&self.filter, report, sigma_mps, index) else {
                 continue;
             };
             let point = Point {

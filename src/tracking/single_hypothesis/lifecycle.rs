@@ -14,9 +14,10 @@
 use super::confirmation::{CONFIRMATION, Confirmation, Score};
 use super::initiation::{INITIATION, Initiation};
 use crate::model::track::TrackStatus;
-use crate::registry::{Kind, Object, above, default, optional, whole};
+use crate::registry::{Kind, Object, above, check, default, optional, whole};
 use nalgebra::SMatrix;
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 pub static LIFECYCLE: Object = Object {
     name: "TrackerSettings",
@@ -89,6 +90,15 @@ pub struct Lifecycle {
     pub max_position_sigma_m: Option<f64>,
     #[serde(default = "assumed_speed_sigma_mps")]
     pub initial_speed_sigma_mps: f64,
+}
+
+/// As a request that says nothing has it.
+impl Default for Lifecycle {
+    fn default() -> Self {
+        let fields =
+            check(&json!({}), &LIFECYCLE).expect("every field has a default or may be absent");
+        Lifecycle::deserialize(fields).expect("the defaults are a life cycle")
+    }
 }
 
 fn assumed_speed_sigma_mps() -> f64 {

@@ -18,7 +18,8 @@ use crate::association::{Associator, Needs, Trace};
 use crate::filtering::{Filter, Weighted, WithFilter};
 use crate::hypotheses::{Hypotheses, Look, bounds};
 use crate::model::fault::Fault;
-use crate::model::scan::{Detection, Scan};
+use crate::model::scan::Scan;
+use crate::model::sensing::MeasurementModel;
 use crate::model::sensor::Sensor;
 use crate::model::state::GaussianState;
 use crate::model::track::Candidate;
@@ -161,7 +162,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
     fn hypothesise(
         &mut self,
         part: usize,
-        (scan, step): (&Scan, &F::Step),
+        (scan, report, step): (&Scan, &MeasurementModel, &F::Step),
         watch: &Watch,
     ) -> Result<(), Halt> {
         let Memory {
@@ -173,6 +174,7 @@ impl<F: Filter<K>, const K: usize> SingleHypothesis<F, K> {
         let look = Look {
             filter: &self.filter,
             sensor: &self.sensors[scan.sensor],
+            report,
             scan,
             step,
         };
@@ -384,7 +386,6 @@ impl<F: Filter<K>, const K: usize> Tracker for SingleHypothesis<F, K> {
     fn step(
         &mut self,
         scan: &Scan,
-        detections: &[Detection],
         recorder: &mut dyn Recorder,
         watch: &Watch,
     ) -> Result<ScanOutcome, Halt> {
@@ -405,15 +406,16 @@ impl<F: Filter<K>, const K: usize> Tracker for SingleHypothesis<F, K> {
         } else {
             self.memory.started
         };
+        let report = self.sensors[scan.sensor].report_in(scan);
         self.scratch
             .hypotheses
-            .begin_scan(&self.filter, &self.sensors[scan.sensor], detections);
+            .begin_scan(&self.filter, &report, &scan.detections);
         self.sort_members();
         for (part, is_confirmed) in [(0, true), (1, false)] {
-            self.hypothesise(part, (scan, &step), watch)?;
+            self.hypothesise(part, (scan, &report, &step), watch)?;
             self.associate(is_confirmed, scan, recorder, watch)?;
         }
-        let unused = self.initiate(scan, detections, recorder, watch)?;
+        let unused = self.initiate(scan, &report, recorder, watch)?;
         let confirmed = self.sweep(recorder);
         self.memory.scans += 1;
         Ok(ScanOutcome {
@@ -460,7 +462,7 @@ impl<F: Filter<K>, const K: usize> Tracker for SingleHypothesis<F, K> {
         written::write::<F, K>(&self.memory, self.associator.as_ref())
     }
 
-    fn read_back(&mut self, written: &[u8]) -> Result<(), Fault> {
+    fn read_back(&mut self, written: &[u8]) -> Result<(), Box<Fault>> {
         self.memory = written::read::<F, K>(written, self.associator.as_mut())?;
         Ok(())
     }

@@ -79,7 +79,7 @@ pub(super) fn write<F: Filter<K>, const K: usize>(
 pub(super) fn read<F: Filter<K>, const K: usize>(
     bytes: &[u8],
     associator: &mut dyn Associator,
-) -> Result<Memory<F::Belief, K>, Fault> {
+) -> Result<Memory<F::Belief, K>, Box<Fault>> {
     let written: Written = serde_json::from_slice(bytes).map_err(|error| refuse(&error))?;
     if written.method != super::METHOD.name || written.version != VERSION {
         return Err(refuse(&format!("{} {}", written.method, written.version)));
@@ -115,9 +115,9 @@ pub(super) fn read<F: Filter<K>, const K: usize>(
     Ok(memory)
 }
 
-fn refuse(what: &dyn std::fmt::Display) -> Fault {
+fn refuse(what: &dyn std::fmt::Display) -> Box<Fault> {
     let detail = format!("this is not what a tracker of these parts wrote down: {what}");
-    Fault::new("/tracker", "malformed", detail)
+    Box::new(Fault::new("/tracker", "malformed", detail))
 }
 
 fn write_track<F: Filter<K>, const K: usize>(

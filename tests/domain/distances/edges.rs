@@ -67,8 +67,8 @@ fn quiet(times_s: &[f64]) -> Recording {
         number: index as u32 + 1,
         time_s,
         sensor: 0,
-        first: 0,
-        count: 0,
+        pose: None,
+        detections: Vec::new(),
     };
     Recording::new(RecordingParts {
         sensors: vec![SensorSettings::named("radar")],

@@ -18,7 +18,10 @@ fn example(file: &str) -> Vec<u8> {
 fn counts(recording: &Recording, sensor_id: &str) -> (usize, usize) {
     let of_sensor = |scan: &&Scan| recording.sensors[scan.sensor].sensor_id == sensor_id;
     let scans: Vec<&Scan> = recording.scans.iter().filter(of_sensor).collect();
-    (scans.len(), scans.iter().map(|scan| scan.count).sum())
+    (
+        scans.len(),
+        scans.iter().map(|scan| scan.detections.len()).sum(),
+    )
 }
 
 #[test]
@@ -42,45 +45,33 @@ fn the_example_has_its_scans_and_detections() {
     assert_eq!(counts(&recording, "radar"), (70, 437));
     assert_eq!(counts(&recording, "lidar"), (234, 412));
     assert!(!recording.origins_known);
-    let numberless = |scan: Scan| Scan { number: 0, ..scan };
-    let first = Scan {
-        number: 0,
-        time_s: 1620114892.18751,
-        sensor: 0,
-        first: 0,
-        count: 0,
+    let index = recording.index_detections();
+    let seen = |scan: usize| {
+        let Scan { time_s, sensor, .. } = recording.scans[scan];
+        (time_s, sensor, index.range(scan))
     };
-    assert_eq!(numberless(recording.scans[0]), first);
+    assert_eq!(seen(0), (1620114892.18751, 0, 0..0));
     // The fourth scan is one flat pair [99.17898933497725, 33.99357416508701] from [-16.73468391505537, -391.2043895947745].
-    assert_eq!(
-        numberless(recording.scans[3]),
-        Scan {
-            number: 0,
-            time_s: 1620114893.197112,
-            sensor: 0,
-            first: 3,
-            count: 1
-        }
-    );
+    assert_eq!(seen(3), (1620114893.197112, 0, 3..4));
     assert_eq!(recording.detection_ids[3], "lidar-3-1");
     assert_close(
-        recording.detections[3].measurement,
+        index.get(3).unwrap().measurement,
         -357.2108154296875,
         82.44430541992188,
     );
     // The twelfth radar scan has norths -111.2628…, 76.4863… and easts -176.5955…, 7.0700… from [-17.6414…, -399.1834…].
-    let index = recording
+    let twelfth = recording
         .detection_ids
         .iter()
         .position(|id| id == "radar-12-1")
         .expect("radar scan 12 has detections");
     assert_close(
-        recording.detections[index].measurement,
+        index.get(twelfth).unwrap().measurement,
         -575.7789916992188,
         -128.9042510986328,
     );
-    assert_eq!(recording.detection_ids[index + 1], "radar-12-2");
-    assert_eq!(recording.scans[50].range(), index..index + 2);
+    assert_eq!(recording.detection_ids[twelfth + 1], "radar-12-2");
+    assert_eq!(index.range(50), twelfth..twelfth + 2);
 }
 
 #[test]
@@ -90,8 +81,7 @@ fn a_camera_reports_one_bare_bearing_or_a_list_all_round() {
         {"sensorID": 4, "ownshipPosition": [5, 7], "time": 2, "measurement": []}]"#;
     let recording = recording(read("autoferry", text).expect("sound"));
     let bearings: Vec<f64> = recording
-        .detections
-        .iter()
+        .detections()
         .filter_map(|detection| bearing_rad(&detection.measurement))
         .collect();
     assert_eq!(bearings, [std::f64::consts::TAU - 0.25, 3.0, 0.5]);
@@ -103,7 +93,7 @@ fn a_camera_reports_one_bare_bearing_or_a_list_all_round() {
         recording
             .scans
             .iter()
-            .map(|scan| (scan.sensor, scan.count))
+            .map(|scan| (scan.sensor, scan.detections.len()))
             .collect::<Vec<_>>(),
         [(0, 2), (1, 1), (0, 0)]
     );
@@ -171,8 +161,8 @@ fn radar_and_truth_are_in_one_frame() {
         let Some(target) = truth.targets()[1].position_at(Space::Plane, scan.time_s, 2.0) else {
             continue;
         };
-        let distances = radar
-            .detections_of(scan)
+        let distances = scan
+            .detections
             .iter()
             .filter_map(|found| found.measurement.position())
             .map(|at| (at - target.xy()).norm());
@@ -348,11 +338,17 @@ fn more_recordings_have_their_scans_and_detections() {
             (written, found) => written == found,
         };
         assert!(
-            all.detections.iter().zip(&again.detections).all(is_kept),
+            all.detections().zip(again.detections()).all(is_kept),
             "scenario {scenario}"
         );
+        let of_scans = |recording: &Recording| -> Vec<_> {
+            let scans = recording.scans.iter();
+            scans
+                .map(|scan| (scan.number, scan.time_s, scan.sensor, scan.detections.len()))
+                .collect()
+        };
         assert!(
-            (&all.scans, &all.detection_ids) == (&again.scans, &again.detection_ids),
+            (of_scans(&all), &all.detection_ids) == (of_scans(&again), &again.detection_ids),
             "scenario {scenario}"
         );
         assert_eq!(

@@ -239,7 +239,7 @@ fn a_range_below_zero_is_named_and_zero_is_a_range() {
     );
     let bearing_rad = std::f64::consts::FRAC_PI_2;
     assert_eq!(
-        zero.detections[0].measurement,
+        zero.scans[0].detections[0].measurement,
         Measurement::RangeBearing {
             range_m: 0.0,
             bearing_rad,

@@ -23,25 +23,22 @@ fn one_sensor_keeps_its_scan_numbers_and_empty_scans() {
     let recording = recording(outcome);
     assert!(recording.origins_known);
     assert_eq!(recording.targets, ["9", "10"]);
-    assert_eq!(
-        recording.detections,
-        [
-            position(1.0, 2.0, Some(1)),
-            position(3.0, 4.0, None),
-            position(5.0, 6.0, Some(0))
-        ]
-    );
     assert_eq!(recording.detection_ids, ["a", "b", "a"]);
-    let scan = |number, time_s, first, count| Scan {
+    let scan = |number, time_s, detections: &[Detection]| Scan {
         number,
         time_s,
         sensor: 0,
-        first,
-        count,
+        pose: None,
+        detections: detections.to_vec(),
     };
+    let two = [position(1.0, 2.0, Some(1)), position(3.0, 4.0, None)];
     assert_eq!(
         recording.scans,
-        [scan(7, 0.0, 0, 2), scan(9, 2.0, 2, 0), scan(10, 3.0, 2, 1)]
+        [
+            scan(7, 0.0, &two),
+            scan(9, 2.0, &[]),
+            scan(10, 3.0, &[position(5.0, 6.0, Some(0))])
+        ]
     );
 }
 
@@ -56,29 +53,23 @@ fn several_sensors_are_sorted_and_their_scans_keep_their_numbers() {
         .map(|sensor| sensor.sensor_id.as_str())
         .collect();
     assert_eq!(names, ["s2", "s10"]);
-    let scan = |number, time_s, sensor, first, count| Scan {
+    let at = |value| position(value, value, None);
+    let scan = |number, time_s, sensor, detections: &[Detection]| Scan {
         number,
         time_s,
         sensor,
-        first,
-        count,
+        pose: None,
+        detections: detections.to_vec(),
     };
     assert_eq!(
         recording.scans,
         [
-            scan(4, 0.0, 0, 0, 1),
-            scan(4, 0.0, 1, 1, 2),
-            scan(5, 1.0, 1, 3, 0),
-            scan(5, 2.0, 0, 3, 1)
+            scan(4, 0.0, 0, &[at(2.0)]),
+            scan(4, 0.0, 1, &[at(1.0), at(3.0)]),
+            scan(5, 1.0, 1, &[]),
+            scan(5, 2.0, 0, &[at(4.0)])
         ]
     );
-    let found: Vec<f64> = recording
-        .detections
-        .iter()
-        .filter_map(|detection| detection.measurement.position())
-        .map(|at| at.x)
-        .collect();
-    assert_eq!(found, [2.0, 1.0, 3.0, 4.0]);
     assert_eq!(recording.detection_ids, ["a", "a", "b", "c"]);
     assert!(!recording.origins_known);
 }
@@ -93,8 +84,7 @@ fn measurements_may_be_polar_and_a_position_wins() {
         ["rows have x_m, y_m and also range_m or bearing_deg: the position is used"]
     );
     let found: Vec<Measurement> = recording(outcome)
-        .detections
-        .iter()
+        .detections()
         .map(|detection| detection.measurement)
         .collect();
     let polar = Measurement::RangeBearing {
@@ -120,8 +110,7 @@ fn ranges_may_have_rates() {
     let outcome = read("csv", text).expect("the file is sound");
     assert_eq!(outcome.warnings, Vec::<String>::new());
     let found: Vec<Measurement> = recording(outcome)
-        .detections
-        .iter()
+        .detections()
         .map(|detection| detection.measurement)
         .collect();
     let approaching = Measurement::RangeBearing {
@@ -148,7 +137,7 @@ fn amplitudes_are_read_where_there_are_any() {
         ..position(1.0, 2.0, None)
     };
     assert_eq!(
-        recording(outcome).detections,
+        recording(outcome).scans[0].detections,
         [found, position(3.0, 4.0, None)]
     );
 }
@@ -171,7 +160,10 @@ fn columns_are_renamed_and_others_reported() {
             "unknown columns, kept in the file but not used: colour"
         ]
     );
-    assert_eq!(recording(outcome).detections, [position(2.0, 3.0, None)]);
+    assert_eq!(
+        recording(outcome).scans[0].detections,
+        [position(2.0, 3.0, None)]
+    );
 }
 
 #[test]

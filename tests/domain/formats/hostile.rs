@@ -107,9 +107,7 @@ fn records_are_told_from_scans() {
     assert!(timed.detail.contains("records (time, x_m)"), "{timed:?}");
     let scan = r#"[{"note": [[[1]]], "time": 1, "sensorID": 2, "ownshipPosition": [0, 0], "measurement": [3, 4]}]"#;
     assert_eq!(
-        recording(read("autoferry", scan).expect("it has the fields of a scan"))
-            .detections
-            .len(),
+        recording(read("autoferry", scan).expect("it has the fields of a scan")).detection_count(),
         1
     );
 }

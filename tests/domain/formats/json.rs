@@ -29,19 +29,22 @@ fn columns_become_a_recording_with_the_sensors_described() {
         recording
             .scans
             .iter()
-            .map(|scan| (scan.number, scan.sensor, scan.count))
+            .map(|scan| (scan.number, scan.sensor, scan.detections.len()))
             .collect::<Vec<_>>(),
         [(1, 1, 2), (2, 1, 0)]
     );
     assert_eq!(
-        recording.detections[1]
+        recording.scans[0].detections[1]
             .measurement
             .position()
             .map(|at| (at.x, at.y)),
         Some((2.5, 400.0))
     );
     assert_eq!(
-        (recording.targets.as_slice(), recording.detections[0].origin),
+        (
+            recording.targets.as_slice(),
+            recording.scans[0].detections[0].origin
+        ),
         (["7".to_owned()].as_slice(), Some(0))
     );
 }

@@ -142,28 +142,29 @@ fn assemble(
         } else {
             number + 1
         };
-        parts.scans.push(Scan {
+        let mut scan = Scan {
             number,
             time_s,
             sensor,
-            first: parts.detections.len(),
-            count: detections.len(),
-        });
+            pose: None,
+            detections: Vec::new(),
+        };
         for (nth, (measurement, origin, id, amplitude)) in detections.into_iter().enumerate() {
             let origin = origin
                 .filter(|_| origins_known)
                 .map(|origin| origin.index(targets.len()) as u32);
             used_targets.extend(origin);
-            parts.detections.push(Detection {
+            scan.detections.push(Detection {
                 measurement,
                 origin,
                 amplitude,
             });
             parts.detection_ids.push(format!("{id}{nth}"));
         }
+        parts.scans.push(scan);
     }
     let used_targets: Vec<u32> = used_targets.into_iter().collect();
-    for detection in &mut parts.detections {
+    for detection in parts.scans.iter_mut().flat_map(|scan| &mut scan.detections) {
         detection.origin = detection.origin.map(|origin| {
             used_targets
                 .iter()
@@ -294,8 +295,8 @@ fn point(set: &mut TrackSet, time_s: f64, raw: RawPoint) -> TrackPoint {
         estimate: Kinematics::of_plane(&state, has_velocity, covariance.as_ref()),
         status: status.map(|index| TrackStatus::ALL[index].0),
         nis: status.map(|_| x.abs()),
-        first_candidate,
-        candidates: set.candidates.len() - first_candidate,
+        first_candidate: first_candidate as u32,
+        candidates: (set.candidates.len() - first_candidate) as u32,
     }
 }
 

@@ -19,19 +19,19 @@ fn recorded(scans: &[&[(Measurement, Option<u32>)]]) -> Recording {
     };
     for (index, seen) in scans.iter().enumerate() {
         let number = index as u32 + 1;
+        let detection = |&(measurement, origin): &(Measurement, Option<u32>)| Detection {
+            measurement,
+            origin,
+            amplitude: None,
+        };
         parts.scans.push(Scan {
             number,
             time_s: f64::from(number),
             sensor: 0,
-            first: parts.detections.len(),
-            count: seen.len(),
+            pose: None,
+            detections: seen.iter().map(detection).collect(),
         });
-        for (place, &(measurement, origin)) in seen.iter().enumerate() {
-            parts.detections.push(Detection {
-                measurement,
-                origin,
-                amplitude: None,
-            });
+        for place in 0..seen.len() {
             parts.detection_ids.push(format!("{number}.{place}"));
         }
     }

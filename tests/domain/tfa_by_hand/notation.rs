@@ -54,7 +54,7 @@ pub fn recording(truth: &[&str], clutter: &[&str]) -> Recording {
         .max()
         .unwrap_or(0)
     {
-        let first = parts.detections.len();
+        let mut detections = Vec::new();
         for (origin, words) in &lines {
             for name in words
                 .get(index)
@@ -63,7 +63,7 @@ pub fn recording(truth: &[&str], clutter: &[&str]) -> Recording {
                 .filter(|name| *name != ".")
             {
                 parts.detection_ids.push(name.to_owned());
-                parts.detections.push(Detection {
+                detections.push(Detection {
                     measurement: Measurement::Position { x_m: 0.0, y_m: 0.0 },
                     origin: *origin,
                     amplitude: None,
@@ -75,8 +75,8 @@ pub fn recording(truth: &[&str], clutter: &[&str]) -> Recording {
             number,
             time_s: 8.0 * f64::from(number),
             sensor: 0,
-            first,
-            count: parts.detections.len() - first,
+            pose: None,
+            detections,
         });
     }
     Recording::new(parts).unwrap()
@@ -124,8 +124,8 @@ fn point(set: &mut TrackSet, time_s: f64, word: &str) -> TrackPoint {
     let candidates = set.candidates.len() - first_candidate;
     TrackPoint {
         status,
-        first_candidate,
-        candidates,
+        first_candidate: first_candidate as u32,
+        candidates: candidates as u32,
         ..bare_point(time_s, 0.0, 0.0)
     }
 }

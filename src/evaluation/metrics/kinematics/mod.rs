@@ -179,8 +179,8 @@ fn samples(sequence: &Sequence) -> Vec<Sample> {
         let places = (places.0 as u32, places.1 as u32);
         let error_m = track.position_m - truth.position_m;
         let error_mps = track
-            .velocity_mps
-            .zip(truth.velocity_mps)
+            .velocity_mps()
+            .zip(truth.velocity_mps())
             .map(|(track, truth)| track - truth);
         let point = point_of(sequence, track);
         let covariance = point.and_then(|point| point.estimate.covariance());
@@ -190,7 +190,7 @@ fn samples(sequence: &Sequence) -> Vec<Sample> {
             ..Normalised::new(error_m, error_mps, covariance)
         };
         let on_course_m = truth
-            .velocity_mps
+            .velocity_mps()
             .and_then(|velocity_mps| on_course(error_m.xy(), velocity_mps.xy()));
         Some(Sample {
             step: event.step as usize,

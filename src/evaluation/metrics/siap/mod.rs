@@ -288,7 +288,7 @@ fn position_error_m(truth: &Presence, track: &Presence) -> f64 {
 
 /// `None` where either velocity is unknown.
 fn velocity_error_mps(truth: &Presence, track: &Presence) -> Option<f64> {
-    Some((track.velocity_mps? - truth.velocity_mps?).norm())
+    Some((track.velocity_mps()? - truth.velocity_mps()?).norm())
 }
 
 /// The errors of every following track, and which of them is the one by which its target counts as tracked.

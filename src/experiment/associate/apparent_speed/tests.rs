@@ -38,7 +38,7 @@ fn scene(speeds_mps: &[f64], clutter: usize, shore: usize) -> Recording {
         ..Default::default()
     };
     for number in 0..30 {
-        let (time_s, first) = (f64::from(number) * PERIOD_S, parts.detections.len());
+        let time_s = f64::from(number) * PERIOD_S;
         let mut places = Vec::new();
         for ((start_m, heading), speed_mps) in courses.iter().zip(speeds_mps) {
             if draw.next() < 0.9 {
@@ -68,7 +68,6 @@ fn scene(speeds_mps: &[f64], clutter: usize, shore: usize) -> Recording {
             origin: None,
             amplitude: None,
         };
-        parts.detections.extend(places.iter().map(detection));
         parts
             .detection_ids
             .extend((0..places.len()).map(|index| index.to_string()));
@@ -76,8 +75,8 @@ fn scene(speeds_mps: &[f64], clutter: usize, shore: usize) -> Recording {
             number,
             time_s,
             sensor: 0,
-            first,
-            count: places.len(),
+            pose: None,
+            detections: places.iter().map(detection).collect(),
         });
     }
     Recording::new(parts).unwrap()
@@ -147,11 +146,11 @@ fn targets_that_stand_still_have_the_speed_of_noise() {
 fn three_scans_are_the_least() {
     let whole = scene(&[100.0; 4], 0, 0).into_parts();
     let cut = |scans: usize| {
-        let count: usize = whole.scans[..scans].iter().map(|scan| scan.count).sum();
+        let seen = whole.scans[..scans].iter();
+        let count: usize = seen.map(|scan| scan.detections.len()).sum();
         let parts = RecordingParts {
             sensors: whole.sensors.clone(),
             scans: whole.scans[..scans].to_vec(),
-            detections: whole.detections[..count].to_vec(),
             detection_ids: whole.detection_ids[..count].to_vec(),
             ..Default::default()
         };

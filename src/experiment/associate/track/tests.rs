@@ -86,8 +86,7 @@ impl Scene {
         let recording = self.data.recording().unwrap();
         let mut log = Log::default();
         for scan in &recording.scans[scans] {
-            let detections = recording.detections_of(scan);
-            let outcome = tracker.step(scan, detections, &mut log, &Watch::never());
+            let outcome = tracker.step(scan, &mut log, &Watch::never());
             writeln!(log.0, "{:?}", outcome.unwrap()).unwrap();
         }
         log.0
@@ -279,14 +278,7 @@ fn a_scan_from_before_is_late_and_changes_nothing() {
     scene.feed(tracker.as_mut(), 0..3);
     let before = tracker.write_down();
     let (scan, mut log) = (&recording.scans[1], Log::default());
-    let halt = tracker
-        .step(
-            scan,
-            recording.detections_of(scan),
-            &mut log,
-            &Watch::never(),
-        )
-        .unwrap_err();
+    let halt = tracker.step(scan, &mut log, &Watch::never()).unwrap_err();
     let (time_s, last_s) = (scan.time_s, recording.scans[2].time_s);
     assert_eq!(halt, crate::model::watch::Halt::Late { time_s, last_s });
     assert!(log.0.is_empty() && tracker.write_down() == before);

@@ -22,13 +22,12 @@ fn recording(measurements: &[Measurement]) -> Recording {
             number: 1,
             time_s: 0.0,
             sensor: 0,
-            first: 0,
-            count: detections.len(),
+            pose: None,
+            detections,
         }],
-        detection_ids: (0..detections.len())
+        detection_ids: (0..measurements.len())
             .map(|index| index.to_string())
             .collect(),
-        detections,
         ..Default::default()
     })
     .unwrap()

@@ -2,7 +2,7 @@
 
 use crate::formats::table::Sink;
 use crate::formats::table::degrees::degrees;
-use crate::model::scan::{Measurement, Recording, Scan};
+use crate::model::scan::{Detection, Measurement, Recording, Scan};
 use std::io;
 
 /// Writes every detection, and a row without one for each scan that saw nothing.
@@ -12,12 +12,12 @@ use std::io;
 pub fn write(recording: &Recording, sink: &mut dyn Sink) -> io::Result<()> {
     let layout = Layout::for_recording(recording);
     sink.begin(&layout.columns())?;
-    for scan in &recording.scans {
-        if scan.count == 0 {
+    for (first, scan) in recording.scans_with_firsts() {
+        if scan.detections.is_empty() {
             write_row(recording, scan, None, layout, sink)?;
         }
-        for index in scan.range() {
-            write_row(recording, scan, Some(index), layout, sink)?;
+        for found in (first..).zip(&scan.detections) {
+            write_row(recording, scan, Some(found), layout, sink)?;
         }
     }
     Ok(())
@@ -38,8 +38,7 @@ impl Layout {
     fn for_recording(recording: &Recording) -> Self {
         let has = |wanted: fn(&Measurement) -> bool| {
             recording
-                .detections
-                .iter()
+                .detections()
                 .any(|detection| wanted(&detection.measurement))
         };
         let range = has(|measurement| matches!(measurement, Measurement::RangeBearing { .. }));
@@ -55,8 +54,7 @@ impl Layout {
             )
         });
         let amplitude = recording
-            .detections
-            .iter()
+            .detections()
             .any(|detection| detection.amplitude.is_some());
         let position =
             !bearing || has(|measurement| matches!(measurement, Measurement::Position { .. }));
@@ -90,15 +88,15 @@ impl Layout {
 fn write_row(
     recording: &Recording,
     scan: &Scan,
-    index: Option<usize>,
+    found: Option<(usize, &Detection)>,
     layout: Layout,
     sink: &mut dyn Sink,
 ) -> io::Result<()> {
-    let detection = index.map(|index| recording.detections[index]);
+    let detection = found.map(|(_, detection)| detection);
     sink.number(Some(scan.time_s))?;
     sink.number(Some(f64::from(scan.number)))?;
     sink.text(Some(&recording.sensors[scan.sensor].sensor_id))?;
-    sink.text(index.map(|index| recording.detection_ids[index].as_str()))?;
+    sink.text(found.map(|(index, _)| recording.detection_ids[index].as_str()))?;
     let (position, range_m, bearing_rad, range_rate_mps) =
         match detection.map(|detection| detection.measurement) {
             Some(Measurement::Position { x_m, y_m }) => (Some([x_m, y_m]), None, None, None),

@@ -42,8 +42,8 @@ fn end_scan(initiator: &mut Initiator<4>, sensor: usize, rule: &PairRule) {
         number: 1,
         time_s: 0.0,
         sensor,
-        first: 0,
-        count: 0,
+        pose: None,
+        detections: Vec::new(),
     };
     initiator.pair(&scan, rule, &Watch::never()).unwrap();
 }
