@@ -25,9 +25,9 @@ impl CompleteProblem {
     /// # Errors
     /// A fault of `/complete`: another statistic than the chain, sensors with different numbers of tracks, tracks without a common
     /// time, or more pairs than should be compared.
-    pub(super) fn of(problem: &CorrelationProblem) -> Result<Self, Fault> {
+    pub(super) fn of(problem: &CorrelationProblem) -> Result<Self, Vec<Fault>> {
         let refused = |detail: String, allowed: &str| {
-            Fault::new("/complete", "unsupported", detail).allowing(allowed)
+            vec![Fault::new("/complete", "unsupported", detail).allowing(allowed)]
         };
         if !matches!(problem.costs, Costs::Chain) {
             let detail = "complete tuples cost b, the sum of λ over neighbouring sensors";

@@ -225,7 +225,7 @@ impl Genetic {
         problem: &CorrelationProblem,
         watch: &Watch,
     ) -> Result<Solution, Vec<Fault>> {
-        let complete = CompleteProblem::of(problem).map_err(|fault| vec![fault])?;
+        let complete = CompleteProblem::of(problem)?;
         let mut coding = Chromosomes::new(problem, Some(&complete));
         let (tuples, search) = self.search(&mut coding, watch);
         let solution = Solution {
