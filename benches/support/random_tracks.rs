@@ -142,7 +142,7 @@ fn squared_distance(left: [f64; 2], right: [f64; 2]) -> f64 {
     (left[0] - right[0]).powi(2) + (left[1] - right[1]).powi(2)
 }
 
-/// Q of the estimates about their weighted mean, less the 0.99 quantile of its chi-square (Wilson and Hilferty's).
+/// Q of the estimates about their weighted mean, less δ for each track but one.
 struct Fused {
     estimates: Vec<Estimate>,
 }
@@ -160,8 +160,6 @@ impl JointCost for Fused {
         let q: f64 = members()
             .map(|member| squared_distance(member.position, mean) / member.variance)
             .sum();
-        let freedom = 2.0 * (tuple.len() - 1) as f64;
-        let spread = 2.0 / (9.0 * freedom);
-        q - freedom * (1.0 - spread + 2.326_347_874 * spread.sqrt()).powi(3)
+        q - (tuple.len() - 1) as f64 * DELTA
     }
 }

@@ -441,7 +441,7 @@ fn huo(folder: &Path, out: &Path) -> Result<(), Box<dyn Error>> {
     let settings = ["P_D 0.9", "3 × 50, P_D 0.9", "5 × 50, P_D 0.9"];
     let methods = [
         ("exact", -0.3),
-        ("genetic, as published", -0.18),
+        ("genetic, the paper's coding", -0.18),
         ("genetic", -0.06),
         ("nearest", 0.06),
         ("weighted", 0.18),

@@ -15,7 +15,9 @@
 //!    it: the tuple without it costs less. The others: λ / k within the gate, the quantile with n_x degrees of freedom at the gate's
 //!    probability, since a link that is bad by itself may be part of a good tuple.
 //! 2. The cost of a link is λ − δ(k n_x). `chain` adds those of neighbours in the order of the sensors, `all_pairs` those of all pairs.
-//! 3. `fused`: Q − δ(ν) with Q's own degrees of freedom ν.
+//! 3. `fused`: Q − (m − 1) δ(ν / (m − 1)), ν the degrees of freedom of Q, m members: each of the m − 1 links that hold the tuple
+//!    together allows as much as a link by itself, (m − 1) δ(k n_x). With δ(ν), which grows more slowly than ν, tuples of all tracks
+//!    would be worth less than the pairs that they can be divided into, and pairs of strangers worth more.
 //! 4. `likelihood_ratio`: −ln[β_T Π P_s Π (1 − P_r) ∫ Π N(x̂_s; x, P_s) dx / Π u_s], s of the tuple, r the absent sensors. Errors of
 //!    tracks are correlated in time, so that k times count as one: the logarithm of the integral is its mean over them.
 //!
@@ -85,7 +87,7 @@ static ALL_PAIRS: Object = Object {
 
 static FUSED: Object = Object {
     name: "FusedStatistic",
-    summary: "Squared distances from the information-weighted mean of the tuple, less the quantile of their sum.",
+    summary: "Squared distances from the information-weighted mean of the tuple, less the quantile of a link for each track but one.",
     fields: &[ALPHA, K, GATE],
 };
 
@@ -225,7 +227,7 @@ pub fn pairs_of(estimates: &Estimates, statistic: &Statistic) -> Result<Vec<(u32
     })
 }
 
-/// δ of every number of degrees of freedom that occurs, by multiples of n_x.
+/// δ of the degrees of freedom of a link, by multiples of n_x.
 #[derive(Debug, Clone)]
 struct Thresholds {
     dimensions: usize,
@@ -246,6 +248,17 @@ impl Thresholds {
 
     fn at(&self, degrees_of_freedom: usize) -> f64 {
         self.of_multiple[degrees_of_freedom / self.dimensions]
+    }
+
+    /// (m − 1) δ(ν / (m − 1)) of a tuple; straight between the multiples of n_x, where not all members are there at all times.
+    fn of_tuple(&self, degrees_of_freedom: usize, members: usize) -> f64 {
+        let (times, links) = (degrees_of_freedom / self.dimensions, members - 1);
+        let (whole, rest) = (times / links, times % links);
+        let below = (links - rest) as f64 * self.of_multiple[whole];
+        match rest {
+            0 => below,
+            _ => below + rest as f64 * self.of_multiple[whole + 1],
+        }
     }
 }
 
@@ -290,8 +303,7 @@ impl Correlation {
             Statistic::Chain { .. } => Costs::Chain,
             Statistic::AllPairs { .. } => Costs::AllPairs,
             Statistic::Fused { alpha, .. } => {
-                let most = self.estimates.tracks_of.len().saturating_sub(1) * until;
-                let thresholds = Thresholds::new(alpha, self.estimates.dimensions(), most);
+                let thresholds = Thresholds::new(alpha, self.estimates.dimensions(), until);
                 Costs::Joint(Box::new(Fused {
                     evidence: evidence.clone(),
                     thresholds,
@@ -389,7 +401,7 @@ fn side(estimates: &Estimates, axis: usize) -> f64 {
     high - low
 }
 
-/// Q − δ.
+/// Q − (m − 1) δ.
 struct Fused {
     evidence: Evidence,
     thresholds: Thresholds,
@@ -398,7 +410,10 @@ struct Fused {
 impl JointCost for Fused {
     fn cost(&self, tuple: &[u32]) -> f64 {
         let spread = self.evidence.spread(tuple);
-        spread.q - self.thresholds.at(spread.degrees_of_freedom)
+        spread.q
+            - self
+                .thresholds
+                .of_tuple(spread.degrees_of_freedom, tuple.len())
     }
 }
 

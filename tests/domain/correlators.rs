@@ -248,8 +248,16 @@ fn too_many_nodes_are_refused_with_the_size() {
         .iter()
         .find(|entry| entry.name == "exact")
         .unwrap();
-    let mut exact = (entry.build)(&json!({"max_nodes": 1000}), Seed { seed: 1, run: 0 }).unwrap();
-    let fault = exact.correlate(&scene.all_pairs(1)).unwrap_err().remove(0);
+    let exact = |may_be_unproven: bool| {
+        let parameters = json!({"max_nodes": 1000, "may_be_unproven": may_be_unproven});
+        let mut exact = (entry.build)(&parameters, Seed { seed: 1, run: 0 }).unwrap();
+        exact.correlate(&scene.all_pairs(1))
+    };
+    let answer = exact(true).unwrap();
+    check(&scene.all_pairs(1), &answer);
+    assert!(answer.dual_bound.unwrap() < answer.cost - 1e-6);
+    assert_eq!(answer.search.unwrap().stop, "evaluations");
+    let fault = exact(false).unwrap_err().remove(0);
     assert_eq!((&*fault.pointer, &*fault.code), ("/max_nodes", "too_large"));
     assert!(fault.detail.contains("6 sensors"), "{}", fault.detail);
 }

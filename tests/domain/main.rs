@@ -26,6 +26,7 @@ mod formats;
 mod gates;
 mod goldens;
 mod grouping;
+mod huo2008;
 mod integer_programme;
 mod liang_verdicts;
 mod lifecycle;

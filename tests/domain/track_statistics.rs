@@ -286,18 +286,41 @@ fn three_sensors_by_hand() {
     )
     .problem(1);
     assert!((all.cost(&[0, 1, 2]).unwrap() - (27.0 - 3.0 * quantile(2.0))).abs() < 1e-9);
-    let fused = correlation(
-        made(),
-        Statistic::Fused {
-            alpha: 0.01,
-            k: Times::All,
-            gate_probability: 0.9999,
-        },
-        &[0.9; 3],
-    )
-    .problem(1);
-    assert!((fused.cost(&[0, 1, 2]).unwrap() - (18.0 - quantile(4.0))).abs() < 1e-9);
+    let fused = correlation(made(), FUSED, &[0.9; 3]).problem(1);
+    assert!((fused.cost(&[0, 1, 2]).unwrap() - (18.0 - 2.0 * quantile(2.0))).abs() < 1e-9);
     assert_eq!(fused.cost(&[1]), Some(0.0));
+}
+
+const FUSED: Statistic = Statistic::Fused {
+    alpha: 0.01,
+    k: Times::All,
+    gate_probability: 0.9999,
+};
+
+#[test]
+fn a_fused_tuple_allows_what_its_links_allow() {
+    // Three tracks at one place, compared by position: Q = 0. At two times of all three there are two links of 2 · 2 degrees of
+    // freedom, χ²(0.99, 4) = 13.2767; where the third is there once only, one of them has 2: χ²(0.99, 2) = 9.2103.
+    let here = Some(state(0.0, 0.0, [1.0; 4]));
+    let cost = |last: [Option<GaussianState>; 2], tuple: &[u32]| {
+        let sensors = [
+            vec![vec![here; 2]],
+            vec![vec![here; 2]],
+            vec![last.to_vec()],
+        ];
+        let problem = correlation(estimates(&sensors, false), FUSED, &[0.9; 3]).problem(2);
+        problem.cost(tuple).unwrap()
+    };
+    let expected = [
+        ([here, here], [0, 1, 2].as_slice(), -2.0 * 13.276_704),
+        ([here, None], &[0, 1, 2], -13.276_704 - 9.210_340),
+        ([None, here], &[0, 2], -9.210_340),
+        ([here, here], &[0, 2], -13.276_704),
+    ];
+    for (last, tuple, expected) in expected {
+        let found = cost(last, tuple);
+        assert!((found - expected).abs() < 1e-5, "{tuple:?}: {found}");
+    }
 }
 
 #[test]

@@ -15,6 +15,7 @@
 //! Selection, generations and the end: [`evolve`]; the share P_r of a generation that lives on is 1 less the generation gap.
 //! - `paper`: one chromosome for the whole problem ([`paper`]), partially matched crossover and swap ([`permutation`]),
 //!   a random first population.
+//!   With `complete` it is the problem as printed ([`complete`]): complete tuples, Σ b as the fitness.
 //! - `improved`: each cluster by itself ([`improved`]); the answers of `lagrangian`, `nearest` and `weighted` are in the first
 //!   population, of a chain its optimum. A cluster whose cost is proven to be least, by the relaxation or because each track has
 //!   its best link to each sensor, is done at once.
@@ -24,6 +25,7 @@
 //!
 //! The random choices of a cluster come from the stream named after its first track and the number of the call.
 
+mod complete;
 mod evolve;
 mod improved;
 mod paper;
@@ -43,6 +45,7 @@ use crate::math::rng::{Purpose, Seed};
 use crate::model::fault::Fault;
 use crate::model::watch::Watch;
 use crate::registry::{Bound, Kind, Method, Object, above, default, number, whole};
+use complete::CompleteProblem;
 use evolve::{Coding, Evolution, evolve};
 use improved::Partitions;
 use paper::Chromosomes;
@@ -70,9 +73,16 @@ static PARAMETERS: Object = Object {
             "variant",
             "improved: cluster by cluster, whole tuples are handed down, every individual is improved by local search, the first \
                       of them the answers of other correlators; unseeded: the same from every track alone; paper: one chromosome of \
-                      permutations, partially matched crossover and swap, as published.",
+                      permutations, partially matched crossover and swap; with complete as published.",
             Kind::Choice(&["improved", "unseeded", "paper"]),
             "\"improved\"",
+        ),
+        default(
+            "complete",
+            "Of the variant paper: the problem as printed. Each tuple has a track of every sensor, none is absent or alone, and J is the sum \
+             of b, the λ of neighbours, without a threshold; refused where sensors have different numbers of tracks.",
+            Kind::Flag,
+            "false",
         ),
         default("population", "Individuals.", whole(2, 10_000, ""), "20"),
         default(
@@ -147,6 +157,7 @@ enum Variant {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 struct GeneticCorrelatorSettings {
     variant: Variant,
+    complete: bool,
     population: usize,
     generations: usize,
     crossover_rate: f64,
@@ -177,10 +188,16 @@ impl Correlator for Genetic {
         watch: &Watch,
     ) -> Result<Solution, Vec<Fault>> {
         self.calls += 1;
-        Ok(match self.settings.variant {
-            Variant::Paper => self.evolve_chromosomes(problem, watch),
-            Variant::Improved | Variant::Unseeded => self.evolve_clusters(problem, watch),
-        })
+        match (self.settings.variant, self.settings.complete) {
+            (Variant::Paper, true) => self.evolve_complete(problem, watch),
+            (Variant::Paper, false) => Ok(self.evolve_chromosomes(problem, watch)),
+            (_, true) => {
+                let detail = "only chromosomes of permutations have complete tuples";
+                let fault = Fault::new("/complete", "conflict", detail);
+                Err(vec![fault.allowing("variant paper")])
+            }
+            (_, false) => Ok(self.evolve_clusters(problem, watch)),
+        }
     }
 }
 
@@ -194,30 +211,48 @@ impl Genetic {
     }
 
     fn evolve_chromosomes(&self, problem: &CorrelationProblem, watch: &Watch) -> Solution {
-        let mut coding = Chromosomes::new(problem);
+        let mut coding = Chromosomes::new(problem, None);
+        let (tuples, search) = self.search(&mut coding, watch);
+        Solution {
+            search: Some(search),
+            ..Solution::from_tuples(problem, tuples).with_bound(dual_bound(problem))
+        }
+    }
+
+    /// The problem as printed; its tuples need no links, and J is Σ b.
+    fn evolve_complete(
+        &self,
+        problem: &CorrelationProblem,
+        watch: &Watch,
+    ) -> Result<Solution, Vec<Fault>> {
+        let complete = CompleteProblem::of(problem)?;
+        let mut coding = Chromosomes::new(problem, Some(&complete));
+        let (tuples, search) = self.search(&mut coding, watch);
+        let solution = Solution {
+            tuples,
+            cost: search.best[search.best.len() - 1],
+            dual_bound: None,
+            search: Some(search),
+        };
+        Ok(solution.with_bound(complete.least_cost()))
+    }
+
+    /// The tuples of the best chromosome, and how it was found.
+    fn search(&self, coding: &mut Chromosomes, watch: &Watch) -> (Vec<Vec<u32>>, SearchHistory) {
+        let mut rng = self.rng(0);
         let Evolution {
             best,
             best_costs,
             mean_costs,
             stop,
-        } = evolve(
-            &mut coding,
-            &self.settings,
-            f64::NEG_INFINITY,
-            &mut self.rng(0),
-            watch,
-        );
-        let tuples = coding.tuples(&best);
+        } = evolve(coding, &self.settings, f64::NEG_INFINITY, &mut rng, watch);
         let search = SearchHistory {
             best: best_costs,
             mean: mean_costs,
             evaluations: coding.evaluations(),
             stop,
         };
-        Solution {
-            search: Some(search),
-            ..Solution::from_tuples(problem, tuples).with_bound(dual_bound(problem))
-        }
+        (coding.tuples(&best), search)
     }
 
     fn evolve_clusters(&self, problem: &CorrelationProblem, watch: &Watch) -> Solution {

@@ -6,9 +6,12 @@
 //!   beyond are "absent", and so is the first sensor beyond its own tracks. Each track can have a row for itself, so
 //!   every partition into tuples has a chromosome.
 //! - A row is one tuple as long as its links pay, else several ([`crate::correlation::admissible`]).
+//! - With a [`CompleteProblem`], the paper's own, there are as many rows as targets, nothing is absent, a row is one tuple whatever
+//!   it costs, and the fitness is Σ b.
 //! - Fitness: J of the tuples so made. Crossover: PMX, a cut for each permutation. Mutation: in one permutation, drawn at
 //!   random, two positions change their values.
 
+use super::complete::CompleteProblem;
 use super::evolve::Coding;
 use super::permutation::Crossover;
 use crate::correlation::admissible::divide;
@@ -20,6 +23,7 @@ use std::ops::Range;
 
 pub(super) struct Chromosomes<'a> {
     problem: &'a CorrelationProblem,
+    complete: Option<&'a CompleteProblem>,
     rows: usize,
     crossover: Crossover,
     row: Vec<u32>,
@@ -28,10 +32,14 @@ pub(super) struct Chromosomes<'a> {
 }
 
 impl<'a> Chromosomes<'a> {
-    pub(super) fn new(problem: &'a CorrelationProblem) -> Self {
+    pub(super) fn new(
+        problem: &'a CorrelationProblem,
+        complete: Option<&'a CompleteProblem>,
+    ) -> Self {
         Chromosomes {
             problem,
-            rows: problem.tracks(),
+            complete,
+            rows: complete.map_or(problem.tracks(), |complete| complete.targets),
             crossover: Crossover::default(),
             row: Vec::new(),
             evaluations: 0,
@@ -40,26 +48,37 @@ impl<'a> Chromosomes<'a> {
 
     pub(super) fn tuples(&mut self, chromosome: &[u32]) -> Vec<Vec<u32>> {
         let mut tuples = Vec::new();
-        self.decode(chromosome, |tuple, _| tuples.push(tuple.to_vec()));
+        if self.complete.is_some() {
+            for number in 0..self.rows {
+                self.read_row(chromosome, number);
+                tuples.push(self.row.clone());
+            }
+        } else {
+            self.divide_rows(chromosome, |tuple, _| tuples.push(tuple.to_vec()));
+        }
         tuples
     }
 
     /// Shows every tuple with its cost.
-    fn decode(&mut self, chromosome: &[u32], mut show: impl FnMut(&[u32], f64)) {
-        let problem = self.problem;
-        let mut row = std::mem::take(&mut self.row);
+    fn divide_rows(&mut self, chromosome: &[u32], mut show: impl FnMut(&[u32], f64)) {
         for number in 0..self.rows {
-            row.clear();
-            let first = problem.of_sensor(0);
-            row.extend((number < first.len()).then_some(number as u32));
-            for (permutation, sensor) in chromosome.chunks_exact(self.rows).zip(1..) {
-                let tracks = problem.of_sensor(sensor);
-                let value = permutation[number];
-                row.extend(((value as usize) < tracks.len()).then_some(tracks.start + value));
-            }
-            divide(problem, &row, &mut show);
+            self.read_row(chromosome, number);
+            divide(self.problem, &self.row, &mut show);
         }
-        self.row = row;
+    }
+
+    /// The tracks that stand at a position.
+    fn read_row(&mut self, chromosome: &[u32], number: usize) {
+        self.row.clear();
+        let first = self.problem.of_sensor(0);
+        self.row
+            .extend((number < first.len()).then_some(number as u32));
+        for (permutation, sensor) in chromosome.chunks_exact(self.rows).zip(1..) {
+            let tracks = self.problem.of_sensor(sensor);
+            let value = permutation[number];
+            self.row
+                .extend(((value as usize) < tracks.len()).then_some(tracks.start + value));
+        }
     }
 
     fn permutation_of(&self, number: usize) -> Range<usize> {
@@ -110,8 +129,11 @@ impl Coding for Chromosomes<'_> {
 
     fn cost(&mut self, chromosome: &mut Vec<u32>) -> f64 {
         self.evaluations += 1;
+        if let Some(complete) = self.complete {
+            return complete.cost(chromosome);
+        }
         let mut sum = 0.0;
-        self.decode(chromosome, |_, cost| sum += cost);
+        self.divide_rows(chromosome, |_, cost| sum += cost);
         sum
     }
 
@@ -127,7 +149,7 @@ mod tests {
     use rand::SeedableRng;
 
     fn decode(problem: &CorrelationProblem, chromosome: &[u32]) -> (Vec<Vec<u32>>, f64) {
-        let mut coding = Chromosomes::new(problem);
+        let mut coding = Chromosomes::new(problem, None);
         (
             coding.tuples(chromosome),
             coding.cost(&mut chromosome.to_vec()),
@@ -176,7 +198,7 @@ mod tests {
                 Costs::AllPairs
             };
             let problem = CorrelationProblem::new(&counts, &pairs, costs);
-            let mut coding = Chromosomes::new(&problem);
+            let mut coding = Chromosomes::new(&problem, None);
             let mut chromosome = coding.create(0, &mut rng);
             coding.mutate(&mut chromosome, &mut rng);
             let tuples = coding.tuples(&chromosome);

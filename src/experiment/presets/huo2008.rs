@@ -128,11 +128,11 @@ fn study(body: &Value) -> Preset {
     );
     let published = json!({"method": "genetic", "variant": "paper", "population": 100, "generations": 500, "stop_after": 100});
     if let Some(variants) = preset.body["grid"][1]["variants"].as_array_mut() {
-        variants.push(json!({"name": "genetic, as published", "set": [{"path": "/correlator", "value": published}]}));
+        variants.push(json!({"name": "genetic, the paper's coding", "set": [{"path": "/correlator", "value": published}]}));
     }
     preset.body["compare"] = json!({"axis": "correlator", "to": "exact"});
     preset.summary = "Huo et al. 2008: three sensors and ten targets and one change of that at a time, every correlator and the genetic \
-                      algorithm as published, against the optimum."
+                      algorithm with the paper's coding, against the optimum."
         .to_owned();
     preset
 }

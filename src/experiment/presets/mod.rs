@@ -2,6 +2,7 @@
 
 pub mod cai_fuzzy;
 mod huo2008;
+mod huo2008_claims;
 mod liang2009;
 mod wang_bat;
 mod wang_bat_record;
@@ -19,22 +20,30 @@ pub struct Preset {
 }
 
 /// The campaigns that compute what four papers claim.
-pub const PAPERS: [&str; 6] = [
+pub const PAPERS: &[&str] = &[
     "liang2009-table1",
     "liang2009-clutter",
     "liang2009-beginnings",
     "cai-fuzzy-tables",
     "huo2008-study",
+    "huo2008-statistic",
+    "huo2008-printed",
+    "huo2008-confirmation",
+    "huo2008-integer-programming",
+    "huo2008-nodes",
+    "huo2008-relaxation",
+    "huo2008-alpha",
     "wang-bat-tables",
 ];
 
 type MakePresets = fn() -> Vec<Preset>;
 
 /// What the names of some presets begin with, and the presets. Making a body takes time, so whoever looks for one makes few.
-const FAMILIES: [(&str, MakePresets); 5] = [
+const FAMILIES: [(&str, MakePresets); 6] = [
     ("liang2009-", liang2009::presets),
     ("cai-fuzzy-", cai_fuzzy::presets),
     ("huo2008", huo2008::presets),
+    ("huo2008-", huo2008_claims::presets),
     ("wang-bat-", wang_bat::presets),
     ("wang-bat-record", wang_bat_record::presets),
 ];

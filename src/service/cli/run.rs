@@ -129,7 +129,7 @@ fn finish(arguments: &RunArguments) -> Result<(), Trouble> {
             "say which job: a job file, - for standard input, or --preset NAME",
         )]
         .into()),
-        (None, "papers") => presets::PAPERS.into_iter().try_for_each(|name| {
+        (None, "papers") => presets::PAPERS.iter().try_for_each(|name| {
             let out = arguments.out.as_ref().map(|folder| folder.join(name));
             finish_job(preset_job(name)?, arguments, out.as_deref())
         }),
