@@ -2,6 +2,7 @@
 
     trackloom run --preset papers --out papers
     python3 docs/data/make.py papers
+    python3 docs/data/make.py --measure trackloom      times, memory and switches of Liang's scene, of this program
 
 One row is one number that the page uses, one file a preset.
 """
@@ -11,16 +12,16 @@ import sys
 from pathlib import Path
 
 import huo2008
+import liang2009
 
 COLUMNS = ["preset", "cell", "quantity", "value", "low", "high", "runs", "seed"]
-PAPERS = [huo2008]
+PAPERS = [liang2009, huo2008]
 
 
-def main(folder, out):
+def main(rows, out):
     tables = {}
-    for paper in PAPERS:
-        for row in paper.rows(folder):
-            tables.setdefault(row["preset"], []).append(row)
+    for row in rows:
+        tables.setdefault(row["preset"], []).append(row)
     for preset, rows in tables.items():
         with open(out / f"{preset}.csv", "w", newline="") as file:
             writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
@@ -29,4 +30,8 @@ def main(folder, out):
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), Path(__file__).parent)
+    if sys.argv[1] == "--measure":
+        found = liang2009.measured(sys.argv[2])
+    else:
+        found = (row for paper in PAPERS for row in paper.rows(Path(sys.argv[1])))
+    main(found, Path(__file__).parent)
