@@ -9,8 +9,8 @@
 //! x_k report k with covariance R_k, v_i centre i, u_ik membership; d² = (x_k − v_i)ᵀ R_k⁻¹ (x_k − v_i).
 //!
 //! # Method
-//! 1. The first centres: the predictions, the reports of one sensor, reports drawn at random, or the best of a genetic
-//!    search. Where c is not known, fuzzy c-means runs for each c of a range, and the one with the best validity index stays.
+//! 1. The first centres: the predictions, the reports of one sensor, reports drawn at random, those that fit memberships drawn
+//!    at random (the paper's U⁽⁰⁾), or the best of a genetic search. Where c is not known, fuzzy c-means runs for each c of a range, and the one with the best validity index stays.
 //! 2. Fuzzy c-means from there.
 //! 3. Each report to the cluster of its largest membership; or, with one report of a sensor in a group, for each sensor the
 //!    assignment of its reports to different clusters with the largest total membership. A report that gets none is a group
@@ -23,8 +23,8 @@ use super::{BuildGrouper, Grouper, Grouping, Place, SensorReport, Snapshot, by_s
 use crate::math::fuzzy_c_means::genetic::{self, GeneticSettings};
 use crate::math::fuzzy_c_means::harden::{self, BySource};
 use crate::math::fuzzy_c_means::{
-    ClusteringResult, FuzzyCMeans, FuzzyCMeansSettings, FuzzyError, IterationState, Metric,
-    Objects, start, validity,
+    ClusteringResult, Fuzzifier, FuzzyCMeans, FuzzyCMeansSettings, FuzzyError, IterationState,
+    Metric, Objects, start, validity,
 };
 use crate::math::gaussian::Gaussian;
 use crate::math::rng::{Purpose, Seed};
@@ -166,6 +166,7 @@ impl FuzzyGrouper {
             }
             Initial::Sensor { clusters }
             | Initial::Random { clusters }
+            | Initial::Memberships { clusters }
             | Initial::Genetic { clusters, .. } => clusters,
         };
         match clusters {
@@ -199,11 +200,18 @@ impl FuzzyGrouper {
                 start::farthest_first(objects, count, &mut centres)?;
             }
             Initial::Random { .. } => start::random(objects, count, &mut draw, &mut centres)?,
+            Initial::Memberships { .. } => {
+                let mut memberships = Vec::new();
+                start::random_memberships(objects.len(), count, &mut draw, &mut memberships)?;
+                let fuzzifier = Fuzzifier::new(self.parameters.fuzzifier)?;
+                start::of_memberships(objects, fuzzifier, &memberships, &mut centres)?;
+            }
             Initial::Genetic {
                 population,
                 generations,
                 crossover_rate,
                 mutation_rate,
+                driven,
                 ..
             } => {
                 let settings = GeneticSettings {
@@ -211,6 +219,7 @@ impl FuzzyGrouper {
                     generations,
                     crossover_rate,
                     mutation_rate,
+                    is_driven: driven,
                 };
                 let found =
                     genetic::search(&mut self.clustering, objects, count, settings, &mut draw)?;

@@ -81,6 +81,10 @@ fn variants() -> Vec<(&'static str, Value)> {
         ),
         (
             "fuzzy_c_means",
+            json!({"initial": {"from": "memberships", "clusters": two}}),
+        ),
+        (
+            "fuzzy_c_means",
             json!({"initial": {"from": "genetic", "clusters": two, "population": 4, "generations": 2}}),
         ),
         (

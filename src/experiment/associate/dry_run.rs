@@ -79,11 +79,11 @@ pub fn recording_of(scenario: &Scenario) -> Result<Recording, Vec<Fault>> {
             count: 1,
         });
         parts.detection_ids.push("1".to_owned());
-        // A detector tells how strong what it found is; it also tells the noise where nobody else does.
+        // A detector of a record tells how strong what it found is, and the noise where nobody else does.
         parts.detections.push(Detection {
             measurement,
             origin: Some(0),
-            amplitude: is_record.then_some(1.0),
+            amplitude: (is_record || sensor.snr_db.is_some()).then_some(1.0),
         });
         let settings = simulation::sensor_settings(sensor);
         let sigma_bearing_deg = settings.sigma_bearing_deg.or(is_record.then_some(1.0));

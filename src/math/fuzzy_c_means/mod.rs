@@ -167,6 +167,15 @@ impl FuzzyCMeans {
         Ok(outcome)
     }
 
+    /// J of the best memberships for these centres, which stay where they are.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run).
+    pub fn judge(&mut self, objects: &Objects, centres: &[f64]) -> Result<f64, FuzzyError> {
+        self.begin(objects, centres)?;
+        Ok(self.show(0, &mut |_| {}))
+    }
+
     /// Step 1.
     fn begin(&mut self, objects: &Objects, initial: &[f64]) -> Result<(), FuzzyError> {
         let attributes = objects.attributes();
