@@ -1,6 +1,7 @@
 //! Presets: complete job bodies, ready to run or to change. One file an origin, one line of [`FAMILIES`].
 
 pub mod cai_fuzzy;
+mod cai_fuzzy_claims;
 mod huo2008;
 mod liang2009;
 mod wang_bat;
@@ -19,9 +20,15 @@ pub struct Preset {
 }
 
 /// The campaigns that compute what four papers claim.
-pub const PAPERS: [&str; 4] = [
+pub const PAPERS: [&str; 10] = [
     "liang2009-table1",
     "cai-fuzzy-tables",
+    "cai-fuzzy-duplicates",
+    "cai-fuzzy-starts",
+    "cai-fuzzy-noise",
+    "cai-fuzzy-strongest",
+    "cai-fuzzy-attributes",
+    "cai-fuzzy-genetic",
     "huo2008-study",
     "wang-bat-tables",
 ];
@@ -29,9 +36,10 @@ pub const PAPERS: [&str; 4] = [
 type MakePresets = fn() -> Vec<Preset>;
 
 /// What the names of some presets begin with, and the presets. Making a body takes time, so whoever looks for one makes few.
-const FAMILIES: [(&str, MakePresets); 5] = [
+const FAMILIES: [(&str, MakePresets); 6] = [
     ("liang2009-", liang2009::presets),
     ("cai-fuzzy-", cai_fuzzy::presets),
+    ("cai-fuzzy-", cai_fuzzy_claims::presets),
     ("huo2008", huo2008::presets),
     ("wang-bat-", wang_bat::presets),
     ("wang-bat-record", wang_bat_record::presets),

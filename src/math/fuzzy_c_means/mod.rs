@@ -32,7 +32,7 @@ pub mod validity;
 
 pub use error::FuzzyError;
 pub use membership::Fuzzifier;
-pub use metric::{Metric, Objects};
+pub use metric::{MAX_ATTRIBUTES, Metric, Objects};
 
 use metric::CentreUpdate;
 

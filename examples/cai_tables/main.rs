@@ -3,7 +3,12 @@
 //!
 //! `cargo run --example cai_tables [-- RUNS [FIRST_SEED]]`; 25 runs from seed 1 unless said otherwise. With `--calibrate` the
 //! nearest neighbour and fuzzy c-means alone, over noises and spacings around those of the presets. `--only=WORD` restricts the
-//! table to contenders whose names hold the word; `--search` shows the genetic search with more and more runs.
+//! table to contenders whose names hold the word; `--search` shows the genetic search with more and more runs. `--genetic` and `--times`
+//! print rows of `docs/data/cai-fuzzy.csv`: errors and J of genetic fuzzy c-means, and ratios of times.
+
+mod claims;
+#[path = "../../tests/domain/segmentation.rs"]
+mod segmentation;
 
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -222,13 +227,20 @@ fn main() {
         numbers.get(1).copied().unwrap_or(1),
     );
     let only = words.iter().find_map(|word| word.strip_prefix("--only="));
-    match words
+    let mode = words
         .iter()
-        .find(|word| *word == "--calibrate" || *word == "--search")
-        .map(String::as_str)
-    {
-        Some("--calibrate") => calibrate(runs, first_seed),
-        Some(_) => search(runs, first_seed),
-        None => table(runs, first_seed, only),
+        .find_map(|word| word.strip_prefix("--").filter(|word| !word.contains('=')));
+    match mode {
+        Some("calibrate") => calibrate(runs, first_seed),
+        Some("search") => search(runs, first_seed),
+        Some("genetic") => {
+            println!("{}", claims::HEADER);
+            claims::genetic();
+        }
+        Some("times") => {
+            println!("{}", claims::HEADER);
+            claims::times(runs);
+        }
+        _ => table(runs, first_seed, only),
     }
 }
