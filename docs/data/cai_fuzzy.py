@@ -3,7 +3,7 @@
 `rows(folder)` reads what `trackloom run --preset papers --out papers` leaves, and what two examples leave beside it:
 
     cargo run --release -p trackloom-domain --example cai_tables -- --genetic > papers/cai-fuzzy-errors.csv
-    cargo run --release -p trackloom-domain --example cai_tables -- 20 --times > papers/cai-fuzzy-times.csv
+    cargo run --release -p trackloom-domain --example cai_tables -- 10 --times > papers/cai-fuzzy-times.csv
 """
 
 import csv

@@ -2,7 +2,7 @@
 //! Rows are those of `docs/data/cai-fuzzy.csv`.
 
 use super::{SCENES, base_of};
-use crate::segmentation::{Found, METHODS, compare, image};
+use crate::segmentation::{Found, compare, image};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
 use trackloom_domain::experiment::observer::{Observer, Step};
@@ -14,6 +14,14 @@ use trackloom_domain::model::scenario::Scenario;
 use trackloom_domain::simulation::simulate;
 
 pub const HEADER: &str = "preset,cell,quantity,value,low,high,runs,seed";
+
+/// As [`compare`] gives what they found.
+const METHODS: [&str; 4] = [
+    "FCM",
+    "genetic FCM",
+    "plain genetic",
+    "plain genetic, ten times the distances",
+];
 
 fn row(preset: &str, cell: &str, quantity: &str, values: &[f64]) {
     let value = mean(values).expect("there are runs");
@@ -116,9 +124,9 @@ fn processor_s() -> f64 {
 
 /// From the first to the last instant, or scan, that is associated.
 #[derive(Default)]
-struct Watch {
+pub struct Watch {
     begun_s: f64,
-    spent_s: f64,
+    pub spent_s: f64,
 }
 
 impl Observer for Watch {
@@ -188,10 +196,12 @@ fn base_of_claim(name: &str) -> Value {
 /// Groupers by one attribute and by several.
 fn groupers(runs: u32) {
     let mut body = base_of_claim("cai-fuzzy-attributes");
+    let mut of_all = Vec::new();
     for (name, method) in [("NN", "nearest_neighbour"), ("FCM", "fuzzy_c_means")] {
         body["grouper"] = json!({"method": method});
         body["attributes"] = json!(["range"]);
         let single = times_of(JobKind::Group, &body, runs);
+        let mut several = Vec::new();
         for set in [
             json!(["range", "bearing"]),
             json!(["range", "bearing", "range_rate"]),
@@ -199,7 +209,7 @@ fn groupers(runs: u32) {
         ] {
             let count = set.as_array().map_or(0, Vec::len);
             body["attributes"] = set;
-            let several = times_of(JobKind::Group, &body, runs);
+            several = times_of(JobKind::Group, &body, runs);
             row_of_ratio(
                 name,
                 &format!("{count} attributes over one"),
@@ -207,7 +217,9 @@ fn groupers(runs: u32) {
                 &single,
             );
         }
+        of_all.push(several);
     }
+    row_of_ratio("four attributes", "FCM over NN", &of_all[1], &of_all[0]);
 }
 
 /// Trackers of one sensor with and without range rates.

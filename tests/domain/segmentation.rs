@@ -43,14 +43,6 @@ pub struct Found {
     pub rounds: u64,
 }
 
-/// As [`compare`] gives them.
-pub const METHODS: [&str; 4] = [
-    "FCM",
-    "genetic FCM",
-    "plain genetic",
-    "plain genetic, ten times the distances",
-];
-
 /// Fuzzy c-means from random objects; the genetic search, whose first individual that is; and the search without c-means, with as
 /// many individuals as the other needed rounds, and ten times as many.
 pub fn compare(objects: &Objects, clusters: usize, seed: Seed) -> [Found; 4] {

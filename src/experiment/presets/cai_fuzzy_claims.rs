@@ -105,7 +105,7 @@ fn duplicates() -> Preset {
         summary.to_owned(),
         scenario("straight", 10),
         &[motions(), counts, groupers],
-        60,
+        40,
     );
     keep(&mut preset, "reports", "grouping.counts.reports");
     keep(&mut preset, "instants", "grouping.counts.instants");
@@ -165,7 +165,7 @@ fn noise() -> Preset {
         "Cai et al.: accuracy of groups over the noise of the sensors, 15 duplicates.".to_owned(),
         scenario("straight", 15),
         &[motions(), noises, groupers],
-        25,
+        15,
     )
 }
 
@@ -300,7 +300,7 @@ fn genetic() -> Preset {
             .to_owned(),
         scenario,
         &[motions(), counts, groupers],
-        10,
+        6,
     );
     keep(&mut preset, "J", "grouping.search.mean_cost");
     preset.body["compare"]["to"] = json!("random reports");
